@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include <swiftgs/math.hpp>
+
+namespace swiftgs {
+
+/// Pinhole camera, OpenCV axes (x right, y down, z forward): p_camera = rotation p_world + translation.
+/// Pixel (column i, row j) is sampled at (i + 0.5, j + 0.5); the principal point may lie anywhere.
+struct Camera {
+  dmat3 rotation{1.0};        ///< world to camera; GLM stores it by columns: rotation[column][row]
+  dvec3 translation{0.0};     ///< camera-space position of the world's origin
+  double fx = 0, fy = 0;      ///< focal lengths @units{pixels}
+  double cx = 0, cy = 0;      ///< principal point from the top left corner @units{pixels}
+  int width = 0, height = 0;  ///< @units{pixels}
+  std::string name;           ///< image that the camera belongs to, or empty
+
+  /// Position of the camera in the world.
+  dvec3 centre() const {
+    dvec3 c(0.0);
+    for (int column = 0; column < 3; ++column)
+      for (int row = 0; row < 3; ++row) c[column] -= rotation[column][row] * translation[row];
+    return c;
+  }
+};
+
+/// Largest image side @units{pixels}.
+inline constexpr int max_image_side = 1 << 16;
+
+/// Throws `std::invalid_argument` naming the first member that no image can be rendered with.
+inline void validate(const Camera& camera) {
+  const auto require = [](bool holds, const char* expected) {
+    if (!holds) throw std::invalid_argument(std::string("camera: expected ") + expected);
+  };
+  require(camera.width > 0 && camera.height > 0, "a width and a height above 0");
+  require(camera.width <= max_image_side && camera.height <= max_image_side, "at most 65536 pixels a side");
+  require(std::isfinite(camera.fx) && std::isfinite(camera.fy) && camera.fx > 0 && camera.fy > 0,
+          "finite focal lengths above 0");
+  require(std::isfinite(camera.cx) && std::isfinite(camera.cy), "a finite principal point");
+  for (int i = 0; i < 3; ++i) {
+    require(std::isfinite(camera.translation[i]), "a finite translation");
+    for (int j = 0; j < 3; ++j) {
+      double dot = 0;
+      for (int k = 0; k < 3; ++k) dot += camera.rotation[i][k] * camera.rotation[j][k];
+      require(std::abs(dot - (i == j ? 1.0 : 0.0)) < 1e-3, "a rotation with orthonormal rows");
+    }
+  }
+}
+
+/// The same view at `scale` times the size; sides are rounded to whole pixels, at least one.
+inline Camera scaled(Camera camera, double scale) {
+  if (!(scale > 0) || !std::isfinite(scale)) throw std::invalid_argument("camera: expected a scale above 0");
+  const auto side = [&](int pixels) {
+    const double rounded = std::round(pixels * scale);
+    return rounded < 1 ? 1 : rounded > max_image_side ? max_image_side + 1 : int(rounded);
+  };
+  camera.fx *= scale, camera.fy *= scale, camera.cx *= scale, camera.cy *= scale;
+  camera.width = side(camera.width), camera.height = side(camera.height);
+  return camera;
+}
+
+/// A camera at `eye` that looks at `target`, `up` pointing up in the image, principal point in the centre.
+/// `vertical_fov` is the full angle @units{radians}.
+inline Camera look_at(dvec3 eye, dvec3 target, dvec3 up, double vertical_fov, int width, int height) {
+  const auto dot = [](dvec3 a, dvec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; };
+  const auto cross = [](dvec3 a, dvec3 b) {
+    return dvec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+  };
+  const auto unit = [&](dvec3 v) {
+    const double length = std::sqrt(dot(v, v));
+    if (!(length > 0)) throw std::invalid_argument("look_at: expected eye, target and up to span a frame");
+    return v / length;
+  };
+  const dvec3 z = unit(target - eye), x = unit(cross(z, up)), y = cross(z, x);
+  Camera camera;
+  for (int column = 0; column < 3; ++column) camera.rotation[column] = dvec3(x[column], y[column], z[column]);
+  camera.translation = dvec3(-dot(x, eye), -dot(y, eye), -dot(z, eye));
+  camera.fx = camera.fy = 0.5 * height / std::tan(0.5 * vertical_fov);
+  camera.cx = 0.5 * width, camera.cy = 0.5 * height;
+  camera.width = width, camera.height = height;
+  return camera;
+}
+
+}  // namespace swiftgs

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace swiftgs {
+
+/// The numbers that decide what "the same image" is. `Conventions::gsplat()` and `Conventions::inria()` are
+/// exact presets.
+struct Conventions {
+  /// Limits of x/z and y/z where the projection is linearised, in tangents.
+  enum class JacobianClamp {
+    around_image,   ///< 0.3 tan(fov/2) beyond each image border, wherever the principal point is
+    around_centre,  ///< 1.3 tan(fov/2) to each side of the axis
+  };
+  /// The pixels that a Gaussian can reach in the reference image.
+  enum class Footprint {
+    alpha,               ///< every pixel where alpha is at least `alpha_min`
+    three_sigma_square,  ///< only those in 16x16 tiles that the square of half side ceil(3 sqrt(lambda_max))
+                         ///< touches
+  };
+
+  float near_plane = 0.01f;   ///< a Gaussian nearer than this is culled
+  bool cull_at_near = false;  ///< so is one exactly on the near plane
+  float far_plane = 1e10f;    ///< a Gaussian further than this is culled
+  JacobianClamp clamp = JacobianClamp::around_image;
+  float blur = 0.3f;         ///< added to both variances of a splat @units{pixels^2}
+  bool antialiased = false;  ///< scale opacity by sqrt(det without blur / det with blur), Mip-Splatting
+  float min_compensation = 2.5e-5f;  ///< least ratio of determinants in that root
+  float alpha_min = 1.0f / 255;      ///< a pixel skips a Gaussian with less alpha
+  float alpha_max = 0.99f;           ///< alpha is cut here
+  float stop = 1e-4f;         ///< a pixel ends before the Gaussian that would bring its transmittance below
+  bool stop_at_equal = true;  ///< or exactly to `stop`
+  Footprint footprint = Footprint::alpha;  ///< what the reference draws; renderers choose by their Bounds
+
+  /// gsplat 1.6.
+  static constexpr Conventions gsplat() { return {}; }
+
+  /// INRIA's rasterizer. A camera whose principal point is not centred is rendered as it is given.
+  static constexpr Conventions inria() {
+    Conventions c;
+    c.near_plane = 0.2f;
+    c.cull_at_near = true;
+    c.far_plane = std::numeric_limits<float>::infinity();
+    c.clamp = JacobianClamp::around_centre;
+    c.stop_at_equal = false;
+    c.footprint = Footprint::three_sigma_square;
+    return c;
+  }
+
+  bool operator==(const Conventions&) const = default;
+};
+
+/// The preset called `name`. Throws `std::invalid_argument` with the valid names.
+inline Conventions conventions_named(std::string_view name) {
+  if (name == "gsplat") return Conventions::gsplat();
+  if (name == "inria") return Conventions::inria();
+  throw std::invalid_argument("conventions '" + std::string(name) +
+                              "' are not known; expected gsplat or inria");
+}
+
+}  // namespace swiftgs

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace swiftgs {
+
+/// A file is not what it should be. `what()` is one line: file, byte offset, what was expected.
+class FormatError : public std::runtime_error {
+ public:
+  FormatError(std::string file, std::uint64_t byte_offset, const std::string& expected)
+      : std::runtime_error(file + ": byte " + std::to_string(byte_offset) + ": expected " + expected),
+        file_(std::move(file)),
+        byte_offset_(byte_offset) {}
+
+  const std::string& file() const { return file_; }
+  std::uint64_t byte_offset() const { return byte_offset_; }
+
+ private:
+  std::string file_;
+  std::uint64_t byte_offset_;
+};
+
+/// A frame needs more of something than there can be. The renderer that threw it stays usable.
+class CapacityError : public std::runtime_error {
+ public:
+  CapacityError(const std::string& what, std::uint64_t needed, std::uint64_t limit)
+      : std::runtime_error(what + ": " + std::to_string(needed) + " needed, the limit is " +
+                           std::to_string(limit)),
+        needed_(needed),
+        limit_(limit) {}
+
+  std::uint64_t needed() const { return needed_; }
+  std::uint64_t limit() const { return limit_; }
+
+ private:
+  std::uint64_t needed_;
+  std::uint64_t limit_;
+};
+
+}  // namespace swiftgs

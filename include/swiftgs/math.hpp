@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Vectors shared by host and device code, and the marker of functions that run on both.
+
+#if defined(__CUDACC__)
+#define SWIFTGS_HD __host__ __device__
+#else
+#define SWIFTGS_HD
+#endif
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+namespace swiftgs {
+
+using glm::dmat3;
+using glm::dvec3;
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+
+/// Hamilton quaternion, scalar part first. A type of its own, so that its order is never in doubt.
+struct Quaternion {
+  float w = 1, x = 0, y = 0, z = 0;
+  bool operator==(const Quaternion&) const = default;
+};
+
+/// log2(e): exp(v) = exp2(log2_e * v).
+inline constexpr double log2_e = 1.4426950408889634;
+
+}  // namespace swiftgs
