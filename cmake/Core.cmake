@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+
+# swiftgs::core: headers only. What lies in io/ belongs to swiftgs::io.
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(glm REQUIRED CONFIG)
+find_package(Threads REQUIRED)
+
+# Headers are found, not listed: one that is forgotten in a list would be neither checked nor installed.
+file(GLOB_RECURSE swiftgs_core_headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/swiftgs/*.hpp")
+set(swiftgs_io_headers "${swiftgs_core_headers}")
+list(FILTER swiftgs_core_headers EXCLUDE REGEX "/include/swiftgs/io/")
+list(FILTER swiftgs_io_headers INCLUDE REGEX "/include/swiftgs/io/")
+
+add_library(swiftgs_core INTERFACE)
+add_library(swiftgs::core ALIAS swiftgs_core)
+set_target_properties(swiftgs_core PROPERTIES EXPORT_NAME core)
+target_sources(swiftgs_core INTERFACE FILE_SET HEADERS
+  BASE_DIRS "${PROJECT_SOURCE_DIR}/include" FILES ${swiftgs_core_headers})
+target_compile_features(swiftgs_core INTERFACE cxx_std_20)
+target_link_libraries(swiftgs_core INTERFACE Eigen3::Eigen glm::glm Threads::Threads)
