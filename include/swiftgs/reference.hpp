@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// The float64 renderer that every other renderer is judged by. It follows `Conventions` and approximates
+/// nothing beyond them, and it shares no arithmetic with the renderers that it judges.
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <swiftgs/camera.hpp>
+#include <swiftgs/conventions.hpp>
+#include <swiftgs/math.hpp>
+#include <swiftgs/reference/blending.hpp>
+#include <swiftgs/reference/parallel.hpp>
+#include <swiftgs/reference/projection.hpp>
+#include <swiftgs/scene.hpp>
+
+namespace swiftgs {
+
+/// An image in double precision, rows from top to bottom, and what was counted on the way.
+struct ReferenceFrame {
+  int width = 0, height = 0;
+  std::vector<double> colour;  ///< @shape{height, width, 3} linear RGB, not clamped above
+  std::vector<double> alpha;   ///< @shape{height, width} 1 - transmittance
+  std::vector<double> depth;   ///< @shape{height, width} mean camera-space z, weighted by contribution; 0
+                               ///< where nothing contributes
+  std::uint64_t visible = 0;   ///< Gaussians that contribute to at least one pixel
+  std::uint64_t contributing_pairs = 0;  ///< contributions of a Gaussian to a pixel
+  std::uint64_t pixels_stopped = 0;      ///< pixels that the stop rule ended
+};
+
+namespace reference {
+
+/// Rows of pixels that are blended together: many enough that a splat is fetched seldom, few enough that
+/// their pixels stay in a core's cache.
+inline constexpr int band_rows = 16;
+
+/// The splats of a scene, in chunks of consecutive Gaussians, in the scene's order.
+using SplatChunks = std::vector<std::vector<Splat>>;
+
+inline SplatChunks project_all(const Scene& scene, const View& view, int threads) {
+  constexpr std::size_t chunk = 1 << 14;
+  SplatChunks chunks((scene.size() + chunk - 1) / chunk);
+  for_each_index(chunks.size(), threads, [&](std::size_t c) {
+    const std::size_t end = std::min(scene.size(), (c + 1) * chunk);
+    for (std::size_t i = c * chunk; i < end; ++i)
+      if (const std::optional<Splat> splat = project(scene, i, view)) chunks[c].push_back(*splat);
+  });
+  return chunks;
+}
+
+/// The splats that reach each band of rows, front to back: ordered by depth rounded to float, as the
+/// convention has it, and by index where that is equal.
+inline std::vector<std::vector<const Splat*>> sort_into_bands(const SplatChunks& chunks, int height) {
+  struct Entry {
+    float depth;
+    const Splat* splat;
+  };
+  std::vector<Entry> order;
+  for (const std::vector<Splat>& chunk : chunks)
+    for (const Splat& splat : chunk) order.push_back({float(splat.depth), &splat});
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Entry& a, const Entry& b) { return a.depth < b.depth; });
+
+  std::vector<std::vector<const Splat*>> bands(std::size_t(height + band_rows - 1) / band_rows);
+  for (const Entry& entry : order)
+    for (int band = entry.splat->y_begin / band_rows; band * band_rows < entry.splat->y_end; ++band)
+      bands[std::size_t(band)].push_back(entry.splat);
+  return bands;
+}
+
+/// Writes image row `y`.
+inline void write_row(ReferenceFrame& frame, int y, const Pixel* pixels, dvec3 background) {
+  for (int x = 0; x < frame.width; ++x) {
+    const Pixel& pixel = pixels[x];
+    const std::size_t i = std::size_t(y) * std::size_t(frame.width) + std::size_t(x);
+    for (int c = 0; c < 3; ++c)
+      frame.colour[3 * i + std::size_t(c)] = pixel.colour[c] + pixel.transmittance * background[c];
+    frame.alpha[i] = 1 - pixel.transmittance;
+    frame.depth[i] = pixel.weight > 0 ? pixel.depth / pixel.weight : 0;
+  }
+}
+
+/// What the threads count together.
+struct Counts {
+  explicit Counts(std::size_t gaussians) : seen(gaussians) {}
+
+  std::vector<std::atomic<bool>> seen;  ///< whether a Gaussian has contributed
+  std::atomic<std::uint64_t> pairs{0}, stopped{0};
+};
+
+/// Blends `splats`, front to back, into the image rows [first, last) of `frame`.
+inline void render_rows(ReferenceFrame& frame, Counts& counts, const std::vector<const Splat*>& splats,
+                        int first, int last, const Conventions& conventions, dvec3 background) {
+  const std::size_t width = std::size_t(frame.width);
+  std::vector<Pixel> pixels(width * std::size_t(last - first));
+  const auto row = [&](int y) { return pixels.data() + width * std::size_t(y - first); };
+  std::uint64_t pairs = 0;
+  for (const Splat* splat : splats) {
+    const std::uint64_t before = pairs;
+    for (int y = std::max(first, splat->y_begin); y < std::min(last, splat->y_end); ++y)
+      pairs += blend_row(row(y), y, *splat, conventions);
+    if (pairs > before) counts.seen[splat->index].store(true, std::memory_order_relaxed);
+  }
+  for (int y = first; y < last; ++y) write_row(frame, y, row(y), background);
+  counts.pairs += pairs;
+  counts.stopped += std::uint64_t(
+      std::count_if(pixels.begin(), pixels.end(), [](const Pixel& pixel) { return pixel.stopped; }));
+}
+
+}  // namespace reference
+
+/// Renders `scene` in double precision on `threads` threads (0: one a processor); the result does not depend
+/// on how many. All stored SH bands are evaluated. Gaussians that are not finite are left out.
+/// Throws `std::invalid_argument` when `scene` or `camera` is not valid or `threads` is negative.
+inline ReferenceFrame render_reference(const Scene& scene, const Camera& camera,
+                                       const Conventions& conventions, dvec3 background = dvec3(0),
+                                       int threads = 0) {
+  using namespace reference;
+  validate(scene);
+  validate(camera);
+  threads = thread_count(threads);
+  const SplatChunks chunks = project_all(scene, View(camera, conventions), threads);
+  const std::vector<std::vector<const Splat*>> bands = sort_into_bands(chunks, camera.height);
+
+  ReferenceFrame frame;
+  frame.width = camera.width, frame.height = camera.height;
+  const std::size_t pixels = std::size_t(camera.width) * std::size_t(camera.height);
+  frame.colour.resize(3 * pixels);
+  frame.alpha.resize(pixels);
+  frame.depth.resize(pixels);
+
+  Counts counts(scene.size());
+  for_each_index(bands.size(), threads, [&](std::size_t band) {
+    const int first = int(band) * band_rows, last = std::min(camera.height, first + band_rows);
+    render_rows(frame, counts, bands[band], first, last, conventions, background);
+  });
+  frame.visible = std::uint64_t(std::count(counts.seen.begin(), counts.seen.end(), true));
+  frame.contributing_pairs = counts.pairs;
+  frame.pixels_stopped = counts.stopped;
+  return frame;
+}
+
+}  // namespace swiftgs

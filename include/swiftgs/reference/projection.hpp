@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <swiftgs/camera.hpp>
+#include <swiftgs/conventions.hpp>
+#include <swiftgs/reference/colour.hpp>
+#include <swiftgs/scene.hpp>
+
+namespace swiftgs::reference {
+
+/// A projected Gaussian. Its exponent is kept as a sum of two squares,
+///   2 sigma = x_weight (dx - shear dy)^2 + y_weight dy^2,
+/// because the textbook form A dx^2 + 2 B dx dy + C dy^2 loses up to 12 of double's 16 digits on a needle
+/// that is a million pixels long; and a sum of squares is never negative.
+struct Splat {
+  double x = 0, y = 0;  ///< mean in the image @units{pixels}
+  double x_weight = 0, y_weight = 0, shear = 0;
+  double opacity = 0;      ///< with the anti-aliasing factor
+  double reach = 0;        ///< at 2 sigma above this, alpha is below `alpha_min` whatever the rounding
+  double depth = 0;        ///< camera-space z
+  Eigen::Vector3d colour;  ///< linear RGB
+  std::size_t index = 0;   ///< of the Gaussian in its scene
+  int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< no pixel outside is reached
+};
+
+/// What all Gaussians of one frame are projected with.
+struct View {
+  View(const Camera& c, const Conventions& k) : camera(c), conventions(k) {
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) rotation(row, column) = c.rotation[column][row];
+      translation[row] = c.translation[row];
+    }
+    centre = -rotation.transpose() * translation;
+    const Eigen::Array2d size(c.width, c.height), focal(c.fx, c.fy), principal(c.cx, c.cy);
+    const Eigen::Array2d tan_half = size / (2 * focal);
+    if (k.clamp == Conventions::JacobianClamp::around_image) {
+      least_tangent = -(principal / focal + 0.3 * tan_half);
+      largest_tangent = (size - principal) / focal + 0.3 * tan_half;
+    } else {
+      least_tangent = -1.3 * tan_half;
+      largest_tangent = 1.3 * tan_half;
+    }
+  }
+
+  Camera camera;
+  Conventions conventions;
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d translation, centre;
+  Eigen::Array2d least_tangent, largest_tangent;  ///< limits of x/z and y/z in the Jacobian
+};
+
+/// Covariance in the image.
+struct Covariance {
+  double xx = 0, xy = 0, yy = 0;  ///< with blur @units{pixels^2}
+  double det = 0;                 ///< with blur
+  double det_sharp = 0;           ///< without blur
+};
+
+/// Projects the covariance of Gaussian `i`, whose mean is at `p` in camera space.
+inline Covariance project_covariance(const Scene& scene, std::size_t i, const Eigen::Vector3d& p,
+                                     const View& view) {
+  const double z = p.z();
+  const Eigen::Array2d tangent = (p.head<2>().array() / z).max(view.least_tangent).min(view.largest_tangent);
+  const double fx = view.camera.fx, fy = view.camera.fy;
+  Eigen::Matrix<double, 2, 3> jacobian;
+  jacobian << fx / z, 0, -fx * tangent.x() / z, 0, fy / z, -fy * tangent.y() / z;
+
+  // The rotation as it is stored, not normalised again: float's rounding of it is part of the scene.
+  const Quaternion& q = scene.rotations[i];
+  const Eigen::Matrix3d axes = Eigen::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();
+  const vec3& s = scene.scales[i];
+  const Eigen::Matrix<double, 2, 3> factor =
+      jacobian * view.rotation * axes * Eigen::Vector3d(s.x, s.y, s.z).asDiagonal();
+
+  // The determinant of F F^T is |row 0 x row 1|^2 (Cauchy-Binet): no difference of products of large numbers.
+  const Eigen::Vector3d row_x = factor.row(0), row_y = factor.row(1);
+  const double blur = view.conventions.blur, xx = row_x.squaredNorm(), yy = row_y.squaredNorm();
+  const double det_sharp = row_x.cross(row_y).squaredNorm();
+  return {.xx = xx + blur,
+          .xy = row_x.dot(row_y),
+          .yy = yy + blur,
+          .det = det_sharp + blur * (xx + yy) + blur * blur,
+          .det_sharp = det_sharp};
+}
+
+/// The whole numbers in [low, high], as a half-open range inside [0, size).
+inline void set_range(double low, double high, int size, int& begin, int& end) {
+  begin = int(std::clamp(std::ceil(low), 0.0, double(size)));
+  end = int(std::clamp(std::floor(high) + 1, double(begin), double(size)));
+}
+
+/// Sets the rectangle outside which alpha is surely below `alpha_min`: the bounding box of the ellipse at
+/// `reach`, widened by far more than rounding can move it.
+inline void bound_by_alpha(Splat& splat, const Covariance& cov, const View& view) {
+  const auto half = [&](double variance) { return std::sqrt(splat.reach * variance) * (1 + 1e-9) + 1; };
+  const double half_x = half(cov.xx), half_y = half(cov.yy);
+  set_range(splat.x - 0.5 - half_x, splat.x - 0.5 + half_x, view.camera.width, splat.x_begin, splat.x_end);
+  set_range(splat.y - 0.5 - half_y, splat.y - 0.5 + half_y, view.camera.height, splat.y_begin, splat.y_end);
+}
+
+/// Cuts the rectangle to the 16x16 tiles that INRIA's square of three standard deviations selects. That
+/// square is placed in coordinates where pixel centres are whole numbers, and its end is rounded as if it
+/// were 15 pixels further.
+inline void cut_to_three_sigma_square(Splat& splat, const Covariance& cov) {
+  constexpr double tile = 16;
+  const double mid = 0.5 * (cov.xx + cov.yy), difference = 0.5 * (cov.xx - cov.yy);
+  const double lambda_max = mid + std::sqrt(std::max(0.1, difference * difference + cov.xy * cov.xy));
+  const double radius = std::ceil(3 * std::sqrt(lambda_max));
+  const auto cut = [&](double mean, int& begin, int& end) {
+    const double p = mean - 0.5;
+    const double first = tile * std::max(0.0, std::floor((p - radius) / tile));
+    const double last = tile * std::max(0.0, std::floor((p + radius + tile - 1) / tile));
+    begin = int(std::max(double(begin), std::min(first, double(end))));
+    end = int(std::max(double(begin), std::min(last, double(end))));
+  };
+  cut(splat.x, splat.x_begin, splat.x_end);
+  cut(splat.y, splat.y_begin, splat.y_end);
+}
+
+/// Projects Gaussian `i`; nothing when it is culled or reaches no pixel. A Gaussian whose numbers are not
+/// finite, or whose splat would have such numbers, is culled.
+inline std::optional<Splat> project(const Scene& scene, std::size_t i, const View& view) {
+  const Conventions& k = view.conventions;
+  const vec3& m = scene.means[i];
+  const Eigen::Vector3d mean(m.x, m.y, m.z);
+  const Eigen::Vector3d p = view.rotation * mean + view.translation;
+  const double z = p.z(), nearest = k.near_plane;
+  if (!(k.cull_at_near ? z > nearest : z >= nearest) || !(z <= double(k.far_plane))) return {};
+
+  const Covariance cov = project_covariance(scene, i, p, view);
+  if (!(cov.det > 0) || !std::isfinite(cov.det)) return {};
+
+  Splat splat;
+  splat.opacity = scene.opacities[i];
+  if (k.antialiased)
+    splat.opacity *= std::sqrt(std::max(double(k.min_compensation), cov.det_sharp / cov.det));
+  if (!(splat.opacity >= double(k.alpha_min))) return {};
+  splat.reach = k.alpha_min > 0 ? 2 * std::log(splat.opacity / double(k.alpha_min)) * (1 + 1e-9) + 1e-9
+                                : std::numeric_limits<double>::infinity();
+
+  splat.x = view.camera.fx * (p.x() / z) + view.camera.cx;
+  splat.y = view.camera.fy * (p.y() / z) + view.camera.cy;
+  splat.x_weight = cov.yy / cov.det;
+  splat.y_weight = 1 / cov.yy;
+  splat.shear = cov.xy / cov.yy;
+  splat.depth = z;
+  splat.index = i;
+  const double sum = splat.x + splat.y + splat.x_weight + splat.y_weight + splat.shear + z + splat.opacity;
+  if (!std::isfinite(sum)) return {};
+
+  bound_by_alpha(splat, cov, view);
+  if (k.footprint == Conventions::Footprint::three_sigma_square) cut_to_three_sigma_square(splat, cov);
+  if (splat.x_begin >= splat.x_end || splat.y_begin >= splat.y_end) return {};
+
+  splat.colour = colour(scene, i, (mean - view.centre).normalized());
+  if (!splat.colour.allFinite()) return {};
+  return splat;
+}
+
+}  // namespace swiftgs::reference
