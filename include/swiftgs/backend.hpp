@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include <swiftgs/scene.hpp>
+#include <swiftgs/span.hpp>
+
+namespace swiftgs {
+
+/// Keys with the values that travel with them, and as much room again for a sort that moves them back and
+/// forth.
+template <class B, class Key>
+struct Pairs {
+  typename B::template Buffer<Key> keys, spare_keys;
+  typename B::template Buffer<std::uint32_t> values, spare_values;
+
+  void reset(std::size_t count) {
+    keys.reset(count), spare_keys.reset(count);
+    values.reset(count), spare_values.reset(count);
+  }
+};
+
+namespace detail {
+struct AnyIndexed {
+  SWIFTGS_HD void operator()(std::size_t) const {}
+};
+}  // namespace detail
+
+/// Policy: where memory lives and how loops run. A backend is an object; what it computes does not depend on
+/// how many threads it has.
+/// - `Buffer<T>`: grow-only memory that the backend's loops can reach (`HostBuffer` on hosts).
+/// - `SceneOn`: an uploaded scene, with `view()`.
+/// - `for_each(n, f)`: f(i) for every i in [0, n), in any order. Complete when it returns, or in stream
+/// order.
+/// - `exclusive_scan(counts)`: sums in place, returns the total.
+/// - `sort_pairs(pairs, n, bits)`: stable ascending sort by the low `bits` bits; the result is in `keys` and
+/// `values`.
+/// - `now()`, `milliseconds(from, to)`: points on the backend's own clock; no value while `to` has not been
+/// reached.
+template <class B>
+concept BackendPolicy = requires(B b, const Scene& scene, Span<std::uint32_t> counts,
+                                 Pairs<B, std::uint32_t>& narrow, Pairs<B, std::uint64_t>& wide,
+                                 typename B::TimePoint time) {
+  { B::name } -> std::convertible_to<std::string_view>;
+  { B::usable() } -> std::same_as<bool>;
+  { b.upload(scene).view() } -> std::same_as<SceneView>;
+  b.for_each(std::size_t{}, detail::AnyIndexed{});
+  { b.exclusive_scan(counts) } -> std::same_as<std::uint64_t>;
+  b.sort_pairs(narrow, std::size_t{}, int{});
+  b.sort_pairs(wide, std::size_t{}, int{});
+  { b.now() } -> std::same_as<typename B::TimePoint>;
+  { b.milliseconds(time, time) } -> std::same_as<std::optional<double>>;
+};
+
+}  // namespace swiftgs

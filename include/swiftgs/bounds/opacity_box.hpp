@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <swiftgs/bounds/bounds.hpp>
+
+namespace swiftgs {
+
+/// The box of the ellipse outside which alpha is below the threshold: faint splats get small boxes.
+struct OpacityBox {
+  static constexpr std::string_view name = "opacity-box";
+  static constexpr bool lossless = true;
+
+  SWIFTGS_HD TileRect rect(const SplatShape& shape, TileGrid grid) const { return opacity_box(shape, grid); }
+  SWIFTGS_HD TileRun row(const SplatShape&, TileRect rect, int) const { return rect.columns; }
+};
+
+static_assert(BoundsPolicy<OpacityBox>);
+
+}  // namespace swiftgs

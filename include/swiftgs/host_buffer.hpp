@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <new>
+#include <type_traits>
+#include <utility>
+
+#include <swiftgs/span.hpp>
+
+namespace swiftgs {
+
+/// Uninitialised host memory that grows and never shrinks, so that a steady frame allocates nothing.
+/// Aligned to a cache line, and readable for one vector register beyond its end.
+template <class T>
+class HostBuffer {
+  static_assert(std::is_trivially_copyable_v<T>, "HostBuffer holds plain data only");
+
+ public:
+  /// Makes room for `count` elements. What was in the buffer is undefined afterwards.
+  void reset(std::size_t count) {
+    size_ = count;
+    if (count <= capacity_) return;
+    const std::size_t room = count + count / 8;
+    memory_.reset();
+    capacity_ = 0;
+    memory_.reset(static_cast<T*>(::operator new (room * sizeof(T) + padding, std::align_val_t{padding})));
+    capacity_ = room;
+  }
+
+  T* data() { return memory_.get(); }
+  const T* data() const { return memory_.get(); }
+  std::size_t size() const { return size_; }
+  std::size_t capacity() const { return capacity_; }
+  Span<T> span() { return {data(), size_}; }
+  Span<const T> span() const { return {data(), size_}; }
+
+ private:
+  static constexpr std::size_t padding = 64;
+  struct Free {
+    void operator()(T* p) const { ::operator delete (p, std::align_val_t{padding}); }
+  };
+  std::unique_ptr<T, Free> memory_;
+  std::size_t size_ = 0;
+  std::size_t capacity_ = 0;
+};
+
+}  // namespace swiftgs

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include <swiftgs/scene.hpp>
+
+namespace swiftgs {
+
+/// A scene as host backends hold it: shared, never copied.
+class HostScene {
+ public:
+  /// Throws `std::invalid_argument` as `validate` does.
+  explicit HostScene(Scene scene) : HostScene(std::make_shared<const Scene>(std::move(scene))) {}
+  explicit HostScene(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {
+    if (!scene_) throw std::invalid_argument("upload: expected a scene");
+    view_ = swiftgs::view(*scene_);
+  }
+
+  SceneView view() const { return view_; }
+
+ private:
+  std::shared_ptr<const Scene> scene_;
+  SceneView view_;
+};
+
+}  // namespace swiftgs

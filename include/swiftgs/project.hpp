@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+#include <swiftgs/math.hpp>
+#include <swiftgs/scene.hpp>
+#include <swiftgs/sh.hpp>
+#include <swiftgs/splats.hpp>
+#include <swiftgs/view_constants.hpp>
+
+namespace swiftgs {
+
+/// A splat without its colour.
+struct ProjectedShape {
+  SplatShape shape;
+  float depth = 0;
+  bool visible = false;
+};
+
+/// Rows of J W R S: how a Gaussian's own unit sphere maps to the image. @units{pixels}
+struct ImageAxes {
+  vec3 x, y;
+};
+
+/// Axes of a Gaussian at camera-space direction (tx, ty, 1) and depth z, by the linearised projection
+/// (Zwicker et al. 2001, EWA splatting, equation 29).
+SWIFTGS_HD inline ImageAxes image_axes(const ViewConstants& v, float tx, float ty, float z, vec3 scale,
+                                       Quaternion q) {
+  const float jx = float(v.fx) / z, jy = float(v.fy) / z;
+  vec3 row_x, row_y;
+  for (int k = 0; k < 3; ++k) {
+    const float forward = float(v.rotation[2][k]);
+    row_x[k] = jx * (float(v.rotation[0][k]) - tx * forward);
+    row_y[k] = jy * (float(v.rotation[1][k]) - ty * forward);
+  }
+  const vec3 axis[3] = {scale.x * vec3(1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + q.w * q.z),
+                                       2 * (q.x * q.z - q.w * q.y)),
+                        scale.y * vec3(2 * (q.x * q.y - q.w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z),
+                                       2 * (q.y * q.z + q.w * q.x)),
+                        scale.z * vec3(2 * (q.x * q.z + q.w * q.y), 2 * (q.y * q.z - q.w * q.x),
+                                       1 - 2 * (q.x * q.x + q.y * q.y))};
+  ImageAxes image;
+  for (int k = 0; k < 3; ++k) {
+    image.x[k] = row_x.x * axis[k].x + row_x.y * axis[k].y + row_x.z * axis[k].z;
+    image.y[k] = row_y.x * axis[k].x + row_y.y * axis[k].y + row_y.z * axis[k].z;
+  }
+  return image;
+}
+
+/// Projects Gaussian `i`. `visible` is false where no pixel of the image can keep it: too near or far, too
+/// faint, or the box of its ellipse s <= reach holds no pixel centre. Spherical harmonics are not looked at.
+SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const SceneView& scene,
+                                               std::size_t i) {
+  ProjectedShape out;
+  float opacity = scene.opacities[i];
+  if (!(opacity >= v.alpha_min)) return out;
+
+  // Move to camera space in double, so that distant worlds and long focal lengths keep their pixels.
+  const vec3 mean = scene.means[i];
+  const double d[3] = {mean.x - v.centre[0], mean.y - v.centre[1], mean.z - v.centre[2]};
+  double p[3];
+  for (int row = 0; row < 3; ++row)
+    p[row] = v.rotation[row][0] * d[0] + v.rotation[row][1] * d[1] + v.rotation[row][2] * d[2];
+  const float z = float(p[2]);
+  if (!(z > v.near_plane && z <= v.far_plane)) return out;
+  const double x_over_z = p[0] / p[2], y_over_z = p[1] / p[2];
+
+  // Linearise within the limits of the conventions.
+  float tx = float(x_over_z), ty = float(y_over_z);
+  tx = tx < v.tan_x_min ? v.tan_x_min : tx > v.tan_x_max ? v.tan_x_max : tx;
+  ty = ty < v.tan_y_min ? v.tan_y_min : ty > v.tan_y_max ? v.tan_y_max : ty;
+  const ImageAxes m = image_axes(v, tx, ty, z, scene.scales[i], scene.rotations[i]);
+
+  // Factor the blurred covariance. Its determinant is |m.x cross m.y|^2 + blur (trace + blur), a sum of
+  // squares (Lagrange's identity), which the textbook xx yy - xy^2 loses for needles.
+  const float xx = m.x.x * m.x.x + m.x.y * m.x.y + m.x.z * m.x.z;
+  const float yy = m.y.x * m.y.x + m.y.y * m.y.y + m.y.z * m.y.z;
+  const float xy = m.x.x * m.y.x + m.x.y * m.y.y + m.x.z * m.y.z;
+  const vec3 cross(m.x.y * m.y.z - m.x.z * m.y.y, m.x.z * m.y.x - m.x.x * m.y.z,
+                   m.x.x * m.y.y - m.x.y * m.y.x);
+  const float var_y = yy + v.blur;
+  const float inv_sigma_y = 1 / std::sqrt(var_y);
+  const vec3 c = cross * inv_sigma_y;
+  const float sharp = c.x * c.x + c.y * c.y + c.z * c.z;  // determinant without blur / var_y
+  const float var_x_given_y = sharp + v.blur * ((xx + yy + v.blur) * inv_sigma_y * inv_sigma_y);
+  if (!(var_x_given_y > 0 && var_y > 0 && xx + v.blur < INFINITY && var_x_given_y < INFINITY)) return out;
+
+  if (v.antialiased) {
+    const float ratio = sharp / var_x_given_y;
+    opacity *= std::sqrt(ratio > v.min_compensation ? ratio : v.min_compensation);
+    if (!(opacity >= v.alpha_min)) return out;
+  }
+
+  const float to_base_2 = float(0.84932180028801904272);  // sqrt(log2(e) / 2)
+  SplatShape& s = out.shape;
+  s.mean = vec2(float(v.fx * x_over_z + v.cx), float(v.fy * y_over_z + v.cy));
+  s.l0 = to_base_2 / std::sqrt(var_x_given_y);
+  s.l1 = -s.l0 * xy * inv_sigma_y * inv_sigma_y;
+  s.l2 = to_base_2 * inv_sigma_y;
+  s.opacity = opacity;
+  s.reach = std::log2(opacity / v.alpha_min);
+  const float extent = std::sqrt(s.reach) / to_base_2;
+  s.half_width = extent * std::sqrt(xx + v.blur);
+  const float half_height = extent * std::sqrt(var_y);
+
+  out.depth = z;
+  out.visible = s.mean.x + s.half_width >= 0.5f && s.mean.x - s.half_width <= v.width - 0.5f &&
+                s.mean.y + half_height >= 0.5f && s.mean.y - half_height <= v.height - 0.5f;
+  return out;
+}
+
+/// Colour of Gaussian `i` in this view.
+SWIFTGS_HD inline vec3 project_colour(const ViewConstants& v, const SceneView& scene, std::size_t i) {
+  const vec3 mean = scene.means[i];
+  const vec3 d(float(mean.x - v.centre[0]), float(mean.y - v.centre[1]), float(mean.z - v.centre[2]));
+  return sh_colour(scene, i, d * (1 / std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z)));
+}
+
+}  // namespace swiftgs

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <swiftgs/backend.hpp>
+#include <swiftgs/project.hpp>
+#include <swiftgs/splats.hpp>
+
+namespace swiftgs {
+
+/// Memory of the projection stage between its two steps.
+template <class B>
+struct ProjectScratch {
+  typename B::template Buffer<ProjectedShape> projected;
+  typename B::template Buffer<std::uint32_t> slots;
+};
+
+/// Projects Gaussian i and marks it with 1 where it is visible.
+struct ProjectShapes {
+  ViewConstants constants;
+  SceneView scene;
+  ProjectedShape* projected;
+  std::uint32_t* slots;
+
+  SWIFTGS_HD void operator()(std::size_t i) const {
+    projected[i] = project_shape(constants, scene, i);
+    slots[i] = projected[i].visible;
+  }
+};
+
+/// Moves visible Gaussian i to its slot and evaluates its colour: the only place that reads spherical
+/// harmonics.
+struct CompactSplats {
+  ViewConstants constants;
+  SceneView scene;
+  const ProjectedShape* projected;
+  const std::uint32_t* slots;
+  SplatShape* shapes;
+  SplatColour* colours;
+
+  SWIFTGS_HD void operator()(std::size_t i) const {
+    if (!projected[i].visible) return;
+    shapes[slots[i]] = projected[i].shape;
+    colours[slots[i]] = {project_colour(constants, scene, i), projected[i].depth};
+  }
+};
+
+/// Projects `scene`: one splat for each visible Gaussian, in the order of the Gaussians.
+template <BackendPolicy B>
+void project(B& b, const ViewConstants& constants, const SceneView& scene, ProjectScratch<B>& scratch,
+             Splats<B>& splats) {
+  const std::size_t n = scene.size();
+  scratch.projected.reset(n), scratch.slots.reset(n);
+  b.for_each(n, ProjectShapes{constants, scene, scratch.projected.data(), scratch.slots.data()});
+  splats.count = std::size_t(b.exclusive_scan(Span{scratch.slots.data(), n}));
+  splats.shapes.reset(splats.count), splats.colours.reset(splats.count);
+  b.for_each(n, CompactSplats{constants, scene, scratch.projected.data(), scratch.slots.data(),
+                              splats.shapes.data(), splats.colours.data()});
+}
+
+}  // namespace swiftgs

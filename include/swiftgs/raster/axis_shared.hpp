@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include <swiftgs/composed_name.hpp>
+#include <swiftgs/raster/raster.hpp>
+#include <swiftgs/raster/terms.hpp>
+
+namespace swiftgs {
+
+namespace detail {
+/// Terms of one splat in one tile: sixteen of x, and the y term of the current row.
+template <TermsPolicy Terms>
+class SharedTerms {
+ public:
+  SWIFTGS_HD SharedTerms(const SplatShape& shape, vec2 first_centre) : shape_(shape) {
+    for (int column = 0; column < tile_side; ++column)
+      x_[column] = Terms::x_term(shape, first_centre.x + float(column));
+  }
+  SWIFTGS_HD void start_row(float y) { y_ = Terms::y_term(shape_, y); }
+  SWIFTGS_HD float exponent(int column) const { return Terms::exponent(x_[column], y_); }
+
+ private:
+  const SplatShape& shape_;
+  typename Terms::X x_[tile_side];
+  typename Terms::Y y_{};
+};
+}  // namespace detail
+
+/// Axis-shared rasterization (SwiftGS, section 5.1): the terms of a column and of a row are computed once and
+/// joined at each pixel, which then evaluates the exponential and looks at alpha.
+template <TermsPolicy Terms>
+struct AxisShared {
+  static constexpr ComposedName name_storage{"axis-shared-", Terms::name};
+  static constexpr std::string_view name = name_storage.view();
+
+  class Kernel {
+   public:
+    SWIFTGS_HD Kernel(const SplatShape& s, vec2 first_centre, BlendRules rules)
+        : terms_(s, first_centre), opacity_(s.opacity), rules_(rules) {}
+    SWIFTGS_HD void start_row(float y) { terms_.start_row(y); }
+    SWIFTGS_HD float alpha(int column) const {
+      const float s = terms_.exponent(column);
+      const float alpha = opacity_ * std::exp2(-s);
+      if (!(s >= 0 && alpha >= rules_.alpha_min)) return 0;
+      return alpha < rules_.alpha_max ? alpha : rules_.alpha_max;
+    }
+
+   private:
+    detail::SharedTerms<Terms> terms_;
+    float opacity_;
+    BlendRules rules_;
+  };
+};
+
+/// Axis-shared rasterization with the dynamic threshold (SwiftGS, section 5.2): a pixel compares its exponent
+/// with the splat's own ln(255 o), here in base 2, and evaluates the exponential only where the splat shows.
+template <TermsPolicy Terms>
+struct AxisSharedThreshold {
+  static constexpr ComposedName name_storage{"axis-shared-threshold-", Terms::name};
+  static constexpr std::string_view name = name_storage.view();
+
+  class Kernel {
+   public:
+    SWIFTGS_HD Kernel(const SplatShape& s, vec2 first_centre, BlendRules rules)
+        : terms_(s, first_centre), opacity_(s.opacity), reach_(s.reach), alpha_max_(rules.alpha_max) {}
+    SWIFTGS_HD void start_row(float y) { terms_.start_row(y); }
+    SWIFTGS_HD float alpha(int column) const {
+      const float s = terms_.exponent(column);
+      if (!(s >= 0 && s <= reach_)) return 0;
+      const float alpha = opacity_ * std::exp2(-s);
+      return alpha < alpha_max_ ? alpha : alpha_max_;
+    }
+
+   private:
+    detail::SharedTerms<Terms> terms_;
+    float opacity_, reach_, alpha_max_;
+  };
+};
+
+}  // namespace swiftgs

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <swiftgs/backend.hpp>
+#include <swiftgs/bounds/bounds.hpp>
+#include <swiftgs/camera.hpp>
+#include <swiftgs/composed_name.hpp>
+#include <swiftgs/conventions.hpp>
+#include <swiftgs/frame.hpp>
+#include <swiftgs/project_stage.hpp>
+#include <swiftgs/raster/raster.hpp>
+#include <swiftgs/sort/sort.hpp>
+#include <swiftgs/statistics.hpp>
+
+namespace swiftgs {
+
+/// What a frame is rendered with, beside scene and camera.
+struct RenderSettings {
+  Conventions conventions;
+  vec3 background{0};  ///< linear RGB, shown where transmittance is left
+  Outputs outputs;     ///< of `render`; `render_into` computes what its frame points to
+  bool count = false;  ///< fill the raster part of `Statistics`, which costs some time
+};
+
+/// Policy `R` rasterizes on backend `B`, by its own kernel or by an overload that the backend offers.
+template <class R, class B>
+concept RastersOn = BackendPolicy<B> && requires(B& b, R raster, const RasterJob& job) {
+  { R::name } -> std::convertible_to<std::string_view>;
+  rasterize(b, raster, job);
+};
+
+/// Renders frames: project, sort, rasterize. Every combination of policies is one type.
+///
+/// A renderer keeps the memory of its stages, so a frame no larger than an earlier one allocates nothing. It
+/// is not safe to use from two threads at once; two renderers are.
+template <class B, class Sort, class Raster, class Bounds>
+requires SortsOn<Sort, B, Bounds> && RastersOn<Raster, B>
+class Renderer {
+  static constexpr ComposedName name_storage{B::name, "/", Sort::name, "/", Raster::name, "/", Bounds::name};
+
+ public:
+  /// BACKEND/SORT/RASTER/BOUNDS
+  static constexpr std::string_view name = name_storage.view();
+
+  explicit Renderer(B backend = B(), Sort sort = Sort())
+      : backend_(std::move(backend)), sort_(std::move(sort)) {}
+
+  B& backend() { return backend_; }
+  const Sort& sort() const { return sort_; }
+
+  /// Renders into memory of the caller that the backend can reach.
+  /// Throws `std::invalid_argument` for a camera, scene or frame that nothing can be rendered with, and
+  /// `CapacityError`.
+  void render_into(const SceneView& scene, const Camera& camera, const RenderSettings& settings,
+                   const FrameView& frame) {
+    check_arguments(scene, camera, frame);
+    const TileGrid grid = TileGrid::covering(frame.width, frame.height);
+    TileCounts* counts = nullptr;
+    if (settings.count) tile_counts_.reset(grid.size()), counts = tile_counts_.data();
+
+    const auto start = backend_.now();
+    project(backend_, view_constants(camera, settings.conventions), scene, project_scratch_, splats_);
+
+    const auto projected = backend_.now();
+    const FrameKey key{scene.means.data, scene.size(), frame.width, frame.height};
+    sort_.build(backend_, SortJob{splats_.view(), grid, key}, Bounds{}, sort_scratch_, lists_);
+
+    const auto sorted = backend_.now();
+    rasterize(backend_, Raster{},
+              RasterJob{splats_.view(), lists_.view(), grid, BlendRules::from(settings.conventions),
+                        settings.background, frame, counts});
+
+    points_ = {start, projected, sorted, backend_.now()};
+    counted_ = settings.count;
+    gaussians_ = scene.size();
+  }
+
+  /// Renders a frame on the host; for backends whose buffers are host memory.
+  void render(const typename B::SceneOn& scene, const Camera& camera, const RenderSettings& settings,
+              Frame& frame) {
+    validate(camera);
+    render_into(scene.view(), camera, settings,
+                prepare(frame, camera.width, camera.height, settings.outputs));
+  }
+  Frame render(const typename B::SceneOn& scene, const Camera& camera, const RenderSettings& settings = {}) {
+    Frame frame;
+    render(scene, camera, settings, frame);
+    return frame;
+  }
+
+  /// Durations of the last frame's stages. @units{milliseconds}
+  StageTimes times() {
+    const auto ms = [&](int from, int to) {
+      return backend_.milliseconds(points_[from], points_[to])
+          .value_or(std::numeric_limits<double>::quiet_NaN());
+    };
+    return {ms(0, 1), ms(1, 2), ms(2, 3), ms(0, 3)};
+  }
+
+  /// What the last frame took; the raster part only where the settings asked to count.
+  Statistics statistics() const {
+    Statistics s{
+        .gaussians = gaussians_, .visible = splats_.count, .instances = lists_.instances, .raster = {}};
+    if (counted_)
+      for (const TileCounts& tile : tile_counts_.span()) s.raster += tile;
+    return s;
+  }
+
+  /// The last frame's splats and tile lists, in the backend's memory, until the next frame.
+  const Splats<B>& splats() const { return splats_; }
+  const TileLists<B>& lists() const { return lists_; }
+
+ private:
+  static void check_arguments(const SceneView& scene, const Camera& camera, const FrameView& frame) {
+    const auto require = [](bool holds, const char* expected) {
+      if (!holds) throw std::invalid_argument(std::string("render: expected ") + expected);
+    };
+    require(frame.width == camera.width && frame.height == camera.height, "a frame of the camera's size");
+    const std::size_t width = std::size_t(frame.width);
+    require(!frame.colour || frame.colour_pitch >= 3 * width,
+            "a colour pitch of at least 3 floats a pixel of width");
+    require(!frame.alpha || frame.alpha_pitch >= width, "an alpha pitch of at least the width");
+    require(!frame.depth || frame.depth_pitch >= width, "a depth pitch of at least the width");
+    require(scene.size() <= std::numeric_limits<std::uint32_t>::max(), "fewer than 2^32 Gaussians");
+  }
+
+  B backend_;
+  Sort sort_;
+  ProjectScratch<B> project_scratch_;
+  Splats<B> splats_;
+  typename Sort::template Scratch<B> sort_scratch_;
+  TileLists<B> lists_;
+  typename B::template Buffer<TileCounts> tile_counts_;
+  std::array<typename B::TimePoint, 4> points_{};
+  bool counted_ = false;
+  std::size_t gaussians_ = 0;
+};
+
+}  // namespace swiftgs

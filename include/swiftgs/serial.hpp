@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include <swiftgs/backend.hpp>
+#include <swiftgs/host_buffer.hpp>
+#include <swiftgs/host_scene.hpp>
+
+namespace swiftgs {
+
+/// One thread and the standard library: the archetype of a backend, and the one to read first.
+class Serial {
+ public:
+  static constexpr std::string_view name = "serial";
+  template <class T>
+  using Buffer = HostBuffer<T>;
+  using SceneOn = HostScene;
+  using TimePoint = std::chrono::steady_clock::time_point;
+
+  static bool usable() { return true; }
+
+  SceneOn upload(Scene scene) const { return SceneOn(std::move(scene)); }
+  SceneOn upload(std::shared_ptr<const Scene> scene) const { return SceneOn(std::move(scene)); }
+
+  template <class F>
+  void for_each(std::size_t n, const F& f) const {
+    for (std::size_t i = 0; i < n; ++i) f(i);
+  }
+
+  std::uint64_t exclusive_scan(Span<std::uint32_t> counts) const {
+    std::uint64_t sum = 0;
+    for (std::uint32_t& count : counts) {
+      const std::uint32_t here = count;
+      count = std::uint32_t(sum);
+      sum += here;
+    }
+    return sum;
+  }
+
+  /// Least-significant-digit radix sort, a byte a pass.
+  template <class Key>
+  void sort_pairs(Pairs<Serial, Key>& pairs, std::size_t n, int bits) const {
+    for (int shift = 0; shift < bits; shift += 8) {
+      // Count the digits, turn counts into first positions, and move every pair to its own.
+      const Key mask = Key((1u << (bits - shift < 8 ? bits - shift : 8)) - 1);
+      std::array<std::size_t, 256> position{};
+      const Key* keys = pairs.keys.data();
+      const std::uint32_t* values = pairs.values.data();
+      for (std::size_t i = 0; i < n; ++i) ++position[std::size_t(keys[i] >> shift & mask)];
+      std::size_t sum = 0;
+      for (std::size_t& p : position) sum += std::exchange(p, sum);
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t to = position[std::size_t(keys[i] >> shift & mask)]++;
+        pairs.spare_keys.data()[to] = keys[i];
+        pairs.spare_values.data()[to] = values[i];
+      }
+      std::swap(pairs.keys, pairs.spare_keys);
+      std::swap(pairs.values, pairs.spare_values);
+    }
+  }
+
+  TimePoint now() const { return std::chrono::steady_clock::now(); }
+  std::optional<double> milliseconds(TimePoint from, TimePoint to) const {
+    return std::chrono::duration<double, std::milli>(to - from).count();
+  }
+};
+
+static_assert(BackendPolicy<Serial>);
+
+}  // namespace swiftgs

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <swiftgs/math.hpp>
+#include <swiftgs/scene.hpp>
+
+namespace swiftgs {
+
+/// Constants of the real spherical harmonics, Condon-Shortley sign folded in. Index l^2 + l + m.
+namespace sh {
+inline constexpr float c0 = 0.28209479177387814f;
+inline constexpr float c1 = 0.4886025119029199f;
+inline constexpr float c2[5] = {1.0925484305920792f, -1.0925484305920792f, 0.31539156525252005f,
+                                -1.0925484305920792f, 0.5462742152960396f};
+inline constexpr float c3[7] = {-0.5900435899266435f, 2.890611442640554f,   -0.4570457994644658f,
+                                0.3731763325901154f,  -0.4570457994644658f, 1.445305721320277f,
+                                -0.5900435899266435f};
+}  // namespace sh
+
+/// Values of bands 1 to `degree` in the unit direction `d`, from the camera towards the Gaussian.
+/// Writes sh_rest_count(degree) values.
+SWIFTGS_HD inline void sh_basis(int degree, vec3 d, float* basis) {
+  if (degree < 1) return;
+  const float x = d.x, y = d.y, z = d.z;
+  basis[0] = -sh::c1 * y, basis[1] = sh::c1 * z, basis[2] = -sh::c1 * x;
+  if (degree < 2) return;
+  const float xx = x * x, yy = y * y, zz = z * z;
+  basis[3] = sh::c2[0] * x * y;
+  basis[4] = sh::c2[1] * y * z;
+  basis[5] = sh::c2[2] * (2 * zz - xx - yy);
+  basis[6] = sh::c2[3] * x * z;
+  basis[7] = sh::c2[4] * (xx - yy);
+  if (degree < 3) return;
+  basis[8] = sh::c3[0] * y * (3 * xx - yy);
+  basis[9] = sh::c3[1] * x * y * z;
+  basis[10] = sh::c3[2] * y * (4 * zz - xx - yy);
+  basis[11] = sh::c3[3] * z * (2 * zz - 3 * xx - 3 * yy);
+  basis[12] = sh::c3[4] * x * (4 * zz - xx - yy);
+  basis[13] = sh::c3[5] * z * (xx - yy);
+  basis[14] = sh::c3[6] * x * (xx - 3 * yy);
+}
+
+/// Colour of Gaussian `i` seen in the unit direction `d`: 0.5 + sum of bands, cut below at 0.
+SWIFTGS_HD inline vec3 sh_colour(const SceneView& scene, std::size_t i, vec3 d) {
+  float basis[sh_rest_count(max_sh_degree)];
+  sh_basis(scene.sh_degree, d, basis);
+  vec3 colour = vec3(0.5f) + sh::c0 * scene.sh0[i];
+  const float* rest = scene.sh_rest.data + i * std::size_t(scene.sh_stride);
+  for (int k = 0; k < sh_rest_count(scene.sh_degree); ++k)
+    colour += basis[k] * vec3(rest[3 * k], rest[3 * k + 1], rest[3 * k + 2]);
+  for (int c = 0; c < 3; ++c) colour[c] = colour[c] > 0 ? colour[c] : 0.0f;
+  return colour;
+}
+
+}  // namespace swiftgs

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <swiftgs/sort/sort.hpp>
+
+namespace swiftgs {
+
+/// Key and index of splat i before the depth sort.
+struct DepthPair {
+  SplatsView splats;
+  std::uint32_t* keys;
+  std::uint32_t* ids;
+
+  SWIFTGS_HD void operator()(std::size_t i) const {
+    keys[i] = depth_key(splats.colours[i].depth);
+    ids[i] = std::uint32_t(i);
+  }
+};
+
+/// Early sorting (SwiftGS, section 4.1): sort the visible splats by depth once, emit their instances in that
+/// order, and sort those by tile alone. Depth is looked at once a splat instead of once an instance.
+struct EarlySort {
+  static constexpr std::string_view name = "early";
+
+  template <class B>
+  struct Scratch {
+    Pairs<B, std::uint32_t> depths;
+    typename B::template Buffer<std::uint32_t> offsets;
+    Pairs<B, std::uint32_t> instances;
+  };
+
+  template <class B, class Bounds>
+  void build(B& b, const SortJob& job, const Bounds& bounds, Scratch<B>& scratch, TileLists<B>& lists) {
+    const std::size_t splats = job.splats.size();
+    scratch.depths.reset(splats);
+    b.for_each(splats, DepthPair{job.splats, scratch.depths.keys.data(), scratch.depths.values.data()});
+    b.sort_pairs(scratch.depths, splats, depth_key_bits);
+
+    const std::size_t count =
+        emit_instances(b, job, bounds, scratch.depths.values.data(), scratch.offsets, scratch.instances);
+    b.sort_pairs(scratch.instances, count, job.grid.key_bits());
+    finish_lists(b, job, count, 0, scratch.instances, lists);
+  }
+};
+
+}  // namespace swiftgs

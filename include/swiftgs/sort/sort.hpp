@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+#include <swiftgs/backend.hpp>
+#include <swiftgs/bounds/bounds.hpp>
+#include <swiftgs/error.hpp>
+#include <swiftgs/splats.hpp>
+#include <swiftgs/tiles.hpp>
+
+namespace swiftgs {
+
+/// Which scene at which image size: what a choice of sort strategy holds for.
+struct FrameKey {
+  const void* scene = nullptr;  ///< identity of the uploaded scene; null in a saved choice
+  std::size_t gaussians = 0;
+  int width = 0, height = 0;
+};
+
+/// What a sort turns into tile lists.
+struct SortJob {
+  SplatsView splats;
+  TileGrid grid;
+  FrameKey key;
+};
+
+/// Policy `S` builds tile lists on backend `B` within bounds `Bounds`: for every tile the ids of the splats
+/// that may touch it, nearest first, equal depths by ascending index. An object of `S` may keep what it
+/// learnt from earlier frames; `Scratch<B>` is the memory that it works in.
+template <class S, class B, class Bounds>
+concept SortsOn = BackendPolicy<B> && BoundsPolicy<Bounds> &&
+    requires(S sort, B& b, const SortJob& job, const Bounds& bounds, typename S::template Scratch<B>& scratch,
+             TileLists<B>& lists) {
+  { S::name } -> std::convertible_to<std::string_view>;
+  sort.build(b, job, bounds, scratch, lists);
+};
+
+/// Sum of the runs of tiles that `shape` may touch.
+template <BoundsPolicy Bounds>
+SWIFTGS_HD std::uint32_t count_tiles(const Bounds& bounds, const SplatShape& shape, TileGrid grid) {
+  const TileRect rect = bounds.rect(shape, grid);
+  if (rect.columns.size() == 0) return 0;
+  std::uint32_t count = 0;
+  for (int row = rect.rows.begin; row < rect.rows.end; ++row)
+    count += std::uint32_t(bounds.row(shape, rect, row).size());
+  return count;
+}
+
+/// Counts the tiles of splat `order[i]`, or of splat i where there is no order.
+template <class Bounds>
+struct CountTiles {
+  SplatsView splats;
+  const std::uint32_t* order;
+  TileGrid grid;
+  Bounds bounds;
+  std::uint32_t* counts;
+
+  SWIFTGS_HD void operator()(std::size_t i) const {
+    counts[i] = count_tiles(bounds, splats.shapes[order ? order[i] : i], grid);
+  }
+};
+
+/// Writes one (key, id) pair for each tile that splat `order[i]` may touch, from `offsets[i]` on.
+template <class Bounds, class Key>
+struct EmitInstances {
+  SplatsView splats;
+  const std::uint32_t* order;
+  TileGrid grid;
+  Bounds bounds;
+  const std::uint32_t* offsets;
+  Key* keys;
+  std::uint32_t* ids;
+
+  SWIFTGS_HD void operator()(std::size_t i) const {
+    const std::uint32_t id = order ? order[i] : std::uint32_t(i);
+    const SplatShape& shape = splats.shapes[id];
+    const TileRect rect = bounds.rect(shape, grid);
+    if (rect.columns.size() == 0) return;
+    std::size_t at = offsets[i];
+    for (int row = rect.rows.begin; row < rect.rows.end; ++row) {
+      const TileRun run = bounds.row(shape, rect, row);
+      for (int column = run.begin; column < run.end; ++column, ++at) {
+        keys[at] = key(std::uint32_t(row * grid.columns + column), id);
+        ids[at] = id;
+      }
+    }
+  }
+
+ private:
+  SWIFTGS_HD Key key(std::uint32_t tile, std::uint32_t id) const {
+    if constexpr (sizeof(Key) == 8)
+      return Key(tile) << depth_key_bits | depth_key(splats.colours[id].depth);
+    else
+      return (void)id, tile;
+  }
+};
+
+/// Marks where each tile's instances begin and end in keys sorted by tile. Tiles without instances keep {0,
+/// 0}.
+template <class Key>
+struct FindRanges {
+  const Key* keys;
+  std::size_t count;
+  int tile_shift;
+  TileRange* ranges;
+
+  SWIFTGS_HD void operator()(std::size_t i) const {
+    const std::size_t tile = std::size_t(keys[i] >> tile_shift);
+    if (i == 0 || std::size_t(keys[i - 1] >> tile_shift) != tile) ranges[tile].begin = std::uint32_t(i);
+    if (i + 1 == count || std::size_t(keys[i + 1] >> tile_shift) != tile)
+      ranges[tile].end = std::uint32_t(i + 1);
+  }
+};
+
+/// Empties a range.
+struct ClearRanges {
+  TileRange* ranges;
+  SWIFTGS_HD void operator()(std::size_t i) const { ranges[i] = {}; }
+};
+
+/// Emits the instances of all splats in the given order (index order when `order` is null) and returns their
+/// number. Keys of 64 bits hold tile above depth, keys of 32 bits the tile alone. Throws `CapacityError`
+/// beyond `max_instances`.
+template <class B, class Bounds, class Key>
+std::size_t emit_instances(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+                           typename B::template Buffer<std::uint32_t>& offsets, Pairs<B, Key>& instances) {
+  const std::size_t splats = job.splats.size();
+  offsets.reset(splats);
+  b.for_each(splats, CountTiles<Bounds>{job.splats, order, job.grid, bounds, offsets.data()});
+  const std::uint64_t total = b.exclusive_scan(Span{offsets.data(), splats});
+  if (total > max_instances) throw CapacityError("instances in one frame", total, max_instances);
+  instances.reset(std::size_t(total));
+  b.for_each(splats, EmitInstances<Bounds, Key>{job.splats, order, job.grid, bounds, offsets.data(),
+                                                instances.keys.data(), instances.values.data()});
+  return std::size_t(total);
+}
+
+/// Hands the sorted instances over to `lists`; the old ids become room for the next frame.
+template <class B, class Key>
+void finish_lists(B& b, const SortJob& job, std::size_t count, int tile_shift, Pairs<B, Key>& instances,
+                  TileLists<B>& lists) {
+  lists.tiles = job.grid.size();
+  lists.instances = count;
+  lists.ranges.reset(lists.tiles);
+  b.for_each(lists.tiles, ClearRanges{lists.ranges.data()});
+  b.for_each(count, FindRanges<Key>{instances.keys.data(), count, tile_shift, lists.ranges.data()});
+  std::swap(lists.ids, instances.values);
+}
+
+}  // namespace swiftgs

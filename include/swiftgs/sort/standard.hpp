@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <swiftgs/sort/sort.hpp>
+
+namespace swiftgs {
+
+/// One stable sort of all instances by 64-bit keys, tile above depth bits: the sort of INRIA's rasterizer and
+/// gsplat.
+struct StandardSort {
+  static constexpr std::string_view name = "standard";
+
+  template <class B>
+  struct Scratch {
+    typename B::template Buffer<std::uint32_t> offsets;
+    Pairs<B, std::uint64_t> instances;
+  };
+
+  template <class B, class Bounds>
+  void build(B& b, const SortJob& job, const Bounds& bounds, Scratch<B>& scratch, TileLists<B>& lists) {
+    const std::size_t count = emit_instances(b, job, bounds, nullptr, scratch.offsets, scratch.instances);
+    b.sort_pairs(scratch.instances, count, job.grid.key_bits() + depth_key_bits);
+    finish_lists(b, job, count, depth_key_bits, scratch.instances, lists);
+  }
+};
+
+}  // namespace swiftgs

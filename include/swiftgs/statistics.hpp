@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+
+#include <swiftgs/raster/raster.hpp>
+
+namespace swiftgs {
+
+/// What one frame took, in numbers of things.
+struct Statistics {
+  std::size_t gaussians = 0;  ///< in the scene
+  std::size_t visible = 0;    ///< projected to splats: what spherical harmonics were evaluated for
+  std::size_t instances = 0;  ///< pairs of splat and tile
+  TileCounts raster;          ///< summed over tiles; zero unless asked for
+
+  double instances_a_visible() const { return visible ? double(instances) / double(visible) : 0.0; }
+};
+
+/// Durations of one frame's stages. @units{milliseconds}
+struct StageTimes {
+  double project = 0, sort = 0, raster = 0, total = 0;
+};
+
+}  // namespace swiftgs

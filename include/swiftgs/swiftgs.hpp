@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// The core: types, policies, the serial backend and the renderer. Other backends and file formats are
+/// included on their own: `<swiftgs/cpu.hpp>`, `<swiftgs/io/scene_file.hpp>`, ...
+
+#include <swiftgs/bounds/ellipse.hpp>
+#include <swiftgs/bounds/opacity_box.hpp>
+#include <swiftgs/bounds/three_sigma_square.hpp>
+#include <swiftgs/camera.hpp>
+#include <swiftgs/conventions.hpp>
+#include <swiftgs/error.hpp>
+#include <swiftgs/frame.hpp>
+#include <swiftgs/raster/axis_shared.hpp>
+#include <swiftgs/raster/per_pixel.hpp>
+#include <swiftgs/renderer.hpp>
+#include <swiftgs/scene.hpp>
+#include <swiftgs/serial.hpp>
+#include <swiftgs/sort/adaptive.hpp>
+#include <swiftgs/sort/early.hpp>
+#include <swiftgs/sort/standard.hpp>
+#include <swiftgs/version.hpp>

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <swiftgs/math.hpp>
+#include <swiftgs/span.hpp>
+
+namespace swiftgs {
+
+/// Side of a tile @units{pixels}.
+inline constexpr int tile_side = 16;
+
+/// Tiles that cover an image, numbered by rows.
+struct TileGrid {
+  int columns = 0, rows = 0;
+
+  SWIFTGS_HD static constexpr TileGrid covering(int width, int height) {
+    return {(width + tile_side - 1) / tile_side, (height + tile_side - 1) / tile_side};
+  }
+  SWIFTGS_HD constexpr std::size_t size() const { return std::size_t(columns) * std::size_t(rows); }
+
+  /// Bits that tell all tiles apart: what a sort by tile has to look at.
+  SWIFTGS_HD constexpr int key_bits() const {
+    int bits = 0;
+    while ((std::size_t(1) << bits) < size()) ++bits;
+    return bits;
+  }
+};
+
+/// Half-open range of tile columns or rows.
+struct TileRun {
+  int begin = 0, end = 0;
+
+  SWIFTGS_HD constexpr int size() const { return end > begin ? end - begin : 0; }
+};
+
+/// Half-open range of positions in `TileListsView::ids`.
+struct TileRange {
+  std::uint32_t begin = 0, end = 0;
+};
+
+/// For each tile the splats that may touch it, front to back.
+struct TileListsView {
+  Span<const std::uint32_t> ids;  ///< @shape{instances} indices of splats
+  Span<const TileRange> ranges;   ///< @shape{tiles}
+};
+
+/// Storage of one frame's tile lists on backend `B`.
+template <class B>
+struct TileLists {
+  typename B::template Buffer<std::uint32_t> ids;
+  typename B::template Buffer<TileRange> ranges;
+  std::size_t instances = 0;
+  std::size_t tiles = 0;
+
+  TileListsView view() const { return {{ids.data(), instances}, {ranges.data(), tiles}}; }
+};
+
+/// Most instances that one frame may have.
+inline constexpr std::uint64_t max_instances = std::uint64_t(1) << 31;
+
+}  // namespace swiftgs

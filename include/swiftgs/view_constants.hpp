@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include <swiftgs/camera.hpp>
+#include <swiftgs/conventions.hpp>
+#include <swiftgs/math.hpp>
+
+namespace swiftgs {
+
+/// What projection needs of a camera and its conventions, computed once a frame.
+/// The pose stays in double: rounding it to float moves splats by more than all later arithmetic does.
+struct ViewConstants {
+  double rotation[3][3];       ///< rows: world to camera
+  double centre[3];            ///< camera centre in the world
+  double fx, fy, cx, cy;       ///< @units{pixels}
+  float width, height;         ///< @units{pixels}
+  float tan_x_min, tan_x_max;  ///< limits of x/z where the projection is linearised
+  float tan_y_min, tan_y_max;
+  float near_plane, far_plane;  ///< kept where near_plane < z <= far_plane
+  float blur;                   ///< @units{pixels^2}
+  float min_compensation;
+  float alpha_min;
+  bool antialiased;
+};
+
+/// Throws `std::invalid_argument` where `camera` is not renderable.
+inline ViewConstants view_constants(const Camera& camera, const Conventions& conventions) {
+  validate(camera);
+  ViewConstants v{};
+  const dvec3 centre = camera.centre();
+  for (int row = 0; row < 3; ++row) {
+    v.centre[row] = centre[row];
+    for (int column = 0; column < 3; ++column) v.rotation[row][column] = camera.rotation[column][row];
+  }
+  v.fx = camera.fx, v.fy = camera.fy, v.cx = camera.cx, v.cy = camera.cy;
+  v.width = float(camera.width), v.height = float(camera.height);
+
+  const double half_x = 0.5 * camera.width / camera.fx, half_y = 0.5 * camera.height / camera.fy;
+  if (conventions.clamp == Conventions::JacobianClamp::around_image) {
+    v.tan_x_min = float(-(camera.cx / camera.fx + 0.3 * half_x));
+    v.tan_x_max = float((camera.width - camera.cx) / camera.fx + 0.3 * half_x);
+    v.tan_y_min = float(-(camera.cy / camera.fy + 0.3 * half_y));
+    v.tan_y_max = float((camera.height - camera.cy) / camera.fy + 0.3 * half_y);
+  } else {
+    v.tan_x_max = float(1.3 * half_x), v.tan_x_min = -v.tan_x_max;
+    v.tan_y_max = float(1.3 * half_y), v.tan_y_min = -v.tan_y_max;
+  }
+  // A strict comparison serves both presets: z >= near is z > the float before near.
+  v.near_plane =
+      conventions.cull_at_near ? conventions.near_plane : std::nextafter(conventions.near_plane, 0.0f);
+  v.far_plane = conventions.far_plane;
+  v.blur = conventions.blur;
+  v.min_compensation = conventions.min_compensation;
+  v.alpha_min = conventions.alpha_min;
+  v.antialiased = conventions.antialiased;
+  return v;
+}
+
+}  // namespace swiftgs
