@@ -1,1 +1,43 @@
 # SPDX-License-Identifier: Apache-2.0
+include(CMakePackageConfigHelpers)
+set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/swiftgs")
+
+# One export a component, so that find_package(swiftgs COMPONENTS core) asks for Eigen and GLM alone.
+set(swiftgs_components)
+foreach(component IN ITEMS core cpu io swiftgs)
+  set(target swiftgs_${component})
+  if(component STREQUAL swiftgs)
+    set(target swiftgs)
+  endif()
+  if(NOT TARGET ${target})
+    continue()
+  endif()
+  list(APPEND swiftgs_components ${component})
+  set(headers FILE_SET HEADERS)
+  if(component STREQUAL swiftgs)
+    set(headers)
+  endif()
+  install(TARGETS ${target} EXPORT swiftgs-${component} ${headers})
+  install(EXPORT swiftgs-${component} NAMESPACE swiftgs:: DESTINATION "${package_dir}")
+
+  # A static library hands its private dependencies on to whoever links it.
+  set(dependencies_of_core Eigen3 glm Threads)
+  set(dependencies_of_cpu TBB)
+  set(dependencies_of_io)
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL STATIC_LIBRARY)
+    list(APPEND dependencies_of_cpu hwy)
+    list(APPEND dependencies_of_io ZLIB PNG JPEG zstd)
+    if(SWIFTGS_HAS_OPENEXR)
+      list(APPEND dependencies_of_io OpenEXR)
+    endif()
+  endif()
+  set(swiftgs_${component}_dependencies ${dependencies_of_${component}})
+endforeach()
+
+configure_package_config_file(cmake/swiftgsConfig.cmake.in swiftgsConfig.cmake
+  INSTALL_DESTINATION "${package_dir}" NO_SET_AND_CHECK_MACRO NO_CHECK_REQUIRED_COMPONENTS_MACRO)
+# Until 1.0 a minor version may break callers.
+write_basic_package_version_file(swiftgsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/swiftgsConfig.cmake" "${PROJECT_BINARY_DIR}/swiftgsConfigVersion.cmake"
+        DESTINATION "${package_dir}")

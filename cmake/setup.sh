@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+#
+# Installs what is missing of cmake/packages.txt; does nothing, and needs no network, when nothing is.
+#   cmake/setup.sh build    what the library, the command-line tool and the demo need
+#   cmake/setup.sh test     that, and what ./test.sh needs
+# SWIFTGS_SKIP_SETUP=1 leaves the system alone: for libraries that come from elsewhere.
+set -euo pipefail
+
+list=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)/packages.txt
+case "${1:-}" in
+  build) parts='^build$' ;;
+  test) parts='^(build|test)$' ;;
+  *) echo "usage: cmake/setup.sh build|test" >&2; exit 2 ;;
+esac
+[ "${SWIFTGS_SKIP_SETUP:-0}" = 1 ] && exit 0
+
+if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
+  echo "setup: expected Debian 12, Ubuntu 24.04 or newer. Install the equivalents of the packages in $list," \
+       "then run again with SWIFTGS_SKIP_SETUP=1." >&2
+  exit 1
+fi
+
+missing=()
+while read -r name; do
+  status=$(dpkg-query -W -f '${db:Status-Status}' "$name" 2>/dev/null || true)
+  [ "$status" = installed ] || missing+=("$name")
+done < <(awk -v parts="$parts" '!/^#/ && NF && $2 ~ parts { print $1 }' "$list")
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || { echo "setup: expected root or sudo to install: ${missing[*]}" >&2; exit 1; }
+  as_root=(sudo)
+fi
+echo "setup: installing ${missing[*]}"
+wait_for_lock=(-o DPkg::Lock::Timeout=300)
+"${as_root[@]}" apt-get "${wait_for_lock[@]}" -q update
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+  apt-get "${wait_for_lock[@]}" -q install -y --no-install-recommends "${missing[@]}"

@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+#
+# Installs what is missing, builds everything with warnings as errors, and runs every test: units, header and
+# compile-fail checks, installation, documentation, and the fuzz targets for a few seconds each.
+# Ends with one line, 'N passed, N failed, N skipped', and fails when one test did.
+set -uo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+
+passed=0 failed=0 skipped=0
+
+# Runs the workflow preset $1 and adds its results, which ctest leaves in JUnit form.
+run_workflow() {
+  local results=build/$1/junit.xml
+  rm -f "$results"
+  cmake --workflow --preset "$1"
+  local status=$? tests=0 failures=0 not_run=0
+  if [ -f "$results" ]; then
+    attribute() { sed -n "1,/<testcase/s/.*\b$1=\"\([0-9]*\)\".*/\1/p" "$results" | head -n 1; }
+    tests=$(attribute tests) failures=$(attribute failures)
+    not_run=$(($(attribute skipped) + $(attribute disabled)))
+  fi
+  # A workflow that ends before its tests, or says that it failed when no test did, is a failure of its own.
+  [ "$status" -ne 0 ] && [ "$failures" -eq 0 ] && tests=$((tests + 1)) failures=1
+  passed=$((passed + tests - failures - not_run)) failed=$((failed + failures)) skipped=$((skipped + not_run))
+}
+
+if cmake/setup.sh test; then
+  export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
+  export CTEST_PARALLEL_LEVEL=${CTEST_PARALLEL_LEVEL:-$(nproc)}
+  command -v ccache >/dev/null && export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+  run_workflow release
+  if command -v clang++ >/dev/null; then
+    run_workflow fuzz
+  else
+    echo "test: no clang++ here, the fuzz targets are skipped"
+    skipped=$((skipped + 1))
+  fi
+else
+  failed=1
+fi
+
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" -eq 0 ]
