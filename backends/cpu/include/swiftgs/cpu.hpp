@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <swiftgs/backend.hpp>
+#include <swiftgs/host_buffer.hpp>
+#include <swiftgs/host_scene.hpp>
+#include <swiftgs/project_stage.hpp>
+#include <swiftgs/raster/axis_shared.hpp>
+#include <swiftgs/raster/per_pixel.hpp>
+
+namespace swiftgs {
+
+/// All cores, by oneTBB, with vector kernels that are chosen for the processor at run time. A frame has the
+/// same bits whatever the number of threads.
+class Cpu {
+ public:
+  static constexpr std::string_view name = "cpu";
+  template <class T>
+  using Buffer = HostBuffer<T>;
+  using SceneOn = HostScene;
+  using TimePoint = std::chrono::steady_clock::time_point;
+
+  /// `threads`: how many run at once; 0 for as many as the process may use. Each backend has its own arena,
+  /// so renderers neither wait for nor change the settings of other users of oneTBB.
+  explicit Cpu(int threads = 0)
+      : arena_(std::make_unique<tbb::task_arena>(threads > 0 ? threads : tbb::task_arena::automatic)) {}
+
+  static bool usable() { return true; }
+  int threads() const { return arena_->max_concurrency(); }
+
+  SceneOn upload(Scene scene) const { return SceneOn(std::move(scene)); }
+  SceneOn upload(std::shared_ptr<const Scene> scene) const { return SceneOn(std::move(scene)); }
+
+  /// f(begin, end) for consecutive parts of [0, n) of at least `grain` elements, in parallel.
+  template <class F>
+  void for_parts(std::size_t n, std::size_t grain, const F& f) const {
+    if (n == 0) return;
+    arena_->execute([&] {
+      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
+                        [&](const tbb::blocked_range<std::size_t>& part) { f(part.begin(), part.end()); });
+    });
+  }
+
+  template <class F>
+  void for_each(std::size_t n, const F& f) const {
+    for_parts(n, 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) f(i);
+    });
+  }
+
+  std::uint64_t exclusive_scan(Span<std::uint32_t> counts);
+
+  /// Least-significant-digit radix sort; digits that all keys share are not sorted by.
+  void sort_pairs(Pairs<Cpu, std::uint32_t>& pairs, std::size_t n, int bits);
+  void sort_pairs(Pairs<Cpu, std::uint64_t>& pairs, std::size_t n, int bits);
+
+  TimePoint now() const { return std::chrono::steady_clock::now(); }
+  std::optional<double> milliseconds(TimePoint from, TimePoint to) const {
+    return std::chrono::duration<double, std::milli>(to - from).count();
+  }
+
+ private:
+  std::unique_ptr<tbb::task_arena> arena_;
+  HostBuffer<std::uint64_t> part_sums_;   ///< of `exclusive_scan`
+  HostBuffer<std::uint32_t> histograms_;  ///< of `sort_pairs`, kept from frame to frame
+};
+
+static_assert(BackendPolicy<Cpu>);
+
+}  // namespace swiftgs

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/swiftgs.hpp>
+
+#if __has_include(<swiftgs/cpu.hpp>)
+#include <swiftgs/cpu.hpp>
+#endif
+
+namespace swiftgs {
+namespace {
+
+using Sorts = TypeList<StandardSort, EarlySort, AdaptiveSort>;
+using Rasters = TypeList<PerPixel, AxisShared<HalfSplit>, AxisShared<FloatSplit>, AxisShared<FloatCholesky>,
+                         AxisSharedThreshold<HalfSplit>, AxisSharedThreshold<FloatSplit>,
+                         AxisSharedThreshold<FloatCholesky>>;
+using AllBounds = TypeList<ThreeSigmaSquare, OpacityBox, Ellipse>;
+
+std::vector<RendererEntry> all_renderers() {
+  std::vector<RendererEntry> table;
+  append_renderers<Serial>(table, Sorts{}, Rasters{}, AllBounds{});
+#if __has_include(<swiftgs/cpu.hpp>)
+  append_renderers<Cpu>(table, Sorts{}, Rasters{}, AllBounds{});
+#endif
+  return table;
+}
+
+/// The words that stand at position `part` of the names in the table, each once.
+std::string words_at(int part) {
+  std::vector<std::string_view> words;
+  for (const RendererEntry& entry : renderers()) {
+    std::string_view rest = entry.name;
+    for (int i = 0; i < part; ++i) rest.remove_prefix(rest.find('/') + 1);
+    const std::string_view word = rest.substr(0, rest.find('/'));
+    if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
+  }
+  std::string joined;
+  for (const std::string_view word : words) joined += (joined.empty() ? "" : ", ") + std::string(word);
+  return joined;
+}
+
+}  // namespace
+
+const std::vector<RendererEntry>& renderers() {
+  static const std::vector<RendererEntry> table = all_renderers();
+  return table;
+}
+
+std::unique_ptr<AnyRenderer> make_renderer(std::string_view name) {
+  for (const RendererEntry& entry : renderers()) {
+    if (entry.name != name) continue;
+    if (!entry.usable)
+      throw std::runtime_error("renderer '" + std::string(name) + "' cannot run on this machine");
+    return entry.make();
+  }
+  throw std::invalid_argument("renderer '" + std::string(name) +
+                              "' is not known; expected BACKEND/SORT/RASTER/BOUNDS with " + "BACKEND of " +
+                              words_at(0) + "; SORT of " + words_at(1) + "; RASTER of " + words_at(2) +
+                              "; BOUNDS of " + words_at(3));
+}
+
+}  // namespace swiftgs
