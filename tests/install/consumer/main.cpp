@@ -1,19 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
+
+// Renders one Gaussian in the middle of an image, and fails unless it is there.
 #include <iostream>
 
-#include <swiftgs/camera.hpp>
-#include <swiftgs/scene.hpp>
-#include <swiftgs/version.hpp>
+#include <swiftgs/swiftgs.hpp>
+
+#if defined(CONSUMER_USES_CPU)
+#include <swiftgs/cpu.hpp>
+using Backend = swiftgs::Cpu;
+#else
+using Backend = swiftgs::Serial;
+#endif
 
 int main() {
   swiftgs::Scene scene;
-  scene.means.push_back({0, 0, 2});
-  scene.scales.push_back({1, 1, 1});
-  scene.rotations.push_back({});
-  scene.opacities.push_back(0.5f);
-  scene.sh0.push_back({1, 1, 1});
-  swiftgs::validate(scene);
+  scene.means = {{0, 0, 2}};
+  scene.scales = {{0.1f, 0.1f, 0.1f}};
+  scene.rotations = {{1, 0, 0, 0}};
+  scene.opacities = {0.9f};
+  scene.sh0 = {{1, 1, 1}};
   const swiftgs::Camera camera = swiftgs::look_at({0, 0, 0}, {0, 0, 1}, {0, -1, 0}, 1, 64, 48);
-  std::cout << "swiftgs " << swiftgs::version << ": " << swiftgs::view(scene).size() << " Gaussian, "
-            << camera.width << " x " << camera.height << " pixels\n";
+
+  swiftgs::Renderer<Backend, swiftgs::EarlySort, swiftgs::AxisSharedThreshold<swiftgs::FloatSplit>,
+                    swiftgs::OpacityBox>
+      renderer;
+  const swiftgs::Frame frame = renderer.render(renderer.backend().upload(scene), camera);
+
+  const float centre = frame.colour[3 * (24 * 64 + 32)], corner = frame.colour[0];
+  std::cout << "swiftgs " << swiftgs::version << " " << renderer.name << ": centre " << centre << ", corner "
+            << corner << "\n";
+  return centre > 0.5f && corner == 0 ? 0 : 1;
 }
