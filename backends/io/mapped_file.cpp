@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapped_file.hpp"
+
+#include <cerrno>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace swiftgs::io {
+
+MappedFile::MappedFile(const std::filesystem::path& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) throw std::system_error(errno, std::generic_category(), path.string());
+  const auto fail = [&](int code) {
+    ::close(file);
+    throw std::system_error(code, std::generic_category(), path.string());
+  };
+
+  struct stat status {};
+  if (::fstat(file, &status) != 0) fail(errno);
+  if (S_ISDIR(status.st_mode)) fail(EISDIR);
+  if (!S_ISREG(status.st_mode)) fail(EINVAL);
+  size_ = static_cast<std::size_t>(status.st_size);
+  // An empty file is legal to open, and empty mappings do not exist.
+  if (size_ > 0) {
+    void* mapping = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
+    if (mapping == MAP_FAILED) fail(errno);
+    data_ = static_cast<const std::byte*>(mapping);
+  }
+  ::close(file);
+}
+
+MappedFile::~MappedFile() {
+  if (data_) ::munmap(const_cast<std::byte*>(data_), size_);
+}
+
+}  // namespace swiftgs::io

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output_file.hpp"
+
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+namespace swiftgs::io {
+
+OutputFile::OutputFile(const std::filesystem::path& path)
+    : path_(path), file_(std::fopen(path.c_str(), "wb")) {
+  if (!file_) fail();
+}
+
+OutputFile::~OutputFile() {
+  if (file_) std::fclose(file_);
+}
+
+void OutputFile::write(const void* data, std::size_t size) {
+  if (std::fwrite(data, 1, size, file_) != size) fail();
+}
+
+void OutputFile::close() {
+  if (std::fclose(std::exchange(file_, nullptr)) != 0) fail();
+}
+
+void OutputFile::fail() const { throw std::system_error(errno, std::generic_category(), path_.string()); }
+
+}  // namespace swiftgs::io

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <csetjmp>
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+#include <png.h>
+
+#include "image_parsing.hpp"
+
+namespace swiftgs::io {
+namespace {
+
+/// Everything that a decode needs. libpng jumps over frames, so no local variable may own memory.
+struct PngDecode {
+  const Source& source;
+  std::size_t position = 0;
+  std::string error{};
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  int channels = 0;
+  std::vector<std::uint16_t> samples{};  ///< 0 to 65535
+  std::vector<png_bytep> rows{};
+
+  ~PngDecode() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+void on_error(png_structp png, png_const_charp message) {
+  static_cast<PngDecode*>(png_get_error_ptr(png))->error = message;
+  png_longjmp(png, 1);
+}
+
+void on_warning(png_structp, png_const_charp) {}
+
+void on_read(png_structp png, png_bytep to, std::size_t size) {
+  auto& decode = *static_cast<PngDecode*>(png_get_io_ptr(png));
+  if (size > decode.source.bytes.size() - decode.position) png_error(png, "the file ends too early");
+  std::memcpy(to, decode.source.bytes.data() + decode.position, size);
+  decode.position += size;
+}
+
+/// Asks for samples of 16 bits in this machine's order, whatever the file holds.
+void set_transformations(png_structp png) {
+  png_set_expand_16(png);  // palettes, transparent colours and low bit depths too
+  if constexpr (std::endian::native == std::endian::little) png_set_swap(png);
+  png_set_interlace_handling(png);
+}
+
+/// False, with `decode.error` set, if libpng gave up.
+bool read_header(PngDecode& decode) {
+  if (setjmp(png_jmpbuf(decode.png))) return false;
+  png_read_info(decode.png, decode.info);
+  return true;
+}
+
+bool read_pixels(PngDecode& decode) {
+  if (setjmp(png_jmpbuf(decode.png))) return false;
+  png_read_image(decode.png, decode.rows.data());
+  png_read_end(decode.png, nullptr);
+  return true;
+}
+
+bool start_pixels(PngDecode& decode) {
+  if (setjmp(png_jmpbuf(decode.png))) return false;
+  set_transformations(decode.png);
+  png_read_update_info(decode.png, decode.info);
+  return true;
+}
+
+[[noreturn]] void fail(const PngDecode& decode) {
+  decode.source.fail(decode.position, "a valid PNG (" + decode.error + ")");
+}
+
+}  // namespace
+
+Image parse_png(const Source& source) {
+  PngDecode decode{source};
+  decode.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decode, on_error, on_warning);
+  if (decode.png) decode.info = png_create_info_struct(decode.png);
+  if (!decode.info) throw std::bad_alloc();
+  png_set_read_fn(decode.png, &decode, on_read);
+  if (!read_header(decode)) fail(decode);
+
+  // A pixel may take a bit, and deflate packs 1032 to 1.
+  const std::size_t width = png_get_image_width(decode.png, decode.info);
+  const std::size_t height = png_get_image_height(decode.png, decode.info);
+  expect_plausible_size(source, 16, width, height, 8 * 1032);
+  if (!start_pixels(decode)) fail(decode);
+  const std::size_t row_samples = width * png_get_channels(decode.png, decode.info);
+  decode.samples.resize(height * row_samples);
+  for (std::size_t row = 0; row < height; ++row)
+    decode.rows.push_back(reinterpret_cast<png_bytep>(decode.samples.data() + row * row_samples));
+  if (!read_pixels(decode)) fail(decode);
+
+  Image image{.width = int(width), .height = int(height), .channels = int(row_samples / width), .pixels = {}};
+  image.pixels.reserve(decode.samples.size());
+  for (const std::uint16_t sample : decode.samples) image.pixels.push_back(float(sample) / 65535);
+  return image;
+}
+
+}  // namespace swiftgs::io

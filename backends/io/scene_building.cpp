@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene_building.hpp"
+
+#include <algorithm>
+
+#include "parallel.hpp"
+
+namespace swiftgs::io {
+namespace {
+
+// On bits, so that the loop over SH coefficients becomes integer SIMD.
+bool all_finite(const float* values, std::size_t count) {
+  bool finite = true;
+  for (std::size_t i = 0; i < count; ++i)
+    finite &= (std::bit_cast<std::uint32_t>(values[i]) & 0x7f800000u) != 0x7f800000u;
+  return finite;
+}
+
+bool renderable(const Scene& scene, std::size_t i, std::size_t rest) {
+  return all_finite(&scene.means[i].x, 3) && all_finite(&scene.scales[i].x, 3) &&
+         all_finite(&scene.rotations[i].w, 4) && all_finite(&scene.opacities[i], 1) &&
+         all_finite(&scene.sh0[i].x, 3) && all_finite(scene.sh_rest.data() + i * rest, rest);
+}
+
+template <class T>
+void keep(std::vector<T>& values, const std::vector<std::uint8_t>& wanted, std::size_t stride = 1) {
+  auto to = values.begin();
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (!wanted[i]) continue;
+    const auto from = values.begin() + std::ptrdiff_t(i * stride);
+    to = std::copy(from, from + std::ptrdiff_t(stride), to);
+  }
+  values.erase(to, values.end());
+}
+
+}  // namespace
+
+void allocate(Scene& scene, std::size_t count, int sh_degree) {
+  scene.sh_degree = sh_degree;
+  scene.means.resize(count);
+  scene.scales.resize(count);
+  scene.rotations.resize(count);
+  scene.opacities.resize(count);
+  scene.sh0.resize(count);
+  scene.sh_rest.resize(count * 3 * std::size_t(sh_rest_count(sh_degree)));
+}
+
+std::uint64_t drop_nonfinite(Scene& scene) {
+  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  std::vector<std::uint8_t> wanted(scene.size());
+  for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) wanted[i] = renderable(scene, i, rest);
+  });
+  const auto dropped = std::uint64_t(std::count(wanted.begin(), wanted.end(), 0));
+  if (dropped == 0) return 0;
+  keep(scene.means, wanted);
+  keep(scene.scales, wanted);
+  keep(scene.rotations, wanted);
+  keep(scene.opacities, wanted);
+  keep(scene.sh0, wanted);
+  keep(scene.sh_rest, wanted, rest);
+  return dropped;
+}
+
+}  // namespace swiftgs::io

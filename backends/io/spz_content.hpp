@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "bytes.hpp"
+
+/// @file
+/// An SPZ file unpacked: its header and its attribute arrays, whichever container they came in.
+
+namespace swiftgs::io {
+
+inline constexpr std::uint32_t spz_magic = 0x5053474e;  // "NGSP"
+inline constexpr std::size_t spz_header_size = 16;      ///< in versions 1 to 3 all of it
+
+struct SpzHeader {
+  std::uint32_t version = 0;
+  std::uint32_t count = 0;
+  int sh_degree = 0;
+  int fractional_bits = 0;
+  bool antialiased = false;
+  bool has_extensions = false;
+};
+
+enum SpzAttribute {
+  spz_positions,
+  spz_alphas,
+  spz_colours,
+  spz_scales,
+  spz_rotations,
+  spz_sh,
+  spz_attributes
+};
+
+/// Bytes that one Gaussian takes in each attribute array.
+std::array<std::size_t, spz_attributes> spz_sizes(const SpzHeader& header);
+
+/// Bytes of all attribute arrays together.
+std::size_t spz_total(const SpzHeader& header);
+
+struct SpzContent {
+  SpzHeader header;
+  std::array<std::span<const std::byte>, spz_attributes> arrays{};
+  std::uint32_t coordinate_system = 0;  ///< of the extension 0xADBE0003; 0 if it is absent
+  std::unique_ptr<std::byte[]> storage{};
+};
+
+/// The fields that all versions share. `first` holds at least 16 bytes.
+SpzHeader parse_spz_header(const Source& source, const std::byte* first);
+
+/// Walks extension records and returns the coordinate system that one of them states, or 0. Errors are placed
+/// at `offset` of the file, where `records` (or what it was unpacked from) starts.
+std::uint32_t parse_spz_extensions(const Source& source, std::span<const std::byte> records,
+                                   std::uint64_t offset);
+
+SpzContent unpack_spz_gzip(const Source& source);     ///< versions 1 to 3
+SpzContent unpack_spz_plain(const Source& source);    ///< versions 1 to 3 without gzip
+SpzContent unpack_spz_streams(const Source& source);  ///< version 4
+
+/// Sets `content.arrays` to the attribute arrays that lie back to back from `data` on.
+void split_arrays(SpzContent& content, const std::byte* data);
+
+}  // namespace swiftgs::io

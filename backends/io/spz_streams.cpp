@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <string>
+
+#include <zstd.h>
+
+#include "spz_content.hpp"
+
+namespace swiftgs::io {
+namespace {
+
+constexpr std::uint64_t v4_header_size = 32;
+
+struct StreamSizes {
+  std::uint64_t packed, unpacked;
+};
+
+/// Reads the table of contents and checks it against the header and the file, before any memory is taken.
+std::array<StreamSizes, spz_attributes> read_table(ByteReader& reader, const SpzHeader& header) {
+  const auto sizes = spz_sizes(header);
+  std::array<StreamSizes, spz_attributes> table{};
+  for (int a = 0; a < spz_attributes; ++a) {
+    const std::uint64_t expected = header.count * sizes[a];
+    if (expected == 0) continue;  // an attribute without bytes has no stream
+    table[a] = {reader.read<std::uint64_t>("a stream size"), reader.read<std::uint64_t>("a stream size")};
+    if (table[a].unpacked != expected)
+      reader.fail("a stream that unpacks to " + std::to_string(expected) + " bytes, found " +
+                  std::to_string(table[a].unpacked));
+  }
+  return table;
+}
+
+/// Unpacks one zstd frame, which must fill `size` bytes of both sides exactly.
+void unpack_frame(const Source& source, std::uint64_t offset, StreamSizes size, std::byte* to) {
+  const std::byte* from = source.bytes.data() + offset;
+  if (ZSTD_findFrameCompressedSize(from, size.packed) != size.packed)
+    source.fail(offset, "one zstd frame of " + std::to_string(size.packed) + " bytes");
+  const std::size_t unpacked = ZSTD_decompress(to, size.unpacked, from, size.packed);
+  if (ZSTD_isError(unpacked))
+    source.fail(offset, std::string("a valid zstd frame (") + ZSTD_getErrorName(unpacked) + ")");
+  if (unpacked != size.unpacked)
+    source.fail(offset, "a zstd frame of " + std::to_string(size.unpacked) + " bytes unpacked, found " +
+                            std::to_string(unpacked));
+}
+
+}  // namespace
+
+SpzContent unpack_spz_streams(const Source& source) {
+  ByteReader reader(source);
+  const std::byte* first = reader.take(v4_header_size, "the header of SPZ version 4");
+  SpzContent content{.header = parse_spz_header(source, first)};
+  const SpzHeader& header = content.header;
+  const int streams = std::to_integer<int>(first[15]), expected_streams = header.sh_degree == 0 ? 5 : 6;
+  const auto table_offset = load<std::uint32_t>(first + 16);
+  // A bound on what zstd may unpack from this file; the format's own.
+  if (header.count > source.bytes.size() * 1024 / 9)
+    source.fail(8, "a file that can hold " + std::to_string(header.count) + " Gaussians");
+  if (streams != expected_streams)
+    source.fail(15, std::to_string(expected_streams) + " streams, found " + std::to_string(streams));
+  if (table_offset < v4_header_size || table_offset > source.bytes.size())
+    source.fail(16, "a table of contents inside the file");
+  if (header.has_extensions)
+    content.coordinate_system = parse_spz_extensions(
+        source, source.bytes.subspan(v4_header_size, table_offset - v4_header_size), v4_header_size);
+
+  ByteReader table_reader(source, table_offset);
+  const auto table = read_table(table_reader, header);
+  content.storage = std::make_unique_for_overwrite<std::byte[]>(spz_total(header));
+  split_arrays(content, content.storage.get());
+  std::byte* to = content.storage.get();
+  for (const StreamSizes& size : table) {
+    if (size.unpacked == 0) continue;
+    const std::uint64_t offset = table_reader.position();
+    table_reader.take(size.packed, "a stream");
+    unpack_frame(source, offset, size, to);
+    to += size.unpacked;
+  }
+  table_reader.expect_end("the last stream");
+  return content;
+}
+
+}  // namespace swiftgs::io

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <swiftgs/frame.hpp>
+
+namespace swiftgs {
+
+/// A picture from a file, rows from top to bottom.
+struct Image {
+  int width = 0, height = 0;
+  int channels = 0;           ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha
+  std::vector<float> pixels;  ///< @shape{height, width, channels} 0 to 1 from integer files, else as stored
+};
+
+/// Reads a PNG (8 or 16 bits), a JPEG, a PFM or, where built with OpenEXR, an EXR. The content decides which,
+/// never the name. Values are those of the file: no gamma is applied, no colour profile is used. Throws
+/// `FormatError`, or `std::system_error` if the file cannot be read.
+Image read_image(const std::filesystem::path& path);
+
+/// The same from memory; `name` stands for the file in error messages.
+Image read_image(std::span<const std::byte> bytes, const std::string& name);
+
+/// Writes colour as 8-bit RGB, clamped to 0 to 1 and rounded; a NaN becomes 0. Values are taken to be what a
+/// display is sent, as trained scenes have them: no gamma is applied. The writers throw
+/// `std::invalid_argument` if the frame holds no colour, or `std::system_error` if the file cannot be
+/// written.
+void write_png(const std::filesystem::path& path, const Frame& frame);
+
+/// Writes colour as three floats a pixel in the byte order of this machine, which the file states.
+void write_pfm(const std::filesystem::path& path, const Frame& frame);
+
+/// Writes float channels R, G, B, and A and Z (depth) if the frame has them. Throws `std::runtime_error` in a
+/// build without OpenEXR.
+void write_exr(const std::filesystem::path& path, const Frame& frame);
+
+}  // namespace swiftgs

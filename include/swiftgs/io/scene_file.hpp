@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <swiftgs/scene.hpp>
+
+namespace swiftgs {
+
+/// World axes that an SPZ file is stored in; letters name where +x, +y, +z point (Right, Left, Up, Down,
+/// Forward, Back). A scene in memory is always RDF, the axes of COLMAP and of INRIA's files.
+enum class SpzFrame {
+  specified,  ///< what the file's coordinate-system extension says; without one RUB, as the format specifies
+  rub,
+  rdf,
+  luf,
+  raw,  ///< numbers as stored, whatever the file says: for files that a tool wrote without conversion
+};
+
+struct SceneReadOptions {
+  SpzFrame spz_frame = SpzFrame::specified;
+};
+
+/// A scene and what reading it brought up.
+struct SceneFile {
+  Scene scene;
+  std::string format;                   ///< such as "INRIA PLY (binary_little_endian)" or "SPZ version 2"
+  std::uint64_t stored = 0;             ///< Gaussians in the file
+  std::uint64_t dropped_nonfinite = 0;  ///< those of them with a NaN or an infinity that cannot be rendered
+  std::vector<std::string> notes;       ///< what of the file the scene does not carry, a sentence each
+};
+
+/// Reads an INRIA PLY or an SPZ file (versions 1 to 4). The content decides which, never the name.
+///
+/// A Gaussian with a NaN, or with an infinite mean, rotation, SH coefficient or scale, is counted and left
+/// out. A scale of 0 and an opacity of 0 or 1 are legal, whatever infinity the file writes them as. The file
+/// must not change while it is read. Throws `FormatError`, or `std::system_error` if it cannot be read.
+SceneFile read_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
+
+/// `read_scene(path, options).scene`.
+Scene load_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
+
+/// The same from memory; `name` stands for the file in error messages.
+SceneFile read_scene(std::span<const std::byte> bytes, const std::string& name,
+                     const SceneReadOptions& options = {});
+
+/// An INRIA PLY from memory. Throws `FormatError`.
+SceneFile read_ply(std::span<const std::byte> bytes, const std::string& name);
+
+/// An SPZ file from memory. Throws `FormatError`.
+SceneFile read_spz(std::span<const std::byte> bytes, const std::string& name,
+                   const SceneReadOptions& options = {});
+
+/// Writes an INRIA PLY, little-endian floats, with as many `f_rest` properties as the scene has bands.
+/// Opacities are clamped to [1e-6, 1 - 1e-6], because the file holds logits; a scale of 0 becomes -infinity.
+/// Throws `std::invalid_argument` as `validate` does, or `std::system_error` if the file cannot be written.
+void write_ply(const std::filesystem::path& path, const Scene& scene);
+
+}  // namespace swiftgs
