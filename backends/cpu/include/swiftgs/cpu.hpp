@@ -80,4 +80,13 @@ class Cpu {
 
 static_assert(BackendPolicy<Cpu>);
 
+/// Vector kernels of the library's rasterizers: a row of 16 pixels at a time.
+void rasterize(Cpu& cpu, PerPixel, const RasterJob& job);
+void rasterize(Cpu& cpu, AxisShared<HalfSplit>, const RasterJob& job);
+void rasterize(Cpu& cpu, AxisShared<FloatSplit>, const RasterJob& job);
+void rasterize(Cpu& cpu, AxisShared<FloatCholesky>, const RasterJob& job);
+void rasterize(Cpu& cpu, AxisSharedThreshold<HalfSplit>, const RasterJob& job);
+void rasterize(Cpu& cpu, AxisSharedThreshold<FloatSplit>, const RasterJob& job);
+void rasterize(Cpu& cpu, AxisSharedThreshold<FloatCholesky>, const RasterJob& job);
+
 }  // namespace swiftgs

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <swiftgs/cpu.hpp>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "raster_float_cholesky.cpp"
+#include <hwy/foreach_target.h>  // compiles this file for every target
+#include <hwy/highway.h>
+
+#include "raster-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace swiftgs::HWY_NAMESPACE {
+
+/// log2(alpha) = c[y] - (p[x] + q[y])^2: the terms that refuse rows are the terms of the pixels.
+template <bool kThreshold>
+class FloatCholeskyForm {
+ public:
+  explicit FloatCholeskyForm(const BlendRules& rules)
+      : alpha_min_(rules.alpha_min), log2_alpha_min_(std::log2(rules.alpha_min)) {}
+
+  HWY_INLINE std::uint32_t Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
+                                   float log2_alpha_min) {
+    return PrepareRows(shape, first_centre, log2_alpha_min, terms_[k]);
+  }
+
+  HWY_INLINE bool Alpha(std::size_t k, std::size_t row, std::size_t column, Mask live, Mask& kept,
+                        Vec& alpha) const {
+    const F32 d;
+    const CholeskyTerms& HWY_RESTRICT t = terms_[k];
+    const Vec u = hn::Add(hn::Load(d, t.p + column), hn::Set(d, t.q[row]));
+    const Vec log2_alpha = hn::NegMulAdd(u, u, hn::Set(d, t.c[row]));
+    if constexpr (kThreshold) {
+      kept = hn::And(live, hn::Ge(log2_alpha, hn::Set(d, log2_alpha_min_)));
+      if (hn::AllFalse(d, kept)) return false;
+      alpha = Exp2(d, log2_alpha);
+    } else {
+      alpha = Exp2(d, hn::Max(log2_alpha, hn::Set(d, -126.0f)));
+      kept = hn::And(live, hn::Ge(alpha, hn::Set(d, alpha_min_)));
+    }
+    return true;
+  }
+
+ private:
+  float alpha_min_, log2_alpha_min_;
+  alignas(64) CholeskyTerms terms_[batch_size];
+};
+
+void FloatCholeskyTiles(const RasterJob& job, bool threshold, std::size_t begin, std::size_t end) {
+  threshold ? RenderTilesOf<FloatCholeskyForm<true>>(job, begin, end)
+            : RenderTilesOf<FloatCholeskyForm<false>>(job, begin, end);
+}
+
+}  // namespace swiftgs::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace swiftgs {
+namespace {
+HWY_EXPORT(FloatCholeskyTiles);
+
+void run(Cpu& cpu, const RasterJob& job, bool threshold) {
+  cpu.for_parts(job.grid.size(), 4, [&](std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(FloatCholeskyTiles)(job, threshold, begin, end);
+  });
+}
+}  // namespace
+
+void rasterize(Cpu& cpu, AxisShared<FloatCholesky>, const RasterJob& job) { run(cpu, job, false); }
+void rasterize(Cpu& cpu, AxisSharedThreshold<FloatCholesky>, const RasterJob& job) { run(cpu, job, true); }
+
+}  // namespace swiftgs
+#endif

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <swiftgs/cpu.hpp>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "raster_per_pixel.cpp"
+#include <hwy/foreach_target.h>  // compiles this file for every target
+#include <hwy/highway.h>
+
+#include "raster-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace swiftgs::HWY_NAMESPACE {
+
+/// Each pixel evaluates its whole exponent and exponential.
+class PerPixelForm {
+ public:
+  explicit PerPixelForm(const BlendRules& rules) : alpha_min_(rules.alpha_min) {}
+
+  HWY_INLINE std::uint32_t Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
+                                   float log2_alpha_min) {
+    const float ln_2 = 0.69314718055994530942f;
+    splats_[k] = {shape.mean.x - first_centre.x,
+                  shape.mean.y - first_centre.y,
+                  2 * ln_2 * shape.l0 * shape.l0,
+                  2 * ln_2 * shape.l0 * shape.l1,
+                  2 * ln_2 * (shape.l1 * shape.l1 + shape.l2 * shape.l2),
+                  shape.opacity};
+    CholeskyTerms rows;
+    return PrepareRows(shape, first_centre, log2_alpha_min, rows);
+  }
+
+  HWY_INLINE bool Alpha(std::size_t k, std::size_t row, std::size_t column, Mask live, Mask& kept,
+                        Vec& alpha) const {
+    const F32 d;
+    const Splat& HWY_RESTRICT splat = splats_[k];
+    const Vec dx = hn::Sub(hn::Iota(d, float(column)), hn::Set(d, splat.mean_x));
+    const Vec dy = hn::Sub(hn::Set(d, float(row)), hn::Set(d, splat.mean_y));
+    const Vec along_x = hn::Mul(hn::Mul(hn::Set(d, splat.a), dx), dx);
+    const Vec squares = hn::MulAdd(hn::Mul(hn::Set(d, splat.c), dy), dy, along_x);
+    const Vec mixed = hn::Mul(hn::Mul(hn::Set(d, splat.b), dx), dy);
+    const Vec sigma = hn::MulAdd(hn::Set(d, 0.5f), squares, mixed);
+    const Vec exponent = hn::Mul(sigma, hn::Set(d, float(-log2_e)));
+    alpha = hn::Mul(hn::Set(d, splat.opacity), Exp2(d, hn::Max(exponent, hn::Set(d, -126.0f))));
+    kept = hn::And(hn::And(live, hn::Ge(sigma, hn::Zero(d))), hn::Ge(alpha, hn::Set(d, alpha_min_)));
+    return true;
+  }
+
+ private:
+  struct Splat {
+    float mean_x, mean_y;  ///< from the tile's first pixel centre
+    float a, b, c;         ///< conic: sigma = (a dx^2 + c dy^2) / 2 + b dx dy
+    float opacity;
+  };
+  float alpha_min_;
+  Splat splats_[batch_size];
+};
+
+void PerPixelTiles(const RasterJob& job, std::size_t begin, std::size_t end) {
+  RenderTilesOf<PerPixelForm>(job, begin, end);
+}
+
+}  // namespace swiftgs::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace swiftgs {
+namespace {
+HWY_EXPORT(PerPixelTiles);
+}  // namespace
+
+void rasterize(Cpu& cpu, PerPixel, const RasterJob& job) {
+  cpu.for_parts(job.grid.size(), 4, [&](std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(PerPixelTiles)(job, begin, end);
+  });
+}
+
+}  // namespace swiftgs
+#endif
