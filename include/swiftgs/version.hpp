@@ -6,6 +6,7 @@
 /// @file
 /// The version of the library. The build reads it from here; it is written nowhere else.
 
+/// Forward rendering of 3D Gaussian splatting, composed of policies.
 namespace swiftgs {
 
 inline constexpr int version_major = 0;  ///< raised by a change that breaks callers

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #define DOCTEST_CONFIG_IMPLEMENT
+#include <iostream>
+
 #include <doctest/doctest.h>
 
 #include "support/skip.hpp"
@@ -45,6 +47,9 @@ int main(int argc, char** argv) {
   doctest::Context context(argc, argv);
   const int result = context.run();
   if (context.shouldExit() || result != 0) return result;
-  if (tests_run == 0) return 1;
+  if (tests_run == 0) {
+    std::cerr << "no test case matched; a name may hold neither a comma nor a semicolon\n";
+    return 1;
+  }
   return tests_skipped == tests_run ? exit_skipped : 0;
 }
