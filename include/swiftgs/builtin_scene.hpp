@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// A scene that needs no file: a still life on a terrace above a valley, in as many Gaussians as asked for.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/builtin/emit.hpp>
+#include <swiftgs/builtin/landscape.hpp>
+#include <swiftgs/builtin/plants.hpp>
+#include <swiftgs/builtin/still_life.hpp>
+#include <swiftgs/builtin/terrace.hpp>
+#include <swiftgs/camera.hpp>
+#include <swiftgs/scene.hpp>
+
+namespace swiftgs {
+
+namespace builtin {
+
+/// A surface of the still life and its part of all Gaussians.
+struct Part {
+  Surface surface;
+  double share;
+  bool casts_shadow;
+};
+
+inline std::vector<Part> still_life() {
+  return {{terrace_tiles(), 0.22, false},
+          {kerb(), 0.025, false},
+          {drum(), 0.045, true},
+          {knot(), 0.15, true},
+          {vase(), 0.08, true},
+          {nautilus(), 0.08, true},
+          {ball(at(-0.50, 0.125, -1.20), 0.125, dvec3(0.62, 0.045, 0.035)), 0.014, true},
+          {ball(at(0.36, 0.09, -1.38), 0.09, dvec3(0.80, 0.45, 0.05)), 0.009, true},
+          {ball(at(-0.86, 0.075, -0.86), 0.075, dvec3(0.10, 0.36, 0.30)), 0.007, true}};
+}
+
+inline Light light_of(const std::vector<Part>& parts) {
+  Light light;
+  for (const Part& part : parts)
+    for (std::uint64_t i = 0; part.casts_shadow && i < 40'000; ++i) {
+      const SquarePoint q(i);
+      light.add_occluder(part.surface.point(q.u, q.v));
+    }
+  return light;
+}
+
+}  // namespace builtin
+
+/// Gaussians of the built-in scene unless another number is asked for.
+inline constexpr std::size_t builtin_scene_size = 200'000;
+
+/// The built-in scene in exactly `count` Gaussians of SH degree 3. One unit is a metre, y points down, the
+/// still life stands at the origin, the sky is 190 m away. The same picture at any count: standard deviations
+/// shrink as count^(-1/2). Scales, opacities and anisotropy are spread as in trained captures.
+///
+/// Reproducible: integers decide everything random, and functions that differ between C libraries are not
+/// used. A compiler that contracts multiplications and additions may change the last bit of a value.
+inline Scene make_builtin_scene(std::size_t count = builtin_scene_size) {
+  using namespace builtin;
+  Scene scene;
+  scene.sh_degree = 3;
+  scene.means.resize(count), scene.scales.resize(count), scene.rotations.resize(count);
+  scene.opacities.resize(count), scene.sh0.resize(count), scene.sh_rest.resize(45 * count);
+
+  double share_so_far = 0;
+  std::size_t begin = 0;
+  const auto range = [&](double share) {
+    share_so_far += share;
+    const std::size_t end = std::min(count, std::size_t(std::floor(share_so_far * double(count) + 0.5)));
+    return Sink(scene, std::exchange(begin, end), end);
+  };
+
+  const std::vector<Part> parts = still_life();
+  const Light light = light_of(parts);
+  std::uint64_t stream = 100;
+  for (const Part& part : parts) emit(part.surface, stream++, range(part.share), light);
+
+  const double fineness = std::sqrt(double(count) / double(builtin_scene_size));
+  emit_plumes(201, range(0.04), fineness);
+  emit_trees(202, range(0.045));
+  emit_balloon(204, range(0.005));
+  emit_land(205, range(0.13));
+  emit_sky(206, range(0.07));
+  emit_floaters(207, range(0.01), fineness);
+  emit_grass(208, Sink(scene, begin, count), fineness);
+  return scene;
+}
+
+/// The view that the built-in scene is composed for.
+inline Camera builtin_camera(int width = 1280, int height = 720) {
+  Camera camera =
+      look_at(builtin::at(-0.9, 1.5, -4.0), builtin::at(0.03, 0.90, 0), dvec3(0, -1, 0), 0.76, width, height);
+  camera.name = "front";
+  return camera;
+}
+
+/// `views` cameras in a circle around the still life, the first at the front.
+inline std::vector<Camera> builtin_cameras(int views = 24, int width = 1280, int height = 720) {
+  std::vector<Camera> cameras;
+  for (int k = 0; k < views; ++k) {
+    const double turn = double(k) / views - 0.25, rise = 1.7 + 0.35 * builtin::sin_turns(2.0 * k / views);
+    const dvec3 eye = builtin::at(4.2 * builtin::cos_turns(turn), rise, 4.2 * builtin::sin_turns(turn));
+    cameras.push_back(look_at(eye, builtin::at(0, 0.78, 0), dvec3(0, -1, 0), 0.76, width, height));
+    cameras.back().name = "orbit-" + std::to_string(k / 10) + std::to_string(k % 10);
+  }
+  return cameras;
+}
+
+}  // namespace swiftgs
