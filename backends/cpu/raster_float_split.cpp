@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <swiftgs/cpu.hpp>
 
+// Compile the rest of this file for every target; the order of these lines matters.
+// clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raster_float_split.cpp"
-#include <hwy/foreach_target.h>  // compiles this file for every target
+#include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-
 #include "raster-inl.hpp"
+// clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {

@@ -80,6 +80,19 @@ class Cpu {
 
 static_assert(BackendPolicy<Cpu>);
 
+/// Visible splats of each chunk of Gaussians, before the chunks are moved together.
+template <>
+struct ProjectScratch<Cpu> {
+  HostBuffer<SplatShape> shapes;
+  HostBuffer<float> depths;
+  HostBuffer<std::uint32_t> ids;
+  HostBuffer<std::size_t> counts;
+};
+
+/// Vector kernel of the projection: a lane a Gaussian.
+void project(Cpu& cpu, const ViewConstants& constants, const SceneView& scene, ProjectScratch<Cpu>& scratch,
+             Splats<Cpu>& splats);
+
 /// Vector kernels of the library's rasterizers: a row of 16 pixels at a time.
 void rasterize(Cpu& cpu, PerPixel, const RasterJob& job);
 void rasterize(Cpu& cpu, AxisShared<HalfSplit>, const RasterJob& job);

@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+#include <swiftgs/cpu.hpp>
+
+// Compile the rest of this file for every target; the order of these lines matters.
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "project.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+#include <hwy/cache_control.h>
+#include <hwy/contrib/math/math-inl.h>
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace swiftgs::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using F32 = hn::CappedTag<float, 16>;
+using F64 = hn::Repartition<double, F32>;
+using Half32 = hn::Half<F32>;
+using Vec = hn::Vec<F32>;
+using Vec64 = hn::Vec<F64>;
+using Mask = hn::Mask<F32>;
+constexpr std::size_t lanes = hn::MaxLanes(F32());
+
+/// A group of lanes in double: the lower half, then the upper.
+struct Wide {
+  Vec64 low, high;
+};
+
+HWY_INLINE Wide Promote(Vec v) {
+  return {hn::PromoteTo(F64(), hn::LowerHalf(Half32(), v)), hn::PromoteTo(F64(), hn::UpperHalf(Half32(), v))};
+}
+HWY_INLINE Vec Demote(const Wide& v) {
+  return hn::Combine(F32(), hn::DemoteTo(Half32(), v.high), hn::DemoteTo(Half32(), v.low));
+}
+HWY_INLINE Wide Minus(const Wide& a, double b) {
+  const Vec64 all = hn::Set(F64(), b);
+  return {hn::Sub(a.low, all), hn::Sub(a.high, all)};
+}
+HWY_INLINE Wide Dot(const Wide& x, const Wide& y, const Wide& z, const double* row) {
+  const Vec64 rx = hn::Set(F64(), row[0]), ry = hn::Set(F64(), row[1]), rz = hn::Set(F64(), row[2]);
+  return {hn::MulAdd(rx, x.low, hn::MulAdd(ry, y.low, hn::Mul(rz, z.low))),
+          hn::MulAdd(rx, x.high, hn::MulAdd(ry, y.high, hn::Mul(rz, z.high)))};
+}
+HWY_INLINE Wide Times(const Wide& a, const Wide& b) {
+  return {hn::Mul(a.low, b.low), hn::Mul(a.high, b.high)};
+}
+HWY_INLINE Wide Inverse(const Wide& a) {
+  const Vec64 one = hn::Set(F64(), 1.0);
+  return {hn::Div(one, a.low), hn::Div(one, a.high)};
+}
+HWY_INLINE Wide ScaleAdd(const Wide& a, double scale, double offset) {
+  const Vec64 s = hn::Set(F64(), scale), o = hn::Set(F64(), offset);
+  return {hn::MulAdd(a.low, s, o), hn::MulAdd(a.high, s, o)};
+}
+
+struct Vec3 {
+  Vec x, y, z;
+};
+HWY_INLINE Vec Dot(const Vec3& a, const Vec3& b) {
+  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+}
+HWY_INLINE Vec3 Cross(const Vec3& a, const Vec3& b) {
+  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
+          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
+}
+HWY_INLINE Vec3 Scale(const Vec3& a, Vec s) { return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)}; }
+HWY_INLINE Vec3 LoadVec3(const vec3* HWY_RESTRICT v) {
+  Vec3 out;
+  hn::LoadInterleaved3(F32(), &v->x, out.x, out.y, out.z);
+  return out;
+}
+
+/// Columns of the rotation matrix of q, each scaled by the standard deviation along it.
+HWY_INLINE void GaussianAxes(const Quaternion* HWY_RESTRICT rotations, const vec3* HWY_RESTRICT scales,
+                             Vec3 axes[3]) {
+  const F32 d;
+  Vec w, x, y, z;
+  hn::LoadInterleaved4(d, &rotations->w, w, x, y, z);
+  const Vec3 scale = LoadVec3(scales);
+  const Vec one = hn::Set(d, 1.0f);
+  const Vec x2 = hn::Add(x, x), y2 = hn::Add(y, y), z2 = hn::Add(z, z);
+  const Vec xx = hn::Mul(x, x2), yy = hn::Mul(y, y2), zz = hn::Mul(z, z2);
+  const Vec xy = hn::Mul(x, y2), xz = hn::Mul(x, z2), yz = hn::Mul(y, z2);
+  const Vec wx = hn::Mul(w, x2), wy = hn::Mul(w, y2), wz = hn::Mul(w, z2);
+  axes[0] = Scale({hn::Sub(one, hn::Add(yy, zz)), hn::Add(xy, wz), hn::Sub(xz, wy)}, scale.x);
+  axes[1] = Scale({hn::Sub(xy, wz), hn::Sub(one, hn::Add(xx, zz)), hn::Add(yz, wx)}, scale.y);
+  axes[2] = Scale({hn::Add(xz, wy), hn::Sub(yz, wx), hn::Sub(one, hn::Add(xx, yy))}, scale.z);
+}
+
+/// One axis of the image against the Gaussian's three: a row of J W R S.
+HWY_INLINE Vec3 ImageAxis(const ViewConstants& v, int row, Vec tangent, Vec focal_over_z,
+                          const Vec3 axes[3]) {
+  const F32 d;
+  const auto component = [&](int k) HWY_ATTR {
+    return hn::Mul(focal_over_z, hn::NegMulAdd(tangent, hn::Set(d, float(v.rotation[2][k])),
+                                               hn::Set(d, float(v.rotation[row][k]))));
+  };
+  const Vec3 direction{component(0), component(1), component(2)};
+  return {Dot(direction, axes[0]), Dot(direction, axes[1]), Dot(direction, axes[2])};
+}
+
+/// Consecutive Gaussians of a scene, `lanes` of which may be read.
+struct Group {
+  const vec3* means;
+  const vec3* scales;
+  const Quaternion* rotations;
+  const float* opacities;
+};
+
+/// Visible splats of a chunk, in the order of their Gaussians.
+struct Chunk {
+  SplatShape* shapes;
+  float* depths;
+  std::uint32_t* ids;
+  std::size_t count = 0;
+};
+
+/// Vector form of `project_shape`, and of the compaction after it.
+HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::uint32_t first_id, Chunk& out) {
+  const F32 d;
+  Vec opacity = hn::LoadU(d, group.opacities);
+  const Vec alpha_min = hn::Set(d, v.alpha_min);
+  Mask visible = hn::Ge(opacity, alpha_min);
+
+  // Move to camera space in double, and cull by depth before anything else is read.
+  const Vec3 mean = LoadVec3(group.means);
+  const Wide dx = Minus(Promote(mean.x), v.centre[0]), dy = Minus(Promote(mean.y), v.centre[1]);
+  const Wide dz = Minus(Promote(mean.z), v.centre[2]);
+  const Wide wide_z = Dot(dx, dy, dz, v.rotation[2]);
+  const Vec z = Demote(wide_z);
+  visible =
+      hn::And(visible, hn::And(hn::Gt(z, hn::Set(d, v.near_plane)), hn::Le(z, hn::Set(d, v.far_plane))));
+  if (hn::AllFalse(d, visible)) return;
+  const Wide inverse_z = Inverse(wide_z);
+  const Wide x_over_z = Times(Dot(dx, dy, dz, v.rotation[0]), inverse_z);
+  const Wide y_over_z = Times(Dot(dx, dy, dz, v.rotation[1]), inverse_z);
+
+  // Linearise within the limits of the conventions.
+  const Vec tx = hn::Min(hn::Max(Demote(x_over_z), hn::Set(d, v.tan_x_min)), hn::Set(d, v.tan_x_max));
+  const Vec ty = hn::Min(hn::Max(Demote(y_over_z), hn::Set(d, v.tan_y_min)), hn::Set(d, v.tan_y_max));
+  Vec3 axes[3];
+  GaussianAxes(group.rotations, group.scales, axes);
+  const Vec3 mx = ImageAxis(v, 0, tx, hn::Div(hn::Set(d, float(v.fx)), z), axes);
+  const Vec3 my = ImageAxis(v, 1, ty, hn::Div(hn::Set(d, float(v.fy)), z), axes);
+
+  // Factor the blurred covariance; the determinant is a sum of squares (see `project_shape`).
+  const Vec one = hn::Set(d, 1.0f), blur = hn::Set(d, v.blur);
+  const Vec xx = Dot(mx, mx), yy = Dot(my, my), xy = Dot(mx, my);
+  const Vec var_x = hn::Add(xx, blur), var_y = hn::Add(yy, blur);
+  const Vec inv_sigma_y = hn::Div(one, hn::Sqrt(var_y));
+  const Vec3 c = Scale(Cross(mx, my), inv_sigma_y);
+  const Vec sharp = Dot(c, c);
+  const Vec inv_var_y = hn::Mul(inv_sigma_y, inv_sigma_y);
+  const Vec var_x_given_y = hn::MulAdd(blur, hn::Mul(hn::Add(xx, var_y), inv_var_y), sharp);
+  const Vec largest = hn::Set(d, 3.4028234663852886e38f);
+  visible = hn::And(visible, hn::And(hn::Gt(var_x_given_y, hn::Zero(d)), hn::Gt(var_y, hn::Zero(d))));
+  visible = hn::And(visible, hn::And(hn::Le(var_x, largest), hn::Le(var_x_given_y, largest)));
+
+  if (v.antialiased) {
+    const Vec ratio = hn::Max(hn::Div(sharp, var_x_given_y), hn::Set(d, v.min_compensation));
+    opacity = hn::Mul(opacity, hn::Sqrt(ratio));
+    visible = hn::And(visible, hn::Ge(opacity, alpha_min));
+  }
+
+  const float to_base_2 = 0.84932180028801904272f;  // sqrt(log2(e) / 2)
+  const Vec mean_x = Demote(ScaleAdd(x_over_z, v.fx, v.cx)), mean_y = Demote(ScaleAdd(y_over_z, v.fy, v.cy));
+  const Vec l0 = hn::Div(hn::Set(d, to_base_2), hn::Sqrt(var_x_given_y));
+  const Vec l1 = hn::Neg(hn::Mul(l0, hn::Mul(xy, inv_var_y)));
+  const Vec l2 = hn::Mul(hn::Set(d, to_base_2), inv_sigma_y);
+  const Vec reach = hn::Max(hn::CallLog2(d, hn::Div(opacity, alpha_min)), hn::Zero(d));
+  const Vec extent = hn::Mul(hn::Sqrt(reach), hn::Set(d, 1 / to_base_2));
+  const Vec half_width = hn::Mul(extent, hn::Sqrt(var_x)), half_height = hn::Mul(extent, hn::Sqrt(var_y));
+  const Vec first = hn::Set(d, 0.5f);
+  visible = hn::And(visible, hn::And(hn::Ge(hn::Add(mean_x, half_width), first),
+                                     hn::Ge(hn::Add(mean_y, half_height), first)));
+  visible = hn::And(visible, hn::And(hn::Le(hn::Sub(mean_x, half_width), hn::Set(d, v.width - 0.5f)),
+                                     hn::Le(hn::Sub(mean_y, half_height), hn::Set(d, v.height - 0.5f))));
+  if (hn::AllFalse(d, visible)) return;
+
+  // Move visible lanes to the front, and from arrays of members to an array of structures.
+  alignas(64) float front[lanes * 4], back[lanes * 4];
+  const auto pack = [&](Vec value) HWY_ATTR { return hn::Compress(value, visible); };
+  hn::StoreInterleaved4(pack(mean_x), pack(mean_y), pack(l0), pack(l1), d, front);
+  hn::StoreInterleaved4(pack(l2), pack(opacity), pack(reach), pack(half_width), d, back);
+  const hn::RebindToUnsigned<F32> du;
+  hn::StoreU(pack(z), d, out.depths + out.count);
+  hn::StoreU(hn::Compress(hn::Iota(du, first_id), hn::RebindMask(du, visible)), du, out.ids + out.count);
+  const std::size_t count = hn::CountTrue(d, visible);
+  for (std::size_t i = 0; i < count; ++i) {
+    float* shape = reinterpret_cast<float*>(out.shapes + out.count + i);
+    std::memcpy(shape, front + 4 * i, 4 * sizeof(float));
+    std::memcpy(shape + 4, back + 4 * i, 4 * sizeof(float));
+  }
+  out.count += count;
+}
+
+/// Projects Gaussians [begin, end) and returns how many of them are visible.
+std::size_t ProjectChunk(const ViewConstants& v, const SceneView& scene, std::size_t begin, std::size_t end,
+                         SplatShape* shapes, float* depths, std::uint32_t* ids) {
+  Chunk out{shapes, depths, ids};
+  std::size_t i = begin;
+  for (; i + lanes <= end; i += lanes)
+    ProjectGroup(v, {&scene.means[i], &scene.scales[i], &scene.rotations[i], &scene.opacities[i]},
+                 std::uint32_t(i), out);
+  if (i == end) return out.count;
+
+  // The scene's arrays end with it: copy the rest to where a whole group can be read. Lanes beyond are
+  // transparent.
+  vec3 means[lanes], scales[lanes];
+  Quaternion rotations[lanes];
+  float opacities[lanes] = {};
+  for (std::size_t k = 0; k < lanes; ++k) means[k] = scales[k] = vec3(0);
+  for (std::size_t k = 0; k < end - i; ++k) {
+    means[k] = scene.means[i + k], scales[k] = scene.scales[i + k];
+    rotations[k] = scene.rotations[i + k], opacities[k] = scene.opacities[i + k];
+  }
+  ProjectGroup(v, {means, scales, rotations, opacities}, std::uint32_t(i), out);
+  return out.count;
+}
+
+/// Bands 1 to `degree` in directions `d`: element k is the basis function with index k + 1.
+HWY_INLINE void ShBasis(int degree, const Vec3& v, float (*HWY_RESTRICT basis)[lanes]) {
+  const F32 d;
+  const auto put = [&](int k, float constant, Vec value)
+                       HWY_ATTR { hn::StoreU(hn::Mul(hn::Set(d, constant), value), d, basis[k]); };
+  put(0, -sh::c1, v.y), put(1, sh::c1, v.z), put(2, -sh::c1, v.x);
+  if (degree < 2) return;
+  const Vec xx = hn::Mul(v.x, v.x), yy = hn::Mul(v.y, v.y), zz = hn::Mul(v.z, v.z), xy = hn::Mul(v.x, v.y);
+  const Vec two = hn::Set(d, 2.0f), three = hn::Set(d, 3.0f), four = hn::Set(d, 4.0f);
+  const Vec xx_plus_yy = hn::Add(xx, yy), xx_minus_yy = hn::Sub(xx, yy);
+  put(3, sh::c2[0], xy);
+  put(4, sh::c2[1], hn::Mul(v.y, v.z));
+  put(5, sh::c2[2], hn::MulSub(two, zz, xx_plus_yy));
+  put(6, sh::c2[3], hn::Mul(v.x, v.z));
+  put(7, sh::c2[4], xx_minus_yy);
+  if (degree < 3) return;
+  const Vec four_zz_rest = hn::MulSub(four, zz, xx_plus_yy);
+  put(8, sh::c3[0], hn::Mul(v.y, hn::MulSub(three, xx, yy)));
+  put(9, sh::c3[1], hn::Mul(xy, v.z));
+  put(10, sh::c3[2], hn::Mul(v.y, four_zz_rest));
+  put(11, sh::c3[3], hn::Mul(v.z, hn::NegMulAdd(three, xx_plus_yy, hn::Add(zz, zz))));
+  put(12, sh::c3[4], hn::Mul(v.x, four_zz_rest));
+  put(13, sh::c3[5], hn::Mul(v.z, xx_minus_yy));
+  put(14, sh::c3[6], hn::Mul(v.x, hn::NegMulAdd(three, yy, xx)));
+}
+
+/// Colours of `count` Gaussians, by their ids. The basis is evaluated a lane a Gaussian; the sum over
+/// coefficients takes one Gaussian at a time, because its coefficients lie together and those of the next
+/// visible one do not.
+void ShadeSplats(const ViewConstants& v, const SceneView& scene, const std::uint32_t* HWY_RESTRICT ids,
+                 const float* HWY_RESTRICT depths, std::size_t count, SplatColour* HWY_RESTRICT colours) {
+  const F32 d;
+  const int degree = scene.sh_degree, coefficients = sh_rest_count(degree);
+  const std::size_t stride = std::size_t(scene.sh_stride);
+  alignas(64) float basis[sh_rest_count(max_sh_degree)][lanes];
+  for (std::size_t first = 0; first < count; first += lanes) {
+    const std::size_t here = std::min(lanes, count - first);
+    if (degree > 0) {
+      alignas(64) float x[lanes] = {}, y[lanes] = {}, z[lanes] = {};
+      for (std::size_t k = 0; k < here; ++k) {
+        const vec3 mean = scene.means[ids[first + k]];
+        x[k] = float(mean.x - v.centre[0]), y[k] = float(mean.y - v.centre[1]),
+        z[k] = float(mean.z - v.centre[2]);
+      }
+      const Vec3 direction{hn::Load(d, x), hn::Load(d, y), hn::Load(d, z)};
+      const Vec squared = Dot(direction, direction);
+      ShBasis(degree, Scale(direction, hn::Div(hn::Set(d, 1.0f), hn::Sqrt(squared))), basis);
+    }
+    for (std::size_t k = 0; k < here; ++k) {
+      const std::size_t id = ids[first + k];
+      const std::size_t ahead = first + k + lanes;
+      if (degree > 0 && ahead < count)
+        for (std::size_t line = 0; line < stride; line += 16)
+          hwy::Prefetch(&scene.sh_rest[ids[ahead] * stride + line]);
+      const vec3 sh0 = scene.sh0[id];
+      const float* HWY_RESTRICT rest = scene.sh_rest.data + id * stride;
+      float r = 0.5f + sh::c0 * sh0.x, g = 0.5f + sh::c0 * sh0.y, b = 0.5f + sh::c0 * sh0.z;
+      for (int j = 0; j < coefficients; ++j) {
+        const float weight = basis[j][k];
+        r += weight * rest[3 * j], g += weight * rest[3 * j + 1], b += weight * rest[3 * j + 2];
+      }
+      colours[first + k] = {vec3(std::max(r, 0.0f), std::max(g, 0.0f), std::max(b, 0.0f)), depths[first + k]};
+    }
+  }
+}
+
+}  // namespace swiftgs::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace swiftgs {
+namespace {
+
+HWY_EXPORT(ProjectChunk);
+HWY_EXPORT(ShadeSplats);
+
+/// Gaussians that one task projects; fixed, so that the order of the splats does not depend on the threads.
+constexpr std::size_t chunk_size = 4096;
+
+}  // namespace
+
+void project(Cpu& cpu, const ViewConstants& constants, const SceneView& scene, ProjectScratch<Cpu>& scratch,
+             Splats<Cpu>& splats) {
+  // Project each chunk to a place of its own.
+  const std::size_t n = scene.size(), chunks = (n + chunk_size - 1) / chunk_size;
+  scratch.shapes.reset(n), scratch.depths.reset(n), scratch.ids.reset(n), scratch.counts.reset(chunks);
+  cpu.for_parts(chunks, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t chunk = first; chunk < last; ++chunk) {
+      const std::size_t begin = chunk * chunk_size, end = std::min(begin + chunk_size, n);
+      scratch.counts.data()[chunk] =
+          HWY_DYNAMIC_DISPATCH(ProjectChunk)(constants, scene, begin, end, scratch.shapes.data() + begin,
+                                             scratch.depths.data() + begin, scratch.ids.data() + begin);
+    }
+  });
+
+  // Move the chunks together, and evaluate the colours of what is visible.
+  std::size_t* offsets = scratch.counts.data();
+  splats.count = 0;
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk)
+    splats.count += std::exchange(offsets[chunk], splats.count);
+  splats.shapes.reset(splats.count), splats.colours.reset(splats.count);
+  cpu.for_parts(chunks, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t chunk = first; chunk < last; ++chunk) {
+      const std::size_t begin = chunk * chunk_size, to = offsets[chunk];
+      const std::size_t count = (chunk + 1 < chunks ? offsets[chunk + 1] : splats.count) - to;
+      std::copy_n(scratch.shapes.data() + begin, count, splats.shapes.data() + to);
+      HWY_DYNAMIC_DISPATCH(ShadeSplats)
+      (constants, scene, scratch.ids.data() + begin, scratch.depths.data() + begin, count,
+       splats.colours.data() + to);
+    }
+  });
+}
+
+}  // namespace swiftgs
+#endif
