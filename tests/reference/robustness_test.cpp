@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <doctest/doctest.h>
+
+#include "reference/gaussians.hpp"
+
+namespace swiftgs::test {
+namespace {
+
+bool all_finite(const ReferenceFrame& frame) {
+  const auto finite = [](const std::vector<double>& values) {
+    return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+  };
+  return finite(frame.colour) && finite(frame.alpha) && finite(frame.depth);
+}
+
+/// Every combination of extreme means, scales, rotations and opacities.
+Scene extreme_scene() {
+  Scene scene;
+  const float huge = std::numeric_limits<float>::max(), tiny = std::numeric_limits<float>::denorm_min();
+  for (const float z : {0.01f, 0.010001f, 0.2f, 1.0f, 1e10f, huge, -1.0f, 0.0f, tiny})
+    for (const float x : {0.0f, -3e3f, 1e20f, huge})
+      for (const vec3 scale : {vec3(0), vec3(tiny), vec3(1e-20f), vec3(1e6f, 1e-6f, 0), vec3(0, 0, 1e9f),
+                               vec3(huge), vec3(huge, 0, tiny)})
+        for (const Quaternion q : {Quaternion{}, Quaternion{0.5f, 0.5f, 0.5f, 0.5f}, Quaternion{0, 0, 0, 0},
+                                   Quaternion{0.8f, 0.1f, -0.2f, 0.5477226f}})
+          for (const float opacity : {0.0f, 0.5f, 1.0f}) {
+            scene.means.push_back({x, 0, z});
+            scene.scales.push_back(scale);
+            scene.rotations.push_back(q);
+            scene.opacities.push_back(opacity);
+            scene.sh0.push_back({1, 1e30f, -1e30f});
+          }
+  return scene;
+}
+
+TEST_CASE("reference: extreme Gaussians leave no NaN and no infinity in the image") {
+  for (Conventions k : {Conventions::gsplat(), Conventions::inria()})
+    for (const bool antialiased : {false, true})
+      for (const float blur : {0.3f, 0.0f})
+        for (const float alpha_min : {1.0f / 255, 0.0f}) {
+          k.antialiased = antialiased, k.blur = blur, k.alpha_min = alpha_min;
+          const ReferenceFrame frame = render_reference(extreme_scene(), small_camera(), k, dvec3(1));
+          CHECK(all_finite(frame));
+          CHECK(frame.visible > 0);
+        }
+}
+
+TEST_CASE("reference: no plane at all still leaves no NaN in the image") {
+  Conventions k;
+  k.near_plane = -std::numeric_limits<float>::infinity();
+  CHECK(all_finite(render_reference(extreme_scene(), small_camera(), k)));
+  k.near_plane = 0;
+  CHECK(all_finite(render_reference(extreme_scene(), small_camera(), k)));
+}
+
+TEST_CASE("reference: Gaussians that are not finite are left out and the others stay") {
+  const Gaussian good{};
+  const ReferenceFrame expected = render_reference(scene_of(good), small_camera(), Conventions::gsplat());
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  for (const float bad : {nan, inf, -inf})
+    for (int member = 0; member < 6; ++member) {
+      Gaussian g{.mean = {0, 0, 1}};
+      if (member == 0) g.mean.x = bad;
+      if (member == 1) g.mean.z = bad;
+      if (member == 2) g.scale.y = bad;
+      if (member == 3) g.rotation.x = bad;
+      if (member == 4) g.opacity = bad;
+      if (member == 5) g.sh0.y = bad;
+      // An infinitely negative colour or opacity has a meaning: both are clamped.
+      if (bad == -inf && member == 5) continue;
+      const ReferenceFrame frame = render_reference(scene_of(g, good), small_camera(), Conventions::gsplat());
+      CAPTURE(member);
+      CAPTURE(bad);
+      CHECK(frame.colour == expected.colour);
+      CHECK(frame.alpha == expected.alpha);
+    }
+}
+
+TEST_CASE("reference: a camera of one pixel and one of one row are rendered") {
+  const Scene scene = scene_of(Gaussian{.opacity = 0.75f});
+  CHECK(render_reference(scene, small_camera(1, 1), Conventions::inria()).alpha.at(0) == 0.75);
+  CHECK(render_reference(scene, small_camera(101, 1), Conventions::inria()).alpha.at(50) == 0.75);
+}
+
+TEST_CASE("reference: invalid arguments are refused") {
+  const Scene scene = scene_of(Gaussian{});
+  Scene torn = scene;
+  torn.opacities.clear();
+  Camera flat = small_camera();
+  flat.height = 0;
+  const Conventions k;
+  CHECK_THROWS_AS(render_reference(torn, small_camera(), k), std::invalid_argument);
+  CHECK_THROWS_AS(render_reference(scene, flat, k), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(render_reference(scene, small_camera(), k, dvec3(0), -1),
+                       "threads: expected 0 (one a processor) or more, got -1", std::invalid_argument);
+}
+
+TEST_CASE("reference: an exception on any thread reaches the caller") {
+  for (const int threads : {1, 4})
+    CHECK_THROWS_AS(reference::for_each_index(100, threads,
+                                              [](std::size_t i) {
+                                                if (i == 57) throw std::length_error("57");
+                                              }),
+                    std::length_error);
+}
+
+}  // namespace
+}  // namespace swiftgs::test
