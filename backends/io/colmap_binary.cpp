@@ -17,8 +17,8 @@ ColmapIntrinsics parse_cameras(const Source& source) {
   for (std::uint64_t i = 0; i < count; ++i) {
     const std::uint64_t start = reader.position();
     const auto id = reader.read<std::uint32_t>("a camera id");
-    const ColmapModel model =
-        colmap_model(source, reader.position(), reader.read<std::int32_t>("a camera model"));
+    const std::uint64_t model_start = reader.position();
+    const ColmapModel model = colmap_model(source, model_start, reader.read<std::int32_t>("a camera model"));
     Camera camera;
     camera.width = to_side(source, start, double(reader.read<std::uint64_t>("a width")));
     camera.height = to_side(source, start, double(reader.read<std::uint64_t>("a height")));

@@ -68,7 +68,7 @@ Image parse(const Source& source) {
   expect_plausible_size(source, 0, std::uint64_t(std::max<std::int64_t>(width, 0)),
                         std::uint64_t(std::max<std::int64_t>(height, 0)), 1032);
   const auto names = channels_of(source, file.header().channels());
-  Image image{.width = int(width), .height = int(height), .channels = int(names.size()), .pixels = {}};
+  Image image{.width = int(width), .height = int(height), .channels = int(names.size())};
   image.pixels.resize(std::size_t(width * height) * names.size());
 
   const std::size_t x_stride = names.size() * sizeof(float), y_stride = x_stride * std::size_t(width);

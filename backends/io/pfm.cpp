@@ -20,7 +20,7 @@ Image parse_pfm(const Source& source) {
     source.fail(0, "a PFM header ('PF' or 'Pf', width, height, scale)");
   const std::uint64_t start = tokens.position() + 1;  // one blank ends the header
   expect_plausible_size(source, 0, columns, rows, 1);
-  Image image{.width = int(columns), .height = int(rows), .channels = kind == "PF" ? 3 : 1, .pixels = {}};
+  Image image{.width = int(columns), .height = int(rows), .channels = kind == "PF" ? 3 : 1};
   const std::size_t row_values = std::size_t(image.width) * image.channels;
   const std::size_t values = row_values * image.height;
   if (source.bytes.size() < start || source.bytes.size() - start != values * sizeof(float))

@@ -92,7 +92,7 @@ Image parse_png(const Source& source) {
     decode.rows.push_back(reinterpret_cast<png_bytep>(decode.samples.data() + row * row_samples));
   if (!read_pixels(decode)) fail(decode);
 
-  Image image{.width = int(width), .height = int(height), .channels = int(row_samples / width), .pixels = {}};
+  Image image{.width = int(width), .height = int(height), .channels = int(row_samples / width)};
   image.pixels.reserve(decode.samples.size());
   for (const std::uint16_t sample : decode.samples) image.pixels.push_back(float(sample) / 65535);
   return image;

@@ -14,8 +14,8 @@ namespace swiftgs {
 /// A picture from a file, rows from top to bottom.
 struct Image {
   int width = 0, height = 0;
-  int channels = 0;           ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha
-  std::vector<float> pixels;  ///< @shape{height, width, channels} 0 to 1 from integer files, else as stored
+  int channels = 0;             ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha
+  std::vector<float> pixels{};  ///< @shape{height, width, channels} 0 to 1 from integer files, else as stored
 };
 
 /// Reads a PNG (8 or 16 bits), a JPEG, a PFM or, where built with OpenEXR, an EXR. The content decides which,

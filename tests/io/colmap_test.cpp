@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstdint>
+#include <system_error>
+#include <vector>
+
+#include <swiftgs/io/cameras.hpp>
+
+#include "camera_parsing.hpp"
+#include "files.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+struct ColmapCamera {
+  std::uint32_t id = 1;
+  std::int32_t model = 1;
+  std::uint64_t width = 640, height = 480;
+  std::vector<double> parameters = {500, 510, 321, 239};
+};
+
+struct ColmapImage {
+  std::string name = "a.jpg";
+  std::uint32_t camera_id = 1;
+  double pose[7] = {2, 0, 0, 2, 1, 2, 3};  ///< 90 degrees about z, not of unit length
+  std::uint64_t points = 2, stored_points = 2;
+};
+
+std::string cameras_bin(const std::vector<ColmapCamera>& cameras) {
+  std::string file;
+  append(file, std::uint64_t(cameras.size()));
+  for (const ColmapCamera& c : cameras) {
+    append(file, c.id), append(file, c.model), append(file, c.width), append(file, c.height);
+    for (const double p : c.parameters) append(file, p);
+  }
+  return file;
+}
+
+std::string images_bin(const std::vector<ColmapImage>& images) {
+  std::string file;
+  append(file, std::uint64_t(images.size()));
+  for (const ColmapImage& image : images) {
+    append(file, std::uint32_t(7));
+    for (const double p : image.pose) append(file, p);
+    append(file, image.camera_id);
+    file += image.name + '\0';
+    append(file, image.points);
+    file += std::string(24 * image.stored_points, 'p');
+  }
+  return file;
+}
+
+std::vector<Camera> parse_binary(const std::string& cameras, const std::string& images) {
+  return io::parse_colmap_binary({as_bytes(cameras), "cameras.bin"}, {as_bytes(images), "images.bin"});
+}
+
+std::vector<Camera> parse_text(const std::string& cameras, const std::string& images) {
+  return io::parse_colmap_text({as_bytes(cameras), "cameras.txt"}, {as_bytes(images), "images.txt"});
+}
+
+const std::string cameras_txt =
+    "# Camera list\n1 PINHOLE 640 480 500 510 321 239\r\n\n2 SIMPLE_PINHOLE 64 48 50 32 24\n";
+const std::string images_txt =
+    "# Image list\n#   POINTS2D[]\n"
+    "1 2 0 0 2 1 2 3 1 z.jpg\n10 20 -1 30 40 7\n"
+    "2 1 0 0 0 0 0 0 2 a name.jpg\n\n"
+    "3 1 0 0 0 0 0 1 1 b.jpg\n";
+
+void check_first(const Camera& c) {
+  CHECK(c.width == 640);
+  CHECK(c.height == 480);
+  CHECK(c.fx == 500);
+  CHECK(c.fy == 510);
+  CHECK(c.cx == 321);
+  CHECK(c.cy == 239);
+  CHECK(c.translation == dvec3(1, 2, 3));
+  const dvec3 x = c.rotation * dvec3(1, 0, 0);
+  CHECK(x.x == doctest::Approx(0));
+  CHECK(x.y == doctest::Approx(1));
+  CHECK_NOTHROW(validate(c));
+}
+
+}  // namespace
+
+TEST_CASE("colmap: binary cameras are found by id and quaternions need not be unit") {
+  const std::string cameras =
+      cameras_bin({{.id = 9, .model = 0, .width = 64, .height = 48, .parameters = {50, 32, 24}}, {}});
+  const std::string images =
+      images_bin({{}, {.name = "b.jpg", .camera_id = 9, .points = 0, .stored_points = 0}});
+  const auto result = parse_binary(cameras, images);
+  REQUIRE(result.size() == 2);
+  check_first(result[0]);
+  CHECK(result[0].name == "a.jpg");
+  CHECK(result[1].fx == 50);
+  CHECK(result[1].fy == 50);
+  CHECK(result[1].cx == 32);
+  CHECK(result[1].cy == 24);
+}
+
+TEST_CASE("colmap: text has two lines an image of which the second may be empty or missing at the end") {
+  const auto result = parse_text(cameras_txt, images_txt);
+  REQUIRE(result.size() == 3);
+  check_first(result[0]);
+  CHECK(result[1].name == "a name.jpg");
+  CHECK(result[1].fy == 50);
+  CHECK(result[2].name == "b.jpg");
+}
+
+TEST_CASE("colmap: a general rotation agrees between quaternion and matrix") {
+  ColmapImage image;
+  const double pose[7] = {0.5, -0.3, 0.7, 0.1, 0, 0, 0};
+  std::copy(pose, pose + 7, image.pose);
+  const Camera camera = parse_binary(cameras_bin({{}}), images_bin({image}))[0];
+  // q v q* with the vector part of q scaled to a unit quaternion.
+  const double length = std::sqrt(0.84), w = 0.5 / length;
+  const dvec3 u(-0.3 / length, 0.7 / length, 0.1 / length), v(0.2, -1.5, 0.8);
+  const auto cross = [](dvec3 a, dvec3 b) {
+    return dvec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+  };
+  const dvec3 expected = v + 2 * w * cross(u, v) + 2.0 * cross(u, cross(u, v)), found = camera.rotation * v;
+  for (int axis = 0; axis < 3; ++axis) CHECK(found[axis] == doctest::Approx(expected[axis]).epsilon(1e-12));
+}
+
+TEST_CASE("colmap: a model is found in its folder or below it and binary wins") {
+  const TemporaryFolder folder;
+  folder.write("text/cameras.txt", cameras_txt);
+  folder.write("text/images.txt", images_txt);
+  const auto text = read_cameras(folder / "text");
+  REQUIRE(text.size() == 3);
+  CHECK(text[0].name == "a name.jpg");
+  CHECK(text[2].name == "z.jpg");
+
+  folder.write("both/sparse/0/cameras.txt", cameras_txt);
+  folder.write("both/sparse/0/images.txt", images_txt);
+  CHECK(read_cameras(folder / "both").size() == 3);
+  folder.write("both/sparse/0/cameras.bin", cameras_bin({{}}));
+  CHECK(read_cameras(folder / "both").size() == 3);
+  folder.write("both/sparse/0/images.bin", images_bin({{}}));
+  CHECK(read_cameras(folder / "both").size() == 1);
+  CHECK(read_cameras(folder / "both/sparse/0").size() == 1);
+  CHECK_THROWS_AS(read_cameras(folder / "both/sparse"), std::system_error);
+}
+
+TEST_CASE("colmap: a binary file that ends early is refused wherever it ends") {
+  const std::string cameras = cameras_bin({{}, {.id = 2}}), images = images_bin({{}, {.name = "b"}});
+  check_every_truncation(cameras, [&](const std::string& part) { parse_binary(part, images); });
+  check_every_truncation(images, [&](const std::string& part) { parse_binary(cameras, part); });
+}
+
+TEST_CASE("colmap: a text file that ends early never crashes") {
+  for (std::size_t length = 0; length < images_txt.size(); ++length)
+    CHECK_NOTHROW(complaint([&] { parse_text(cameras_txt, images_txt.substr(0, length)); }));
+  for (std::size_t length = 0; length < cameras_txt.size(); ++length)
+    CHECK(complaint([&] { parse_text(cameras_txt.substr(0, length), images_txt); }) != "");
+  const std::string half = images_txt.substr(0, images_txt.size() - 3);
+  CHECK(contains(complaint([&] { parse_text(cameras_txt, half); }), "ends in a line break"));
+}
+
+TEST_CASE("colmap: counts that the file cannot hold are refused before memory is taken") {
+  const auto with_count = [](std::string file, std::uint64_t count) {
+    std::string raw;
+    append(raw, count);
+    return file.replace(0, 8, raw);
+  };
+  const std::string cameras = cameras_bin({{}}), images = images_bin({{}});
+  for (const std::uint64_t count : {std::uint64_t(2), std::uint64_t(1) << 40, ~std::uint64_t(0)}) {
+    CHECK(complaint([&] { parse_binary(with_count(cameras, count), images); }) != "");
+    CHECK(complaint([&] { parse_binary(cameras, with_count(images, count)); }) != "");
+  }
+  CHECK(contains(complaint([&] { parse_binary(cameras, with_count(images, 0)); }), "end of the file"));
+  for (const std::uint64_t points : {std::uint64_t(3), ~std::uint64_t(0) / 24 + 1, ~std::uint64_t(0)})
+    CHECK(contains(complaint([&] { parse_binary(cameras, images_bin({{.points = points}})); }), "points"));
+}
+
+TEST_CASE("colmap: camera models with distortion are refused by name") {
+  const auto about = [](std::int32_t model) {
+    return complaint([&] { parse_binary(cameras_bin({{.model = model}}), images_bin({{}})); });
+  };
+  CHECK(contains(about(2), "found SIMPLE_RADIAL"));
+  CHECK(contains(about(4), "cameras.bin: byte 12: expected camera model PINHOLE or SIMPLE_PINHOLE"));
+  CHECK(contains(about(4), "found OPENCV"));
+  CHECK(contains(about(17), "found EQUIRECTANGULAR"));
+  CHECK(contains(about(18), "found number 18"));
+  CHECK(contains(about(-1), "found number -1"));
+  CHECK(contains(complaint([] { parse_text("1 OPENCV 640 480 1 2 3 4 5 6 7 8\n", images_txt); }),
+                 "found OPENCV"));
+}
+
+TEST_CASE("colmap: values that make no camera are refused") {
+  const auto camera = [](ColmapCamera c) {
+    return complaint([&] { parse_binary(cameras_bin({c}), images_bin({{}})); });
+  };
+  CHECK(contains(camera({.width = 0}), "a width and a height"));
+  CHECK(contains(camera({.height = ~std::uint64_t(0)}), "a width and a height"));
+  CHECK(contains(camera({.parameters = {-1, 1, 1, 1}}), "focal lengths above 0"));
+  CHECK(contains(camera({.parameters = {1, 1, NAN, 1}}), "principal point"));
+  CHECK(contains(camera({.id = 3}), "images.bin: byte 8: expected the id of a known camera, found 1"));
+  CHECK(contains(complaint([] { parse_binary(cameras_bin({{}, {}}), images_bin({{}})); }), "once"));
+  for (const double bad : {0.0, double(NAN), double(INFINITY)}) {
+    ColmapImage image;
+    image.pose[0] = image.pose[3] = bad;
+    CHECK(contains(complaint([&] { parse_binary(cameras_bin({{}}), images_bin({image})); }), "quaternion"));
+  }
+  ColmapImage image;
+  image.pose[5] = NAN;
+  CHECK(contains(complaint([&] { parse_binary(cameras_bin({{}}), images_bin({image})); }), "translation"));
+}
+
+TEST_CASE("colmap: text that is no camera and no image is placed") {
+  const auto cameras = [](const std::string& line) {
+    return complaint([&] { parse_text("# one\n" + line + "\n", images_txt); });
+  };
+  CHECK(contains(cameras("x PINHOLE 640 480 1 2 3 4"),
+                 "cameras.txt: byte 6: expected a number for a camera id"));
+  CHECK(contains(cameras("1 PINHOLE 640 480 1 2 3"), "camera parameter"));
+  CHECK(contains(cameras("1 PINHOLE 640 480 1 2 3 4 5"), "found more"));
+  CHECK(contains(cameras("1 PINHOLE 640.5 480 1 2 3 4"), "a width"));
+  CHECK(contains(cameras("1 PINHOLE 640 480 1 2 3 4\n1 PINHOLE 640 480 1 2 3 4"), "once"));
+  const auto images = [](const std::string& line) {
+    return complaint([&] { parse_text(cameras_txt, line + "\n\n"); });
+  };
+  CHECK(contains(images("1 1 0 0 0 0 0 0 5 a.jpg"), "known camera, found 5"));
+  CHECK(contains(images("1 1 0 0 0 0 0 0 1"), "image name"));
+  CHECK(contains(images("1 1 0 0 0 0 0 nothing 1 a"), "a pose"));
+  CHECK(contains(images("1 0 0 0 0 0 0 0 1 a"), "quaternion"));
+}

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include <swiftgs/io/scene_file.hpp>
+
+#include "files.hpp"
+#include "support/skip.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+const std::filesystem::path folder =
+#ifdef SWIFTGS_FORMATS_DIR
+    SWIFTGS_FORMATS_DIR;
+#else
+    "";
+#endif
+
+const std::filesystem::path scenes =
+#ifdef SWIFTGS_SCENES_DIR
+    SWIFTGS_SCENES_DIR;
+#else
+    "";
+#endif
+
+bool skipped() {
+  if (folder.empty()) test::skip("no folder of real files");
+  return folder.empty();
+}
+
+}  // namespace
+
+TEST_CASE("real files: a PLY of another program is read and written unchanged") {
+  if (skipped()) return;
+  const SceneFile file = read_scene(folder / "fox_5k.ply");
+  CHECK(file.format == "INRIA PLY (binary_little_endian)");
+  CHECK(file.stored == 5000);
+  CHECK(file.dropped_nonfinite == 0);
+  CHECK(file.scene.sh_degree == 3);
+  const TemporaryFolder temporary;
+  write_ply(temporary / "again.ply", file.scene);
+  const Scene again = load_scene(temporary / "again.ply");
+  CHECK(again.means == file.scene.means);
+  CHECK(again.sh0 == file.scene.sh0);
+  CHECK(again.sh_rest == file.scene.sh_rest);
+  CHECK(content_of(temporary / "again.ply").size() == content_of(folder / "fox_5k.ply").size());
+}
+
+TEST_CASE("real files: an SPZ version 4 of another program is read") {
+  if (skipped()) return;
+  const SceneFile file = read_scene(folder / "biker.spz");
+  CHECK(file.format == "SPZ version 4");
+  CHECK(file.stored == 152'746);
+  CHECK(file.dropped_nonfinite == 0);
+  CHECK(file.scene.sh_degree == 0);
+  for (const Quaternion& q : file.scene.rotations)
+    REQUIRE(std::abs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) < 1e-5);
+  for (const vec3& mean : file.scene.means)
+    REQUIRE(std::abs(mean.x) + std::abs(mean.y) + std::abs(mean.z) < 100);
+}
+
+TEST_CASE("real files: a PLY and an SPZ of one scene have the same axes") {
+  if (skipped()) return;
+  if (scenes.empty()) return test::skip("no folder of real scenes");
+  // The PLY holds some Gaussians of the SPZ, whose grid is 1/4096 wide.
+  using Cell = std::array<long, 3>;
+  const auto cell = [](const vec3& p) {
+    return Cell{std::lround(p.x * 4096), std::lround(p.y * 4096), std::lround(p.z * 4096)};
+  };
+  std::set<Cell> cells;
+  for (const vec3& mean : load_scene(scenes / "fox/fox.spz").means) cells.insert(cell(mean));
+  std::size_t found = 0;
+  for (const vec3& mean : load_scene(folder / "fox_5k.ply").means) found += cells.count(cell(mean));
+  CHECK(found == 5000);
+}
+
+TEST_CASE("real files: formats that are not read are refused") {
+  if (skipped()) return;
+  const auto about = [](const char* name) { return complaint([&] { read_scene(folder / name); }); };
+  CHECK(contains(about("guitar.compressed.ply"), "compressed PLY"));
+  CHECK(contains(about("luma_seal.splat"), "expected an INRIA PLY or an SPZ scene"));
+  CHECK(contains(about("massa.sog"), "ZIP archive"));
+}

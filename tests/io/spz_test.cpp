@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+
+#include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/sh.hpp>
+
+#include "scenes.hpp"
+#include "spz_encoder.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+SceneFile read(const std::string& content, SpzFrame frame = SpzFrame::raw) {
+  return read_spz(as_bytes(content), "test.spz", {.spz_frame = frame});
+}
+
+/// A scene whose numbers every version stores without loss, rotations and scales aside.
+Scene exact_scene(int sh_degree) {
+  Scene scene = some_scene(40, sh_degree);
+  for (vec3& mean : scene.means)
+    for (int axis = 0; axis < 3; ++axis) mean[axis] = std::round(mean[axis] * 16) / 16;
+  for (vec3& scale : scene.scales)
+    for (int axis = 0; axis < 3; ++axis) scale[axis] = std::exp(std::round(std::log(scale[axis]) * 16) / 16);
+  for (float& opacity : scene.opacities) opacity = std::round(opacity * 255) / 255;
+  for (float& value : scene.sh_rest) value = std::round(value * 128) / 128;
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("spz: every version and degree is decoded within its quantisation") {
+  for (std::uint32_t version = 1; version <= 4; ++version)
+    for (int degree = 0; degree <= 3; ++degree) {
+      CAPTURE(version);
+      CAPTURE(degree);
+      const Scene scene = exact_scene(degree);
+      const SceneFile file = read(pack_spz(encode_spz(scene, version)));
+      CHECK(file.format == "SPZ version " + std::to_string(version));
+      CHECK(file.stored == scene.size());
+      CHECK(file.dropped_nonfinite == 0);
+      CHECK(file.notes.empty());
+      REQUIRE(file.scene.size() == scene.size());
+      CHECK_NOTHROW(validate(file.scene));
+      CHECK(file.scene.means == scene.means);
+      CHECK(file.scene.opacities == scene.opacities);
+      CHECK(file.scene.sh_rest == scene.sh_rest);
+      // Half a step of 2/255, and as much again for the length. A small w is the root of what the others
+      // leave.
+      const double xyz_error = version < 3 ? 0.011 : 0.0011, w_error = version < 3 ? 0.12 : 0.0011;
+      for (std::size_t i = 0; i < scene.size(); ++i) {
+        const Quaternion a = scene.rotations[i], b = file.scene.rotations[i];
+        const double dot = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z, sign = dot < 0 ? -1 : 1;
+        CHECK(std::abs(a.w - sign * b.w) < w_error);
+        CHECK(std::abs(a.x - sign * b.x) < xyz_error);
+        CHECK(std::abs(a.y - sign * b.y) < xyz_error);
+        CHECK(std::abs(a.z - sign * b.z) < xyz_error);
+        CHECK(b.w * b.w + b.x * b.x + b.y * b.y + b.z * b.z == doctest::Approx(1).epsilon(1e-6));
+        for (int axis = 0; axis < 3; ++axis) {
+          CHECK(file.scene.scales[i][axis] == doctest::Approx(scene.scales[i][axis]).epsilon(1e-5));
+          CHECK(std::abs(file.scene.sh0[i][axis] - scene.sh0[i][axis]) < 0.0131);
+        }
+      }
+    }
+}
+
+TEST_CASE("spz: degree 4 is cut to degree 3 and said so") {
+  for (const std::uint32_t version : {3u, 4u}) {
+    const Scene scene = exact_scene(3);
+    SpzParts parts = encode_spz(scene, version);
+    parts.sh_degree = 4;
+    std::string wide;
+    for (std::size_t i = 0; i < scene.size(); ++i)
+      wide += parts.arrays[5].substr(i * 45, 45) + std::string(27, 'x');
+    parts.arrays[5] = wide;
+    const SceneFile file = read(pack_spz(parts));
+    CHECK(file.scene.sh_degree == 3);
+    CHECK(file.scene.sh_rest == scene.sh_rest);
+    CHECK(file.notes.size() == 1);
+  }
+}
+
+TEST_CASE("spz: fractional bits scale positions") {
+  SpzParts parts = encode_spz(exact_scene(0), 2);
+  const vec3 mean = read(gzip_spz(parts)).scene.means[3];
+  parts.fractional_bits = 11;
+  CHECK(read(gzip_spz(parts)).scene.means[3] == 2.0f * mean);
+}
+
+TEST_CASE("spz: the antialiasing flag is kept") {
+  for (std::uint32_t version = 1; version <= 4; ++version) {
+    SpzParts parts = encode_spz(exact_scene(0), version);
+    CHECK(!read(pack_spz(parts)).scene.antialiased);
+    parts.flags = 1;
+    CHECK(read(pack_spz(parts)).scene.antialiased);
+  }
+}
+
+TEST_CASE("spz: opacities reach 0 and 1") {
+  Scene scene = exact_scene(0);
+  scene.opacities[0] = 0, scene.opacities[1] = 1;
+  const SceneFile file = read(pack_spz(encode_spz(scene, 3)));
+  CHECK(file.scene.opacities[0] == 0);
+  CHECK(file.scene.opacities[1] == 1);
+}
+
+TEST_CASE("spz: a file without gzip is read up to version 3") {
+  for (std::uint32_t version = 1; version <= 3; ++version) {
+    const SpzParts parts = encode_spz(exact_scene(1), version);
+    CHECK(read(plain_spz(parts)).scene.means == read(gzip_spz(parts)).scene.means);
+  }
+}
+
+TEST_CASE("spz: positions of version 1 that are not finite are dropped") {
+  SpzParts parts = encode_spz(exact_scene(1), 1);
+  parts.arrays[0].replace(0, 2, std::string("\x00\x7c", 2));   // infinity
+  parts.arrays[0].replace(6, 2, std::string("\x01\x7e", 2));   // NaN
+  parts.arrays[0].replace(12, 2, std::string("\x01\x00", 2));  // the least subnormal number
+  const SceneFile file = read(gzip_spz(parts));
+  CHECK(file.dropped_nonfinite == 2);
+  CHECK(file.scene.size() == 38);
+  CHECK(file.scene.means[0].x == std::ldexp(1.0f, -24));
+}
+
+TEST_CASE("spz: unknown extensions are stepped over and the axes that one states are honoured") {
+  for (const std::uint32_t version : {1u, 2u, 3u, 4u}) {
+    SpzParts parts = encode_spz(exact_scene(2), version);
+    const Scene raw = read(pack_spz(parts)).scene;
+    parts.flags = 2;
+    parts.extensions = spz_extension(0xADBE0002, "twelve bytes") + coordinate_system(7);
+    CHECK(read(pack_spz(parts), SpzFrame::specified).scene.means[5] == vec3(-1, -1, 1) * raw.means[5]);
+    CHECK(read(pack_spz(parts), SpzFrame::specified).notes.size() == 1);
+    CHECK(read(pack_spz(parts), SpzFrame::rub).scene.means[5] == vec3(1, -1, -1) * raw.means[5]);
+    CHECK(read(pack_spz(parts), SpzFrame::raw).scene.means == raw.means);
+    parts.extensions = "";
+    CHECK(read(pack_spz(parts), SpzFrame::specified).scene.means[5] == vec3(1, -1, -1) * raw.means[5]);
+  }
+}
+
+TEST_CASE("spz: a frame turns means and covariances and leaves colours as they were") {
+  const Scene original = exact_scene(3);
+  SpzParts parts = encode_spz(original, 3);
+  parts.flags = 2;
+  for (std::uint32_t system = 1; system <= 8; ++system) {
+    CAPTURE(system);
+    parts.extensions = coordinate_system(system);
+    // Left or right, up or down, back or forward: the letters count in binary.
+    const vec3 flip((system - 1) & 1 ? 1 : -1, (system - 1) & 2 ? -1 : 1, (system - 1) & 4 ? 1 : -1);
+    const Scene raw = read(pack_spz(parts), SpzFrame::raw).scene;
+    const Scene turned = read(pack_spz(parts), SpzFrame::specified).scene;
+    const SceneView raw_view = view(raw), turned_view = view(turned);
+    for (std::size_t i = 0; i < raw.size(); ++i) {
+      CHECK(turned.means[i] == flip * raw.means[i]);
+      const auto before = covariance(raw, i), after = covariance(turned, i);
+      int entry = 0;
+      for (int a = 0; a < 3; ++a)
+        for (int b = a; b < 3; ++b, ++entry)
+          CHECK(after[entry] == doctest::Approx(double(flip[a] * flip[b]) * before[entry]).epsilon(1e-6));
+      const vec3 direction(0.36f, -0.48f, 0.8f);
+      const vec3 seen = sh_colour(raw_view, i, direction),
+                 seen_turned = sh_colour(turned_view, i, flip * direction);
+      for (int c = 0; c < 3; ++c) CHECK(seen_turned[c] == doctest::Approx(seen[c]).epsilon(1e-5));
+    }
+  }
+}
+
+TEST_CASE("spz: the named frames are those of the coordinate systems") {
+  SpzParts parts = encode_spz(exact_scene(2), 4);
+  const std::string plain = pack_spz(parts);
+  parts.flags = 2;
+  const std::pair<SpzFrame, std::uint32_t> frames[] = {
+      {SpzFrame::rub, 4}, {SpzFrame::rdf, 6}, {SpzFrame::luf, 7}};
+  for (const auto& [frame, system] : frames) {
+    parts.extensions = coordinate_system(system);
+    const Scene named = read(plain, frame).scene, stated = read(pack_spz(parts), SpzFrame::specified).scene;
+    CHECK(named.means == stated.means);
+    CHECK(named.rotations == stated.rotations);
+    CHECK(named.sh_rest == stated.sh_rest);
+  }
+}
