@@ -111,7 +111,7 @@ inline std::vector<Camera> builtin_cameras(int views = 24, int width = 1280, int
     const double turn = double(k) / views - 0.25, rise = 1.7 + 0.35 * builtin::sin_turns(2.0 * k / views);
     const dvec3 eye = builtin::at(4.2 * builtin::cos_turns(turn), rise, 4.2 * builtin::sin_turns(turn));
     cameras.push_back(look_at(eye, builtin::at(0, 0.78, 0), dvec3(0, -1, 0), 0.76, width, height));
-    cameras.back().name = "orbit-" + std::to_string(k / 10) + std::to_string(k % 10);
+    cameras.back().name.append("orbit-").append(std::to_string(k / 10)).append(std::to_string(k % 10));
   }
   return cameras;
 }

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <stdexcept>
+#include <system_error>
+#include <vector>
+
+#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/metrics.hpp>
+#include <swiftgs/reference.hpp>
+
+#include "choice.hpp"
+#include "commands.hpp"
+#include "json.hpp"
+#include "photos.hpp"
+#include "progress.hpp"
+#include "scene_input.hpp"
+#include "views.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+/// What every renderer is given and judged by.
+struct Task {
+  std::string scene_name;
+  std::shared_ptr<const Scene> scene;
+  std::vector<View> views;
+  RenderSettings settings;
+  std::vector<std::vector<double>> references;  ///< colours of the float64 frame of each view
+  std::vector<std::optional<Image>> photos;     ///< of each view; empty without --photos
+  int repeats = 3;
+};
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+/// Renders one view `repeats` times after a frame that is not timed; each stage's median.
+StageTimes timed(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings, int repeats,
+                 Frame& frame) {
+  std::vector<double> project, sort, raster, total;
+  renderer.render(camera, settings, frame);
+  for (int i = 0; i < repeats; ++i) {
+    renderer.render(camera, settings, frame);
+    const StageTimes ms = renderer.times();
+    project.push_back(ms.project), sort.push_back(ms.sort);
+    raster.push_back(ms.raster), total.push_back(ms.total);
+  }
+  return {median(project), median(sort), median(raster), median(total)};
+}
+
+CheckResult judge(const Task& task, std::size_t view, AnyRenderer& renderer, Frame& frame) {
+  const Camera& camera = task.views[view].camera;
+  CheckResult result{.renderer = std::string(renderer.name()),
+                     .scene = task.scene_name,
+                     .view = task.views[view].name,
+                     .width = camera.width,
+                     .height = camera.height,
+                     .ms = timed(renderer, camera, task.settings, task.repeats, frame),
+                     .psnr_db = psnr(frame.colour, task.references[view]),
+                     .max_abs = max_abs_difference(frame.colour, task.references[view]),
+                     .photo_psnr_db = std::nullopt};
+  if (!task.photos.empty() && task.photos[view])
+    result.photo_psnr_db = psnr_against(*task.photos[view], frame);
+  return result;
+}
+
+void print_header(std::size_t name_width, bool with_photos) {
+  std::printf("%-*s %-14s %11s %8s %8s %8s %8s %8s %9s", int(name_width), "renderer", "view", "size",
+              "project", "sort", "raster", "total ms", "PSNR dB", "max abs");
+  std::printf(with_photos ? " %8s\n" : "\n", "photo dB");
+}
+
+void print_row(const CheckResult& r, std::size_t name_width, bool with_photos) {
+  const std::string size = std::to_string(r.width) + "x" + std::to_string(r.height);
+  std::printf("%-*s %-14s %11s %8.2f %8.2f %8.2f %8.2f %8.2f %9.2e", int(name_width), r.renderer.c_str(),
+              r.view.c_str(), size.c_str(), r.ms.project, r.ms.sort, r.ms.raster, r.ms.total, r.psnr_db,
+              r.max_abs);
+  if (with_photos && r.photo_psnr_db) std::printf(" %8.3f", *r.photo_psnr_db);
+  if (with_photos && !r.photo_psnr_db) std::printf(" %8s", "-");
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+void write_text(const std::string& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text << std::flush;
+  if (!out) throw std::runtime_error(file + ": cannot be written");
+}
+
+}  // namespace
+
+void check(const CheckOptions& options) {
+  if (options.repeats < 1) throw std::invalid_argument("--repeats: expected at least 1");
+  const std::vector<std::string> names = renderers_matching(options.renderers);
+  Task task;
+  task.scene_name = scene_label(options.scene.scene);
+  task.scene = std::make_shared<const Scene>(load(options.scene).scene);
+  task.repeats = options.repeats;
+  task.views = views_of(options.scene, options.view, *task.scene, "every:8");
+  task.settings = settings_of(options.view, *task.scene);
+  if (!options.photos.empty()) task.photos = photographs_of(task.views, options.photos);
+
+  Progress progress(task.views.size() * (1 + names.size()));
+  const dvec3 background(task.settings.background);
+  for (const View& view : task.views) {
+    progress.start("reference " + view.name);
+    task.references.push_back(
+        render_reference(*task.scene, view.camera, task.settings.conventions, background).colour);
+    progress.step();
+  }
+
+  std::size_t width = 8;
+  for (const std::string& name : names) width = std::max(width, name.size());
+  progress.clear();
+  print_header(width, !task.photos.empty());
+  std::vector<CheckResult> results;
+  for (const std::string& name : names) {
+    // Only one renderer at a time holds memory.
+    const std::unique_ptr<AnyRenderer> renderer = make_renderer(name);
+    renderer->set_scene(task.scene);
+    Frame frame;
+    for (std::size_t view = 0; view < task.views.size(); ++view) {
+      progress.start(name);
+      results.push_back(judge(task, view, *renderer, frame));
+      progress.step();
+      progress.clear();
+      print_row(results.back(), width, !task.photos.empty());
+    }
+  }
+  if (!options.json.empty()) write_text(options.json, to_json(results, !task.photos.empty()));
+}
+
+}  // namespace swiftgs::cli

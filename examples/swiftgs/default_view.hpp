@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <swiftgs/camera.hpp>
+#include <swiftgs/scene.hpp>
+
+namespace swiftgs::cli {
+
+/// A camera of 1280x720 for a scene that comes without: it looks at the middle of the bulk of the Gaussians
+/// from where most of them are seen and none stands in the way. Of the axes y and z the one that puts far
+/// things at the top of the image is taken to point up.
+Camera default_view(const Scene& scene);
+
+}  // namespace swiftgs::cli

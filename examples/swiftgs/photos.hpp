@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <swiftgs/frame.hpp>
+#include <swiftgs/io/image.hpp>
+
+#include "views.hpp"
+
+namespace swiftgs::cli {
+
+/// The photograph of each view: the file in `folder` with the name of the view's camera, whatever its
+/// extension; nothing where there is none. Throws `std::invalid_argument` if no view has one, or if one is
+/// not an RGB image of the view's size.
+std::vector<std::optional<Image>> photographs_of(const std::vector<View>& views, const std::string& folder);
+
+/// PSNR of `frame`, clamped to what a photograph can hold, against `photo`. @units{dB}
+double psnr_against(const Image& photo, const Frame& frame);
+
+}  // namespace swiftgs::cli

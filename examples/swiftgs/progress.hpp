@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace swiftgs::cli {
+
+/// A bar on standard error that shows how much of `total` is done. Nothing is written where standard error
+/// is not a terminal.
+class Progress {
+ public:
+  explicit Progress(std::size_t total);
+  ~Progress() { clear(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Shows that `what` has begun.
+  void start(const std::string& what);
+  /// One more of the total is done.
+  void step() { ++done_; }
+  /// Removes the bar, so that a line can be printed.
+  void clear();
+
+ private:
+  std::size_t total_, done_ = 0;
+  bool terminal_, shown_ = false;
+};
+
+}  // namespace swiftgs::cli

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/io/image.hpp>
+
+#include "choice.hpp"
+#include "commands.hpp"
+#include "progress.hpp"
+#include "scene_input.hpp"
+#include "views.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+using Writer = void (*)(const std::filesystem::path&, const Frame&);
+
+Writer writer_of(const std::string& format) {
+  if (format == "png") return write_png;
+  if (format == "pfm") return write_pfm;
+  if (format == "exr") return write_exr;
+  throw std::invalid_argument("--format '" + format + "': expected png, pfm or exr");
+}
+
+void print_statistics(const Statistics& s) {
+  const auto line = [](const char* label, std::uint64_t count) {
+    std::printf("  %-32s %llu\n", label, static_cast<unsigned long long>(count));
+  };
+  line("Gaussians", s.gaussians);
+  line("visible", s.visible);
+  line("instances", s.instances);
+  std::printf("  %-32s %.2f\n", "instances a visible Gaussian", s.instances_a_visible());
+  line("contributing pairs", s.raster.contributing_pairs);
+  line("pixels stopped early", s.raster.pixels_stopped);
+}
+
+}  // namespace
+
+void render(const RenderOptions& options) {
+  const Writer write = writer_of(options.format);
+  const std::unique_ptr<AnyRenderer> renderer =
+      make_renderer(options.renderer.empty() ? default_renderer() : options.renderer);
+  const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
+  const std::vector<View> views = views_of(options.scene, options.view, *scene, "all");
+  RenderSettings settings = settings_of(options.view, *scene);
+  std::filesystem::create_directories(options.out);
+  renderer->set_scene(scene);
+
+  Frame frame;
+  Progress progress(views.size());
+  std::vector<double> totals;
+  // The first frame allocates what later ones use again: it is rendered once more, so that no time has it.
+  renderer->render(views.front().camera, settings, frame);
+  for (const View& view : views) {
+    progress.start(view.name);
+    renderer->render(view.camera, settings, frame);
+    const StageTimes ms = renderer->times();
+    totals.push_back(ms.total);
+    const std::filesystem::path file =
+        std::filesystem::path(options.out) / (view.name + "." + options.format);
+    write(file, frame);
+    progress.clear();
+    std::printf("%s  %dx%d  %.2f ms (project %.2f, sort %.2f, raster %.2f)\n", file.string().c_str(),
+                frame.width, frame.height, ms.total, ms.project, ms.sort, ms.raster);
+    if (options.stats) {
+      // Counting costs time, so it has a frame of its own.
+      settings.count = true;
+      renderer->render(view.camera, settings, frame);
+      settings.count = false;
+      print_statistics(renderer->statistics());
+    }
+    progress.step();
+  }
+  std::nth_element(totals.begin(), totals.begin() + std::ptrdiff_t(totals.size() / 2), totals.end());
+  std::printf("%zu %s with %s, median %.2f ms a frame\n", views.size(),
+              views.size() == 1 ? "image" : "images", std::string(renderer->name()).c_str(),
+              totals[totals.size() / 2]);
+}
+
+}  // namespace swiftgs::cli

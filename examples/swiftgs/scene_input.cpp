@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene_input.hpp"
+
+#include <charconv>
+#include <filesystem>
+#include <stdexcept>
+
+#include <swiftgs/builtin_scene.hpp>
+
+namespace swiftgs::cli {
+namespace {
+
+constexpr std::string_view builtin_name = "builtin";
+constexpr std::size_t builtin_limit = 100'000'000;
+
+SpzFrame spz_frame_named(const std::string& name) {
+  if (name == "specified") return SpzFrame::specified;
+  if (name == "rub") return SpzFrame::rub;
+  if (name == "rdf") return SpzFrame::rdf;
+  if (name == "luf") return SpzFrame::luf;
+  if (name == "raw") return SpzFrame::raw;
+  throw std::invalid_argument("--spz-frame '" + name + "': expected specified, rub, rdf, luf or raw");
+}
+
+}  // namespace
+
+std::optional<std::size_t> builtin_size(std::string_view scene) {
+  if (scene == builtin_name) return builtin_scene_size;
+  if (!scene.starts_with("builtin:")) return std::nullopt;
+  const std::string_view digits = scene.substr(builtin_name.size() + 1);
+  std::size_t count = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), count);
+  if (error != std::errc() || end != digits.data() + digits.size() || count < 1 || count > builtin_limit)
+    throw std::invalid_argument("scene '" + std::string(scene) + "': expected builtin:N with N from 1 to " +
+                                std::to_string(builtin_limit));
+  return count;
+}
+
+SceneFile load(const SceneOptions& options) {
+  const SceneReadOptions read{.spz_frame = spz_frame_named(options.spz_frame)};
+  const std::optional<std::size_t> size = builtin_size(options.scene);
+  if (!size) return read_scene(options.scene, read);
+  SceneFile file;
+  file.scene = make_builtin_scene(*size);
+  file.format = "built in";
+  file.stored = *size;
+  return file;
+}
+
+std::string scene_label(const std::string& scene) {
+  if (const std::optional<std::size_t> size = builtin_size(scene))
+    return std::string(builtin_name) + ":" + std::to_string(*size);
+  return std::filesystem::path(scene).stem().string();
+}
+
+}  // namespace swiftgs::cli
