@@ -25,7 +25,7 @@ struct EarlySort {
   template <class B>
   struct Scratch {
     Pairs<B, std::uint32_t> depths;
-    typename B::template Buffer<std::uint32_t> offsets;
+    InstanceScratch<B> emission;
     Pairs<B, std::uint32_t> instances;
   };
 
@@ -37,7 +37,7 @@ struct EarlySort {
     b.sort_pairs(scratch.depths, splats, depth_key_bits);
 
     const std::size_t count =
-        emit_instances(b, job, bounds, scratch.depths.values.data(), scratch.offsets, scratch.instances);
+        emit_instances(b, job, bounds, scratch.depths.values.data(), scratch.emission, scratch.instances);
     b.sort_pairs(scratch.instances, count, job.grid.key_bits());
     finish_lists(b, job, count, 0, scratch.instances, lists);
   }

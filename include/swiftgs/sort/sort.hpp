@@ -123,17 +123,30 @@ struct ClearRanges {
   SWIFTGS_HD void operator()(std::size_t i) const { ranges[i] = {}; }
 };
 
+/// Throws `CapacityError` where a frame has more instances than a tile list can index.
+inline void check_instances(std::uint64_t total) {
+  if (total > max_instances) throw CapacityError("instances in one frame", total, max_instances);
+}
+
+/// Memory that emission works in.
+template <class B>
+struct InstanceScratch {
+  typename B::template Buffer<std::uint32_t> offsets;
+};
+
 /// Emits the instances of all splats in the given order (index order when `order` is null) and returns their
 /// number. Keys of 64 bits hold tile above depth, keys of 32 bits the tile alone. Throws `CapacityError`
 /// beyond `max_instances`.
+/// Backends overload this for bounds that they have kernels for.
 template <class B, class Bounds, class Key>
 std::size_t emit_instances(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                           typename B::template Buffer<std::uint32_t>& offsets, Pairs<B, Key>& instances) {
+                           InstanceScratch<B>& scratch, Pairs<B, Key>& instances) {
   const std::size_t splats = job.splats.size();
+  auto& offsets = scratch.offsets;
   offsets.reset(splats);
   b.for_each(splats, CountTiles<Bounds>{job.splats, order, job.grid, bounds, offsets.data()});
   const std::uint64_t total = b.exclusive_scan(Span{offsets.data(), splats});
-  if (total > max_instances) throw CapacityError("instances in one frame", total, max_instances);
+  check_instances(total);
   instances.reset(std::size_t(total));
   b.for_each(splats, EmitInstances<Bounds, Key>{job.splats, order, job.grid, bounds, offsets.data(),
                                                 instances.keys.data(), instances.values.data()});

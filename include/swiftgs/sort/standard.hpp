@@ -12,13 +12,13 @@ struct StandardSort {
 
   template <class B>
   struct Scratch {
-    typename B::template Buffer<std::uint32_t> offsets;
+    InstanceScratch<B> emission;
     Pairs<B, std::uint64_t> instances;
   };
 
   template <class B, class Bounds>
   void build(B& b, const SortJob& job, const Bounds& bounds, Scratch<B>& scratch, TileLists<B>& lists) {
-    const std::size_t count = emit_instances(b, job, bounds, nullptr, scratch.offsets, scratch.instances);
+    const std::size_t count = emit_instances(b, job, bounds, nullptr, scratch.emission, scratch.instances);
     b.sort_pairs(scratch.instances, count, job.grid.key_bits() + depth_key_bits);
     finish_lists(b, job, count, depth_key_bits, scratch.instances, lists);
   }

@@ -15,11 +15,15 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <swiftgs/backend.hpp>
+#include <swiftgs/bounds/ellipse.hpp>
+#include <swiftgs/bounds/opacity_box.hpp>
+#include <swiftgs/bounds/three_sigma_square.hpp>
 #include <swiftgs/host_buffer.hpp>
 #include <swiftgs/host_scene.hpp>
 #include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
 #include <swiftgs/raster/per_pixel.hpp>
+#include <swiftgs/sort/sort.hpp>
 
 namespace swiftgs {
 
@@ -36,7 +40,7 @@ class Cpu {
   /// `threads`: how many run at once; 0 for as many as the process may use. Each backend has its own arena,
   /// so renderers neither wait for nor change the settings of other users of oneTBB.
   explicit Cpu(int threads = 0)
-      : arena_(std::make_unique<tbb::task_arena>(threads > 0 ? threads : tbb::task_arena::automatic)) {}
+      : arena_(std::make_unique<tbb::task_arena>(threads > 0 ? threads : int(tbb::task_arena::automatic))) {}
 
   static bool usable() { return true; }
   int threads() const { return arena_->max_concurrency(); }
@@ -92,6 +96,39 @@ struct ProjectScratch<Cpu> {
 /// Vector kernel of the projection: a lane a Gaussian.
 void project(Cpu& cpu, const ViewConstants& constants, const SceneView& scene, ProjectScratch<Cpu>& scratch,
              Splats<Cpu>& splats);
+
+/// The tiles that a splat may touch. Bit 8 r + c of `mask` is the tile r rows below and c columns right of
+/// the first; zero where the splat spans more than 8 tiles a side, whose tiles are found again when they are
+/// emitted.
+struct Footprint {
+  std::uint64_t mask;
+  std::uint32_t count;
+  std::uint16_t column, row;
+};
+
+/// Footprints by index, found in the order in which the splats lie in memory: emission in depth order then
+/// jumps among 16 bytes a splat.
+template <>
+struct InstanceScratch<Cpu> {
+  HostBuffer<Footprint> footprints;
+  HostBuffer<std::uint64_t> offsets;
+};
+
+/// Vector kernels of the library's bounds.
+std::size_t emit_instances(Cpu& cpu, const SortJob& job, const ThreeSigmaSquare& bounds,
+                           const std::uint32_t* order, InstanceScratch<Cpu>& scratch,
+                           Pairs<Cpu, std::uint32_t>& instances);
+std::size_t emit_instances(Cpu& cpu, const SortJob& job, const ThreeSigmaSquare& bounds,
+                           const std::uint32_t* order, InstanceScratch<Cpu>& scratch,
+                           Pairs<Cpu, std::uint64_t>& instances);
+std::size_t emit_instances(Cpu& cpu, const SortJob& job, const OpacityBox& bounds, const std::uint32_t* order,
+                           InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint32_t>& instances);
+std::size_t emit_instances(Cpu& cpu, const SortJob& job, const OpacityBox& bounds, const std::uint32_t* order,
+                           InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint64_t>& instances);
+std::size_t emit_instances(Cpu& cpu, const SortJob& job, const Ellipse& bounds, const std::uint32_t* order,
+                           InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint32_t>& instances);
+std::size_t emit_instances(Cpu& cpu, const SortJob& job, const Ellipse& bounds, const std::uint32_t* order,
+                           InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint64_t>& instances);
 
 /// Vector kernels of the library's rasterizers: a row of 16 pixels at a time.
 void rasterize(Cpu& cpu, PerPixel, const RasterJob& job);
