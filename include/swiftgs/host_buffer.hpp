@@ -20,13 +20,15 @@ class HostBuffer {
  public:
   /// Makes room for `count` elements. What was in the buffer is undefined afterwards.
   void reset(std::size_t count) {
+    if (count > capacity_) {
+      // Empty while the allocation may throw; what is there is freed first, as it need not be kept.
+      memory_.reset();
+      capacity_ = size_ = 0;
+      const std::size_t room = count + count / 8;
+      memory_.reset(static_cast<T*>(::operator new (room * sizeof(T) + padding, std::align_val_t{padding})));
+      capacity_ = room;
+    }
     size_ = count;
-    if (count <= capacity_) return;
-    const std::size_t room = count + count / 8;
-    memory_.reset();
-    capacity_ = 0;
-    memory_.reset(static_cast<T*>(::operator new (room * sizeof(T) + padding, std::align_val_t{padding})));
-    capacity_ = room;
   }
 
   T* data() { return memory_.get(); }
