@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <istream>
+#include <limits>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -22,10 +23,13 @@ struct SortCalibration {
   bool prefers_early() const { return early_ms <= standard_ms; }
 };
 
-/// One line of text.
+/// One line of text, with as many digits as bring the same durations back.
 inline std::ostream& operator<<(std::ostream& out, const SortCalibration& c) {
-  return out << "swiftgs-sort-calibration 1 " << c.gaussians << ' ' << c.width << ' ' << c.height << ' '
-             << c.standard_ms << ' ' << c.early_ms << '\n';
+  const std::streamsize precision = out.precision(std::numeric_limits<double>::max_digits10);
+  out << "swiftgs-sort-calibration 1 " << c.gaussians << ' ' << c.width << ' ' << c.height << ' '
+      << c.standard_ms << ' ' << c.early_ms << '\n';
+  out.precision(precision);
+  return out;
 }
 
 /// Reads what `operator<<` wrote; sets failbit on anything else.
