@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <deque>
+#include <optional>
+#include <sstream>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "policies/backends.hpp"
+#include "policies/tile_lists.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+/// `Serial` with a clock that the test winds: a sort takes as long as the script says, by the width of the
+/// keys of instances, which tells the strategies apart; and its end may be reported late, as a device would.
+class ScriptedBackend : public Serial {
+ public:
+  static constexpr std::string_view name = "scripted";
+  using TimePoint = double;
+  static bool usable() { return true; }
+
+  template <class Key>
+  void sort_pairs(Pairs<ScriptedBackend, Key>& pairs, std::size_t n, int bits) {
+    if (sizeof(Key) == 8)
+      time += standard_ms, last = "standard";
+    else
+      time += early_ms / 2, last = "early";  // which sorts twice
+    Pairs<Serial, Key> same;
+    const auto exchange = [&] {
+      std::swap(pairs.keys, same.keys), std::swap(pairs.spare_keys, same.spare_keys);
+      std::swap(pairs.values, same.values), std::swap(pairs.spare_values, same.spare_values);
+    };
+    exchange();
+    Serial::sort_pairs(same, n, bits);
+    exchange();
+  }
+  TimePoint now() { return time; }
+  std::optional<double> milliseconds(double from, double to) {
+    ++times_asked;
+    if (late) return std::nullopt;
+    return to - from;
+  }
+
+  double time = 0, standard_ms = 2, early_ms = 1;
+  bool late = false;
+  int times_asked = 0;
+  std::string last;
+};
+static_assert(BackendPolicy<ScriptedBackend>);
+
+/// An adaptive sort, the frames that it is shown, and what it ran for each.
+struct Session {
+  explicit Session(AdaptiveSort s) : sort(std::move(s)) {}
+
+  /// Builds the lists of one frame; returns the strategy that ran.
+  std::string frame(int width = 64, int height = 48) {
+    SortJob job = splats.job(width, height);
+    job.key.scene = scene;
+    sort.build(backend, job, Ellipse{}, scratch, lists);
+    correct = correct && to_vectors(lists.view()) == brute_force_lists<Ellipse>(job);
+    return backend.last;
+  }
+  std::string frames(int count) {
+    std::string ran;
+    for (int i = 0; i < count; ++i) ran += frame()[0];
+    return ran;
+  }
+
+  ScriptedBackend backend;
+  AdaptiveSort sort;
+  AdaptiveSort::Scratch<ScriptedBackend> scratch;
+  TileLists<ScriptedBackend> lists;
+  SplatSet splats = random_splats(20, 64, 48, 1);
+  const void* scene = "a scene";
+  bool correct = true;
+};
+
+std::string text_of(const SortCalibration& calibration) {
+  std::ostringstream out;
+  out << calibration;
+  return out.str();
+}
+
+std::optional<SortCalibration> calibration_in(const std::string& text) {
+  std::istringstream in(text);
+  SortCalibration calibration;
+  if (in >> calibration) return calibration;
+  return std::nullopt;
+}
+
+}  // namespace
+
+TEST_CASE("adaptive sort: measures both strategies in turn and keeps the faster one") {
+  Session session(AdaptiveSort(2));
+  CHECK(session.frames(6) == "sesese");
+  REQUIRE(session.sort.calibration());
+  CHECK(session.sort.calibration()->standard_ms == 2);
+  CHECK(session.sort.calibration()->early_ms == 1);
+  CHECK(session.frames(5) == "eeeee");
+
+  Session other(AdaptiveSort(2));
+  other.backend.early_ms = 3;
+  CHECK(other.frames(6) == "sesese");
+  CHECK(other.frames(5) == "sssss");
+  CHECK(session.correct);
+  CHECK(other.correct);
+}
+
+TEST_CASE("adaptive sort: the first frame of either strategy does not count") {
+  Session session(AdaptiveSort(1));
+  session.backend.standard_ms = 100, session.backend.early_ms = 1;
+  CHECK(session.frames(2) == "se");
+  session.backend.standard_ms = 2, session.backend.early_ms = 3;
+  CHECK(session.frames(2) == "se");
+  CHECK(session.frames(3) == "sss");
+  CHECK(session.sort.calibration()->standard_ms == 2);
+}
+
+TEST_CASE("adaptive sort: stops asking the clock once it has decided") {
+  Session session(AdaptiveSort(1));
+  session.frames(4);
+  REQUIRE(session.sort.calibration());
+  const int asked = session.backend.times_asked;
+  session.frames(10);
+  CHECK(session.backend.times_asked == asked);
+}
+
+TEST_CASE("adaptive sort: never waits for a measurement and renders on without it") {
+  Session session(AdaptiveSort(1));
+  session.backend.late = true;
+  CHECK(session.frames(10).size() == 10);
+  CHECK_FALSE(session.sort.calibration());
+  // One question a call before and after the sort at most: it does not poll.
+  CHECK(session.backend.times_asked <= 20);
+  CHECK(session.correct);
+  session.backend.late = false;
+  for (int i = 0; i < 6 && !session.sort.calibration(); ++i) session.frame();
+  REQUIRE(session.sort.calibration());
+  CHECK(session.sort.calibration()->standard_ms == 2);
+  CHECK(session.sort.calibration()->early_ms == 1);
+}
+
+TEST_CASE("adaptive sort: decides anew when the image size or the scene changes") {
+  Session session(AdaptiveSort(1));
+  session.frames(4);
+  REQUIRE(session.sort.calibration());
+  CHECK(session.frame(80, 48) == "standard");
+  CHECK_FALSE(session.sort.calibration());
+  for (int i = 0; i < 3; ++i) session.frame(80, 48);
+  REQUIRE(session.sort.calibration());
+  CHECK(session.sort.calibration()->width == 80);
+
+  session.scene = "another scene";
+  session.frame(80, 48);
+  CHECK_FALSE(session.sort.calibration());
+  CHECK(session.correct);
+}
+
+TEST_CASE("adaptive sort: a measurement that is under way when the scene changes is dropped") {
+  Session session(AdaptiveSort(1));
+  session.backend.late = true;
+  session.backend.standard_ms = 1000;
+  session.frame();
+  session.backend.late = false;
+  session.backend.standard_ms = 2;
+  session.scene = "another scene";
+  session.frames(4);
+  REQUIRE(session.sort.calibration());
+  CHECK(session.sort.calibration()->standard_ms == 2);
+}
+
+TEST_CASE("adaptive sort: for_views spends a fifth of the views on measuring half with each strategy") {
+  Session session(AdaptiveSort::for_views(100));
+  session.frames(2);  // not counted
+  for (int i = 0; i < 19; ++i) session.frame();
+  CHECK_FALSE(session.sort.calibration());
+  session.frame();
+  CHECK(session.sort.calibration());
+
+  Session few(AdaptiveSort::for_views(3));
+  few.frames(4);
+  CHECK(few.sort.calibration());
+}
+
+TEST_CASE("adaptive sort: a calibration survives being saved and loaded") {
+  const SortCalibration saved{123'456'789'012, 1920, 1080, 1.0 / 3, 1.0 / 3 + 1e-15};
+  const std::optional<SortCalibration> loaded = calibration_in(text_of(saved));
+  REQUIRE(loaded);
+  CHECK(loaded->gaussians == saved.gaussians);
+  CHECK(loaded->width == 1920);
+  CHECK(loaded->height == 1080);
+  CHECK(loaded->standard_ms == saved.standard_ms);
+  CHECK(loaded->early_ms == saved.early_ms);
+  CHECK_FALSE(loaded->prefers_early());
+}
+
+TEST_CASE("adaptive sort: a loaded calibration decides from the first frame on") {
+  for (const bool early : {false, true}) {
+    Session session(AdaptiveSort(SortCalibration{20, 64, 48, early ? 2.0 : 1.0, early ? 1.0 : 2.0}));
+    CHECK(session.sort.calibration());
+    CHECK(session.frames(5) == (early ? "eeeee" : "sssss"));
+    CHECK(session.backend.times_asked == 0);
+  }
+}
+
+TEST_CASE("adaptive sort: a loaded calibration of another scene or size is ignored") {
+  const SortCalibration stale[] = {{21, 64, 48, 1, 2}, {20, 63, 48, 1, 2}, {20, 64, 49, 1, 2}};
+  for (const SortCalibration& calibration : stale) {
+    Session session{AdaptiveSort(calibration)};
+    CHECK(session.frames(8) == "sesesese");
+    REQUIRE(session.sort.calibration());
+    CHECK(session.sort.calibration()->standard_ms == 2);
+  }
+}
+
+TEST_CASE("adaptive sort: a loaded calibration holds for the first scene that matches and no other") {
+  Session session(AdaptiveSort(SortCalibration{20, 64, 48, 1, 2}));
+  session.frame();
+  CHECK(session.sort.calibration());
+  session.scene = "another scene of the same size";
+  session.frame();
+  CHECK_FALSE(session.sort.calibration());
+}
+
+TEST_CASE("adaptive sort: text that is not a calibration is refused") {
+  for (const char* text : {"", "\n", "swiftgs-sort-calibration", "swiftgs-sort-calibration 1 5 6 7 8",
+                           "swiftgs-sort-calibration 2 5 6 7 8 9", "another-calibration 1 5 6 7 8 9",
+                           "swiftgs-sort-calibration 1 5 6 7 -8 9", "swiftgs-sort-calibration 1 5 6 7 nan 9",
+                           "swiftgs-sort-calibration 1 five 6 7 8 9"}) {
+    CAPTURE(text);
+    CHECK_FALSE(calibration_in(text));
+  }
+  CHECK(calibration_in("swiftgs-sort-calibration 1 5 6 7 8 9"));
+}
+
+TEST_CASE("adaptive sort: can sort again after a frame that was refused") {
+  Session session(AdaptiveSort(1));
+  SplatSet flood;
+  for (int i = 0; i < 129; ++i) flood.add(make_splat(0, 0, 1e6, 1e6, 0, 1), 1);
+  CHECK_THROWS_AS(session.sort.build(session.backend, flood.job(max_image_side, max_image_side), Ellipse{},
+                                     session.scratch, session.lists),
+                  CapacityError);
+  CHECK(session.frames(5) == "sesee");
+  CHECK(session.correct);
+}

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstddef>
+#include <set>
+#include <utility>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/swiftgs.hpp>
+
+#include "policies/random_splats.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+constexpr int width = 400, height = 300;
+const TileGrid grid = TileGrid::covering(width, height);
+
+using Tiles = std::set<std::pair<int, int>>;  // (row, column)
+
+template <class Bounds>
+Tiles tiles_of(const SplatShape& shape, TileGrid tiles = grid) {
+  const Bounds bounds;
+  Tiles out;
+  const TileRect rect = bounds.rect(shape, tiles);
+  if (rect.columns.size() == 0) return out;
+  for (int row = rect.rows.begin; row < rect.rows.end; ++row) {
+    const TileRun run = bounds.row(shape, rect, row);
+    for (int column = run.begin; column < run.end; ++column) out.insert({row, column});
+  }
+  return out;
+}
+
+/// Least exponent s, in double, over the pixel centres of one row of one tile.
+double least_exponent(const SplatShape& shape, double first_x, double y) {
+  const double dy = y - double(shape.mean.y), q = double(shape.l1) * dy, v = double(shape.l2) * dy;
+  // s is smallest where l0 dx + q is nearest to 0: at the pixels next to its root, or at an end.
+  const double root = double(shape.mean.x) - q / double(shape.l0) - first_x;
+  double least = INFINITY;
+  for (const double column : {std::floor(root), std::floor(root) + 1}) {
+    const double at = std::min(std::max(column, 0.0), double(tile_side - 1));
+    const double u = double(shape.l0) * (first_x + at - double(shape.mean.x)) + q;
+    least = std::min(least, u * u + v * v);
+  }
+  return least;
+}
+
+/// The tiles in which a pixel centre passes s <= reach in double: what no lossless bounds may miss.
+Tiles touched_tiles(const SplatShape& shape) {
+  Tiles out;
+  for (int row = 0; row < grid.rows; ++row)
+    for (int column = 0; column < grid.columns; ++column)
+      for (int y = 0; y < tile_side && !out.count({row, column}); ++y)
+        if (least_exponent(shape, column * tile_side + 0.5, row * tile_side + y + 0.5) <= double(shape.reach))
+          out.insert({row, column});
+  return out;
+}
+
+bool contains(const Tiles& all, const Tiles& some) {
+  return std::includes(all.begin(), all.end(), some.begin(), some.end());
+}
+
+/// Calls `f` with random splats of every kind, then with hand-made extremes.
+template <class F>
+void for_each_splat(const F& f) {
+  Random random(1);
+  for (int i = 0; i < 3000; ++i) f(random_splat(random, width, height));
+  for (int i = 0; i < 1000; ++i) f(usual_splat(random, width, height));
+  for (const double angle : {0.0, 1e-4, 0.3, 0.785398, 1.5707963, 1.5706, 3.0}) {
+    f(make_splat(200, 150, 5478, 0.5478, angle, 1));        // needle of ratio 1e4
+    f(make_splat(-3000, 2000, 1e4, 1, angle, 0.3));         // its centre far outside
+    f(make_splat(200, 150, 0.5478, 0.5478, angle, 0.004));  // a dot that one pixel keeps at most
+    f(make_splat(16, 16, 1e7, 1e6, angle, 1));              // a giant
+    f(make_splat(1e6, 150, 1e6, 10, angle, 1));
+    f(make_splat(15.5, 15.5, 0.5478, 0.5478, angle, 1.0 / 255));  // reach 0, on a pixel centre
+  }
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("bounds: lossless ones never miss a tile in which a pixel keeps the splat", Bounds,
+                   OpacityBox, Ellipse) {
+  static_assert(Bounds::lossless);
+  std::size_t missed = 0, touched = 0;
+  for_each_splat([&](const SplatShape& shape) {
+    const Tiles needed = touched_tiles(shape);
+    touched += needed.size();
+    missed += !contains(tiles_of<Bounds>(shape), needed);
+  });
+  CHECK(missed == 0);
+  CHECK(touched > 100'000);
+}
+
+TEST_CASE("bounds: the ellipse lists no tile that the box does not") {
+  std::size_t outside = 0;
+  for_each_splat([&](const SplatShape& shape) {
+    outside += !contains(tiles_of<OpacityBox>(shape), tiles_of<Ellipse>(shape));
+  });
+  CHECK(outside == 0);
+}
+
+TEST_CASE("bounds: the ellipse lists few tiles more than pixels need") {
+  // Between centres of pixels an ellipse may slip into a tile without keeping one of its pixels; needles do.
+  Random random(2);
+  std::size_t listed = 0, needed = 0, boxed = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const SplatShape shape = usual_splat(random, width, height);
+    listed += tiles_of<Ellipse>(shape).size();
+    boxed += tiles_of<OpacityBox>(shape).size();
+    needed += touched_tiles(shape).size();
+  }
+  CHECK(double(listed) < 1.02 * double(needed));
+  CHECK(double(boxed) > 1.2 * double(needed));
+}
+
+TEST_CASE("bounds: an ellipse in one row of tiles is as wide as it is") {
+  const SplatShape shape = make_splat(100, 24, 12, 1, 0, 1);
+  // ln 255 is 5.541: the ellipse ends sqrt(2 * 5.541) = 3.329 sigmas, or 39.95 pixels, from the centre.
+  CHECK(tiles_of<Ellipse>(shape) == Tiles{{1, 3}, {1, 4}, {1, 5}, {1, 6}, {1, 7}, {1, 8}});
+  CHECK(tiles_of<Ellipse>(make_splat(100.5, 24, 12, 1, 0, 1)).size() == 6);
+}
+
+TEST_CASE("bounds: an oblique ellipse leaves the corners of its box out") {
+  const SplatShape shape = make_splat(160, 144, 30, 3, 0.785398, 1);
+  const Tiles ellipse = tiles_of<Ellipse>(shape), box = tiles_of<OpacityBox>(shape);
+  const std::pair<int, int> upper_left = *box.begin(), lower_right = *box.rbegin();
+  CHECK(ellipse.count(upper_left));
+  CHECK(ellipse.count(lower_right));
+  CHECK_FALSE(ellipse.count({upper_left.first, lower_right.second}));
+  CHECK_FALSE(ellipse.count({lower_right.first, upper_left.second}));
+  CHECK(2 * ellipse.size() < box.size());
+}
+
+TEST_CASE_TEMPLATE("bounds: a splat off the screen is in no tile", Bounds, ThreeSigmaSquare, OpacityBox,
+                   Ellipse) {
+  for (const auto& [x, y] : {std::pair{-100.0, 50.0}, {50.0, -100.0}, {600.0, 50.0}, {50.0, 500.0}})
+    CHECK(tiles_of<Bounds>(make_splat(x, y, 3, 2, 0.5, 1)).empty());
+}
+
+TEST_CASE_TEMPLATE("bounds: numbers that are not finite stay inside the grid", Bounds, ThreeSigmaSquare,
+                   OpacityBox, Ellipse) {
+  for (const float wild : {INFINITY, -INFINITY, NAN, 3e38f, -3e38f})
+    for (int member = 0; member < 8; ++member) {
+      CAPTURE(wild);
+      CAPTURE(member);
+      SplatShape shape = make_splat(200, 150, 30, 10, 0.4, 0.8);
+      float* const members[] = {&shape.mean.x, &shape.mean.y,  &shape.l0,    &shape.l1,
+                                &shape.l2,     &shape.opacity, &shape.reach, &shape.half_width};
+      *members[member] = wild;
+      for (const auto& [row, column] : tiles_of<Bounds>(shape)) {
+        CHECK(row >= 0);
+        CHECK(row < grid.rows);
+        CHECK(column >= 0);
+        CHECK(column < grid.columns);
+      }
+    }
+}
+
+TEST_CASE("bounds: faint splats get a smaller box and the same square") {
+  const SplatShape faint = make_splat(200, 150, 30, 30, 0, 0.01), solid = make_splat(200, 150, 30, 30, 0, 1);
+  CHECK(tiles_of<OpacityBox>(faint).size() < tiles_of<OpacityBox>(solid).size() / 3);
+  CHECK(tiles_of<ThreeSigmaSquare>(faint) == tiles_of<ThreeSigmaSquare>(solid));
+}
+
+namespace {
+
+/// INRIA's rectangle, from its definition: radius ceil(3 sqrt(lambda_max)), coordinates that count from the
+/// first pixel's centre.
+Tiles inria_tiles(double x, double y, double xx, double xy, double yy) {
+  const double mid = 0.5 * (xx + yy);
+  const double lambda = mid + std::sqrt(std::max(0.1, mid * mid - (xx * yy - xy * xy)));
+  const double radius = std::ceil(3 * std::sqrt(lambda));
+  const auto clamp = [](double v, int count) { return int(std::min(std::max(v, 0.0), double(count))); };
+  const int left = clamp(std::floor((x - 0.5 - radius) / 16), grid.columns);
+  const int top = clamp(std::floor((y - 0.5 - radius) / 16), grid.rows);
+  const int right = clamp(std::floor((x - 0.5 + radius + 15) / 16), grid.columns);
+  const int bottom = clamp(std::floor((y - 0.5 + radius + 15) / 16), grid.rows);
+  Tiles out;
+  for (int row = top; row < bottom; ++row)
+    for (int column = left; column < right; ++column) out.insert({row, column});
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("bounds: the three sigma square is the one of INRIA's rasterizer") {
+  struct Case {
+    double x, y, along, across, angle;
+  };
+  const Case by_hand[] = {{200, 150, 5, 5, 0},           {200, 150, 40, 2, 0.5}, {3, 4, 7, 7, 0},
+                          {399, 299, 10, 1, 1.2},        {-20, 150, 9, 3, 2},    {200, 320, 9, 3, 2.5},
+                          {200, 150, 0.5478, 0.5478, 0}, {16.4, 31.9, 2, 2, 0},  {200, 150, 1000, 900, 0.1}};
+  for (const Case& c : by_hand) {
+    CAPTURE(c.x);
+    CAPTURE(c.along);
+    const double cosine = std::cos(c.angle), sine = std::sin(c.angle);
+    const double a = c.along * c.along, b = c.across * c.across;
+    CHECK(tiles_of<ThreeSigmaSquare>(make_splat(c.x, c.y, c.along, c.across, c.angle, 0.7)) ==
+          inria_tiles(c.x, c.y, a * cosine * cosine + b * sine * sine, (a - b) * cosine * sine,
+                      a * sine * sine + b * cosine * cosine));
+  }
+}
+
+TEST_CASE("bounds: the radius of a round splat of standard deviation 5 is 16") {
+  // lambda_max of a round covariance is 25 + sqrt(0.1), and 3 sqrt(25.316) is 15.09.
+  CHECK(tiles_of<ThreeSigmaSquare>(make_splat(200.5, 152.5, 5, 5, 0, 1)) ==
+        Tiles{{8, 11}, {8, 12}, {8, 13}, {9, 11}, {9, 12}, {9, 13}, {10, 11}, {10, 12}, {10, 13}});
+  // From 184 to 216 + 15: columns 11 to 13; with its centre at 208.5 the left border is column 12 exactly.
+  CHECK(tiles_of<ThreeSigmaSquare>(make_splat(208.5, 152.5, 5, 5, 0, 1)).begin()->second == 12);
+}

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Splats in, tile lists out: what the tests of sorts and bounds have in common.
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include <swiftgs/sort/sort.hpp>
+
+#include "policies/random_splats.hpp"
+
+namespace swiftgs::test {
+
+/// Splats on the host, with the job that sorts them for an image.
+struct SplatSet {
+  std::vector<SplatShape> shapes;
+  std::vector<SplatColour> colours;
+
+  void add(const SplatShape& shape, float depth, vec3 rgb = vec3(1)) {
+    shapes.push_back(shape);
+    colours.push_back({rgb, depth});
+  }
+  SplatsView view() const { return {{shapes.data(), shapes.size()}, {colours.data(), colours.size()}}; }
+  SortJob job(int width, int height) const {
+    return {view(), TileGrid::covering(width, height), {shapes.data(), shapes.size(), width, height}};
+  }
+};
+
+/// Random splats for a width x height image; few depths, so that many are equal.
+inline SplatSet random_splats(std::size_t count, int width, int height, std::uint64_t seed) {
+  Random random(seed);
+  SplatSet set;
+  for (std::size_t i = 0; i < count; ++i) {
+    const SplatShape shape =
+        i % 10 == 0 ? random_splat(random, width, height) : usual_splat(random, width, height);
+    set.add(shape, i % 3 == 0 ? float(1 + random.bits() % 4) : random.f(0.01, 100));
+  }
+  return set;
+}
+
+/// Tile lists as plain vectors, one a tile.
+using Lists = std::vector<std::vector<std::uint32_t>>;
+
+inline Lists to_vectors(const TileListsView& lists) {
+  Lists out(lists.ranges.size);
+  for (std::size_t tile = 0; tile < out.size(); ++tile)
+    for (std::uint32_t at = lists.ranges[tile].begin; at < lists.ranges[tile].end; ++at)
+      out[tile].push_back(lists.ids[at]);
+  return out;
+}
+
+/// Every tile against every splat: in the list where the bounds' row has the tile, ordered by depth, then
+/// index.
+template <class Bounds>
+Lists brute_force_lists(const SortJob& job) {
+  Lists lists(job.grid.size());
+  const Bounds bounds;
+  for (int row = 0; row < job.grid.rows; ++row)
+    for (int column = 0; column < job.grid.columns; ++column) {
+      std::vector<std::uint32_t>& list = lists[std::size_t(row * job.grid.columns + column)];
+      for (std::uint32_t id = 0; id < job.splats.size(); ++id) {
+        const TileRect rect = bounds.rect(job.splats.shapes[id], job.grid);
+        if (row < rect.rows.begin || row >= rect.rows.end || rect.columns.size() == 0) continue;
+        const TileRun run = bounds.row(job.splats.shapes[id], rect, row);
+        if (column >= run.begin && column < run.end) list.push_back(id);
+      }
+      std::stable_sort(list.begin(), list.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return job.splats.colours[a].depth < job.splats.colours[b].depth;
+      });
+    }
+  return lists;
+}
+
+/// What `Sort` makes of `job` on `backend`.
+template <class Sort, class Bounds, class B>
+TileLists<B> build_lists(B& backend, const SortJob& job, Sort sort = Sort()) {
+  typename Sort::template Scratch<B> scratch;
+  TileLists<B> lists;
+  sort.build(backend, job, Bounds{}, scratch, lists);
+  return lists;
+}
+
+}  // namespace swiftgs::test
