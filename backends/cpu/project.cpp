@@ -276,7 +276,7 @@ void ShadeSplats(const ViewConstants& v, const SceneView& scene, const std::uint
       const std::size_t id = ids[first + k];
       const std::size_t ahead = first + k + lanes;
       if (degree > 0 && ahead < count)
-        for (std::size_t line = 0; line < stride; line += 16)
+        for (std::size_t line = 0; line < 3 * std::size_t(coefficients); line += 16)
           hwy::Prefetch(&scene.sh_rest[ids[ahead] * stride + line]);
       const vec3 sh0 = scene.sh0[id];
       const float* HWY_RESTRICT rest = scene.sh_rest.data + id * stride;
@@ -285,7 +285,8 @@ void ShadeSplats(const ViewConstants& v, const SceneView& scene, const std::uint
         const float weight = basis[j][k];
         r += weight * rest[3 * j], g += weight * rest[3 * j + 1], b += weight * rest[3 * j + 2];
       }
-      colours[first + k] = {vec3(std::max(r, 0.0f), std::max(g, 0.0f), std::max(b, 0.0f)), depths[first + k]};
+      // In this order what is not a number becomes 0.
+      colours[first + k] = {vec3(std::max(0.0f, r), std::max(0.0f, g), std::max(0.0f, b)), depths[first + k]};
     }
   }
 }
