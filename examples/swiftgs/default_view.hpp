@@ -7,8 +7,8 @@
 namespace swiftgs::cli {
 
 /// A camera of 1280x720 for a scene that comes without: it looks at the middle of the bulk of the Gaussians
-/// from where most of them are seen and none stands in the way. Of the axes y and z the one that puts far
-/// things at the top of the image is taken to point up.
+/// from where most of them are seen and none stands in the way. Up is whichever of -y, y, z and -z puts what
+/// is far or bright at the top of the image, tilted to the ground where one is found.
 Camera default_view(const Scene& scene);
 
 }  // namespace swiftgs::cli
