@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <set>
+#include <sstream>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/io/image.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
+#include "cli/command.hpp"
+
+using nlohmann::json;
+using swiftgs::test::Outcome;
+using swiftgs::test::Workplace;
+namespace fs = std::filesystem;
+
+namespace {
+
+Outcome run(const Workplace& place, const std::string& arguments) {
+  Outcome outcome = swiftgs::test::swiftgs(place, arguments);
+  CAPTURE(arguments);
+  CHECK(outcome.code == 0);
+  CHECK(outcome.err == "");
+  return outcome;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// Names of the files in a folder.
+std::set<std::string> files_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  return names;
+}
+
+}  // namespace
+
+TEST_CASE("cli: info tells format and count and percentiles") {
+  const Workplace place;
+  const std::string text = run(place, "info builtin:2000").out;
+  for (const char* part : {"Gaussians       2000\n", "SH degree       3\n", "dropped         0 of 2000",
+                           "50%", "opacity", "longest scale", "format          built in\n"})
+    CHECK(contains(text, part));
+
+  swiftgs::Scene scene = swiftgs::make_builtin_scene(100);
+  std::fill(scene.sh_rest.begin(), scene.sh_rest.end(), 0.0f);
+  write_ply(place / "scene.ply", scene);
+  const std::string of_file = run(place, "info scene.ply").out;
+  CHECK(contains(of_file, "INRIA PLY"));
+  CHECK(contains(of_file, "Gaussians       100\n"));
+  CHECK(contains(of_file, "bands above 0 are zero"));
+}
+
+TEST_CASE("cli: info counts what was dropped") {
+  const Workplace place;
+  swiftgs::Scene scene = swiftgs::make_builtin_scene(10);
+  scene.means[3].x = std::numeric_limits<float>::quiet_NaN();
+  write_ply(place / "scene.ply", scene);
+  const std::string text = run(place, "info scene.ply").out;
+  CHECK(contains(text, "Gaussians       9\n"));
+  CHECK(contains(text, "dropped         1 of 10"));
+}
+
+TEST_CASE("cli: list has every combination of policies and whether it runs here") {
+  const Workplace place;
+  std::istringstream lines(run(place, "list").out);
+  std::size_t serial = 0, all = 0;
+  for (std::string line; std::getline(lines, line); ++all) {
+    CAPTURE(line);
+    std::istringstream words(line);
+    std::string name;
+    words >> name;
+    CHECK(std::count(name.begin(), name.end(), '/') == 3);
+    const bool runs = line.ends_with("  runs here");
+    CHECK((runs || line.ends_with("  cannot run here")));
+    serial += runs && name.starts_with("serial/");
+  }
+  CHECK(serial == 63);
+  CHECK(all % 63 == 0);
+}
+
+TEST_CASE("cli: render writes an image and says where it is and how long it took") {
+  const Workplace place;
+  const std::string text = run(place, "render builtin:2000 --scale 0.1").out;
+  CHECK(contains(text, "renders/front.png  128x72  "));
+  CHECK(contains(text, " ms (project "));
+  const swiftgs::Image image = swiftgs::read_image(place / "renders/front.png");
+  CHECK(image.width == 128);
+  CHECK(image.height == 72);
+  double sum = 0;
+  for (float value : image.pixels) sum += double(value);
+  CHECK(sum / double(image.pixels.size()) > 0.25);
+}
+
+TEST_CASE("cli: render --stats prints what a frame had to do") {
+  const Workplace place;
+  const std::string text = run(place, "render builtin:2000 --scale 0.1 --stats").out;
+  for (const char* part : {"Gaussians  ", "visible  ", "instances  ", "instances a visible Gaussian  ",
+                           "contributing pairs  ", "pixels stopped early  "})
+    CHECK(contains(text, part));
+  CHECK_FALSE(contains(text, "contributing pairs               0\n"));
+}
+
+TEST_CASE("cli: render --views chooses numbers or every so many or all") {
+  const Workplace place;
+  run(place, "render builtin:100 --scale 0.02 --out list --views 1,3");
+  CHECK(files_in(place / "list") == std::set<std::string>{"orbit-00.png", "orbit-02.png"});
+  run(place, "render builtin:100 --scale 0.02 --out every --views every:12");
+  CHECK(files_in(place / "every") == std::set<std::string>{"front.png", "orbit-11.png", "orbit-23.png"});
+  run(place, "render builtin:100 --scale 0.02 --out all --views all");
+  CHECK(files_in(place / "all").size() == 25);
+}
+
+TEST_CASE("cli: images of cameras with the same name do not share a file") {
+  const Workplace place;
+  const json camera = {{"id", 0},
+                       {"img_name", "a/same"},
+                       {"width", 32},
+                       {"height", 16},
+                       {"fx", 30.0},
+                       {"fy", 30.0},
+                       {"position", {0, -1, -4}},
+                       {"rotation", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+  swiftgs::test::write_file(place / "cameras.json", json::array({camera, camera}).dump());
+  run(place, "render builtin:100 --cameras cameras.json --out out");
+  CHECK(files_in(place / "out") == std::set<std::string>{"a_same.png", "a_same-1.png"});
+}
+
+TEST_CASE("cli: render shows the background where nothing else is") {
+  const Workplace place;
+  run(place, "render builtin:1 --scale 0.1 --format pfm --background 0.5,0.25,2");
+  const swiftgs::Image image = swiftgs::read_image(place / "renders/front.pfm");
+  CHECK(image.pixels[0] == 0.5f);
+  CHECK(image.pixels[1] == 0.25f);
+  CHECK(image.pixels[2] == 2.0f);
+}
+
+TEST_CASE("cli: a scene without cameras is seen from where it fills the image") {
+  const Workplace place;
+  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(5000));
+  run(place, "render scene.ply --scale 0.1 --format pfm --background -1,-1,-1");
+  const swiftgs::Image image = swiftgs::read_image(place / "renders/view.pfm");
+  const auto filled =
+      std::count_if(image.pixels.begin(), image.pixels.end(), [](float v) { return v > -0.5f; });
+  CHECK(double(filled) > 0.8 * double(image.pixels.size()));
+}
+
+TEST_CASE("cli: conventions and renderers change the image as little as they should") {
+  const Workplace place;
+  const std::string frame = "render builtin:2000 --scale 0.1 --format pfm ";
+  run(place, frame + "--out a --renderer serial/standard/per-pixel/ellipse");
+  run(place, frame + "--out b --renderer serial/early/axis-shared-float-split/opacity-box");
+  run(place, frame + "--out c --renderer serial/standard/per-pixel/ellipse --conventions inria");
+  const json same = json::parse(run(place, "compare a/front.pfm b/front.pfm").out);
+  CHECK(same["max_abs"] < 0.005);
+  const json other = json::parse(run(place, "compare a/front.pfm c/front.pfm").out);
+  CHECK(other["max_abs"] > 0);
+}
+
+TEST_CASE("cli: an image compared with itself has no difference") {
+  const Workplace place;
+  run(place, "render builtin:500 --scale 0.05");
+  const Outcome outcome = run(place, "compare renders/front.png renders/front.png");
+  const json result = json::parse(outcome.out);
+  CHECK(result.size() == 3);
+  CHECK(result["max_abs"] == 0);
+  CHECK(result["ssim"].get<double>() == doctest::Approx(1));
+  CHECK(result["psnr_db"].is_null());
+}
+
+TEST_CASE("cli: check writes one object a renderer and view with exactly these members") {
+  const Workplace place;
+  const Outcome outcome = run(place,
+                              "check builtin:1000 --scale 0.05 --views 0,5 --repeats 1 --json results.json "
+                              "--renderers 'serial/standard/per-pixel/*'");
+  const json results = json::parse(swiftgs::test::contents_of(place / "results.json"));
+  REQUIRE(results.is_array());
+  CHECK(results.size() == 6);
+  CHECK(swiftgs::test::lines_in(outcome.out) == 7);
+  for (const json& result : results) {
+    std::set<std::string> members, stages;
+    for (const auto& item : result.items()) members.insert(item.key());
+    for (const auto& item : result["ms"].items()) stages.insert(item.key());
+    CHECK(members ==
+          std::set<std::string>{"renderer", "scene", "view", "width", "height", "ms", "psnr_db", "max_abs"});
+    CHECK(stages == std::set<std::string>{"project", "sort", "raster", "total"});
+    CHECK(result["scene"] == "builtin:1000");
+    CHECK((result["view"] == "front" || result["view"] == "orbit-04"));
+    CHECK(result["width"] == 64);
+    CHECK(result["height"] == 36);
+    CHECK(result["ms"]["total"] > 0);
+    if (!contains(result["renderer"], "three-sigma-square")) CHECK(result["psnr_db"] > 80);
+  }
+}
+
+TEST_CASE("cli: check compares with the photographs that have the names of the views") {
+  const Workplace place;
+  run(place, "render builtin:1000 --scale 0.05 --out photos");
+  run(place,
+      "check builtin:1000 --scale 0.05 --views 0,1 --repeats 1 --photos photos --json results.json "
+      "--renderers serial/early/per-pixel/ellipse");
+  const json results = json::parse(swiftgs::test::contents_of(place / "results.json"));
+  REQUIRE(results.size() == 2);
+  // The photograph is this very frame in 8 bits.
+  CHECK(results[0]["photo_psnr_db"] > 50);
+  CHECK(results[1]["photo_psnr_db"].is_null());
+}
+
+TEST_CASE("cli: help explains every command and gives examples") {
+  const Workplace place;
+  const std::string help = run(place, "--help").out;
+  for (const std::string command : {"info", "list", "render", "compare", "check"}) {
+    CHECK(contains(help, "  " + command + "  "));
+    const std::string more = run(place, command + " --help").out;
+    CHECK(contains(more, "Usage: swiftgs " + command));
+    if (command != "list") CHECK(contains(more, "\n  swiftgs " + command));
+  }
+}

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
+#include "cli/command.hpp"
+
+using swiftgs::test::Outcome;
+using swiftgs::test::Workplace;
+
+namespace {
+
+/// Runs the tool and expects exit code 1 and one line on standard error that holds all `parts`.
+void fails(const Workplace& place, const std::string& arguments, std::initializer_list<std::string> parts) {
+  const Outcome outcome = swiftgs::test::swiftgs(place, arguments);
+  CAPTURE(arguments);
+  CAPTURE(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(swiftgs::test::lines_in(outcome.err) == 1);
+  CHECK(outcome.err.starts_with("swiftgs: "));
+  for (const std::string& part : parts) {
+    CAPTURE(part);
+    CHECK(outcome.err.find(part) != std::string::npos);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("cli errors: a missing file is named") {
+  const Workplace place;
+  fails(place, "info nowhere.ply", {"nowhere.ply"});
+  fails(place, "render builtin:10 --cameras nowhere.json", {"nowhere.json"});
+  fails(place, "compare nowhere.png nowhere.png", {"nowhere.png"});
+  fails(place, "check builtin:10 --scale 0.01 --photos nowhere", {"nowhere"});
+}
+
+TEST_CASE("cli errors: a truncated scene is named with the offset and what was expected") {
+  const Workplace place;
+  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(20));
+  std::filesystem::resize_file(place / "scene.ply", std::filesystem::file_size(place / "scene.ply") - 100);
+  for (const std::string command : {"info", "render", "check"})
+    fails(place, command + " scene.ply", {"scene.ply: byte ", "expected"});
+}
+
+TEST_CASE("cli errors: a foreign file is refused") {
+  const Workplace place;
+  swiftgs::test::write_file(place / "notes.txt", "nothing that can be rendered\n");
+  fails(place, "info notes.txt", {"notes.txt: byte 0: expected"});
+  fails(place, "compare notes.txt notes.txt", {"notes.txt: byte 0: expected"});
+  fails(place, "render builtin:10 --cameras notes.txt", {"notes.txt", "expected"});
+}
+
+TEST_CASE("cli errors: images of different sizes are not compared") {
+  const Workplace place;
+  swiftgs::test::swiftgs(place, "render builtin:10 --scale 0.02 --out a");
+  swiftgs::test::swiftgs(place, "render builtin:10 --scale 0.03 --out b");
+  fails(place, "compare a/front.png b/front.png", {"b/front.png: expected 26x14 RGB", "found 38x22 RGB"});
+  fails(place, "check builtin:10 --scale 0.02 --photos b", {"b/front.png", "expected RGB of 26x14", "38x22"});
+}
+
+TEST_CASE("cli errors: an unknown renderer brings up the valid words") {
+  const Workplace place;
+  fails(place, "render builtin:10 --renderer serial/early/guess/ellipse",
+        {"serial/early/guess/ellipse", "serial", "adaptive", "per-pixel", "opacity-box"});
+  fails(place, "check builtin:10 --renderers 'nothing*'", {"nothing*", "swiftgs list"});
+}
+
+TEST_CASE("cli errors: options that make no sense say what was expected") {
+  const Workplace place;
+  for (const std::string views : {"25", "0,", "every:0", "every:x", "-1", "some", "0,1,99"})
+    fails(place, "render builtin:10 --views=" + views, {"--views '" + views + "'", "numbers from 0 to 24"});
+  for (const std::string background : {"1,2", "1,2,x", "nan,0,0", "red", "1,2,3,4"})
+    fails(place, "render builtin:10 --background " + background, {background, "R,G,B"});
+  for (const std::string size :
+       {"builtin:", "builtin:0", "builtin:-5", "builtin:1e9", "builtin:999999999999"})
+    fails(place, "info " + size, {size, "builtin:N"});
+  fails(place, "render builtin:10 --conventions other", {"other", "gsplat or inria"});
+  fails(place, "render builtin:10 --format bmp", {"bmp", "png, pfm or exr"});
+  fails(place, "info builtin:10 --spz-frame up", {"up", "specified, rub, rdf, luf or raw"});
+  fails(place, "render builtin:10 --scale 0", {"scale above 0"});
+  fails(place, "render builtin:10 --scale 1000", {"65536"});
+  fails(place, "check builtin:10 --repeats 0", {"--repeats", "at least 1"});
+}
+
+TEST_CASE("cli errors: arguments that are not known or missing") {
+  const Workplace place;
+  fails(place, "", {"--help"});
+  fails(place, "paint", {"--help"});
+  fails(place, "render", {"SCENE", "--help"});
+  fails(place, "render builtin:10 --colour", {"--colour"});
+  fails(place, "render builtin:10 --scale big", {"--scale"});
+  fails(place, "compare one.png", {"B", "--help"});
+}
+
+TEST_CASE("cli errors: results that cannot be written are named") {
+  const Workplace place;
+  swiftgs::test::write_file(place / "file", "");
+  fails(place, "render builtin:10 --scale 0.01 --out file/inside", {"file/inside"});
+  fails(place,
+        "check builtin:10 --scale 0.01 --repeats 1 --json file/x.json --renderers "
+        "serial/early/per-pixel/ellipse",
+        {"file/x.json"});
+}
