@@ -50,8 +50,8 @@ struct RasterJob {
   TileCounts* counts = nullptr;  ///< @shape{tiles} filled where not null
 };
 
-/// Arithmetic of a rasterizer for one splat in one tile: constructed once, told each row, asked for each
-/// pixel. `alpha` is 0 where the pixel skips the splat.
+/// Arithmetic of a rasterizer for one splat in one tile: constructed once from a shape that outlives it, told
+/// each row, asked for each pixel. `alpha` is 0 where the pixel skips the splat.
 template <class K>
 concept AlphaKernel = requires(K kernel, const SplatShape& shape, vec2 first_centre, BlendRules rules,
                                float y, int column) {

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "policies/rasterizers.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+/// s of a pixel in double, from the splat's own numbers.
+double exponent(const SplatShape& s, double x, double y) {
+  const double dx = x - double(s.mean.x), dy = y - double(s.mean.y);
+  const double u = double(s.l0) * dx + double(s.l1) * dy, v = double(s.l2) * dy;
+  return u * u + v * v;
+}
+
+/// Largest term of a dx^2 + c dy^2 + b dx dy: what the split forms round, and what their errors scale with.
+double largest_term(const SplatShape& s, double x, double y) {
+  const double dx = x - double(s.mean.x), dy = y - double(s.mean.y);
+  const double l0 = s.l0, l1 = s.l1, l2 = s.l2;
+  return std::max({l0 * l0 * dx * dx, (l1 * l1 + l2 * l2) * dy * dy, std::abs(2 * l0 * l1 * dx * dy)});
+}
+
+struct Worst {
+  double alpha = 0;         ///< largest error of a kept alpha over its bound
+  int wrongly_decided = 0;  ///< pixels kept or skipped although s is clear of the threshold by the bound
+  std::size_t kept = 0;
+};
+
+/// Compares every pixel of a tile with double; `bound(shape, x, y)` is the error allowed in s.
+template <class Raster, class Bound>
+Worst compare(const std::vector<SplatShape>& shapes, const Bound& bound) {
+  const BlendRules rules = BlendRules::from(Conventions::gsplat());
+  Worst worst;
+  for (const SplatShape& shape : shapes) {
+    typename Raster::Kernel kernel(shape, vec2(64.5f, 32.5f), rules);
+    for (int row = 0; row < tile_side; ++row) {
+      kernel.start_row(32.5f + float(row));
+      for (int column = 0; column < tile_side; ++column) {
+        const double x = 64.5 + column, y = 32.5 + row;
+        const double s = exponent(shape, x, y), allowed = bound(shape, x, y);
+        const float alpha = kernel.alpha(column);
+        if (s < double(shape.reach) - allowed && s > allowed) worst.wrongly_decided += alpha == 0;
+        if (s > double(shape.reach) + allowed) worst.wrongly_decided += alpha != 0;
+        if (alpha == 0) continue;
+        ++worst.kept;
+        const double exact = std::min(0.99, double(shape.opacity) * std::exp2(-s));
+        // d alpha / d s is -ln 2 alpha; e^x - 1 bounds it over the whole allowed range.
+        const double tolerance = exact * std::expm1(0.7 * allowed) + 3e-7;
+        worst.alpha = std::max(worst.alpha, std::abs(double(alpha) - exact) / tolerance);
+      }
+    }
+  }
+  return worst;
+}
+
+std::vector<SplatShape> splats_near_the_tile() {
+  Random random(3);
+  std::vector<SplatShape> shapes;
+  for (int i = 0; i < 2000; ++i) {
+    const double across = random.scale(0.5478, 60), along = across * random.scale(1, 20);
+    shapes.push_back(make_splat(72 + random.in(-1, 1) * (8 + along), 40 + random.in(-1, 1) * (8 + along),
+                                along, across, random.in(0, 3.14159), random.scale(1.0 / 250, 1)));
+  }
+  return shapes;
+}
+
+/// Error of s when `units` roundings of 2^-24 act on the largest term.
+auto float_error(double units) {
+  return [units](const SplatShape& s, double x, double y) {
+    return units * 0x1p-24 * (largest_term(s, x, y) + double(s.reach)) + 1e-6;
+  };
+}
+
+}  // namespace
+
+TEST_CASE("kernel: per-pixel alpha is that of double within the rounding of its three terms") {
+  const Worst worst = compare<PerPixel>(splats_near_the_tile(), float_error(12));
+  CHECK(worst.alpha <= 1);
+  CHECK(worst.wrongly_decided == 0);
+  CHECK(worst.kept > 50'000);
+}
+
+TEST_CASE_TEMPLATE("kernel: float-split alpha is that of double within the rounding of its three terms",
+                   Raster, AxisShared<FloatSplit>, AxisSharedThreshold<FloatSplit>) {
+  const Worst worst = compare<Raster>(splats_near_the_tile(), float_error(12));
+  CHECK(worst.alpha <= 1);
+  CHECK(worst.wrongly_decided == 0);
+  CHECK(worst.kept > 50'000);
+}
+
+TEST_CASE_TEMPLATE("kernel: float-cholesky alpha does not lose digits where terms cancel", Raster,
+                   AxisShared<FloatCholesky>, AxisSharedThreshold<FloatCholesky>) {
+  // u = p + q is a difference of terms that may each be far larger, so their roundings count, but only once
+  // and before squaring.
+  const auto bound = [](const SplatShape& s, double x, double y) {
+    const double dx = x - double(s.mean.x), dy = y - double(s.mean.y);
+    const double terms = std::abs(double(s.l0) * dx) + std::abs(double(s.l1) * dy);
+    const double u = std::abs(double(s.l0) * dx + double(s.l1) * dy), error = 3 * 0x1p-24 * terms;
+    return 2 * u * error + error * error + 6 * 0x1p-24 * (exponent(s, x, y) + double(s.reach)) + 1e-6;
+  };
+  const Worst worst = compare<Raster>(splats_near_the_tile(), bound);
+  CHECK(worst.alpha <= 1);
+  CHECK(worst.wrongly_decided == 0);
+  CHECK(worst.kept > 50'000);
+}
+
+TEST_CASE_TEMPLATE("kernel: half-split alpha is that of double within the rounding of half", Raster,
+                   AxisShared<HalfSplit>, AxisSharedThreshold<HalfSplit>) {
+  // Two of the three terms carry one rounding of 2^-11, the mixed term two; subnormal terms 2^-25 each.
+  const auto bound = [](const SplatShape& s, double x, double y) {
+    return 4.1 * 0x1p-11 * largest_term(s, x, y) + 2e-5;
+  };
+  const Worst worst = compare<Raster>(splats_near_the_tile(), bound);
+  CHECK(worst.alpha <= 1);
+  CHECK(worst.wrongly_decided == 0);
+  CHECK(worst.kept > 50'000);
+}
+
+TEST_CASE("kernel: alpha is cut at its maximum and no lower") {
+  for_each_raster([]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    const BlendRules rules = BlendRules::from(Conventions::gsplat());
+    const SplatShape opaque = make_splat(8.5, 8.5, 4, 4, 0, 1), clear = make_splat(8.5, 8.5, 4, 4, 0, 0.98);
+    typename Raster::Kernel solid(opaque, vec2(0.5f, 0.5f), rules), below(clear, vec2(0.5f, 0.5f), rules);
+    solid.start_row(8.5f), below.start_row(8.5f);
+    CHECK(solid.alpha(8) == 0.99f);
+    CHECK(below.alpha(8) == doctest::Approx(0.98).epsilon(1e-6));
+  });
+}
+
+TEST_CASE("kernel: an alpha of exactly the threshold is kept and the next float below is not") {
+  for_each_raster([]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    const float alpha_min = 0.25f;
+    const BlendRules rules{alpha_min, 0.99f, 1e-4f};
+    const auto alpha_at_mean = [&](float opacity) {
+      SplatShape shape = make_splat(8.5, 8.5, 4, 4, 0, double(opacity), double(alpha_min));
+      shape.reach = std::log2(opacity / alpha_min);
+      typename Raster::Kernel kernel(shape, vec2(0.5f, 0.5f), rules);
+      kernel.start_row(8.5f);
+      return kernel.alpha(8);
+    };
+    CHECK(alpha_at_mean(0.25f) == 0.25f);
+    CHECK(alpha_at_mean(0.2499f) == 0);
+    CHECK(alpha_at_mean(std::nextafter(0.25f, 0.0f)) == 0);
+  });
+}
+
+TEST_CASE("kernel: a half-split term that overflows keeps no pixel and is never an alpha") {
+  const BlendRules rules = BlendRules::from(Conventions::gsplat());
+  // 1,500 pixels from the mean of a needle of one pixel: a dx^2 is 1.6 million, and infinite minus infinite
+  // comes up along its diagonal.
+  const SplatShape needle = make_splat(-1500, -1500, 2000, 0.6, 0.785398, 1);
+  typename AxisSharedThreshold<HalfSplit>::Kernel threshold(needle, vec2(0.5f, 0.5f), rules);
+  typename AxisShared<HalfSplit>::Kernel plain(needle, vec2(0.5f, 0.5f), rules);
+  for (int row = 0; row < tile_side; ++row) {
+    threshold.start_row(0.5f + float(row)), plain.start_row(0.5f + float(row));
+    for (int column = 0; column < tile_side; ++column) {
+      CHECK(threshold.alpha(column) == 0);
+      CHECK(plain.alpha(column) == 0);
+    }
+  }
+}
