@@ -128,27 +128,23 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
     Vec alpha;
     if (!form.Alpha(k, row, column, live, kept, alpha)) continue;
     alpha = hn::IfThenElseZero(kept, hn::Min(alpha, alpha_max));
-    Vec next = hn::NegMulAdd(alpha, transmittance, transmittance);
+    const Vec next = hn::NegMulAdd(alpha, transmittance, transmittance);
 
-    // Pixels that this splat would bring below the limit end without it; they are few, so a branch sees to
-    // them.
-    const Mask stops = hn::Lt(next, stop_below);
-    if (HWY_UNLIKELY(!hn::AllFalse(d, stops))) {
-      live = hn::AndNot(stops, live);
-      if constexpr (kCount) counts.pixels_stopped += hn::CountTrue(d, stops);
-      kept = hn::AndNot(stops, kept);
-      alpha = hn::IfThenElseZero(kept, alpha);
-      next = hn::NegMulAdd(alpha, transmittance, transmittance);
-      if (hn::AllFalse(d, live)) i = n;
+    // Pixels that this splat would bring below the limit end without it. Masks see to them, since a branch would be
+    // taken once for most pixels and never where it was last time.
+    const Mask goes_on = hn::Ge(next, stop_below);
+    const Vec weight = hn::IfThenElseZero(goes_on, hn::Mul(alpha, transmittance));
+    transmittance = hn::IfThenElse(goes_on, next, transmittance);
+    if constexpr (kCount) {
+      counts.pixels_stopped += lanes - hn::CountTrue(d, goes_on);
+      counts.contributing_pairs += hn::CountTrue(d, hn::And(kept, goes_on));
     }
-    const Vec weight = hn::Mul(alpha, transmittance);
-    transmittance = next;
+    live = hn::And(live, goes_on);
     const float* HWY_RESTRICT colour = batch.colours[k];
     red = hn::MulAdd(weight, hn::Set(d, colour[0]), red);
     green = hn::MulAdd(weight, hn::Set(d, colour[1]), green);
     blue = hn::MulAdd(weight, hn::Set(d, colour[2]), blue);
     if constexpr (kDepth) depth = hn::MulAdd(weight, hn::Set(d, colour[3]), depth);
-    if constexpr (kCount) counts.contributing_pairs += hn::CountTrue(d, kept);
   }
 
   hn::StoreMaskBits(d, live, live_bits);

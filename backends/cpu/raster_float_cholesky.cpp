@@ -33,10 +33,9 @@ class FloatCholeskyForm {
     const Vec log2_alpha = hn::NegMulAdd(u, u, hn::Set(d, t.c[row]));
     if constexpr (kThreshold) {
       kept = hn::And(live, hn::Ge(log2_alpha, hn::Set(d, log2_alpha_min_)));
-      if (hn::AllFalse(d, kept)) return false;
       alpha = Exp2(d, log2_alpha);
     } else {
-      alpha = Exp2(d, hn::Max(log2_alpha, hn::Set(d, -126.0f)));
+      alpha = Exp2(d, hn::Max(log2_alpha, hn::Set(d, -64.0f)));
       kept = hn::And(live, hn::Ge(alpha, hn::Set(d, alpha_min_)));
     }
     return true;

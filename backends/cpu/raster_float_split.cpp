@@ -51,7 +51,7 @@ class FloatSplitForm {
       if (hn::AllFalse(d, kept)) return false;
       alpha = hn::Mul(hn::Set(d, t.opacity), Exp2(d, hn::Neg(s)));
     } else {
-      alpha = hn::Mul(hn::Set(d, t.opacity), Exp2(d, hn::Max(hn::Neg(s), hn::Set(d, -126.0f))));
+      alpha = hn::Mul(hn::Set(d, t.opacity), Exp2(d, hn::Max(hn::Neg(s), hn::Set(d, -64.0f))));
       kept = hn::And(positive, hn::Ge(alpha, hn::Set(d, alpha_min_)));
     }
     return true;

@@ -42,7 +42,7 @@ class PerPixelForm {
     const Vec mixed = hn::Mul(hn::Mul(hn::Set(d, splat.b), dx), dy);
     const Vec sigma = hn::MulAdd(hn::Set(d, 0.5f), squares, mixed);
     const Vec exponent = hn::Mul(sigma, hn::Set(d, float(-log2_e)));
-    alpha = hn::Mul(hn::Set(d, splat.opacity), Exp2(d, hn::Max(exponent, hn::Set(d, -126.0f))));
+    alpha = hn::Mul(hn::Set(d, splat.opacity), Exp2(d, hn::Max(exponent, hn::Set(d, -64.0f))));
     kept = hn::And(hn::And(live, hn::Ge(sigma, hn::Zero(d))), hn::Ge(alpha, hn::Set(d, alpha_min_)));
     return true;
   }

@@ -34,7 +34,7 @@ int digit_bits(int bits) {
 template <class Key>
 class RadixPass {
  public:
-  RadixPass(const Cpu& cpu, HostBuffer<std::uint32_t>& histograms, std::size_t n, int shift, int bits)
+  RadixPass(const Cpu& cpu, Cpu::Buffer<std::uint32_t>& histograms, std::size_t n, int shift, int bits)
       : cpu_(cpu), n_(n), shift_(shift), bins_(std::size_t(1) << bits), parts_(part_count(cpu, n, 8192)) {
     histograms.reset(parts_ * bins_);
     histograms_ = histograms.data();
@@ -86,7 +86,7 @@ class RadixPass {
 };
 
 template <class Key>
-void radix_sort(const Cpu& cpu, HostBuffer<std::uint32_t>& histograms, Pairs<Cpu, Key>& pairs, std::size_t n,
+void radix_sort(const Cpu& cpu, Cpu::Buffer<std::uint32_t>& histograms, Pairs<Cpu, Key>& pairs, std::size_t n,
                 int bits) {
   if (n < 2) return;
   const int step = digit_bits(bits);

@@ -11,9 +11,15 @@
 
 namespace swiftgs {
 
+/// Memory from `operator new`, aligned to a cache line.
+struct CacheLineMemory {
+  static void* allocate(std::size_t bytes) { return ::operator new (bytes, std::align_val_t{64}); }
+  static void release(void* memory) { ::operator delete (memory, std::align_val_t{64}); }
+};
+
 /// Uninitialised host memory that grows and never shrinks, so that a steady frame allocates nothing.
 /// Aligned to a cache line, and readable for one vector register beyond its end.
-template <class T>
+template <class T, class Memory = CacheLineMemory>
 class HostBuffer {
   static_assert(std::is_trivially_copyable_v<T>, "HostBuffer holds plain data only");
 
@@ -25,7 +31,7 @@ class HostBuffer {
       memory_.reset();
       capacity_ = size_ = 0;
       const std::size_t room = count + count / 8;
-      memory_.reset(static_cast<T*>(::operator new (room * sizeof(T) + padding, std::align_val_t{padding})));
+      memory_.reset(static_cast<T*>(Memory::allocate(room * sizeof(T) + padding)));
       capacity_ = room;
     }
     size_ = count;
@@ -41,7 +47,7 @@ class HostBuffer {
  private:
   static constexpr std::size_t padding = 64;
   struct Free {
-    void operator()(T* p) const { ::operator delete (p, std::align_val_t{padding}); }
+    void operator()(T* memory) const { Memory::release(memory); }
   };
   std::unique_ptr<T, Free> memory_;
   std::size_t size_ = 0;

@@ -27,13 +27,20 @@
 
 namespace swiftgs {
 
+/// Memory in large pages where the system grants them: splats are visited in depth order, and with small
+/// pages most visits would miss the address translation too. Throws `std::bad_alloc`.
+struct LargePageMemory {
+  static void* allocate(std::size_t bytes);
+  static void release(void* memory);
+};
+
 /// All cores, by oneTBB, with vector kernels that are chosen for the processor at run time. A frame has the
 /// same bits whatever the number of threads.
 class Cpu {
  public:
   static constexpr std::string_view name = "cpu";
   template <class T>
-  using Buffer = HostBuffer<T>;
+  using Buffer = HostBuffer<T, LargePageMemory>;
   using SceneOn = HostScene;
   using TimePoint = std::chrono::steady_clock::time_point;
 
@@ -78,8 +85,8 @@ class Cpu {
 
  private:
   std::unique_ptr<tbb::task_arena> arena_;
-  HostBuffer<std::uint64_t> part_sums_;   ///< of `exclusive_scan`
-  HostBuffer<std::uint32_t> histograms_;  ///< of `sort_pairs`, kept from frame to frame
+  Buffer<std::uint64_t> part_sums_;   ///< of `exclusive_scan`
+  Buffer<std::uint32_t> histograms_;  ///< of `sort_pairs`, kept from frame to frame
 };
 
 static_assert(BackendPolicy<Cpu>);
@@ -87,10 +94,10 @@ static_assert(BackendPolicy<Cpu>);
 /// Visible splats of each chunk of Gaussians, before the chunks are moved together.
 template <>
 struct ProjectScratch<Cpu> {
-  HostBuffer<SplatShape> shapes;
-  HostBuffer<float> depths;
-  HostBuffer<std::uint32_t> ids;
-  HostBuffer<std::size_t> counts;
+  Cpu::Buffer<SplatShape> shapes;
+  Cpu::Buffer<float> depths;
+  Cpu::Buffer<std::uint32_t> ids;
+  Cpu::Buffer<std::size_t> counts;
 };
 
 /// Vector kernel of the projection: a lane a Gaussian.
@@ -110,8 +117,8 @@ struct Footprint {
 /// jumps among 16 bytes a splat.
 template <>
 struct InstanceScratch<Cpu> {
-  HostBuffer<Footprint> footprints;
-  HostBuffer<std::uint64_t> offsets;
+  Cpu::Buffer<Footprint> footprints;
+  Cpu::Buffer<std::uint64_t> offsets;
 };
 
 /// Vector kernels of the library's bounds.
