@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <csetjmp>
 #include <cstdint>
 #include <cstdio>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <jpeglib.h>
 // After jpeglib.h, which it needs.
@@ -57,7 +60,6 @@ void on_progress(j_common_ptr info) {
 bool read_header(JpegDecode& decode) {
   if (setjmp(decode.jump)) return false;
   jpeg_create_decompress(&decode.info);
-  decode.info.client_data = &decode;
   decode.info.progress = &decode.progress;
   jpeg_mem_src(&decode.info, reinterpret_cast<const unsigned char*>(decode.source.bytes.data()),
                static_cast<unsigned long>(decode.source.bytes.size()));

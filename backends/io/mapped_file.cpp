@@ -14,15 +14,15 @@ namespace swiftgs::io {
 MappedFile::MappedFile(const std::filesystem::path& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) throw std::system_error(errno, std::generic_category(), path.string());
-  const auto fail = [&](int code) {
+  const auto fail = [&](int code, const char* expected = "") {
     ::close(file);
-    throw std::system_error(code, std::generic_category(), path.string());
+    throw std::system_error(code, std::generic_category(), path.string() + expected);
   };
 
   struct stat status {};
   if (::fstat(file, &status) != 0) fail(errno);
   if (S_ISDIR(status.st_mode)) fail(EISDIR);
-  if (!S_ISREG(status.st_mode)) fail(EINVAL);
+  if (!S_ISREG(status.st_mode)) fail(EINVAL, ": expected a regular file");
   size_ = static_cast<std::size_t>(status.st_size);
   // An empty file is legal to open, and empty mappings do not exist.
   if (size_ > 0) {

@@ -2,7 +2,9 @@
 #include <csetjmp>
 #include <cstdint>
 #include <cstring>
+#include <new>
 #include <string>
+#include <vector>
 
 #include <png.h>
 
@@ -18,7 +20,6 @@ struct PngDecode {
   std::string error{};
   png_structp png = nullptr;
   png_infop info = nullptr;
-  int channels = 0;
   std::vector<std::uint16_t> samples{};  ///< 0 to 65535
   std::vector<png_bytep> rows{};
 

@@ -16,10 +16,10 @@ namespace swiftgs {
 /// Forward, Back). A scene in memory is always RDF, the axes of COLMAP and of INRIA's files.
 enum class SpzFrame {
   specified,  ///< what the file's coordinate-system extension says; without one RUB, as the format specifies
-  rub,
-  rdf,
-  luf,
-  raw,  ///< numbers as stored, whatever the file says: for files that a tool wrote without conversion
+  rub,        ///< OpenGL's axes
+  rdf,        ///< COLMAP's axes
+  luf,        ///< glTF's axes
+  raw,        ///< numbers as stored, the same as `rdf`: for files that a tool wrote without conversion
 };
 
 struct SceneReadOptions {
