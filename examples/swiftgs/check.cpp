@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -11,6 +10,7 @@
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
+#include <swiftgs/span.hpp>
 
 #include "choice.hpp"
 #include "commands.hpp"
@@ -87,6 +87,25 @@ void print_row(const CheckResult& r, std::size_t name_width, bool with_photos) {
   std::fflush(stdout);
 }
 
+/// Means over the views of one renderer; the largest of the largest differences. The photographs' mean is
+/// over the views that have one.
+CheckResult mean_of(Span<const CheckResult> results) {
+  CheckResult mean = results[0];
+  mean.view = "mean";
+  mean.ms = {}, mean.psnr_db = 0, mean.photo_psnr_db.reset();
+  const double part = 1 / double(results.size);
+  double photo_sum = 0, photos = 0;
+  for (const CheckResult& r : results) {
+    mean.ms.project += part * r.ms.project, mean.ms.sort += part * r.ms.sort;
+    mean.ms.raster += part * r.ms.raster, mean.ms.total += part * r.ms.total;
+    mean.psnr_db += part * r.psnr_db;
+    mean.max_abs = std::max(mean.max_abs, r.max_abs);
+    if (r.photo_psnr_db) photo_sum += *r.photo_psnr_db, ++photos;
+  }
+  if (photos > 0) mean.photo_psnr_db = photo_sum / photos;
+  return mean;
+}
+
 void write_text(const std::string& file, const std::string& text) {
   std::ofstream out(file, std::ios::binary);
   out << text << std::flush;
@@ -132,6 +151,9 @@ void check(const CheckOptions& options) {
       progress.clear();
       print_row(results.back(), width, !task.photos.empty());
     }
+    const std::size_t views = task.views.size();
+    if (views > 1)
+      print_row(mean_of({results.data() + results.size() - views, views}), width, !task.photos.empty());
   }
   if (!options.json.empty()) write_text(options.json, to_json(results, !task.photos.empty()));
 }

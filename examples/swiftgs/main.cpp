@@ -57,9 +57,10 @@ Example:
 
 constexpr const char* check_more =
     R"(Times are medians of --repeats frames after one that is not counted. PSNR and the largest
-difference are against the float64 reference with the same conventions. In JSON, a PSNR
-that is infinite is null. With --photos, frames are also compared with the photographs that
-have the cameras' names, and results gain photo_psnr_db.
+difference are against the float64 reference with the same conventions. The table has a row
+of means for each renderer, with the worst difference. In JSON, an infinite PSNR is null.
+With --photos, frames are also compared with the photographs that have the cameras'
+names, and results gain photo_psnr_db.
 
 Examples:
   swiftgs check builtin:20000 --renderers 'serial/early/per-pixel/*'
