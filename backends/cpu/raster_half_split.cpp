@@ -31,10 +31,10 @@ class HalfSplitForm {
     for (std::size_t i = 0; i < tile_side; i += lanes) {
       const Vec dx = hn::Add(hn::Set(d, first_dx), hn::Iota(d, float(i)));
       const Vec dy = hn::Add(hn::Set(d, first_dy), hn::Iota(d, float(i)));
-      hn::Store(hn::DemoteTo(F16(), hn::Mul(hn::Mul(a, dx), dx)), F16(), t.x_square + i);
-      hn::Store(hn::DemoteTo(F16(), hn::Mul(b, dx)), F16(), t.x_mixed + i);
-      hn::Store(hn::DemoteTo(F16(), hn::Mul(hn::Mul(c, dy), dy)), F16(), t.y_square + i);
-      hn::Store(hn::DemoteTo(F16(), dy), F16(), t.y_offset + i);
+      StoreHalf(hn::Mul(hn::Mul(a, dx), dx), t.x_square + i);
+      StoreHalf(hn::Mul(b, dx), t.x_mixed + i);
+      StoreHalf(hn::Mul(hn::Mul(c, dy), dy), t.y_square + i);
+      StoreHalf(dy, t.y_offset + i);
     }
     CholeskyTerms rows;
     return PrepareRows(shape, first_centre, log2_alpha_min, rows);
@@ -61,6 +61,17 @@ class HalfSplitForm {
  private:
   using F16 = hn::Rebind<hwy::float16_t, F32>;
   using U16 = hn::Rebind<std::uint16_t, F32>;
+  /// Rounds to the nearest half, as `to_half` does.
+  static HWY_INLINE void StoreHalf(Vec v, hwy::float16_t* HWY_RESTRICT to) {
+#if HWY_ARCH_X86 && HWY_TARGET >= HWY_SSE4
+    // Where the processor has no such conversion, Highway's truncates and has no infinity.
+    alignas(64) float values[lanes];
+    hn::Store(v, F32(), values);
+    for (std::size_t i = 0; i < lanes; ++i) to[i].bits = to_half(values[i]).bits;
+#else
+    hn::Store(hn::DemoteTo(F16(), v), F16(), to);
+#endif
+  }
   static HWY_INLINE Vec Row(const hwy::float16_t* HWY_RESTRICT terms) {
     return hn::PromoteTo(F32(), hn::Load(F16(), terms));
   }
