@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <hwy/targets.h>
+
+#include "policies/double_drawing.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+/// Lets Highway choose among the given targets only, until the end of the scope.
+class OnlyTargets {
+ public:
+  explicit OnlyTargets(std::int64_t targets) { choose(targets); }
+  ~OnlyTargets() { choose(0); }
+  OnlyTargets(const OnlyTargets&) = delete;
+  OnlyTargets& operator=(const OnlyTargets&) = delete;
+
+ private:
+  static void choose(std::int64_t targets) {
+    hwy::SetSupportedTargetsForTest(targets);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  }
+};
+
+/// What a vector kernel may differ by from the plain form, or from another target: order of operations and
+/// the exponential's last bits. A pixel at a threshold may then gain or lose one splat, so a few values
+/// differ by up to 0.011, the weight of a splat that the stop rule excludes.
+template <class Raster>
+void check_close(const Drawing& a, const Drawing& b) {
+  const bool half = stores_half<Raster>;
+  // A term that lies between two halves may be rounded to either, which moves alpha by up to 2%.
+  const Difference colour = difference(a.frame.colour, b.frame.colour, half ? 1e-3 : 1e-5);
+  CHECK(colour.largest < (half ? 0.03 : 0.011));
+  CHECK(colour.part_above < 0.002);
+  CHECK(difference(a.frame.alpha, b.frame.alpha, half ? 1e-3 : 1e-5).part_above < 0.002);
+  CHECK(difference(a.frame.depth, b.frame.depth, half ? 1e-2 : 1e-3).part_above < 0.002);
+  CHECK(double(a.counts.contributing_pairs) ==
+        doctest::Approx(double(b.counts.contributing_pairs)).epsilon(1e-3));
+}
+
+}  // namespace
+
+TEST_CASE("cpu raster: vector kernels draw what the plain kernels draw") {
+  Serial serial;
+  Cpu cpu(4);
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    CAPTURE(seed);
+    const SplatSet splats = usual_splats(400 * seed * seed, 150, 110, seed);
+    for_each_raster([&]<class Raster>(Raster) {
+      CAPTURE(Raster::name);
+      check_close<Raster>(draw<Raster>(cpu, splats, 150, 110), draw<Raster>(serial, splats, 150, 110));
+    });
+  }
+}
+
+TEST_CASE("cpu raster: every vector target draws the same image") {
+  const SplatSet splats = usual_splats(800, 150, 110, 4);
+  Cpu cpu(2);
+  const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
+  CHECK(targets.size() >= 1);
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    const Drawing best = draw<Raster>(cpu, splats, 150, 110);
+    for (const std::int64_t target : targets) {
+      const std::string name = hwy::TargetName(target);
+      CAPTURE(name);
+      const OnlyTargets only(target);
+      check_close<Raster>(draw<Raster>(cpu, splats, 150, 110), best);
+    }
+  });
+}
+
+TEST_CASE("cpu raster: every vector target stores terms beyond the largest half as infinite") {
+  SplatSet needles;
+  Random random(7);
+  for (int i = 0; i < 300; ++i) {
+    const double angle = random.in(0, 3.14159), away = random.in(-3000, 3000);
+    needles.add(make_splat(32 + away * std::cos(angle), 32 + away * std::sin(angle), 4000, 0.6, angle, 0.9),
+                random.f(1, 2));
+  }
+  Serial serial;
+  Cpu cpu(2);
+  const Drawing plain = draw<AxisShared<HalfSplit>>(serial, needles, 64, 64);
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    const std::string name = hwy::TargetName(target);
+    CAPTURE(name);
+    const OnlyTargets only(target);
+    const Drawing drawing = draw<AxisShared<HalfSplit>>(cpu, needles, 64, 64);
+    CHECK(difference(drawing.frame.alpha, plain.frame.alpha, 1e-2).part_above < 0.01);
+  }
+}
+
+TEST_CASE("cpu sort: every vector target lists the same tiles") {
+  const SplatSet splats = random_splats(3000, 400, 300, 5);
+  const SortJob job = splats.job(400, 300);
+  const Lists expected = brute_force_lists<Ellipse>(job);
+  Cpu cpu(2);
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    const std::string name = hwy::TargetName(target);
+    CAPTURE(name);
+    const OnlyTargets only(target);
+    CHECK(to_vectors(build_lists<EarlySort, Ellipse>(cpu, job).view()) == expected);
+    CHECK(to_vectors(build_lists<StandardSort, Ellipse>(cpu, job).view()) == expected);
+  }
+}
+
+TEST_CASE("cpu raster: the same bits on 1 2 4 and 8 threads and in every run") {
+  const SplatSet splats = usual_splats(2000, 300, 200, 6);
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    Cpu one(1);
+    const Drawing expected = draw<Raster>(one, splats, 300, 200);
+    for (const int threads : {1, 2, 4, 8}) {
+      CAPTURE(threads);
+      Cpu cpu(threads);
+      for (int run = 0; run < 2; ++run) {
+        const Drawing drawing = draw<Raster>(cpu, splats, 300, 200);
+        CHECK(drawing.frame.colour == expected.frame.colour);
+        CHECK(drawing.frame.alpha == expected.frame.alpha);
+        CHECK(drawing.frame.depth == expected.frame.depth);
+        CHECK(drawing.counts.contributing_pairs == expected.counts.contributing_pairs);
+      }
+    }
+  });
+}
