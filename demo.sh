@@ -12,4 +12,4 @@ cmake --build --preset demo --parallel "$(nproc)"
 
 out=$PWD/out/demo
 build/demo/examples/swiftgs render builtin --out "$out"
-echo "demo: the image is in $out"
+echo "demo: the image is $(ls "$out"/*.png); the line above says how long its frame took"
