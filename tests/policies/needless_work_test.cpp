@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "policies/rasterizers.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+/// Harmonics of `count` Gaussians, two pages each, so that the machine itself reports a read: the
+/// coefficients of degree `degree` end where the second page begins, which nobody may touch.
+class GuardedHarmonics {
+ public:
+  GuardedHarmonics(std::size_t count, int degree)
+      : page_(std::size_t(sysconf(_SC_PAGESIZE))),
+        bytes_(2 * page_ * count),
+        used_(12 * std::size_t(sh_rest_count(degree))) {
+    void* memory = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) throw std::runtime_error("mmap failed");
+    memory_ = static_cast<char*>(memory);
+    for (std::size_t i = 0; i < count; ++i) protect(2 * i + 1);
+  }
+  ~GuardedHarmonics() { munmap(memory_, bytes_); }
+  GuardedHarmonics(const GuardedHarmonics&) = delete;
+  GuardedHarmonics& operator=(const GuardedHarmonics&) = delete;
+
+  /// From now on a read of the harmonics of Gaussian `i` ends the program.
+  void forbid(std::size_t i) { protect(2 * i); }
+
+  float* of(std::size_t i) { return reinterpret_cast<float*>(memory_ + 2 * page_ * i + page_ - used_); }
+  int stride() const { return int(2 * page_ / sizeof(float)); }
+  Span<const float> span() { return {of(0), (bytes_ - page_ + used_) / sizeof(float)}; }
+
+ private:
+  void protect(std::size_t page) {
+    if (mprotect(memory_ + page * page_, page_, PROT_NONE) != 0) throw std::runtime_error("mprotect failed");
+  }
+  std::size_t page_, bytes_, used_;
+  char* memory_ = nullptr;
+};
+
+/// What projection makes of `scene`.
+template <class B>
+std::vector<SplatColour> colours(B& backend, const SceneView& scene, const Camera& camera) {
+  ProjectScratch<B> scratch;
+  Splats<B> splats;
+  project(backend, view_constants(camera, Conventions::gsplat()), scene, scratch, splats);
+  return {splats.colours.data(), splats.colours.data() + splats.count};
+}
+
+/// A Gaussian in the middle of the view that every Gaussian of a test starts from.
+void add_visible(Scene& scene) {
+  scene.means.push_back(vec3(0, 0, 4));
+  scene.scales.push_back(vec3(0.05f));
+  scene.rotations.push_back({});
+  scene.opacities.push_back(0.8f);
+  scene.sh0.push_back(vec3(0.1f));
+}
+
+/// Notes what it is asked to sort.
+class RecordingBackend : public Serial {
+ public:
+  template <class Key>
+  void sort_pairs(Pairs<RecordingBackend, Key>&, std::size_t n, int bits) {
+    calls.push_back(std::to_string(8 * sizeof(Key)) + "-bit keys, " + std::to_string(n) + " pairs, " +
+                    std::to_string(bits) + " bits");
+  }
+  std::vector<std::string> calls;
+};
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("no needless work: harmonics of culled Gaussians are not read", B, SWIFTGS_TEST_BACKENDS) {
+  B backend = make_backend<B>();
+  Scene scene;
+  const std::size_t count = 90;
+  GuardedHarmonics harmonics(count, 3);
+  std::size_t visible = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    add_visible(scene);
+    switch (i % 9) {
+      case 1:
+        scene.means[i] = vec3(0, 0, -4);
+        break;  // behind
+      case 2:
+        scene.means[i] = vec3(0, 0, 0.009f);
+        break;  // nearer than the near plane
+      case 3:
+        scene.means[i] = vec3(0, 0, 2e10f);
+        break;  // beyond the far plane
+      case 4:
+        scene.means[i] = vec3(40, 0, 4);
+        break;  // right of the image
+      case 5:
+        scene.means[i] = vec3(0, -40, 4);
+        break;  // above the image
+      case 6:
+        scene.opacities[i] = 0.0039f;
+        break;  // less than 1/255
+      case 7:
+        scene.opacities[i] = 0;
+        break;
+      case 8:
+        scene.means[i] = vec3(std::numeric_limits<float>::quiet_NaN());
+        break;
+      default:
+        ++visible;
+        continue;
+    }
+    harmonics.forbid(i);
+  }
+  SceneView view = swiftgs::view(scene);
+  view.sh_rest = harmonics.span(), view.sh_degree = 3, view.sh_stride = harmonics.stride();
+  CHECK(colours(backend, view, forward_camera(64, 48)).size() == visible);
+}
+
+TEST_CASE_TEMPLATE("no needless work: bands above the degree of the view are not read", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  B backend = make_backend<B>();
+  for (int degree = 0; degree <= max_sh_degree; ++degree) {
+    CAPTURE(degree);
+    Scene scene = random_scene(50, degree, 1);
+    GuardedHarmonics harmonics(scene.size(), degree);
+    const std::size_t used = 3 * std::size_t(sh_rest_count(degree));
+    for (std::size_t i = 0; i < scene.size(); ++i)
+      std::copy_n(scene.sh_rest.begin() + std::ptrdiff_t(i * used), used, harmonics.of(i));
+    SceneView view = swiftgs::view(scene);
+    const std::vector<SplatColour> expected = colours(backend, view, forward_camera(64, 48));
+    view.sh_rest = harmonics.span(), view.sh_stride = harmonics.stride();
+    const std::vector<SplatColour> guarded = colours(backend, view, forward_camera(64, 48));
+    REQUIRE(guarded.size() == expected.size());
+    CHECK(guarded.size() > 10);
+    bool same = true;
+    for (std::size_t i = 0; i < guarded.size(); ++i) same = same && guarded[i].rgb == expected[i].rgb;
+    CHECK(same);
+  }
+}
+
+TEST_CASE_TEMPLATE("no needless work: bands that are all zero are not evaluated", B, SWIFTGS_TEST_BACKENDS) {
+  B backend = make_backend<B>();
+  Scene scene = random_scene(100, 3, 2);
+  for (std::size_t i = 0; i < scene.size(); ++i)
+    for (std::size_t k = 9; k < 45; ++k) scene.sh_rest[45 * i + k] = 0;
+  const auto uploaded = backend.upload(scene);
+  CHECK(uploaded.view().sh_degree == 1);
+  CHECK(uploaded.view().sh_stride == 45);
+  scene.sh_rest.assign(scene.sh_rest.size(), 0.0f);
+  CHECK(backend.upload(scene).view().sh_degree == 0);
+  scene.sh_rest.back() = -1e-20f;
+  CHECK(backend.upload(scene).view().sh_degree == 3);
+}
+
+TEST_CASE("no needless work: only as many key bits are sorted as tell the tiles apart") {
+  const SplatSet splats = random_splats(10, 640, 480, 3);
+  RecordingBackend backend;
+  const SortJob job = splats.job(640, 480);  // 1,200 tiles: 11 bits
+  const std::size_t instances = build_lists<StandardSort, Ellipse>(backend, job).instances;
+  build_lists<EarlySort, Ellipse>(backend, job);
+  build_lists<StandardSort, Ellipse>(backend, splats.job(16, 16));
+  const std::string pairs = std::to_string(instances) + " pairs, ";
+  CHECK(backend.calls[0] == "64-bit keys, " + pairs + "42 bits");
+  CHECK(backend.calls[1] == "32-bit keys, 10 pairs, 31 bits");
+  CHECK(backend.calls[2] == "32-bit keys, " + pairs + "11 bits");
+  CHECK(backend.calls[3].find(", 31 bits") != std::string::npos);  // one tile: depth alone
+}
+
+TEST_CASE_TEMPLATE("no needless work: tiles without splats cost nothing but the background", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  B backend = make_backend<B>();
+  SplatSet splats;
+  splats.add(make_splat(40, 24, 1, 1, 0, 0.9), 1);  // inside tile (2, 1)
+  const SortJob job = splats.job(96, 64);
+  const TileLists<B> lists = build_lists<EarlySort, Ellipse>(backend, job);
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    std::vector<TileCounts> counts(job.grid.size(), {9, 9, 9, 9});
+    Frame frame;
+    const FrameView view = prepare(frame, 96, 64, {});
+    rasterize(
+        backend, Raster{},
+        RasterJob{splats.view(), lists.view(), job.grid, DrawSettings().rules, vec3(2), view, counts.data()});
+    for (std::size_t tile = 0; tile < counts.size(); ++tile) {
+      CAPTURE(tile);
+      const std::uint64_t one = tile == 8;
+      CHECK(counts[tile].instances_visited == one);
+      CHECK((counts[tile].rows_visited > 0) == one);
+      CHECK((counts[tile].contributing_pairs > 0) == one);
+    }
+    CHECK(frame.colour[0] == 2);
+  });
+}
+
+TEST_CASE_TEMPLATE("no needless work: a tile stops when all its pixels have", B, SWIFTGS_TEST_BACKENDS) {
+  B backend = make_backend<B>();
+  SplatSet splats;
+  for (int i = 0; i < 1000; ++i) splats.add(make_splat(8, 8, 500, 500, 0, 0.99), 1.0f + float(i));
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    const TileCounts counts = draw<Raster>(backend, splats, 32, 16).counts;
+    CHECK(counts.pixels_stopped == 32 * 16);
+    // Two splats fill a pixel and the third ends it; a backend may look at lists in batches.
+    CHECK(counts.instances_visited >= 2 * 3);
+    CHECK(counts.instances_visited <= 2 * 64);
+    CHECK(counts.contributing_pairs < 32 * 16 * 3);
+  });
+}
+
+TEST_CASE_TEMPLATE("no needless work: rows outside a splat's extent are not visited", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  B backend = make_backend<B>();
+  // Of standard deviation 1 and opacity 1 it ends 3.33 pixels above and below its centre: seven rows.
+  SplatSet splats;
+  splats.add(make_splat(8.5, 8.5, 1, 1, 0, 1), 1);
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    const TileCounts counts = draw<Raster>(backend, splats, 16, 16).counts;
+    CHECK(counts.instances_visited == 1);
+    CHECK(counts.rows_visited == 7);
+    CHECK(counts.contributing_pairs == 37);  // pixels whose distance from the centre is at most 3.33
+  });
+}
+
+TEST_CASE_TEMPLATE("no needless work: outputs that are not asked for are not there", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer(make_backend<B>());
+  const auto scene = renderer.backend().upload(random_scene(50, 0, 4));
+  RenderSettings settings;
+  Frame frame = renderer.render(scene, forward_camera(40, 30), settings);
+  CHECK(frame.colour.size() == 40 * 30 * 3);
+  CHECK(frame.alpha.empty());
+  CHECK(frame.depth.empty());
+  settings.outputs.depth = true;
+  renderer.render(scene, forward_camera(40, 30), settings, frame);
+  CHECK(frame.alpha.empty());
+  CHECK(frame.depth.size() == 40 * 30);
+  CHECK(renderer.statistics().raster.contributing_pairs == 0);  // not asked for either
+}
