@@ -54,6 +54,19 @@ struct Conventions {
   bool operator==(const Conventions&) const = default;
 };
 
+/// Throws `std::invalid_argument` naming the first number that no image can be rendered with.
+inline void validate(const Conventions& c) {
+  const auto require = [](bool holds, const char* expected) {
+    if (!holds) throw std::invalid_argument(std::string("conventions: expected ") + expected);
+  };
+  require(c.near_plane >= 0 && c.near_plane < c.far_plane, "a near plane of 0 or more before the far plane");
+  require(c.blur >= 0 && c.blur < std::numeric_limits<float>::infinity(), "a blur of 0 or more");
+  require(c.min_compensation >= 0 && c.min_compensation <= 1, "a least compensation of 0 to 1");
+  require(c.alpha_min > 0 && c.alpha_min <= c.alpha_max && c.alpha_max <= 1,
+          "0 < alpha_min <= alpha_max <= 1");
+  require(c.stop >= 0 && c.stop < 1, "a stop of 0 or more and below 1");
+}
+
 /// The preset called `name`. Throws `std::invalid_argument` with the valid names.
 inline Conventions conventions_named(std::string_view name) {
   if (name == "gsplat") return Conventions::gsplat();

@@ -60,6 +60,7 @@ class Renderer {
   void render_into(const SceneView& scene, const Camera& camera, const RenderSettings& settings,
                    const FrameView& frame) {
     check_arguments(scene, camera, frame);
+    counted_ = false;
     const TileGrid grid = TileGrid::covering(frame.width, frame.height);
     TileCounts* counts = nullptr;
     if (settings.count) tile_counts_.reset(grid.size()), counts = tile_counts_.data();
@@ -118,6 +119,7 @@ class Renderer {
 
  private:
   static void check_arguments(const SceneView& scene, const Camera& camera, const FrameView& frame) {
+    validate(camera);
     const auto require = [](bool holds, const char* expected) {
       if (!holds) throw std::invalid_argument(std::string("render: expected ") + expected);
     };
@@ -127,7 +129,18 @@ class Renderer {
             "a colour pitch of at least 3 floats a pixel of width");
     require(!frame.alpha || frame.alpha_pitch >= width, "an alpha pitch of at least the width");
     require(!frame.depth || frame.depth_pitch >= width, "a depth pitch of at least the width");
-    require(scene.size() <= std::numeric_limits<std::uint32_t>::max(), "fewer than 2^32 Gaussians");
+
+    const std::size_t n = scene.size();
+    require(n <= std::numeric_limits<std::uint32_t>::max(), "fewer than 2^32 Gaussians");
+    require(scene.scales.size == n && scene.rotations.size == n && scene.opacities.size == n &&
+                scene.sh0.size == n,
+            "arrays of one length in the scene");
+    require(scene.sh_degree >= 0 && scene.sh_degree <= max_sh_degree, "an SH degree of 0 to 3");
+    const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+    require(n == 0 || rest == 0 ||
+                (scene.sh_stride >= int(rest) &&
+                 scene.sh_rest.size >= (n - 1) * std::size_t(scene.sh_stride) + rest),
+            "SH coefficients of the view's degree for every Gaussian");
   }
 
   B backend_;

@@ -25,9 +25,10 @@ struct ViewConstants {
   bool antialiased;
 };
 
-/// Throws `std::invalid_argument` where `camera` is not renderable.
+/// Throws `std::invalid_argument` where nothing can be rendered with `camera` or `conventions`.
 inline ViewConstants view_constants(const Camera& camera, const Conventions& conventions) {
   validate(camera);
+  validate(conventions);
   ViewConstants v{};
   const dvec3 centre = camera.centre();
   for (int row = 0; row < 3; ++row) {
