@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "policies/rasterizers.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+template <class B>
+using AnyOf = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
+
+Scene giants(int count) {
+  Scene scene;
+  for (int i = 0; i < count; ++i) {
+    scene.means.push_back(vec3(0, 0, 1));
+    scene.scales.push_back(vec3(1000));
+    scene.rotations.push_back({});
+    scene.opacities.push_back(1);
+    scene.sh0.push_back(vec3(1));
+  }
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("renderer: is usable after a frame that needs too many instances", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  AnyOf<B> renderer(make_backend<B>());
+  const auto flood = renderer.backend().upload(giants(129));
+  const auto scene = renderer.backend().upload(random_scene(100, 1, 1));
+  const Camera huge = forward_camera(max_image_side, max_image_side), camera = forward_camera(50, 40);
+  const Frame expected = renderer.render(scene, camera);
+  // No output is asked for, so the frame itself takes no memory.
+  const FrameView nothing{.width = huge.width, .height = huge.height};
+  CHECK_THROWS_AS(renderer.render_into(flood.view(), huge, {}, nothing), CapacityError);
+  CHECK(renderer.render(scene, camera).colour == expected.colour);
+}
+
+TEST_CASE_TEMPLATE("renderer: an empty scene is the background", B, SWIFTGS_TEST_BACKENDS) {
+  AnyOf<B> renderer(make_backend<B>());
+  RenderSettings settings;
+  settings.background = vec3(0.5f, 0.25f, 2), settings.outputs = {true, true}, settings.count = true;
+  const Frame frame = renderer.render(renderer.backend().upload(Scene()), forward_camera(20, 3), settings);
+  for (std::size_t i = 0; i < frame.pixels(); ++i) {
+    CHECK(frame.colour[3 * i + 2] == 2);
+    CHECK(frame.alpha[i] == 0);
+    CHECK(frame.depth[i] == 0);
+  }
+  const Statistics statistics = renderer.statistics();
+  CHECK(statistics.gaussians == 0);
+  CHECK(statistics.visible == 0);
+  CHECK(statistics.instances == 0);
+  CHECK(statistics.instances_a_visible() == 0);
+}
+
+TEST_CASE_TEMPLATE("renderer: counts what it did", B, SWIFTGS_TEST_BACKENDS) {
+  AnyOf<B> renderer(make_backend<B>());
+  const Scene scene = random_scene(300, 0, 2);
+  RenderSettings settings;
+  settings.count = true;
+  renderer.render(renderer.backend().upload(scene), forward_camera(80, 60), settings);
+  const Statistics statistics = renderer.statistics();
+  CHECK(statistics.gaussians == 300);
+  CHECK(statistics.visible > 50);
+  CHECK(statistics.visible < 300);
+  CHECK(statistics.instances >= statistics.visible);
+  CHECK(statistics.instances_a_visible() ==
+        doctest::Approx(double(statistics.instances) / double(statistics.visible)));
+  CHECK(statistics.raster.instances_visited <= statistics.instances);
+  CHECK(statistics.raster.contributing_pairs > 1000);
+  const StageTimes times = renderer.times();
+  CHECK(times.project >= 0);
+  CHECK(times.total == doctest::Approx(times.project + times.sort + times.raster));
+}
+
+TEST_CASE("renderer: one frame may be written into a part of a larger image") {
+  AnyOf<Serial> renderer;
+  const auto scene = renderer.backend().upload(random_scene(100, 0, 3));
+  const Camera camera = forward_camera(30, 20);
+  const Frame alone = renderer.render(scene, camera);
+  std::vector<float> wall(3 * 100 * 50, -1);
+  float* const corner = wall.data() + 3 * (10 * 100 + 40);
+  renderer.render_into(scene.view(), camera, {},
+                       {.width = 30, .height = 20, .colour = corner, .colour_pitch = 300});
+  CHECK(corner[0] == alone.colour[0]);
+  CHECK(corner[300 * 19 + 89] == alone.colour[3 * 20 * 30 - 1]);
+  CHECK(corner[-1] == -1);
+  CHECK(corner[90] == -1);
+}
+
+TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
+  AnyOf<Serial> renderer;
+  const Scene scene = random_scene(10, 2, 4);
+  struct Arguments {
+    SceneView scene;
+    Camera camera;
+    RenderSettings settings;
+    FrameView frame;
+  };
+  std::vector<float> memory(3 * 40 * 30);
+  const auto refusal = [&](const std::function<void(Arguments&)>& spoil) {
+    Arguments a{
+        view(scene), forward_camera(40, 30), {}, {40, 30, memory.data(), nullptr, nullptr, 120, 0, 0}};
+    spoil(a);
+    try {
+      renderer.render_into(a.scene, a.camera, a.settings, a.frame);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  CHECK(refusal([](Arguments&) {}) == "accepted");
+  CHECK(refusal([](Arguments& a) { a.frame.width = 39; }) == "render: expected a frame of the camera's size");
+  CHECK(refusal([](Arguments& a) { a.frame.colour_pitch = 119; }) ==
+        "render: expected a colour pitch of at least 3 floats a pixel of width");
+  CHECK(refusal([&](Arguments& a) { a.frame.alpha = memory.data(), a.frame.alpha_pitch = 39; }) ==
+        "render: expected an alpha pitch of at least the width");
+  CHECK(refusal([&](Arguments& a) { a.frame.depth = memory.data(); }) ==
+        "render: expected a depth pitch of at least the width");
+  CHECK(refusal([](Arguments& a) { a.camera.width = a.frame.width = -100, a.settings.count = true; }) ==
+        "camera: expected a width and a height above 0");
+  CHECK(refusal([](Arguments& a) { a.camera.fx = std::nan(""); }) ==
+        "camera: expected finite focal lengths above 0");
+  CHECK(refusal([](Arguments& a) { a.scene.opacities.size = 9; }) ==
+        "render: expected arrays of one length in the scene");
+  CHECK(refusal([](Arguments& a) { a.scene.sh_degree = 4; }) == "render: expected an SH degree of 0 to 3");
+  CHECK(refusal([](Arguments& a) { a.scene.sh_degree = 3; }) ==
+        "render: expected SH coefficients of the view's degree for every Gaussian");
+  CHECK(refusal([](Arguments& a) { --a.scene.sh_rest.size; }) ==
+        "render: expected SH coefficients of the view's degree for every Gaussian");
+  CHECK(refusal([](Arguments& a) { a.settings.conventions.alpha_min = 0; }) ==
+        "conventions: expected 0 < alpha_min <= alpha_max <= 1");
+  CHECK(refusal([](Arguments& a) { a.settings.conventions.blur = -1; }) ==
+        "conventions: expected a blur of 0 or more");
+  CHECK(refusal([](Arguments& a) { a.settings.conventions.near_plane = NAN; }) ==
+        "conventions: expected a near plane of 0 or more before the far plane");
+  CHECK(refusal([](Arguments& a) { a.settings.conventions.stop = 1; }) ==
+        "conventions: expected a stop of 0 or more and below 1");
+}
