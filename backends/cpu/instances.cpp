@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
 
 #include <swiftgs/cpu.hpp>
+
+#include "parts.hpp"
 
 // Compile the rest of this file for every target; the order of these lines matters.
 // clang-format off
@@ -248,63 +251,64 @@ void find_footprints(const Ellipse&, const SplatShape* shapes, std::size_t count
   HWY_DYNAMIC_DISPATCH(EllipseFootprints)(shapes, count, grid, out);
 }
 
-/// Splats that one task handles.
-constexpr std::size_t chunk_size = 4096;
 /// How far ahead of its use a footprint is asked for.
 constexpr std::size_t prefetch_distance = 16;
 
-template <class Bounds, class Key>
-class Emitter {
+/// Walks the instances of splats in a given order, by their footprints.
+template <class Bounds>
+class Instances {
  public:
-  Emitter(const SortJob& job, const Bounds& bounds, const std::uint32_t* order, const Footprint* footprints)
-      : job_(job), bounds_(bounds), order_(order), footprints_(footprints) {}
+  Instances(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+            InstanceScratch<Cpu>& scratch)
+      : job_(job), bounds_(bounds), order_(order) {
+    constexpr std::size_t grain = 1024;
+    const std::size_t splats = job.splats.size();
+    scratch.footprints.reset(splats);
+    Footprint* footprints = scratch.footprints.data();
+    footprints_ = footprints;
+    cpu.for_parts(splats, grain, [&](std::size_t begin, std::size_t end) {
+      find_footprints(bounds, job.splats.shapes.data + begin, end - begin, job.grid, footprints + begin);
+    });
+  }
 
-  std::uint64_t count(std::size_t begin, std::size_t end) const {
+  std::uint64_t count(Part part) const {
     std::uint64_t sum = 0;
-    for (std::size_t i = begin; i < end; ++i) sum += footprints_[id_at(i)].count;
+    for (std::size_t i = part.begin; i < part.end; ++i) sum += footprints_[id_at(i)].count;
     return sum;
   }
 
-  void emit(std::size_t begin, std::size_t end, Key* keys, std::uint32_t* ids) const {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (order_ && i + prefetch_distance < end)
+  /// f(tile, id) for each instance of the splats in `part`, in order.
+  template <class F>
+  void visit(Part part, const F& f) const {
+    const std::uint32_t columns = std::uint32_t(job_.grid.columns);
+    for (std::size_t i = part.begin; i < part.end; ++i) {
+      if (order_ && i + prefetch_distance < part.end)
         __builtin_prefetch(&footprints_[order_[i + prefetch_distance]]);
       const std::uint32_t id = id_at(i);
       const Footprint& footprint = footprints_[id];
-      const Key depth = depth_part(id);
-      if (footprint.mask == 0 && footprint.count != 0) {
-        emit_large(id, depth, keys, ids);
-      } else {
-        const std::uint32_t first = std::uint32_t(footprint.row) * columns() + footprint.column;
-        for (std::uint64_t mask = footprint.mask; mask != 0; mask &= mask - 1) {
-          const std::uint32_t bit = std::uint32_t(std::countr_zero(mask));
-          put(first + (bit >> 3) * columns() + (bit & 7), depth, id, keys, ids);
-        }
+      if (footprint.mask == 0) {
+        if (footprint.count != 0) visit_large(id, f);
+        continue;
+      }
+      const std::uint32_t first = std::uint32_t(footprint.row) * columns + footprint.column;
+      for (std::uint64_t mask = footprint.mask; mask != 0; mask &= mask - 1) {
+        const std::uint32_t bit = std::uint32_t(std::countr_zero(mask));
+        f(first + (bit >> 3) * columns + (bit & 7), id);
       }
     }
   }
 
  private:
-  std::uint32_t columns() const { return std::uint32_t(job_.grid.columns); }
   std::uint32_t id_at(std::size_t i) const { return order_ ? order_[i] : std::uint32_t(i); }
-  Key depth_part(std::uint32_t id) const {
-    if constexpr (sizeof(Key) == 8) return depth_key(job_.splats.colours[id].depth);
-    return 0;
-  }
-  static void put(std::uint32_t tile, Key depth, std::uint32_t id, Key*& keys, std::uint32_t*& ids) {
-    if constexpr (sizeof(Key) == 8)
-      *keys++ = Key(tile) << depth_key_bits | depth;
-    else
-      *keys++ = tile;
-    *ids++ = id;
-  }
-  void emit_large(std::uint32_t id, Key depth, Key*& keys, std::uint32_t*& ids) const {
+
+  template <class F>
+  void visit_large(std::uint32_t id, const F& f) const {
     const SplatShape& shape = job_.splats.shapes[id];
     const TileRect rect = bounds_.rect(shape, job_.grid);
     for (int row = rect.rows.begin; row < rect.rows.end; ++row) {
       const TileRun run = bounds_.row(shape, rect, row);
       for (int column = run.begin; column < run.end; ++column)
-        put(std::uint32_t(row) * columns() + std::uint32_t(column), depth, id, keys, ids);
+        f(std::uint32_t(row) * std::uint32_t(job_.grid.columns) + std::uint32_t(column), id);
     }
   }
 
@@ -314,64 +318,98 @@ class Emitter {
   const Footprint* footprints_;
 };
 
-template <class Bounds, class Key>
-std::size_t emit(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                 InstanceScratch<Cpu>& scratch, Pairs<Cpu, Key>& instances) {
-  const std::size_t splats = job.splats.size(), chunks = (splats + chunk_size - 1) / chunk_size;
-  const auto for_chunks = [&](const auto& f) {
-    cpu.for_parts(chunks, 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t c = first; c < last; ++c) f(c, c * chunk_size, std::min(splats, (c + 1) * chunk_size));
-    });
-  };
-  scratch.footprints.reset(splats), scratch.offsets.reset(chunks);
-  Footprint* footprints = scratch.footprints.data();
-  std::uint64_t* offsets = scratch.offsets.data();
+/// f(part number, range) for each of `parts` parts of n elements, in parallel.
+template <class F>
+void for_each_part(const Cpu& cpu, std::size_t n, std::size_t parts, const F& f) {
+  cpu.for_parts(parts, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t part = first; part < last; ++part) f(part, part_of(n, parts, part));
+  });
+}
 
-  // Find the footprints in memory order, then count and emit them in the order that is asked for.
-  for_chunks([&](std::size_t, std::size_t begin, std::size_t end) {
-    find_footprints(bounds, job.splats.shapes.data + begin, end - begin, job.grid, footprints + begin);
-  });
-  const Emitter<Bounds, Key> emitter(job, bounds, order, footprints);
-  for_chunks(
-      [&](std::size_t c, std::size_t begin, std::size_t end) { offsets[c] = emitter.count(begin, end); });
+/// Numbers of instances before each part, and of all.
+struct PartOffsets {
+  std::array<std::uint64_t, max_parts> before;
   std::uint64_t total = 0;
-  for (std::size_t c = 0; c < chunks; ++c) total += std::exchange(offsets[c], total);
-  check_instances(total);
-  instances.reset(std::size_t(total));
-  for_chunks([&](std::size_t c, std::size_t begin, std::size_t end) {
-    emitter.emit(begin, end, instances.keys.data() + offsets[c], instances.values.data() + offsets[c]);
-  });
-  return std::size_t(total);
+};
+
+/// Throws `CapacityError` before memory for the instances is taken.
+template <class Bounds>
+PartOffsets part_offsets(const Cpu& cpu, const Instances<Bounds>& instances, std::size_t splats,
+                         std::size_t parts) {
+  PartOffsets offsets;
+  for_each_part(cpu, splats, parts,
+                [&](std::size_t part, Part range) { offsets.before[part] = instances.count(range); });
+  for (std::size_t part = 0; part < parts; ++part)
+    offsets.total += std::exchange(offsets.before[part], offsets.total);
+  check_instances(offsets.total);
+  return offsets;
 }
 
 }  // namespace
 
-std::size_t emit_instances(Cpu& cpu, const SortJob& job, const ThreeSigmaSquare& bounds,
-                           const std::uint32_t* order, InstanceScratch<Cpu>& scratch,
-                           Pairs<Cpu, std::uint32_t>& instances) {
-  return emit(cpu, job, bounds, order, scratch, instances);
+template <VectorBounds Bounds>
+std::size_t emit_instances(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+                           InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint64_t>& out) {
+  const Instances<Bounds> instances(cpu, job, bounds, order, scratch);
+  const std::size_t splats = job.splats.size(), parts = part_count(cpu, splats, 4096);
+  const PartOffsets offsets = part_offsets(cpu, instances, splats, parts);
+  out.reset(std::size_t(offsets.total));
+  for_each_part(cpu, splats, parts, [&](std::size_t part, Part range) {
+    std::uint64_t* keys = out.keys.data() + offsets.before[part];
+    std::uint32_t* ids = out.values.data() + offsets.before[part];
+    instances.visit(range, [&](std::uint32_t tile, std::uint32_t id) {
+      *keys++ = std::uint64_t(tile) << depth_key_bits | depth_key(job.splats.colours[id].depth);
+      *ids++ = id;
+    });
+  });
+  return std::size_t(offsets.total);
 }
-std::size_t emit_instances(Cpu& cpu, const SortJob& job, const ThreeSigmaSquare& bounds,
-                           const std::uint32_t* order, InstanceScratch<Cpu>& scratch,
-                           Pairs<Cpu, std::uint64_t>& instances) {
-  return emit(cpu, job, bounds, order, scratch, instances);
+
+template <VectorBounds Bounds>
+void group_by_tile(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+                   GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists) {
+  const Instances<Bounds> instances(cpu, job, bounds, order, scratch.emission);
+  const std::size_t splats = job.splats.size(), tiles = job.grid.size();
+  // A table of positions a part must not outgrow the splats that it is for.
+  const std::size_t parts = std::min(part_count(cpu, splats, 4096), 1 + 16 * splats / tiles);
+  lists.instances = std::size_t(part_offsets(cpu, instances, splats, parts).total);
+  lists.tiles = tiles;
+  lists.ids.reset(lists.instances), lists.ranges.reset(tiles);
+
+  // Count the instances of each tile in each part, turn the counts into first positions, and write every id
+  // to its own.
+  scratch.positions.reset(parts * tiles);
+  const auto positions_of = [&](std::size_t part) { return scratch.positions.data() + part * tiles; };
+  for_each_part(cpu, splats, parts, [&](std::size_t part, Part range) {
+    std::uint32_t* counts = positions_of(part);
+    std::fill_n(counts, tiles, 0u);
+    instances.visit(range, [&](std::uint32_t tile, std::uint32_t) { ++counts[tile]; });
+  });
+  std::uint32_t sum = 0;
+  for (std::size_t tile = 0; tile < tiles; ++tile) {
+    const std::uint32_t begin = sum;
+    for (std::size_t part = 0; part < parts; ++part) sum += std::exchange(positions_of(part)[tile], sum);
+    lists.ranges.data()[tile] = sum > begin ? TileRange{begin, sum} : TileRange{};
+  }
+  for_each_part(cpu, splats, parts, [&](std::size_t part, Part range) {
+    std::uint32_t* positions = positions_of(part);
+    std::uint32_t* ids = lists.ids.data();
+    instances.visit(range, [&](std::uint32_t tile, std::uint32_t id) { ids[positions[tile]++] = id; });
+  });
 }
-std::size_t emit_instances(Cpu& cpu, const SortJob& job, const OpacityBox& bounds, const std::uint32_t* order,
-                           InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint32_t>& instances) {
-  return emit(cpu, job, bounds, order, scratch, instances);
-}
-std::size_t emit_instances(Cpu& cpu, const SortJob& job, const OpacityBox& bounds, const std::uint32_t* order,
-                           InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint64_t>& instances) {
-  return emit(cpu, job, bounds, order, scratch, instances);
-}
-std::size_t emit_instances(Cpu& cpu, const SortJob& job, const Ellipse& bounds, const std::uint32_t* order,
-                           InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint32_t>& instances) {
-  return emit(cpu, job, bounds, order, scratch, instances);
-}
-std::size_t emit_instances(Cpu& cpu, const SortJob& job, const Ellipse& bounds, const std::uint32_t* order,
-                           InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint64_t>& instances) {
-  return emit(cpu, job, bounds, order, scratch, instances);
-}
+
+template std::size_t emit_instances(Cpu&, const SortJob&, const ThreeSigmaSquare&, const std::uint32_t*,
+                                    InstanceScratch<Cpu>&, Pairs<Cpu, std::uint64_t>&);
+template void group_by_tile(Cpu&, const SortJob&, const ThreeSigmaSquare&, const std::uint32_t*,
+                            GroupScratch<Cpu>&, TileLists<Cpu>&);
+template std::size_t emit_instances(Cpu&, const SortJob&, const OpacityBox&, const std::uint32_t*,
+                                    InstanceScratch<Cpu>&, Pairs<Cpu, std::uint64_t>&);
+template void group_by_tile(Cpu&, const SortJob&, const OpacityBox&, const std::uint32_t*, GroupScratch<Cpu>&,
+                            TileLists<Cpu>&);
+template std::size_t emit_instances(Cpu&, const SortJob&, const Ellipse&, const std::uint32_t*,
+                                    InstanceScratch<Cpu>&, Pairs<Cpu, std::uint64_t>&);
+template void group_by_tile(Cpu&, const SortJob&, const Ellipse&, const std::uint32_t*, GroupScratch<Cpu>&,
+                            TileLists<Cpu>&);
 
 }  // namespace swiftgs
 #endif

@@ -130,8 +130,8 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
     alpha = hn::IfThenElseZero(kept, hn::Min(alpha, alpha_max));
     const Vec next = hn::NegMulAdd(alpha, transmittance, transmittance);
 
-    // Pixels that this splat would bring below the limit end without it. Masks see to them, since a branch would be
-    // taken once for most pixels and never where it was last time.
+    // Pixels that this splat would bring below the limit end without it. Masks see to them, since a branch
+    // would be taken once for most pixels and never where it was last time.
     const Mask goes_on = hn::Ge(next, stop_below);
     const Vec weight = hn::IfThenElseZero(goes_on, hn::Mul(alpha, transmittance));
     transmittance = hn::IfThenElse(goes_on, next, transmittance);

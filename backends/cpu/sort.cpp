@@ -1,132 +1,211 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
 #include <swiftgs/cpu.hpp>
 
+#include "parts.hpp"
+
 namespace swiftgs {
 namespace {
 
-/// Elements [begin, end) of part `part` of `parts`.
-struct Part {
-  std::size_t begin, end;
-};
-Part part_of(std::size_t n, std::size_t parts, std::size_t part) {
-  return {n * part / parts, n * (part + 1) / parts};
-}
-
-/// Parts of at least `grain` elements, a few a thread so that an uneven machine does not wait for one.
-std::size_t part_count(const Cpu& cpu, std::size_t n, std::size_t grain) {
-  const std::size_t wanted = cpu.threads() == 1 ? 1 : 3 * std::size_t(cpu.threads());
-  return std::clamp<std::size_t>(n / grain, 1, wanted);
-}
-
-/// Digits of about 11 bits keep a histogram and its write positions in the first-level cache; up to 13 bits
-/// one pass over more positions still beats two passes.
-int digit_bits(int bits) {
-  if (bits <= 13) return bits;
-  const int passes = (bits + 10) / 11;
-  return (bits + passes - 1) / passes;
-}
-
+/// Arrays that a sort moves between.
 template <class Key>
-class RadixPass {
+struct PairSpan {
+  Key* keys;
+  std::uint32_t* values;
+};
+
+/// The bits of a key that a pass looks at: those from `shift` on of its distance from the smallest key.
+template <class Key>
+struct Digit {
+  Key mask, least;
+  int shift;
+  std::size_t limit;
+
+  std::size_t operator()(Key key) const { return std::size_t(((key & mask) - least) >> shift) & limit; }
+};
+
+/// Stable sort of a few pairs: moves each in front of the larger ones before it.
+template <class Key>
+void insertion_sort(PairSpan<Key> from, PairSpan<Key> to, std::size_t n, Key mask) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const Key key = from.keys[i];
+    const std::uint32_t value = from.values[i];
+    std::size_t at = i;
+    for (; at > 0 && (to.keys[at - 1] & mask) > (key & mask); --at)
+      to.keys[at] = to.keys[at - 1], to.values[at] = to.values[at - 1];
+    to.keys[at] = key, to.values[at] = value;
+  }
+}
+
+/// Sorts a bucket by the low `bits` bits, from its place in one pair of arrays to the same place in the
+/// other. The number of passes is odd, so that it always ends there.
+template <class Key>
+void sort_bucket(PairSpan<Key> from, PairSpan<Key> to, std::size_t n, Digit<Key> digit, int bits) {
+  if (n <= 48) return insertion_sort(from, to, n, digit.mask);
+  const int passes = bits <= 8 ? 1 : bits <= 24 ? 3 : 5;
+  const int width = (bits + passes - 1) / passes;
+  digit.limit = (std::size_t(1) << width) - 1;
+  for (int pass = 0; pass < passes; ++pass) {
+    digit.shift = pass * width;
+    std::array<std::uint32_t, 512> position;
+    std::fill_n(position.begin(), digit.limit + 1, 0u);
+    for (std::size_t i = 0; i < n; ++i) ++position[digit(from.keys[i])];
+    std::uint32_t sum = 0;
+    for (std::size_t bin = 0; bin <= digit.limit; ++bin) sum += std::exchange(position[bin], sum);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::uint32_t at = position[digit(from.keys[i])]++;
+      to.keys[at] = from.keys[i], to.values[at] = from.values[i];
+    }
+    std::swap(from, to);
+  }
+}
+
+/// Radix sort by the leading digit first: one pass over all pairs makes buckets that fit a core's own cache,
+/// where they are sorted by the rest. Memory is crossed once, whatever the length of the keys.
+template <class Key>
+class BucketSort {
  public:
-  RadixPass(const Cpu& cpu, Cpu::Buffer<std::uint32_t>& histograms, std::size_t n, int shift, int bits)
-      : cpu_(cpu), n_(n), shift_(shift), bins_(std::size_t(1) << bits), parts_(part_count(cpu, n, 8192)) {
-    histograms.reset(parts_ * bins_);
-    histograms_ = histograms.data();
+  BucketSort(const Cpu& cpu, Cpu::Buffer<std::uint32_t>& histograms, Pairs<Cpu, Key>& pairs, std::size_t n,
+             int bits)
+      : cpu_(cpu), histograms_(histograms), pairs_(pairs), n_(n), parts_(part_count(cpu, n, 8192)) {
+    mask_ = bits >= std::numeric_limits<Key>::digits ? Key(-1) : Key((Key(1) << bits) - 1);
   }
 
-  /// Counts digits a part, then turns counts into first positions. False where all keys share the digit.
-  bool count(const Key* keys) {
+  void run() {
+    const Digit<Key> leading = leading_digit();
+    if (leading.limit == 0 && leading.shift == 0) return;  // all keys are equal
+    histograms_.reset(parts_ * (leading.limit + 1));
+    count(leading);
+    scatter(leading);
+    if (leading.shift == 0) {
+      std::swap(pairs_.keys, pairs_.spare_keys);
+      std::swap(pairs_.values, pairs_.spare_values);
+    } else {
+      sort_buckets(leading);
+    }
+  }
+
+ private:
+  std::uint32_t* histogram(std::size_t part, std::size_t bins) { return histograms_.data() + part * bins; }
+
+  /// The digit that spreads the keys that there are over buckets of about 512 pairs.
+  Digit<Key> leading_digit() {
+    struct Extremes {
+      Key least = Key(-1), most = 0;
+    };
+    std::array<Extremes, max_parts> extremes;
     cpu_.for_parts(parts_, 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t part = first; part < last; ++part) {
-        std::uint32_t* histogram = histograms_ + part * bins_;
-        std::fill_n(histogram, bins_, 0u);
         const Part range = part_of(n_, parts_, part);
-        for (std::size_t i = range.begin; i < range.end; ++i) ++histogram[digit(keys[i])];
+        Extremes e;
+        for (std::size_t i = range.begin; i < range.end; ++i) {
+          const Key key = pairs_.keys.data()[i] & mask_;
+          e.least = std::min(e.least, key), e.most = std::max(e.most, key);
+        }
+        extremes[part] = e;
+      }
+    });
+    Extremes all;
+    for (std::size_t part = 0; part < parts_; ++part)
+      all.least = std::min(all.least, extremes[part].least),
+      all.most = std::max(all.most, extremes[part].most);
+    const int bits = int(std::bit_width(Key(all.most - all.least)));
+    const int width = std::min(bits, std::clamp(int(std::bit_width(n_ / 512)), 4, 13));
+    return {mask_, all.least, bits - width, (std::size_t(1) << width) - 1};
+  }
+
+  /// Counts the digits of each part, then turns the counts into first positions.
+  void count(const Digit<Key>& digit) {
+    const std::size_t bins = digit.limit + 1;
+    cpu_.for_parts(parts_, 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t part = first; part < last; ++part) {
+        std::uint32_t* counts = histogram(part, bins);
+        std::fill_n(counts, bins, 0u);
+        const Part range = part_of(n_, parts_, part);
+        for (std::size_t i = range.begin; i < range.end; ++i) ++counts[digit(pairs_.keys.data()[i])];
       }
     });
     std::uint32_t sum = 0;
-    for (std::size_t bin = 0; bin < bins_; ++bin) {
-      const std::uint32_t before = sum;
-      for (std::size_t part = 0; part < parts_; ++part)
-        sum += std::exchange(histograms_[part * bins_ + bin], sum);
-      if (sum - before == n_) return false;
-    }
-    return true;
+    for (std::size_t bin = 0; bin < bins; ++bin)
+      for (std::size_t part = 0; part < parts_; ++part) sum += std::exchange(histogram(part, bins)[bin], sum);
   }
 
-  /// Moves every pair to its position; parts in order keep equal digits in order.
-  void scatter(const Key* keys, const std::uint32_t* values, Key* to_keys, std::uint32_t* to_values) {
+  /// Moves every pair to its bucket; parts in order keep equal digits in order.
+  void scatter(const Digit<Key>& digit) {
+    const std::size_t bins = digit.limit + 1;
     cpu_.for_parts(parts_, 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t part = first; part < last; ++part) {
-        std::uint32_t* position = histograms_ + part * bins_;
+        std::uint32_t* position = histogram(part, bins);
+        const Key* keys = pairs_.keys.data();
+        const std::uint32_t* values = pairs_.values.data();
+        Key* to_keys = pairs_.spare_keys.data();
+        std::uint32_t* to_values = pairs_.spare_values.data();
         const Part range = part_of(n_, parts_, part);
         for (std::size_t i = range.begin; i < range.end; ++i) {
           const std::uint32_t to = position[digit(keys[i])]++;
-          to_keys[to] = keys[i];
-          to_values[to] = values[i];
+          to_keys[to] = keys[i], to_values[to] = values[i];
         }
       }
     });
   }
 
- private:
-  std::size_t digit(Key key) const { return std::size_t(key >> shift_) & (bins_ - 1); }
+  /// Sorts each bucket by what is left of its keys, back into the arrays that the pairs came from.
+  void sort_buckets(const Digit<Key>& leading) {
+    // The last part's positions have moved to the ends of the buckets.
+    const std::size_t bins = leading.limit + 1;
+    const std::uint32_t* ends = histogram(parts_ - 1, bins);
+    cpu_.for_parts(bins, 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t bin = first; bin < last; ++bin) {
+        const std::size_t begin = bin == 0 ? 0 : ends[bin - 1];
+        sort_bucket<Key>({pairs_.spare_keys.data() + begin, pairs_.spare_values.data() + begin},
+                         {pairs_.keys.data() + begin, pairs_.values.data() + begin}, ends[bin] - begin,
+                         leading, leading.shift);
+      }
+    });
+  }
 
   const Cpu& cpu_;
-  std::size_t n_;
-  int shift_;
-  std::size_t bins_, parts_;
-  std::uint32_t* histograms_ = nullptr;
+  Cpu::Buffer<std::uint32_t>& histograms_;
+  Pairs<Cpu, Key>& pairs_;
+  std::size_t n_, parts_;
+  Key mask_;
 };
-
-template <class Key>
-void radix_sort(const Cpu& cpu, Cpu::Buffer<std::uint32_t>& histograms, Pairs<Cpu, Key>& pairs, std::size_t n,
-                int bits) {
-  if (n < 2) return;
-  const int step = digit_bits(bits);
-  for (int shift = 0; shift < bits; shift += step) {
-    RadixPass<Key> pass(cpu, histograms, n, shift, std::min(step, bits - shift));
-    if (!pass.count(pairs.keys.data())) continue;
-    pass.scatter(pairs.keys.data(), pairs.values.data(), pairs.spare_keys.data(), pairs.spare_values.data());
-    std::swap(pairs.keys, pairs.spare_keys);
-    std::swap(pairs.values, pairs.spare_values);
-  }
-}
 
 }  // namespace
 
 void Cpu::sort_pairs(Pairs<Cpu, std::uint32_t>& pairs, std::size_t n, int bits) {
-  radix_sort(*this, histograms_, pairs, n, bits);
+  if (n > 1 && bits > 0) BucketSort(*this, histograms_, pairs, n, bits).run();
 }
 
 void Cpu::sort_pairs(Pairs<Cpu, std::uint64_t>& pairs, std::size_t n, int bits) {
-  radix_sort(*this, histograms_, pairs, n, bits);
+  if (n > 1 && bits > 0) BucketSort(*this, histograms_, pairs, n, bits).run();
 }
 
 std::uint64_t Cpu::exclusive_scan(Span<std::uint32_t> counts) {
   // Sum each part, scan the sums, then scan the parts from there.
   const std::size_t parts = part_count(*this, counts.size, 32768);
-  part_sums_.reset(parts);
+  std::array<std::uint64_t, max_parts> sums;
   for_parts(parts, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t part = first; part < last; ++part) {
       const Part range = part_of(counts.size, parts, part);
       std::uint64_t sum = 0;
       for (std::size_t i = range.begin; i < range.end; ++i) sum += counts[i];
-      part_sums_.data()[part] = sum;
+      sums[part] = sum;
     }
   });
   std::uint64_t total = 0;
-  for (std::size_t part = 0; part < parts; ++part) total += std::exchange(part_sums_.data()[part], total);
+  for (std::size_t part = 0; part < parts; ++part) total += std::exchange(sums[part], total);
   for_parts(parts, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t part = first; part < last; ++part) {
       const Part range = part_of(counts.size, parts, part);
-      std::uint64_t sum = part_sums_.data()[part];
+      std::uint64_t sum = sums[part];
       for (std::size_t i = range.begin; i < range.end; ++i) {
         const std::uint32_t here = counts[i];
         counts[i] = std::uint32_t(sum);

@@ -25,8 +25,7 @@ struct EarlySort {
   template <class B>
   struct Scratch {
     Pairs<B, std::uint32_t> depths;
-    InstanceScratch<B> emission;
-    Pairs<B, std::uint32_t> instances;
+    GroupScratch<B> group;
   };
 
   template <class B, class Bounds>
@@ -36,10 +35,7 @@ struct EarlySort {
     b.for_each(splats, DepthPair{job.splats, scratch.depths.keys.data(), scratch.depths.values.data()});
     b.sort_pairs(scratch.depths, splats, depth_key_bits);
 
-    const std::size_t count =
-        emit_instances(b, job, bounds, scratch.depths.values.data(), scratch.emission, scratch.instances);
-    b.sort_pairs(scratch.instances, count, job.grid.key_bits());
-    finish_lists(b, job, count, 0, scratch.instances, lists);
+    group_by_tile(b, job, bounds, scratch.depths.values.data(), scratch.group, lists);
   }
 };
 

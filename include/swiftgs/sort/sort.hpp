@@ -165,4 +165,22 @@ void finish_lists(B& b, const SortJob& job, std::size_t count, int tile_shift, P
   std::swap(lists.ids, instances.values);
 }
 
+/// Memory that grouping works in.
+template <class B>
+struct GroupScratch {
+  InstanceScratch<B> emission;
+  Pairs<B, std::uint32_t> instances;
+};
+
+/// Lists for every tile the splats that may touch it, in the given order: emits the instances in that order
+/// and sorts them by tile alone, stably and by as few bits as the grid needs. Backends overload this for
+/// bounds that they have kernels for.
+template <class B, class Bounds>
+void group_by_tile(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+                   GroupScratch<B>& scratch, TileLists<B>& lists) {
+  const std::size_t count = emit_instances(b, job, bounds, order, scratch.emission, scratch.instances);
+  b.sort_pairs(scratch.instances, count, job.grid.key_bits());
+  finish_lists(b, job, count, 0, scratch.instances, lists);
+}
+
 }  // namespace swiftgs

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -74,7 +75,7 @@ class Cpu {
 
   std::uint64_t exclusive_scan(Span<std::uint32_t> counts);
 
-  /// Least-significant-digit radix sort; digits that all keys share are not sorted by.
+  /// Radix sort, leading digit first; bits that all keys share are not sorted by.
   void sort_pairs(Pairs<Cpu, std::uint32_t>& pairs, std::size_t n, int bits);
   void sort_pairs(Pairs<Cpu, std::uint64_t>& pairs, std::size_t n, int bits);
 
@@ -85,7 +86,6 @@ class Cpu {
 
  private:
   std::unique_ptr<tbb::task_arena> arena_;
-  Buffer<std::uint64_t> part_sums_;   ///< of `exclusive_scan`
   Buffer<std::uint32_t> histograms_;  ///< of `sort_pairs`, kept from frame to frame
 };
 
@@ -121,21 +121,26 @@ struct InstanceScratch<Cpu> {
   Cpu::Buffer<std::uint64_t> offsets;
 };
 
-/// Vector kernels of the library's bounds.
-std::size_t emit_instances(Cpu& cpu, const SortJob& job, const ThreeSigmaSquare& bounds,
-                           const std::uint32_t* order, InstanceScratch<Cpu>& scratch,
-                           Pairs<Cpu, std::uint32_t>& instances);
-std::size_t emit_instances(Cpu& cpu, const SortJob& job, const ThreeSigmaSquare& bounds,
-                           const std::uint32_t* order, InstanceScratch<Cpu>& scratch,
-                           Pairs<Cpu, std::uint64_t>& instances);
-std::size_t emit_instances(Cpu& cpu, const SortJob& job, const OpacityBox& bounds, const std::uint32_t* order,
-                           InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint32_t>& instances);
-std::size_t emit_instances(Cpu& cpu, const SortJob& job, const OpacityBox& bounds, const std::uint32_t* order,
+template <>
+struct GroupScratch<Cpu> {
+  InstanceScratch<Cpu> emission;
+  Cpu::Buffer<std::uint32_t> positions;  ///< @shape{parts, tiles}
+};
+
+/// Bounds that have vector kernels.
+template <class Bounds>
+concept VectorBounds = std::same_as<Bounds, ThreeSigmaSquare> || std::same_as<Bounds, OpacityBox> ||
+    std::same_as<Bounds, Ellipse>;
+
+/// `emit_instances` from footprints. Instantiated for 64-bit keys.
+template <VectorBounds Bounds>
+std::size_t emit_instances(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                            InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint64_t>& instances);
-std::size_t emit_instances(Cpu& cpu, const SortJob& job, const Ellipse& bounds, const std::uint32_t* order,
-                           InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint32_t>& instances);
-std::size_t emit_instances(Cpu& cpu, const SortJob& job, const Ellipse& bounds, const std::uint32_t* order,
-                           InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint64_t>& instances);
+
+/// `group_by_tile` from footprints, without keys: a counting sort that moves each id straight to its tile.
+template <VectorBounds Bounds>
+void group_by_tile(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+                   GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists);
 
 /// Vector kernels of the library's rasterizers: a row of 16 pixels at a time.
 void rasterize(Cpu& cpu, PerPixel, const RasterJob& job);

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include <swiftgs/cpu.hpp>
+
+namespace swiftgs {
+
+/// Half-open range of elements.
+struct Part {
+  std::size_t begin, end;
+};
+
+/// Part `part` of `parts` nearly equal ones of n elements.
+inline Part part_of(std::size_t n, std::size_t parts, std::size_t part) {
+  return {n * part / parts, n * (part + 1) / parts};
+}
+
+inline constexpr std::size_t max_parts = 512;
+
+/// How many parts of at least `grain` elements to make of n: a few a thread, so that none waits long for
+/// another.
+inline std::size_t part_count(const Cpu& cpu, std::size_t n, std::size_t grain) {
+  const std::size_t wanted = cpu.threads() == 1 ? 1 : 3 * std::size_t(cpu.threads());
+  return std::clamp<std::size_t>(n / grain, 1, std::min(wanted, max_parts));
+}
+
+}  // namespace swiftgs
