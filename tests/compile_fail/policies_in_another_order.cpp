@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// expected: Scratch.*PerPixel
+#include <swiftgs/swiftgs.hpp>
+
+using namespace swiftgs;
+
+#ifdef SWIFTGS_EXPECT_COMPILE
+using Refused = Renderer<Serial, EarlySort, PerPixel, Ellipse>;
+#else
+using Refused = Renderer<Serial, PerPixel, EarlySort, Ellipse>;
+#endif
+constexpr auto name = Refused::name;

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// expected: sort\.build\(b, job, bounds, scratch, lists\)
+#include <swiftgs/swiftgs.hpp>
+
+struct Unsorted {
+  static constexpr std::string_view name = "unsorted";
+  template <class B>
+  struct Scratch {};
+#ifdef SWIFTGS_EXPECT_COMPILE
+  template <class B, class Bounds>
+  void build(B&, const swiftgs::SortJob&, const Bounds&, Scratch<B>&, swiftgs::TileLists<B>&) {}
+#endif
+};
+
+using Refused = swiftgs::Renderer<swiftgs::Serial, Unsorted, swiftgs::PerPixel, swiftgs::Ellipse>;
+constexpr auto name = Refused::name;
