@@ -42,12 +42,12 @@ struct alignas(64) Batch {
   std::size_t list_sizes[tile_side];
 };
 
-/// Running state of a tile's pixels, one array a quantity.
+/// Running state of a tile's pixels, one array a quantity. A pixel that has stopped has the negative of its
+/// transmittance: any splat would bring that below the limit, so it stays stopped without a mask of its own.
 struct alignas(64) TileState {
   float transmittance[tile_side][tile_side];
   float red[tile_side][tile_side], green[tile_side][tile_side], blue[tile_side][tile_side];
   float depth[tile_side][tile_side];
-  std::uint8_t live[tile_side][parts][8];  ///< bits of the pixels that have not stopped
 };
 
 /// Places of one tile in the image.
@@ -110,10 +110,8 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
                          std::size_t part, TileCounts& counts) {
   const F32 d;
   const std::size_t column = part * lanes;
-  std::uint8_t* live_bits = state.live[row][part];
-  Mask live = hn::LoadMaskBits(d, live_bits);
-  if (hn::AllFalse(d, live)) return;
   Vec transmittance = hn::Load(d, state.transmittance[row] + column);
+  if (hn::AllTrue(d, hn::Lt(transmittance, hn::Zero(d)))) return;
   Vec red = hn::Load(d, state.red[row] + column);
   Vec green = hn::Load(d, state.green[row] + column);
   Vec blue = hn::Load(d, state.blue[row] + column);
@@ -126,20 +124,19 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
     if constexpr (kCount) ++counts.rows_visited;
     Mask kept;
     Vec alpha;
-    if (!form.Alpha(k, row, column, live, kept, alpha)) continue;
+    if (!form.Alpha(k, row, column, kept, alpha)) continue;
     alpha = hn::IfThenElseZero(kept, hn::Min(alpha, alpha_max));
     const Vec next = hn::NegMulAdd(alpha, transmittance, transmittance);
 
     // Pixels that this splat would bring below the limit end without it. Masks see to them, since a branch
     // would be taken once for most pixels and never where it was last time.
-    const Mask goes_on = hn::Ge(next, stop_below);
-    const Vec weight = hn::IfThenElseZero(goes_on, hn::Mul(alpha, transmittance));
-    transmittance = hn::IfThenElse(goes_on, next, transmittance);
+    const Mask stops = hn::Lt(next, stop_below);
+    const Vec weight = hn::IfThenZeroElse(stops, hn::Mul(alpha, transmittance));
     if constexpr (kCount) {
-      counts.pixels_stopped += lanes - hn::CountTrue(d, goes_on);
-      counts.contributing_pairs += hn::CountTrue(d, hn::And(kept, goes_on));
+      counts.pixels_stopped += hn::CountTrue(d, hn::And(stops, hn::Gt(transmittance, hn::Zero(d))));
+      counts.contributing_pairs += hn::CountTrue(d, hn::AndNot(stops, kept));
     }
-    live = hn::And(live, goes_on);
+    transmittance = hn::IfThenElse(stops, hn::Or(transmittance, hn::SignBit(d)), next);
     const float* HWY_RESTRICT colour = batch.colours[k];
     red = hn::MulAdd(weight, hn::Set(d, colour[0]), red);
     green = hn::MulAdd(weight, hn::Set(d, colour[1]), green);
@@ -147,7 +144,6 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
     if constexpr (kDepth) depth = hn::MulAdd(weight, hn::Set(d, colour[3]), depth);
   }
 
-  hn::StoreMaskBits(d, live, live_bits);
   hn::Store(transmittance, d, state.transmittance[row] + column);
   hn::Store(red, d, state.red[row] + column);
   hn::Store(green, d, state.green[row] + column);
@@ -161,13 +157,13 @@ HWY_INLINE void Clear(const TileFrame& tile, TileState& state) {
   for (std::size_t row = 0; row < tile_side; ++row)
     for (std::size_t part = 0; part < parts; ++part) {
       const std::size_t column = part * lanes;
-      hn::Store(hn::Set(d, 1.0f), d, state.transmittance[row] + column);
+      const Mask inside = hn::Lt(hn::Iota(d, float(column)), hn::Set(d, float(tile.columns)));
+      hn::Store(hn::IfThenElse(inside, hn::Set(d, 1.0f), hn::Set(d, -1.0f)), d,
+                state.transmittance[row] + column);
       hn::Store(hn::Zero(d), d, state.red[row] + column);
       hn::Store(hn::Zero(d), d, state.green[row] + column);
       hn::Store(hn::Zero(d), d, state.blue[row] + column);
       hn::Store(hn::Zero(d), d, state.depth[row] + column);
-      const int inside = tile.columns - int(column);
-      hn::StoreMaskBits(d, hn::FirstN(d, inside > 0 ? std::size_t(inside) : 0), state.live[row][part]);
     }
 }
 
@@ -177,7 +173,8 @@ HWY_INLINE std::uint32_t LiveRows(const TileFrame& tile, const TileState& state)
   std::uint32_t rows = 0;
   for (int row = 0; row < tile.rows; ++row)
     for (std::size_t part = 0; part < parts; ++part)
-      if (!hn::AllFalse(d, hn::LoadMaskBits(d, state.live[row][part]))) rows |= 1u << row;
+      if (!hn::AllTrue(d, hn::Lt(hn::Load(d, state.transmittance[row] + part * lanes), hn::Zero(d))))
+        rows |= 1u << row;
   return rows;
 }
 
@@ -190,7 +187,7 @@ HWY_INLINE void StoreTile(const RasterJob& job, const TileFrame& tile, std::size
     alignas(64) float rgb[3 * tile_side];
     alignas(64) float alphas[tile_side], depths[tile_side];
     for (std::size_t column = 0; column < tile_side; column += lanes) {
-      const Vec transmittance = hn::Load(d, state.transmittance[row] + column);
+      const Vec transmittance = hn::Abs(hn::Load(d, state.transmittance[row] + column));
       const auto over = [&](const float* colour, float background) HWY_ATTR {
         return hn::MulAdd(transmittance, hn::Set(d, background), hn::Load(d, colour + column));
       };

@@ -40,13 +40,12 @@ class HalfSplitForm {
     return PrepareRows(shape, first_centre, log2_alpha_min, rows);
   }
 
-  HWY_INLINE bool Alpha(std::size_t k, std::size_t row, std::size_t column, Mask live, Mask& kept,
-                        Vec& alpha) const {
+  HWY_INLINE bool Alpha(std::size_t k, std::size_t row, std::size_t column, Mask& kept, Vec& alpha) const {
     const F32 d;
     const Terms& HWY_RESTRICT t = terms_[k];
     const Vec squares = hn::Add(Row(t.x_square + column), All(t.y_square[row]));
     const Vec s = hn::MulAdd(Row(t.x_mixed + column), All(t.y_offset[row]), squares);
-    const Mask positive = hn::And(live, hn::Ge(s, hn::Zero(d)));
+    const Mask positive = hn::Ge(s, hn::Zero(d));
     if constexpr (kThreshold) {
       kept = hn::And(positive, hn::Le(s, hn::Set(d, t.reach)));
       if (hn::AllFalse(d, kept)) return false;
