@@ -118,13 +118,14 @@ struct Footprint {
 template <>
 struct InstanceScratch<Cpu> {
   Cpu::Buffer<Footprint> footprints;
-  Cpu::Buffer<std::uint64_t> offsets;
+  Cpu::Buffer<std::uint32_t> offsets;  ///< for bounds without vector kernels
 };
 
 template <>
 struct GroupScratch<Cpu> {
   InstanceScratch<Cpu> emission;
   Cpu::Buffer<std::uint32_t> positions;  ///< @shape{parts, tiles}
+  Pairs<Cpu, std::uint32_t> instances;   ///< for bounds without vector kernels
 };
 
 /// Bounds that have vector kernels.
