@@ -31,7 +31,27 @@ bool same_bits(const TileLists<B>& a, const TileLists<B>& b) {
 /// A round splat that stays within one tile or so.
 SplatShape dot(double x, double y) { return make_splat(x, y, 1, 1, 0, 0.9); }
 
+/// Bounds that no backend knows: the even rows of the box.
+struct EvenRows {
+  static constexpr std::string_view name = "even-rows";
+  static constexpr bool lossless = false;
+  TileRect rect(const SplatShape& shape, TileGrid grid) const { return opacity_box(shape, grid); }
+  TileRun row(const SplatShape&, TileRect rect, int row) const { return row % 2 ? TileRun{} : rect.columns; }
+};
+
 }  // namespace
+
+TEST_CASE_TEMPLATE("sort: every sort takes bounds that the backend has no kernels for", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  B backend = make_backend<B>();
+  const SplatSet splats = random_splats(600, 300, 200, 8);
+  const SortJob job = splats.job(300, 200);
+  const Lists expected = brute_force_lists<EvenRows>(job);
+  for_each_sort([&]<class Sort>(Sort) {
+    CAPTURE(Sort::name);
+    CHECK(to_vectors(build_lists<Sort, EvenRows>(backend, job).view()) == expected);
+  });
+}
 
 TEST_CASE_TEMPLATE("sort: every sort with every bounds builds the lists that brute force builds", B,
                    SWIFTGS_TEST_BACKENDS) {
