@@ -9,7 +9,7 @@
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/swiftgs.hpp>
 
-#if __has_include(<swiftgs/cpu.hpp>)
+#if defined(SWIFTGS_HAS_CPU)
 #include <swiftgs/cpu.hpp>
 #endif
 
@@ -25,7 +25,7 @@ using AllBounds = TypeList<ThreeSigmaSquare, OpacityBox, Ellipse>;
 std::vector<RendererEntry> all_renderers() {
   std::vector<RendererEntry> table;
   append_renderers<Serial>(table, Sorts{}, Rasters{}, AllBounds{});
-#if __has_include(<swiftgs/cpu.hpp>)
+#if defined(SWIFTGS_HAS_CPU)
   append_renderers<Cpu>(table, Sorts{}, Rasters{}, AllBounds{});
 #endif
   return table;

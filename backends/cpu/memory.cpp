@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
 #include <cstdlib>
+#include <memory>
 #include <new>
+#include <vector>
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -10,8 +13,31 @@
 
 namespace swiftgs {
 namespace {
+
 constexpr std::size_t page = std::size_t(2) << 20;
+
+/// Asks for whole large pages of [memory, memory + bytes), now rather than when the system gets round to it.
+/// Advice only: where it is refused, everything works all the same.
+void advise_large_pages(const void* memory, std::size_t bytes) {
+#if defined(__linux__)
+  const std::uintptr_t begin = (reinterpret_cast<std::uintptr_t>(memory) + page - 1) / page * page;
+  const std::uintptr_t end = (reinterpret_cast<std::uintptr_t>(memory) + bytes) / page * page;
+  if (begin >= end) return;
+  (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+#if defined(MADV_COLLAPSE)
+  (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_COLLAPSE);
+#endif
+#else
+  (void)memory, (void)bytes;
+#endif
 }
+
+template <class T>
+void advise_large_pages(const std::vector<T>& array) {
+  advise_large_pages(array.data(), array.size() * sizeof(T));
+}
+
+}  // namespace
 
 void* LargePageMemory::allocate(std::size_t bytes) {
   const std::size_t alignment = bytes < page ? 64 : page;
@@ -19,12 +45,18 @@ void* LargePageMemory::allocate(std::size_t bytes) {
   void* memory = std::aligned_alloc(alignment, rounded);
   if (!memory) throw std::bad_alloc();
 #if defined(__linux__)
-  // Advice only: without it the memory works all the same.
   if (alignment == page) (void)madvise(memory, rounded, MADV_HUGEPAGE);
 #endif
   return memory;
 }
 
 void LargePageMemory::release(void* memory) { std::free(memory); }
+
+Cpu::SceneOn Cpu::upload(std::shared_ptr<const Scene> scene) const {
+  SceneOn uploaded(scene);
+  advise_large_pages(scene->means), advise_large_pages(scene->scales), advise_large_pages(scene->rotations);
+  advise_large_pages(scene->opacities), advise_large_pages(scene->sh0), advise_large_pages(scene->sh_rest);
+  return uploaded;
+}
 
 }  // namespace swiftgs

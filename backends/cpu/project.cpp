@@ -250,6 +250,31 @@ HWY_INLINE void ShBasis(int degree, const Vec3& v, float (*HWY_RESTRICT basis)[l
   put(14, sh::c3[6], hn::Mul(v.x, hn::NegMulAdd(three, yy, xx)));
 }
 
+using F32x4 = hn::CappedTag<float, 4>;
+
+/// Sum of the coefficients of one Gaussian, RGB in the first three lanes, weighted with lane k of the basis.
+HWY_INLINE hn::Vec<F32x4> SumBands(const float* HWY_RESTRICT rest, const float (*HWY_RESTRICT basis)[lanes],
+                                   std::size_t k, int coefficients) {
+  const F32x4 d;
+  auto even = hn::Zero(d), odd = hn::Zero(d);
+  // Four floats a load, of which the last belongs to the next coefficient; the last coefficient must not be
+  // read beyond.
+  int j = 0;
+  for (; j + 2 < coefficients; j += 2) {
+    even = hn::MulAdd(hn::Set(d, basis[j][k]), hn::LoadU(d, rest + 3 * j), even);
+    odd = hn::MulAdd(hn::Set(d, basis[j + 1][k]), hn::LoadU(d, rest + 3 * j + 3), odd);
+  }
+  if (j + 1 < coefficients) {
+    odd = hn::MulAdd(hn::Set(d, basis[j][k]), hn::LoadU(d, rest + 3 * j), odd);
+    ++j;
+  }
+  if (j < coefficients) {
+    const float last[4] = {rest[3 * j], rest[3 * j + 1], rest[3 * j + 2], 0};
+    even = hn::MulAdd(hn::Set(d, basis[j][k]), hn::LoadU(d, last), even);
+  }
+  return hn::Add(even, odd);
+}
+
 /// Colours of `count` Gaussians, by their ids. The basis is evaluated a lane a Gaussian; the sum over
 /// coefficients takes one Gaussian at a time, because its coefficients lie together and those of the next
 /// visible one do not.
@@ -257,7 +282,8 @@ void ShadeSplats(const ViewConstants& v, const SceneView& scene, const std::uint
                  const float* HWY_RESTRICT depths, std::size_t count, SplatColour* HWY_RESTRICT colours) {
   const F32 d;
   const int degree = scene.sh_degree, coefficients = sh_rest_count(degree);
-  const std::size_t stride = std::size_t(scene.sh_stride);
+  const std::size_t stride = std::size_t(scene.sh_stride), row = 3 * std::size_t(coefficients);
+  constexpr std::size_t ahead = 24;  // splats between asking for harmonics and using them
   alignas(64) float basis[sh_rest_count(max_sh_degree)][lanes];
   for (std::size_t first = 0; first < count; first += lanes) {
     const std::size_t here = std::min(lanes, count - first);
@@ -274,19 +300,22 @@ void ShadeSplats(const ViewConstants& v, const SceneView& scene, const std::uint
     }
     for (std::size_t k = 0; k < here; ++k) {
       const std::size_t id = ids[first + k];
-      const std::size_t ahead = first + k + lanes;
-      if (degree > 0 && ahead < count)
-        for (std::size_t line = 0; line < 3 * std::size_t(coefficients); line += 16)
-          hwy::Prefetch(&scene.sh_rest[ids[ahead] * stride + line]);
+      if (first + k + ahead < count) {
+        const std::size_t next = ids[first + k + ahead];
+        hwy::Prefetch(&scene.sh0[next]);
+        for (std::size_t i = 0; i < row; i += 16) hwy::Prefetch(&scene.sh_rest[next * stride + i]);
+        if (row > 0) hwy::Prefetch(&scene.sh_rest[next * stride + row - 1]);
+      }
       const vec3 sh0 = scene.sh0[id];
       const float* HWY_RESTRICT rest = scene.sh_rest.data + id * stride;
-      float r = 0.5f + sh::c0 * sh0.x, g = 0.5f + sh::c0 * sh0.y, b = 0.5f + sh::c0 * sh0.z;
-      for (int j = 0; j < coefficients; ++j) {
-        const float weight = basis[j][k];
-        r += weight * rest[3 * j], g += weight * rest[3 * j + 1], b += weight * rest[3 * j + 2];
-      }
-      // In this order what is not a number becomes 0.
-      colours[first + k] = {vec3(std::max(0.0f, r), std::max(0.0f, g), std::max(0.0f, b)), depths[first + k]};
+      float rgb[4];
+      hn::StoreU(SumBands(rest, basis, k, coefficients), F32x4(), rgb);
+      // What is not a number compares as not above 0.
+      const auto channel = [&](int c) {
+        const float value = 0.5f + sh::c0 * sh0[c] + rgb[c];
+        return value > 0 ? value : 0.0f;
+      };
+      colours[first + k] = {vec3(channel(0), channel(1), channel(2)), depths[first + k]};
     }
   }
 }

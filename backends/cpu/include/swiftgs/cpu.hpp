@@ -53,8 +53,9 @@ class Cpu {
   static bool usable() { return true; }
   int threads() const { return arena_->max_concurrency(); }
 
-  SceneOn upload(Scene scene) const { return SceneOn(std::move(scene)); }
-  SceneOn upload(std::shared_ptr<const Scene> scene) const { return SceneOn(std::move(scene)); }
+  /// Shares `scene` without copying it, and asks for its arrays to be moved to large pages.
+  SceneOn upload(std::shared_ptr<const Scene> scene) const;
+  SceneOn upload(Scene scene) const { return upload(std::make_shared<const Scene>(std::move(scene))); }
 
   /// f(begin, end) for consecutive parts of [0, n) of at least `grain` elements, in parallel.
   template <class F>
