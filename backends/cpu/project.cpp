@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstring>
-#include <numeric>
+#include <utility>
 
 #include <swiftgs/cpu.hpp>
+
+#include "shade.hpp"
 
 // Compile the rest of this file for every target; the order of these lines matters.
 // clang-format off
@@ -11,21 +13,18 @@
 #define HWY_TARGET_INCLUDE "project.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-#include <hwy/cache_control.h>
 #include <hwy/contrib/math/math-inl.h>
+#include "vec3-inl.hpp"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using F32 = hn::CappedTag<float, 16>;
 using F64 = hn::Repartition<double, F32>;
 using Half32 = hn::Half<F32>;
-using Vec = hn::Vec<F32>;
 using Vec64 = hn::Vec<F64>;
 using Mask = hn::Mask<F32>;
-constexpr std::size_t lanes = hn::MaxLanes(F32());
 
 /// A group of lanes in double: the lower half, then the upper.
 struct Wide {
@@ -59,17 +58,11 @@ HWY_INLINE Wide ScaleAdd(const Wide& a, double scale, double offset) {
   return {hn::MulAdd(a.low, s, o), hn::MulAdd(a.high, s, o)};
 }
 
-struct Vec3 {
-  Vec x, y, z;
-};
-HWY_INLINE Vec Dot(const Vec3& a, const Vec3& b) {
-  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
-}
 HWY_INLINE Vec3 Cross(const Vec3& a, const Vec3& b) {
   return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
           hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
 }
-HWY_INLINE Vec3 Scale(const Vec3& a, Vec s) { return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)}; }
+
 HWY_INLINE Vec3 LoadVec3(const vec3* HWY_RESTRICT v) {
   Vec3 out;
   hn::LoadInterleaved3(F32(), &v->x, out.x, out.y, out.z);
@@ -224,102 +217,6 @@ std::size_t ProjectChunk(const ViewConstants& v, const SceneView& scene, std::si
   return out.count;
 }
 
-/// Bands 1 to `degree` in directions `d`: element k is the basis function with index k + 1.
-HWY_INLINE void ShBasis(int degree, const Vec3& v, float (*HWY_RESTRICT basis)[lanes]) {
-  const F32 d;
-  const auto put = [&](int k, float constant, Vec value)
-                       HWY_ATTR { hn::StoreU(hn::Mul(hn::Set(d, constant), value), d, basis[k]); };
-  put(0, -sh::c1, v.y), put(1, sh::c1, v.z), put(2, -sh::c1, v.x);
-  if (degree < 2) return;
-  const Vec xx = hn::Mul(v.x, v.x), yy = hn::Mul(v.y, v.y), zz = hn::Mul(v.z, v.z), xy = hn::Mul(v.x, v.y);
-  const Vec two = hn::Set(d, 2.0f), three = hn::Set(d, 3.0f), four = hn::Set(d, 4.0f);
-  const Vec xx_plus_yy = hn::Add(xx, yy), xx_minus_yy = hn::Sub(xx, yy);
-  put(3, sh::c2[0], xy);
-  put(4, sh::c2[1], hn::Mul(v.y, v.z));
-  put(5, sh::c2[2], hn::MulSub(two, zz, xx_plus_yy));
-  put(6, sh::c2[3], hn::Mul(v.x, v.z));
-  put(7, sh::c2[4], xx_minus_yy);
-  if (degree < 3) return;
-  const Vec four_zz_rest = hn::MulSub(four, zz, xx_plus_yy);
-  put(8, sh::c3[0], hn::Mul(v.y, hn::MulSub(three, xx, yy)));
-  put(9, sh::c3[1], hn::Mul(xy, v.z));
-  put(10, sh::c3[2], hn::Mul(v.y, four_zz_rest));
-  put(11, sh::c3[3], hn::Mul(v.z, hn::NegMulAdd(three, xx_plus_yy, hn::Add(zz, zz))));
-  put(12, sh::c3[4], hn::Mul(v.x, four_zz_rest));
-  put(13, sh::c3[5], hn::Mul(v.z, xx_minus_yy));
-  put(14, sh::c3[6], hn::Mul(v.x, hn::NegMulAdd(three, yy, xx)));
-}
-
-using F32x4 = hn::CappedTag<float, 4>;
-
-/// Sum of the coefficients of one Gaussian, RGB in the first three lanes, weighted with lane k of the basis.
-HWY_INLINE hn::Vec<F32x4> SumBands(const float* HWY_RESTRICT rest, const float (*HWY_RESTRICT basis)[lanes],
-                                   std::size_t k, int coefficients) {
-  const F32x4 d;
-  auto even = hn::Zero(d), odd = hn::Zero(d);
-  // Four floats a load, of which the last belongs to the next coefficient; the last coefficient must not be
-  // read beyond.
-  int j = 0;
-  for (; j + 2 < coefficients; j += 2) {
-    even = hn::MulAdd(hn::Set(d, basis[j][k]), hn::LoadU(d, rest + 3 * j), even);
-    odd = hn::MulAdd(hn::Set(d, basis[j + 1][k]), hn::LoadU(d, rest + 3 * j + 3), odd);
-  }
-  if (j + 1 < coefficients) {
-    odd = hn::MulAdd(hn::Set(d, basis[j][k]), hn::LoadU(d, rest + 3 * j), odd);
-    ++j;
-  }
-  if (j < coefficients) {
-    const float last[4] = {rest[3 * j], rest[3 * j + 1], rest[3 * j + 2], 0};
-    even = hn::MulAdd(hn::Set(d, basis[j][k]), hn::LoadU(d, last), even);
-  }
-  return hn::Add(even, odd);
-}
-
-/// Colours of `count` Gaussians, by their ids. The basis is evaluated a lane a Gaussian; the sum over
-/// coefficients takes one Gaussian at a time, because its coefficients lie together and those of the next
-/// visible one do not.
-void ShadeSplats(const ViewConstants& v, const SceneView& scene, const std::uint32_t* HWY_RESTRICT ids,
-                 const float* HWY_RESTRICT depths, std::size_t count, SplatColour* HWY_RESTRICT colours) {
-  const F32 d;
-  const int degree = scene.sh_degree, coefficients = sh_rest_count(degree);
-  const std::size_t stride = std::size_t(scene.sh_stride), row = 3 * std::size_t(coefficients);
-  constexpr std::size_t ahead = 24;  // splats between asking for harmonics and using them
-  alignas(64) float basis[sh_rest_count(max_sh_degree)][lanes];
-  for (std::size_t first = 0; first < count; first += lanes) {
-    const std::size_t here = std::min(lanes, count - first);
-    if (degree > 0) {
-      alignas(64) float x[lanes] = {}, y[lanes] = {}, z[lanes] = {};
-      for (std::size_t k = 0; k < here; ++k) {
-        const vec3 mean = scene.means[ids[first + k]];
-        x[k] = float(mean.x - v.centre[0]), y[k] = float(mean.y - v.centre[1]),
-        z[k] = float(mean.z - v.centre[2]);
-      }
-      const Vec3 direction{hn::Load(d, x), hn::Load(d, y), hn::Load(d, z)};
-      const Vec squared = Dot(direction, direction);
-      ShBasis(degree, Scale(direction, hn::Div(hn::Set(d, 1.0f), hn::Sqrt(squared))), basis);
-    }
-    for (std::size_t k = 0; k < here; ++k) {
-      const std::size_t id = ids[first + k];
-      if (first + k + ahead < count) {
-        const std::size_t next = ids[first + k + ahead];
-        hwy::Prefetch(&scene.sh0[next]);
-        for (std::size_t i = 0; i < row; i += 16) hwy::Prefetch(&scene.sh_rest[next * stride + i]);
-        if (row > 0) hwy::Prefetch(&scene.sh_rest[next * stride + row - 1]);
-      }
-      const vec3 sh0 = scene.sh0[id];
-      const float* HWY_RESTRICT rest = scene.sh_rest.data + id * stride;
-      float rgb[4];
-      hn::StoreU(SumBands(rest, basis, k, coefficients), F32x4(), rgb);
-      // What is not a number compares as not above 0.
-      const auto channel = [&](int c) {
-        const float value = 0.5f + sh::c0 * sh0[c] + rgb[c];
-        return value > 0 ? value : 0.0f;
-      };
-      colours[first + k] = {vec3(channel(0), channel(1), channel(2)), depths[first + k]};
-    }
-  }
-}
-
 }  // namespace swiftgs::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -328,7 +225,6 @@ namespace swiftgs {
 namespace {
 
 HWY_EXPORT(ProjectChunk);
-HWY_EXPORT(ShadeSplats);
 
 /// Gaussians that one task projects; fixed, so that the order of the splats does not depend on the threads.
 constexpr std::size_t chunk_size = 4096;
@@ -360,9 +256,8 @@ void project(Cpu& cpu, const ViewConstants& constants, const SceneView& scene, P
       const std::size_t begin = chunk * chunk_size, to = offsets[chunk];
       const std::size_t count = (chunk + 1 < chunks ? offsets[chunk + 1] : splats.count) - to;
       std::copy_n(scratch.shapes.data() + begin, count, splats.shapes.data() + to);
-      HWY_DYNAMIC_DISPATCH(ShadeSplats)
-      (constants, scene, scratch.ids.data() + begin, scratch.depths.data() + begin, count,
-       splats.colours.data() + to);
+      shade_splats(constants, scene, scratch.ids.data() + begin, scratch.depths.data() + begin, count,
+                   splats.colours.data() + to);
     }
   });
 }

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "footprints.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include <swiftgs/cpu.hpp>
+
+// Compile the rest of this file for every target; the order of these lines matters.
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "footprints.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace swiftgs::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Everything here repeats the scalar bounds operation by operation, without fused multiply-adds: the same
+// bits, the same tiles.
+using F32 = hn::CappedTag<float, 16>;
+using I32 = hn::RebindToSigned<F32>;
+using U32 = hn::RebindToUnsigned<F32>;
+using Vec = hn::Vec<F32>;
+using VecI = hn::Vec<I32>;
+using VecU = hn::Vec<U32>;
+constexpr std::size_t lanes = hn::MaxLanes(F32());
+
+struct Shapes {
+  Vec mean_x, mean_y, l0, l1, l2, reach, half_width;
+};
+struct Runs {
+  VecI begin, end;
+};
+struct Rects {
+  Runs columns, rows;
+};
+
+HWY_INLINE Vec All(float v) { return hn::Set(F32(), v); }
+
+HWY_INLINE Shapes LoadShapes(const SplatShape* HWY_RESTRICT shapes) {
+  const auto stride = hn::Mul(hn::Iota(I32(), 0), hn::Set(I32(), int(sizeof(SplatShape) / sizeof(float))));
+  const auto member = [&](const float* first) HWY_ATTR { return hn::GatherIndex(F32(), first, stride); };
+  return {member(&shapes->mean.x), member(&shapes->mean.y), member(&shapes->l0),        member(&shapes->l1),
+          member(&shapes->l2),     member(&shapes->reach),  member(&shapes->half_width)};
+}
+
+/// `clamped_floor` for values that count from zero.
+HWY_INLINE VecI ClampedFloor(Vec v, int high) {
+  return hn::ConvertTo(I32(), hn::Min(hn::Max(v, hn::Zero(F32())), All(float(high))));
+}
+
+/// `tiles_between`.
+HWY_INLINE Runs TilesBetween(Vec low, Vec high, int count) {
+  const F32 d;
+  const Vec first = hn::Ceil(hn::Sub(low, All(0.5f))), last = hn::Floor(hn::Sub(high, All(0.5f)));
+  const Vec inv_side = All(1.0f / tile_side);
+  const auto some = hn::RebindMask(I32(), hn::And(hn::Le(first, last), hn::Ge(last, hn::Zero(d))));
+  return {hn::IfThenElseZero(some, ClampedFloor(hn::Mul(first, inv_side), count)),
+          hn::IfThenElseZero(some, ClampedFloor(hn::Add(hn::Mul(last, inv_side), All(1.0f)), count))};
+}
+
+HWY_INLINE Vec HalfHeight(const Shapes& s) { return hn::Div(hn::Sqrt(s.reach), s.l2); }
+HWY_INLINE Vec Slack(Vec half_width, Vec half_height) {
+  return hn::Add(All(1e-2f), hn::Mul(All(1e-4f), hn::Add(half_width, half_height)));
+}
+
+/// Vector form of bounds whose rows all span the whole box.
+struct BoxRows {
+  HWY_INLINE Runs Row(const Rects& rects, int) const { return rects.columns; }
+};
+
+struct VectorOpacityBox : BoxRows {
+  HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
+    const Vec height = HalfHeight(s), slack = Slack(s.half_width, height);
+    const Vec x = hn::Add(s.half_width, slack), y = hn::Add(height, slack);
+    return {TilesBetween(hn::Sub(s.mean_x, x), hn::Add(s.mean_x, x), grid.columns),
+            TilesBetween(hn::Sub(s.mean_y, y), hn::Add(s.mean_y, y), grid.rows)};
+  }
+};
+
+struct VectorThreeSigmaSquare : BoxRows {
+  HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
+    const Vec k = All(0.72134752044448170368f), one = All(1.0f);
+    const Vec slope = hn::Div(s.l1, s.l2);
+    const Vec var_y = hn::Div(k, hn::Mul(s.l2, s.l2));
+    const Vec var_x = hn::Div(hn::Mul(k, hn::Add(one, hn::Mul(slope, slope))), hn::Mul(s.l0, s.l0));
+    const Vec mid = hn::Mul(All(0.5f), hn::Add(var_x, var_y));
+    const Vec root_det = hn::Div(k, hn::Mul(s.l0, s.l2));
+    const Vec gap = hn::Mul(hn::Sub(mid, root_det), hn::Add(mid, root_det));
+    const Vec lambda = hn::Add(mid, hn::Sqrt(hn::Max(gap, All(0.1f))));
+    const Vec radius = hn::Ceil(hn::Mul(All(3.0f), hn::Sqrt(lambda)));
+    return {Side(hn::Sub(s.mean_x, All(0.5f)), radius, grid.columns),
+            Side(hn::Sub(s.mean_y, All(0.5f)), radius, grid.rows)};
+  }
+
+ private:
+  static HWY_INLINE Runs Side(Vec centre, Vec radius, int count) {
+    const Vec side = All(float(tile_side)), whole = All(float(tile_side - 1));
+    return {ClampedFloor(hn::Div(hn::Sub(centre, radius), side), count),
+            ClampedFloor(hn::Div(hn::Add(hn::Add(centre, radius), whole), side), count)};
+  }
+};
+
+class VectorEllipse {
+ public:
+  HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
+    shapes_ = s;
+    height_ = HalfHeight(s), slack_ = Slack(s.half_width, height_);
+    const Vec slope = hn::Div(s.l1, s.l2);
+    steepest_ = hn::Div(hn::Mul(height_, slope), hn::Sqrt(hn::Add(All(1.0f), hn::Mul(slope, slope))));
+    return VectorOpacityBox().Rect(s, grid);
+  }
+
+  /// `Ellipse::row` of row `offset` of each box.
+  HWY_INLINE Runs Row(const Rects& rects, int offset) const {
+    const F32 d;
+    const VecI row = hn::Add(rects.rows.begin, hn::Set(I32(), offset));
+    const Vec row_top = hn::Add(hn::ConvertTo(d, hn::Mul(row, hn::Set(I32(), tile_side))), All(0.5f));
+    const Vec top = hn::Sub(hn::Sub(row_top, shapes_.mean_y), slack_);
+    const Vec bottom = hn::Add(hn::Add(top, All(float(tile_side - 1))), hn::Mul(All(2.0f), slack_));
+    const Vec right =
+        hn::Add(hn::Add(shapes_.mean_x, Edge(Within(hn::Neg(steepest_), top, bottom), All(1.0f))), slack_);
+    const Vec left =
+        hn::Sub(hn::Add(shapes_.mean_x, Edge(Within(steepest_, top, bottom), All(-1.0f))), slack_);
+    const Runs run = TilesUpTo(left, right, rects.columns.end);
+    const auto single = hn::Eq(hn::Sub(rects.rows.end, rects.rows.begin), hn::Set(I32(), 1));
+    return {hn::IfThenElse(single, rects.columns.begin, hn::Max(run.begin, rects.columns.begin)),
+            hn::IfThenElse(single, rects.columns.end, run.end)};
+  }
+
+ private:
+  HWY_INLINE Vec Within(Vec y, Vec top, Vec bottom) const {
+    y = hn::Min(hn::Max(y, top), bottom);
+    return hn::Min(hn::Max(y, hn::Neg(height_)), height_);
+  }
+  HWY_INLINE Vec Edge(Vec y, Vec sign) const {
+    const Vec v = hn::Mul(shapes_.l2, y);
+    const Vec rest = hn::Max(hn::Sub(shapes_.reach, hn::Mul(v, v)), hn::Zero(F32()));
+    return hn::Div(hn::Sub(hn::Mul(sign, hn::Sqrt(rest)), hn::Mul(shapes_.l1, y)), shapes_.l0);
+  }
+  /// `tiles_between` with a limit a lane.
+  static HWY_INLINE Runs TilesUpTo(Vec low, Vec high, VecI count) {
+    Runs runs = TilesBetween(low, high, max_image_side / tile_side);
+    return {hn::Min(runs.begin, count), hn::Min(runs.end, count)};
+  }
+
+  Shapes shapes_;
+  Vec height_, slack_, steepest_;
+};
+
+/// Footprints of `lanes` splats.
+template <class VectorBounds, class Bounds>
+HWY_INLINE void GroupFootprints(const SplatShape* HWY_RESTRICT shapes, TileGrid grid, const Bounds& scalar,
+                                Footprint* HWY_RESTRICT footprints) {
+  const I32 di;
+  const U32 du;
+  VectorBounds bounds;
+  const Rects rects = bounds.Rect(LoadShapes(shapes), grid);
+  const VecI zero = hn::Zero(di), columns = hn::Max(hn::Sub(rects.columns.end, rects.columns.begin), zero);
+  const VecI rows =
+      hn::IfThenElse(hn::Gt(columns, zero), hn::Max(hn::Sub(rects.rows.end, rects.rows.begin), zero), zero);
+
+  // Collect the runs of up to eight rows as bytes of a mask.
+  const VecI eight = hn::Set(di, 8);
+  const auto large = hn::Or(hn::Gt(columns, eight), hn::Gt(rows, eight));
+  const VecI small_rows = hn::IfThenZeroElse(large, rows);
+  const int most_rows = hn::GetLane(hn::MaxOfLanes(di, small_rows));
+  VecI count = zero;
+  VecU low = hn::Zero(du), high = hn::Zero(du);
+  for (int r = 0; r < most_rows; ++r) {
+    const Runs run = bounds.Row(rects, r);
+    const VecI size =
+        hn::IfThenElseZero(hn::Gt(small_rows, hn::Set(di, r)), hn::Max(hn::Sub(run.end, run.begin), zero));
+    count = hn::Add(count, size);
+    const VecU ones = hn::Sub(hn::Shl(hn::Set(du, 1u), hn::BitCast(du, size)), hn::Set(du, 1u));
+    const VecI first = hn::IfThenElseZero(hn::Gt(size, zero), hn::Sub(run.begin, rects.columns.begin));
+    const VecU bits = hn::Shl(ones, hn::BitCast(du, hn::Add(first, hn::Set(di, 8 * (r % 4)))));
+    r < 4 ? low = hn::Or(low, bits) : high = hn::Or(high, bits);
+  }
+
+  alignas(64) std::int32_t counts[lanes], first_columns[lanes], first_rows[lanes];
+  alignas(64) std::uint32_t lows[lanes], highs[lanes];
+  hn::Store(count, di, counts);
+  hn::Store(rects.columns.begin, di, first_columns);
+  hn::Store(rects.rows.begin, di, first_rows);
+  hn::Store(low, du, lows);
+  hn::Store(high, du, highs);
+  for (std::size_t i = 0; i < lanes; ++i)
+    footprints[i] = {std::uint64_t(highs[i]) << 32 | lows[i], std::uint32_t(counts[i]),
+                     std::uint16_t(first_columns[i]), std::uint16_t(first_rows[i])};
+  if (hn::AllFalse(di, large)) return;
+  std::uint8_t large_bits[8] = {};
+  hn::StoreMaskBits(di, large, large_bits);
+  for (std::size_t i = 0; i < lanes; ++i)
+    if (large_bits[i / 8] >> (i % 8) & 1) footprints[i].count = count_tiles(scalar, shapes[i], grid);
+}
+
+template <class VectorBounds, class Bounds>
+HWY_INLINE void FindFootprints(const SplatShape* shapes, std::size_t count, TileGrid grid,
+                               const Bounds& bounds, Footprint* footprints) {
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes)
+    GroupFootprints<VectorBounds>(shapes + i, grid, bounds, footprints + i);
+  if (i == count) return;
+  SplatShape padded_shapes[lanes];
+  Footprint padded[lanes];
+  std::fill_n(std::copy(shapes + i, shapes + count, padded_shapes), lanes - (count - i), shapes[i]);
+  GroupFootprints<VectorBounds>(padded_shapes, grid, bounds, padded);
+  std::copy_n(padded, count - i, footprints + i);
+}
+
+void ThreeSigmaSquareFootprints(const SplatShape* shapes, std::size_t count, TileGrid grid,
+                                Footprint* footprints) {
+  FindFootprints<VectorThreeSigmaSquare>(shapes, count, grid, ThreeSigmaSquare(), footprints);
+}
+void OpacityBoxFootprints(const SplatShape* shapes, std::size_t count, TileGrid grid, Footprint* footprints) {
+  FindFootprints<VectorOpacityBox>(shapes, count, grid, OpacityBox(), footprints);
+}
+void EllipseFootprints(const SplatShape* shapes, std::size_t count, TileGrid grid, Footprint* footprints) {
+  FindFootprints<VectorEllipse>(shapes, count, grid, Ellipse(), footprints);
+}
+
+}  // namespace swiftgs::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace swiftgs {
+namespace {
+HWY_EXPORT(ThreeSigmaSquareFootprints);
+HWY_EXPORT(OpacityBoxFootprints);
+HWY_EXPORT(EllipseFootprints);
+}  // namespace
+
+void find_footprints(const ThreeSigmaSquare&, const SplatShape* shapes, std::size_t count, TileGrid grid,
+                     Footprint* out) {
+  HWY_DYNAMIC_DISPATCH(ThreeSigmaSquareFootprints)(shapes, count, grid, out);
+}
+void find_footprints(const OpacityBox&, const SplatShape* shapes, std::size_t count, TileGrid grid,
+                     Footprint* out) {
+  HWY_DYNAMIC_DISPATCH(OpacityBoxFootprints)(shapes, count, grid, out);
+}
+void find_footprints(const Ellipse&, const SplatShape* shapes, std::size_t count, TileGrid grid,
+                     Footprint* out) {
+  HWY_DYNAMIC_DISPATCH(EllipseFootprints)(shapes, count, grid, out);
+}
+
+}  // namespace swiftgs
+#endif
