@@ -49,7 +49,8 @@ void insertion_sort(PairSpan<Key> from, PairSpan<Key> to, std::size_t n, Key mas
 template <class Key>
 void sort_bucket(PairSpan<Key> from, PairSpan<Key> to, std::size_t n, Digit<Key> digit, int bits) {
   if (n <= 48) return insertion_sort(from, to, n, digit.mask);
-  const int passes = bits <= 8 ? 1 : bits <= 24 ? 3 : 5;
+  // No digit is wider than the 9 bits that there are positions for.
+  const int passes = bits <= 8 ? 1 : bits <= 24 ? 3 : bits <= 45 ? 5 : 9;
   const int width = (bits + passes - 1) / passes;
   digit.limit = (std::size_t(1) << width) - 1;
   for (int pass = 0; pass < passes; ++pass) {
