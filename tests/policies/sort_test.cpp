@@ -163,6 +163,33 @@ TEST_CASE_TEMPLATE("sort: more than 65536 tiles are told apart", B, SWIFTGS_TEST
   });
 }
 
+TEST_CASE_TEMPLATE("sort: a few splats are spread over the largest image by every bit of their keys", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  B backend = make_backend<B>();
+  Random random(9);
+  SplatSet splats;
+  for (int i = 0; i < 2000; ++i)
+    splats.add(dot(random.in(0, max_image_side), random.in(0, max_image_side)),
+               float(random.scale(1e-38, 1e38)));
+  for (int i = 0; i < 200; ++i) splats.add(dot(65'000, 65'000), float(random.scale(1e-38, 1e38)));
+  const SortJob job = splats.job(max_image_side, max_image_side);
+  const TileLists<B> expected = build_lists<EarlySort, OpacityBox>(backend, job);
+  bool ordered = true;
+  std::size_t listed = 0;
+  for (const TileRange& range : expected.view().ranges) {
+    const std::uint32_t* ids = expected.view().ids.data;
+    listed += range.end - range.begin;
+    ordered =
+        ordered && std::is_sorted(ids + range.begin, ids + range.end, [&](std::uint32_t a, std::uint32_t b) {
+          return splats.colours[a].depth < splats.colours[b].depth;
+        });
+  }
+  CHECK(ordered);
+  CHECK(listed == expected.instances);
+  CHECK(listed >= 2200);
+  CHECK(same_bits(expected, build_lists<StandardSort, OpacityBox>(backend, job)));
+}
+
 TEST_CASE_TEMPLATE("sort: a splat larger than the screen is in every tile", B, SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
   SplatSet splats;
