@@ -63,6 +63,14 @@ HWY_INLINE Runs TilesBetween(Vec low, Vec high, int count) {
           hn::IfThenElseZero(some, ClampedFloor(hn::Add(hn::Mul(last, inv_side), All(1.0f)), count))};
 }
 
+/// `tiles_meeting`.
+HWY_INLINE Runs TilesMeeting(Vec low, Vec high, int count) {
+  const Vec inv_side = All(1.0f / tile_side);
+  const Vec first = hn::Ceil(hn::Mul(hn::Sub(low, All(float(tile_side) - 0.5f)), inv_side));
+  const Vec last = hn::Floor(hn::Mul(hn::Sub(high, All(0.5f)), inv_side));
+  return {ClampedFloor(first, count), ClampedFloor(hn::Add(last, All(1.0f)), count)};
+}
+
 HWY_INLINE Vec HalfHeight(const Shapes& s) { return hn::Div(hn::Sqrt(s.reach), s.l2); }
 HWY_INLINE Vec Slack(Vec half_width, Vec half_height) {
   return hn::Add(All(1e-2f), hn::Mul(All(1e-4f), hn::Add(half_width, half_height)));
@@ -77,7 +85,7 @@ struct VectorOpacityBox : BoxRows {
   HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
     const Vec height = HalfHeight(s), slack = Slack(s.half_width, height);
     const Vec x = hn::Add(s.half_width, slack), y = hn::Add(height, slack);
-    return {TilesBetween(hn::Sub(s.mean_x, x), hn::Add(s.mean_x, x), grid.columns),
+    return {TilesMeeting(hn::Sub(s.mean_x, x), hn::Add(s.mean_x, x), grid.columns),
             TilesBetween(hn::Sub(s.mean_y, y), hn::Add(s.mean_y, y), grid.rows)};
   }
 };
@@ -142,9 +150,9 @@ class VectorEllipse {
     const Vec rest = hn::Max(hn::Sub(shapes_.reach, hn::Mul(v, v)), hn::Zero(F32()));
     return hn::Div(hn::Sub(hn::Mul(sign, hn::Sqrt(rest)), hn::Mul(shapes_.l1, y)), shapes_.l0);
   }
-  /// `tiles_between` with a limit a lane.
+  /// `tiles_meeting` with a limit a lane.
   static HWY_INLINE Runs TilesUpTo(Vec low, Vec high, VecI count) {
-    Runs runs = TilesBetween(low, high, max_image_side / tile_side);
+    Runs runs = TilesMeeting(low, high, max_image_side / tile_side);
     return {hn::Min(runs.begin, count), hn::Min(runs.end, count)};
   }
 

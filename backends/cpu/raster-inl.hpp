@@ -34,6 +34,10 @@ constexpr std::size_t parts = tile_side / lanes;
 /// Splats that are prepared together: their terms stay in the first-level cache while rows walk over them.
 constexpr std::size_t batch_size = 64;
 
+/// Exponents below are raised to it: far less than any alpha that shows, and far from results that are
+/// denormal, on which processors are slow.
+constexpr float least_exponent = -64.0f;
+
 /// What every form needs of the splats of a batch.
 struct alignas(64) Batch {
   std::uint32_t row_masks[batch_size];                 ///< bit r: the splat touches row r
@@ -124,7 +128,7 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
     if constexpr (kCount) ++counts.rows_visited;
     Mask kept;
     Vec alpha;
-    if (!form.Alpha(k, row, column, kept, alpha)) continue;
+    form.Alpha(k, row, column, kept, alpha);
     alpha = hn::IfThenElseZero(kept, hn::Min(alpha, alpha_max));
     const Vec next = hn::NegMulAdd(alpha, transmittance, transmittance);
 

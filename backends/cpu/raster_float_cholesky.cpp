@@ -25,7 +25,7 @@ class FloatCholeskyForm {
     return PrepareRows(shape, first_centre, log2_alpha_min, terms_[k]);
   }
 
-  HWY_INLINE bool Alpha(std::size_t k, std::size_t row, std::size_t column, Mask& kept, Vec& alpha) const {
+  HWY_INLINE void Alpha(std::size_t k, std::size_t row, std::size_t column, Mask& kept, Vec& alpha) const {
     const F32 d;
     const CholeskyTerms& HWY_RESTRICT t = terms_[k];
     const Vec u = hn::Add(hn::Load(d, t.p + column), hn::Set(d, t.q[row]));
@@ -34,10 +34,9 @@ class FloatCholeskyForm {
       kept = hn::Ge(log2_alpha, hn::Set(d, log2_alpha_min_));
       alpha = Exp2(d, log2_alpha);
     } else {
-      alpha = Exp2(d, hn::Max(log2_alpha, hn::Set(d, -64.0f)));
+      alpha = Exp2(d, hn::Max(log2_alpha, hn::Set(d, least_exponent)));
       kept = hn::Ge(alpha, hn::Set(d, alpha_min_));
     }
-    return true;
   }
 
  private:

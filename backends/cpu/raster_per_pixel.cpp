@@ -31,7 +31,7 @@ class PerPixelForm {
     return PrepareRows(shape, first_centre, log2_alpha_min, rows);
   }
 
-  HWY_INLINE bool Alpha(std::size_t k, std::size_t row, std::size_t column, Mask& kept, Vec& alpha) const {
+  HWY_INLINE void Alpha(std::size_t k, std::size_t row, std::size_t column, Mask& kept, Vec& alpha) const {
     const F32 d;
     const Splat& HWY_RESTRICT splat = splats_[k];
     const Vec dx = hn::Sub(hn::Iota(d, float(column)), hn::Set(d, splat.mean_x));
@@ -41,9 +41,8 @@ class PerPixelForm {
     const Vec mixed = hn::Mul(hn::Mul(hn::Set(d, splat.b), dx), dy);
     const Vec sigma = hn::MulAdd(hn::Set(d, 0.5f), squares, mixed);
     const Vec exponent = hn::Mul(sigma, hn::Set(d, float(-log2_e)));
-    alpha = hn::Mul(hn::Set(d, splat.opacity), Exp2(d, hn::Max(exponent, hn::Set(d, -64.0f))));
+    alpha = hn::Mul(hn::Set(d, splat.opacity), Exp2(d, hn::Max(exponent, hn::Set(d, least_exponent))));
     kept = hn::And(hn::Ge(sigma, hn::Zero(d)), hn::Ge(alpha, hn::Set(d, alpha_min_)));
-    return true;
   }
 
  private:

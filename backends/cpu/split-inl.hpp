@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compiled once a vector target: no #pragma once, but a guard that toggles.
+#if defined(SWIFTGS_CPU_SPLIT_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef SWIFTGS_CPU_SPLIT_INL
+#undef SWIFTGS_CPU_SPLIT_INL
+#else
+#define SWIFTGS_CPU_SPLIT_INL
+#endif
+
+#include <cstddef>
+#include <cstdint>
+
+#include "raster-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace swiftgs::HWY_NAMESPACE {
+
+/// s = x_square[x] + y_square[y] + x_mixed[x] y_offset[y], the four kept as `Storage` keeps them. Where the
+/// sum is not a number, no comparison holds and the pixel skips the splat.
+template <class Storage, bool kThreshold>
+class SplitForm {
+ public:
+  explicit SplitForm(const BlendRules& rules) : alpha_min_(rules.alpha_min) {}
+
+  HWY_INLINE std::uint32_t Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
+                                   float log2_alpha_min) {
+    const F32 d;
+    Terms& HWY_RESTRICT t = terms_[k];
+    t.opacity = shape.opacity, t.log2_opacity = shape.reach + log2_alpha_min, t.reach = shape.reach;
+    const Vec a = hn::Set(d, shape.l0 * shape.l0), b = hn::Set(d, 2 * shape.l0 * shape.l1);
+    const Vec c = hn::Set(d, shape.l1 * shape.l1 + shape.l2 * shape.l2);
+    const float first_dx = first_centre.x - shape.mean.x, first_dy = first_centre.y - shape.mean.y;
+    for (std::size_t i = 0; i < tile_side; i += lanes) {
+      const Vec dx = hn::Add(hn::Set(d, first_dx), hn::Iota(d, float(i)));
+      const Vec dy = hn::Add(hn::Set(d, first_dy), hn::Iota(d, float(i)));
+      Storage::Store(hn::Mul(hn::Mul(a, dx), dx), t.x_square + i);
+      Storage::Store(hn::Mul(b, dx), t.x_mixed + i);
+      Storage::Store(hn::Mul(hn::Mul(c, dy), dy), t.y_square + i);
+      Storage::Store(dy, t.y_offset + i);
+    }
+    CholeskyTerms rows;
+    return PrepareRows(shape, first_centre, log2_alpha_min, rows);
+  }
+
+  HWY_INLINE void Alpha(std::size_t k, std::size_t row, std::size_t column, Mask& kept, Vec& alpha) const {
+    const F32 d;
+    const Terms& HWY_RESTRICT t = terms_[k];
+    const Vec squares = hn::Add(Storage::Row(t.x_square + column), Storage::All(t.y_square[row]));
+    const Vec s = hn::MulAdd(Storage::Row(t.x_mixed + column), Storage::All(t.y_offset[row]), squares);
+    const Mask positive = hn::Ge(s, hn::Zero(d));
+    if constexpr (kThreshold) {
+      kept = hn::And(positive, hn::Le(s, hn::Set(d, t.reach)));
+      // As an exponent, opacity needs no product: where s is beyond the reach, that could be denormal.
+      alpha = Exp2(d, hn::Sub(hn::Set(d, t.log2_opacity), s));
+    } else {
+      alpha = hn::Mul(hn::Set(d, t.opacity), Exp2(d, hn::Max(hn::Neg(s), hn::Set(d, least_exponent))));
+      kept = hn::And(positive, hn::Ge(alpha, hn::Set(d, alpha_min_)));
+    }
+  }
+
+ private:
+  using Cell = typename Storage::Cell;
+  struct alignas(64) Terms {
+    Cell x_square[tile_side], x_mixed[tile_side], y_square[tile_side], y_offset[tile_side];
+    float opacity, log2_opacity, reach;
+  };
+  float alpha_min_;
+  Terms terms_[batch_size];
+};
+
+}  // namespace swiftgs::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
