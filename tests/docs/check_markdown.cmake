@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+
+# cmake -DROOT=<sources> -P check_markdown.cmake
+#
+# In each Markdown file of the sources: what a link names is there, and a block of code behind a line
+# `<!-- FILE -->` is that file without its licence line. Fails with a line for each that is not so.
+file(GLOB pages RELATIVE "${ROOT}" "${ROOT}/*.md")
+file(GLOB_RECURSE deeper RELATIVE "${ROOT}"
+  "${ROOT}/docs/*.md" "${ROOT}/backends/*.md" "${ROOT}/benchmarks/*.md" "${ROOT}/examples/*.md")
+list(APPEND pages ${deeper})
+set(links 0)
+set(blocks 0)
+set(wrong 0)
+foreach(page IN LISTS pages)
+  file(READ "${ROOT}/${page}" text)
+  get_filename_component(folder "${ROOT}/${page}" DIRECTORY)
+
+  # Brackets and semicolons mean something in CMake's lists: nothing here needs them.
+  string(REPLACE "](" "\n@link " plain "${text}")
+  string(REGEX REPLACE "[][;]" " " plain "${plain}")
+  string(REGEX MATCHALL "\n@link [^)]*" targets "${plain}")
+  foreach(target IN LISTS targets)
+    string(REGEX REPLACE "^\n@link |#.*$" "" target "${target}")
+    if(target STREQUAL "" OR target MATCHES "^[a-z]+:")
+      continue()
+    endif()
+    math(EXPR links "${links} + 1")
+    if(NOT EXISTS "${folder}/${target}")
+      message("${page}: a link names ${target}, which is not there")
+      math(EXPR wrong "${wrong} + 1")
+    endif()
+  endforeach()
+
+  string(REGEX MATCHALL "\n<!-- [A-Za-z0-9_/]+[.][a-z]+ -->\n" sources "${text}")
+  foreach(source IN LISTS sources)
+    string(REGEX REPLACE "\n<!-- (.*) -->\n" "\\1" file "${source}")
+    math(EXPR blocks "${blocks} + 1")
+    if(NOT EXISTS "${ROOT}/${file}")
+      message("${page}: a block of code is that of ${file}, which is not there")
+      math(EXPR wrong "${wrong} + 1")
+      continue()
+    endif()
+    file(READ "${ROOT}/${file}" code)
+    string(REGEX REPLACE "^// SPDX[^\n]*\n+" "" code "${code}")
+    string(FIND "${text}" "${source}```cpp\n${code}```\n" at)
+    if(at EQUAL -1)
+      message("${page}: the block of code behind the line <!-- ${file} --> is not what that file holds")
+      math(EXPR wrong "${wrong} + 1")
+    endif()
+  endforeach()
+endforeach()
+if(wrong GREATER 0 OR links EQUAL 0 OR blocks EQUAL 0)
+  message(FATAL_ERROR "expected links and blocks of code that are right: ${links} links, ${blocks} blocks, ${wrong} wrong")
+endif()
+message("${links} links and ${blocks} blocks of code are right")
