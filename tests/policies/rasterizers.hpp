@@ -24,7 +24,7 @@ void for_each_raster(const F& f) {
 
 /// Whether `Raster` keeps its terms in half precision, which costs accuracy.
 template <class Raster>
-constexpr bool stores_half = Raster::name.find("half") != std::string_view::npos;
+inline const bool stores_half = Raster::name.find("half") != std::string_view::npos;
 
 struct DrawSettings {
   BlendRules rules = BlendRules::from(Conventions::gsplat());
