@@ -42,6 +42,16 @@ SWIFTGS_HD inline TileRun tiles_between(float low, float high, int count) {
   return {clamped_floor(first * inv_side, 0, count), clamped_floor(last * inv_side + 1, 0, count)};
 }
 
+/// Tiles of [0, count) whose span from first to last pixel centre meets [low, high] @units{pixels}. Columns
+/// are found so: a rasterizer visits the rows of pixels in which the span meets the ellipse, and rounded
+/// terms may keep a centre there although the ellipse passes between two.
+SWIFTGS_HD inline TileRun tiles_meeting(float low, float high, int count) {
+  constexpr float inv_side = 1.0f / tile_side;
+  const float first = std::ceil((low - (float(tile_side) - 0.5f)) * inv_side);
+  const float last = std::floor((high - 0.5f) * inv_side);
+  return {clamped_floor(first, 0, count), clamped_floor(last + 1, 0, count)};
+}
+
 /// How much a lossless bound is widened, so that rounding in it never cuts what a rasterizer keeps.
 /// @units{pixels}
 SWIFTGS_HD inline float bounds_slack(float half_width, float half_height) {
@@ -51,11 +61,11 @@ SWIFTGS_HD inline float bounds_slack(float half_width, float half_height) {
 /// Half the height of the ellipse s <= reach @units{pixels}.
 SWIFTGS_HD inline float half_height(const SplatShape& shape) { return std::sqrt(shape.reach) / shape.l2; }
 
-/// Tiles that hold a pixel centre of the box of the ellipse s <= reach.
+/// Tiles that the box of the ellipse s <= reach touches.
 SWIFTGS_HD inline TileRect opacity_box(const SplatShape& shape, TileGrid grid) {
   const float height = half_height(shape), slack = bounds_slack(shape.half_width, height);
   const float x = shape.half_width + slack, y = height + slack;
-  return {tiles_between(shape.mean.x - x, shape.mean.x + x, grid.columns),
+  return {tiles_meeting(shape.mean.x - x, shape.mean.x + x, grid.columns),
           tiles_between(shape.mean.y - y, shape.mean.y + y, grid.rows)};
 }
 

@@ -27,7 +27,7 @@ struct Ellipse {
     const float steepest = height * slope / std::sqrt(1 + slope * slope);
     const float right = shape.mean.x + edge(shape, clamp(-steepest, top, bottom, height), 1.0f) + slack;
     const float left = shape.mean.x + edge(shape, clamp(steepest, top, bottom, height), -1.0f) - slack;
-    const TileRun run = tiles_between(left, right, rect.columns.end);
+    const TileRun run = tiles_meeting(left, right, rect.columns.end);
     return {run.begin > rect.columns.begin ? run.begin : rect.columns.begin, run.end};
   }
 
