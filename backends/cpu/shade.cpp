@@ -26,20 +26,20 @@ HWY_INLINE void ShBasis(int degree, const Vec3& v, float (*HWY_RESTRICT basis)[l
   const Vec xx = hn::Mul(v.x, v.x), yy = hn::Mul(v.y, v.y), zz = hn::Mul(v.z, v.z), xy = hn::Mul(v.x, v.y);
   const Vec two = hn::Set(d, 2.0f), three = hn::Set(d, 3.0f), four = hn::Set(d, 4.0f);
   const Vec xx_plus_yy = hn::Add(xx, yy), xx_minus_yy = hn::Sub(xx, yy);
-  put(3, sh::c2[0], xy);
-  put(4, sh::c2[1], hn::Mul(v.y, v.z));
-  put(5, sh::c2[2], hn::MulSub(two, zz, xx_plus_yy));
-  put(6, sh::c2[3], hn::Mul(v.x, v.z));
-  put(7, sh::c2[4], xx_minus_yy);
+  put(3, sh::c20, xy);
+  put(4, sh::c21, hn::Mul(v.y, v.z));
+  put(5, sh::c22, hn::MulSub(two, zz, xx_plus_yy));
+  put(6, sh::c23, hn::Mul(v.x, v.z));
+  put(7, sh::c24, xx_minus_yy);
   if (degree < 3) return;
   const Vec four_zz_rest = hn::MulSub(four, zz, xx_plus_yy);
-  put(8, sh::c3[0], hn::Mul(v.y, hn::MulSub(three, xx, yy)));
-  put(9, sh::c3[1], hn::Mul(xy, v.z));
-  put(10, sh::c3[2], hn::Mul(v.y, four_zz_rest));
-  put(11, sh::c3[3], hn::Mul(v.z, hn::NegMulAdd(three, xx_plus_yy, hn::Add(zz, zz))));
-  put(12, sh::c3[4], hn::Mul(v.x, four_zz_rest));
-  put(13, sh::c3[5], hn::Mul(v.z, xx_minus_yy));
-  put(14, sh::c3[6], hn::Mul(v.x, hn::NegMulAdd(three, yy, xx)));
+  put(8, sh::c30, hn::Mul(v.y, hn::MulSub(three, xx, yy)));
+  put(9, sh::c31, hn::Mul(xy, v.z));
+  put(10, sh::c32, hn::Mul(v.y, four_zz_rest));
+  put(11, sh::c33, hn::Mul(v.z, hn::NegMulAdd(three, xx_plus_yy, hn::Add(zz, zz))));
+  put(12, sh::c34, hn::Mul(v.x, four_zz_rest));
+  put(13, sh::c35, hn::Mul(v.z, xx_minus_yy));
+  put(14, sh::c36, hn::Mul(v.x, hn::NegMulAdd(three, yy, xx)));
 }
 
 using F32x4 = hn::CappedTag<float, 4>;

@@ -10,10 +10,21 @@
 #define SWIFTGS_HD
 #endif
 
+#if defined(__CUDACC__)
+// GLM marks its functions for the device only when it has seen <cuda.h>, and then draws a warning for each
+// defaulted one.
+#include <cuda.h>
+#define GLM_FORCE_CUDA
+#pragma nv_diagnostic push
+#pragma nv_diag_suppress 20012
+#endif
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#if defined(__CUDACC__)
+#pragma nv_diagnostic pop
+#endif
 
 namespace swiftgs {
 
@@ -22,6 +33,9 @@ using glm::dvec3;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;
+
+// Kernels of every backend read arrays of these as plain floats.
+static_assert(sizeof(vec3) == 3 * sizeof(float) && alignof(vec3) == alignof(float));
 
 /// Hamilton quaternion, scalar part first. A type of its own, so that its order is never in doubt.
 struct Quaternion {

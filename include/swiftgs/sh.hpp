@@ -10,11 +10,19 @@ namespace swiftgs {
 namespace sh {
 inline constexpr float c0 = 0.28209479177387814f;
 inline constexpr float c1 = 0.4886025119029199f;
-inline constexpr float c2[5] = {1.0925484305920792f, -1.0925484305920792f, 0.31539156525252005f,
-                                -1.0925484305920792f, 0.5462742152960396f};
-inline constexpr float c3[7] = {-0.5900435899266435f, 2.890611442640554f,   -0.4570457994644658f,
-                                0.3731763325901154f,  -0.4570457994644658f, 1.445305721320277f,
-                                -0.5900435899266435f};
+// One by one, because device code cannot index a constant array of the host.
+inline constexpr float c20 = 1.0925484305920792f;
+inline constexpr float c21 = -1.0925484305920792f;
+inline constexpr float c22 = 0.31539156525252005f;
+inline constexpr float c23 = -1.0925484305920792f;
+inline constexpr float c24 = 0.5462742152960396f;
+inline constexpr float c30 = -0.5900435899266435f;
+inline constexpr float c31 = 2.890611442640554f;
+inline constexpr float c32 = -0.4570457994644658f;
+inline constexpr float c33 = 0.3731763325901154f;
+inline constexpr float c34 = -0.4570457994644658f;
+inline constexpr float c35 = 1.445305721320277f;
+inline constexpr float c36 = -0.5900435899266435f;
 }  // namespace sh
 
 /// Values of bands 1 to `degree` in the unit direction `d`, from the camera towards the Gaussian.
@@ -25,19 +33,19 @@ SWIFTGS_HD inline void sh_basis(int degree, vec3 d, float* basis) {
   basis[0] = -sh::c1 * y, basis[1] = sh::c1 * z, basis[2] = -sh::c1 * x;
   if (degree < 2) return;
   const float xx = x * x, yy = y * y, zz = z * z;
-  basis[3] = sh::c2[0] * x * y;
-  basis[4] = sh::c2[1] * y * z;
-  basis[5] = sh::c2[2] * (2 * zz - xx - yy);
-  basis[6] = sh::c2[3] * x * z;
-  basis[7] = sh::c2[4] * (xx - yy);
+  basis[3] = sh::c20 * x * y;
+  basis[4] = sh::c21 * y * z;
+  basis[5] = sh::c22 * (2 * zz - xx - yy);
+  basis[6] = sh::c23 * x * z;
+  basis[7] = sh::c24 * (xx - yy);
   if (degree < 3) return;
-  basis[8] = sh::c3[0] * y * (3 * xx - yy);
-  basis[9] = sh::c3[1] * x * y * z;
-  basis[10] = sh::c3[2] * y * (4 * zz - xx - yy);
-  basis[11] = sh::c3[3] * z * (2 * zz - 3 * xx - 3 * yy);
-  basis[12] = sh::c3[4] * x * (4 * zz - xx - yy);
-  basis[13] = sh::c3[5] * z * (xx - yy);
-  basis[14] = sh::c3[6] * x * (xx - 3 * yy);
+  basis[8] = sh::c30 * y * (3 * xx - yy);
+  basis[9] = sh::c31 * x * y * z;
+  basis[10] = sh::c32 * y * (4 * zz - xx - yy);
+  basis[11] = sh::c33 * z * (2 * zz - 3 * xx - 3 * yy);
+  basis[12] = sh::c34 * x * (4 * zz - xx - yy);
+  basis[13] = sh::c35 * z * (xx - yy);
+  basis[14] = sh::c36 * x * (xx - 3 * yy);
 }
 
 /// Colour of Gaussian `i` seen in the unit direction `d`: 0.5 + sum of bands, cut below at 0.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <concepts>
 #include <cstddef>
-#include <type_traits>
 
 #include <swiftgs/math.hpp>
 
@@ -22,7 +22,10 @@ struct Span {
   SWIFTGS_HD constexpr Span first(std::size_t count) const { return {data, count}; }
 
   /// A view of mutable elements is also a view of constant ones.
-  SWIFTGS_HD constexpr operator Span<const T>() const requires(!std::is_const_v<T>) { return {data, size}; }
+  template <std::same_as<const T> U>
+  SWIFTGS_HD constexpr operator Span<U>() const {
+    return {data, size};
+  }
 };
 
 template <class T>

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Every loop body that the stages share between backends, as a kernel. Compiled, never run.
+#include <swiftgs/swiftgs.hpp>
+
+namespace {
+
+using namespace swiftgs;
+
+template <class F>
+__global__ void for_each(std::size_t n, F f) {
+  const std::size_t i = blockIdx.x * std::size_t(blockDim.x) + threadIdx.x;
+  if (i < n) f(i);
+}
+
+template <class F>
+void launch(std::size_t n, const F& f) {
+  for_each<<<unsigned((n + 127) / 128), 128>>>(n, f);
+}
+
+template <class Bounds>
+void emit(std::size_t n, const CountTiles<Bounds>& count, const EmitInstances<Bounds, std::uint32_t>& by_tile,
+          const EmitInstances<Bounds, std::uint64_t>& by_tile_and_depth) {
+  launch(n, count);
+  launch(n, by_tile);
+  launch(n, by_tile_and_depth);
+}
+
+}  // namespace
+
+void project(std::size_t n, const ProjectShapes& shapes, const CompactSplats& compact) {
+  launch(n, shapes);
+  launch(n, compact);
+}
+
+void sort(std::size_t n, const DepthPair& depths, const ClearRanges& clear,
+          const FindRanges<std::uint32_t>& narrow, const FindRanges<std::uint64_t>& wide) {
+  launch(n, depths);
+  launch(n, clear);
+  launch(n, narrow);
+  launch(n, wide);
+  emit<ThreeSigmaSquare>(n, {}, {}, {});
+  emit<OpacityBox>(n, {}, {}, {});
+  emit<Ellipse>(n, {}, {}, {});
+}
+
+void rasterize(std::size_t tiles, const RasterJob& job) {
+  launch(tiles, RasterizeTile<PerPixel>{job});
+  launch(tiles, RasterizeTile<AxisShared<HalfSplit>>{job});
+  launch(tiles, RasterizeTile<AxisShared<FloatSplit>>{job});
+  launch(tiles, RasterizeTile<AxisShared<FloatCholesky>>{job});
+  launch(tiles, RasterizeTile<AxisSharedThreshold<HalfSplit>>{job});
+  launch(tiles, RasterizeTile<AxisSharedThreshold<FloatSplit>>{job});
+  launch(tiles, RasterizeTile<AxisSharedThreshold<FloatCholesky>>{job});
+}
