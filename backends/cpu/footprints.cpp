@@ -71,14 +71,6 @@ HWY_INLINE Runs TilesMeeting(Vec low, Vec high, int count) {
   return {ClampedFloor(first, count), ClampedFloor(hn::Add(last, All(1.0f)), count)};
 }
 
-/// `tiles_meeting`.
-HWY_INLINE Runs TilesMeeting(Vec low, Vec high, int count) {
-  const Vec inv_side = All(1.0f / tile_side);
-  const Vec first = hn::Ceil(hn::Mul(hn::Sub(low, All(float(tile_side) - 0.5f)), inv_side));
-  const Vec last = hn::Floor(hn::Mul(hn::Sub(high, All(0.5f)), inv_side));
-  return {ClampedFloor(first, count), ClampedFloor(hn::Add(last, All(1.0f)), count)};
-}
-
 HWY_INLINE Vec HalfHeight(const Shapes& s) { return hn::Div(hn::Sqrt(s.reach), s.l2); }
 HWY_INLINE Vec Slack(Vec half_width, Vec half_height) {
   return hn::Add(All(1e-2f), hn::Mul(All(1e-4f), hn::Add(half_width, half_height)));
