@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/io/cameras.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
+#include "support/skip.hpp"
+
+namespace swiftgs::test {
+
+/// A trained scene with the cameras of its photographs, in the order of the images' names.
+struct Capture {
+  std::filesystem::path folder;
+  std::shared_ptr<const Scene> scene;
+  std::vector<Camera> cameras;
+};
+
+/// The folder of captures, or an empty path, and the running test skipped, where there is none.
+inline std::filesystem::path captures_or_skip() {
+#ifdef SWIFTGS_SCENES_DIR
+  return SWIFTGS_SCENES_DIR;
+#else
+  skip("no folder of real scenes");
+  return {};
+#endif
+}
+
+inline Capture read_capture(const std::filesystem::path& folder) {
+  const std::filesystem::path json = folder / "cameras.json";
+  return {folder, std::make_shared<const Scene>(load_scene(folder / (folder.filename().string() + ".spz"))),
+          read_cameras(std::filesystem::exists(json) ? json : folder / "sparse" / "0")};
+}
+
+/// Whether `name`, a renderer's, holds `word`.
+inline bool has(std::string_view name, std::string_view word) {
+  return name.find(word) != std::string_view::npos;
+}
+
+}  // namespace swiftgs::test
