@@ -161,8 +161,8 @@ class VectorEllipse {
 };
 
 /// Footprints of `lanes` splats.
-template <class VectorBounds, class Bounds>
-HWY_INLINE void GroupFootprints(const SplatShape* HWY_RESTRICT shapes, TileGrid grid, const Bounds& scalar,
+template <class VectorBounds>
+HWY_INLINE void GroupFootprints(const SplatShape* HWY_RESTRICT shapes, TileGrid grid,
                                 Footprint* HWY_RESTRICT footprints) {
   const I32 di;
   const U32 du;
@@ -204,32 +204,31 @@ HWY_INLINE void GroupFootprints(const SplatShape* HWY_RESTRICT shapes, TileGrid 
   std::uint8_t large_bits[8] = {};
   hn::StoreMaskBits(di, large, large_bits);
   for (std::size_t i = 0; i < lanes; ++i)
-    if (large_bits[i / 8] >> (i % 8) & 1) footprints[i].count = count_tiles(scalar, shapes[i], grid);
+    if (large_bits[i / 8] >> (i % 8) & 1) footprints[i].count = Footprint::to_be_counted;
 }
 
-template <class VectorBounds, class Bounds>
+template <class VectorBounds>
 HWY_INLINE void FindFootprints(const SplatShape* shapes, std::size_t count, TileGrid grid,
-                               const Bounds& bounds, Footprint* footprints) {
+                               Footprint* footprints) {
   std::size_t i = 0;
-  for (; i + lanes <= count; i += lanes)
-    GroupFootprints<VectorBounds>(shapes + i, grid, bounds, footprints + i);
+  for (; i + lanes <= count; i += lanes) GroupFootprints<VectorBounds>(shapes + i, grid, footprints + i);
   if (i == count) return;
   SplatShape padded_shapes[lanes];
   Footprint padded[lanes];
   std::fill_n(std::copy(shapes + i, shapes + count, padded_shapes), lanes - (count - i), shapes[i]);
-  GroupFootprints<VectorBounds>(padded_shapes, grid, bounds, padded);
+  GroupFootprints<VectorBounds>(padded_shapes, grid, padded);
   std::copy_n(padded, count - i, footprints + i);
 }
 
 void ThreeSigmaSquareFootprints(const SplatShape* shapes, std::size_t count, TileGrid grid,
                                 Footprint* footprints) {
-  FindFootprints<VectorThreeSigmaSquare>(shapes, count, grid, ThreeSigmaSquare(), footprints);
+  FindFootprints<VectorThreeSigmaSquare>(shapes, count, grid, footprints);
 }
 void OpacityBoxFootprints(const SplatShape* shapes, std::size_t count, TileGrid grid, Footprint* footprints) {
-  FindFootprints<VectorOpacityBox>(shapes, count, grid, OpacityBox(), footprints);
+  FindFootprints<VectorOpacityBox>(shapes, count, grid, footprints);
 }
 void EllipseFootprints(const SplatShape* shapes, std::size_t count, TileGrid grid, Footprint* footprints) {
-  FindFootprints<VectorEllipse>(shapes, count, grid, Ellipse(), footprints);
+  FindFootprints<VectorEllipse>(shapes, count, grid, footprints);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

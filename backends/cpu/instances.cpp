@@ -31,6 +31,8 @@ class Instances {
     footprints_ = footprints;
     cpu.for_parts(splats, grain, [&](std::size_t begin, std::size_t end) {
       find_footprints(bounds, job.splats.shapes.data + begin, end - begin, job.grid, footprints + begin);
+      for (std::size_t id = begin; id < end; ++id)
+        if (footprints[id].count == Footprint::to_be_counted) footprints[id].count = count_large(id);
     });
   }
 
@@ -64,15 +66,25 @@ class Instances {
  private:
   std::uint32_t id_at(std::size_t i) const { return order_ ? order_[i] : std::uint32_t(i); }
 
+  /// f(row, run) for each row of tiles of a splat that has no mask. Counting and visiting go through here, so
+  /// that they cannot disagree.
   template <class F>
-  void visit_large(std::uint32_t id, const F& f) const {
+  void for_runs(std::size_t id, const F& f) const {
     const SplatShape& shape = job_.splats.shapes[id];
     const TileRect rect = bounds_.rect(shape, job_.grid);
-    for (int row = rect.rows.begin; row < rect.rows.end; ++row) {
-      const TileRun run = bounds_.row(shape, rect, row);
-      for (int column = run.begin; column < run.end; ++column)
-        f(std::uint32_t(row) * std::uint32_t(job_.grid.columns) + std::uint32_t(column), id);
-    }
+    for (int row = rect.rows.begin; row < rect.rows.end; ++row) f(row, bounds_.row(shape, rect, row));
+  }
+  std::uint32_t count_large(std::size_t id) const {
+    std::uint32_t count = 0;
+    for_runs(id, [&](int, TileRun run) { count += std::uint32_t(run.size()); });
+    return count;
+  }
+  template <class F>
+  void visit_large(std::uint32_t id, const F& f) const {
+    for_runs(id, [&](int row, TileRun run) {
+      const std::uint32_t first = std::uint32_t(row) * std::uint32_t(job_.grid.columns);
+      for (int column = run.begin; column < run.end; ++column) f(first + std::uint32_t(column), id);
+    });
   }
 
   const SortJob& job_;

@@ -125,7 +125,6 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
   const std::uint32_t* HWY_RESTRICT list = batch.lists[row];
   for (std::size_t i = 0, n = batch.list_sizes[row]; i < n; ++i) {
     const std::size_t k = list[i];
-    if constexpr (kCount) ++counts.rows_visited;
     Mask kept;
     Vec alpha;
     form.Alpha(k, row, column, kept, alpha);
@@ -248,9 +247,11 @@ void RenderTiles(const RasterJob& job, std::size_t begin, std::size_t end) {
       for (std::size_t k = splats; k % lanes != 0; ++k) batch.row_masks[k] = 0;
       ListRows(batch, splats);
       for (int row = 0; row < place.rows; ++row)
-        if (batch.list_sizes[row] != 0)
+        if (batch.list_sizes[row] != 0) {
+          if constexpr (kCount) counts.rows_visited += batch.list_sizes[row];
           for (std::size_t part = 0; part < parts; ++part)
             BlendRow<Form, kDepth, kCount>(form, batch, job.rules, state, std::size_t(row), part, counts);
+        }
       live_rows = LiveRows(place, state);
       counts.instances_visited += splats;
     }

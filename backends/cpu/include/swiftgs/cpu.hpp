@@ -45,10 +45,10 @@ class Cpu {
   using SceneOn = HostScene;
   using TimePoint = std::chrono::steady_clock::time_point;
 
-  /// `threads`: how many run at once; 0 for as many as the process may use. Each backend has its own arena,
-  /// so renderers neither wait for nor change the settings of other users of oneTBB.
-  explicit Cpu(int threads = 0)
-      : arena_(std::make_unique<tbb::task_arena>(threads > 0 ? threads : int(tbb::task_arena::automatic))) {}
+  /// `threads`: how many run at once, at most what oneTBB lets the process use; 0 for all of those. Each
+  /// backend has its own arena, so renderers neither wait for nor change the settings of other users of
+  /// oneTBB.
+  explicit Cpu(int threads = 0);
 
   static bool usable() { return true; }
   int threads() const { return arena_->max_concurrency(); }
@@ -109,6 +109,9 @@ void project(Cpu& cpu, const ViewConstants& constants, const SceneView& scene, P
 /// the first; zero where the splat spans more than 8 tiles a side, whose tiles are found again when they are
 /// emitted.
 struct Footprint {
+  /// Count of a splat that spans more than 8 tiles a side, until its tiles have been counted.
+  static constexpr std::uint32_t to_be_counted = 0xffffffffu;
+
   std::uint64_t mask;
   std::uint32_t count;
   std::uint16_t column, row;

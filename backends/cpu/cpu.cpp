@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include <oneapi/tbb/global_control.h>
+
+#include <swiftgs/cpu.hpp>
+
+#include "parts.hpp"
+
+namespace swiftgs {
+
+Cpu::Cpu(int threads) {
+  // Asked for more than it may use, oneTBB would print a warning.
+  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const int most = int(std::min<std::size_t>(allowed, 1 << 15));
+  arena_ = std::make_unique<tbb::task_arena>(threads > 0 ? std::min(threads, most)
+                                                         : int(tbb::task_arena::automatic));
+}
+
+std::uint64_t Cpu::exclusive_scan(Span<std::uint32_t> counts) {
+  // Sum each part, scan the sums, then scan the parts from there.
+  const std::size_t parts = part_count(*this, counts.size, 32768);
+  std::array<std::uint64_t, max_parts> sums;
+  for_parts(parts, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t part = first; part < last; ++part) {
+      const Part range = part_of(counts.size, parts, part);
+      std::uint64_t sum = 0;
+      for (std::size_t i = range.begin; i < range.end; ++i) sum += counts[i];
+      sums[part] = sum;
+    }
+  });
+  std::uint64_t total = 0;
+  for (std::size_t part = 0; part < parts; ++part) total += std::exchange(sums[part], total);
+  for_parts(parts, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t part = first; part < last; ++part) {
+      const Part range = part_of(counts.size, parts, part);
+      std::uint64_t sum = sums[part];
+      for (std::size_t i = range.begin; i < range.end; ++i) {
+        const std::uint32_t here = counts[i];
+        counts[i] = std::uint32_t(sum);
+        sum += here;
+      }
+    }
+  });
+  return total;
+}
+
+}  // namespace swiftgs
