@@ -107,7 +107,8 @@ std::vector<Camera> parse_cameras_json(const Source& source) {
   try {
     root = json::parse(source.text());
   } catch (const json::parse_error& error) {
-    source.fail(error.byte, "valid JSON");
+    // The parser counts from 1, and counts the end as a byte.
+    source.fail(error.byte - (error.byte > 0), "valid JSON");
   } catch (const json::exception&) {
     source.fail(0, "JSON with numbers that a double can hold");
   }

@@ -21,6 +21,7 @@ SceneFile read_scene(std::span<const std::byte> bytes, const std::string& name,
                                  : starts_with("PK")                    ? "a ZIP archive"
                                  : starts_with("glTF")                  ? "a binary glTF"
                                  : starts_with("\x89PNG")               ? "a PNG image"
+                                 : starts_with("\xff\xd8\xff")          ? "a JPEG image"
                                  : starts_with("{") || starts_with("[") ? "JSON"
                                                                         : "something else";
   source.fail(0, "an INRIA PLY or an SPZ scene, found " + std::string(found));

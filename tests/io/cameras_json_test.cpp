@@ -91,6 +91,8 @@ TEST_CASE("cameras.json: the camera that is wrong is placed") {
 TEST_CASE("cameras.json: JSON that is something else is refused") {
   CHECK(contains(complaint_about("{}"), "array of cameras"));
   CHECK(contains(complaint_about("[1]"), "byte 1: expected a camera"));
+  CHECK(contains(complaint_about("[1, x]"), "byte 4: expected valid JSON"));
+  CHECK(contains(complaint_about("[1, "), "byte 4: expected valid JSON"));
   CHECK(contains(complaint_about("[1e999]"), "numbers that a double can hold"));
   CHECK(contains(complaint_about(std::string(100'000, '[')), "valid JSON"));
   const TemporaryFolder folder;

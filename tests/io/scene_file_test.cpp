@@ -39,6 +39,7 @@ TEST_CASE("scene file: foreign files are refused at byte 0 and named where they 
   CHECK(complaint_about("glTF") == start + "a binary glTF");
   CHECK(complaint_about("{\"asset\": 1}") == start + "JSON");
   CHECK(complaint_about("\x89PNG\r\n") == start + "a PNG image");
+  CHECK(complaint_about("\xff\xd8\xff\xe0") == start + "a JPEG image");
   CHECK(complaint_about(std::string(64, '\0')) == start + "something else");
   CHECK(complaint_about("plywood\n") == start + "something else");
 }
