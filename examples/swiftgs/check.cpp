@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -106,11 +107,31 @@ CheckResult mean_of(Span<const CheckResult> results) {
   return mean;
 }
 
-void write_text(const std::string& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text << std::flush;
-  if (!out) throw std::runtime_error(file + ": cannot be written");
-}
+/// The file of `--json`. Opened before anything is rendered: an hour of results must find a place to go to.
+class ResultFile {
+ public:
+  explicit ResultFile(const std::string& name) : name_(name) {
+    if (name_.empty()) return;
+    errno = 0;
+    out_.open(name_, std::ios::binary);
+    expect_good();
+  }
+
+  void write(const std::string& text) {
+    if (name_.empty()) return;
+    errno = 0;
+    out_ << text << std::flush;
+    expect_good();
+  }
+
+ private:
+  void expect_good() const {
+    if (!out_) throw std::system_error(errno ? errno : EIO, std::generic_category(), name_);
+  }
+
+  std::string name_;
+  std::ofstream out_;
+};
 
 }  // namespace
 
@@ -124,6 +145,7 @@ void check(const CheckOptions& options) {
   task.views = views_of(options.scene, options.view, *task.scene, "every:8");
   task.settings = settings_of(options.view, *task.scene);
   if (!options.photos.empty()) task.photos = photographs_of(task.views, options.photos);
+  ResultFile json(options.json);
 
   Progress progress(task.views.size() * (1 + names.size()));
   const dvec3 background(task.settings.background);
@@ -155,7 +177,7 @@ void check(const CheckOptions& options) {
     if (views > 1)
       print_row(mean_of({results.data() + results.size() - views, views}), width, !task.photos.empty());
   }
-  if (!options.json.empty()) write_text(options.json, to_json(results, !task.photos.empty()));
+  json.write(to_json(results, !task.photos.empty()));
 }
 
 }  // namespace swiftgs::cli

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <string>
 
@@ -103,7 +104,7 @@ int run(int argc, char** argv) {
   CLI::App app(about, "swiftgs");
   app.footer(start_here);
   app.set_version_flag("--version", "swiftgs " + std::string(version));
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);  // that none is there is said below: CLI11 would not name an unknown one
 
   SceneOptions info_options;
   CLI::App* info_command = app.add_subcommand("info", "What a scene holds");
@@ -150,11 +151,15 @@ int run(int argc, char** argv) {
     return fail(std::string(error.what()) + " (see swiftgs --help)");
   }
 
+  if (app.get_subcommands().empty())
+    return fail("expected a command: info, list, render, compare or check (see swiftgs --help)");
   if (info_command->parsed()) info(info_options);
   if (list_command->parsed()) list();
   if (render_command->parsed()) render(render_options);
   if (compare_command->parsed()) compare(compare_options);
   if (check_command->parsed()) check(check_options);
+  // A full disk may show only here.
+  if (std::fflush(stdout) != 0 || std::ferror(stdout)) return fail("standard output: cannot be written");
   return 0;
 }
 
@@ -166,6 +171,8 @@ int main(int argc, char** argv) {
     return swiftgs::cli::run(argc, argv);
   } catch (const std::bad_alloc&) {
     return swiftgs::cli::fail("out of memory");
+  } catch (const std::filesystem::filesystem_error& error) {
+    return swiftgs::cli::fail(error.path1().string() + ": " + error.code().message());
   } catch (const std::exception& error) {
     return swiftgs::cli::fail(error.what());
   }

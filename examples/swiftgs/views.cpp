@@ -85,6 +85,8 @@ std::vector<std::size_t> choose_views(std::string_view text, std::size_t count) 
 
 std::vector<View> views_of(const SceneOptions& scene_options, const ViewOptions& options, const Scene& scene,
                            std::string_view default_views) {
+  if (!(options.scale > 0) || !std::isfinite(options.scale))
+    throw std::invalid_argument("--scale: expected a finite scale above 0");
   const std::vector<Camera> cameras = all_cameras(scene_options, options, scene);
   std::string_view choice = options.views;
   if (choice.empty()) choice = options.cameras.empty() ? "0" : default_views;
@@ -94,8 +96,7 @@ std::vector<View> views_of(const SceneOptions& scene_options, const ViewOptions&
     View view{scaled(cameras[number], options.scale), file_name(cameras[number], number)};
     validate(view.camera);
     // Two images must never share a file.
-    if (!names.insert(view.name).second) view.name.append("-").append(std::to_string(number));
-    names.insert(view.name);
+    while (!names.insert(view.name).second) view.name.append("-").append(std::to_string(number));
     views.push_back(std::move(view));
   }
   return views;

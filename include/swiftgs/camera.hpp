@@ -9,6 +9,13 @@
 
 namespace swiftgs {
 
+namespace detail {
+inline double dot(dvec3 a, dvec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline dvec3 cross(dvec3 a, dvec3 b) {
+  return dvec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+}  // namespace detail
+
 /// Pinhole camera, OpenCV axes (x right, y down, z forward): p_camera = rotation p_world + translation.
 /// Pixel (column i, row j) is sampled at (i + 0.5, j + 0.5); the principal point may lie anywhere.
 struct Camera {
@@ -21,10 +28,13 @@ struct Camera {
 
   /// Position of the camera in the world.
   dvec3 centre() const {
-    dvec3 c(0.0);
-    for (int column = 0; column < 3; ++column)
-      for (int row = 0; row < 3; ++row) c[column] -= rotation[column][row] * translation[row];
-    return c;
+    // By the inverse, not the transpose: a rotation is orthonormal to as many digits as its file has.
+    const dvec3 rows[3] = {detail::cross(rotation[1], rotation[2]), detail::cross(rotation[2], rotation[0]),
+                           detail::cross(rotation[0], rotation[1])};
+    const double determinant = detail::dot(rotation[0], rows[0]);
+    return dvec3(detail::dot(rows[0], translation), detail::dot(rows[1], translation),
+                 detail::dot(rows[2], translation)) /
+           -determinant;
   }
 };
 
@@ -53,7 +63,8 @@ inline void validate(const Camera& camera) {
 
 /// The same view at `scale` times the size; sides are rounded to whole pixels, at least one.
 inline Camera scaled(Camera camera, double scale) {
-  if (!(scale > 0) || !std::isfinite(scale)) throw std::invalid_argument("camera: expected a scale above 0");
+  if (!(scale > 0) || !std::isfinite(scale))
+    throw std::invalid_argument("camera: expected a finite scale above 0");
   const auto side = [&](int pixels) {
     const double rounded = std::round(pixels * scale);
     return rounded < 1 ? 1 : rounded > max_image_side ? max_image_side + 1 : int(rounded);
@@ -66,10 +77,7 @@ inline Camera scaled(Camera camera, double scale) {
 /// A camera at `eye` that looks at `target`, `up` pointing up in the image, principal point in the centre.
 /// `vertical_fov` is the full angle @units{radians}.
 inline Camera look_at(dvec3 eye, dvec3 target, dvec3 up, double vertical_fov, int width, int height) {
-  const auto dot = [](dvec3 a, dvec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; };
-  const auto cross = [](dvec3 a, dvec3 b) {
-    return dvec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-  };
+  using detail::cross, detail::dot;
   const auto unit = [&](dvec3 v) {
     const double length = std::sqrt(dot(v, v));
     if (!(length > 0)) throw std::invalid_argument("look_at: expected eye, target and up to span a frame");

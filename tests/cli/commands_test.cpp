@@ -129,6 +129,8 @@ TEST_CASE("cli: images of cameras with the same name do not share a file") {
   swiftgs::test::write_file(place / "cameras.json", json::array({camera, camera}).dump());
   run(place, "render builtin:100 --cameras cameras.json --out out");
   CHECK(files_in(place / "out") == std::set<std::string>{"a_same.png", "a_same-1.png"});
+  run(place, "render builtin:100 --cameras cameras.json --out again --views 0,0,0");
+  CHECK(files_in(place / "again").size() == 3);
 }
 
 TEST_CASE("cli: render shows the background where nothing else is") {

@@ -8,6 +8,7 @@
 #include <swiftgs/io/scene_file.hpp>
 
 #include "cli/command.hpp"
+#include "support/skip.hpp"
 
 using swiftgs::test::Outcome;
 using swiftgs::test::Workplace;
@@ -81,27 +82,44 @@ TEST_CASE("cli errors: options that make no sense say what was expected") {
   fails(place, "render builtin:10 --conventions other", {"other", "gsplat or inria"});
   fails(place, "render builtin:10 --format bmp", {"bmp", "png, pfm or exr"});
   fails(place, "info builtin:10 --spz-frame up", {"up", "specified, rub, rdf, luf or raw"});
-  fails(place, "render builtin:10 --scale 0", {"scale above 0"});
+  fails(place, "render builtin:10 --scale 0", {"--scale", "finite scale above 0"});
+  fails(place, "render builtin:10 --scale inf", {"--scale", "finite scale above 0"});
   fails(place, "render builtin:10 --scale 1000", {"65536"});
   fails(place, "check builtin:10 --repeats 0", {"--repeats", "at least 1"});
 }
 
 TEST_CASE("cli errors: arguments that are not known or missing") {
   const Workplace place;
-  fails(place, "", {"--help"});
-  fails(place, "paint", {"--help"});
+  fails(place, "", {"expected a command: info, list, render, compare or check", "--help"});
+  fails(place, "paint", {"paint", "--help"});
   fails(place, "render", {"SCENE", "--help"});
   fails(place, "render builtin:10 --colour", {"--colour"});
   fails(place, "render builtin:10 --scale big", {"--scale"});
   fails(place, "compare one.png", {"B", "--help"});
 }
 
-TEST_CASE("cli errors: results that cannot be written are named") {
+TEST_CASE("cli errors: results that cannot be written are named with the reason") {
   const Workplace place;
   swiftgs::test::write_file(place / "file", "");
-  fails(place, "render builtin:10 --scale 0.01 --out file/inside", {"file/inside"});
+  fails(place, "render builtin:10 --scale 0.01 --out file/inside", {"swiftgs: file/inside: Not a directory"});
   fails(place,
         "check builtin:10 --scale 0.01 --repeats 1 --json file/x.json --renderers "
         "serial/early/per-pixel/ellipse",
-        {"file/x.json"});
+        {"swiftgs: file/x.json: Not a directory"});
+}
+
+TEST_CASE("cli errors: check finds out that results cannot be written before it renders") {
+  const Workplace place;
+  const Outcome outcome =
+      swiftgs::test::swiftgs(place, "check builtin:10 --scale 0.01 --repeats 1 --json missing/x.json");
+  CHECK(outcome.code == 1);
+  CHECK(outcome.out == "");
+}
+
+TEST_CASE("cli errors: a standard output that takes nothing is an error") {
+  if (!std::filesystem::exists("/dev/full")) return swiftgs::test::skip("no /dev/full here");
+  const Workplace place;
+  const Outcome outcome = swiftgs::test::swiftgs(place, "info builtin:10 >/dev/full 2>full.txt #");
+  CHECK(outcome.code == 1);
+  CHECK(swiftgs::test::contents_of(place / "full.txt") == "swiftgs: standard output: cannot be written\n");
 }
