@@ -84,7 +84,9 @@ HWY_INLINE std::uint32_t PrepareRows(const SplatShape& shape, vec2 first_centre,
     hn::Store(q, d, terms.q + i);
     hn::Store(c, d, terms.c + i);
     const Vec nearest = hn::Max(hn::Max(hn::Add(first_p, q), hn::Neg(hn::Add(last_p, q))), hn::Zero(d));
-    const Mask touched = hn::Ge(hn::NegMulAdd(nearest, nearest, c), hn::Set(d, log2_alpha_min));
+    // Against the reach, not against c: the rounding of a sum with log2(alpha_min) is far larger than the
+    // reach of a faint splat, and would accept rows in tiles that lossless bounds do not list.
+    const Mask touched = hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.reach));
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, touched, bits);
     rows |= std::uint64_t(bits[0] | std::uint32_t(bits[1]) << 8) << i;

@@ -219,6 +219,38 @@ TEST_CASE_TEMPLATE("blend: each output alone is the same as with the others", B,
   });
 }
 
+TEST_CASE_TEMPLATE("blend: lossless bounds draw the same bits of splats that barely reach the threshold", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  B backend = make_backend<B>();
+  const int width = 400, height = 300;
+  for (const double faintness : {1e-6, 1e-5, 1e-3}) {
+    CAPTURE(faintness);
+    // So large that a rounding of the exponent, which is close to 0 everywhere, is pixels wide.
+    Random random(5);
+    SplatSet splats;
+    for (int i = 0; i < 300; ++i) {
+      const double along = random.scale(300, 3e4);
+      splats.add(make_splat(random.in(0, width), random.in(0, height), along, along * random.scale(0.02, 1),
+                            random.in(0, 3.14), (1 + faintness) / 255),
+                 float(i + 1));
+    }
+    const SortJob job = splats.job(width, height);
+    for_each_raster([&]<class Raster>(Raster) {
+      CAPTURE(Raster::name);
+      const auto alpha_within = [&]<class Bounds>(Bounds) {
+        const TileLists<B> lists = build_lists<EarlySort, Bounds>(backend, job);
+        std::vector<float> alpha(std::size_t(width * height));
+        const FrameView frame{.width = width, .height = height, .alpha = alpha.data(), .alpha_pitch = width};
+        rasterize(
+            backend, Raster{},
+            RasterJob{splats.view(), lists.view(), job.grid, DrawSettings().rules, vec3(0), frame, nullptr});
+        return alpha;
+      };
+      CHECK((alpha_within(OpacityBox()) == alpha_within(Ellipse())));
+    });
+  }
+}
+
 TEST_CASE_TEMPLATE("blend: terms beyond the largest half leave no pixel that is not a number", B,
                    SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
