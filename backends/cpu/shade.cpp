@@ -102,11 +102,7 @@ void ShadeSplats(const ViewConstants& v, const SceneView& scene, const std::uint
       const float* HWY_RESTRICT rest = scene.sh_rest.data + id * stride;
       float rgb[4];
       hn::StoreU(SumBands(rest, basis, k, coefficients), F32x4(), rgb);
-      // What is not a number compares as not above 0.
-      const auto channel = [&](int c) {
-        const float value = 0.5f + sh::c0 * sh0[c] + rgb[c];
-        return value > 0 ? value : 0.0f;
-      };
+      const auto channel = [&](int c) { return cut_channel(0.5f + sh::c0 * sh0[c] + rgb[c]); };
       colours[first + k] = {vec3(channel(0), channel(1), channel(2)), depths[first + k]};
     }
   }

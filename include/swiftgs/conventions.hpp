@@ -62,8 +62,9 @@ inline void validate(const Conventions& c) {
   require(c.near_plane >= 0 && c.near_plane < c.far_plane, "a near plane of 0 or more before the far plane");
   require(c.blur >= 0 && c.blur < std::numeric_limits<float>::infinity(), "a blur of 0 or more");
   require(c.min_compensation >= 0 && c.min_compensation <= 1, "a least compensation of 0 to 1");
-  require(c.alpha_min > 0 && c.alpha_min <= c.alpha_max && c.alpha_max <= 1,
-          "0 < alpha_min <= alpha_max <= 1");
+  // Exponentials in base 2 end where normal floats do.
+  require(c.alpha_min >= std::numeric_limits<float>::min() && c.alpha_min <= c.alpha_max && c.alpha_max <= 1,
+          "2^-126 <= alpha_min <= alpha_max <= 1");
   require(c.stop >= 0 && c.stop < 1, "a stop of 0 or more and below 1");
 }
 

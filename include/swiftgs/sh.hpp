@@ -48,6 +48,13 @@ SWIFTGS_HD inline void sh_basis(int degree, vec3 d, float* basis) {
   basis[14] = sh::c36 * x * (xx - 3 * yy);
 }
 
+/// A channel of a colour cut below at 0, where what is not a number goes too, and above where floats end: an
+/// infinite one would make 0 * colour a NaN in pixels that the Gaussian does not reach.
+SWIFTGS_HD inline float cut_channel(float value) {
+  const float most = 3.4028234663852886e38f;
+  return value > 0 ? (value < most ? value : most) : 0.0f;
+}
+
 /// Colour of Gaussian `i` seen in the unit direction `d`: 0.5 + sum of bands, cut below at 0.
 SWIFTGS_HD inline vec3 sh_colour(const SceneView& scene, std::size_t i, vec3 d) {
   float basis[sh_rest_count(max_sh_degree)];
@@ -56,7 +63,7 @@ SWIFTGS_HD inline vec3 sh_colour(const SceneView& scene, std::size_t i, vec3 d) 
   const float* rest = scene.sh_rest.data + i * std::size_t(scene.sh_stride);
   for (int k = 0; k < sh_rest_count(scene.sh_degree); ++k)
     colour += basis[k] * vec3(rest[3 * k], rest[3 * k + 1], rest[3 * k + 2]);
-  for (int c = 0; c < 3; ++c) colour[c] = colour[c] > 0 ? colour[c] : 0.0f;
+  for (int c = 0; c < 3; ++c) colour[c] = cut_channel(colour[c]);
   return colour;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
@@ -51,7 +52,8 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
   // A strict comparison serves both presets: z >= near is z > the float before near.
   v.near_plane =
       conventions.cull_at_near ? conventions.near_plane : std::nextafter(conventions.near_plane, 0.0f);
-  v.far_plane = conventions.far_plane;
+  // A depth that no float holds would be infinite, and 0 * depth not a number.
+  v.far_plane = std::fmin(conventions.far_plane, std::numeric_limits<float>::max());
   v.blur = conventions.blur;
   v.min_compensation = conventions.min_compensation;
   v.alpha_min = conventions.alpha_min;

@@ -136,8 +136,9 @@ TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
         "render: expected SH coefficients of the view's degree for every Gaussian");
   CHECK(refusal([](Arguments& a) { --a.scene.sh_rest.size; }) ==
         "render: expected SH coefficients of the view's degree for every Gaussian");
-  CHECK(refusal([](Arguments& a) { a.settings.conventions.alpha_min = 0; }) ==
-        "conventions: expected 0 < alpha_min <= alpha_max <= 1");
+  for (const float alpha_min : {0.0f, 1e-42f, 0.995f, NAN})
+    CHECK(refusal([&](Arguments& a) { a.settings.conventions.alpha_min = alpha_min; }) ==
+          "conventions: expected 2^-126 <= alpha_min <= alpha_max <= 1");
   CHECK(refusal([](Arguments& a) { a.settings.conventions.blur = -1; }) ==
         "conventions: expected a blur of 0 or more");
   CHECK(refusal([](Arguments& a) { a.settings.conventions.near_plane = NAN; }) ==

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
@@ -39,7 +40,7 @@ struct View {
       for (int column = 0; column < 3; ++column) rotation(row, column) = c.rotation[column][row];
       translation[row] = c.translation[row];
     }
-    centre = -rotation.transpose() * translation;
+    centre = -rotation.inverse() * translation;
     const Eigen::Array2d size(c.width, c.height), focal(c.fx, c.fy), principal(c.cx, c.cy);
     const Eigen::Array2d tan_half = size / (2 * focal);
     if (k.clamp == Conventions::JacobianClamp::around_image) {
