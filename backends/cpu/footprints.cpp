@@ -135,9 +135,7 @@ class VectorEllipse {
     const Vec left =
         hn::Sub(hn::Add(shapes_.mean_x, Edge(Within(steepest_, top, bottom), All(-1.0f))), slack_);
     const Runs run = TilesUpTo(left, right, rects.columns.end);
-    const auto single = hn::Eq(hn::Sub(rects.rows.end, rects.rows.begin), hn::Set(I32(), 1));
-    return {hn::IfThenElse(single, rects.columns.begin, hn::Max(run.begin, rects.columns.begin)),
-            hn::IfThenElse(single, rects.columns.end, run.end)};
+    return {hn::Max(run.begin, rects.columns.begin), run.end};
   }
 
  private:

@@ -164,6 +164,13 @@ TEST_CASE("bounds: an ellipse in one row of tiles is as wide as it is") {
   CHECK(tiles_of<Ellipse>(make_splat(100.5, 24, 12, 1, 0, 1)).size() == 6);
 }
 
+TEST_CASE("bounds: an ellipse of which the image shows the tip is as wide as the tip") {
+  // It ends 6 pixels below the image's upper border, where it is 112 pixels wide; at its centre it is 666.
+  const SplatShape shape = make_splat(200, -416, 100, 126.76, 0, 1);
+  CHECK(tiles_of<OpacityBox>(shape).size() == std::size_t(grid.columns));
+  CHECK(tiles_of<Ellipse>(shape).size() <= 9);
+}
+
 TEST_CASE("bounds: an oblique ellipse leaves the corners of its box out") {
   const SplatShape shape = make_splat(160, 144, 30, 3, 0.785398, 1);
   const Tiles ellipse = tiles_of<Ellipse>(shape), box = tiles_of<OpacityBox>(shape);

@@ -15,8 +15,6 @@ struct Ellipse {
   /// The part of the ellipse in a row of tiles is convex, so it spans one run of columns. Its left and right
   /// ends are the ellipse's own where those lie in the row, and on the row's nearer border where they do not.
   SWIFTGS_HD TileRun row(const SplatShape& shape, TileRect rect, int row) const {
-    // In a single row the box is as narrow as the ellipse.
-    if (rect.rows.size() == 1) return rect.columns;
     const float height = half_height(shape), slack = bounds_slack(shape.half_width, height);
     const float top = float(row * tile_side) + 0.5f - shape.mean.y - slack;
     const float bottom = top + float(tile_side - 1) + 2 * slack;
