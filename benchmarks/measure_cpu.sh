@@ -34,7 +34,7 @@ flags="$(of_cache CMAKE_CXX_FLAGS) $(of_cache "CMAKE_CXX_FLAGS_$(of_cache CMAKE_
 cat >"$out/machine.json" <<END
 {"date": "$(date -u +%F)", "cpu": "${cpu:-unknown}", "cores": $(nproc),
  "memory_gib": $(awk '/MemTotal/ { printf "%.0f", $2 / 1048576 }' /proc/meminfo),
- "system": "$(. /etc/os-release && echo "$PRETTY_NAME"), Linux $(uname -r)",
+ "system": "$(. /etc/os-release && echo "$PRETTY_NAME")",
  "compiler": "$("$compiler" --version | head -n 1)", "flags": "$(xargs <<<"$flags")",
  "commit": "$commit", "changed_files": $changed, "load_before": $(cut -d ' ' -f 1 /proc/loadavg),
  "command": "REPETITIONS=$repetitions MIN_TIME=$min_time benchmarks/measure_cpu.sh OUTDIR $*"}
