@@ -109,7 +109,8 @@ double score(const std::vector<Point>& points, const Camera& camera, double dist
       sky_at_top += (row < DepthGrid::rows / 2 ? 1 : -1) * (relative + 2 * brightness);
     }
   const double cells = DepthGrid::columns * DepthGrid::rows;
-  return 2 * double(grid.visible()) / double(points.size()) + (covered - 2 * blocked + sky_at_top) / cells;
+  return 2 * double(grid.visible()) / double(std::max<std::size_t>(1, points.size())) +
+         (covered - 2 * blocked + sky_at_top) / cells;
 }
 
 /// The middle of the points, and how far from it half of them are.

@@ -152,6 +152,15 @@ TEST_CASE("cli: a scene without cameras is seen from where it fills the image") 
   CHECK(double(filled) > 0.8 * double(image.pixels.size()));
 }
 
+TEST_CASE("cli: a scene of no Gaussians is background") {
+  const Workplace place;
+  write_ply(place / "scene.ply", swiftgs::Scene());
+  CHECK(contains(run(place, "info scene.ply").out, "Gaussians       0\n"));
+  run(place, "render scene.ply --scale 0.05 --format pfm --background 0.5,0.5,0.5");
+  const swiftgs::Image image = swiftgs::read_image(place / "renders/view.pfm");
+  CHECK(std::all_of(image.pixels.begin(), image.pixels.end(), [](float v) { return v == 0.5f; }));
+}
+
 TEST_CASE("cli: conventions and renderers change the image as little as they should") {
   const Workplace place;
   const std::string frame = "render builtin:2000 --scale 0.1 --format pfm ";
