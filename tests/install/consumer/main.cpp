@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Renders one Gaussian in the middle of an image, and fails unless it is there.
+// Renders one Gaussian in the middle of an image, and fails unless it is there, also in a file where there
+// are files.
 #include <iostream>
 
 #include <swiftgs/swiftgs.hpp>
@@ -10,6 +11,9 @@
 using Backend = swiftgs::Cpu;
 #else
 using Backend = swiftgs::Serial;
+#endif
+#if defined(CONSUMER_USES_IO)
+#include <swiftgs/io/image.hpp>
 #endif
 
 int main() {
@@ -29,5 +33,11 @@ int main() {
   const float centre = frame.colour[3 * (24 * 64 + 32)], corner = frame.colour[0];
   std::cout << "swiftgs " << swiftgs::version << " " << renderer.name << ": centre " << centre << ", corner "
             << corner << "\n";
+#if defined(CONSUMER_USES_IO)
+  // `read_image` needs every image library that the package was built with.
+  write_png("frame.png", frame);
+  const swiftgs::Image image = swiftgs::read_image("frame.png");
+  if (image.width != 64 || image.height != 48 || !(image.pixels[3 * (24 * 64 + 32)] > 0.5f)) return 1;
+#endif
   return centre > 0.5f && corner == 0 ? 0 : 1;
 }
