@@ -60,8 +60,8 @@ struct TileFrame {
   int columns, rows;
 };
 
-/// The x and y offsets from a splat's mean along a tile, and the factor applied to them: what rows are
-/// refused by, and what the Cholesky form is made of.
+/// A splat's factor applied to the offsets of a tile's columns and rows from its mean: what rows are refused
+/// by, and what the Cholesky form is made of.
 struct CholeskyTerms {
   float p[tile_side], q[tile_side], c[tile_side];  ///< l0 dx, l1 dy, log2(opacity) - (l2 dy)^2
 };
@@ -198,6 +198,7 @@ HWY_INLINE void StoreTile(const RasterJob& job, const TileFrame& tile, std::size
       };
       hn::StoreInterleaved3(over(state.red[row], job.background.x), over(state.green[row], job.background.y),
                             over(state.blue[row], job.background.z), d, rgb + 3 * column);
+      if (!frame.alpha && !frame.depth) continue;
       const Vec alpha = hn::Sub(hn::Set(d, 1.0f), transmittance);
       hn::Store(alpha, d, alphas + column);
       if (frame.depth) {

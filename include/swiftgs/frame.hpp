@@ -20,7 +20,7 @@ struct Frame {
 };
 
 /// Where a backend writes a frame: the caller's memory, reachable by that backend.
-/// A null pointer is an output that is not wanted and is not computed.
+/// A null pointer is an output that is not wanted: alpha and depth are then not computed, colour not written.
 struct FrameView {
   int width = 0, height = 0;
   float* colour = nullptr;  ///< RGB interleaved

@@ -18,7 +18,7 @@ struct CacheLineMemory {
 };
 
 /// Uninitialised host memory that grows and never shrinks, so that a steady frame allocates nothing.
-/// Aligned to a cache line, and readable for one vector register beyond its end.
+/// Aligned to a cache line; a vector register of 64 bytes may be read or written beyond its end.
 template <class T, class Memory = CacheLineMemory>
 class HostBuffer {
   static_assert(std::is_trivially_copyable_v<T>, "HostBuffer holds plain data only");

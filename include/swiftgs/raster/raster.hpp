@@ -124,7 +124,7 @@ struct RasterizeTile {
           }
           const float weight = alpha * pixel.transmittance;
           pixel.colour += weight * colour.rgb;
-          pixel.depth += weight * colour.depth;
+          if (job.frame.depth) pixel.depth += weight * colour.depth;
           pixel.transmittance = next;
           ++counts.contributing_pairs;
         }
