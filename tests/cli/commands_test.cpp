@@ -14,12 +14,12 @@
 
 using nlohmann::json;
 using swiftgs::test::Outcome;
-using swiftgs::test::Workplace;
+using swiftgs::test::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
 
-Outcome run(const Workplace& place, const std::string& arguments) {
+Outcome run(const TemporaryFolder& place, const std::string& arguments) {
   Outcome outcome = swiftgs::test::swiftgs(place, arguments);
   CAPTURE(arguments);
   CHECK(outcome.code == 0);
@@ -41,7 +41,7 @@ std::set<std::string> files_in(const fs::path& folder) {
 }  // namespace
 
 TEST_CASE("cli: info tells format and count and percentiles") {
-  const Workplace place;
+  const TemporaryFolder place;
   const std::string text = run(place, "info builtin:2000").out;
   for (const char* part : {"Gaussians       2000\n", "SH degree       3\n", "dropped         0 of 2000",
                            "50%", "opacity", "longest scale", "format          built in\n"})
@@ -57,7 +57,7 @@ TEST_CASE("cli: info tells format and count and percentiles") {
 }
 
 TEST_CASE("cli: info counts what was dropped") {
-  const Workplace place;
+  const TemporaryFolder place;
   swiftgs::Scene scene = swiftgs::make_builtin_scene(10);
   scene.means[3].x = std::numeric_limits<float>::quiet_NaN();
   write_ply(place / "scene.ply", scene);
@@ -67,7 +67,7 @@ TEST_CASE("cli: info counts what was dropped") {
 }
 
 TEST_CASE("cli: list has every combination of policies and whether it runs here") {
-  const Workplace place;
+  const TemporaryFolder place;
   std::istringstream lines(run(place, "list").out);
   std::size_t serial = 0, all = 0;
   for (std::string line; std::getline(lines, line); ++all) {
@@ -85,7 +85,7 @@ TEST_CASE("cli: list has every combination of policies and whether it runs here"
 }
 
 TEST_CASE("cli: render writes an image and says where it is and how long it took") {
-  const Workplace place;
+  const TemporaryFolder place;
   const std::string text = run(place, "render builtin:2000 --scale 0.1").out;
   CHECK(contains(text, "renders/front.png  128x72  "));
   CHECK(contains(text, " ms (project "));
@@ -98,7 +98,7 @@ TEST_CASE("cli: render writes an image and says where it is and how long it took
 }
 
 TEST_CASE("cli: render --stats prints what a frame had to do") {
-  const Workplace place;
+  const TemporaryFolder place;
   const std::string text = run(place, "render builtin:2000 --scale 0.1 --stats").out;
   for (const char* part : {"Gaussians  ", "visible  ", "instances  ", "instances a visible Gaussian  ",
                            "contributing pairs  ", "pixels stopped early  "})
@@ -107,7 +107,7 @@ TEST_CASE("cli: render --stats prints what a frame had to do") {
 }
 
 TEST_CASE("cli: render --views chooses numbers or every so many or all") {
-  const Workplace place;
+  const TemporaryFolder place;
   run(place, "render builtin:100 --scale 0.02 --out list --views 1,3");
   CHECK(files_in(place / "list") == std::set<std::string>{"orbit-00.png", "orbit-02.png"});
   run(place, "render builtin:100 --scale 0.02 --out every --views every:12");
@@ -117,7 +117,7 @@ TEST_CASE("cli: render --views chooses numbers or every so many or all") {
 }
 
 TEST_CASE("cli: images of cameras with the same name do not share a file") {
-  const Workplace place;
+  const TemporaryFolder place;
   const json camera = {{"id", 0},
                        {"img_name", "a/same"},
                        {"width", 32},
@@ -126,7 +126,7 @@ TEST_CASE("cli: images of cameras with the same name do not share a file") {
                        {"fy", 30.0},
                        {"position", {0, -1, -4}},
                        {"rotation", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
-  swiftgs::test::write_file(place / "cameras.json", json::array({camera, camera}).dump());
+  place.write("cameras.json", json::array({camera, camera}).dump());
   run(place, "render builtin:100 --cameras cameras.json --out out");
   CHECK(files_in(place / "out") == std::set<std::string>{"a_same.png", "a_same-1.png"});
   run(place, "render builtin:100 --cameras cameras.json --out again --views 0,0,0");
@@ -134,7 +134,7 @@ TEST_CASE("cli: images of cameras with the same name do not share a file") {
 }
 
 TEST_CASE("cli: render shows the background where nothing else is") {
-  const Workplace place;
+  const TemporaryFolder place;
   run(place, "render builtin:1 --scale 0.1 --format pfm --background 0.5,0.25,2");
   const swiftgs::Image image = swiftgs::read_image(place / "renders/front.pfm");
   CHECK(image.pixels[0] == 0.5f);
@@ -143,7 +143,7 @@ TEST_CASE("cli: render shows the background where nothing else is") {
 }
 
 TEST_CASE("cli: a scene without cameras is seen from where it fills the image") {
-  const Workplace place;
+  const TemporaryFolder place;
   write_ply(place / "scene.ply", swiftgs::make_builtin_scene(5000));
   run(place, "render scene.ply --scale 0.1 --format pfm --background -1,-1,-1");
   const swiftgs::Image image = swiftgs::read_image(place / "renders/view.pfm");
@@ -153,7 +153,7 @@ TEST_CASE("cli: a scene without cameras is seen from where it fills the image") 
 }
 
 TEST_CASE("cli: a scene of no Gaussians is background") {
-  const Workplace place;
+  const TemporaryFolder place;
   write_ply(place / "scene.ply", swiftgs::Scene());
   CHECK(contains(run(place, "info scene.ply").out, "Gaussians       0\n"));
   run(place, "render scene.ply --scale 0.05 --format pfm --background 0.5,0.5,0.5");
@@ -162,7 +162,7 @@ TEST_CASE("cli: a scene of no Gaussians is background") {
 }
 
 TEST_CASE("cli: conventions and renderers change the image as little as they should") {
-  const Workplace place;
+  const TemporaryFolder place;
   const std::string frame = "render builtin:2000 --scale 0.1 --format pfm ";
   run(place, frame + "--out a --renderer serial/standard/per-pixel/ellipse");
   run(place, frame + "--out b --renderer serial/early/axis-shared-float-split/opacity-box");
@@ -174,7 +174,7 @@ TEST_CASE("cli: conventions and renderers change the image as little as they sho
 }
 
 TEST_CASE("cli: an image compared with itself has no difference") {
-  const Workplace place;
+  const TemporaryFolder place;
   run(place, "render builtin:500 --scale 0.05");
   const Outcome outcome = run(place, "compare renders/front.png renders/front.png");
   const json result = json::parse(outcome.out);
@@ -185,11 +185,11 @@ TEST_CASE("cli: an image compared with itself has no difference") {
 }
 
 TEST_CASE("cli: check writes one object a renderer and view with exactly these members") {
-  const Workplace place;
+  const TemporaryFolder place;
   const Outcome outcome = run(place,
                               "check builtin:1000 --scale 0.05 --views 0,5 --repeats 1 --json results.json "
                               "--renderers 'serial/standard/per-pixel/*'");
-  const json results = json::parse(swiftgs::test::contents_of(place / "results.json"));
+  const json results = json::parse(swiftgs::test::content_of(place / "results.json"));
   REQUIRE(results.is_array());
   CHECK(results.size() == 6);
   // A header, and for each of three renderers two views and their mean.
@@ -211,12 +211,12 @@ TEST_CASE("cli: check writes one object a renderer and view with exactly these m
 }
 
 TEST_CASE("cli: check compares with the photographs that have the names of the views") {
-  const Workplace place;
+  const TemporaryFolder place;
   run(place, "render builtin:1000 --scale 0.05 --out photos");
   run(place,
       "check builtin:1000 --scale 0.05 --views 0,1 --repeats 1 --photos photos --json results.json "
       "--renderers serial/early/per-pixel/ellipse");
-  const json results = json::parse(swiftgs::test::contents_of(place / "results.json"));
+  const json results = json::parse(swiftgs::test::content_of(place / "results.json"));
   REQUIRE(results.size() == 2);
   // The photograph is this very frame in 8 bits.
   CHECK(results[0]["photo_psnr_db"] > 50);
@@ -224,7 +224,7 @@ TEST_CASE("cli: check compares with the photographs that have the names of the v
 }
 
 TEST_CASE("cli: help explains every command and gives examples") {
-  const Workplace place;
+  const TemporaryFolder place;
   const std::string help = run(place, "--help").out;
   for (const std::string command : {"info", "list", "render", "compare", "check"}) {
     CHECK(contains(help, "  " + command + "  "));

@@ -11,12 +11,13 @@
 #include "support/skip.hpp"
 
 using swiftgs::test::Outcome;
-using swiftgs::test::Workplace;
+using swiftgs::test::TemporaryFolder;
 
 namespace {
 
 /// Runs the tool and expects exit code 1 and one line on standard error that holds all `parts`.
-void fails(const Workplace& place, const std::string& arguments, std::initializer_list<std::string> parts) {
+void fails(const TemporaryFolder& place, const std::string& arguments,
+           std::initializer_list<std::string> parts) {
   const Outcome outcome = swiftgs::test::swiftgs(place, arguments);
   CAPTURE(arguments);
   CAPTURE(outcome.err);
@@ -32,7 +33,7 @@ void fails(const Workplace& place, const std::string& arguments, std::initialize
 }  // namespace
 
 TEST_CASE("cli errors: a missing file is named") {
-  const Workplace place;
+  const TemporaryFolder place;
   fails(place, "info nowhere.ply", {"nowhere.ply"});
   fails(place, "render builtin:10 --cameras nowhere.json", {"nowhere.json"});
   fails(place, "compare nowhere.png nowhere.png", {"nowhere.png"});
@@ -40,7 +41,7 @@ TEST_CASE("cli errors: a missing file is named") {
 }
 
 TEST_CASE("cli errors: a truncated scene is named with the offset and what was expected") {
-  const Workplace place;
+  const TemporaryFolder place;
   write_ply(place / "scene.ply", swiftgs::make_builtin_scene(20));
   std::filesystem::resize_file(place / "scene.ply", std::filesystem::file_size(place / "scene.ply") - 100);
   for (const std::string command : {"info", "render", "check"})
@@ -48,15 +49,15 @@ TEST_CASE("cli errors: a truncated scene is named with the offset and what was e
 }
 
 TEST_CASE("cli errors: a foreign file is refused") {
-  const Workplace place;
-  swiftgs::test::write_file(place / "notes.txt", "nothing that can be rendered\n");
+  const TemporaryFolder place;
+  place.write("notes.txt", "nothing that can be rendered\n");
   fails(place, "info notes.txt", {"notes.txt: byte 0: expected"});
   fails(place, "compare notes.txt notes.txt", {"notes.txt: byte 0: expected"});
   fails(place, "render builtin:10 --cameras notes.txt", {"notes.txt", "expected"});
 }
 
 TEST_CASE("cli errors: images of different sizes are not compared") {
-  const Workplace place;
+  const TemporaryFolder place;
   swiftgs::test::swiftgs(place, "render builtin:10 --scale 0.02 --out a");
   swiftgs::test::swiftgs(place, "render builtin:10 --scale 0.03 --out b");
   fails(place, "compare a/front.png b/front.png", {"b/front.png: expected 26x14 RGB", "found 38x22 RGB"});
@@ -64,14 +65,14 @@ TEST_CASE("cli errors: images of different sizes are not compared") {
 }
 
 TEST_CASE("cli errors: an unknown renderer brings up the valid words") {
-  const Workplace place;
+  const TemporaryFolder place;
   fails(place, "render builtin:10 --renderer serial/early/guess/ellipse",
         {"serial/early/guess/ellipse", "serial", "adaptive", "per-pixel", "opacity-box"});
   fails(place, "check builtin:10 --renderers 'nothing*'", {"nothing*", "swiftgs list"});
 }
 
 TEST_CASE("cli errors: options that make no sense say what was expected") {
-  const Workplace place;
+  const TemporaryFolder place;
   for (const std::string views : {"25", "0,", "every:0", "every:x", "-1", "some", "0,1,99"})
     fails(place, "render builtin:10 --views=" + views, {"--views '" + views + "'", "numbers from 0 to 24"});
   for (const std::string background : {"1,2", "1,2,x", "nan,0,0", "red", "1,2,3,4"})
@@ -89,7 +90,7 @@ TEST_CASE("cli errors: options that make no sense say what was expected") {
 }
 
 TEST_CASE("cli errors: arguments that are not known or missing") {
-  const Workplace place;
+  const TemporaryFolder place;
   fails(place, "", {"expected a command: info, list, render, compare or check", "--help"});
   fails(place, "paint", {"paint", "--help"});
   fails(place, "render", {"SCENE", "--help"});
@@ -99,8 +100,8 @@ TEST_CASE("cli errors: arguments that are not known or missing") {
 }
 
 TEST_CASE("cli errors: results that cannot be written are named with the reason") {
-  const Workplace place;
-  swiftgs::test::write_file(place / "file", "");
+  const TemporaryFolder place;
+  place.write("file", "");
   fails(place, "render builtin:10 --scale 0.01 --out file/inside", {"swiftgs: file/inside: Not a directory"});
   fails(place,
         "check builtin:10 --scale 0.01 --repeats 1 --json file/x.json --renderers "
@@ -109,7 +110,7 @@ TEST_CASE("cli errors: results that cannot be written are named with the reason"
 }
 
 TEST_CASE("cli errors: check finds out that results cannot be written before it renders") {
-  const Workplace place;
+  const TemporaryFolder place;
   const Outcome outcome =
       swiftgs::test::swiftgs(place, "check builtin:10 --scale 0.01 --repeats 1 --json missing/x.json");
   CHECK(outcome.code == 1);
@@ -118,8 +119,8 @@ TEST_CASE("cli errors: check finds out that results cannot be written before it 
 
 TEST_CASE("cli errors: a standard output that takes nothing is an error") {
   if (!std::filesystem::exists("/dev/full")) return swiftgs::test::skip("no /dev/full here");
-  const Workplace place;
+  const TemporaryFolder place;
   const Outcome outcome = swiftgs::test::swiftgs(place, "info builtin:10 >/dev/full 2>full.txt #");
   CHECK(outcome.code == 1);
-  CHECK(swiftgs::test::contents_of(place / "full.txt") == "swiftgs: standard output: cannot be written\n");
+  CHECK(swiftgs::test::content_of(place / "full.txt") == "swiftgs: standard output: cannot be written\n");
 }

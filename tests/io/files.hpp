@@ -3,18 +3,15 @@
 
 #include <cstddef>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <span>
-#include <stdexcept>
 #include <string>
 
 #include <doctest/doctest.h>
-#include <stdlib.h>
 
 #include <swiftgs/error.hpp>
+
+#include "support/files.hpp"
 
 namespace swiftgs::test {
 
@@ -28,37 +25,6 @@ void append(std::string& to, T value) {
   char raw[sizeof(T)];
   std::memcpy(raw, &value, sizeof(T));
   to.append(raw, sizeof(T));
-}
-
-/// A folder of its own that is gone after the test.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "swiftgs_io_XXXXXX").string();
-    if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
-  /// Writes a file, with the folders that lead to it.
-  std::filesystem::path write(const std::string& name, const std::string& content) const {
-    const std::filesystem::path path = path_ / name;
-    std::filesystem::create_directories(path.parent_path());
-    std::ofstream(path, std::ios::binary) << content;
-    return path;
-  }
-
- private:
-  std::filesystem::path path_;
-};
-
-inline std::string content_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 /// What `read` complains of, or "" if it does not.
