@@ -9,6 +9,8 @@
 
 namespace {
 
+// Allocations of this program through operator new and aligned_alloc: all of ours. What oneTBB keeps for its
+// tasks it takes from malloc, and is not seen.
 std::atomic<std::size_t> allocations{0};
 
 void* allocate(std::size_t alignment, std::size_t size) {

@@ -40,15 +40,16 @@ void for_each_index(std::size_t count, int threads, const Body& body) {
       if (!error) error = std::current_exception();
     }
   };
-  std::vector<std::thread> helpers;
+  std::vector<std::thread> others;
   const std::size_t wanted = std::min(std::size_t(threads), count);
+  others.reserve(wanted);  // growing later might throw while threads run
   try {
-    while (helpers.size() + 1 < wanted) helpers.emplace_back(work);
+    while (others.size() + 1 < wanted) others.emplace_back(work);
   } catch (const std::system_error&) {
     // The system grants no more threads: those there are do the work.
   }
   work();
-  for (std::thread& helper : helpers) helper.join();
+  for (std::thread& other : others) other.join();
   if (error) std::rethrow_exception(error);
 }
 

@@ -39,7 +39,8 @@ inline std::istream& operator>>(std::istream& in, SortCalibration& c) {
   SortCalibration read;
   if (in >> tag >> version >> read.gaussians >> read.width >> read.height >> read.standard_ms >>
           read.early_ms &&
-      tag == "swiftgs-sort-calibration" && version == 1 && read.standard_ms >= 0 && read.early_ms >= 0)
+      tag == "swiftgs-sort-calibration" && version == 1 && read.width > 0 && read.height > 0 &&
+      read.standard_ms >= 0 && read.early_ms >= 0)
     c = read;
   else
     in.setstate(std::ios::failbit);
@@ -61,8 +62,8 @@ class AdaptiveSort {
   static AdaptiveSort for_views(int views) { return AdaptiveSort(views / 10); }
 
   /// Starts from an earlier measurement, which holds as long as frames match its scene and size.
-  explicit AdaptiveSort(const SortCalibration& saved)
-      : frames_each_(3),
+  explicit AdaptiveSort(const SortCalibration& saved, int frames_each = 3)
+      : frames_each_(std::max(frames_each, 1)),
         key_{nullptr, saved.gaussians, saved.width, saved.height},
         measured_{{{saved.standard_ms, 1, 0}, {saved.early_ms, 1, 0}}},
         early_(saved.prefers_early()),
