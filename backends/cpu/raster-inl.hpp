@@ -62,7 +62,7 @@ struct TileFrame {
 
 /// A splat's factor applied to the offsets of a tile's columns and rows from its mean: what rows are refused
 /// by, and what the Cholesky form is made of.
-struct CholeskyTerms {
+struct alignas(64) CholeskyTerms {
   float p[tile_side], q[tile_side], c[tile_side];  ///< l0 dx, l1 dy, log2(opacity) - (l2 dy)^2
 };
 

@@ -41,7 +41,7 @@ class FloatCholeskyForm {
 
  private:
   float alpha_min_, log2_alpha_min_;
-  alignas(64) CholeskyTerms terms_[batch_size];
+  CholeskyTerms terms_[batch_size];
 };
 
 void FloatCholeskyTiles(const RasterJob& job, bool threshold, std::size_t begin, std::size_t end) {
