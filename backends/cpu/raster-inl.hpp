@@ -157,6 +157,7 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
 }
 
 /// Transparent black, with the pixels beyond the image's right border already stopped.
+template <bool kDepth>
 HWY_INLINE void Clear(const TileFrame& tile, TileState& state) {
   const F32 d;
   for (std::size_t row = 0; row < tile_side; ++row)
@@ -168,7 +169,7 @@ HWY_INLINE void Clear(const TileFrame& tile, TileState& state) {
       hn::Store(hn::Zero(d), d, state.red[row] + column);
       hn::Store(hn::Zero(d), d, state.green[row] + column);
       hn::Store(hn::Zero(d), d, state.blue[row] + column);
-      hn::Store(hn::Zero(d), d, state.depth[row] + column);
+      if constexpr (kDepth) hn::Store(hn::Zero(d), d, state.depth[row] + column);
     }
 }
 
@@ -228,7 +229,7 @@ void RenderTiles(const RasterJob& job, std::size_t begin, std::size_t end) {
     const TileFrame place{vec2(float(x0) + 0.5f, float(y0) + 0.5f),
                           std::min(tile_side, job.frame.width - int(x0)),
                           std::min(tile_side, job.frame.height - int(y0))};
-    Clear(place, state);
+    Clear<kDepth>(place, state);
     TileCounts counts;
     const TileRange range = job.lists.ranges[tile];
     const std::uint32_t* ids = job.lists.ids.data;
