@@ -26,25 +26,19 @@ std::uint64_t Cpu::exclusive_scan(Span<std::uint32_t> counts) {
   // Sum each part, scan the sums, then scan the parts from there.
   const std::size_t parts = part_count(*this, counts.size, 32768);
   std::array<std::uint64_t, max_parts> sums;
-  for_parts(parts, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t part = first; part < last; ++part) {
-      const Part range = part_of(counts.size, parts, part);
-      std::uint64_t sum = 0;
-      for (std::size_t i = range.begin; i < range.end; ++i) sum += counts[i];
-      sums[part] = sum;
-    }
+  for_each_part(*this, counts.size, parts, [&](std::size_t part, Part range) {
+    std::uint64_t sum = 0;
+    for (std::size_t i = range.begin; i < range.end; ++i) sum += counts[i];
+    sums[part] = sum;
   });
   std::uint64_t total = 0;
   for (std::size_t part = 0; part < parts; ++part) total += std::exchange(sums[part], total);
-  for_parts(parts, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t part = first; part < last; ++part) {
-      const Part range = part_of(counts.size, parts, part);
-      std::uint64_t sum = sums[part];
-      for (std::size_t i = range.begin; i < range.end; ++i) {
-        const std::uint32_t here = counts[i];
-        counts[i] = std::uint32_t(sum);
-        sum += here;
-      }
+  for_each_part(*this, counts.size, parts, [&](std::size_t part, Part range) {
+    std::uint64_t sum = sums[part];
+    for (std::size_t i = range.begin; i < range.end; ++i) {
+      const std::uint32_t here = counts[i];
+      counts[i] = std::uint32_t(sum);
+      sum += here;
     }
   });
   return total;

@@ -93,14 +93,6 @@ class Instances {
   const Footprint* footprints_;
 };
 
-/// f(part number, range) for each of `parts` parts of n elements, in parallel.
-template <class F>
-void for_each_part(const Cpu& cpu, std::size_t n, std::size_t parts, const F& f) {
-  cpu.for_parts(parts, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t part = first; part < last; ++part) f(part, part_of(n, parts, part));
-  });
-}
-
 /// Numbers of instances before each part, and of all.
 struct PartOffsets {
   std::array<std::uint64_t, max_parts> before;

@@ -27,4 +27,12 @@ inline std::size_t part_count(const Cpu& cpu, std::size_t n, std::size_t grain) 
   return std::clamp<std::size_t>(n / grain, 1, std::min(wanted, max_parts));
 }
 
+/// f(part number, range) for each of `parts` parts of n elements, in parallel.
+template <class F>
+void for_each_part(const Cpu& cpu, std::size_t n, std::size_t parts, const F& f) {
+  cpu.for_parts(parts, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t part = first; part < last; ++part) f(part, part_of(n, parts, part));
+  });
+}
+
 }  // namespace swiftgs

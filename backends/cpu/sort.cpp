@@ -102,16 +102,13 @@ class BucketSort {
       Key least = Key(-1), most = 0;
     };
     std::array<Extremes, max_parts> extremes;
-    cpu_.for_parts(parts_, 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t part = first; part < last; ++part) {
-        const Part range = part_of(n_, parts_, part);
-        Extremes e;
-        for (std::size_t i = range.begin; i < range.end; ++i) {
-          const Key key = pairs_.keys.data()[i] & mask_;
-          e.least = std::min(e.least, key), e.most = std::max(e.most, key);
-        }
-        extremes[part] = e;
+    for_each_part(cpu_, n_, parts_, [&](std::size_t part, Part range) {
+      Extremes e;
+      for (std::size_t i = range.begin; i < range.end; ++i) {
+        const Key key = pairs_.keys.data()[i] & mask_;
+        e.least = std::min(e.least, key), e.most = std::max(e.most, key);
       }
+      extremes[part] = e;
     });
     Extremes all;
     for (std::size_t part = 0; part < parts_; ++part)
@@ -125,13 +122,10 @@ class BucketSort {
   /// Counts the digits of each part, then turns the counts into first positions.
   void count(const Digit<Key>& digit) {
     const std::size_t bins = digit.limit + 1;
-    cpu_.for_parts(parts_, 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t part = first; part < last; ++part) {
-        std::uint32_t* counts = histogram(part, bins);
-        std::fill_n(counts, bins, 0u);
-        const Part range = part_of(n_, parts_, part);
-        for (std::size_t i = range.begin; i < range.end; ++i) ++counts[digit(pairs_.keys.data()[i])];
-      }
+    for_each_part(cpu_, n_, parts_, [&](std::size_t part, Part range) {
+      std::uint32_t* counts = histogram(part, bins);
+      std::fill_n(counts, bins, 0u);
+      for (std::size_t i = range.begin; i < range.end; ++i) ++counts[digit(pairs_.keys.data()[i])];
     });
     std::uint32_t sum = 0;
     for (std::size_t bin = 0; bin < bins; ++bin)
@@ -141,18 +135,15 @@ class BucketSort {
   /// Moves every pair to its bucket; parts in order keep equal digits in order.
   void scatter(const Digit<Key>& digit) {
     const std::size_t bins = digit.limit + 1;
-    cpu_.for_parts(parts_, 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t part = first; part < last; ++part) {
-        std::uint32_t* position = histogram(part, bins);
-        const Key* keys = pairs_.keys.data();
-        const std::uint32_t* values = pairs_.values.data();
-        Key* to_keys = pairs_.spare_keys.data();
-        std::uint32_t* to_values = pairs_.spare_values.data();
-        const Part range = part_of(n_, parts_, part);
-        for (std::size_t i = range.begin; i < range.end; ++i) {
-          const std::uint32_t to = position[digit(keys[i])]++;
-          to_keys[to] = keys[i], to_values[to] = values[i];
-        }
+    for_each_part(cpu_, n_, parts_, [&](std::size_t part, Part range) {
+      std::uint32_t* position = histogram(part, bins);
+      const Key* keys = pairs_.keys.data();
+      const std::uint32_t* values = pairs_.values.data();
+      Key* to_keys = pairs_.spare_keys.data();
+      std::uint32_t* to_values = pairs_.spare_values.data();
+      for (std::size_t i = range.begin; i < range.end; ++i) {
+        const std::uint32_t to = position[digit(keys[i])]++;
+        to_keys[to] = keys[i], to_values[to] = values[i];
       }
     });
   }
