@@ -15,7 +15,7 @@ using namespace swiftgs;
 int main() {
   // The program's own image. Rows may be longer than what is shown, as those of textures often are.
   constexpr int width = 320, height = 180;
-  constexpr std::size_t pitch = 3 * (2 * width + 24);
+  constexpr std::size_t pitch = 3 * (2 * width + 24);  // in floats
   std::vector<float> image(pitch * 2 * height, -1.0f);
 
   // Choose the policies by type. The renderer keeps the memory of its stages from frame to frame; the backend
@@ -29,12 +29,13 @@ int main() {
   settings.conventions = Conventions::gsplat();
   settings.background = vec3(0.10f, 0.12f, 0.15f);
 
-  // Render each view into its quarter: a pointer to its first pixel, and the distance from row to row.
+  // Render each view into its quarter: a pointer to its first pixel, and the distance from row to row, in
+  // bytes.
   const std::vector<Camera> cameras = builtin_cameras(4, width, height);
   for (std::size_t view = 0; view < cameras.size(); ++view) {
     float* const quarter = image.data() + (view / 2 * height) * pitch + (view % 2) * 3 * width;
     // Alpha and depth are null, hence not wanted, hence not computed.
-    const FrameView frame{.width = width, .height = height, .colour = quarter, .colour_pitch = pitch};
+    const FrameView frame{.width = width, .height = height, .colour = {quarter, pitch * sizeof(float)}};
     try {
       renderer.render_into(scene.view(), cameras[view], settings, frame);
     } catch (const CapacityError& error) {

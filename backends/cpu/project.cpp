@@ -231,8 +231,9 @@ constexpr std::size_t chunk_size = 4096;
 
 }  // namespace
 
-void project(Cpu& cpu, const ViewConstants& constants, const SceneView& scene, ProjectScratch<Cpu>& scratch,
-             Splats<Cpu>& splats) {
+void project(Cpu& cpu, const ProjectJob& job, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
+  const ViewConstants& constants = job.constants;
+  const SceneView& scene = job.scene;
   // Project each chunk to a place of its own.
   const std::size_t n = scene.size(), chunks = (n + chunk_size - 1) / chunk_size;
   scratch.shapes.reset(n), scratch.depths.reset(n), scratch.ids.reset(n), scratch.counts.reset(chunks);

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
@@ -19,17 +20,12 @@
 #include <swiftgs/raster/raster.hpp>
 
 #include "exp2-inl.hpp"
+#include "store-inl.hpp"
+#include "tile-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-/// A row of a tile is 16 lanes: one register with AVX-512, two with AVX2, four with SSE4 or NEON.
-using F32 = hn::CappedTag<float, tile_side>;
-using Vec = hn::Vec<F32>;
-using Mask = hn::Mask<F32>;
-constexpr std::size_t lanes = hn::MaxLanes(F32());
-constexpr std::size_t parts = tile_side / lanes;
 
 /// Splats that are prepared together: their terms stay in the first-level cache while rows walk over them.
 constexpr std::size_t batch_size = 64;
@@ -44,20 +40,6 @@ struct alignas(64) Batch {
   float colours[batch_size][4];                        ///< RGB, depth
   std::uint32_t lists[tile_side][batch_size + lanes];  ///< for each row the splats that touch it
   std::size_t list_sizes[tile_side];
-};
-
-/// Running state of a tile's pixels, one array a quantity. A pixel that has stopped has the negative of its
-/// transmittance: any splat would bring that below the limit, so it stays stopped without a mask of its own.
-struct alignas(64) TileState {
-  float transmittance[tile_side][tile_side];
-  float red[tile_side][tile_side], green[tile_side][tile_side], blue[tile_side][tile_side];
-  float depth[tile_side][tile_side];
-};
-
-/// Places of one tile in the image.
-struct TileFrame {
-  vec2 first_centre;
-  int columns, rows;
 };
 
 /// A splat's factor applied to the offsets of a tile's columns and rows from its mean: what rows are refused
@@ -110,7 +92,7 @@ HWY_INLINE void ListRows(Batch& HWY_RESTRICT batch, std::size_t splats) {
 
 /// Blends the listed splats into one part of a row. The state stays in registers, so a splat costs its
 /// arithmetic and the loads of its terms.
-template <class Form, bool kDepth, bool kCount>
+template <class Form, bool kDepth, bool kCount, bool kOccluder>
 HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRICT batch,
                          const BlendRules& rules, TileState& HWY_RESTRICT state, std::size_t row,
                          std::size_t part, TileCounts& counts) {
@@ -122,6 +104,7 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
   Vec green = hn::Load(d, state.green[row] + column);
   Vec blue = hn::Load(d, state.blue[row] + column);
   Vec depth = kDepth ? hn::Load(d, state.depth[row] + column) : hn::Zero(d);
+  const Vec occluder = kOccluder ? hn::Load(d, state.occluder[row] + column) : hn::Zero(d);
   const Vec stop_below = hn::Set(d, rules.stop_below), alpha_max = hn::Set(d, rules.alpha_max);
 
   const std::uint32_t* HWY_RESTRICT list = batch.lists[row];
@@ -133,16 +116,18 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
     alpha = hn::IfThenElseZero(kept, hn::Min(alpha, alpha_max));
     const Vec next = hn::NegMulAdd(alpha, transmittance, transmittance);
 
-    // Pixels that this splat would bring below the limit end without it. Masks see to them, since a branch
+    // Pixels that this splat would bring below the limit, or in which the caller's surface hides it, end
+    // without it. Masks see to them, since a branch
     // would be taken once for most pixels and never where it was last time.
-    const Mask stops = hn::Lt(next, stop_below);
+    Mask stops = hn::Lt(next, stop_below);
+    const float* HWY_RESTRICT colour = batch.colours[k];
+    if constexpr (kOccluder) stops = hn::Or(stops, hn::And(kept, hn::Ge(hn::Set(d, colour[3]), occluder)));
     const Vec weight = hn::IfThenZeroElse(stops, hn::Mul(alpha, transmittance));
     if constexpr (kCount) {
       counts.pixels_stopped += hn::CountTrue(d, hn::And(stops, hn::Gt(transmittance, hn::Zero(d))));
       counts.contributing_pairs += hn::CountTrue(d, hn::AndNot(stops, kept));
     }
     transmittance = hn::IfThenElse(stops, hn::Or(transmittance, hn::SignBit(d)), next);
-    const float* HWY_RESTRICT colour = batch.colours[k];
     red = hn::MulAdd(weight, hn::Set(d, colour[0]), red);
     green = hn::MulAdd(weight, hn::Set(d, colour[1]), green);
     blue = hn::MulAdd(weight, hn::Set(d, colour[2]), blue);
@@ -156,67 +141,8 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
   if constexpr (kDepth) hn::Store(depth, d, state.depth[row] + column);
 }
 
-/// Transparent black, with the pixels beyond the image's right border already stopped.
-template <bool kDepth>
-HWY_INLINE void Clear(const TileFrame& tile, TileState& state) {
-  const F32 d;
-  for (std::size_t row = 0; row < tile_side; ++row)
-    for (std::size_t part = 0; part < parts; ++part) {
-      const std::size_t column = part * lanes;
-      const Mask inside = hn::Lt(hn::Iota(d, float(column)), hn::Set(d, float(tile.columns)));
-      hn::Store(hn::IfThenElse(inside, hn::Set(d, 1.0f), hn::Set(d, -1.0f)), d,
-                state.transmittance[row] + column);
-      hn::Store(hn::Zero(d), d, state.red[row] + column);
-      hn::Store(hn::Zero(d), d, state.green[row] + column);
-      hn::Store(hn::Zero(d), d, state.blue[row] + column);
-      if constexpr (kDepth) hn::Store(hn::Zero(d), d, state.depth[row] + column);
-    }
-}
-
-/// Bits of the rows that still have a live pixel.
-HWY_INLINE std::uint32_t LiveRows(const TileFrame& tile, const TileState& state) {
-  const F32 d;
-  std::uint32_t rows = 0;
-  for (int row = 0; row < tile.rows; ++row)
-    for (std::size_t part = 0; part < parts; ++part)
-      if (!hn::AllTrue(d, hn::Lt(hn::Load(d, state.transmittance[row] + part * lanes), hn::Zero(d))))
-        rows |= 1u << row;
-  return rows;
-}
-
-/// Writes the outputs that are asked for.
-HWY_INLINE void StoreTile(const RasterJob& job, const TileFrame& tile, std::size_t x0, std::size_t y0,
-                          TileState& state) {
-  const F32 d;
-  const FrameView& frame = job.frame;
-  for (std::size_t row = 0; row < std::size_t(tile.rows); ++row) {
-    alignas(64) float rgb[3 * tile_side];
-    alignas(64) float alphas[tile_side], depths[tile_side];
-    for (std::size_t column = 0; column < tile_side; column += lanes) {
-      const Vec transmittance = hn::Abs(hn::Load(d, state.transmittance[row] + column));
-      const auto over = [&](const float* colour, float background) HWY_ATTR {
-        return hn::MulAdd(transmittance, hn::Set(d, background), hn::Load(d, colour + column));
-      };
-      hn::StoreInterleaved3(over(state.red[row], job.background.x), over(state.green[row], job.background.y),
-                            over(state.blue[row], job.background.z), d, rgb + 3 * column);
-      if (!frame.alpha && !frame.depth) continue;
-      const Vec alpha = hn::Sub(hn::Set(d, 1.0f), transmittance);
-      hn::Store(alpha, d, alphas + column);
-      if (frame.depth) {
-        const Vec mean = hn::Div(hn::Load(d, state.depth[row] + column), alpha);
-        hn::Store(hn::IfThenElseZero(hn::Gt(alpha, hn::Zero(d)), mean), d, depths + column);
-      }
-    }
-    const std::size_t columns = std::size_t(tile.columns), y = y0 + row;
-    if (frame.colour)
-      std::memcpy(frame.colour + y * frame.colour_pitch + 3 * x0, rgb, 3 * columns * sizeof(float));
-    if (frame.alpha) std::memcpy(frame.alpha + y * frame.alpha_pitch + x0, alphas, columns * sizeof(float));
-    if (frame.depth) std::memcpy(frame.depth + y * frame.depth_pitch + x0, depths, columns * sizeof(float));
-  }
-}
-
 /// Renders tiles [begin, end): lists of each are walked in batches, and each batch row by row.
-template <class Form, bool kDepth, bool kCount>
+template <class Form, bool kDepth, bool kCount, bool kOccluder>
 void RenderTiles(const RasterJob& job, std::size_t begin, std::size_t end) {
   TileState state;
   Batch batch;
@@ -226,10 +152,10 @@ void RenderTiles(const RasterJob& job, std::size_t begin, std::size_t end) {
   for (std::size_t tile = begin; tile < end; ++tile) {
     const std::size_t x0 = tile % std::size_t(job.grid.columns) * tile_side;
     const std::size_t y0 = tile / std::size_t(job.grid.columns) * tile_side;
-    const TileFrame place{vec2(float(x0) + 0.5f, float(y0) + 0.5f),
+    const TileFrame place{vec2(float(x0) + 0.5f, float(y0) + 0.5f), x0, y0,
                           std::min(tile_side, job.frame.width - int(x0)),
                           std::min(tile_side, job.frame.height - int(y0))};
-    Clear<kDepth>(place, state);
+    Clear<kDepth, kOccluder>(job.frame, place, state);
     TileCounts counts;
     const TileRange range = job.lists.ranges[tile];
     const std::uint32_t* ids = job.lists.ids.data;
@@ -254,12 +180,13 @@ void RenderTiles(const RasterJob& job, std::size_t begin, std::size_t end) {
         if (batch.list_sizes[row] != 0) {
           if constexpr (kCount) counts.rows_visited += batch.list_sizes[row];
           for (std::size_t part = 0; part < parts; ++part)
-            BlendRow<Form, kDepth, kCount>(form, batch, job.rules, state, std::size_t(row), part, counts);
+            BlendRow<Form, kDepth, kCount, kOccluder>(form, batch, job.rules, state, std::size_t(row), part,
+                                                      counts);
         }
       live_rows = LiveRows(place, state);
       counts.instances_visited += splats;
     }
-    StoreTile(job, place, x0, y0, state);
+    StoreTile(job, place, state);
     if (job.counts) job.counts[tile] = counts;
   }
 }
@@ -267,12 +194,13 @@ void RenderTiles(const RasterJob& job, std::size_t begin, std::size_t end) {
 /// Renders with the outputs and counters that `job` asks for, and nothing else.
 template <class Form>
 void RenderTilesOf(const RasterJob& job, std::size_t begin, std::size_t end) {
-  if (job.counts)
-    job.frame.depth ? RenderTiles<Form, true, true>(job, begin, end)
-                    : RenderTiles<Form, false, true>(job, begin, end);
-  else
-    job.frame.depth ? RenderTiles<Form, true, false>(job, begin, end)
-                    : RenderTiles<Form, false, false>(job, begin, end);
+  const auto chosen = [](bool flag, const auto& f) { flag ? f(std::true_type()) : f(std::false_type()); };
+  chosen(job.frame.depth.data, [&](auto depth) {
+    chosen(job.counts, [&](auto count) {
+      chosen(job.frame.occluder.data,
+             [&](auto occluder) { RenderTiles<Form, depth(), count(), occluder()>(job, begin, end); });
+    });
+  });
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

@@ -7,6 +7,7 @@
 #define HWY_TARGET_INCLUDE "raster_half_split.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+#include "half-inl.hpp"
 #include "split-inl.hpp"
 // clang-format on
 
@@ -16,19 +17,10 @@ namespace swiftgs::HWY_NAMESPACE {
 /// Terms as IEEE half; one that is too large is infinite.
 struct HalfStorage {
   using Cell = hwy::float16_t;
-  using F16 = hn::Rebind<hwy::float16_t, F32>;
-  using U16 = hn::Rebind<std::uint16_t, F32>;
 
   /// Rounds to the nearest half, as `to_half` does.
   static HWY_INLINE void Store(Vec v, Cell* HWY_RESTRICT to) {
-#if HWY_ARCH_X86 && HWY_TARGET >= HWY_SSE4
-    // Where the processor has no such conversion, Highway's truncates and has no infinity.
-    alignas(64) float values[lanes];
-    hn::Store(v, F32(), values);
-    for (std::size_t i = 0; i < lanes; ++i) to[i].bits = to_half(values[i]).bits;
-#else
-    hn::Store(hn::DemoteTo(F16(), v), F16(), to);
-#endif
+    hn::Store(hn::BitCast(F16(), ToHalf(v)), F16(), to);
   }
   static HWY_INLINE Vec Row(const Cell* HWY_RESTRICT terms) {
     return hn::PromoteTo(F32(), hn::Load(F16(), terms));

@@ -35,6 +35,8 @@ struct AnyIndexed {
 /// how many threads it has.
 /// - `Buffer<T>`: grow-only memory that the backend's loops can reach (`HostBuffer` on hosts).
 /// - `SceneOn`: an uploaded scene, with `view()`.
+/// - `reaches_host_memory`: whether its loops can write to the host's own arrays.
+/// - `download(from, to)`: copies to the host, after all that was asked for before; complete when it returns.
 /// - `for_each(n, f)`: f(i) for every i in [0, n), in any order. Complete when it returns, or in stream
 /// order.
 /// - `exclusive_scan(counts)`: sums in place, returns the total.
@@ -45,10 +47,12 @@ struct AnyIndexed {
 template <class B>
 concept BackendPolicy = requires(B b, const Scene& scene, Span<std::uint32_t> counts,
                                  Pairs<B, std::uint32_t>& narrow, Pairs<B, std::uint64_t>& wide,
-                                 typename B::TimePoint time) {
+                                 typename B::TimePoint time, Span<const std::uint32_t> from) {
   { B::name } -> std::convertible_to<std::string_view>;
   { B::usable() } -> std::same_as<bool>;
+  { B::reaches_host_memory } -> std::convertible_to<bool>;
   { b.upload(scene).view() } -> std::same_as<SceneView>;
+  b.download(from, static_cast<std::uint32_t*>(nullptr));
   b.for_each(std::size_t{}, detail::AnyIndexed{});
   { b.exclusive_scan(counts) } -> std::same_as<std::uint64_t>;
   b.sort_pairs(narrow, std::size_t{}, int{});

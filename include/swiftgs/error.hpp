@@ -41,4 +41,10 @@ class CapacityError : public std::runtime_error {
   std::uint64_t limit_;
 };
 
+/// A call to a device failed. `what()` holds the call and the device's own text.
+class DeviceError : public std::runtime_error {
+ public:
+  DeviceError(const std::string& call, const std::string& text) : std::runtime_error(call + ": " + text) {}
+};
+
 }  // namespace swiftgs

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <type_traits>
 #include <vector>
 
 #include <swiftgs/math.hpp>
@@ -19,16 +20,58 @@ struct Frame {
   std::size_t pixels() const { return std::size_t(width) * height; }
 };
 
-/// Where a backend writes a frame: the caller's memory, reachable by that backend.
-/// A null pointer is an output that is not wanted: alpha and depth are then not computed, colour not written.
+/// How the colours of a frame lie in memory, interleaved. RGBA holds in its last channel what covers the
+/// pixel, and colours that are already multiplied by it.
+enum class PixelFormat {
+  rgb_float,   ///< 12 bytes
+  rgba_float,  ///< 16 bytes
+  rgba_half,   ///< 8 bytes, IEEE half
+  rgba_8,      ///< 4 bytes; cut to [0, 1] and rounded to the nearest of 255 steps
+};
+
+/// @units{bytes}
+SWIFTGS_HD constexpr std::size_t bytes_per_pixel(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::rgb_float:
+      return 12;
+    case PixelFormat::rgba_float:
+      return 16;
+    case PixelFormat::rgba_half:
+      return 8;
+    case PixelFormat::rgba_8:
+      break;
+  }
+  return 4;
+}
+
+/// One plane of a frame in the caller's memory. A null pointer is a plane that there is none of.
+template <class T>
+struct Plane {
+  T* data = nullptr;
+  std::size_t pitch = 0;  ///< distance between rows @units{bytes}
+
+  /// Row y from the top.
+  SWIFTGS_HD T* row(std::size_t y) const {
+    using Byte = std::conditional_t<std::is_const_v<T>, const unsigned char, unsigned char>;
+    return reinterpret_cast<T*>(reinterpret_cast<Byte*>(data) + y * pitch);
+  }
+};
+
+/// Where a backend writes a frame: the caller's memory, reachable by that backend, rows from top to bottom.
+/// What is not pointed to is not computed.
 struct FrameView {
   int width = 0, height = 0;
-  float* colour = nullptr;  ///< RGB interleaved
-  float* alpha = nullptr;
-  float* depth = nullptr;
-  std::size_t colour_pitch = 0;  ///< distance between rows @units{floats}; at least 3 width
-  std::size_t alpha_pitch = 0;   ///< @units{floats}; at least width
-  std::size_t depth_pitch = 0;   ///< @units{floats}; at least width
+  Plane<void> colour{};  ///< of `format`
+  PixelFormat format = PixelFormat::rgb_float;
+  Plane<float> alpha{};  ///< 1 - transmittance
+  Plane<float> depth{};  ///< as `Frame::depth`
+
+  /// The caller's own depth buffer, camera-space z: a splat at a pixel's `occluder` or behind is not blended.
+  /// Infinity where nothing stands.
+  Plane<const float> occluder{};
+
+  /// Show what `colour` holds, instead of the background, where transmittance is left.
+  bool over = false;
 };
 
 /// Outputs beside colour.
@@ -46,12 +89,9 @@ inline FrameView prepare(Frame& frame, int width, int height, Outputs outputs) {
   frame.depth.resize(outputs.depth ? frame.pixels() : 0);
   return {.width = width,
           .height = height,
-          .colour = frame.colour.data(),
-          .alpha = outputs.alpha ? frame.alpha.data() : nullptr,
-          .depth = outputs.depth ? frame.depth.data() : nullptr,
-          .colour_pitch = 3 * std::size_t(width),
-          .alpha_pitch = std::size_t(width),
-          .depth_pitch = std::size_t(width)};
+          .colour = {frame.colour.data(), 3 * sizeof(float) * std::size_t(width)},
+          .alpha = {outputs.alpha ? frame.alpha.data() : nullptr, sizeof(float) * std::size_t(width)},
+          .depth = {outputs.depth ? frame.depth.data() : nullptr, sizeof(float) * std::size_t(width)}};
 }
 
 }  // namespace swiftgs

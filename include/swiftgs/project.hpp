@@ -112,11 +112,15 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Sce
   return out;
 }
 
+/// Unit direction from the camera towards `mean`.
+SWIFTGS_HD inline vec3 view_direction(const ViewConstants& v, vec3 mean) {
+  const vec3 d(float(mean.x - v.centre[0]), float(mean.y - v.centre[1]), float(mean.z - v.centre[2]));
+  return d * (1 / std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z));
+}
+
 /// Colour of Gaussian `i` in this view.
 SWIFTGS_HD inline vec3 project_colour(const ViewConstants& v, const SceneView& scene, std::size_t i) {
-  const vec3 mean = scene.means[i];
-  const vec3 d(float(mean.x - v.centre[0]), float(mean.y - v.centre[1]), float(mean.z - v.centre[2]));
-  return sh_colour(scene, i, d * (1 / std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z)));
+  return sh_colour(scene, i, view_direction(v, scene.means[i]));
 }
 
 }  // namespace swiftgs

@@ -5,10 +5,19 @@
 #include <cstdint>
 
 #include <swiftgs/backend.hpp>
+#include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/project.hpp>
 #include <swiftgs/splats.hpp>
+#include <swiftgs/tiles.hpp>
 
 namespace swiftgs {
+
+/// What projection turns into splats.
+struct ProjectJob {
+  ViewConstants constants;
+  SceneView scene;
+  TileGrid grid;
+};
 
 /// Memory of the projection stage between its two steps.
 template <class B>
@@ -47,16 +56,17 @@ struct CompactSplats {
   }
 };
 
-/// Projects `scene`: one splat for each visible Gaussian, in the order of the Gaussians.
-template <BackendPolicy B>
-void project(B& b, const ViewConstants& constants, const SceneView& scene, ProjectScratch<B>& scratch,
-             Splats<B>& splats) {
-  const std::size_t n = scene.size();
+/// Projects the scene of `job`: one splat for each visible Gaussian, in the order of the Gaussians. Backends
+/// overload this. One for which a count on the host is dear counts the tiles within `bounds` on the way, so
+/// that a single count serves this stage and the next.
+template <BackendPolicy B, BoundsPolicy Bounds>
+void project(B& b, const ProjectJob& job, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats) {
+  const std::size_t n = job.scene.size();
   scratch.projected.reset(n), scratch.slots.reset(n);
-  b.for_each(n, ProjectShapes{constants, scene, scratch.projected.data(), scratch.slots.data()});
+  b.for_each(n, ProjectShapes{job.constants, job.scene, scratch.projected.data(), scratch.slots.data()});
   splats.count = std::size_t(b.exclusive_scan(Span{scratch.slots.data(), n}));
   splats.shapes.reset(splats.count), splats.colours.reset(splats.count);
-  b.for_each(n, CompactSplats{constants, scene, scratch.projected.data(), scratch.slots.data(),
+  b.for_each(n, CompactSplats{job.constants, job.scene, scratch.projected.data(), scratch.slots.data(),
                               splats.shapes.data(), splats.colours.data()});
 }
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/bounds.hpp>
@@ -23,7 +24,7 @@ namespace swiftgs {
 /// What a frame is rendered with, beside scene and camera.
 struct RenderSettings {
   Conventions conventions;
-  vec3 background{0};  ///< linear RGB, shown where transmittance is left
+  vec3 background{0};  ///< linear RGB, shown where transmittance is left; has no part in alpha
   Outputs outputs;     ///< of `render`; `render_into` computes what its frame points to
   bool count = false;  ///< fill the raster part of `Statistics`, which costs some time
 };
@@ -54,7 +55,8 @@ class Renderer {
   B& backend() { return backend_; }
   const Sort& sort() const { return sort_; }
 
-  /// Renders into memory of the caller that the backend can reach.
+  /// Renders into memory of the caller that the backend can reach. On a device it returns when the frame is in
+  /// stream order, not when it is finished.
   /// Throws `std::invalid_argument` for a camera, scene or frame that nothing can be rendered with, and
   /// `CapacityError`.
   void render_into(const SceneView& scene, const Camera& camera, const RenderSettings& settings,
@@ -66,7 +68,8 @@ class Renderer {
     if (settings.count) tile_counts_.reset(grid.size()), counts = tile_counts_.data();
 
     const auto start = backend_.now();
-    project(backend_, view_constants(camera, settings.conventions), scene, project_scratch_, splats_);
+    project(backend_, ProjectJob{view_constants(camera, settings.conventions), scene, grid}, Bounds{},
+            project_scratch_, splats_);
 
     const auto projected = backend_.now();
     const FrameKey key{scene.means.data, scene.size(), frame.width, frame.height};
@@ -82,12 +85,29 @@ class Renderer {
     gaussians_ = scene.size();
   }
 
-  /// Renders a frame on the host; for backends whose buffers are host memory.
+  /// Renders a frame on the host; complete when it returns.
   void render(const typename B::SceneOn& scene, const Camera& camera, const RenderSettings& settings,
               Frame& frame) {
     validate(camera);
-    render_into(scene.view(), camera, settings,
-                prepare(frame, camera.width, camera.height, settings.outputs));
+    FrameView view = prepare(frame, camera.width, camera.height, settings.outputs);
+    if constexpr (B::reaches_host_memory) {
+      render_into(scene.view(), camera, settings, view);
+    } else {
+      const FrameView host = view;
+      const auto stage = [](auto& buffer, auto& plane, std::size_t floats) {
+        if (plane.data) buffer.reset(floats), plane.data = buffer.data();
+      };
+      stage(frame_.colour, view.colour, frame.colour.size());
+      stage(frame_.alpha, view.alpha, frame.alpha.size());
+      stage(frame_.depth, view.depth, frame.depth.size());
+      render_into(scene.view(), camera, settings, view);
+      const auto download = [&](const auto& buffer, void* to) {
+        if (to) backend_.download(buffer.span(), static_cast<float*>(to));
+      };
+      download(frame_.colour, host.colour.data);
+      download(frame_.alpha, host.alpha.data);
+      download(frame_.depth, host.depth.data);
+    }
   }
   Frame render(const typename B::SceneOn& scene, const Camera& camera, const RenderSettings& settings = {}) {
     Frame frame;
@@ -108,8 +128,11 @@ class Renderer {
   Statistics statistics() const {
     Statistics s{
         .gaussians = gaussians_, .visible = splats_.count, .instances = lists_.instances, .raster = {}};
-    if (counted_)
-      for (const TileCounts& tile : tile_counts_.span()) s.raster += tile;
+    if (counted_) {
+      std::vector<TileCounts> tiles(tile_counts_.size());
+      backend_.download(tile_counts_.span(), tiles.data());
+      for (const TileCounts& tile : tiles) s.raster += tile;
+    }
     return s;
   }
 
@@ -124,11 +147,20 @@ class Renderer {
       if (!holds) throw std::invalid_argument(std::string("render: expected ") + expected);
     };
     require(frame.width == camera.width && frame.height == camera.height, "a frame of the camera's size");
-    const std::size_t width = std::size_t(frame.width);
-    require(!frame.colour || frame.colour_pitch >= 3 * width,
-            "a colour pitch of at least 3 floats a pixel of width");
-    require(!frame.alpha || frame.alpha_pitch >= width, "an alpha pitch of at least the width");
-    require(!frame.depth || frame.depth_pitch >= width, "a depth pitch of at least the width");
+    const auto require_pitch = [&](const auto& plane, std::size_t pixel, std::size_t channel,
+                                   const char* name) {
+      if (plane.data && (plane.pitch < pixel * std::size_t(frame.width) || plane.pitch % channel != 0))
+        throw std::invalid_argument("render: expected a pitch of " + std::string(name) + " of at least " +
+                                    std::to_string(pixel * std::size_t(frame.width)) +
+                                    " bytes, a multiple of " + std::to_string(channel));
+    };
+    const std::size_t pixel = bytes_per_pixel(frame.format);
+    const std::size_t channels = frame.format == PixelFormat::rgb_float ? 3 : 4;
+    require_pitch(frame.colour, pixel, pixel / channels, "colour");
+    require_pitch(frame.alpha, sizeof(float), sizeof(float), "alpha");
+    require_pitch(frame.depth, sizeof(float), sizeof(float), "depth");
+    require_pitch(frame.occluder, sizeof(float), sizeof(float), "occluder");
+    require(frame.colour.data || !frame.over, "colour to render over");
 
     const std::size_t n = scene.size();
     require(n <= std::numeric_limits<std::uint32_t>::max(), "fewer than 2^32 Gaussians");
@@ -150,6 +182,9 @@ class Renderer {
   typename Sort::template Scratch<B> sort_scratch_;
   TileLists<B> lists_;
   typename B::template Buffer<TileCounts> tile_counts_;
+  struct {
+    typename B::template Buffer<float> colour, alpha, depth;
+  } frame_;  ///< of `render`, where the backend cannot write to the host's
   std::array<typename B::TimePoint, 4> points_{};
   bool counted_ = false;
   std::size_t gaussians_ = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -25,10 +26,17 @@ class Serial {
   using SceneOn = HostScene;
   using TimePoint = std::chrono::steady_clock::time_point;
 
+  static constexpr bool reaches_host_memory = true;
+
   static bool usable() { return true; }
 
   SceneOn upload(Scene scene) const { return SceneOn(std::move(scene)); }
   SceneOn upload(std::shared_ptr<const Scene> scene) const { return SceneOn(std::move(scene)); }
+
+  template <class T>
+  void download(Span<const T> from, T* to) const {
+    std::copy(from.begin(), from.end(), to);
+  }
 
   template <class F>
   void for_each(std::size_t n, const F& f) const {

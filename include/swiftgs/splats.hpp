@@ -36,6 +36,11 @@ struct SplatsView {
   Span<const SplatShape> shapes;
   Span<const SplatColour> colours;
 
+  /// @shape{splats} tiles that each may touch, and their sum: where the backend counts them while it
+  /// projects.
+  Span<const std::uint32_t> tiles{};
+  std::uint64_t instances = 0;
+
   SWIFTGS_HD std::size_t size() const { return shapes.size; }
 };
 
@@ -46,7 +51,7 @@ struct Splats {
   typename B::template Buffer<SplatColour> colours;
   std::size_t count = 0;
 
-  SplatsView view() const { return {{shapes.data(), count}, {colours.data(), count}}; }
+  SplatsView view() const { return {{shapes.data(), count}, {colours.data(), count}, {}, 0}; }
 };
 
 /// Key that orders depths as integers: the bits of a positive float ascend with its value, and its sign bit

@@ -55,7 +55,7 @@ TEST_CASE_TEMPLATE("a steady frame allocates nothing", Sort, StandardSort, Early
     for (int i = 0; i < 5; ++i) renderer.render(scene, camera, settings, frame);
     // A smaller frame needs no more.
     renderer.render_into(scene.view(), scaled(camera, 0.5), settings,
-                         {.width = 50, .height = 40, .colour = frame.colour.data(), .colour_pitch = 150});
+                         {.width = 50, .height = 40, .colour = {frame.colour.data(), 600}});
     const std::size_t after = allocations;
     CHECK(after == warm);
     CHECK(warm > before + 8);  // the counter counts

@@ -174,7 +174,11 @@ TEST_CASE_TEMPLATE("blend: memory beyond each row of a pitched frame is left alo
     const Drawing tight = draw<Raster>(backend, splats, width, height);
     const std::size_t pitch = 53;
     std::vector<float> colour(3 * pitch * height, -7), alpha(pitch * height, -7), depth(pitch * height, -7);
-    const FrameView frame{width, height, colour.data(), alpha.data(), depth.data(), 3 * pitch, pitch, pitch};
+    const FrameView frame{.width = width,
+                          .height = height,
+                          .colour = {colour.data(), 12 * pitch},
+                          .alpha = {alpha.data(), 4 * pitch},
+                          .depth = {depth.data(), 4 * pitch}};
     rasterize(
         backend, Raster{},
         RasterJob{splats.view(), lists.view(), job.grid, DrawSettings().rules, vec3(0), frame, nullptr});
@@ -210,9 +214,9 @@ TEST_CASE_TEMPLATE("blend: each output alone is the same as with the others", B,
           RasterJob{splats.view(), lists.view(), job.grid, DrawSettings().rules, vec3(0), frame, nullptr});
     };
     std::vector<float> colour(50 * 30 * 3), alpha(50 * 30), depth(50 * 30);
-    run({.width = 50, .height = 30, .colour = colour.data(), .colour_pitch = 150});
-    run({.width = 50, .height = 30, .alpha = alpha.data(), .alpha_pitch = 50});
-    run({.width = 50, .height = 30, .depth = depth.data(), .depth_pitch = 50});
+    run({.width = 50, .height = 30, .colour = {colour.data(), 600}});
+    run({.width = 50, .height = 30, .alpha = {alpha.data(), 200}});
+    run({.width = 50, .height = 30, .depth = {depth.data(), 200}});
     CHECK(colour == all.frame.colour);
     CHECK(alpha == all.frame.alpha);
     CHECK(depth == all.frame.depth);
@@ -240,7 +244,7 @@ TEST_CASE_TEMPLATE("blend: lossless bounds draw the same bits of splats that bar
       const auto alpha_within = [&]<class Bounds>(Bounds) {
         const TileLists<B> lists = build_lists<EarlySort, Bounds>(backend, job);
         std::vector<float> alpha(std::size_t(width * height));
-        const FrameView frame{.width = width, .height = height, .alpha = alpha.data(), .alpha_pitch = width};
+        const FrameView frame{.width = width, .height = height, .alpha = {alpha.data(), 4 * width}};
         rasterize(
             backend, Raster{},
             RasterJob{splats.view(), lists.view(), job.grid, DrawSettings().rules, vec3(0), frame, nullptr});

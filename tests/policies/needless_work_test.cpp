@@ -53,7 +53,10 @@ template <class B>
 std::vector<SplatColour> colours(B& backend, const SceneView& scene, const Camera& camera) {
   ProjectScratch<B> scratch;
   Splats<B> splats;
-  project(backend, view_constants(camera, Conventions::gsplat()), scene, scratch, splats);
+  project(backend,
+          ProjectJob{view_constants(camera, Conventions::gsplat()), scene,
+                     TileGrid::covering(camera.width, camera.height)},
+          Ellipse(), scratch, splats);
   return {splats.colours.data(), splats.colours.data() + splats.count};
 }
 

@@ -88,8 +88,7 @@ TEST_CASE("renderer: one frame may be written into a part of a larger image") {
   const Frame alone = renderer.render(scene, camera);
   std::vector<float> wall(3 * 100 * 50, -1);
   float* const corner = wall.data() + 3 * (10 * 100 + 40);
-  renderer.render_into(scene.view(), camera, {},
-                       {.width = 30, .height = 20, .colour = corner, .colour_pitch = 300});
+  renderer.render_into(scene.view(), camera, {}, {.width = 30, .height = 20, .colour = {corner, 1200}});
   CHECK(corner[0] == alone.colour[0]);
   CHECK(corner[300 * 19 + 89] == alone.colour[3 * 20 * 30 - 1]);
   CHECK(corner[-1] == -1);
@@ -108,7 +107,7 @@ TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
   std::vector<float> memory(3 * 40 * 30);
   const auto refusal = [&](const std::function<void(Arguments&)>& spoil) {
     Arguments a{
-        view(scene), forward_camera(40, 30), {}, {40, 30, memory.data(), nullptr, nullptr, 120, 0, 0}};
+        view(scene), forward_camera(40, 30), {}, {.width = 40, .height = 30, .colour = {memory.data(), 480}}};
     spoil(a);
     try {
       renderer.render_into(a.scene, a.camera, a.settings, a.frame);
@@ -119,12 +118,14 @@ TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
   };
   CHECK(refusal([](Arguments&) {}) == "accepted");
   CHECK(refusal([](Arguments& a) { a.frame.width = 39; }) == "render: expected a frame of the camera's size");
-  CHECK(refusal([](Arguments& a) { a.frame.colour_pitch = 119; }) ==
-        "render: expected a colour pitch of at least 3 floats a pixel of width");
-  CHECK(refusal([&](Arguments& a) { a.frame.alpha = memory.data(), a.frame.alpha_pitch = 39; }) ==
-        "render: expected an alpha pitch of at least the width");
-  CHECK(refusal([&](Arguments& a) { a.frame.depth = memory.data(); }) ==
-        "render: expected a depth pitch of at least the width");
+  CHECK(refusal([](Arguments& a) { a.frame.colour.pitch = 476; }) ==
+        "render: expected a pitch of colour of at least 480 bytes, a multiple of 4");
+  CHECK(refusal([&](Arguments& a) {
+          a.frame.alpha = {memory.data(), 159};
+        }) == "render: expected a pitch of alpha of at least 160 bytes, a multiple of 4");
+  CHECK(refusal([&](Arguments& a) {
+          a.frame.depth = {memory.data(), 0};
+        }) == "render: expected a pitch of depth of at least 160 bytes, a multiple of 4");
   CHECK(refusal([](Arguments& a) { a.camera.width = a.frame.width = -100, a.settings.count = true; }) ==
         "camera: expected a width and a height above 0");
   CHECK(refusal([](Arguments& a) { a.camera.fx = std::nan(""); }) ==

@@ -10,6 +10,7 @@
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/splats.hpp>
+#include <swiftgs/store_pixel.hpp>
 #include <swiftgs/tiles.hpp>
 
 namespace swiftgs {
@@ -91,7 +92,8 @@ struct RasterizeTile {
     const int columns = job.frame.width - x0 < tile_side ? job.frame.width - x0 : tile_side;
     const int rows = job.frame.height - y0 < tile_side ? job.frame.height - y0 : tile_side;
 
-    Pixel pixels[tile_side][tile_side];
+    BlendedPixel pixels[tile_side][tile_side];
+    bool stopped[tile_side][tile_side] = {};
     int live_in_row[tile_side];
     for (int row = 0; row < rows; ++row) live_in_row[row] = columns;
     int live = rows * columns;
@@ -112,19 +114,19 @@ struct RasterizeTile {
         ++counts.rows_visited;
         kernel.start_row(y);
         for (int column = 0; column < columns; ++column) {
-          Pixel& pixel = pixels[row][column];
-          if (!pixel.live) continue;
+          BlendedPixel& pixel = pixels[row][column];
+          if (stopped[row][column]) continue;
           const float alpha = kernel.alpha(column);
           if (alpha == 0) continue;
           const float next = pixel.transmittance * (1 - alpha);
-          if (next < job.rules.stop_below) {
-            pixel.live = false;
+          if (next < job.rules.stop_below || occluded(x0 + column, y0 + row, colour.depth)) {
+            stopped[row][column] = true;
             --live_in_row[row], --live, ++counts.pixels_stopped;
             continue;
           }
           const float weight = alpha * pixel.transmittance;
           pixel.colour += weight * colour.rgb;
-          if (job.frame.depth) pixel.depth += weight * colour.depth;
+          if (job.frame.depth.data) pixel.depth += weight * colour.depth;
           pixel.transmittance = next;
           ++counts.contributing_pairs;
         }
@@ -132,28 +134,17 @@ struct RasterizeTile {
     }
 
     for (int row = 0; row < rows; ++row)
-      for (int column = 0; column < columns; ++column) store(pixels[row][column], x0 + column, y0 + row);
+      for (int column = 0; column < columns; ++column)
+        store_pixel(job.frame, std::size_t(x0 + column), std::size_t(y0 + row), pixels[row][column],
+                    job.background);
     if (job.counts) job.counts[tile] = counts;
   }
 
  private:
-  struct Pixel {
-    vec3 colour{0};
-    float transmittance = 1;
-    float depth = 0;
-    bool live = true;
-  };
-
-  SWIFTGS_HD void store(const Pixel& pixel, int x, int y) const {
-    const FrameView& frame = job.frame;
-    const std::size_t column = std::size_t(x), row = std::size_t(y);
-    if (frame.colour)
-      for (int c = 0; c < 3; ++c)
-        frame.colour[row * frame.colour_pitch + 3 * column + std::size_t(c)] =
-            pixel.colour[c] + pixel.transmittance * job.background[c];
-    const float alpha = 1 - pixel.transmittance;
-    if (frame.alpha) frame.alpha[row * frame.alpha_pitch + column] = alpha;
-    if (frame.depth) frame.depth[row * frame.depth_pitch + column] = alpha > 0 ? pixel.depth / alpha : 0.0f;
+  /// Lists run front to back, so a pixel ends at the first splat that the caller's surface hides.
+  SWIFTGS_HD bool occluded(int x, int y, float depth) const {
+    const Plane<const float>& occluder = job.frame.occluder;
+    return occluder.data && depth >= occluder.row(std::size_t(y))[x];
   }
 };
 

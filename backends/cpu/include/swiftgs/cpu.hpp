@@ -50,12 +50,19 @@ class Cpu {
   /// oneTBB.
   explicit Cpu(int threads = 0);
 
+  static constexpr bool reaches_host_memory = true;
+
   static bool usable() { return true; }
   int threads() const { return arena_->max_concurrency(); }
 
   /// Shares `scene` without copying it, and asks for its arrays to be moved to large pages.
   SceneOn upload(std::shared_ptr<const Scene> scene) const;
   SceneOn upload(Scene scene) const { return upload(std::make_shared<const Scene>(std::move(scene))); }
+
+  template <class T>
+  void download(Span<const T> from, T* to) const {
+    std::copy(from.begin(), from.end(), to);
+  }
 
   /// f(begin, end) for consecutive parts of [0, n) of at least `grain` elements, in parallel.
   template <class F>
@@ -102,8 +109,14 @@ struct ProjectScratch<Cpu> {
 };
 
 /// Vector kernel of the projection: a lane a Gaussian.
-void project(Cpu& cpu, const ViewConstants& constants, const SceneView& scene, ProjectScratch<Cpu>& scratch,
-             Splats<Cpu>& splats);
+void project(Cpu& cpu, const ProjectJob& job, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats);
+
+/// Tiles are counted when instances are emitted, whatever the bounds.
+template <BoundsPolicy Bounds>
+void project(Cpu& cpu, const ProjectJob& job, const Bounds&, ProjectScratch<Cpu>& scratch,
+             Splats<Cpu>& splats) {
+  project(cpu, job, scratch, splats);
+}
 
 /// The tiles that a splat may touch. Bit 8 r + c of `mask` is the tile r rows below and c columns right of
 /// the first; zero where the splat spans more than 8 tiles a side, whose tiles are found again when they are

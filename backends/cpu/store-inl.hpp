@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compiled once a vector target: no #pragma once, but a guard that toggles.
+#if defined(SWIFTGS_CPU_STORE_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef SWIFTGS_CPU_STORE_INL
+#undef SWIFTGS_CPU_STORE_INL
+#else
+#define SWIFTGS_CPU_STORE_INL
+#endif
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include <hwy/highway.h>
+
+#include <swiftgs/raster/raster.hpp>
+#include <swiftgs/store_pixel.hpp>
+
+#include "half-inl.hpp"
+#include "tile-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace swiftgs::HWY_NAMESPACE {
+
+/// What a row of a tile shows where transmittance is left: RGBA, an array a channel.
+struct alignas(64) Below {
+  float channels[4][tile_side];
+};
+
+/// Of the whole tile, unless the frame is rendered over what it holds.
+HWY_INLINE void LoadBackground(vec3 background, Below& below) {
+  for (std::size_t c = 0; c < 4; ++c)
+    for (std::size_t i = 0; i < tile_side; ++i) below.channels[c][i] = c < 3 ? background[int(c)] : 0.0f;
+}
+
+/// Of row `y`.
+HWY_INLINE void LoadRow(const FrameView& frame, const TileFrame& tile, std::size_t y, Below& below) {
+  for (std::size_t i = 0; i < std::size_t(tile.columns); ++i) {
+    const vec4 colour = detail::load_colour(frame, tile.x0 + i, y);
+    for (std::size_t c = 0; c < 4; ++c) below.channels[c][i] = colour[int(c)];
+  }
+}
+
+/// Writes a register of pixels in `format`, one behind the other.
+HWY_INLINE void StoreColours(PixelFormat format, Vec red, Vec green, Vec blue, Vec alpha,
+                             unsigned char* HWY_RESTRICT to) {
+  const F32 d;
+  switch (format) {
+    case PixelFormat::rgb_float:
+      hn::StoreInterleaved3(red, green, blue, d, reinterpret_cast<float*>(to));
+      return;
+    case PixelFormat::rgba_float:
+      hn::StoreInterleaved4(red, green, blue, alpha, d, reinterpret_cast<float*>(to));
+      return;
+    case PixelFormat::rgba_half:
+      hn::StoreInterleaved4(ToHalf(red), ToHalf(green), ToHalf(blue), ToHalf(alpha), U16(),
+                            reinterpret_cast<std::uint16_t*>(to));
+      return;
+    case PixelFormat::rgba_8: {
+      // As `to_unorm8`; every processor that has these kernels stores the low byte first.
+      const hn::RebindToSigned<F32> di;
+      const auto steps = [&](Vec v) HWY_ATTR {
+        const Vec cut = hn::IfThenElseZero(hn::Gt(v, hn::Zero(d)), hn::Min(v, hn::Set(d, 1.0f)));
+        const auto twice = hn::ConvertTo(di, hn::Mul(cut, hn::Set(d, 510.0f)));
+        return hn::ShiftRight<1>(hn::Add(twice, hn::Set(di, 1)));
+      };
+      const auto pixels = hn::Or(hn::Or(steps(red), hn::ShiftLeft<8>(steps(green))),
+                                 hn::Or(hn::ShiftLeft<16>(steps(blue)), hn::ShiftLeft<24>(steps(alpha))));
+      hn::Store(pixels, di, reinterpret_cast<std::int32_t*>(to));
+    }
+  }
+}
+
+/// Writes the outputs that are asked for, as `store_pixel` does.
+HWY_INLINE void StoreTile(const RasterJob& job, const TileFrame& tile, TileState& state) {
+  const F32 d;
+  const FrameView& frame = job.frame;
+  const std::size_t pixel = bytes_per_pixel(frame.format), columns = std::size_t(tile.columns);
+  Below below;
+  LoadBackground(job.background, below);
+  for (std::size_t row = 0; row < std::size_t(tile.rows); ++row) {
+    alignas(64) unsigned char colours[4 * sizeof(float) * tile_side];
+    alignas(64) float alphas[tile_side], depths[tile_side];
+    const std::size_t y = tile.y0 + row;
+    if (frame.over) LoadRow(frame, tile, y, below);
+    for (std::size_t column = 0; column < tile_side; column += lanes) {
+      const Vec transmittance = hn::Abs(hn::Load(d, state.transmittance[row] + column));
+      const Vec alpha = hn::Sub(hn::Set(d, 1.0f), transmittance);
+      const auto laid = [&](Vec colour, std::size_t channel) HWY_ATTR {
+        return hn::MulAdd(transmittance, hn::Load(d, below.channels[channel] + column), colour);
+      };
+      StoreColours(frame.format, laid(hn::Load(d, state.red[row] + column), 0),
+                   laid(hn::Load(d, state.green[row] + column), 1),
+                   laid(hn::Load(d, state.blue[row] + column), 2), laid(alpha, 3), colours + pixel * column);
+      hn::Store(alpha, d, alphas + column);
+      if (frame.depth.data) {
+        const Vec mean = hn::Div(hn::Load(d, state.depth[row] + column), alpha);
+        hn::Store(hn::IfThenElseZero(hn::Gt(alpha, hn::Zero(d)), mean), d, depths + column);
+      }
+    }
+    if (frame.colour.data)
+      std::memcpy(static_cast<unsigned char*>(frame.colour.row(y)) + tile.x0 * pixel, colours,
+                  columns * pixel);
+    if (frame.alpha.data) std::memcpy(frame.alpha.row(y) + tile.x0, alphas, columns * sizeof(float));
+    if (frame.depth.data) std::memcpy(frame.depth.row(y) + tile.x0, depths, columns * sizeof(float));
+  }
+}
+
+}  // namespace swiftgs::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include <cuda_runtime_api.h>
+
+#include <swiftgs/cuda.cuh>
+#include <swiftgs/sort/early.hpp>
+
+#include "state.hpp"
+
+namespace swiftgs {
+
+bool Cuda::usable() {
+  static const bool usable = [] {
+    int devices = 0;
+    cudaFuncAttributes kernel{};
+    const bool found = cudaGetDeviceCount(&devices) == cudaSuccess && devices > 0 &&
+        cudaFuncGetAttributes(&kernel, kernels::for_each<ClearRanges>) == cudaSuccess;
+    if (!found) cudaGetLastError();
+    return found;
+  }();
+  return usable;
+}
+
+Cuda::Cuda(cudaStream_t stream) : state_(std::make_unique<State>()) { state_->stream = stream; }
+Cuda::~Cuda() = default;
+Cuda::Cuda(Cuda&&) noexcept = default;
+Cuda& Cuda::operator=(Cuda&&) noexcept = default;
+
+cudaStream_t Cuda::stream() const { return state_->stream; }
+
+void Cuda::download_bytes(const void* from, void* to, std::size_t bytes) const {
+  if (bytes == 0) return;
+  check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, stream()),
+             "cudaMemcpyAsync to the host");
+  check_cuda(cudaStreamSynchronize(stream()), "cudaStreamSynchronize");
+}
+
+void Cuda::clear(void* memory, std::size_t bytes) const {
+  if (bytes != 0) check_cuda(cudaMemsetAsync(memory, 0, bytes, stream()), "cudaMemsetAsync");
+}
+
+Cuda::TimePoint Cuda::now() {
+  auto& event = state_->events[++state_->points % state_->events.size()];
+  if (!event) {
+    cudaEvent_t made = nullptr;
+    check_cuda(cudaEventCreate(&made), "cudaEventCreate");
+    event.reset(made);
+  }
+  check_cuda(cudaEventRecord(event.get(), stream()), "cudaEventRecord");
+  return {state_->points};
+}
+
+std::optional<double> Cuda::milliseconds(TimePoint from, TimePoint to) const {
+  const auto& events = state_->events;
+  if (from.serial == 0 || from.serial > to.serial || from.serial + events.size() <= state_->points)
+    return std::nullopt;
+  const cudaEvent_t last = events[to.serial % events.size()].get();
+  const cudaError_t reached = cudaEventQuery(last);
+  if (reached == cudaErrorNotReady) return std::nullopt;
+  check_cuda(reached, "cudaEventQuery");
+  float ms = 0;
+  check_cuda(cudaEventElapsedTime(&ms, events[from.serial % events.size()].get(), last),
+             "cudaEventElapsedTime");
+  return ms;
+}
+
+RunningSums::View RunningSums::next(const Cuda& cuda, std::size_t blocks) {
+  // States carry the epoch that wrote them, so that older ones need not be cleared.
+  constexpr std::uint32_t last_epoch = (1u << 30) - 1;
+  if (states_.size() < blocks || epoch_ == last_epoch) {
+    states_.reset(blocks);
+    ticket_.reset(1);
+    cuda.clear(states_.data(), blocks * sizeof(std::uint64_t));
+    cuda.clear(ticket_.data(), sizeof(std::uint32_t));
+    epoch_ = 0;
+  }
+  return {states_.data(), ticket_.data(), ++epoch_};
+}
+
+// Loops of the sorts.
+template void Cuda::for_each(std::size_t, const DepthPair&) const;
+template void Cuda::for_each(std::size_t, const ClearRanges&) const;
+template void Cuda::for_each(std::size_t, const FindRanges<std::uint32_t>&) const;
+template void Cuda::for_each(std::size_t, const FindRanges<std::uint64_t>&) const;
+
+}  // namespace swiftgs

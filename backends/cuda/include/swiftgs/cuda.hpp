@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include <swiftgs/backend.hpp>
+#include <swiftgs/bounds/bounds.hpp>
+#include <swiftgs/cuda/memory.hpp>
+#include <swiftgs/project_stage.hpp>
+#include <swiftgs/raster/axis_shared.hpp>
+#include <swiftgs/raster/per_pixel.hpp>
+#include <swiftgs/sort/sort.hpp>
+
+/// A stream as `<cuda_runtime_api.h>` declares it, so that this header needs no toolkit.
+using cudaStream_t = struct CUstream_st*;
+
+namespace swiftgs {
+
+/// One NVIDIA GPU: everything runs in order on one stream, and what a frame computes has the same bits from
+/// run to run. This header compiles without CUDA; policies of your own also need `<swiftgs/cuda.cuh>` and
+/// nvcc.
+///
+/// A backend belongs to the device that was current when it was made; that device must be current wherever it
+/// is used. Its functions return when their work is in stream order, unless they say that they wait.
+/// All of them throw `DeviceError`, and `CapacityError` where the device's memory does not suffice.
+class Cuda {
+ public:
+  static constexpr std::string_view name = "cuda";
+  template <class T>
+  using Buffer = DeviceBuffer<T>;
+  using SceneOn = DeviceScene;
+  static constexpr bool reaches_host_memory = false;
+
+  /// A point in stream order. It can be read until 255 later points have been taken.
+  struct TimePoint {
+    std::uint64_t serial = 0;
+  };
+
+  /// Whether there is a device that a kernel of this build runs on.
+  static bool usable();
+
+  /// Works on the caller's `stream`, which outlives it; by default on the default stream of the device.
+  explicit Cuda(cudaStream_t stream = nullptr);
+  ~Cuda();
+  Cuda(Cuda&&) noexcept;
+  Cuda& operator=(Cuda&&) noexcept;
+
+  cudaStream_t stream() const;
+
+  /// Copies `scene` to the device, without the SH bands that are zero throughout. Waits.
+  /// Throws `std::invalid_argument` as `validate` does.
+  SceneOn upload(const Scene& scene) const;
+  SceneOn upload(std::shared_ptr<const Scene> scene) const;
+
+  /// Waits for all that was asked for before.
+  template <class T>
+  void download(Span<const T> from, T* to) const {
+    download_bytes(from.data, to, from.size * sizeof(T));
+  }
+
+  /// Defined in `<swiftgs/cuda.cuh>`.
+  template <class F>
+  void for_each(std::size_t n, const F& f) const;
+
+  /// Waits for the total.
+  std::uint64_t exclusive_scan(Span<std::uint32_t> counts);
+
+  void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, std::size_t n, int bits);
+  void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, std::size_t n, int bits);
+
+  TimePoint now();
+  std::optional<double> milliseconds(TimePoint from, TimePoint to) const;
+
+  /// Fills `bytes` bytes of device memory with zero.
+  void clear(void* memory, std::size_t bytes) const;
+
+ private:
+  void download_bytes(const void* from, void* to, std::size_t bytes) const;
+  template <class Key>
+  void radix_sort(Pairs<Cuda, Key>& pairs, std::size_t n, int bits);
+
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Memory of a running sum that blocks of one kernel hand on to each other, from kernel to kernel.
+class RunningSums {
+ public:
+  /// What a kernel needs of it.
+  struct View {
+    std::uint64_t* states = nullptr;  ///< @shape{blocks}
+    std::uint32_t* ticket = nullptr;
+    std::uint32_t epoch = 0;
+  };
+
+  /// For one kernel of `blocks` blocks.
+  View next(const Cuda& cuda, std::size_t blocks);
+
+ private:
+  DeviceBuffer<std::uint64_t> states_;
+  DeviceBuffer<std::uint32_t> ticket_;
+  std::uint32_t epoch_ = 0;
+};
+
+/// What the host learns of a frame.
+struct FrameCounts {
+  std::uint64_t visible = 0;
+  std::uint64_t instances = 0;
+};
+
+template <>
+struct ProjectScratch<Cuda> {
+  RunningSums sums;
+  DeviceBuffer<FrameCounts> counts;
+};
+
+/// Splats with the number of tiles that each may touch within the bounds that they were projected for.
+/// The buffers have room for all Gaussians: how many are visible is known only after they are written.
+template <>
+struct Splats<Cuda> {
+  DeviceBuffer<SplatShape> shapes;
+  DeviceBuffer<SplatColour> colours;
+  DeviceBuffer<std::uint32_t> tiles;
+  std::size_t count = 0;
+  std::uint64_t instances = 0;
+
+  SplatsView view() const {
+    return {{shapes.data(), count}, {colours.data(), count}, {tiles.data(), count}, instances};
+  }
+};
+
+/// One kernel: projects, compacts in the order of the Gaussians, counts tiles and evaluates colours. Waits for
+/// the counts of visible splats and of instances, the only thing that the host waits for in a frame.
+/// Instantiated for the library's bounds; for others by `<swiftgs/cuda.cuh>`.
+template <BoundsPolicy Bounds>
+void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
+             Splats<Cuda>& splats);
+
+template <>
+struct InstanceScratch<Cuda> {
+  RunningSums sums;
+  DeviceBuffer<std::uint32_t> tiles;  ///< where the job does not bring its own counts
+};
+
+/// `emit_instances` with the tiles of 32 splats spread over the lanes of a warp.
+/// Instantiated for the library's bounds; for others by `<swiftgs/cuda.cuh>`. Waits only where `job` does not
+/// hold the counts of tiles.
+template <BoundsPolicy Bounds, class Key>
+std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+                           InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances);
+
+/// A thread a pixel, splats in shared memory.
+void rasterize(Cuda& cuda, PerPixel, const RasterJob& job);
+/// Terms in shared memory, eight splats at a time (SwiftGS, section 5.1).
+void rasterize(Cuda& cuda, AxisShared<HalfSplit>, const RasterJob& job);
+void rasterize(Cuda& cuda, AxisSharedThreshold<HalfSplit>, const RasterJob& job);
+/// Terms in registers, a warp on 8x8 pixels of its own.
+void rasterize(Cuda& cuda, AxisShared<FloatSplit>, const RasterJob& job);
+void rasterize(Cuda& cuda, AxisSharedThreshold<FloatSplit>, const RasterJob& job);
+void rasterize(Cuda& cuda, AxisShared<FloatCholesky>, const RasterJob& job);
+void rasterize(Cuda& cuda, AxisSharedThreshold<FloatCholesky>, const RasterJob& job);
+
+static_assert(BackendPolicy<Cuda>);
+
+}  // namespace swiftgs

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cuda_runtime_api.h>
+
+#include <swiftgs/error.hpp>
+
+namespace swiftgs {
+
+/// Throws `DeviceError`, naming `call`, unless a CUDA call returned success.
+inline void check_cuda(cudaError_t result, const char* call) {
+  if (result != cudaSuccess) throw DeviceError(call, cudaGetErrorString(result));
+}
+
+}  // namespace swiftgs

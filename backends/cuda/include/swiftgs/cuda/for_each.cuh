@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/launch.cuh>
+
+namespace swiftgs {
+
+namespace kernels {
+inline constexpr unsigned for_each_threads = 256;
+
+template <class F>
+__global__ void __launch_bounds__(for_each_threads) for_each(std::size_t n, const F f) {
+  const std::size_t i = std::size_t(blockIdx.x) * for_each_threads + threadIdx.x;
+  if (i < n) f(i);
+}
+}  // namespace kernels
+
+template <class F>
+void Cuda::for_each(std::size_t n, const F& f) const {
+  if (n == 0) return;
+  launch("for_each", kernels::for_each<F>, blocks_for(n, kernels::for_each_threads), kernels::for_each_threads,
+         stream(), n, f);
+}
+
+}  // namespace swiftgs

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include <swiftgs/host_buffer.hpp>
+#include <swiftgs/scene.hpp>
+
+namespace swiftgs {
+
+/// Memory of the current device. `allocate` throws `CapacityError` where there is not enough of it.
+struct DeviceMemory {
+  static void* allocate(std::size_t bytes);
+  static void release(void* memory);
+};
+
+/// Uninitialised device memory that grows and never shrinks. To grow waits for the device.
+template <class T>
+using DeviceBuffer = HostBuffer<T, DeviceMemory>;
+
+/// A scene in the memory of a device: shared, never changed.
+class DeviceScene {
+ public:
+  struct Arrays;
+  DeviceScene(std::shared_ptr<const Arrays> arrays, const SceneView& view)
+      : arrays_(std::move(arrays)), view_(view) {}
+
+  SceneView view() const { return view_; }
+
+ private:
+  std::shared_ptr<const Arrays> arrays_;
+  SceneView view_;
+};
+
+}  // namespace swiftgs

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <cuda_runtime_api.h>
+
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/check.hpp>
+
+namespace swiftgs {
+
+void* DeviceMemory::allocate(std::size_t bytes) {
+  void* memory = nullptr;
+  const cudaError_t result = cudaMalloc(&memory, bytes);
+  if (result == cudaErrorMemoryAllocation) {
+    cudaGetLastError();  // the next call must not see it again
+    std::size_t free = 0, total = 0;
+    check_cuda(cudaMemGetInfo(&free, &total), "cudaMemGetInfo");
+    throw CapacityError("bytes of device memory", bytes, free);
+  }
+  check_cuda(result, "cudaMalloc");
+  return memory;
+}
+
+void DeviceMemory::release(void* memory) { cudaFree(memory); }
+
+struct DeviceScene::Arrays {
+  DeviceBuffer<vec3> means, scales, sh0;
+  DeviceBuffer<Quaternion> rotations;
+  DeviceBuffer<float> opacities, sh_rest;
+};
+
+namespace {
+
+/// Copies a host array and views the copy.
+template <class T>
+Span<const T> copy(Span<const T> from, DeviceBuffer<T>& to) {
+  if (from.size == 0) return {};
+  to.reset(from.size);
+  check_cuda(cudaMemcpy(to.data(), from.data, from.size * sizeof(T), cudaMemcpyHostToDevice),
+             "cudaMemcpy to the device");
+  return std::as_const(to).span();
+}
+
+}  // namespace
+
+DeviceScene Cuda::upload(const Scene& scene) const {
+  const SceneView host = swiftgs::view(scene);
+  const auto arrays = std::make_shared<DeviceScene::Arrays>();
+  SceneView device{.means = copy(host.means, arrays->means),
+                   .scales = copy(host.scales, arrays->scales),
+                   .rotations = copy(host.rotations, arrays->rotations),
+                   .opacities = copy(host.opacities, arrays->opacities),
+                   .sh0 = copy(host.sh0, arrays->sh0),
+                   .sh_rest = {},
+                   .sh_degree = host.sh_degree,
+                   .sh_stride = 3 * sh_rest_count(host.sh_degree)};
+  const std::size_t used = std::size_t(device.sh_stride);
+  if (used == std::size_t(host.sh_stride)) {
+    device.sh_rest = copy(host.sh_rest, arrays->sh_rest);
+  } else if (used != 0) {
+    std::vector<float> bands(used * scene.size());
+    for (std::size_t i = 0; i < scene.size(); ++i)
+      for (std::size_t k = 0; k < used; ++k)
+        bands[i * used + k] = host.sh_rest[i * std::size_t(host.sh_stride) + k];
+    device.sh_rest = copy(Span<const float>{bands.data(), bands.size()}, arrays->sh_rest);
+  }
+  // Streams that do not wait for the default one may read the scene at once.
+  check_cuda(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
+  return DeviceScene(arrays, device);
+}
+
+DeviceScene Cuda::upload(std::shared_ptr<const Scene> scene) const {
+  if (!scene) throw std::invalid_argument("upload: expected a scene");
+  return upload(*scene);
+}
+
+}  // namespace swiftgs

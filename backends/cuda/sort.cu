@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_reduce.cuh>
+#include <cub/device/device_scan.cuh>
+
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/check.hpp>
+
+#include "state.hpp"
+
+namespace swiftgs {
+namespace {
+
+/// Calls a function of CUB twice, for the size of its temporary memory and for its result.
+template <class F>
+void run_cub(const char* call, DeviceBuffer<std::byte>& temporary, const F& f) {
+  std::size_t bytes = 0;
+  check_cuda(f(nullptr, bytes), call);
+  temporary.reset(bytes);
+  check_cuda(f(temporary.data(), bytes), call);
+}
+
+struct SumU64 {
+  __device__ std::uint64_t operator()(std::uint64_t a, std::uint64_t b) const { return a + b; }
+};
+
+}  // namespace
+
+std::uint64_t Cuda::exclusive_scan(Span<std::uint32_t> counts) {
+  if (counts.empty()) return 0;
+  // The last sum and the last count make the total, which may not fit the sums: add the counts up in 64 bits first.
+  DeviceBuffer<std::byte>& temporary = state_->temporary;
+  state_->total.reset(1);
+  const auto n = std::int64_t(counts.size);
+  run_cub("cub::DeviceReduce::Reduce", temporary, [&](void* memory, std::size_t& bytes) {
+    return cub::DeviceReduce::Reduce(memory, bytes, counts.data, state_->total.data(), n, SumU64(),
+                                     std::uint64_t(0), stream());
+  });
+  run_cub("cub::DeviceScan::ExclusiveSum", temporary, [&](void* memory, std::size_t& bytes) {
+    return cub::DeviceScan::ExclusiveSum(memory, bytes, counts.data, counts.data, n, stream());
+  });
+  std::uint64_t total = 0;
+  download(Span<const std::uint64_t>{state_->total.data(), 1}, &total);
+  return total;
+}
+
+template <class Key>
+void Cuda::radix_sort(Pairs<Cuda, Key>& pairs, std::size_t n, int bits) {
+  if (n == 0 || bits == 0) return;
+  cub::DoubleBuffer<Key> keys(pairs.keys.data(), pairs.spare_keys.data());
+  cub::DoubleBuffer<std::uint32_t> values(pairs.values.data(), pairs.spare_values.data());
+  run_cub("cub::DeviceRadixSort::SortPairs", state_->temporary, [&](void* memory, std::size_t& bytes) {
+    return cub::DeviceRadixSort::SortPairs(memory, bytes, keys, values, std::int64_t(n), 0, bits, stream());
+  });
+  if (keys.selector != 0) std::swap(pairs.keys, pairs.spare_keys);
+  if (values.selector != 0) std::swap(pairs.values, pairs.spare_values);
+}
+
+void Cuda::sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, std::size_t n, int bits) { radix_sort(pairs, n, bits); }
+void Cuda::sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, std::size_t n, int bits) { radix_sort(pairs, n, bits); }
+
+}  // namespace swiftgs

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+
+#include <swiftgs/bounds/three_sigma_square.hpp>
+#include <swiftgs/cuda.cuh>
+
+namespace swiftgs {
+
+template void project(Cuda&, const ProjectJob&, const ThreeSigmaSquare&, ProjectScratch<Cuda>&, Splats<Cuda>&);
+template std::size_t emit_instances(Cuda&, const SortJob&, const ThreeSigmaSquare&, const std::uint32_t*,
+                                    InstanceScratch<Cuda>&, Pairs<Cuda, std::uint32_t>&);
+template std::size_t emit_instances(Cuda&, const SortJob&, const ThreeSigmaSquare&, const std::uint32_t*,
+                                    InstanceScratch<Cuda>&, Pairs<Cuda, std::uint64_t>&);
+
+}  // namespace swiftgs

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <swiftgs/frame.hpp>
+#include <swiftgs/half.hpp>
+#include <swiftgs/math.hpp>
+
+namespace swiftgs {
+
+/// What blending leaves in a pixel.
+struct BlendedPixel {
+  vec3 colour{0};           ///< sum of colours, each times its weight
+  float transmittance = 1;  ///< what is left of 1
+  float depth = 0;          ///< sum of depths, each times its weight
+};
+
+/// Channel of `PixelFormat::rgba_8`: cut and rounded to the nearest step; NaN becomes 0. Counted in half
+/// steps, so that the one rounding is that of a product, which no compiler contracts into another operation.
+SWIFTGS_HD inline std::uint8_t to_unorm8(float value) {
+  return value > 0 ? std::uint8_t((int((value < 1 ? value : 1.0f) * 510.0f) + 1) >> 1) : std::uint8_t(0);
+}
+
+namespace detail {
+SWIFTGS_HD inline vec4 load_colour(const FrameView& frame, std::size_t x, std::size_t y) {
+  const void* row = frame.colour.row(y);
+  switch (frame.format) {
+    case PixelFormat::rgb_float: {
+      const float* p = static_cast<const float*>(row) + 3 * x;
+      return vec4(p[0], p[1], p[2], 1);
+    }
+    case PixelFormat::rgba_float: {
+      const float* p = static_cast<const float*>(row) + 4 * x;
+      return vec4(p[0], p[1], p[2], p[3]);
+    }
+    case PixelFormat::rgba_half: {
+      const Half* p = static_cast<const Half*>(row) + 4 * x;
+      return vec4(to_float(p[0]), to_float(p[1]), to_float(p[2]), to_float(p[3]));
+    }
+    case PixelFormat::rgba_8:
+      break;
+  }
+  const std::uint8_t* p = static_cast<const std::uint8_t*>(row) + 4 * x;
+  return vec4(p[0], p[1], p[2], p[3]) * (1.0f / 255);
+}
+
+SWIFTGS_HD inline void store_colour(const FrameView& frame, std::size_t x, std::size_t y, vec4 colour) {
+  void* row = frame.colour.row(y);
+  switch (frame.format) {
+    case PixelFormat::rgb_float:
+      for (int c = 0; c < 3; ++c) static_cast<float*>(row)[3 * x + std::size_t(c)] = colour[c];
+      return;
+    case PixelFormat::rgba_float:
+      for (int c = 0; c < 4; ++c) static_cast<float*>(row)[4 * x + std::size_t(c)] = colour[c];
+      return;
+    case PixelFormat::rgba_half:
+      for (int c = 0; c < 4; ++c) static_cast<Half*>(row)[4 * x + std::size_t(c)] = to_half(colour[c]);
+      return;
+    case PixelFormat::rgba_8:
+      for (int c = 0; c < 4; ++c)
+        static_cast<std::uint8_t*>(row)[4 * x + std::size_t(c)] = to_unorm8(colour[c]);
+  }
+}
+}  // namespace detail
+
+/// Writes the planes of `frame` at column x of row y.
+SWIFTGS_HD inline void store_pixel(const FrameView& frame, std::size_t x, std::size_t y,
+                                   const BlendedPixel& pixel, vec3 background) {
+  const float alpha = 1 - pixel.transmittance;
+  if (frame.colour.data) {
+    const vec4 below = frame.over ? detail::load_colour(frame, x, y) : vec4(background, 0);
+    detail::store_colour(frame, x, y, vec4(pixel.colour, alpha) + pixel.transmittance * below);
+  }
+  if (frame.alpha.data) frame.alpha.row(y)[x] = alpha;
+  if (frame.depth.data) frame.depth.row(y)[x] = alpha > 0 ? pixel.depth / alpha : 0.0f;
+}
+
+}  // namespace swiftgs
