@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cuda_fp16.h>
+
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/launch.cuh>
+
+#include "block.cuh"
+
+namespace swiftgs {
+
+namespace kernels {
+
+/// Splats whose shared terms are computed together (SwiftGS, section 5.1): eight, so that the first eight rows of
+/// threads have one x term each, and the other eight one y term each.
+inline constexpr unsigned mini_batch = 8;
+
+/// What the pixels of a tile share. Terms are two, so that one mini-batch is computed while slower warps still read
+/// the one before; a warp reads sixteen neighbouring words of x and two of y, without bank conflicts.
+struct HalfBatch {
+  SharedArray<SplatShape, block_threads> shapes;
+  float4 colours[block_threads];          ///< RGB, depth
+  float2 reaches[block_threads];          ///< largest s that is kept, log2(255 opacity) in the paper; and opacity
+  __half2 x[2][mini_batch][tile_side];    ///< a dx^2, b dx
+  __half2 y[2][mini_batch][tile_side];    ///< c dy^2, dy
+};
+
+/// Terms of splat `s` for one column or one row of the tile.
+__device__ inline void compute_term(HalfBatch& batch, unsigned buffer, const SplatShape& s, vec2 first_centre) {
+  const unsigned splat = threadIdx.x / tile_side % mini_batch, position = threadIdx.x % tile_side;
+  if (threadIdx.x < mini_batch * tile_side) {
+    const FloatSplit::X term = FloatSplit::x_term(s, first_centre.x + float(position));
+    batch.x[buffer][splat][position] = __floats2half2_rn(term.square, term.mixed);
+  } else {
+    const float y = first_centre.y + float(position);
+    const FloatSplit::Y term = FloatSplit::y_term(s, y);
+    const float square = row_touched(s, first_centre.x, y) ? term.square : INFINITY;
+    batch.y[buffer][splat][position] = __floats2half2_rn(square, term.offset);
+  }
+}
+
+/// A block a tile, a thread a pixel. Each mini-batch has its terms computed by all threads, and is then blended by all.
+template <bool threshold, bool extras>
+__global__ void __launch_bounds__(block_threads) raster_half_split(const __grid_constant__ RasterJob job) {
+  __shared__ HalfBatch batch;
+  SplatShape* const shapes = batch.shapes.data();
+  TilePixel<extras> mine(job);
+  const TileRange range = job.lists.ranges[blockIdx.x];
+  const unsigned column = threadIdx.x % tile_side, row = threadIdx.x / tile_side;
+
+  std::uint32_t at = range.begin;
+  for (; at < range.end && !mine.all_stopped(); at += block_threads) {
+    const std::uint32_t count = min(range.end - at, block_threads);
+    if (threadIdx.x < count) {
+      const std::uint32_t id = job.lists.ids[at + threadIdx.x];
+      const SplatShape s = load_shape(job, id);
+      shapes[threadIdx.x] = s;
+      batch.reaches[threadIdx.x] = make_float2(s.reach, s.opacity);
+      batch.colours[threadIdx.x] = load_colour(job, id);
+    }
+    __syncthreads();
+
+    for (std::uint32_t first = 0; first < count; first += mini_batch) {
+      const std::uint32_t splats = min(count - first, mini_batch);
+      const unsigned buffer = first / mini_batch % 2, splat = threadIdx.x / tile_side % mini_batch;
+      if (splat < splats) compute_term(batch, buffer, shapes[first + splat], mine.first_centre());
+      __syncthreads();
+
+      for (std::uint32_t k = 0; k < splats && mine.pixel.live(); ++k) {
+        const float2 x = __half22float2(batch.x[buffer][k][column]), y = __half22float2(batch.y[buffer][k][row]);
+        const float s = FloatSplit::exponent({x.x, x.y}, {y.x, y.y});
+        const float2 reach = batch.reaches[first + k];
+        float alpha = 0;
+        if constexpr (threshold) {
+          if (s >= 0 && s <= reach.x) alpha = fminf(reach.y * exp2_approx(-s), job.rules.alpha_max);
+        } else {
+          const float whole = reach.y * exp2_approx(-s);
+          if (s >= 0 && whole >= job.rules.alpha_min) alpha = fminf(whole, job.rules.alpha_max);
+        }
+        mine.blend(alpha, batch.colours[first + k]);
+      }
+    }
+  }
+  mine.store(min(at, range.end) - range.begin);
+}
+}  // namespace kernels
+
+void rasterize(Cuda& cuda, AxisShared<HalfSplit>, const RasterJob& job) {
+  rasterize_blocks(cuda, "rasterize axis-shared-half-split", kernels::raster_half_split<false, false>,
+                   kernels::raster_half_split<false, true>, job);
+}
+void rasterize(Cuda& cuda, AxisSharedThreshold<HalfSplit>, const RasterJob& job) {
+  rasterize_blocks(cuda, "rasterize axis-shared-threshold-half-split", kernels::raster_half_split<true, false>,
+                   kernels::raster_half_split<true, true>, job);
+}
+
+}  // namespace swiftgs

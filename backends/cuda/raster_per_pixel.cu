@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/launch.cuh>
+
+#include "block.cuh"
+
+namespace swiftgs {
+
+namespace kernels {
+
+/// Splats as every pixel of a tile reads them.
+struct ConicBatch {
+  float2 means[block_threads];
+  float4 conics[block_threads];   ///< a, b, c of sigma = (a dx^2 + c dy^2) / 2 + b dx dy, and opacity
+  float4 colours[block_threads];  ///< RGB, depth
+};
+
+/// A block a tile, a thread a pixel: the whole exponent and exponential of every listed splat, as gsplat has it.
+template <bool extras>
+__global__ void __launch_bounds__(block_threads) raster_per_pixel(const __grid_constant__ RasterJob job) {
+  __shared__ ConicBatch batch;
+  TilePixel<extras> mine(job);
+  const TileRange range = job.lists.ranges[blockIdx.x];
+  const float x = float(mine.place.x) + 0.5f, y = float(mine.place.y) + 0.5f;
+
+  std::uint32_t at = range.begin;
+  for (; at < range.end && !mine.all_stopped(); at += block_threads) {
+    const std::uint32_t count = min(range.end - at, block_threads);
+    if (threadIdx.x < count) {
+      const std::uint32_t id = job.lists.ids[at + threadIdx.x];
+      const SplatShape s = load_shape(job, id);
+      const float two_ln_2 = 1.38629436111989061883f;
+      batch.means[threadIdx.x] = make_float2(s.mean.x, s.mean.y);
+      batch.conics[threadIdx.x] =
+          make_float4(two_ln_2 * s.l0 * s.l0, two_ln_2 * s.l0 * s.l1, two_ln_2 * (s.l1 * s.l1 + s.l2 * s.l2),
+                      box_touched(s, mine.first_centre(), tile_side) ? s.opacity : 0.0f);
+      batch.colours[threadIdx.x] = load_colour(job, id);
+    }
+    __syncthreads();
+    for (std::uint32_t k = 0; k < count && mine.pixel.live(); ++k) {
+      const float2 mean = batch.means[k];
+      const float4 conic = batch.conics[k];
+      const float dx = x - mean.x, dy = y - mean.y;
+      const float sigma = 0.5f * (conic.x * dx * dx + conic.z * dy * dy) + conic.y * dx * dy;
+      const float alpha = conic.w * exp2_approx(float(-log2_e) * sigma);
+      const bool kept = sigma >= 0 && alpha >= job.rules.alpha_min;
+      mine.blend(kept ? fminf(alpha, job.rules.alpha_max) : 0.0f, batch.colours[k]);
+    }
+  }
+  mine.store(min(at, range.end) - range.begin);
+}
+}  // namespace kernels
+
+void rasterize(Cuda& cuda, PerPixel, const RasterJob& job) {
+  rasterize_blocks(cuda, "rasterize per-pixel", kernels::raster_per_pixel<false>,
+                   kernels::raster_per_pixel<true>, job);
+}
+
+}  // namespace swiftgs

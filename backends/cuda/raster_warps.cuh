@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/launch.cuh>
+
+#include "pixel.cuh"
+
+namespace swiftgs {
+
+namespace kernels {
+
+/// A tile is four parts of 8x8 pixels, each a warp's own: it walks the tile's list by itself and never waits for the
+/// others. A lane has two pixels of one column, four rows apart, so what depends on the column is computed once.
+inline constexpr unsigned part_side = 8, parts_of_tile = 4, pixels_of_lane = 2;
+inline constexpr unsigned raster_threads = parts_of_tile * warp_size;
+inline constexpr float rows_between = 4;
+
+/// Splats that touch a part wait here until there are enough to blend: a ring of two halves, so that one can be filled
+/// while the other is blended.
+inline constexpr unsigned queue_half = 32, queue_size = 2 * queue_half;
+/// Splats that are blended together, and looked at for pixels that stop.
+inline constexpr unsigned group_size = 4;
+
+/// Terms and colours of splats, as their part sees them.
+struct Queue {
+  float4 terms[queue_size];    ///< of a form, with log2(opacity) in w
+  float2 offsets[queue_size];  ///< of a form
+  float4 colours[queue_size];  ///< RGB, depth
+};
+
+/// Numbers that all pixels share.
+struct RasterLimits {
+  float alpha_min, log2_alpha_min, alpha_max, stop_below;
+
+  explicit RasterLimits(const BlendRules& rules)
+      : alpha_min(rules.alpha_min),
+        log2_alpha_min(std::log2(rules.alpha_min)),
+        alpha_max(rules.alpha_max),
+        stop_below(rules.stop_below) {}
+};
+
+/// Alpha of a pixel from its exponent log2(alpha), 0 where it skips the splat. With the dynamic threshold (SwiftGS,
+/// section 5.2) the exponent decides, and no exponential is evaluated for what is skipped.
+template <bool threshold>
+__device__ float alpha_of(float exponent, bool valid, const RasterLimits& limits) {
+  if constexpr (threshold) {
+    float alpha = 0;
+    if (valid && exponent >= limits.log2_alpha_min) alpha = fminf(exp2_approx(exponent), limits.alpha_max);
+    return alpha;
+  } else {
+    const float alpha = exp2_approx(exponent);
+    return valid && alpha >= limits.alpha_min ? fminf(alpha, limits.alpha_max) : 0.0f;
+  }
+}
+
+/// A part of a tile, and the pixels of this lane in it.
+template <class Form, bool threshold, bool extras>
+struct Part {
+  const RasterJob& job;
+  const RasterLimits& limits;
+  float x, y;  ///< of the lane's first pixel within the part
+  Pixel pixels[pixels_of_lane];
+  float occluders[pixels_of_lane];
+  ThreadCounts counts;
+
+  /// Alphas of the lane's pixels for the splat at `at`.
+  __device__ void evaluate(const Queue& queue, unsigned at, float (&alphas)[pixels_of_lane]) const {
+    float exponents[pixels_of_lane];
+    bool valid[pixels_of_lane];
+    Form::evaluate(queue.terms[at], queue.offsets[at], x, y, exponents, valid);
+#pragma unroll
+    for (unsigned p = 0; p < pixels_of_lane; ++p)
+      alphas[p] = alpha_of<threshold>(exponents[p], valid[p], limits);
+  }
+
+  /// Blends `group_size` splats from `first` on. Whether a pixel stops is looked at once for all of them, since
+  /// transmittance only falls; where it does, the splats from the one on that would have stopped it are taken back.
+  __device__ void blend_group(const Queue& queue, unsigned first) {
+    float alphas[group_size][pixels_of_lane];
+#pragma unroll
+    for (unsigned k = 0; k < group_size; ++k) evaluate(queue, first + k, alphas[k]);
+
+    float weights[group_size][pixels_of_lane];
+#pragma unroll
+    for (unsigned p = 0; p < pixels_of_lane; ++p) {
+      float left[group_size + 1];
+      left[0] = pixels[p].transmittance;
+#pragma unroll
+      for (unsigned k = 0; k < group_size; ++k) {
+        weights[k][p] = alphas[k][p] * left[k];
+        left[k + 1] = Pixel::dimmed(left[k], alphas[k][p]);
+      }
+      pixels[p].transmittance = left[group_size];
+      if (left[group_size] < pixels[p].stop_below) {
+        float last = left[group_size - 1];
+        weights[group_size - 1][p] = 0;
+#pragma unroll
+        for (unsigned k = group_size - 1; k-- > 0;)
+          if (left[k + 1] < pixels[p].stop_below) last = left[k], weights[k][p] = 0;
+        pixels[p].stop_with(last);
+      }
+    }
+
+#pragma unroll
+    for (unsigned k = 0; k < group_size; ++k) {
+      const float4 colour = queue.colours[first + k];
+#pragma unroll
+      for (unsigned p = 0; p < pixels_of_lane; ++p)
+        pixels[p].add(weights[k][p], colour.x, colour.y, colour.z);
+    }
+  }
+
+  /// Blends `count` splats from `first` on; room after them is there to be overwritten.
+  __device__ void blend_queued(Queue& queue, unsigned first, unsigned count) {
+    if constexpr (extras) {
+      for (unsigned k = first; k < first + count; ++k) {
+        float alphas[pixels_of_lane];
+        evaluate(queue, k, alphas);
+#pragma unroll
+        for (unsigned p = 0; p < pixels_of_lane; ++p)
+          blend<true>(pixels[p], alphas[p], queue.colours[k], occluders[p], counts);
+      }
+    } else {
+      // Fill the last group up with splats that show nothing.
+      const unsigned padded = (count + group_size - 1) / group_size * group_size;
+      if (lane_index() < padded - count) {
+        const unsigned at = first + count + lane_index();
+        queue.terms[at] = make_float4(0, 0, 0, -INFINITY);
+        queue.offsets[at] = make_float2(0, 0);
+        queue.colours[at] = make_float4(0, 0, 0, 0);
+      }
+      __syncwarp();
+#pragma unroll 1
+      for (unsigned k = first; k < first + padded; k += group_size) blend_group(queue, k);
+    }
+    __syncwarp();
+  }
+
+  __device__ bool all_stopped() const {
+    bool stopped = true;
+    for (const Pixel& pixel : pixels) stopped = stopped && !pixel.live();
+    return __all_sync(whole_warp, stopped);
+  }
+};
+
+/// Blends the list of one tile: a block a tile, a warp a part of it.
+template <class Form, bool threshold, bool extras>
+__global__ void __launch_bounds__(raster_threads)
+    raster_warps(const __grid_constant__ RasterJob job, const __grid_constant__ RasterLimits limits) {
+  __shared__ Queue queues[parts_of_tile];
+  const unsigned warp = threadIdx.x / warp_size;
+  Queue& queue = queues[warp];
+  const std::uint32_t tile = blockIdx.x;
+  const int part_x = int(tile % unsigned(job.grid.columns)) * tile_side + int(warp % 2 * part_side);
+  const int part_y = int(tile / unsigned(job.grid.columns)) * tile_side + int(warp / 2 * part_side);
+  if (part_x >= job.frame.width || part_y >= job.frame.height) return;
+  const vec2 first_centre(float(part_x) + 0.5f, float(part_y) + 0.5f);
+
+  const int column = int(lane_index() % part_side), row = int(lane_index() / part_side);
+  Part<Form, threshold, extras> part{job, limits, float(column), float(row), {}, {}, {}};
+  const auto place = [&](unsigned p) {
+    return PixelPlace(job, part_x + column, part_y + row + int(p) * int(rows_between), extras);
+  };
+#pragma unroll
+  for (unsigned p = 0; p < pixels_of_lane; ++p) {
+    const PixelPlace at = place(p);
+    if (at.inside) part.pixels[p].start(limits.stop_below);
+    if constexpr (extras) part.occluders[p] = at.occluder;
+  }
+
+  const TileRange range = job.lists.ranges[tile];
+  const auto load_id = [&](std::uint32_t at) {
+    return at + lane_index() < range.end ? job.lists.ids[at + lane_index()] : 0;
+  };
+  std::uint32_t begun = 0, waiting = 0, blended = 0;  // splats put into the queue: `begun` halves, and `waiting` more
+  std::uint32_t at = range.begin;
+  if (at < range.end) {
+    std::uint32_t next_id = load_id(at);
+    SplatShape next_shape = load_shape(job, next_id);
+    while (at < range.end) {
+      // Take the splats of this step, and ask for those of the next.
+      const std::uint32_t id = next_id;
+      const SplatShape shape = next_shape;
+      const bool listed = at + lane_index() < range.end;
+      at += warp_size;
+      if (at < range.end) next_id = load_id(at), next_shape = load_shape(job, next_id);
+
+      // Queue those that touch the part.
+      const bool touched = listed && box_touched(shape, first_centre, float(part_side));
+      const unsigned lanes = __ballot_sync(whole_warp, touched);
+      if (touched) {
+        const unsigned slot =
+            (begun * queue_half + waiting + unsigned(__popc(lanes & lanes_below()))) % queue_size;
+        Form::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min, queue.terms[slot],
+                      queue.offsets[slot]);
+        queue.colours[slot] = load_colour(job, id);
+      }
+      waiting += unsigned(__popc(lanes));
+      __syncwarp();
+
+      // Blend half a queue at a time.
+      if (waiting >= queue_half) {
+        part.blend_queued(queue, begun % 2 * queue_half, queue_half);
+        ++begun, waiting -= queue_half, blended += queue_half;
+        if (part.all_stopped()) {
+          waiting = 0;
+          break;
+        }
+      }
+    }
+    if (waiting != 0) part.blend_queued(queue, begun % 2 * queue_half, waiting), blended += waiting;
+  }
+
+#pragma unroll
+  for (unsigned p = 0; p < pixels_of_lane; ++p) {
+    const PixelPlace pixel = place(p);
+    if (pixel.inside)
+      store_pixel(job.frame, std::size_t(pixel.x), std::size_t(pixel.y), part.pixels[p].blended(),
+                  job.background);
+  }
+  if constexpr (extras) {
+    const std::uint32_t visited = min(at, range.end) - range.begin;
+    if (job.counts) add_counts(job.counts, tile, part.counts, visited, blended * part_side * part_side);
+  }
+}
+}  // namespace kernels
+
+/// Rasterizes with terms of `Form` in registers.
+template <class Form, bool threshold>
+void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
+  const unsigned blocks = unsigned(job.grid.size());
+  if (job.counts) cuda.clear(job.counts, job.grid.size() * sizeof(TileCounts));
+  const auto kernel = kernels::wants_extras(job) ? kernels::raster_warps<Form, threshold, true>
+                                                 : kernels::raster_warps<Form, threshold, false>;
+  launch(name, kernel, blocks, kernels::raster_threads, cuda.stream(), job, kernels::RasterLimits(job.rules));
+}
+
+}  // namespace swiftgs
