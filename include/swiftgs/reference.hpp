@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include <swiftgs/camera.hpp>
@@ -19,6 +20,7 @@
 #include <swiftgs/reference/parallel.hpp>
 #include <swiftgs/reference/projection.hpp>
 #include <swiftgs/scene.hpp>
+#include <swiftgs/span.hpp>
 
 namespace swiftgs {
 
@@ -31,7 +33,7 @@ struct ReferenceFrame {
                                ///< where nothing contributes
   std::uint64_t visible = 0;   ///< Gaussians that contribute to at least one pixel
   std::uint64_t contributing_pairs = 0;  ///< contributions of a Gaussian to a pixel
-  std::uint64_t pixels_stopped = 0;      ///< pixels that the stop rule ended
+  std::uint64_t pixels_stopped = 0;      ///< pixels that the stop rule ended, or an occluder
 };
 
 namespace reference {
@@ -96,9 +98,12 @@ struct Counts {
 
 /// Blends `splats`, front to back, into the image rows [first, last) of `frame`.
 inline void render_rows(ReferenceFrame& frame, Counts& counts, const std::vector<const Splat*>& splats,
-                        int first, int last, const Conventions& conventions, dvec3 background) {
+                        int first, int last, const Conventions& conventions, dvec3 background,
+                        Span<const float> occluder) {
   const std::size_t width = std::size_t(frame.width);
   std::vector<Pixel> pixels(width * std::size_t(last - first));
+  for (std::size_t i = 0; occluder.size > 0 && i < pixels.size(); ++i)
+    pixels[i].occluder = occluder[width * std::size_t(first) + i];
   const auto row = [&](int y) { return pixels.data() + width * std::size_t(y - first); };
   std::uint64_t pairs = 0;
   for (const Splat* splat : splats) {
@@ -117,10 +122,12 @@ inline void render_rows(ReferenceFrame& frame, Counts& counts, const std::vector
 
 /// Renders `scene` in double precision on `threads` threads (0: one a processor); the result does not depend
 /// on how many. All stored SH bands are evaluated. Gaussians that are not finite are left out.
-/// Throws `std::invalid_argument` when `scene` or `camera` is not valid or `threads` is negative.
+/// `occluder`: @shape{height, width} as `FrameView::occluder`; empty for none.
+/// Throws `std::invalid_argument` when `scene`, `camera` or the size of `occluder` is not valid or `threads`
+/// is negative.
 inline ReferenceFrame render_reference(const Scene& scene, const Camera& camera,
                                        const Conventions& conventions, dvec3 background = dvec3(0),
-                                       int threads = 0) {
+                                       int threads = 0, Span<const float> occluder = {}) {
   using namespace reference;
   validate(scene);
   validate(camera);
@@ -131,6 +138,8 @@ inline ReferenceFrame render_reference(const Scene& scene, const Camera& camera,
   ReferenceFrame frame;
   frame.width = camera.width, frame.height = camera.height;
   const std::size_t pixels = std::size_t(camera.width) * std::size_t(camera.height);
+  if (occluder.size != 0 && occluder.size != pixels)
+    throw std::invalid_argument("render_reference: expected an occluder of the camera's size");
   frame.colour.resize(3 * pixels);
   frame.alpha.resize(pixels);
   frame.depth.resize(pixels);
@@ -138,7 +147,7 @@ inline ReferenceFrame render_reference(const Scene& scene, const Camera& camera,
   Counts counts(scene.size());
   for_each_index(bands.size(), threads, [&](std::size_t band) {
     const int first = int(band) * band_rows, last = std::min(camera.height, first + band_rows);
-    render_rows(frame, counts, bands[band], first, last, conventions, background);
+    render_rows(frame, counts, bands[band], first, last, conventions, background, occluder);
   });
   frame.visible = std::uint64_t(std::count(counts.seen.begin(), counts.seen.end(), true));
   frame.contributing_pairs = counts.pairs;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -136,6 +138,32 @@ TEST_CASE("reference: depth is the mean z of what contributes and 0 where nothin
   const ReferenceFrame frame = render_reference(scene, small_camera(), Conventions::gsplat());
   CHECK(frame.depth[at(frame, 16, 16)] == doctest::Approx(5).epsilon(1e-15));
   CHECK(frame.depth[at(frame, 0, 0)] == 0);
+}
+
+TEST_CASE("reference: an occluder hides what is at its depth or behind it") {
+  const Scene scene =
+      scene_of(Gaussian{.mean = {0, 0, 2}, .sh0 = red}, Gaussian{.mean = {0, 0, 3}, .sh0 = green});
+  const ReferenceFrame bare = render_reference(scene, small_camera(), Conventions::gsplat());
+  const std::size_t middle = 16 * 33 + 16;
+  std::vector<float> occluder(33 * 33, std::numeric_limits<float>::quiet_NaN());
+  const auto render = [&](float depth) {
+    occluder[middle] = depth;
+    return render_reference(scene, small_camera(), Conventions::gsplat(), dvec3(0, 0, 1), 1,
+                            {occluder.data(), occluder.size()});
+  };
+  for (const float everything : {-1.0f, 0.0f, 2.0f}) CHECK(alpha_at(render(everything), 16, 16) == 0);
+  for (const float second : {std::nextafter(2.0f, 3.0f), 3.0f}) {
+    const ReferenceFrame frame = render(second);
+    CHECK(alpha_at(frame, 16, 16) == 0.5);
+    CHECK(alpha_at(frame, 17, 16) == alpha_at(bare, 17, 16));
+    CHECK(colour_at(frame, 16, 16, 1) == 0);
+    CHECK(colour_at(frame, 16, 16, 2) == 0.5);
+    CHECK(frame.depth[middle] == doctest::Approx(2).epsilon(1e-15));
+    CHECK(frame.pixels_stopped == 1);
+  }
+  CHECK(alpha_at(render(std::nextafter(3.0f, 4.0f)), 16, 16) == 0.75);
+  occluder.pop_back();
+  CHECK_THROWS_AS(render(1), std::invalid_argument);
 }
 
 }  // namespace

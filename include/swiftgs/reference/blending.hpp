@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -21,6 +22,7 @@ struct Pixel {
   double weight = 0;  ///< sum of weights
   double depth = 0;   ///< sum of weight * z
   bool stopped = false;
+  float occluder = std::numeric_limits<float>::infinity();  ///< a splat of this z or more is hidden
 };
 
 /// Offers `splat`, whose exponent at this pixel is `sigma`, to `pixel`; true when it contributed.
@@ -28,7 +30,8 @@ inline bool blend(Pixel& pixel, const Splat& splat, double sigma, const Conventi
   const double alpha = std::min(double(k.alpha_max), splat.opacity * std::exp(-sigma));
   if (!(alpha >= double(k.alpha_min))) return false;
   const double next = pixel.transmittance * (1 - alpha), stop = k.stop;
-  if (k.stop_at_equal ? next <= stop : next < stop) {
+  // Depths are compared as they are sorted, rounded to float: all that follow are hidden as well.
+  if ((k.stop_at_equal ? next <= stop : next < stop) || float(splat.depth) >= pixel.occluder) {
     pixel.stopped = true;
     return false;
   }
