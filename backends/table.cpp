@@ -12,6 +12,9 @@
 #if defined(SWIFTGS_HAS_CPU)
 #include <swiftgs/cpu.hpp>
 #endif
+#if defined(SWIFTGS_HAS_CUDA)
+#include <swiftgs/cuda.hpp>
+#endif
 
 namespace swiftgs {
 namespace {
@@ -27,6 +30,9 @@ std::vector<RendererEntry> all_renderers() {
   append_renderers<Serial>(table, Sorts{}, Rasters{}, AllBounds{});
 #if defined(SWIFTGS_HAS_CPU)
   append_renderers<Cpu>(table, Sorts{}, Rasters{}, AllBounds{});
+#endif
+#if defined(SWIFTGS_HAS_CUDA)
+  append_renderers<Cuda>(table, Sorts{}, Rasters{}, AllBounds{});
 #endif
   return table;
 }

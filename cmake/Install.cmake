@@ -4,7 +4,7 @@ set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/swiftgs")
 
 # One export a component, so that find_package(swiftgs COMPONENTS core) asks for Eigen and GLM alone.
 set(swiftgs_components)
-foreach(component IN ITEMS core cpu io swiftgs)
+foreach(component IN ITEMS core cpu cuda io swiftgs)
   set(target swiftgs_${component})
   if(component STREQUAL swiftgs)
     set(target swiftgs)
@@ -23,6 +23,7 @@ foreach(component IN ITEMS core cpu io swiftgs)
   # A static library hands its private dependencies on to whoever links it.
   set(dependencies_of_core Eigen3 glm Threads)
   set(dependencies_of_cpu TBB)
+  set(dependencies_of_cuda CUDAToolkit)
   set(dependencies_of_io)
   get_target_property(type ${target} TYPE)
   if(type STREQUAL STATIC_LIBRARY)

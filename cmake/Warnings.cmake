@@ -1,8 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # Linked privately by every target that is compiled here; never by a user's.
+# Sign conversions are left out: indices are int or size_t by meaning, and the casts would hide the arithmetic.
+set(swiftgs_warnings -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion)
+list(JOIN swiftgs_warnings "," host_warnings)
+# What nvcc hands to the host's compiler is not pedantic.
+list(APPEND swiftgs_warnings -Wpedantic $<$<BOOL:${SWIFTGS_WARNINGS_AS_ERRORS}>:-Werror>)
+
 add_library(swiftgs_warnings INTERFACE)
 target_compile_options(swiftgs_warnings INTERFACE
-  # Sign conversions are left out: indices are int or size_t by meaning, and the casts would hide the arithmetic.
-  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
-  $<$<BOOL:${SWIFTGS_WARNINGS_AS_ERRORS}>:-Werror>)
+  "$<$<COMPILE_LANGUAGE:CXX>:${swiftgs_warnings}>"
+  "$<$<COMPILE_LANGUAGE:CUDA>:-Xcompiler=${host_warnings}>"
+  "$<$<AND:$<COMPILE_LANGUAGE:CUDA>,$<BOOL:${SWIFTGS_WARNINGS_AS_ERRORS}>>:SHELL:-Werror all-warnings>")

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+
+# Decides whether swiftgs::cuda is built, and enables its language. C++20 in kernels needs a toolkit of version 13.
+set(swiftgs_cuda_version 13)
+
+if(NOT DEFINED SWIFTGS_BUILD_CUDA)
+  # A path is not a boolean that option() understands, and nvcc may be outside of PATH, where only CUDAToolkit looks.
+  find_package(CUDAToolkit ${swiftgs_cuda_version} QUIET)
+  set(swiftgs_cuda_found OFF)
+  if(CUDAToolkit_FOUND AND CUDAToolkit_NVCC_EXECUTABLE)
+    if(NOT DEFINED ENV{CUDACXX})
+      set(ENV{CUDACXX} "${CUDAToolkit_NVCC_EXECUTABLE}")
+    endif()
+    include(CheckLanguage)
+    check_language(CUDA)
+    if(CMAKE_CUDA_COMPILER)
+      set(swiftgs_cuda_found ON)
+    endif()
+  endif()
+  if(NOT swiftgs_cuda_found)
+    message(STATUS "No nvcc ${swiftgs_cuda_version} or newer that works here: swiftgs::cuda is left out")
+  endif()
+endif()
+option(SWIFTGS_BUILD_CUDA "Build swiftgs::cuda (needs nvcc 13 or newer)" ${swiftgs_cuda_found})
+
+if(SWIFTGS_BUILD_CUDA)
+  if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES AND NOT DEFINED ENV{CUDAARCHS})
+    # Machine code for every kind of GPU that nvcc 13 knows; one minor version runs the code of those before it. And
+    # code that drivers can translate for what comes later.
+    set(CMAKE_CUDA_ARCHITECTURES 75-real 80-real 86-real 89-real 90-real 100-real 110-real 120
+        CACHE STRING "GPUs that kernels are compiled for")
+  endif()
+  enable_language(CUDA)
+  find_package(CUDAToolkit ${swiftgs_cuda_version} REQUIRED)
+endif()
