@@ -8,6 +8,7 @@
 #include <hwy/targets.h>
 
 #include "policies/double_drawing.hpp"
+#include "policies/images.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -75,6 +76,48 @@ TEST_CASE("cpu raster: every vector target draws the same image") {
       check_close<Raster>(draw<Raster>(cpu, splats, 150, 110), best);
     }
   });
+}
+
+TEST_CASE("cpu raster: every vector target stores each pixel format and ends at the occluder") {
+  const int width = 150, height = 110;
+  const SplatSet splats = usual_splats(800, width, height, 8);
+  const SortJob job = splats.job(width, height);
+  std::vector<float> occluder;
+  Random random(9);
+  for (int i = 0; i < width * height; ++i) occluder.push_back(random.f(0, 30));
+  const auto over = [&](auto& backend, Image image) {
+    const auto lists = build_lists<EarlySort, Ellipse>(backend, job);
+    FrameView frame = image.frame();
+    frame.over = true, frame.occluder = {occluder.data(), width * sizeof(float)};
+    rasterize(
+        backend, AxisSharedThreshold<FloatCholesky>(),
+        RasterJob{splats.view(), lists.view(), job.grid, DrawSettings().rules, vec3(9), frame, nullptr});
+    return image;
+  };
+  const auto channels = [](Image image) {
+    std::vector<float> out;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (int c = 0; c < 4; ++c) out.push_back(image.at(x, y)[c]);
+    return out;
+  };
+  Serial serial;
+  Cpu cpu(2);
+  for (const PixelFormat format : pixel_formats) {
+    CAPTURE(int(format));
+    const Image below = pattern(width, height, format), floats = converted(below, PixelFormat::rgba_float);
+    const std::vector<float> plain = channels(over(serial, floats));
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      const std::string name = hwy::TargetName(target);
+      CAPTURE(name);
+      const OnlyTargets only(target);
+      const Image above = over(cpu, floats);
+      const Difference colour = difference(channels(above), plain, 1e-5);
+      CHECK(colour.largest < 0.011);
+      CHECK(colour.part_above < 0.002);
+      CHECK((over(cpu, below).bytes == converted(above, format).bytes));
+    }
+  }
 }
 
 TEST_CASE("cpu raster: every vector target stores terms beyond the largest half as infinite") {

@@ -11,6 +11,7 @@
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
 
+#include "policies/images.hpp"
 #include "policies/rasterizers.hpp"
 
 using namespace swiftgs;
@@ -23,58 +24,6 @@ constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
 template <class B, class Raster>
 using RendererWith = Renderer<B, EarlySort, Raster, Ellipse>;
-
-/// Pixels of a format, with bytes behind each row that belong to nobody.
-struct Image {
-  static constexpr unsigned char nobodys = 0xa5;
-
-  Image(int width_, int height_, PixelFormat format_)
-      : width(width_),
-        height(height_),
-        format(format_),
-        pitch(bytes_per_pixel(format_) * std::size_t(width_) + 24),
-        bytes(pitch * std::size_t(height_), nobodys) {}
-
-  FrameView frame() {
-    return {.width = width, .height = height, .colour = {bytes.data(), pitch}, .format = format};
-  }
-  vec4 at(int x, int y) { return detail::load_colour(frame(), std::size_t(x), std::size_t(y)); }
-  void set(int x, int y, vec4 colour) {
-    detail::store_colour(frame(), std::size_t(x), std::size_t(y), colour);
-  }
-  bool kept_to_its_rows() const {
-    const std::size_t used = bytes_per_pixel(format) * std::size_t(width);
-    for (std::size_t i = 0; i < bytes.size(); ++i)
-      if (i % pitch >= used && bytes[i] != nobodys) return false;
-    return true;
-  }
-
-  int width, height;
-  PixelFormat format;
-  std::size_t pitch;
-  std::vector<unsigned char> bytes;
-};
-
-const PixelFormat formats[] = {PixelFormat::rgb_float, PixelFormat::rgba_float, PixelFormat::rgba_half,
-                               PixelFormat::rgba_8};
-
-/// `image` in another format.
-Image converted(Image image, PixelFormat format) {
-  Image out(image.width, image.height, format);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) out.set(x, y, image.at(x, y));
-  return out;
-}
-
-/// Colours that each format holds exactly, of every opacity.
-Image pattern(int width, int height, PixelFormat format) {
-  Random random(21);
-  Image image(width, height, format);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      image.set(x, y, {random.f(0, 1), random.f(0, 1), random.f(0, 1), x % 3 == 0 ? 1.0f : random.f(0, 1)});
-  return image;
-}
 
 RenderSettings settings_with(vec3 background) {
   RenderSettings settings;
@@ -135,7 +84,7 @@ TEST_CASE_TEMPLATE("frame: each pixel format holds the same frame and its opacit
           const float* rgb = plain.colour.data() + 3 * at;
           floats.set(x, y, {rgb[0], rgb[1], rgb[2], plain.alpha[at]});
         }
-      for (const PixelFormat format : formats) {
+      for (const PixelFormat format : pixel_formats) {
         CAPTURE(int(format));
         Image image(w, h, format);
         renderer.render_into(scene.view(), camera, settings, image.frame());
@@ -161,7 +110,7 @@ TEST_CASE_TEMPLATE("frame: what lies below is seen as far as transmittance is le
       CHECK(image.kept_to_its_rows());
       return image;
     };
-    for (const PixelFormat format : formats) {
+    for (const PixelFormat format : pixel_formats) {
       CAPTURE(int(format));
       Image below = pattern(width, height, format), above = over(below);
       // In float the arithmetic is that of the composition; other formats round its result once.
