@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 #
-# Installs what is missing, builds everything with warnings as errors, and runs every test: units, header and
-# compile-fail checks, installation, documentation, and the fuzz targets for a few seconds each.
+# Installs what is missing, builds everything with warnings as errors, for CUDA where nvcc is there, and runs every
+# test: units, header and compile-fail checks, installation, documentation, and the fuzz targets for a few seconds each.
 # Ends with one line, 'N passed, N failed, N skipped', and fails when one test did.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -28,7 +28,7 @@ run_workflow() {
 if cmake/setup.sh test; then
   export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
   export CTEST_PARALLEL_LEVEL=${CTEST_PARALLEL_LEVEL:-$(nproc)}
-  command -v ccache >/dev/null && export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+  command -v ccache >/dev/null && export CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_CUDA_COMPILER_LAUNCHER=ccache
   run_workflow release
   if command -v clang++ >/dev/null; then
     run_workflow fuzz

@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Renders one Gaussian in the middle of an image, and fails unless it is there, also in a file where there
-// are files.
+// Renders one Gaussian in the middle of an image with every backend that can run here, and fails unless it is
+// there, also in a file where there are files.
 #include <iostream>
 
 #include <swiftgs/swiftgs.hpp>
 
 #if defined(CONSUMER_USES_CPU)
 #include <swiftgs/cpu.hpp>
-using Backend = swiftgs::Cpu;
-#else
-using Backend = swiftgs::Serial;
+#endif
+#if defined(CONSUMER_USES_CUDA)
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/check.hpp>
 #endif
 #if defined(CONSUMER_USES_IO)
 #include <swiftgs/io/image.hpp>
 #endif
 
-int main() {
+template <class Backend>
+bool renders() {
   swiftgs::Scene scene;
   scene.means = {{0, 0, 2}};
   scene.scales = {{0.1f, 0.1f, 0.1f}};
@@ -37,7 +39,23 @@ int main() {
   // `read_image` needs every image library that the package was built with.
   write_png("frame.png", frame);
   const swiftgs::Image image = swiftgs::read_image("frame.png");
-  if (image.width != 64 || image.height != 48 || !(image.pixels[3 * (24 * 64 + 32)] > 0.5f)) return 1;
+  if (image.width != 64 || image.height != 48 || !(image.pixels[3 * (24 * 64 + 32)] > 0.5f)) return false;
 #endif
-  return centre > 0.5f && corner == 0 ? 0 : 1;
+  return centre > 0.5f && corner == 0;
+}
+
+int main() {
+  bool good = renders<swiftgs::Serial>();
+#if defined(CONSUMER_USES_CPU)
+  good = renders<swiftgs::Cpu>() && good;
+#endif
+#if defined(CONSUMER_USES_CUDA)
+  if (swiftgs::Cuda::usable()) {
+    swiftgs::check_cuda(cudaSetDevice(0), "cudaSetDevice");
+    good = renders<swiftgs::Cuda>() && good;
+  } else {
+    std::cout << "no usable GPU here\n";
+  }
+#endif
+  return good ? 0 : 1;
 }
