@@ -23,7 +23,9 @@ struct SplatSet {
     shapes.push_back(shape);
     colours.push_back({rgb, depth});
   }
-  SplatsView view() const { return {{shapes.data(), shapes.size()}, {colours.data(), colours.size()}}; }
+  SplatsView view() const {
+    return {.shapes = {shapes.data(), shapes.size()}, .colours = {colours.data(), colours.size()}};
+  }
   SortJob job(int width, int height) const {
     return {view(), TileGrid::covering(width, height), {shapes.data(), shapes.size(), width, height}};
   }
