@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include <swiftgs/footprint.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/span.hpp>
 
@@ -36,9 +37,8 @@ struct SplatsView {
   Span<const SplatShape> shapes;
   Span<const SplatColour> colours;
 
-  /// @shape{splats} tiles that each may touch, and their sum: where the backend counts them while it
-  /// projects.
-  Span<const std::uint32_t> tiles{};
+  /// @shape{splats} tiles that each may touch, and their sum: where the backend finds them while it projects.
+  Span<const Footprint> footprints{};
   std::uint64_t instances = 0;
 
   SWIFTGS_HD std::size_t size() const { return shapes.size; }

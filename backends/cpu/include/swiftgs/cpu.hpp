@@ -19,6 +19,7 @@
 #include <swiftgs/bounds/ellipse.hpp>
 #include <swiftgs/bounds/opacity_box.hpp>
 #include <swiftgs/bounds/three_sigma_square.hpp>
+#include <swiftgs/footprint.hpp>
 #include <swiftgs/host_buffer.hpp>
 #include <swiftgs/host_scene.hpp>
 #include <swiftgs/project_stage.hpp>
@@ -117,18 +118,6 @@ void project(Cpu& cpu, const ProjectJob& job, const Bounds&, ProjectScratch<Cpu>
              Splats<Cpu>& splats) {
   project(cpu, job, scratch, splats);
 }
-
-/// The tiles that a splat may touch. Bit 8 r + c of `mask` is the tile r rows below and c columns right of
-/// the first; zero where the splat spans more than 8 tiles a side, whose tiles are found again when they are
-/// emitted.
-struct Footprint {
-  /// Count of a splat that spans more than 8 tiles a side, until its tiles have been counted.
-  static constexpr std::uint32_t to_be_counted = 0xffffffffu;
-
-  std::uint64_t mask;
-  std::uint32_t count;
-  std::uint16_t column, row;
-};
 
 /// Footprints by index, found in the order in which the splats lie in memory: emission in depth order then
 /// jumps among 16 bytes a splat.

@@ -11,6 +11,7 @@
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/cuda/memory.hpp>
+#include <swiftgs/footprint.hpp>
 #include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
 #include <swiftgs/raster/per_pixel.hpp>
@@ -119,22 +120,22 @@ struct ProjectScratch<Cuda> {
   DeviceBuffer<FrameCounts> counts;
 };
 
-/// Splats with the number of tiles that each may touch within the bounds that they were projected for.
+/// Splats with the tiles that each may touch within the bounds that they were projected for.
 /// The buffers have room for all Gaussians: how many are visible is known only after they are written.
 template <>
 struct Splats<Cuda> {
   DeviceBuffer<SplatShape> shapes;
   DeviceBuffer<SplatColour> colours;
-  DeviceBuffer<std::uint32_t> tiles;
+  DeviceBuffer<Footprint> footprints;
   std::size_t count = 0;
   std::uint64_t instances = 0;
 
   SplatsView view() const {
-    return {{shapes.data(), count}, {colours.data(), count}, {tiles.data(), count}, instances};
+    return {{shapes.data(), count}, {colours.data(), count}, {footprints.data(), count}, instances};
   }
 };
 
-/// One kernel: projects, compacts in the order of the Gaussians, counts tiles and evaluates colours. Waits for
+/// One kernel: projects, compacts in the order of the Gaussians, finds tiles and evaluates colours. Waits for
 /// the counts of visible splats and of instances, the only thing that the host waits for in a frame.
 /// Instantiated for the library's bounds; for others by `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
@@ -144,12 +145,13 @@ void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScr
 template <>
 struct InstanceScratch<Cuda> {
   RunningSums sums;
-  DeviceBuffer<std::uint32_t> tiles;  ///< where the job does not bring its own counts
+  DeviceBuffer<Footprint> footprints;  ///< where the job does not bring its own
+  DeviceBuffer<FrameCounts> counts;
 };
 
 /// `emit_instances` with the tiles of 32 splats spread over the lanes of a warp.
 /// Instantiated for the library's bounds; for others by `<swiftgs/cuda.cuh>`. Waits only where `job` does not
-/// hold the counts of tiles.
+/// hold footprints.
 template <BoundsPolicy Bounds, class Key>
 std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                            InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances);

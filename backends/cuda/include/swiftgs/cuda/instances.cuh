@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include <swiftgs/cuda.hpp>
-#include <swiftgs/cuda/for_each.cuh>
-#include <swiftgs/cuda/rows.cuh>
+#include <swiftgs/cuda/footprints.cuh>
+#include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
 
 namespace swiftgs {
@@ -21,15 +21,93 @@ struct Instances {
   Key* keys;
   std::uint32_t* ids;
   std::uint32_t count;
+
+  /// The tile, in 64-bit keys above the depth.
+  __device__ void write(std::uint32_t at, std::uint32_t tile, std::uint32_t depth, std::uint32_t id) const {
+    if (at >= count) return;
+    if constexpr (sizeof(Key) == 8)
+      keys[at] = Key(tile) << depth_key_bits | depth;
+    else
+      keys[at] = Key(tile);
+    ids[at] = id;
+  }
 };
 
-/// Key of a splat in a tile: the tile, in 64 bits above the depth.
+/// A lane's splat, and where its instances begin.
+struct Emitted {
+  std::uint32_t id = 0, depth = 0, at = 0;
+  Footprint footprint;
+
+  /// The splat of another lane.
+  __device__ Emitted of(unsigned lane) const {
+    const auto get = [&](auto value) { return __shfl_sync(whole_warp, value, int(lane)); };
+    return {get(id), get(depth), get(at),
+            {get(footprint.mask), get(footprint.count), std::uint16_t(get(unsigned(footprint.column))),
+             std::uint16_t(get(unsigned(footprint.row)))}};
+  }
+};
+
+/// Position of the n-th lowest bit that is set, from 0.
+__device__ inline unsigned find_bit(std::uint64_t mask, unsigned n) {
+  unsigned position = 0;
+  std::uint32_t word = std::uint32_t(mask);
+  if (const unsigned low = unsigned(__popc(word)); n >= low) n -= low, word = std::uint32_t(mask >> 32), position = 32;
+  for (unsigned half = 16; half > 0; half /= 2) {
+    const unsigned low = unsigned(__popc(word & ((1u << half) - 1)));
+    if (n >= low) n -= low, word >>= half, position += half;
+  }
+  return position;
+}
+
+/// Emits the splats of a warp whose footprints have masks: an instance a lane.
 template <class Key>
-__device__ Key instance_key(std::uint32_t tile, std::uint32_t depth) {
-  if constexpr (sizeof(Key) == 8)
-    return Key(tile) << depth_key_bits | depth;
-  else
-    return Key(tile);
+__device__ void emit_masks(const Emitted& mine, TileGrid grid, const Instances<Key>& out) {
+  const std::uint32_t count = mine.footprint.mask ? mine.footprint.count : 0, first = sum_below(count);
+  const std::uint32_t total = __shfl_sync(whole_warp, first + count, warp_size - 1);
+  for (std::uint32_t begin = 0; begin < total; begin += warp_size) {
+    const std::uint32_t position = begin + lane_index();
+    const unsigned owner = owner_of(position, first);
+    const Emitted splat = mine.of(owner);
+    const std::uint32_t nth = position - __shfl_sync(whole_warp, first, int(owner));
+    if (position >= total) continue;
+    const unsigned bit = find_bit(splat.footprint.mask, nth);
+    const unsigned row = splat.footprint.row + bit / Footprint::side;
+    const unsigned column = splat.footprint.column + bit % Footprint::side;
+    out.write(splat.at + nth, row * unsigned(grid.columns) + column, splat.depth, splat.id);
+  }
+}
+
+/// Emits the larger splats of a warp: their rows a lane each, then the tiles of 32 rows.
+template <class Bounds, class Key>
+__device__ void emit_rows(const Emitted& mine, bool large, const Bounds& bounds, const SortJob& job,
+                          SplatShape* shapes, const Instances<Key>& out) {
+  TileRect rect;
+  if (large) {
+    const SplatShape shape = job.splats.shapes[mine.id];
+    shapes[lane_index()] = shape;
+    rect = bounds.rect(shape, job.grid);
+  }
+  __syncwarp();
+  const std::uint32_t begin_of_mine = sum_below(large ? mine.footprint.count : 0);
+  std::uint32_t done = 0;  // instances of all the warp's large splats
+  for_each_row(bounds, shapes, rect, [&](unsigned owner, int row, TileRun run) {
+    const std::uint32_t size = std::uint32_t(run.size()), first = sum_below(size);
+    const std::uint32_t total = __shfl_sync(whole_warp, first + size, warp_size - 1);
+    const Emitted splat = mine.of(owner);
+    const std::uint32_t at = splat.at - __shfl_sync(whole_warp, begin_of_mine, int(owner)) + done + first;
+    const int first_tile = row * job.grid.columns + run.begin;
+    for (std::uint32_t begin = 0; begin < total; begin += warp_size) {
+      const std::uint32_t position = begin + lane_index();
+      const int lane = int(owner_of(position, first));
+      const std::uint32_t nth = position - __shfl_sync(whole_warp, first, lane);
+      const std::uint32_t its_at = __shfl_sync(whole_warp, at, lane) + nth;
+      const std::uint32_t tile = std::uint32_t(__shfl_sync(whole_warp, first_tile, lane)) + nth;
+      const std::uint32_t depth = __shfl_sync(whole_warp, splat.depth, lane);
+      const std::uint32_t id = __shfl_sync(whole_warp, splat.id, lane);
+      if (position < total) out.write(its_at, tile, depth, id);
+    }
+    done += total;
+  });
 }
 
 /// Writes one pair for each tile of the splats of a block, after those of the blocks before it. A warp writes the
@@ -41,7 +119,6 @@ __global__ void __launch_bounds__(emit_threads)
   __shared__ std::uint32_t place_of_block, before_block, tiles_of[emit_warps];
   __shared__ SharedArray<SplatShape, warp_size> shapes_of[emit_warps];
   const unsigned warp = threadIdx.x / warp_size;
-  SplatShape* shapes = shapes_of[warp].data();
   RunningSum sum(sums);
   if (threadIdx.x == 0) place_of_block = sum.take_place(gridDim.x);
   __syncthreads();
@@ -49,19 +126,14 @@ __global__ void __launch_bounds__(emit_threads)
 
   // Load a splat a lane.
   const std::size_t i = std::size_t(place) * emit_threads + threadIdx.x;
-  const bool mine = i < job.splats.size();
-  const std::uint32_t id = !mine ? 0 : order ? order[i] : std::uint32_t(i);
-  std::uint32_t tiles = 0, depth = 0;
-  TileRect rect;
-  if (mine) {
-    tiles = job.splats.tiles[id];
-    if constexpr (sizeof(Key) == 8) depth = depth_key(job.splats.colours[id].depth);
-    const SplatShape shape = job.splats.shapes[id];
-    shapes[lane_index()] = shape;
-    rect = bounds.rect(shape, job.grid);
+  Emitted mine;
+  if (i < job.splats.size()) {
+    mine.id = order ? order[i] : std::uint32_t(i);
+    mine.footprint = job.splats.footprints[mine.id];
+    if constexpr (sizeof(Key) == 8) mine.depth = depth_key(job.splats.colours[mine.id].depth);
   }
-  const std::uint32_t tiles_below = sum_below(tiles);
-  if (lane_index() == warp_size - 1) tiles_of[warp] = tiles_below + tiles;
+  mine.at = sum_below(mine.footprint.count);
+  if (lane_index() == warp_size - 1) tiles_of[warp] = mine.at + mine.footprint.count;
   __syncthreads();
 
   // Find where the block's instances begin, and in them the warp's.
@@ -73,31 +145,27 @@ __global__ void __launch_bounds__(emit_threads)
     if (lane_index() == 0) before_block = before;
   }
   __syncthreads();
-  std::uint32_t at = before_block;
-  for (unsigned w = 0; w < warp; ++w) at += tiles_of[w];
-  const std::uint32_t end = min(at + tiles_of[warp], out.count);
+  mine.at += before_block;
+  for (unsigned w = 0; w < warp; ++w) mine.at += tiles_of[w];
 
-  // Emit 32 rows of tiles at a time.
-  for_each_row(bounds, shapes, rect, [&](unsigned owner, int row, TileRun run) {
-    const std::uint32_t size = std::uint32_t(run.size()), first = sum_below(size);
-    const std::uint32_t total = __shfl_sync(whole_warp, first + size, warp_size - 1);
-    const int tile_of_run = row * job.grid.columns + run.begin;
-    const std::uint32_t their_id = __shfl_sync(whole_warp, id, int(owner));
-    const std::uint32_t their_depth = sizeof(Key) == 8 ? __shfl_sync(whole_warp, depth, int(owner)) : 0;
-    for (std::uint32_t begin = 0; begin < total; begin += warp_size) {
-      const std::uint32_t position = begin + lane_index();
-      const int lane = int(owner_of(position, first));
-      const std::uint32_t tile = std::uint32_t(__shfl_sync(whole_warp, tile_of_run, lane)) + position -
-          __shfl_sync(whole_warp, first, lane);
-      const std::uint32_t its_depth = sizeof(Key) == 8 ? __shfl_sync(whole_warp, their_depth, lane) : 0;
-      const std::uint32_t its_id = __shfl_sync(whole_warp, their_id, lane);
-      if (position < total && at + position < end) {
-        out.keys[at + position] = instance_key<Key>(tile, its_depth);
-        out.ids[at + position] = its_id;
-      }
-    }
-    at += total;
-  });
+  emit_masks(mine, job.grid, out);
+  const bool large = mine.footprint.mask == 0 && mine.footprint.count != 0;
+  if (__any_sync(whole_warp, large)) emit_rows(mine, large, bounds, job, shapes_of[warp].data(), out);
+}
+
+/// Finds footprints outside of projection.
+template <class Bounds>
+__global__ void __launch_bounds__(emit_threads)
+    find_footprints(const __grid_constant__ SortJob job, const Bounds bounds, Footprint* footprints,
+                    FrameCounts* counts) {
+  __shared__ FootprintShared shared[emit_warps];
+  const std::size_t i = std::size_t(blockIdx.x) * emit_threads + threadIdx.x;
+  const bool exists = i < job.splats.size();
+  SplatShape shape;
+  if (exists) shape = job.splats.shapes[i];
+  const Footprint found = find_footprint(bounds, job.grid, shape, exists, shared[threadIdx.x / warp_size]);
+  if (exists) footprints[i] = found;
+  add_instances(*counts, found.count);
 }
 }  // namespace kernels
 
@@ -105,23 +173,24 @@ template <BoundsPolicy Bounds, class Key>
 std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                            InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances) {
   const std::size_t splats = job.splats.size();
-  SortJob counted = job;
-  if (!job.splats.tiles.data && splats != 0) {
-    // Count here what projection did not. The sum of a copy is what is needed, and the counts themselves.
-    scratch.tiles.reset(2 * splats);
-    std::uint32_t* const tiles = scratch.tiles.data();
-    for (std::uint32_t* to : {tiles, tiles + splats})
-      cuda.for_each(splats, CountTiles<Bounds>{job.splats, nullptr, job.grid, bounds, to});
-    counted.splats.tiles = {tiles, splats};
-    counted.splats.instances = cuda.exclusive_scan(Span{tiles + splats, splats});
+  const unsigned blocks = blocks_for(splats, kernels::emit_threads);
+  SortJob found = job;
+  if (!job.splats.footprints.data && splats != 0) {
+    scratch.footprints.reset(splats), scratch.counts.reset(1);
+    cuda.clear(scratch.counts.data(), sizeof(FrameCounts));
+    launch("find_footprints", kernels::find_footprints<Bounds>, blocks, kernels::emit_threads, cuda.stream(), job,
+           bounds, scratch.footprints.data(), scratch.counts.data());
+    FrameCounts counts;
+    cuda.download(Span<const FrameCounts>{scratch.counts.data(), 1}, &counts);
+    found.splats.footprints = {scratch.footprints.data(), splats};
+    found.splats.instances = counts.instances;
   }
-  const std::uint64_t total = counted.splats.instances;
+  const std::uint64_t total = found.splats.instances;
   check_instances(total);
   instances.reset(std::size_t(total));
   if (total == 0) return 0;
-  const unsigned blocks = blocks_for(splats, kernels::emit_threads);
   launch("emit_instances", kernels::emit_instances<Bounds, Key>, blocks, kernels::emit_threads, cuda.stream(),
-         counted, bounds, order,
+         found, bounds, order,
          kernels::Instances<Key>{instances.keys.data(), instances.values.data(), std::uint32_t(total)},
          scratch.sums.next(cuda, blocks));
   return std::size_t(total);

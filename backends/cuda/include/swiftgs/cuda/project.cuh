@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <cuda_pipeline_primitives.h>
+
 #include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/footprints.cuh>
 #include <swiftgs/cuda/launch.cuh>
-#include <swiftgs/cuda/rows.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
 #include <swiftgs/project.hpp>
 
@@ -21,7 +23,7 @@ inline constexpr unsigned most_rest = 3 * unsigned(sh_rest_count(max_sh_degree))
 struct ProjectOutput {
   SplatShape* shapes;
   SplatColour* colours;
-  std::uint32_t* tiles;
+  Footprint* footprints;
   FrameCounts* counts;
 };
 
@@ -31,25 +33,24 @@ struct ProjectShared {
   std::uint32_t visible[project_warps];            ///< Gaussians of each warp
   std::uint32_t ids[project_threads];              ///< visible Gaussians of the block
   float depths[project_threads];                   ///< and their depths
-  struct Counting {
-    SharedArray<SplatShape, warp_size> shapes;
-    std::uint32_t tiles[warp_size];
-  };
   union {
-    Counting counting[project_warps];                  ///< shape and tiles of each lane's splat
+    FootprintShared footprints[project_warps];
     float rest[project_warps][warp_size * most_rest];  ///< SH coefficients of each lane's Gaussian
   };
 };
 
 /// Copies the SH coefficients of the warp's Gaussians, one after another: lanes read neighbouring words, where a lane a
-/// Gaussian would touch 32 lines with each load.
+/// Gaussian would touch 32 lines with each load. All copies are under way at once.
 __device__ inline void stage_rest(const SceneView& scene, std::uint32_t id, unsigned gaussians, float* rest) {
   const unsigned used = 3 * unsigned(sh_rest_count(scene.sh_degree));
   for (unsigned g = 0; g < gaussians; ++g) {
     const float* from =
         scene.sh_rest.data + std::size_t(__shfl_sync(whole_warp, id, int(g))) * std::size_t(scene.sh_stride);
-    for (unsigned k = lane_index(); k < used; k += warp_size) rest[g * used + k] = from[k];
+    for (unsigned k = lane_index(); k < used; k += warp_size)
+      __pipeline_memcpy_async(rest + g * used + k, from + k, sizeof(float));
   }
+  __pipeline_commit();
+  __pipeline_wait_prior(0);
   __syncwarp();
 }
 
@@ -61,23 +62,6 @@ __device__ inline vec3 colour_of(int degree, vec3 sh0, const float* rest, vec3 d
     case 2: return sh_colour(2, sh0, rest, direction);
     default: return sh_colour(3, sh0, rest, direction);
   }
-}
-
-/// Adds up the tiles of each lane's splat.
-template <class Bounds>
-__device__ std::uint32_t count_tiles(const Bounds& bounds, TileGrid grid, const SplatShape& shape, bool visible,
-                                     ProjectShared::Counting& shared) {
-  SplatShape* const shapes = shared.shapes.data();
-  std::uint32_t* const tiles = shared.tiles;
-  if (visible) shapes[lane_index()] = shape;
-  tiles[lane_index()] = 0;
-  __syncwarp();
-  for_each_row(bounds, shapes, visible ? bounds.rect(shape, grid) : TileRect{},
-               [&](unsigned owner, int, TileRun run) {
-                 if (run.size() > 0) atomicAdd(&tiles[owner], std::uint32_t(run.size()));
-               });
-  __syncwarp();
-  return tiles[lane_index()];
 }
 
 /// Projects the Gaussians of one block and appends the visible ones to those of the blocks before it.
@@ -108,15 +92,10 @@ __global__ void __launch_bounds__(project_threads)
   }
   if (threadIdx.x == 0) sum.add(place, visible);
 
-  // Count their tiles.
-  const std::uint32_t tiles =
-      count_tiles(bounds, job.grid, splat.shape, splat.visible, shared.counting[warp]);
-  const auto add = [](std::uint64_t* to, std::uint64_t value) {
-    static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
-    atomicAdd(reinterpret_cast<unsigned long long*>(to), static_cast<unsigned long long>(value));
-  };
-  const std::uint32_t tiles_of_warp = warp_sum(tiles);
-  if (lane_index() == 0 && tiles_of_warp != 0) add(&counts.instances, tiles_of_warp);
+  // Find their tiles.
+  const Footprint footprint =
+      find_footprint(bounds, job.grid, splat.shape, splat.visible, shared.footprints[warp]);
+  add_instances(counts, footprint.count);
   if (splat.visible) shared.ids[slot] = std::uint32_t(i), shared.depths[slot] = splat.depth;
   __syncthreads();
 
@@ -145,7 +124,7 @@ __global__ void __launch_bounds__(project_threads)
   const std::size_t first = shared.before;
   if (splat.visible) {
     output.shapes[first + slot] = splat.shape;
-    output.tiles[first + slot] = tiles;
+    output.footprints[first + slot] = footprint;
   }
   if (threadIdx.x < visible) output.colours[first + threadIdx.x] = colour;
 }
@@ -155,7 +134,7 @@ template <BoundsPolicy Bounds>
 void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
              Splats<Cuda>& splats) {
   const std::size_t n = job.scene.size();
-  splats.shapes.reset(n), splats.colours.reset(n), splats.tiles.reset(n);
+  splats.shapes.reset(n), splats.colours.reset(n), splats.footprints.reset(n);
   splats.count = 0, splats.instances = 0;
   if (n == 0) return;
   if (scratch.counts.size() == 0) {
@@ -165,7 +144,7 @@ void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScr
   const unsigned blocks = blocks_for(n, kernels::project_threads);
   const RunningSums::View sums = scratch.sums.next(cuda, blocks);
   launch("project", kernels::project<Bounds>, blocks, kernels::project_threads, cuda.stream(), job, bounds,
-         kernels::ProjectOutput{splats.shapes.data(), splats.colours.data(), splats.tiles.data(),
+         kernels::ProjectOutput{splats.shapes.data(), splats.colours.data(), splats.footprints.data(),
                                 scratch.counts.data()},
          sums);
 

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include <swiftgs/bounds/bounds.hpp>
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/warp.cuh>
+
+namespace swiftgs::kernels {
+
+/// Rows of tiles of the 32 splats of a warp, each lane's in turn, spread evenly over the lanes: a splat of many rows
+/// does not keep one lane busy. `shapes` are the warp's own, `rect` is that of the lane's splat, empty where it has
+/// none. Calls f(owner, row, run) on all lanes together, with an empty run on lanes that are left without a row.
+template <class Bounds, class F>
+__device__ void for_each_row(const Bounds& bounds, const SplatShape* shapes, TileRect rect, const F& f) {
+  const std::uint32_t rows = rect.columns.size() == 0 ? 0 : std::uint32_t(rect.rows.size());
+  const std::uint32_t first = sum_below(rows);
+  const std::uint32_t total = __shfl_sync(whole_warp, first + rows, warp_size - 1);
+  for (std::uint32_t begin = 0; begin < total; begin += warp_size) {
+    const std::uint32_t position = begin + lane_index();
+    const unsigned owner = owner_of(position, first);
+    const auto of_owner = [&](auto value) { return __shfl_sync(whole_warp, value, int(owner)); };
+    const TileRect theirs{{of_owner(rect.columns.begin), of_owner(rect.columns.end)},
+                          {of_owner(rect.rows.begin), of_owner(rect.rows.end)}};
+    const int row = theirs.rows.begin + int(position - of_owner(first));
+    TileRun run;
+    if (position < total) run = bounds.row(shapes[owner], theirs, row);
+    f(owner, row, run);
+  }
+}
+
+/// Shared memory in which a warp finds footprints.
+struct FootprintShared {
+  SharedArray<SplatShape, warp_size> shapes;
+  std::uint32_t counts[warp_size], masks[2][warp_size];
+};
+
+/// Footprint of each lane's splat, where it has one.
+template <class Bounds>
+__device__ Footprint find_footprint(const Bounds& bounds, TileGrid grid, const SplatShape& shape, bool exists,
+                                    FootprintShared& shared) {
+  const unsigned lane = lane_index();
+  TileRect rect;
+  if (exists) shared.shapes.data()[lane] = shape, rect = bounds.rect(shape, grid);
+  shared.counts[lane] = shared.masks[0][lane] = shared.masks[1][lane] = 0;
+  __syncwarp();
+  for_each_row(bounds, shared.shapes.data(), rect, [&](unsigned owner, int row, TileRun run) {
+    const int below = row - __shfl_sync(whole_warp, rect.rows.begin, int(owner));
+    const int right = run.begin - __shfl_sync(whole_warp, rect.columns.begin, int(owner));
+    if (run.size() == 0) return;
+    atomicAdd(&shared.counts[owner], std::uint32_t(run.size()));
+    if (below < Footprint::side && right + run.size() <= Footprint::side)
+      atomicOr(&shared.masks[below / 4][owner],
+               ((1u << run.size()) - 1) << (right + below % 4 * Footprint::side));
+  });
+  __syncwarp();
+  const bool fits = rect.columns.size() <= Footprint::side && rect.rows.size() <= Footprint::side;
+  return {fits ? std::uint64_t(shared.masks[1][lane]) << 32 | shared.masks[0][lane] : 0, shared.counts[lane],
+          std::uint16_t(rect.columns.begin), std::uint16_t(rect.rows.begin)};
+}
+
+/// Adds the tiles of a warp's splats to those of a frame.
+__device__ inline void add_instances(FrameCounts& counts, std::uint32_t tiles) {
+  static_assert(sizeof(unsigned long long) == sizeof counts.instances);
+  const std::uint32_t sum = warp_sum(tiles);
+  if (lane_index() == 0 && sum != 0)
+    atomicAdd(reinterpret_cast<unsigned long long*>(&counts.instances), static_cast<unsigned long long>(sum));
+}
+
+}  // namespace swiftgs::kernels

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace swiftgs {
+
+/// The tiles that a splat may touch, found once and expanded where instances are emitted.
+struct Footprint {
+  /// Tiles a side that the mask has room for.
+  static constexpr int side = 8;
+  /// Count of a larger splat whose tiles have yet to be counted.
+  static constexpr std::uint32_t to_be_counted = 0xffffffffu;
+
+  std::uint64_t mask = 0;   ///< bit 8 r + c: the tile r rows below and c columns right of the first; zero
+                            ///< where the splat spans more than 8 tiles a side, or touches none
+  std::uint32_t count = 0;  ///< of tiles
+  std::uint16_t column = 0, row = 0;  ///< of the first tile
+};
+static_assert(sizeof(Footprint) == 16);
+
+}  // namespace swiftgs
