@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What the CUDA backend promises as a backend, loops over functors apart.
+#include <numeric>
+#include <utility>
+
+#include "cuda/device.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+/// Whether `cuda` sorts `keys`, the values numbered in order, as the serial backend does.
+template <class Key>
+bool sorts(Cuda& cuda, const std::vector<Key>& keys, int bits) {
+  std::vector<std::uint32_t> values(keys.size());
+  std::iota(values.begin(), values.end(), 7u);
+  Pairs<Serial, Key> expected;
+  expected.reset(keys.size());
+  std::copy(keys.begin(), keys.end(), expected.keys.data());
+  std::copy(values.begin(), values.end(), expected.values.data());
+  Serial().sort_pairs(expected, keys.size(), bits);
+
+  Pairs<Cuda, Key> pairs;
+  pairs.reset(keys.size());
+  copy_to_device(Span<const Key>{keys.data(), keys.size()}, pairs.keys);
+  copy_to_device(Span<const std::uint32_t>{values.data(), values.size()}, pairs.values);
+  cuda.sort_pairs(pairs, keys.size(), bits);
+  const std::vector<Key> sorted = to_host(cuda, std::as_const(pairs.keys).span());
+  const std::vector<std::uint32_t> moved = to_host(cuda, std::as_const(pairs.values).span());
+  return std::equal(sorted.begin(), sorted.end(), expected.keys.data()) &&
+         std::equal(moved.begin(), moved.end(), expected.values.data());
+}
+
+/// Random keys of all bits: those above the sorted ones are garbage that must not matter.
+template <class Key>
+std::vector<Key> random_keys(std::size_t n, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Key> keys(n);
+  for (Key& key : keys) key = Key(random.bits() >> 3);
+  return keys;
+}
+
+/// Whether `cuda` scans `counts` as the serial backend does.
+bool scans(Cuda& cuda, std::vector<std::uint32_t> counts) {
+  DeviceBuffer<std::uint32_t> sums = to_device(counts);
+  const std::uint64_t expected = Serial().exclusive_scan({counts.data(), counts.size()});
+  return cuda.exclusive_scan(sums.span()) == expected && to_host(cuda, std::as_const(sums).span()) == counts;
+}
+
+/// Work that keeps a stream busy for some milliseconds.
+void keep_busy(const Cuda& cuda, DeviceBuffer<std::uint32_t>& memory) {
+  for (int i = 0; i < 200; ++i) cuda.clear(memory.data(), memory.size() * sizeof(std::uint32_t));
+}
+
+}  // namespace
+
+TEST_CASE("cuda: exclusive_scan replaces each count by the sum before it") {
+  if (without_device()) return;
+  Cuda cuda;
+  for (const std::size_t n : {0, 1, 2, 31, 32, 33, 1000, 300'001, 1'000'000}) {
+    CAPTURE(n);
+    Random random(n);
+    std::vector<std::uint32_t> counts(n);
+    for (std::uint32_t& count : counts) count = std::uint32_t(random.bits() % 100);
+    CHECK(scans(cuda, counts));
+  }
+}
+
+TEST_CASE("cuda: exclusive_scan returns totals beyond 32 bits") {
+  if (without_device()) return;
+  Cuda cuda;
+  CHECK(scans(cuda, std::vector<std::uint32_t>(100'000, 0xffffffffu)));
+  CHECK(scans(cuda, {0x80000000u, 0x80000000u}));
+  CHECK(scans(cuda, {0xffffffffu}));
+}
+
+TEST_CASE("cuda: sort_pairs is a stable sort by the low bits alone") {
+  if (without_device()) return;
+  Cuda cuda;
+  for (const std::size_t n : {0, 1, 2, 3, 257, 30'001}) {
+    CAPTURE(n);
+    for (const int bits : {0, 1, 2, 7, 8, 9, 13, 17, 24, 31, 32}) {
+      CAPTURE(bits);
+      CHECK(sorts(cuda, random_keys<std::uint32_t>(n, 1), bits));
+    }
+    for (const int bits : {0, 1, 8, 11, 31, 32, 33, 43, 44, 55, 63, 64}) {
+      CAPTURE(bits);
+      CHECK(sorts(cuda, random_keys<std::uint64_t>(n, 2), bits));
+    }
+  }
+}
+
+TEST_CASE("cuda: sort_pairs sorts a million pairs and keeps the order of equal keys") {
+  if (without_device()) return;
+  Cuda cuda;
+  CHECK(sorts(cuda, random_keys<std::uint32_t>(1'000'000, 3), 13));
+  CHECK(sorts(cuda, random_keys<std::uint64_t>(1'000'000, 4), 44));
+  CHECK(sorts(cuda, std::vector<std::uint32_t>(1'000'000, 0xdeadbeefu), 31));
+  CHECK(sorts(cuda, std::vector<std::uint64_t>(100'001, 0xdeadbeef12345678u), 44));
+}
+
+TEST_CASE("cuda: sort_pairs sorts by every digit when only one digit differs") {
+  if (without_device()) return;
+  Cuda cuda;
+  for (int bit = 0; bit < 44; ++bit) {
+    CAPTURE(bit);
+    std::vector<std::uint64_t> keys(5000, 0x5a5a5a5a5a5a5a5au);
+    for (std::size_t i = 0; i < keys.size(); i += 3) keys[i] ^= std::uint64_t(1) << bit;
+    CHECK(sorts(cuda, keys, 44));
+  }
+}
+
+TEST_CASE("cuda: an uploaded scene is copied without bands that are zero throughout") {
+  if (without_device()) return;
+  const Cuda cuda;
+  Scene scene = random_scene(300, 3, 6);
+  // Whether all is there, and for each Gaussian the coefficients of `degree` bands.
+  const auto holds = [&](const DeviceScene& uploaded, int degree) {
+    const SceneView view = uploaded.view();
+    const std::size_t used = 3 * std::size_t(sh_rest_count(degree)), stride = std::size_t(view.sh_stride);
+    const std::vector<float> rest = to_host(cuda, view.sh_rest);
+    bool same = view.sh_degree == degree && stride >= used && stride < used + 16;
+    for (std::size_t i = 0; same && i < scene.size(); ++i)
+      same = std::equal(&scene.sh_rest[45 * i], &scene.sh_rest[45 * i] + used, rest.data() + stride * i);
+    return same && same_bits(to_host(cuda, view.means), scene.means) &&
+           same_bits(to_host(cuda, view.scales), scene.scales) &&
+           same_bits(to_host(cuda, view.rotations), scene.rotations) &&
+           same_bits(to_host(cuda, view.opacities), scene.opacities) &&
+           same_bits(to_host(cuda, view.sh0), scene.sh0);
+  };
+  CHECK(holds(cuda.upload(scene), 3));
+  for (const int degree : {2, 1, 0}) {
+    CAPTURE(degree);
+    const std::size_t used = 3 * std::size_t(sh_rest_count(degree));
+    for (std::size_t i = 0; i < scene.sh_rest.size(); ++i)
+      if (i % 45 >= used) scene.sh_rest[i] = 0;
+    CHECK(holds(cuda.upload(std::make_shared<const Scene>(scene)), degree));
+  }
+
+  CHECK(cuda.upload(Scene()).view().size() == 0);
+  CHECK_THROWS_AS(cuda.upload(std::shared_ptr<const Scene>()), std::invalid_argument);
+  scene.opacities.pop_back();
+  CHECK_THROWS_WITH_AS(cuda.upload(scene), "scene: opacities has 299 elements, expected 300",
+                       std::invalid_argument);
+}
+
+TEST_CASE("cuda: an uploaded scene lives as long as its last copy") {
+  if (without_device()) return;
+  const Cuda cuda;
+  const Scene scene = random_scene(1000, 0, 7);
+  auto first = std::make_unique<DeviceScene>(cuda.upload(scene));
+  const DeviceScene copy = *first;
+  first.reset();
+  const DeviceScene other = cuda.upload(random_scene(1000, 0, 8));
+  CHECK(same_bits(to_host(cuda, copy.view().means), scene.means));
+}
+
+TEST_CASE("cuda: the clock is read without waiting and may be asked before its work is done") {
+  if (without_device()) return;
+  Cuda cuda;
+  DeviceBuffer<std::uint32_t> memory = to_device(std::vector<std::uint32_t>(50'000'000));
+  const auto from = cuda.now();
+  keep_busy(cuda, memory);
+  const auto to = cuda.now();
+  const std::optional<double> early = cuda.milliseconds(from, to);
+  // That it was asked too early is no error of the calls that follow.
+  CHECK_NOTHROW(cuda.exclusive_scan(memory.span()));
+  CHECK(cudaGetLastError() == cudaSuccess);
+  const std::optional<double> ms = cuda.milliseconds(from, to);
+  REQUIRE(ms);
+  CHECK(*ms > 0.1);
+  CHECK(*ms < 60'000);
+  if (early) CHECK(*early == *ms);
+}
+
+TEST_CASE("cuda: a kernel may be started while a measurement is under way") {
+  if (without_device()) return;
+  Cuda cuda;
+  DeviceBuffer<std::uint32_t> memory = to_device(std::vector<std::uint32_t>(50'000'000));
+  const DeviceSplats splats(random_splats(2000, 200, 100, 9));
+  StandardSort::Scratch<Cuda> scratch;
+  TileLists<Cuda> lists;
+  const auto build = [&] { StandardSort{}.build(cuda, splats.job(200, 100), Ellipse{}, scratch, lists); };
+  build();
+  for (int i = 0; i < 20; ++i) {
+    const auto from = cuda.now();
+    keep_busy(cuda, memory);
+    cuda.milliseconds(from, cuda.now());
+    CHECK_NOTHROW(build());
+  }
+}
+
+TEST_CASE("cuda: a point in time can be read until 255 later ones have been taken") {
+  if (without_device()) return;
+  Cuda cuda;
+  const auto wait = [&] { check_cuda(cudaStreamSynchronize(cuda.stream()), "cudaStreamSynchronize"); };
+  CHECK_FALSE(cuda.milliseconds({}, cuda.now()));
+  const auto from = cuda.now(), to = cuda.now();
+  CHECK_FALSE(cuda.milliseconds(to, from));
+  for (int i = 0; i < 254; ++i) cuda.now();
+  wait();
+  CHECK(cuda.milliseconds(from, to));
+  cuda.now();
+  wait();
+  CHECK_FALSE(cuda.milliseconds(from, to));
+  const auto late = cuda.now();
+  wait();
+  CHECK(cuda.milliseconds(to, late).has_value() == false);
+  CHECK(cuda.milliseconds(late, late) == 0.0);
+}
+
+TEST_CASE("cuda: a buffer grows and keeps its memory when less is asked for") {
+  if (without_device()) return;
+  DeviceBuffer<float> buffer;
+  buffer.reset(1000);
+  const float* const memory = buffer.data();
+  const std::size_t capacity = buffer.capacity();
+  CHECK(capacity >= 1000);
+  buffer.reset(10);
+  CHECK(buffer.size() == 10);
+  buffer.reset(1000);
+  CHECK(buffer.data() == memory);
+  CHECK(buffer.capacity() == capacity);
+}
+
+TEST_CASE("cuda: a backend that was moved works where it went") {
+  if (without_device()) return;
+  const Stream stream;
+  Cuda first(stream.get());
+  CHECK(scans(first, {5, 6, 7}));
+  Cuda second(std::move(first));
+  CHECK(second.stream() == stream.get());
+  CHECK(scans(second, {5, 6, 7}));
+  Cuda third;
+  third = std::move(second);
+  CHECK(third.stream() == stream.get());
+  CHECK(scans(third, {8, 9}));
+  first = Cuda();
+  CHECK(first.stream() == nullptr);
+  CHECK(scans(first, {1}));
+}

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Arrays of the host on a device and back, and what every test of the CUDA backend begins with.
+
+#include <cstddef>
+#include <cstring>
+#include <memory>
+#include <type_traits>
+#include <vector>
+
+#include <cuda_runtime_api.h>
+#include <doctest/doctest.h>
+
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/check.hpp>
+#include <swiftgs/swiftgs.hpp>
+
+#include "policies/tile_lists.hpp"
+#include "support/skip.hpp"
+
+namespace swiftgs::test {
+
+/// Reports the running test as skipped where no kernel of this build can run.
+inline bool without_device() {
+  if (Cuda::usable()) return false;
+  skip("no CUDA device that the kernels of this build run on");
+  return true;
+}
+
+/// A stream that does not wait for the default one.
+class Stream {
+ public:
+  Stream() {
+    cudaStream_t made = nullptr;
+    check_cuda(cudaStreamCreateWithFlags(&made, cudaStreamNonBlocking), "cudaStreamCreateWithFlags");
+    stream_.reset(made);
+  }
+  cudaStream_t get() const { return stream_.get(); }
+  void wait() const { check_cuda(cudaStreamSynchronize(get()), "cudaStreamSynchronize"); }
+
+ private:
+  struct Destroy {
+    void operator()(cudaStream_t stream) const { cudaStreamDestroy(stream); }
+  };
+  std::unique_ptr<std::remove_pointer_t<cudaStream_t>, Destroy> stream_;
+};
+
+/// Free memory of the device when all work is done. @units{bytes}
+inline std::size_t free_memory() {
+  check_cuda(cudaDeviceSynchronize(), "cudaDeviceSynchronize");
+  std::size_t free = 0, total = 0;
+  check_cuda(cudaMemGetInfo(&free, &total), "cudaMemGetInfo");
+  return free;
+}
+
+/// Copies to the device; complete when it returns.
+template <class T>
+void copy_to_device(Span<const T> from, DeviceBuffer<T>& to) {
+  to.reset(from.size);
+  if (from.size == 0) return;
+  check_cuda(cudaMemcpy(to.data(), from.data, from.size * sizeof(T), cudaMemcpyHostToDevice), "cudaMemcpy");
+  check_cuda(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
+}
+template <class T>
+DeviceBuffer<T> to_device(const std::vector<T>& from) {
+  DeviceBuffer<T> to;
+  copy_to_device(Span<const T>{from.data(), from.size()}, to);
+  return to;
+}
+
+/// Copies to the host after all that `cuda` was asked for.
+template <class T>
+std::vector<T> to_host(const Cuda& cuda, Span<const T> from) {
+  std::vector<T> to(from.size);
+  cuda.download(from, to.data());
+  return to;
+}
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+/// Splats of the host on the device, without footprints.
+class DeviceSplats {
+ public:
+  explicit DeviceSplats(const SplatSet& set)
+      : shapes_(to_device(set.shapes)), colours_(to_device(set.colours)) {}
+
+  SplatsView view() const { return {.shapes = shapes_.span(), .colours = colours_.span()}; }
+  SortJob job(int width, int height) const {
+    return {view(), TileGrid::covering(width, height), {shapes_.data(), shapes_.size(), width, height}};
+  }
+
+ private:
+  DeviceBuffer<SplatShape> shapes_;
+  DeviceBuffer<SplatColour> colours_;
+};
+
+/// Splats of the device on the host.
+inline SplatSet to_host(const Cuda& cuda, const SplatsView& splats) {
+  return {to_host(cuda, splats.shapes), to_host(cuda, splats.colours)};
+}
+
+/// Tile lists as arrays of the host.
+struct HostLists {
+  std::vector<std::uint32_t> ids;
+  std::vector<TileRange> ranges;
+
+  bool operator==(const HostLists& o) const { return same_bits(ids, o.ids) && same_bits(ranges, o.ranges); }
+  TileListsView view() const { return {{ids.data(), ids.size()}, {ranges.data(), ranges.size()}}; }
+};
+
+template <class B>
+HostLists host_lists(const B& backend, const TileLists<B>& lists) {
+  const TileListsView view = lists.view();
+  HostLists out{std::vector<std::uint32_t>(view.ids.size), std::vector<TileRange>(view.ranges.size)};
+  backend.download(view.ids, out.ids.data());
+  backend.download(view.ranges, out.ranges.data());
+  return out;
+}
+
+}  // namespace swiftgs::test

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The device's renderers inside another program: its stream, its memory, its arrays, its threads.
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include "cuda/drawings.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+using Usual = Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
+
+/// A caller's own arrays on the device.
+struct Arrays {
+  explicit Arrays(const Scene& scene)
+      : means(to_device(scene.means)),
+        scales(to_device(scene.scales)),
+        sh0(to_device(scene.sh0)),
+        rotations(to_device(scene.rotations)),
+        opacities(to_device(scene.opacities)),
+        sh_rest(to_device(scene.sh_rest)),
+        degree(scene.sh_degree) {}
+
+  SceneView view() const {
+    return {.means = means.span(),
+            .scales = scales.span(),
+            .rotations = rotations.span(),
+            .opacities = opacities.span(),
+            .sh0 = sh0.span(),
+            .sh_rest = sh_rest.span(),
+            .sh_degree = degree,
+            .sh_stride = 3 * sh_rest_count(degree)};
+  }
+
+  DeviceBuffer<vec3> means, scales, sh0;
+  DeviceBuffer<Quaternion> rotations;
+  DeviceBuffer<float> opacities, sh_rest;
+  int degree;
+};
+
+RenderSettings with_planes() {
+  RenderSettings settings;
+  settings.outputs = {true, true};
+  return settings;
+}
+
+/// Renders `frames` frames of several views into memory of its own on a stream of its own.
+/// Returns the colours of the last frame of each view.
+std::vector<std::vector<float>> render_many(const SceneView& scene, int frames) {
+  const Stream stream;
+  Usual renderer{Cuda(stream.get())};
+  std::vector<DeviceFrame> images;
+  for (int view = 0; view < 3; ++view) images.emplace_back(160 + 40 * view, 120 - 20 * view);
+  stream.wait();
+  for (int frame = 0; frame < frames; ++frame)
+    for (DeviceFrame& image : images)
+      renderer.render_into(scene, forward_camera(image.width, image.height), {}, image.view());
+  std::vector<std::vector<float>> out;
+  for (const DeviceFrame& image : images) out.push_back(image.pixels(renderer.backend(), image.colour, 12));
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("cuda embedding: frames are drawn from the caller's arrays into its memory on its stream") {
+  if (without_device()) return;
+  const Scene scene = random_scene(4000, 2, 1);
+  const Camera camera = forward_camera(150, 90);
+  Usual own;
+  const Frame expected = own.render(own.backend().upload(scene), camera, with_planes());
+
+  const Arrays arrays(scene);
+  const Stream stream;
+  Usual renderer{Cuda(stream.get())};
+  DeviceFrame image(150, 90, PixelFormat::rgb_float, 36);
+  renderer.render_into(arrays.view(), camera, with_planes(), image.view());
+  stream.wait();
+  CHECK(same_bits(image.pixels(Cuda(), image.colour, 12), expected.colour));
+  CHECK(same_bits(image.pixels(Cuda(), image.alpha, 4), expected.alpha));
+  CHECK(same_bits(image.pixels(Cuda(), image.depth, 4), expected.depth));
+  CHECK(image.kept_to_its_rows(Cuda(), image.colour, 12));
+}
+
+TEST_CASE("cuda embedding: a frame waits for what its stream was given before and not for other streams") {
+  if (without_device()) return;
+  const Scene scene = random_scene(4000, 0, 2);
+  const Camera camera = forward_camera(150, 90);
+  const Arrays arrays(scene);
+  const Stream stream;
+  Usual renderer{Cuda(stream.get())};
+  DeviceFrame expected(150, 90), image(150, 90);
+  renderer.render_into(arrays.view(), camera, {}, expected.view());
+  stream.wait();
+
+  // Means come late, in the order of the stream.
+  DeviceBuffer<vec3> means;
+  means.reset(scene.size());
+  DeviceBuffer<unsigned char> busy;
+  busy.reset(std::size_t(256) << 20);
+  SceneView late = arrays.view();
+  late.means = std::as_const(means).span();
+  for (int i = 0; i < 20; ++i) renderer.backend().clear(busy.data(), busy.size());
+  renderer.backend().clear(means.data(), means.size() * sizeof(vec3));
+  check_cuda(cudaMemcpyAsync(means.data(), arrays.means.data(), means.size() * sizeof(vec3),
+                             cudaMemcpyDeviceToDevice, stream.get()),
+             "cudaMemcpyAsync");
+  renderer.render_into(late, camera, {}, image.view());
+  CHECK(same_bits(image.pixels(renderer.backend(), image.colour, 12),
+                  expected.pixels(renderer.backend(), expected.colour, 12)));
+}
+
+TEST_CASE("cuda embedding: two renderers on two streams in two threads draw what each draws alone") {
+  if (without_device()) return;
+  const Arrays first(random_scene(9000, 1, 3)), second(random_scene(7000, 3, 4));
+  constexpr int frames = 60;
+  const auto alone_first = render_many(first.view(), 1), alone_second = render_many(second.view(), 1);
+  REQUIRE_FALSE(same_bits(alone_first[0], alone_second[0]));
+  for (int round = 0; round < 3; ++round) {
+    std::vector<std::vector<float>> with_first, with_second;
+    std::thread other([&] { with_second = render_many(second.view(), frames); });
+    with_first = render_many(first.view(), frames);
+    other.join();
+    for (std::size_t view = 0; view < 3; ++view) {
+      CHECK(same_bits(with_first[view], alone_first[view]));
+      CHECK(same_bits(with_second[view], alone_second[view]));
+    }
+  }
+}
+
+TEST_CASE("cuda embedding: frames of one renderer between frames of another are their own") {
+  if (without_device()) return;
+  Usual first, second;
+  const auto a = first.backend().upload(random_scene(3000, 0, 5)),
+             b = second.backend().upload(random_scene(500, 1, 6));
+  const Frame alone_a = first.render(a, forward_camera(90, 60)),
+              alone_b = second.render(b, forward_camera(40, 70));
+  for (int i = 0; i < 5; ++i) {
+    CHECK(same_bits(first.render(a, forward_camera(90, 60)).colour, alone_a.colour));
+    CHECK(same_bits(second.render(b, forward_camera(40, 70)).colour, alone_b.colour));
+  }
+}
+
+TEST_CASE_TEMPLATE("cuda embedding: a steady frame allocates nothing", Sort, StandardSort, EarlySort,
+                   AdaptiveSort) {
+  if (without_device()) return;
+  const Stream stream;
+  Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(stream.get())};
+  const auto scene = renderer.backend().upload(random_scene(20'000, 2, 7));
+  RenderSettings settings = with_planes();
+  settings.count = true;
+  DeviceFrame large(400, 300), small(120, 200);
+  const auto render = [&](int frames) {
+    for (int i = 0; i < frames; ++i)
+      for (DeviceFrame* image : {&large, &small})
+        renderer.render_into(scene.view(), forward_camera(image->width, image->height), settings,
+                             image->view());
+  };
+  render(60);  // until all points in time have been made
+  const std::size_t warm = free_memory();
+  render(100);
+  CHECK(free_memory() == warm);
+}
+
+TEST_CASE("cuda embedding: what nothing can be rendered with is refused and the renderer stays usable") {
+  if (without_device()) return;
+  Usual renderer;
+  const Scene scene = random_scene(500, 2, 8);
+  const Arrays arrays(scene);
+  const Camera camera = forward_camera(40, 30);
+  const Frame expected = renderer.render(renderer.backend().upload(scene), camera);
+  const auto refusal = [&](const auto& spoil) {
+    DeviceFrame image(40, 30);
+    struct {
+      SceneView scene;
+      Camera camera;
+      RenderSettings settings;
+      FrameView frame;
+    } a{arrays.view(), camera, {}, image.view()};
+    spoil(a);
+    std::string message = "accepted";
+    try {
+      renderer.render_into(a.scene, a.camera, a.settings, a.frame);
+    } catch (const std::invalid_argument& error) {
+      message = error.what();
+    }
+    CHECK(same_bits(renderer.render(renderer.backend().upload(scene), camera).colour, expected.colour));
+    return message;
+  };
+  CHECK(refusal([](auto&) {}) == "accepted");
+  CHECK(refusal([](auto& a) { a.frame.width = 39; }) == "render: expected a frame of the camera's size");
+  CHECK(refusal([](auto& a) { a.frame.colour.pitch = 476; }) ==
+        "render: expected a pitch of colour of at least 480 bytes, a multiple of 4");
+  CHECK(refusal([](auto& a) { a.scene.opacities.size = 9; }) ==
+        "render: expected arrays of one length in the scene");
+  CHECK(refusal([](auto& a) { a.scene.sh_degree = 4; }) == "render: expected an SH degree of 0 to 3");
+  CHECK(refusal([](auto& a) { a.settings.conventions.blur = -1; }) ==
+        "conventions: expected a blur of 0 or more");
+  CHECK(refusal([](auto& a) { a.camera.fx = 0; }) == "camera: expected finite focal lengths above 0");
+}

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Loops and bounds that the library does not know.
+#include <swiftgs/cuda.cuh>
+
+#include "cuda/device.hpp"
+
+namespace swiftgs::test {
+
+/// Counts each visit; an index that is out of range counts at the end.
+struct Visit {
+  std::uint32_t* visits;
+  std::size_t n;
+  SWIFTGS_HD void operator()(std::size_t i) const { ++visits[i < n ? i : n]; }
+};
+
+/// The even rows of the box, which no backend has kernels for.
+struct EvenRows {
+  static constexpr std::string_view name = "even-rows";
+  static constexpr bool lossless = false;
+  SWIFTGS_HD TileRect rect(const SplatShape& shape, TileGrid grid) const { return opacity_box(shape, grid); }
+  SWIFTGS_HD TileRun row(const SplatShape&, TileRect rect, int row) const {
+    return row % 2 ? TileRun{} : rect.columns;
+  }
+};
+
+}  // namespace swiftgs::test
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+TEST_CASE("cuda: for_each visits each index exactly once") {
+  if (without_device()) return;
+  const Cuda cuda;
+  for (const std::size_t n : {0, 1, 2, 255, 256, 257, 100'000, 1'000'001}) {
+    CAPTURE(n);
+    DeviceBuffer<std::uint32_t> visits = to_device(std::vector<std::uint32_t>(n + 1));
+    cuda.for_each(n, Visit{visits.data(), n});
+    std::vector<std::uint32_t> expected(n, 1);
+    expected.push_back(0);
+    CHECK(same_bits(to_host(cuda, std::as_const(visits).span()), expected));
+  }
+}
+
+TEST_CASE("cuda: every sort takes bounds of the caller") {
+  if (without_device()) return;
+  Cuda cuda;
+  Serial serial;
+  const SplatSet splats = random_splats(3000, 600, 400, 8);
+  const DeviceSplats uploaded(splats);
+  const HostLists expected =
+      host_lists(serial, build_lists<StandardSort, EvenRows>(serial, splats.job(600, 400)));
+  REQUIRE(!expected.ids.empty());
+  const SortJob job = uploaded.job(600, 400);
+  CHECK(host_lists(cuda, build_lists<StandardSort, EvenRows>(cuda, job)) == expected);
+  CHECK(host_lists(cuda, build_lists<EarlySort, EvenRows>(cuda, job)) == expected);
+  CHECK(host_lists(cuda, build_lists<AdaptiveSort, EvenRows>(cuda, job)) == expected);
+}
+
+TEST_CASE("cuda: projection takes bounds of the caller") {
+  if (without_device()) return;
+  Cuda cuda;
+  const Scene scene = random_scene(2000, 0, 9);
+  const DeviceScene uploaded = cuda.upload(scene);
+  const TileGrid grid = TileGrid::covering(300, 200);
+  const ProjectJob job{view_constants(forward_camera(300, 200), Conventions::gsplat()), uploaded.view(),
+                       grid};
+  ProjectScratch<Cuda> scratch;
+  Splats<Cuda> splats;
+  project(cuda, job, EvenRows{}, scratch, splats);
+  const SplatSet set = to_host(cuda, splats.view());
+  REQUIRE(set.shapes.size() > 100);
+  std::uint64_t tiles = 0;
+  for (const SplatShape& shape : set.shapes) tiles += count_tiles(EvenRows{}, shape, grid);
+  CHECK(splats.instances == tiles);
+}

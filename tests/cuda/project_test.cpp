@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Projection on the device against the serial backend's.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include <swiftgs/builtin_scene.hpp>
+
+#include "cuda/device.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+/// Whether two positive floats, or two that are equal, lie no more than `steps` floats apart.
+bool within(float a, float b, std::int64_t steps) {
+  const auto bits = [](float v) { return std::int64_t(__builtin_bit_cast(std::int32_t, v)); };
+  return a == b || (a * b > 0 && std::abs(bits(a) - bits(b)) <= steps);
+}
+
+/// The logarithm in `reach` is the one function that rounds differently; what is made of it follows.
+bool close(const SplatShape& a, const SplatShape& b) {
+  const bool same_place = within(a.mean.x, b.mean.x, 2) && within(a.mean.y, b.mean.y, 2);
+  const bool same_form = within(a.l0, b.l0, 4) && within(a.l1, b.l1, 4) && within(a.l2, b.l2, 4);
+  return same_place && same_form && within(a.opacity, b.opacity, 4) &&
+         std::abs(a.reach - b.reach) <= 1e-6f * std::max(1.0f, b.reach) &&
+         std::abs(a.half_width - b.half_width) <= 1e-5f * b.half_width + 1e-3f;
+}
+
+bool close(const SplatColour& a, const SplatColour& b) {
+  bool same = within(a.depth, b.depth, 2);
+  for (int c = 0; c < 3; ++c)
+    same = same && std::abs(a.rgb[c] - b.rgb[c]) <= 1e-6f * std::max(1.0f, b.rgb[c]);
+  return same;
+}
+
+/// How the splats of two backends go together.
+struct Match {
+  std::size_t matched = 0, alone = 0, different = 0;
+};
+
+/// Walks through both in order. Where they part, one has a splat at its border that the other has not.
+Match match(const SplatSet& a, const SplatSet& b) {
+  Match out;
+  std::size_t i = 0, j = 0;
+  const auto same = [&](std::size_t x, std::size_t y) {
+    return x < a.shapes.size() && y < b.shapes.size() && within(a.colours[x].depth, b.colours[y].depth, 2) &&
+           within(a.shapes[x].mean.x, b.shapes[y].mean.x, 2);
+  };
+  while (i < a.shapes.size() || j < b.shapes.size()) {
+    if (same(i, j)) {
+      out.different += !close(a.shapes[i], b.shapes[j]) || !close(a.colours[i], b.colours[j]);
+      ++out.matched, ++i, ++j;
+    } else if (j == b.shapes.size() || same(i + 1, j)) {
+      ++out.alone, ++i;
+    } else {
+      ++out.alone, ++j;
+    }
+  }
+  return out;
+}
+
+/// A projection stage on the device with its memory, which lives from frame to frame.
+struct Stage {
+  Cuda cuda;
+  ProjectScratch<Cuda> scratch;
+  Splats<Cuda> splats;
+
+  template <class Bounds>
+  SplatSet run(const SceneView& scene, const Camera& camera, const Conventions& conventions, Bounds bounds) {
+    const TileGrid grid = TileGrid::covering(camera.width, camera.height);
+    project(cuda, ProjectJob{view_constants(camera, conventions), scene, grid}, bounds, scratch, splats);
+    return to_host(cuda, splats.view());
+  }
+
+  /// Whether the tiles of every splat are those of the bounds.
+  template <class Bounds>
+  bool found_tiles(const SplatSet& set, const Camera& camera, Bounds bounds) const {
+    const TileGrid grid = TileGrid::covering(camera.width, camera.height);
+    const std::vector<Footprint> footprints = to_host(cuda, splats.view().footprints);
+    std::uint64_t sum = 0;
+    bool same = footprints.size() == set.shapes.size();
+    for (std::size_t i = 0; same && i < footprints.size(); ++i) {
+      same = footprints[i].count == count_tiles(bounds, set.shapes[i], grid);
+      sum += footprints[i].count;
+    }
+    return same && sum == splats.instances;
+  }
+};
+
+SplatSet project_on_host(const SceneView& scene, const Camera& camera, const Conventions& conventions) {
+  Serial serial;
+  ProjectScratch<Serial> scratch;
+  Splats<Serial> splats;
+  const TileGrid grid = TileGrid::covering(camera.width, camera.height);
+  project(serial, ProjectJob{view_constants(camera, conventions), scene, grid}, Ellipse{}, scratch, splats);
+  const SplatsView view = splats.view();
+  return {{view.shapes.begin(), view.shapes.end()}, {view.colours.begin(), view.colours.end()}};
+}
+
+/// Projects one scene on both. Returns the number of splats on the device.
+std::size_t check_projection(Stage& stage, const SceneView& on_device, const SceneView& on_host,
+                             const Camera& camera, const Conventions& conventions = Conventions::gsplat()) {
+  const SplatSet expected = project_on_host(on_host, camera, conventions);
+  const SplatSet set = stage.run(on_device, camera, conventions, Ellipse{});
+  CHECK(stage.found_tiles(set, camera, Ellipse{}));
+  const Match result = match(set, expected);
+  CAPTURE(on_host.size());
+  CHECK(result.different == 0);
+  CHECK(result.alone <= 1 + expected.shapes.size() / 10'000);
+  for (const bool box : {false, true}) {
+    CAPTURE(box);
+    const SplatSet again = box ? stage.run(on_device, camera, conventions, OpacityBox{})
+                               : stage.run(on_device, camera, conventions, ThreeSigmaSquare{});
+    CHECK(same_bits(again.shapes, set.shapes));
+    CHECK(same_bits(again.colours, set.colours));
+    CHECK((box ? stage.found_tiles(again, camera, OpacityBox{})
+               : stage.found_tiles(again, camera, ThreeSigmaSquare{})));
+  }
+  return set.shapes.size();
+}
+std::size_t check_projection(Stage& stage, const Scene& scene, const Camera& camera,
+                             const Conventions& conventions = Conventions::gsplat()) {
+  const DeviceScene uploaded = stage.cuda.upload(scene);
+  return check_projection(stage, uploaded.view(), view(scene), camera, conventions);
+}
+
+}  // namespace
+
+TEST_CASE("cuda project: splats are the serial backend's for every number of Gaussians and SH degree") {
+  if (without_device()) return;
+  for (const int degree : {0, 1, 2, 3})
+    for (const std::size_t n : {0, 1, 2, 31, 33, 255, 256, 257, 20'000}) {
+      CAPTURE(degree);
+      Stage stage;
+      check_projection(stage, random_scene(n, degree, n + 1), forward_camera(320, 200));
+    }
+}
+
+TEST_CASE("cuda project: splats of a hundred thousand Gaussians are the serial backend's with both presets") {
+  if (without_device()) return;
+  Stage stage;
+  const Scene scene = random_scene(100'000, 1, 3);
+  Conventions antialiased = Conventions::gsplat();
+  antialiased.antialiased = true;
+  for (const Conventions& conventions : {Conventions::gsplat(), Conventions::inria(), antialiased})
+    CHECK(check_projection(stage, scene, forward_camera(640, 360), conventions) > 10'000);
+}
+
+TEST_CASE("cuda project: splats of the built-in scene are the serial backend's from every side") {
+  if (without_device()) return;
+  Stage stage;
+  const Scene scene = make_builtin_scene(20'000);
+  for (const Camera& camera : builtin_cameras(6, 320, 180))
+    CHECK(check_projection(stage, scene, camera) > 1000);
+}
+
+TEST_CASE("cuda project: a principal point may lie outside the image and the image be as large as it may") {
+  if (without_device()) return;
+  Stage stage;
+  const Scene scene = random_scene(5000, 0, 4);
+  Camera camera = forward_camera(200, 100);
+  camera.cx = -60, camera.cy = 170;
+  check_projection(stage, scene, camera);
+  check_projection(stage, scene, forward_camera(max_image_side, 40));
+  check_projection(stage, random_scene(300, 0, 5), forward_camera(max_image_side, max_image_side));
+}
+
+TEST_CASE("cuda project: only the bands that a view asks for are read") {
+  if (without_device()) return;
+  Stage stage;
+  const Scene scene = random_scene(3000, 3, 5);
+  const DeviceScene uploaded = stage.cuda.upload(scene);
+  for (const int degree : {0, 1, 2}) {
+    CAPTURE(degree);
+    SceneView on_device = uploaded.view(), on_host = view(scene);
+    on_device.sh_degree = on_host.sh_degree = degree;
+    check_projection(stage, on_device, on_host, forward_camera(320, 200));
+  }
+}
+
+TEST_CASE("cuda project: coefficients may lie further apart than their bands need and begin anywhere") {
+  if (without_device()) return;
+  Stage stage;
+  const Camera camera = forward_camera(320, 200);
+  for (const int degree : {1, 2, 3}) {
+    const Scene scene = random_scene(1000, degree, 6);
+    const DeviceScene uploaded = stage.cuda.upload(scene);
+    const std::size_t used = 3 * std::size_t(sh_rest_count(degree));
+    for (const std::size_t stride : {used, used + 1, used + 2, used + 3, used + 4, std::size_t(48)})
+      for (const std::size_t begin : {0, 1, 2, 4}) {
+        CAPTURE(degree);
+        CAPTURE(stride);
+        CAPTURE(begin);
+        // What lies between must not be used, and nothing behind the last coefficient be touched.
+        std::vector<float> spread(begin + (scene.size() - 1) * stride + used, NAN);
+        for (std::size_t i = 0; i < scene.size(); ++i)
+          std::copy_n(&scene.sh_rest[used * i], used, &spread[begin + stride * i]);
+        const DeviceBuffer<float> coefficients = to_device(spread);
+        SceneView on_device = uploaded.view();
+        on_device.sh_rest = {coefficients.data() + begin, spread.size() - begin};
+        on_device.sh_stride = int(stride);
+        const SplatSet expected = project_on_host(view(scene), camera, Conventions::gsplat());
+        const Match result = match(stage.run(on_device, camera, Conventions::gsplat(), Ellipse{}), expected);
+        CHECK(result.different == 0);
+        CHECK(result.alone <= 1);
+      }
+  }
+}
+
+TEST_CASE("cuda project: nothing may be visible or all") {
+  if (without_device()) return;
+  Stage stage;
+  Scene scene = random_scene(3000, 1, 7);
+  for (vec3& mean : scene.means) mean = vec3(mean.x, mean.y, -1 - std::abs(mean.z));
+  CHECK(check_projection(stage, scene, forward_camera(320, 200)) == 0);
+  CHECK(stage.splats.instances == 0);
+  for (std::size_t i = 0; i < scene.size(); ++i) scene.means[i] = vec3(0, 0, 4), scene.opacities[i] = 0.7f;
+  CHECK(check_projection(stage, scene, forward_camera(320, 200)) == 3000);
+}
+
+TEST_CASE("cuda project: scenes may grow and shrink from frame to frame") {
+  if (without_device()) return;
+  // Each number of frames before a larger scene, odd and even, since memory takes turns.
+  for (const int frames : {1, 2, 3}) {
+    CAPTURE(frames);
+    Stage stage;
+    for (const std::size_t n : {100, 5000, 300, 9000, 9000, 0, 20'000}) {
+      CAPTURE(n);
+      const Scene scene = random_scene(n, 0, n + 1);
+      const DeviceScene uploaded = stage.cuda.upload(scene);
+      for (int frame = 0; frame < frames; ++frame) {
+        CAPTURE(frame);
+        const SplatSet set =
+            stage.run(uploaded.view(), forward_camera(320, 200), Conventions::gsplat(), Ellipse{});
+        CHECK(stage.found_tiles(set, forward_camera(320, 200), Ellipse{}));
+        CHECK(
+            match(set, project_on_host(view(scene), forward_camera(320, 200), Conventions::gsplat())).alone <=
+            2);
+      }
+    }
+  }
+}
+
+TEST_CASE("cuda project: every run gives the same bits") {
+  if (without_device()) return;
+  Stage stage;
+  const DeviceScene scene = stage.cuda.upload(random_scene(100'000, 3, 8));
+  const Camera camera = forward_camera(640, 360);
+  const auto run = [&] { return stage.run(scene.view(), camera, Conventions::gsplat(), Ellipse{}); };
+  const SplatSet first = run();
+  const std::vector<Footprint> footprints = to_host(stage.cuda, stage.splats.view().footprints);
+  for (int i = 0; i < 10; ++i) {
+    const SplatSet again = run();
+    CHECK(same_bits(again.shapes, first.shapes));
+    CHECK(same_bits(again.colours, first.colours));
+    CHECK(same_bits(to_host(stage.cuda, stage.splats.view().footprints), footprints));
+  }
+}

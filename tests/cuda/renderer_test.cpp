@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Whole frames from the device: against the reference in double, and pixel by pixel against the cpu backend.
+#include <cmath>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/metrics.hpp>
+#include <swiftgs/reference.hpp>
+
+#include "cuda/drawings.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+bool has(std::string_view name, std::string_view word) { return name.find(word) != std::string_view::npos; }
+
+Frame render(const RendererEntry& entry, const std::shared_ptr<const Scene>& scene, const Camera& camera,
+             const RenderSettings& settings) {
+  const auto renderer = entry.make();
+  renderer->set_scene(scene);
+  Frame frame, again;
+  renderer->render(camera, settings, frame);
+  renderer->render(camera, settings, again);
+  CHECK(same_bits(again.colour, frame.colour));
+  CHECK(same_bits(again.alpha, frame.alpha));
+  CHECK(same_bits(again.depth, frame.depth));
+  return frame;
+}
+
+/// Renders with every renderer of the device and checks all that holds between them, the cpu backend's and
+/// the reference. One frame of each group that has the same bits is compared with both.
+void check_all(const Scene& whole, const Camera& camera, Conventions conventions) {
+  const auto scene = std::make_shared<const Scene>(whole);
+  RenderSettings settings;
+  settings.conventions = conventions, settings.background = vec3(0.2f, 0.3f, 0.4f);
+  settings.outputs = {true, true};
+  const auto reference_of = [&](Conventions::Footprint footprint) {
+    conventions.footprint = footprint;
+    return render_reference(whole, camera, conventions, dvec3(settings.background));
+  };
+  const ReferenceFrame lossless = reference_of(Conventions::Footprint::alpha);
+  const ReferenceFrame cut = reference_of(Conventions::Footprint::three_sigma_square);
+
+  std::map<std::string, Frame> first_of;
+  for (const RendererEntry& entry : renderers()) {
+    if (!has(entry.name, "cuda/")) continue;
+    CAPTURE(entry.name);
+    const Frame frame = render(entry, scene, camera, settings);
+    const std::string name(entry.name);
+    const std::size_t raster = name.find('/', name.find('/') + 1), bounds = name.rfind('/');
+    const bool square = has(name, "three-sigma-square"), half = has(name, "half-split");
+    const auto [first, is_first] =
+        first_of.try_emplace(name.substr(raster, bounds - raster) + (square ? "/square" : ""), frame);
+    CHECK(same_bits(first->second.colour, frame.colour));
+    CHECK(same_bits(first->second.alpha, frame.alpha));
+    CHECK(same_bits(first->second.depth, frame.depth));
+    if (!is_first) continue;
+
+    const ReferenceFrame& reference = square ? cut : lossless;
+    CHECK(psnr(frame.colour, reference.colour) >= (half ? 40 : 80));
+    CHECK(psnr(frame.alpha, reference.alpha) >= (half ? 40 : 80));
+
+    const auto cpu = make_renderer("cpu" + name.substr(4));
+    cpu->set_scene(scene);
+    Frame expected;
+    cpu->render(camera, settings, expected);
+    const Difference colour = difference(frame.colour, expected.colour, 5e-5);
+    CHECK(colour.largest < 0.05);  // colours reach 3
+    CHECK(colour.part_above <= (half ? 0.1 : 0.002));
+    CHECK(difference(frame.alpha, expected.alpha, 5e-5).part_above <= (half ? 0.1 : 0.002));
+  }
+  CHECK(first_of.size() == 7 * 2);
+}
+
+using Usual = Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
+
+}  // namespace
+
+TEST_CASE("cuda renderer: all draw the reference's image for each SH degree") {
+  if (without_device()) return;
+  for (const int degree : {0, 1, 2, 3}) {
+    CAPTURE(degree);
+    check_all(random_scene(400, degree, std::uint64_t(degree) + 1), forward_camera(131, 77),
+              Conventions::gsplat());
+  }
+}
+
+TEST_CASE("cuda renderer: all draw the reference's image with the inria preset") {
+  if (without_device()) return;
+  check_all(random_scene(600, 3, 5), forward_camera(97, 61), Conventions::inria());
+}
+
+TEST_CASE("cuda renderer: all draw the reference's image in the antialiased mode") {
+  if (without_device()) return;
+  Scene scene = random_scene(600, 1, 6);
+  for (vec3& scale : scene.scales) scale *= 0.3f;  // a pixel or less, where it matters
+  for (Conventions conventions : {Conventions::gsplat(), Conventions::inria()}) {
+    conventions.antialiased = true;
+    check_all(scene, forward_camera(80, 60), conventions);
+  }
+}
+
+TEST_CASE("cuda renderer: all draw the reference's image with a principal point outside the image") {
+  if (without_device()) return;
+  Camera camera = forward_camera(64, 48);
+  camera.cx = -20, camera.cy = 70;
+  check_all(random_scene(400, 2, 7), camera, Conventions::gsplat());
+}
+
+TEST_CASE("cuda renderer: all draw the reference's image of the built-in scene") {
+  if (without_device()) return;
+  check_all(make_builtin_scene(8000), builtin_camera(192, 108), Conventions::gsplat());
+}
+
+TEST_CASE("cuda renderer: is usable after a frame that needs too many instances") {
+  if (without_device()) return;
+  Usual renderer;
+  Scene giants;
+  for (int i = 0; i < 129; ++i) {
+    giants.means.push_back(vec3(0, 0, 1)), giants.scales.push_back(vec3(1000)),
+        giants.rotations.push_back({});
+    giants.opacities.push_back(1), giants.sh0.push_back(vec3(1));
+  }
+  const auto flood = renderer.backend().upload(giants);
+  const auto scene = renderer.backend().upload(random_scene(100, 1, 1));
+  const Camera huge = forward_camera(max_image_side, max_image_side), camera = forward_camera(50, 40);
+  const Frame expected = renderer.render(scene, camera);
+  // No output is asked for, so the frame itself takes no memory.
+  const FrameView nothing{.width = huge.width, .height = huge.height};
+  CHECK_THROWS_AS(renderer.render_into(flood.view(), huge, {}, nothing), CapacityError);
+  CHECK(same_bits(renderer.render(scene, camera).colour, expected.colour));
+}
+
+TEST_CASE("cuda renderer: an empty scene is the background") {
+  if (without_device()) return;
+  Usual renderer;
+  RenderSettings settings;
+  settings.background = vec3(0.5f, 0.25f, 2), settings.outputs = {true, true}, settings.count = true;
+  const Frame frame = renderer.render(renderer.backend().upload(Scene()), forward_camera(20, 3), settings);
+  for (std::size_t i = 0; i < frame.pixels(); ++i) {
+    CHECK(frame.colour[3 * i + 2] == 2);
+    CHECK(frame.alpha[i] == 0);
+    CHECK(frame.depth[i] == 0);
+  }
+  CHECK(renderer.statistics().visible == 0);
+  CHECK(renderer.statistics().instances == 0);
+}
+
+TEST_CASE("cuda renderer: counts what it did and says how long it took") {
+  if (without_device()) return;
+  Usual renderer;
+  Renderer<Serial, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> serial;
+  const Scene scene = random_scene(3000, 0, 2);
+  RenderSettings settings;
+  settings.count = true;
+  renderer.render(renderer.backend().upload(scene), forward_camera(180, 160), settings);
+  serial.render(serial.backend().upload(scene), forward_camera(180, 160), settings);
+  const Statistics statistics = renderer.statistics(), expected = serial.statistics();
+  CHECK(statistics.gaussians == 3000);
+  CHECK(std::abs(double(statistics.visible) - double(expected.visible)) <= 1);
+  CHECK(double(statistics.instances) == doctest::Approx(double(expected.instances)).epsilon(1e-3));
+  CHECK(double(statistics.raster.contributing_pairs) ==
+        doctest::Approx(double(expected.raster.contributing_pairs)).epsilon(1e-3));
+  CHECK(statistics.raster.instances_visited <= statistics.instances);
+  const StageTimes times = renderer.times();
+  CHECK(times.project > 0);
+  CHECK(times.sort > 0);
+  CHECK(times.raster > 0);
+  CHECK(times.total == doctest::Approx(times.project + times.sort + times.raster).epsilon(0.05));
+}
+
+TEST_CASE("cuda renderer: one renderer draws scenes and sizes in any order as new ones do") {
+  if (without_device()) return;
+  Usual renderer;
+  struct View {
+    std::size_t gaussians;
+    int width, height;
+  };
+  for (const View& view : {View{100, 60, 40},
+                           {6000, 300, 200},
+                           {50, 20, 20},
+                           {9000, 310, 210},
+                           {0, 64, 64},
+                           {9000, 100, 300},
+                           {30'000, 640, 400},
+                           {300, 1, 1}}) {
+    CAPTURE(view.gaussians);
+    const auto scene = renderer.backend().upload(random_scene(view.gaussians, 1, view.gaussians + 1));
+    const Camera camera = forward_camera(view.width, view.height);
+    Usual fresh;
+    CHECK(same_bits(renderer.render(scene, camera).colour, fresh.render(scene, camera).colour));
+  }
+}
