@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <iterator>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -14,7 +15,11 @@ using namespace swiftgs;
 
 namespace {
 
+#if defined(SWIFTGS_HAS_CUDA)
+const std::string_view backends[] = {"serial", "cpu", "cuda"};
+#else
 const std::string_view backends[] = {"serial", "cpu"};
+#endif
 const std::string_view sorts[] = {"standard", "early", "adaptive"};
 const std::string_view rasters[] = {"per-pixel",
                                     "axis-shared-half-split",
@@ -42,15 +47,20 @@ std::set<std::string> all_names() {
 TEST_CASE("table: every combination of policies is there once under its composed name") {
   std::set<std::string> names;
   for (const RendererEntry& entry : renderers()) names.insert(std::string(entry.name));
-  CHECK(renderers().size() == 126);
+  CHECK(renderers().size() == std::size(backends) * 63);
   CHECK(names == all_names());
 }
 
 TEST_CASE("table: every usable renderer is made by its name and knows it") {
+  std::size_t usable = 0;
   for (const RendererEntry& entry : renderers()) {
-    CHECK(entry.usable);
+    // Whether a device is there depends on the machine.
+    if (entry.name.substr(0, 5) != "cuda/") CHECK(entry.usable);
+    if (!entry.usable) continue;
     CHECK(make_renderer(entry.name)->name() == entry.name);
+    ++usable;
   }
+  CHECK(usable >= 126);
 }
 
 TEST_CASE("table: a name that is not there is refused with all words that could stand in it") {
