@@ -41,8 +41,11 @@ step_build() {
   "$root/cmake/setup.sh" test
   local kind options=()
   kind=$(ask_gpu compute_cap | tr -d .) || true
+  # The folder of headers is named because some packages take /usr for their own place.
   [ -z "${SWIFTGS_PREFIX:-}" ] ||
-    options=("-DCMAKE_PREFIX_PATH=$SWIFTGS_PREFIX/usr" -DCMAKE_LIBRARY_ARCHITECTURE=x86_64-linux-gnu)
+    options=("-DCMAKE_PREFIX_PATH=$SWIFTGS_PREFIX/usr" -DCMAKE_LIBRARY_ARCHITECTURE=x86_64-linux-gnu
+             "-DCMAKE_CXX_FLAGS=-isystem $SWIFTGS_PREFIX/usr/include"
+             "-DCMAKE_CUDA_FLAGS=-isystem $SWIFTGS_PREFIX/usr/include")
   cd "$root"
   cmake --preset release -B "$build" -DSWIFTGS_BUILD_CUDA=ON "-DCMAKE_CUDA_ARCHITECTURES=${kind:-90}" \
     "-DSWIFTGS_SCENES=$SWIFTGS_SCENES" "${options[@]}"
