@@ -6,7 +6,8 @@
 # Steps, each with its own OUTDIR/STEP.log; without any, all of them in this order:
 #   build      configures and builds for the GPU that is there; in build/gpu, or where SWIFTGS_BUILD says
 #   test       runs the tests labelled `gpu`
-#   memcheck racecheck synccheck initcheck      run them again, under this tool of compute-sanitizer
+#   memcheck racecheck synccheck initcheck      run them again, those labelled `long` left out, under
+#              this tool of compute-sanitizer
 #   check      errors of every CUDA renderer against float64, on three views of each scene
 #   bench      times of frames, of views and of stages
 # Scenes are the built-in one and the captures in SWIFTGS_SCENES; SCENES='fox garden' names others. REPETITIONS and
@@ -57,7 +58,7 @@ step_test() { ctest --test-dir "$build" -L gpu --no-tests=error --output-on-fail
 # A process for each test would mostly start up: those of one program run together.
 sanitize() {
   local tool=$1 failed=0 status command
-  ctest --test-dir "$build" -L gpu --show-only=json-v1 | python3 -c '
+  ctest --test-dir "$build" -L gpu -LE long --show-only=json-v1 | python3 -c '
 import json, shlex, sys
 programs = {}
 for test in json.load(sys.stdin)["tests"]:
