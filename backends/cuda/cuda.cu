@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -59,7 +60,10 @@ std::optional<double> Cuda::milliseconds(TimePoint from, TimePoint to) const {
     return std::nullopt;
   const cudaEvent_t last = events[to.serial % events.size()].get();
   const cudaError_t reached = cudaEventQuery(last);
-  if (reached == cudaErrorNotReady) return std::nullopt;
+  if (reached == cudaErrorNotReady) {
+    cudaGetLastError();  // no error, but kept as one
+    return std::nullopt;
+  }
   check_cuda(reached, "cudaEventQuery");
   float ms = 0;
   check_cuda(cudaEventElapsedTime(&ms, events[from.serial % events.size()].get(), last),
@@ -68,16 +72,16 @@ std::optional<double> Cuda::milliseconds(TimePoint from, TimePoint to) const {
 }
 
 RunningSums::View RunningSums::next(const Cuda& cuda, std::size_t blocks) {
-  // States carry the epoch that wrote them, so that older ones need not be cleared.
+  // States carry the epoch that wrote them, so that older ones need not be cleared. Epochs alternate between even and
+  // odd without exception: kernels keep counters of this one and of the next.
   constexpr std::uint32_t last_epoch = (1u << 30) - 1;
-  if (states_.size() < blocks || epoch_ == last_epoch) {
-    states_.reset(blocks);
-    ticket_.reset(1);
-    cuda.clear(states_.data(), blocks * sizeof(std::uint64_t));
-    cuda.clear(ticket_.data(), sizeof(std::uint32_t));
-    epoch_ = 0;
+  const bool over = epoch_ == last_epoch;
+  if (states_.size() < blocks || over) {
+    states_.reset(std::max(blocks, states_.size()));
+    cuda.clear(states_.data(), states_.size() * sizeof(std::uint64_t));
   }
-  return {states_.data(), ticket_.data(), ++epoch_};
+  epoch_ = over ? 2 : epoch_ + 1;
+  return {states_.data(), epoch_};
 }
 
 // Loops of the sorts.

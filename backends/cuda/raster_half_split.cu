@@ -24,17 +24,20 @@ struct HalfBatch {
   __half2 y[2][mini_batch][tile_side];    ///< c dy^2, dy
 };
 
-/// Terms of splat `s` for one column or one row of the tile.
-__device__ inline void compute_term(HalfBatch& batch, unsigned buffer, const SplatShape& s, vec2 first_centre) {
+/// This thread's term of a mini-batch that begins with splat `first`, of `count` in the batch. Where there is no splat, or
+/// it does not touch the row, no pixel keeps it.
+__device__ inline void compute_term(HalfBatch& batch, unsigned buffer, unsigned first, unsigned count,
+                                    vec2 first_centre) {
   const unsigned splat = threadIdx.x / tile_side % mini_batch, position = threadIdx.x % tile_side;
+  const SplatShape& s = batch.shapes.data()[first + splat];
   if (threadIdx.x < mini_batch * tile_side) {
     const FloatSplit::X term = FloatSplit::x_term(s, first_centre.x + float(position));
     batch.x[buffer][splat][position] = __floats2half2_rn(term.square, term.mixed);
   } else {
     const float y = first_centre.y + float(position);
     const FloatSplit::Y term = FloatSplit::y_term(s, y);
-    const float square = row_touched(s, first_centre.x, y) ? term.square : INFINITY;
-    batch.y[buffer][splat][position] = __floats2half2_rn(square, term.offset);
+    const bool touched = first + splat < count && row_touched(s, first_centre.x, y);
+    batch.y[buffer][splat][position] = __floats2half2_rn(touched ? term.square : INFINITY, term.offset);
   }
 }
 
@@ -42,7 +45,6 @@ __device__ inline void compute_term(HalfBatch& batch, unsigned buffer, const Spl
 template <bool threshold, bool extras>
 __global__ void __launch_bounds__(block_threads) raster_half_split(const __grid_constant__ RasterJob job) {
   __shared__ HalfBatch batch;
-  SplatShape* const shapes = batch.shapes.data();
   TilePixel<extras> mine(job);
   const TileRange range = job.lists.ranges[blockIdx.x];
   const unsigned column = threadIdx.x % tile_side, row = threadIdx.x / tile_side;
@@ -53,19 +55,22 @@ __global__ void __launch_bounds__(block_threads) raster_half_split(const __grid_
     if (threadIdx.x < count) {
       const std::uint32_t id = job.lists.ids[at + threadIdx.x];
       const SplatShape s = load_shape(job, id);
-      shapes[threadIdx.x] = s;
+      batch.shapes.data()[threadIdx.x] = s;
       batch.reaches[threadIdx.x] = make_float2(s.reach, s.opacity);
       batch.colours[threadIdx.x] = load_colour(job, id);
+    } else {
+      batch.reaches[threadIdx.x] = make_float2(-1, 0);
     }
     __syncthreads();
 
     for (std::uint32_t first = 0; first < count; first += mini_batch) {
-      const std::uint32_t splats = min(count - first, mini_batch);
-      const unsigned buffer = first / mini_batch % 2, splat = threadIdx.x / tile_side % mini_batch;
-      if (splat < splats) compute_term(batch, buffer, shapes[first + splat], mine.first_centre());
+      const unsigned buffer = first / mini_batch % 2;
+      compute_term(batch, buffer, first, count, mine.first_centre());
       __syncthreads();
+      if (!mine.pixel.live()) continue;
 
-      for (std::uint32_t k = 0; k < splats && mine.pixel.live(); ++k) {
+#pragma unroll
+      for (unsigned k = 0; k < mini_batch; ++k) {
         const float2 x = __half22float2(batch.x[buffer][k][column]), y = __half22float2(batch.y[buffer][k][row]);
         const float s = FloatSplit::exponent({x.x, x.y}, {y.x, y.y});
         const float2 reach = batch.reaches[first + k];
@@ -76,7 +81,7 @@ __global__ void __launch_bounds__(block_threads) raster_half_split(const __grid_
           const float whole = reach.y * exp2_approx(-s);
           if (s >= 0 && whole >= job.rules.alpha_min) alpha = fminf(whole, job.rules.alpha_max);
         }
-        mine.blend(alpha, batch.colours[first + k]);
+        if (alpha > 0) mine.blend(alpha, batch.colours[first + k]);
       }
     }
   }

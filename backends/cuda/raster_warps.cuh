@@ -127,8 +127,7 @@ struct Part {
       }
     } else {
       // Fill the last group up with splats that show nothing.
-      const unsigned padded = (count + group_size - 1) / group_size * group_size;
-      if (lane_index() < padded - count) {
+      if (lane_index() < (group_size - count % group_size) % group_size) {
         const unsigned at = first + count + lane_index();
         queue.terms[at] = make_float4(0, 0, 0, -INFINITY);
         queue.offsets[at] = make_float2(0, 0);
@@ -136,7 +135,7 @@ struct Part {
       }
       __syncwarp();
 #pragma unroll 1
-      for (unsigned k = first; k < first + padded; k += group_size) blend_group(queue, k);
+      for (unsigned k = 0; k < count; k += group_size) blend_group(queue, first + k);
     }
     __syncwarp();
   }

@@ -6,7 +6,7 @@
 namespace swiftgs {
 
 /// The tiles that a splat may touch, found once and expanded where instances are emitted.
-struct Footprint {
+struct alignas(16) Footprint {
   /// Tiles a side that the mask has room for.
   static constexpr int side = 8;
   /// Count of a larger splat whose tiles have yet to be counted.

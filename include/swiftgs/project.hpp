@@ -13,6 +13,16 @@
 
 namespace swiftgs {
 
+/// All of a Gaussian but its colour.
+struct Gaussian {
+  vec3 mean, scale;
+  Quaternion rotation;
+  float opacity;
+};
+SWIFTGS_HD inline Gaussian gaussian(const SceneView& scene, std::size_t i) {
+  return {scene.means[i], scene.scales[i], scene.rotations[i], scene.opacities[i]};
+}
+
 /// A splat without its colour.
 struct ProjectedShape {
   SplatShape shape;
@@ -50,16 +60,15 @@ SWIFTGS_HD inline ImageAxes image_axes(const ViewConstants& v, float tx, float t
   return image;
 }
 
-/// Projects Gaussian `i`. `visible` is false where no pixel of the image can keep it: too near or far, too
+/// Projects a Gaussian. `visible` is false where no pixel of the image can keep it: too near or far, too
 /// faint, or the box of its ellipse s <= reach holds no pixel centre. Spherical harmonics are not looked at.
-SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const SceneView& scene,
-                                               std::size_t i) {
+SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gaussian& g) {
   ProjectedShape out;
-  float opacity = scene.opacities[i];
+  float opacity = g.opacity;
   if (!(opacity >= v.alpha_min)) return out;
 
   // Move to camera space in double, so that distant worlds and long focal lengths keep their pixels.
-  const vec3 mean = scene.means[i];
+  const vec3 mean = g.mean;
   const double d[3] = {mean.x - v.centre[0], mean.y - v.centre[1], mean.z - v.centre[2]};
   double p[3];
   for (int row = 0; row < 3; ++row)
@@ -72,7 +81,7 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Sce
   float tx = float(x_over_z), ty = float(y_over_z);
   tx = tx < v.tan_x_min ? v.tan_x_min : tx > v.tan_x_max ? v.tan_x_max : tx;
   ty = ty < v.tan_y_min ? v.tan_y_min : ty > v.tan_y_max ? v.tan_y_max : ty;
-  const ImageAxes m = image_axes(v, tx, ty, z, scene.scales[i], scene.rotations[i]);
+  const ImageAxes m = image_axes(v, tx, ty, z, g.scale, g.rotation);
 
   // Factor the blurred covariance. Its determinant is |m.x cross m.y|^2 + blur (trace + blur), a sum of
   // squares (Lagrange's identity), which the textbook xx yy - xy^2 loses for needles.

@@ -34,7 +34,7 @@ struct ProjectShapes {
   std::uint32_t* slots;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
-    projected[i] = project_shape(constants, scene, i);
+    projected[i] = project_shape(constants, gaussian(scene, i));
     slots[i] = projected[i].visible;
   }
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -147,19 +148,22 @@ class Renderer {
       if (!holds) throw std::invalid_argument(std::string("render: expected ") + expected);
     };
     require(frame.width == camera.width && frame.height == camera.height, "a frame of the camera's size");
-    const auto require_pitch = [&](const auto& plane, std::size_t pixel, std::size_t channel,
+    const auto require_plane = [&](const auto& plane, std::size_t pixel, std::size_t channel,
                                    const char* name) {
-      if (plane.data && (plane.pitch < pixel * std::size_t(frame.width) || plane.pitch % channel != 0))
+      const std::size_t row = pixel * std::size_t(frame.width);
+      if (plane.data && (plane.pitch < row || plane.pitch % channel != 0))
         throw std::invalid_argument("render: expected a pitch of " + std::string(name) + " of at least " +
-                                    std::to_string(pixel * std::size_t(frame.width)) +
-                                    " bytes, a multiple of " + std::to_string(channel));
+                                    std::to_string(row) + " bytes, a multiple of " + std::to_string(channel));
+      if (reinterpret_cast<std::uintptr_t>(plane.data) % channel != 0)
+        throw std::invalid_argument("render: expected " + std::string(name) + " aligned to " +
+                                    std::to_string(channel) + " bytes");
     };
     const std::size_t pixel = bytes_per_pixel(frame.format);
     const std::size_t channels = frame.format == PixelFormat::rgb_float ? 3 : 4;
-    require_pitch(frame.colour, pixel, pixel / channels, "colour");
-    require_pitch(frame.alpha, sizeof(float), sizeof(float), "alpha");
-    require_pitch(frame.depth, sizeof(float), sizeof(float), "depth");
-    require_pitch(frame.occluder, sizeof(float), sizeof(float), "occluder");
+    require_plane(frame.colour, pixel, pixel / channels, "colour");
+    require_plane(frame.alpha, sizeof(float), sizeof(float), "alpha");
+    require_plane(frame.depth, sizeof(float), sizeof(float), "depth");
+    require_plane(frame.occluder, sizeof(float), sizeof(float), "occluder");
     require(frame.colour.data || !frame.over, "colour to render over");
 
     const std::size_t n = scene.size();

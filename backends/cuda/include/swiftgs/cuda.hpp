@@ -95,7 +95,6 @@ class RunningSums {
   /// What a kernel needs of it.
   struct View {
     std::uint64_t* states = nullptr;  ///< @shape{blocks}
-    std::uint32_t* ticket = nullptr;
     std::uint32_t epoch = 0;
   };
 
@@ -104,7 +103,6 @@ class RunningSums {
 
  private:
   DeviceBuffer<std::uint64_t> states_;
-  DeviceBuffer<std::uint32_t> ticket_;
   std::uint32_t epoch_ = 0;
 };
 
@@ -142,9 +140,17 @@ template <BoundsPolicy Bounds>
 void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
              Splats<Cuda>& splats);
 
+/// A splat, and where its instances begin.
+struct EmittedSplat {
+  std::uint32_t id = 0, depth = 0, at = 0;
+  Footprint footprint;
+};
+
 template <>
 struct InstanceScratch<Cuda> {
   RunningSums sums;
+  DeviceBuffer<EmittedSplat> large;  ///< splats without a mask
+  DeviceBuffer<std::uint32_t> large_counts;
   DeviceBuffer<Footprint> footprints;  ///< where the job does not bring its own
   DeviceBuffer<FrameCounts> counts;
 };

@@ -14,6 +14,7 @@ namespace swiftgs {
 namespace kernels {
 inline constexpr unsigned emit_threads = 256;
 inline constexpr unsigned emit_warps = emit_threads / warp_size;
+inline constexpr unsigned emit_large_blocks = 512;  ///< enough to fill a device; they share the splats there are
 
 /// Where instances are written to.
 template <class Key>
@@ -33,19 +34,13 @@ struct Instances {
   }
 };
 
-/// A lane's splat, and where its instances begin.
-struct Emitted {
-  std::uint32_t id = 0, depth = 0, at = 0;
-  Footprint footprint;
-
-  /// The splat of another lane.
-  __device__ Emitted of(unsigned lane) const {
-    const auto get = [&](auto value) { return __shfl_sync(whole_warp, value, int(lane)); };
-    return {get(id), get(depth), get(at),
-            {get(footprint.mask), get(footprint.count), std::uint16_t(get(unsigned(footprint.column))),
-             std::uint16_t(get(unsigned(footprint.row)))}};
-  }
-};
+/// The splat of another lane.
+__device__ inline EmittedSplat of_lane(const EmittedSplat& splat, unsigned lane) {
+  const auto get = [&](auto value) { return __shfl_sync(whole_warp, value, int(lane)); };
+  const Footprint& f = splat.footprint;
+  return {get(splat.id), get(splat.depth), get(splat.at),
+          {get(f.mask), get(f.count), std::uint16_t(get(unsigned(f.column))), std::uint16_t(get(unsigned(f.row)))}};
+}
 
 /// Position of the n-th lowest bit that is set, from 0.
 __device__ inline unsigned find_bit(std::uint64_t mask, unsigned n) {
@@ -61,13 +56,13 @@ __device__ inline unsigned find_bit(std::uint64_t mask, unsigned n) {
 
 /// Emits the splats of a warp whose footprints have masks: an instance a lane.
 template <class Key>
-__device__ void emit_masks(const Emitted& mine, TileGrid grid, const Instances<Key>& out) {
+__device__ void emit_masks(const EmittedSplat& mine, TileGrid grid, const Instances<Key>& out) {
   const std::uint32_t count = mine.footprint.mask ? mine.footprint.count : 0, first = sum_below(count);
   const std::uint32_t total = __shfl_sync(whole_warp, first + count, warp_size - 1);
   for (std::uint32_t begin = 0; begin < total; begin += warp_size) {
     const std::uint32_t position = begin + lane_index();
     const unsigned owner = owner_of(position, first);
-    const Emitted splat = mine.of(owner);
+    const EmittedSplat splat = of_lane(mine, owner);
     const std::uint32_t nth = position - __shfl_sync(whole_warp, first, int(owner));
     if (position >= total) continue;
     const unsigned bit = find_bit(splat.footprint.mask, nth);
@@ -77,56 +72,31 @@ __device__ void emit_masks(const Emitted& mine, TileGrid grid, const Instances<K
   }
 }
 
-/// Emits the larger splats of a warp: their rows a lane each, then the tiles of 32 rows.
-template <class Bounds, class Key>
-__device__ void emit_rows(const Emitted& mine, bool large, const Bounds& bounds, const SortJob& job,
-                          SplatShape* shapes, const Instances<Key>& out) {
-  TileRect rect;
-  if (large) {
-    const SplatShape shape = job.splats.shapes[mine.id];
-    shapes[lane_index()] = shape;
-    rect = bounds.rect(shape, job.grid);
-  }
-  __syncwarp();
-  const std::uint32_t begin_of_mine = sum_below(large ? mine.footprint.count : 0);
-  std::uint32_t done = 0;  // instances of all the warp's large splats
-  for_each_row(bounds, shapes, rect, [&](unsigned owner, int row, TileRun run) {
-    const std::uint32_t size = std::uint32_t(run.size()), first = sum_below(size);
-    const std::uint32_t total = __shfl_sync(whole_warp, first + size, warp_size - 1);
-    const Emitted splat = mine.of(owner);
-    const std::uint32_t at = splat.at - __shfl_sync(whole_warp, begin_of_mine, int(owner)) + done + first;
-    const int first_tile = row * job.grid.columns + run.begin;
-    for (std::uint32_t begin = 0; begin < total; begin += warp_size) {
-      const std::uint32_t position = begin + lane_index();
-      const int lane = int(owner_of(position, first));
-      const std::uint32_t nth = position - __shfl_sync(whole_warp, first, lane);
-      const std::uint32_t its_at = __shfl_sync(whole_warp, at, lane) + nth;
-      const std::uint32_t tile = std::uint32_t(__shfl_sync(whole_warp, first_tile, lane)) + nth;
-      const std::uint32_t depth = __shfl_sync(whole_warp, splat.depth, lane);
-      const std::uint32_t id = __shfl_sync(whole_warp, splat.id, lane);
-      if (position < total) out.write(its_at, tile, depth, id);
-    }
-    done += total;
-  });
-}
+/// Splats too large for a mask, which a second kernel emits: near the camera, and in depth order next to each other,
+/// they would keep a few warps busy long after all others. Two counters, of this frame and of the next.
+struct LargeSplats {
+  EmittedSplat* splats;
+  std::uint32_t* counts;
+  std::uint32_t epoch;
+
+  __device__ std::uint32_t& count() const { return counts[epoch % 2]; }
+  __device__ std::uint32_t& next_count() const { return counts[(epoch + 1) % 2]; }
+};
 
 /// Writes one pair for each tile of the splats of a block, after those of the blocks before it. A warp writes the
 /// instances of its 32 splats together: neighbouring lanes write neighbouring words, however unlike the splats are.
-template <class Bounds, class Key>
+template <class Key>
 __global__ void __launch_bounds__(emit_threads)
-    emit_instances(const __grid_constant__ SortJob job, const Bounds bounds, const std::uint32_t* order,
-                   const Instances<Key> out, const RunningSums::View sums) {
-  __shared__ std::uint32_t place_of_block, before_block, tiles_of[emit_warps];
-  __shared__ SharedArray<SplatShape, warp_size> shapes_of[emit_warps];
+    emit_instances(const __grid_constant__ SortJob job, const std::uint32_t* order, const Instances<Key> out,
+                   const LargeSplats large, const RunningSums::View sums) {
+  __shared__ std::uint32_t before_block, tiles_of[emit_warps];
   const unsigned warp = threadIdx.x / warp_size;
   RunningSum sum(sums);
-  if (threadIdx.x == 0) place_of_block = sum.take_place(gridDim.x);
-  __syncthreads();
-  const std::uint32_t place = place_of_block;
+  if (blockIdx.x == 0 && threadIdx.x == 0) large.next_count() = 0;
 
   // Load a splat a lane.
-  const std::size_t i = std::size_t(place) * emit_threads + threadIdx.x;
-  Emitted mine;
+  const std::size_t i = std::size_t(blockIdx.x) * emit_threads + threadIdx.x;
+  EmittedSplat mine;
   if (i < job.splats.size()) {
     mine.id = order ? order[i] : std::uint32_t(i);
     mine.footprint = job.splats.footprints[mine.id];
@@ -140,8 +110,8 @@ __global__ void __launch_bounds__(emit_threads)
   if (warp == 0) {
     std::uint32_t all = 0;
     for (unsigned w = 0; w < emit_warps; ++w) all += tiles_of[w];
-    if (lane_index() == 0) sum.add(place, all);
-    const std::uint32_t before = sum.before(place, all);
+    if (lane_index() == 0) sum.add(all);
+    const std::uint32_t before = sum.before(all);
     if (lane_index() == 0) before_block = before;
   }
   __syncthreads();
@@ -149,8 +119,36 @@ __global__ void __launch_bounds__(emit_threads)
   for (unsigned w = 0; w < warp; ++w) mine.at += tiles_of[w];
 
   emit_masks(mine, job.grid, out);
-  const bool large = mine.footprint.mask == 0 && mine.footprint.count != 0;
-  if (__any_sync(whole_warp, large)) emit_rows(mine, large, bounds, job, shapes_of[warp].data(), out);
+  if (mine.footprint.mask == 0 && mine.footprint.count != 0) large.splats[atomicAdd(&large.count(), 1u)] = mine;
+}
+
+/// Emits the splats that were set aside: a warp a splat, a lane a row of tiles, and then a lane a tile.
+template <class Bounds, class Key>
+__global__ void __launch_bounds__(emit_threads)
+    emit_large(const __grid_constant__ SortJob job, const Bounds bounds, const Instances<Key> out,
+               const LargeSplats large) {
+  const std::uint32_t warps = gridDim.x * emit_warps;
+  for (std::uint32_t s = (blockIdx.x * emit_threads + threadIdx.x) / warp_size; s < large.count(); s += warps) {
+    const EmittedSplat splat = large.splats[s];
+    const SplatShape shape = job.splats.shapes[splat.id];
+    const TileRect rect = bounds.rect(shape, job.grid);
+    std::uint32_t at = splat.at;
+    for (int first_row = rect.rows.begin; first_row < rect.rows.end; first_row += int(warp_size)) {
+      const int row = first_row + int(lane_index());
+      const TileRun run = row < rect.rows.end ? bounds.row(shape, rect, row) : TileRun{};
+      const std::uint32_t size = std::uint32_t(run.size()), first = sum_below(size);
+      const std::uint32_t total = __shfl_sync(whole_warp, first + size, warp_size - 1);
+      const int first_tile = row * job.grid.columns + run.begin;
+      for (std::uint32_t step = 0; step < total; step += warp_size) {
+        const std::uint32_t position = step + lane_index();
+        const int lane = int(owner_of(position, first));
+        const std::uint32_t tile = std::uint32_t(__shfl_sync(whole_warp, first_tile, lane)) + position -
+            __shfl_sync(whole_warp, first, lane);
+        if (position < total) out.write(at + position, tile, splat.depth, splat.id);
+      }
+      at += total;
+    }
+  }
 }
 
 /// Finds footprints outside of projection.
@@ -173,13 +171,12 @@ template <BoundsPolicy Bounds, class Key>
 std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                            InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances) {
   const std::size_t splats = job.splats.size();
-  const unsigned blocks = blocks_for(splats, kernels::emit_threads);
   SortJob found = job;
   if (!job.splats.footprints.data && splats != 0) {
     scratch.footprints.reset(splats), scratch.counts.reset(1);
     cuda.clear(scratch.counts.data(), sizeof(FrameCounts));
-    launch("find_footprints", kernels::find_footprints<Bounds>, blocks, kernels::emit_threads, cuda.stream(), job,
-           bounds, scratch.footprints.data(), scratch.counts.data());
+    launch("find_footprints", kernels::find_footprints<Bounds>, blocks_for(splats, kernels::emit_threads),
+           kernels::emit_threads, cuda.stream(), job, bounds, scratch.footprints.data(), scratch.counts.data());
     FrameCounts counts;
     cuda.download(Span<const FrameCounts>{scratch.counts.data(), 1}, &counts);
     found.splats.footprints = {scratch.footprints.data(), splats};
@@ -189,10 +186,19 @@ std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds,
   check_instances(total);
   instances.reset(std::size_t(total));
   if (total == 0) return 0;
-  launch("emit_instances", kernels::emit_instances<Bounds, Key>, blocks, kernels::emit_threads, cuda.stream(),
-         found, bounds, order,
-         kernels::Instances<Key>{instances.keys.data(), instances.values.data(), std::uint32_t(total)},
-         scratch.sums.next(cuda, blocks));
+  if (scratch.large_counts.size() == 0) {
+    scratch.large_counts.reset(2);
+    cuda.clear(scratch.large_counts.data(), 2 * sizeof(std::uint32_t));
+  }
+  scratch.large.reset(splats);
+  const unsigned blocks = blocks_for(splats, kernels::emit_threads);
+  const RunningSums::View sums = scratch.sums.next(cuda, blocks);
+  const kernels::LargeSplats large{scratch.large.data(), scratch.large_counts.data(), sums.epoch};
+  const kernels::Instances<Key> out{instances.keys.data(), instances.values.data(), std::uint32_t(total)};
+  launch("emit_instances", kernels::emit_instances<Key>, blocks, kernels::emit_threads, cuda.stream(), found,
+         order, out, large, sums);
+  launch("emit_large", kernels::emit_large<Bounds, Key>, kernels::emit_large_blocks, kernels::emit_threads,
+         cuda.stream(), found, bounds, out, large);
   return std::size_t(total);
 }
 

@@ -15,9 +15,13 @@
 namespace swiftgs {
 
 namespace kernels {
-inline constexpr unsigned project_threads = 256;
+inline constexpr unsigned project_threads = 128;
 inline constexpr unsigned project_warps = project_threads / warp_size;
-inline constexpr unsigned most_rest = 3 * unsigned(sh_rest_count(max_sh_degree));
+
+/// Quadruples of floats that hold the SH coefficients of a Gaussian, and how far those of two Gaussians lie apart in
+/// shared memory: an odd number, so that lanes that read a quadruple each have no bank conflicts.
+__host__ __device__ constexpr unsigned rest_words(int degree) { return (3u * unsigned(sh_rest_count(degree)) + 3) / 4; }
+__host__ __device__ constexpr unsigned rest_pitch(int degree) { return rest_words(degree) | 1; }
 
 /// Where projection writes to. `counts` are two, of this frame and of the next.
 struct ProjectOutput {
@@ -29,39 +33,77 @@ struct ProjectOutput {
 
 /// What the threads of a block tell each other.
 struct ProjectShared {
-  std::uint32_t place, before;
+  std::uint32_t before;
   std::uint32_t visible[project_warps];            ///< Gaussians of each warp
   std::uint32_t ids[project_threads];              ///< visible Gaussians of the block
   float depths[project_threads];                   ///< and their depths
   union {
     FootprintShared footprints[project_warps];
-    float rest[project_warps][warp_size * most_rest];  ///< SH coefficients of each lane's Gaussian
+    float4 rest[project_warps][warp_size * rest_pitch(max_sh_degree)];  ///< SH coefficients of each lane's Gaussian
   };
 };
 
-/// Copies the SH coefficients of the warp's Gaussians, one after another: lanes read neighbouring words, where a lane a
+/// Copies the SH coefficients of the warp's Gaussians, `Word` by `Word`: lanes read neighbouring words, where a lane a
 /// Gaussian would touch 32 lines with each load. All copies are under way at once.
-__device__ inline void stage_rest(const SceneView& scene, std::uint32_t id, unsigned gaussians, float* rest) {
-  const unsigned used = 3 * unsigned(sh_rest_count(scene.sh_degree));
-  for (unsigned g = 0; g < gaussians; ++g) {
-    const float* from =
-        scene.sh_rest.data + std::size_t(__shfl_sync(whole_warp, id, int(g))) * std::size_t(scene.sh_stride);
-    for (unsigned k = lane_index(); k < used; k += warp_size)
-      __pipeline_memcpy_async(rest + g * used + k, from + k, sizeof(float));
+template <class Word>
+__device__ void stage_rest(const SceneView& scene, std::uint32_t id, unsigned gaussians, unsigned words,
+                           unsigned pitch, Word* rest) {
+  constexpr unsigned floats = sizeof(Word) / sizeof(float);
+  unsigned gaussian = lane_index() / words, word = lane_index() % words;
+  const unsigned gaussian_step = warp_size / words, word_step = warp_size % words;
+  while (__any_sync(whole_warp, gaussian < gaussians)) {
+    const std::uint32_t theirs = __shfl_sync(whole_warp, id, int(gaussian % warp_size));
+    const float* from = scene.sh_rest.data + std::size_t(theirs) * std::size_t(scene.sh_stride) + word * floats;
+    if (gaussian < gaussians) __pipeline_memcpy_async(rest + gaussian * pitch + word, from, sizeof(Word));
+    gaussian += gaussian_step, word += word_step;
+    if (word >= words) word -= words, ++gaussian;
   }
   __pipeline_commit();
   __pipeline_wait_prior(0);
   __syncwarp();
 }
 
-/// `sh_colour` with a degree that the compiler knows, so that the basis stays in registers.
-__device__ inline vec3 colour_of(int degree, vec3 sh0, const float* rest, vec3 direction) {
-  switch (degree) {
-    case 0: return sh_colour(0, sh0, rest, direction);
-    case 1: return sh_colour(1, sh0, rest, direction);
-    case 2: return sh_colour(2, sh0, rest, direction);
-    default: return sh_colour(3, sh0, rest, direction);
+/// Copies the SH coefficients of the warp's Gaussians by quadruples where they are aligned, as those of `Cuda::upload` are.
+__device__ inline void stage_rest(const SceneView& scene, std::uint32_t id, unsigned gaussians, float4* rest) {
+  const unsigned words = rest_words(scene.sh_degree), pitch = rest_pitch(scene.sh_degree);
+  const std::size_t stride = std::size_t(scene.sh_stride);
+  if (stride % 4 == 0 && stride >= 4 * words && scene.sh_rest.size >= scene.size() * stride &&
+      reinterpret_cast<std::uintptr_t>(scene.sh_rest.data) % sizeof(float4) == 0)
+    stage_rest<float4>(scene, id, gaussians, words, pitch, rest);
+  else
+    stage_rest<float>(scene, id, gaussians, 3 * unsigned(sh_rest_count(scene.sh_degree)), 4 * pitch,
+                      reinterpret_cast<float*>(rest));
+}
+
+/// `sh_colour` with a degree that the compiler knows, so that coefficients and basis stay in registers.
+template <int degree>
+__device__ vec3 colour_of(vec3 sh0, const float4* words, vec3 direction) {
+  if constexpr (degree == 0) {
+    return sh_colour(0, sh0, nullptr, direction);
+  } else {
+    float rest[4 * rest_words(degree)];
+#pragma unroll
+    for (unsigned k = 0; k < rest_words(degree); ++k) {
+      const float4 word = words[k];
+      rest[4 * k] = word.x, rest[4 * k + 1] = word.y, rest[4 * k + 2] = word.z, rest[4 * k + 3] = word.w;
+    }
+    return sh_colour(degree, sh0, rest, direction);
   }
+}
+__device__ inline vec3 colour_of(int degree, vec3 sh0, const float4* rest, vec3 direction) {
+  switch (degree) {
+    case 0: return colour_of<0>(sh0, rest, direction);
+    case 1: return colour_of<1>(sh0, rest, direction);
+    case 2: return colour_of<2>(sh0, rest, direction);
+    default: return colour_of<3>(sh0, rest, direction);
+  }
+}
+
+/// All that projection reads of a Gaussian, asked for at once: the compiler would wait for each array before the next.
+__device__ inline Gaussian load_gaussian(const SceneView& scene, std::size_t i) {
+  Gaussian g = gaussian(scene, i);
+  asm volatile("" : "+f"(g.mean.x), "+f"(g.scale.x), "+f"(g.rotation.w), "+f"(g.opacity));
+  return g;
 }
 
 /// Projects the Gaussians of one block and appends the visible ones to those of the blocks before it.
@@ -72,16 +114,13 @@ __global__ void __launch_bounds__(project_threads)
   __shared__ ProjectShared shared;
   const unsigned warp = threadIdx.x / warp_size;
   RunningSum sum(sums);
-  if (threadIdx.x == 0) shared.place = sum.take_place(gridDim.x);
-  __syncthreads();
-  const std::uint32_t place = shared.place;
   FrameCounts& counts = output.counts[sums.epoch % 2];
-  if (place == 0 && threadIdx.x == 0) output.counts[(sums.epoch + 1) % 2] = {};
+  if (blockIdx.x == 0 && threadIdx.x == 0) output.counts[(sums.epoch + 1) % 2] = {};
 
   // Project, and count the visible splats of the block.
-  const std::size_t i = std::size_t(place) * project_threads + threadIdx.x;
+  const std::size_t i = std::size_t(blockIdx.x) * project_threads + threadIdx.x;
   ProjectedShape splat;
-  if (i < job.scene.size()) splat = project_shape(job.constants, job.scene, i);
+  if (i < job.scene.size()) splat = project_shape(job.constants, load_gaussian(job.scene, i));
   const unsigned visible_lanes = __ballot_sync(whole_warp, splat.visible);
   if (lane_index() == 0) shared.visible[warp] = std::uint32_t(__popc(visible_lanes));
   __syncthreads();
@@ -90,7 +129,7 @@ __global__ void __launch_bounds__(project_threads)
     if (w < warp) slot += shared.visible[w];
     visible += shared.visible[w];
   }
-  if (threadIdx.x == 0) sum.add(place, visible);
+  if (threadIdx.x == 0) sum.add(visible);
 
   // Find their tiles.
   const Footprint footprint =
@@ -99,27 +138,28 @@ __global__ void __launch_bounds__(project_threads)
   if (splat.visible) shared.ids[slot] = std::uint32_t(i), shared.depths[slot] = splat.depth;
   __syncthreads();
 
+  // Find where the block's splats begin: by the last warp, which has colours to evaluate only where nearly all are visible.
+  if (warp == project_warps - 1) {
+    const std::uint32_t before = sum.before(visible);
+    if (lane_index() == 0) shared.before = before;
+    if (lane_index() == 0 && blockIdx.x + 1 == gridDim.x) counts.visible = before + visible;
+  }
+
   // Evaluate their colours, a thread a visible splat.
   SplatColour colour;
   if (warp * warp_size < visible) {
     const unsigned gaussians = visible - warp * warp_size < warp_size ? visible - warp * warp_size : warp_size;
     const bool mine = threadIdx.x < visible;
     const std::uint32_t id = mine ? shared.ids[threadIdx.x] : 0;
-    stage_rest(job.scene, id, gaussians, shared.rest[warp]);
-    if (mine) {
-      const unsigned used = 3 * unsigned(sh_rest_count(job.scene.sh_degree));
-      colour = {colour_of(job.scene.sh_degree, job.scene.sh0[id], shared.rest[warp] + lane_index() * used,
+    if (job.scene.sh_degree > 0) stage_rest(job.scene, id, gaussians, shared.rest[warp]);
+    if (mine)
+      colour = {colour_of(job.scene.sh_degree, job.scene.sh0[id],
+                          shared.rest[warp] + lane_index() * rest_pitch(job.scene.sh_degree),
                           view_direction(job.constants, job.scene.means[id])),
                 shared.depths[threadIdx.x]};
-    }
   }
 
   // Append them.
-  if (warp == 0) {
-    const std::uint32_t before = sum.before(place, visible);
-    if (lane_index() == 0) shared.before = before;
-    if (lane_index() == 0 && place + 1 == gridDim.x) counts.visible = before + visible;
-  }
   __syncthreads();
   const std::size_t first = shared.before;
   if (splat.visible) {
