@@ -1,0 +1,74 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+#
+# Measures frames that stay on the GPU, of every CUDA renderer: times by stage, errors against float64, memory, times of
+# kernels and their instructions. About three minutes on an H200.
+#   benchmarks/measure_gpu_frames.sh OUTDIR [SCENE...]
+# Scenes default to the captures in SWIFTGS_SCENES. FRAMES (15) are timed of each view. The program is that of
+# SWIFTGS_BUILD, else of build/gpu, where measure_cuda.sh builds. Leaves the results in OUTDIR, and the tables there as
+# README.md; needs python3, and ncu for what concerns kernels. Nothing else should run meanwhile.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+[ $# -ge 1 ] || { echo "usage: benchmarks/measure_gpu_frames.sh OUTDIR [SCENE...]" >&2; exit 2; }
+mkdir -p "$1"
+out=$(cd "$1" && pwd)
+shift
+program=${SWIFTGS_BUILD:-$here/../build/gpu}/benchmarks/gpu_frames
+export SWIFTGS_SCENES=${SWIFTGS_SCENES:-$here/../../shared/scenes}
+frames=${FRAMES:-15}
+if [ $# -eq 0 ]; then
+  for folder in "$SWIFTGS_SCENES"/*/; do [ -d "$folder" ] && set -- "$@" "$(basename "$folder")"; done
+  [ $# -gt 0 ] || set -- builtin
+fi
+
+ask_gpu() { nvidia-smi --query-gpu="$1" --format=csv,noheader | head -n 1; }
+cat >"$out/machine.json" <<END
+{"date": "$(date -u +%F)", "gpu": "$(ask_gpu name)", "driver": "$(ask_gpu driver_version)",
+ "gpu_memory": "$(ask_gpu memory.total)", "gpu_clock": "$(ask_gpu clocks.max.sm)",
+ "cpu": "$(sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | head -n 1)", "cores": $(nproc),
+ "system": "$(. /etc/os-release && echo "$PRETTY_NAME")",
+ "cuda": "$(nvcc --version 2>/dev/null | sed -n 's/.*release.* V//p')",
+ "commit": "${COMMIT:-$(git -C "$here" rev-parse HEAD 2>/dev/null || echo unknown)}",
+ "command": "FRAMES=$frames benchmarks/measure_gpu_frames.sh OUTDIR $*"}
+END
+
+echo "measure: frames"
+"$program" "$out/gpu_frames.jsonl" --frames "$frames" "$@" 2>"$out/gpu_frames.log" ||
+  { tail -n 3 "$out/gpu_frames.log" >&2; exit 1; }
+rm "$out/gpu_frames.log"
+
+# One frame of each rasterizer, and of each sort with the one that is best.
+best='axis-shared-threshold-float-cholesky'
+one_frame=("$program" /dev/null --frames 1 --views 1 --compared 0 --profile --renderers)
+options=(--profile-from-start off --clock-control none)
+metrics=gpu__time_duration.sum,smsp__inst_executed.sum,dram__bytes.sum,launch__registers_per_thread
+metrics+=,sm__warps_active.avg.pct_of_peak_sustained_active,smsp__issue_active.avg.pct_of_peak_sustained_active
+if command -v ncu >/dev/null; then
+  for scene in "$@"; do
+    echo "measure: kernels, $scene"
+    ncu "${options[@]}" --print-units base --metrics $metrics --csv "${one_frame[@]}" "(early/.*|standard/$best)/ellipse" \
+      "$scene" 2>/dev/null | grep '^"' >"$out/kernels-${scene/:/-}.csv" || echo "measure: ncu failed for $scene" >&2
+  done
+  scene=$1
+  for other in "$@"; do [ "$other" != garden ] || scene=garden; done
+  echo "measure: instructions, $scene"
+  report=$(mktemp -d)/report
+  ncu "${options[@]}" --section SourceCounters --kernel-name regex:raster -o "$report" "${one_frame[@]}" \
+    "early/.*/ellipse" "$scene" >/dev/null 2>&1 || echo "measure: ncu failed for $scene" >&2
+  # Only what the tables need: the machine code, and how often it was executed.
+  ncu --import "$report.ncu-rep" --page source --csv | python3 -c '
+import csv, sys
+keep = ("Address", "Source", "Instructions Executed", "Predicated-On Thread Instructions Executed")
+columns, write = [], csv.writer(sys.stdout, quoting=csv.QUOTE_ALL, lineterminator="\n").writerow
+for row in csv.reader(sys.stdin):
+    if row and row[0] == "Kernel Name":
+        write(row[:2])
+    elif row and (row[0] == "Address" or row[0].startswith("0x")):
+        columns = [row.index(name) for name in keep] if row[0] == "Address" else columns
+        write([row[c] for c in columns])' >"$out/instructions-${scene/:/-}.csv" ||
+    { rm "$out/instructions-${scene/:/-}.csv"; echo "measure: no report of $scene" >&2; }
+  rm -r "$(dirname "$report")"
+fi
+
+python3 "$here/tables_cuda.py" "$out" >"$out/README.md"
+echo "measure: the tables are in $out/README.md"
