@@ -342,8 +342,12 @@ def main():
             lines = file.readlines()
         profile = any(line.startswith('"Kernel Name"') for line in lines)
         for name, code in (read_profile(lines) if profile else read_sass(lines)).items():
-            if identify(name) and code and (profile or identify(name) not in found):
-                found[identify(name)] = Kernel(code)
+            kind = identify(name)
+            if kind and code and (profile or kind not in found):
+                try:
+                    found[kind] = Kernel(code)
+                except ValueError as error:
+                    print(f"count_instructions: {raster_word(*kind)}: {error}; not counted", file=sys.stderr)
     if not found:
         sys.exit("count_instructions: expected kernels named raster_..., found none")
     kernels = sorted(found.items(), key=lambda item: (FORMS.index(item[0][0]), item[0][1]))
