@@ -43,6 +43,16 @@ void Cuda::clear(void* memory, std::size_t bytes) const {
   if (bytes != 0) check_cuda(cudaMemsetAsync(memory, 0, bytes, stream()), "cudaMemsetAsync");
 }
 
+FrameCounts Cuda::read(const FrameCounts* counts) const {
+  if (!state_->counts) {
+    void* memory = nullptr;
+    check_cuda(cudaMallocHost(&memory, sizeof(FrameCounts)), "cudaMallocHost");
+    state_->counts.reset(static_cast<FrameCounts*>(memory));
+  }
+  download_bytes(counts, state_->counts.get(), sizeof(FrameCounts));
+  return *state_->counts;
+}
+
 Cuda::TimePoint Cuda::now() {
   auto& event = state_->events[++state_->points % state_->events.size()];
   if (!event) {
@@ -87,6 +97,7 @@ RunningSums::View RunningSums::next(const Cuda& cuda, std::size_t blocks) {
 // Loops of the sorts.
 template void Cuda::for_each(std::size_t, const DepthPair&) const;
 template void Cuda::for_each(std::size_t, const ClearRanges&) const;
+template void Cuda::for_each(std::size_t, const FindRanges<std::uint16_t>&) const;
 template void Cuda::for_each(std::size_t, const FindRanges<std::uint32_t>&) const;
 template void Cuda::for_each(std::size_t, const FindRanges<std::uint64_t>&) const;
 

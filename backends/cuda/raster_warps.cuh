@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include <cuda_pipeline_primitives.h>
+
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
 
@@ -117,6 +119,9 @@ struct Part {
 
   /// Blends `count` splats from `first` on; room after them is there to be overwritten.
   __device__ void blend_queued(Queue& queue, unsigned first, unsigned count) {
+    __pipeline_commit();
+    __pipeline_wait_prior(0);
+    __syncwarp();
     if constexpr (extras) {
       for (unsigned k = first; k < first + count; ++k) {
         float alphas[pixels_of_lane];
@@ -179,15 +184,17 @@ __global__ void __launch_bounds__(raster_threads)
   std::uint32_t begun = 0, waiting = 0, blended = 0;  // splats put into the queue: `begun` halves, and `waiting` more
   std::uint32_t at = range.begin;
   if (at < range.end) {
-    std::uint32_t next_id = load_id(at);
+    // Shapes are asked for a step ahead, and their ids two.
+    std::uint32_t next_id = load_id(at), later_id = load_id(at + warp_size);
     SplatShape next_shape = load_shape(job, next_id);
     while (at < range.end) {
-      // Take the splats of this step, and ask for those of the next.
       const std::uint32_t id = next_id;
       const SplatShape shape = next_shape;
       const bool listed = at + lane_index() < range.end;
       at += warp_size;
-      if (at < range.end) next_id = load_id(at), next_shape = load_shape(job, next_id);
+      next_id = later_id;
+      if (at < range.end) next_shape = load_shape(job, next_id);
+      later_id = load_id(at + warp_size);
 
       // Queue those that touch the part.
       const bool touched = listed && box_touched(shape, first_centre, float(part_side));
@@ -195,12 +202,11 @@ __global__ void __launch_bounds__(raster_threads)
       if (touched) {
         const unsigned slot =
             (begun * queue_half + waiting + unsigned(__popc(lanes & lanes_below()))) % queue_size;
+        __pipeline_memcpy_async(&queue.colours[slot], job.splats.colours.data + id, sizeof(float4));
         Form::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min, queue.terms[slot],
                       queue.offsets[slot]);
-        queue.colours[slot] = load_colour(job, id);
       }
       waiting += unsigned(__popc(lanes));
-      __syncwarp();
 
       // Blend half a queue at a time.
       if (waiting >= queue_half) {

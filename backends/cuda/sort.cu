@@ -60,6 +60,7 @@ void Cuda::radix_sort(Pairs<Cuda, Key>& pairs, std::size_t n, int bits) {
   if (values.selector != 0) std::swap(pairs.values, pairs.spare_values);
 }
 
+void Cuda::sort_pairs(Pairs<Cuda, std::uint16_t>& pairs, std::size_t n, int bits) { radix_sort(pairs, n, bits); }
 void Cuda::sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, std::size_t n, int bits) { radix_sort(pairs, n, bits); }
 void Cuda::sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, std::size_t n, int bits) { radix_sort(pairs, n, bits); }
 

@@ -22,6 +22,12 @@ using cudaStream_t = struct CUstream_st*;
 
 namespace swiftgs {
 
+/// What the host learns of a frame.
+struct FrameCounts {
+  std::uint64_t visible = 0;
+  std::uint64_t instances = 0;
+};
+
 /// One NVIDIA GPU: everything runs in order on one stream, and what a frame computes has the same bits from
 /// run to run. This header compiles without CUDA; policies of your own also need `<swiftgs/cuda.cuh>` and
 /// nvcc.
@@ -71,6 +77,7 @@ class Cuda {
   /// Waits for the total.
   std::uint64_t exclusive_scan(Span<std::uint32_t> counts);
 
+  void sort_pairs(Pairs<Cuda, std::uint16_t>& pairs, std::size_t n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, std::size_t n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, std::size_t n, int bits);
 
@@ -79,6 +86,9 @@ class Cuda {
 
   /// Fills `bytes` bytes of device memory with zero.
   void clear(void* memory, std::size_t bytes) const;
+
+  /// What `counts` on the device holds: the one place where a frame waits for its device.
+  FrameCounts read(const FrameCounts* counts) const;
 
  private:
   void download_bytes(const void* from, void* to, std::size_t bytes) const;
@@ -104,12 +114,6 @@ class RunningSums {
  private:
   DeviceBuffer<std::uint64_t> states_;
   std::uint32_t epoch_ = 0;
-};
-
-/// What the host learns of a frame.
-struct FrameCounts {
-  std::uint64_t visible = 0;
-  std::uint64_t instances = 0;
 };
 
 template <>
@@ -161,6 +165,25 @@ struct InstanceScratch<Cuda> {
 template <BoundsPolicy Bounds, class Key>
 std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                            InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances);
+
+template <>
+struct GroupScratch<Cuda> {
+  InstanceScratch<Cuda> emission;
+  Pairs<Cuda, std::uint16_t> narrow;  ///< where 16 bits tell the tiles apart
+  Pairs<Cuda, std::uint32_t> wide;
+};
+
+/// `group_by_tile` with keys no wider than the grid needs.
+template <BoundsPolicy Bounds>
+void group_by_tile(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+                   GroupScratch<Cuda>& scratch, TileLists<Cuda>& lists) {
+  const auto group = [&](auto& instances) {
+    const std::size_t count = emit_instances(cuda, job, bounds, order, scratch.emission, instances);
+    cuda.sort_pairs(instances, count, job.grid.key_bits());
+    finish_lists(cuda, job, count, 0, instances, lists);
+  };
+  job.grid.key_bits() <= 16 ? group(scratch.narrow) : group(scratch.wide);
+}
 
 /// A thread a pixel, splats in shared memory.
 void rasterize(Cuda& cuda, PerPixel, const RasterJob& job);

@@ -60,12 +60,11 @@ __device__ Footprint find_footprint(const Bounds& bounds, TileGrid grid, const S
           std::uint16_t(rect.columns.begin), std::uint16_t(rect.rows.begin)};
 }
 
-/// Adds the tiles of a warp's splats to those of a frame.
+/// Adds to the tiles of a frame's splats. For one thread.
 __device__ inline void add_instances(FrameCounts& counts, std::uint32_t tiles) {
   static_assert(sizeof(unsigned long long) == sizeof counts.instances);
-  const std::uint32_t sum = warp_sum(tiles);
-  if (lane_index() == 0 && sum != 0)
-    atomicAdd(reinterpret_cast<unsigned long long*>(&counts.instances), static_cast<unsigned long long>(sum));
+  if (tiles != 0)
+    atomicAdd(reinterpret_cast<unsigned long long*>(&counts.instances), static_cast<unsigned long long>(tiles));
 }
 
 }  // namespace swiftgs::kernels

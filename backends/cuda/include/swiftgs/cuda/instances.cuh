@@ -122,14 +122,21 @@ __global__ void __launch_bounds__(emit_threads)
   if (mine.footprint.mask == 0 && mine.footprint.count != 0) large.splats[atomicAdd(&large.count(), 1u)] = mine;
 }
 
-/// Emits the splats that were set aside: a warp a splat, a lane a row of tiles, and then a lane a tile.
+/// Warps that share a splat of more than `shared_from` tiles; smaller ones are one warp's.
+inline constexpr unsigned warps_of_splat = 4;
+inline constexpr std::uint32_t shared_from = 256;
+
+/// Emits the splats that were set aside: a lane a row of tiles, and then a lane a tile.
 template <class Bounds, class Key>
 __global__ void __launch_bounds__(emit_threads)
     emit_large(const __grid_constant__ SortJob job, const Bounds bounds, const Instances<Key> out,
                const LargeSplats large) {
-  const std::uint32_t warps = gridDim.x * emit_warps;
-  for (std::uint32_t s = (blockIdx.x * emit_threads + threadIdx.x) / warp_size; s < large.count(); s += warps) {
+  const std::uint32_t warp = (blockIdx.x * emit_threads + threadIdx.x) / warp_size, part = warp % warps_of_splat;
+  const std::uint32_t step = gridDim.x * emit_warps / warps_of_splat;
+  for (std::uint32_t s = warp / warps_of_splat; s < large.count(); s += step) {
     const EmittedSplat splat = large.splats[s];
+    const bool shared = splat.footprint.count > shared_from;
+    if (part != 0 && !shared) continue;
     const SplatShape shape = job.splats.shapes[splat.id];
     const TileRect rect = bounds.rect(shape, job.grid);
     std::uint32_t at = splat.at;
@@ -139,8 +146,9 @@ __global__ void __launch_bounds__(emit_threads)
       const std::uint32_t size = std::uint32_t(run.size()), first = sum_below(size);
       const std::uint32_t total = __shfl_sync(whole_warp, first + size, warp_size - 1);
       const int first_tile = row * job.grid.columns + run.begin;
-      for (std::uint32_t step = 0; step < total; step += warp_size) {
-        const std::uint32_t position = step + lane_index();
+      for (std::uint32_t begin = part * warp_size; begin < total;
+           begin += shared ? warps_of_splat * warp_size : warp_size) {
+        const std::uint32_t position = begin + lane_index();
         const int lane = int(owner_of(position, first));
         const std::uint32_t tile = std::uint32_t(__shfl_sync(whole_warp, first_tile, lane)) + position -
             __shfl_sync(whole_warp, first, lane);
@@ -163,7 +171,8 @@ __global__ void __launch_bounds__(emit_threads)
   if (exists) shape = job.splats.shapes[i];
   const Footprint found = find_footprint(bounds, job.grid, shape, exists, shared[threadIdx.x / warp_size]);
   if (exists) footprints[i] = found;
-  add_instances(*counts, found.count);
+  const std::uint32_t tiles = warp_sum(found.count);
+  if (lane_index() == 0) add_instances(*counts, tiles);
 }
 }  // namespace kernels
 
@@ -177,10 +186,8 @@ std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds,
     cuda.clear(scratch.counts.data(), sizeof(FrameCounts));
     launch("find_footprints", kernels::find_footprints<Bounds>, blocks_for(splats, kernels::emit_threads),
            kernels::emit_threads, cuda.stream(), job, bounds, scratch.footprints.data(), scratch.counts.data());
-    FrameCounts counts;
-    cuda.download(Span<const FrameCounts>{scratch.counts.data(), 1}, &counts);
     found.splats.footprints = {scratch.footprints.data(), splats};
-    found.splats.instances = counts.instances;
+    found.splats.instances = cuda.read(scratch.counts.data()).instances;
   }
   const std::uint64_t total = found.splats.instances;
   check_instances(total);

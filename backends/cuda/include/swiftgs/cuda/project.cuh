@@ -34,7 +34,7 @@ struct ProjectOutput {
 /// What the threads of a block tell each other.
 struct ProjectShared {
   std::uint32_t before;
-  std::uint32_t visible[project_warps];            ///< Gaussians of each warp
+  std::uint32_t visible[project_warps], tiles[project_warps];  ///< of each warp
   std::uint32_t ids[project_threads];              ///< visible Gaussians of the block
   float depths[project_threads];                   ///< and their depths
   union {
@@ -134,15 +134,21 @@ __global__ void __launch_bounds__(project_threads)
   // Find their tiles.
   const Footprint footprint =
       find_footprint(bounds, job.grid, splat.shape, splat.visible, shared.footprints[warp]);
-  add_instances(counts, footprint.count);
+  const std::uint32_t tiles_of_warp = warp_sum(footprint.count);
+  if (lane_index() == 0) shared.tiles[warp] = tiles_of_warp;
   if (splat.visible) shared.ids[slot] = std::uint32_t(i), shared.depths[slot] = splat.depth;
   __syncthreads();
 
   // Find where the block's splats begin: by the last warp, which has colours to evaluate only where nearly all are visible.
   if (warp == project_warps - 1) {
     const std::uint32_t before = sum.before(visible);
-    if (lane_index() == 0) shared.before = before;
-    if (lane_index() == 0 && blockIdx.x + 1 == gridDim.x) counts.visible = before + visible;
+    std::uint32_t tiles = 0;
+    for (const std::uint32_t of_warp : shared.tiles) tiles += of_warp;
+    if (lane_index() == 0) {
+      shared.before = before;
+      add_instances(counts, tiles);
+      if (blockIdx.x + 1 == gridDim.x) counts.visible = before + visible;
+    }
   }
 
   // Evaluate their colours, a thread a visible splat.
@@ -188,9 +194,7 @@ void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScr
                                 scratch.counts.data()},
          sums);
 
-  // The one place where a frame waits for its device.
-  FrameCounts counts;
-  cuda.download(Span<const FrameCounts>{scratch.counts.data() + sums.epoch % 2, 1}, &counts);
+  const FrameCounts counts = cuda.read(scratch.counts.data() + sums.epoch % 2);
   splats.count = std::size_t(counts.visible);
   splats.instances = counts.instances;
 }
