@@ -21,9 +21,6 @@ __device__ inline float exp2_approx(float x) {
   return result;
 }
 
-/// `value` in a register: the compiler would load a kernel's parameter again wherever a predicated instruction takes it.
-__device__ inline float in_register(float value) { return __shfl_sync(whole_warp, value, 0); }
-
 /// A pixel while splats are blended into it. When it stops, its transmittance moves to `last` and becomes zero, so that
 /// whatever follows adds nothing, and `stop_below` becomes negative, so that it does not stop again.
 struct Pixel {

@@ -46,16 +46,16 @@ struct RasterLimits {
 };
 
 /// Alpha of a pixel from its exponent log2(alpha), 0 where it skips the splat. With the dynamic threshold (SwiftGS,
-/// section 5.2) the exponent decides, and no exponential is evaluated for what is skipped.
+/// section 5.2) the exponent decides, before the exponential. A lane that skips cannot leave its warp: its exponential
+/// is that of minus infinity, and nothing after it asks again.
 template <bool threshold>
-__device__ float alpha_of(float exponent, bool valid, const RasterLimits& limits, float alpha_max) {
+__device__ float alpha_of(float exponent, bool valid, const RasterLimits& limits) {
   if constexpr (threshold) {
-    float alpha = 0;
-    if (valid && exponent >= limits.log2_alpha_min) alpha = fminf(exp2_approx(exponent), alpha_max);
-    return alpha;
+    const bool kept = valid && exponent >= limits.log2_alpha_min;
+    return fminf(exp2_approx(kept ? exponent : -INFINITY), limits.alpha_max);
   } else {
     const float alpha = exp2_approx(exponent);
-    return valid && alpha >= limits.alpha_min ? fminf(alpha, alpha_max) : 0.0f;
+    return valid && alpha >= limits.alpha_min ? fminf(alpha, limits.alpha_max) : 0.0f;
   }
 }
 
@@ -64,7 +64,6 @@ template <class Form, bool threshold, bool extras>
 struct Part {
   const RasterJob& job;
   const RasterLimits& limits;
-  float alpha_max;
   float x, y;  ///< of the lane's first pixel within the part
   Pixel pixels[pixels_of_lane];
   float occluders[pixels_of_lane];
@@ -77,7 +76,7 @@ struct Part {
     Form::evaluate(queue.terms[at], queue.offsets[at], x, y, exponents, valid);
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p)
-      alphas[p] = alpha_of<threshold>(exponents[p], valid[p], limits, alpha_max);
+      alphas[p] = alpha_of<threshold>(exponents[p], valid[p], limits);
   }
 
   /// Blends `group_size` splats from `first` on. Whether a pixel stops is looked at once for all of them, since
@@ -166,7 +165,7 @@ __global__ void __launch_bounds__(raster_threads)
   const vec2 first_centre(float(part_x) + 0.5f, float(part_y) + 0.5f);
 
   const int column = int(lane_index() % part_side), row = int(lane_index() / part_side);
-  Part<Form, threshold, extras> part{job, limits, in_register(limits.alpha_max), float(column), float(row), {}, {}, {}};
+  Part<Form, threshold, extras> part{job, limits, float(column), float(row), {}, {}, {}};
   const auto place = [&](unsigned p) {
     return PixelPlace(job, part_x + column, part_y + row + int(p) * int(rows_between), extras);
   };
