@@ -74,13 +74,7 @@ __global__ void __launch_bounds__(block_threads) raster_half_split(const __grid_
         const float2 x = __half22float2(batch.x[buffer][k][column]), y = __half22float2(batch.y[buffer][k][row]);
         const float s = FloatSplit::exponent({x.x, x.y}, {y.x, y.y});
         const float2 reach = batch.reaches[first + k];
-        float alpha = 0;
-        if constexpr (threshold) {
-          if (s >= 0 && s <= reach.x) alpha = fminf(reach.y * exp2_approx(-s), job.rules.alpha_max);
-        } else {
-          const float whole = reach.y * exp2_approx(-s);
-          if (s >= 0 && whole >= job.rules.alpha_min) alpha = fminf(whole, job.rules.alpha_max);
-        }
+        const float alpha = alpha_of_square<threshold>(s, reach.x, reach.y, job.rules);
         if (alpha > 0) mine.blend(alpha, batch.colours[first + k]);
       }
     }

@@ -3,6 +3,8 @@
 #include <swiftgs/cuda/launch.cuh>
 
 #include "block.cuh"
+#include "box_touched.hpp"
+#include "forms.hpp"
 
 namespace swiftgs {
 
@@ -11,7 +13,7 @@ namespace kernels {
 /// Splats as every pixel of a tile reads them.
 struct ConicBatch {
   float2 means[block_threads];
-  float4 conics[block_threads];   ///< a, b, c of sigma = (a dx^2 + c dy^2) / 2 + b dx dy, and opacity
+  float4 conics[block_threads];   ///< of `ConicForm`, with opacity 0 where the tile is not touched
   float4 colours[block_threads];  ///< RGB, depth
 };
 
@@ -29,11 +31,10 @@ __global__ void __launch_bounds__(block_threads) raster_per_pixel(const __grid_c
     if (threadIdx.x < count) {
       const std::uint32_t id = job.lists.ids[at + threadIdx.x];
       const SplatShape s = load_shape(job, id);
-      const float two_ln_2 = 1.38629436111989061883f;
       batch.means[threadIdx.x] = make_float2(s.mean.x, s.mean.y);
-      batch.conics[threadIdx.x] =
-          make_float4(two_ln_2 * s.l0 * s.l0, two_ln_2 * s.l0 * s.l1, two_ln_2 * (s.l1 * s.l1 + s.l2 * s.l2),
-                      box_touched(s, mine.first_centre(), tile_side) ? s.opacity : 0.0f);
+      float4 conic = ConicForm::prepare(s);
+      if (!box_touched(s, mine.first_centre(), tile_side)) conic.w = 0;
+      batch.conics[threadIdx.x] = conic;
       batch.colours[threadIdx.x] = load_colour(job, id);
     }
     __syncthreads();
@@ -41,10 +42,7 @@ __global__ void __launch_bounds__(block_threads) raster_per_pixel(const __grid_c
       const float2 mean = batch.means[k];
       const float4 conic = batch.conics[k];
       const float dx = x - mean.x, dy = y - mean.y;
-      const float sigma = 0.5f * (conic.x * dx * dx + conic.z * dy * dy) + conic.y * dx * dy;
-      const float alpha = conic.w * exp2_approx(float(-log2_e) * sigma);
-      const bool kept = sigma >= 0 && alpha >= job.rules.alpha_min;
-      mine.blend(kept ? fminf(alpha, job.rules.alpha_max) : 0.0f, batch.colours[k]);
+      mine.blend(ConicForm::alpha(conic, dx, dy, job.rules), batch.colours[k]);
     }
   }
   mine.store(min(at, range.end) - range.begin);

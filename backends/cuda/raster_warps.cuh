@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
 #include <cuda_pipeline_primitives.h>
@@ -9,6 +8,8 @@
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
 
+#include "box_touched.hpp"
+#include "forms.hpp"
 #include "pixel.cuh"
 
 namespace swiftgs {
@@ -16,16 +17,13 @@ namespace swiftgs {
 namespace kernels {
 
 /// A tile is four parts of 8x8 pixels, each a warp's own: it walks the tile's list by itself and never waits for the
-/// others. A lane has two pixels of one column, four rows apart, so what depends on the column is computed once.
-inline constexpr unsigned part_side = 8, parts_of_tile = 4, pixels_of_lane = 2;
+/// others. A lane has two pixels of one column, four rows apart.
+inline constexpr unsigned part_side = 8, parts_of_tile = 4;
 inline constexpr unsigned raster_threads = parts_of_tile * warp_size;
-inline constexpr float rows_between = 4;
 
 /// Splats that touch a part wait here until there are enough to blend: a ring of two halves, so that one can be filled
 /// while the other is blended.
 inline constexpr unsigned queue_half = 32, queue_size = 2 * queue_half;
-/// Splats that are blended together, and looked at for pixels that stop.
-inline constexpr unsigned group_size = 4;
 
 /// Terms and colours of splats, as their part sees them.
 struct Queue {
@@ -33,31 +31,6 @@ struct Queue {
   float2 offsets[queue_size];  ///< of a form
   float4 colours[queue_size];  ///< RGB, depth
 };
-
-/// Numbers that all pixels share.
-struct RasterLimits {
-  float alpha_min, log2_alpha_min, alpha_max, stop_below;
-
-  explicit RasterLimits(const BlendRules& rules)
-      : alpha_min(rules.alpha_min),
-        log2_alpha_min(std::log2(rules.alpha_min)),
-        alpha_max(rules.alpha_max),
-        stop_below(rules.stop_below) {}
-};
-
-/// Alpha of a pixel from its exponent log2(alpha), 0 where it skips the splat. With the dynamic threshold (SwiftGS,
-/// section 5.2) the exponent decides, before the exponential. A lane that skips cannot leave its warp: its exponential
-/// is that of minus infinity, and nothing after it asks again.
-template <bool threshold>
-__device__ float alpha_of(float exponent, bool valid, const RasterLimits& limits) {
-  if constexpr (threshold) {
-    const bool kept = valid && exponent >= limits.log2_alpha_min;
-    return fminf(exp2_approx(kept ? exponent : -INFINITY), limits.alpha_max);
-  } else {
-    const float alpha = exp2_approx(exponent);
-    return valid && alpha >= limits.alpha_min ? fminf(alpha, limits.alpha_max) : 0.0f;
-  }
-}
 
 /// A part of a tile, and the pixels of this lane in it.
 template <class Form, bool threshold, bool extras>
@@ -79,40 +52,25 @@ struct Part {
       alphas[p] = alpha_of<threshold>(exponents[p], valid[p], limits);
   }
 
-  /// Blends `group_size` splats from `first` on. Whether a pixel stops is looked at once for all of them, since
-  /// transmittance only falls; where it does, the splats from the one on that would have stopped it are taken back.
+  /// Blends `group_size` splats from `first` on.
   __device__ void blend_group(const Queue& queue, unsigned first) {
-    float alphas[group_size][pixels_of_lane];
+    float alphas[pixels_of_lane][group_size], weights[pixels_of_lane][group_size];
 #pragma unroll
-    for (unsigned k = 0; k < group_size; ++k) evaluate(queue, first + k, alphas[k]);
-
-    float weights[group_size][pixels_of_lane];
+    for (unsigned k = 0; k < group_size; ++k) {
+      float of_splat[pixels_of_lane];
+      evaluate(queue, first + k, of_splat);
 #pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) {
-      float left[group_size + 1];
-      left[0] = pixels[p].transmittance;
-#pragma unroll
-      for (unsigned k = 0; k < group_size; ++k) {
-        weights[k][p] = alphas[k][p] * left[k];
-        left[k + 1] = Pixel::dimmed(left[k], alphas[k][p]);
-      }
-      pixels[p].transmittance = left[group_size];
-      if (left[group_size] < pixels[p].stop_below) {
-        float last = left[group_size - 1];
-        weights[group_size - 1][p] = 0;
-#pragma unroll
-        for (unsigned k = group_size - 1; k-- > 0;)
-          if (left[k + 1] < pixels[p].stop_below) last = left[k], weights[k][p] = 0;
-        pixels[p].stop_with(last);
-      }
+      for (unsigned p = 0; p < pixels_of_lane; ++p) alphas[p][k] = of_splat[p];
     }
+#pragma unroll
+    for (unsigned p = 0; p < pixels_of_lane; ++p) weigh_group(pixels[p], alphas[p], weights[p]);
 
 #pragma unroll
     for (unsigned k = 0; k < group_size; ++k) {
       const float4 colour = queue.colours[first + k];
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p)
-        pixels[p].add(weights[k][p], colour.x, colour.y, colour.z);
+        pixels[p].add(weights[p][k], colour.x, colour.y, colour.z);
     }
   }
 

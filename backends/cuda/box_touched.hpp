@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include <swiftgs/splats.hpp>
+
+#include "arithmetic.hpp"
+
+namespace swiftgs::kernels {
+
+/// Whether the ellipse s <= reach meets the box of pixel centres that begins at `first` and is `side` - 1
+/// wide and high.
+///
+/// What does not pass is not drawn, whatever lists it: lossless bounds are wider than this, so frames do not
+/// depend on them. s is convex: its least value lies at the mean, or on the edge that is nearest at the
+/// mean's height.
+SWIFTGS_HD inline bool box_touched(const SplatShape& s, vec2 first, float side) {
+  const float left = first.x - s.mean.x, right = left + (side - 1);
+  const float top = first.y - s.mean.y, bottom = top + (side - 1);
+  const float nearest_y = fminf(fmaxf(0, top), bottom);
+  const float u_left = fmaf(s.l0, left, s.l1 * nearest_y), u_right = fmaf(s.l0, right, s.l1 * nearest_y);
+  const float edge = u_left > 0 ? left : right;
+  const float along = divide_approx(-s.l0 * s.l1 * edge, fmaf(s.l1, s.l1, s.l2 * s.l2));
+  const bool across = u_left <= 0 && u_right >= 0;
+  const float y = across ? nearest_y : fminf(fmaxf(along, top), bottom);
+  const float u = across ? 0.0f : fmaf(s.l0, edge, s.l1 * y), v = s.l2 * y;
+  // Pixels round differently from this: what is that close to the edge is left to them.
+  return fmaf(u, u, v * v) <= s.reach * 1.0001f;
+}
+
+}  // namespace swiftgs::kernels
