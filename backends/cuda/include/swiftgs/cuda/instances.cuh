@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/find_bit.hpp>
 #include <swiftgs/cuda/footprints.cuh>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
@@ -40,18 +41,6 @@ __device__ inline EmittedSplat of_lane(const EmittedSplat& splat, unsigned lane)
   const Footprint& f = splat.footprint;
   return {get(splat.id), get(splat.depth), get(splat.at),
           {get(f.mask), get(f.count), std::uint16_t(get(unsigned(f.column))), std::uint16_t(get(unsigned(f.row)))}};
-}
-
-/// Position of the n-th lowest bit that is set, from 0.
-__device__ inline unsigned find_bit(std::uint64_t mask, unsigned n) {
-  unsigned position = 0;
-  std::uint32_t word = std::uint32_t(mask);
-  if (const unsigned low = unsigned(__popc(word)); n >= low) n -= low, word = std::uint32_t(mask >> 32), position = 32;
-  for (unsigned half = 16; half > 0; half /= 2) {
-    const unsigned low = unsigned(__popc(word & ((1u << half) - 1)));
-    if (n >= low) n -= low, word >>= half, position += half;
-  }
-  return position;
 }
 
 /// Emits the splats of a warp whose footprints have masks: an instance a lane.

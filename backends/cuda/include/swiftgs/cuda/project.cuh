@@ -10,6 +10,7 @@
 #include <swiftgs/cuda/footprints.cuh>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
+#include <swiftgs/cuda/sh_words.hpp>
 #include <swiftgs/project.hpp>
 
 namespace swiftgs {
@@ -17,11 +18,6 @@ namespace swiftgs {
 namespace kernels {
 inline constexpr unsigned project_threads = 128;
 inline constexpr unsigned project_warps = project_threads / warp_size;
-
-/// Quadruples of floats that hold the SH coefficients of a Gaussian, and how far those of two Gaussians lie apart in
-/// shared memory: an odd number, so that lanes that read a quadruple each have no bank conflicts.
-__host__ __device__ constexpr unsigned rest_words(int degree) { return (3u * unsigned(sh_rest_count(degree)) + 3) / 4; }
-__host__ __device__ constexpr unsigned rest_pitch(int degree) { return rest_words(degree) | 1; }
 
 /// Where projection writes to. `counts` are two, of this frame and of the next.
 struct ProjectOutput {
