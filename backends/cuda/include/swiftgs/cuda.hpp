@@ -57,6 +57,7 @@ class Cuda {
   Cuda(Cuda&&) noexcept;
   Cuda& operator=(Cuda&&) noexcept;
 
+  /// The stream that everything is in the order of.
   cudaStream_t stream() const;
 
   /// Copies `scene` to the device, without the SH bands that are zero throughout. Waits.
@@ -70,18 +71,24 @@ class Cuda {
     download_bytes(from.data, to, from.size * sizeof(T));
   }
 
+  /// f(i) for every i in [0, n), a thread each. `f` is copied to the device, and its call is `SWIFTGS_HD`.
   /// Defined in `<swiftgs/cuda.cuh>`.
   template <class F>
   void for_each(std::size_t n, const F& f) const;
 
-  /// Waits for the total.
+  /// Replaces each count by the sum before it and returns the sum of all, for which it waits.
   std::uint64_t exclusive_scan(Span<std::uint32_t> counts);
 
+  /// Sorts the first `n` pairs by the low `bits` bits of their keys, ascending and stably, into `keys` and
+  /// `values`. By CUB, between these and the spare arrays.
   void sort_pairs(Pairs<Cuda, std::uint16_t>& pairs, std::size_t n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, std::size_t n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, std::size_t n, int bits);
 
+  /// The point behind all that was asked for so far.
   TimePoint now();
+  /// From one point to a later one; nothing where `to` has not been reached or `from` is too old. Does not
+  /// wait. @units{milliseconds}
   std::optional<double> milliseconds(TimePoint from, TimePoint to) const;
 
   /// Fills `bytes` bytes of device memory with zero.
@@ -116,10 +123,11 @@ class RunningSums {
   std::uint32_t epoch_ = 0;
 };
 
+/// Memory of projection.
 template <>
 struct ProjectScratch<Cuda> {
   RunningSums sums;
-  DeviceBuffer<FrameCounts> counts;
+  DeviceBuffer<FrameCounts> counts;  ///< @shape{2} of this frame and of the next
 };
 
 /// Splats with the tiles that each may touch within the bounds that they were projected for.
@@ -144,18 +152,19 @@ template <BoundsPolicy Bounds>
 void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
              Splats<Cuda>& splats);
 
-/// A splat, and where its instances begin.
+/// A splat, its depth key where the keys of instances hold one, and the place of its first instance.
 struct EmittedSplat {
   std::uint32_t id = 0, depth = 0, at = 0;
   Footprint footprint;
 };
 
+/// Memory of emission.
 template <>
 struct InstanceScratch<Cuda> {
   RunningSums sums;
-  DeviceBuffer<EmittedSplat> large;  ///< splats without a mask
-  DeviceBuffer<std::uint32_t> large_counts;
-  DeviceBuffer<Footprint> footprints;  ///< where the job does not bring its own
+  DeviceBuffer<EmittedSplat> large;          ///< splats without a mask
+  DeviceBuffer<std::uint32_t> large_counts;  ///< @shape{2} of this frame and of the next
+  DeviceBuffer<Footprint> footprints;        ///< where the job does not bring its own
   DeviceBuffer<FrameCounts> counts;
 };
 
@@ -166,6 +175,7 @@ template <BoundsPolicy Bounds, class Key>
 std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                            InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances);
 
+/// Memory of grouping by tile.
 template <>
 struct GroupScratch<Cuda> {
   InstanceScratch<Cuda> emission;
