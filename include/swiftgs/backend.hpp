@@ -33,7 +33,7 @@ struct AnyIndexed {
 
 /// Policy: where memory lives and how loops run. A backend is an object; what it computes does not depend on
 /// how many threads it has.
-/// - `Buffer<T>`: grow-only memory that the backend's loops can reach (`HostBuffer` on hosts).
+/// - `Buffer<T>`: grow-only memory that the backend's loops can reach (`GrowingBuffer`).
 /// - `SceneOn`: an uploaded scene, with `view()`.
 /// - `reaches_host_memory`: whether its loops can write to the host's own arrays.
 /// - `download(from, to)`: copies to the host, after all that was asked for before; complete when it returns.

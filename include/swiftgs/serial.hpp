@@ -12,7 +12,7 @@
 #include <utility>
 
 #include <swiftgs/backend.hpp>
-#include <swiftgs/host_buffer.hpp>
+#include <swiftgs/growing_buffer.hpp>
 #include <swiftgs/host_scene.hpp>
 
 namespace swiftgs {
@@ -22,7 +22,7 @@ class Serial {
  public:
   static constexpr std::string_view name = "serial";
   template <class T>
-  using Buffer = HostBuffer<T>;
+  using Buffer = GrowingBuffer<T>;
   using SceneOn = HostScene;
   using TimePoint = std::chrono::steady_clock::time_point;
 

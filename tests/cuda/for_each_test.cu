@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Loops and bounds that the library does not know.
+// Loops, bounds and rasterizers that the library does not know.
+#include <algorithm>
+#include <cmath>
+
 #include <swiftgs/cuda.cuh>
+#include <swiftgs/renderer.hpp>
 
 #include "cuda/device.hpp"
 
@@ -22,6 +26,21 @@ struct EvenRows {
   SWIFTGS_HD TileRun row(const SplatShape&, TileRect rect, int row) const {
     return row % 2 ? TileRun{} : rect.columns;
   }
+};
+
+/// Half the alpha of `PerPixel`, which no backend has kernels for.
+struct HalfAsOpaque {
+  static constexpr std::string_view name = "half-as-opaque";
+  class Kernel {
+   public:
+    SWIFTGS_HD Kernel(const SplatShape& shape, vec2 first_centre, BlendRules rules)
+        : whole_(shape, first_centre, rules) {}
+    SWIFTGS_HD void start_row(float y) { whole_.start_row(y); }
+    SWIFTGS_HD float alpha(int column) const { return 0.5f * whole_.alpha(column); }
+
+   private:
+    PerPixel::Kernel whole_;
+  };
 };
 
 }  // namespace swiftgs::test
@@ -73,4 +92,24 @@ TEST_CASE("cuda: projection takes bounds of the caller") {
   std::uint64_t tiles = 0;
   for (const SplatShape& shape : set.shapes) tiles += count_tiles(EvenRows{}, shape, grid);
   CHECK(splats.instances == tiles);
+}
+
+TEST_CASE("cuda: a rasterizer of the caller draws as on the serial backend") {
+  if (without_device()) return;
+  const Scene scene = random_scene(400, 1, 10);
+  const Camera camera = forward_camera(70, 50);
+  const auto draw = [&]<class B>(B backend) {
+    Renderer<B, EarlySort, HalfAsOpaque, Ellipse> renderer(std::move(backend));
+    return renderer.render(renderer.backend().upload(scene), camera);
+  };
+  const Frame here = draw(Serial()), there = draw(Cuda());
+  REQUIRE(there.colour.size() == here.colour.size());
+  int apart = 0;
+  float brightest = 0;
+  for (std::size_t i = 0; i < here.colour.size(); ++i) {
+    apart += !(std::abs(there.colour[i] - here.colour[i]) <= 1e-4f);
+    brightest = std::max(brightest, here.colour[i]);
+  }
+  CHECK(brightest > 0.1f);
+  CHECK(apart < 10);  // where rounding decides a threshold differently
 }

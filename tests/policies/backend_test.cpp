@@ -164,8 +164,8 @@ TEST_CASE_TEMPLATE("backend: its clock runs forwards and is read without waiting
   CHECK(*ms < 60'000);
 }
 
-TEST_CASE("host buffer: grows and never shrinks and is aligned to a cache line") {
-  HostBuffer<float> buffer;
+TEST_CASE("growing buffer: grows and never shrinks and is aligned to a cache line") {
+  GrowingBuffer<float> buffer;
   buffer.reset(1000);
   const float* memory = buffer.data();
   const std::size_t capacity = buffer.capacity();
@@ -180,8 +180,8 @@ TEST_CASE("host buffer: grows and never shrinks and is aligned to a cache line")
 }
 
 #if !defined(__SANITIZE_ADDRESS__)  // which ends the program instead of throwing
-TEST_CASE("host buffer: is empty after memory could not be had") {
-  HostBuffer<float> buffer;
+TEST_CASE("growing buffer: is empty after memory could not be had") {
+  GrowingBuffer<float> buffer;
   buffer.reset(10);
   CHECK_THROWS_AS(buffer.reset(std::size_t(1) << 58), std::bad_alloc);
   CHECK(buffer.size() == 0);

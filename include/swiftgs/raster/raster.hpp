@@ -71,9 +71,10 @@ concept RasterPolicy = AlphaKernel<typename R::Kernel> && requires {
 /// Whether `shape` keeps any pixel of the row of a tile whose centres run from `first_x` to first_x + 15 at
 /// height y.
 ///
-/// Every rasterizer visits exactly the rows that this accepts, so that what is drawn does not depend on how
+/// Host rasterizers visit exactly the rows that this accepts, so that what is drawn does not depend on how
 /// wide the bounds were that listed the splat. Rounding is monotone along a row, hence no pixel of a refused
-/// row passes the test s <= reach in the same arithmetic.
+/// row passes the test s <= reach in the same arithmetic. Kernels of devices that do not go by rows have a
+/// rule of their own.
 SWIFTGS_HD inline bool row_touched(const SplatShape& shape, float first_x, float y) {
   const float q = shape.l1 * (y - shape.mean.y), v = shape.l2 * (y - shape.mean.y);
   const float left = shape.l0 * (first_x - shape.mean.x) + q;

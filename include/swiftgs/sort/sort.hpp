@@ -135,7 +135,7 @@ struct InstanceScratch {
 };
 
 /// Emits the instances of all splats in the given order (index order when `order` is null) and returns their
-/// number. Keys of 64 bits hold tile above depth, keys of 32 bits the tile alone. Throws `CapacityError`
+/// number. Keys of 64 bits hold tile above depth, narrower ones the tile alone. Throws `CapacityError`
 /// beyond `max_instances`.
 /// Backends overload this for bounds that they have kernels for.
 template <class B, class Bounds, class Key>

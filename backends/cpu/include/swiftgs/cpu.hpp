@@ -20,7 +20,7 @@
 #include <swiftgs/bounds/opacity_box.hpp>
 #include <swiftgs/bounds/three_sigma_square.hpp>
 #include <swiftgs/footprint.hpp>
-#include <swiftgs/host_buffer.hpp>
+#include <swiftgs/growing_buffer.hpp>
 #include <swiftgs/host_scene.hpp>
 #include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
@@ -42,7 +42,7 @@ class Cpu {
  public:
   static constexpr std::string_view name = "cpu";
   template <class T>
-  using Buffer = HostBuffer<T, LargePageMemory>;
+  using Buffer = GrowingBuffer<T, LargePageMemory>;
   using SceneOn = HostScene;
   using TimePoint = std::chrono::steady_clock::time_point;
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <memory>
 
-#include <swiftgs/host_buffer.hpp>
+#include <swiftgs/growing_buffer.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {
@@ -17,7 +17,7 @@ struct DeviceMemory {
 
 /// Uninitialised device memory that grows and never shrinks. To grow waits for the device.
 template <class T>
-using DeviceBuffer = HostBuffer<T, DeviceMemory>;
+using DeviceBuffer = GrowingBuffer<T, DeviceMemory>;
 
 /// A scene in the memory of a device: shared, never changed.
 class DeviceScene {

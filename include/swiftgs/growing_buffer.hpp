@@ -17,20 +17,23 @@ struct CacheLineMemory {
   static void release(void* memory) { ::operator delete (memory, std::align_val_t{64}); }
 };
 
-/// Uninitialised host memory that grows and never shrinks, so that a steady frame allocates nothing.
-/// Aligned to a cache line; a vector register of 64 bytes may be read or written beyond its end.
+/// Uninitialised memory that grows and never shrinks, so that a steady frame allocates nothing: of the host,
+/// or of where `Memory` takes it from. 64 bytes beyond its end may be read or written, as vector registers
+/// do.
 template <class T, class Memory = CacheLineMemory>
-class HostBuffer {
-  static_assert(std::is_trivially_copyable_v<T>, "HostBuffer holds plain data only");
+class GrowingBuffer {
+  static_assert(std::is_trivially_copyable_v<T>, "GrowingBuffer holds plain data only");
 
  public:
   /// Makes room for `count` elements. What was in the buffer is undefined afterwards.
   void reset(std::size_t count) {
     if (count > capacity_) {
-      // Empty while the allocation may throw; what is there is freed first, as it need not be kept.
+      // What grew once may grow again. Empty while the allocation may throw: what is there is freed first, as
+      // it need not be kept.
+      const bool grows = capacity_ != 0;
       memory_.reset();
       capacity_ = size_ = 0;
-      const std::size_t room = count + count / 8;
+      const std::size_t room = grows ? count + count / 8 : count;
       memory_.reset(static_cast<T*>(Memory::allocate(room * sizeof(T) + padding)));
       capacity_ = room;
     }
