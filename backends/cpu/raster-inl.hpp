@@ -191,16 +191,19 @@ void RenderTiles(const RasterJob& job, std::size_t begin, std::size_t end) {
   }
 }
 
-/// Renders with the outputs and counters that `job` asks for, and nothing else.
+/// Renders with what `job` asks for. Frames that ask for colour, or for depth too, are not slowed by what
+/// others ask for; of the rest there is one kind with counts and one without, since each kind takes long to
+/// compile.
 template <class Form>
 void RenderTilesOf(const RasterJob& job, std::size_t begin, std::size_t end) {
-  const auto chosen = [](bool flag, const auto& f) { flag ? f(std::true_type()) : f(std::false_type()); };
-  chosen(job.frame.depth.data, [&](auto depth) {
-    chosen(job.counts, [&](auto count) {
-      chosen(job.frame.occluder.data,
-             [&](auto occluder) { RenderTiles<Form, depth(), count(), occluder()>(job, begin, end); });
-    });
-  });
+  if (job.counts)
+    RenderTiles<Form, true, true, true>(job, begin, end);
+  else if (job.frame.occluder.data)
+    RenderTiles<Form, true, false, true>(job, begin, end);
+  else if (job.frame.depth.data)
+    RenderTiles<Form, true, false, false>(job, begin, end);
+  else
+    RenderTiles<Form, false, false, false>(job, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

@@ -60,7 +60,7 @@ HWY_INLINE void Clear(const FrameView& frame, const TileFrame& tile, TileState& 
       if constexpr (kDepth) hn::Store(hn::Zero(d), d, state.depth[row] + column);
       if constexpr (kOccluder) hn::Store(hn::Inf(d), d, state.occluder[row] + column);
     }
-  if constexpr (kOccluder)
+  if (kOccluder && frame.occluder.data)
     for (std::size_t row = 0; row < std::size_t(tile.rows); ++row)
       std::memcpy(state.occluder[row], frame.occluder.row(tile.y0 + row) + tile.x0,
                   std::size_t(tile.columns) * sizeof(float));
