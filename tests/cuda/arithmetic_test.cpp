@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The arithmetic of kernels, on the host: alphas at their thresholds, boxes that splats touch, bits of
+// footprints.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/cuda/find_bit.hpp>
+#include <swiftgs/cuda/sh_words.hpp>
+
+#include "blending.hpp"
+#include "box_touched.hpp"
+#include "cuda/exact_square.hpp"
+#include "forms.hpp"
+#include "policies/random_splats.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::kernels;
+using namespace swiftgs::test;
+
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
+
+/// A power of two as threshold, so that the exponential meets it exactly.
+constexpr BlendRules rules{1.0f / 256, 0.75f, 0.25f};
+
+float above(float x) { return std::nextafter(x, infinity); }
+float below(float x) { return std::nextafter(x, -infinity); }
+
+}  // namespace
+
+TEST_CASE("cuda arithmetic: alpha is kept from its least on and cut at its largest") {
+  const RasterLimits limits(rules);
+  CHECK(alpha_of<false>(-8, true, limits) == rules.alpha_min);
+  CHECK(alpha_of<true>(-8, true, limits) == rules.alpha_min);
+  CHECK(alpha_of<false>(-8.00001f, true, limits) == 0);
+  CHECK(alpha_of<true>(below(-8), true, limits) == 0);
+  CHECK(alpha_of<false>(-1, true, limits) == 0.5f);
+  CHECK(alpha_of<true>(-1, true, limits) == 0.5f);
+  for (const float large : {-0.4f, 0.0f, 3.0f, infinity}) {
+    CHECK(alpha_of<false>(large, true, limits) == rules.alpha_max);
+    CHECK(alpha_of<true>(large, true, limits) == rules.alpha_max);
+  }
+  for (const float nothing : {-infinity, -1000.0f, not_a_number}) {
+    CHECK(alpha_of<false>(nothing, true, limits) == 0);
+    CHECK(alpha_of<true>(nothing, true, limits) == 0);
+  }
+  for (const float refused : {-8.0f, -1.0f, 0.0f, not_a_number}) {
+    CHECK(alpha_of<false>(refused, false, limits) == 0);
+    CHECK(alpha_of<true>(refused, false, limits) == 0);
+  }
+}
+
+TEST_CASE("cuda arithmetic: alpha of a square is kept up to the reach and cut at its largest") {
+  // Opacity 1/2 and the threshold 1/256: seven halvings.
+  const auto plain = [](float s) { return alpha_of_square<false>(s, 7, 0.5f, rules); };
+  const auto decided = [](float s) { return alpha_of_square<true>(s, 7, 0.5f, rules); };
+  CHECK(plain(7) == rules.alpha_min);
+  CHECK(decided(7) == rules.alpha_min);
+  CHECK(plain(7.00001f) == 0);
+  CHECK(decided(above(7)) == 0);
+  for (const float zero : {0.0f, -0.0f}) {
+    CHECK(plain(zero) == 0.5f);
+    CHECK(decided(zero) == 0.5f);
+  }
+  for (const float nothing : {-1e-6f, -infinity, infinity, not_a_number}) {
+    CHECK(plain(nothing) == 0);
+    CHECK(decided(nothing) == 0);
+  }
+  CHECK(alpha_of_square<false>(0, 8, 1, rules) == rules.alpha_max);
+  CHECK(alpha_of_square<true>(0, 8, 1, rules) == rules.alpha_max);
+  CHECK(decided(-1) == 0);
+  CHECK(alpha_of_square<true>(0, -1, 0, rules) == 0);  // room of a batch without a splat
+}
+
+TEST_CASE("cuda arithmetic: splats that fill a group up show nothing") {
+  const RasterLimits limits(rules);
+  const float4 terms = make_float4(0, 0, 0, -INFINITY);
+  const auto check = [&]<class Form>(Form) {
+    float exponents[pixels_of_lane];
+    bool valid[pixels_of_lane];
+    Form::evaluate(terms, make_float2(0, 0), 7, 3, exponents, valid);
+    for (unsigned p = 0; p < pixels_of_lane; ++p) {
+      CHECK(alpha_of<false>(exponents[p], valid[p], limits) == 0);
+      CHECK(alpha_of<true>(exponents[p], valid[p], limits) == 0);
+    }
+  };
+  check(CholeskyForm());
+  check(SplitForm());
+}
+
+namespace {
+
+/// Least s of a splat in the box of `side` pixels whose first centre is `first`: over the centres, and over
+/// all points between them.
+struct LeastSquares {
+  double of_centres = INFINITY, of_box = INFINITY, error = 0;
+
+  LeastSquares(const SplatShape& shape, vec2 first, int side) {
+    const double x0 = double(first.x), y0 = double(first.y), x1 = x0 + side - 1, y1 = y0 + side - 1;
+    for (int i = 0; i < side * side; ++i)
+      of_centres = std::min(of_centres, ExactSquare(shape, x0 + i % side, y0 + i / side).s);
+    const double l0 = double(shape.l0), l1 = double(shape.l1), l2 = double(shape.l2);
+    const double mx = double(shape.mean.x), my = double(shape.mean.y);
+    const auto take = [&](double x, double y) {
+      const ExactSquare exact(shape, std::clamp(x, x0, x1), std::clamp(y, y0, y1));
+      of_box = std::min(of_box, exact.s), error = std::max(error, 4 * exact.error);
+    };
+    // At the mean, or where an edge has its least.
+    if (mx >= x0 && mx <= x1 && my >= y0 && my <= y1) take(mx, my);
+    for (const double x : {x0, x1}) take(x, my - l0 * l1 * (x - mx) / (l1 * l1 + l2 * l2));
+    for (const double y : {y0, y1}) take(mx - l1 * (y - my) / l0, y);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("cuda arithmetic: a box is never refused where a pixel keeps the splat") {
+  Random random(8);
+  int refused = 0, refused_wrongly = 0, kept = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const SplatShape shape = usual_splat(random, 32, 32);
+    for (const int side : {8, 16}) {
+      const vec2 first(float(side * int(random.in(-1, 4))) + 0.5f,
+                       float(side * int(random.in(-1, 4))) + 0.5f);
+      const bool touched = box_touched(shape, first, float(side));
+      const bool keeps = LeastSquares(shape, first, side).of_centres <= double(shape.reach);
+      kept += keeps, refused += !touched, refused_wrongly += keeps && !touched;
+    }
+  }
+  CHECK(refused_wrongly == 0);
+  CHECK(kept > 5000);
+  CHECK(refused > 5000);
+}
+
+TEST_CASE("cuda arithmetic: a box is touched where the ellipse meets it and nowhere else") {
+  Random random(9);
+  int touched_wrongly = 0, refused_wrongly = 0, decided = 0, near = 0;
+  for (int i = 0; i < 40'000; ++i) {
+    const SplatShape shape = i % 2 ? usual_splat(random, 32, 32) : random_splat(random, 32, 32);
+    const vec2 first(float(8 * int(random.in(-1, 5))) + 0.5f, float(8 * int(random.in(-1, 5))) + 0.5f);
+    const bool touched = box_touched(shape, first, 8);
+    const LeastSquares least(shape, first, 8);
+    const double reach = double(shape.reach);
+    if (least.of_box + least.error <= reach)
+      refused_wrongly += !touched, ++decided;
+    else if (least.of_box - least.error > 1.0001 * reach)
+      touched_wrongly += touched, ++decided, near += least.of_box < 1.5 * reach;
+  }
+  CHECK(refused_wrongly == 0);
+  CHECK(touched_wrongly == 0);
+  CHECK(decided > 39'000);
+  CHECK(near > 500);
+}
+
+TEST_CASE("cuda arithmetic: each bit of a mask is found in its turn") {
+  for (unsigned bit = 0; bit < 64; ++bit) CHECK(find_bit(std::uint64_t(1) << bit, 0) == bit);
+  for (unsigned n = 0; n < 64; ++n) CHECK(find_bit(~std::uint64_t(0), n) == n);
+  Random random(10);
+  int wrong = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    std::uint64_t mask = random.bits();
+    for (int thinner = i % 5; thinner > 0; --thinner) mask &= random.bits();
+    unsigned n = 0;
+    for (unsigned bit = 0; bit < 64; ++bit)
+      if (mask >> bit & 1) wrong += find_bit(mask, n++) != bit;
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("cuda arithmetic: harmonics fit their words and lanes read them from different banks") {
+  for (int degree = 0; degree <= max_sh_degree; ++degree) {
+    CAPTURE(degree);
+    const unsigned floats = 3 * unsigned(sh_rest_count(degree));
+    CHECK(4 * rest_words(degree) >= floats);
+    CHECK(4 * rest_words(degree) < floats + 4);
+    CHECK(rest_pitch(degree) >= rest_words(degree));
+    // Eight lanes read quadruples at a time, from 32 banks of a float.
+    std::set<unsigned> banks;
+    for (unsigned lane = 0; lane < 8; ++lane) banks.insert(lane * rest_pitch(degree) % 8);
+    CHECK(banks.size() == 8);
+  }
+}

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The exponents of kernels, on the host.
+#include "forms.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "blending.hpp"
+#include "cuda/exact_square.hpp"
+#include "policies/random_splats.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::kernels;
+using namespace swiftgs::test;
+
+namespace {
+
+const BlendRules rules = BlendRules::from(Conventions::gsplat());
+
+/// Largest of what is divided by its bound; infinite where one is not a number.
+struct Worst {
+  double ratio = 0;
+  void add(double error, double bound) {
+    const double r = std::abs(error) / bound;
+    ratio = r >= 0 ? std::max(ratio, r) : INFINITY;
+  }
+};
+
+/// Whether `alpha` is what `rules` make of 2^exponent, which may be off by `error`.
+bool alpha_allowed(float alpha, double exponent, double error) {
+  const double slack = error + 4 * epsilon, minimum = double(rules.alpha_min),
+               maximum = double(rules.alpha_max);
+  const double low = std::exp2(exponent - slack), high = std::exp2(exponent + slack);
+  if (alpha == 0) return low < minimum;
+  return high >= minimum && double(alpha) >= std::min(low, maximum) &&
+         double(alpha) <= std::min(high, maximum);
+}
+
+/// Calls f(shape, first centre of a part) for splats of all kinds and parts that they may touch.
+template <class F>
+void for_each_splat_and_part(const F& f) {
+  Random random(7);
+  for (int i = 0; i < 4000; ++i) {
+    const bool usual = i % 2;
+    const SplatShape shape = usual ? usual_splat(random, 64, 64) : random_splat(random, 64, 64);
+    const auto begin = [&] { return float(part * int(random.in(0, 8))) + 0.5f; };
+    const float x = begin();
+    f(shape, vec2(x, begin()), usual);
+  }
+}
+
+/// Compares the exponents and the alphas of a form with double at all pixels of parts. `error_of` bounds it.
+template <class Form, class ErrorOf>
+void check_form(const ErrorOf& error_of) {
+  const RasterLimits limits(rules);
+  Worst worst, worst_usual;
+  int kept = 0, wrong_alphas = 0, wrongly_refused = 0;
+  for_each_splat_and_part([&](const SplatShape& shape, vec2 first, bool usual) {
+    float4 terms;
+    float2 offsets;
+    Form::prepare(shape, shape.mean - first, limits.log2_alpha_min, terms, offsets);
+    for (int lane = 0; lane < 32; ++lane) {
+      const int x = lane % part, y = lane / part;
+      float exponents[pixels_of_lane];
+      bool valid[pixels_of_lane];
+      Form::evaluate(terms, offsets, float(x), float(y), exponents, valid);
+      for (unsigned p = 0; p < pixels_of_lane; ++p) {
+        const double at_x = double(first.x) + x, at_y = double(first.y) + y + p * 4.0;
+        const ExactSquare exact(shape, at_x, at_y);
+        const double exponent = std::log2(double(shape.opacity)) - exact.s,
+                     error = error_of(exact, shape, at_x, at_y);
+        worst.add(double(exponents[p]) - exponent, error);
+        if (usual && exact.s <= double(shape.reach))
+          worst_usual.add(double(exponents[p]) - exponent, 1e-4), ++kept;
+        if (!valid[p]) {
+          wrongly_refused += exact.s > error;
+          continue;
+        }
+        wrong_alphas += !alpha_allowed(alpha_of<false>(exponents[p], true, limits), exponent, error);
+        wrong_alphas += !alpha_allowed(alpha_of<true>(exponents[p], true, limits), exponent, error);
+      }
+    }
+  });
+  CHECK(worst.ratio <= 1);
+  CHECK(kept > 10'000);
+  CHECK(worst_usual.ratio <= 1);
+  CHECK(wrong_alphas == 0);
+  CHECK(wrongly_refused == 0);
+}
+
+}  // namespace
+
+TEST_CASE("cuda arithmetic: the cholesky form's exponents are those of double") {
+  check_form<CholeskyForm>(
+      [](const ExactSquare& exact, const SplatShape&, double, double) { return exact.error; });
+}
+
+TEST_CASE("cuda arithmetic: the split form's exponents are those of double") {
+  check_form<SplitForm>([](const ExactSquare& exact, const SplatShape& shape, double x, double y) {
+    return exact.split_error(shape, x, y);
+  });
+}
+
+TEST_CASE("cuda arithmetic: the split form refuses what rounding makes negative") {
+  // At its mean a splat has the largest exponent that is valid. A negative c stands for what rounding does.
+  const SplatShape shape = make_splat(3.5, 2.5, 2, 1, 0.4, 0.8);
+  float4 terms;
+  float2 offsets;
+  SplitForm::prepare(shape, shape.mean - vec2(0.5f), std::log2(rules.alpha_min), terms, offsets);
+  float exponents[pixels_of_lane];
+  bool valid[pixels_of_lane];
+  SplitForm::evaluate(terms, offsets, 3, 2, exponents, valid);
+  CHECK(exponents[0] == terms.w);
+  CHECK(valid[0]);
+  terms.z = -terms.z;
+  SplitForm::evaluate(terms, offsets, 3, 2, exponents, valid);
+  CHECK(exponents[1] > terms.w);
+  CHECK_FALSE(valid[1]);
+}
+
+TEST_CASE("cuda arithmetic: the conic form's alphas are those of double") {
+  int kept = 0, wrong = 0;
+  for_each_splat_and_part([&](const SplatShape& shape, vec2 first, bool) {
+    const float4 conic = ConicForm::prepare(shape);
+    for (int pixel = 0; pixel < part * part; ++pixel) {
+      const float x = first.x + float(pixel % part), y = first.y + float(pixel / part);
+      const float alpha = ConicForm::alpha(conic, x - shape.mean.x, y - shape.mean.y, rules);
+      const ExactSquare exact(shape, double(x), double(y));
+      const double error = exact.split_error(shape, double(x), double(y));
+      kept += alpha > 0;
+      // Where s may round to less than 0 the pixel may skip the splat.
+      if (alpha == 0 && exact.s <= error) continue;
+      wrong += !alpha_allowed(alpha, std::log2(double(shape.opacity)) - exact.s, error);
+    }
+  });
+  CHECK(kept > 10'000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("cuda arithmetic: the conic form refuses splats of no opacity and what rounding makes negative") {
+  const float4 conic = ConicForm::prepare(make_splat(4, 4, 3, 3, 0, 0.9));
+  REQUIRE(ConicForm::alpha(conic, 1, 0, rules) > 0.5f);
+  float4 broken = conic;
+  broken.w = 0;
+  CHECK(ConicForm::alpha(broken, 1, 0, rules) == 0);
+  broken = conic, broken.x = -conic.x;
+  CHECK(ConicForm::alpha(broken, 1, 0, rules) == 0);
+}

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The blending of kernels, on the host, against the serial backend and one splat against a group.
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <vector_functions.h>
+
+#include <swiftgs/serial.hpp>
+
+#include "blending.hpp"
+#include "policies/random_splats.hpp"
+#include "policies/tile_lists.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::kernels;
+using namespace swiftgs::test;
+
+namespace {
+
+float above(float x) { return std::nextafter(x, 1.0f); }
+
+/// A rasterizer whose alpha is the splat's opacity in every pixel.
+struct GivenAlpha {
+  static constexpr std::string_view name = "given-alpha";
+  struct Kernel {
+    Kernel(const SplatShape& s, vec2, BlendRules) : opacity(s.opacity) {}
+    void start_row(float) {}
+    float alpha(int) const { return opacity; }
+    float opacity;
+  };
+};
+
+/// A splat of a pixel.
+struct Layer {
+  float alpha;
+  vec3 rgb;
+  float depth;
+
+  float4 colour() const { return make_float4(rgb.x, rgb.y, rgb.z, depth); }
+};
+
+std::vector<Layer> random_layers(Random& random, std::size_t count, double largest) {
+  std::vector<Layer> layers;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float alpha = random.in(0, 1) < 0.3 ? 0.0f : random.f(1.0 / 255, largest);
+    layers.push_back({alpha, {random.f(0, 1), random.f(0, 1), random.f(0, 1)}, float(i) + 1});
+  }
+  return layers;
+}
+
+/// Colour, alpha and depth of one pixel, with what it took.
+struct Blended {
+  float rgb[3] = {}, alpha = 0, depth = 0;
+  std::uint64_t pairs = 0, stopped = 0;
+
+  FrameView frame() { return {1, 1, {rgb, sizeof rgb}, PixelFormat::rgb_float, {&alpha, 4}, {&depth, 4}}; }
+};
+
+Blended blend_by_serial(const std::vector<Layer>& layers, float stop_below, const float* occluder) {
+  SplatSet splats;
+  std::vector<std::uint32_t> ids;
+  for (const Layer& layer : layers) {
+    SplatShape shape;
+    shape.l0 = shape.l1 = shape.l2 = 0, shape.reach = 1, shape.opacity = layer.alpha;
+    ids.push_back(std::uint32_t(splats.shapes.size()));
+    splats.add(shape, layer.depth, layer.rgb);
+  }
+  const TileRange range{0, std::uint32_t(layers.size())};
+  const TileListsView lists{{ids.data(), ids.size()}, {&range, 1}};
+  Blended out;
+  FrameView frame = out.frame();
+  if (occluder) frame.occluder = {occluder, sizeof(float)};
+  TileCounts counts;
+  Serial serial;
+  rasterize(serial, GivenAlpha{},
+            {splats.view(), lists, TileGrid::covering(1, 1), {0, 1, stop_below}, vec3(0), frame, &counts});
+  out.pairs = counts.contributing_pairs, out.stopped = counts.pixels_stopped;
+  return out;
+}
+
+Blended blend_by_kernels(const std::vector<Layer>& layers, float stop_below, const float* occluder) {
+  Pixel pixel;
+  pixel.start(stop_below);
+  ThreadCounts counts;
+  for (const Layer& layer : layers)
+    blend<true>(pixel, layer.alpha, layer.colour(), occluder ? *occluder : INFINITY, counts);
+  Blended out;
+  store_pixel(out.frame(), 0, 0, pixel.blended(), vec3(0));
+  out.pairs = counts.pairs, out.stopped = counts.stopped;
+  return out;
+}
+
+bool same_bits(const Pixel& a, const Pixel& b) {
+  static_assert(sizeof(Pixel) == 7 * sizeof(float));
+  return std::memcmp(&a, &b, sizeof(Pixel)) == 0;
+}
+
+/// Blends four layers from `first` on as kernels do without extras.
+void blend_together(Pixel& pixel, const Layer* first) {
+  float alphas[group_size], weights[group_size];
+  for (unsigned k = 0; k < group_size; ++k) alphas[k] = first[k].alpha;
+  weigh_group(pixel, alphas, weights);
+  for (unsigned k = 0; k < group_size; ++k)
+    pixel.add(weights[k], first[k].rgb.x, first[k].rgb.y, first[k].rgb.z);
+}
+
+}  // namespace
+
+TEST_CASE("cuda arithmetic: pixels are blended as the serial backend blends them") {
+  Random random(1);
+  int stopped = 0, hidden = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const std::vector<Layer> layers =
+        random_layers(random, std::size_t(random.in(0, 60)), i % 3 ? 0.05 : 0.99);
+    const float occluder = random.f(0, 90);
+    const float* hides = i % 2 ? &occluder : nullptr;
+    const Blended expected = blend_by_serial(layers, 1e-4f, hides),
+                  got = blend_by_kernels(layers, 1e-4f, hides);
+    for (int c = 0; c < 3; ++c) REQUIRE(got.rgb[c] == doctest::Approx(double(expected.rgb[c])).epsilon(2e-6));
+    REQUIRE(got.alpha == doctest::Approx(double(expected.alpha)).epsilon(2e-6));
+    REQUIRE(got.depth == doctest::Approx(double(expected.depth)).epsilon(4e-6));
+    REQUIRE(got.pairs == expected.pairs);
+    REQUIRE(got.stopped == expected.stopped);
+    stopped += expected.stopped && !hides, hidden += expected.stopped && hides;
+  }
+  CHECK(stopped > 200);
+  CHECK(hidden > 200);
+}
+
+TEST_CASE("cuda arithmetic: a pixel ends before the splat that brings it to the limit or only below it") {
+  const std::vector<Layer> halves(5, Layer{0.5f, {1, 0.5f, 0.25f}, 3});
+  for (const bool inclusive : {false, true}) {
+    CAPTURE(inclusive);
+    const float stop_below = inclusive ? above(0.25f) : 0.25f, left = inclusive ? 0.5f : 0.25f;
+    const Blended serial = blend_by_serial(halves, stop_below, nullptr);
+    const Blended kernels = blend_by_kernels(halves, stop_below, nullptr);
+    for (const Blended& blended : {serial, kernels}) {
+      CHECK(blended.alpha == 1 - left);
+      CHECK(blended.rgb[0] == 1 - left);
+      CHECK(blended.rgb[2] == 0.25f * (1 - left));
+      CHECK(blended.depth == 3);
+      CHECK(blended.pairs == (inclusive ? 1 : 2));
+      CHECK(blended.stopped == 1);
+    }
+    Pixel pixel;
+    pixel.start(stop_below);
+    blend_together(pixel, halves.data());
+    CHECK(pixel.red == 1 - left);
+    CHECK(pixel.blended().transmittance == left);
+    CHECK_FALSE(pixel.live());
+  }
+}
+
+TEST_CASE("cuda arithmetic: a group is blended as its splats one by one wherever the pixel stops") {
+  Random random(2);
+  constexpr float stop_below = 1e-4f;
+  std::array<int, group_size + 1> stops{};  ///< at each place of a group; none
+  int differences = 0;
+  for (int i = 0; i < 40'000; ++i) {
+    std::vector<Layer> layers = random_layers(random, group_size, 0.9);
+    const unsigned place = unsigned(i) % (group_size + 1);
+    if (place < group_size) layers[place].alpha = random.f(0.9, 1);
+    Pixel together, single;
+    ThreadCounts counts;
+    together.start(stop_below);
+    together.transmittance = random.f(stop_below, i % 3 ? 1.2e-3 : 1);
+    together.red = random.f(0, 1);
+    single = together;
+    blend_together(together, layers.data());
+    unsigned stopped_at = group_size;
+    for (unsigned k = 0; k < group_size; ++k) {
+      blend<false>(single, layers[k].alpha, layers[k].colour(), INFINITY, counts);
+      if (stopped_at == group_size && !single.live()) stopped_at = k;
+    }
+    ++stops[stopped_at];
+    differences += !same_bits(together, single);
+  }
+  CHECK(differences == 0);
+  for (const int count : stops) CHECK(count > 1000);
+}
+
+TEST_CASE("cuda arithmetic: a group meets the limit exactly as its splats one by one") {
+  const std::vector<Layer> halves(group_size, Layer{0.5f, {1, 0.5f, 0.25f}, 3});
+  for (unsigned place = 0; place < group_size; ++place) {
+    CAPTURE(place);
+    const float limit = std::exp2(-float(place + 1));  // what the splat at this place leaves
+    for (const float stop_below : {limit, above(limit)}) {
+      Pixel together, single;
+      ThreadCounts counts;
+      together.start(stop_below), single.start(stop_below);
+      blend_together(together, halves.data());
+      for (const Layer& layer : halves) blend<false>(single, layer.alpha, layer.colour(), INFINITY, counts);
+      CHECK(same_bits(together, single));
+      CHECK(together.blended().transmittance == (stop_below == limit ? limit : 2 * limit));
+      CHECK(together.live() == (stop_below == limit && place == group_size - 1));
+    }
+  }
+}
+
+TEST_CASE("cuda arithmetic: groups one after another are blended as all splats one by one") {
+  Random random(3);
+  int differences = 0, stopped = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const std::vector<Layer> layers = random_layers(random, 40, random.scale(0.05, 1));
+    Pixel together, single;
+    ThreadCounts counts;
+    together.start(1e-4f), single.start(1e-4f);
+    for (std::size_t k = 0; k < layers.size(); k += group_size) blend_together(together, &layers[k]);
+    for (const Layer& layer : layers) blend<false>(single, layer.alpha, layer.colour(), INFINITY, counts);
+    differences += !same_bits(together, single), stopped += !single.live();
+  }
+  CHECK(differences == 0);
+  CHECK(stopped > 500);
+  CHECK(stopped < 2500);
+}
+
+TEST_CASE("cuda arithmetic: a pixel outside of the image takes nothing") {
+  Random random(4);
+  const std::vector<Layer> layers = random_layers(random, 8, 0.9);
+  Pixel pixel;
+  ThreadCounts counts;
+  for (const Layer& layer : layers) blend<true>(pixel, layer.alpha, layer.colour(), 2, counts);
+  for (std::size_t k = 0; k < layers.size(); k += group_size) blend_together(pixel, &layers[k]);
+  CHECK(same_bits(pixel, Pixel()));
+  CHECK(counts.pairs == 0);
+  CHECK(counts.stopped == 0);
+}
