@@ -18,7 +18,7 @@ bool Cuda::usable() {
     int devices = 0;
     cudaFuncAttributes kernel{};
     const bool found = cudaGetDeviceCount(&devices) == cudaSuccess && devices > 0 &&
-        cudaFuncGetAttributes(&kernel, kernels::for_each<ClearRanges>) == cudaSuccess;
+                       cudaFuncGetAttributes(&kernel, kernels::for_each<ClearRanges>) == cudaSuccess;
     if (!found) cudaGetLastError();
     return found;
   }();
@@ -82,8 +82,8 @@ std::optional<double> Cuda::milliseconds(TimePoint from, TimePoint to) const {
 }
 
 RunningSums::View RunningSums::next(const Cuda& cuda, std::size_t blocks) {
-  // States carry the epoch that wrote them, so that older ones need not be cleared. Epochs alternate between even and
-  // odd without exception: kernels keep counters of this one and of the next.
+  // States carry the epoch that wrote them, so that older ones need not be cleared. Epochs alternate between
+  // even and odd without exception: kernels keep counters of this one and of the next.
   constexpr std::uint32_t last_epoch = (1u << 30) - 1;
   const bool over = epoch_ == last_epoch;
   if (states_.size() < blocks || over) {

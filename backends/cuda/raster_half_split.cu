@@ -10,22 +10,23 @@ namespace swiftgs {
 
 namespace kernels {
 
-/// Splats whose shared terms are computed together (SwiftGS, section 5.1): eight, so that the first eight rows of
-/// threads have one x term each, and the other eight one y term each.
+/// Splats whose shared terms are computed together (SwiftGS, section 5.1): eight, so that the first eight
+/// rows of threads have one x term each, and the other eight one y term each.
 inline constexpr unsigned mini_batch = 8;
 
-/// What the pixels of a tile share. Terms are two, so that one mini-batch is computed while slower warps still read
-/// the one before; a warp reads sixteen neighbouring words of x and two of y, without bank conflicts.
+/// What the pixels of a tile share. Terms are two, so that one mini-batch is computed while slower warps
+/// still read the one before; a warp reads sixteen neighbouring words of x and two of y, without bank
+/// conflicts.
 struct HalfBatch {
   SharedArray<SplatShape, block_threads> shapes;
-  float4 colours[block_threads];          ///< RGB, depth
-  float2 reaches[block_threads];          ///< largest s that is kept, log2(255 opacity) in the paper; and opacity
-  __half2 x[2][mini_batch][tile_side];    ///< a dx^2, b dx
-  __half2 y[2][mini_batch][tile_side];    ///< c dy^2, dy
+  float4 colours[block_threads];  ///< RGB, depth
+  float2 reaches[block_threads];  ///< largest s that is kept, log2(255 opacity) in the paper; and opacity
+  __half2 x[2][mini_batch][tile_side];  ///< a dx^2, b dx
+  __half2 y[2][mini_batch][tile_side];  ///< c dy^2, dy
 };
 
-/// This thread's term of a mini-batch that begins with splat `first`, of `count` in the batch. Where there is no splat, or
-/// it does not touch the row, no pixel keeps it.
+/// This thread's term of a mini-batch that begins with splat `first`, of `count` in the batch. Where there is
+/// no splat, or it does not touch the row, no pixel keeps it.
 __device__ inline void compute_term(HalfBatch& batch, unsigned buffer, unsigned first, unsigned count,
                                     vec2 first_centre) {
   const unsigned splat = threadIdx.x / tile_side % mini_batch, position = threadIdx.x % tile_side;
@@ -41,7 +42,8 @@ __device__ inline void compute_term(HalfBatch& batch, unsigned buffer, unsigned 
   }
 }
 
-/// A block a tile, a thread a pixel. Each mini-batch has its terms computed by all threads, and is then blended by all.
+/// A block a tile, a thread a pixel. Each mini-batch has its terms computed by all threads, and is then
+/// blended by all.
 template <bool threshold, bool extras>
 __global__ void __launch_bounds__(block_threads) raster_half_split(const __grid_constant__ RasterJob job) {
   __shared__ HalfBatch batch;
@@ -71,7 +73,8 @@ __global__ void __launch_bounds__(block_threads) raster_half_split(const __grid_
 
 #pragma unroll
       for (unsigned k = 0; k < mini_batch; ++k) {
-        const float2 x = __half22float2(batch.x[buffer][k][column]), y = __half22float2(batch.y[buffer][k][row]);
+        const float2 x = __half22float2(batch.x[buffer][k][column]),
+                     y = __half22float2(batch.y[buffer][k][row]);
         const float s = FloatSplit::exponent({x.x, x.y}, {y.x, y.y});
         const float2 reach = batch.reaches[first + k];
         const float alpha = alpha_of_square<threshold>(s, reach.x, reach.y, job.rules);
@@ -88,8 +91,8 @@ void rasterize(Cuda& cuda, AxisShared<HalfSplit>, const RasterJob& job) {
                    kernels::raster_half_split<false, true>, job);
 }
 void rasterize(Cuda& cuda, AxisSharedThreshold<HalfSplit>, const RasterJob& job) {
-  rasterize_blocks(cuda, "rasterize axis-shared-threshold-half-split", kernels::raster_half_split<true, false>,
-                   kernels::raster_half_split<true, true>, job);
+  rasterize_blocks(cuda, "rasterize axis-shared-threshold-half-split",
+                   kernels::raster_half_split<true, false>, kernels::raster_half_split<true, true>, job);
 }
 
 }  // namespace swiftgs

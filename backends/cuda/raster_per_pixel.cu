@@ -17,7 +17,8 @@ struct ConicBatch {
   float4 colours[block_threads];  ///< RGB, depth
 };
 
-/// A block a tile, a thread a pixel: the whole exponent and exponential of every listed splat, as gsplat has it.
+/// A block a tile, a thread a pixel: the whole exponent and exponential of every listed splat, as gsplat has
+/// it.
 template <bool extras>
 __global__ void __launch_bounds__(block_threads) raster_per_pixel(const __grid_constant__ RasterJob job) {
   __shared__ ConicBatch batch;

@@ -16,13 +16,13 @@ namespace swiftgs {
 
 namespace kernels {
 
-/// A tile is four parts of 8x8 pixels, each a warp's own: it walks the tile's list by itself and never waits for the
-/// others. A lane has two pixels of one column, four rows apart.
+/// A tile is four parts of 8x8 pixels, each a warp's own: it walks the tile's list by itself and never waits
+/// for the others. A lane has two pixels of one column, four rows apart.
 inline constexpr unsigned part_side = 8, parts_of_tile = 4;
 inline constexpr unsigned raster_threads = parts_of_tile * warp_size;
 
-/// Splats that touch a part wait here until there are enough to blend: a ring of two halves, so that one can be filled
-/// while the other is blended.
+/// Splats that touch a part wait here until there are enough to blend: a ring of two halves, so that one can
+/// be filled while the other is blended.
 inline constexpr unsigned queue_half = 32, queue_size = 2 * queue_half;
 
 /// Terms and colours of splats, as their part sees them.
@@ -138,7 +138,8 @@ __global__ void __launch_bounds__(raster_threads)
   const auto load_id = [&](std::uint32_t at) {
     return at + lane_index() < range.end ? job.lists.ids[at + lane_index()] : 0;
   };
-  std::uint32_t begun = 0, waiting = 0, blended = 0;  // splats put into the queue: `begun` halves, and `waiting` more
+  std::uint32_t begun = 0, waiting = 0,
+                blended = 0;  // splats put into the queue: `begun` halves, and `waiting` more
   std::uint32_t at = range.begin;
   if (at < range.end) {
     // Shapes are asked for a step ahead, and their ids two.

@@ -32,7 +32,8 @@ struct SumU64 {
 
 std::uint64_t Cuda::exclusive_scan(Span<std::uint32_t> counts) {
   if (counts.empty()) return 0;
-  // The last sum and the last count make the total, which may not fit the sums: add the counts up in 64 bits first.
+  // The last sum and the last count make the total, which may not fit the sums: add the counts up in 64 bits
+  // first.
   DeviceBuffer<std::byte>& temporary = state_->temporary;
   state_->total.reset(1);
   const auto n = std::int64_t(counts.size);
@@ -60,8 +61,14 @@ void Cuda::radix_sort(Pairs<Cuda, Key>& pairs, std::size_t n, int bits) {
   if (values.selector != 0) std::swap(pairs.values, pairs.spare_values);
 }
 
-void Cuda::sort_pairs(Pairs<Cuda, std::uint16_t>& pairs, std::size_t n, int bits) { radix_sort(pairs, n, bits); }
-void Cuda::sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, std::size_t n, int bits) { radix_sort(pairs, n, bits); }
-void Cuda::sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, std::size_t n, int bits) { radix_sort(pairs, n, bits); }
+void Cuda::sort_pairs(Pairs<Cuda, std::uint16_t>& pairs, std::size_t n, int bits) {
+  radix_sort(pairs, n, bits);
+}
+void Cuda::sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, std::size_t n, int bits) {
+  radix_sort(pairs, n, bits);
+}
+void Cuda::sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, std::size_t n, int bits) {
+  radix_sort(pairs, n, bits);
+}
 
 }  // namespace swiftgs

@@ -6,7 +6,8 @@
 
 namespace swiftgs {
 
-template void project(Cuda&, const ProjectJob&, const ThreeSigmaSquare&, ProjectScratch<Cuda>&, Splats<Cuda>&);
+template void project(Cuda&, const ProjectJob&, const ThreeSigmaSquare&, ProjectScratch<Cuda>&,
+                      Splats<Cuda>&);
 template std::size_t emit_instances(Cuda&, const SortJob&, const ThreeSigmaSquare&, const std::uint32_t*,
                                     InstanceScratch<Cuda>&, Pairs<Cuda, std::uint16_t>&);
 template std::size_t emit_instances(Cuda&, const SortJob&, const ThreeSigmaSquare&, const std::uint32_t*,

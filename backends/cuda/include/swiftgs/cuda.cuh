@@ -3,8 +3,8 @@
 
 /// @file
 /// Definitions behind `<swiftgs/cuda.hpp>` for code that nvcc compiles: loops over functors, bounds and
-/// rasterizers of your own. Compile with `-fmad=false` what instantiates `project` or `emit_instances`: tiles are
-/// counted by one kernel and emitted by another, and both must round alike.
+/// rasterizers of your own. Compile with `-fmad=false` what instantiates `project` or `emit_instances`: tiles
+/// are counted by one kernel and emitted by another, and both must round alike.
 
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/for_each.cuh>

@@ -9,9 +9,10 @@
 
 namespace swiftgs::kernels {
 
-/// Rows of tiles of the 32 splats of a warp, each lane's in turn, spread evenly over the lanes: a splat of many rows
-/// does not keep one lane busy. `shapes` are the warp's own, `rect` is that of the lane's splat, empty where it has
-/// none. Calls f(owner, row, run) on all lanes together, with an empty run on lanes that are left without a row.
+/// Rows of tiles of the 32 splats of a warp, each lane's in turn, spread evenly over the lanes: a splat of
+/// many rows does not keep one lane busy. `shapes` are the warp's own, `rect` is that of the lane's splat,
+/// empty where it has none. Calls f(owner, row, run) on all lanes together, with an empty run on lanes that
+/// are left without a row.
 template <class Bounds, class F>
 __device__ void for_each_row(const Bounds& bounds, const SplatShape* shapes, TileRect rect, const F& f) {
   const std::uint32_t rows = rect.columns.size() == 0 ? 0 : std::uint32_t(rect.rows.size());
@@ -51,8 +52,8 @@ __device__ Footprint find_footprint(const Bounds& bounds, TileGrid grid, const S
     if (run.size() == 0) return;
     atomicAdd(&shared.counts[owner], std::uint32_t(run.size()));
     if (below < Footprint::side && right + run.size() <= Footprint::side)
-      atomicOr(&shared.masks[below / 4][owner],
-               ((1u << run.size()) - 1) << (right + below % 4 * Footprint::side));
+      atomicOr(&shared.masks[below / 4][owner], ((1u << run.size()) - 1)
+                                                    << (right + below % 4 * Footprint::side));
   });
   __syncwarp();
   const bool fits = rect.columns.size() <= Footprint::side && rect.rows.size() <= Footprint::side;
@@ -64,7 +65,8 @@ __device__ Footprint find_footprint(const Bounds& bounds, TileGrid grid, const S
 __device__ inline void add_instances(FrameCounts& counts, std::uint32_t tiles) {
   static_assert(sizeof(unsigned long long) == sizeof counts.instances);
   if (tiles != 0)
-    atomicAdd(reinterpret_cast<unsigned long long*>(&counts.instances), static_cast<unsigned long long>(tiles));
+    atomicAdd(reinterpret_cast<unsigned long long*>(&counts.instances),
+              static_cast<unsigned long long>(tiles));
 }
 
 }  // namespace swiftgs::kernels

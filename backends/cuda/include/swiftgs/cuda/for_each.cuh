@@ -21,8 +21,8 @@ __global__ void __launch_bounds__(for_each_threads) for_each(std::size_t n, cons
 template <class F>
 void Cuda::for_each(std::size_t n, const F& f) const {
   if (n == 0) return;
-  launch("for_each", kernels::for_each<F>, blocks_for(n, kernels::for_each_threads), kernels::for_each_threads,
-         stream(), n, f);
+  launch("for_each", kernels::for_each<F>, blocks_for(n, kernels::for_each_threads),
+         kernels::for_each_threads, stream(), n, f);
 }
 
 }  // namespace swiftgs

@@ -15,7 +15,8 @@ namespace swiftgs {
 namespace kernels {
 inline constexpr unsigned emit_threads = 256;
 inline constexpr unsigned emit_warps = emit_threads / warp_size;
-inline constexpr unsigned emit_large_blocks = 512;  ///< enough to fill a device; they share the splats there are
+inline constexpr unsigned emit_large_blocks =
+    512;  ///< enough to fill a device; they share the splats there are
 
 /// Where instances are written to.
 template <class Key>
@@ -39,8 +40,11 @@ struct Instances {
 __device__ inline EmittedSplat of_lane(const EmittedSplat& splat, unsigned lane) {
   const auto get = [&](auto value) { return __shfl_sync(whole_warp, value, int(lane)); };
   const Footprint& f = splat.footprint;
-  return {get(splat.id), get(splat.depth), get(splat.at),
-          {get(f.mask), get(f.count), std::uint16_t(get(unsigned(f.column))), std::uint16_t(get(unsigned(f.row)))}};
+  return {get(splat.id),
+          get(splat.depth),
+          get(splat.at),
+          {get(f.mask), get(f.count), std::uint16_t(get(unsigned(f.column))),
+           std::uint16_t(get(unsigned(f.row)))}};
 }
 
 /// Emits the splats of a warp whose footprints have masks: an instance a lane.
@@ -61,8 +65,9 @@ __device__ void emit_masks(const EmittedSplat& mine, TileGrid grid, const Instan
   }
 }
 
-/// Splats too large for a mask, which a second kernel emits: near the camera, and in depth order next to each other,
-/// they would keep a few warps busy long after all others. Two counters, of this frame and of the next.
+/// Splats too large for a mask, which a second kernel emits: near the camera, and in depth order next to each
+/// other, they would keep a few warps busy long after all others. Two counters, of this frame and of the
+/// next.
 struct LargeSplats {
   EmittedSplat* splats;
   std::uint32_t* counts;
@@ -72,8 +77,9 @@ struct LargeSplats {
   __device__ std::uint32_t& next_count() const { return counts[(epoch + 1) % 2]; }
 };
 
-/// Writes one pair for each tile of the splats of a block, after those of the blocks before it. A warp writes the
-/// instances of its 32 splats together: neighbouring lanes write neighbouring words, however unlike the splats are.
+/// Writes one pair for each tile of the splats of a block, after those of the blocks before it. A warp writes
+/// the instances of its 32 splats together: neighbouring lanes write neighbouring words, however unlike the
+/// splats are.
 template <class Key>
 __global__ void __launch_bounds__(emit_threads)
     emit_instances(const __grid_constant__ SortJob job, const std::uint32_t* order, const Instances<Key> out,
@@ -108,7 +114,8 @@ __global__ void __launch_bounds__(emit_threads)
   for (unsigned w = 0; w < warp; ++w) mine.at += tiles_of[w];
 
   emit_masks(mine, job.grid, out);
-  if (mine.footprint.mask == 0 && mine.footprint.count != 0) large.splats[atomicAdd(&large.count(), 1u)] = mine;
+  if (mine.footprint.mask == 0 && mine.footprint.count != 0)
+    large.splats[atomicAdd(&large.count(), 1u)] = mine;
 }
 
 /// Warps that share a splat of more than `shared_from` tiles; smaller ones are one warp's.
@@ -120,7 +127,8 @@ template <class Bounds, class Key>
 __global__ void __launch_bounds__(emit_threads)
     emit_large(const __grid_constant__ SortJob job, const Bounds bounds, const Instances<Key> out,
                const LargeSplats large) {
-  const std::uint32_t warp = (blockIdx.x * emit_threads + threadIdx.x) / warp_size, part = warp % warps_of_splat;
+  const std::uint32_t warp = (blockIdx.x * emit_threads + threadIdx.x) / warp_size,
+                      part = warp % warps_of_splat;
   const std::uint32_t step = gridDim.x * emit_warps / warps_of_splat;
   for (std::uint32_t s = warp / warps_of_splat; s < large.count(); s += step) {
     const EmittedSplat splat = large.splats[s];
@@ -140,7 +148,7 @@ __global__ void __launch_bounds__(emit_threads)
         const std::uint32_t position = begin + lane_index();
         const int lane = int(owner_of(position, first));
         const std::uint32_t tile = std::uint32_t(__shfl_sync(whole_warp, first_tile, lane)) + position -
-            __shfl_sync(whole_warp, first, lane);
+                                   __shfl_sync(whole_warp, first, lane);
         if (position < total) out.write(at + position, tile, splat.depth, splat.id);
       }
       at += total;
@@ -174,7 +182,8 @@ std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds,
     scratch.footprints.reset(splats), scratch.counts.reset(1);
     cuda.clear(scratch.counts.data(), sizeof(FrameCounts));
     launch("find_footprints", kernels::find_footprints<Bounds>, blocks_for(splats, kernels::emit_threads),
-           kernels::emit_threads, cuda.stream(), job, bounds, scratch.footprints.data(), scratch.counts.data());
+           kernels::emit_threads, cuda.stream(), job, bounds, scratch.footprints.data(),
+           scratch.counts.data());
     found.splats.footprints = {scratch.footprints.data(), splats};
     found.splats.instances = cuda.read(scratch.counts.data()).instances;
   }

@@ -31,16 +31,17 @@ struct ProjectOutput {
 struct ProjectShared {
   std::uint32_t before;
   std::uint32_t visible[project_warps], tiles[project_warps];  ///< of each warp
-  std::uint32_t ids[project_threads];              ///< visible Gaussians of the block
-  float depths[project_threads];                   ///< and their depths
+  std::uint32_t ids[project_threads];                          ///< visible Gaussians of the block
+  float depths[project_threads];                               ///< and their depths
   union {
     FootprintShared footprints[project_warps];
-    float4 rest[project_warps][warp_size * rest_pitch(max_sh_degree)];  ///< SH coefficients of each lane's Gaussian
+    float4 rest[project_warps]
+               [warp_size * rest_pitch(max_sh_degree)];  ///< SH coefficients of each lane's Gaussian
   };
 };
 
-/// Copies the SH coefficients of the warp's Gaussians, `Word` by `Word`: lanes read neighbouring words, where a lane a
-/// Gaussian would touch 32 lines with each load. All copies are under way at once.
+/// Copies the SH coefficients of the warp's Gaussians, `Word` by `Word`: lanes read neighbouring words, where
+/// a lane a Gaussian would touch 32 lines with each load. All copies are under way at once.
 template <class Word>
 __device__ void stage_rest(const SceneView& scene, std::uint32_t id, unsigned gaussians, unsigned words,
                            unsigned pitch, Word* rest) {
@@ -49,7 +50,8 @@ __device__ void stage_rest(const SceneView& scene, std::uint32_t id, unsigned ga
   const unsigned gaussian_step = warp_size / words, word_step = warp_size % words;
   while (__any_sync(whole_warp, gaussian < gaussians)) {
     const std::uint32_t theirs = __shfl_sync(whole_warp, id, int(gaussian % warp_size));
-    const float* from = scene.sh_rest.data + std::size_t(theirs) * std::size_t(scene.sh_stride) + word * floats;
+    const float* from =
+        scene.sh_rest.data + std::size_t(theirs) * std::size_t(scene.sh_stride) + word * floats;
     if (gaussian < gaussians) __pipeline_memcpy_async(rest + gaussian * pitch + word, from, sizeof(Word));
     gaussian += gaussian_step, word += word_step;
     if (word >= words) word -= words, ++gaussian;
@@ -59,8 +61,10 @@ __device__ void stage_rest(const SceneView& scene, std::uint32_t id, unsigned ga
   __syncwarp();
 }
 
-/// Copies the SH coefficients of the warp's Gaussians by quadruples where they are aligned, as those of `Cuda::upload` are.
-__device__ inline void stage_rest(const SceneView& scene, std::uint32_t id, unsigned gaussians, float4* rest) {
+/// Copies the SH coefficients of the warp's Gaussians by quadruples where they are aligned, as those of
+/// `Cuda::upload` are.
+__device__ inline void stage_rest(const SceneView& scene, std::uint32_t id, unsigned gaussians,
+                                  float4* rest) {
   const unsigned words = rest_words(scene.sh_degree), pitch = rest_pitch(scene.sh_degree);
   const std::size_t stride = std::size_t(scene.sh_stride);
   if (stride % 4 == 0 && stride >= 4 * words && scene.sh_rest.size >= scene.size() * stride &&
@@ -88,14 +92,19 @@ __device__ vec3 colour_of(vec3 sh0, const float4* words, vec3 direction) {
 }
 __device__ inline vec3 colour_of(int degree, vec3 sh0, const float4* rest, vec3 direction) {
   switch (degree) {
-    case 0: return colour_of<0>(sh0, rest, direction);
-    case 1: return colour_of<1>(sh0, rest, direction);
-    case 2: return colour_of<2>(sh0, rest, direction);
-    default: return colour_of<3>(sh0, rest, direction);
+    case 0:
+      return colour_of<0>(sh0, rest, direction);
+    case 1:
+      return colour_of<1>(sh0, rest, direction);
+    case 2:
+      return colour_of<2>(sh0, rest, direction);
+    default:
+      return colour_of<3>(sh0, rest, direction);
   }
 }
 
-/// All that projection reads of a Gaussian, asked for at once: the compiler would wait for each array before the next.
+/// All that projection reads of a Gaussian, asked for at once: the compiler would wait for each array before
+/// the next.
 __device__ inline Gaussian load_gaussian(const SceneView& scene, std::size_t i) {
   Gaussian g = gaussian(scene, i);
   asm volatile("" : "+f"(g.mean.x), "+f"(g.scale.x), "+f"(g.rotation.w), "+f"(g.opacity));
@@ -135,7 +144,8 @@ __global__ void __launch_bounds__(project_threads)
   if (splat.visible) shared.ids[slot] = std::uint32_t(i), shared.depths[slot] = splat.depth;
   __syncthreads();
 
-  // Find where the block's splats begin: by the last warp, which has colours to evaluate only where nearly all are visible.
+  // Find where the block's splats begin: by the last warp, which has colours to evaluate only where nearly
+  // all are visible.
   if (warp == project_warps - 1) {
     const std::uint32_t before = sum.before(visible);
     std::uint32_t tiles = 0;
@@ -150,7 +160,8 @@ __global__ void __launch_bounds__(project_threads)
   // Evaluate their colours, a thread a visible splat.
   SplatColour colour;
   if (warp * warp_size < visible) {
-    const unsigned gaussians = visible - warp * warp_size < warp_size ? visible - warp * warp_size : warp_size;
+    const unsigned gaussians =
+        visible - warp * warp_size < warp_size ? visible - warp * warp_size : warp_size;
     const bool mine = threadIdx.x < visible;
     const std::uint32_t id = mine ? shared.ids[threadIdx.x] : 0;
     if (job.scene.sh_degree > 0) stage_rest(job.scene, id, gaussians, shared.rest[warp]);

@@ -11,9 +11,9 @@
 namespace swiftgs::kernels {
 
 /// A sum that runs over the blocks of one kernel, in order, while they run (Merrill and Garland 2016,
-/// single-pass scan with decoupled look-back). One word a block holds the epoch, how much is known, and the sum,
-/// so that nothing beside it has to be ordered. A block waits for those of a lower index: devices start blocks in the
-/// order of their indices, on which CUB's scan relies too.
+/// single-pass scan with decoupled look-back). One word a block holds the epoch, how much is known, and the
+/// sum, so that nothing beside it has to be ordered. A block waits for those of a lower index: devices start
+/// blocks in the order of their indices, on which CUB's scan relies too.
 class RunningSum {
  public:
   __device__ explicit RunningSum(RunningSums::View sums) : sums_(sums) {}
@@ -52,9 +52,11 @@ class RunningSum {
   }
 
  private:
-  /// A wide window, since many blocks that have not looked back yet lie between a block and the last that has.
+  /// A wide window, since many blocks that have not looked back yet lie between a block and the last that
+  /// has.
   static constexpr unsigned words_of_lane = 4, window = words_of_lane * warp_size;
-  static constexpr std::uint32_t partial = 1, complete = 2;  ///< the block's own value; the sum up to and with it
+  static constexpr std::uint32_t partial = 1,
+                                 complete = 2;  ///< the block's own value; the sum up to and with it
 
   using Word = cuda::atomic_ref<std::uint64_t, cuda::thread_scope_device>;
   __device__ void publish(std::uint32_t known, std::uint32_t value) {
