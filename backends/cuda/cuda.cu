@@ -66,7 +66,8 @@ Cuda::TimePoint Cuda::now() {
 
 std::optional<double> Cuda::milliseconds(TimePoint from, TimePoint to) const {
   const auto& events = state_->events;
-  if (from.serial == 0 || from.serial > to.serial || from.serial + events.size() <= state_->points)
+  if (from.serial == 0 || from.serial > to.serial || to.serial > state_->points ||
+      from.serial + events.size() <= state_->points)
     return std::nullopt;
   const cudaEvent_t last = events[to.serial % events.size()].get();
   const cudaError_t reached = cudaEventQuery(last);
@@ -86,9 +87,11 @@ RunningSums::View RunningSums::next(const Cuda& cuda, std::size_t blocks) {
   // even and odd without exception: kernels keep counters of this one and of the next.
   constexpr std::uint32_t last_epoch = (1u << 30) - 1;
   const bool over = epoch_ == last_epoch;
-  if (states_.size() < blocks || over) {
+  if (states_.size() < blocks || over || !cleared_) {
+    cleared_ = false;  // until it is, in case that something throws
     states_.reset(std::max(blocks, states_.size()));
     cuda.clear(states_.data(), states_.size() * sizeof(std::uint64_t));
+    cleared_ = true;
   }
   epoch_ = over ? 2 : epoch_ + 1;
   return {states_.data(), epoch_};

@@ -25,6 +25,17 @@ class GrowingBuffer {
   static_assert(std::is_trivially_copyable_v<T>, "GrowingBuffer holds plain data only");
 
  public:
+  GrowingBuffer() = default;
+  GrowingBuffer(GrowingBuffer&& other) noexcept
+      : memory_(std::move(other.memory_)),
+        size_(std::exchange(other.size_, 0)),
+        capacity_(std::exchange(other.capacity_, 0)) {}
+  GrowingBuffer& operator=(GrowingBuffer&& other) noexcept {
+    memory_ = std::move(other.memory_);
+    size_ = std::exchange(other.size_, 0), capacity_ = std::exchange(other.capacity_, 0);
+    return *this;
+  }
+
   /// Makes room for `count` elements. What was in the buffer is undefined afterwards.
   void reset(std::size_t count) {
     if (count > capacity_) {

@@ -64,10 +64,12 @@ void project(B& b, const ProjectJob& job, const Bounds&, ProjectScratch<B>& scra
   const std::size_t n = job.scene.size();
   scratch.projected.reset(n), scratch.slots.reset(n);
   b.for_each(n, ProjectShapes{job.constants, job.scene, scratch.projected.data(), scratch.slots.data()});
-  splats.count = std::size_t(b.exclusive_scan(Span{scratch.slots.data(), n}));
-  splats.shapes.reset(splats.count), splats.colours.reset(splats.count);
+  splats.count = 0;
+  const std::size_t visible = std::size_t(b.exclusive_scan(Span{scratch.slots.data(), n}));
+  splats.shapes.reset(visible), splats.colours.reset(visible);
   b.for_each(n, CompactSplats{job.constants, job.scene, scratch.projected.data(), scratch.slots.data(),
                               splats.shapes.data(), splats.colours.data()});
+  splats.count = visible;
 }
 
 }  // namespace swiftgs

@@ -56,10 +56,9 @@ class Renderer {
   B& backend() { return backend_; }
   const Sort& sort() const { return sort_; }
 
-  /// Renders into memory of the caller that the backend can reach. On a device it returns when the frame is in
-  /// stream order, not when it is finished.
-  /// Throws `std::invalid_argument` for a camera, scene or frame that nothing can be rendered with, and
-  /// `CapacityError`.
+  /// Renders into memory of the caller that the backend can reach. On a device it returns when the frame is
+  /// in stream order, not when it is finished. Throws `std::invalid_argument` for a camera, scene or frame
+  /// that nothing can be rendered with, `CapacityError`, and `DeviceError` on a device.
   void render_into(const SceneView& scene, const Camera& camera, const RenderSettings& settings,
                    const FrameView& frame) {
     check_arguments(scene, camera, frame);
@@ -116,7 +115,8 @@ class Renderer {
     return frame;
   }
 
-  /// Durations of the last frame's stages. @units{milliseconds}
+  /// Durations of the last frame's stages. Does not wait: they are not a number until the frame is finished.
+  /// @units{milliseconds}
   StageTimes times() {
     const auto ms = [&](int from, int to) {
       return backend_.milliseconds(points_[from], points_[to])
@@ -125,7 +125,7 @@ class Renderer {
     return {ms(0, 1), ms(1, 2), ms(2, 3), ms(0, 3)};
   }
 
-  /// What the last frame took; the raster part only where the settings asked to count.
+  /// What the last frame took; the raster part only where the settings asked to count, which is waited for.
   Statistics statistics() const {
     Statistics s{
         .gaussians = gaussians_, .visible = splats_.count, .instances = lists_.instances, .raster = {}};
@@ -168,6 +168,9 @@ class Renderer {
 
     const std::size_t n = scene.size();
     require(n <= std::numeric_limits<std::uint32_t>::max(), "fewer than 2^32 Gaussians");
+    require(n == 0 || (scene.means.data && scene.scales.data && scene.rotations.data &&
+                       scene.opacities.data && scene.sh0.data),
+            "the arrays of the scene");
     require(scene.scales.size == n && scene.rotations.size == n && scene.opacities.size == n &&
                 scene.sh0.size == n,
             "arrays of one length in the scene");

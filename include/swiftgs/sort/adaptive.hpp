@@ -81,6 +81,7 @@ class AdaptiveSort {
     EarlySort::Scratch<B> early;
     std::optional<typename B::TimePoint> from, to;  ///< measurement whose end has not been seen yet
     bool pending_early = false;
+    int waited = 0;  ///< frames for that end
   };
 
   template <class B, class Bounds>
@@ -101,6 +102,7 @@ class AdaptiveSort {
   }
 
  private:
+  static constexpr int most_frames_waited = 100;
   struct Measured {
     double total_ms = 0;
     int frames = 0;
@@ -119,7 +121,7 @@ class AdaptiveSort {
     key_ = key;
     measured_ = {};
     decided_ = false;
-    pending.from.reset(), pending.to.reset();
+    pending.from.reset(), pending.to.reset(), pending.waited = 0;
   }
 
   /// Adds a measurement once its end has been reached; never waits for one.
@@ -127,8 +129,10 @@ class AdaptiveSort {
   void collect(B& b, Scratch<B>& scratch) {
     if (!scratch.to) return;
     const std::optional<double> ms = b.milliseconds(*scratch.from, *scratch.to);
+    // A clock may forget points that were not asked for in time: measure again then.
+    if (!ms && ++scratch.waited < most_frames_waited) return;
+    scratch.from.reset(), scratch.to.reset(), scratch.waited = 0;
     if (!ms) return;
-    scratch.from.reset(), scratch.to.reset();
     Measured& m = measured_[scratch.pending_early];
     if (m.warm_ups == 0) {
       m.warm_ups = 1;

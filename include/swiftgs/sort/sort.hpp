@@ -107,10 +107,11 @@ struct FindRanges {
   const Key* keys;
   std::size_t count;
   int tile_shift;
-  TileRange* ranges;
+  Span<TileRange> ranges;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
     const std::size_t tile = std::size_t(keys[i] >> tile_shift);
+    if (tile >= ranges.size) return;  // bounds that were counted and emitted unlike
     if (i == 0 || std::size_t(keys[i - 1] >> tile_shift) != tile) ranges[tile].begin = std::uint32_t(i);
     if (i + 1 == count || std::size_t(keys[i + 1] >> tile_shift) != tile)
       ranges[tile].end = std::uint32_t(i + 1);
@@ -157,12 +158,13 @@ std::size_t emit_instances(B& b, const SortJob& job, const Bounds& bounds, const
 template <class B, class Key>
 void finish_lists(B& b, const SortJob& job, std::size_t count, int tile_shift, Pairs<B, Key>& instances,
                   TileLists<B>& lists) {
-  lists.tiles = job.grid.size();
-  lists.instances = count;
-  lists.ranges.reset(lists.tiles);
-  b.for_each(lists.tiles, ClearRanges{lists.ranges.data()});
-  b.for_each(count, FindRanges<Key>{instances.keys.data(), count, tile_shift, lists.ranges.data()});
+  const std::size_t tiles = job.grid.size();
+  lists.tiles = lists.instances = 0;
+  lists.ranges.reset(tiles);
+  b.for_each(tiles, ClearRanges{lists.ranges.data()});
+  b.for_each(count, FindRanges<Key>{instances.keys.data(), count, tile_shift, lists.ranges.span()});
   std::swap(lists.ids, instances.values);
+  lists.tiles = tiles, lists.instances = count;
 }
 
 /// Memory that grouping works in.

@@ -48,12 +48,13 @@ class Cuda {
     std::uint64_t serial = 0;
   };
 
-  /// Whether there is a device that a kernel of this build runs on.
+  /// Whether kernels of this build run on the device that is current when this is first asked.
   static bool usable();
 
   /// Works on the caller's `stream`, which outlives it; by default on the default stream of the device.
   explicit Cuda(cudaStream_t stream = nullptr);
   ~Cuda();
+  /// Nothing but assignment and destruction is left to do with a backend that was moved from.
   Cuda(Cuda&&) noexcept;
   Cuda& operator=(Cuda&&) noexcept;
 
@@ -121,13 +122,35 @@ class RunningSums {
  private:
   DeviceBuffer<std::uint64_t> states_;
   std::uint32_t epoch_ = 0;
+  bool cleared_ = false;
 };
 
 /// Memory of projection.
+/// Two counters in turn: kernels of even and odd epochs of a running sum add to one and clear the other.
+template <class T>
+class AlternatingCounters {
+ public:
+  /// Both, cleared unless the kernels that used them last were all started.
+  T* begin(const Cuda& cuda) {
+    if (!started_) {
+      counters_.reset(2);
+      cuda.clear(counters_.data(), 2 * sizeof(T));
+    }
+    started_ = false;
+    return counters_.data();
+  }
+  /// After the last kernel that uses them has been started.
+  void end() { started_ = true; }
+
+ private:
+  DeviceBuffer<T> counters_;
+  bool started_ = false;
+};
+
 template <>
 struct ProjectScratch<Cuda> {
   RunningSums sums;
-  DeviceBuffer<FrameCounts> counts;  ///< @shape{2} of this frame and of the next
+  AlternatingCounters<FrameCounts> counts;
 };
 
 /// Splats with the tiles that each may touch within the bounds that they were projected for.
@@ -162,9 +185,9 @@ struct EmittedSplat {
 template <>
 struct InstanceScratch<Cuda> {
   RunningSums sums;
-  DeviceBuffer<EmittedSplat> large;          ///< splats without a mask
-  DeviceBuffer<std::uint32_t> large_counts;  ///< @shape{2} of this frame and of the next
-  DeviceBuffer<Footprint> footprints;        ///< where the job does not bring its own
+  DeviceBuffer<EmittedSplat> large;  ///< splats without a mask
+  AlternatingCounters<std::uint32_t> large_counts;
+  DeviceBuffer<Footprint> footprints;  ///< where the job does not bring its own
   DeviceBuffer<FrameCounts> counts;
 };
 

@@ -7,9 +7,12 @@
 
 namespace swiftgs {
 
-/// Throws `DeviceError`, naming `call`, unless a CUDA call returned success.
+/// Throws `DeviceError`, naming `call`, unless a CUDA call returned success. What failed is not kept as an error of
+/// later calls.
 inline void check_cuda(cudaError_t result, const char* call) {
-  if (result != cudaSuccess) throw DeviceError(call, cudaGetErrorString(result));
+  if (result == cudaSuccess) return;
+  cudaGetLastError();
+  throw DeviceError(call, cudaGetErrorString(result));
 }
 
 }  // namespace swiftgs

@@ -51,7 +51,7 @@ __device__ Footprint find_footprint(const Bounds& bounds, TileGrid grid, const S
     const int right = run.begin - __shfl_sync(whole_warp, rect.columns.begin, int(owner));
     if (run.size() == 0) return;
     atomicAdd(&shared.counts[owner], std::uint32_t(run.size()));
-    if (below < Footprint::side && right + run.size() <= Footprint::side)
+    if (below < Footprint::side && right >= 0 && right + run.size() <= Footprint::side)
       atomicOr(&shared.masks[below / 4][owner], ((1u << run.size()) - 1)
                                                     << (right + below % 4 * Footprint::side));
   });

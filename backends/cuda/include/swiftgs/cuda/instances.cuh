@@ -191,19 +191,16 @@ std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds,
   check_instances(total);
   instances.reset(std::size_t(total));
   if (total == 0) return 0;
-  if (scratch.large_counts.size() == 0) {
-    scratch.large_counts.reset(2);
-    cuda.clear(scratch.large_counts.data(), 2 * sizeof(std::uint32_t));
-  }
   scratch.large.reset(splats);
   const unsigned blocks = blocks_for(splats, kernels::emit_threads);
   const RunningSums::View sums = scratch.sums.next(cuda, blocks);
-  const kernels::LargeSplats large{scratch.large.data(), scratch.large_counts.data(), sums.epoch};
+  const kernels::LargeSplats large{scratch.large.data(), scratch.large_counts.begin(cuda), sums.epoch};
   const kernels::Instances<Key> out{instances.keys.data(), instances.values.data(), std::uint32_t(total)};
   launch("emit_instances", kernels::emit_instances<Key>, blocks, kernels::emit_threads, cuda.stream(), found,
          order, out, large, sums);
   launch("emit_large", kernels::emit_large<Bounds, Key>, kernels::emit_large_blocks, kernels::emit_threads,
          cuda.stream(), found, bounds, out, large);
+  scratch.large_counts.end();
   return std::size_t(total);
 }
 

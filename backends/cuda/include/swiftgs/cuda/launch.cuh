@@ -10,12 +10,14 @@ namespace swiftgs {
 /// Blocks of `threads` that hold `n` elements.
 inline unsigned blocks_for(std::size_t n, unsigned threads) { return unsigned((n + threads - 1) / threads); }
 
-/// Starts `kernel` on `stream`. Throws `DeviceError` with its name.
+/// Starts `kernel` on `stream`. Throws `DeviceError` with its name. Errors that the caller's own calls left
+/// behind are none of a frame: the launch is judged by its own result.
 template <class... Parameters, class... Arguments>
 void launch(const char* name, void (*kernel)(Parameters...), unsigned blocks, dim3 threads,
             cudaStream_t stream, const Arguments&... arguments) {
-  kernel<<<blocks, threads, 0, stream>>>(arguments...);
-  check_cuda(cudaGetLastError(), name);
+  cudaLaunchConfig_t config{};
+  config.gridDim = dim3(blocks), config.blockDim = threads, config.stream = stream;
+  check_cuda(cudaLaunchKernelEx(&config, kernel, arguments...), name);
 }
 
 }  // namespace swiftgs

@@ -187,21 +187,18 @@ template <BoundsPolicy Bounds>
 void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
              Splats<Cuda>& splats) {
   const std::size_t n = job.scene.size();
-  splats.shapes.reset(n), splats.colours.reset(n), splats.footprints.reset(n);
   splats.count = 0, splats.instances = 0;
+  splats.shapes.reset(n), splats.colours.reset(n), splats.footprints.reset(n);
   if (n == 0) return;
-  if (scratch.counts.size() == 0) {
-    scratch.counts.reset(2);
-    cuda.clear(scratch.counts.data(), 2 * sizeof(FrameCounts));
-  }
   const unsigned blocks = blocks_for(n, kernels::project_threads);
   const RunningSums::View sums = scratch.sums.next(cuda, blocks);
-  launch("project", kernels::project<Bounds>, blocks, kernels::project_threads, cuda.stream(), job, bounds,
-         kernels::ProjectOutput{splats.shapes.data(), splats.colours.data(), splats.footprints.data(),
-                                scratch.counts.data()},
-         sums);
-
-  const FrameCounts counts = cuda.read(scratch.counts.data() + sums.epoch % 2);
+  FrameCounts* const counters = scratch.counts.begin(cuda);
+  launch(
+      "project", kernels::project<Bounds>, blocks, kernels::project_threads, cuda.stream(), job, bounds,
+      kernels::ProjectOutput{splats.shapes.data(), splats.colours.data(), splats.footprints.data(), counters},
+      sums);
+  scratch.counts.end();
+  const FrameCounts counts = cuda.read(counters + sums.epoch % 2);
   splats.count = std::size_t(counts.visible);
   splats.instances = counts.instances;
 }
