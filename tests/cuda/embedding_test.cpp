@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The device's renderers inside another program: its stream, its memory, its arrays, its threads.
+#include <atomic>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -64,6 +66,18 @@ std::vector<std::vector<float>> render_many(const SceneView& scene, int frames) 
   return out;
 }
 
+/// What a stream answers that has work to do and is asked whether it is ready.
+cudaError_t poll_busy(const Stream& stream) {
+  std::atomic<bool> asked = false;
+  const auto wait = [](void* flag) { static_cast<std::atomic<bool>*>(flag)->wait(false); };
+  check_cuda(cudaLaunchHostFunc(stream.get(), wait, &asked), "cudaLaunchHostFunc");
+  const cudaError_t answer = cudaStreamQuery(stream.get());
+  asked = true;
+  asked.notify_one();
+  stream.wait();
+  return answer;
+}
+
 }  // namespace
 
 TEST_CASE("cuda embedding: frames are drawn from the caller's arrays into its memory on its stream") {
@@ -111,6 +125,33 @@ TEST_CASE("cuda embedding: a frame waits for what its stream was given before an
   renderer.render_into(late, camera, {}, image.view());
   CHECK(same_bits(image.pixels(renderer.backend(), image.colour, 12),
                   expected.pixels(renderer.backend(), expected.colour, 12)));
+}
+
+TEST_CASE_TEMPLATE("cuda embedding: a frame is drawn while its host polls a stream that is not ready", Sort,
+                   StandardSort, EarlySort, AdaptiveSort) {
+  if (without_device()) return;
+  const Scene scene = random_scene(4000, 1, 9);
+  const Camera camera = forward_camera(150, 90);
+  RenderSettings settings = with_planes();
+  settings.count = true;
+  const Stream stream, polled;
+  Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(stream.get())};
+  const auto uploaded = renderer.backend().upload(scene);
+  const Frame expected = renderer.render(uploaded, camera, settings);
+
+  // The answer stays behind as the last error of this thread. A renderer that is new allocates as well.
+  Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse> other{Cuda(stream.get())};
+  for (auto* each : {&renderer, &other}) {
+    CHECK(poll_busy(polled) == cudaErrorNotReady);
+    Frame frame;
+    REQUIRE_NOTHROW(each->render(uploaded, camera, settings, frame));
+    CHECK(same_bits(frame.colour, expected.colour));
+    CHECK(same_bits(frame.alpha, expected.alpha));
+    CHECK(same_bits(frame.depth, expected.depth));
+    CHECK(std::isfinite(each->times().total));
+    CHECK(each->statistics().instances == renderer.statistics().instances);
+    CHECK(each->statistics().raster.contributing_pairs == renderer.statistics().raster.contributing_pairs);
+  }
 }
 
 TEST_CASE("cuda embedding: two renderers on two streams in two threads draw what each draws alone") {

@@ -2,6 +2,9 @@
 
 // Ten thousand frames and hundreds of renderers: what is taken is given back, and what cannot be had does no
 // harm.
+#include <string>
+#include <vector>
+
 #include "cuda/drawings.hpp"
 
 using namespace swiftgs;
@@ -10,6 +13,44 @@ using namespace swiftgs::test;
 namespace {
 
 using Usual = Renderer<Cuda, AdaptiveSort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
+template <class Sort>
+using With = Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
+
+/// Gaussians that each cover any image.
+Scene make_giants(int count) {
+  Scene scene;
+  for (int i = 0; i < count; ++i) {
+    scene.means.push_back(vec3(0, 0, 1)), scene.scales.push_back(vec3(1000)), scene.rotations.push_back({});
+    scene.opacities.push_back(1), scene.sh0.push_back(vec3(1));
+  }
+  return scene;
+}
+
+/// A scene of `count` Gaussians that are all zero, in 16 bytes for each.
+SceneView zeros(const Cuda& cuda, std::size_t count, DeviceBuffer<Quaternion>& memory) {
+  memory.reset(count);
+  cuda.clear(memory.data(), count * sizeof(Quaternion));
+  const auto floats = reinterpret_cast<const float*>(memory.data());
+  const auto vectors = reinterpret_cast<const vec3*>(memory.data());
+  return {.means = {vectors, count},
+          .scales = {vectors, count},
+          .rotations = {memory.data(), count},
+          .opacities = {floats, count},
+          .sh0 = {vectors, count},
+          .sh_rest = {}};
+}
+
+/// What a renderer that has not enough memory says.
+template <class R>
+std::string refusal(R& renderer, const SceneView& scene, const Camera& camera) {
+  try {
+    // No output is asked for, so the frame itself takes no memory.
+    renderer.render_into(scene, camera, {}, {.width = camera.width, .height = camera.height});
+  } catch (const CapacityError& error) {
+    return error.what();
+  }
+  return "drawn";
+}
 
 }  // namespace
 
@@ -75,4 +116,36 @@ TEST_CASE("cuda endurance: memory that cannot be had is a capacity error and the
     CHECK(error.limit() < pebibyte);
     CHECK(std::string(error.what()).find("bytes of device memory") != std::string::npos);
   }
+}
+
+TEST_CASE("cuda endurance: a renderer that runs out of memory in a frame draws the next one") {
+  if (without_device()) return;
+  With<StandardSort> standard;
+  With<EarlySort> early;
+  const Cuda& cuda = early.backend();
+  const auto scene = cuda.upload(random_scene(300, 1, 3)), giants = cuda.upload(make_giants(2000));
+  const Camera camera = forward_camera(64, 48), huge = forward_camera(4096, 4096);
+  DeviceBuffer<Quaternion> memory;
+  const SceneView many = zeros(cuda, 24'000'000, memory);
+  const std::vector<float> expected = early.render(scene, camera).colour;
+  CHECK(same_bits(standard.render(scene, camera).colour, expected));
+
+  // 131 million instances take 1.5 GB or more, and the shapes of 24 million splats 0.77 GB.
+  constexpr std::size_t left = 700'000'000;
+  const std::size_t free = free_memory();
+  REQUIRE(free > left);
+  DeviceBuffer<unsigned char> ballast;
+  ballast.reset(free - left);
+  const auto runs_out = [&](auto& renderer) {
+    for (const SceneView& too_large : {giants.view(), many}) {
+      CHECK(refusal(renderer, too_large, huge).find("bytes of device memory") != std::string::npos);
+      CHECK(same_bits(renderer.render(scene, camera).colour, expected));
+    }
+  };
+  runs_out(standard), runs_out(early);
+  ballast = {};
+  CHECK(refusal(early, giants.view(), huge) == "drawn");
+  CHECK(refusal(early, many, huge) == "drawn");
+  CHECK(same_bits(standard.render(scene, camera).colour, expected));
+  CHECK(same_bits(early.render(scene, camera).colour, expected));
 }
