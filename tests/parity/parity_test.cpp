@@ -59,9 +59,9 @@ void check_all(const Scene& scene, const Camera& camera, Conventions conventions
   std::map<std::string, Bits> first_of;
   std::set<std::string> backends;
   for (const RendererEntry& entry : renderers()) {
-    if (!entry.usable) continue;
-    CAPTURE(entry.name);
     const Words words(entry.name);
+    if (words.backend == "cuda") continue;  // tests/cuda draws with these
+    CAPTURE(entry.name);
     backends.insert(words.backend);
     const auto renderer = entry.make();
     renderer->set_scene(shared);
@@ -79,7 +79,7 @@ void check_all(const Scene& scene, const Camera& camera, Conventions conventions
     CHECK(psnr(frame.colour, reference.colour) >= (words.half() ? 40 : 80));
     CHECK(psnr(frame.alpha, reference.alpha) >= (words.half() ? 40 : 80));
   }
-  CHECK(backends.size() >= 2);
+  CHECK(backends.size() == 2);
   CHECK(first_of.size() == backends.size() * 7 * 2);
 }
 
