@@ -13,8 +13,12 @@ if(NOT DEFINED SWIFTGS_BUILD_CUDA)
     endif()
     include(CheckLanguage)
     check_language(CUDA)
+    # What CUDACXX names need not belong to the toolkit that was found.
     if(CMAKE_CUDA_COMPILER)
-      set(swiftgs_cuda_found ON)
+      execute_process(COMMAND "${CMAKE_CUDA_COMPILER}" --version OUTPUT_VARIABLE nvcc_says ERROR_QUIET)
+      if(nvcc_says MATCHES "release ([0-9.]+)" AND CMAKE_MATCH_1 VERSION_GREATER_EQUAL swiftgs_cuda_version)
+        set(swiftgs_cuda_found ON)
+      endif()
     endif()
   endif()
   if(NOT swiftgs_cuda_found)
@@ -24,12 +28,22 @@ endif()
 option(SWIFTGS_BUILD_CUDA "Build swiftgs::cuda (needs nvcc 13 or newer)" ${swiftgs_cuda_found})
 
 if(SWIFTGS_BUILD_CUDA)
+  # Not in the cache, where a project that embeds this one would find what is meant for it alone.
+  set(swiftgs_architectures_chosen ON)
   if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES AND NOT DEFINED ENV{CUDAARCHS})
-    # Machine code for every kind of GPU that nvcc 13 knows; one minor version runs the code of those before it. And
-    # code that drivers can translate for what comes later.
-    set(CMAKE_CUDA_ARCHITECTURES 75-real 80-real 86-real 89-real 90-real 100-real 110-real 120
-        CACHE STRING "GPUs that kernels are compiled for")
+    set(swiftgs_architectures_chosen OFF)
+    set(CMAKE_CUDA_ARCHITECTURES 75)  # an nvcc that is too old knows it as well, and can be named below
   endif()
   enable_language(CUDA)
+  if(NOT CMAKE_CUDA_COMPILER_ID STREQUAL "NVIDIA" OR
+     CMAKE_CUDA_COMPILER_VERSION VERSION_LESS swiftgs_cuda_version)
+    message(FATAL_ERROR "SWIFTGS_BUILD_CUDA: expected nvcc ${swiftgs_cuda_version} or newer; found "
+                        "${CMAKE_CUDA_COMPILER_ID} ${CMAKE_CUDA_COMPILER_VERSION}, ${CMAKE_CUDA_COMPILER}")
+  endif()
+  if(NOT swiftgs_architectures_chosen)
+    # Machine code for every kind of GPU that nvcc 13 knows; one minor version runs the code of those before it. And
+    # code that drivers can translate for what comes later.
+    set(CMAKE_CUDA_ARCHITECTURES 75-real 80-real 86-real 89-real 90-real 100-real 110-real 120)
+  endif()
   find_package(CUDAToolkit ${swiftgs_cuda_version} REQUIRED)
 endif()

@@ -23,7 +23,7 @@ foreach(component IN ITEMS core cpu cuda io swiftgs)
   # A static library hands its private dependencies on to whoever links it.
   set(dependencies_of_core Eigen3 glm Threads)
   set(dependencies_of_cpu TBB)
-  set(dependencies_of_cuda CUDAToolkit)
+  set(dependencies_of_cuda "CUDAToolkit ${swiftgs_cuda_version}")
   set(dependencies_of_io)
   get_target_property(type ${target} TYPE)
   if(type STREQUAL STATIC_LIBRARY)
