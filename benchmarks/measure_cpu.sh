@@ -25,20 +25,8 @@ if [ -z "${SWIFTGS_BUILD:-}" ]; then
 fi
 mkdir -p "$out"
 
-# What was measured, on what.
-of_cache() { sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt"; }
-commit=$(git -C "$here" rev-parse HEAD 2>/dev/null || echo unknown)
-changed=$(git -C "$here" status --porcelain -uno -- ../include ../backends 2>/dev/null | wc -l)
-compiler=$(of_cache CMAKE_CXX_COMPILER)
-flags="$(of_cache CMAKE_CXX_FLAGS) $(of_cache "CMAKE_CXX_FLAGS_$(of_cache CMAKE_BUILD_TYPE | tr '[:lower:]' '[:upper:]')")"
-cat >"$out/machine.json" <<END
-{"date": "$(date -u +%F)", "cpu": "${cpu:-unknown}", "cores": $(nproc),
- "memory_gib": $(awk '/MemTotal/ { printf "%.0f", $2 / 1048576 }' /proc/meminfo),
- "system": "$(. /etc/os-release && echo "$PRETTY_NAME")",
- "compiler": "$("$compiler" --version | head -n 1)", "flags": "$(xargs <<<"$flags")",
- "commit": "$commit", "changed_files": $changed, "load_before": $(cut -d ' ' -f 1 /proc/loadavg),
- "command": "REPETITIONS=$repetitions MIN_TIME=$min_time benchmarks/measure_cpu.sh OUTDIR $*"}
-END
+"$here/describe_machine.sh" "$build" \
+  "REPETITIONS=$repetitions MIN_TIME=$min_time benchmarks/measure_cpu.sh OUTDIR $*" >"$out/machine.json"
 
 # benchmark FILE FILTER SCENE...
 benchmark() {

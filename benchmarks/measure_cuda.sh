@@ -7,7 +7,7 @@
 #   build      configures and builds for the GPU that is there; in build/gpu, or where SWIFTGS_BUILD says
 #   test       runs the tests labelled `gpu`
 #   memcheck racecheck synccheck initcheck      run them again, those labelled `long` left out, under
-#              this tool of compute-sanitizer
+#              this tool of compute-sanitizer; racecheck watches only kernels of SwiftGS
 #   check      errors of every CUDA renderer against float64, on three views of each scene
 #   bench      times of frames, of views and of stages
 #   frames     measure_gpu_frames.sh: frames that stay on the GPU, their errors, memory and kernels
@@ -79,21 +79,10 @@ for program, cases in programs.items():
   return $failed
 }
 step_memcheck() { sanitize memcheck --leak-check full; }
-step_racecheck() { sanitize racecheck; }
+# Of our kernels alone: those of CUB, which sorts and scans, are watched for long and warned of without a race of ours.
+step_racecheck() { sanitize racecheck --kernel-regex kns=swiftgs; }
 step_synccheck() { sanitize synccheck; }
 step_initcheck() { sanitize initcheck; }
-
-describe_machine() {
-  cat >"$out/machine.json" <<END
-{"date": "$(date -u +%F)", "gpu": "$(ask_gpu name)", "driver": "$(ask_gpu driver_version)",
- "gpu_memory": "$(ask_gpu memory.total)", "gpu_clock": "$(ask_gpu clocks.max.sm)",
- "cpu": "$(sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | head -n 1)", "cores": $(nproc),
- "system": "$(. /etc/os-release && echo "$PRETTY_NAME")", "compiler": "$(c++ --version | head -n 1)",
- "nvcc": "$("$(sed -n 's/^CMAKE_CUDA_COMPILER:[A-Z]*=//p' "$build/CMakeCache.txt")" --version | sed -n 's/.*release.* V//p')",
- "commit": "$(git -C "$root" rev-parse HEAD 2>/dev/null || echo unknown)",
- "command": "REPETITIONS=${REPETITIONS:-3} MIN_TIME=${MIN_TIME:-0.1} benchmarks/measure_cuda.sh"}
-END
-}
 
 step_check() {
   local scene cameras input conventions
@@ -123,7 +112,9 @@ benchmark() {
 }
 
 step_bench() {
-  describe_machine
+  "$root/benchmarks/describe_machine.sh" "$build" \
+    "REPETITIONS=${REPETITIONS:-3} MIN_TIME=${MIN_TIME:-0.1} benchmarks/measure_cuda.sh OUTDIR bench" \
+    >"$out/machine.json"
   benchmark frames.json frames '(frame|views)'
   benchmark stages.json stages '(project|sort|raster)'
 }

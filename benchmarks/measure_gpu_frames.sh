@@ -13,7 +13,8 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 mkdir -p "$1"
 out=$(cd "$1" && pwd)
 shift
-program=${SWIFTGS_BUILD:-$here/../build/gpu}/benchmarks/gpu_frames
+build=${SWIFTGS_BUILD:-$here/../build/gpu}
+program=$build/benchmarks/gpu_frames
 export SWIFTGS_SCENES=${SWIFTGS_SCENES:-$here/../../shared/scenes}
 frames=${FRAMES:-15}
 if [ $# -eq 0 ]; then
@@ -21,16 +22,7 @@ if [ $# -eq 0 ]; then
   [ $# -gt 0 ] || set -- builtin
 fi
 
-ask_gpu() { nvidia-smi --query-gpu="$1" --format=csv,noheader | head -n 1; }
-cat >"$out/machine.json" <<END
-{"date": "$(date -u +%F)", "gpu": "$(ask_gpu name)", "driver": "$(ask_gpu driver_version)",
- "gpu_memory": "$(ask_gpu memory.total)", "gpu_clock": "$(ask_gpu clocks.max.sm)",
- "cpu": "$(sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | head -n 1)", "cores": $(nproc),
- "system": "$(. /etc/os-release && echo "$PRETTY_NAME")",
- "cuda": "$(nvcc --version 2>/dev/null | sed -n 's/.*release.* V//p')",
- "commit": "${COMMIT:-$(git -C "$here" rev-parse HEAD 2>/dev/null || echo unknown)}",
- "command": "FRAMES=$frames benchmarks/measure_gpu_frames.sh OUTDIR $*"}
-END
+"$here/describe_machine.sh" "$build" "FRAMES=$frames benchmarks/measure_gpu_frames.sh OUTDIR $*" >"$out/machine.json"
 
 echo "measure: frames"
 "$program" "$out/gpu_frames.jsonl" --frames "$frames" "$@" 2>"$out/gpu_frames.log" ||
