@@ -55,8 +55,8 @@ SWIFTGS_HD inline float cut_channel(float value) {
   return value > 0 ? (value < most ? value : most) : 0.0f;
 }
 
-/// Colour seen in the unit direction `d`: 0.5 + sum of bands, cut below at 0. `rest` holds the coefficients of
-/// bands 1 to `degree`, RGB innermost.
+/// Colour seen in the unit direction `d`: 0.5 + sum of bands, cut below at 0. `rest` holds the coefficients
+/// of bands 1 to `degree`, RGB innermost.
 SWIFTGS_HD inline vec3 sh_colour(int degree, vec3 sh0, const float* rest, vec3 d) {
   float basis[sh_rest_count(max_sh_degree)];
   sh_basis(degree, d, basis);
