@@ -40,7 +40,7 @@ namespace {
 template <class T>
 Span<const T> copy(Span<const T> from, DeviceBuffer<T>& to) {
   if (from.size == 0) return {};
-  to.reset(from.size);
+  to.reset_exactly(from.size);
   check_cuda(cudaMemcpy(to.data(), from.data, from.size * sizeof(T), cudaMemcpyHostToDevice),
              "cudaMemcpy to the device");
   return std::as_const(to).span();

@@ -15,8 +15,8 @@
 namespace swiftgs {
 namespace {
 
-/// Calls a function of CUB twice, for the size of its temporary memory and for its result. CUB takes an error that is
-/// left behind by the caller's own calls for one of its kernels.
+/// Calls a function of CUB twice, for the size of its temporary memory and for its result. CUB takes an error
+/// that is left behind by the caller's own calls for one of its kernels.
 template <class F>
 void run_cub(const char* call, DeviceBuffer<std::byte>& temporary, const F& f) {
   std::size_t bytes = 0;

@@ -36,18 +36,16 @@ class GrowingBuffer {
     return *this;
   }
 
-  /// Makes room for `count` elements. What was in the buffer is undefined afterwards.
+  /// Makes room for `count` elements, and where it grows for an eighth more. What was in the buffer is
+  /// undefined afterwards.
   void reset(std::size_t count) {
-    if (count > capacity_) {
-      // What grew once may grow again. Empty while the allocation may throw: what is there is freed first, as
-      // it need not be kept.
-      const bool grows = capacity_ != 0;
-      memory_.reset();
-      capacity_ = size_ = 0;
-      const std::size_t room = grows ? count + count / 8 : count;
-      memory_.reset(static_cast<T*>(Memory::allocate(room * sizeof(T) + padding)));
-      capacity_ = room;
-    }
+    if (count > capacity_) allocate(count + count / 8);
+    size_ = count;
+  }
+
+  /// Makes room for `count` elements and no more, for what will not grow.
+  void reset_exactly(std::size_t count) {
+    if (count > capacity_) allocate(count);
     size_ = count;
   }
 
@@ -60,6 +58,15 @@ class GrowingBuffer {
 
  private:
   static constexpr std::size_t padding = 64;
+
+  void allocate(std::size_t room) {
+    // Empty while the allocation may throw; what is there is freed first, as it need not be kept.
+    memory_.reset();
+    capacity_ = size_ = 0;
+    memory_.reset(static_cast<T*>(Memory::allocate(room * sizeof(T) + padding)));
+    capacity_ = room;
+  }
+
   struct Free {
     void operator()(T* memory) const { Memory::release(memory); }
   };

@@ -16,8 +16,9 @@ struct TileRect {
 };
 
 /// Policy: which tiles a splat may touch. `rect` is the box of those tiles; `row` the run of columns in one
-/// row of it, within its columns. A run, not a test a tile, because an ellipse meets a row of tiles in one piece: one evaluation
-/// a row decides all. `lossless` promises that no tile is left out in which a pixel keeps the splat.
+/// row of it, within its columns. A run, not a test a tile, because an ellipse meets a row of tiles in one
+/// piece: one evaluation a row decides all. `lossless` promises that no tile is left out in which a pixel
+/// keeps the splat.
 template <class P>
 concept BoundsPolicy = requires(const P bounds, const SplatShape& shape, TileGrid grid, TileRect rect,
                                 int row) {

@@ -7,8 +7,8 @@
 
 namespace swiftgs {
 
-/// Throws `DeviceError`, naming `call`, unless a CUDA call returned success. What failed is not kept as an error of
-/// later calls.
+/// Throws `DeviceError`, naming `call`, unless a CUDA call returned success. What failed is not kept as an
+/// error of later calls.
 inline void check_cuda(cudaError_t result, const char* call) {
   if (result == cudaSuccess) return;
   cudaGetLastError();
