@@ -320,11 +320,12 @@ What differs from the paper's counts, and why:
 - The exponent is kept in base 2 and joined to log2(opacity) by the fused multiply-adds that compute it, in the kernels of
   the float terms: neither the multiplication by log2(e), nor the one by opacity is left, which are two of the three
   instructions that the paper's threshold saves.
-- The threshold's test therefore saves only `MUFU.EX2` and the cut at alpha_max, where a lane skips. They are predicated,
-  not branched around: a warp issues them where any of its 32 lanes keeps the pair.
+- What the threshold could still save is `MUFU.EX2` and the cut at alpha_max. The half kernels leave them out where a lane
+  skips, by predicates: a warp issues them where any of its 32 lanes keeps the pair. The float kernels select minus
+  infinity instead and take its exponential, which issues less: on Hopper `MUFU` has an eighth of the rate of `FFMA`, but a
+  pipe of its own, which one exponential in twenty instructions does not fill. So a skipped pair is no cheaper there.
 - Without the threshold the exponential is evaluated first and alpha is tested: one test either way, so the static
-  counts of a kept pair are nearly the same. On Hopper `MUFU` has an eighth of the rate of `FFMA`, but a pipe of its own: what
-  the threshold saves shows in time only where that pipe is the busy one.
+  counts of a kept pair are nearly the same.
 - HalfSplit joins halves that must first become floats: a conversion each, on Hopper as `HADD2.F32`.
 """
 
