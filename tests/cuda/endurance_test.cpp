@@ -135,7 +135,7 @@ TEST_CASE("cuda endurance: a renderer that runs out of memory in a frame draws t
   const std::size_t free = free_memory();
   REQUIRE(free > left);
   DeviceBuffer<unsigned char> ballast;
-  ballast.reset(free - left);
+  ballast.reset_exactly(free - left);
   const auto runs_out = [&](auto& renderer) {
     for (const SceneView& too_large : {giants.view(), many}) {
       CHECK(refusal(renderer, too_large, huge).find("bytes of device memory") != std::string::npos);

@@ -149,10 +149,10 @@ struct RasterizeTile {
   }
 };
 
-/// Renders every tile of `job` with the arithmetic of `R::Kernel`. Backends overload this for policies that
-/// they have kernels for.
+/// Renders every tile of `job` with the arithmetic of `R::Kernel`, on hosts. Backends overload this for
+/// policies that they have kernels for; a device, where a thread a tile would be of no use, runs no others.
 template <BackendPolicy B, RasterPolicy R>
-void rasterize(B& b, R, const RasterJob& job) {
+requires(bool(B::reaches_host_memory)) void rasterize(B& b, R, const RasterJob& job) {
   b.for_each(job.grid.size(), RasterizeTile<R>{job});
 }
 

@@ -84,7 +84,9 @@ template <class Key>
 __global__ void __launch_bounds__(emit_threads)
     emit_instances(const __grid_constant__ SortJob job, const std::uint32_t* order, const Instances<Key> out,
                    const LargeSplats large, const RunningSums::View sums) {
-  __shared__ std::uint32_t before_block, tiles_of[emit_warps];
+  // Apart, or the words around `tiles_of` are loaded with it while one of them is written.
+  __shared__ alignas(16) std::uint32_t tiles_of[emit_warps];
+  __shared__ std::uint32_t before_block;
   const unsigned warp = threadIdx.x / warp_size;
   RunningSum sum(sums);
   if (blockIdx.x == 0 && threadIdx.x == 0) large.next_count() = 0;
