@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Every loop body that the stages share between backends, as a kernel. Compiled, never run.
+// Every loop body that the stages share between backends, and the arithmetic of every rasterizer, as a
+// kernel. Compiled, never run.
 #include <swiftgs/swiftgs.hpp>
 
 namespace {
@@ -26,6 +27,17 @@ void emit(std::size_t n, const CountTiles<Bounds>& count, const EmitInstances<Bo
   launch(n, by_tile_and_depth);
 }
 
+template <class R>
+struct EvaluateAlpha {
+  RasterJob job;
+  float* alphas;
+  SWIFTGS_HD void operator()(std::size_t i) const {
+    typename R::Kernel kernel(job.splats.shapes[i], vec2(0.5f), job.rules);
+    kernel.start_row(0.5f);
+    alphas[i] = kernel.alpha(int(i) % tile_side);
+  }
+};
+
 }  // namespace
 
 void project(std::size_t n, const ProjectShapes& shapes, const CompactSplats& compact) {
@@ -44,12 +56,12 @@ void sort(std::size_t n, const DepthPair& depths, const ClearRanges& clear,
   emit<Ellipse>(n, {}, {}, {});
 }
 
-void rasterize(std::size_t tiles, const RasterJob& job) {
-  launch(tiles, RasterizeTile<PerPixel>{job});
-  launch(tiles, RasterizeTile<AxisShared<HalfSplit>>{job});
-  launch(tiles, RasterizeTile<AxisShared<FloatSplit>>{job});
-  launch(tiles, RasterizeTile<AxisShared<FloatCholesky>>{job});
-  launch(tiles, RasterizeTile<AxisSharedThreshold<HalfSplit>>{job});
-  launch(tiles, RasterizeTile<AxisSharedThreshold<FloatSplit>>{job});
-  launch(tiles, RasterizeTile<AxisSharedThreshold<FloatCholesky>>{job});
+void rasterize(std::size_t n, const RasterJob& job, float* alphas) {
+  launch(n, EvaluateAlpha<PerPixel>{job, alphas});
+  launch(n, EvaluateAlpha<AxisShared<HalfSplit>>{job, alphas});
+  launch(n, EvaluateAlpha<AxisShared<FloatSplit>>{job, alphas});
+  launch(n, EvaluateAlpha<AxisShared<FloatCholesky>>{job, alphas});
+  launch(n, EvaluateAlpha<AxisSharedThreshold<HalfSplit>>{job, alphas});
+  launch(n, EvaluateAlpha<AxisSharedThreshold<FloatSplit>>{job, alphas});
+  launch(n, EvaluateAlpha<AxisSharedThreshold<FloatCholesky>>{job, alphas});
 }

@@ -83,12 +83,12 @@ SWIFTGS_HD inline bool row_touched(const SplatShape& shape, float first_x, float
   return nearest * nearest + v * v <= shape.reach;
 }
 
-/// Blends one tile, pixel by pixel: the plain form of what every rasterizer computes.
+/// Blends one tile, pixel by pixel, on a host: the plain form of what every rasterizer computes.
 template <RasterPolicy R>
 struct RasterizeTile {
   RasterJob job;
 
-  SWIFTGS_HD void operator()(std::size_t tile) const {
+  void operator()(std::size_t tile) const {
     const int x0 = int(tile % job.grid.columns) * tile_side, y0 = int(tile / job.grid.columns) * tile_side;
     const int columns = job.frame.width - x0 < tile_side ? job.frame.width - x0 : tile_side;
     const int rows = job.frame.height - y0 < tile_side ? job.frame.height - y0 : tile_side;
@@ -143,7 +143,7 @@ struct RasterizeTile {
 
  private:
   /// Lists run front to back, so a pixel ends at the first splat that the caller's surface hides.
-  SWIFTGS_HD bool occluded(int x, int y, float depth) const {
+  bool occluded(int x, int y, float depth) const {
     const Plane<const float>& occluder = job.frame.occluder;
     return occluder.data && depth >= occluder.row(std::size_t(y))[x];
   }
