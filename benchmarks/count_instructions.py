@@ -18,47 +18,17 @@ by a pass. The test is the FSETP of the stage that the exponent or alpha goes th
 execute what its predicate guards or its branch skips (k). A warp issues what any of its lanes executes.
 """
 import argparse
-import collections
-import csv
 import json
 import re
 import sys
 
-Instruction = collections.namedtuple("Instruction", "at text guard opcode dests sources target executed lanes")
-WIDTH = {"64": 2, "128": 4, "WIDE": 2}
-NO_RESULT = ("ST", "BRA", "BAR", "BSYNC", "BSSY", "EXIT", "NOP", "WARPSYNC", "RED", "RET", "CALL", "B2R")
+from markdown_table import table
+from sass import loops, read_profile, read_sass
+
 PAPER = {("per-pixel", False): "12", ("half-split", False): "9.625", ("half-split", True): "9.625, 25 % fewer skipped"}
 MINI_BATCH = 8  # splats whose shared terms the kernels of HalfSplit compute together
 LOADS, TESTS, MOVES = ("LD", "ULD"), ("FSETP", "ISETP", "PLOP", "BRA"), ("IMAD.MOV", "MOV", "CS2R")
 FORMS = ("per-pixel", "half-split", "float-split", "float-cholesky")
-
-
-def registers(operand, width=1):
-    """Registers and predicates of an operand, of `width` registers where it is one register."""
-    found = []
-    for name in re.findall(r"\bU?[RP]\d+\b", operand):
-        kind, number = re.match(r"(U?[RP])(\d+)", name).groups()
-        found += [f"{kind}{int(number) + i}" for i in range(width if kind in ("R", "UR") else 1)]
-    return found
-
-
-def parse(at, text, base=0, executed=0, lanes=0):
-    """One instruction; `lanes` are those that its predicate let execute it, over all executions."""
-    text = re.sub(r"\s+", " ", text.strip().rstrip(";").strip())
-    guard, rest = re.match(r"(?:@!?(U?P\w+) )?(.*)", text).groups()
-    opcode, _, operands = rest.partition(" ")
-    operands = [o.strip() for o in operands.split(",")] if operands else []
-    parts = opcode.split(".")
-    target = re.search(r"0x[0-9a-f]+", rest) if parts[0] == "BRA" else None
-    if parts[0].startswith(NO_RESULT):
-        dests, sources = [], [r for o in operands for r in registers(o)]
-    else:
-        count = 2 if parts[0].endswith("SETP") else 1
-        width = 1 if parts[0] == "MUFU" else max([WIDTH.get(p, 1) for p in parts[1:]] + [2 if opcode == "CS2R" else 1])
-        dests = [r for o in operands[:count] for r in registers(o, width)]
-        sources = [r for o in operands[count:] for r in registers(o)]
-    return Instruction(at - base, text, guard, opcode, dests, sources,
-                       target and int(target[0], 16) - base, executed, lanes)
 
 
 def identify(name):
@@ -71,44 +41,6 @@ def identify(name):
     form = ("per-pixel" if "per_pixel" in name else "half-split" if "half_split" in name
             else "float-cholesky" if "Cholesky" in name else "float-split")
     return form, len(flags) > 1 and flags[-2]
-
-
-def read_sass(lines):
-    """{name: instructions} of cuobjdump's output."""
-    kernels, name = {}, None
-    for line in lines:
-        if match := re.match(r"\s*Function\s*:?\s*(\S+)", line):
-            name = match[1]
-            kernels[name] = []
-        elif name and (match := re.match(r"\s*(?:/\*)?([0-9a-f]{4,})(?:\*/)?\s+(.*?)(?:;|$)", line)):
-            kernels[name].append(parse(int(match[1], 16), match[2]))
-    return kernels
-
-
-def read_profile(lines):
-    """The same of ncu's output; of several launches of a kernel, the last."""
-    kernels, name, columns = {}, None, []
-    for row in csv.reader(lines):
-        if row and row[0] == "Kernel Name":
-            name, base = row[1], None
-            kernels[name] = []
-        elif row and row[0] == "Address":
-            columns = row
-        elif name and row and row[0].startswith("0x"):
-            fields = dict(zip(columns, row))
-            at = int(row[0], 16)
-            base = at if base is None else base
-            instruction = parse(at, fields["Source"], base, int(fields["Instructions Executed"]),
-                                int(fields["Predicated-On Thread Instructions Executed"]))
-            kernels[name].append(instruction)
-    return kernels
-
-
-def loops(code):
-    """(first, last) index of every loop, the innermost ones first."""
-    index = {i.at: n for n, i in enumerate(code)}
-    found = [(index[i.target], n) for n, i in enumerate(code) if i.target in index and index[i.target] < n]
-    return sorted(found, key=lambda loop: loop[1] - loop[0])
 
 
 class Kernel:
@@ -252,13 +184,6 @@ class Kernel:
 
 def number(value):
     return f"{value:.3f}".rstrip("0").rstrip(".")
-
-
-def table(header, rows):
-    print("| " + " | ".join(header) + " |\n|" + " --- |" * len(header))
-    for row in rows:
-        print("| " + " | ".join(row) + " |")
-    print()
 
 
 def raster_word(form, threshold):

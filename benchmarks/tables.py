@@ -12,6 +12,8 @@ import os
 import statistics
 import sys
 
+from markdown_table import table
+
 BEST = "axis-shared-threshold-float-cholesky"
 SQUARE = "three-sigma-square"
 STAGES = ("project_ms", "sort_ms", "raster_ms")
@@ -34,14 +36,6 @@ def benchmarks(path):
     measures = STAGES + ("real_time", "visible", "instances", "peak_mib")
     return {name: {m: statistics.median(r[m] for r in repeated) for m in measures}
             for name, repeated in runs.items()}
-
-
-def table(header, rows):
-    print("| " + " | ".join(header) + " |")
-    print("|" + " --- |" * len(header))
-    for row in rows:
-        print("| " + " | ".join(row) + " |")
-    print()
 
 
 def ms(value):

@@ -16,6 +16,8 @@ import statistics
 import subprocess
 import sys
 
+from markdown_table import table
+
 BEST = "axis-shared-threshold-float-cholesky"
 SQUARE = "three-sigma-square"
 BOUNDS = (SQUARE, "opacity-box", "ellipse")
@@ -59,14 +61,6 @@ class Frames:
 
 def cuda(sort, raster, bounds):
     return f"cuda/{sort}/{raster}/{bounds}"
-
-
-def table(header, rows):
-    print("| " + " | ".join(header) + " |")
-    print("|" + " --- |" * len(header))
-    for row in rows:
-        print("| " + " | ".join(row) + " |")
-    print()
 
 
 def ms(value):
