@@ -202,7 +202,7 @@ HWY_INLINE void GroupFootprints(const SplatShape* HWY_RESTRICT shapes, TileGrid 
   std::uint8_t large_bits[8] = {};
   hn::StoreMaskBits(di, large, large_bits);
   for (std::size_t i = 0; i < lanes; ++i)
-    if (large_bits[i / 8] >> (i % 8) & 1) footprints[i].count = Footprint::to_be_counted;
+    if (large_bits[i / 8] >> (i % 8) & 1) footprints[i].count = to_be_counted;
 }
 
 template <class VectorBounds>

@@ -32,7 +32,7 @@ class Instances {
     cpu.for_parts(splats, grain, [&](std::size_t begin, std::size_t end) {
       find_footprints(bounds, job.splats.shapes.data + begin, end - begin, job.grid, footprints + begin);
       for (std::size_t id = begin; id < end; ++id)
-        if (footprints[id].count == Footprint::to_be_counted) footprints[id].count = count_large(id);
+        if (footprints[id].count == to_be_counted) footprints[id].count = count_large(id);
     });
   }
 

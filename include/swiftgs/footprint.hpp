@@ -9,8 +9,6 @@ namespace swiftgs {
 struct alignas(16) Footprint {
   /// Tiles a side that the mask has room for.
   static constexpr int side = 8;
-  /// Count of a larger splat whose tiles have yet to be counted.
-  static constexpr std::uint32_t to_be_counted = 0xffffffffu;
 
   std::uint64_t mask = 0;   ///< bit 8 r + c: the tile r rows below and c columns right of the first; zero
                             ///< where the splat spans more than 8 tiles a side, or touches none
