@@ -7,29 +7,17 @@
 #include <vector>
 
 #include "policies/backends.hpp"
-#include "policies/random_splats.hpp"
+#include "policies/pairs.hpp"
 
 using namespace swiftgs;
 using swiftgs::test::make_backend;
 using swiftgs::test::Random;
+using swiftgs::test::random_keys;
+using swiftgs::test::stable_sort_pairs;
 
 namespace {
 
 constexpr std::size_t interesting_sizes[] = {0, 1, 2, 3, 1000, 100'000};
-
-/// What stable sorting by the low `bits` bits means.
-template <class Key>
-void stable_sort_pairs(std::vector<Key>& keys, std::vector<std::uint32_t>& values, int bits) {
-  const Key mask = bits == 0 ? Key(0) : Key(Key(~Key(0)) >> (8 * int(sizeof(Key)) - bits));
-  std::vector<std::size_t> order(keys.size());
-  std::iota(order.begin(), order.end(), std::size_t(0));
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return (keys[a] & mask) < (keys[b] & mask); });
-  const std::vector<Key> old_keys = keys;
-  const std::vector<std::uint32_t> old_values = values;
-  for (std::size_t i = 0; i < order.size(); ++i)
-    keys[i] = old_keys[order[i]], values[i] = old_values[order[i]];
-}
 
 /// Whether `backend` sorts `keys` exactly as a stable sort does, the values numbered in order.
 template <class B, class Key>
@@ -44,15 +32,6 @@ bool sorts(B& backend, std::vector<Key> keys, int bits) {
   stable_sort_pairs(keys, values, bits);
   return std::equal(keys.begin(), keys.end(), pairs.keys.data()) &&
          std::equal(values.begin(), values.end(), pairs.values.data());
-}
-
-/// Random keys of all bits: those above the sorted ones are garbage that must not matter.
-template <class Key>
-std::vector<Key> random_keys(std::size_t n, std::uint64_t seed) {
-  Random random(seed);
-  std::vector<Key> keys(n);
-  for (Key& key : keys) key = Key(random.bits() >> 3);
-  return keys;
 }
 
 }  // namespace
