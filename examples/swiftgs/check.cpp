@@ -8,6 +8,8 @@
 #include <system_error>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
@@ -16,6 +18,7 @@
 #include "choice.hpp"
 #include "commands.hpp"
 #include "json.hpp"
+#include "options.hpp"
 #include "photos.hpp"
 #include "progress.hpp"
 #include "scene_input.hpp"
@@ -23,6 +26,15 @@
 
 namespace swiftgs::cli {
 namespace {
+
+struct CheckOptions {
+  SceneOptions scene;
+  ViewOptions view;
+  std::string renderers = "*";  ///< glob
+  std::string photos;           ///< folder of photographs, or empty
+  std::string json;             ///< file to write, or empty
+  int repeats = 3;              ///< frames that are timed, after one that is not
+};
 
 /// What every renderer is given and judged by.
 struct Task {
@@ -133,8 +145,6 @@ class ResultFile {
   std::ofstream out_;
 };
 
-}  // namespace
-
 void check(const CheckOptions& options) {
   if (options.repeats < 1) throw std::invalid_argument("--repeats: expected at least 1");
   const std::vector<std::string> names = renderers_matching(options.renderers);
@@ -178,6 +188,34 @@ void check(const CheckOptions& options) {
       print_row(mean_of({results.data() + results.size() - views, views}), width, !task.photos.empty());
   }
   json.write(to_json(results, !task.photos.empty()));
+}
+
+constexpr const char* more =
+    R"(Times are medians of --repeats frames after one that is not counted. PSNR and the largest
+difference are against the float64 reference with the same conventions. The table has a row
+of means for each renderer, with the worst difference. In JSON, an infinite PSNR is null.
+With --photos, frames are also compared with the photographs that have the cameras'
+names, and results gain photo_psnr_db.
+
+Examples:
+  swiftgs check builtin:20000 --renderers 'serial/early/per-pixel/*'
+  swiftgs check garden.spz --cameras cameras.json --photos photos --json results.json)";
+
+}  // namespace
+
+void add_check(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("check", "Errors and times of renderers, against a float64 reference");
+  command->footer(more);
+  const auto options = std::make_shared<CheckOptions>();
+  add_scene(*command, options->scene);
+  add_views(*command, options->view, "every:8");
+  command->add_option("--renderers", options->renderers, "Which: names with * for any text")
+      ->capture_default_str();
+  command->add_option("--photos", options->photos, "Folder with photographs of the views");
+  command->add_option("--json", options->json, "File for the results");
+  command->add_option("--repeats", options->repeats, "Frames that are timed")->capture_default_str();
+  command->callback([options] { check(*options); });
 }
 
 }  // namespace swiftgs::cli

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
+#include <memory>
 #include <stdexcept>
+
+#include <CLI/CLI.hpp>
 
 #include <swiftgs/io/image.hpp>
 #include <swiftgs/metrics.hpp>
@@ -10,6 +13,10 @@
 
 namespace swiftgs::cli {
 namespace {
+
+struct CompareOptions {
+  std::string a, b;
+};
 
 /// Drops alpha: colours are compared.
 Image colour_of(Image image) {
@@ -26,8 +33,6 @@ std::string shape_of(const Image& image) {
          (image.channels == 1 ? "grey" : "RGB");
 }
 
-}  // namespace
-
 void compare(const CompareOptions& options) {
   const Image a = colour_of(read_image(options.a)), b = colour_of(read_image(options.b));
   if (shape_of(a) != shape_of(b))
@@ -37,6 +42,25 @@ void compare(const CompareOptions& options) {
                               ssim(a.width, a.height, a.channels, a.pixels, b.pixels),
                               max_abs_difference(a.pixels, b.pixels)};
   std::printf("%s\n", to_json(comparison).c_str());
+}
+
+constexpr const char* more =
+    R"(Prints psnr_db, ssim and max_abs. Images are PNG, JPEG, PFM or EXR of the same size; alpha
+is left out. Values are those of the files, 0 to 1 in files of integers. psnr_db of equal
+images is null, as JSON has no infinity.
+
+Example:
+  swiftgs compare a.png b.png)";
+
+}  // namespace
+
+void add_compare(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("compare", "How two images differ, as JSON");
+  command->footer(more);
+  const auto options = std::make_shared<CompareOptions>();
+  command->add_option("A", options->a, "An image")->required();
+  command->add_option("B", options->b, "Another of the same size")->required();
+  command->callback([options] { compare(*options); });
 }
 
 }  // namespace swiftgs::cli

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>
+#include <memory>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "commands.hpp"
+#include "options.hpp"
 #include "scene_input.hpp"
 
 namespace swiftgs::cli {
@@ -42,8 +46,6 @@ void print_distributions(const Scene& scene) {
   print_percentiles("shortest scale", n, [&](std::size_t i) { return sorted_scale(i, 0); });
 }
 
-}  // namespace
-
 void info(const SceneOptions& options) {
   const SceneFile file = load(options);
   const Scene& scene = file.scene;
@@ -59,6 +61,23 @@ void info(const SceneOptions& options) {
   std::printf("%-15s %s\n", "anti-aliased", scene.antialiased ? "yes" : "no");
   for (const std::string& note : file.notes) std::printf("%-15s %s\n", "note", note.c_str());
   if (scene.size() > 0) print_distributions(scene);
+}
+
+constexpr const char* more =
+    R"(Prints format, count, SH degree, how many Gaussians were dropped because they are not
+finite, and percentiles of positions, opacities and scales.
+
+Example:
+  swiftgs info garden.spz)";
+
+}  // namespace
+
+void add_info(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("info", "What a scene holds");
+  command->footer(more);
+  const auto options = std::make_shared<SceneOptions>();
+  add_scene(*command, *options);
+  command->callback([options] { info(*options); });
 }
 
 }  // namespace swiftgs::cli

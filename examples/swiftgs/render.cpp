@@ -6,17 +6,29 @@
 #include <stdexcept>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/io/image.hpp>
 
 #include "choice.hpp"
 #include "commands.hpp"
+#include "options.hpp"
 #include "progress.hpp"
 #include "scene_input.hpp"
 #include "views.hpp"
 
 namespace swiftgs::cli {
 namespace {
+
+struct RenderOptions {
+  SceneOptions scene;
+  ViewOptions view;
+  std::string renderer;  ///< empty for `default_renderer()`
+  std::string out = "renders";
+  std::string format = "png";
+  bool stats = false;
+};
 
 using Writer = void (*)(const std::filesystem::path&, const Frame&);
 
@@ -38,8 +50,6 @@ void print_statistics(const Statistics& s) {
   line("contributing pairs", s.raster.contributing_pairs);
   line("pixels stopped early", s.raster.pixels_stopped);
 }
-
-}  // namespace
 
 void render(const RenderOptions& options) {
   const Writer write = writer_of(options.format);
@@ -80,6 +90,32 @@ void render(const RenderOptions& options) {
   std::printf("%zu %s with %s, median %.2f ms a frame\n", views.size(),
               views.size() == 1 ? "image" : "images", std::string(renderer->name()).c_str(),
               totals[totals.size() / 2]);
+}
+
+constexpr const char* more =
+    R"(Prints where each image is and how long its frame took, memory and files left out.
+Without --cameras a view is found for the scene; 'builtin' has a front view, number 0,
+and an orbit, 1 to 24. Images are called as the cameras are, or by number.
+A scene that was trained with anti-aliasing is rendered with it.
+
+Examples:
+  swiftgs render builtin:1000000 --scale 2 --out big
+  swiftgs render garden.spz --cameras cameras.json --views 0,8 --stats
+  swiftgs render fox.spz --cameras fox/sparse/0 --views every:8 --format exr)";
+
+}  // namespace
+
+void add_render(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("render", "Renders views of a scene to image files");
+  command->footer(more);
+  const auto options = std::make_shared<RenderOptions>();
+  add_scene(*command, options->scene);
+  add_views(*command, options->view, "all");
+  command->add_option("--renderer", options->renderer, "A name from 'swiftgs list'");
+  command->add_option("--out", options->out, "Folder for the images")->capture_default_str();
+  command->add_option("--format", options->format, "png, pfm or exr")->capture_default_str();
+  command->add_flag("--stats", options->stats, "Print what each frame had to do");
+  command->callback([options] { render(*options); });
 }
 
 }  // namespace swiftgs::cli

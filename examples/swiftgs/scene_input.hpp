@@ -8,7 +8,7 @@
 
 #include <swiftgs/io/scene_file.hpp>
 
-#include "commands.hpp"
+#include "options.hpp"
 
 namespace swiftgs::cli {
 

@@ -10,7 +10,7 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/scene.hpp>
 
-#include "commands.hpp"
+#include "options.hpp"
 
 namespace swiftgs::cli {
 

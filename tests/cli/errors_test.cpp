@@ -91,7 +91,7 @@ TEST_CASE("cli errors: options that make no sense say what was expected") {
 
 TEST_CASE("cli errors: arguments that are not known or missing") {
   const TemporaryFolder place;
-  fails(place, "", {"expected a command: info, list, render, compare or check", "--help"});
+  fails(place, "", {"expected a command: info, list, render, compare, check", "--help"});
   fails(place, "paint", {"paint", "--help"});
   fails(place, "render", {"SCENE", "--help"});
   fails(place, "render builtin:10 --colour", {"--colour"});

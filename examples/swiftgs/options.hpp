@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace swiftgs::cli {
+
+/// What says which scene to load.
+struct SceneOptions {
+  std::string scene;                    ///< a file, `builtin`, or `builtin:N`
+  std::string spz_frame = "specified";  ///< as `SpzFrame` names them
+};
+
+/// What says which images to make of it.
+struct ViewOptions {
+  std::string cameras;  ///< a file or folder of cameras, or empty
+  std::string views;    ///< such as `0,8`, `every:8` or `all`; empty for the command's own choice
+  double scale = 1;     ///< of the images' sides
+  std::string conventions = "gsplat";
+  std::string background = "0,0,0";
+};
+
+/// Adds the options of a scene, of which the name is required.
+void add_scene(CLI::App& command, SceneOptions& options);
+
+/// Adds the options of views. `default_views` is what the command takes of a list of cameras.
+void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views);
+
+}  // namespace swiftgs::cli
