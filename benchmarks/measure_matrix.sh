@@ -1,0 +1,166 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+#
+# Measures, with `swiftgs bench`, what the pages of docs/ and the README print as tables.
+#   benchmarks/measure_matrix.sh OUTDIR [PART...]
+# Parts, each with files of its own in OUTDIR; without any, all of them in this order:
+#   matrix     matrix.json: every renderer of the backend over views of each scene, with errors and photographs
+#   vanilla    vanilla.json: the 3-sigma square with the inria conventions, the paper's steps on it, and ours
+#   all-views  all-views.json: what each bounds make of every view
+#   gaussians  scaling-gaussians.json, scaling-builtin.json: 0.1 to 12 million of a capture's, and of the built-in scene
+#   pixels     scaling-pixels.json: 0.25 to 33 million
+#   threads    scaling-threads.json: of the cpu backend, whatever BACKEND is, up to as many as there are
+#   occupancy  scaling-occupancy.json: scales of all Gaussians from an eighth to eight times theirs (four on a CPU)
+#   prune      prune-SCENE-SCORE.json, and pruned.json: a tenth of each capture
+#   calibrate  calibration-SCENE.json, at one and two times the images' sides
+# BACKEND is cuda or cpu; by default cuda where it runs. Scenes are the built-in one and the captures in
+# SWIFTGS_SCENES; SCENES='fox garden' names other captures. The program is that of SWIFTGS_BUILD, else of build/release.
+#
+# All parts take about seven minutes of an H200 with 16 cores and half an hour of two cores. What keeps them within that:
+# frames end when the median is known to PRECISION, MIN_FRAMES and MAX_FRAMES of them; a CPU takes every 24th view where
+# a GPU takes every eighth (VIEWS), both of them of those that training has not seen; the float64 reference, which takes
+# longer than all frames together, is rendered for the first view of a scene alone.
+# Nothing else should run meanwhile. A part that fails says so, and the others run.
+set -euo pipefail
+all_parts=(matrix vanilla all-views gaussians pixels threads occupancy prune calibrate)
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+[ $# -ge 1 ] || { echo "usage: benchmarks/measure_matrix.sh OUTDIR [${all_parts[*]}]" >&2; exit 2; }
+out=$1
+shift
+[ $# -gt 0 ] || set -- "${all_parts[@]}"
+for part in "$@"; do
+  [[ " ${all_parts[*]} " == *" $part "* ]] ||
+    { echo "measure: '$part' is no part; expected ${all_parts[*]}" >&2; exit 2; }
+done
+swiftgs=${SWIFTGS_BUILD:-$here/../build/release}/examples/swiftgs
+[ -x "$swiftgs" ] || { echo "measure: expected a program at $swiftgs; build the target swiftgs_cli" >&2; exit 1; }
+swiftgs=$(realpath "$swiftgs")
+mkdir -p "$out"
+out=$(cd "$out" && pwd)
+scenes=$(realpath "${SWIFTGS_SCENES:-$here/../../shared/scenes}")
+
+runs_here() { "$swiftgs" list | grep "^$1/.* runs here$" >/dev/null; }
+backend=${BACKEND:-$(runs_here cuda && echo cuda || echo cpu)}
+runs_here "$backend" || { echo "measure: no renderer of the backend '$backend' runs here" >&2; exit 1; }
+
+if [ "$backend" = cuda ]; then
+  views=${VIEWS:-every:8} least=${MIN_FRAMES:-15} most=${MAX_FRAMES:-60} precision=${PRECISION:-0.01}
+  sizes_of_builtin=(builtin builtin:1000000 builtin:4000000) enlarge=0.125,0.25,0.5,1,2,4,8
+else
+  views=${VIEWS:-every:24} least=${MIN_FRAMES:-6} most=${MAX_FRAMES:-12} precision=${PRECISION:-0.02}
+  sizes_of_builtin=(builtin builtin:1000000) enlarge=0.125,0.25,0.5,1,2,4
+fi
+
+captures=()
+if [ -n "${SCENES:-}" ]; then
+  for name in $SCENES; do captures+=("$scenes/$name"); done
+else
+  for folder in "$scenes"/*/; do [ -d "${folder}photos" ] && captures+=("${folder%/}"); done
+fi
+# Growth is shown on one capture: garden where it is there.
+grown=(${captures[@]+"${captures[0]}"})
+for capture in ${captures[@]+"${captures[@]}"}; do [[ "$capture" != */garden ]] || grown=("$capture"); done
+
+ours=axis-shared-threshold-float-cholesky/ellipse
+paper=axis-shared-threshold-half-split
+square=three-sigma-square
+scaling() { echo "$1/early/$ours,$1/standard/$ours,$1/standard/per-pixel/$square"; }
+
+# bench FILE ARGUMENT...
+bench() {
+  local file=$1
+  shift
+  "$swiftgs" bench "$@" --min-frames "$least" --max-frames "$most" --precision "$precision" --seed 1 \
+    --json "$out/$file"
+}
+
+part_matrix() {
+  bench matrix.json ${captures[@]+"${captures[@]}"} "${sizes_of_builtin[@]}" --renderers "$backend/*" --views "$views" \
+    --errors first
+}
+
+vanilla=$backend/standard/per-pixel/$square,$backend/adaptive/$paper/$square
+vanilla+=,$backend/adaptive/axis-shared-threshold-float-cholesky/$square,$backend/adaptive/$ours
+part_vanilla() {
+  bench vanilla.json ${captures[@]+"${captures[@]}"} builtin --renderers "$vanilla" --conventions inria --views "$views" \
+    --errors first
+}
+
+part_all-views() {
+  least=3 most=3 bench all-views.json ${captures[@]+"${captures[@]}"} builtin --renderers \
+    "$backend/early/axis-shared-threshold-float-cholesky/*" --views all --errors none
+}
+
+part_gaussians() {
+  [ ${#grown[@]} -eq 0 ] || bench scaling-gaussians.json "${grown[@]}" --renderers "$(scaling "$backend")" --views 0 \
+    --gaussians 100000,250000,500000,1000000,2000000,4000000,8000000,12000000 --errors none
+  bench scaling-builtin.json builtin:{100000,250000,500000,1000000,2000000,4000000,8000000,12000000} \
+    --renderers "$(scaling "$backend")" --views 0 --errors none
+}
+
+# The sides' factors are those that make the images of garden, 1297x840, and of the built-in scene, 1280x720, grow from
+# a quarter of a million pixels by about two to 33 million.
+part_pixels() {
+  bench scaling-pixels.json ${grown[@]+"${grown[@]}"} builtin:1000000 --renderers "$(scaling "$backend")" --views 0 \
+    --scales 0.48,0.68,0.96,1.36,1.92,2.71,3.84,5.5 --errors none
+}
+
+part_threads() {
+  local counts=1 count
+  for count in 2 4 8 16; do [ "$count" -gt "$(nproc)" ] || counts+=,$count; done
+  least=6 most=12 precision=0.02 bench scaling-threads.json ${captures[@]+"${captures[@]}"} builtin:1000000 \
+    --renderers "$(scaling cpu)" --views 0 --threads "$counts" --errors none
+}
+
+part_occupancy() {
+  bench scaling-occupancy.json ${grown[@]+"${grown[@]}"} builtin:1000000 --renderers "$(scaling "$backend")" --views 0 \
+    --enlarge "$enlarge" --errors none
+}
+
+cameras_of() { if [ -e "$1/cameras.json" ]; then echo "$1/cameras.json"; else echo "$1/sparse/0"; fi; }
+scene_of() { find "$1" -maxdepth 1 -name "$(basename "$1").*" | head -n 1; }
+
+# Pruned scenes lie in OUTDIR/pruned, each a capture whose cameras and photographs are links; they may be removed.
+part_prune() {
+  local capture name score file pruned=()
+  for capture in ${captures[@]+"${captures[@]}"}; do
+    name=$(basename "$capture")
+    mkdir -p "$out/pruned/$name-pruned"
+    for file in cameras.json sparse photos; do
+      [ ! -e "$capture/$file" ] || ln -sfn "$capture/$file" "$out/pruned/$name-pruned/$file"
+    done
+    for score in opacity-volume contribution; do
+      "$swiftgs" prune "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")" --photos "$capture/photos" \
+        --keep 0.1 --score "$score" --output "$out/pruned/$name-pruned/$name-pruned.ply" \
+        --json "$out/prune-$name-$score.json"
+    done
+    pruned+=("$out/pruned/$name-pruned")  # what the last score has kept
+  done
+  [ ${#pruned[@]} -eq 0 ] || bench pruned.json "${pruned[@]}" --renderers "$vanilla" --conventions inria \
+    --views "$views" --errors first
+}
+
+part_calibrate() {
+  local capture name
+  for capture in ${captures[@]+"${captures[@]}"}; do
+    name=$(basename "$capture")
+    "$swiftgs" calibrate "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")" --check \
+      --json "$out/calibration-$name.json"
+  done
+}
+
+failed=0
+for part in "$@"; do
+  started=$SECONDS
+  set +e  # bash would ignore it in a command whose status is tested
+  (set -e; "part_$part")
+  status=$?
+  set -e
+  if [ $status -eq 0 ]; then
+    echo "measure: $part done in $((SECONDS - started)) s"
+  else
+    failed=1
+    echo "measure: $part FAILED after $((SECONDS - started)) s" >&2
+  fi
+done
+exit $failed
