@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <deque>
 #include <optional>
-#include <sstream>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -77,19 +76,6 @@ struct Session {
   const void* scene = "a scene";
   bool correct = true;
 };
-
-std::string text_of(const SortCalibration& calibration) {
-  std::ostringstream out;
-  out << calibration;
-  return out.str();
-}
-
-std::optional<SortCalibration> calibration_in(const std::string& text) {
-  std::istringstream in(text);
-  SortCalibration calibration;
-  if (in >> calibration) return calibration;
-  return std::nullopt;
-}
 
 }  // namespace
 
@@ -188,55 +174,85 @@ TEST_CASE("adaptive sort: for_views spends a fifth of the views on measuring hal
   CHECK(few.sort.calibration());
 }
 
-TEST_CASE("adaptive sort: a calibration survives being saved and loaded") {
-  const SortCalibration saved{123'456'789'012, 1920, 1080, 1.0 / 3, 1.0 / 3 + 1e-15};
-  const std::optional<SortCalibration> loaded = calibration_in(text_of(saved));
-  REQUIRE(loaded);
-  CHECK(loaded->gaussians == saved.gaussians);
-  CHECK(loaded->width == 1920);
-  CHECK(loaded->height == 1080);
-  CHECK(loaded->standard_ms == saved.standard_ms);
-  CHECK(loaded->early_ms == saved.early_ms);
-  CHECK_FALSE(loaded->prefers_early());
-}
-
-TEST_CASE("adaptive sort: a loaded calibration decides from the first frame on") {
+TEST_CASE("adaptive sort: a saved measurement decides from the first frame on and is not measured again") {
   for (const bool early : {false, true}) {
-    Session session(AdaptiveSort(SortCalibration{20, 64, 48, early ? 2.0 : 1.0, early ? 1.0 : 2.0}));
-    CHECK(session.sort.calibration());
+    Session session(AdaptiveSort({{20, 64, 48, early ? 2.0 : 1.0, early ? 1.0 : 2.0}}));
     CHECK(session.frames(5) == (early ? "eeeee" : "sssss"));
     CHECK(session.backend.times_asked == 0);
+    REQUIRE(session.sort.calibration());
+    CHECK(session.sort.calibration()->standard_ms == (early ? 2 : 1));
+    CHECK(session.sort.calibration()->early_ms == (early ? 1 : 2));
+    CHECK(session.correct);
   }
 }
 
-TEST_CASE("adaptive sort: a loaded calibration of another scene or size is ignored") {
-  const SortCalibration stale[] = {{21, 64, 48, 1, 2}, {20, 63, 48, 1, 2}, {20, 64, 49, 1, 2}};
-  for (const SortCalibration& calibration : stale) {
-    Session session{AdaptiveSort(calibration)};
+TEST_CASE("adaptive sort: each image size has its own saved measurement") {
+  Session session(AdaptiveSort({{20, 64, 48, 1, 2}, {20, 80, 48, 2, 1}, {20, 80, 60, 1, 2}}));
+  for (int round = 0; round < 3; ++round) {
+    CHECK(session.frame(64, 48) == "standard");
+    CHECK(session.frame(80, 48) == "early");
+    CHECK(session.sort.calibration()->early_ms == 1);
+    CHECK(session.frame(80, 60) == "standard");
+    CHECK(session.sort.calibration()->height == 60);
+  }
+  CHECK(session.backend.times_asked == 0);
+  CHECK(session.correct);
+}
+
+TEST_CASE("adaptive sort: a size that was not saved is measured and leaves the saved ones as they are") {
+  Session session(AdaptiveSort({{20, 80, 48, 1, 2}}, 1));
+  CHECK(session.frames(6) == "seseee");
+  REQUIRE(session.sort.calibration());
+  CHECK(session.sort.calibration()->standard_ms == 2);
+  const int asked = session.backend.times_asked;
+  CHECK(session.frame(80, 48) == "standard");
+  CHECK(session.backend.times_asked == asked);
+}
+
+TEST_CASE("adaptive sort: a saved measurement of another scene or size is ignored") {
+  const SortCalibration others[] = {{21, 64, 48, 1, 2}, {20, 63, 48, 1, 2}, {20, 64, 49, 1, 2}};
+  for (const SortCalibration& other : others) {
+    Session session(AdaptiveSort({other}));
     CHECK(session.frames(8) == "sesesese");
     REQUIRE(session.sort.calibration());
     CHECK(session.sort.calibration()->standard_ms == 2);
   }
 }
 
-TEST_CASE("adaptive sort: a loaded calibration holds for the first scene that matches and no other") {
-  Session session(AdaptiveSort(SortCalibration{20, 64, 48, 1, 2}));
+TEST_CASE("adaptive sort: saved measurements hold for the first scene that matches and no other") {
+  Session session(AdaptiveSort({{20, 64, 48, 1, 2}, {20, 80, 48, 1, 2}}));
+  const void* first = session.scene;
   session.frame();
   CHECK(session.sort.calibration());
   session.scene = "another scene of the same size";
   session.frame();
   CHECK_FALSE(session.sort.calibration());
+  session.frame(80, 48);
+  CHECK_FALSE(session.sort.calibration());
+  session.scene = first;
+  session.frame(80, 48);
+  CHECK(session.sort.calibration());
 }
 
-TEST_CASE("adaptive sort: text that is not a calibration is refused") {
-  for (const char* text : {"", "\n", "swiftgs-sort-calibration", "swiftgs-sort-calibration 1 5 6 7 8",
-                           "swiftgs-sort-calibration 2 5 6 7 8 9", "another-calibration 1 5 6 7 8 9",
-                           "swiftgs-sort-calibration 1 5 6 7 -8 9", "swiftgs-sort-calibration 1 5 6 7 nan 9",
-                           "swiftgs-sort-calibration 1 five 6 7 8 9"}) {
-    CAPTURE(text);
-    CHECK_FALSE(calibration_in(text));
-  }
-  CHECK(calibration_in("swiftgs-sort-calibration 1 5 6 7 8 9"));
+TEST_CASE("adaptive sort: measurements that are handed over later replace what was there") {
+  Session session(AdaptiveSort(1));
+  CHECK(session.frames(6) == "seseee");
+  session.sort.use({{20, 64, 48, 1, 2}});
+  CHECK_FALSE(session.sort.calibration());
+  CHECK(session.frames(3) == "sss");
+  session.sort.use({});
+  CHECK(session.frames(6) == "seseee");
+  CHECK(session.correct);
+}
+
+TEST_CASE("adaptive sort: what was being measured when measurements are handed over is dropped") {
+  Session session(AdaptiveSort(1));
+  session.backend.late = true;
+  session.frame();
+  session.backend.late = false;
+  session.sort.use({{20, 64, 48, 1, 2}});
+  CHECK(session.frames(3) == "sss");
+  CHECK(session.sort.calibration()->standard_ms == 1);
 }
 
 TEST_CASE("adaptive sort: can sort again after a frame that was refused") {

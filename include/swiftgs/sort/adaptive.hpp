@@ -3,53 +3,20 @@
 
 #include <algorithm>
 #include <array>
-#include <istream>
-#include <limits>
 #include <optional>
-#include <ostream>
-#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
+#include <swiftgs/sort/calibration.hpp>
 #include <swiftgs/sort/early.hpp>
 #include <swiftgs/sort/standard.hpp>
 
 namespace swiftgs {
 
-/// What `AdaptiveSort` measured: mean sort time of either strategy for one scene at one image size.
-struct SortCalibration {
-  std::size_t gaussians = 0;
-  int width = 0, height = 0;
-  double standard_ms = 0, early_ms = 0;
-
-  bool prefers_early() const { return early_ms <= standard_ms; }
-};
-
-/// One line of text, with as many digits as bring the same durations back.
-inline std::ostream& operator<<(std::ostream& out, const SortCalibration& c) {
-  const std::streamsize precision = out.precision(std::numeric_limits<double>::max_digits10);
-  out << "swiftgs-sort-calibration 1 " << c.gaussians << ' ' << c.width << ' ' << c.height << ' '
-      << c.standard_ms << ' ' << c.early_ms << '\n';
-  out.precision(precision);
-  return out;
-}
-
-/// Reads what `operator<<` wrote; sets failbit on anything else.
-inline std::istream& operator>>(std::istream& in, SortCalibration& c) {
-  std::string tag;
-  int version = 0;
-  SortCalibration read;
-  if (in >> tag >> version >> read.gaussians >> read.width >> read.height >> read.standard_ms >>
-          read.early_ms &&
-      tag == "swiftgs-sort-calibration" && version == 1 && read.width > 0 && read.height > 0 &&
-      read.standard_ms >= 0 && read.early_ms >= 0)
-    c = read;
-  else
-    in.setstate(std::ios::failbit);
-  return in;
-}
-
 /// Adaptive early sorting (SwiftGS, section 4.2): measures both strategies on the frames that it renders,
-/// then keeps the one with the lower mean, until the scene or the image size changes. Every frame is correct,
-/// measured or not.
+/// then keeps the one with the lower mean, until the scene or the image size changes. What was measured
+/// before spares it that. Every frame is correct, measured or not.
 class AdaptiveSort {
  public:
   static constexpr std::string_view name = "adaptive";
@@ -61,15 +28,25 @@ class AdaptiveSort {
   /// The paper's budget: a fifth of `views`, half of it with either strategy.
   static AdaptiveSort for_views(int views) { return AdaptiveSort(views / 10); }
 
-  /// Starts from an earlier measurement, which holds as long as frames match its scene and size.
-  explicit AdaptiveSort(const SortCalibration& saved, int frames_each = 3)
-      : frames_each_(std::max(frames_each, 1)),
-        key_{nullptr, saved.gaussians, saved.width, saved.height},
-        measured_{{{saved.standard_ms, 1, 0}, {saved.early_ms, 1, 0}}},
-        early_(saved.prefers_early()),
-        decided_(true) {}
+  /// Starts with what `use` takes.
+  explicit AdaptiveSort(std::vector<SortCalibration> saved, int frames_each = 3) : AdaptiveSort(frames_each) {
+    use(std::move(saved));
+  }
 
-  /// The finished measurement, or nothing while frames are still being measured.
+  /// Takes earlier measurements of one scene, one for each image size, in place of any before. They hold for
+  /// the first scene of as many Gaussians that comes at one of these sizes: its frames at any of them are
+  /// sorted by what was measured, from the first on, and not measured again. At other sizes, and of other
+  /// scenes, frames are measured as without. Whether the measurements are of this backend and these bounds is
+  /// for the caller to know.
+  void use(std::vector<SortCalibration> saved) {
+    saved_ = std::move(saved);
+    saved_scene_ = nullptr;
+    key_ = {};  // looks the next frame's up
+    measured_ = {};
+    decided_ = false;
+  }
+
+  /// What is known of the last frame's scene and size, or nothing while frames are still being measured.
   std::optional<SortCalibration> calibration() const {
     if (!decided_) return std::nullopt;
     return SortCalibration{key_.gaussians, key_.width, key_.height, measured_[0].mean(), measured_[1].mean()};
@@ -112,16 +89,26 @@ class AdaptiveSort {
 
   template <class Pending>
   void start_over_where_stale(const FrameKey& key, Pending& pending) {
-    const bool same_scene = key_.scene == key.scene || (decided_ && !key_.scene);
-    if (same_scene && key_.gaussians == key.gaussians && key_.width == key.width &&
-        key_.height == key.height) {
-      key_.scene = key.scene;
-      return;
-    }
+    if (key == key_) return;
     key_ = key;
     measured_ = {};
     decided_ = false;
     pending.from.reset(), pending.to.reset(), pending.waited = 0;
+    if (const SortCalibration* saved = saved_for(key)) {
+      measured_ = {{{saved->standard_ms, 1, 0}, {saved->early_ms, 1, 0}}};
+      early_ = saved->prefers_early();
+      decided_ = true;
+    }
+  }
+
+  const SortCalibration* saved_for(const FrameKey& key) {
+    if (saved_scene_ && saved_scene_ != key.scene) return nullptr;
+    const auto found = std::find_if(saved_.begin(), saved_.end(), [&](const SortCalibration& saved) {
+      return saved.gaussians == key.gaussians && saved.width == key.width && saved.height == key.height;
+    });
+    if (found == saved_.end()) return nullptr;
+    saved_scene_ = key.scene;
+    return &*found;
   }
 
   /// Adds a measurement once its end has been reached; never waits for one.
@@ -146,6 +133,8 @@ class AdaptiveSort {
   }
 
   int frames_each_;
+  std::vector<SortCalibration> saved_;
+  const void* saved_scene_ = nullptr;  ///< which of all scenes `saved_` is of, once it has come
   FrameKey key_;
   std::array<Measured, 2> measured_{};  ///< standard, early
   bool early_ = false;

@@ -17,9 +17,11 @@ namespace swiftgs {
 
 /// Which scene at which image size: what a choice of sort strategy holds for.
 struct FrameKey {
-  const void* scene = nullptr;  ///< where the uploaded scene's means lie; null in a saved choice
+  const void* scene = nullptr;  ///< where the uploaded scene's means lie
   std::size_t gaussians = 0;
   int width = 0, height = 0;
+
+  bool operator==(const FrameKey&) const = default;
 };
 
 /// What a sort turns into tile lists.
