@@ -36,7 +36,15 @@ void Cuda::download_bytes(const void* from, void* to, std::size_t bytes) const {
   if (bytes == 0) return;
   check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, stream()),
              "cudaMemcpyAsync to the host");
-  check_cuda(cudaStreamSynchronize(stream()), "cudaStreamSynchronize");
+  wait();
+}
+
+void Cuda::wait() const { check_cuda(cudaStreamSynchronize(stream()), "cudaStreamSynchronize"); }
+
+MemoryUse Cuda::memory_use() {
+  std::size_t free = 0, total = 0;
+  check_cuda(cudaMemGetInfo(&free, &total), "cudaMemGetInfo");
+  return {total - free, total};
 }
 
 void Cuda::clear(void* memory, std::size_t bytes) const {

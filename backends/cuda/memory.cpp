@@ -18,9 +18,8 @@ void* DeviceMemory::allocate(std::size_t bytes) {
   const cudaError_t result = cudaMalloc(&memory, bytes);
   if (result == cudaErrorMemoryAllocation) {
     cudaGetLastError();  // the next call must not see it again
-    std::size_t free = 0, total = 0;
-    check_cuda(cudaMemGetInfo(&free, &total), "cudaMemGetInfo");
-    throw CapacityError("bytes of device memory", bytes, free);
+    const MemoryUse use = Cuda::memory_use();
+    throw CapacityError("bytes of device memory", bytes, use.total - use.in_use);
   }
   check_cuda(result, "cudaMalloc");
   return memory;

@@ -22,10 +22,21 @@ class AnyRenderer {
   /// Uploads `scene` for the frames that follow; host backends share it.
   virtual void set_scene(std::shared_ptr<const Scene> scene) = 0;
 
+  /// Takes the scene that `other` has uploaded instead, without another copy. Returns false, and changes
+  /// nothing, where `other` has none or is of another backend.
+  virtual bool share_scene(const AnyRenderer& other) = 0;
+
   /// As `Renderer::render`. Throws `std::logic_error` before a scene is set.
   virtual void render(const Camera& camera, const RenderSettings& settings, Frame& frame) = 0;
+
+  /// Renders a frame that stays with the backend, as in a program that shows or composes it there; finished
+  /// when it returns. Throws as `render`.
+  virtual void render_resident(const Camera& camera, const RenderSettings& settings) = 0;
   virtual StageTimes times() = 0;
   virtual Statistics statistics() const = 0;
+
+  /// Memory of the device that the backend works in; nothing where it works in the host's.
+  virtual std::optional<MemoryUse> device_memory() const = 0;
 };
 
 /// One row of the table of renderers.
@@ -35,24 +46,51 @@ struct RendererEntry {
   std::unique_ptr<AnyRenderer> (*make)() = nullptr;
 };
 
+/// What renderers on backend `B` have in common.
+template <class B>
+class RendererOn : public AnyRenderer {
+ public:
+  bool share_scene(const AnyRenderer& other) override {
+    const auto* like = dynamic_cast<const RendererOn*>(&other);
+    if (!like || !like->scene_) return false;
+    scene_ = like->scene_;
+    return true;
+  }
+  std::optional<MemoryUse> device_memory() const override {
+    if constexpr (B::reaches_host_memory)
+      return std::nullopt;
+    else
+      return B::memory_use();
+  }
+
+ protected:
+  const typename B::SceneOn& scene() const {
+    if (!scene_) throw std::logic_error("render: expected a scene before the first frame");
+    return *scene_;
+  }
+  std::optional<typename B::SceneOn> scene_;  ///< copies share the memory
+};
+
 /// `AnyRenderer` of one combination.
 template <class R, class B>
-class RendererOf final : public AnyRenderer {
+class RendererOf final : public RendererOn<B> {
  public:
   std::string_view name() const override { return R::name; }
   void set_scene(std::shared_ptr<const Scene> scene) override {
-    scene_.emplace(renderer_.backend().upload(std::move(scene)));
+    this->scene_.emplace(renderer_.backend().upload(std::move(scene)));
   }
   void render(const Camera& camera, const RenderSettings& settings, Frame& frame) override {
-    if (!scene_) throw std::logic_error("render: expected set_scene before the first frame");
-    renderer_.render(*scene_, camera, settings, frame);
+    renderer_.render(this->scene(), camera, settings, frame);
+  }
+  void render_resident(const Camera& camera, const RenderSettings& settings) override {
+    renderer_.render_resident(this->scene().view(), camera, settings);
+    renderer_.backend().wait();
   }
   StageTimes times() override { return renderer_.times(); }
   Statistics statistics() const override { return renderer_.statistics(); }
 
  private:
   R renderer_;
-  std::optional<typename B::SceneOn> scene_;
 };
 
 /// Types to combine.

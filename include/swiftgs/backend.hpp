@@ -25,6 +25,11 @@ struct Pairs {
   }
 };
 
+/// How much of a memory is taken, by whomever, and how much there is. @units{bytes}
+struct MemoryUse {
+  std::size_t in_use = 0, total = 0;
+};
+
 namespace detail {
 struct AnyIndexed {
   SWIFTGS_HD void operator()(std::size_t) const {}
@@ -37,6 +42,8 @@ struct AnyIndexed {
 /// - `SceneOn`: an uploaded scene, with `view()`.
 /// - `reaches_host_memory`: whether its loops can write to the host's own arrays.
 /// - `download(from, to)`: copies to the host, after all that was asked for before; complete when it returns.
+/// - `memory_use()`, of a backend that does not reach the host's memory: of that which it works in.
+/// - `wait()`: returns when all that was asked for before is done.
 /// - `for_each(n, f)`: f(i) for every i in [0, n), in any order. Complete when it returns, or in stream
 /// order.
 /// - `exclusive_scan(counts)`: sums in place, returns the total.
@@ -53,6 +60,7 @@ concept BackendPolicy = requires(B b, const Scene& scene, Span<std::uint32_t> co
   { B::reaches_host_memory } -> std::convertible_to<bool>;
   { b.upload(scene).view() } -> std::same_as<SceneView>;
   b.download(from, static_cast<std::uint32_t*>(nullptr));
+  b.wait();
   b.for_each(std::size_t{}, detail::AnyIndexed{});
   { b.exclusive_scan(counts) } -> std::same_as<std::uint64_t>;
   b.sort_pairs(narrow, std::size_t{}, int{});

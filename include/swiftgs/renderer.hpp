@@ -85,28 +85,39 @@ class Renderer {
     gaussians_ = scene.size();
   }
 
+  /// Renders into memory of the backend that the renderer keeps: what it returns holds until the next frame.
+  /// Returns and throws as `render_into`.
+  FrameView render_resident(const SceneView& scene, const Camera& camera, const RenderSettings& settings) {
+    validate(camera);
+    const std::size_t width = std::size_t(camera.width), pixels = width * std::size_t(camera.height);
+    const auto plane = [&](auto& buffer, std::size_t channels) {
+      buffer.reset(channels * pixels);
+      return Plane<float>{buffer.data(), channels * width * sizeof(float)};
+    };
+    FrameView frame{.width = camera.width, .height = camera.height};
+    const Plane<float> colour = plane(frame_.colour, 3);
+    frame.colour = {colour.data, colour.pitch};
+    if (settings.outputs.alpha) frame.alpha = plane(frame_.alpha, 1);
+    if (settings.outputs.depth) frame.depth = plane(frame_.depth, 1);
+    render_into(scene, camera, settings, frame);
+    return frame;
+  }
+
   /// Renders a frame on the host; complete when it returns.
   void render(const typename B::SceneOn& scene, const Camera& camera, const RenderSettings& settings,
               Frame& frame) {
     validate(camera);
-    FrameView view = prepare(frame, camera.width, camera.height, settings.outputs);
+    const FrameView host = prepare(frame, camera.width, camera.height, settings.outputs);
     if constexpr (B::reaches_host_memory) {
-      render_into(scene.view(), camera, settings, view);
+      render_into(scene.view(), camera, settings, host);
     } else {
-      const FrameView host = view;
-      const auto stage = [](auto& buffer, auto& plane, std::size_t floats) {
-        if (plane.data) buffer.reset(floats), plane.data = buffer.data();
+      render_resident(scene.view(), camera, settings);
+      const auto download = [&](const auto& buffer, std::vector<float>& to) {
+        if (!to.empty()) backend_.download(buffer.span(), to.data());
       };
-      stage(frame_.colour, view.colour, frame.colour.size());
-      stage(frame_.alpha, view.alpha, frame.alpha.size());
-      stage(frame_.depth, view.depth, frame.depth.size());
-      render_into(scene.view(), camera, settings, view);
-      const auto download = [&](const auto& buffer, void* to) {
-        if (to) backend_.download(buffer.span(), static_cast<float*>(to));
-      };
-      download(frame_.colour, host.colour.data);
-      download(frame_.alpha, host.alpha.data);
-      download(frame_.depth, host.depth.data);
+      download(frame_.colour, frame.colour);
+      download(frame_.alpha, frame.alpha);
+      download(frame_.depth, frame.depth);
     }
   }
   Frame render(const typename B::SceneOn& scene, const Camera& camera, const RenderSettings& settings = {}) {
@@ -191,7 +202,7 @@ class Renderer {
   typename B::template Buffer<TileCounts> tile_counts_;
   struct {
     typename B::template Buffer<float> colour, alpha, depth;
-  } frame_;  ///< of `render`, where the backend cannot write to the host's
+  } frame_;  ///< of `render_resident`
   std::array<typename B::TimePoint, 4> points_{};
   bool counted_ = false;
   std::size_t gaussians_ = 0;

@@ -38,6 +38,8 @@ class Serial {
     std::copy(from.begin(), from.end(), to);
   }
 
+  void wait() const {}  // loops are complete when they return
+
   template <class F>
   void for_each(std::size_t n, const F& f) const {
     for (std::size_t i = 0; i < n; ++i) f(i);

@@ -65,6 +65,8 @@ class Cpu {
     std::copy(from.begin(), from.end(), to);
   }
 
+  void wait() const {}  // loops are complete when they return
+
   /// f(begin, end) for consecutive parts of [0, n) of at least `grain` elements, in parallel.
   template <class F>
   void for_parts(std::size_t n, std::size_t grain, const F& f) const {

@@ -72,6 +72,12 @@ class Cuda {
     download_bytes(from.data, to, from.size * sizeof(T));
   }
 
+  /// Returns when the stream has done all that was asked for before.
+  void wait() const;
+
+  /// Memory of the current device, whoever uses it.
+  static MemoryUse memory_use();
+
   /// f(i) for every i in [0, n), a thread each. `f` is copied to the device, and its call is `SWIFTGS_HD`.
   /// Defined in `<swiftgs/cuda.cuh>`.
   template <class F>
