@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include <swiftgs/backend.hpp>
@@ -50,6 +51,9 @@ class Cuda {
 
   /// Whether kernels of this build run on the device that is current when this is first asked.
   static bool usable();
+
+  /// Of the current device.
+  std::string device_name() const;
 
   /// Works on the caller's `stream`, which outlives it; by default on the default stream of the device.
   explicit Cuda(cudaStream_t stream = nullptr);
@@ -234,6 +238,10 @@ void rasterize(Cuda& cuda, AxisShared<FloatSplit>, const RasterJob& job);
 void rasterize(Cuda& cuda, AxisSharedThreshold<FloatSplit>, const RasterJob& job);
 void rasterize(Cuda& cuda, AxisShared<FloatCholesky>, const RasterJob& job);
 void rasterize(Cuda& cuda, AxisSharedThreshold<FloatCholesky>, const RasterJob& job);
+
+struct ContributionJob;
+/// A warp on 8x8 pixels, as the last of these, with the same bits of every weight.
+void add_contributions(Cuda& cuda, const ContributionJob& job);
 
 static_assert(BackendPolicy<Cuda>);
 

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/contribution.hpp>
+
+namespace swiftgs {
+
+/// `Contributions` on a backend that is chosen at run time.
+class AnyContributions {
+ public:
+  virtual ~AnyContributions() = default;
+  /// As `Contributions::add`.
+  virtual void add(const Camera& camera, const Conventions& conventions) = 0;
+  /// As `Contributions::sums`.
+  virtual std::vector<std::uint64_t> sums() const = 0;
+};
+
+/// `AnyContributions` on backend `B`.
+template <BackendPolicy B>
+class ContributionsOn final : public AnyContributions {
+ public:
+  explicit ContributionsOn(std::shared_ptr<const Scene> scene) : contributions_(std::move(scene)) {}
+  void add(const Camera& camera, const Conventions& conventions) override {
+    contributions_.add(camera, conventions);
+  }
+  std::vector<std::uint64_t> sums() const override { return contributions_.sums(); }
+
+ private:
+  Contributions<B> contributions_;
+};
+
+/// One row of the table of backends that find contributions.
+struct ContributionsEntry {
+  std::string_view backend;
+  bool usable = false;  ///< whether it can run on this machine
+  std::unique_ptr<AnyContributions> (*make)(std::shared_ptr<const Scene>) = nullptr;
+};
+
+/// Every backend of this build, whether or not it can run here, the preferred first. Defined in the library
+/// that joins the backends.
+const std::vector<ContributionsEntry>& contribution_backends();
+
+/// The row called `backend`, or the first that can run here if that is empty. Throws
+/// `std::invalid_argument`, naming the valid words, where there is none, and `std::runtime_error` where it
+/// cannot run here.
+const ContributionsEntry& contribution_backend(std::string_view backend);
+
+}  // namespace swiftgs

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// How much of a set of images each Gaussian is: its blending weight, alpha times transmittance, summed over
+/// all pixels of all views. Nothing is differentiated and no colour is looked at, so this is one frame's
+/// projection, sort and blending a view.
+///
+/// Sums are integers: weights are added up as 2^-31 parts of 1, so that no order of additions, number of
+/// threads or run changes a bit. A weight of 2^-8 or more is a whole number of such parts; a smaller one is
+/// cut to one, and loses less than 2^-31.
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/backend.hpp>
+#include <swiftgs/bounds/ellipse.hpp>
+#include <swiftgs/camera.hpp>
+#include <swiftgs/conventions.hpp>
+#include <swiftgs/error.hpp>
+#include <swiftgs/project_stage.hpp>
+#include <swiftgs/raster/axis_shared.hpp>
+#include <swiftgs/sort/early.hpp>
+
+namespace swiftgs {
+
+/// Parts of a weight of 1.
+inline constexpr float contribution_parts = 2147483648.0f;
+
+/// Most pixels that weights are summed over, of all views together. A pixel adds at most 2^31 parts to one
+/// Gaussian, since no weight is above 1, so fewer than 2^33 pixels keep every sum below 2^64.
+inline constexpr std::uint64_t max_contribution_pixels = (std::uint64_t(1) << 33) - 1;
+
+/// Whole parts of `weight`, which is 0 to 1. Exact but for the cut, since scaling by a power of 2 is.
+SWIFTGS_HD inline std::uint32_t weight_parts(float weight) {
+  return std::uint32_t(weight * contribution_parts);
+}
+
+/// A sum of parts as weight. @units{pixels}
+constexpr double weight_of_parts(std::uint64_t parts) { return double(parts) / double(contribution_parts); }
+
+/// What the weights of one view are found from. Everything that is pointed to lives where the backend can
+/// reach it.
+struct ContributionJob {
+  RasterJob raster;                ///< splats, lists and rules; its frame has a size and no planes
+  const std::uint32_t* gaussians;  ///< @shape{splats} the Gaussian of each
+  std::uint64_t* sums;             ///< @shape{Gaussians} parts, added to
+};
+
+/// Moves what a tile needs of visible Gaussian i to its slot, and remembers whose slot it is.
+struct KeepVisible {
+  const ProjectedShape* projected;
+  const std::uint32_t* slots;
+  SplatShape* shapes;
+  SplatColour* depths;  ///< for the sort, which looks at their depth alone
+  std::uint32_t* gaussians;
+
+  SWIFTGS_HD void operator()(std::size_t i) const {
+    if (!projected[i].visible) return;
+    const std::uint32_t slot = slots[i];
+    shapes[slot] = projected[i].shape;
+    depths[slot] = {vec3(0), projected[i].depth};
+    gaussians[slot] = std::uint32_t(i);
+  }
+};
+
+/// Sets a sum to 0.
+struct ClearSums {
+  std::uint64_t* sums;
+  SWIFTGS_HD void operator()(std::size_t i) const { sums[i] = 0; }
+};
+
+/// Blends one tile, pixel by pixel, on a host, and adds the weights to their Gaussians: one atomic addition
+/// for a splat and tile.
+struct AddTileContributions {
+  ContributionJob job;
+
+  void operator()(std::size_t tile) const {
+    const RasterJob& raster = job.raster;
+    const TileRange range = raster.lists.ranges[tile];
+    if (range.begin == range.end) return;
+    Pixels pixels(raster, tile);
+    for (std::uint32_t at = range.begin; at < range.end && pixels.live > 0; ++at) {
+      const std::uint32_t id = raster.lists.ids[at];
+      const std::uint64_t parts = pixels.blend(raster.splats.shapes[id], raster.rules);
+      if (parts == 0) continue;
+      std::atomic_ref<std::uint64_t> sum(job.sums[job.gaussians[id]]);
+      sum.fetch_add(parts, std::memory_order_relaxed);
+    }
+  }
+
+ private:
+  /// The pixels of a tile that lie in the image.
+  struct Pixels {
+    vec2 first_centre;
+    int columns, rows;
+    int live;  ///< pixels that have not stopped
+    float transmittances[tile_side * tile_side];
+    bool stopped[tile_side * tile_side] = {};
+
+    Pixels(const RasterJob& job, std::size_t tile) {
+      const int x0 = int(tile % std::size_t(job.grid.columns)) * tile_side;
+      const int y0 = int(tile / std::size_t(job.grid.columns)) * tile_side;
+      first_centre = vec2(float(x0) + 0.5f, float(y0) + 0.5f);
+      columns = job.frame.width - x0 < tile_side ? job.frame.width - x0 : tile_side;
+      rows = job.frame.height - y0 < tile_side ? job.frame.height - y0 : tile_side;
+      live = columns * rows;
+      for (float& transmittance : transmittances) transmittance = 1;
+    }
+
+    /// Parts of the weight that a splat has in all pixels: the arithmetic and the rules of `RasterizeTile`.
+    std::uint64_t blend(const SplatShape& shape, const BlendRules& rules) {
+      AxisSharedThreshold<FloatCholesky>::Kernel kernel(shape, first_centre, rules);
+      std::uint64_t parts = 0;
+      for (int row = 0; row < rows; ++row) {
+        const float y = first_centre.y + float(row);
+        if (!row_touched(shape, first_centre.x, y)) continue;
+        kernel.start_row(y);
+        for (int column = 0; column < columns; ++column) {
+          const int pixel = row * tile_side + column;
+          if (stopped[pixel]) continue;
+          const float alpha = kernel.alpha(column);
+          if (alpha == 0) continue;
+          float& transmittance = transmittances[pixel];
+          const float next = transmittance * (1 - alpha);
+          if (next < rules.stop_below) {
+            stopped[pixel] = true, --live;
+            continue;
+          }
+          parts += weight_parts(alpha * transmittance);
+          transmittance = next;
+        }
+      }
+      return parts;
+    }
+  };
+};
+
+/// Adds the weights of all tiles, on hosts. A device overloads this.
+template <BackendPolicy B>
+requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const ContributionJob& job) {
+  b.for_each(job.raster.grid.size(), AddTileContributions{job});
+}
+
+/// Sums of the weights of a scene's Gaussians over views that are added one by one: exact float terms, exact
+/// bounds, and the conventions' own rules of alpha and stop, so that a Gaussian is credited with what
+/// `AxisSharedThreshold<FloatCholesky>` would draw of it.
+///
+/// It projects by `project_shape` alone, in passes of its own: a renderer's projection does not tell which
+/// Gaussian a splat belongs to, and need not.
+template <BackendPolicy B>
+class Contributions {
+ public:
+  /// Uploads `scene` to `backend`. Throws as `upload` does, and `CapacityError` beyond 2^32 - 1 Gaussians.
+  explicit Contributions(std::shared_ptr<const Scene> scene, B backend = B())
+      : backend_(std::move(backend)), scene_(backend_.upload(std::move(scene))) {
+    const std::size_t n = scene_.view().size(), most = std::numeric_limits<std::uint32_t>::max();
+    if (n > most) throw CapacityError("Gaussians", n, most);
+    sums_.reset(n);
+    backend_.for_each(n, ClearSums{sums_.data()});
+  }
+
+  /// Adds the weights in one view. Throws `std::invalid_argument` for a camera or conventions that nothing
+  /// can be rendered with, and `CapacityError` for more instances than a frame may have or more pixels than
+  /// `max_contribution_pixels`; then nothing was added.
+  void add(const Camera& camera, const Conventions& conventions) {
+    const ViewConstants constants = view_constants(camera, conventions);
+    const std::uint64_t pixels = pixels_ + std::uint64_t(camera.width) * std::uint64_t(camera.height);
+    if (pixels > max_contribution_pixels)
+      throw CapacityError("pixels of all views", pixels, max_contribution_pixels);
+
+    project(constants);
+    const TileGrid grid = TileGrid::covering(camera.width, camera.height);
+    const SplatsView splats{{shapes_.data(), visible_}, {depths_.data(), visible_}};
+    const SceneView scene = scene_.view();
+    const FrameKey key{scene.means.data, scene.size(), camera.width, camera.height};
+    EarlySort().build(backend_, SortJob{splats, grid, key}, Ellipse{}, sort_scratch_, lists_);
+
+    const RasterJob raster{.splats = splats,
+                           .lists = lists_.view(),
+                           .grid = grid,
+                           .rules = BlendRules::from(conventions),
+                           .frame = {.width = camera.width, .height = camera.height}};
+    add_contributions(backend_, ContributionJob{raster, gaussians_.data(), sums_.data()});
+    pixels_ = pixels;
+  }
+
+  /// Parts of the weight of each Gaussian so far; `weight_of_parts` makes pixels of them. @shape{Gaussians}
+  std::vector<std::uint64_t> sums() const {
+    std::vector<std::uint64_t> sums(sums_.size());
+    backend_.download(sums_.span(), sums.data());
+    return sums;
+  }
+
+  /// Gaussians that were visible in the view that was added last.
+  std::size_t visible() const { return visible_; }
+
+ private:
+  /// Finds the visible splats of the view, in the order of their Gaussians.
+  void project(const ViewConstants& constants) {
+    const SceneView scene = scene_.view();
+    const std::size_t n = scene.size();
+    visible_ = 0;
+    projected_.reset(n), slots_.reset(n);
+    backend_.for_each(n, ProjectShapes{constants, scene, projected_.data(), slots_.data()});
+    const std::size_t visible = std::size_t(backend_.exclusive_scan(Span{slots_.data(), n}));
+    shapes_.reset(visible), depths_.reset(visible), gaussians_.reset(visible);
+    backend_.for_each(
+        n, KeepVisible{projected_.data(), slots_.data(), shapes_.data(), depths_.data(), gaussians_.data()});
+    visible_ = visible;
+  }
+
+  B backend_;
+  typename B::SceneOn scene_;
+  typename B::template Buffer<std::uint64_t> sums_;
+  typename B::template Buffer<ProjectedShape> projected_;
+  typename B::template Buffer<std::uint32_t> slots_, gaussians_;
+  typename B::template Buffer<SplatShape> shapes_;
+  typename B::template Buffer<SplatColour> depths_;
+  EarlySort::Scratch<B> sort_scratch_;
+  TileLists<B> lists_;
+  std::size_t visible_ = 0;
+  std::uint64_t pixels_ = 0;
+};
+
+}  // namespace swiftgs

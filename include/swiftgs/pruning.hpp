@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// A smaller scene from the Gaussians that score highest.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <swiftgs/error.hpp>
+#include <swiftgs/scene.hpp>
+
+namespace swiftgs {
+
+/// Opacity times the product of the three scales: a score that needs no view. @shape{Gaussians}
+inline std::vector<double> opacity_volumes(const Scene& scene) {
+  validate(scene);
+  std::vector<double> scores(scene.size());
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    const vec3 s = scene.scales[i];
+    scores[i] = double(scene.opacities[i]) * double(s.x) * double(s.y) * double(s.z);
+  }
+  return scores;
+}
+
+/// How many of `count` Gaussians a `fraction` of them is: rounded, and at least one where there is one.
+/// Throws `std::invalid_argument` unless the fraction is above 0 and at most 1.
+inline std::size_t kept_count(double fraction, std::size_t count) {
+  if (!(fraction > 0 && fraction <= 1))
+    throw std::invalid_argument("pruning: expected a fraction above 0 and at most 1, got " +
+                                std::to_string(fraction));
+  const std::size_t kept = std::size_t(std::llround(fraction * double(count)));
+  return count == 0 ? 0 : std::clamp<std::size_t>(kept, 1, count);
+}
+
+/// Indices of the `count` highest of `scores`, ascending; of equal scores the lower index comes first. No
+/// score may be NaN. Throws `std::invalid_argument` where there are fewer scores, and `CapacityError` beyond
+/// 2^32 - 1 of them.
+template <class Score>
+std::vector<std::uint32_t> highest(const std::vector<Score>& scores, std::size_t count) {
+  const std::size_t most = std::numeric_limits<std::uint32_t>::max();
+  if (scores.size() > most) throw CapacityError("Gaussians", scores.size(), most);
+  if (count > scores.size())
+    throw std::invalid_argument("pruning: expected at most " + std::to_string(scores.size()) +
+                                " Gaussians to keep, got " + std::to_string(count));
+  std::vector<std::uint32_t> order(scores.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(count), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     return scores[a] != scores[b] ? scores[a] > scores[b] : a < b;
+                   });
+  order.resize(count);
+  std::sort(order.begin(), order.end());
+  return order;
+}
+
+/// The Gaussians `kept` of `scene`, in that order. Throws `std::invalid_argument` as `validate` does, and
+/// where `kept` names a Gaussian that there is not.
+inline Scene subset(const Scene& scene, const std::vector<std::uint32_t>& kept) {
+  validate(scene);
+  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  Scene out;
+  out.sh_degree = scene.sh_degree, out.antialiased = scene.antialiased;
+  out.means.reserve(kept.size()), out.scales.reserve(kept.size()), out.rotations.reserve(kept.size());
+  out.opacities.reserve(kept.size()), out.sh0.reserve(kept.size()), out.sh_rest.reserve(rest * kept.size());
+  for (const std::uint32_t i : kept) {
+    if (i >= scene.size())
+      throw std::invalid_argument("pruning: expected Gaussians below " + std::to_string(scene.size()) +
+                                  ", got " + std::to_string(i));
+    out.means.push_back(scene.means[i]), out.scales.push_back(scene.scales[i]);
+    out.rotations.push_back(scene.rotations[i]), out.opacities.push_back(scene.opacities[i]);
+    out.sh0.push_back(scene.sh0[i]);
+    const auto first = scene.sh_rest.begin() + std::ptrdiff_t(rest * i);
+    out.sh_rest.insert(out.sh_rest.end(), first, first + std::ptrdiff_t(rest));
+  }
+  return out;
+}
+
+}  // namespace swiftgs

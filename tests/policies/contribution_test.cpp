@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <numeric>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/any_contributions.hpp>
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/reference.hpp>
+
+#include "policies/backends.hpp"
+#include "policies/random_splats.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+using Sums = std::vector<std::uint64_t>;
+
+template <class B>
+Sums sums_of(const Scene& scene, const std::vector<Camera>& cameras, const Conventions& conventions,
+             B backend = make_backend<B>()) {
+  Contributions<B> contributions(std::make_shared<const Scene>(scene), std::move(backend));
+  for (const Camera& camera : cameras) contributions.add(camera, conventions);
+  return contributions.sums();
+}
+
+double total(const Sums& sums) {
+  return std::accumulate(sums.begin(), sums.end(), 0.0,
+                         [](double sum, std::uint64_t parts) { return sum + weight_of_parts(parts); });
+}
+
+void append(Scene& scene, vec3 mean, float scale, float opacity) {
+  scene.means.push_back(mean), scene.scales.push_back(vec3(scale)), scene.rotations.push_back({});
+  scene.opacities.push_back(opacity), scene.sh0.push_back(vec3(1));
+}
+
+/// Weight of each Gaussian in the float64 reference's image, in pixels: in a colour of its own, three of them
+/// a frame.
+std::vector<double> reference_weights(Scene scene, const Camera& camera, const Conventions& conventions) {
+  const float one = float(0.5 / 0.28209479177387814);  // SH coefficient of colour 1; minus that is colour 0
+  std::vector<double> weights(scene.size());
+  for (std::size_t first = 0; first < scene.size(); first += 3) {
+    std::fill(scene.sh0.begin(), scene.sh0.end(), vec3(-one));
+    const int shown = int(std::min<std::size_t>(3, scene.size() - first));
+    for (int c = 0; c < shown; ++c) scene.sh0[first + std::size_t(c)][c] = one;
+    const ReferenceFrame frame = render_reference(scene, camera, conventions);
+    for (std::size_t i = 0; i < frame.colour.size(); ++i)
+      if (int(i % 3) < shown) weights[first + i % 3] += frame.colour[i];
+  }
+  return weights;
+}
+
+}  // namespace
+
+TEST_CASE("contribution: a weight is a number of parts without rounding but for a cut of the least") {
+  CHECK(weight_parts(1) == std::uint32_t(1) << 31);
+  CHECK(weight_parts(0) == 0);
+  CHECK(weight_of_parts(std::uint64_t(3) << 30) == 1.5);
+  for (const float weight : {0.99f, 0.5f, 1.0f / 255, std::nextafter(1.0f, 0.0f)})
+    CHECK(float(weight_of_parts(weight_parts(weight))) == weight);
+  const float least = 1e-4f / 255;
+  CHECK(weight_of_parts(weight_parts(least)) <= least);
+  CHECK(weight_of_parts(weight_parts(least)) > double(least) - 0x1p-31);
+}
+
+TEST_CASE_TEMPLATE("contribution: what Gaussians get is what covers the pixels", B, SWIFTGS_TEST_BACKENDS) {
+  const Scene scene = random_scene(2000, 0, 11);
+  for (const Conventions& conventions : {Conventions::gsplat(), Conventions::inria()}) {
+    const Camera camera = forward_camera(150, 93);
+    Renderer<Serial, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer;
+    RenderSettings settings;
+    settings.conventions = conventions, settings.outputs.alpha = true, settings.count = true;
+    const Frame frame = renderer.render(renderer.backend().upload(scene), camera, settings);
+    const double covered = std::accumulate(frame.alpha.begin(), frame.alpha.end(), 0.0);
+    const Statistics statistics = renderer.statistics();
+
+    // With T the transmittance, of which no more than 1 is there: a pair rounds its weight by T 2^-24 at
+    // most, 1 - alpha by 2^-25 and their product with T by T 2^-24, and loses 2^-31 in the cut. A pixel
+    // rounds 1 - T by 2^-25. Weights and transmittance together are 1, so T rounds once for both.
+    const double bound = double(statistics.raster.contributing_pairs) * (0x1p-24 + 0x1p-25 + 0x1p-31) +
+                         double(frame.pixels()) * 0x1p-25;
+    const double sum = total(sums_of<B>(scene, {camera}, conventions));
+    CHECK(sum > 1000);
+    CHECK(std::abs(sum - covered) <= bound);
+    CHECK(bound < 1e-5 * sum);
+  }
+}
+
+TEST_CASE("contribution: sums are the same bits on every backend and any number of threads and twice") {
+  const Scene scene = make_builtin_scene(4000);
+  const std::vector<Camera> cameras = builtin_cameras(5, 160, 90);
+  const Sums expected = sums_of<Serial>(scene, cameras, Conventions::gsplat());
+  for (const int threads : {1, 2, 4, 8}) {
+    CAPTURE(threads);
+    CHECK(sums_of(scene, cameras, Conventions::gsplat(), Cpu(threads)) == expected);
+  }
+  CHECK(sums_of(scene, cameras, Conventions::gsplat(), Cpu(8)) == expected);
+}
+
+TEST_CASE_TEMPLATE("contribution: sees the Gaussians that a renderer sees", B, SWIFTGS_TEST_BACKENDS) {
+  const auto scene = std::make_shared<const Scene>(random_scene(5000, 0, 12));
+  Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer(make_backend<B>());
+  Contributions<B> contributions(scene, make_backend<B>());
+  for (const Camera& camera : {forward_camera(80, 60), forward_camera(300, 20, 900)}) {
+    renderer.render(renderer.backend().upload(scene), camera);
+    contributions.add(camera, Conventions::gsplat());
+    CHECK(contributions.visible() == renderer.statistics().visible);
+    CHECK(contributions.visible() > 100);
+  }
+}
+
+TEST_CASE("contribution: is each Gaussian's weight in the float64 reference's image") {
+  Scene scene = random_scene(60, 0, 13);
+  // Many deep, so that transmittance matters.
+  for (vec3& scale : scene.scales) scale *= 8.0f;
+  for (float& opacity : scene.opacities) opacity = std::sqrt(opacity);
+  Conventions conventions = Conventions::gsplat();
+  for (const bool antialiased : {false, true}) {
+    conventions.antialiased = antialiased;
+    const Camera camera = forward_camera(64, 48);
+    const std::vector<double> expected = reference_weights(scene, camera, conventions);
+    const Sums sums = sums_of<Serial>(scene, {camera}, conventions);
+    REQUIRE(sums.size() == expected.size());
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      CAPTURE(i);
+      // A weight is a product of alphas, 60 at most, each with a few roundings of 2^-24; and a pixel cuts
+      // 2^-31.
+      CHECK(std::abs(weight_of_parts(sums[i]) - expected[i]) <=
+            60 * 0x1p-22 * expected[i] + 64 * 48 * 0x1p-31);
+      if (expected[i] == 0) CHECK(sums[i] == 0);
+    }
+    CHECK(total(sums) ==
+          doctest::Approx(std::accumulate(expected.begin(), expected.end(), 0.0)).epsilon(1e-5));
+    CHECK(total(sums) > 500);
+  }
+}
+
+TEST_CASE_TEMPLATE("contribution: what is hidden or culled gets nothing", B, SWIFTGS_TEST_BACKENDS) {
+  Scene scene;
+  append(scene, vec3(0, 0, 4), 1, 1);  // behind the three that follow
+  for (int i = 0; i < 3; ++i) append(scene, vec3(0, 0, float(i + 1)), 1000, 1);
+  append(scene, vec3(0, 0, -2), 1, 1);             // behind the camera
+  append(scene, vec3(0, 0, 0.005f), 1, 1);         // before the near plane
+  append(scene, vec3(90, 0, 1), 0.01f, 1);         // beside the image
+  append(scene, vec3(0, 0, 0.5f), 0.1f, 0.0039f);  // fainter than 1/255
+  const Camera camera = forward_camera(50, 40);
+  const Sums sums = sums_of<B>(scene, {camera}, Conventions::gsplat());
+  CHECK(sums[1] == 50 * 40 * std::uint64_t(weight_parts(0.99f)));
+  for (const std::size_t hidden : {0, 3, 4, 5, 6, 7}) {
+    CAPTURE(hidden);
+    CHECK(sums[hidden] == 0);
+  }
+}
+
+TEST_CASE_TEMPLATE("contribution: views add up in any order", B, SWIFTGS_TEST_BACKENDS) {
+  const Scene scene = random_scene(800, 0, 14);
+  const Conventions conventions = Conventions::inria();
+  const Camera large = forward_camera(130, 70), small = forward_camera(33, 17);
+  Sums sum = sums_of<B>(scene, {large}, conventions);
+  const Sums other = sums_of<B>(scene, {small}, conventions);
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += other[i];
+  CHECK(sums_of<B>(scene, {large, small}, conventions) == sum);
+  CHECK(sums_of<B>(scene, {small, large}, conventions) == sum);
+}
+
+TEST_CASE_TEMPLATE("contribution: scenes of no and of one Gaussian have as many sums", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  const Camera camera = forward_camera(20, 30);
+  CHECK(sums_of<B>(Scene(), {camera}, Conventions::gsplat()).empty());
+  CHECK(sums_of<B>(Scene(), {}, Conventions::gsplat()).empty());
+  Scene one;
+  append(one, vec3(0, 0, 1), 1000, 1);
+  CHECK(sums_of<B>(one, {}, Conventions::gsplat()) == Sums{0});
+  CHECK(sums_of<B>(one, {camera}, Conventions::gsplat()) == Sums{600 * std::uint64_t(weight_parts(0.99f))});
+}
+
+TEST_CASE_TEMPLATE("contribution: more pixels than sums have room for are refused and nothing is added", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  Scene scene;
+  append(scene, vec3(0, 0, 1), 0.001f, 1);
+  Contributions<B> contributions(std::make_shared<const Scene>(scene), make_backend<B>());
+  const Camera huge = forward_camera(max_image_side, max_image_side), camera = forward_camera(20, 30);
+  contributions.add(huge, Conventions::gsplat());
+  const Sums before = contributions.sums();
+  CHECK(before[0] > 0);
+  CHECK_THROWS_WITH_AS(contributions.add(huge, Conventions::gsplat()),
+                       "pixels of all views: 8589934592 needed, the limit is 8589934591", CapacityError);
+  CHECK(contributions.sums() == before);
+  contributions.add(camera, Conventions::gsplat());
+  CHECK(contributions.sums()[0] > before[0]);
+}
+
+TEST_CASE("contribution: a camera that nothing can be rendered with is refused") {
+  Contributions<Serial> contributions(std::make_shared<const Scene>(random_scene(3, 0, 1)));
+  Camera camera = forward_camera(20, 30);
+  camera.width = 0;
+  CHECK_THROWS_AS(contributions.add(camera, Conventions::gsplat()), std::invalid_argument);
+  CHECK_THROWS_AS(Contributions<Serial>(nullptr), std::invalid_argument);
+}
+
+TEST_CASE("contribution: a backend is found by its name or is the first that runs here") {
+  const auto scene = std::make_shared<const Scene>(random_scene(300, 0, 15));
+  const Camera camera = forward_camera(40, 30);
+  const Sums expected = sums_of<Serial>(*scene, {camera}, Conventions::gsplat());
+  for (const char* name : {"serial", "cpu"}) {
+    const ContributionsEntry& entry = contribution_backend(name);
+    CHECK(entry.backend == name);
+    CHECK(entry.usable);
+    const auto contributions = entry.make(scene);
+    contributions->add(camera, Conventions::gsplat());
+    CHECK(contributions->sums() == expected);
+  }
+  CHECK(contribution_backend("").usable);
+  CHECK((contribution_backend("").backend == "cuda" || contribution_backend("").backend == "cpu"));
+  CHECK_THROWS_AS(contribution_backend("gpu"), std::invalid_argument);
+}
