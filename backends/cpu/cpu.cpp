@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include <oneapi/tbb/global_control.h>
 
 #include <swiftgs/cpu.hpp>
+#include <swiftgs/processor_name.hpp>
 
 #include "parts.hpp"
 
@@ -20,6 +22,10 @@ Cpu::Cpu(int threads) {
   const int most = int(std::min<std::size_t>(allowed, 1 << 15));
   arena_ = std::make_unique<tbb::task_arena>(threads > 0 ? std::min(threads, most)
                                                          : int(tbb::task_arena::automatic));
+}
+
+std::string Cpu::device_name() const {
+  return processor_name() + ", " + std::to_string(threads()) + (threads() == 1 ? " thread" : " threads");
 }
 
 std::uint64_t Cpu::exclusive_scan(Span<std::uint32_t> counts) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include <cuda_runtime_api.h>
 
@@ -23,6 +24,14 @@ bool Cuda::usable() {
     return found;
   }();
   return usable;
+}
+
+std::string Cuda::device_name() const {
+  int device = 0;
+  check_cuda(cudaGetDevice(&device), "cudaGetDevice");
+  cudaDeviceProp properties{};
+  check_cuda(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
+  return properties.name;
 }
 
 Cuda::Cuda(cudaStream_t stream) : state_(std::make_unique<State>()) { state_->stream = stream; }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <swiftgs/renderer.hpp>
+#include <swiftgs/sort/calibration.hpp>
 
 namespace swiftgs {
 
@@ -18,6 +19,9 @@ class AnyRenderer {
  public:
   virtual ~AnyRenderer() = default;
   virtual std::string_view name() const = 0;
+
+  /// What the backend runs on, as its `device_name`.
+  virtual std::string device_name() const = 0;
 
   /// Uploads `scene` for the frames that follow; host backends share it.
   virtual void set_scene(std::shared_ptr<const Scene> scene) = 0;
@@ -34,6 +38,13 @@ class AnyRenderer {
   virtual void render_resident(const Camera& camera, const RenderSettings& settings) = 0;
   virtual StageTimes times() = 0;
   virtual Statistics statistics() const = 0;
+
+  /// Hands measurements of the scene's sort, on this device and with these bounds, to a renderer with
+  /// `AdaptiveSort`, as its `use`. Other sorts have no use for them: nothing changes.
+  virtual void use_calibrations(std::vector<SortCalibration> saved) = 0;
+
+  /// `AdaptiveSort::calibration`; nothing of other sorts.
+  virtual std::optional<SortCalibration> calibration() const = 0;
 
   /// Memory of the device that the backend works in; nothing where it works in the host's.
   virtual std::optional<MemoryUse> device_memory() const = 0;
@@ -88,8 +99,21 @@ class RendererOf final : public RendererOn<B> {
   }
   StageTimes times() override { return renderer_.times(); }
   Statistics statistics() const override { return renderer_.statistics(); }
+  std::string device_name() const override { return renderer_.backend().device_name(); }
+  void use_calibrations(std::vector<SortCalibration> saved) override {
+    if constexpr (takes_calibrations) renderer_.sort().use(std::move(saved));
+  }
+  std::optional<SortCalibration> calibration() const override {
+    if constexpr (takes_calibrations)
+      return renderer_.sort().calibration();
+    else
+      return std::nullopt;
+  }
 
  private:
+  static constexpr bool takes_calibrations = requires(R renderer, std::vector<SortCalibration> saved) {
+    renderer.sort().use(std::move(saved));
+  };
   R renderer_;
 };
 

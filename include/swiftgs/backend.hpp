@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include <swiftgs/scene.hpp>
@@ -38,6 +39,8 @@ struct AnyIndexed {
 
 /// Policy: where memory lives and how loops run. A backend is an object; what it computes does not depend on
 /// how many threads it has.
+/// - `device_name()`: model of what it runs on, with the number of threads where that is a choice: tells
+/// apart what times were measured on.
 /// - `Buffer<T>`: grow-only memory that the backend's loops can reach (`GrowingBuffer`).
 /// - `SceneOn`: an uploaded scene, with `view()`.
 /// - `reaches_host_memory`: whether its loops can write to the host's own arrays.
@@ -57,6 +60,7 @@ concept BackendPolicy = requires(B b, const Scene& scene, Span<std::uint32_t> co
                                  typename B::TimePoint time, Span<const std::uint32_t> from) {
   { B::name } -> std::convertible_to<std::string_view>;
   { B::usable() } -> std::same_as<bool>;
+  { b.device_name() } -> std::same_as<std::string>;
   { B::reaches_host_memory } -> std::convertible_to<bool>;
   { b.upload(scene).view() } -> std::same_as<SceneView>;
   b.download(from, static_cast<std::uint32_t*>(nullptr));

@@ -54,6 +54,8 @@ class Renderer {
       : backend_(std::move(backend)), sort_(std::move(sort)) {}
 
   B& backend() { return backend_; }
+  const B& backend() const { return backend_; }
+  Sort& sort() { return sort_; }
   const Sort& sort() const { return sort_; }
 
   /// Renders into memory of the caller that the backend can reach. On a device it returns when the frame is

@@ -8,12 +8,14 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
 #include <swiftgs/backend.hpp>
 #include <swiftgs/growing_buffer.hpp>
 #include <swiftgs/host_scene.hpp>
+#include <swiftgs/processor_name.hpp>
 
 namespace swiftgs {
 
@@ -29,6 +31,7 @@ class Serial {
   static constexpr bool reaches_host_memory = true;
 
   static bool usable() { return true; }
+  std::string device_name() const { return processor_name(); }
 
   SceneOn upload(Scene scene) const { return SceneOn(std::move(scene)); }
   SceneOn upload(std::shared_ptr<const Scene> scene) const { return SceneOn(std::move(scene)); }

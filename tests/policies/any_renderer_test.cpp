@@ -55,3 +55,31 @@ TEST_CASE("any renderer: a resident frame is finished and counted as any other")
   CHECK(renderer->statistics().raster.contributing_pairs > 0);
   CHECK_FALSE(renderer->device_memory().has_value());
 }
+
+TEST_CASE("any renderer: measurements reach an adaptive sort and change nothing of another") {
+  const Camera camera = small_camera();
+  const SortCalibration saved{500, camera.width, camera.height, 1, 2};
+  for (const char* name : {"serial/adaptive/per-pixel/ellipse", plain}) {
+    const std::unique_ptr<AnyRenderer> renderer = make_renderer(name), without = make_renderer(name);
+    renderer->set_scene(small_scene()), without->set_scene(small_scene());
+    renderer->use_calibrations({saved});
+    CHECK_FALSE(renderer->calibration());
+    Frame frame, expected;
+    renderer->render(camera, {}, frame), without->render(camera, {}, expected);
+    CHECK(frame.colour == expected.colour);
+    CHECK_FALSE(without->calibration());
+    CHECK(renderer->calibration().has_value() == (name != plain));
+    if (renderer->calibration()) CHECK(renderer->calibration()->early_ms == 2);
+  }
+}
+
+TEST_CASE("any renderer: every backend that runs here says on what") {
+  for (const RendererEntry& entry : renderers()) {
+    if (!entry.usable || entry.name.find("/early/per-pixel/ellipse") == std::string_view::npos) continue;
+    const std::string device = entry.make()->device_name();
+    CAPTURE(device);
+    CHECK(device.size() > 3);
+    CHECK(device.find('\n') == std::string::npos);
+    CHECK((device.find("thread") != std::string::npos) == entry.name.starts_with("cpu/"));
+  }
+}

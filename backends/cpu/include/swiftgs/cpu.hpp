@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -55,6 +56,7 @@ class Cpu {
 
   static bool usable() { return true; }
   int threads() const { return arena_->max_concurrency(); }
+  std::string device_name() const;
 
   /// Shares `scene` without copying it, and asks for its arrays to be moved to large pages.
   SceneOn upload(std::shared_ptr<const Scene> scene) const;
