@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Markdown: tables and the words for numbers in them."""
+
+
+def table(header, rows, words=1):
+    """A table; the first `words` columns are aligned to the left, the others, numbers, to the right."""
+    lines = ["| " + " | ".join(header) + " |",
+             "|" + "".join(" --- |" if n < words else " ---: |" for n in range(len(header)))]
+    lines += ["| " + " | ".join(row) + " |" for row in rows]
+    return "\n".join(lines)
+
+
+def significant(value, digits=3):
+    """`value` with that many significant digits, in scientific notation below a thousandth; '-' for None."""
+    if value is None or value == 0:
+        return "-" if value is None else "0"
+    exponent = int(f"{value:.{digits - 1}e}".split("e")[1])
+    return f"{value:.{digits - 1}e}" if exponent < -3 else f"{value:,.{max(digits - 1 - exponent, 0)}f}"
+
+
+def ms(value):
+    """Milliseconds."""
+    return significant(value)
+
+
+def times(value):
+    """A factor, as 1.25x."""
+    return "-" if value is None else f"{value:.2f}x"
+
+
+def percent(value, digits=1):
+    """A share of 1."""
+    return "-" if value is None else f"{100 * value:.{digits}f} %"
+
+
+def count(value):
+    """A number of things."""
+    return "-" if value is None else f"{value:,.0f}"
+
+
+def decibel(value):
+    """A PSNR; that of equal images is infinite."""
+    return "-" if value is None else "equal" if value == float("inf") else f"{value:.1f}"
+
+
+def mebibytes(value):
+    return "-" if value is None else f"{value / 2**20:,.0f}"

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reads result files of `swiftgs bench`, which docs/results.md describes."""
+import dataclasses
+import json
+import math
+import os
+
+STAGES = ("project", "sort", "raster", "total", "wall")
+KEY = ("scene", "gaussians", "enlarge", "view", "scale", "conventions", "threads", "renderer")
+WORDS = ("scene", "view", "conventions", "renderer", "backend", "sort", "raster", "bounds")
+NUMBERS = ("gaussians", "enlarge", "width", "height", "scale", "threads")
+OPTIONAL = ("psnr_db", "ssim", "max_abs", "cut_psnr_db", "photo_psnr_db", "photo_ssim", "visible", "instances",
+            "contributing_pairs", "device_bytes", "host_bytes")
+
+
+class InputError(Exception):
+    """A file that cannot be used: which, what is wrong, and what was expected, in one line."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Duration:
+    """Milliseconds: a median with the limits of its 95 % confidence interval."""
+    median: float
+    low: float
+    high: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """One renderer on one view. Numbers that a file does not know are None; the PSNR of equal images is infinite."""
+    scene: str
+    gaussians: int
+    enlarge: float
+    view: str
+    width: int
+    height: int
+    scale: float
+    conventions: str
+    threads: int
+    renderer: str
+    backend: str
+    sort: str
+    raster: str
+    bounds: str
+    ms: dict
+    psnr_db: float = None
+    ssim: float = None
+    max_abs: float = None
+    cut_psnr_db: float = None
+    photo_psnr_db: float = None
+    photo_ssim: float = None
+    visible: float = None
+    instances: float = None
+    contributing_pairs: float = None
+    device_bytes: float = None
+    host_bytes: float = None
+
+    @property
+    def key(self):
+        """What rows of two files are matched by. The host's threads say nothing of a GPU."""
+        return tuple(None if name == "threads" and self.backend == "cuda" else getattr(self, name) for name in KEY)
+
+    @property
+    def name(self):
+        """SORT/RASTER/BOUNDS."""
+        return f"{self.sort}/{self.raster}/{self.bounds}"
+
+    @property
+    def place(self):
+        """The frame, whatever renders it."""
+        return self.scene, self.gaussians, self.enlarge, self.view, self.scale, self.conventions
+
+    @property
+    def pixels(self):
+        return self.width * self.height
+
+
+@dataclasses.dataclass(frozen=True)
+class Results:
+    """A result file: members as they are there, rows checked."""
+    path: str
+    machine: dict
+    command: str
+    scenes: list
+    views: list
+    rows: list
+
+
+def is_number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def read_json(path):
+    """The JSON object in a file."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            found = json.load(file)
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}; expected a readable file") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: {error}; expected JSON") from None
+    if not isinstance(found, dict):
+        raise InputError(f"{path}: found a {type(found).__name__}; expected a JSON object")
+    return found
+
+
+def read(path):
+    """The Results in a file; InputError where it is no such file."""
+    found = read_json(path)
+    if found.get("format") != "swiftgs-bench" or found.get("version") != 1:
+        raise InputError(f"{path}: format {found.get('format')!r}, version {found.get('version')!r}; "
+                         "expected 'swiftgs-bench', 1")
+    for name, kind in (("machine", dict), ("rows", list), ("scenes", list), ("views", list)):
+        if not isinstance(found.get(name), kind):
+            raise InputError(f"{path}: {name}: expected {'an object' if kind is dict else 'an array'}")
+    rows = [read_row(path, n, row) for n, row in enumerate(found["rows"])]
+    seen = set()
+    for n, row in enumerate(rows):
+        if row.key in seen:
+            raise InputError(f"{path}: rows[{n}]: {row.renderer} on view {row.view!r} of {row.scene} is there twice; "
+                             "expected one row for each renderer on each view")
+        seen.add(row.key)
+    return Results(os.fspath(path), found["machine"], str(found.get("command", "")), found["scenes"], found["views"],
+                   rows)
+
+
+def read_row(path, n, row):
+    def wrong(member, expected):
+        return InputError(f"{path}: rows[{n}].{member}: expected {expected}")
+
+    if not isinstance(row, dict):
+        raise InputError(f"{path}: rows[{n}]: expected an object")
+    values = {}
+    for name in WORDS:
+        values[name] = row.get(name)
+        if not isinstance(values[name], str):
+            raise wrong(name, "a string")
+    for name in NUMBERS:
+        values[name] = row.get(name)
+        if not is_number(values[name]) or values[name] < 0:
+            raise wrong(name, "a number that is not negative")
+    for name in OPTIONAL:
+        values[name] = row.get(name)
+        if values[name] is not None and not is_number(values[name]):
+            raise wrong(name, "a number or null")
+    # Of equal images the file has null, as it has where errors were not asked for; but then no difference either.
+    if values["max_abs"] == 0 and values["psnr_db"] is None:
+        values["psnr_db"] = math.inf
+    return Row(**values, ms=read_durations(row.get("ms"), wrong))
+
+
+def read_durations(found, wrong):
+    if not isinstance(found, dict):
+        raise wrong("ms", "an object")
+    durations = {}
+    for stage in STAGES:
+        limits = found.get(stage)
+        numbers = [limits.get(name) for name in ("median", "low", "high")] if isinstance(limits, dict) else [None]
+        if not all(is_number(value) and value >= 0 for value in numbers) or not numbers[1] <= numbers[0] <= numbers[2]:
+            raise wrong(f"ms.{stage}", "low <= median <= high, milliseconds that are not negative")
+        durations[stage] = Duration(*map(float, numbers))
+    return durations
