@@ -14,5 +14,6 @@ void add_compare(CLI::App& app);
 void add_info(CLI::App& app);
 void add_list(CLI::App& app);
 void add_render(CLI::App& app);
+void add_report(CLI::App& app);
 
 }  // namespace swiftgs::cli

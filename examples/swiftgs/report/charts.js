@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+'use strict';
+
+// Draws specifications with Vega, anew when the width of the page or its colours change.
+const charts = (() => {
+  const vega = (() => {
+    const {transforms} = modules.get('vega-dataflow');
+    for (const name of ['vega-transforms', 'vega-view-transforms', 'vega-encode'])
+      Object.assign(transforms, modules.get(name));
+    return {parse: modules.get('vega-parser').parse, View: modules.get('vega-view').View};
+  })();
+  const drawn = new Map();
+  const tip = document.getElementById('tip');
+
+  function showTip(handler, event, item, value) {
+    tip.hidden = !value;
+    if (!value) return;
+    const {title, ...rest} = value;
+    tip.replaceChildren(element('strong', {}, title), element('dl', {}, ...Object.entries(rest).flatMap(
+      ([name, text]) => [element('dt', {}, name), element('dd', {}, String(text))])));
+    const {width, height} = tip.getBoundingClientRect();
+    tip.style.left = Math.max(4, Math.min(event.clientX + 14, innerWidth - width - 8)) + 'px';
+    tip.style.top = (event.clientY + 16 + height > innerHeight ? event.clientY - height - 12 : event.clientY + 16) + 'px';
+  }
+
+  function lookOf(width) {
+    return {width, narrow: width < 640, theme: style.themes[style.themeName()]};
+  }
+
+  function drawOne(place) {
+    const one = drawn.get(place);
+    const width = Math.floor(place.clientWidth);
+    if (width === 0) return;
+    if (one.view) one.view.finalize();
+    one.width = width;
+    one.view = new vega.View(vega.parse(one.specify(lookOf(width))), {renderer: 'svg', container: place, hover: true});
+    one.view.tooltip(showTip).run();
+    place.setAttribute('aria-label', one.view.description());
+  }
+
+  /// Draws in `place`, an element of the page, what `specify` makes of a look.
+  function draw(place, specify) {
+    drawn.set(place, {...drawn.get(place), specify});
+    place.setAttribute('role', 'figure');
+    drawOne(place);
+  }
+
+  /// Forgets what is no longer in the page, and draws again what has another width than before, or all.
+  function refresh(everything) {
+    for (const [place, one] of drawn) {
+      if (!place.isConnected) {
+        one.view?.finalize();
+        drawn.delete(place);
+      } else if (everything || Math.floor(place.clientWidth) !== one.width) {
+        drawOne(place);
+      }
+    }
+  }
+
+  let waiting = 0;
+  addEventListener('resize', () => {
+    clearTimeout(waiting);
+    waiting = setTimeout(() => refresh(false), 120);
+  });
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => refresh(true));
+
+  /// The text of an SVG file, on white.
+  function svgOf(specify) {
+    const look = {width: 900, narrow: false, theme: style.themes.light};
+    return new vega.View(vega.parse(specify(look)), {renderer: 'none'}).toSVG();
+  }
+
+  return {draw, refresh, svgOf};
+})();

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+'use strict';
+
+// The page: headings of the files, what is chosen, and the sections that have something to show.
+const page = (() => {
+  const data = JSON.parse(document.getElementById('data').textContent);
+  const rows = stats.rowsOf(data.files);
+  const wanted = {clock: 'total', shape: 'bounds', show: 'few', baseline: '', bounds: '', series: {}};
+  const few = 20;
+
+  const find = (selector, root = document) => root.querySelector(selector);
+
+  /// A labelled chooser of `options`, {value, title}; nothing where there is only one.
+  function chooser(title, options, chosen, choose) {
+    if (options.length < 2) return [];
+    const select = element('select', {onchange: event => { choose(event.target.value); render(); }},
+      ...options.map(({value, title: text}) => element('option', {value, selected: value === chosen}, text)));
+    return [element('label', {}, title, select)];
+  }
+
+  const simple = values => values.map(value => ({value, title: value}));
+
+  /// Replaces choosers, and gives the focus back to the one that had it.
+  function setChoosers(place, labels) {
+    const focused = [...place.querySelectorAll('select')].indexOf(document.activeElement);
+    const title = focused < 0 ? null : document.activeElement.parentElement.firstChild.textContent;
+    place.replaceChildren(...labels);
+    for (const label of labels)
+      if (label.firstChild.textContent === title) find('select', label).focus();
+  }
+
+  function showMachines() {
+    find('#machines').replaceChildren(...data.files.map(file => {
+      const {machine} = file;
+      const gpu = machine.gpu && [machine.gpu, machine.gpu_memory_gib && `${machine.gpu_memory_gib} GiB`,
+        machine.driver && `driver ${machine.driver}`, machine.cuda && `CUDA ${machine.cuda}`].filter(Boolean).join(', ');
+      const lines = {
+        date: machine.date, GPU: gpu,
+        CPU: [machine.cpu, machine.cores && `${machine.cores} cores`, machine.memory_gib && `${machine.memory_gib} GiB`]
+          .filter(Boolean).join(', '),
+        system: machine.system, compiler: [machine.compiler, machine.flags].filter(Boolean).join('  '),
+        commit: [machine.commit, machine.version && `version ${machine.version}`].filter(Boolean).join(', '),
+        'load before': machine.load,
+      };
+      const known = Object.entries(lines).filter(([, text]) => text !== undefined && text !== '' && text !== null);
+      return element('article', {class: 'machine'}, element('h2', {}, file.file), element('dl', {},
+        ...known.flatMap(([name, text]) => [element('dt', {}, name), element('dd', {}, String(text))]),
+        element('dt', {}, 'command'), element('dd', {}, element('code', {}, file.command))));
+    }));
+  }
+
+  const ms = (name, of = record => record.ms[name].median) =>
+    ({title: `${name} ms`, number: true, value: of, text: row => format.short(of(row))});
+  const number = (title, value, text = format.short) => ({title, number: true, value, text: row => text(value(row))});
+  const word = (title, value) => ({title, value});
+  /// Columns in which some row has something.
+  const filled = (columns, list) => columns.filter(column => list.some(row => (column.value(row) ?? null) !== null));
+
+  const recordColumns = list => filled([
+    word('renderer', record => record.label), ms('project'), ms('sort'), ms('raster'), ms('total'), ms('wall'),
+    number('speed-up', record => stats.speedup(record, record.among, wanted.baseline, wanted.clock)),
+    number('PSNR dB', record => record.psnr, format.psnr), number('SSIM', record => record.ssim),
+    number('largest error', record => record.max_abs), number('visible', record => record.visible, format.count),
+    number('instances', record => record.instances, format.count),
+    number('blended pairs', record => record.contributing_pairs, format.count),
+    number('memory', record => record.bytes, format.bytes),
+  ], list);
+
+  function rowColumns() {
+    const several = key => new Set(rows.map(key)).size > 1;
+    const either = (condition, column) => condition ? [column] : [];
+    const amount = (title, name, text) => number(title, row => row[name] ?? null, text);
+    return filled([
+      word('renderer', row => row.renderer), word('scene', row => row.scene),
+      number('Gaussians', row => row.gaussians, format.count),
+      ...either(several(row => row.enlarge), number('enlarged', row => row.enlarge)),
+      word('view', row => row.view), {title: 'size', value: row => row.width * row.height, text: choices.sizeOf, number: true},
+      ...either(several(row => row.conventions), word('conventions', row => row.conventions)),
+      ...either(several(row => row.threads), number('threads', row => row.threads)),
+      number('frames', row => row.frames),
+      ...stats.durations.map(name => ms(name)), number('PSNR dB', row => row.psnr, format.psnr),
+      amount('SSIM', 'ssim'), amount('largest error', 'max_abs'), amount('PSNR with the same cut', 'cut_psnr_db', format.psnr),
+      amount('photo PSNR', 'photo_psnr_db', format.psnr), amount('photo SSIM', 'photo_ssim'),
+      amount('visible', 'visible', format.count), amount('instances', 'instances', format.count),
+      amount('blended pairs', 'contributing_pairs', format.count),
+      amount('device memory', 'device_bytes', format.bytes), amount('host memory', 'host_bytes', format.bytes),
+      ...either(data.files.length > 1, word('file', row => data.files[row.file].file)),
+    ], rows);
+  }
+
+  function showPareto(list) {
+    const section = find('#pareto');
+    const known = list.filter(record => record.psnr !== null);
+    section.hidden = known.length === 0;
+    if (section.hidden) return;
+    setChoosers(find('.choosers', section), [
+      ...chooser('Time', [{value: 'total', title: 'frame, the backend\'s clock'}, {value: 'wall', title: 'wall clock'}],
+                 wanted.clock, value => wanted.clock = value),
+      ...chooser('Shape', simple(['bounds', 'sort']), wanted.shape, value => wanted.shape = value),
+    ]);
+    const front = stats.pareto(known, wanted.clock);
+    charts.draw(find('.chart', section), look => plots.pareto(known, front, wanted, look));
+    const left = list.length - known.length;
+    find('.note', section).textContent = 'Over several views PSNR is that of the mean squared error.' +
+      (left ? ` ${left} renderers without a measured error are not in this plot.` : '');
+    find('.list', section).replaceChildren(sortableTable({
+      caption: 'On the Pareto front',
+      columns: [number('', record => front.indexOf(record) + 1, String), ...recordColumns(front)], rows: front}));
+  }
+
+  /// One chart for each panel; places stay while their number stays, so that nothing jumps.
+  function showPanels(section, panels, specify) {
+    const place = find('.charts', section);
+    if (place.children.length !== panels.length)
+      place.replaceChildren(...panels.map(() => element('div', {}, element('h3'), element('div', {class: 'chart'}))));
+    panels.forEach((panel, i) => {
+      find('h3', place.children[i]).textContent = panel.title;
+      charts.draw(find('.chart', place.children[i]), look => specify(panel, look));
+    });
+  }
+
+  const shortNamed = records => records.map(record => ({...record, label: record.short}));
+
+  function showStages(list) {
+    const section = find('#stages');
+    section.hidden = false;
+    const panels = choices.panels(list, data.files);
+    const some = panels.some(panel => choices.quickest(panel.records, few).length < panel.records.length);
+    setChoosers(find('.choosers', section), !some ? [] : chooser('Show',
+      [{value: 'few', title: `the ${few} quickest and the baselines`}, {value: 'all', title: 'all'}], wanted.show,
+      value => wanted.show = value));
+    showPanels(section, panels, (panel, look) => plots.stagesStacked(
+      shortNamed(wanted.show === 'all' ? panel.records : choices.quickest(panel.records, few)), look));
+  }
+
+  function showSpeedups(list) {
+    const section = find('#speedups');
+    const words = choices.baselines(list);
+    if (!words.includes(wanted.baseline)) wanted.baseline = words[0];
+    const compared = list.filter(record => stats.speedup(record, list, wanted.baseline, wanted.clock) !== null);
+    section.hidden = compared.length < 2;
+    if (section.hidden) return;
+    const bounds = style.inOrder(compared.map(record => record.bounds));
+    if (!bounds.includes(wanted.bounds)) wanted.bounds = bounds[bounds.length - 1];
+    setChoosers(find('.choosers', section), [
+      ...chooser('Baseline', simple(words), wanted.baseline, value => wanted.baseline = value),
+      ...chooser('Bounds', simple(bounds), wanted.bounds, value => wanted.bounds = value),
+    ]);
+    const panels = choices.panels(compared.filter(record => record.bounds === wanted.bounds), data.files);
+    showPanels(section, panels, (panel, look) => plots.speedups(panel.records, wanted.baseline, wanted.clock, look));
+  }
+
+  function showScaling() {
+    const section = find('#scaling');
+    const parts = Object.keys(scaling.quantities).map(name => scalingSection(name, wanted, data.files, rows, render));
+    const shown = parts.filter(Boolean);
+    section.hidden = shown.length === 0;
+    find('.quantities', section).replaceChildren(...shown.map(part => part.element));
+    for (const part of shown) part.draw();
+    return Object.keys(scaling.quantities).filter((name, i) => !parts[i]).map(name => scaling.quantities[name].unit);
+  }
+
+  function showImages(chosen) {
+    const images = data.images, uri = index => typeof index === 'number' ? images[index] : null;
+    const sameView = (a, b) => ['scene', 'gaussians', 'enlarge', 'view', 'scale', 'conventions'].every(name => a[name] === b[name]);
+    const several = new Set(chosen.map(row => row.view)).size > 1;
+    const pairs = chosen.filter(row => typeof row.image === 'number').map(row => {
+      const view = data.files[row.file].views.find(one => sameView(one, row));
+      return {label: row.renderer + (several ? `, ${row.view}` : ''), frame: uri(row.image), error: uri(row.error_image),
+              reference: uri(view?.reference_image), width: row.width, height: row.height};
+    });
+    find('#images').hidden = pairs.length === 0;
+    find('#images .list').replaceChildren(...(pairs.length ? [imagePairs(pairs)] : []));
+  }
+
+  function summaryOf(list) {
+    const range = values => {
+      const low = Math.min(...values), high = Math.max(...values);
+      return (low === high ? String(low) : `${low} to ${high}`) + (high === 1 ? ' view' : ' views');
+    };
+    const measured = list.map(record => record.measured).filter(Boolean);
+    return `${list.length} renderers; times over ${range(list.map(record => record.views))}` +
+      (measured.length ? `, errors over ${range(measured)}.` : ', no errors measured.');
+  }
+
+  function render() {
+    const {rows: chosen, steps} = choices.narrow(rows, data.files, wanted);
+    setChoosers(find('#choosers'), steps.flatMap(
+      step => chooser(step.title, step.options, step.chosen, value => wanted[step.name] = value)));
+    const list = choices.recordsOf(chosen, data.files);
+    find('#summary').textContent = summaryOf(list);
+    showSpeedups(list);
+    showPareto(list);
+    showStages(list);
+    const absent = showScaling();
+    showImages(chosen);
+    find('#means').replaceChildren(sortableTable({
+      caption: 'Renderers, as chosen above', columns: recordColumns(list), rows: list, filter: true}));
+    find('#missing').textContent = [
+      ...(find('#pareto').hidden ? ['errors against float64'] : []), ...(find('#speedups').hidden ? ['a baseline'] : []),
+      ...(absent.length ? [`growth with ${absent.join(', ')} (three values, with all else held)`] : []),
+      ...(find('#images').hidden ? ['images (swiftgs bench --images)'] : []),
+    ].map((text, i) => (i === 0 ? 'Not in these files: ' : '') + text).join('; ');
+    charts.refresh(false);
+  }
+
+  showMachines();
+  render();
+  find('#rows').replaceChildren(sortableTable({caption: 'All rows', columns: rowColumns(), rows, filter: true}));
+  if (location.hash === '#figures') writeFigures(rows, data.files);
+})();

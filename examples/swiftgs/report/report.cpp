@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <swiftgs/version.hpp>
+
+#include "commands.hpp"
+#include "report/files.hpp"
+#include "report/page.hpp"
+#include "report/results.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+using Json = nlohmann::json;
+
+struct ReportOptions {
+  std::vector<std::string> results;
+  std::string out = "report.html";
+};
+
+/// The images of all result files: each once, however many rows name it.
+class Images {
+ public:
+  /// Puts the index of the image in the place of its name, which is relative to the folder of `file`.
+  void take(Json& object, const char* member, const std::string& file) {
+    const auto name = object.find(member);
+    if (name == object.end() || name->is_null()) return;
+    const std::filesystem::path path =
+        std::filesystem::path(file).parent_path() / name->get_ref<const std::string&>();
+    const auto [found, is_new] = index_.emplace(path.lexically_normal().string(), uris_.size());
+    if (is_new) uris_.push_back(data_uri_of_image(found->first, file));
+    *name = found->second;
+  }
+
+  const std::vector<std::string>& uris() const { return uris_; }
+
+ private:
+  std::map<std::string, std::size_t> index_;
+  std::vector<std::string> uris_;
+};
+
+void report(const ReportOptions& options) {
+  if (!can_plot())
+    throw std::runtime_error(
+        "report: expected Vega when this tool was built: install libjs-vega, then configure and build again");
+  Images images;
+  Json files = Json::array();
+  std::size_t rows = 0;
+  for (const std::string& name : options.results) {
+    Json results = read_results(name);
+    for (Json& view : results["views"]) images.take(view, "reference_image", name);
+    for (Json& row : results["rows"]) images.take(row, "image", name), images.take(row, "error_image", name);
+    rows += results["rows"].size();
+    results["file"] = std::filesystem::path(name).filename().string();
+    files.push_back(std::move(results));
+  }
+  const Json data{{"tool", "swiftgs " + std::string(version)}, {"files", files}, {"images", images.uris()}};
+  const std::string html = page_of(data.dump(-1, ' ', true, Json::error_handler_t::replace));
+  write_file(options.out, html);
+  std::printf("%s: %zu rows of %zu %s, %zu images, %.1f MiB\n", options.out.c_str(), rows,
+              options.results.size(), options.results.size() == 1 ? "file" : "files", images.uris().size(),
+              double(html.size()) / 1048576);
+}
+
+constexpr const char* more =
+    R"(RESULTS are files that swiftgs bench wrote. The page holds everything that it shows and works
+without a network: run time against error with the Pareto front, stage times, speed-ups,
+growth with fitted exponents, all rows as a table, and images where the files name some.
+
+Example:
+  swiftgs bench builtin --json results.json
+  swiftgs report results.json --out report.html)";
+
+}  // namespace
+
+void add_report(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("report", "A page that shows what bench has measured");
+  command->footer(more);
+  const auto options = std::make_shared<ReportOptions>();
+  command->add_option("RESULTS", options->results, "Files of swiftgs bench")->required();
+  command->add_option("--out", options->out, "File for the page")->capture_default_str();
+  command->callback([options] { report(*options); });
+}
+
+}  // namespace swiftgs::cli

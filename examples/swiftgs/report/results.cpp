@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/results.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <swiftgs/error.hpp>
+
+#include "report/files.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Deeper than any result file; what follows each level by a call of its own never runs out of stack.
+constexpr int deepest = 16;
+
+enum class Kind { text, optional_text, amount, positive, optional_amount, optional_number };
+
+struct Member {
+  const char* name;
+  Kind kind;
+};
+
+constexpr Member members_of_scene[] = {{"scene", Kind::text},
+                                       {"gaussians", Kind::amount},
+                                       {"original", Kind::amount},
+                                       {"enlarge", Kind::positive}};
+
+constexpr Member members_of_view[] = {{"scene", Kind::text},
+                                      {"gaussians", Kind::amount},
+                                      {"enlarge", Kind::positive},
+                                      {"view", Kind::text},
+                                      {"width", Kind::positive},
+                                      {"height", Kind::positive},
+                                      {"scale", Kind::positive},
+                                      {"conventions", Kind::text},
+                                      {"photo_psnr_db", Kind::optional_number},
+                                      {"photo_ssim", Kind::optional_number},
+                                      {"reference_image", Kind::optional_text}};
+
+constexpr Member members_of_row[] = {{"scene", Kind::text},
+                                     {"gaussians", Kind::amount},
+                                     {"enlarge", Kind::positive},
+                                     {"view", Kind::text},
+                                     {"width", Kind::positive},
+                                     {"height", Kind::positive},
+                                     {"scale", Kind::positive},
+                                     {"conventions", Kind::text},
+                                     {"threads", Kind::amount},
+                                     {"renderer", Kind::text},
+                                     {"backend", Kind::text},
+                                     {"sort", Kind::text},
+                                     {"raster", Kind::text},
+                                     {"bounds", Kind::text},
+                                     {"frames", Kind::amount},
+                                     {"psnr_db", Kind::optional_number},
+                                     {"ssim", Kind::optional_number},
+                                     {"max_abs", Kind::optional_amount},
+                                     {"cut_psnr_db", Kind::optional_number},
+                                     {"photo_psnr_db", Kind::optional_number},
+                                     {"photo_ssim", Kind::optional_number},
+                                     {"visible", Kind::optional_amount},
+                                     {"instances", Kind::optional_amount},
+                                     {"contributing_pairs", Kind::optional_amount},
+                                     {"device_bytes", Kind::optional_amount},
+                                     {"host_bytes", Kind::optional_amount},
+                                     {"image", Kind::optional_text},
+                                     {"error_image", Kind::optional_text}};
+
+constexpr const char* durations[] = {"project", "sort", "raster", "total", "wall"};
+
+constexpr Member members_of_duration[] = {{"median", Kind::amount},
+                                          {"low", Kind::optional_amount},
+                                          {"high", Kind::optional_amount},
+                                          {"p10", Kind::optional_amount},
+                                          {"p90", Kind::optional_amount}};
+
+const char* expected_of(Kind kind) {
+  switch (kind) {
+    case Kind::text:
+      return "a text that is not empty";
+    case Kind::optional_text:
+      return "a text or null";
+    case Kind::amount:
+      return "a number, 0 or more";
+    case Kind::positive:
+      return "a number above 0";
+    case Kind::optional_amount:
+      return "a number, 0 or more, or null";
+    case Kind::optional_number:
+      return "a number or null";
+  }
+  return "";
+}
+
+bool is_of(const Json& value, Kind kind) {
+  switch (kind) {
+    case Kind::text:
+      return value.is_string() && !value.get_ref<const std::string&>().empty();
+    case Kind::optional_text:
+      return value.is_null() || value.is_string();
+    case Kind::amount:
+      return value.is_number() && value.get<double>() >= 0;
+    case Kind::positive:
+      return value.is_number() && value.get<double>() > 0;
+    case Kind::optional_amount:
+      return value.is_null() || is_of(value, Kind::amount);
+    case Kind::optional_number:
+      return value.is_null() || value.is_number();
+  }
+  return false;
+}
+
+bool may_be_absent(Kind kind) {
+  return kind == Kind::optional_text || kind == Kind::optional_amount || kind == Kind::optional_number;
+}
+
+[[noreturn]] void refuse(const std::string& where, const std::string& expected) {
+  throw std::invalid_argument(where + ": expected " + expected);
+}
+
+void check_object(const Json& value, const std::string& where) {
+  if (!value.is_object()) refuse(where, "an object");
+}
+
+template <std::size_t n>
+void check_members(const Json& value, const Member (&members)[n], const std::string& where) {
+  check_object(value, where);
+  for (const Member& member : members) {
+    const auto found = value.find(member.name);
+    if (found == value.end() ? !may_be_absent(member.kind) : !is_of(*found, member.kind))
+      refuse(where + "." + member.name, expected_of(member.kind));
+  }
+}
+
+void check_row(const Json& row, const std::string& where) {
+  check_members(row, members_of_row, where);
+  const auto ms = row.find("ms");
+  if (ms == row.end()) refuse(where + ".ms", "an object");
+  check_object(*ms, where + ".ms");
+  for (const char* duration : durations) {
+    const auto found = ms->find(duration);
+    const std::string name = where + ".ms." + duration;
+    if (found == ms->end()) refuse(name, "an object");
+    check_members(*found, members_of_duration, name);
+  }
+}
+
+/// Calls `check` with each element of the array `name` and what to call it.
+template <class Check>
+void check_each(const Json& results, const std::string& file, const char* name, Check check) {
+  const auto found = results.find(name);
+  if (found == results.end() || !found->is_array()) refuse(file + ": " + name, "an array");
+  std::size_t index = 0;
+  for (const Json& element : *found) check(element, file + ": " + name + "[" + std::to_string(index++) + "]");
+}
+
+Json parsed(const std::string& file, const std::string& text) {
+  const auto not_too_deep = [&](int depth, Json::parse_event_t, Json&) {
+    if (depth > deepest) refuse(file, "objects and arrays at most " + std::to_string(deepest) + " deep");
+    return true;
+  };
+  try {
+    return Json::parse(text, not_too_deep);
+  } catch (const Json::parse_error& error) {
+    const bool at_end = error.byte > text.size();
+    throw FormatError(file, at_end ? text.size() : error.byte - 1,
+                      at_end ? "JSON that goes on: the file is cut short" : "JSON of swiftgs bench");
+  } catch (const Json::out_of_range&) {
+    refuse(file, "numbers that a double can hold");
+  }
+}
+
+}  // namespace
+
+nlohmann::json read_results(const std::string& name) {
+  Json results = parsed(name, content_of_file(name));
+  const bool is_ours = results.is_object() && results.value("format", Json()) == "swiftgs-bench";
+  if (!is_ours) refuse(name + ": format", "\"swiftgs-bench\", as swiftgs bench writes it");
+  const Json version = results.value("version", Json());
+  if (version != 1) refuse(name + ": version", "1, found " + version.dump().substr(0, 40));
+  check_object(results.value("machine", Json()), name + ": machine");
+  if (!is_of(results.value("command", Json()), Kind::text))
+    refuse(name + ": command", "a text that is not empty");
+  check_each(results, name, "scenes", [](const Json& scene, const std::string& where) {
+    check_members(scene, members_of_scene, where);
+  });
+  check_each(results, name, "views",
+             [](const Json& view, const std::string& where) { check_members(view, members_of_view, where); });
+  check_each(results, name, "rows", check_row);
+  if (results["rows"].empty()) refuse(name + ": rows", "at least one row");
+  return results;
+}
+
+}  // namespace swiftgs::cli

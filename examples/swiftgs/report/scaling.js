@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+'use strict';
+
+// How time and memory grow with one quantity while the others are held: series of points, exponents fitted to them,
+// and which stage is the longest. No document is needed here.
+const scaling = (() => {
+  const curves = ['project', 'sort', 'raster', 'total', 'memory'];
+  const tileSide = 16;
+  const tilesOf = row => Math.ceil(row.width / tileSide) * Math.ceil(row.height / tileSide);
+
+  /// `level` is what the run varied; `value` what a point is drawn at; `held` what must not change.
+  const quantities = {
+    gaussians: {
+      title: 'Gaussians', unit: 'Gaussians', level: row => row.gaussians, value: row => row.gaussians,
+      held: row => [row.enlarge, row.scale, row.width, row.height, row.threads],
+      say: row => [`${row.width}×${row.height}`],
+    },
+    pixels: {
+      title: 'Pixels', unit: 'pixels', level: row => row.scale, value: row => row.width * row.height,
+      held: row => [row.gaussians, row.enlarge, row.threads],
+      say: row => [`${format.count(row.gaussians)} Gaussians`],
+    },
+    threads: {
+      title: 'Threads', unit: 'threads', level: row => row.threads, value: row => row.threads,
+      held: row => [row.gaussians, row.enlarge, row.scale, row.width, row.height],
+      // The threads of the host say nothing of a GPU, and nothing of what uses one alone.
+      applies: row => row.backend !== 'cuda' && row.backend !== 'serial',
+      say: row => [`${format.count(row.gaussians)} Gaussians`, `${row.width}×${row.height}`],
+    },
+    occupancy: {
+      title: 'Instances a tile', unit: 'instances a tile', level: row => row.enlarge,
+      value: row => row.instances / tilesOf(row),
+      held: row => [row.gaussians, row.scale, row.width, row.height, row.threads],
+      applies: row => row.instances > 0,
+      say: row => [`${format.count(row.gaussians)} Gaussians`, `${row.width}×${row.height}`],
+    },
+  };
+
+  /// Least squares of ln y = exponent · ln x + ln factor over points [x, y]; those with a y that is no positive
+  /// number are left out. null with fewer than two different x.
+  function fit(points) {
+    const logs = points.filter(([x, y]) => x > 0 && y > 0).map(([x, y]) => [Math.log(x), Math.log(y)]);
+    if (new Set(logs.map(([x]) => x)).size < 2) return null;
+    const mx = stats.mean(logs.map(([x]) => x)), my = stats.mean(logs.map(([, y]) => y));
+    const across = logs.reduce((sum, [x, y]) => sum + (x - mx) * (y - my), 0);
+    const exponent = across / logs.reduce((sum, [x]) => sum + (x - mx) ** 2, 0);
+    return {exponent, factor: Math.exp(my - exponent * mx)};
+  }
+
+  function pointOf(level, rows, value) {
+    const [record] = stats.records(rows);
+    const point = {level, x: stats.mean(rows.map(value)), memory: record.bytes};
+    for (const name of ['project', 'sort', 'raster', 'total']) point[name] = record.ms[name].median;
+    return point;
+  }
+
+  const longest = point => stats.stages.reduce((a, b) => point[b] > point[a] ? b : a);
+
+  /// Where the straight lines through both points, on log axes, of stages `a` and `b` meet.
+  function crossing(before, after, a, b) {
+    const gap = point => Math.log(point[a]) - Math.log(point[b]);
+    const part = gap(before) / (gap(before) - gap(after));
+    const middle = Number.isFinite(part) ? part : 0.5;
+    return Math.exp(Math.log(before.x) + middle * (Math.log(after.x) - Math.log(before.x)));
+  }
+
+  /// Which stage is the longest: [{stage, from}], the first from the first point on.
+  function dominance(points) {
+    const parts = [{stage: longest(points[0]), from: points[0].x}];
+    for (let i = 1; i < points.length; ++i) {
+      const last = parts[parts.length - 1].stage, stage = longest(points[i]);
+      if (stage !== last) parts.push({stage, from: crossing(points[i - 1], points[i], last, stage)});
+    }
+    return parts;
+  }
+
+  /// One series from rows that differ in level and view alone, over the views that all levels have; null with
+  /// fewer than three values.
+  function seriesOf(rows, quantity) {
+    const levels = stats.groupsOf(rows, quantity.level);
+    const views = [...levels.values()].map(some => new Set(some.map(row => row.view)));
+    const shared = [...views[0]].filter(view => views.every(set => set.has(view)));
+    if (levels.size < 3 || !shared.length) return null;
+    const points = [...levels].map(([level, some]) =>
+      pointOf(level, some.filter(row => shared.includes(row.view)), quantity.value)).sort((a, b) => a.x - b.x);
+    if (new Set(points.map(point => point.x)).size < 3) return null;
+    const fits = {};
+    for (const curve of curves) fits[curve] = fit(points.map(point => [point.x, point[curve]]));
+    const {file, scene, conventions, renderer, backend} = rows[0];
+    return {file, scene, conventions, renderer, backend, views: shared.length, points, fits,
+            dominance: dominance(points), held: quantity.say(rows[0])};
+  }
+
+  /// All series of a quantity, by its name in `quantities`.
+  function series(rows, name) {
+    const quantity = quantities[name];
+    const fitting = quantity.applies ? rows.filter(quantity.applies) : rows;
+    const key = row => [row.file, row.scene, row.conventions, row.renderer, ...quantity.held(row)].join('|');
+    return [...stats.groupsOf(fitting, key).values()].map(group => seriesOf(group, quantity)).filter(Boolean);
+  }
+
+  return {quantities, curves, fit, dominance, series};
+})();
