@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <stdexcept>
-#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -21,6 +18,7 @@
 #include "options.hpp"
 #include "photos.hpp"
 #include "progress.hpp"
+#include "result_file.hpp"
 #include "scene_input.hpp"
 #include "views.hpp"
 
@@ -119,45 +117,26 @@ CheckResult mean_of(Span<const CheckResult> results) {
   return mean;
 }
 
-/// The file of `--json`. Opened before anything is rendered: an hour of results must find a place to go to.
-class ResultFile {
- public:
-  explicit ResultFile(const std::string& name) : name_(name) {
-    if (name_.empty()) return;
-    errno = 0;
-    out_.open(name_, std::ios::binary);
-    expect_good();
-  }
-
-  void write(const std::string& text) {
-    if (name_.empty()) return;
-    errno = 0;
-    out_ << text << std::flush;
-    expect_good();
-  }
-
- private:
-  void expect_good() const {
-    if (!out_) throw std::system_error(errno ? errno : EIO, std::generic_category(), name_);
-  }
-
-  std::string name_;
-  std::ofstream out_;
-};
-
 void check(const CheckOptions& options) {
   if (options.repeats < 1) throw std::invalid_argument("--repeats: expected at least 1");
-  const std::vector<std::string> names = renderers_matching(options.renderers);
+  const std::vector<RendererEntry> entries = renderers_matching(options.renderers);
   Task task;
   task.scene_name = scene_label(options.scene.scene);
   task.scene = std::make_shared<const Scene>(load(options.scene).scene);
   task.repeats = options.repeats;
   task.views = views_of(options.scene, options.view, *task.scene, "every:8");
   task.settings = settings_of(options.view, *task.scene);
-  if (!options.photos.empty()) task.photos = photographs_of(task.views, options.photos);
+  if (!options.photos.empty()) {
+    task.photos = photographs_of(task.views, options.photos);
+    if (std::none_of(task.photos.begin(), task.photos.end(),
+                     [](const auto& photo) { return photo.has_value(); }))
+      throw std::invalid_argument(options.photos +
+                                  ": expected a photograph with the name of a view, such as " +
+                                  task.views.front().name);
+  }
   ResultFile json(options.json);
 
-  Progress progress(task.views.size() * (1 + names.size()));
+  Progress progress(task.views.size() * (1 + entries.size()));
   const dvec3 background(task.settings.background);
   for (const View& view : task.views) {
     progress.start("reference " + view.name);
@@ -167,17 +146,17 @@ void check(const CheckOptions& options) {
   }
 
   std::size_t width = 8;
-  for (const std::string& name : names) width = std::max(width, name.size());
+  for (const RendererEntry& entry : entries) width = std::max(width, entry.name.size());
   progress.clear();
   print_header(width, !task.photos.empty());
   std::vector<CheckResult> results;
-  for (const std::string& name : names) {
+  for (const RendererEntry& entry : entries) {
     // Only one renderer at a time holds memory.
-    const std::unique_ptr<AnyRenderer> renderer = make_renderer(name);
+    const std::unique_ptr<AnyRenderer> renderer = entry.make();
     renderer->set_scene(task.scene);
     Frame frame;
     for (std::size_t view = 0; view < task.views.size(); ++view) {
-      progress.start(name);
+      progress.start(std::string(entry.name));
       results.push_back(judge(task, view, *renderer, frame));
       progress.step();
       progress.clear();
@@ -210,7 +189,8 @@ void add_check(CLI::App& app) {
   const auto options = std::make_shared<CheckOptions>();
   add_scene(*command, options->scene);
   add_views(*command, options->view, "every:8");
-  command->add_option("--renderers", options->renderers, "Which: names with * for any text")
+  command
+      ->add_option("--renderers", options->renderers, "Which: names with * for any text, separated by commas")
       ->capture_default_str();
   command->add_option("--photos", options->photos, "Folder with photographs of the views");
   command->add_option("--json", options->json, "File for the results");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "choice.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <swiftgs/any_renderer.hpp>
@@ -24,15 +25,24 @@ bool matches(std::string_view pattern, std::string_view name) {
   return p == pattern.size();
 }
 
-std::vector<std::string> renderers_matching(const std::string& pattern) {
-  std::vector<std::string> names;
-  for (const RendererEntry& entry : renderers())
-    if (entry.usable && matches(pattern, entry.name)) names.emplace_back(entry.name);
-  if (names.empty())
-    throw std::invalid_argument("--renderers '" + pattern +
-                                "': no renderer that can run here matches; expected a name from 'swiftgs "
-                                "list', with * for any text, such as 'cpu/*/per-pixel/ellipse'");
-  return names;
+std::vector<RendererEntry> renderers_matching(const std::string& patterns) {
+  std::vector<bool> chosen(renderers().size());
+  for (std::size_t at = 0; at != std::string::npos;) {
+    const std::size_t comma = patterns.find(',', at);
+    const std::string pattern = patterns.substr(at, comma - at);
+    bool found = false;
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+      if (renderers()[i].usable && matches(pattern, renderers()[i].name)) found = chosen[i] = true;
+    if (!found)
+      throw std::invalid_argument("--renderers '" + pattern +
+                                  "': no renderer that can run here matches; expected a name from 'swiftgs "
+                                  "list', with * for any text, such as 'cpu/*/per-pixel/ellipse'");
+    at = comma == std::string::npos ? comma : comma + 1;
+  }
+  std::vector<RendererEntry> entries;
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    if (chosen[i]) entries.push_back(renderers()[i]);
+  return entries;
 }
 
 std::string default_renderer() {

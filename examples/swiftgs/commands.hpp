@@ -9,6 +9,7 @@ class App;
 /// Commands report failure by throwing.
 namespace swiftgs::cli {
 
+void add_bench(CLI::App& app);
 void add_check(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_info(CLI::App& app);

@@ -15,9 +15,18 @@ void Progress::start(const std::string& what) {
   const std::size_t filled = total_ ? width * done_ / total_ : 0;
   const std::string bar = std::string(filled, '#') + std::string(width - filled, '.');
   // Carriage return, text, erase to the end of the line.
-  std::fprintf(stderr, "\r[%s] %zu/%zu %.48s\x1b[K", bar.c_str(), done_, total_, what.c_str());
+  std::fprintf(stderr, "\r[%s] %zu/%zu%s %.60s\x1b[K", bar.c_str(), done_, total_, time_left().c_str(),
+               what.c_str());
   std::fflush(stderr);
   shown_ = true;
+}
+
+std::string Progress::time_left() const {
+  if (done_ == 0) return {};
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begun_;
+  const auto seconds = long(elapsed.count() / double(done_) * double(total_ - done_));
+  return seconds < 60 ? ", " + std::to_string(seconds) + " s left"
+                      : ", " + std::to_string(seconds / 60 + 1) + " min left";
 }
 
 void Progress::clear() {

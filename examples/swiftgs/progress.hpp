@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <string>
 
 namespace swiftgs::cli {
 
-/// A bar on standard error that shows how much of `total` is done. Nothing is written where standard error
-/// is not a terminal.
+/// A bar on standard error that shows how much of `total` is done, and about how long the rest takes. Nothing
+/// is written where standard error is not a terminal.
 class Progress {
  public:
   explicit Progress(std::size_t total);
@@ -23,7 +24,10 @@ class Progress {
   void clear();
 
  private:
+  std::string time_left() const;
+
   std::size_t total_, done_ = 0;
+  std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
   bool terminal_, shown_ = false;
 };
 

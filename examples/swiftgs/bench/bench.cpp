@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "bench/inputs.hpp"
+#include "bench/runner.hpp"
+#include "bench/table.hpp"
+#include "bench/threads.hpp"
+#include "bench/variants.hpp"
+#include "choice.hpp"
+#include "commands.hpp"
+#include "photos.hpp"
+#include "scene_input.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+struct BenchOptions {
+  std::vector<std::string> scenes;
+  std::string renderers = "*";
+  std::string views = "every:8";
+  std::string scales = "1", gaussians, enlarge = "1", threads, conventions = "gsplat";
+  std::string errors = "all";
+  std::string json, images;
+  Plan plan;
+};
+
+constexpr const char* more =
+    R"(SCENE is builtin, builtin:N, a .ply or .spz file, or the folder of a capture: one such file
+with cameras.json or sparse/0 beside it, and photographs in photos. Lists are separated by
+commas; every combination is measured. Frames stay with the backend. Renderers take turns
+in a random order, until each one's median is known to --precision or --max-frames are drawn.
+--gaussians splits or thins a scene, --enlarge multiplies the scales of its Gaussians.
+--errors is all, none, or how many views of each scene are compared with float64.
+The columns are means over views; docs/results.md describes the JSON.
+
+Examples:
+  swiftgs bench builtin garden/ --renderers 'cuda/*' --json results.json
+  swiftgs bench garden/ --renderers 'cpu/early/*/ellipse' --views 0,8 --scales 0.5,1,2
+  swiftgs bench builtin --gaussians 100000,1000000 --threads 1,2,4 --errors none)";
+
+std::size_t judged_views(const std::string& errors) {
+  if (errors == "all") return std::numeric_limits<std::size_t>::max();
+  if (errors == "none") return 0;
+  const std::vector<std::size_t> count = counts_of("--errors", errors);
+  if (count.size() != 1) throw std::invalid_argument("--errors: expected all, none or a number of views");
+  return count.front();
+}
+
+std::vector<std::size_t> or_zero(const std::string& option, const std::string& list) {
+  return list.empty() ? std::vector<std::size_t>{0} : counts_of(option, list);
+}
+
+/// Every combination of what the options list, scene by scene.
+class Matrix {
+ public:
+  explicit Matrix(const BenchOptions& options)
+      : options_(options),
+        scales_(numbers_of("--scales", options.scales)),
+        enlarge_(numbers_of("--enlarge", options.enlarge)),
+        gaussians_(or_zero("--gaussians", options.gaussians)),
+        threads_(or_zero("--threads", options.threads)),
+        conventions_(list_of("--conventions", options.conventions)) {
+    for (const std::string& scene : options.scenes) inputs_.push_back(input_named(scene));
+  }
+
+  /// Images, an upper limit where a scene's cameras are not known yet: for the progress.
+  std::size_t images() {
+    std::size_t count = 0;
+    for (const Input& input : inputs_) {
+      ViewOptions view;
+      view.cameras = input.cameras, view.views = options_.views;
+      count += input.cameras.empty() && !builtin_size(input.scene.scene)
+                   ? 1
+                   : views_of(input.scene, view, Scene(), "every:8").size();
+    }
+    return count * scales_.size() * enlarge_.size() * gaussians_.size() * threads_.size() *
+           conventions_.size();
+  }
+
+  template <class Run>
+  void for_each_session(Results& results, const Run& run) const {
+    for (const Input& input : inputs_) {
+      const Scene original = load(input.scene).scene;
+      for (const std::size_t count : gaussians_)
+        for (const double factor : enlarge_) {
+          Session session;
+          session.gaussians = std::make_shared<const Scene>(variant(original, count, factor));
+          session.scene = {name_of(input), session.gaussians->size(), original.size(),
+                           factor,         original.sh_degree,        original.antialiased};
+          results.scenes.push_back(session.scene);
+          for_each_view_set(input, session, run);
+        }
+    }
+  }
+
+ private:
+  static std::string name_of(const Input& input) {
+    return builtin_size(input.scene.scene) ? "builtin" : scene_label(input.scene.scene);
+  }
+
+  Scene variant(const Scene& original, std::size_t count, double factor) const {
+    Scene scene = count ? with_count(original, count, options_.plan.seed) : original;
+    return factor == 1 ? scene : enlarged(std::move(scene), factor);
+  }
+
+  template <class Run>
+  void for_each_view_set(const Input& input, Session& session, const Run& run) const {
+    for (const std::size_t threads : threads_) {
+      const ThreadLimit limit(threads);
+      session.threads = limit.threads();
+      for (const std::string& conventions : conventions_)
+        for (const double scale : scales_) {
+          ViewOptions view;
+          view.cameras = input.cameras, view.views = options_.views;
+          view.scale = scale, view.conventions = conventions;
+          session.views = views_of(input.scene, view, *session.gaussians, "every:8");
+          session.settings = settings_of(view, *session.gaussians);
+          session.scale = scale, session.conventions = conventions;
+          session.photos.clear();
+          if (!input.photos.empty() && scale == 1)
+            session.photos = photographs_of(session.views, input.photos);
+          run(session);
+        }
+    }
+  }
+
+  const BenchOptions& options_;
+  std::vector<double> scales_, enlarge_;
+  std::vector<std::size_t> gaussians_, threads_;
+  std::vector<std::string> conventions_;
+  std::vector<Input> inputs_;
+};
+
+void bench(const BenchOptions& options) {
+  validate(options.plan);
+  if (!options.images.empty() && options.json.empty())
+    throw std::invalid_argument("--images: expected --json too, which names them");
+  const std::vector<RendererEntry> entries = renderers_matching(options.renderers);
+  Matrix matrix(options);
+  Results results;
+  results.machine = describe_machine(), results.command = command_line();
+  if (!options.json.empty()) write_results(results, options.json);  // where it cannot be written, say so now
+  if (!options.images.empty()) std::filesystem::create_directories(options.images);
+
+  Progress progress(matrix.images() * entries.size());
+  Runner runner(entries, {options.plan, judged_views(options.errors), options.images, options.json}, results,
+                progress);
+  matrix.for_each_session(results, [&](const Session& session) { runner.run(session); });
+  progress.clear();
+  print_tables(results.rows);
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("bench", "Run time against error, of any part of the matrix");
+  command->footer(more);
+  const auto options = std::make_shared<BenchOptions>();
+  command->add_option("SCENE", options->scenes, "Scenes: builtin, builtin:N, files or folders")->required();
+  command
+      ->add_option("--renderers", options->renderers, "Which: names with * for any text, separated by commas")
+      ->capture_default_str();
+  command->add_option("--views", options->views, "Which: numbers as 0,8, or every:8, or all")
+      ->capture_default_str();
+  command->add_option("--scales", options->scales, "Factors of the images' sides")->capture_default_str();
+  command->add_option("--gaussians", options->gaussians, "Numbers of Gaussians [as in the file]");
+  command->add_option("--enlarge", options->enlarge, "Factors of the Gaussians' scales")
+      ->capture_default_str();
+  command->add_option("--threads", options->threads, "Numbers of threads of the cpu backend [all]");
+  command->add_option("--conventions", options->conventions, "gsplat, inria or both")->capture_default_str();
+  command->add_option("--errors", options->errors, "all, none or a number of views")->capture_default_str();
+  command->add_option("--precision", options->plan.precision, "Of a median, as a part of it")
+      ->capture_default_str();
+  command->add_option("--min-frames", options->plan.min_frames, "Least that are timed")
+      ->capture_default_str();
+  command->add_option("--max-frames", options->plan.max_frames, "Most that are timed")->capture_default_str();
+  command->add_option("--seed", options->plan.seed, "Of the renderers' order and of thinned scenes")
+      ->capture_default_str();
+  command->add_option("--json", options->json, "File for the results");
+  command->add_option("--images", options->images, "Folder for images of each scene's first view");
+  command->callback([options] { bench(*options); });
+}
+
+}  // namespace swiftgs::cli

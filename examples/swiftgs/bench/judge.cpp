@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <utility>
+
+#include <swiftgs/metrics.hpp>
+#include <swiftgs/reference.hpp>
+
+namespace swiftgs::cli {
+namespace {
+
+/// Clamped to what a photograph can hold.
+template <class Values>
+PhotoErrors photo_errors(const Image& photo, const Values& colour) {
+  std::vector<float> shown(colour.size());
+  std::transform(colour.begin(), colour.end(), shown.begin(),
+                 [](auto value) { return std::clamp(float(value), 0.0f, 1.0f); });
+  return {psnr(shown, photo.pixels), ssim(photo.width, photo.height, 3, shown, photo.pixels)};
+}
+
+}  // namespace
+
+std::uint64_t hash_of(const Frame& frame) {
+  // FNV-1a, a float at a time.
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const float value : frame.colour)
+    hash = (hash ^ __builtin_bit_cast(std::uint32_t, value)) * 0x100000001b3u;
+  return hash;
+}
+
+Judge::Judge(std::shared_ptr<const Scene> scene, const Camera& camera, const RenderSettings& settings,
+             std::optional<Image> photo)
+    : scene_(std::move(scene)), camera_(camera), settings_(settings), photo_(std::move(photo)) {}
+
+std::vector<double> Judge::render(Conventions::Footprint footprint) const {
+  Conventions conventions = settings_.conventions;
+  conventions.footprint = footprint;
+  return swiftgs::render_reference(*scene_, camera_, conventions, dvec3(settings_.background)).colour;
+}
+
+void Judge::render_reference() {
+  if (truth_.empty()) truth_ = render(Conventions::Footprint::alpha);
+}
+
+Judge::Verdict Judge::of(const Frame& frame, bool cut) {
+  const std::pair key(hash_of(frame), cut);
+  if (const auto found = known_.find(key); found != known_.end()) return found->second;
+  Verdict verdict;
+  std::future<PhotoErrors> photo;
+  if (photo_) photo = std::async(std::launch::async, [&] { return photo_errors(*photo_, frame.colour); });
+  if (!truth_.empty()) {
+    verdict.errors =
+        Errors{psnr(frame.colour, truth_), ssim(frame.width, frame.height, 3, frame.colour, truth_),
+               max_abs_difference(frame.colour, truth_), std::nullopt};
+    if (cut && cut_truth_.empty()) cut_truth_ = render(Conventions::Footprint::three_sigma_square);
+    if (cut) verdict.errors->cut_psnr_db = psnr(frame.colour, cut_truth_);
+  }
+  if (photo_) verdict.photo = photo.get();
+  return known_[key] = verdict;
+}
+
+std::optional<PhotoErrors> Judge::reference_photo() const {
+  if (!photo_ || truth_.empty()) return std::nullopt;
+  return photo_errors(*photo_, truth_);
+}
+
+Frame Judge::reference_frame() const {
+  Frame frame;
+  frame.width = camera_.width, frame.height = camera_.height;
+  frame.colour.assign(truth_.begin(), truth_.end());
+  return frame;
+}
+
+Frame Judge::error_map(const Frame& frame) const {
+  constexpr double least = -7;  // decimal logarithm of what is black
+  Frame map;
+  map.width = frame.width, map.height = frame.height;
+  map.colour.resize(frame.colour.size());
+  for (std::size_t pixel = 0; pixel < frame.pixels(); ++pixel) {
+    double largest = 0;
+    for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i)
+      largest = std::max(largest, metrics::distance(frame.colour[i], truth_[i]));
+    const float shown = largest > 0 ? float(std::clamp(1 - std::log10(largest) / least, 0.0, 1.0)) : 0.0f;
+    std::fill_n(map.colour.begin() + std::ptrdiff_t(3 * pixel), 3, shown);
+  }
+  return map;
+}
+
+}  // namespace swiftgs::cli

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/measure.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+namespace swiftgs::cli {
+namespace {
+
+constexpr int frames_a_turn = 4;
+
+/// The value below which `part` of the sorted `values` lie, between neighbours in proportion.
+double percentile(const std::vector<double>& values, double part) {
+  const double at = part * double(values.size() - 1);
+  const std::size_t below = std::size_t(at), above = std::min(below + 1, values.size() - 1);
+  return values[below] + (at - double(below)) * (values[above] - values[below]);
+}
+
+void add_frame(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings,
+               Samples& samples) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  renderer.render_resident(camera, settings);
+  const double wall = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  const StageTimes ms = renderer.times();
+  samples.project.push_back(ms.project), samples.sort.push_back(ms.sort);
+  samples.raster.push_back(ms.raster), samples.total.push_back(ms.total);
+  samples.wall.push_back(wall);
+}
+
+bool precise(const Samples& samples, const Plan& plan) {
+  if (samples.frames() >= plan.max_frames) return true;
+  if (samples.frames() < plan.min_frames) return false;
+  const Duration total = summary_of(samples.total);
+  return total.high - total.low <= 2 * plan.precision * total.median;
+}
+
+}  // namespace
+
+void validate(const Plan& plan) {
+  if (plan.min_frames < 1) throw std::invalid_argument("--min-frames: expected at least 1");
+  if (plan.max_frames < plan.min_frames)
+    throw std::invalid_argument("--max-frames: expected at least the " + std::to_string(plan.min_frames) +
+                                " of --min-frames");
+  if (!(plan.precision > 0))
+    throw std::invalid_argument("--precision: expected a part above 0, such as 0.01");
+}
+
+Duration summary_of(std::vector<double> values) {
+  if (values.empty()) throw std::invalid_argument("summary: expected at least one value");
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  // The number of values below the median is binomial: within 1.96 sqrt(n) / 2 of n / 2 in 95 of 100 cases.
+  const double half = 0.5 * double(n), spread = 0.98 * std::sqrt(double(n));
+  const std::size_t low = half > spread ? std::size_t(half - spread) : 0;
+  return {percentile(values, 0.5), values[low], values[n - 1 - low], percentile(values, 0.1),
+          percentile(values, 0.9)};
+}
+
+Durations Samples::summary() const {
+  return {summary_of(project), summary_of(sort), summary_of(raster), summary_of(total), summary_of(wall)};
+}
+
+std::vector<Samples> measure(const std::vector<AnyRenderer*>& renderers, const Camera& camera,
+                             const RenderSettings& settings, const Plan& plan,
+                             const std::function<void(const AnyRenderer&)>& finished) {
+  std::vector<Samples> samples(renderers.size());
+  std::vector<std::size_t> order(renderers.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::mt19937 random(plan.seed);
+  while (!order.empty()) {
+    std::shuffle(order.begin(), order.end(), random);
+    for (const std::size_t i : order) {
+      renderers[i]->render_resident(camera, settings);
+      for (int frame = 0; frame < frames_a_turn && samples[i].frames() < plan.max_frames; ++frame)
+        add_frame(*renderers[i], camera, settings, samples[i]);
+      if (finished && precise(samples[i], plan)) finished(*renderers[i]);
+    }
+    std::erase_if(order, [&](std::size_t i) { return precise(samples[i], plan); });
+  }
+  return samples;
+}
+
+}  // namespace swiftgs::cli

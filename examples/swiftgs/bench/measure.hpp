@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include <swiftgs/any_renderer.hpp>
+
+#include "bench/results.hpp"
+
+namespace swiftgs::cli {
+
+/// How many frames are timed.
+struct Plan {
+  int min_frames = 8, max_frames = 48;
+  double precision =
+      0.01;  ///< half the interval of the total's median that is narrow enough, as a part of it
+  std::uint32_t seed = 1;
+};
+
+/// Throws `std::invalid_argument` for a plan that no frame can be measured by.
+void validate(const Plan& plan);
+
+/// Median, its confidence interval and two percentiles of `values`, at least one. Of fewer than six values
+/// the interval is all of them: no narrower one holds the median with 95 %.
+Duration summary_of(std::vector<double> values);
+
+/// Durations of the frames of one renderer. @units{milliseconds}
+struct Samples {
+  std::vector<double> project, sort, raster, total, wall;
+
+  int frames() const { return int(total.size()); }
+  Durations summary() const;
+};
+
+/// Times frames that stay with the backends. In each round every renderer has its turn, in a new order each
+/// time, so a machine that drifts is no one's advantage; a turn begins with a frame that is not timed, since
+/// the caches are the previous renderer's. A renderer whose median is precise enough has no further turns.
+/// `finished` is called with each that is.
+std::vector<Samples> measure(const std::vector<AnyRenderer*>& renderers, const Camera& camera,
+                             const RenderSettings& settings, const Plan& plan,
+                             const std::function<void(const AnyRenderer&)>& finished = {});
+
+}  // namespace swiftgs::cli

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "machine.hpp"
+
+/// What `bench` measures, as docs/results.md describes its file, member by member.
+namespace swiftgs::cli {
+
+/// @units{milliseconds}
+struct Duration {
+  double median = 0;
+  double low = 0, high = 0;  ///< limits of the median's 95 % confidence interval
+  double p10 = 0, p90 = 0;
+};
+
+struct Durations {
+  Duration project, sort, raster, total, wall;
+};
+
+/// A scene in one number of Gaussians and one enlargement.
+struct SceneResult {
+  std::string scene;
+  std::size_t gaussians = 0, original = 0;
+  double enlarge = 1;
+  int sh_degree = 0;
+  bool antialiased = false;
+};
+
+/// Which image.
+struct Place {
+  std::string scene;
+  std::size_t gaussians = 0;
+  double enlarge = 1;
+  std::string view;
+  int width = 0, height = 0;
+  double scale = 1;
+  std::string conventions;
+};
+
+/// How an image differs from a photograph.
+struct PhotoErrors {
+  double psnr_db = 0, ssim = 0;
+};
+
+/// How an image differs from the reference.
+struct Errors {
+  double psnr_db = 0, ssim = 0, max_abs = 0;
+  std::optional<double> cut_psnr_db;  ///< against the reference with the cut of `ThreeSigmaSquare`
+};
+
+struct ViewResult {
+  Place place;
+  std::optional<PhotoErrors> photo;  ///< of the reference
+  std::string reference_image;
+};
+
+struct RowResult {
+  Place place;
+  int threads = 0;
+  std::string renderer;
+  int frames = 0;
+  Durations ms;
+  std::optional<Errors> errors;
+  std::optional<PhotoErrors> photo;
+  std::uint64_t visible = 0, instances = 0, contributing_pairs = 0;
+  std::uint64_t device_bytes = 0, host_bytes = 0;
+  std::string image, error_image;
+};
+
+struct Results {
+  Machine machine;
+  std::string command;
+  std::vector<SceneResult> scenes;
+  std::vector<ViewResult> views;
+  std::vector<RowResult> rows;
+};
+
+/// Writes `results` to `file`, which holds what it held before until all is written. Throws
+/// `std::system_error`.
+void write_results(const Results& results, const std::filesystem::path& file);
+
+}  // namespace swiftgs::cli

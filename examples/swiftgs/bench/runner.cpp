@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/runner.hpp"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "bench/machine.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+/// Frames after which an adaptive sort has measured both strategies.
+constexpr int frames_to_adapt = 9;
+
+constexpr std::uint64_t spare_bytes = 2ull << 30;
+
+Place place_of(const Session& session, std::size_t view) {
+  const Camera& camera = session.views[view].camera;
+  return {session.scene.scene, session.scene.gaussians, session.scene.enlarge, session.views[view].name,
+          camera.width,        camera.height,           session.scale,         session.conventions};
+}
+
+/// Whether `word` is one of those that slashes separate in `name`.
+bool has_word(std::string_view name, std::string_view word) {
+  for (std::size_t end = 0; end != std::string_view::npos; name.remove_prefix(end + 1)) {
+    end = name.find('/');
+    if (name.substr(0, end) == word) return true;
+    if (end == std::string_view::npos) break;
+  }
+  return false;
+}
+
+std::uint64_t grown(std::uint64_t before, std::uint64_t after) { return after > before ? after - before : 0; }
+
+std::uint64_t device_bytes(const AnyRenderer& renderer) {
+  const std::optional<MemoryUse> use = renderer.device_memory();
+  return use ? use->in_use : 0;
+}
+
+/// Whether there is room for one renderer more that takes `bytes`.
+bool has_room(const AnyRenderer& like, std::uint64_t bytes) {
+  const std::optional<MemoryUse> use = like.device_memory();
+  return (use ? use->total - use->in_use : available_memory()) > bytes + spare_bytes;
+}
+
+/// Draws every view, so that nothing grows later and an adaptive sort has decided for each size of images.
+void warm_up(AnyRenderer& renderer, const Session& session) {
+  std::set<std::pair<int, int>> sizes;
+  for (const View& view : session.views) {
+    const bool adapts =
+        has_word(renderer.name(), "adaptive") && sizes.insert({view.camera.width, view.camera.height}).second;
+    for (int frame = 0; frame < (adapts ? frames_to_adapt : 1); ++frame)
+      renderer.render_resident(view.camera, session.settings);
+  }
+}
+
+}  // namespace
+
+void Runner::run(const Session& session) {
+  std::vector<Judge> judges;
+  for (std::size_t view = 0; view < session.views.size(); ++view) {
+    judges.emplace_back(session.gaussians, session.views[view].camera, session.settings,
+                        session.photos.empty() ? std::nullopt : session.photos[view]);
+    add_view(session, view, judges.back());
+  }
+  // As many renderers take turns as there is memory for.
+  for (std::size_t first = 0; first < entries_.size();) {
+    std::vector<Subject> subjects = prepare(session, first);
+    for (std::size_t view = 0; view < session.views.size(); ++view) {
+      measure_view(session, view, subjects, judges[view]);
+      if (!options_.file.empty()) write_results(results_, options_.file);
+    }
+    first += subjects.size();
+  }
+}
+
+std::vector<Runner::Subject> Runner::prepare(const Session& session, std::size_t first) {
+  std::vector<Subject> subjects;
+  std::uint64_t largest = 0;
+  for (std::size_t i = first; i < entries_.size(); ++i) {
+    if (!subjects.empty() && !has_room(*subjects.back().renderer, largest)) break;
+    progress_.start("warm up " + std::string(entries_[i].name));
+    Subject subject{entries_[i].make()};
+    AnyRenderer& renderer = *subject.renderer;
+    if (std::none_of(subjects.begin(), subjects.end(),
+                     [&](const Subject& other) { return renderer.share_scene(*other.renderer); }))
+      renderer.set_scene(session.gaussians);
+    const std::uint64_t device = device_bytes(renderer), host = resident_memory();
+    warm_up(renderer, session);
+    subject.device_bytes = grown(device, device_bytes(renderer));
+    subject.host_bytes = grown(host, resident_memory());
+    largest = std::max({largest, subject.device_bytes, subject.host_bytes});
+    subjects.push_back(std::move(subject));
+  }
+  return subjects;
+}
+
+void Runner::add_view(const Session& session, std::size_t view, Judge& judge) {
+  ViewResult result{place_of(session, view), std::nullopt, {}};
+  if (view < options_.judged) {
+    progress_.start("reference " + result.place.view);
+    judge.render_reference();
+    result.photo = judge.reference_photo();
+    if (view == 0 && !options_.images.empty())
+      result.reference_image = write_image(result.place, "reference", judge.reference_frame());
+  }
+  results_.views.push_back(std::move(result));
+}
+
+void Runner::measure_view(const Session& session, std::size_t view, std::vector<Subject>& subjects,
+                          Judge& judge) {
+  std::vector<AnyRenderer*> renderers;
+  for (const Subject& subject : subjects) renderers.push_back(subject.renderer.get());
+  progress_.start(session.scene.scene + " " + session.views[view].name);
+  const std::vector<Samples> samples = measure(
+      renderers, session.views[view].camera, session.settings, options_.plan,
+      [&](const AnyRenderer& renderer) { progress_.step(), progress_.start(std::string(renderer.name())); });
+  for (std::size_t i = 0; i < subjects.size(); ++i)
+    results_.rows.push_back(row_of(session, view, subjects[i], samples[i], judge));
+}
+
+RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subject, const Samples& samples,
+                         Judge& judge) {
+  AnyRenderer& renderer = *subject.renderer;
+  RowResult row;
+  row.place = place_of(session, view);
+  row.threads = session.threads;
+  row.renderer = renderer.name();
+  row.frames = samples.frames();
+  row.ms = samples.summary();
+  row.device_bytes = subject.device_bytes, row.host_bytes = subject.host_bytes;
+
+  const Camera& camera = session.views[view].camera;
+  RenderSettings counting = session.settings;
+  counting.count = true;
+  renderer.render_resident(camera, counting);
+  const Statistics counts = renderer.statistics();
+  row.visible = counts.visible, row.instances = counts.instances;
+  row.contributing_pairs = counts.raster.contributing_pairs;
+
+  const bool judged = view < options_.judged, photographed = !session.photos.empty() && session.photos[view];
+  if (!judged && !photographed) return row;
+  Frame frame;
+  renderer.render(camera, session.settings, frame);
+  const Judge::Verdict verdict = judge.of(frame, has_word(row.renderer, "three-sigma-square"));
+  row.errors = verdict.errors, row.photo = verdict.photo;
+  if (judged && view == 0 && !options_.images.empty()) {
+    // Renderers that draw the same bits share their files.
+    const std::string name = std::to_string(hash_of(frame));
+    row.image = write_image(row.place, name, frame);
+    row.error_image = write_image(row.place, name + "-error", judge.error_map(frame));
+  }
+  return row;
+}
+
+std::string Runner::write_image(const Place& place, const std::string& what, const Frame& frame) const {
+  std::string name = place.scene;
+  for (const std::string& part :
+       {std::to_string(place.gaussians), place.view, std::to_string(place.width), place.conventions, what})
+    name.append("-").append(part);
+  const std::filesystem::path file = options_.images / (name + ".png");
+  if (!std::filesystem::exists(file)) write_png(file, frame);
+  const std::filesystem::path from = options_.file.parent_path();
+  return std::filesystem::relative(file, from.empty() ? "." : from).string();
+}
+
+}  // namespace swiftgs::cli

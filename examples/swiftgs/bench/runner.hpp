@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/io/image.hpp>
+
+#include "bench/judge.hpp"
+#include "bench/measure.hpp"
+#include "bench/results.hpp"
+#include "progress.hpp"
+#include "views.hpp"
+
+namespace swiftgs::cli {
+
+/// Views of one scene at one scale, with one preset of conventions, on one number of threads.
+struct Session {
+  SceneResult scene;
+  std::shared_ptr<const Scene> gaussians;
+  std::vector<View> views;
+  std::vector<std::optional<Image>> photos;  ///< of each view, or empty
+  double scale = 1;
+  std::string conventions;
+  RenderSettings settings;
+  int threads = 0;
+};
+
+/// Measures renderers on sessions and adds what it finds to results.
+class Runner {
+ public:
+  struct Options {
+    Plan plan;
+    std::size_t judged = 0;        ///< how many of a session's views are compared with a reference
+    std::filesystem::path images;  ///< folder for those of a session's first view; empty for none
+    std::filesystem::path file;    ///< written after every view; empty for none
+  };
+
+  Runner(std::vector<RendererEntry> entries, Options options, Results& results, Progress& progress)
+      : entries_(std::move(entries)), options_(std::move(options)), results_(results), progress_(progress) {}
+
+  void run(const Session& session);
+
+ private:
+  struct Subject {
+    std::unique_ptr<AnyRenderer> renderer;
+    std::uint64_t device_bytes = 0, host_bytes = 0;
+  };
+
+  std::vector<Subject> prepare(const Session& session, std::size_t first);
+  void add_view(const Session& session, std::size_t view, Judge& judge);
+  void measure_view(const Session& session, std::size_t view, std::vector<Subject>& subjects, Judge& judge);
+  RowResult row_of(const Session& session, std::size_t view, Subject& subject, const Samples& samples,
+                   Judge& judge);
+  std::string write_image(const Place& place, const std::string& what, const Frame& frame) const;
+
+  std::vector<RendererEntry> entries_;
+  Options options_;
+  Results& results_;
+  Progress& progress_;
+};
+
+}  // namespace swiftgs::cli
