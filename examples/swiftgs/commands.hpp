@@ -14,6 +14,7 @@ void add_check(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_info(CLI::App& app);
 void add_list(CLI::App& app);
+void add_prune(CLI::App& app);
 void add_render(CLI::App& app);
 void add_report(CLI::App& app);
 

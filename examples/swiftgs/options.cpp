@@ -14,16 +14,26 @@ void add_scene(CLI::App& command, SceneOptions& options) {
       ->capture_default_str();
 }
 
-void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views) {
+void add_cameras(CLI::App& command, ViewOptions& options) {
   command.add_option("--cameras", options.cameras, "A cameras.json, or a folder with a COLMAP model");
+  command
+      .add_option("--conventions", options.conventions, "gsplat or inria: what the scene was trained with")
+      ->capture_default_str();
+}
+
+void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views) {
+  add_cameras(command, options);
   command.add_option(
       "--views", options.views,
       "Which: numbers as 0,8, or every:8, or all [" + default_views + " with cameras, else 0]");
   command.add_option("--scale", options.scale, "Factor of the image's sides")->capture_default_str();
-  command
-      .add_option("--conventions", options.conventions, "gsplat or inria: what the scene was trained with")
-      ->capture_default_str();
   command.add_option("--background", options.background, "R,G,B, each 0 to 1")->capture_default_str();
+}
+
+void add_calibration(CLI::App& command, std::string& file) {
+  command.add_option("--calibration", file,
+                     "For renderers with the sort 'adaptive': what 'swiftgs calibrate' wrote\n"
+                     "[SCENE.sort.json where it is there]");
 }
 
 }  // namespace swiftgs::cli

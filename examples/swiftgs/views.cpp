@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "views.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -56,50 +57,69 @@ std::vector<Camera> all_cameras(const SceneOptions& scene_options, const ViewOpt
   return cameras;
 }
 
-}  // namespace
-
-std::vector<std::size_t> choose_views(std::string_view text, std::size_t count) {
-  const auto wrong = [&] {
-    return std::invalid_argument("--views '" + std::string(text) +
-                                 "': expected all, every:N, or numbers from 0 to " +
-                                 std::to_string(count - 1) + " separated by commas");
-  };
-  if (count == 0) throw std::invalid_argument("--cameras: expected at least one camera, found none");
-  std::size_t step = 1;
-  if (text.starts_with("every:")) {
-    step = parse<std::size_t>(text.substr(6)).value_or(0);
-    if (step == 0) throw wrong();
-  } else if (text != "all") {
-    std::vector<std::size_t> chosen;
-    for (const std::string_view part : split(text, ',')) {
-      const std::optional<std::size_t> number = parse<std::size_t>(part);
-      if (!number || *number >= count) throw wrong();
-      chosen.push_back(*number);
-    }
-    return chosen;
-  }
-  std::vector<std::size_t> chosen;
-  for (std::size_t i = 0; i < count; i += std::min(step, count)) chosen.push_back(i);
-  return chosen;
-}
-
-std::vector<View> views_of(const SceneOptions& scene_options, const ViewOptions& options, const Scene& scene,
-                           std::string_view default_views) {
-  if (!(options.scale > 0) || !std::isfinite(options.scale))
+/// The cameras called `numbers`, scaled, each with a name of its own.
+std::vector<View> views_numbered(const std::vector<Camera>& cameras, const std::vector<std::size_t>& numbers,
+                                 double scale) {
+  if (!(scale > 0) || !std::isfinite(scale))
     throw std::invalid_argument("--scale: expected a finite scale above 0");
-  const std::vector<Camera> cameras = all_cameras(scene_options, options, scene);
-  std::string_view choice = options.views;
-  if (choice.empty()) choice = options.cameras.empty() ? "0" : default_views;
   std::vector<View> views;
   std::set<std::string> names;
-  for (const std::size_t number : choose_views(choice, cameras.size())) {
-    View view{scaled(cameras[number], options.scale), file_name(cameras[number], number)};
+  for (const std::size_t number : numbers) {
+    View view{scaled(cameras[number], scale), file_name(cameras[number], number)};
     validate(view.camera);
     // Two images must never share a file.
     while (!names.insert(view.name).second) view.name.append("-").append(std::to_string(number));
     views.push_back(std::move(view));
   }
   return views;
+}
+
+}  // namespace
+
+std::vector<std::size_t> choose_views(std::string_view text, std::size_t count) {
+  const auto wrong = [&] {
+    return std::invalid_argument("--views '" + std::string(text) +
+                                 "': expected all, every:N, except:N, or numbers from 0 to " +
+                                 std::to_string(count - 1) + " separated by commas");
+  };
+  if (count == 0) throw std::invalid_argument("--cameras: expected at least one camera, found none");
+  std::vector<std::size_t> chosen;
+  const bool every = text.starts_with("every:"), except = text.starts_with("except:");
+  if (every || except || text == "all") {
+    const std::size_t step =
+        text == "all" ? 1 : parse<std::size_t>(text.substr(text.find(':') + 1)).value_or(0);
+    if (step == 0) throw wrong();
+    for (std::size_t i = 0; i < count; ++i)
+      if ((i % step == 0) != except) chosen.push_back(i);
+    if (chosen.empty())
+      throw std::invalid_argument("--views '" + std::string(text) + "': expected to leave some of " +
+                                  std::to_string(count) + " views");
+    return chosen;
+  }
+  for (const std::string_view part : split(text, ',')) {
+    const std::optional<std::size_t> number = parse<std::size_t>(part);
+    if (!number || *number >= count) throw wrong();
+    chosen.push_back(*number);
+  }
+  return chosen;
+}
+
+std::vector<View> views_of(const SceneOptions& scene_options, const ViewOptions& options, const Scene& scene,
+                           std::string_view default_views) {
+  const std::vector<Camera> cameras = all_cameras(scene_options, options, scene);
+  std::string_view choice = options.views;
+  if (choice.empty()) choice = options.cameras.empty() ? "0" : default_views;
+  return views_numbered(cameras, choose_views(choice, cameras.size()), options.scale);
+}
+
+std::vector<View> views_left_out(const SceneOptions& scene_options, const ViewOptions& options,
+                                 const Scene& scene) {
+  const std::vector<Camera> cameras = all_cameras(scene_options, options, scene);
+  const std::vector<std::size_t> chosen = choose_views(options.views, cameras.size());
+  std::vector<std::size_t> others;
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    if (std::find(chosen.begin(), chosen.end(), i) == chosen.end()) others.push_back(i);
+  return views_numbered(cameras, others, options.scale);
 }
 
 RenderSettings settings_of(const ViewOptions& options, const Scene& scene) {

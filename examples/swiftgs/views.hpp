@@ -20,8 +20,9 @@ struct View {
   std::string name;  ///< the camera's name without extension, made a plain file name; or the view's number
 };
 
-/// The numbers below `count` that `text` chooses: `all`, `every:N` (0, N, 2N, ...), or a list as `0,8`.
-/// Throws `std::invalid_argument` for anything else and for a number that is not below `count`.
+/// The numbers below `count` that `text` chooses: `all`, `every:N` (0, N, 2N, ...), `except:N` (all others),
+/// or a list as `0,8`. Throws `std::invalid_argument` for anything else, for a number that is not below
+/// `count`, and where `except:N` leaves none.
 std::vector<std::size_t> choose_views(std::string_view text, std::size_t count);
 
 /// The views that `options` ask for, scaled. Without cameras the built-in scene has a front view and an orbit
@@ -29,6 +30,10 @@ std::vector<std::size_t> choose_views(std::string_view text, std::size_t count);
 /// `default_views` is.
 std::vector<View> views_of(const SceneOptions& scene_options, const ViewOptions& options, const Scene& scene,
                            std::string_view default_views);
+
+/// The views that `options.views`, which must not be empty, does not choose, scaled.
+std::vector<View> views_left_out(const SceneOptions& scene_options, const ViewOptions& options,
+                                 const Scene& scene);
 
 /// What `options` say about conventions and background; anti-aliased if `scene` was trained so.
 RenderSettings settings_of(const ViewOptions& options, const Scene& scene);

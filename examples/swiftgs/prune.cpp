@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <numeric>
+#include <stdexcept>
+#include <system_error>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include <swiftgs/any_contributions.hpp>
+#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/metrics.hpp>
+#include <swiftgs/pruning.hpp>
+
+#include "commands.hpp"
+#include "options.hpp"
+#include "photos.hpp"
+#include "progress.hpp"
+#include "prune_result.hpp"
+#include "scene_input.hpp"
+#include "views.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+constexpr const char* training_views = "except:8";  ///< of the captures that scenes are usually trained with
+
+struct PruneOptions {
+  SceneOptions scene;
+  ViewOptions view;
+  double keep = 0;
+  std::string score = "contribution";
+  std::string backend;  ///< empty for the first that can run
+  std::string out, photos, json;
+};
+
+/// What is judged before and after.
+struct HeldOut {
+  std::vector<View> views;
+  std::vector<std::optional<Image>> photos;  ///< of each view; empty without --photos
+  RenderSettings settings;
+  std::string renderer;
+};
+
+void expect_good(const std::ofstream& file, const std::string& name) {
+  if (!file) throw std::system_error(errno ? errno : EIO, std::generic_category(), name);
+}
+
+/// Throws unless a file can be written, before minutes are spent on what goes there; changes nothing.
+void require_writable(const std::string& name) {
+  if (name.empty()) return;
+  const bool existed = std::filesystem::exists(name);
+  errno = 0;
+  expect_good(std::ofstream(name, std::ios::binary | std::ios::app), name);
+  if (!existed) std::filesystem::remove(name);
+}
+
+void write_text(const std::string& name, const std::string& text) {
+  errno = 0;
+  std::ofstream file(name, std::ios::binary);
+  file << text << std::flush;
+  expect_good(file, name);
+}
+
+/// Throws unless the options go together.
+void check_options(const PruneOptions& options) {
+  if (!(options.keep > 0 && options.keep <= 1))
+    throw std::invalid_argument("--keep: expected a part of the Gaussians above 0 and at most 1");
+  if (options.score != "contribution" && options.score != "opacity-volume")
+    throw std::invalid_argument("--score '" + options.score + "': expected contribution or opacity-volume");
+  if (std::filesystem::path(options.out).extension() != ".ply")
+    throw std::invalid_argument("--out '" + options.out + "': expected a name that ends in .ply");
+  if (!options.view.cameras.empty() || builtin_size(options.scene.scene)) return;
+  if (options.score == "contribution")
+    throw std::invalid_argument(
+        "--score contribution: expected --cameras, for weights in the views of the scene");
+  if (!options.photos.empty() || !options.view.views.empty())
+    throw std::invalid_argument("--photos and --views: expected --cameras with them");
+}
+
+/// Indices of the Gaussians to keep, and the share of all scores that they have.
+template <class Score>
+std::vector<std::uint32_t> choose(const std::vector<Score>& scores, double keep, double& kept_weight) {
+  const std::vector<std::uint32_t> kept = highest(scores, kept_count(keep, scores.size()));
+  const double all = std::accumulate(scores.begin(), scores.end(), 0.0,
+                                     [](double sum, Score score) { return sum + double(score); });
+  const double of_kept = std::accumulate(
+      kept.begin(), kept.end(), 0.0, [&](double sum, std::uint32_t i) { return sum + double(scores[i]); });
+  if (!scores.empty() && !(all > 0))
+    throw std::runtime_error("no Gaussian has a score above 0; expected views that show the scene");
+  kept_weight = all > 0 ? of_kept / all : 1;
+  return kept;
+}
+
+/// Sums of the blending weights over `views`.
+std::vector<std::uint64_t> contributions_of(const ContributionsEntry& backend,
+                                            const std::shared_ptr<const Scene>& scene,
+                                            const std::vector<View>& views, const Conventions& conventions,
+                                            Progress& progress) {
+  const std::unique_ptr<AnyContributions> contributions = backend.make(scene);
+  for (const View& view : views) {
+    progress.start("weights in " + view.name);
+    contributions->add(view.camera, conventions);
+    progress.step();
+  }
+  return contributions->sums();
+}
+
+/// Median time of three frames after one that is not timed. @units{milliseconds}
+double timed(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings, Frame& frame) {
+  std::array<double, 3> ms;
+  renderer.render(camera, settings, frame);
+  for (double& time : ms) renderer.render(camera, settings, frame), time = renderer.times().total;
+  std::sort(ms.begin(), ms.end());
+  return ms[1];
+}
+
+void add_to(std::optional<double>& sum, double value) { sum = sum.value_or(0) + value; }
+
+/// Renders the held-out views. Their colours are compared with `unpruned` where that has frames, and become
+/// it where it has none.
+PruneSide judge(const HeldOut& held_out, const std::shared_ptr<const Scene>& scene,
+                std::vector<std::vector<float>>& unpruned, Progress& progress) {
+  PruneSide side;
+  side.gaussians = scene->size();
+  if (held_out.views.empty()) return side;
+  const bool first = unpruned.empty();
+  const std::unique_ptr<AnyRenderer> renderer = make_renderer(held_out.renderer);
+  renderer->set_scene(scene);
+  Frame frame;
+  std::size_t photos = 0;
+  for (std::size_t i = 0; i < held_out.views.size(); ++i) {
+    progress.start(held_out.views[i].name);
+    add_to(side.ms, timed(*renderer, held_out.views[i].camera, held_out.settings, frame));
+    for (float& value : frame.colour) value = std::clamp(value, 0.0f, 1.0f);  // what a photograph can hold
+    if (first)
+      unpruned.push_back(frame.colour);
+    else
+      add_to(side.unpruned_psnr_db, psnr(frame.colour, unpruned[i]));
+    if (!held_out.photos.empty() && held_out.photos[i]) {
+      const std::vector<float>& photo = held_out.photos[i]->pixels;
+      add_to(side.photo_psnr_db, psnr(frame.colour, photo));
+      add_to(side.photo_ssim, ssim(frame.width, frame.height, 3, frame.colour, photo));
+      ++photos;
+    }
+    progress.step();
+  }
+  *side.ms /= double(held_out.views.size());
+  if (side.unpruned_psnr_db) *side.unpruned_psnr_db /= double(held_out.views.size());
+  if (photos > 0) *side.photo_psnr_db /= double(photos), *side.photo_ssim /= double(photos);
+  return side;
+}
+
+HeldOut held_out_of(const PruneOptions& options, const ViewOptions& view, const Scene& scene,
+                    const std::string& backend) {
+  HeldOut held_out{.views = {},
+                   .photos = {},
+                   .settings = settings_of(view, scene),
+                   .renderer = backend + "/early/axis-shared-threshold-float-cholesky/ellipse"};
+  if (view.views.empty()) return held_out;
+  held_out.views = views_left_out(options.scene, view, scene);
+  if (options.photos.empty()) return held_out;
+  if (!held_out.views.empty()) held_out.photos = photographs_of(held_out.views, options.photos);
+  if (std::none_of(held_out.photos.begin(), held_out.photos.end(), [](const auto& photo) { return !!photo; }))
+    throw std::invalid_argument(options.photos + ": expected photographs of views that --views '" +
+                                view.views + "' leaves out");
+  return held_out;
+}
+
+void prune(const PruneOptions& options) {
+  check_options(options);
+  const ContributionsEntry& backend = contribution_backend(options.backend);
+  const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
+  ViewOptions view = options.view;
+  if (view.views.empty() && (!view.cameras.empty() || builtin_size(options.scene.scene)))
+    view.views = training_views;
+  const HeldOut held_out = held_out_of(options, view, *scene, std::string(backend.backend));
+  const bool by_contribution = options.score == "contribution";
+  const std::vector<View> views =
+      by_contribution ? views_of(options.scene, view, *scene, training_views) : std::vector<View>();
+  for (const std::string& file : {options.out, options.json}) require_writable(file);
+
+  PruneResult result{.scene = scene_label(options.scene.scene),
+                     .score = options.score,
+                     .backend = std::string(backend.backend),
+                     .conventions = view.conventions,
+                     .keep = options.keep,
+                     .views = views.size(),
+                     .held_out = held_out.views.size()};
+  Progress progress(views.size() + 2 * held_out.views.size());
+  const std::vector<std::uint32_t> kept =
+      by_contribution
+          ? choose(contributions_of(backend, scene, views, held_out.settings.conventions, progress),
+                   options.keep, result.kept_weight)
+          : choose(opacity_volumes(*scene), options.keep, result.kept_weight);
+  const auto pruned = std::make_shared<const Scene>(subset(*scene, kept));
+  write_ply(options.out, *pruned);
+  progress.clear();
+  std::printf("%s: kept %zu of %zu Gaussians, with %.2f %% of the %s\n", options.out.c_str(), kept.size(),
+              scene->size(), 100 * result.kept_weight,
+              by_contribution ? "weight in the views" : "opacity times volume");
+  std::fflush(stdout);
+
+  std::vector<std::vector<float>> unpruned;
+  result.before = judge(held_out, scene, unpruned, progress);
+  result.after = judge(held_out, pruned, unpruned, progress);
+  progress.clear();
+  if (!held_out.views.empty()) print_table(result);
+  if (!options.json.empty()) write_text(options.json, to_json(result));
+}
+
+constexpr const char* more =
+    R"(Scores: 'contribution' is the blending weight of a Gaussian, alpha times transmittance, summed over
+all pixels of the views. 'opacity-volume' is opacity times the product of the scales, and needs no
+views. The highest scores are kept, in the order of the scene; of equal ones those that come first.
+
+Views that --views leaves out are rendered before and after: their mean time, PSNR of the frames
+after against those before, and with --photos PSNR and SSIM against the photographs that have the
+cameras' names.
+
+Examples:
+  swiftgs prune builtin --keep 0.3 --out small.ply
+  swiftgs prune garden.spz --keep 0.1 --cameras cameras.json --photos photos --out small.ply
+  swiftgs prune garden.spz --keep 0.1 --score opacity-volume --out small.ply)";
+
+}  // namespace
+
+void add_prune(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("prune", "Writes a scene of the Gaussians that matter most");
+  command->footer(more);
+  const auto options = std::make_shared<PruneOptions>();
+  add_scene(*command, options->scene);
+  command->add_option("--keep", options->keep, "Part of the Gaussians, above 0 and at most 1")->required();
+  command->add_option("--score", options->score, "contribution or opacity-volume")->capture_default_str();
+  command->add_option("--out", options->out, "The .ply file to write")->required();
+  add_views(*command, options->view, training_views);
+  command->get_option("--views")->description(
+      "Which are scored: numbers as 1,2, or every:8, or except:8, or all [except:8]");
+  command->add_option("--photos", options->photos, "Folder with photographs of the views that are left out");
+  command->add_option("--backend", options->backend, "cuda, cpu or serial [the first that runs here]");
+  command->add_option("--json", options->json, "File for the results");
+  command->callback([options] { prune(*options); });
+}
+
+}  // namespace swiftgs::cli
