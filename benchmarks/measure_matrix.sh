@@ -55,7 +55,9 @@ captures=()
 if [ -n "${SCENES:-}" ]; then
   for name in $SCENES; do captures+=("$scenes/$name"); done
 else
-  for folder in "$scenes"/*/; do [ -d "${folder}photos" ] && captures+=("${folder%/}"); done
+  for folder in "$scenes"/*/; do
+    [ ! -e "${folder}cameras.json" ] && [ ! -e "${folder}sparse/0" ] || captures+=("${folder%/}")
+  done
 fi
 # Growth is shown on one capture: garden where it is there.
 grown=(${captures[@]+"${captures[0]}"})
@@ -72,18 +74,20 @@ bench() {
   shift
   "$swiftgs" bench "$@" --min-frames "$least" --max-frames "$most" --precision "$precision" --seed 1 \
     --json "$out/$file"
+  # In which folders it was measured is nobody's business.
+  sed -i "/^\"command\": /{s|$out/||g;s|$scenes/||g}" "$out/$file"
 }
 
 part_matrix() {
   bench matrix.json ${captures[@]+"${captures[@]}"} "${sizes_of_builtin[@]}" --renderers "$backend/*" --views "$views" \
-    --errors first
+    --errors 1
 }
 
 vanilla=$backend/standard/per-pixel/$square,$backend/adaptive/$paper/$square
 vanilla+=,$backend/adaptive/axis-shared-threshold-float-cholesky/$square,$backend/adaptive/$ours
 part_vanilla() {
   bench vanilla.json ${captures[@]+"${captures[@]}"} builtin --renderers "$vanilla" --conventions inria --views "$views" \
-    --errors first
+    --errors 1
 }
 
 part_all-views() {
@@ -122,7 +126,7 @@ scene_of() { find "$1" -maxdepth 1 -name "$(basename "$1").*" | head -n 1; }
 
 # Pruned scenes lie in OUTDIR/pruned, each a capture whose cameras and photographs are links; they may be removed.
 part_prune() {
-  local capture name score file pruned=()
+  local capture name score file photos pruned=()
   for capture in ${captures[@]+"${captures[@]}"}; do
     name=$(basename "$capture")
     mkdir -p "$out/pruned/$name-pruned"
@@ -130,22 +134,24 @@ part_prune() {
       [ ! -e "$capture/$file" ] || ln -sfn "$capture/$file" "$out/pruned/$name-pruned/$file"
     done
     for score in opacity-volume contribution; do
-      "$swiftgs" prune "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")" --photos "$capture/photos" \
-        --keep 0.1 --score "$score" --output "$out/pruned/$name-pruned/$name-pruned.ply" \
+      photos=()
+      [ ! -d "$capture/photos" ] || photos=(--photos "$capture/photos")
+      "$swiftgs" prune "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")" ${photos[@]+"${photos[@]}"} \
+        --keep 0.1 --score "$score" --out "$out/pruned/$name-pruned/$name-pruned.ply" \
         --json "$out/prune-$name-$score.json"
     done
     pruned+=("$out/pruned/$name-pruned")  # what the last score has kept
   done
   [ ${#pruned[@]} -eq 0 ] || bench pruned.json "${pruned[@]}" --renderers "$vanilla" --conventions inria \
-    --views "$views" --errors first
+    --views "$views" --errors 1
 }
 
 part_calibrate() {
   local capture name
   for capture in ${captures[@]+"${captures[@]}"}; do
     name=$(basename "$capture")
-    "$swiftgs" calibrate "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")" --check \
-      --json "$out/calibration-$name.json"
+    "$swiftgs" calibrate "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")" --scale 1,2 --check \
+      --out "$out/calibration-$name.sort.json" --json "$out/calibration-$name.json"
   done
 }
 
