@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
+#include "cli/command.hpp"
+
+using nlohmann::json;
+using swiftgs::test::content_of;
+using swiftgs::test::Outcome;
+using swiftgs::test::TemporaryFolder;
+
+namespace {
+
+Outcome run(const TemporaryFolder& place, const std::string& arguments) {
+  Outcome outcome = swiftgs::test::swiftgs(place, arguments);
+  CAPTURE(arguments);
+  CHECK(outcome.code == 0);
+  CHECK(outcome.err == "");
+  return outcome;
+}
+
+/// Expects one line of error that holds `part`, and no file `small.ply`.
+void fails(const TemporaryFolder& place, const std::string& arguments, const std::string& part) {
+  const Outcome outcome = swiftgs::test::swiftgs(place, "prune " + arguments);
+  CAPTURE(arguments);
+  CAPTURE(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(swiftgs::test::lines_in(outcome.err) == 1);
+  CHECK(outcome.err.find(part) != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(place / "small.ply"));
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+json result_of(const TemporaryFolder& place, const std::string& name) {
+  return json::parse(content_of(place / name));
+}
+
+const std::string small_views = " --scale 0.05 --backend cpu ";
+
+}  // namespace
+
+TEST_CASE("cli prune: writes as many Gaussians as asked for and says what they weigh") {
+  const TemporaryFolder place;
+  const std::string text = run(place, "prune builtin:2000 --keep 0.25 --out small.ply" + small_views).out;
+  CHECK(text.starts_with("small.ply: kept 500 of 2000 Gaussians, with "));
+  CHECK(contains(text, "% of the weight in the views\n"));
+  CHECK(contains(text, "\nbefore         2000 "));
+  CHECK(contains(text, "\nafter           500 "));
+  const swiftgs::Scene small = swiftgs::load_scene(place / "small.ply");
+  CHECK(small.size() == 500);
+  CHECK(small.sh_degree == 3);
+  run(place, "render small.ply --scale 0.05");
+}
+
+TEST_CASE("cli prune: keeping all writes the same scene") {
+  const TemporaryFolder place;
+  const swiftgs::Scene scene = swiftgs::make_builtin_scene(300);
+  write_ply(place / "whole.ply", scene);
+  for (const std::string score : {"contribution", "opacity-volume"}) {
+    run(place, "prune builtin:300 --keep 1 --out small.ply --score " + score + small_views);
+    CHECK(content_of(place / "small.ply") == content_of(place / "whole.ply"));
+  }
+}
+
+TEST_CASE("cli prune: kept Gaussians are those of the scene in its order") {
+  const TemporaryFolder place;
+  const swiftgs::Scene scene = swiftgs::make_builtin_scene(300);
+  run(place, "prune builtin:300 --keep 0.5 --out small.ply" + small_views);
+  const swiftgs::Scene small = swiftgs::load_scene(place / "small.ply");
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < scene.size() && at < small.size(); ++i) at += scene.means[i] == small.means[at];
+  CHECK(at == 150);
+}
+
+TEST_CASE("cli prune: writes one object of results with exactly these members") {
+  const TemporaryFolder place;
+  run(place, "prune builtin:1000 --keep 0.3 --out small.ply --json contribution.json" + small_views);
+  run(place, "prune builtin:1000 --keep 0.3 --score opacity-volume --out small.ply --json volume.json" +
+                 small_views);
+  for (const std::string name : {"contribution", "volume"}) {
+    const json result = result_of(place, name + ".json");
+    std::set<std::string> members, side;
+    for (const auto& item : result.items()) members.insert(item.key());
+    for (const auto& item : result["after"].items()) side.insert(item.key());
+    CHECK(members == std::set<std::string>{"format", "version", "scene", "score", "keep", "backend",
+                                           "conventions", "views", "held_out", "kept_weight", "before",
+                                           "after"});
+    CHECK(side ==
+          std::set<std::string>{"gaussians", "ms", "photo_psnr_db", "photo_ssim", "unpruned_psnr_db"});
+    CHECK(result["format"] == "swiftgs-prune");
+    CHECK(result["version"] == 1);
+    CHECK(result["scene"] == "builtin:1000");
+    CHECK(result["backend"] == "cpu");
+    CHECK(result["before"]["gaussians"] == 1000);
+    CHECK(result["after"]["gaussians"] == 300);
+    CHECK(result["after"]["ms"] > 0);
+    CHECK(result["after"]["photo_psnr_db"].is_null());
+    // A front view and an orbit of 24: every eighth is held out.
+    CHECK(result["views"] == (name == "volume" ? 0 : 21));
+    CHECK(result["held_out"] == 4);
+    CHECK(result["kept_weight"] > 0.3);
+    CHECK(result["kept_weight"] <= 1);
+  }
+  const double by_contribution = result_of(place, "contribution.json")["after"]["unpruned_psnr_db"];
+  const double by_volume = result_of(place, "volume.json")["after"]["unpruned_psnr_db"];
+  CHECK(by_contribution > by_volume + 3);
+}
+
+TEST_CASE("cli prune: the serial backend writes the same file as the cpu backend") {
+  const TemporaryFolder place;
+  run(place, "prune builtin:500 --keep 0.2 --out a.ply --scale 0.05 --backend serial --views 1,2,3");
+  run(place, "prune builtin:500 --keep 0.2 --out b.ply --scale 0.05 --backend cpu --views 1,2,3");
+  CHECK(content_of(place / "a.ply") == content_of(place / "b.ply"));
+}
+
+TEST_CASE("cli prune: views that are left out are compared with their photographs") {
+  const TemporaryFolder place;
+  run(place, "render builtin:1000 --scale 0.05 --views every:8 --out photos");
+  run(place,
+      "prune builtin:1000 --keep 0.3 --photos photos --out small.ply --json results.json" + small_views);
+  const json result = result_of(place, "results.json");
+  // The photographs are these very frames in 8 bits.
+  CHECK(result["before"]["photo_psnr_db"] > 50);
+  CHECK(result["before"]["photo_ssim"] > 0.99);
+  CHECK(result["after"]["photo_psnr_db"] < result["before"]["photo_psnr_db"]);
+  CHECK(result["after"]["photo_psnr_db"].get<double>() ==
+        doctest::Approx(result["after"]["unpruned_psnr_db"].get<double>()).epsilon(0.01));
+}
+
+TEST_CASE("cli prune: a scene of one Gaussian and a scene of none stay what they are") {
+  const TemporaryFolder place;
+  write_ply(place / "none.ply", swiftgs::Scene());
+  run(place, "prune none.ply --keep 0.5 --score opacity-volume --out small.ply");
+  CHECK(swiftgs::load_scene(place / "small.ply").size() == 0);
+  run(place, "prune builtin:1 --keep 0.1 --score opacity-volume --out small.ply" + small_views);
+  CHECK(swiftgs::load_scene(place / "small.ply").size() == 1);
+}
+
+TEST_CASE("cli prune: a scene that was trained with anti-aliasing stays one") {
+  const TemporaryFolder place;
+  swiftgs::Scene scene = swiftgs::make_builtin_scene(50);
+  scene.antialiased = true;
+  write_ply(place / "scene.ply", scene);
+  run(place, "prune scene.ply --keep 0.5 --score opacity-volume --out small.ply");
+  CHECK(swiftgs::load_scene(place / "small.ply").antialiased);
+}
+
+TEST_CASE("cli prune: a scene may be replaced by its own smaller one") {
+  const TemporaryFolder place;
+  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(100));
+  run(place, "prune scene.ply --keep 0.5 --score opacity-volume --out scene.ply");
+  CHECK(swiftgs::load_scene(place / "scene.ply").size() == 50);
+}
+
+TEST_CASE("cli prune: what cannot be done is one line and writes nothing") {
+  const TemporaryFolder place;
+  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(20));
+  place.write("photos/none.png", "");
+  const std::string out = " --out small.ply ";
+  for (const std::string keep : {"0", "1.5", "nan", "inf", "-0.1"})
+    fails(place, "builtin:20 --keep=" + keep + out, "--keep: expected a part of the Gaussians above 0");
+  fails(place, "builtin:20" + out, "--keep");
+  fails(place, "builtin:20 --keep 0.5", "--out");
+  fails(place, "builtin:20 --keep 0.5 --score size" + out, "expected contribution or opacity-volume");
+  fails(place, "builtin:20 --keep 0.5 --backend abacus" + out, "backend 'abacus' is not known; expected ");
+  fails(place, "builtin:20 --keep 0.5 --out small.spz", "ends in .ply");
+  fails(place, "builtin:20 --keep 0.5 --out missing/small.ply", "missing/small.ply: No such file");
+  fails(place, "builtin:20 --keep 0.5 --json missing/x.json" + out, "missing/x.json: No such file");
+  fails(place, "scene.ply --keep 0.5" + out, "--score contribution: expected --cameras");
+  fails(place, "scene.ply --keep 0.5 --score opacity-volume --photos photos" + out, "--cameras");
+  fails(place, "scene.ply --keep 0.5 --cameras missing.json" + out, "missing.json");
+  fails(place, "builtin:20 --keep 0.5 --photos photos" + out, "photos: expected photographs of views");
+  fails(place, "builtin:20 --keep 0.5 --views all --photos photos" + out, "that --views 'all' leaves out");
+  fails(place, "builtin:20 --keep 0.5 --views except:1" + out, "--views 'except:1': expected to leave some");
+  fails(place, "builtin:20 --keep 0.5 --views except:" + out, "numbers from 0 to 24");
+}
+
+TEST_CASE("cli prune: views that show nothing of the scene are an error") {
+  const TemporaryFolder place;
+  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(20));
+  const json camera = {{"id", 0},
+                       {"img_name", "away"},
+                       {"width", 32},
+                       {"height", 16},
+                       {"fx", 30.0},
+                       {"fy", 30.0},
+                       {"position", {0, 1e6, 0}},
+                       {"rotation", {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}}};
+  place.write("cameras.json", json::array({camera, camera}).dump());
+  fails(place, "scene.ply --keep 0.5 --cameras cameras.json --out small.ply",
+        "expected views that show the scene");
+}
+
+TEST_CASE("cli: render --views except leaves out every so many") {
+  const TemporaryFolder place;
+  run(place, "render builtin:100 --scale 0.02 --out some --views except:2");
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(place / "some"))
+    names.insert(entry.path().filename().string());
+  CHECK(names.size() == 12);
+  CHECK(names.count("front.png") == 0);
+  CHECK(names.count("orbit-00.png") == 1);
+  CHECK(names.count("orbit-01.png") == 0);
+}
