@@ -12,6 +12,7 @@
 #include <swiftgs/reference.hpp>
 #include <swiftgs/span.hpp>
 
+#include "calibrations.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
 #include "json.hpp"
@@ -31,6 +32,7 @@ struct CheckOptions {
   std::string renderers = "*";  ///< glob
   std::string photos;           ///< folder of photographs, or empty
   std::string json;             ///< file to write, or empty
+  std::string calibration;      ///< file, or empty for the one beside the scene
   int repeats = 3;              ///< frames that are timed, after one that is not
 };
 
@@ -150,10 +152,12 @@ void check(const CheckOptions& options) {
   progress.clear();
   print_header(width, !task.photos.empty());
   std::vector<CheckResult> results;
+  Calibrations calibrations(options.scene, options.view, task.scene, options.calibration);
   for (const RendererEntry& entry : entries) {
     // Only one renderer at a time holds memory.
     const std::unique_ptr<AnyRenderer> renderer = entry.make();
     renderer->set_scene(task.scene);
+    calibrations.hand_to(*renderer, task.views);
     Frame frame;
     for (std::size_t view = 0; view < task.views.size(); ++view) {
       progress.start(std::string(entry.name));
@@ -194,6 +198,7 @@ void add_check(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--photos", options->photos, "Folder with photographs of the views");
   command->add_option("--json", options->json, "File for the results");
+  add_calibration(*command, options->calibration);
   command->add_option("--repeats", options->repeats, "Frames that are timed")->capture_default_str();
   command->callback([options] { check(*options); });
 }

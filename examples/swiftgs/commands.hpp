@@ -10,6 +10,7 @@ class App;
 namespace swiftgs::cli {
 
 void add_bench(CLI::App& app);
+void add_calibrate(CLI::App& app);
 void add_check(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_info(CLI::App& app);

@@ -27,7 +27,13 @@ struct ViewOptions {
 /// Adds the options of a scene, of which the name is required.
 void add_scene(CLI::App& command, SceneOptions& options);
 
+/// Adds those options of views that say what there is to see: cameras and conventions.
+void add_cameras(CLI::App& command, ViewOptions& options);
+
 /// Adds the options of views. `default_views` is what the command takes of a list of cameras.
 void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views);
+
+/// Adds the option that names a file with what `calibrate` measured.
+void add_calibration(CLI::App& command, std::string& file);
 
 }  // namespace swiftgs::cli

@@ -11,6 +11,7 @@
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/io/image.hpp>
 
+#include "calibrations.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
 #include "options.hpp"
@@ -27,6 +28,7 @@ struct RenderOptions {
   std::string renderer;  ///< empty for `default_renderer()`
   std::string out = "renders";
   std::string format = "png";
+  std::string calibration;  ///< file, or empty for the one beside the scene
   bool stats = false;
 };
 
@@ -60,6 +62,7 @@ void render(const RenderOptions& options) {
   RenderSettings settings = settings_of(options.view, *scene);
   std::filesystem::create_directories(options.out);
   renderer->set_scene(scene);
+  Calibrations(options.scene, options.view, scene, options.calibration).hand_to(*renderer, views);
 
   Frame frame;
   Progress progress(views.size());
@@ -114,6 +117,7 @@ void add_render(CLI::App& app) {
   command->add_option("--renderer", options->renderer, "A name from 'swiftgs list'");
   command->add_option("--out", options->out, "Folder for the images")->capture_default_str();
   command->add_option("--format", options->format, "png, pfm or exr")->capture_default_str();
+  add_calibration(*command, options->calibration);
   command->add_flag("--stats", options->stats, "Print what each frame had to do");
   command->callback([options] { render(*options); });
 }

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/sort/adaptive.hpp>
+
+#include "calibration_check.hpp"
+#include "calibrations.hpp"
+#include "choice.hpp"
+#include "commands.hpp"
+#include "options.hpp"
+#include "progress.hpp"
+#include "renderer_words.hpp"
+#include "scene_input.hpp"
+#include "sort_timing.hpp"
+#include "views.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+struct CalibrateOptions {
+  SceneOptions scene;
+  ViewOptions view;
+  std::string renderers;  ///< glob
+  std::string out;        ///< file, or empty for the one beside the scene
+  std::vector<double> scales{1};
+  std::uint64_t seed = 1;
+  bool check = false;
+  std::string check_views = "all";  ///< as `choose_views` takes them
+  std::string json;                 ///< file for the rows of the check, or empty
+};
+
+/// The renderers that `render` would use, but for the sort.
+std::string default_renderers() {
+  const RendererWords usual(default_renderer());
+  return usual.backend + "/adaptive/*/" + usual.bounds;
+}
+
+/// Names of adaptive renderers that match `pattern`, one for each backend and bounds: the rasterizer has no
+/// part in the sort.
+std::vector<std::string> distinct_sorts(const std::string& pattern) {
+  std::map<std::pair<std::string, std::string>, std::string> names;
+  for (const RendererEntry& entry : renderers_matching(pattern)) {
+    const RendererWords words(entry.name);
+    // Of the rasterizers the last: the quickest where a backend has them all.
+    if (words.sort == AdaptiveSort::name) names[{words.backend, words.bounds}] = entry.name;
+  }
+  std::vector<std::string> distinct;
+  for (auto& [key, name] : names) distinct.push_back(std::move(name));
+  if (distinct.empty())
+    throw std::invalid_argument("--renderers '" + pattern +
+                                "': expected one with the sort 'adaptive', such as '" + default_renderers() +
+                                "'");
+  return distinct;
+}
+
+/// Views of one image size.
+struct SizeGroup {
+  std::vector<View> views;
+  std::vector<View> checked;  ///< those of them that the choice is compared on
+};
+
+std::vector<SizeGroup> group_by_size(const CalibrateOptions& options, const Scene& scene) {
+  std::map<std::pair<int, int>, SizeGroup> sizes;
+  const auto size_of = [](const View& view) { return std::pair(view.camera.width, view.camera.height); };
+  for (const double scale : options.scales) {
+    ViewOptions view = options.view;
+    view.scale = scale, view.views = "all";
+    for (View& each : views_of(options.scene, view, scene, "all"))
+      sizes[size_of(each)].views.push_back(std::move(each));
+    view.views = options.check_views;
+    for (View& each : views_of(options.scene, view, scene, "all"))
+      sizes[size_of(each)].checked.push_back(std::move(each));
+  }
+  std::vector<SizeGroup> groups;
+  for (auto& [size, group] : sizes) groups.push_back(std::move(group));
+  return groups;
+}
+
+void print_strategy(const char* name, const StrategyTimes& times) {
+  std::printf("  %-8s %8.3f ms +- %.3f, %zu %s:", name, mean_of(times.ms), spread_of(times.ms),
+              times.ms.size(), times.ms.size() == 1 ? "view" : "views");
+  for (const std::string& view : times.views) std::printf(" %s", view.c_str());
+  std::printf("\n");
+}
+
+/// Prints what was measured of one sort at one image size.
+void print_choice(const SortCalibrationKey& key, const SortCalibration& measured, const SortTimes& times) {
+  std::printf("%s with %s, %dx%d, on %s\n", key.backend.c_str(), key.bounds.c_str(), measured.width,
+              measured.height, key.device.c_str());
+  print_strategy("standard", times.standard);
+  print_strategy("early", times.early);
+  std::printf("  choice   %s", measured.prefers_early() ? "early" : "standard");
+  if (const std::optional<double> regret = expected_regret(times))
+    std::printf(", expected regret %.2f %% of the sort\n", 100 * *regret);
+  else
+    std::printf(", expected regret unknown from one pair of views\n");
+  std::fflush(stdout);
+}
+
+/// One sort at one image size: measures, prints, and adds to the file. Returns how many are in the file.
+std::size_t calibrate_size(const CalibrateOptions& options, const std::string& file, const Scene& scene,
+                           const std::string& checksum, const std::vector<View>& views,
+                           const RenderSettings& settings, AnyRenderer& standard, AnyRenderer& early) {
+  std::vector<View> chosen;
+  for (const std::size_t number : random_fifth(views.size(), options.seed)) chosen.push_back(views[number]);
+  Progress progress(chosen.size() + std::max<std::size_t>(2, chosen.size()));
+  const SortTimes times = time_sorts(standard, early, chosen, settings, options.seed, progress);
+  progress.clear();
+  const SavedSortCalibration saved{.key = calibration_key(early, checksum),
+                                   .measured = {.gaussians = scene.size(),
+                                                .width = views.front().camera.width,
+                                                .height = views.front().camera.height,
+                                                .standard_ms = times.standard_ms(),
+                                                .early_ms = times.early_ms()},
+                                   .views = int(times.early.ms.size())};
+  print_choice(saved.key, saved.measured, times);
+  return add_sort_calibrations(file, {saved}) + 1;
+}
+
+void calibrate(const CalibrateOptions& options) {
+  const std::string file = calibration_file(options.scene, options.out);
+  if (file.empty())
+    throw std::invalid_argument("--out: expected a file, as the built-in scene has none beside it");
+  if (!options.json.empty() && !options.check)
+    throw std::invalid_argument("--json: expected --check with it");
+  const std::vector<std::string> names =
+      distinct_sorts(options.renderers.empty() ? default_renderers() : options.renderers);
+  const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
+  const std::vector<SizeGroup> groups = group_by_size(options, *scene);
+  const RenderSettings settings = settings_of(options.view, *scene);
+  const std::string checksum = scene_checksum(*scene);
+  std::size_t in_file =
+      add_sort_calibrations(file, {});  // an hour of measurements must find a place to go to
+  CalibrationCheck check(options.json, options.scene);
+
+  for (const std::string& name : names) {
+    const RendererWords words(name);
+    const std::unique_ptr<AnyRenderer> standard = make_renderer(words.with_sort(StandardSort::name)),
+                                       early = make_renderer(words.with_sort(EarlySort::name));
+    standard->set_scene(scene);
+    early->share_scene(*standard);
+    for (const SizeGroup& group : groups) {
+      in_file = calibrate_size(options, file, *scene, checksum, group.views, settings, *standard, *early);
+      if (!options.check || group.checked.empty()) continue;
+      const std::unique_ptr<AnyRenderer> adaptive = make_renderer(name);
+      adaptive->share_scene(*standard);
+      Calibrations(options.scene, options.view, scene, file).hand_to(*adaptive, group.checked);
+      check.run({standard.get(), early.get(), adaptive.get()}, group.checked, settings, scene->size());
+    }
+  }
+  std::printf("%s: %zu %s\n", file.c_str(), in_file, in_file == 1 ? "calibration" : "calibrations");
+}
+
+constexpr const char* more =
+    R"(A fifth of the views is chosen at random; one half is sorted with each strategy, and the one
+with the lower mean sort time is what renderers with the sort 'adaptive' use from then on, at
+this image size, on this device, with this backend and these bounds. 'render' and 'check' find
+the file beside the scene; one that does not fit is ignored with a message, and the sort is
+then measured while rendering. Measurements for other sizes, devices, backends or bounds are
+kept in the file. +- is the standard deviation over the views.
+--check renders views with both strategies and with the file, in turn, and prints by how much
+the frame and its sort took longer than with the better of both, +- the standard error.
+
+Examples:
+  swiftgs calibrate garden.spz --cameras cameras.json
+  swiftgs calibrate garden.spz --cameras cameras.json --scale 0.5,1 --renderers 'cuda/adaptive/*/*'
+  swiftgs calibrate builtin:1000000 --out builtin.sort.json --check)";
+
+}  // namespace
+
+void add_calibrate(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("calibrate", "Measures which sort strategy is better for a scene");
+  command->footer(more);
+  const auto options = std::make_shared<CalibrateOptions>();
+  add_scene(*command, options->scene);
+  add_cameras(*command, options->view);
+  command->add_option("--scale", options->scales, "Factors of the images' sides, as 1,2")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option(
+      "--renderers", options->renderers,
+      "Which: names with * for any text, of which backends and bounds count [those of 'render']");
+  command->add_option("--seed", options->seed, "Of the random choice of views")->capture_default_str();
+  command->add_option("--out", options->out, "File to add to [SCENE.sort.json]");
+  command->add_flag("--check", options->check, "Compare the choice with both strategies");
+  command->add_option("--check-views", options->check_views, "On which: all, every:8, or numbers as 0,8")
+      ->capture_default_str();
+  command->add_option("--json", options->json, "File for the results of --check");
+  command->callback([options] { calibrate(*options); });
+}
+
+}  // namespace swiftgs::cli

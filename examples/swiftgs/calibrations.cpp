@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calibrations.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <swiftgs/sort/adaptive.hpp>
+
+#include "renderer_words.hpp"
+#include "scene_input.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+/// `text` as a shell takes it for one word.
+std::string quoted(const std::string& text) {
+  const auto plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::string_view("_-+=.,:/").find(c) != std::string_view::npos;
+  };
+  return std::all_of(text.begin(), text.end(), plain) ? text : "\"" + text + "\"";
+}
+
+/// What calibrates the images that `view` asks for, without the renderers.
+std::string command_for(const SceneOptions& scene, const ViewOptions& view, const std::string& out) {
+  const SceneOptions usual_scene;
+  const ViewOptions usual;
+  std::string command = "swiftgs calibrate " + quoted(scene.scene);
+  if (scene.spz_frame != usual_scene.spz_frame) command += " --spz-frame " + quoted(scene.spz_frame);
+  if (!view.cameras.empty()) command += " --cameras " + quoted(view.cameras);
+  if (view.scale != usual.scale) {
+    char scale[32];
+    std::snprintf(scale, sizeof(scale), " --scale %g", view.scale);
+    command += scale;
+  }
+  if (view.conventions != usual.conventions) command += " --conventions " + quoted(view.conventions);
+  if (!out.empty()) command += " --out " + quoted(out);
+  return command;
+}
+
+}  // namespace
+
+std::string calibration_file(const SceneOptions& scene, const std::string& given) {
+  if (!given.empty()) return given;
+  return builtin_size(scene.scene) ? "" : sort_calibrations_beside(scene.scene).string();
+}
+
+SortCalibrationKey calibration_key(const AnyRenderer& renderer, const std::string& scene_checksum) {
+  const RendererWords words(renderer.name());
+  return {.scene = scene_checksum,
+          .device = renderer.device_name(),
+          .backend = words.backend,
+          .bounds = words.bounds};
+}
+
+Calibrations::Calibrations(const SceneOptions& scene, const ViewOptions& view,
+                           std::shared_ptr<const Scene> content, const std::string& file)
+    : file_(calibration_file(scene, file)),
+      command_(command_for(scene, view, file)),
+      given_(!file.empty()),
+      content_(std::move(content)) {}
+
+void Calibrations::hand_to(AnyRenderer& renderer, const std::vector<View>& views) {
+  if (file_.empty() || RendererWords(renderer.name()).sort != AdaptiveSort::name) return;
+  std::error_code unreadable;
+  if (!std::filesystem::exists(file_, unreadable) && !unreadable) {
+    if (given_) say(file_ + " is not there", renderer);
+    return;
+  }
+  if (checksum_.empty()) checksum_ = scene_checksum(*content_);
+  FoundSortCalibrations found = find_sort_calibrations(file_, calibration_key(renderer, checksum_));
+  if (!found.why_none.empty()) return say(found.why_none, renderer);
+  for (const View& view : views) {
+    const auto of_its_size = [&](const SortCalibration& calibration) {
+      return calibration.width == view.camera.width && calibration.height == view.camera.height;
+    };
+    if (std::none_of(found.calibrations.begin(), found.calibrations.end(), of_its_size))
+      say(file_ + " holds no calibration at " + std::to_string(view.camera.width) + "x" +
+              std::to_string(view.camera.height),
+          renderer);
+  }
+  renderer.use_calibrations(std::move(found.calibrations));
+}
+
+void Calibrations::say(const std::string& why, const AnyRenderer& renderer) {
+  if (!said_.insert(why).second) return;
+  const RendererWords words(renderer.name());
+  std::fprintf(stderr,
+               "swiftgs: %s; the sort is measured while rendering; run: %s --renderers '%s/adaptive/*/%s'\n",
+               why.c_str(), command_.c_str(), words.backend.c_str(), words.bounds.c_str());
+}
+
+}  // namespace swiftgs::cli

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/io/sort_calibrations.hpp>
+#include <swiftgs/scene.hpp>
+
+#include "options.hpp"
+#include "views.hpp"
+
+namespace swiftgs::cli {
+
+/// The file of measurements of a scene: `given`, or the one beside the scene's file where that is empty.
+/// Empty for the built-in scene unless given.
+std::string calibration_file(const SceneOptions& scene, const std::string& given);
+
+/// What measurements with `renderer` hold for.
+SortCalibrationKey calibration_key(const AnyRenderer& renderer, const std::string& scene_checksum);
+
+/// What `calibrate` has measured of a scene, for renderers whose sort is `adaptive`.
+class Calibrations {
+ public:
+  /// Of `content`, which `scene` names. `file` is as for `calibration_file`; `view` is what is rendered.
+  Calibrations(const SceneOptions& scene, const ViewOptions& view, std::shared_ptr<const Scene> content,
+               const std::string& file);
+
+  /// Hands to `renderer` what holds for it. Where there is a file with nothing for `renderer` or for the size
+  /// of one of `views`, a line on standard error says why and what to run, once for each reason; the
+  /// renderer then measures while it renders. Other sorts than `adaptive` have no use for it.
+  void hand_to(AnyRenderer& renderer, const std::vector<View>& views);
+
+ private:
+  void say(const std::string& why, const AnyRenderer& renderer);
+
+  std::string file_, command_;
+  bool given_;
+  std::shared_ptr<const Scene> content_;
+  std::string checksum_;  ///< empty until it is asked for
+  std::set<std::string> said_;
+};
+
+}  // namespace swiftgs::cli
