@@ -9,8 +9,8 @@ set -euo pipefail
 
 list=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)/packages.txt
 case "${1:-}" in
-  build) parts='^build$' ;;
-  test) parts='^(build|test)$' ;;
+  build) parts='^build[?]?$' ;;
+  test) parts='^(build|test)[?]?$' ;;
   *) echo "usage: cmake/setup.sh build|test" >&2; exit 2 ;;
 esac
 [ "${SWIFTGS_SKIP_SETUP:-0}" = 1 ] && exit 0
@@ -21,20 +21,39 @@ if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   exit 1
 fi
 
-missing=()
-while read -r name; do
+missing=() optional=()
+while read -r name part; do
   status=$(dpkg-query -W -f '${db:Status-Status}' "$name" 2>/dev/null || true)
-  [ "$status" = installed ] || missing+=("$name")
-done < <(awk -v parts="$parts" '!/^#/ && NF && $2 ~ parts { print $1 }' "$list")
-[ ${#missing[@]} -eq 0 ] && exit 0
+  [ "$status" = installed ] && continue
+  case $part in *'?') optional+=("$name") ;; *) missing+=("$name") ;; esac
+done < <(awk -v parts="$parts" '!/^#/ && NF && $2 ~ parts { print $1, $2 }' "$list")
+
+# What is optional costs no network where the system knows of no such package.
+has_candidate() { LC_ALL=C apt-cache policy "$1" | grep -q '^ *Candidate: [^(]'; }
+if [ ${#missing[@]} -eq 0 ]; then
+  known=()
+  for name in ${optional[@]+"${optional[@]}"}; do
+    if has_candidate "$name"; then known+=("$name"); else echo "setup: there is no package $name here"; fi
+  done
+  optional=(${known[@]+"${known[@]}"})
+fi
+[ $((${#missing[@]} + ${#optional[@]})) -eq 0 ] && exit 0
 
 as_root=()
 if [ "$(id -u)" -ne 0 ]; then
-  command -v sudo >/dev/null || { echo "setup: expected root or sudo to install: ${missing[*]}" >&2; exit 1; }
+  if ! command -v sudo >/dev/null; then
+    echo "setup: expected root or sudo to install: ${missing[*]} ${optional[*]}" >&2
+    [ ${#missing[@]} -eq 0 ]  # without what is optional all else can go on
+    exit
+  fi
   as_root=(sudo)
 fi
-echo "setup: installing ${missing[*]}"
 wait_for_lock=(-o DPkg::Lock::Timeout=300)
 "${as_root[@]}" apt-get "${wait_for_lock[@]}" -q update
+for name in ${optional[@]+"${optional[@]}"}; do
+  if has_candidate "$name"; then missing+=("$name"); else echo "setup: there is no package $name here"; fi
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+echo "setup: installing ${missing[*]}"
 "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
   apt-get "${wait_for_lock[@]}" -q install -y --no-install-recommends "${missing[@]}"

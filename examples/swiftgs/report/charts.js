@@ -64,9 +64,9 @@ const charts = (() => {
   });
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => refresh(true));
 
-  /// The text of an SVG file, on white.
-  function svgOf(specify) {
-    const look = {width: 900, narrow: false, theme: style.themes.light};
+  /// The text of an SVG file, on white, with a title of its own.
+  function svgOf(specify, title) {
+    const look = {width: 900, narrow: false, theme: style.themes.light, title};
     return new vega.View(vega.parse(specify(look)), {renderer: 'none'}).toSVG();
   }
 

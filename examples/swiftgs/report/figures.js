@@ -1,43 +1,56 @@
 // SPDX-License-Identifier: Apache-2.0
 'use strict';
 
-/// The plots for pages elsewhere, [name of a file, specification]: for each scene those of its first choices, for
-/// each backend where there are several; and growth of the quickest series.
-function figuresOf(rows, files) {
+/// What the times of a record or series were measured on.
+function machineOf(one, files) {
+  const {machine} = files[one.file];
+  return one.backend === 'cuda' ? machine.gpu : machine.cpu;
+}
+
+/// The plots of one scene for pages elsewhere, as its first choices are: those of each backend where there are several.
+function figuresOfScene(scene, rows, files) {
   const figures = [];
-  for (const scene of stats.distinct(rows, row => row.scene)) {
-    const {rows: chosen} = choices.narrow(rows.filter(row => row.scene === scene), files, {});
-    const list = choices.recordsOf(chosen, files), panels = choices.panels(list, files);
-    const baseline = choices.baselines(list)[0];
-    panels.forEach((panel, i) => {
-      const {records} = panel, file = panels.length > 1 ? `${scene}-${panel.title.replaceAll(/[^a-z0-9]+/gi, '-')}` : scene;
-      const known = records.filter(record => record.psnr !== null), front = stats.pareto(known);
-      const exact = records.filter(record => record.bounds === style.inOrder(records.map(one => one.bounds)).pop() &&
-                                   stats.speedup(record, list, baseline) !== null);
-      if (known.length)
-        figures.push([`pareto-${file}`, look => plots.pareto(known, front, {clock: 'total', shape: 'bounds'}, look)]);
-      figures.push([`stages-${file}`, look => plots.stagesStacked(
-        choices.quickest(records, 12).map(record => ({...record, label: record.short})), look)]);
-      if (exact.length > 1) figures.push([`speedup-${file}`, look => plots.speedups(exact, baseline, 'total', look)]);
-    });
-  }
-  for (const [name, quantity] of Object.entries(scaling.quantities)) {
-    const [series] = sortedSeries(rows, name);
-    if (!series) continue;
-    figures.push([`scaling-${name}`, look => scalingPlots.times(series, quantity, look)]);
-    if (series.points.some(point => point.memory > 0))
-      figures.push([`scaling-${name}-memory`, look => scalingPlots.memory(series, quantity, look)]);
+  const {rows: chosen} = choices.narrow(rows.filter(row => row.scene === scene), files, {});
+  const list = choices.recordsOf(chosen, files), panels = choices.panels(list, files);
+  const baseline = choices.baselines(list)[0];
+  for (const {title, records} of panels) {
+    const where = `${choices.sceneTitle(chosen[0])}, ${machineOf(records[0], files)}`;
+    const name = scene + (panels.length > 1 ? '-' + title : '');
+    const add = (kind, what, specify) => figures.push({name: `${kind}-${name}`, title: `${what}: ${where}`, specify});
+    const known = records.filter(record => record.psnr !== null), front = stats.pareto(known);
+    if (known.length)
+      add('pareto', 'Run time against error', look => plots.pareto(known, front, {clock: 'total', shape: 'bounds'}, look));
+    const few = choices.quickest(records, 12).map(record => ({...record, label: record.short}));
+    add('stages', 'Stages', look => plots.stagesStacked(few, look));
+    const bounds = style.inOrder(records.map(one => one.bounds)).pop();
+    const compared = records.filter(one => one.bounds === bounds && stats.speedup(one, list, baseline) !== null);
+    if (compared.length > 1)
+      add('speedup', `Speed-up over ${baseline} with ${bounds}`, look => plots.speedups(compared, baseline, 'total', look));
   }
   return figures;
 }
 
+/// Growth of the quickest series of each quantity.
+function figuresOfGrowth(rows, files) {
+  return Object.entries(scaling.quantities).flatMap(([name, quantity]) => {
+    const [series] = sortedSeries(rows, name);
+    if (!series) return [];
+    const title = `${series.renderer}: ${seriesTitle(series, [])}, ${machineOf(series, files)}`;
+    const times = {name: `scaling-${name}`, title, specify: look => scalingPlots.times(series, quantity, look)};
+    const memory = {name: `scaling-${name}-memory`, title, specify: look => scalingPlots.memory(series, quantity, look)};
+    return series.points.some(point => point.memory > 0) ? [times, memory] : [times];
+  });
+}
+
 /// Leaves the figures in the page as base64 of SVG files, for benchmarks/figures.sh to fetch.
 async function writeFigures(rows, files) {
-  const stand = element('div', {id: 'figures', hidden: true});
-  for (const [name, specify] of figuresOf(rows, files)) {
-    const bytes = new TextEncoder().encode(await charts.svgOf(specify));
+  const scenes = stats.distinct(rows, row => row.scene);
+  const figures = [...scenes.flatMap(scene => figuresOfScene(scene, rows, files)), ...figuresOfGrowth(rows, files)];
+  const stand = element('div', {id: 'figures', hidden: true}, '\n');
+  for (const {name, title, specify} of figures) {
+    const bytes = new TextEncoder().encode(await charts.svgOf(specify, title));
     const text = btoa(Array.from(bytes, byte => String.fromCharCode(byte)).join(''));
-    stand.append(element('p', {'data-figure': name}, text), '\n');
+    stand.append(element('p', {'data-figure': name.replaceAll(/[^A-Za-z0-9_.-]+/g, '-')}, text), '\n');
   }
   document.body.append(stand);
 }

@@ -102,7 +102,8 @@ const page = (() => {
     charts.draw(find('.chart', section), look => plots.pareto(known, front, wanted, look));
     const left = list.length - known.length;
     find('.note', section).textContent = 'Over several views PSNR is that of the mean squared error.' +
-      (left ? ` ${left} renderers without a measured error are not in this plot.` : '');
+      (left === 1 ? ' One renderer without a measured error is not in this plot.' : '') +
+      (left > 1 ? ` ${left} renderers without a measured error are not in this plot.` : '');
     find('.list', section).replaceChildren(sortableTable({
       caption: 'On the Pareto front',
       columns: [number('', record => front.indexOf(record) + 1, String), ...recordColumns(front)], rows: front}));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 'use strict';
 
-// Specifications for Vega from the records of stats.js. `look` is {width, theme, narrow}; a plot's height follows
-// from what it shows. Marks that stand for measurements have names, which Vega makes classes.
+// Specifications for Vega from the records of stats.js. `look` is {width, theme, narrow}, and a `title` where no
+// heading is near; a plot's height follows from what it shows. Marks that stand for measurements have names, which Vega makes classes.
 const plots = (() => {
   const {inOrder} = style;
 
@@ -11,20 +11,23 @@ const plots = (() => {
     const {theme} = look, font = 'system-ui, sans-serif';
     const text = {labelColor: theme.quiet, titleColor: theme.text, labelFont: font, titleFont: font};
     return {
-      description, width: look.width, height, padding: 4, background: theme.background,
+      description, width: look.width, height, padding: look.title ? 12 : 4, background: theme.background,
+      ...(look.title ? {title: {text: look.title, anchor: 'start', color: theme.text, font, fontSize: 14, offset: 12}} : {}),
       autosize: {type: 'fit-x', contains: 'padding'},
       config: {
         axis: {...text, labelFontSize: 12, titleFontSize: 12, titleFontWeight: 600, domainColor: theme.line,
                tickColor: theme.line, gridColor: theme.line, gridOpacity: 0.7, labelLimit: 420, titlePadding: 8},
         legend: {...text, labelFontSize: 12, titleFontSize: 12, titleFontWeight: 600, labelLimit: 420,
-                 columnPadding: 16, rowPadding: 3, offset: 10},
+                 columnPadding: 16, rowPadding: 3, offset: 10,
+                 layout: {bottom: {direction: look.narrow ? 'vertical' : 'horizontal', margin: 20}}},
         text: {font},
       },
     };
   }
 
-  const legend = (look, columns, more) =>
-    ({orient: 'bottom', direction: 'vertical', columns: look.narrow ? 1 : columns, ...more});
+  /// A legend in as many columns as there is room for, `columns` at most.
+  const legend = (look, columns, more) => ({
+    orient: 'bottom', direction: 'vertical', columns: Math.min(columns, Math.max(1, Math.floor(look.width / 230))), ...more});
 
   /// `values` as a log axis shows them: a little room on both sides.
   function logDomain(values) {

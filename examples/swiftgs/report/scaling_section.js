@@ -14,6 +14,12 @@ function seriesTitle(series, files) {
           ...(files.length > 1 ? [files[series.file].file] : [])].join(', ');
 }
 
+/// The same in a few words.
+function dominanceWords(series) {
+  const [first, ...rest] = series.dominance;
+  return first.stage + rest.map(part => `, ${part.stage} from ${format.count(part.from)}`).join('');
+}
+
 /// Says which stage is the longest where, in one sentence.
 function dominanceText(series, quantity) {
   const [first, ...rest] = series.dominance;
@@ -41,7 +47,7 @@ function scalingSection(name, wanted, files, rows, render) {
   const table = sortableTable({
     caption: `Exponents of growth with ${quantity.unit}`, rows: all,
     columns: [{title: 'renderer', value: one => one.renderer}, ...scaling.curves.map(exponent),
-              {title: 'longest stage', value: one => dominanceText(one, quantity)},
+              {title: 'longest stage', value: dominanceWords},
               {title: 'measured with', value: one => seriesTitle(one, files)}]});
   const times = element('div', {class: 'chart'}), memory = element('div', {class: 'chart'});
   const hasMemory = series.points.some(point => point.memory > 0);

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <functional>
+
+#include "report/browser.hpp"
+#include "report/results.hpp"
+
+using namespace swiftgs::test;
+
+namespace {
+
+bool has_vega() {
+  if (!SWIFTGS_HAS_VEGA) skip("the tool was built without Vega");
+  return SWIFTGS_HAS_VEGA;
+}
+
+/// `report` ends with one line that holds `parts`, and leaves no page.
+void refuses(const std::string& content, std::initializer_list<std::string> parts) {
+  const TemporaryFolder place;
+  place.write("results.json", content);
+  const Outcome outcome = swiftgs::test::swiftgs(place, "report results.json --out page.html");
+  CAPTURE(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(lines_in(outcome.err) == 1);
+  CHECK(outcome.err.starts_with("swiftgs: results.json"));
+  CHECK(!std::filesystem::exists(place / "page.html"));
+  for (const std::string& part : parts) {
+    CAPTURE(part);
+    CHECK(outcome.err.find(part) != std::string::npos);
+  }
+}
+
+/// A good file after `change`.
+std::string changed(const std::function<void(Json&)>& change) {
+  Json results = results_of({{}, {.view = "back"}});
+  change(results);
+  return results.dump();
+}
+
+}  // namespace
+
+TEST_CASE("report errors: what is no JSON is named with the byte where it ends to be") {
+  if (!has_vega()) return;
+  const std::string good = results_of({{}}).dump();
+  refuses("", {"byte 0: expected JSON that goes on"});
+  refuses(good.substr(0, 100), {"byte 100: expected JSON that goes on: the file is cut short"});
+  refuses("nothing that was measured", {"byte", "expected JSON"});
+  refuses("[1, 2, NaN]", {"byte 7: expected JSON"});
+  refuses(good.substr(0, good.size() - 1) + ", \"x\": 1e999}", {"expected numbers that a double can hold"});
+  refuses(std::string(100000, '['), {"expected objects and arrays at most 16 deep"});
+}
+
+TEST_CASE("report errors: a file of another kind or version is refused") {
+  if (!has_vega()) return;
+  refuses("[]", {"format: expected \"swiftgs-bench\""});
+  refuses("{\"format\": \"other\", \"version\": 1}", {"format: expected \"swiftgs-bench\""});
+  refuses(changed([](Json& json) { json["version"] = 2; }), {"version: expected 1, found 2"});
+  refuses(changed([](Json& json) { json.erase("version"); }), {"version: expected 1, found null"});
+}
+
+TEST_CASE("report errors: members that are missing or of another type are named") {
+  if (!has_vega()) return;
+  refuses(changed([](Json& json) { json["rows"] = Json::array(); }), {"rows: expected at least one row"});
+  refuses(changed([](Json& json) { json["rows"] = 1; }), {"rows: expected an array"});
+  refuses(changed([](Json& json) { json.erase("machine"); }), {"machine: expected an object"});
+  refuses(changed([](Json& json) { json["command"] = 7; }), {"command: expected a text"});
+  refuses(changed([](Json& json) { json["rows"][1] = 1; }), {"rows[1]: expected an object"});
+  refuses(changed([](Json& json) { json["rows"][1].erase("renderer"); }),
+          {"rows[1].renderer: expected a text"});
+  refuses(changed([](Json& json) { json["rows"][1]["width"] = 0; }),
+          {"rows[1].width: expected a number above 0"});
+  refuses(changed([](Json& json) { json["rows"][0]["psnr_db"] = "high"; }),
+          {"rows[0].psnr_db: expected a number or null"});
+  refuses(changed([](Json& json) { json["rows"][0].erase("ms"); }), {"rows[0].ms: expected an object"});
+  refuses(changed([](Json& json) { json["rows"][0]["ms"].erase("sort"); }),
+          {"rows[0].ms.sort: expected an object"});
+  refuses(changed([](Json& json) { json["rows"][0]["ms"]["total"]["median"] = -1; }),
+          {"rows[0].ms.total.median: expected a number, 0 or more"});
+  refuses(changed([](Json& json) { json["scenes"][0].erase("original"); }),
+          {"scenes[0].original: expected a number"});
+  refuses(changed([](Json& json) { json["views"][0]["scale"] = nullptr; }),
+          {"views[0].scale: expected a number above 0"});
+}
+
+TEST_CASE("report errors: images that are missing or none are named") {
+  if (!has_vega()) return;
+  refuses(changed([](Json& json) { json["rows"][0]["image"] = "gone.png"; }),
+          {"expected the image gone.png"});
+  refuses(changed([](Json& json) { json["views"][0]["reference_image"] = "results.json"; }),
+          {"expected results.json to be a PNG or JPEG image"});
+}
+
+TEST_CASE("report errors: files that cannot be read or written are named") {
+  if (!has_vega()) return;
+  const TemporaryFolder place;
+  place.write("results.json", results_of({{}}).dump());
+  for (const auto& [arguments, part] : {std::pair{"report nowhere.json", "nowhere.json"},
+                                        {"report .", ".: Is a directory"},
+                                        {"report results.json --out nowhere/page.html", "nowhere/page.html"},
+                                        {"report", "RESULTS"}}) {
+    const Outcome outcome = swiftgs::test::swiftgs(place, arguments);
+    CAPTURE(outcome.err);
+    CHECK(outcome.code == 1);
+    CHECK(lines_in(outcome.err) == 1);
+    CHECK(outcome.err.find(part) != std::string::npos);
+  }
+}
