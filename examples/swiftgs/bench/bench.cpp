@@ -123,6 +123,9 @@ class Matrix {
           session.views = views_of(input.scene, view, *session.gaussians, "every:8");
           session.settings = settings_of(view, *session.gaussians);
           session.scale = scale, session.conventions = conventions;
+          // What was measured of a scene does not hold for its variants.
+          if (session.gaussians->size() == session.scene.original && session.scene.enlarge == 1)
+            session.calibrations = std::make_shared<Calibrations>(input.scene, view, session.gaussians, "");
           session.photos.clear();
           if (!input.photos.empty() && scale == 1)
             session.photos = photographs_of(session.views, input.photos);

@@ -55,9 +55,10 @@ Duration summary_of(std::vector<double> values) {
   if (values.empty()) throw std::invalid_argument("summary: expected at least one value");
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
-  // The number of values below the median is binomial: within 1.96 sqrt(n) / 2 of n / 2 in 95 of 100 cases.
-  const double half = 0.5 * double(n), spread = 0.98 * std::sqrt(double(n));
-  const std::size_t low = half > spread ? std::size_t(half - spread) : 0;
+  // How many values lie below the true median is binomial, of variance n / 4: 1.96 deviations from n / 2, and
+  // half a value because they are counted, hold 95 of 100 cases.
+  const double rank = 0.5 * double(n) - 0.5 * 1.96 * std::sqrt(double(n)) - 0.5;
+  const std::size_t low = rank > 0 ? std::size_t(rank) : 0;
   return {percentile(values, 0.5), values[low], values[n - 1 - low], percentile(values, 0.1),
           percentile(values, 0.9)};
 }

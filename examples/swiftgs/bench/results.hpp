@@ -42,6 +42,8 @@ struct Place {
   int width = 0, height = 0;
   double scale = 1;
   std::string conventions;
+
+  bool operator==(const Place&) const = default;
 };
 
 /// How an image differs from a photograph.

@@ -2,7 +2,6 @@
 #include "bench/runner.hpp"
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "bench/machine.hpp"
@@ -10,8 +9,8 @@
 namespace swiftgs::cli {
 namespace {
 
-/// Frames after which an adaptive sort has measured both strategies.
-constexpr int frames_to_adapt = 9;
+/// Twice as many as an adaptive sort measures.
+constexpr int most_frames_to_adapt = 20;
 
 constexpr std::uint64_t spare_bytes = 2ull << 30;
 
@@ -46,13 +45,11 @@ bool has_room(const AnyRenderer& like, std::uint64_t bytes) {
 
 /// Draws every view, so that nothing grows later and an adaptive sort has decided for each size of images.
 void warm_up(AnyRenderer& renderer, const Session& session) {
-  std::set<std::pair<int, int>> sizes;
-  for (const View& view : session.views) {
-    const bool adapts =
-        has_word(renderer.name(), "adaptive") && sizes.insert({view.camera.width, view.camera.height}).second;
-    for (int frame = 0; frame < (adapts ? frames_to_adapt : 1); ++frame)
+  const bool adapts = has_word(renderer.name(), "adaptive");
+  for (const View& view : session.views)
+    for (int frame = 0; frame == 0 || (adapts && !renderer.calibration() && frame < most_frames_to_adapt);
+         ++frame)
       renderer.render_resident(view.camera, session.settings);
-  }
 }
 
 }  // namespace
@@ -86,6 +83,7 @@ std::vector<Runner::Subject> Runner::prepare(const Session& session, std::size_t
     if (std::none_of(subjects.begin(), subjects.end(),
                      [&](const Subject& other) { return renderer.share_scene(*other.renderer); }))
       renderer.set_scene(session.gaussians);
+    if (session.calibrations) session.calibrations->hand_to(renderer, session.views);
     const std::uint64_t device = device_bytes(renderer), host = resident_memory();
     warm_up(renderer, session);
     subject.device_bytes = grown(device, device_bytes(renderer));
@@ -105,7 +103,10 @@ void Runner::add_view(const Session& session, std::size_t view, Judge& judge) {
     if (view == 0 && !options_.images.empty())
       result.reference_image = write_image(result.place, "reference", judge.reference_frame());
   }
-  results_.views.push_back(std::move(result));
+  // Another number of threads has the same views.
+  const auto same = [&](const ViewResult& other) { return other.place == result.place; };
+  if (std::none_of(results_.views.begin(), results_.views.end(), same))
+    results_.views.push_back(std::move(result));
 }
 
 void Runner::measure_view(const Session& session, std::size_t view, std::vector<Subject>& subjects,

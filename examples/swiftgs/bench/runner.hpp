@@ -13,6 +13,7 @@
 #include "bench/judge.hpp"
 #include "bench/measure.hpp"
 #include "bench/results.hpp"
+#include "calibrations.hpp"
 #include "progress.hpp"
 #include "views.hpp"
 
@@ -28,6 +29,7 @@ struct Session {
   std::string conventions;
   RenderSettings settings;
   int threads = 0;
+  std::shared_ptr<Calibrations> calibrations{};  ///< what is known of the scene's sort, or none
 };
 
 /// Measures renderers on sessions and adds what it finds to results.

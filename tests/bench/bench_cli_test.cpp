@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.hpp"
+
+using swiftgs::test::lines_in;
+using swiftgs::test::Outcome;
+using swiftgs::test::TemporaryFolder;
+
+namespace {
+
+using Json = nlohmann::json;
+
+Json results_in(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  return Json::parse(in);
+}
+
+void fails(const std::string& arguments, std::initializer_list<const char*> words) {
+  const TemporaryFolder place;
+  const Outcome outcome = swiftgs::test::swiftgs(place, "bench " + arguments);
+  CAPTURE(arguments);
+  CAPTURE(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(lines_in(outcome.err) == 1);
+  for (const char* word : words) CHECK(outcome.err.find(word) != std::string::npos);
+}
+
+constexpr const char* quick = " --scales 0.1 --min-frames 2 --max-frames 4 --json r.json";
+
+}  // namespace
+
+TEST_CASE("bench: every combination has a row and every row what the schema says") {
+  const TemporaryFolder place;
+  const Outcome outcome = swiftgs::test::swiftgs(
+      place,
+      "bench builtin:500 --renderers 'serial/*/per-pixel/ellipse,serial/early/per-pixel/three*' "
+      "--views 0,2 --conventions gsplat,inria --gaussians 300,900" +
+          std::string(quick));
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.err);
+  CHECK(outcome.out.find("| `serial/standard/per-pixel/ellipse` | 2 |") != std::string::npos);
+  const Json results = results_in(place / "r.json");
+  CHECK(results.at("format") == "swiftgs-bench");
+  CHECK(results.at("version") == 1);
+  CHECK(
+      results.at("command").get<std::string>().starts_with("swiftgs bench builtin:500 --renderers 'serial/"));
+  for (const char* member :
+       {"date", "cpu", "cores", "memory_gib", "system", "compiler", "flags", "commit", "version", "load"})
+    CHECK(results.at("machine").contains(member));
+  CHECK(results.at("scenes").size() == 2);
+  CHECK(results.at("views").size() == 2 * 2 * 2);
+  REQUIRE(results.at("rows").size() == 4 * 2 * 2 * 2);
+  for (const Json& row : results.at("rows")) {
+    CAPTURE(row.dump());
+    CHECK(row.at("renderer") ==
+          row.at("backend").get<std::string>() + "/" + row.at("sort").get<std::string>() + "/" +
+              row.at("raster").get<std::string>() + "/" + row.at("bounds").get<std::string>());
+    for (const char* stage : {"project", "sort", "raster", "total", "wall"}) {
+      const Json& ms = row.at("ms").at(stage);
+      CHECK(ms.at("low") <= ms.at("median"));
+      CHECK(ms.at("median") <= ms.at("high"));
+      CHECK(ms.at("p10") <= ms.at("p90"));
+    }
+    CHECK(row.at("ms").at("total").at("median") <= row.at("ms").at("wall").at("high"));
+    CHECK(row.at("frames").get<int>() >= 2);
+    const bool cut = row.at("bounds") == "three-sigma-square";
+    CHECK(row.at("cut_psnr_db").is_number() == cut);
+    CHECK(row.at(cut ? "cut_psnr_db" : "psnr_db").get<double>() > 90);
+    CHECK(row.at("ssim").get<double>() > 0.99);
+    CHECK(row.at("photo_psnr_db").is_null());
+    CHECK(row.at("visible") > 0);
+    CHECK(row.at("instances") >= row.at("visible"));
+    CHECK(row.at("contributing_pairs") > 0);
+    CHECK(row.at("device_bytes") == 0);
+    CHECK(row.at("image").is_null());
+  }
+}
+
+TEST_CASE("bench: sorts and lossless bounds have equal errors and share their images") {
+  const TemporaryFolder place;
+  const Outcome outcome = swiftgs::test::swiftgs(
+      place,
+      "bench builtin:500 --renderers 'serial/*/per-pixel/ellipse,serial/early/per-pixel/opacity-box' "
+      "--views 0,2 --images im" +
+          std::string(quick));
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.err);
+  const Json results = results_in(place / "r.json");
+  const Json& first = results.at("rows").front();
+  CHECK(std::filesystem::is_regular_file(place / first.at("image").get<std::string>()));
+  CHECK(std::filesystem::is_regular_file(place / first.at("error_image").get<std::string>()));
+  CHECK(std::filesystem::is_regular_file(
+      place / results.at("views").front().at("reference_image").get<std::string>()));
+  for (const Json& row : results.at("rows")) {
+    if (row.at("view") != first.at("view")) {
+      CHECK(row.at("image").is_null());
+      continue;
+    }
+    CHECK(row.at("image") == first.at("image"));
+    CHECK(row.at("psnr_db") == first.at("psnr_db"));
+    CHECK(row.at("max_abs") == first.at("max_abs"));
+  }
+}
+
+TEST_CASE("bench: errors are left out of the views that are not asked for") {
+  const TemporaryFolder place;
+  REQUIRE(swiftgs::test::swiftgs(
+              place, "bench builtin:500 --renderers 'serial/early/per-pixel/ellipse' --views 0,2 --errors 1" +
+                         std::string(quick))
+              .code == 0);
+  const Json rows = results_in(place / "r.json").at("rows");
+  REQUIRE(rows.size() == 2);
+  CHECK(rows[0].at("psnr_db").is_number());
+  CHECK(rows[1].at("psnr_db").is_null());
+  CHECK(rows[1].at("max_abs").is_null());
+}
+
+TEST_CASE("bench: threads and enlarged Gaussians are in the rows") {
+  const TemporaryFolder place;
+  REQUIRE(swiftgs::test::swiftgs(
+              place,
+              "bench builtin:500 --renderers 'serial/early/per-pixel/ellipse' --views 0 --errors none "
+              "--threads 1 --enlarge 1,4" +
+                  std::string(quick))
+              .code == 0);
+  const Json rows = results_in(place / "r.json").at("rows");
+  REQUIRE(rows.size() == 2);
+  CHECK(rows[0].at("threads") == 1);
+  CHECK(rows[1].at("enlarge") == 4);
+  CHECK(rows[1].at("instances") > rows[0].at("instances"));
+}
+
+TEST_CASE("bench: what cannot be measured is one line that says why") {
+  fails("nothing.spz", {"nothing.spz"});
+  fails(".", {"expected a capture"});
+  fails("builtin:500 --renderers 'serial/*,gpu/*'", {"gpu/*", "swiftgs list"});
+  fails("builtin:500 --views 99", {"--views", "99"});
+  fails("builtin:500 --scales 0", {"--scale"});
+  fails("builtin:500 --scales 1,,2", {"--scales", "1,,2"});
+  fails("builtin:500 --gaussians few", {"--gaussians", "few"});
+  fails("builtin:500 --enlarge -1 --renderers 'serial/early/per-pixel/ellipse'", {"--enlarge"});
+  fails("builtin:500 --threads 100000", {"--threads"});
+  fails("builtin:500 --conventions paper", {"paper", "gsplat"});
+  fails("builtin:500 --errors some", {"--errors"});
+  fails("builtin:500 --min-frames 0", {"--min-frames"});
+  fails("builtin:500 --max-frames 2 --min-frames 3", {"--max-frames"});
+  fails("builtin:500 --precision 0", {"--precision"});
+  fails("builtin:500 --images im", {"--images", "--json"});
+  fails("builtin:500 --json no/such/folder/r.json", {"no/such/folder"});
+}

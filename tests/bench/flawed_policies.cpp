@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Measures an honest rasterizer, one that is 5 % slower and one that is off by 1e-3, in turns, and writes
+// what a reader of results should notice:
+//   before.json, after.json   the same renderer, rasterizing slower in the second
+//   error.json                the honest ones beside one that is off
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <string>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/serial.hpp>
+#include <swiftgs/swiftgs.hpp>
+
+#include "bench/runner.hpp"
+
+namespace swiftgs {
+namespace {
+
+/// `Raster`, and then a twentieth of the time that it took.
+template <class Raster>
+struct Slowed : Raster {};
+
+template <class Raster>
+void rasterize(Serial& serial, Slowed<Raster>, const RasterJob& job) {
+  const auto start = serial.now();
+  rasterize(serial, Raster{}, job);
+  const auto end = serial.now() + (serial.now() - start) / 20;
+  while (serial.now() < end) {
+  }
+}
+
+/// `Raster` with 1e-3 too much light.
+template <class Raster>
+struct Off : Raster {
+  static constexpr std::string_view name = "off-by-a-thousandth";
+};
+
+template <class Raster>
+void rasterize(Serial& serial, Off<Raster>, const RasterJob& job) {
+  rasterize(serial, Raster{}, job);
+  for (int y = 0; y < job.frame.height; ++y) {
+    float* const row = static_cast<float*>(job.frame.colour.row(std::size_t(y)));
+    for (int i = 0; i < 3 * job.frame.width; ++i) row[i] += 1e-3f;
+  }
+}
+
+template <class... Rasters>
+std::vector<RendererEntry> entries() {
+  std::vector<RendererEntry> table;
+  append_renderers<Serial>(table, TypeList<EarlySort>{}, TypeList<Rasters...>{}, TypeList<Ellipse>{});
+  return table;
+}
+
+}  // namespace
+
+namespace cli {
+namespace {
+
+constexpr int frames = 160;
+
+Session session() {
+  Session s;
+  s.gaussians = std::make_shared<const Scene>(make_builtin_scene(3000));
+  s.scene = {"builtin", s.gaussians->size(), s.gaussians->size(), 1, s.gaussians->sh_degree, false};
+  s.views = {{scaled(builtin_camera(), 0.1), "front"}};
+  s.scale = 0.1, s.conventions = "gsplat", s.threads = 1;
+  return s;
+}
+
+Results measured(const std::vector<RendererEntry>& table, std::size_t judged) {
+  Results results;
+  results.machine = describe_machine(), results.command = "flawed_policies";
+  Progress progress(table.size());
+  Runner runner(table, {{frames, frames, 0.001, 1}, judged, {}, {}}, results, progress);
+  const Session s = session();
+  results.scenes.push_back(s.scene);
+  runner.run(s);
+  return results;
+}
+
+void write_all(const std::filesystem::path& folder) {
+  const Results timed = measured(entries<PerPixel, Slowed<PerPixel>>(), 0);
+  Results before = timed, after = timed;
+  before.rows.resize(1), after.rows.erase(after.rows.begin());
+  write_results(before, folder / "before.json");
+  write_results(after, folder / "after.json");
+  write_results(measured(entries<PerPixel, AxisShared<FloatCholesky>, Off<PerPixel>>(), 1),
+                folder / "error.json");
+}
+
+}  // namespace
+}  // namespace cli
+}  // namespace swiftgs
+
+int main(int argc, char** argv) {
+  try {
+    if (argc != 2) throw std::invalid_argument("usage: flawed_policies FOLDER");
+    swiftgs::cli::write_all(argv[1]);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "flawed_policies: %s\n", error.what());
+    return 1;
+  }
+}

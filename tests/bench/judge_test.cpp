@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/judge.hpp"
+
+#include <cmath>
+#include <memory>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+
+using namespace swiftgs;
+using namespace swiftgs::cli;
+
+namespace {
+
+struct Fixture {
+  std::shared_ptr<const Scene> scene = std::make_shared<const Scene>(make_builtin_scene(800));
+  Camera camera = scaled(builtin_camera(), 0.1);
+  RenderSettings settings;
+
+  Judge judge(std::optional<Image> photo = std::nullopt) const {
+    return {scene, camera, settings, std::move(photo)};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("bench judge: a known error has its PSNR and its shade in the map") {
+  const Fixture f;
+  Judge judge = f.judge();
+  judge.render_reference();
+  Frame frame = judge.reference_frame();
+  for (float& value : frame.colour) value += 1e-3f;
+  const Judge::Verdict verdict = judge.of(frame, false);
+  REQUIRE(verdict.errors);
+  CHECK(verdict.errors->psnr_db == doctest::Approx(60).epsilon(1e-3));
+  CHECK(verdict.errors->max_abs == doctest::Approx(1e-3).epsilon(1e-3));
+  CHECK_FALSE(verdict.errors->cut_psnr_db);
+  CHECK_FALSE(verdict.photo);
+  for (const float shade : judge.error_map(frame).colour)
+    CHECK(shade == doctest::Approx(4.0 / 7).epsilon(1e-3));
+  for (const float shade : judge.error_map(judge.reference_frame()).colour) CHECK(shade < 0.1f);
+}
+
+TEST_CASE("bench judge: what is cut at three sigma is compared with such a reference too") {
+  const Fixture f;
+  Judge judge = f.judge();
+  judge.render_reference();
+  const auto renderer = make_renderer("serial/early/per-pixel/three-sigma-square");
+  renderer->set_scene(f.scene);
+  Frame frame;
+  renderer->render(f.camera, f.settings, frame);
+  const Judge::Verdict verdict = judge.of(frame, true);
+  REQUIRE(verdict.errors->cut_psnr_db);
+  CHECK(*verdict.errors->cut_psnr_db > verdict.errors->psnr_db + 10);
+}
+
+TEST_CASE("bench judge: without a reference there are no errors and a photograph still counts") {
+  const Fixture f;
+  const Frame grey{f.camera.width,
+                   f.camera.height,
+                   std::vector<float>(3 * std::size_t(f.camera.width) * std::size_t(f.camera.height), 0.5f),
+                   {},
+                   {}};
+  Image photo{f.camera.width, f.camera.height, 3, grey.colour};
+  for (float& value : photo.pixels) value = 0.6f;
+  Judge judge = f.judge(photo);
+  const Judge::Verdict verdict = judge.of(grey, false);
+  CHECK_FALSE(verdict.errors);
+  REQUIRE(verdict.photo);
+  CHECK(verdict.photo->psnr_db == doctest::Approx(20).epsilon(1e-4));
+  CHECK_FALSE(judge.reference_photo());
+  judge.render_reference();
+  CHECK(judge.reference_photo());
+}

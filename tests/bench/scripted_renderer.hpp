@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/any_renderer.hpp>
+
+namespace swiftgs::test {
+
+/// A renderer that draws nothing and whose frames take what a script says. @units{milliseconds}
+class ScriptedRenderer final : public AnyRenderer {
+ public:
+  ScriptedRenderer(std::string name, std::function<double(int frame)> total, std::vector<std::string>* calls)
+      : name_(std::move(name)), total_(std::move(total)), calls_(calls) {}
+
+  std::string_view name() const override { return name_; }
+  void set_scene(std::shared_ptr<const Scene>) override {}
+  bool share_scene(const AnyRenderer&) override { return true; }
+  void render(const Camera&, const RenderSettings&, Frame&) override {}
+  void render_resident(const Camera&, const RenderSettings&) override {
+    ++frames;
+    if (calls_) calls_->push_back(name_);
+  }
+  StageTimes times() override {
+    const double ms = total_(frames);
+    return {0.1 * ms, 0.2 * ms, 0.7 * ms, ms};
+  }
+  Statistics statistics() const override { return {}; }
+  std::string device_name() const override { return "a script"; }
+  void use_calibrations(std::vector<SortCalibration>) override {}
+  std::optional<SortCalibration> calibration() const override { return std::nullopt; }
+  std::optional<MemoryUse> device_memory() const override { return std::nullopt; }
+
+  int frames = 0;
+
+ private:
+  std::string name_;
+  std::function<double(int)> total_;
+  std::vector<std::string>* calls_;
+};
+
+}  // namespace swiftgs::test
