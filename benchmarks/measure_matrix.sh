@@ -150,7 +150,8 @@ part_calibrate() {
   local capture name
   for capture in ${captures[@]+"${captures[@]}"}; do
     name=$(basename "$capture")
-    "$swiftgs" calibrate "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")" --scale 1,2 --check \
+    "$swiftgs" calibrate "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")" --scale 1,2 \
+      --renderers "$backend/adaptive/*/*" --check --check-views "$views" \
       --out "$out/calibration-$name.sort.json" --json "$out/calibration-$name.json"
   done
 }

@@ -25,7 +25,10 @@ Cpu::Cpu(int threads) {
 }
 
 std::string Cpu::device_name() const {
-  return processor_name() + ", " + std::to_string(threads()) + (threads() == 1 ? " thread" : " threads");
+  // The arena may have places for more threads than oneTBB lets run at the moment.
+  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const std::size_t running = std::min(std::size_t(threads()), allowed);
+  return processor_name() + ", " + std::to_string(running) + (running == 1 ? " thread" : " threads");
 }
 
 std::uint64_t Cpu::exclusive_scan(Span<std::uint32_t> counts) {
