@@ -190,7 +190,14 @@ def raster_word(form, threshold):
     return form if form == "per-pixel" else f"axis-shared-{'threshold-' if threshold else ''}{form}"
 
 
-def print_static(kernels):
+STATIC = ("kernel", "shared terms", "loads", "tests", "moves", "arithmetic", "kept", "skipped", "fewer", "addresses",
+          "whole loop", "pairs a pass", "paper")
+EXECUTED = ("kernel", "warp instructions", "of the alpha stage", "lanes that reach it", "lanes that execute it",
+            "contributing pairs", "warp instructions a contributing pair", "contributing lanes")
+
+
+def static_rows(kernels):
+    """Rows of a table with the header STATIC."""
     rows = []
     for (form, threshold), kernel in kernels:
         shared = kernel.shared_stage() if form == "half-split" else None
@@ -204,11 +211,11 @@ def print_static(kernels):
                      f"**{number(kept)}**", f"**{number(skipped)}**", f"{100 * (1 - skipped / kept):.0f} %",
                      number(kernel.per_pair(kernel.addresses)), number(len(kernel.body()) / kernel.pairs),
                      str(kernel.pairs), PAPER.get((form, threshold), "-")])
-    table(["kernel", "shared terms", "loads", "tests", "moves", "arithmetic", "kept", "skipped", "fewer", "addresses",
-           "whole loop", "pairs a pass", "paper"], rows)
+    return rows
 
 
-def print_executed(kernels, pairs):
+def executed_rows(kernels, pairs):
+    """Rows of a table with the header EXECUTED; `pairs` holds the contributing pairs of each rasterizer."""
     rows = []
     for (form, threshold), kernel in kernels:
         total = kernel.executed()
@@ -225,11 +232,7 @@ def print_executed(kernels, pairs):
         row += ([f"{contributing / 1e6:.1f}", number(total / contributing), f"{100 * contributing / slots:.0f} %"]
                 if contributing else ["-"] * 3)
         rows.append(row)
-    if rows:
-        print("Executed, first view of the scene; millions, of warp instructions, and of lanes at `MUFU.EX2`:\n")
-        table(["kernel", "warp instructions", "of the alpha stage", "lanes that reach it",
-               "lanes that execute it", "contributing pairs", "warp instructions a contributing pair",
-               "contributing lanes"], rows)
+    return rows
 
 
 NOTES = """\
@@ -255,15 +258,10 @@ What differs from the paper's counts, and why:
 """
 
 
-def main():
-    parser = argparse.ArgumentParser(usage=__doc__.split("usage: ")[1].split("\n")[0])
-    parser.add_argument("files", nargs="+")
-    parser.add_argument("--pairs")
-    parser.add_argument("--scene", default="garden")
-    parser.add_argument("--listing", action="store_true")
-    options = parser.parse_args()
+def read_kernels(paths):
+    """[((form, threshold), Kernel)] of the rasterizers' kernels in the files."""
     found = {}
-    for path in options.files:
+    for path in paths:
         with open(path, encoding="utf-8", errors="replace") as file:
             lines = file.readlines()
         profile = any(line.startswith('"Kernel Name"') for line in lines)
@@ -274,9 +272,19 @@ def main():
                     found[kind] = Kernel(code)
                 except ValueError as error:
                     print(f"count_instructions: {raster_word(*kind)}: {error}; not counted", file=sys.stderr)
-    if not found:
+    return sorted(found.items(), key=lambda item: (FORMS.index(item[0][0]), item[0][1]))
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__.split("usage: ")[1].split("\n")[0])
+    parser.add_argument("files", nargs="+")
+    parser.add_argument("--pairs")
+    parser.add_argument("--scene", default="garden")
+    parser.add_argument("--listing", action="store_true")
+    options = parser.parse_args()
+    kernels = read_kernels(options.files)
+    if not kernels:
         sys.exit("count_instructions: expected kernels named raster_..., found none")
-    kernels = sorted(found.items(), key=lambda item: (FORMS.index(item[0][0]), item[0][1]))
     pairs = {}
     if options.pairs:
         with open(options.pairs, encoding="utf-8") as file:
@@ -285,8 +293,11 @@ def main():
                 if row["kind"] == "frame" and row["scene"] == options.scene and row["view"] == 0 and \
                         row["renderer"].endswith("/ellipse") and row["pairs"]:
                     pairs[row["renderer"].split("/")[2]] = row["pairs"]
-    print_static(kernels)
-    print_executed(kernels, pairs)
+    table(STATIC, static_rows(kernels))
+    executed = executed_rows(kernels, pairs)
+    if executed:
+        print("Executed, first view of the scene; millions, of warp instructions, and of lanes at `MUFU.EX2`:\n")
+        table(EXECUTED, executed)
     print(NOTES)
     if options.listing:
         for key, kernel in kernels:
@@ -295,4 +306,5 @@ def main():
             print()
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Markdown: tables and the words for numbers in them."""
+import textwrap
 
 
 def table(header, rows, words=1):
@@ -8,6 +9,11 @@ def table(header, rows, words=1):
              "|" + "".join(" --- |" if n < words else " ---: |" for n in range(len(header)))]
     lines += ["| " + " | ".join(row) + " |" for row in rows]
     return "\n".join(lines)
+
+
+def prose(text):
+    """A paragraph, in lines as long as those of the pages."""
+    return textwrap.fill(text, 120, break_long_words=False, break_on_hyphens=False)
 
 
 def significant(value, digits=3):

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the forms of the shared terms cost in quality: the paper's Table 3, and ours."""
+from statistics import mean
+
+from tables import paper
+from tables.frames import BOX, RASTERS, Frames, label
+from tables.markdown import decibel, prose, table
+from tables.results import InputError
+from tables.source import machine_name
+
+
+def paper_accuracy(_source):
+    """Table 3, and the scenes of Table 1 in which the difference lies."""
+    rows = []
+    for run in paper.RUNS:
+        before, after = paper.PSNR_PRINTED[run]
+        given = [mean(values) for values in paper.PSNR[run]]
+        rows.append([run, f"{before:.2f}", f"{after:.2f}", f"{after - before:+.2f}", f"{given[1] - given[0]:+.2f}",
+                     ", ".join(f"{scene} {change:+.2f}" for scene, change in paper.lost(run)) or "none"])
+    return table(["GPU, iterations", "gsplat, dB", "axis-shared, dB", "difference", "of Table 1's rows",
+                  "scenes that differ there"], rows)
+
+
+def change(value, base):
+    return "-" if value is None or base is None else f"{value:.4f} ({value - base:+.4f})"
+
+
+def accuracy(source, machine):
+    """PSNR against photographs, beside the per-pixel rasterizer's, and against float64; all with opacity boxes."""
+    results = source.results(machine, "matrix.json")
+    frames = Frames(results)
+    names = [(raster, f"standard/{raster}/{BOX}") for raster in RASTERS]
+    seen = [scene for scene in frames.scenes if frames.mean_of(scene, names[0][1], "photo_psnr_db") is not None]
+    if not seen:
+        raise InputError(f"{results.path}: no PSNR against photographs; expected captures with photos")
+    rows = []
+    for raster, name in names:
+        photos = [change(frames.mean_of(scene, name, "photo_psnr_db"),
+                         frames.mean_of(scene, names[0][1], "photo_psnr_db")) for scene in seen]
+        rows.append([f"`{raster}`", *photos, *(decibel(frames.worst_psnr(scene, name)) for scene in frames.scenes)])
+    return f"{machine_name(results)}, dB:\n\n" + table(
+        ["rasterizer", *(f"{scene.name}, photographs" for scene in seen),
+         *(f"{label(scene)}, float64" for scene in frames.scenes)], rows)
+
+
+def sorts_change_nothing(source, machine):
+    """Whether every sort and both lossless bounds have the errors of the first, rasterizer by rasterizer."""
+    frames = Frames(source.results(machine, "matrix.json"))
+    differ, compared = set(), 0
+    for scene in frames.scenes:
+        for raster in RASTERS:
+            errors = {}
+            for (found, name), rows in frames.of.items():
+                _, other, bounds = name.split("/")
+                if found == scene and other == raster and bounds != "three-sigma-square":
+                    for row in rows:
+                        if row.max_abs is not None:
+                            errors.setdefault(row.view, set()).add((row.max_abs, row.psnr_db))
+                            compared += 1
+            differ |= {f"`{raster}` on {label(scene)}" for values in errors.values() if len(values) > 1}
+    return prose(f"The errors of {compared} frames were compared: with one rasterizer on one view, they are the same "
+                 "with every sort and both lossless bounds" + (f", except {', '.join(sorted(differ))}." if differ else "."))
+
+
+TABLES = {"paper-accuracy": paper_accuracy, "accuracy": accuracy, "sorts-change-nothing": sorts_change_nothing}

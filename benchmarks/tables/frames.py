@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Chooses rows of results, averages them over views, and knows the renderers that the paper's steps are."""
+import collections
+from statistics import geometric_mean, mean
+
+from tables.results import InputError
+
+THRESHOLD, SHARED = "axis-shared-threshold-", "axis-shared-"
+CHOLESKY = THRESHOLD + "float-cholesky"
+BOX, SQUARE, ELLIPSE = "opacity-box", "three-sigma-square", "ellipse"
+BASELINE = f"standard/per-pixel/{BOX}"
+VANILLA = f"standard/per-pixel/{SQUARE}"
+OURS = f"adaptive/{CHOLESKY}/{ELLIPSE}"
+BOUNDS = (SQUARE, BOX, ELLIPSE)
+RASTERS = ("per-pixel",) + tuple(prefix + form for prefix in (SHARED, THRESHOLD)
+                                 for form in ("half-split", "float-split", "float-cholesky"))
+# Those of the paper's Table 2 and all of them together, with the baseline's bounds; then what is ours.
+STEPS = (("baseline", BASELINE), ("AR", f"standard/{SHARED}half-split/{BOX}"),
+         ("AR + AT", f"standard/{THRESHOLD}half-split/{BOX}"), ("ES", f"early/per-pixel/{BOX}"),
+         ("ES + AES", f"adaptive/per-pixel/{BOX}"), ("all", f"adaptive/{THRESHOLD}half-split/{BOX}"))
+OUR_STEPS = (("all, our terms", f"adaptive/{CHOLESKY}/{BOX}"), ("and our bounds", OURS))
+
+Scene = collections.namedtuple("Scene", "name gaussians")
+
+
+class Frames:
+    """The rows of one file at the scenes' own scale and enlargement, with one preset of conventions."""
+
+    def __init__(self, results, conventions="gsplat"):
+        self.results, self.of, self.sizes = results, collections.defaultdict(list), {}
+        for row in results.rows:
+            if (row.enlarge, row.scale, row.conventions) == (1, 1, conventions):
+                scene = Scene(row.scene, row.gaussians)
+                self.of[scene, row.name].append(row)
+                self.sizes.setdefault(scene, f"{row.width}x{row.height}")
+        self.scenes = list(self.sizes)
+        if not self.scenes:
+            raise InputError(f"{results.path}: no row with {conventions} conventions; expected some")
+        runs = {(row.backend, row.threads) for row in results.rows}
+        if len(runs) > 1:
+            raise InputError(f"{results.path}: rows of {len(runs)} backends or numbers of threads; expected one")
+
+    def rows(self, scene, name):
+        """Of all views, in their order; InputError where the renderer was not measured."""
+        if (scene, name) not in self.of:
+            raise InputError(f"{self.results.path}: no row of {name} on {scene.name} with {scene.gaussians} Gaussians; "
+                             "expected one for each view")
+        return self.of[scene, name]
+
+    def mean(self, scene, name, stage="total"):
+        """Milliseconds, mean over the views' medians."""
+        return mean(row.ms[stage].median for row in self.rows(scene, name))
+
+    def mean_of(self, scene, name, member):
+        """Mean over the views that have it; None where none has."""
+        values = [getattr(row, member) for row in self.rows(scene, name) if getattr(row, member) is not None]
+        return mean(values) if values else None
+
+    def worst_psnr(self, scene, name):
+        """dB against float64, of the worst view that was compared; None where none was."""
+        return min((row.psnr_db for row in self.rows(scene, name) if row.psnr_db is not None), default=None)
+
+    def speed_up(self, scene, name, base, stage="total"):
+        return self.mean(scene, base, stage) / self.mean(scene, name, stage)
+
+    def speed_up_of_all(self, name, base, stage="total"):
+        """Geometric mean over the scenes."""
+        return geometric_mean(self.speed_up(scene, name, base, stage) for scene in self.scenes)
+
+
+def gaussians(number):
+    """As in 1.5 M."""
+    return f"{number / 1e6:.2g} M" if number < 9.5e6 else f"{number / 1e6:.0f} M"
+
+
+def label(scene):
+    return f"{scene.name}, {gaussians(scene.gaussians)}"

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stages on the GPU beside the shortest time that its ceilings allow."""
+from tables import ceilings
+from tables.frames import Frames, label
+from tables.growth import BEST, axis_named, series
+from tables.markdown import count, prose, significant, table
+from tables.results import InputError
+from tables.source import machine_name
+
+NEEDED = ("visible", "instances", "contributing_pairs")
+
+
+def sh_degrees(results):
+    """{(scene, Gaussians): degree}"""
+    return {(scene.get("scene"), scene.get("gaussians")): scene.get("sh_degree") for scene in results.scenes}
+
+
+def gaps_of(results, row):
+    """{stage: (measured ms, floor ms, what bounds it)} of a row."""
+    degree = sh_degrees(results).get((row.scene, row.gaussians))
+    if degree is None or any(getattr(row, name) is None for name in NEEDED):
+        raise InputError(f"{results.path}: {row.renderer} on {row.scene}: expected its sh_degree and counts")
+    found = {}
+    for stage, floor in ceilings.FLOORS.items():
+        seconds, bound = floor(row, degree)
+        found[stage] = row.ms[stage].median, 1e3 * seconds, bound
+    return found
+
+
+def ceiling_table(_source):
+    """The ceilings, as measured."""
+    rows = [["copy in memory, read and written", f"{ceilings.COPY / 1e12:.2f} TB/s"],
+            ["fused multiply-adds, float", f"{ceilings.FMA / 1e12:.1f} T/s"],
+            ["`ex2.approx`", f"{ceilings.EX2 / 1e12:.2f} T/s"]]
+    for kind, times in ceilings.SORT.items():
+        rows.append([f"sort by {kind} of the keys, 32-bit values", "; ".join(
+            f"{size / 1e6:g} M in {time} us" for size, time in zip(ceilings.SORT_SIZES, times))])
+    return table(["what", "most"], rows, words=2)
+
+
+def first_rows(source, machine):
+    """(results, scene, row) of the first view of each scene."""
+    results = source.results(machine, "matrix.json")
+    frames = Frames(results)
+    return [(results, scene, frames.rows(scene, BEST)[0]) for scene in frames.scenes]
+
+
+def gaps(source, machine):
+    """Each stage of the best renderer against its floor."""
+    found = first_rows(source, machine)
+    rows = []
+    for results, scene, row in found:
+        for stage, (measured, floor, bound) in gaps_of(results, row).items():
+            rows.append([label(scene), stage, bound, significant(1e3 * floor), significant(1e3 * measured),
+                         significant(measured / floor, 2)])
+    return f"{machine_name(found[0][0])}, `{BEST}`, first views, microseconds:\n\n" + table(
+        ["scene", "stage", "bounded by", "least", "measured", "ratio"], rows, words=3)
+
+
+def gap_growth(source, machine, axis_name):
+    """The ratios along an axis of growth."""
+    axis, rows = axis_named(axis_name), []
+    files = [source.results(machine, name) for name in axis.files]
+    of = {id(row): results for results in files for row in results.rows}
+    for (scene, name), points in series(source, machine, axis).items():
+        if name == BEST:
+            for row in points:
+                found = gaps_of(of[id(row)], row)
+                rows.append([scene, axis.text(axis.value(row)), count(row.contributing_pairs / row.pixels),
+                             *(significant(measured / floor, 2) for measured, floor, _ in found.values())])
+    return "Measured time through the least, of each stage:\n\n" + table(
+        ["scene", axis.unit, "contributing pairs a pixel", *ceilings.FLOORS], rows)
+
+
+def largest_gap(source, machine):
+    """The stage with the largest ratio, and the one with most milliseconds to gain, in two sentences."""
+    found = [(scene, stage, measured, floor, bound) for results, scene, row in first_rows(source, machine)
+             for stage, (measured, floor, bound) in gaps_of(results, row).items()]
+    scene, stage, measured, floor, bound = max(found, key=lambda gap: gap[2] / gap[3])
+    text = (f"The largest gap is that of `{stage}` in {label(scene)}: {significant(1e3 * measured)} us are "
+            f"{significant(measured / floor, 2)} times what its {bound} would take. ")
+    scene, stage, measured, floor, bound = max(found, key=lambda gap: gap[2] - gap[3])
+    return prose(text + f"Most time is to be gained from `{stage}` in {label(scene)}: "
+                        f"{significant(1e3 * (measured - floor))} of {significant(1e3 * measured)} us.")
+
+
+TABLES = {"ceilings": ceiling_table, "gaps": gaps, "gap-growth": gap_growth, "largest-gap": largest_gap}

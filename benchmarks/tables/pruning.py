@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pruned scenes: the paper's Table 4, and ours with scenes that `swiftgs prune` made."""
+from statistics import mean
+
+from tables import paper
+from tables.frames import CHOLESKY, OURS, SQUARE, THRESHOLD, VANILLA, Frames, gaussians, label
+from tables.markdown import ms, percent, table, times
+from tables.results import InputError, is_number
+from tables.source import machine_name
+
+SUFFIX = "-pruned"
+ALL = f"adaptive/{THRESHOLD}half-split/{SQUARE}"
+ALL_OURS = f"adaptive/{CHOLESKY}/{SQUARE}"
+
+
+def paper_pruned(_source):
+    """Table 4, its means from its rows."""
+    columns = [values + (mean(values),) for values in paper.PRUNED]
+    rows = [[scene, f"{a:.2f}", f"{b:.2f}", times(a / b), f"{c:.2f}", f"{d:.2f}", times(c / d)]
+            for scene, a, b, c, d in zip(paper.PRUNED_SCENES + ("mean",), *columns)]
+    return table(["scene", "INRIA", "and all", "speed-up", "PUP-GS", "and all", "speed-up"], rows)
+
+
+def pruned(source, machine):
+    """Table 4 on a machine: whole and pruned scenes with the inria conventions."""
+    whole = Frames(source.results(machine, "vanilla.json"), "inria")
+    small = Frames(source.results(machine, "pruned.json"), "inria")
+    rows = []
+    for scene in small.scenes:
+        original = next((s for s in whole.scenes if s.name + SUFFIX == scene.name), None)
+        if original is None:
+            raise InputError(f"{whole.results.path}: no scene that {scene.name} was pruned from; expected "
+                             f"{scene.name.removesuffix(SUFFIX)}")
+        for frames, found in ((whole, original), (small, scene)):
+            base = frames.mean(found, VANILLA)
+            rows.append([found.name, gaussians(found.gaussians), ms(base)]
+                        + [f"{ms(frames.mean(found, name))} ({times(base / frames.mean(found, name))})"
+                           for name in (ALL, ALL_OURS, OURS)])
+    return f"{machine_name(whole.results)}, milliseconds:\n\n" + table(
+        ["scene", "Gaussians", "vanilla", "all", "all, our terms", "and our bounds"], rows)
+
+
+def vanilla(source, machine):
+    """The scenes that were not pruned, the built-in one among them, with the inria conventions."""
+    frames = Frames(source.results(machine, "vanilla.json"), "inria")
+    rows = []
+    for name in (VANILLA, ALL, ALL_OURS, OURS):
+        rows.append([f"`{name}`"] + [f"{ms(frames.mean(scene, name))} ({times(frames.speed_up(scene, name, VANILLA))})"
+                                     for scene in frames.scenes] + [times(frames.speed_up_of_all(name, VANILLA))])
+    return f"{machine_name(frames.results)}, milliseconds:\n\n" + table(
+        ["sort/raster/bounds", *map(label, frames.scenes), "geometric mean"], rows)
+
+
+def read_pruned(source, machine, name):
+    """The object in a file of `swiftgs prune --json`, checked."""
+    found, path = source.json(machine, name), source.path(machine, name)
+    if found.get("format") != "swiftgs-prune" or found.get("version") != 1:
+        raise InputError(f"{path}: format {found.get('format')!r}, version {found.get('version')!r}; expected "
+                         "'swiftgs-prune', 1")
+    for side in ("before", "after"):
+        if not isinstance(found.get(side), dict) or not is_number(found[side].get("gaussians")):
+            raise InputError(f"{path}: {side}: expected an object with the number of Gaussians")
+    if not is_number(found.get("kept_weight")):
+        raise InputError(f"{path}: kept_weight: expected a number")
+    return found
+
+
+def decibels(value):
+    return f"{value:.2f}" if is_number(value) else "-"
+
+
+def prune_quality(source, machine):
+    """What each score keeps: quality of the views that it has not seen, before and after."""
+    rows = []
+    for name in source.names(machine, "prune-", ".json"):
+        found = read_pruned(source, machine, name)
+        before, after = found["before"], found["after"]
+        rows.append([str(found.get("scene")), str(found.get("score")), gaussians(before["gaussians"]),
+                     gaussians(after["gaussians"]), percent(found["kept_weight"]),
+                     decibels(before.get("photo_psnr_db")), decibels(after.get("photo_psnr_db")),
+                     decibels(after.get("unpruned_psnr_db"))])
+    return table(["scene", "score", "Gaussians before", "after", "of all scores kept", "photographs before, dB",
+                  "after, dB", "against unpruned, dB"], rows, words=2)
+
+
+TABLES = {"paper-pruned": paper_pruned, "pruned": pruned, "vanilla": vanilla, "prune-quality": prune_quality}

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How often a Gaussian is sorted: the paper's Figure 3."""
+from statistics import mean
+
+from tables import paper
+from tables.frames import BOUNDS, CHOLESKY, Frames, gaussians
+from tables.markdown import count, percent, table
+from tables.source import machine_name
+
+
+def redundancy(source, machine):
+    """Gaussians, instances and their ratio over every view of each scene, with each bounds."""
+    results = source.results(machine, "all-views.json")
+    frames = Frames(results)
+    rows = [["paper, seven scenes", "box", "-", "-", "-", f"{paper.RATIO_MEAN:.2f}", f"{paper.RATIO_MOST:.2f}",
+             percent(paper.saved(paper.RATIO_MEAN))]]
+    for scene in frames.scenes:
+        for bounds in BOUNDS:
+            views = frames.rows(scene, f"early/{CHOLESKY}/{bounds}")
+            ratios = [row.instances / row.visible for row in views if row.visible]
+            rows.append([f"{scene.name}, {gaussians(scene.gaussians)}, {len(views)} views", bounds,
+                         count(mean(r.visible for r in views)), count(mean(r.instances for r in views)),
+                         count(max(r.instances for r in views)),
+                         f"{mean(ratios):.2f}", f"{max(ratios):.2f}",
+                         percent(mean(map(paper.saved, ratios)))])
+    return table(["scene", "bounds", "visible Gaussians, mean", "instances, mean", "most", "a visible Gaussian, mean",
+                  "most", "early sorting saves by the paper's formula"], rows, words=2) + \
+        f"\n\nCounted on {machine_name(results)}."
+
+
+TABLES = {"redundancy": redundancy}

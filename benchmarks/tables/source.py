@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where the tables' numbers come from: which folder of results stands for which machine, and its files."""
+import os
+
+from tables.results import InputError, read, read_json
+
+RESULTS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "results")
+# The folders that README.md and docs/ show. Whoever measures anew changes them here.
+FOLDERS = {"gpu": "2026-11-21-nvidia-h200", "cpu": "2026-11-21-intel-r-xeon-r-processor"}
+
+
+class Source:
+    """The results of the machines, each file read once."""
+
+    def __init__(self, results=RESULTS, folders=None):
+        self.root, self.folders, self.found = results, folders or FOLDERS, {}
+
+    def path(self, machine, name):
+        """Of a file in a machine's folder; InputError where it is not there."""
+        if machine not in self.folders:
+            raise InputError(f"no machine '{machine}'; expected {' or '.join(self.folders)}")
+        path = os.path.join(self.root, self.folders[machine], name)
+        if not os.path.isfile(path):
+            raise InputError(f"{path}: no such file; expected what benchmarks/measure_matrix.sh leaves")
+        return path
+
+    def results(self, machine, name):
+        """The Results of a file of `swiftgs bench`."""
+        return self.once(read, self.path(machine, name))
+
+    def json(self, machine, name):
+        """The object in a file of another command."""
+        return self.once(read_json, self.path(machine, name))
+
+    def once(self, reader, path):
+        if path not in self.found:
+            self.found[path] = reader(path)
+        return self.found[path]
+
+    def names(self, machine, start, end):
+        """Of the files in a machine's folder that begin and end so, sorted; at least one."""
+        folder = os.path.join(self.root, self.folders.get(machine, machine))
+        names = sorted(n for n in os.listdir(folder) if n.startswith(start) and n.endswith(end)) \
+            if os.path.isdir(folder) else []
+        if not names:
+            raise InputError(f"{folder}: no {start}*{end}; expected what benchmarks/measure_matrix.sh leaves")
+        return names
+
+
+def backend(machine):
+    """The backend that a machine's results are of."""
+    return "cuda" if machine == "gpu" else "cpu"
+
+
+def machine_name(results):
+    """The device in words, as 'NVIDIA H200'."""
+    found = results.machine
+    return str(found.get("gpu") or f"{found.get('cpu', 'unknown')}, {found.get('cores', '?')} cores")

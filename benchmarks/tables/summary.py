@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The README's tables: what each policy costs on a machine."""
+from statistics import median
+
+from tables.frames import BOX, CHOLESKY, ELLIPSE, OURS, RASTERS, SQUARE, VANILLA, Frames, label
+from tables.markdown import decibel, prose, table
+from tables.results import InputError
+from tables.source import backend, machine_name
+
+SHOWN = tuple(f"early/{raster}/{ELLIPSE}" for raster in RASTERS) + (
+    f"early/{CHOLESKY}/{BOX}", f"early/{CHOLESKY}/{SQUARE}", f"standard/{CHOLESKY}/{ELLIPSE}", OURS, VANILLA)
+PLACE = ("scene", "gaussians", "enlarge", "view", "scale", "conventions")
+
+
+def captures(frames):
+    """The scenes that are no built-in one, or all where there is no other."""
+    return [scene for scene in frames.scenes if scene.name != "builtin"] or frames.scenes
+
+
+def cell(frames, scene, name):
+    time = median(row.ms["total"].median for row in frames.rows(scene, name))
+    return f"{time:.{2 if time < 10 else 1}f} ms, {decibel(frames.worst_psnr(scene, name))} dB"
+
+
+def views_of(frames, scenes):
+    """How many views the times are medians of, in words."""
+    numbers = sorted({len(frames.rows(scene, SHOWN[0])) for scene in scenes})
+    return f"{numbers[0]} views" if len(numbers) == 1 else f"{numbers[0]} to {numbers[-1]} views"
+
+
+def summary(source, machine):
+    """What a machine needs for a frame with each policy, and how exact that is, with the sentences around it."""
+    results = source.results(machine, "matrix.json")
+    frames = Frames(results)
+    scenes = captures(frames)
+    rows = [[f"`{backend(machine)}/{name}`", *(cell(frames, scene, name) for scene in scenes)] for name in SHOWN]
+    return (prose(f"{machine_name(results)}: milliseconds a frame, the median over {views_of(frames, scenes)} of each "
+                  f"capture, and PSNR against float64, the worst of the views that were compared.") + "\n\n"
+            + table(["renderer", *(f"{label(scene)}, {frames.sizes[scene]}" for scene in scenes)], rows)
+            + "\n\n" + errors(results, frames))
+
+
+def errors(results, frames):
+    """What the float policies with lossless bounds lose, in two sentences."""
+    exact = [row for rows in frames.of.values() for row in rows if row.bounds != SQUARE and "half" not in row.raster]
+    judged = [row.max_abs for row in exact if row.max_abs is not None]
+    if not judged:
+        raise InputError(f"{results.path}: no errors; expected some, of --errors 1")
+    photo = {tuple(view.get(name) for name in PLACE): view.get("photo_psnr_db") for view in results.views}
+    apart = [abs(row.photo_psnr_db - photo[row.place]) for row in exact
+             if row.photo_psnr_db is not None and photo.get(row.place) is not None]
+    text = f"The float policies with lossless bounds differ from the reference by {max(judged):.4f} at most."
+    return prose(text + (f" Against the photographs that training did not see, each is within {max(apart):.3f} dB of "
+                         "what the reference has." if apart else ""))
+
+
+def of_machine(source, machine):
+    """Where and when the results of `swiftgs bench` come from."""
+    results = source.results(machine, "matrix.json")
+    found = results.machine
+    device = f"{found['gpu']}, driver {found.get('driver')}, CUDA {found.get('cuda')}, in a host with " \
+        if found.get("gpu") and machine == "gpu" else ""
+    return prose(f"{device}{found.get('cores')} cores of {found.get('cpu')}, {found.get('memory_gib')} GiB, "
+                 f"{found.get('system')}; {found.get('compiler')}, `{found.get('flags')}`; {found.get('date')}, commit "
+                 f"`{str(found.get('commit'))[:12]}`. Files: "
+                 f"[benchmarks/results/{source.folders[machine]}](../benchmarks/results/{source.folders[machine]}).")
+
+
+TABLES = {"summary": summary, "machine": of_machine}

@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: Apache-2.0
+"""benchmarks/update_tables.py: the tables of Markdown files are what the results give."""
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import synthetic_folder  # noqa: E402
+from tables import ceilings, fits, paper  # noqa: E402
+from tables.source import FOLDERS, RESULTS  # noqa: E402
+
+PROGRAM = HERE.parent / "update_tables.py"
+ROOT = HERE.parent.parent
+
+
+def cells(text, first):
+    """The cells of the row that begins with `first`."""
+    line = next(line for line in text.splitlines() if line.startswith(f"| {first} |"))
+    return [cell.strip() for cell in line.strip("| ").split(" | ")]
+
+
+class Tables(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.place = pathlib.Path(cls.folder.name)
+        cls.results = cls.place / "results"
+        for machine, backend in (("gpu", "cuda"), ("cpu", "cpu")):
+            synthetic_folder.write(cls.results / FOLDERS[machine], backend)
+        shutil.copy(pathlib.Path(RESULTS) / FOLDERS["gpu"] / "instructions-garden.csv", cls.results / FOLDERS["gpu"])
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def update(self, text, *options, results=None):
+        """(exit code, text afterwards, standard output, standard error)"""
+        page = self.place / "page.md"
+        page.write_text(text, encoding="utf-8")
+        ran = subprocess.run([sys.executable, "-B", str(PROGRAM), "--results", str(results or self.results), *options,
+                              str(page)], capture_output=True, text=True, check=False)
+        return ran.returncode, page.read_text(encoding="utf-8"), ran.stdout, ran.stderr
+
+    def table(self, words):
+        code, text, _, error = self.update(f"<!-- table: {words} -->\n<!-- end -->\n")
+        self.assertEqual((code, error), (0, ""))
+        return text
+
+    def test_a_block_is_written_anew_and_what_is_around_it_stays(self):
+        code, text, _, _ = self.update("before\n<!-- table: paper-steps -->\nold\n<!-- end -->\nafter\n")
+        self.assertEqual(code, 0)
+        self.assertTrue(text.startswith("before\n<!-- table: paper-steps -->\n\n| step | RTX 3090, 7k |"))
+        self.assertTrue(text.endswith("|\n\n<!-- end -->\nafter\n"))
+        self.assertNotIn("old", text)
+        self.assertEqual(self.update(text)[1], text)
+
+    def test_check_finds_a_number_that_drifted_and_changes_nothing(self):
+        good = self.table("steps gpu")
+        self.assertEqual(self.update(good, "--check")[0], 0)
+        drifted = good.replace("3.50", "3.40")
+        code, text, output, _ = self.update(drifted, "--check")
+        self.assertEqual((code, text), (1, drifted))
+        self.assertIn("\n-", output)
+        self.assertIn("3.50", output)
+
+    def test_a_table_whose_file_is_missing_is_one_line_and_its_block_stays(self):
+        page = "<!-- table: steps gpu -->\nold\n<!-- end -->\n<!-- table: ceilings -->\n<!-- end -->\n"
+        code, text, _, error = self.update(page, results=self.place)
+        self.assertEqual(code, 2)
+        self.assertIn("<!-- table: steps gpu -->\nold\n<!-- end -->", text)
+        self.assertIn("TB/s", text)
+        self.assertRegex(error, r"\Aupdate_tables: \S+page.md:1: \S+/matrix.json: no such file; expected [^\n]+\n\Z")
+
+    def test_blocks_that_make_no_sense_are_one_line(self):
+        for page, message in (("<!-- table: stepps gpu -->\n<!-- end -->", "no table 'stepps'; expected one of "),
+                              ("<!-- table: steps -->\n<!-- end -->", "table 'steps' : expected MACHINE"),
+                              ("<!-- table: steps tpu -->\n<!-- end -->", "no machine 'tpu'; expected gpu or cpu"),
+                              ("<!-- table: growth gpu size -->\n<!-- end -->", "no axis 'size'; expected one of"),
+                              ("<!-- table: ceilings -->\n", "block 'ceilings' does not end; expected <!-- end -->"),
+                              ("<!-- table: ceilings -->\n<!-- table: ceilings -->\n<!-- end -->", "does not end")):
+            code, text, _, error = self.update(page)
+            self.assertEqual((code, text), (2, page))
+            self.assertRegex(error, r"\Aupdate_tables: \S+page.md:1: [^\n]+\n\Z")
+            self.assertIn(message, error)
+
+    def test_a_broken_result_file_is_one_line(self):
+        broken = self.place / "broken" / FOLDERS["gpu"]
+        broken.mkdir(parents=True)
+        (broken / "matrix.json").write_text("{}", encoding="utf-8")
+        code, _, _, error = self.update("<!-- table: steps gpu -->\n<!-- end -->", results=broken.parent)
+        self.assertEqual(code, 2)
+        self.assertRegex(error, r"\A[^\n]+matrix.json: format None, version None; expected 'swiftgs-bench', 1\n\Z")
+
+    def test_every_table_of_the_pages_can_be_made_of_what_the_script_measures(self):
+        for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))):
+            code, text, _, error = self.update(page.read_text(encoding="utf-8"))
+            self.assertEqual((page.name, code, error), (page.name, 0, ""))
+            self.assertNotRegex(text, r"<!-- table: [^\n]+ -->\n+<!-- end -->")
+
+    def test_speed_ups_are_against_the_baseline(self):
+        text = self.table("steps gpu")
+        self.assertEqual(cells(text, "baseline")[2:], ["3.50 (1.00x)"] * 3 + ["1.00x"])
+        self.assertEqual(cells(text, "AR")[2:], ["3.10 (1.13x)"] * 3 + ["1.13x"])
+        self.assertEqual(cells(text, "ES")[2:], ["3.30 (1.06x)"] * 3 + ["1.06x"])
+        self.assertEqual(cells(text, "all, our terms")[2:], ["2.30 (1.52x)"] * 3 + ["1.52x"])
+
+    def test_loss_of_a_form_is_against_the_per_pixel_rasterizer(self):
+        text = self.table("accuracy cpu")
+        self.assertEqual(cells(text, "`axis-shared-half-split`")[1:],
+                         ["24.7500 (-0.0500)"] * 3 + ["60.0"] * 3)
+        self.assertEqual(cells(text, "`axis-shared-float-cholesky`")[1:], ["24.8000 (+0.0000)"] * 3 + ["102.0"] * 3)
+
+    def test_errors_that_depend_on_the_sort_are_told(self):
+        same = self.table("sorts-change-nothing gpu")
+        self.assertNotIn("except", same)
+        rows = synthetic_folder.matrix("cuda")
+        next(row for row in rows if row["renderer"] == "cuda/early/per-pixel/ellipse")["max_abs"] = 0.004
+        other = self.place / "other" / FOLDERS["gpu"]
+        other.mkdir(parents=True)
+        (other / "matrix.json").write_text(json.dumps(synthetic_folder.synthetic.file_of(rows)), encoding="utf-8")
+        text = self.update("<!-- table: sorts-change-nothing gpu -->\n<!-- end -->\n", results=other.parent)[1]
+        self.assertIn("except `per-pixel` on garden, 1.5 M.", text.replace("\n", " "))
+
+    def test_shares_and_ratios_of_stages(self):
+        shares = cells(self.table("shares gpu"), "a GPU")
+        self.assertEqual(shares[2:5], ["14.3 %", "28.6 %", "57.1 %"])
+        self.assertEqual(cells(self.table("raster-stage gpu"), "AR + AT")[2], "1.50 (1.33x)")
+        sort = cells(self.table("sort-stage gpu"), "garden, 1.5 M")
+        self.assertEqual(sort[2:], ["12.00", "1.00", "0.800", "0.800", "-20.0 %", "-20.0 % to -20.0 %", "2 of 2", "+0.0 %"])
+
+    def test_redundancy_counts_instances_a_visible_gaussian(self):
+        text = self.table("redundancy gpu")
+        self.assertEqual(cells(text, "garden, 1.5 M, 2 views")[1:],
+                         ["three-sigma-square", "500,000", "6,000,000", "6,000,000", "12.00", "12.00", "45.8 %"])
+
+    def test_pruned_scenes_stand_below_whole_ones(self):
+        text = self.table("pruned gpu")
+        self.assertEqual(cells(text, "garden-pruned")[1:], ["0.15 M", "3.50", "2.80 (1.25x)", "2.30 (1.52x)", "2.30 (1.52x)"])
+        self.assertEqual(cells(self.table("prune-quality gpu"), "garden")[1:],
+                         ["contribution", "1.5 M", "0.02 M", "90.0 %", "24.80", "23.50", "28.25"])
+
+    def test_growth_is_fitted_and_its_turning_points_found(self):
+        text = self.table("exponents gpu gaussians pixels occupancy")
+        best = f"`{'/'.join(synthetic_folder.BEST)}`"
+
+        def exponents(axis):
+            line = next(line for line in text.splitlines() if axis in line and best in line)
+            return [cell.strip() for cell in line.strip("| ").split(" | ")][3:6]
+
+        self.assertEqual(exponents("million Gaussians"), ["1.00 (1.00)", "0.00 (0.00)", "0.00 (0.00)"])
+        self.assertEqual(exponents("million pixels"), ["0.00 (0.00)", "0.00 (0.00)", "1.00 (1.00)"])
+        self.assertEqual(exponents("instances a tile"), ["0.00 (0.00)", "1.00 (1.00)", "0.00 (0.00)"])
+        # Projection takes 0.5 ms a million, rasterization 1 ms.
+        self.assertIn(f"{best} | raster; from 2 project |", self.table("dominates gpu gaussians"))
+
+    def test_the_largest_gap_is_named(self):
+        text = self.table("largest-gap gpu").replace("\n", " ")
+        # 49 million pairs of eight instructions take 13.1 us of 30 T/s, where 1 ms was measured.
+        self.assertIn("The largest gap is that of `raster` in garden, 1.5 M: 1,000 us are 77 times what its multiply-adds",
+                      text)
+
+
+class Arithmetic(unittest.TestCase):
+    def test_the_exponent_of_a_power_law_is_exact(self):
+        self.assertAlmostEqual(fits.exponent([(x, 3 * x**0.7) for x in (1, 2, 5, 100)]), 0.7)
+        self.assertIsNone(fits.exponent([(2, 1)]))
+
+    def test_curves_cross_where_their_power_laws_meet(self):
+        xs = (1, 4, 16)
+        curves = {"flat": [3, 3, 3], "grows": list(xs)}
+        (first, start), (second, turn) = fits.dominance(xs, curves)
+        self.assertEqual((first, start, second), ("flat", 1, "grows"))
+        self.assertAlmostEqual(turn, 3)
+
+    def test_the_time_of_a_sort_is_the_measured_one_and_grows_between(self):
+        for kind, times in ceilings.SORT.items():
+            for size, time in zip(ceilings.SORT_SIZES, times):
+                self.assertAlmostEqual(1e6 * ceilings.sort_seconds(size, kind), time)
+            sizes = [10**(4 + n / 10) for n in range(45)]
+            found = [ceilings.sort_seconds(size, kind) for size in sizes]
+            self.assertEqual(found, sorted(found))
+
+    def test_the_papers_own_numbers_are_as_it_says_where_they_agree(self):
+        self.assertAlmostEqual(paper.saved(paper.RATIO_MEAN), paper.SAVED_MEAN, places=4)
+        for run in paper.RUNS:
+            for values in (*paper.TIME[run], *paper.PSNR[run]):
+                self.assertEqual(len(values), len(paper.SCENES))
+        self.assertEqual([scene for scene, _ in paper.lost("RTX 3090, 30k")], ["bicycle", "room"])
+        self.assertEqual([scene for scene, _ in paper.lost("L40S, 30k")], ["counter"])
+        for column, printed in zip(paper.PRUNED[::2], paper.PRUNED_PRINTED[::2]):
+            self.assertAlmostEqual(sum(column) / len(column), printed, places=2)
+
+
+if __name__ == "__main__":
+    unittest.main()
