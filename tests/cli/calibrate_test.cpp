@@ -209,7 +209,8 @@ TEST_CASE("cli calibrate: what cannot be done is an error of one line before any
        "the sort 'adaptive'"},
       {"calibrate builtin:100 --out b.json --renderers none", "--renderers 'none'"},
   };
-  for (const auto& [arguments, part] : cases) {
+  for (const auto& [command, part] : cases) {
+    const std::string arguments = command;
     const Outcome outcome = swiftgs::test::swiftgs(place, arguments);
     CAPTURE(arguments);
     CAPTURE(outcome.err);
