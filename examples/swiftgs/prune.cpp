@@ -23,6 +23,7 @@
 #include "photos.hpp"
 #include "progress.hpp"
 #include "prune_result.hpp"
+#include "result_file.hpp"
 #include "scene_input.hpp"
 #include "views.hpp"
 
@@ -48,24 +49,14 @@ struct HeldOut {
   std::string renderer;
 };
 
-void expect_good(const std::ofstream& file, const std::string& name) {
-  if (!file) throw std::system_error(errno ? errno : EIO, std::generic_category(), name);
-}
-
-/// Throws unless a file can be written, before minutes are spent on what goes there; changes nothing.
+/// Throws `std::system_error` unless a file can be written, before minutes are spent on what goes there;
+/// changes nothing.
 void require_writable(const std::string& name) {
-  if (name.empty()) return;
   const bool existed = std::filesystem::exists(name);
   errno = 0;
-  expect_good(std::ofstream(name, std::ios::binary | std::ios::app), name);
+  if (!std::ofstream(name, std::ios::binary | std::ios::app))
+    throw std::system_error(errno ? errno : EIO, std::generic_category(), name);
   if (!existed) std::filesystem::remove(name);
-}
-
-void write_text(const std::string& name, const std::string& text) {
-  errno = 0;
-  std::ofstream file(name, std::ios::binary);
-  file << text << std::flush;
-  expect_good(file, name);
 }
 
 /// Throws unless the options go together.
@@ -184,7 +175,8 @@ void prune(const PruneOptions& options) {
   const bool by_contribution = options.score == "contribution";
   const std::vector<View> views =
       by_contribution ? views_of(options.scene, view, *scene, training_views) : std::vector<View>();
-  for (const std::string& file : {options.out, options.json}) require_writable(file);
+  require_writable(options.out);
+  ResultFile json(options.json);
 
   PruneResult result{.scene = scene_label(options.scene.scene),
                      .score = options.score,
@@ -212,7 +204,7 @@ void prune(const PruneOptions& options) {
   result.after = judge(held_out, pruned, unpruned, progress);
   progress.clear();
   if (!held_out.views.empty()) print_table(result);
-  if (!options.json.empty()) write_text(options.json, to_json(result));
+  json.write(to_json(result));
 }
 
 constexpr const char* more =

@@ -128,7 +128,7 @@ TEST_CASE("cli prune: views that are left out are compared with their photograph
   const TemporaryFolder place;
   run(place, "render builtin:1000 --scale 0.05 --views every:8 --out photos");
   run(place,
-      "prune builtin:1000 --keep 0.3 --photos photos --out small.ply --json results.json" + small_views);
+      "prune builtin:1000 --keep 0.02 --photos photos --out small.ply --json results.json" + small_views);
   const json result = result_of(place, "results.json");
   // The photographs are these very frames in 8 bits.
   CHECK(result["before"]["photo_psnr_db"] > 50);
