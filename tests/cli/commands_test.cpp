@@ -226,7 +226,7 @@ TEST_CASE("cli: check compares with the photographs that have the names of the v
 TEST_CASE("cli: help explains every command and gives examples") {
   const TemporaryFolder place;
   const std::string help = run(place, "--help").out;
-  for (const std::string command : {"info", "list", "render", "compare", "check"}) {
+  for (const std::string command : {"info", "list", "render", "compare", "check", "prune"}) {
     CHECK(contains(help, "  " + command + "  "));
     const std::string more = run(place, command + " --help").out;
     CHECK(contains(more, "Usage: swiftgs " + command));

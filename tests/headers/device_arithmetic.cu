@@ -2,6 +2,7 @@
 
 // Every loop body that the stages share between backends, and the arithmetic of every rasterizer, as a
 // kernel. Compiled, never run.
+#include <swiftgs/contribution.hpp>
 #include <swiftgs/swiftgs.hpp>
 
 namespace {
@@ -43,6 +44,11 @@ struct EvaluateAlpha {
 void project(std::size_t n, const ProjectShapes& shapes, const CompactSplats& compact) {
   launch(n, shapes);
   launch(n, compact);
+}
+
+void contributions(std::size_t n, const ClearSums& clear, const KeepVisible& keep) {
+  launch(n, clear);
+  launch(n, keep);
 }
 
 void sort(std::size_t n, const DepthPair& depths, const ClearRanges& clear,
