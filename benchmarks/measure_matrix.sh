@@ -122,7 +122,7 @@ part_occupancy() {
 }
 
 cameras_of() { if [ -e "$1/cameras.json" ]; then echo "$1/cameras.json"; else echo "$1/sparse/0"; fi; }
-scene_of() { find "$1" -maxdepth 1 -name "$(basename "$1").*" | head -n 1; }
+scene_of() { find -L "$1" -maxdepth 1 -name "$(basename "$1").*" | head -n 1; }
 
 # Pruned scenes lie in OUTDIR/pruned, each a capture whose cameras and photographs are links; they may be removed.
 part_prune() {
