@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // A build with CUDA on a machine that has no device: everything says so and nothing else changes.
+#include <memory>
 #include <stdexcept>
 #include <string>
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/any_contributions.hpp>
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/swiftgs.hpp>
@@ -108,4 +110,13 @@ TEST_CASE("no device: what does nothing needs none") {
   CHECK(buffer.data() == nullptr);
   Cuda other(std::move(cuda));
   cuda = std::move(other);
+}
+
+TEST_CASE("no device: weights of Gaussians are found by another backend") {
+  if (with_device()) return;
+  CHECK(contribution_backend("").backend != "cuda");
+  CHECK_THROWS_WITH_AS(contribution_backend("cuda"), "backend 'cuda' cannot run on this machine",
+                       std::runtime_error);
+  const auto scene = std::make_shared<const Scene>(random_scene(10, 0, 2));
+  CHECK_THROWS_AS(Contributions<Cuda>{scene}, DeviceError);
 }
