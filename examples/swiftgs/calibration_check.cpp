@@ -19,6 +19,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr int turns_a_view = 3;
+
 /// UTF-8 or not: a name from a file may hold any bytes.
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
@@ -57,7 +59,7 @@ void CalibrationCheck::run(const SortTrio& sorts, const std::vector<View>& views
                            const RenderSettings& settings, std::size_t gaussians) {
   Progress progress(views.size());
   const std::vector<FrameTimes> times =
-      time_in_turn({sorts.standard, sorts.early, sorts.adaptive}, views, settings, progress);
+      time_in_turn({sorts.standard, sorts.early, sorts.adaptive}, views, settings, turns_a_view, progress);
   progress.clear();
   const FrameTimes &standard = times[0], &early = times[1], &adaptive = times[2];
   const Regret frame = regret_of(standard.total, early.total, adaptive.total);

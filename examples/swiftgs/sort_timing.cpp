@@ -11,7 +11,8 @@
 namespace swiftgs::cli {
 namespace {
 
-constexpr std::size_t turns_a_view = 3;
+/// Of a chosen view: few views decide, so each is timed well.
+constexpr int turns_of_chosen = 7;
 
 double median_of(std::vector<double> values) {
   const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
@@ -87,7 +88,8 @@ SortTimes time_sorts(AnyRenderer& standard, AnyRenderer& early, const std::vecto
   SortTimes times;
   const auto time = [&](AnyRenderer& renderer, const View& view, StrategyTimes& into) {
     into.views.push_back(view.name);
-    into.ms.push_back(time_in_turn({&renderer}, {view}, settings, progress).front().sort.front());
+    into.ms.push_back(
+        time_in_turn({&renderer}, {view}, settings, turns_of_chosen, progress).front().sort.front());
   };
   std::mt19937_64 random(seed);
   for (const auto& [first, second] : pairs_of(instances, random)) {
@@ -99,23 +101,28 @@ SortTimes time_sorts(AnyRenderer& standard, AnyRenderer& early, const std::vecto
 
 std::vector<FrameTimes> time_in_turn(const std::vector<AnyRenderer*>& renderers,
                                      const std::vector<View>& views, const RenderSettings& settings,
-                                     Progress& progress) {
+                                     int turns, Progress& progress) {
   std::vector<FrameTimes> times(renderers.size());
-  const AnyRenderer* last = nullptr;
+  std::vector<std::size_t> order(renderers.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::mt19937_64 random;
   for (const View& view : views) {
     progress.start("timing " + view.name);
-    std::vector<FrameTimes> turns(renderers.size());
-    for (std::size_t turn = 0; turn < turns_a_view * renderers.size(); ++turn) {
-      const std::size_t i = turn % renderers.size();
-      if (last != renderers[i] || turn == 0) renderers[i]->render_resident(view.camera, settings);
+    std::vector<FrameTimes> of_turns(renderers.size());
+    const AnyRenderer* last = nullptr;
+    for (std::size_t turn = 0; turn < std::size_t(turns) * renderers.size(); ++turn) {
+      const std::size_t place = turn % renderers.size();
+      std::swap(order[place], order[place + below(renderers.size() - place, random)]);
+      const std::size_t i = order[place];
+      if (last != renderers[i]) renderers[i]->render_resident(view.camera, settings);
       last = renderers[i];
       renderers[i]->render_resident(view.camera, settings);
       const StageTimes ms = renderers[i]->times();
-      turns[i].sort.push_back(ms.sort), turns[i].total.push_back(ms.total);
+      of_turns[i].sort.push_back(ms.sort), of_turns[i].total.push_back(ms.total);
     }
     for (std::size_t i = 0; i < renderers.size(); ++i) {
-      times[i].sort.push_back(median_of(turns[i].sort));
-      times[i].total.push_back(median_of(turns[i].total));
+      times[i].sort.push_back(median_of(of_turns[i].sort));
+      times[i].total.push_back(median_of(of_turns[i].total));
     }
     progress.step();
   }

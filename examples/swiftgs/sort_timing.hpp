@@ -52,11 +52,11 @@ struct FrameTimes {
   std::vector<double> sort, total;
 };
 
-/// Times `renderers` on all `views` in turn: a machine that drifts is no one's advantage. A turn begins with
-/// a frame that is not timed where the one before was another renderer's, whose data are in the caches. A
-/// view's time is the median of a few turns.
+/// Times `renderers` on all `views` in turn, each round in a new order: a machine that drifts or is shared is
+/// no one's advantage. A turn begins with a frame that is not timed where the one before was of another
+/// renderer, whose data are in the caches, or of another view. A view's time is the median of `turns`.
 std::vector<FrameTimes> time_in_turn(const std::vector<AnyRenderer*>& renderers,
                                      const std::vector<View>& views, const RenderSettings& settings,
-                                     Progress& progress);
+                                     int turns, Progress& progress);
 
 }  // namespace swiftgs::cli

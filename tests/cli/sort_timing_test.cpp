@@ -30,6 +30,7 @@ class ScriptedRenderer final : public AnyRenderer {
     width_ = camera.width, ++frames;
   }
   StageTimes times() override {
+    turns.push_back(this);
     const double sort = (first_ ? 1000 : 1) * factor_ * width_;
     return {0, sort, 0, sort + 1};
   }
@@ -40,6 +41,7 @@ class ScriptedRenderer final : public AnyRenderer {
 
   int frames = 0;
   static inline const AnyRenderer* last = nullptr;
+  static inline std::vector<const AnyRenderer*> turns{};  ///< that were timed
 
  private:
   double factor_;
@@ -116,16 +118,31 @@ TEST_CASE("sort timing: one view alone is sorted by both strategies") {
   CHECK_FALSE(expected_regret(times).has_value());
 }
 
-TEST_CASE("sort timing: a frame after another renderer's is not counted and all have as many frames") {
+TEST_CASE("sort timing: a frame after another renderer's is not counted") {
   ScriptedRenderer a(1), b(2), c(3);
   Progress progress(2);
-  const std::vector<FrameTimes> times = time_in_turn({&a, &b, &c}, views_of_widths({10, 20}), {}, progress);
+  const std::vector<FrameTimes> times =
+      time_in_turn({&a, &b, &c}, views_of_widths({10, 20}), {}, 3, progress);
   REQUIRE(times.size() == 3);
   CHECK(times[0].sort == std::vector<double>{10, 20});
   CHECK(times[2].sort == std::vector<double>{30, 60});
   CHECK(times[2].total == std::vector<double>{31, 61});
-  CHECK(a.frames == b.frames);
-  CHECK(b.frames == c.frames);
+  CHECK(a.frames >= 8);
+}
+
+TEST_CASE("sort timing: renderers take turns in ever new orders") {
+  ScriptedRenderer a(1), b(2), c(3);
+  Progress progress(20);
+  ScriptedRenderer::turns.clear();
+  time_in_turn({&a, &b, &c}, views_of_widths(std::vector<int>(20, 8)), {}, 3, progress);
+  std::map<const AnyRenderer*, int> times_first;
+  const std::vector<const AnyRenderer*>& turns = ScriptedRenderer::turns;
+  REQUIRE(turns.size() == 180);
+  for (std::size_t round = 0; round < 180; round += 3) {
+    ++times_first[turns[round]];
+    CHECK(std::set{turns[round], turns[round + 1], turns[round + 2]}.size() == 3);
+  }
+  for (const AnyRenderer* renderer : {&a, &b, &c}) CHECK(times_first[renderer] > 10);
 }
 
 TEST_CASE("sort timing: regret is expected where the strategies are close and the times uncertain") {
