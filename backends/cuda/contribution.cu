@@ -5,6 +5,7 @@
 #include <swiftgs/cuda.hpp>
 
 #include "raster_warps.cuh"
+#include "weigh.hpp"
 
 namespace swiftgs {
 
@@ -15,19 +16,6 @@ struct WarpTerms {
   float4 terms[warp_size];
   float2 offsets[warp_size];
 };
-
-/// Blends a splat into a pixel as `blend` does, and returns its weight.
-__device__ inline float weigh(Pixel& pixel, float alpha) {
-  if (!(alpha > 0)) return 0;
-  const float left = Pixel::dimmed(pixel.transmittance, alpha);
-  if (left < pixel.stop_below) {
-    pixel.stop();
-    return 0;
-  }
-  const float weight = alpha * pixel.transmittance;
-  pixel.transmittance = left;
-  return weight;
-}
 
 /// Sum over all lanes of values below 2^48.
 __device__ inline std::uint64_t wide_warp_sum(std::uint64_t value) {
