@@ -6,9 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <swiftgs/processor_name.hpp>
-#include <swiftgs/version.hpp>
-
+#include "bench/results.hpp"
 #include "progress.hpp"
 #include "renderer_words.hpp"
 #include "scene_input.hpp"
@@ -24,10 +22,9 @@ constexpr int turns_a_view = 3;
 /// UTF-8 or not: a name from a file may hold any bytes.
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-std::string document_of(const std::vector<std::string>& rows) {
-  const Json machine{{"cpu", processor_name()}, {"version", version}};
+std::string document_of(const Machine& machine, const std::vector<std::string>& rows) {
   std::string text =
-      "{\"format\": \"swiftgs-calibration-check\", \"version\": 1, \"machine\": " + text_of(machine) +
+      "{\"format\": \"swiftgs-calibration-check\", \"version\": 1, \"machine\": " + to_json(machine) +
       ",\n \"rows\": [";
   for (const std::string& row : rows) text += (&row == rows.data() ? "\n  " : ",\n  ") + row;
   return text + "\n ]}\n";
@@ -51,8 +48,10 @@ Regret regret_of(const std::vector<double>& standard, const std::vector<double>&
 }  // namespace
 
 CalibrationCheck::CalibrationCheck(const std::string& json, const SceneOptions& scene)
-    : file_(json), scene_(builtin_size(scene.scene) ? "builtin" : scene_label(scene.scene)) {
-  file_.write(document_of(rows_));
+    : file_(json),
+      machine_(json.empty() ? Machine() : describe_machine()),
+      scene_(builtin_size(scene.scene) ? "builtin" : scene_label(scene.scene)) {
+  file_.write(document_of(machine_, rows_));
 }
 
 void CalibrationCheck::run(const SortTrio& sorts, const std::vector<View>& views,
@@ -94,7 +93,7 @@ void CalibrationCheck::run(const SortTrio& sorts, const std::vector<View>& views
                  {"sort_regret", sort.part},
                  {"sort_regret_error", sort.error}};
   rows_.push_back(text_of(row));
-  file_.write(document_of(rows_));
+  file_.write(document_of(machine_, rows_));
 }
 
 }  // namespace swiftgs::cli

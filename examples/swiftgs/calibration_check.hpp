@@ -7,6 +7,7 @@
 
 #include <swiftgs/any_renderer.hpp>
 
+#include "bench/machine.hpp"
 #include "options.hpp"
 #include "result_file.hpp"
 #include "views.hpp"
@@ -33,6 +34,7 @@ class CalibrationCheck {
 
  private:
   ResultFile file_;
+  Machine machine_;
   std::string scene_;
   std::vector<std::string> rows_;
 };

@@ -123,12 +123,14 @@ void print(std::ofstream& out, const char* name, const Values& values) {
 
 }  // namespace
 
+std::string to_json(const Machine& machine) { return text_of(json_of(machine)); }
+
 void write_results(const Results& results, const std::filesystem::path& file) {
   std::filesystem::path unfinished = file;
   unfinished += ".part";
   errno = 0;
   std::ofstream out(unfinished, std::ios::binary);
-  out << "{\"format\": \"swiftgs-bench\", \"version\": 1,\n\"machine\": " << text_of(json_of(results.machine))
+  out << "{\"format\": \"swiftgs-bench\", \"version\": 1,\n\"machine\": " << to_json(results.machine)
       << ",\n\"command\": " << text_of(results.command);
   print(out, "scenes", results.scenes);
   print(out, "views", results.views);

@@ -84,6 +84,9 @@ struct Results {
   std::vector<RowResult> rows;
 };
 
+/// The member `machine` of a result file.
+std::string to_json(const Machine& machine);
+
 /// Writes `results` to `file`, which holds what it held before until all is written. Throws
 /// `std::system_error`.
 void write_results(const Results& results, const std::filesystem::path& file);
