@@ -58,8 +58,9 @@ def sorts_change_nothing(source, machine):
                             errors.setdefault(row.view, set()).add((row.max_abs, row.psnr_db))
                             compared += 1
             differ |= {f"`{raster}` on {label(scene)}" for values in errors.values() if len(values) > 1}
+    exceptions = f", except {', '.join(sorted(differ))}" if differ else ""
     return prose(f"The errors of {compared} frames were compared: with one rasterizer on one view, they are the same "
-                 "with every sort and both lossless bounds" + (f", except {', '.join(sorted(differ))}." if differ else "."))
+                 f"with every sort and both lossless bounds{exceptions}.")
 
 
 TABLES = {"paper-accuracy": paper_accuracy, "accuracy": accuracy, "sorts-change-nothing": sorts_change_nothing}

@@ -63,6 +63,7 @@ class Mean:
 @dataclasses.dataclass(frozen=True)
 class Comparison:
     pairs: list
+    once: int  # how many of the pairs have a row of a single frame, whose noise nobody knows
     only_before: list
     only_after: list
     machines: list
@@ -181,7 +182,9 @@ def compare(before, after, threshold):
     """The Comparison of two Results; moves and means are those beyond noise and threshold alone."""
     old, new = {row.key: row for row in before.rows}, {row.key: row for row in after.rows}
     pairs = [(old[key], new[key]) for key in old if key in new]
-    means = list(moved_means(pairs, threshold))
-    moves = list(moved_stages(pairs, threshold, means)) + list(moved_values(pairs))
-    return Comparison(pairs, [old[key] for key in old if key not in new], [new[key] for key in new if key not in old],
-                      other_machine(before.machine, after.machine), moves, means)
+    timed = [(b, a) for b, a in pairs if min(b.frames, a.frames) > 1]
+    means = list(moved_means(timed, threshold))
+    moves = list(moved_stages(timed, threshold, means)) + list(moved_values(pairs))
+    return Comparison(pairs, len(pairs) - len(timed), [old[key] for key in old if key not in new],
+                      [new[key] for key in new if key not in old], other_machine(before.machine, after.machine), moves,
+                      means)

@@ -8,7 +8,7 @@ import os
 STAGES = ("project", "sort", "raster", "total", "wall")
 KEY = ("scene", "gaussians", "enlarge", "view", "scale", "conventions", "threads", "renderer")
 WORDS = ("scene", "view", "conventions", "renderer", "backend", "sort", "raster", "bounds")
-NUMBERS = ("gaussians", "enlarge", "width", "height", "scale", "threads")
+NUMBERS = ("gaussians", "enlarge", "width", "height", "scale", "threads", "frames")
 OPTIONAL = ("psnr_db", "ssim", "max_abs", "cut_psnr_db", "photo_psnr_db", "photo_ssim", "visible", "instances",
             "contributing_pairs", "device_bytes", "host_bytes")
 
@@ -37,6 +37,7 @@ class Row:
     scale: float
     conventions: str
     threads: int
+    frames: int
     renderer: str
     backend: str
     sort: str

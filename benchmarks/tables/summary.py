@@ -25,6 +25,8 @@ def cell(frames, scene, name):
 def views_of(frames, scenes):
     """How many views the times are medians of, in words."""
     numbers = sorted({len(frames.rows(scene, SHOWN[0])) for scene in scenes})
+    if numbers == [1]:
+        return "one view"
     return f"{numbers[0]} views" if len(numbers) == 1 else f"{numbers[0]} to {numbers[-1]} views"
 
 
@@ -50,19 +52,22 @@ def errors(results, frames):
     apart = [abs(row.photo_psnr_db - photo[row.place]) for row in exact
              if row.photo_psnr_db is not None and photo.get(row.place) is not None]
     text = f"The float policies with lossless bounds differ from the reference by {max(judged):.4f} at most."
-    return prose(text + (f" Against the photographs that training did not see, each is within {max(apart):.3f} dB of "
-                         "what the reference has." if apart else ""))
+    if apart:
+        text += (f" Against the photographs that training did not see, each is within {max(*apart, 1e-4):.4f} dB of what "
+                 "the reference has.")
+    return prose(text)
 
 
 def of_machine(source, machine):
     """Where and when the results of `swiftgs bench` come from."""
     results = source.results(machine, "matrix.json")
     found = results.machine
+    commit = str(found.get("commit", "unknown"))
     device = f"{found['gpu']}, driver {found.get('driver')}, CUDA {found.get('cuda')}, in a host with " \
         if found.get("gpu") and machine == "gpu" else ""
     return prose(f"{device}{found.get('cores')} cores of {found.get('cpu')}, {found.get('memory_gib')} GiB, "
                  f"{found.get('system')}; {found.get('compiler')}, `{found.get('flags')}`; {found.get('date')}, commit "
-                 f"`{str(found.get('commit'))[:12]}`. Files: "
+                 f"`{commit[:12]}`{' with changes' if commit.endswith('+') else ''}. Files: "
                  f"[benchmarks/results/{source.folders[machine]}](../benchmarks/results/{source.folders[machine]}).")
 
 

@@ -108,6 +108,15 @@ class Compare(unittest.TestCase):
         self.assertIn("Only before: 2 rows", output)
         self.assertEqual(code, 0)
 
+    def test_times_of_single_frames_are_not_compared_and_that_is_said(self):
+        before, after = synthetic.run(1, frames=1), synthetic.run(2, noise=0.5, frames=1)
+        for row in before["rows"] + after["rows"]:
+            row["frames"] = 1
+        code, output, _ = self.compare(before, after)
+        self.assertIn("Times of 144 rows are not compared", output)
+        self.assertIn("Nothing moved beyond its noise.", output)
+        self.assertEqual(code, 0)
+
     def test_another_machine_is_warned_about(self):
         after = synthetic.run(1)
         after["machine"].update(gpu="another GPU", driver="1.0")
