@@ -2,7 +2,7 @@
 #include <functional>
 
 #include "report/browser.hpp"
-#include "report/results.hpp"
+#include "report/made_results.hpp"
 
 using namespace swiftgs::test;
 

@@ -35,6 +35,7 @@ facts.scaling = Object.fromEntries(all('#scaling .quantities > div').map(part =>
 const table = '#means', heading = all(`${table} thead th`).find(node => node.textContent.startsWith('total'));
 facts.columns = all(`${table} thead th`).map(node => node.textContent);
 facts.is_button = heading.querySelector('button') !== null;
+document.querySelector(`${table} thead button`).click();
 facts.sorted = [];
 for (let i = 0; i < 2; ++i) {
   heading.querySelector('button').click();

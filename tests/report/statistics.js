@@ -36,12 +36,15 @@ expect('mean without PSNR', stats.meanPsnr([null]), null);
 const views = rowsOf([row({view: 'a', rastering: 3}), row({view: 'b', rastering: 5, max_abs: 0.5, psnr_db: null})]);
 const [mean] = stats.records(views);
 expect('mean of medians', mean.ms.raster.median, 4);
-expect('interval of a mean', [mean.ms.raster.low, mean.ms.raster.high], [4 - 0.1 / Math.sqrt(2), 4 + 0.1 / Math.sqrt(2)]);
+expect('interval of a mean', [mean.ms.raster.low, mean.ms.raster.high],
+       [4 - 0.1 / Math.sqrt(2), 4 + 0.1 / Math.sqrt(2)]);
 expect('worst difference', mean.max_abs, 0.5);
 expect('views with an error', [mean.views, mean.measured], [2, 1]);
-expect('no interval without limits', stats.meanDuration([{median: 2, low: null, high: null}]), {median: 2, low: null, high: null});
+expect('no interval without limits', stats.meanDuration([{median: 2, low: null, high: null}]),
+       {median: 2, low: null, high: null});
 expect('scene of the file', views[0].whole, true);
-expect('the most threads', stats.withMostThreads(rowsOf([row({threads: 1}), row({threads: 4})])).map(one => one.threads), [4]);
+expect('the most threads',
+       stats.withMostThreads(rowsOf([row({threads: 1}), row({threads: 4})])).map(one => one.threads), [4]);
 
 // The front: b is beaten by a, c is slower but more exact, d is as quick as c but less exact, e was not measured.
 const front = stats.pareto([['a', 1, 60], ['b', 2, 50], ['c', 3, 100], ['d', 3, 80], ['e', 0.5, null], ['f', 9, Infinity]].map(
@@ -60,17 +63,22 @@ expect('usual baseline first', choices.baselines([{words: 'a'}, {words: 'standar
        'standard/per-pixel/opacity-box');
 
 // Growth.
-expect('exponent of a power', scaling.fit([[1, 2], [10, 2 * 10 ** 0.8], [100, 2 * 100 ** 0.8]]), {exponent: 0.8, factor: 2});
-expect('least squares of logarithms', scaling.fit([[1, 1], [Math.E, Math.E ** 2], [Math.E ** 2, Math.E]]).exponent, 0.5);
+expect('exponent of a power', scaling.fit([[1, 2], [10, 2 * 10 ** 0.8], [100, 2 * 100 ** 0.8]]),
+       {exponent: 0.8, factor: 2});
+expect('least squares of logarithms', scaling.fit([[1, 1], [Math.E, Math.E ** 2], [Math.E ** 2, Math.E]]).exponent,
+       0.5);
 expect('no fit of one value', scaling.fit([[2, 1], [2, 3]]), null);
 expect('zeros are left out', scaling.fit([[1, 0], [10, 1], [100, 10]]).exponent, 1);
 const growth = (sizes, more = {}) => rowsOf(sizes.map(
   gaussians => row({gaussians, project: gaussians / 100, sorting: 20, rastering: 1, host_bytes: gaussians ** 2, ...more})));
 const [grown] = scaling.series(growth([1000, 4000, 16000]), 'gaussians');
-expect('exponents of stages', [grown.fits.project.exponent, grown.fits.sort.exponent, grown.fits.memory.exponent], [1, 0, 2]);
-expect('where a stage begins to dominate', grown.dominance, [{stage: 'sort', from: 1000}, {stage: 'project', from: 2000}]);
+expect('exponents of stages', [grown.fits.project.exponent, grown.fits.sort.exponent, grown.fits.memory.exponent],
+       [1, 0, 2]);
+expect('where a stage begins to dominate', grown.dominance,
+       [{stage: 'sort', from: 1000}, {stage: 'project', from: 2000}]);
 expect('two values are no growth', scaling.series(growth([1000, 2000]), 'gaussians').length, 0);
-expect('other things are held', scaling.series([...growth([1000, 2000]), ...growth([4000], {threads: 1})], 'gaussians').length, 0);
+expect('other things are held',
+       scaling.series([...growth([1000, 2000]), ...growth([4000], {threads: 1})], 'gaussians').length, 0);
 const uneven = [...growth([1000, 4000, 16000]), ...growth([1000], {view: 'b', project: 500})];
 expect('views that all sizes have', scaling.series(uneven, 'gaussians')[0].fits.project.exponent, 1);
 const threads = backend => rowsOf([1, 2, 4].map(count => row({threads: count, total: 8 / count, renderer: `${backend}/early/x/y`})));

@@ -20,7 +20,8 @@ const charts = (() => {
       ([name, text]) => [element('dt', {}, name), element('dd', {}, String(text))])));
     const {width, height} = tip.getBoundingClientRect();
     tip.style.left = Math.max(4, Math.min(event.clientX + 14, innerWidth - width - 8)) + 'px';
-    tip.style.top = (event.clientY + 16 + height > innerHeight ? event.clientY - height - 12 : event.clientY + 16) + 'px';
+    const below = event.clientY + 16, above = event.clientY - height - 12;
+    tip.style.top = (below + height > innerHeight ? above : below) + 'px';
   }
 
   function lookOf(width) {

@@ -62,7 +62,9 @@ const choices = (() => {
 
   /// Records of one file, backend and number of threads together, with a title.
   function panels(list, files) {
-    const groups = stats.groupsOf(list, record => [record.file, record.backend].join('|'));
+    const place = record => style.inOrder(list.map(one => one.backend)).indexOf(record.backend);
+    const ordered = [...list].sort((a, b) => place(a) - place(b) || a.file - b.file);
+    const groups = stats.groupsOf(ordered, record => [record.file, record.backend].join('|'));
     const several = new Set(list.map(record => record.file)).size > 1;
     return [...groups.values()].map(records => (
       {title: records[0].backend + (several ? `, ${files[records[0].file].file}` : ''), records}));

@@ -16,16 +16,18 @@ function figuresOfScene(scene, rows, files) {
   for (const {title, records} of panels) {
     const where = `${choices.sceneTitle(chosen[0])}, ${machineOf(records[0], files)}`;
     const name = scene + (panels.length > 1 ? '-' + title : '');
-    const add = (kind, what, specify) => figures.push({name: `${kind}-${name}`, title: `${what}: ${where}`, specify});
-    const known = records.filter(record => record.psnr !== null), front = stats.pareto(known);
-    if (known.length)
-      add('pareto', 'Run time against error', look => plots.pareto(known, front, {clock: 'total', shape: 'bounds'}, look));
+    const add = (kind, what, specify) =>
+      figures.push({name: `${kind}-${name}`, title: `${what}: ${where}`, specify});
+    const known = stats.withError(records), front = stats.pareto(known);
+    const choice = {clock: 'total', shape: 'bounds'};
+    if (known.length) add('pareto', 'Run time against error', look => plots.pareto(known, front, choice, look));
     const few = choices.quickest(records, 12).map(record => ({...record, label: record.short}));
-    add('stages', 'Stages', look => plots.stagesStacked(few, look));
+    add('stages', 'Stages', look => bars.stagesStacked(few, look));
     const bounds = style.inOrder(records.map(one => one.bounds)).pop();
     const compared = records.filter(one => one.bounds === bounds && stats.speedup(one, list, baseline) !== null);
     if (compared.length > 1)
-      add('speedup', `Speed-up over ${baseline} with ${bounds}`, look => plots.speedups(compared, baseline, 'total', look));
+      add('speedup', `Speed-up over ${baseline} with ${bounds}`,
+          look => bars.speedups(compared, baseline, 'total', look));
   }
   return figures;
 }
@@ -36,8 +38,8 @@ function figuresOfGrowth(rows, files) {
     const [series] = sortedSeries(rows, name);
     if (!series) return [];
     const title = `${series.renderer}: ${seriesTitle(series, [])}, ${machineOf(series, files)}`;
-    const times = {name: `scaling-${name}`, title, specify: look => scalingPlots.times(series, quantity, look)};
-    const memory = {name: `scaling-${name}-memory`, title, specify: look => scalingPlots.memory(series, quantity, look)};
+    const figure = (more, plot) => ({name: `scaling-${name}${more}`, title, specify: look => plot(series, quantity, look)});
+    const times = figure('', scalingPlots.times), memory = figure('-memory', scalingPlots.memory);
     return series.points.some(point => point.memory > 0) ? [times, memory] : [times];
   });
 }

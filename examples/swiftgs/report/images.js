@@ -6,7 +6,7 @@
 function imagePairs(pairs) {
   const stand = element('div', {class: 'stand'});
   const slider = element('input', {type: 'range', min: 0, max: 100, value: 50, class: 'slider'});
-  const sliderLine = element('label', {class: 'wide'}, 'Reference left, frame right of ', slider);
+  const sliderLine = element('label', {class: 'wide'}, 'Reference on the left, frame on the right ', slider);
   const choice = element('select', {}, ...pairs.map((pair, i) => element('option', {value: i}, pair.label)));
   const modes = element('select');
   const legend = element('div', {class: 'error-legend', role: 'img',
@@ -40,8 +40,9 @@ function imagePairs(pairs) {
   /// The ways to look at a pair that its images allow; the one that was chosen stays where it can.
   function choose() {
     const pair = pairs[choice.value], before = modes.value;
-    const ways = [['slider', 'slider', pair.reference], ['frame', 'frame', true], ['reference', 'reference', pair.reference],
-                  ['error', 'error map', pair.error]].filter(([, , there]) => there);
+    const ways = [['slider', 'slider', pair.reference], ['frame', 'frame', true],
+                  ['reference', 'reference', pair.reference], ['error', 'error map', pair.error]]
+      .filter(([, , there]) => there);
     modes.replaceChildren(...ways.map(([value, title]) => element('option', {value}, title)));
     if (ways.some(([value]) => value === before)) modes.value = before;
     show();

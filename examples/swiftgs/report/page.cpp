@@ -16,9 +16,9 @@ constexpr const char* vega_modules[] = {
     "vega-view",       "vega-transforms",     "vega-view-transforms", "vega-encode"};
 
 /// Of the page itself, each after what it uses.
-constexpr const char* own_scripts[] = {"stats.js",  "style.js",           "scaling.js", "choices.js",
-                                       "plots.js",  "scaling_plots.js",   "table.js",   "images.js",
-                                       "charts.js", "scaling_section.js", "figures.js", "page.js"};
+constexpr const char* own_scripts[] = {
+    "stats.js", "style.js",  "scaling.js", "choices.js",         "plots.js",   "bars.js", "scaling_plots.js",
+    "table.js", "images.js", "charts.js",  "scaling_section.js", "figures.js", "page.js"};
 
 /// `text` with every `from` as `to`.
 std::string replaced(std::string_view text, std::string_view from, std::string_view to) {

@@ -33,7 +33,8 @@ const page = (() => {
     find('#machines').replaceChildren(...data.files.map(file => {
       const {machine} = file;
       const gpu = machine.gpu && [machine.gpu, machine.gpu_memory_gib && `${machine.gpu_memory_gib} GiB`,
-        machine.driver && `driver ${machine.driver}`, machine.cuda && `CUDA ${machine.cuda}`].filter(Boolean).join(', ');
+        machine.driver && `driver ${machine.driver}`, machine.cuda && `CUDA ${machine.cuda}`]
+        .filter(Boolean).join(', ');
       const lines = {
         date: machine.date, GPU: gpu,
         CPU: [machine.cpu, machine.cores && `${machine.cores} cores`, machine.memory_gib && `${machine.memory_gib} GiB`]
@@ -59,7 +60,7 @@ const page = (() => {
   const recordColumns = list => filled([
     word('renderer', record => record.label), ms('project'), ms('sort'), ms('raster'), ms('total'), ms('wall'),
     number('speed-up', record => stats.speedup(record, record.among, wanted.baseline, wanted.clock)),
-    number('PSNR dB', record => record.psnr, format.psnr), number('SSIM', record => record.ssim),
+    number('PSNR dB', record => record.psnr, format.psnr), number('SSIM', record => record.ssim, format.ssim),
     number('largest error', record => record.max_abs), number('visible', record => record.visible, format.count),
     number('instances', record => record.instances, format.count),
     number('blended pairs', record => record.contributing_pairs, format.count),
@@ -74,13 +75,15 @@ const page = (() => {
       word('renderer', row => row.renderer), word('scene', row => row.scene),
       number('Gaussians', row => row.gaussians, format.count),
       ...either(several(row => row.enlarge), number('enlarged', row => row.enlarge)),
-      word('view', row => row.view), {title: 'size', value: row => row.width * row.height, text: choices.sizeOf, number: true},
+      word('view', row => row.view),
+      {title: 'size', value: row => row.width * row.height, text: choices.sizeOf, number: true},
       ...either(several(row => row.conventions), word('conventions', row => row.conventions)),
       ...either(several(row => row.threads), number('threads', row => row.threads)),
-      number('frames', row => row.frames),
+      number('frames', row => row.frames, String),
       ...stats.durations.map(name => ms(name)), number('PSNR dB', row => row.psnr, format.psnr),
-      amount('SSIM', 'ssim'), amount('largest error', 'max_abs'), amount('PSNR with the same cut', 'cut_psnr_db', format.psnr),
-      amount('photo PSNR', 'photo_psnr_db', format.psnr), amount('photo SSIM', 'photo_ssim'),
+      amount('SSIM', 'ssim', format.ssim), amount('largest error', 'max_abs'),
+      amount('PSNR with the same cut', 'cut_psnr_db', format.psnr),
+      amount('photo PSNR', 'photo_psnr_db', format.psnr), amount('photo SSIM', 'photo_ssim', format.ssim),
       amount('visible', 'visible', format.count), amount('instances', 'instances', format.count),
       amount('blended pairs', 'contributing_pairs', format.count),
       amount('device memory', 'device_bytes', format.bytes), amount('host memory', 'host_bytes', format.bytes),
@@ -90,7 +93,7 @@ const page = (() => {
 
   function showPareto(list) {
     const section = find('#pareto');
-    const known = list.filter(record => record.psnr !== null);
+    const known = stats.withError(list, wanted.clock);
     section.hidden = known.length === 0;
     if (section.hidden) return;
     setChoosers(find('.choosers', section), [
@@ -130,7 +133,7 @@ const page = (() => {
     setChoosers(find('.choosers', section), !some ? [] : chooser('Show',
       [{value: 'few', title: `the ${few} quickest and the baselines`}, {value: 'all', title: 'all'}], wanted.show,
       value => wanted.show = value));
-    showPanels(section, panels, (panel, look) => plots.stagesStacked(
+    showPanels(section, panels, (panel, look) => bars.stagesStacked(
       shortNamed(wanted.show === 'all' ? panel.records : choices.quickest(panel.records, few)), look));
   }
 
@@ -148,7 +151,7 @@ const page = (() => {
       ...chooser('Bounds', simple(bounds), wanted.bounds, value => wanted.bounds = value),
     ]);
     const panels = choices.panels(compared.filter(record => record.bounds === wanted.bounds), data.files);
-    showPanels(section, panels, (panel, look) => plots.speedups(panel.records, wanted.baseline, wanted.clock, look));
+    showPanels(section, panels, (panel, look) => bars.speedups(panel.records, wanted.baseline, wanted.clock, look));
   }
 
   function showScaling() {
@@ -163,13 +166,15 @@ const page = (() => {
 
   function showImages(chosen) {
     const images = data.images, uri = index => typeof index === 'number' ? images[index] : null;
-    const sameView = (a, b) => ['scene', 'gaussians', 'enlarge', 'view', 'scale', 'conventions'].every(name => a[name] === b[name]);
+    const places = ['scene', 'gaussians', 'enlarge', 'view', 'scale', 'conventions'];
+    const sameView = (a, b) => places.every(name => a[name] === b[name]);
     const several = new Set(chosen.map(row => row.view)).size > 1;
     const pairs = chosen.filter(row => typeof row.image === 'number').map(row => {
       const view = data.files[row.file].views.find(one => sameView(one, row));
-      return {label: row.renderer + (several ? `, ${row.view}` : ''), frame: uri(row.image), error: uri(row.error_image),
-              reference: uri(view?.reference_image), width: row.width, height: row.height};
+      return {label: row.renderer + (several ? `, ${row.view}` : ''), frame: uri(row.image),
+              error: uri(row.error_image), reference: uri(view?.reference_image), width: row.width, height: row.height};
     });
+    pairs.sort((a, b) => a.label < b.label ? -1 : 1);
     find('#images').hidden = pairs.length === 0;
     find('#images .list').replaceChildren(...(pairs.length ? [imagePairs(pairs)] : []));
   }
@@ -196,9 +201,10 @@ const page = (() => {
     const absent = showScaling();
     showImages(chosen);
     find('#means').replaceChildren(sortableTable({
-      caption: 'Renderers, as chosen above', columns: recordColumns(list), rows: list, filter: true}));
+      caption: 'Renderers, as chosen above', columns: recordColumns(list), rows: list, filter: true, sort: 4}));
     find('#missing').textContent = [
-      ...(find('#pareto').hidden ? ['errors against float64'] : []), ...(find('#speedups').hidden ? ['a baseline'] : []),
+      ...(find('#pareto').hidden ? ['errors against float64'] : []),
+      ...(find('#speedups').hidden ? ['a baseline'] : []),
       ...(absent.length ? [`growth with ${absent.join(', ')} (three values, with all else held)`] : []),
       ...(find('#images').hidden ? ['images (swiftgs bench --images)'] : []),
     ].map((text, i) => (i === 0 ? 'Not in these files: ' : '') + text).join('; ');
@@ -207,6 +213,7 @@ const page = (() => {
 
   showMachines();
   render();
-  find('#rows').replaceChildren(sortableTable({caption: 'All rows', columns: rowColumns(), rows, filter: true}));
+  find('#rows').replaceChildren(sortableTable(
+    {caption: 'All rows', columns: rowColumns(), rows, filter: true, sort: 0}));
   if (location.hash === '#figures') writeFigures(rows, data.files);
 })();

@@ -22,7 +22,8 @@ const scalingPlots = (() => {
     const x = plots.logDomain(ends), y = plots.logDomain([...values, ...fits].map(value => value.y));
     const labels = shown.map(label);
     const at = {x: {scale: 'x', field: 'x'}, y: {scale: 'y', field: 'y'}, stroke: {scale: 'colour', field: 'name'}};
-    const byName = (data, mark) => ({type: 'group', from: {facet: {data, name: 'one', groupby: 'name'}}, marks: [mark]});
+    const byName = (data, mark) =>
+      ({type: 'group', from: {facet: {data, name: 'one', groupby: 'name'}}, marks: [mark]});
     return {
       ...plots.base(look, `${axis.title} against ${quantity.unit} of ${series.renderer}`, 300),
       data: [{name: 'measured', values}, {name: 'fitted', values: fits}],

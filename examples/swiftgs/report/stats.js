@@ -33,7 +33,8 @@ const stats = (() => {
   /// with the Gaussians of the file, as large as there.
   function rowsOf(files) {
     return files.flatMap((file, index) => {
-      const whole = new Set(file.scenes.filter(scene => scene.gaussians === scene.original && scene.enlarge === 1).map(caseOf));
+      const isWhole = scene => scene.gaussians === scene.original && scene.enlarge === 1;
+      const whole = new Set(file.scenes.filter(isWhole).map(caseOf));
       return file.rows.map(row => ({...row, file: index, psnr: psnrOf(row), whole: whole.has(caseOf(row))}));
     });
   }
@@ -92,12 +93,15 @@ const stats = (() => {
     return [...groupsOf(rows, row => [row.file, row.threads, row.renderer].join('|')).values()].map(meanOf);
   }
 
+  /// Those that a logarithmic axis of time and one of PSNR can show.
+  const withError = (list, clock = 'total') =>
+    list.filter(record => record.psnr !== null && record.ms[clock].median > 0);
+
   /// The records that no other beats: none is at most as slow and at most as wrong, and better in one of both.
-  /// Quickest first; records without a PSNR are in no front.
+  /// Quickest first.
   function pareto(list, clock = 'total') {
     const time = record => record.ms[clock].median;
-    const sorted = list.filter(record => record.psnr !== null)
-        .sort((a, b) => time(a) - time(b) || b.psnr - a.psnr);
+    const sorted = withError(list, clock).sort((a, b) => time(a) - time(b) || b.psnr - a.psnr);
     let best = -Infinity, last = null;
     return sorted.filter(record => {
       const equal = last !== null && record.psnr === last.psnr && time(record) === time(last);
@@ -120,5 +124,5 @@ const stats = (() => {
   }
 
   return {durations, stages, mean, known, meanPsnr, psnrOf, rowsOf, distinct, groupsOf, caseOf, withMostThreads,
-          meanDuration, records, pareto, baselineOf, speedup};
+          meanDuration, records, withError, pareto, baselineOf, speedup};
 })();

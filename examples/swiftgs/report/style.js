@@ -25,7 +25,9 @@ const format = (() => {
   }
 
   const psnr = value => value === null ? '–' : value === Infinity ? '∞' : value.toFixed(2);
-  return {short, count, bytes, psnr};
+  /// What is short of 1 is what matters.
+  const ssim = value => value === null ? '–' : value.toFixed(6);
+  return {short, count, bytes, psnr, ssim};
 })();
 
 const style = (() => {
@@ -36,7 +38,7 @@ const style = (() => {
                       'axis-shared-float-cholesky': '#4fbf9f', 'axis-shared-threshold-half-split': '#b3470b',
                       'axis-shared-threshold-float-split': '#1556c0',
                       'axis-shared-threshold-float-cholesky': '#00704f'},
-            stages: {project: '#8e6bbf', sort: '#e0a030', raster: '#2b7fc4', between: '#b4bac1', total: '#1f2328',
+            stages: {project: '#8e6bbf', sort: '#e0a030', raster: '#2b7fc4', total: '#1f2328',
                      memory: '#b0356b'}},
     dark: {background: '#14181d', text: '#e6edf3', quiet: '#9aa5b1', line: '#333b45', mark: '#e6edf3',
            rasters: {'per-pixel': '#a5b0bb',
@@ -44,7 +46,7 @@ const style = (() => {
                      'axis-shared-float-cholesky': '#23806a', 'axis-shared-threshold-half-split': '#ffa65c',
                      'axis-shared-threshold-float-split': '#7db4ff',
                      'axis-shared-threshold-float-cholesky': '#4fe0b4'},
-           stages: {project: '#b295e0', sort: '#e8b04a', raster: '#58a6ee', between: '#6b7580', total: '#e6edf3',
+           stages: {project: '#b295e0', sort: '#e8b04a', raster: '#58a6ee', total: '#e6edf3',
                     memory: '#ee7fb0'}},
   };
   /// For words that have no colour of their own.
@@ -55,7 +57,7 @@ const style = (() => {
   };
   const otherShapes = ['triangle-down', 'triangle-left', 'triangle-right', 'stroke'];
   const order = [...Object.keys(themes.light.rasters), 'standard', 'early', 'adaptive',
-                 'three-sigma-square', 'opacity-box', 'ellipse'];
+                 'three-sigma-square', 'opacity-box', 'ellipse', 'cuda', 'cpu', 'serial'];
 
   /// The words of a kind in a fixed order, unknown ones last.
   function inOrder(words) {

@@ -39,7 +39,8 @@ function sortableTable({caption, columns, rows, filter = false, sort = null, pag
       (text, i) => element(i === 0 ? 'th' : 'td', {class: columns[i].number ? 'number' : null,
                                                    scope: i === 0 ? 'row' : null}, text)))));
     const count = Math.min(limit, found.length);
-    status.textContent = count < rows.length ? `${count} of ${rows.length} rows, ${found.length} match` : `${count} rows`;
+    status.textContent = (count < found.length ? `${count} of ` : '') + `${found.length} rows` +
+      (words.length ? ` with these words, ${rows.length} in all` : '');
     more.hidden = found.length <= limit;
     arrows.forEach(({heading, arrow}, i) => {
       heading.setAttribute('aria-sort', i !== order ? 'none' : down ? 'descending' : 'ascending');
@@ -60,9 +61,11 @@ function sortableTable({caption, columns, rows, filter = false, sort = null, pag
     limit = page;
     fill();
   }});
-  const table = element('table', {}, element('caption', {}, caption), element('thead', {}, element('tr', {}, ...headings)), body);
+  const head = element('thead', {}, element('tr', {}, ...headings));
+  const table = element('table', {}, element('caption', {}, caption), head, body);
   fill();
   return element('div', {class: 'table'},
     ...(filter ? [element('label', {class: 'filter'}, 'Filter ', field), status] : []),
-    element('div', {class: 'scroll', tabindex: '0', role: 'region', 'aria-label': caption}, table), ...(filter ? [more] : []));
+    element('div', {class: 'scroll', tabindex: '0', role: 'region', 'aria-label': caption}, table),
+    ...(filter ? [more] : []));
 }
