@@ -12,7 +12,7 @@
 #   threads    scaling-threads.json: of the cpu backend, whatever BACKEND is, up to as many as there are
 #   occupancy  scaling-occupancy.json: scales of all Gaussians from an eighth to eight times theirs (four on a CPU)
 #   prune      prune-SCENE-SCORE.json, and pruned.json: a tenth of each capture
-#   calibrate  calibration-SCENE.json, at one and two times the images' sides
+#   calibrate  calibration-SCENE.json, at one and two times the images' sides; calibration-SCENE.sort.json, the choices
 # BACKEND is cuda or cpu; by default cuda where it runs. Scenes are the built-in one and the captures in
 # SWIFTGS_SCENES; SCENES='fox garden' names other captures. The program is that of SWIFTGS_BUILD, else of build/release.
 #
@@ -148,14 +148,20 @@ part_prune() {
     --views "$views" --errors 1
 }
 
+# calibrate NAME SCENE ARGUMENT...
+calibrate() {
+  local name=$1
+  shift
+  "$swiftgs" calibrate "$@" --scale 1,2 --renderers "$sorts" --check --check-views "$views" \
+    --out "$out/calibration-$name.sort.json" --json "$out/calibration-$name.json"
+}
+
 part_calibrate() {
-  local capture name
+  local capture
   for capture in ${captures[@]+"${captures[@]}"}; do
-    name=$(basename "$capture")
-    "$swiftgs" calibrate "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")" --scale 1,2 \
-      --renderers "$sorts" --check --check-views "$views" \
-      --out "$out/calibration-$name.sort.json" --json "$out/calibration-$name.json"
+    calibrate "$(basename "$capture")" "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")"
   done
+  calibrate builtin builtin:1000000
 }
 
 failed=0

@@ -53,8 +53,8 @@ def errors(results, frames):
              if row.photo_psnr_db is not None and photo.get(row.place) is not None]
     text = f"The float policies with lossless bounds differ from the reference by {max(judged):.4f} at most."
     if apart:
-        text += (f" Against the photographs that training did not see, each is within {max(*apart, 1e-4):.4f} dB of what "
-                 "the reference has.")
+        text += (f" Against the photographs that training did not see, each is within {max(*apart, 1e-4):.4f} dB of "
+                 "what the reference has.")
     return prose(text)
 
 

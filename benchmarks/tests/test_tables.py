@@ -147,6 +147,12 @@ class Tables(unittest.TestCase):
         self.assertEqual(cells(self.table("prune-quality gpu"), "garden")[1:],
                          ["contribution", "1.5 M", "0.02 M", "90.0 %", "24.80", "23.50", "28.25"])
 
+    def test_the_largest_regret_of_a_choice_is_named(self):
+        text = self.table("regret cpu")
+        self.assertEqual(cells(text, "garden, 1.5 M")[1:], ["1297x840", "ellipse", "early", "1.00", "0.900", "0.909",
+                                                            "+2.0 ± 0.1 %", "+3.0 ± 0.2 %"])
+        self.assertIn("The largest regret of a frame is +2.0 ± 0.1 %, of 2 choices.", text)
+
     def test_growth_is_fitted_and_its_turning_points_found(self):
         text = self.table("exponents gpu gaussians pixels occupancy")
         best = f"`{'/'.join(synthetic_folder.BEST)}`"

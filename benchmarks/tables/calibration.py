@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the calibrated choice of the sort is worth: its regret against the better strategy."""
+from tables.frames import gaussians
+from tables.markdown import ms, prose, table
+from tables.results import InputError, is_number
+
+NUMBERS = ("gaussians", "width", "height", "views", "standard_ms", "early_ms", "adaptive_ms", "regret", "regret_error",
+           "sort_regret", "sort_regret_error")
+
+
+def rows_of(source, machine):
+    """Those of all files of `swiftgs calibrate --check` in a machine's folder."""
+    found = []
+    for name in source.names(machine, "calibration-", ".json"):
+        if name.endswith(".sort.json"):  # the choice itself
+            continue
+        path, document = source.path(machine, name), source.json(machine, name)
+        if document.get("format") != "swiftgs-calibration-check" or document.get("version") != 1:
+            raise InputError(f"{path}: format {document.get('format')!r}, version {document.get('version')!r}; "
+                             "expected 'swiftgs-calibration-check', 1")
+        for n, row in enumerate(document["rows"] if isinstance(document.get("rows"), list) else []):
+            for member in NUMBERS:
+                if not isinstance(row, dict) or not is_number(row.get(member)):
+                    raise InputError(f"{path}: rows[{n}].{member}: expected a number")
+            found.append(row)
+    if not found:
+        raise InputError(f"{source.folders[machine]}: no row of a calibration's check; expected some")
+    return found
+
+
+def regret_cell(value, error):
+    return f"{100 * value:+.1f} ± {100 * error:.1f} %"
+
+
+def regret(source, machine):
+    """The choice, and what it loses, for each scene, size of the image and bounds."""
+    found = rows_of(source, machine)
+    rows = [[f"{row.get('scene')}, {gaussians(row['gaussians'])}", f"{row['width']}x{row['height']}",
+             str(row.get("bounds")), str(row.get("choice")), *(ms(row[f"{sort}_ms"]) for sort in
+                                                               ("standard", "early", "adaptive")),
+             regret_cell(row["regret"], row["regret_error"]), regret_cell(row["sort_regret"], row["sort_regret_error"])]
+            for row in found]
+    worst = max(found, key=lambda row: row["regret"])
+    text = prose(f"The largest regret of a frame is {regret_cell(worst['regret'], worst['regret_error'])}, of "
+                 f"{len(found)} choices.")
+    return f"{found[0].get('device')}, milliseconds a frame:\n\n" + table(
+        ["scene", "image", "bounds", "choice", "standard", "early", "adaptive", "regret", "of the sort alone"], rows,
+        words=4) + "\n\n" + text
+
+
+TABLES = {"regret": regret}
