@@ -89,6 +89,11 @@ expect('instances a tile', scaling.series(occupied, 'occupancy')[0].points.map(p
 const pixels = rowsOf([1, 2, 4].map(scale => row({scale, width: 160 * scale, height: 160 * scale, rastering: scale ** 2})));
 expect('pixels', scaling.series(pixels, 'pixels')[0].fits.raster.exponent, 1);
 
+expect('what was held', scaling.series(occupied, 'occupancy')[0].held, ['1 k Gaussians', '160×160', '4 threads']);
+const several = [...growth([1000, 2000, 4000], {threads: 1}), ...growth([1000, 2000, 4000], {enlarge: 2}), ...growth([1000, 2000, 4000])];
+expect('the usual series first', scaling.series(several, 'gaussians').map(one => one.held),
+       [['160×160', '4 threads'], ['enlarged ×2', '160×160', '4 threads'], ['160×160', 'one thread']]);
+
 // Choices: the whole scene in its own size first; what is not on offer becomes the default.
 const offered = choices.narrow(rowsOf([row({gaussians: 500}), row({scale: 2}), row({}), row({view: 'b'})]), [{file: 'f'}],
                                {scale: '7', view: 'a'});

@@ -32,10 +32,10 @@ function figuresOfScene(scene, rows, files) {
   return figures;
 }
 
-/// Growth of the quickest series of each quantity.
+/// Growth of the first series of each quantity.
 function figuresOfGrowth(rows, files) {
   return Object.entries(scaling.quantities).flatMap(([name, quantity]) => {
-    const [series] = sortedSeries(rows, name);
+    const [series] = scaling.series(rows, name);
     if (!series) return [];
     const title = `${series.renderer}: ${seriesTitle(series, [])}, ${machineOf(series, files)}`;
     const figure = (more, plot) => ({name: `scaling-${name}${more}`, title, specify: look => plot(series, quantity, look)});

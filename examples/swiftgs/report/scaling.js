@@ -12,29 +12,39 @@ const scaling = (() => {
   const quantities = {
     gaussians: {
       title: 'Gaussians', unit: 'Gaussians', level: row => row.gaussians, value: row => row.gaussians,
-      held: row => [row.enlarge, row.scale, row.width, row.height, row.threads],
-      say: row => [`${row.width}×${row.height}`],
+      held: ['enlarge', 'scale', 'width', 'height', 'threads'],
     },
     pixels: {
       title: 'Pixels', unit: 'pixels', level: row => row.scale, value: row => row.width * row.height,
-      held: row => [row.gaussians, row.enlarge, row.threads],
-      say: row => [`${format.count(row.gaussians)} Gaussians`],
+      held: ['gaussians', 'enlarge', 'threads'],
     },
     threads: {
       title: 'Threads', unit: 'threads', level: row => row.threads, value: row => row.threads,
-      held: row => [row.gaussians, row.enlarge, row.scale, row.width, row.height],
+      held: ['gaussians', 'enlarge', 'scale', 'width', 'height'],
       // The threads of the host say nothing of a GPU, and nothing of what uses one alone.
       applies: row => row.backend !== 'cuda' && row.backend !== 'serial',
-      say: row => [`${format.count(row.gaussians)} Gaussians`, `${row.width}×${row.height}`],
     },
     occupancy: {
       title: 'Instances a tile', unit: 'instances a tile', level: row => row.enlarge,
       value: row => row.instances / tilesOf(row),
-      held: row => [row.gaussians, row.scale, row.width, row.height, row.threads],
+      held: ['gaussians', 'scale', 'width', 'height', 'threads'],
       applies: row => row.instances > 0,
-      say: row => [`${format.count(row.gaussians)} Gaussians`, `${row.width}×${row.height}`],
     },
   };
+
+  /// How what was held reads, of `row`.
+  const heldTexts = {
+    gaussians: row => `${format.count(row.gaussians)} Gaussians`,
+    width: row => choices.sizeOf(row),
+    threads: row => row.backend === 'cuda' ? null : row.threads === 1 ? 'one thread' : `${row.threads} threads`,
+    enlarge: row => row.enlarge === 1 ? null : `enlarged ×${row.enlarge}`,
+  };
+  const textsOf = (row, held) => held.map(name => heldTexts[name]?.(row)).filter(Boolean);
+
+  /// What comes first where one series is to be shown, the smaller the sooner: many points, all threads, the
+  /// scene and images as they are.
+  const rank = (row, points) => [-points.length, -row.threads, Math.abs(Math.log(row.enlarge)),
+    Math.abs(Math.log(row.scale)), row.whole ? 0 : 1, points[points.length - 1].total];
 
   /// Least squares of ln y = exponent · ln x + ln factor over points [x, y]; those with a y that is no positive
   /// number are left out. null with fewer than two different x.
@@ -88,15 +98,21 @@ const scaling = (() => {
     for (const curve of curves) fits[curve] = fit(points.map(point => [point.x, point[curve]]));
     const {file, scene, conventions, renderer, backend} = rows[0];
     return {file, scene, conventions, renderer, backend, views: shared.length, points, fits,
-            dominance: dominance(points), held: quantity.say(rows[0])};
+            dominance: dominance(points), held: textsOf(rows[0], quantity.held), rank: rank(rows[0], points)};
   }
 
-  /// All series of a quantity, by its name in `quantities`.
+  function compareRanks(a, b) {
+    const at = a.rank.findIndex((value, i) => value !== b.rank[i]);
+    return at < 0 ? 0 : a.rank[at] - b.rank[at];
+  }
+
+  /// All series of a quantity, by its name in `quantities`: the most usual and quickest first.
   function series(rows, name) {
     const quantity = quantities[name];
     const fitting = quantity.applies ? rows.filter(quantity.applies) : rows;
-    const key = row => [row.file, row.scene, row.conventions, row.renderer, ...quantity.held(row)].join('|');
-    return [...stats.groupsOf(fitting, key).values()].map(group => seriesOf(group, quantity)).filter(Boolean);
+    const key = row => [row.file, row.scene, row.conventions, row.renderer, ...quantity.held.map(held => row[held])].join('|');
+    return [...stats.groupsOf(fitting, key).values()].map(group => seriesOf(group, quantity)).filter(Boolean)
+      .sort(compareRanks);
   }
 
   return {quantities, curves, fit, dominance, series};

@@ -3,8 +3,8 @@
 
 // Growth on log axes: what was measured, and the fitted lines.
 const scalingPlots = (() => {
-  const signed = value => (value < 0 ? '−' : '') + Math.abs(value).toFixed(2);
-  const exponentText = fit => fit ? signed(fit.exponent) : '–';
+  /// With two digits and a minus sign; zero has none.
+  const exponentText = fit => fit ? fit.exponent.toFixed(2).replace(/^-0.00$/, '0.00').replace('-', '−') : '–';
 
   /// The curves `names` of one series from scaling.js; `scaled` turns what they hold into what the axis shows.
   function curves(series, quantity, names, axis, look) {

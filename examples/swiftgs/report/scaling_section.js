@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 'use strict';
 
-/// The series of a quantity, the quickest first: what the largest value takes decides.
-function sortedSeries(rows, name) {
-  const last = one => one.points[one.points.length - 1].total;
-  return scaling.series(rows, name).sort((a, b) => last(a) - last(b));
-}
-
 /// What a series is, other than its renderer.
 function seriesTitle(series, files) {
   return [series.scene, ...series.held, ...(series.views > 1 ? [`mean over ${series.views} views`] : []),
@@ -31,7 +25,7 @@ function dominanceText(series, quantity) {
 /// The part of the page about one quantity of scaling.js: a chooser of series, both plots, and exponents of all
 /// series. Gives {element, draw}, where `draw` wants the element in the page; null without series.
 function scalingSection(name, wanted, files, rows, render) {
-  const quantity = scaling.quantities[name], all = sortedSeries(rows, name);
+  const quantity = scaling.quantities[name], all = scaling.series(rows, name);
   if (!all.length) return null;
   const titles = all.map(one => `${one.renderer} — ${seriesTitle(one, files)}`);
   const chosen = Math.max(0, titles.indexOf(wanted.series[name]));
