@@ -87,6 +87,13 @@ TEST_CASE("report: an error of 1e-3 stands at 60 dB apart from exact renderers")
   shows_apart(place, "results.json", "cpu/early/off-by-a-thousandth/ellipse", 60);
 }
 
+TEST_CASE("report: a measured policy that is off by 1e-3 stands at 60 dB apart from exact ones") {
+  const TemporaryFolder place;
+  if (!can_draw(place)) return;
+  if (!std::filesystem::exists(SWIFTGS_FLAWED_RESULTS)) return skip("flawed_policies has not measured here");
+  shows_apart(place, "'" SWIFTGS_FLAWED_RESULTS "'", "serial/early/off-by-a-thousandth/ellipse", 60);
+}
+
 TEST_CASE("report: an infinite PSNR stands above all others") {
   const TemporaryFolder place;
   if (!can_draw(place)) return;
