@@ -21,6 +21,7 @@ function sortableTable({caption, columns, rows, filter = false, sort = null, pag
   const more = element('button', {type: 'button', onclick: () => { limit += 4 * page; fill(); }}, 'Show more rows');
   const arrows = [];
 
+  const naming = columns.findIndex(column => !column.number);  // what rows go by
   const shownOf = row => columns.map(column => column.text ? column.text(row) : String(column.value(row)));
   const lines = rows.map(row => ({row, shown: shownOf(row)}));
   for (const line of lines) line.all = line.shown.join(' ').toLowerCase();
@@ -36,8 +37,8 @@ function sortableTable({caption, columns, rows, filter = false, sort = null, pag
     const found = lines.filter(line => words.every(word => line.all.includes(word)));
     if (order !== null) found.sort(compare);
     body.replaceChildren(...found.slice(0, limit).map(({shown}) => element('tr', {}, ...shown.map(
-      (text, i) => element(i === 0 ? 'th' : 'td', {class: columns[i].number ? 'number' : null,
-                                                   scope: i === 0 ? 'row' : null}, text)))));
+      (text, i) => element(i === naming ? 'th' : 'td', {class: columns[i].number ? 'number' : null,
+                                                        scope: i === naming ? 'row' : null}, text)))));
     const count = Math.min(limit, found.length);
     status.textContent = (count < found.length ? `${count} of ` : '') + `${found.length} rows` +
       (words.length ? ` with these words, ${rows.length} in all` : '');
