@@ -2,7 +2,7 @@
 """Stages on the GPU beside the shortest time that its ceilings allow."""
 from tables import ceilings
 from tables.frames import Frames, label
-from tables.growth import BEST, axis_named, series
+from tables.growth import BEST, axis_named, files_of, series
 from tables.markdown import count, prose, significant, table
 from tables.results import InputError
 from tables.source import machine_name
@@ -60,7 +60,7 @@ def gaps(source, machine):
 def gap_growth(source, machine, axis_name):
     """The ratios along an axis of growth."""
     axis, rows = axis_named(axis_name), []
-    files = [source.results(machine, name) for name in axis.files]
+    files = files_of(source, machine, axis)
     of = {id(row): results for results in files for row in results.rows}
     for (scene, name), points in series(source, machine, axis).items():
         if name == BEST:
@@ -68,7 +68,7 @@ def gap_growth(source, machine, axis_name):
                 found = gaps_of(of[id(row)], row)
                 rows.append([scene, axis.text(axis.value(row)), count(row.contributing_pairs / row.pixels),
                              *(significant(measured / floor, 2) for measured, floor, _ in found.values())])
-    return "Measured time through the least, of each stage:\n\n" + table(
+    return f"{machine_name(files[0])}, measured time through the least, of each stage:\n\n" + table(
         ["scene", axis.unit, "contributing pairs a pixel", *ceilings.FLOORS], rows)
 
 

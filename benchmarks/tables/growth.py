@@ -12,7 +12,8 @@ from tables.source import machine_name
 
 PARTS = ("project", "sort", "raster")
 BEST = f"early/{CHOLESKY}/{ELLIPSE}"
-RENDERERS = (BEST, f"standard/{CHOLESKY}/{ELLIPSE}", f"standard/per-pixel/{SQUARE}")
+STANDARD = f"standard/{CHOLESKY}/{ELLIPSE}"
+RENDERERS = (BEST, STANDARD, f"standard/per-pixel/{SQUARE}")
 END = 3  # points of the fit at the upper end
 TILE = 16  # pixels a side
 
@@ -49,11 +50,17 @@ def axis_named(name):
     return AXES[name]
 
 
+def files_of(source, machine, axis):
+    """The Results along an axis, of those files that the machine has: at least one."""
+    there = [name for name in axis.files if source.has(machine, name)]
+    return [source.results(machine, name) for name in there or axis.files]
+
+
 def series(source, machine, axis):
     """{(scene, renderer): rows in the order of the axis}"""
     found = collections.defaultdict(list)
-    for name in axis.files:
-        for row in source.results(machine, name).rows:
+    for results in files_of(source, machine, axis):
+        for row in results.rows:
             if row.name in RENDERERS:
                 found[row.scene, row.name].append(row)
     for key, rows in found.items():
@@ -72,20 +79,27 @@ def held(row):
     return row.device_bytes if row.backend == "cuda" else row.host_bytes
 
 
+def memory_of(files):
+    """{column: bytes of a row}: of each stage's buffers where every row of the files knows them, else of the renderer."""
+    if all(row.bytes is not None for results in files for row in results.rows):
+        return {f"{part}, MiB": lambda row, part=part: row.bytes[part] for part in PARTS}
+    return {"memory, MiB": held}
+
+
 def growth(source, machine, axis_name):
     """Times and memory of the best renderer along an axis."""
     axis, rows = axis_named(axis_name), []
+    files = files_of(source, machine, axis)
+    memory = memory_of(files)
     for (scene, name), points in series(source, machine, axis).items():
         if name != BEST:
             continue
         for row in points:
             rows.append([scene, axis.text(axis.value(row)), count(row.visible), count(row.instances),
-                         *(ms(row.ms[part].median) for part in (*PARTS, "total")), mebibytes(held(row))])
-    results = source.results(machine, axis.files[0])
-    device = f"{results.machine.get('cpu')}, {results.machine.get('cores')} cores" if axis_name == "threads" else \
-        machine_name(results)
-    return f"{device}, `{BEST}`, milliseconds:\n\n" + table(
-        ["scene", axis.unit, "visible", "instances", *PARTS, "total", "memory, MiB"], rows)
+                         *(ms(row.ms[part].median) for part in (*PARTS, "total")),
+                         *(mebibytes(bytes_of(row)) for bytes_of in memory.values())])
+    return f"{machine_name(files[0])}, `{BEST}`, milliseconds:\n\n" + table(
+        ["scene", axis.unit, "visible", "instances", *PARTS, "total", *memory], rows)
 
 
 def rounded(value):
@@ -111,7 +125,29 @@ def exponents(source, machine, *axes):
             rows.append([f"{axis.text(values[0])} to {axis.text(values[-1])} {axis.unit}", scene, f"`{name}`",
                          *(fitted(values, [row.ms[part].median for row in points]) for part in (*PARTS, "total")),
                          fitted(values, [held(row) for row in points])])
-    return table(["axis", "scene", "sort/raster/bounds", *PARTS, "total", "memory"], rows, words=3)
+    return device_of(source, machine, axes) + table(
+        ["axis", "scene", "sort/raster/bounds", *PARTS, "total", "memory"], rows, words=3)
+
+
+def memory_exponents(source, machine, *axes):
+    """The exponents of the memory of every stage's buffers along the axes."""
+    rows = []
+    for axis_name in axes:
+        axis = axis_named(axis_name)
+        files = files_of(source, machine, axis)
+        memory = memory_of(files)
+        if len(memory) < len(PARTS):
+            raise InputError(f"{files[0].path}: rows without bytes of each stage; expected them in every row")
+        for (scene, name), points in series(source, machine, axis).items():
+            values = [axis.value(row) for row in points]
+            rows.append([f"{axis.text(values[0])} to {axis.text(values[-1])} {axis.unit}", scene, f"`{name}`",
+                         *(fitted(values, [bytes_of(row) for row in points]) for bytes_of in memory.values())])
+    return device_of(source, machine, axes) + table(["axis", "scene", "sort/raster/bounds", *PARTS], rows, words=3)
+
+
+def device_of(source, machine, axes):
+    """The machine in a line above a table."""
+    return machine_name(files_of(source, machine, axis_named(axes[0]))[0]) + ":\n\n" if axes else ""
 
 
 def dominates(source, machine, *axes):
@@ -125,7 +161,23 @@ def dominates(source, machine, *axes):
             rows.append([f"{axis.text(values[0])} to {axis.text(values[-1])} {axis.unit}", scene, f"`{name}`",
                          "; ".join(stage if n == 0 else f"from {axis.text(x)} {stage}"
                                    for n, (stage, x) in enumerate(found))])
-    return table(["axis", "scene", "sort/raster/bounds", "longest stage"], rows, words=4)
+    return device_of(source, machine, axes) + table(["axis", "scene", "sort/raster/bounds", "longest stage"], rows,
+                                                    words=4)
 
 
-TABLES = {"growth": growth, "exponents": exponents, "dominates": dominates}
+def sort_growth(source, machine, axis_name):
+    """The sort stage of both strategies along an axis, and what early sorting does to it and to the frame."""
+    axis, rows = axis_named(axis_name), []
+    found = series(source, machine, axis)
+    for scene in dict.fromkeys(scene for scene, _ in found):
+        for early, standard in zip(found[scene, BEST], found[scene, STANDARD]):
+            rows.append([scene, axis.text(axis.value(early)), count(early.instances),
+                         *(ms(row.ms["sort"].median) for row in (standard, early)),
+                         *(f"{100 * (early.ms[part].median / standard.ms[part].median - 1):+.1f} %"
+                           for part in ("sort", "total"))])
+    return f"{machine_name(files_of(source, machine, axis)[0])}, `{CHOLESKY}/{ELLIPSE}`, milliseconds of the sort:\n\n" + \
+        table(["scene", axis.unit, "instances", "standard", "early", "early against standard", "of the frame"], rows)
+
+
+TABLES = {"growth": growth, "sort-growth": sort_growth, "exponents": exponents,
+          "memory-exponents": memory_exponents, "dominates": dominates}

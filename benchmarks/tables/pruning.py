@@ -22,21 +22,24 @@ def paper_pruned(_source):
 
 
 def pruned(source, machine):
-    """Table 4 on a machine: whole and pruned scenes with the inria conventions."""
-    whole = Frames(source.results(machine, "vanilla.json"), "inria")
+    """Table 4 on a machine: pruned scenes, and whole ones where it has them, with the inria conventions."""
     small = Frames(source.results(machine, "pruned.json"), "inria")
+    whole = Frames(source.results(machine, "vanilla.json"), "inria") if source.has(machine, "vanilla.json") else None
     rows = []
     for scene in small.scenes:
-        original = next((s for s in whole.scenes if s.name + SUFFIX == scene.name), None)
-        if original is None:
-            raise InputError(f"{whole.results.path}: no scene that {scene.name} was pruned from; expected "
-                             f"{scene.name.removesuffix(SUFFIX)}")
-        for frames, found in ((whole, original), (small, scene)):
+        pair = [(small, scene)]
+        if whole:
+            original = next((s for s in whole.scenes if s.name + SUFFIX == scene.name), None)
+            if original is None:
+                raise InputError(f"{whole.results.path}: no scene that {scene.name} was pruned from; expected "
+                                 f"{scene.name.removesuffix(SUFFIX)}")
+            pair.insert(0, (whole, original))
+        for frames, found in pair:
             base = frames.mean(found, VANILLA)
             rows.append([found.name, gaussians(found.gaussians), ms(base)]
                         + [f"{ms(frames.mean(found, name))} ({times(base / frames.mean(found, name))})"
                            for name in (ALL, ALL_OURS, OURS)])
-    return f"{machine_name(whole.results)}, milliseconds:\n\n" + table(
+    return f"{machine_name(small.results)}, milliseconds:\n\n" + table(
         ["scene", "Gaussians", "vanilla", "all", "all, our terms", "and our bounds"], rows)
 
 

@@ -55,6 +55,7 @@ class Row:
     contributing_pairs: float = None
     device_bytes: float = None
     host_bytes: float = None
+    bytes: dict = None
 
     @property
     def key(self):
@@ -147,7 +148,19 @@ def read_row(path, n, row):
     # Of equal images the file has null, as it has where errors were not asked for; but then no difference either.
     if values["max_abs"] == 0 and values["psnr_db"] is None:
         values["psnr_db"] = math.inf
-    return Row(**values, ms=read_durations(row.get("ms"), wrong))
+    return Row(**values, ms=read_durations(row.get("ms"), wrong), bytes=read_bytes(row.get("bytes"), wrong))
+
+
+def read_bytes(found, wrong):
+    """{stage: bytes of its buffers}; None where the file is older than these numbers."""
+    if found is None:
+        return None
+    if not isinstance(found, dict):
+        raise wrong("bytes", "an object")
+    for stage in ("project", "sort", "raster"):
+        if not is_number(found.get(stage)) or found[stage] < 0:
+            raise wrong(f"bytes.{stage}", "a number that is not negative")
+    return found
 
 
 def read_durations(found, wrong):

@@ -5,8 +5,10 @@ import os
 from tables.results import InputError, read, read_json
 
 RESULTS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "results")
-# The folders that README.md and docs/ show. Whoever measures anew changes them here.
-FOLDERS = {"gpu": "2026-11-21-nvidia-h200", "cpu": "2026-11-21-intel-r-xeon-r-processor"}
+# The folders that README.md and docs/ show: a GPU, a processor with many cores and one with few, which need not have
+# all files. Whoever measures anew changes them here.
+FOLDERS = {"gpu": "2026-11-21-nvidia-h200", "cpu": "2026-11-21-intel-xeon-16-cores",
+           "cpu2": "2026-11-21-intel-xeon-2-cores"}
 
 
 class Source:
@@ -18,11 +20,15 @@ class Source:
     def path(self, machine, name):
         """Of a file in a machine's folder; InputError where it is not there."""
         if machine not in self.folders:
-            raise InputError(f"no machine '{machine}'; expected {' or '.join(self.folders)}")
+            raise InputError(f"no machine '{machine}'; expected one of {', '.join(self.folders)}")
         path = os.path.join(self.root, self.folders[machine], name)
         if not os.path.isfile(path):
             raise InputError(f"{path}: no such file; expected what benchmarks/measure_matrix.sh leaves")
         return path
+
+    def has(self, machine, name):
+        """Whether a file is in a machine's folder."""
+        return os.path.isfile(os.path.join(self.root, self.folders.get(machine, machine), name))
 
     def results(self, machine, name):
         """The Results of a file of `swiftgs bench`."""
@@ -52,7 +58,12 @@ def backend(machine):
     return "cuda" if machine == "gpu" else "cpu"
 
 
+def processor(machine):
+    """The host in words, from the member `machine` of a file."""
+    return f"{machine.get('cpu', 'unknown')}, {machine.get('cores', '?')} cores"
+
+
 def machine_name(results):
-    """The device in words, as 'NVIDIA H200'."""
-    found = results.machine
-    return str(found.get("gpu") or f"{found.get('cpu', 'unknown')}, {found.get('cores', '?')} cores")
+    """The device that rendered, in words, as 'NVIDIA H200'. A host's files name its GPU too."""
+    rendered_there = any(row.backend == "cuda" for row in results.rows)
+    return str(rendered_there and results.machine.get("gpu") or processor(results.machine))

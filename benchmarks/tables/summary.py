@@ -9,6 +9,7 @@ from tables.source import backend, machine_name
 
 SHOWN = tuple(f"early/{raster}/{ELLIPSE}" for raster in RASTERS) + (
     f"early/{CHOLESKY}/{BOX}", f"early/{CHOLESKY}/{SQUARE}", f"standard/{CHOLESKY}/{ELLIPSE}", OURS, VANILLA)
+NAMING = ("matrix.json", "scaling-gaussians.json", "scaling-pixels.json", "pruned.json")  # any names its machine
 PLACE = ("scene", "gaussians", "enlarge", "view", "scale", "conventions")
 
 
@@ -49,19 +50,19 @@ def errors(results, frames):
     if not judged:
         raise InputError(f"{results.path}: no errors; expected some, of --errors 1")
     photo = {tuple(view.get(name) for name in PLACE): view.get("photo_psnr_db") for view in results.views}
-    apart = [abs(row.photo_psnr_db - photo[row.place]) for row in exact
-             if row.photo_psnr_db is not None and photo.get(row.place) is not None]
+    seen = [row for row in exact if row.photo_psnr_db is not None and photo.get(row.place) is not None]
+    apart = [abs(row.photo_psnr_db - photo[row.place]) for row in seen]
     text = f"The float policies with lossless bounds differ from the reference by {max(judged):.4f} at most."
     if apart:
-        text += (f" Against the photographs that training did not see, each is within {max(*apart, 1e-4):.4f} dB of "
-                 "what the reference has.")
+        text += (f" Against the photographs of {' and '.join(dict.fromkeys(row.scene for row in seen))} that training did "
+                 f"not see, each is within {max(*apart, 1e-4):.4f} dB of what the reference has.")
     return prose(text)
 
 
 def of_machine(source, machine):
     """Where and when the results of `swiftgs bench` come from."""
-    results = source.results(machine, "matrix.json")
-    found = results.machine
+    name = next((name for name in NAMING if source.has(machine, name)), NAMING[0])
+    found = source.results(machine, name).machine
     commit = str(found.get("commit", "unknown"))
     device = f"{found['gpu']}, driver {found.get('driver')}, CUDA {found.get('cuda')}, in a host with " \
         if found.get("gpu") and machine == "gpu" else ""

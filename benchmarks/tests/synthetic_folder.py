@@ -40,8 +40,13 @@ def matrix(backend, scenes=("garden", "fox", "builtin"), suffix="", **members):
 
 
 def growing(backend, points, scenes=("garden",)):
-    """Rows of SCALING at each of (members, growth of the stages)."""
-    return [row(backend, words, scene, **members, grow=grow) for scene in scenes for members, grow in points
+    """Rows of SCALING at each of (members, growth of the stages). Those of a CPU tell each stage's memory, which grows as
+    its time does; those of a GPU are of an older file."""
+    def memory(grow):
+        return {"bytes": {stage: 2**20 * grow.get(stage, 1) for stage in ("project", "sort", "raster")}} \
+            if backend == "cpu" else {}
+
+    return [row(backend, words, scene, **members, **memory(grow), grow=grow) for scene in scenes for members, grow in points
             for words in SCALING]
 
 

@@ -31,7 +31,7 @@ class Tables(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.place = pathlib.Path(cls.folder.name)
         cls.results = cls.place / "results"
-        for machine, backend in (("gpu", "cuda"), ("cpu", "cpu")):
+        for machine, backend in (("gpu", "cuda"), ("cpu", "cpu"), ("cpu2", "cpu")):
             synthetic_folder.write(cls.results / FOLDERS[machine], backend)
         shutil.copy(pathlib.Path(RESULTS) / FOLDERS["gpu"] / "instructions-garden.csv", cls.results / FOLDERS["gpu"])
 
@@ -80,7 +80,7 @@ class Tables(unittest.TestCase):
     def test_blocks_that_make_no_sense_are_one_line(self):
         for page, message in (("<!-- table: stepps gpu -->\n<!-- end -->", "no table 'stepps'; expected one of "),
                               ("<!-- table: steps -->\n<!-- end -->", "table 'steps' : expected MACHINE"),
-                              ("<!-- table: steps tpu -->\n<!-- end -->", "no machine 'tpu'; expected gpu or cpu"),
+                              ("<!-- table: steps tpu -->\n<!-- end -->", "no machine 'tpu'; expected one of gpu, cpu"),
                               ("<!-- table: growth gpu size -->\n<!-- end -->", "no axis 'size'; expected one of"),
                               ("<!-- table: ceilings -->\n", "block 'ceilings' does not end; expected <!-- end -->"),
                               ("<!-- table: ceilings -->\n<!-- table: ceilings -->\n<!-- end -->", "does not end")):
@@ -166,6 +166,23 @@ class Tables(unittest.TestCase):
         self.assertEqual(exponents("instances a tile"), ["0.00 (0.00)", "1.00 (1.00)", "0.00 (0.00)"])
         # Projection takes 0.5 ms a million, rasterization 1 ms.
         self.assertIn(f"{best} | raster; from 2 project |", self.table("dominates gpu gaussians"))
+
+    def test_memory_is_of_each_stage_where_a_file_tells_it(self):
+        best = "early/axis-shared-threshold-float-cholesky/ellipse"
+        self.assertEqual(cells(self.table("growth cpu gaussians"), "garden")[-3:], ["0", "1", "1"])
+        self.assertEqual(cells(self.table("growth gpu gaussians"), "garden")[-1], "512")
+        text = self.table("memory-exponents cpu gaussians")
+        line = next(line for line in text.splitlines() if f"`{best}`" in line)
+        self.assertEqual(line.strip("| ").split(" | ")[3:], ["1.00 (1.00)", "0.00 (0.00)", "0.00 (0.00)"])
+        _, _, _, error = self.update("<!-- table: memory-exponents gpu gaussians -->\n<!-- end -->\n")
+        self.assertIn("rows without bytes of each stage; expected them in every row", error)
+
+    def test_both_sorts_stand_side_by_side_along_an_axis(self):
+        self.assertEqual(cells(self.table("sort-growth gpu gaussians"), "garden")[1:],
+                         ["0.1", "2,000,000", "1.00", "0.800", "-20.0 %", "-9.8 %"])
+
+    def test_a_host_is_not_called_by_its_gpu(self):
+        self.assertIn("\na processor, 16 cores, ", self.table("growth gpu threads"))
 
     def test_the_largest_gap_is_named(self):
         text = self.table("largest-gap gpu").replace("\n", " ")
