@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Saves the plots of a page of `swiftgs report` as SVG files on a white ground: pareto-SCENE.svg, stages-SCENE.svg and
-# speedup-SCENE.svg, with the backend behind the scene where the page has several; scaling-gaussians.svg,
-# scaling-pixels.svg, scaling-threads.svg, scaling-occupancy.svg, and each of these with -memory.
+# speedup-SCENE.svg, with the backend behind the scene where the page has several; scaling-gaussians-SCENE.svg,
+# scaling-pixels-SCENE.svg, scaling-threads-SCENE.svg, scaling-occupancy-SCENE.svg, and each of these with -memory.
 #   benchmarks/figures.sh REPORT.html FOLDER
 # Chromium draws them: `chromium` or its like in PATH, or the program that SWIFTGS_BROWSER names.
 set -euo pipefail

@@ -32,15 +32,18 @@ function figuresOfScene(scene, rows, files) {
   return figures;
 }
 
-/// Growth of the first series of each quantity.
+/// Growth of the first series of each scene and quantity.
 function figuresOfGrowth(rows, files) {
   return Object.entries(scaling.quantities).flatMap(([name, quantity]) => {
-    const [series] = scaling.series(rows, name);
-    if (!series) return [];
-    const title = `${series.renderer}: ${seriesTitle(series, [])}, ${machineOf(series, files)}`;
-    const figure = (more, plot) => ({name: `scaling-${name}${more}`, title, specify: look => plot(series, quantity, look)});
-    const times = figure('', scalingPlots.times), memory = figure('-memory', scalingPlots.memory);
-    return series.points.some(point => point.memory > 0) ? [times, memory] : [times];
+    const all = scaling.series(rows, name);
+    return stats.distinct(all, one => one.scene).flatMap(scene => {
+      const series = all.find(one => one.scene === scene);
+      const title = [series.renderer, `${seriesTitle(series, [])}, ${machineOf(series, files)}`];
+      const figure = (more, plot) =>
+        ({name: `scaling-${name}-${scene}${more}`, title, specify: look => plot(series, quantity, look)});
+      const times = figure('', scalingPlots.times), memory = figure('-memory', scalingPlots.memory);
+      return series.points.some(point => point.memory > 0) ? [times, memory] : [times];
+    });
   });
 }
 
