@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int turns_a_view = 3;
+constexpr int turns_a_view = 7;
 
 /// UTF-8 or not: a name from a file may hold any bytes.
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }

@@ -39,6 +39,9 @@ class AnyRenderer {
   virtual StageTimes times() = 0;
   virtual Statistics statistics() const = 0;
 
+  /// As `Renderer::memory`.
+  virtual StageMemory memory() const = 0;
+
   /// Hands measurements of the scene's sort, on this device and with these bounds, to a renderer with
   /// `AdaptiveSort`, as its `use`. Other sorts have no use for them: nothing changes.
   virtual void use_calibrations(std::vector<SortCalibration> saved) = 0;
@@ -99,6 +102,7 @@ class RendererOf final : public RendererOn<B> {
   }
   StageTimes times() override { return renderer_.times(); }
   Statistics statistics() const override { return renderer_.statistics(); }
+  StageMemory memory() const override { return renderer_.memory(); }
   std::string device_name() const override { return renderer_.backend().device_name(); }
   void use_calibrations(std::vector<SortCalibration> saved) override {
     if constexpr (takes_calibrations) renderer_.sort().use(std::move(saved));

@@ -13,6 +13,12 @@
 
 namespace swiftgs {
 
+/// Memory that `parts` hold: buffers, and structs of them that have such a member themselves. @units{bytes}
+template <class... Parts>
+std::size_t bytes_of(const Parts&... parts) {
+  return (std::size_t{0} + ... + parts.bytes());
+}
+
 /// Keys with the values that travel with them, and as much room again for a sort that moves them back and
 /// forth.
 template <class B, class Key>
@@ -24,6 +30,7 @@ struct Pairs {
     keys.reset(count), spare_keys.reset(count);
     values.reset(count), spare_values.reset(count);
   }
+  std::size_t bytes() const { return bytes_of(keys, spare_keys, values, spare_values); }
 };
 
 /// How much of a memory is taken, by whomever, and how much there is. @units{bytes}

@@ -53,6 +53,7 @@ class GrowingBuffer {
   const T* data() const { return memory_.get(); }
   std::size_t size() const { return size_; }
   std::size_t capacity() const { return capacity_; }
+  std::size_t bytes() const { return capacity_ ? capacity_ * sizeof(T) + padding : 0; }
   Span<T> span() { return {data(), size_}; }
   Span<const T> span() const { return {data(), size_}; }
 

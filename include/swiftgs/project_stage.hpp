@@ -24,6 +24,8 @@ template <class B>
 struct ProjectScratch {
   typename B::template Buffer<ProjectedShape> projected;
   typename B::template Buffer<std::uint32_t> slots;
+
+  std::size_t bytes() const { return bytes_of(projected, slots); }
 };
 
 /// Projects Gaussian i and marks it with 1 where it is visible.

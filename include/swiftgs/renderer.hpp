@@ -150,6 +150,12 @@ class Renderer {
     return s;
   }
 
+  /// What the buffers of each stage hold, in the backend's memory. They grow with the largest frame so far.
+  StageMemory memory() const {
+    return {bytes_of(project_scratch_, splats_), bytes_of(sort_scratch_, lists_),
+            bytes_of(frame_.colour, frame_.alpha, frame_.depth, tile_counts_)};
+  }
+
   /// The last frame's splats and tile lists, in the backend's memory, until the next frame.
   const Splats<B>& splats() const { return splats_; }
   const TileLists<B>& lists() const { return lists_; }

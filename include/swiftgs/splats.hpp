@@ -52,6 +52,7 @@ struct Splats {
   std::size_t count = 0;
 
   SplatsView view() const { return {{shapes.data(), count}, {colours.data(), count}, {}, 0}; }
+  std::size_t bytes() const { return shapes.bytes() + colours.bytes(); }
 };
 
 /// Key that orders depths as integers: the bits of a positive float ascend with its value, and its sign bit

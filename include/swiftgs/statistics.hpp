@@ -17,6 +17,15 @@ struct Statistics {
   double instances_a_visible() const { return visible ? double(instances) / double(visible) : 0.0; }
 };
 
+/// Memory that a renderer keeps for its stages, the scene excluded. @units{bytes}
+struct StageMemory {
+  std::size_t project = 0;  ///< splats included
+  std::size_t sort = 0;     ///< tile lists included
+  std::size_t raster = 0;   ///< frames that the renderer keeps
+
+  std::size_t total() const { return project + sort + raster; }
+};
+
 /// Durations of one frame's stages. @units{milliseconds}
 struct StageTimes {
   double project = 0, sort = 0, raster = 0, total = 0;

@@ -55,6 +55,8 @@ struct TileLists {
   std::size_t instances = 0;
   std::size_t tiles = 0;
 
+  std::size_t bytes() const { return ids.bytes() + ranges.bytes(); }
+
   TileListsView view() const { return {{ids.data(), instances}, {ranges.data(), tiles}}; }
 };
 

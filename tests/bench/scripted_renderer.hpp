@@ -29,6 +29,7 @@ class ScriptedRenderer final : public AnyRenderer {
     return {0.1 * ms, 0.2 * ms, 0.7 * ms, ms};
   }
   Statistics statistics() const override { return {}; }
+  StageMemory memory() const override { return {}; }
   std::string device_name() const override { return "a script"; }
   void use_calibrations(std::vector<SortCalibration>) override {}
   std::optional<SortCalibration> calibration() const override { return std::nullopt; }

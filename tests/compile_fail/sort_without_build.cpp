@@ -5,7 +5,9 @@
 struct Unsorted {
   static constexpr std::string_view name = "unsorted";
   template <class B>
-  struct Scratch {};
+  struct Scratch {
+    std::size_t bytes() const { return 0; }
+  };
 #ifdef SWIFTGS_EXPECT_COMPILE
   template <class B, class Bounds>
   void build(B&, const swiftgs::SortJob&, const Bounds&, Scratch<B>&, swiftgs::TileLists<B>&) {}

@@ -147,3 +147,21 @@ TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
   CHECK(refusal([](Arguments& a) { a.settings.conventions.stop = 1; }) ==
         "conventions: expected a stop of 0 or more and below 1");
 }
+
+TEST_CASE_TEMPLATE("renderer: its memory is that of its stages and grows only with the frame", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  AnyOf<B> renderer(make_backend<B>());
+  CHECK(renderer.memory().total() == 0);
+  const auto scene = renderer.backend().upload(random_scene(1000, 1, 1));
+  const Camera small = forward_camera(50, 40), large = scaled(small, 4);
+  renderer.render(scene, large);
+  const StageMemory memory = renderer.memory();
+  const Statistics statistics = renderer.statistics();
+  CHECK(memory.project >= statistics.visible * (sizeof(SplatShape) + sizeof(SplatColour)));
+  CHECK(memory.sort >= statistics.instances * sizeof(std::uint32_t));
+  CHECK(memory.raster == 0);
+  renderer.render(scene, small);
+  CHECK(renderer.memory().total() == memory.total());
+  renderer.render_resident(scene.view(), large, {});
+  CHECK(renderer.memory().raster >= 3 * sizeof(float) * 200 * 160);
+}

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <thread>
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <swiftgs/version.hpp>
@@ -93,6 +94,12 @@ std::string command_line() {
     line += plain ? " " + word : " '" + word + "'";
   }
   return line;
+}
+
+void release_free_memory() {
+#if defined(__GLIBC__)
+  malloc_trim(0);
+#endif
 }
 
 std::size_t resident_memory() { return 1024 * std::size_t(number_in("/proc/self/status", "VmRSS")); }

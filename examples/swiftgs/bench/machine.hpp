@@ -30,6 +30,9 @@ Machine describe_machine();
 /// The words that this program was called with, after its own name. Those with blanks are quoted.
 std::string command_line();
 
+/// Gives memory that is free within this process back to the system, so that taking it again is seen.
+void release_free_memory();
+
 /// Memory that this process takes, and memory that processes could still be given. @units{bytes}
 std::size_t resident_memory();
 std::size_t available_memory();

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "machine.hpp"
+#include <swiftgs/statistics.hpp>
+
+#include "bench/machine.hpp"
 
 /// What `bench` measures, as docs/results.md describes its file, member by member.
 namespace swiftgs::cli {
@@ -72,6 +74,7 @@ struct RowResult {
   std::optional<Errors> errors;
   std::optional<PhotoErrors> photo;
   std::uint64_t visible = 0, instances = 0, contributing_pairs = 0;
+  StageMemory bytes;
   std::uint64_t device_bytes = 0, host_bytes = 0;
   std::string image, error_image;
 };

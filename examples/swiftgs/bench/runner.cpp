@@ -84,6 +84,7 @@ std::vector<Runner::Subject> Runner::prepare(const Session& session, std::size_t
                      [&](const Subject& other) { return renderer.share_scene(*other.renderer); }))
       renderer.set_scene(session.gaussians);
     if (session.calibrations) session.calibrations->hand_to(renderer, session.views);
+    release_free_memory();
     const std::uint64_t device = device_bytes(renderer), host = resident_memory();
     warm_up(renderer, session);
     subject.device_bytes = grown(device, device_bytes(renderer));
@@ -130,6 +131,7 @@ RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subj
   row.renderer = renderer.name();
   row.frames = samples.frames();
   row.ms = samples.summary();
+  row.bytes = renderer.memory();
   row.device_bytes = subject.device_bytes, row.host_bytes = subject.host_bytes;
 
   const Camera& camera = session.views[view].camera;

@@ -59,6 +59,8 @@ class AdaptiveSort {
     std::optional<typename B::TimePoint> from, to;  ///< measurement whose end has not been seen yet
     bool pending_early = false;
     int waited = 0;  ///< frames for that end
+
+    std::size_t bytes() const { return bytes_of(standard, early); }
   };
 
   template <class B, class Bounds>

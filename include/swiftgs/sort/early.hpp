@@ -26,6 +26,8 @@ struct EarlySort {
   struct Scratch {
     Pairs<B, std::uint32_t> depths;
     GroupScratch<B> group;
+
+    std::size_t bytes() const { return bytes_of(depths, group); }
   };
 
   template <class B, class Bounds>

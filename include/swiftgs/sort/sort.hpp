@@ -33,12 +33,13 @@ struct SortJob {
 
 /// Policy `S` builds tile lists on backend `B` within bounds `Bounds`: for every tile the ids of the splats
 /// that may touch it, nearest first, equal depths by ascending index. An object of `S` may keep what it
-/// learnt from earlier frames; `Scratch<B>` is the memory that it works in.
+/// learnt from earlier frames; `Scratch<B>` is the memory that it works in, `bytes()` of it.
 template <class S, class B, class Bounds>
 concept SortsOn = BackendPolicy<B> && BoundsPolicy<Bounds> &&
     requires(S sort, B& b, const SortJob& job, const Bounds& bounds, typename S::template Scratch<B>& scratch,
              TileLists<B>& lists) {
   { S::name } -> std::convertible_to<std::string_view>;
+  { scratch.bytes() } -> std::same_as<std::size_t>;
   sort.build(b, job, bounds, scratch, lists);
 };
 
@@ -135,6 +136,8 @@ inline void check_instances(std::uint64_t total) {
 template <class B>
 struct InstanceScratch {
   typename B::template Buffer<std::uint32_t> offsets;
+
+  std::size_t bytes() const { return offsets.bytes(); }
 };
 
 /// Emits the instances of all splats in the given order (index order when `order` is null) and returns their
@@ -174,6 +177,8 @@ template <class B>
 struct GroupScratch {
   InstanceScratch<B> emission;
   Pairs<B, std::uint32_t> instances;
+
+  std::size_t bytes() const { return bytes_of(emission, instances); }
 };
 
 /// Lists for every tile the splats that may touch it, in the given order: emits the instances in that order

@@ -14,6 +14,8 @@ struct StandardSort {
   struct Scratch {
     InstanceScratch<B> emission;
     Pairs<B, std::uint64_t> instances;
+
+    std::size_t bytes() const { return bytes_of(emission, instances); }
   };
 
   template <class B, class Bounds>

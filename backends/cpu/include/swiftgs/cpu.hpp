@@ -111,6 +111,8 @@ struct ProjectScratch<Cpu> {
   Cpu::Buffer<float> depths;
   Cpu::Buffer<std::uint32_t> ids;
   Cpu::Buffer<std::size_t> counts;
+
+  std::size_t bytes() const { return bytes_of(shapes, depths, ids, counts); }
 };
 
 /// Vector kernel of the projection: a lane a Gaussian.
@@ -129,6 +131,8 @@ template <>
 struct InstanceScratch<Cpu> {
   Cpu::Buffer<Footprint> footprints;
   Cpu::Buffer<std::uint32_t> offsets;  ///< for bounds without vector kernels
+
+  std::size_t bytes() const { return bytes_of(footprints, offsets); }
 };
 
 template <>
@@ -136,6 +140,8 @@ struct GroupScratch<Cpu> {
   InstanceScratch<Cpu> emission;
   Cpu::Buffer<std::uint32_t> positions;  ///< @shape{parts, tiles}
   Pairs<Cpu, std::uint32_t> instances;   ///< for bounds without vector kernels
+
+  std::size_t bytes() const { return bytes_of(emission, positions, instances); }
 };
 
 /// Bounds that have vector kernels.

@@ -129,6 +129,8 @@ class RunningSums {
   /// For one kernel of `blocks` blocks.
   View next(const Cuda& cuda, std::size_t blocks);
 
+  std::size_t bytes() const { return states_.bytes(); }
+
  private:
   DeviceBuffer<std::uint64_t> states_;
   std::uint32_t epoch_ = 0;
@@ -152,6 +154,8 @@ class AlternatingCounters {
   /// After the last kernel that uses them has been started.
   void end() { started_ = true; }
 
+  std::size_t bytes() const { return counters_.bytes(); }
+
  private:
   DeviceBuffer<T> counters_;
   bool started_ = false;
@@ -161,6 +165,8 @@ template <>
 struct ProjectScratch<Cuda> {
   RunningSums sums;
   AlternatingCounters<FrameCounts> counts;
+
+  std::size_t bytes() const { return bytes_of(sums, counts); }
 };
 
 /// Splats with the tiles that each may touch within the bounds that they were projected for.
@@ -176,6 +182,7 @@ struct Splats<Cuda> {
   SplatsView view() const {
     return {{shapes.data(), count}, {colours.data(), count}, {footprints.data(), count}, instances};
   }
+  std::size_t bytes() const { return bytes_of(shapes, colours, footprints); }
 };
 
 /// One kernel: projects, compacts in the order of the Gaussians, finds tiles and evaluates colours. Waits for
@@ -199,6 +206,8 @@ struct InstanceScratch<Cuda> {
   AlternatingCounters<std::uint32_t> large_counts;
   DeviceBuffer<Footprint> footprints;  ///< where the job does not bring its own
   DeviceBuffer<FrameCounts> counts;
+
+  std::size_t bytes() const { return bytes_of(sums, large, large_counts, footprints, counts); }
 };
 
 /// `emit_instances` with the tiles of 32 splats spread over the lanes of a warp.
@@ -214,6 +223,8 @@ struct GroupScratch<Cuda> {
   InstanceScratch<Cuda> emission;
   Pairs<Cuda, std::uint16_t> narrow;  ///< where 16 bits tell the tiles apart
   Pairs<Cuda, std::uint32_t> wide;
+
+  std::size_t bytes() const { return bytes_of(emission, narrow, wide); }
 };
 
 /// `group_by_tile` with keys no wider than the grid needs.
