@@ -152,7 +152,7 @@ part_prune() {
 calibrate() {
   local name=$1
   shift
-  "$swiftgs" calibrate "$@" --scale 1,2 --renderers "$sorts" --check --check-views "$views" \
+  "$swiftgs" calibrate "$@" --scale 1,2 --renderers "$sorts" --check --check-views every:8 \
     --out "$out/calibration-$name.sort.json" --json "$out/calibration-$name.json"
 }
 
