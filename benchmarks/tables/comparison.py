@@ -5,7 +5,7 @@ A row's stage moved when its ratio is beyond the threshold and the confidence in
 overlap. Among thousands of stages some pairs of 95 % intervals are apart by chance, so each is first widened by the
 factor that leaves all comparisons together one chance in twenty to name anything (`widening`). An interval of few
 frames may be narrow by chance, the more so as frames end when it is; it counts as no narrower than is usual for that
-stage of that renderer.
+stage of that renderer. Fewer than six frames have no such interval, and their times are left out.
 
 Small changes hide in single rows. So the ratios of a renderer's stage in all rows are averaged too, and their
 geometric mean moved when it is beyond the threshold and farther from 1 than its noise: that of the rows, or the spread
@@ -24,6 +24,7 @@ from tables.results import STAGES, Duration
 NORMAL = statistics.NormalDist()
 CHANCE = 0.05
 HALF_WIDTH = NORMAL.inv_cdf(0.975)  # of a 95 % interval, in standard errors
+FRAMES = 6  # that a 95 % interval of a median takes: all of n are on one side of it once in 2^(n - 1) times
 PARTS = ("project", "sort", "raster")  # of a frame; total and wall hold them
 MACHINE = ("cpu", "cores", "gpu", "driver", "cuda", "compiler", "flags", "system")
 COUNTS = ("visible", "instances", "contributing_pairs")
@@ -63,7 +64,7 @@ class Mean:
 @dataclasses.dataclass(frozen=True)
 class Comparison:
     pairs: list
-    once: int  # how many of the pairs have a row of a single frame, whose noise nobody knows
+    untimed: int  # how many of the pairs have a row of fewer than FRAMES, whose times are not compared
     only_before: list
     only_after: list
     machines: list
@@ -110,7 +111,8 @@ def usual_errors(pairs):
 
 
 def unexplained(before, after, stage, moved):
-    """The duration of `stage` in `after`, less what those of `moved` added that it holds."""
+    """The duration of `stage` in `after`, less what those of `moved` added that it holds. Medians do not add up, so it
+    may be negative."""
     found = after.ms[stage]
     held = () if stage in PARTS else ("total",) if stage == "wall" and "total" in moved else PARTS
     added = sum(after.ms[part].median - before.ms[part].median for part in held if part in moved)
@@ -124,6 +126,8 @@ def moved_stages(pairs, threshold, of_means):
         moved = {mean.stage for mean in of_means if mean.renderer == after.renderer}
         for stage in STAGES:
             b, a = before.ms[stage], unexplained(before, after, stage, moved)
+            if a.median <= 0 < after.ms[stage].median:  # its stages explain all of it
+                continue
             if a.median != b.median and beyond(a.median / b.median if b.median else math.inf, threshold) and \
                     apart(b, a, factor, usual[after.renderer, stage]):
                 moved.add(stage)
@@ -182,7 +186,7 @@ def compare(before, after, threshold):
     """The Comparison of two Results; moves and means are those beyond noise and threshold alone."""
     old, new = {row.key: row for row in before.rows}, {row.key: row for row in after.rows}
     pairs = [(old[key], new[key]) for key in old if key in new]
-    timed = [(b, a) for b, a in pairs if min(b.frames, a.frames) > 1]
+    timed = [(b, a) for b, a in pairs if min(b.frames, a.frames) >= FRAMES]
     means = list(moved_means(timed, threshold))
     moves = list(moved_stages(timed, threshold, means)) + list(moved_values(pairs))
     return Comparison(pairs, len(pairs) - len(timed), [old[key] for key in old if key not in new],

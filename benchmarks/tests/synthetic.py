@@ -56,7 +56,8 @@ RENDERERS = [f"cuda/{sort}/{raster}/{bounds}" for sort in ("standard", "early", 
 def run(seed, noise=0.01, views=8, frames=15, slower=None):
     """A file of RENDERERS on `views` views; `slower` maps a renderer to factors of its stages."""
     rng, slower = random.Random(seed), slower or {}
-    return file_of([row(times(rng, noise, frames, slower.get(renderer, {})), renderer, view=str(view))
+    return file_of([row(times(rng, noise, frames, slower.get(renderer, {})), renderer, view=str(view),
+                         frames=frames)
                     for view in range(views) for renderer in RENDERERS])
 
 

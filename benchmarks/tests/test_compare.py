@@ -108,14 +108,33 @@ class Compare(unittest.TestCase):
         self.assertIn("Only before: 2 rows", output)
         self.assertEqual(code, 0)
 
-    def test_times_of_single_frames_are_not_compared_and_that_is_said(self):
-        before, after = synthetic.run(1, frames=1), synthetic.run(2, noise=0.5, frames=1)
-        for row in before["rows"] + after["rows"]:
-            row["frames"] = 1
-        code, output, _ = self.compare(before, after)
+    def test_times_of_fewer_than_six_frames_are_not_compared_and_that_is_said(self):
+        for frames in range(1, 6):
+            for seed in range(4):
+                code, output, _ = self.compare(synthetic.run(seed, noise=0.05, frames=frames),
+                                               synthetic.run(100 + seed, noise=0.05, frames=frames))
+                self.assertIn("Times of 144 rows are not compared: fewer than 6 frames do not tell", output)
+                self.assertIn("Nothing moved beyond its noise.", output)
+                self.assertEqual(code, 0)
+
+    def test_one_file_of_few_frames_is_enough_to_leave_times_out(self):
+        after = synthetic.run(2, frames=5, slower={SLOWED: {"sort": 2}})
+        code, output, _ = self.compare(synthetic.run(1), after)
         self.assertIn("Times of 144 rows are not compared", output)
-        self.assertIn("Nothing moved beyond its noise.", output)
         self.assertEqual(code, 0)
+
+    def test_a_frame_that_its_stages_explain_more_than_wholly_is_not_named(self):
+        def times(raster, total):
+            return {stage: {"median": ms, "low": ms, "high": ms} for stage, ms in
+                    (("project", 0.1), ("sort", 0.1), ("raster", raster), ("total", total), ("wall", total))}
+
+        before, after = (synthetic.file_of([synthetic.row(times(raster, total), view=str(view)) for view in range(2)])
+                         for raster, total in ((0.2, 0.4), (9.0, 3.0)))
+        code, output, _ = self.compare(before, after)
+        self.assertEqual([tuple(row[1:3]) for row in self.named(output, "Means over all rows of a renderer")],
+                         [("raster", "slower")])
+        self.assertEqual({row[4] for row in self.named(output, "Rows")}, {"raster"})
+        self.assertEqual(code, 1)
 
     def test_another_machine_is_warned_about(self):
         after = synthetic.run(1)
