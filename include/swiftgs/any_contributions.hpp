@@ -37,8 +37,10 @@ class ContributionsOn final : public AnyContributions {
 
 /// One row of the table of backends that find contributions.
 struct ContributionsEntry {
-  std::string_view backend;
-  bool usable = false;  ///< whether it can run on this machine
+  std::string_view backend;  ///< its `name`
+  bool usable = false;       ///< whether it can run on this machine
+
+  /// Sums of a scene that begin at 0. Throws as `Contributions`.
   std::unique_ptr<AnyContributions> (*make)(std::shared_ptr<const Scene>) = nullptr;
 };
 

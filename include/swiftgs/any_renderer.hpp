@@ -18,6 +18,8 @@ namespace swiftgs {
 class AnyRenderer {
  public:
   virtual ~AnyRenderer() = default;
+
+  /// BACKEND/SORT/RASTER/BOUNDS, as in the table of renderers.
   virtual std::string_view name() const = 0;
 
   /// What the backend runs on, as its `device_name`.
@@ -36,7 +38,11 @@ class AnyRenderer {
   /// Renders a frame that stays with the backend, as in a program that shows or composes it there; finished
   /// when it returns. Throws as `render`.
   virtual void render_resident(const Camera& camera, const RenderSettings& settings) = 0;
+
+  /// As `Renderer::times`. @units{milliseconds}
   virtual StageTimes times() = 0;
+
+  /// As `Renderer::statistics`.
   virtual Statistics statistics() const = 0;
 
   /// As `Renderer::memory`.
