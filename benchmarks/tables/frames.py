@@ -3,7 +3,7 @@
 import collections
 from statistics import geometric_mean, mean
 
-from tables.results import InputError
+from tables.results import InputError, above_zero
 
 THRESHOLD, SHARED = "axis-shared-threshold-", "axis-shared-"
 CHOLESKY = THRESHOLD + "float-cholesky"
@@ -49,7 +49,11 @@ class Frames:
 
     def mean(self, scene, name, stage="total"):
         """Milliseconds, mean over the views' medians."""
-        return mean(row.ms[stage].median for row in self.rows(scene, name))
+        return mean(self.needed(row, stage) for row in self.rows(scene, name))
+
+    def needed(self, row, member):
+        """A number of one of the rows, above 0."""
+        return above_zero(self.results.path, row, member)[0]
 
     def mean_of(self, scene, name, member):
         """Mean over the views that have it; None where none has."""

@@ -7,13 +7,14 @@ import math
 from tables.fits import dominance, exponent
 from tables.frames import CHOLESKY, ELLIPSE, SQUARE
 from tables.markdown import count, mebibytes, ms, table
-from tables.results import InputError
+from tables.results import InputError, above_zero
 from tables.source import machine_name
 
 PARTS = ("project", "sort", "raster")
 BEST = f"early/{CHOLESKY}/{ELLIPSE}"
 STANDARD = f"standard/{CHOLESKY}/{ELLIPSE}"
 RENDERERS = (BEST, STANDARD, f"standard/per-pixel/{SQUARE}")
+NEEDED = ("width", "height", "visible", "instances", *PARTS, "total")
 END = 3  # points of the fit at the upper end
 TILE = 16  # pixels a side
 
@@ -62,6 +63,7 @@ def series(source, machine, axis):
     for results in files_of(source, machine, axis):
         for row in results.rows:
             if row.name in RENDERERS:
+                above_zero(results.path, row, *NEEDED)
                 found[row.scene, row.name].append(row)
     for key, rows in found.items():
         rows.sort(key=axis.value)
@@ -170,7 +172,11 @@ def sort_growth(source, machine, axis_name):
     axis, rows = axis_named(axis_name), []
     found = series(source, machine, axis)
     for scene in dict.fromkeys(scene for scene, _ in found):
-        for early, standard in zip(found[scene, BEST], found[scene, STANDARD]):
+        both = found[scene, BEST], found[scene, STANDARD]
+        if len({tuple(map(axis.value, points)) for points in both}) > 1:
+            raise InputError(f"{', '.join(axis.files)}: {scene}: expected rows of {BEST} and of {STANDARD} for the same "
+                             f"numbers of {axis.unit}")
+        for early, standard in zip(*both):
             rows.append([scene, axis.text(axis.value(early)), count(early.instances),
                          *(ms(row.ms["sort"].median) for row in (standard, early)),
                          *(f"{100 * (early.ms[part].median / standard.ms[part].median - 1):+.1f} %"

@@ -5,6 +5,7 @@ from statistics import mean
 from tables import paper
 from tables.frames import BOUNDS, CHOLESKY, Frames, gaussians
 from tables.markdown import count, percent, table
+from tables.results import InputError
 from tables.source import machine_name
 
 
@@ -17,7 +18,10 @@ def redundancy(source, machine):
     for scene in frames.scenes:
         for bounds in BOUNDS:
             views = frames.rows(scene, f"early/{CHOLESKY}/{bounds}")
-            ratios = [row.instances / row.visible for row in views if row.visible]
+            views = [row for row in views if row.visible != 0]  # a view of nothing has no ratio
+            ratios = [frames.needed(row, "instances") / frames.needed(row, "visible") for row in views]
+            if not views:
+                raise InputError(f"{results.path}: visible on {scene.name}: 0 in every view; expected some")
             rows.append([f"{scene.name}, {gaussians(scene.gaussians)}, {len(views)} views", bounds,
                          count(mean(r.visible for r in views)), count(mean(r.instances for r in views)),
                          count(max(r.instances for r in views)),

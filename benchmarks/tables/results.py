@@ -88,6 +88,17 @@ class Results:
     rows: list
 
 
+def above_zero(path, row, *members):
+    """Numbers of a row that a table cannot do without, stages by their medians; InputError where one is null or 0."""
+    found = []
+    for member in members:
+        found.append(row.ms[member].median if member in STAGES else getattr(row, member))
+        if found[-1] is None or found[-1] <= 0:
+            raise InputError(f"{path}: {'ms.' if member in STAGES else ''}{member} of {row.renderer} on view "
+                             f"{row.view!r} of {row.scene}: expected a number above 0")
+    return found
+
+
 def is_number(value):
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
@@ -115,6 +126,10 @@ def read(path):
     for name, kind in (("machine", dict), ("rows", list), ("scenes", list), ("views", list)):
         if not isinstance(found.get(name), kind):
             raise InputError(f"{path}: {name}: expected {'an object' if kind is dict else 'an array'}")
+    for name in ("scenes", "views"):
+        for n, entry in enumerate(found[name]):
+            if not isinstance(entry, dict):
+                raise InputError(f"{path}: {name}[{n}]: expected an object")
     rows = [read_row(path, n, row) for n, row in enumerate(found["rows"])]
     seen = set()
     for n, row in enumerate(rows):

@@ -52,7 +52,7 @@ def raster_stage(source, machine):
 
 def by_view(frames, scene, sort, bounds):
     """{view: milliseconds of the sort stage}, with the per-pixel rasterizer, as in the paper."""
-    return {row.view: row.ms["sort"].median for row in frames.rows(scene, f"{sort}/per-pixel/{bounds}")}
+    return {row.view: frames.needed(row, "sort") for row in frames.rows(scene, f"{sort}/per-pixel/{bounds}")}
 
 
 def signed(ratio):
@@ -70,7 +70,7 @@ def sort_stage(source, machine):
             views = [view for view in standard if view in early]
             changes = [early[view] / standard[view] for view in views]
             means = [mean(times_.values()) for times_ in (standard, early, adaptive)]
-            instances = mean(row.instances / max(row.visible, 1)
+            instances = mean(frames.needed(row, "instances") / frames.needed(row, "visible")
                              for row in frames.rows(scene, f"standard/per-pixel/{bounds}"))
             rows.append([label(scene), bounds, f"{instances:.2f}", *map(ms, means), signed(means[1] / means[0]),
                          f"{signed(min(changes))} to {signed(max(changes))}",

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """benchmarks/update_tables.py: the tables of Markdown files are what the results give."""
+import collections
+import dataclasses
 import json
 import pathlib
 import shutil
@@ -12,11 +14,36 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import synthetic_folder  # noqa: E402
-from tables import ceilings, fits, paper  # noqa: E402
-from tables.source import FOLDERS, RESULTS  # noqa: E402
+import update_tables  # noqa: E402
+from tables import blocks, ceilings, fits, paper  # noqa: E402
+from tables.results import OPTIONAL, STAGES, Duration, InputError, Results  # noqa: E402
+from tables.source import FOLDERS, RESULTS, Source  # noqa: E402
 
 PROGRAM = HERE.parent / "update_tables.py"
 ROOT = HERE.parent.parent
+
+
+def pages():
+    return (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+
+
+def blocks_of_pages():
+    """{(name, words)} of tables of every kind: of those that differ by machines alone, one."""
+    found = {}
+    for page in pages():
+        for line in page.read_text(encoding="utf-8").splitlines():
+            begin = blocks.BEGIN.fullmatch(line.strip())
+            if begin:
+                words = begin[2].split()
+                found.setdefault((begin[1], tuple(word for word in words if word not in FOLDERS)), (begin[1], words))
+    return list(found.values())
+
+
+def without(row, member, value):
+    """A row whose `member` is `value`, or a stage that took that long."""
+    if member in STAGES:
+        return dataclasses.replace(row, ms={**row.ms, member: Duration(value, value, value)})
+    return dataclasses.replace(row, **{member: value})
 
 
 def cells(text, first):
@@ -98,10 +125,58 @@ class Tables(unittest.TestCase):
         self.assertRegex(error, r"\A[^\n]+matrix.json: format None, version None; expected 'swiftgs-bench', 1\n\Z")
 
     def test_every_table_of_the_pages_can_be_made_of_what_the_script_measures(self):
-        for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))):
+        for page in pages():
             code, text, _, error = self.update(page.read_text(encoding="utf-8"))
             self.assertEqual((page.name, code, error), (page.name, 0, ""))
             self.assertNotRegex(text, r"<!-- table: [^\n]+ -->\n+<!-- end -->")
+
+    def test_a_number_that_is_missing_or_0_is_a_dash_or_one_line_that_names_file_and_member(self):
+        missing = [(member, None) for member in OPTIONAL]
+        zeros = [(member, 0) for member in (*OPTIONAL, *STAGES, "gaussians", "width", "height", "threads", "enlarge")]
+        refused = collections.Counter()
+        for name, words in blocks_of_pages():
+            source = Source(str(self.results))
+            blocks.render(name, words, update_tables.TABLES, source)
+            whole = {path: results for path, results in source.found.items() if isinstance(results, Results)}
+            for path, results in whole.items():
+                for member, value in missing + zeros:
+                    for changed in (slice(None), slice(-1, None)):  # all rows, or the last
+                        rows = list(results.rows)
+                        rows[changed] = [without(row, member, value) for row in rows[changed]]
+                        source.found[path] = dataclasses.replace(results, rows=rows)
+                        with self.subTest(table=name, words=words, member=member, value=value):
+                            try:
+                                blocks.render(name, words, update_tables.TABLES, source)
+                            except InputError as error:
+                                refused[member] += 1
+                                self.assertNotIn("\n", str(error))
+                                self.assertIn(pathlib.Path(path).name, str(error))
+                    source.found[path] = results
+        for member in ("instances", "visible", "sort", "raster", "total", "width"):
+            self.assertGreater(refused[member], 0, member)
+
+    def test_a_row_that_a_table_divides_by_is_named_with_its_file_and_member(self):
+        rows = synthetic_folder.growing("cuda", [({"enlarge": e, "instances": 1e6 * e}, {}) for e in (0.5, 1, 2)])
+        rows[-1]["instances"] = None
+        folder = self.place / "null" / FOLDERS["gpu"]
+        folder.mkdir(parents=True)
+        (folder / "scaling-occupancy.json").write_text(
+            json.dumps(synthetic_folder.synthetic.file_of(rows)), encoding="utf-8")
+        for table in ("growth gpu occupancy", "exponents gpu occupancy", "dominates gpu occupancy"):
+            code, _, _, error = self.update(f"<!-- table: {table} -->\n<!-- end -->\n", results=folder.parent)
+            self.assertEqual(code, 2)
+            self.assertRegex(error, r"\A[^\n]+/scaling-occupancy.json: instances of cuda/[^\n]+ on view '0' of garden: "
+                                    r"expected a number above 0\n\Z")
+
+    def test_sorts_that_were_not_measured_at_the_same_places_are_not_set_side_by_side(self):
+        folder = self.place / "uneven" / FOLDERS["gpu"]
+        folder.mkdir(parents=True)
+        rows = [row for row in synthetic_folder.growing("cuda", [({"gaussians": n}, {}) for n in (1, 2)])
+                if row["gaussians"] == 1 or row["sort"] == "early"]
+        (folder / "scaling-gaussians.json").write_text(
+            json.dumps(synthetic_folder.synthetic.file_of(rows)), encoding="utf-8")
+        error = self.update("<!-- table: sort-growth gpu gaussians -->\n<!-- end -->\n", results=folder.parent)[3]
+        self.assertRegex(error, r"\A[^\n]+scaling-gaussians.json[^\n]*: garden: expected rows of [^\n]+\n\Z")
 
     def test_speed_ups_are_against_the_baseline(self):
         text = self.table("steps gpu")
