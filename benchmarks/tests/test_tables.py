@@ -15,7 +15,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import synthetic_folder  # noqa: E402
 import update_tables  # noqa: E402
-from tables import blocks, ceilings, fits, paper  # noqa: E402
+from tables import blocks, calibration, ceilings, fits, paper  # noqa: E402
 from tables.results import OPTIONAL, STAGES, Duration, InputError, Results  # noqa: E402
 from tables.source import FOLDERS, RESULTS, Source  # noqa: E402
 
@@ -60,7 +60,8 @@ class Tables(unittest.TestCase):
         cls.results = cls.place / "results"
         for machine, backend in (("gpu", "cuda"), ("cpu", "cpu"), ("cpu2", "cpu")):
             synthetic_folder.write(cls.results / FOLDERS[machine], backend)
-        shutil.copy(pathlib.Path(RESULTS) / FOLDERS["gpu"] / "instructions-garden.csv", cls.results / FOLDERS["gpu"])
+        for name in ("instructions-garden.csv", "kernels-garden.csv"):
+            shutil.copy(pathlib.Path(RESULTS) / FOLDERS["gpu"] / name, cls.results / FOLDERS["gpu"])
 
     @classmethod
     def tearDownClass(cls):
@@ -137,21 +138,21 @@ class Tables(unittest.TestCase):
         for name, words in blocks_of_pages():
             source = Source(str(self.results))
             blocks.render(name, words, update_tables.TABLES, source)
-            whole = {path: results for path, results in source.found.items() if isinstance(results, Results)}
-            for path, results in whole.items():
+            whole = {key: results for key, results in source.found.items() if isinstance(results, Results)}
+            for key, results in whole.items():
                 for member, value in missing + zeros:
                     for changed in (slice(None), slice(-1, None)):  # all rows, or the last
                         rows = list(results.rows)
                         rows[changed] = [without(row, member, value) for row in rows[changed]]
-                        source.found[path] = dataclasses.replace(results, rows=rows)
+                        source.found[key] = dataclasses.replace(results, rows=rows)
                         with self.subTest(table=name, words=words, member=member, value=value):
                             try:
                                 blocks.render(name, words, update_tables.TABLES, source)
                             except InputError as error:
                                 refused[member] += 1
                                 self.assertNotIn("\n", str(error))
-                                self.assertIn(pathlib.Path(path).name, str(error))
-                    source.found[path] = results
+                                self.assertIn(pathlib.Path(results.path).name, str(error))
+                    source.found[key] = results
         for member in ("instances", "visible", "sort", "raster", "total", "width"):
             self.assertGreater(refused[member], 0, member)
 
@@ -227,6 +228,28 @@ class Tables(unittest.TestCase):
         self.assertEqual(cells(text, "garden, 1.5 M")[1:], ["1297x840", "ellipse", "early", "1.00", "0.900", "0.909",
                                                             "+2.0 ± 0.1 %", "+3.0 ± 0.2 %"])
         self.assertIn("The largest regret of a frame is +2.0 ± 0.1 %, of 2 choices.", text)
+        self.assertIn("For the frame the limit of 3 % holds on all 2 rows, with two standard errors added. For the "
+                      "sort alone the limit of 3 % holds on 0 of 2 rows, with two standard errors added; 2 are within "
+                      "two standard errors of it (fox, 1297x840, ellipse; garden, 1297x840, ellipse).",
+                      text.replace("\n", " "))
+
+    def test_a_choice_that_loses_more_than_its_errors_allow_is_named(self):
+        rows = [{"scene": scene, "width": 4, "height": 3, "bounds": "ellipse", "regret": regret, "regret_error": 0.01}
+                for scene, regret in (("below", 0.009), ("near", 0.02), ("beyond", 0.04), ("above", 0.051))]
+        self.assertEqual(calibration.limit(rows, "the frame", "regret"),
+                         "For the frame the limit of 3 % holds on 1 of 4 rows, with two standard errors added; 2 are "
+                         "within two standard errors of it (near, 4x3, ellipse; beyond, 4x3, ellipse); 1 is above it "
+                         "by more (above, 4x3, ellipse).")
+
+    def test_no_calibrated_choice_loses_more_than_the_limit(self):
+        source, root = Source(), pathlib.Path(RESULTS)
+        checked = [machine for machine in FOLDERS if list((root / FOLDERS[machine]).glob("calibration-*.json"))]
+        self.assertIn("gpu", checked)
+        for machine in checked:
+            for row in calibration.rows_of(source, machine):
+                for member in ("regret", "sort_regret"):
+                    least = row[member] - calibration.ERRORS * row[f"{member}_error"]
+                    self.assertLessEqual(least, calibration.LIMIT, f"{member} of {machine}: {row}")
 
     def test_growth_is_fitted_and_its_turning_points_found(self):
         text = self.table("exponents gpu gaussians pixels occupancy")
@@ -251,6 +274,15 @@ class Tables(unittest.TestCase):
         self.assertEqual(line.strip("| ").split(" | ")[3:], ["1.00 (1.00)", "0.00 (0.00)", "0.00 (0.00)"])
         _, _, _, error = self.update("<!-- table: memory-exponents gpu gaussians -->\n<!-- end -->\n")
         self.assertIn("rows without bytes of each stage; expected them in every row", error)
+
+    def test_launches_of_a_kernel_are_averaged(self):
+        row = cells(self.table("kernels gpu garden"), "`raster_warps<CholeskyForm, 1, 0>`")
+        self.assertEqual(row[1:], ["2", "153.5", "118.56", "43.8", "56", "47", "86"])
+
+    def test_the_commands_of_a_folder_are_listed(self):
+        text = self.table("files gpu")
+        self.assertEqual(cells(text, "`matrix.json`")[1:], ["`000000000000`", "`swiftgs bench`"])
+        self.assertNotIn("calibration", text)
 
     def test_both_sorts_stand_side_by_side_along_an_axis(self):
         self.assertEqual(cells(self.table("sort-growth gpu gaussians"), "garden")[1:],
