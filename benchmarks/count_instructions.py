@@ -3,11 +3,11 @@
 """Counts the instructions that the rasterizers' kernels spend on the alpha of a (pixel, Gaussian) pair, and prints
 them as Markdown beside the numbers of SwiftGS, section 5.3.
 
-usage: count_instructions.py FILE... [--pairs FRAMES.jsonl] [--scene SCENE] [--listing]
+usage: count_instructions.py FILE... [--pairs RESULTS.json] [--scene SCENE] [--listing]
 
 FILE is what `cuobjdump -sass` prints of a program with the kernels, or what
 `ncu --import REPORT --page source --csv` prints of a report with the section SourceCounters; from the latter it also
-reads what was executed. FRAMES.jsonl, of gpu_frames, brings the pairs that contribute to the first view of SCENE.
+reads what was executed. RESULTS.json, of `swiftgs bench`, brings the pairs that contribute to the first view of SCENE.
 --listing prints the counted instructions of each kernel, marked as the counts take them.
 
 How it counts. The loop over pairs is the innermost loop that holds MUFU.EX2, one for each pair of a pass. From each
@@ -18,12 +18,12 @@ by a pass. The test is the FSETP of the stage that the exponent or alpha goes th
 execute what its predicate guards or its branch skips (k). A warp issues what any of its lanes executes.
 """
 import argparse
-import json
 import re
 import sys
 
-from markdown_table import table
 from sass import loops, read_profile, read_sass
+from tables.markdown import table
+from tables.results import InputError, read
 
 PAPER = {("per-pixel", False): "12", ("half-split", False): "9.625", ("half-split", True): "9.625, 25 % fewer skipped"}
 MINI_BATCH = 8  # splats whose shared terms the kernels of HalfSplit compute together
@@ -286,18 +286,14 @@ def main():
     if not kernels:
         sys.exit("count_instructions: expected kernels named raster_..., found none")
     pairs = {}
-    if options.pairs:
-        with open(options.pairs, encoding="utf-8") as file:
-            for line in file:
-                row = json.loads(line)
-                if row["kind"] == "frame" and row["scene"] == options.scene and row["view"] == 0 and \
-                        row["renderer"].endswith("/ellipse") and row["pairs"]:
-                    pairs[row["renderer"].split("/")[2]] = row["pairs"]
-    table(STATIC, static_rows(kernels))
+    for row in read(options.pairs).rows if options.pairs else []:
+        if (row.scene, row.bounds) == (options.scene, "ellipse") and row.contributing_pairs:
+            pairs.setdefault(row.raster, row.contributing_pairs)  # rows are in the order of the views
+    print(table(STATIC, static_rows(kernels)), end="\n\n")
     executed = executed_rows(kernels, pairs)
     if executed:
         print("Executed, first view of the scene; millions, of warp instructions, and of lanes at `MUFU.EX2`:\n")
-        table(EXECUTED, executed)
+        print(table(EXECUTED, executed), end="\n\n")
     print(NOTES)
     if options.listing:
         for key, kernel in kernels:
@@ -307,4 +303,7 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except InputError as error:
+        sys.exit(f"count_instructions: {error}")

@@ -10,12 +10,12 @@
 #              this tool of compute-sanitizer; racecheck watches only kernels of SwiftGS
 #   check      errors of every CUDA renderer against float64, on three views of each scene
 #   bench      times of frames, of views and of stages
-#   frames     measure_gpu_frames.sh: frames that stay on the GPU, their errors, memory and kernels
+#   profile    profile_kernels.sh: times of kernels, and their instructions
 # Scenes are the built-in one and the captures in SWIFTGS_SCENES; SCENES='fox garden' names others. REPETITIONS and
 # MIN_TIME are those of Google Benchmark, BENCH_FILTER chooses among the renderers.
 # Libraries from an unpacked archive instead of the system's: SWIFTGS_PREFIX=FOLDER, with SWIFTGS_SKIP_SETUP=1.
 set -euo pipefail
-all_steps=(build test memcheck racecheck synccheck initcheck check bench frames)
+all_steps=(build test memcheck racecheck synccheck initcheck check bench profile)
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 [ $# -ge 1 ] || { echo "usage: benchmarks/measure_cuda.sh OUTDIR [${all_steps[*]}]" >&2; exit 2; }
 out=$1
@@ -119,9 +119,9 @@ step_bench() {
   benchmark stages.json stages '(project|sort|raster)'
 }
 
-step_frames() {
+step_profile() {
   # shellcheck disable=SC2086  # SCENES is a list
-  SWIFTGS_BUILD=$build "$root/benchmarks/measure_gpu_frames.sh" "$out" $SCENES
+  SWIFTGS_BUILD=$build "$root/benchmarks/profile_kernels.sh" "$out" $SCENES
 }
 
 failed=0

@@ -14,7 +14,7 @@ def kernels_of(source, machine, scene):
     path = source.path(machine, f"instructions-{scene}.csv")
     kernels = source.once(lambda found: read_kernels([found]), path)
     if not kernels:
-        raise InputError(f"{path}: no kernel of a rasterizer; expected what measure_gpu_frames.sh leaves")
+        raise InputError(f"{path}: no kernel of a rasterizer; expected what profile_kernels.sh leaves")
     return kernels
 
 

@@ -4,7 +4,7 @@ from statistics import median
 
 from tables.frames import BOX, CHOLESKY, ELLIPSE, OURS, RASTERS, SQUARE, VANILLA, Frames, label
 from tables.markdown import decibel, prose, table
-from tables.results import InputError
+from tables.results import InputError, read_json
 from tables.source import backend, machine_name
 
 SHOWN = tuple(f"early/{raster}/{ELLIPSE}" for raster in RASTERS) + (
@@ -59,17 +59,36 @@ def errors(results, frames):
     return prose(text)
 
 
-def of_machine(source, machine):
-    """Where and when the results of `swiftgs bench` come from."""
+def machine_words(source, machine):
+    """A machine, and what ran there when."""
     name = next((name for name in NAMING if source.has(machine, name)), NAMING[0])
     found = source.results(machine, name).machine
-    commit = str(found.get("commit", "unknown"))
     device = f"{found['gpu']}, driver {found.get('driver')}, CUDA {found.get('cuda')}, in a host with " \
         if found.get("gpu") and machine == "gpu" else ""
-    return prose(f"{device}{found.get('cores')} cores of {found.get('cpu')}, {found.get('memory_gib')} GiB, "
-                 f"{found.get('system')}; {found.get('compiler')}, `{found.get('flags')}`; {found.get('date')}, commit "
-                 f"`{commit[:12]}`{' with changes' if commit.endswith('+') else ''}. Files: "
-                 f"[benchmarks/results/{source.folders[machine]}](../benchmarks/results/{source.folders[machine]}).")
+    return (f"{device}{found.get('cores')} cores of {found.get('cpu')}, {found.get('memory_gib')} GiB, "
+            f"{found.get('system')}; {found.get('compiler')}, `{found.get('flags')}`; {found.get('date')}")
 
 
-TABLES = {"summary": summary, "machine": of_machine}
+def commit_of(found):
+    commit = str(found.get("commit", "unknown"))
+    return f"`{commit[:12]}`{' with changes' if commit.endswith('+') else ''}"
+
+
+def of_machine(source, machine):
+    """Where and when the results of `swiftgs bench` come from."""
+    folder = source.folders.get(machine)
+    return prose(f"{machine_words(source, machine)}. Files: [benchmarks/results/{folder}]"
+                 f"(../benchmarks/results/{folder}).")
+
+
+def files(source, machine):
+    """The machine, and the commands that made the files of `swiftgs bench` in its folder."""
+    rows = []
+    for name in source.names(machine, "", ".json"):
+        found = read_json(source.path(machine, name))  # as it is, where a file of another format may be
+        if found.get("format") == "swiftgs-bench":
+            rows.append([f"`{name}`", commit_of(found["machine"]), f"`{found['command']}`"])
+    return prose(machine_words(source, machine) + ".") + "\n\n" + table(["file", "commit", "command"], rows, words=3)
+
+
+TABLES = {"summary": summary, "machine": of_machine, "files": files}
