@@ -82,11 +82,11 @@ def of_machine(source, machine):
 
 
 def files(source, machine):
-    """The machine, and the commands that made the files of `swiftgs bench` in its folder."""
+    """The machine, and the commands that made the files in its folder, of those that tell it."""
     rows = []
     for name in source.names(machine, "", ".json"):
         found = read_json(source.path(machine, name))  # as it is, where a file of another format may be
-        if found.get("format") == "swiftgs-bench":
+        if isinstance(found.get("machine"), dict) and found.get("command"):
             rows.append([f"`{name}`", commit_of(found["machine"]), f"`{found['command']}`"])
     return prose(machine_words(source, machine) + ".") + "\n\n" + table(["file", "commit", "command"], rows, words=3)
 
