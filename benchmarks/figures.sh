@@ -5,7 +5,8 @@
 # speedup-SCENE.svg, with the backend behind the scene where the page has several; scaling-gaussians-SCENE.svg,
 # scaling-pixels-SCENE.svg, scaling-threads-SCENE.svg, scaling-occupancy-SCENE.svg, and each of these with -memory.
 #   benchmarks/figures.sh REPORT.html FOLDER
-# Chromium draws them: `chromium` or its like in PATH, or the program that SWIFTGS_BROWSER names.
+# Chromium draws them: `chromium` or its like in PATH, or the program that SWIFTGS_BROWSER names. Its profile, some
+# megabytes in a new folder for temporary files, is left there, and the last line says where.
 set -euo pipefail
 [ $# -eq 2 ] || { echo "usage: benchmarks/figures.sh REPORT.html FOLDER" >&2; exit 2; }
 report=$1 folder=$2
@@ -18,7 +19,6 @@ done
 [ -n "$browser" ] || { echo "figures: expected chromium, chromium-headless-shell or google-chrome in PATH" >&2; exit 1; }
 
 place=$(mktemp -d)
-trap 'rm -rf "$place"' EXIT
 cp "$report" "$place/report.html"
 timeout 300 "$browser" --headless --no-sandbox --disable-gpu --user-data-dir="$place/profile" \
   --virtual-time-budget=60000 --dump-dom "file://$place/report.html#figures" >"$place/drawn.html" 2>"$place/log" ||
@@ -31,3 +31,5 @@ sed -n 's/.*<p data-figure="\([^"]*\)">\([^<]*\)<.*/\1 \2/p' "$place/drawn.html"
   base64 -d <<<"$content" >"$folder/$name.svg"
   echo "$folder/$name.svg"
 done
+rm "$place/report.html" "$place/drawn.html" "$place/log"
+echo "figures: the browser's profile is left in $place" >&2

@@ -10,16 +10,17 @@
 #   gaussians  scaling-gaussians.json, scaling-builtin.json: 0.1 to 12 million of a capture's, and of the built-in scene
 #   pixels     scaling-pixels.json: 0.25 to 33 million
 #   threads    scaling-threads.json: of the cpu backend, whatever BACKEND is, up to as many as there are
-#   occupancy  scaling-occupancy.json: scales of all Gaussians from an eighth to eight times theirs (four on a CPU)
+#   occupancy  scaling-occupancy.json: scales of all Gaussians from an eighth to eight times theirs (four on a CPU);
+#              tiles get no sparser than by one for each splat in view
 #   prune      prune-SCENE-SCORE.json, and pruned.json: a tenth of each capture
 #   calibrate  calibration-SCENE.json, at one and two times the images' sides; calibration-SCENE.sort.json, the choices
 # BACKEND is cuda or cpu; by default cuda where it runs. Scenes are the built-in one and the captures in
 # SWIFTGS_SCENES; SCENES='fox garden' names other captures. The program is that of SWIFTGS_BUILD, else of build/release.
 #
 # All parts take about seven minutes of an H200 with 16 cores and half an hour of two cores. What keeps them within that:
-# frames end when the median is known to PRECISION, MIN_FRAMES and MAX_FRAMES of them; a CPU takes every 24th view where
-# a GPU takes every eighth (VIEWS), both of them of those that training has not seen; the float64 reference, which takes
-# longer than all frames together, is rendered for the first three views of a scene.
+# frames end when the median is known to PRECISION, MIN_FRAMES, six or more, and MAX_FRAMES of them; a CPU takes every
+# 24th view where a GPU takes every eighth (VIEWS), both of them of those that training has not seen; the float64
+# reference, which takes longer than all frames together, is rendered for the first three views of a scene.
 # Nothing else should run meanwhile. A part that fails says so, and the others run.
 set -euo pipefail
 all_parts=(matrix vanilla all-views gaussians pixels threads occupancy prune calibrate)
@@ -43,6 +44,9 @@ runs_here() { "$swiftgs" list | grep "^$1/.* runs here$" >/dev/null; }
 backend=${BACKEND:-$(runs_here cuda && echo cuda || echo cpu)}
 runs_here "$backend" || { echo "measure: no renderer of the backend '$backend' runs here" >&2; exit 1; }
 
+# Of fewer frames the median has no 95 % interval, and benchmarks/compare leaves their times out.
+[[ "${MIN_FRAMES:-6}" =~ ^[0-9]{1,6}$ ]] && [ "$((10#${MIN_FRAMES:-6}))" -ge 6 ] ||
+  { echo "measure: MIN_FRAMES is '$MIN_FRAMES'; expected 6 or more" >&2; exit 2; }
 if [ "$backend" = cuda ]; then
   views=${VIEWS:-every:8} least=${MIN_FRAMES:-15} most=${MAX_FRAMES:-60} precision=${PRECISION:-0.01}
   sizes_of_builtin=(builtin builtin:1000000 builtin:4000000) enlarge=0.125,0.25,0.5,1,2,4,8
@@ -124,9 +128,15 @@ part_occupancy() {
 }
 
 cameras_of() { if [ -e "$1/cameras.json" ]; then echo "$1/cameras.json"; else echo "$1/sparse/0"; fi; }
-scene_of() { find -L "$1" -maxdepth 1 -name "$(basename "$1").*" | head -n 1; }
+scene_of() {  # a calibration, NAME.spz.sort.json, may lie beside NAME.spz
+  local name
+  name=$(basename "$1")
+  find -L "$1" -maxdepth 1 -type f \( -name "$name.spz" -o -name "$name.ply" \) | sort -r | head -n 1
+}
 
-# Pruned scenes lie in OUTDIR/pruned, each a capture whose cameras and photographs are links; they may be removed.
+# Pruned scenes lie in OUTDIR/pruned, each a capture whose cameras, sparse and photos are links to those of the whole
+# one. Whoever removes the folder removes links as links, `rm OUTDIR/pruned/*/photos` without a slash at the end, and
+# follows none.
 part_prune() {
   local capture name score file photos pruned=()
   for capture in ${captures[@]+"${captures[@]}"}; do

@@ -53,3 +53,5 @@ for row in csv.reader(sys.stdin):
         columns = [row.index(name) for name in keep] if row[0] == "Address" else columns
         write([row[c] for c in columns])' >"$out/instructions-${scene/:/-}.csv" ||
   { rm "$out/instructions-${scene/:/-}.csv"; echo "profile: no report of $scene" >&2; }
+rm -f "$report.ncu-rep"
+rmdir "$(dirname "$report")"

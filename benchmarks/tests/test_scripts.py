@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shell scripts, with programs in place of swiftgs and of the browser that say how they were called."""
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+
+BENCHMARKS = pathlib.Path(__file__).resolve().parent.parent
+ROOT = BENCHMARKS.parent
+SWIFTGS = """#!/bin/sh
+[ "$1" != list ] || { echo "cpu/early/per-pixel/ellipse runs here"; exit 0; }
+echo "$*" >>"$CALLS"
+while [ $# -gt 0 ]; do [ "$1" != --json ] || echo '"command": "swiftgs"' >"$2"; shift; done
+"""
+BROWSER = """#!/bin/sh
+mkdir "${4#--user-data-dir=}"
+echo '<p id="figures"></p><p data-figure="pareto-fox">PHN2Zy8+</p>'
+"""
+
+
+def program(path, text):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    path.chmod(0o755)
+
+
+class Scripts(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.place = pathlib.Path(folder.name)
+        program(self.place / "build" / "examples" / "swiftgs", SWIFTGS)
+        self.fox = self.place / "scenes" / "fox"
+        (self.fox / "photos").mkdir(parents=True)
+        for name in ("fox.spz", "fox.spz.sort.json", "fox.json", "cameras.json", "photos/0001.jpg"):
+            (self.fox / name).write_text(name, encoding="utf-8")
+
+    def run_script(self, script, *arguments, **variables):
+        temporary = self.place / "temporary"
+        temporary.mkdir(exist_ok=True)
+        return subprocess.run([str(BENCHMARKS / script), *map(str, arguments)], capture_output=True, text=True,
+                              check=False, env={"PATH": os.environ["PATH"], "TMPDIR": str(temporary), **variables})
+
+    def measure(self, *parts, **variables):
+        """(exit code, standard error, [arguments of swiftgs])"""
+        calls = self.place / "calls"
+        calls.write_text("", encoding="utf-8")
+        ran = self.run_script("measure_matrix.sh", self.place / "out", *parts, CALLS=str(calls),
+                              SWIFTGS_BUILD=str(self.place / "build"), SWIFTGS_SCENES=str(self.place / "scenes"),
+                              **variables)
+        return ran.returncode, ran.stderr, [line.split() for line in calls.read_text(encoding="utf-8").splitlines()]
+
+    def test_a_calibration_beside_a_scene_is_not_taken_for_the_scene(self):
+        code, error, calls = self.measure("calibrate", "prune")
+        self.assertEqual((code, error), (0, ""))
+        named = [call[1] for call in calls if call[0] in ("calibrate", "prune")]
+        self.assertEqual(named, [str(self.fox / "fox.spz"), "builtin:1000000"] + 2 * [str(self.fox / "fox.spz")])
+        (self.fox / "fox.spz").rename(self.fox / "fox.ply")
+        self.assertEqual(self.measure("prune")[2][0][1], str(self.fox / "fox.ply"))
+
+    def test_frames_too_few_for_an_interval_are_refused(self):
+        for frames in ("4", "few", "-6"):
+            code, error, calls = self.measure("matrix", MIN_FRAMES=frames)
+            self.assertEqual((code, calls), (2, []))
+            self.assertEqual(error, f"measure: MIN_FRAMES is '{frames}'; expected 6 or more\n")
+        code, _, calls = self.measure("matrix", MIN_FRAMES="08")
+        self.assertEqual(code, 0)
+        self.assertEqual(calls[0][calls[0].index("--min-frames") + 1], "08")
+
+    def test_pruned_scenes_have_links_and_the_capture_stays_as_it_is(self):
+        for _ in range(2):
+            self.assertEqual(self.measure("prune")[0], 0)
+        pruned = self.place / "out" / "pruned" / "fox-pruned"
+        self.assertEqual(os.readlink(pruned / "photos"), str(self.fox / "photos"))
+        self.assertEqual(sorted(path.name for path in self.fox.iterdir()),
+                         ["cameras.json", "fox.json", "fox.spz", "fox.spz.sort.json", "photos"])
+        self.assertEqual([path.name for path in (self.fox / "photos").iterdir()], ["0001.jpg"])
+
+    def test_figures_are_saved_and_where_the_profile_is_left_is_said(self):
+        program(self.place / "browser", BROWSER)
+        page, folder = self.place / "report.html", self.place / "figures"
+        page.write_text("a page", encoding="utf-8")
+        folder.mkdir()
+        (folder / "kept.txt").write_text("kept", encoding="utf-8")
+        ran = self.run_script("figures.sh", page, folder, SWIFTGS_BROWSER=str(self.place / "browser"))
+        self.assertEqual((ran.returncode, ran.stdout), (0, f"{folder}/pareto-fox.svg\n"))
+        self.assertEqual((folder / "pareto-fox.svg").read_text(encoding="utf-8"), "<svg/>")
+        self.assertTrue((folder / "kept.txt").exists() and page.exists())
+        left = re.fullmatch(r"figures: the browser's profile is left in (\S+)\n", ran.stderr)
+        self.assertIsNotNone(left, ran.stderr)
+        self.assertEqual([path.name for path in pathlib.Path(left[1]).iterdir()], ["profile"])
+
+    def test_no_script_deletes_folders_with_what_is_in_them(self):
+        scripts = [path for path in ROOT.rglob("*.sh") if "build" not in path.relative_to(ROOT).parts[:1]]
+        self.assertGreater(len(scripts), 5)
+        for script in scripts:
+            for line in script.read_text(encoding="utf-8").splitlines():
+                with self.subTest(script=script.name, line=line):
+                    self.assertNotRegex(line, r"\brm +(-\S+ +)*-(\w*[rR]|-recursive)|\bfind\b.*-delete|^\s*trap\b")
+
+
+if __name__ == "__main__":
+    unittest.main()
