@@ -4,6 +4,7 @@
 # Installs what is missing of cmake/packages.txt; does nothing, and needs no network, when nothing is.
 #   cmake/setup.sh build    what the library, the command-line tool and the demo need
 #   cmake/setup.sh test     that, and what ./test.sh needs
+# Fails where something that is needed cannot be installed; what is optional is only said to be missing.
 # SWIFTGS_SKIP_SETUP=1 leaves the system alone: for libraries that come from elsewhere.
 set -euo pipefail
 
@@ -49,11 +50,24 @@ if [ "$(id -u)" -ne 0 ]; then
   as_root=(sudo)
 fi
 wait_for_lock=(-o DPkg::Lock::Timeout=300)
-"${as_root[@]}" apt-get "${wait_for_lock[@]}" -q update
+install() {
+  echo "setup: installing $*"
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get "${wait_for_lock[@]}" -q install -y --no-install-recommends "$@"
+}
+if ! "${as_root[@]}" apt-get "${wait_for_lock[@]}" -q update; then
+  if [ ${#missing[@]} -gt 0 ]; then
+    echo "setup: apt-get update failed; expected a network to install ${missing[*]} from" >&2
+    exit 1
+  fi
+  echo "setup: apt-get update failed; going on without ${optional[*]}, which is optional"
+  exit 0
+fi
+[ ${#missing[@]} -eq 0 ] || install "${missing[@]}"
 for name in ${optional[@]+"${optional[@]}"}; do
-  if has_candidate "$name"; then missing+=("$name"); else echo "setup: there is no package $name here"; fi
+  if ! has_candidate "$name"; then
+    echo "setup: there is no package $name here"
+  elif ! install "$name"; then
+    echo "setup: $name cannot be installed; going on without it, it is optional"
+  fi
 done
-[ ${#missing[@]} -eq 0 ] && exit 0
-echo "setup: installing ${missing[*]}"
-"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-  apt-get "${wait_for_lock[@]}" -q install -y --no-install-recommends "${missing[@]}"

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""cmake/setup.sh: fails without what is needed, goes on without what is optional."""
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+STUBS = {
+    "id": "echo 0",
+    "dpkg-query": 'for name; do :; done\ncase " $MISSING " in *" $name "*) exit 1 ;; esac\necho installed',
+    "apt-cache": 'case " $UNKNOWN " in *" $2 "*) echo "  Candidate: (none)" ;; *) echo "  Candidate: 1.0" ;; esac',
+    "apt-get": 'echo "$*" >>"$CALLS"\nfor broken in $BROKEN; do case " $* " in *" $broken "*) exit 100 ;; esac; done',
+}
+
+
+def packages(part):
+    lines = (line.split() for line in (ROOT / "cmake" / "packages.txt").read_text(encoding="utf-8").splitlines())
+    return [words[0] for words in lines if len(words) > 1 and words[0] != "#" and words[1] == part]
+
+
+class Setup(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.place = pathlib.Path(folder.name)
+        for name, body in STUBS.items():
+            (self.place / name).write_text(f"#!/bin/sh\n{body}\n", encoding="utf-8")
+            (self.place / name).chmod(0o755)
+        self.needed, self.optional = packages("test")[0], packages("test?")[0]
+
+    def setup_sh(self, missing=(), unknown=(), broken=()):
+        """(exit code, standard output, standard error, [arguments of apt-get])"""
+        calls = self.place / "calls"
+        calls.write_text("", encoding="utf-8")
+        ran = subprocess.run([str(ROOT / "cmake" / "setup.sh"), "test"], capture_output=True, text=True, check=False,
+                             env={"PATH": f"{self.place}:{os.environ['PATH']}", "CALLS": str(calls),
+                                  "MISSING": " ".join(missing), "UNKNOWN": " ".join(unknown),
+                                  "BROKEN": " ".join(broken)})
+        return ran.returncode, ran.stdout, ran.stderr, calls.read_text(encoding="utf-8").splitlines()
+
+    def test_nothing_is_asked_of_the_network_where_nothing_is_missing(self):
+        self.assertEqual(self.setup_sh(), (0, "", "", []))
+
+    def test_what_is_missing_is_installed(self):
+        code, _, _, calls = self.setup_sh(missing=(self.needed, self.optional))
+        self.assertEqual(code, 0)
+        self.assertEqual([call.split()[-1] for call in calls], ["update", self.needed, self.optional])
+
+    def test_without_a_network_what_is_optional_is_one_line_and_all_goes_on(self):
+        code, output, error, calls = self.setup_sh(missing=(self.optional,), broken=("update",))
+        self.assertEqual((code, error, len(calls)), (0, "", 1))
+        self.assertEqual(output, f"setup: apt-get update failed; going on without {self.optional}, which is optional\n")
+
+    def test_what_is_optional_and_cannot_be_installed_is_said_and_all_goes_on(self):
+        code, output, error, _ = self.setup_sh(missing=(self.optional,), broken=(self.optional,))
+        self.assertEqual((code, error), (0, ""))
+        self.assertEqual(output.splitlines()[-1],
+                         f"setup: {self.optional} cannot be installed; going on without it, it is optional")
+
+    def test_what_is_optional_and_unknown_costs_no_network(self):
+        code, output, _, calls = self.setup_sh(missing=(self.optional,), unknown=(self.optional,))
+        self.assertEqual((code, calls), (0, []))
+        self.assertEqual(output, f"setup: there is no package {self.optional} here\n")
+
+    def test_without_what_is_needed_nothing_goes_on(self):
+        code, _, error, calls = self.setup_sh(missing=(self.needed, self.optional), broken=("update",))
+        self.assertEqual((code, len(calls)), (1, 1))
+        self.assertEqual(error, f"setup: apt-get update failed; expected a network to install {self.needed} from\n")
+        code, output, _, calls = self.setup_sh(missing=(self.needed, self.optional), broken=(self.needed,))
+        self.assertNotEqual(code, 0)
+        self.assertNotIn("optional", output)
+        self.assertEqual(len(calls), 2)
+
+    def test_a_failure_of_what_is_optional_does_not_keep_what_is_needed_away(self):
+        code, output, _, calls = self.setup_sh(missing=(self.needed, self.optional), broken=(self.optional,))
+        self.assertEqual(code, 0)
+        self.assertEqual([call.split()[-1] for call in calls], ["update", self.needed, self.optional])
+        self.assertIn("going on without it", output)
+
+
+if __name__ == "__main__":
+    unittest.main()
