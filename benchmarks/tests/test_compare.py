@@ -136,6 +136,25 @@ class Compare(unittest.TestCase):
         self.assertEqual({row[4] for row in self.named(output, "Rows")}, {"raster"})
         self.assertEqual(code, 1)
 
+    def test_only_a_slower_rasterization_passes_for_the_one_that_is_looked_for(self):
+        place, program = pathlib.Path(self.folder.name), PROGRAM.parent.parent / "tests" / "bench" / "find_slowdown.py"
+        for name, seed, slower in (("before", 1, {}), ("same", 2, {}), ("slower", 3, {"raster": 1.05}),
+                                   ("quicker", 4, {"raster": 0.95}), ("sorts", 5, {"raster": 1.05, "sort": 1.05})):
+            synthetic.write(place / f"{name}.json", synthetic.run(seed, slower={SLOWED: slower}))
+        for after, same, message in (("slower", "same", None), ("quicker", "same", "expected exit code 1"),
+                                     ("sorts", "same", "named were [('sort', 'slower')"),
+                                     ("same", "same", "expected exit code 1"),
+                                     ("slower", "quicker", "expected exit code 0 and no stage")):
+            folder = place / f"{after}-{same}"
+            folder.mkdir()
+            for name, content in (("before", "before"), ("after", after), ("same", same)):
+                (folder / f"{name}.json").write_text((place / f"{content}.json").read_text(encoding="utf-8"),
+                                                     encoding="utf-8")
+            ran = subprocess.run([sys.executable, "-B", str(program), str(PROGRAM), str(folder)], capture_output=True,
+                                 text=True, check=False)
+            self.assertEqual(ran.returncode, 1 if message else 0, ran.stdout + ran.stderr)
+            self.assertIn(message or "", ran.stderr)
+
     def test_another_machine_is_warned_about(self):
         after = synthetic.run(1)
         after["machine"].update(gpu="another GPU", driver="1.0")

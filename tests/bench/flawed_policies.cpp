@@ -3,12 +3,16 @@
 // Measures an honest rasterizer, one that is 5 % slower and one that is off by 1e-3, in turns, and writes
 // what a reader of results should notice:
 //   before.json, after.json   the same renderer, rasterizing slower in the second
+//   same.json                 the renderer of before.json again, another object measured in the same turns
 //   error.json                the honest ones beside one that is off
 #include <chrono>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
+#include <iterator>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/serial.hpp>
@@ -59,18 +63,18 @@ std::vector<RendererEntry> entries() {
 namespace cli {
 namespace {
 
-constexpr int frames = 160;
+constexpr double scale = 0.2;  // of the built-in camera's image
 
 Session session() {
   Session s;
   s.gaussians = std::make_shared<const Scene>(make_builtin_scene(3000));
   s.scene = {"builtin", s.gaussians->size(), s.gaussians->size(), 1, s.gaussians->sh_degree, false};
-  s.views = {{scaled(builtin_camera(), 0.1), "front"}};
-  s.scale = 0.1, s.conventions = "gsplat", s.threads = 1;
+  s.views = {{scaled(builtin_camera(), scale), "front"}};
+  s.scale = scale, s.conventions = "gsplat", s.threads = 1;
   return s;
 }
 
-Results measured(const std::vector<RendererEntry>& table, std::size_t judged) {
+Results measured(const std::vector<RendererEntry>& table, int frames, std::size_t judged) {
   Results results;
   results.machine = describe_machine(), results.command = "flawed_policies";
   Progress progress(table.size());
@@ -82,12 +86,14 @@ Results measured(const std::vector<RendererEntry>& table, std::size_t judged) {
 }
 
 void write_all(const std::filesystem::path& folder) {
-  const Results timed = measured(entries<PerPixel, Slowed<PerPixel>>(), 0);
-  Results before = timed, after = timed;
-  before.rows.resize(1), after.rows.erase(after.rows.begin());
-  write_results(before, folder / "before.json");
-  write_results(after, folder / "after.json");
-  write_results(measured(entries<PerPixel, AxisShared<FloatCholesky>, Off<PerPixel>>(), 1),
+  const Results timed = measured(entries<PerPixel, Slowed<PerPixel>, PerPixel>(), 100, 0);
+  const char* const names[] = {"before.json", "after.json", "same.json"};
+  for (std::size_t i = 0; i < std::size(names); ++i) {
+    Results one = timed;
+    one.rows = {timed.rows.at(i)};
+    write_results(one, folder / names[i]);
+  }
+  write_results(measured(entries<PerPixel, AxisShared<FloatCholesky>, Off<PerPixel>>(), 8, 1),
                 folder / "error.json");
 }
 
