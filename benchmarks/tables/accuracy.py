@@ -3,7 +3,7 @@
 from statistics import mean
 
 from tables import paper
-from tables.frames import BOX, RASTERS, Frames, label
+from tables.frames import BOX, ELLIPSE, RASTERS, VANILLA, Frames, label
 from tables.markdown import decibel, prose, table
 from tables.results import InputError
 from tables.source import machine_name
@@ -64,4 +64,21 @@ def sorts_change_nothing(source, machine):
                  f"with every sort and both lossless bounds{exceptions}.")
 
 
-TABLES = {"paper-accuracy": paper_accuracy, "accuracy": accuracy, "sorts-change-nothing": sorts_change_nothing}
+def presets(source, machine):
+    """What both presets reach against their reference, and what the square of one of them loses."""
+    gsplat = Frames(source.results(machine, "matrix.json"))
+    inria = Frames(source.results(machine, "vanilla.json"), "inria")
+    scenes = [scene for scene in gsplat.scenes if scene in inria.scenes]
+    lossless = VANILLA.rsplit("/", 1)[0] + f"/{ELLIPSE}"
+    rows = [["`gsplat`, `ellipse`", "all that alpha keeps"]
+            + [decibel(gsplat.worst_psnr(scene, lossless)) for scene in scenes],
+            ["`inria`, `three-sigma-square`", "the square's part of it"]
+            + [decibel(inria.worst_psnr(scene, VANILLA, "cut_psnr_db")) for scene in scenes],
+            ["`inria`, `three-sigma-square`", "all that alpha keeps"]
+            + [decibel(inria.worst_psnr(scene, VANILLA)) for scene in scenes]]
+    return f"{machine_name(gsplat.results)}, `per-pixel`, dB in the worst view:\n\n" + table(
+        ["conventions and bounds", "the reference draws", *map(label, scenes)], rows, words=2)
+
+
+TABLES = {"paper-accuracy": paper_accuracy, "accuracy": accuracy, "sorts-change-nothing": sorts_change_nothing,
+          "presets": presets}

@@ -60,9 +60,10 @@ class Frames:
         values = [getattr(row, member) for row in self.rows(scene, name) if getattr(row, member) is not None]
         return mean(values) if values else None
 
-    def worst_psnr(self, scene, name):
+    def worst_psnr(self, scene, name, member="psnr_db"):
         """dB against float64, of the worst view that was compared; None where none was."""
-        return min((row.psnr_db for row in self.rows(scene, name) if row.psnr_db is not None), default=None)
+        found = [getattr(row, member) for row in self.rows(scene, name)]
+        return min((value for value in found if value is not None), default=None)
 
     def speed_up(self, scene, name, base, stage="total"):
         return self.mean(scene, base, stage) / self.mean(scene, name, stage)

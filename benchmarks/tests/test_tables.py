@@ -192,6 +192,11 @@ class Tables(unittest.TestCase):
                          ["24.7500 (-0.0500)"] * 3 + ["60.0"] * 3)
         self.assertEqual(cells(text, "`axis-shared-float-cholesky`")[1:], ["24.8000 (+0.0000)"] * 3 + ["102.0"] * 3)
 
+    def test_the_square_of_a_preset_is_judged_with_and_without_its_cut(self):
+        lines = [line for line in self.table("presets gpu").splitlines() if "three-sigma-square" in line]
+        self.assertEqual([line.strip("| ").split(" | ")[1:] for line in lines],
+                         [["the square's part of it"] + ["101.5"] * 3, ["all that alpha keeps"] + ["102.0"] * 3])
+
     def test_errors_that_depend_on_the_sort_are_told(self):
         same = self.table("sorts-change-nothing gpu")
         self.assertNotIn("except", same)
