@@ -9,6 +9,7 @@
 
 #include "cli/command.hpp"
 
+using swiftgs::test::content_of;
 using swiftgs::test::lines_in;
 using swiftgs::test::Outcome;
 using swiftgs::test::TemporaryFolder;
@@ -151,5 +152,41 @@ TEST_CASE("bench: what cannot be measured is one line that says why") {
   fails("builtin:500 --max-frames 2 --min-frames 3", {"--max-frames"});
   fails("builtin:500 --precision 0", {"--precision"});
   fails("builtin:500 --images im", {"--images", "--json"});
+  fails("builtin:500 --threads 0", {"--threads", "1 to"});
+  fails("builtin:500 --gaussians 0", {"--gaussians", "100000000"});
+  fails("builtin:500 --gaussians 18446744073709551615", {"--gaussians", "100000000"});
+  fails("builtin:500 --enlarge 1e39", {"--enlarge", "1000"});
+  fails("builtin:500 --enlarge 1e-50", {"--enlarge", "0.001"});
   fails("builtin:500 --json no/such/folder/r.json", {"no/such/folder"});
+}
+
+TEST_CASE("bench: what would be measured twice under one name is refused") {
+  fails("builtin:500 --scales 0.1,.1", {"--scales", "once"});
+  fails("builtin:500 --conventions gsplat,gsplat", {"--conventions", "once"});
+  fails("builtin:500 --threads 1,1", {"--threads", "once"});
+  fails("builtin:500 builtin:500", {"SCENE", "builtin:500", "another name"});
+  fails("builtin:500 builtin:600 --gaussians 100", {"SCENE", "builtin:600", "another name"});
+}
+
+TEST_CASE("bench: images of a variant are not those of another") {
+  const TemporaryFolder place;
+  const std::string renderer = " --renderers 'serial/early/per-pixel/ellipse' --views 0 --images im";
+  REQUIRE(swiftgs::test::swiftgs(place, "bench builtin:500 --enlarge 1,4" + renderer + quick).code == 0);
+  const Json views = results_in(place / "r.json").at("views");
+  REQUIRE(views.size() == 2);
+  CHECK(views[0].at("reference_image") != views[1].at("reference_image"));
+  const std::string enlarged = views[1].at("reference_image");
+  // Nor of what was in the folder before.
+  REQUIRE(swiftgs::test::swiftgs(place, "bench builtin:500 --enlarge 4" + renderer + quick).code == 0);
+  CHECK(results_in(place / "r.json").at("views")[0].at("reference_image") == enlarged);
+}
+
+TEST_CASE("bench: results that are there stay until there are new ones") {
+  const TemporaryFolder place;
+  const std::string command =
+      "bench builtin:500 --renderers 'serial/early/per-pixel/ellipse' --views 0" + std::string(quick);
+  REQUIRE(swiftgs::test::swiftgs(place, command).code == 0);
+  const std::string before = content_of(place / "r.json");
+  REQUIRE(swiftgs::test::swiftgs(place, command + " --enlarge 0").code == 1);
+  CHECK(content_of(place / "r.json") == before);
 }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -53,8 +56,12 @@ std::size_t judged_views(const std::string& errors) {
   return count.front();
 }
 
-std::vector<std::size_t> or_zero(const std::string& option, const std::string& list) {
-  return list.empty() ? std::vector<std::size_t>{0} : counts_of(option, list);
+/// What is not asked for is one case: what the scene or the machine has.
+std::vector<std::optional<std::size_t>> counts_or_one_case(const std::string& option,
+                                                           const std::string& list) {
+  if (list.empty()) return {std::nullopt};
+  const std::vector<std::size_t> counts = counts_of(option, list);
+  return {counts.begin(), counts.end()};
 }
 
 /// Every combination of what the options list, scene by scene.
@@ -64,10 +71,19 @@ class Matrix {
       : options_(options),
         scales_(numbers_of("--scales", options.scales)),
         enlarge_(numbers_of("--enlarge", options.enlarge)),
-        gaussians_(or_zero("--gaussians", options.gaussians)),
-        threads_(or_zero("--threads", options.threads)),
+        gaussians_(counts_or_one_case("--gaussians", options.gaussians)),
+        threads_(counts_or_one_case("--threads", options.threads)),
         conventions_(list_of("--conventions", options.conventions)) {
-    for (const std::string& scene : options.scenes) inputs_.push_back(input_named(scene));
+    check_values();
+    // In results a scene goes by its name and its number of Gaussians.
+    std::set<std::pair<std::string, std::size_t>> names;
+    for (const std::string& scene : options.scenes) {
+      inputs_.push_back(input_named(scene));
+      const std::size_t built_in = options.gaussians.empty() ? builtin_size(scene).value_or(0) : 0;
+      if (!names.emplace(name_of(inputs_.back()), built_in).second)
+        throw std::invalid_argument("SCENE '" + scene +
+                                    "': expected another name than that of a scene before it");
+    }
   }
 
   /// Images, an upper limit where a scene's cameras are not known yet: for the progress.
@@ -88,7 +104,7 @@ class Matrix {
   void for_each_session(Results& results, const Run& run) const {
     for (const Input& input : inputs_) {
       const Scene original = load(input.scene).scene;
-      for (const std::size_t count : gaussians_)
+      for (const std::optional<std::size_t> count : gaussians_)
         for (const double factor : enlarge_) {
           Session session;
           session.gaussians = std::make_shared<const Scene>(variant(original, count, factor));
@@ -101,18 +117,30 @@ class Matrix {
   }
 
  private:
+  /// Throws before anything is measured what would be thrown later.
+  void check_values() const {
+    for (const double scale : scales_)
+      if (!(scale > 0) || !std::isfinite(scale))
+        throw std::invalid_argument("--scales: expected finite factors above 0");
+    for (const double factor : enlarge_) require_factor(factor);
+    for (const std::optional<std::size_t> count : gaussians_)
+      if (count) require_count(*count);
+    for (const std::optional<std::size_t> threads : threads_) ThreadLimit limit(threads);
+    for (const std::string& name : conventions_) conventions_named(name);
+  }
+
   static std::string name_of(const Input& input) {
     return builtin_size(input.scene.scene) ? "builtin" : scene_label(input.scene.scene);
   }
 
-  Scene variant(const Scene& original, std::size_t count, double factor) const {
-    Scene scene = count ? with_count(original, count, options_.plan.seed) : original;
+  Scene variant(const Scene& original, std::optional<std::size_t> count, double factor) const {
+    Scene scene = count ? with_count(original, *count, options_.plan.seed) : original;
     return factor == 1 ? scene : enlarged(std::move(scene), factor);
   }
 
   template <class Run>
   void for_each_view_set(const Input& input, Session& session, const Run& run) const {
-    for (const std::size_t threads : threads_) {
+    for (const std::optional<std::size_t> threads : threads_) {
       const ThreadLimit limit(threads);
       session.threads = limit.threads();
       for (const std::string& conventions : conventions_)
@@ -136,7 +164,7 @@ class Matrix {
 
   const BenchOptions& options_;
   std::vector<double> scales_, enlarge_;
-  std::vector<std::size_t> gaussians_, threads_;
+  std::vector<std::optional<std::size_t>> gaussians_, threads_;
   std::vector<std::string> conventions_;
   std::vector<Input> inputs_;
 };

@@ -33,6 +33,8 @@ std::vector<Number> parsed(const std::string& option, const std::string& text, c
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), number);
     if (error != std::errc() || end != part.data() + part.size())
       throw std::invalid_argument(option + " '" + text + "': expected " + expected + " separated by commas");
+    if (std::find(numbers.begin(), numbers.end(), number) != numbers.end())
+      throw std::invalid_argument(option + " '" + text + "': expected every value once");
     numbers.push_back(number);
   }
   return numbers;
@@ -61,6 +63,9 @@ std::vector<std::string> list_of(const std::string& option, const std::string& t
       parts.back() += c;
   if (std::any_of(parts.begin(), parts.end(), [](const std::string& part) { return part.empty(); }))
     throw std::invalid_argument(option + " '" + text + "': expected values separated by commas");
+  for (auto part = parts.begin(); part != parts.end(); ++part)
+    if (std::find(parts.begin(), part, *part) != part)
+      throw std::invalid_argument(option + " '" + text + "': expected every value once");
   return parts;
 }
 

@@ -20,7 +20,8 @@ struct Input {
 /// are in `photos`. Throws `std::invalid_argument` where there is none or more than one scene.
 Input input_named(const std::string& name);
 
-/// The parts of `text` between commas. Throws `std::invalid_argument`, naming `option`, for an empty one.
+/// The parts of `text` between commas. Throws `std::invalid_argument`, naming `option`, for an empty one and
+/// for one that is there twice.
 std::vector<std::string> list_of(const std::string& option, const std::string& text);
 
 /// The same as numbers.

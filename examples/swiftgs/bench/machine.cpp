@@ -12,9 +12,11 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <swiftgs/processor_name.hpp>
 #include <swiftgs/version.hpp>
 
 #include "build_stamp.hpp"
+#include "shell_word.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -72,7 +74,7 @@ std::optional<Machine::Gpu> describe_gpu() {
 Machine describe_machine() {
   Machine m;
   m.date = today();
-  m.cpu = value_in("/proc/cpuinfo", "model name", ':');
+  m.cpu = processor_name();
   m.system = value_in("/etc/os-release", "PRETTY_NAME", '=');
   m.cores = int(std::thread::hardware_concurrency());
   m.memory_gib = double(long(number_in("/proc/meminfo", "MemTotal") / kib_a_gib * 10 + 0.5)) / 10;
@@ -89,10 +91,7 @@ std::string command_line() {
   std::ifstream in("/proc/self/cmdline", std::ios::binary);
   std::string line = "swiftgs", word;
   std::getline(in, word, '\0');
-  while (std::getline(in, word, '\0')) {
-    const bool plain = word.find_first_of(" *?'\"") == std::string::npos;
-    line += plain ? " " + word : " '" + word + "'";
-  }
+  while (std::getline(in, word, '\0')) line.append(" ").append(shell_word(word));
   return line;
 }
 

@@ -27,7 +27,7 @@ struct Machine {
 /// This machine now. What it does not tell is "unknown".
 Machine describe_machine();
 
-/// The words that this program was called with, after its own name. Those with blanks are quoted.
+/// The words that this program was called with, after its own name. As a shell takes them.
 std::string command_line();
 
 /// Gives memory that is free within this process back to the system, so that taking it again is seen.

@@ -70,6 +70,7 @@ struct RowResult {
   int threads = 0;
   std::string renderer;
   int frames = 0;
+  bool calibrated = false;  ///< an adaptive sort had a saved measurement
   Durations ms;
   std::optional<Errors> errors;
   std::optional<PhotoErrors> photo;

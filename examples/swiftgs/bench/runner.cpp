@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <utility>
 
+#include <swiftgs/bounds/three_sigma_square.hpp>
+#include <swiftgs/sort/adaptive.hpp>
+
 #include "bench/machine.hpp"
+#include "renderer_words.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -20,16 +24,6 @@ Place place_of(const Session& session, std::size_t view) {
           camera.width,        camera.height,           session.scale,         session.conventions};
 }
 
-/// Whether `word` is one of those that slashes separate in `name`.
-bool has_word(std::string_view name, std::string_view word) {
-  for (std::size_t end = 0; end != std::string_view::npos; name.remove_prefix(end + 1)) {
-    end = name.find('/');
-    if (name.substr(0, end) == word) return true;
-    if (end == std::string_view::npos) break;
-  }
-  return false;
-}
-
 std::uint64_t grown(std::uint64_t before, std::uint64_t after) { return after > before ? after - before : 0; }
 
 std::uint64_t device_bytes(const AnyRenderer& renderer) {
@@ -37,35 +31,34 @@ std::uint64_t device_bytes(const AnyRenderer& renderer) {
   return use ? use->in_use : 0;
 }
 
-/// Whether there is room for one renderer more that takes `bytes`.
+/// Whether there is room for `like` where it takes as many `bytes`.
 bool has_room(const AnyRenderer& like, std::uint64_t bytes) {
   const std::optional<MemoryUse> use = like.device_memory();
-  return (use ? use->total - use->in_use : available_memory()) > bytes + spare_bytes;
+  const bool on_device = !use || use->total - use->in_use > bytes + spare_bytes;
+  return on_device && available_memory() > bytes + spare_bytes;
 }
 
-/// Draws every view, so that nothing grows later and an adaptive sort has decided for each size of images.
-void warm_up(AnyRenderer& renderer, const Session& session) {
-  const bool adapts = has_word(renderer.name(), "adaptive");
-  for (const View& view : session.views)
-    for (int frame = 0; frame == 0 || (adapts && !renderer.calibration() && frame < most_frames_to_adapt);
-         ++frame)
-      renderer.render_resident(view.camera, session.settings);
+/// Draws a view until an adaptive sort has decided for its size, or once. Returns whether it had decided
+/// before.
+bool adapt(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings) {
+  const bool adaptive = RendererWords(renderer.name()).sort == AdaptiveSort::name;
+  int frames = 0;
+  do renderer.render_resident(camera, settings), ++frames;
+  while (adaptive && !renderer.calibration() && frames < most_frames_to_adapt);
+  return adaptive && frames == 1 && renderer.calibration();
 }
 
 }  // namespace
 
 void Runner::run(const Session& session) {
-  std::vector<Judge> judges;
-  for (std::size_t view = 0; view < session.views.size(); ++view) {
-    judges.emplace_back(session.gaussians, session.views[view].camera, session.settings,
-                        session.photos.empty() ? std::nullopt : session.photos[view]);
-    add_view(session, view, judges.back());
-  }
   // As many renderers take turns as there is memory for.
   for (std::size_t first = 0; first < entries_.size();) {
     std::vector<Subject> subjects = prepare(session, first);
     for (std::size_t view = 0; view < session.views.size(); ++view) {
-      measure_view(session, view, subjects, judges[view]);
+      Judge judge(session.gaussians, session.views[view].camera, session.settings,
+                  session.photos.empty() ? std::nullopt : session.photos[view]);
+      add_view(session, view, judge);
+      measure_view(session, view, subjects, judge);
       if (!options_.file.empty()) write_results(results_, options_.file);
     }
     first += subjects.size();
@@ -76,17 +69,18 @@ std::vector<Runner::Subject> Runner::prepare(const Session& session, std::size_t
   std::vector<Subject> subjects;
   std::uint64_t largest = 0;
   for (std::size_t i = first; i < entries_.size(); ++i) {
-    if (!subjects.empty() && !has_room(*subjects.back().renderer, largest)) break;
     progress_.start("warm up " + std::string(entries_[i].name));
     Subject subject{entries_[i].make()};
     AnyRenderer& renderer = *subject.renderer;
+    if (!subjects.empty() && !has_room(renderer, largest)) break;
     if (std::none_of(subjects.begin(), subjects.end(),
                      [&](const Subject& other) { return renderer.share_scene(*other.renderer); }))
       renderer.set_scene(session.gaussians);
     if (session.calibrations) session.calibrations->hand_to(renderer, session.views);
     release_free_memory();
     const std::uint64_t device = device_bytes(renderer), host = resident_memory();
-    warm_up(renderer, session);
+    // Every view once, so that nothing grows later.
+    for (const View& view : session.views) renderer.render_resident(view.camera, session.settings);
     subject.device_bytes = grown(device, device_bytes(renderer));
     subject.host_bytes = grown(host, resident_memory());
     largest = std::max({largest, subject.device_bytes, subject.host_bytes});
@@ -102,7 +96,7 @@ void Runner::add_view(const Session& session, std::size_t view, Judge& judge) {
     judge.render_reference();
     result.photo = judge.reference_photo();
     if (view == 0 && !options_.images.empty())
-      result.reference_image = write_image(result.place, "reference", judge.reference_frame());
+      result.reference_image = write_image(result.place, judge.reference_frame(), "reference");
   }
   // Another number of threads has the same views.
   const auto same = [&](const ViewResult& other) { return other.place == result.place; };
@@ -114,12 +108,17 @@ void Runner::measure_view(const Session& session, std::size_t view, std::vector<
                           Judge& judge) {
   std::vector<AnyRenderer*> renderers;
   for (const Subject& subject : subjects) renderers.push_back(subject.renderer.get());
+  const Camera& camera = session.views[view].camera;
   progress_.start(session.scene.scene + " " + session.views[view].name);
+  std::vector<bool> calibrated;
+  for (AnyRenderer* renderer : renderers) calibrated.push_back(adapt(*renderer, camera, session.settings));
   const std::vector<Samples> samples = measure(
-      renderers, session.views[view].camera, session.settings, options_.plan,
+      renderers, camera, session.settings, options_.plan,
       [&](const AnyRenderer& renderer) { progress_.step(), progress_.start(std::string(renderer.name())); });
-  for (std::size_t i = 0; i < subjects.size(); ++i)
+  for (std::size_t i = 0; i < subjects.size(); ++i) {
     results_.rows.push_back(row_of(session, view, subjects[i], samples[i], judge));
+    results_.rows.back().calibrated = calibrated[i];
+  }
 }
 
 RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subject, const Samples& samples,
@@ -146,21 +145,22 @@ RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subj
   if (!judged && !photographed) return row;
   Frame frame;
   renderer.render(camera, session.settings, frame);
-  const Judge::Verdict verdict = judge.of(frame, has_word(row.renderer, "three-sigma-square"));
+  const Judge::Verdict verdict =
+      judge.of(frame, RendererWords(row.renderer).bounds == ThreeSigmaSquare::name);
   row.errors = verdict.errors, row.photo = verdict.photo;
   if (judged && view == 0 && !options_.images.empty()) {
     // Renderers that draw the same bits share their files.
-    const std::string name = std::to_string(hash_of(frame));
-    row.image = write_image(row.place, name, frame);
-    row.error_image = write_image(row.place, name + "-error", judge.error_map(frame));
+    row.image = write_image(row.place, frame, "frame");
+    row.error_image = write_image(row.place, judge.error_map(frame), "error");
   }
   return row;
 }
 
-std::string Runner::write_image(const Place& place, const std::string& what, const Frame& frame) const {
+std::string Runner::write_image(const Place& place, const Frame& frame, const std::string& what) const {
+  // Named by what it shows, so that no image stands for another and renderers that draw the same bits share
+  // one.
   std::string name = place.scene;
-  for (const std::string& part :
-       {std::to_string(place.gaussians), place.view, std::to_string(place.width), place.conventions, what})
+  for (const std::string& part : {place.view, std::to_string(hash_of(frame)), what})
     name.append("-").append(part);
   const std::filesystem::path file = options_.images / (name + ".png");
   if (!std::filesystem::exists(file)) write_png(file, frame);

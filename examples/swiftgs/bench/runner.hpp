@@ -58,7 +58,7 @@ class Runner {
   void measure_view(const Session& session, std::size_t view, std::vector<Subject>& subjects, Judge& judge);
   RowResult row_of(const Session& session, std::size_t view, Subject& subject, const Samples& samples,
                    Judge& judge);
-  std::string write_image(const Place& place, const std::string& what, const Frame& frame) const;
+  std::string write_image(const Place& place, const Frame& frame, const std::string& what) const;
 
   std::vector<RendererEntry> entries_;
   Options options_;

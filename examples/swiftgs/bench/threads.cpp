@@ -19,15 +19,15 @@ struct ThreadLimit::Control {
 #endif
 };
 
-ThreadLimit::ThreadLimit(std::size_t threads)
+ThreadLimit::ThreadLimit(std::optional<std::size_t> threads)
     : threads_(std::max(1, int(std::thread::hardware_concurrency()))) {
-  if (threads == 0) return;
-  if (threads > std::size_t(threads_))
-    throw std::invalid_argument("--threads: expected at most " + std::to_string(threads_) +
+  if (!threads) return;
+  if (*threads == 0 || *threads > std::size_t(threads_))
+    throw std::invalid_argument("--threads: expected 1 to " + std::to_string(threads_) +
                                 ", as many as there are processors");
 #if defined(SWIFTGS_HAS_CPU)
-  control_ = std::make_unique<Control>(threads);
-  threads_ = int(threads);
+  control_ = std::make_unique<Control>(*threads);
+  threads_ = int(*threads);
 #else
   throw std::invalid_argument("--threads: expected a build with oneTBB");
 #endif

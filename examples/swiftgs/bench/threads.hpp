@@ -3,15 +3,16 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 
 namespace swiftgs::cli {
 
 /// Keeps oneTBB, and so renderers that are made meanwhile, to a number of threads.
 class ThreadLimit {
  public:
-  /// 0 for as many as there are processors. Throws `std::invalid_argument` for more than those, or in a build
-  /// without oneTBB for any but 0.
-  explicit ThreadLimit(std::size_t threads);
+  /// Without `threads` as many as there are processors. Throws `std::invalid_argument` for 0 and for more
+  /// than those, and in a build without oneTBB for any number.
+  explicit ThreadLimit(std::optional<std::size_t> threads);
   ~ThreadLimit();
 
   int threads() const { return threads_; }

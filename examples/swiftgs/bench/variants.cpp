@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 #include <stdexcept>
+#include <string>
 
 namespace swiftgs::cli {
 namespace {
@@ -59,8 +60,19 @@ void add_pieces(const Scene& scene, std::size_t i, std::size_t parts, Scene& to)
 
 }  // namespace
 
+void require_count(std::size_t count) {
+  constexpr std::size_t most = 100'000'000;
+  if (count == 0 || count > most)
+    throw std::invalid_argument("--gaussians: expected numbers from 1 to " + std::to_string(most));
+}
+
+void require_factor(double factor) {
+  if (!(factor >= 1e-3 && factor <= 1e3))
+    throw std::invalid_argument("--enlarge: expected factors from 0.001 to 1000");
+}
+
 Scene with_count(const Scene& scene, std::size_t count, std::uint32_t seed) {
-  if (count == 0) throw std::invalid_argument("--gaussians: expected at least 1");
+  require_count(count);
   if (count == scene.size()) return scene;
   if (scene.size() == 0) throw std::invalid_argument("--gaussians: expected a scene that is not empty");
   Scene result;
@@ -74,8 +86,7 @@ Scene with_count(const Scene& scene, std::size_t count, std::uint32_t seed) {
 }
 
 Scene enlarged(Scene scene, double factor) {
-  if (!(factor > 0) || !std::isfinite(factor))
-    throw std::invalid_argument("--enlarge: expected a finite factor above 0");
+  require_factor(factor);
   for (vec3& scale : scene.scales) scale *= float(factor);
   return scene;
 }
