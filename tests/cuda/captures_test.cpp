@@ -60,9 +60,9 @@ Floors judge(const Capture& capture, std::size_t view, const Conventions& conven
 
 void check_capture(const std::string& name) {
   if (without_device()) return;
-  const std::filesystem::path captures = captures_or_skip();
-  if (captures.empty()) return;
-  const Capture capture = read_capture(captures / name);
+  const std::filesystem::path folder = capture_or_skip(name);
+  if (folder.empty()) return;
+  const Capture capture = read_capture(folder);
   for (const std::size_t view : {0, 8}) {
     CAPTURE(view);
     const Floors gsplat = judge(capture, view, Conventions::gsplat(), false);

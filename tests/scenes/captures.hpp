@@ -22,14 +22,17 @@ struct Capture {
   std::vector<Camera> cameras;
 };
 
-/// The folder of captures, or an empty path, and the running test skipped, where there is none.
-inline std::filesystem::path captures_or_skip() {
+/// The folder of the capture `name`, in which `part` is; or an empty path, and the running test skipped,
+/// where it is not at hand.
+inline std::filesystem::path capture_or_skip(const std::string& name, const std::string& part = "") {
 #ifdef SWIFTGS_SCENES_DIR
-  return SWIFTGS_SCENES_DIR;
+  const std::filesystem::path folder = std::filesystem::path(SWIFTGS_SCENES_DIR) / name;
+  if (std::filesystem::exists(folder / part)) return folder;
+  skip("no real scene " + (folder.filename() / part).string());
 #else
-  skip("no folder of real scenes");
-  return {};
+  skip("no folder of real scenes for " + (name + "/" + part));
 #endif
+  return {};
 }
 
 inline Capture read_capture(const std::filesystem::path& folder) {

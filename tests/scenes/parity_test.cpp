@@ -73,10 +73,10 @@ struct Judge {
 /// All that must hold between the 63 cpu renderers and the reference. The exact ones stay above 95 dB here:
 /// what is left are the pixels where float and double decide a threshold differently.
 void check_all(const std::string& name, std::size_t view) {
-  const std::filesystem::path captures = test::captures_or_skip();
-  if (captures.empty()) return;
+  const std::filesystem::path folder = test::capture_or_skip(name);
+  if (folder.empty()) return;
   CAPTURE(name);
-  const test::Capture capture = test::read_capture(captures / name);
+  const test::Capture capture = test::read_capture(folder);
   Judge judge(capture, view, Conventions::gsplat());
   std::size_t judged = 0;
   for (const RendererEntry& entry : renderers())
@@ -91,10 +91,10 @@ void check_all(const std::string& name, std::size_t view) {
 
 /// With INRIA's conventions the 3-sigma square is what the image is defined by, not a loss.
 void check_inria(const std::string& name, std::size_t view) {
-  const std::filesystem::path captures = test::captures_or_skip();
-  if (captures.empty()) return;
+  const std::filesystem::path folder = test::capture_or_skip(name);
+  if (folder.empty()) return;
   CAPTURE(name);
-  const test::Capture capture = test::read_capture(captures / name);
+  const test::Capture capture = test::read_capture(folder);
   Judge inria(capture, view, Conventions::inria());
   std::size_t judged = 0;
   for (const RendererEntry& entry : renderers())

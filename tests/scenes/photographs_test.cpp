@@ -37,10 +37,10 @@ double psnr_against(const Image& photograph, const Camera& camera, AnyRenderer& 
 /// The mean over all held-out views is `expected`, and on the first view every policy that is no
 /// approximation comes to the same.
 void check_photographs(const std::string& name, std::size_t views, double expected) {
-  const std::filesystem::path captures = test::captures_or_skip();
-  if (captures.empty()) return;
+  const std::filesystem::path folder = test::capture_or_skip(name, "photos");
+  if (folder.empty()) return;
   CAPTURE(name);
-  const test::Capture capture = test::read_capture(captures / name);
+  const test::Capture capture = test::read_capture(folder);
   const auto files = photographs_of(capture);
   const std::string usual = "cpu/early/axis-shared-threshold-float-cholesky/ellipse";
   const auto renderer = make_renderer(usual);
