@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <random>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -14,9 +13,10 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <swiftgs/io/replace_file.hpp>
+
 #include "bytes.hpp"
 #include "mapped_file.hpp"
-#include "output_file.hpp"
 #include "sort_calibrations_format.hpp"
 
 namespace swiftgs {
@@ -90,23 +90,6 @@ bool same_case(const SavedSortCalibration& a, const SavedSortCalibration& b) {
          a.measured.width == b.measured.width && a.measured.height == b.measured.height;
 }
 
-/// Writes beside `path` and renames: whoever reads has all of the old file or all of the new one.
-void replace_file(const fs::path& path, const std::string& text) {
-  std::random_device random;
-  fs::path beside = path;
-  beside += std::string(".").append(std::to_string(random())).append(std::to_string(random())).append(".new");
-  try {
-    OutputFile file(beside);
-    file.write(text.data(), text.size());
-    file.close();
-    fs::rename(beside, path);
-  } catch (...) {
-    std::error_code gone;
-    fs::remove(beside, gone);
-    throw;
-  }
-}
-
 }  // namespace
 }  // namespace io
 
@@ -120,7 +103,7 @@ std::size_t add_sort_calibrations(const std::filesystem::path& path,
   });
   const std::size_t kept = all.size();
   all.insert(all.end(), calibrations.begin(), calibrations.end());
-  io::replace_file(path, io::text_of(all));
+  replace_file(path, io::text_of(all));
   return kept;
 }
 

@@ -1,26 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cerrno>
-#include <fstream>
 #include <string>
-#include <system_error>
+#include <string_view>
+
+#include <swiftgs/io/replace_file.hpp>
 
 namespace swiftgs::cli {
 
-/// The file of `--json`, or none. Opened before anything is rendered: an hour of results must find a place to
-/// go to. Throws `std::system_error` where it cannot be written.
+/// The file of `--json`, or none where the name is empty. What it held stays until the first `write`.
 class ResultFile {
  public:
-  explicit ResultFile(const std::string& name) : name_(name) { write(""); }
+  /// Throws `std::system_error` where the file cannot be written: an hour of results must find a place to go
+  /// to.
+  explicit ResultFile(const std::string& name) : name_(name) {
+    if (!name_.empty()) require_replaceable(name_);
+  }
 
-  /// Replaces what was written before.
-  void write(const std::string& text) {
-    if (name_.empty()) return;
-    errno = 0;
-    std::ofstream out(name_, std::ios::binary);
-    out << text << std::flush;
-    if (!out) throw std::system_error(errno ? errno : EIO, std::generic_category(), name_);
+  /// Replaces what was written before. Throws `std::system_error`.
+  void write(std::string_view text) {
+    if (!name_.empty()) replace_file(name_, text);
   }
 
  private:

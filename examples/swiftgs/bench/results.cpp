@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/results.hpp"
 
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
+#include <sstream>
 #include <string_view>
-#include <system_error>
 
 #include <nlohmann/json.hpp>
+
+#include <swiftgs/io/replace_file.hpp>
 
 namespace swiftgs::cli {
 namespace {
@@ -115,7 +115,7 @@ std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::e
 
 /// A member of an array, each element on a line of its own.
 template <class Values>
-void print(std::ofstream& out, const char* name, const Values& values) {
+void print(std::ostream& out, const char* name, const Values& values) {
   out << ",\n\"" << name << "\": [";
   const char* separator = "\n ";
   for (const auto& value : values) out << separator << text_of(json_of(value)), separator = ",\n ";
@@ -127,19 +127,14 @@ void print(std::ofstream& out, const char* name, const Values& values) {
 std::string to_json(const Machine& machine) { return text_of(json_of(machine)); }
 
 void write_results(const Results& results, const std::filesystem::path& file) {
-  std::filesystem::path unfinished = file;
-  unfinished += ".part";
-  errno = 0;
-  std::ofstream out(unfinished, std::ios::binary);
+  std::ostringstream out;
   out << "{\"format\": \"swiftgs-bench\", \"version\": 1,\n\"machine\": " << to_json(results.machine)
       << ",\n\"command\": " << text_of(results.command);
   print(out, "scenes", results.scenes);
   print(out, "views", results.views);
   print(out, "rows", results.rows);
   out << "}\n";
-  out.close();
-  if (!out) throw std::system_error(errno ? errno : EIO, std::generic_category(), unfinished.string());
-  std::filesystem::rename(unfinished, file);
+  replace_file(file, out.str());
 }
 
 }  // namespace swiftgs::cli

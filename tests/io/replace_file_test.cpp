@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <swiftgs/io/replace_file.hpp>
+
+#include "support/files.hpp"
+
+using namespace swiftgs;
+using swiftgs::test::content_of;
+using swiftgs::test::TemporaryFolder;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::ptrdiff_t files_in(const TemporaryFolder& place) {
+  return std::distance(fs::directory_iterator(place.path()), fs::directory_iterator());
+}
+
+}  // namespace
+
+TEST_CASE("replace file: content is new or takes the place of what was there") {
+  const TemporaryFolder place;
+  replace_file(place / "new.txt", "first");
+  CHECK(content_of(place / "new.txt") == "first");
+  replace_file(place / "new.txt", "second");
+  CHECK(content_of(place / "new.txt") == "second");
+  replace_file(place / "new.txt", "");
+  CHECK(content_of(place / "new.txt") == "");
+  CHECK(files_in(place) == 1);
+}
+
+TEST_CASE("replace file: a file is as it was where writing ends half way") {
+  const TemporaryFolder place;
+  place.write("old.txt", "old");
+  for (const char* name : {"old.txt", "none.txt"})
+    CHECK_THROWS_WITH_AS(replace_file(place / name,
+                                      [](const fs::path& file) {
+                                        std::ofstream(file) << "half";
+                                        throw std::runtime_error("stopped");
+                                      }),
+                         "stopped", std::runtime_error);
+  CHECK(content_of(place / "old.txt") == "old");
+  CHECK(files_in(place) == 1);
+}
+
+TEST_CASE("replace file: whoever reads meanwhile has the old file") {
+  const TemporaryFolder place;
+  const fs::path path = place.write("file.txt", "old");
+  replace_file(path, [&](const fs::path& file) {
+    CHECK(file.parent_path() == path.parent_path());
+    std::ofstream(file) << "new";
+    CHECK(content_of(path) == "old");
+  });
+  CHECK(content_of(path) == "new");
+}
+
+TEST_CASE("replace file: a link stays and leads to the new file") {
+  const TemporaryFolder place;
+  place.write("folder/file.txt", "old");
+  fs::create_symlink("folder/file.txt", place / "link.txt");
+  replace_file(place / "link.txt", "new");
+  CHECK(fs::is_symlink(place / "link.txt"));
+  CHECK(content_of(place / "folder/file.txt") == "new");
+}
+
+TEST_CASE("replace file: a pipe stays a pipe and is written to") {
+  const TemporaryFolder place;
+  const fs::path pipe = place / "pipe";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  REQUIRE(reader >= 0);
+  require_replaceable(pipe);
+  replace_file(pipe, "text");
+  CHECK(fs::is_fifo(pipe));
+  std::array<char, 16> read{};
+  CHECK(::read(reader, read.data(), read.size()) == 4);
+  CHECK(std::string(read.data()) == "text");
+  ::close(reader);
+  CHECK(files_in(place) == 1);
+}
+
+TEST_CASE("replace file: what cannot be written is named before and while writing") {
+  const TemporaryFolder place;
+  fs::create_directory(place / "folder");
+  place.write("file", "");
+  for (const auto& [name, reason] : {std::pair{"folder", "folder: Is a directory"},
+                                     {"missing/a.txt", "missing/a.txt: No such file"},
+                                     {"file/a.txt", "file/a.txt: Not a directory"}}) {
+    const auto message_of = [&](const auto& act) -> std::string {
+      try {
+        act();
+      } catch (const std::system_error& error) {
+        return error.what();
+      }
+      return "no error";
+    };
+    CAPTURE(name);
+    const std::string before = message_of([&] { require_replaceable(place / name); });
+    const std::string during = message_of([&] { replace_file(place / name, "text"); });
+    CAPTURE(before);
+    CHECK(before.find(reason) != std::string::npos);
+    CHECK(during == before);
+  }
+}
+
+TEST_CASE("replace file: to ask whether a file can be replaced changes nothing") {
+  const TemporaryFolder place;
+  place.write("old.txt", "old");
+  require_replaceable(place / "old.txt");
+  require_replaceable(place / "none.txt");
+  CHECK(content_of(place / "old.txt") == "old");
+  CHECK(files_in(place) == 1);
+}
