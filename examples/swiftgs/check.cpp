@@ -15,6 +15,7 @@
 #include "calibrations.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
+#include "distinct_files.hpp"
 #include "json.hpp"
 #include "options.hpp"
 #include "photos.hpp"
@@ -121,6 +122,10 @@ CheckResult mean_of(Span<const CheckResult> results) {
 
 void check(const CheckOptions& options) {
   if (options.repeats < 1) throw std::invalid_argument("--repeats: expected at least 1");
+  require_distinct({{"--json", options.json}},
+                   {{"SCENE", file_of(options.scene)},
+                    {"--cameras", options.view.cameras},
+                    {"--calibration", calibration_file(options.scene, options.calibration)}});
   const std::vector<RendererEntry> entries = renderers_matching(options.renderers);
   Task task;
   task.scene_name = scene_label(options.scene.scene);

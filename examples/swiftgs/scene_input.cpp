@@ -36,6 +36,10 @@ std::optional<std::size_t> builtin_size(std::string_view scene) {
   return count;
 }
 
+std::string file_of(const SceneOptions& options) {
+  return builtin_size(options.scene) ? std::string() : options.scene;
+}
+
 SceneFile load(const SceneOptions& options) {
   const SceneReadOptions read{.spz_frame = spz_frame_named(options.spz_frame)};
   const std::optional<std::size_t> size = builtin_size(options.scene);

@@ -16,6 +16,9 @@ namespace swiftgs::cli {
 /// `std::invalid_argument` for `builtin:` with anything but a number.
 std::optional<std::size_t> builtin_size(std::string_view scene);
 
+/// The file of the scene; empty for the built-in one.
+std::string file_of(const SceneOptions& options);
+
 /// Loads the file or makes the built-in scene.
 SceneFile load(const SceneOptions& options);
 

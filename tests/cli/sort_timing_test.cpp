@@ -35,6 +35,7 @@ class ScriptedRenderer final : public AnyRenderer {
     return {0, sort, 0, sort + 1};
   }
   Statistics statistics() const override { return {0, 0, std::size_t(width_), {}}; }
+  StageMemory memory() const override { return {}; }
   void use_calibrations(std::vector<SortCalibration>) override {}
   std::optional<SortCalibration> calibration() const override { return std::nullopt; }
   std::optional<MemoryUse> device_memory() const override { return std::nullopt; }

@@ -89,6 +89,23 @@ TEST_CASE("report errors: images that are missing or none are named") {
           {"expected results.json to be a PNG or JPEG image"});
 }
 
+TEST_CASE("report errors: a page does not take the place of the results it shows") {
+  if (!has_vega()) return;
+  const TemporaryFolder place;
+  place.write("results.json", results_of({{}}).dump());
+  const std::string before = content_of(place / "results.json");
+  std::filesystem::create_symlink("results.json", place / "link.html");
+  std::filesystem::create_hard_link(place / "results.json", place / "other.html");
+  for (const std::string out : {"results.json", "./results.json", "link.html", "other.html"}) {
+    const Outcome outcome = swiftgs::test::swiftgs(place, "report results.json --out " + out);
+    CAPTURE(outcome.err);
+    CHECK(outcome.code == 1);
+    CHECK(lines_in(outcome.err) == 1);
+    CHECK(outcome.err.starts_with("swiftgs: --out " + out + ": expected another file than that of RESULTS"));
+    CHECK(content_of(place / "results.json") == before);
+  }
+}
+
 TEST_CASE("report errors: files that cannot be read or written are named") {
   if (!has_vega()) return;
   const TemporaryFolder place;

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 
 namespace swiftgs::cli {
@@ -38,13 +39,6 @@ std::string content_of_file(const std::string& name) {
   std::string content{std::istreambuf_iterator<char>(file), {}};
   if (!file.is_open() || file.bad()) fail(name);
   return content;
-}
-
-void write_file(const std::string& name, std::string_view content) {
-  errno = 0;
-  std::ofstream file(name, std::ios::binary);
-  file << content << std::flush;
-  if (!file) fail(name);
 }
 
 std::string data_uri_of_image(const std::string& name, const std::string& wanted_by) {

@@ -2,15 +2,11 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 namespace swiftgs::cli {
 
 /// Everything a file holds. Throws std::system_error with its name.
 std::string content_of_file(const std::string& name);
-
-/// Writes a file anew. Throws std::system_error with its name, of a full disk too.
-void write_file(const std::string& name, std::string_view content);
 
 /// An image as a URI that holds it. Throws std::invalid_argument where it is neither PNG nor JPEG, in the
 /// name of `wanted_by`, the file that names it; std::system_error where it cannot be read.

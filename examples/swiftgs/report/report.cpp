@@ -10,9 +10,11 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <swiftgs/io/replace_file.hpp>
 #include <swiftgs/version.hpp>
 
 #include "commands.hpp"
+#include "distinct_files.hpp"
 #include "report/files.hpp"
 #include "report/page.hpp"
 #include "report/results.hpp"
@@ -52,6 +54,10 @@ void report(const ReportOptions& options) {
   if (!can_plot())
     throw std::runtime_error(
         "report: expected Vega when this tool was built: install libjs-vega, then configure and build again");
+  std::vector<NamedFile> inputs;
+  for (const std::string& name : options.results) inputs.push_back({"RESULTS", name});
+  require_distinct({{"--out", options.out}}, inputs);
+  require_replaceable(options.out);
   Images images;
   Json files = Json::array();
   std::size_t rows = 0;
@@ -65,7 +71,7 @@ void report(const ReportOptions& options) {
   }
   const Json data{{"tool", "swiftgs " + std::string(version)}, {"files", files}, {"images", images.uris()}};
   const std::string html = page_of(data.dump(-1, ' ', true, Json::error_handler_t::replace));
-  write_file(options.out, html);
+  replace_file(options.out, html);
   std::printf("%s: %zu rows of %zu %s, %zu images, %.1f MiB\n", options.out.c_str(), rows,
               options.results.size(), options.results.size() == 1 ? "file" : "files", images.uris().size(),
               double(html.size()) / 1048576);

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "support/files.hpp"
+
+#include <stdexcept>
+#include <system_error>
+
+#include <doctest/doctest.h>
+
+#include "distinct_files.hpp"
+#include "result_file.hpp"
+
+using namespace swiftgs::cli;
+using swiftgs::test::content_of;
+using swiftgs::test::TemporaryFolder;
+
+TEST_CASE("result file: what was there stays until the first results") {
+  const TemporaryFolder place;
+  place.write("results.json", "old");
+  ResultFile file((place / "results.json").string());
+  CHECK(content_of(place / "results.json") == "old");
+  file.write("new");
+  CHECK(content_of(place / "results.json") == "new");
+  CHECK_THROWS_AS(ResultFile((place / "missing/results.json").string()), std::system_error);
+  ResultFile none("");
+  none.write("nowhere");
+}
+
+TEST_CASE("distinct files: one file has many names") {
+  const TemporaryFolder place;
+  const std::string file = place.write("a.json", "").string(), folder = place.path().string();
+  std::filesystem::create_symlink("a.json", place / "link.json");
+  std::filesystem::create_hard_link(place / "a.json", place / "hard.json");
+  for (const std::string name : {"/a.json", "/./a.json", "/none/../a.json", "/link.json", "/hard.json"}) {
+    CAPTURE(name);
+    CHECK(is_same_file(file, folder + name));
+    CHECK(is_same_file(folder + name, file));
+  }
+  CHECK_FALSE(is_same_file(file, folder + "/b.json"));
+  CHECK(is_same_file(folder + "/b.json", folder + "/none/../b.json"));  // neither is there yet
+  CHECK(is_same_file("b.json", "./b.json"));
+  CHECK_FALSE(is_same_file("/dev/null", "/dev/null"));
+}
+
+TEST_CASE("distinct files: an output that is an input or an output before is named with both options") {
+  CHECK_NOTHROW(require_distinct({{"--out", "a"}, {"--json", "b"}}, {{"SCENE", "c"}, {"--cameras", "c"}}));
+  CHECK_NOTHROW(require_distinct({{"--out", ""}, {"--json", ""}}, {{"SCENE", ""}}));
+  CHECK_THROWS_WITH_AS(require_distinct({{"--out", "a"}, {"--json", "./c"}}, {{"SCENE", "c"}}),
+                       "--json ./c: expected another file than that of SCENE, c", std::invalid_argument);
+  CHECK_THROWS_WITH_AS(require_distinct({{"--out", "a"}, {"--json", "a"}}, {{"SCENE", "c"}}),
+                       "--json a: expected another file than that of --out", std::invalid_argument);
+}
