@@ -75,6 +75,11 @@ TEST_CASE("report errors: members that are missing or of another type are named"
           {"rows[0].ms.sort: expected an object"});
   refuses(changed([](Json& json) { json["rows"][0]["ms"]["total"]["median"] = -1; }),
           {"rows[0].ms.total.median: expected a number, 0 or more"});
+  refuses(changed([](Json& json) { json["rows"][1]["bytes"] = 5; }), {"rows[1].bytes: expected an object"});
+  refuses(changed([](Json& json) {
+            json["rows"][1]["bytes"] = {{"project", 1}, {"sort", 2}};
+          }),
+          {"rows[1].bytes.raster: expected a number, 0 or more"});
   refuses(changed([](Json& json) { json["scenes"][0].erase("original"); }),
           {"scenes[0].original: expected a number"});
   refuses(changed([](Json& json) { json["views"][0]["scale"] = nullptr; }),

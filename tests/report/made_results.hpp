@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct Row {
   double gaussians = 1000, enlarge = 1, scale = 1, threads = 4;
   int width = 640, height = 480;
   double instances = 5000, bytes = 1e6;
+  std::vector<double> stage_bytes{};  ///< of project, sort and raster; older files have none
 };
 
 inline Json duration(double ms) {
@@ -36,37 +38,40 @@ inline Json json_of(const Row& row) {
   }
   const double total = row.project + row.sort + row.raster;
   const bool measured = !std::isnan(row.psnr_db), differs = std::isfinite(row.psnr_db);
-  return {{"scene", row.scene},
-          {"gaussians", row.gaussians},
-          {"enlarge", row.enlarge},
-          {"view", row.view},
-          {"width", row.width},
-          {"height", row.height},
-          {"scale", row.scale},
-          {"conventions", "gsplat"},
-          {"threads", row.threads},
-          {"renderer", row.renderer},
-          {"backend", words.at(0)},
-          {"sort", words.at(1)},
-          {"raster", words.at(2)},
-          {"bounds", words.at(3)},
-          {"frames", 20},
-          {"ms",
-           {{"project", duration(row.project)},
-            {"sort", duration(row.sort)},
-            {"raster", duration(row.raster)},
-            {"total", duration(total)},
-            {"wall", duration(1.1 * total)}}},
-          {"psnr_db", measured && differs ? Json(row.psnr_db) : Json()},
-          {"ssim", measured ? Json(0.999) : Json()},
-          {"max_abs", measured ? Json(differs ? 4 * std::pow(10, -row.psnr_db / 20) : 0) : Json()},
-          {"photo_psnr_db", nullptr},
-          {"photo_ssim", nullptr},
-          {"visible", 700},
-          {"instances", row.instances},
-          {"contributing_pairs", 40000},
-          {"device_bytes", 0},
-          {"host_bytes", row.bytes}};
+  Json json{{"scene", row.scene},
+            {"gaussians", row.gaussians},
+            {"enlarge", row.enlarge},
+            {"view", row.view},
+            {"width", row.width},
+            {"height", row.height},
+            {"scale", row.scale},
+            {"conventions", "gsplat"},
+            {"threads", row.threads},
+            {"renderer", row.renderer},
+            {"backend", words.at(0)},
+            {"sort", words.at(1)},
+            {"raster", words.at(2)},
+            {"bounds", words.at(3)},
+            {"frames", 20},
+            {"ms",
+             {{"project", duration(row.project)},
+              {"sort", duration(row.sort)},
+              {"raster", duration(row.raster)},
+              {"total", duration(total)},
+              {"wall", duration(1.1 * total)}}},
+            {"psnr_db", measured && differs ? Json(row.psnr_db) : Json()},
+            {"ssim", measured ? Json(0.999) : Json()},
+            {"max_abs", measured ? Json(differs ? 4 * std::pow(10, -row.psnr_db / 20) : 0) : Json()},
+            {"photo_psnr_db", nullptr},
+            {"photo_ssim", nullptr},
+            {"visible", 700},
+            {"instances", row.instances},
+            {"contributing_pairs", 40000},
+            {"device_bytes", 0},
+            {"host_bytes", row.bytes}};
+  const char* stage[] = {"project", "sort", "raster"};
+  for (std::size_t i = 0; i < row.stage_bytes.size(); ++i) json["bytes"][stage[i]] = row.stage_bytes[i];
+  return json;
 }
 
 /// A result file of rows that were never measured.

@@ -127,6 +127,20 @@ TEST_CASE("report: growth of n to the 0.8 is fitted as 0.80") {
   CHECK(growth["dominance"] == "raster is the longest stage at first, project from 200 k Gaussians on.");
 }
 
+TEST_CASE("report: memory of each stage and of all grows as the buffers of files that know them") {
+  const TemporaryFolder place;
+  if (!can_draw(place)) return;
+  std::vector<Row> rows;
+  for (const double n : {1e5, 1e6, 1e7})
+    rows.push_back({.gaussians = n, .bytes = 7, .stage_bytes = {50 * n, 4 * n * n, 1e6}});
+  const Json growth = facts_of(place, results_of(rows))["scaling"]["gaussians"];
+  CHECK(growth["points"] == 24);  // of times and of memory three stages and their sum
+  const std::string legend = growth["legend"].dump();
+  for (const char* label : {"project memory: exponent 1.00", "sort memory: exponent 2.00",
+                            "raster memory: exponent 0.00", "\"memory: exponent 2.0"})
+    CHECK_MESSAGE(legend.find(label) != std::string::npos, legend);
+}
+
 TEST_CASE("report: a table is sorted by its headings and filtered by words") {
   const TemporaryFolder place;
   if (!can_draw(place)) return;
@@ -203,7 +217,8 @@ TEST_CASE("report: figures are saved for other pages") {
   place.write("results.json", results_of(renderers()).dump());
   REQUIRE(swiftgs::test::swiftgs(place, "report results.json --out page.html").code == 0);
   const std::string folder = place.path().string();
-  const std::string command = "SWIFTGS_BROWSER='" SWIFTGS_BROWSER "' '" SWIFTGS_SOURCES
+  const std::string command = "TMPDIR='" + folder +  // where the browser's profile is left
+                              "' SWIFTGS_BROWSER='" SWIFTGS_BROWSER "' '" SWIFTGS_SOURCES
                               "/benchmarks/figures.sh' '" +
                               folder + "/page.html' '" + folder + "/figures' >'" + folder + "/listed.txt'";
   REQUIRE(std::system(command.c_str()) == 0);

@@ -76,6 +76,15 @@ expect('exponents of stages', [grown.fits.project.exponent, grown.fits.sort.expo
        [1, 0, 2]);
 expect('where a stage begins to dominate', grown.dominance,
        [{stage: 'sort', from: 1000}, {stage: 'project', from: 2000}]);
+expect('without bytes of stages', grown.memoryCurves, ['memory']);
+const bytes = gaussians => ({project: gaussians, sort: gaussians ** 2, raster: 0});
+const stored = [1000, 4000, 16000].flatMap(gaussians => growth([gaussians], {bytes: bytes(gaussians)}));
+const [known] = scaling.series(stored, 'gaussians');
+expect('exponents of the memory of stages',
+       ['project memory', 'sort memory', 'raster memory'].map(curve => known.fits[curve]?.exponent), [1, 2, undefined]);
+expect('their sum', known.points[0].memory, 1001000);
+expect('one row without bytes of stages',
+       scaling.series([...stored.slice(1), ...growth([1000])], 'gaussians')[0].memoryCurves, ['memory']);
 expect('two values are no growth', scaling.series(growth([1000, 2000]), 'gaussians').length, 0);
 expect('other things are held',
        scaling.series([...growth([1000, 2000]), ...growth([4000], {threads: 1})], 'gaussians').length, 0);

@@ -86,6 +86,7 @@ const page = (() => {
       amount('photo PSNR', 'photo_psnr_db', format.psnr), amount('photo SSIM', 'photo_ssim', format.ssim),
       amount('visible', 'visible', format.count), amount('instances', 'instances', format.count),
       amount('blended pairs', 'contributing_pairs', format.count),
+      ...stats.stages.map(stage => number(`${stage} memory`, row => row.bytes?.[stage] ?? null, format.bytes)),
       amount('device memory', 'device_bytes', format.bytes), amount('host memory', 'host_bytes', format.bytes),
       ...either(data.files.length > 1, word('file', row => data.files[row.file].file)),
     ], rows);

@@ -73,6 +73,9 @@ constexpr Member members_of_row[] = {{"scene", Kind::text},
                                      {"image", Kind::optional_text},
                                      {"error_image", Kind::optional_text}};
 
+constexpr Member members_of_bytes[] = {
+    {"project", Kind::amount}, {"sort", Kind::amount}, {"raster", Kind::amount}};
+
 constexpr const char* durations[] = {"project", "sort", "raster", "total", "wall"};
 
 constexpr Member members_of_duration[] = {{"median", Kind::amount},
@@ -141,6 +144,8 @@ void check_members(const Json& value, const Member (&members)[n], const std::str
 
 void check_row(const Json& row, const std::string& where) {
   check_members(row, members_of_row, where);
+  if (const auto bytes = row.find("bytes"); bytes != row.end())  // older files have none
+    check_members(*bytes, members_of_bytes, where + ".bytes");
   const auto ms = row.find("ms");
   if (ms == row.end()) refuse(where + ".ms", "an object");
   check_object(*ms, where + ".ms");

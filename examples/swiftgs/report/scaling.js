@@ -4,7 +4,10 @@
 // How time and memory grow with one quantity while the others are held: series of points, exponents fitted to them,
 // and which stage is the longest. No document is needed here.
 const scaling = (() => {
-  const curves = ['project', 'sort', 'raster', 'total', 'memory'];
+  /// Of the buffers of each stage; `memory` is their sum, or without them what the renderer's memory grew by.
+  const memoryOf = Object.fromEntries(stats.stages.map(stage => [stage, `${stage} memory`]));
+  const stageMemory = Object.values(memoryOf);
+  const curves = [...stats.stages, 'total', 'memory', ...stageMemory];
   const tileSide = 16;
   const tilesOf = row => Math.ceil(row.width / tileSide) * Math.ceil(row.height / tileSide);
 
@@ -57,11 +60,14 @@ const scaling = (() => {
     return {exponent, factor: Math.exp(my - exponent * mx)};
   }
 
-  function pointOf(level, rows, value) {
+  /// With the memory of each stage if `knowsStages`.
+  function pointOf(level, rows, value, knowsStages) {
     const [record] = stats.records(rows);
     const point = {level, x: stats.mean(rows.map(value)), memory: record.bytes};
-    for (const name of ['project', 'sort', 'raster', 'total']) point[name] = record.ms[name].median;
-    return point;
+    for (const name of [...stats.stages, 'total']) point[name] = record.ms[name].median;
+    if (!knowsStages) return point;
+    for (const stage of stats.stages) point[memoryOf[stage]] = record.stageBytes[stage];
+    return {...point, memory: stats.sum(Object.values(record.stageBytes))};
   }
 
   const longest = point => stats.stages.reduce((a, b) => point[b] > point[a] ? b : a);
@@ -91,13 +97,15 @@ const scaling = (() => {
     const views = [...levels.values()].map(some => new Set(some.map(row => row.view)));
     const shared = [...views[0]].filter(view => views.every(set => set.has(view)));
     if (levels.size < 3 || !shared.length) return null;
-    const points = [...levels].map(([level, some]) =>
-      pointOf(level, some.filter(row => shared.includes(row.view)), quantity.value)).sort((a, b) => a.x - b.x);
+    const knowsStages = rows.every(row => row.bytes);
+    const points = [...levels].map(([level, some]) => pointOf(
+      level, some.filter(row => shared.includes(row.view)), quantity.value, knowsStages)).sort((a, b) => a.x - b.x);
     if (new Set(points.map(point => point.x)).size < 3) return null;
     const fits = {};
     for (const curve of curves) fits[curve] = fit(points.map(point => [point.x, point[curve]]));
     const {file, scene, conventions, renderer, backend} = rows[0];
     return {file, scene, conventions, renderer, backend, views: shared.length, points, fits,
+            memoryCurves: knowsStages ? [...stageMemory, 'memory'] : ['memory'],
             dominance: dominance(points), held: textsOf(rows[0], quantity.held), rank: rank(rows[0], points)};
   }
 

@@ -30,7 +30,7 @@ const scalingPlots = (() => {
       scales: [
         {name: 'x', type: 'log', domain: x, range: 'width', nice: false},
         {name: 'y', type: 'log', domain: y, range: 'height', nice: false},
-        {name: 'colour', type: 'ordinal', domain: labels, range: shown.map(name => theme.stages[name])},
+        {name: 'colour', type: 'ordinal', domain: labels, range: shown.map(name => theme.stages[name.split(' ')[0]])},
       ],
       axes: [
         {orient: 'bottom', scale: 'x', title: `${quantity.title} (log)`, grid: true, format: '~s',
@@ -57,6 +57,6 @@ const scalingPlots = (() => {
   return {
     exponentText,
     times: (series, quantity, look) => curves(series, quantity, ['project', 'sort', 'raster', 'total'], time, look),
-    memory: (series, quantity, look) => curves(series, quantity, ['memory'], memory, look),
+    memory: (series, quantity, look) => curves(series, quantity, series.memoryCurves, memory, look),
   };
 })();

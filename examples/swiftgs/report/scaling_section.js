@@ -38,9 +38,10 @@ function scalingSection(name, wanted, files, rows, render) {
 
   const exponent = curve => ({title: curve, number: true, value: one => one.fits[curve]?.exponent ?? null,
                               text: one => scalingPlots.exponentText(one.fits[curve])});
+  const fitted = scaling.curves.filter(curve => all.some(one => one.fits[curve]));
   const table = sortableTable({
     caption: `Exponents of growth with ${quantity.unit}`, rows: all,
-    columns: [{title: 'renderer', value: one => one.renderer}, ...scaling.curves.map(exponent),
+    columns: [{title: 'renderer', value: one => one.renderer}, ...fitted.map(exponent),
               {title: 'longest stage', value: dominanceWords},
               {title: 'measured with', value: one => seriesTitle(one, files)}]});
   const times = element('div', {class: 'chart'}), memory = element('div', {class: 'chart'});

@@ -71,6 +71,8 @@ const stats = (() => {
   }
 
   /// What `rows` of one renderer give together: means over views, and the worst of the largest differences.
+  /// `bytes` is what processes and devices grew by; `stageBytes` what the buffers of each stage hold, null where a row
+  /// is older than these numbers.
   function meanOf(rows) {
     const first = rows[0];
     const ms = Object.fromEntries(durations.map(name => [name, meanDuration(rows.map(row => row.ms[name]))]));
@@ -85,6 +87,8 @@ const stats = (() => {
       measured: known(rows.map(row => row.psnr)).length,
       visible: of('visible'), instances: of('instances'), contributing_pairs: of('contributing_pairs'),
       bytes: device === null && host === null ? null : (device ?? 0) + (host ?? 0),
+      stageBytes: rows.every(row => row.bytes) ?
+          Object.fromEntries(stages.map(name => [name, mean(rows.map(row => row.bytes[name]))])) : null,
     };
   }
 
@@ -123,6 +127,6 @@ const stats = (() => {
     return baseline && record.ms[clock].median > 0 ? baseline.ms[clock].median / record.ms[clock].median : null;
   }
 
-  return {durations, stages, mean, known, meanPsnr, psnrOf, rowsOf, distinct, groupsOf, caseOf, withMostThreads,
+  return {durations, stages, sum, mean, known, meanPsnr, psnrOf, rowsOf, distinct, groupsOf, caseOf, withMostThreads,
           meanDuration, records, withError, pareto, baselineOf, speedup};
 })();
