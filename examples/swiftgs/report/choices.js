@@ -60,7 +60,7 @@ const choices = (() => {
     return list;
   }
 
-  /// Records of one file, backend and number of threads together, with a title.
+  /// Records of one file and backend together, with a title. Numbers of threads stand side by side: labels tell them apart.
   function panels(list, files) {
     const place = record => style.inOrder(list.map(one => one.backend)).indexOf(record.backend);
     const ordered = [...list].sort((a, b) => place(a) - place(b) || a.file - b.file);
