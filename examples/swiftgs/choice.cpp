@@ -45,12 +45,14 @@ std::vector<RendererEntry> renderers_matching(const std::string& patterns) {
   return entries;
 }
 
+std::string exact_renderer(std::string_view backend) {
+  return std::string(backend) + "/early/axis-shared-threshold-float-cholesky/ellipse";
+}
+
 std::string default_renderer() {
   for (const char* backend : {"cpu", "serial"})
     for (const RendererEntry& entry : renderers())
-      if (entry.usable &&
-          entry.name == std::string(backend) + "/early/axis-shared-threshold-float-cholesky/ellipse")
-        return std::string(entry.name);
+      if (entry.usable && entry.name == exact_renderer(backend)) return std::string(entry.name);
   throw std::runtime_error("no renderer can run here");
 }
 

@@ -17,8 +17,11 @@ bool matches(std::string_view pattern, std::string_view name);
 /// `std::invalid_argument` with an example of a valid name if one of them matches none.
 std::vector<RendererEntry> renderers_matching(const std::string& patterns);
 
-/// The renderer that `render` uses unless told otherwise: no approximation beyond float, every tile list
-/// exact, on the first backend of `cpu` and `serial` that can run here.
+/// The renderer on `backend` with no approximation beyond float and every tile list exact.
+std::string exact_renderer(std::string_view backend);
+
+/// The renderer that `render` uses unless told otherwise: the exact one on the first backend of `cpu` and
+/// `serial` that can run here. Throws `std::runtime_error` where neither can.
 std::string default_renderer();
 
 }  // namespace swiftgs::cli

@@ -1,27 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <numeric>
 #include <stdexcept>
-#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include <swiftgs/any_contributions.hpp>
-#include <swiftgs/any_renderer.hpp>
-#include <swiftgs/metrics.hpp>
+#include <swiftgs/io/replace_file.hpp>
 #include <swiftgs/pruning.hpp>
 
+#include "choice.hpp"
 #include "commands.hpp"
+#include "distinct_files.hpp"
 #include "options.hpp"
 #include "photos.hpp"
 #include "progress.hpp"
+#include "prune_judge.hpp"
 #include "prune_result.hpp"
 #include "result_file.hpp"
 #include "scene_input.hpp"
@@ -41,24 +39,6 @@ struct PruneOptions {
   std::string out, photos, json;
 };
 
-/// What is judged before and after.
-struct HeldOut {
-  std::vector<View> views;
-  std::vector<std::optional<Image>> photos;  ///< of each view; empty without --photos
-  RenderSettings settings;
-  std::string renderer;
-};
-
-/// Throws `std::system_error` unless a file can be written, before minutes are spent on what goes there;
-/// changes nothing.
-void require_writable(const std::string& name) {
-  const bool existed = std::filesystem::exists(name);
-  errno = 0;
-  if (!std::ofstream(name, std::ios::binary | std::ios::app))
-    throw std::system_error(errno ? errno : EIO, std::generic_category(), name);
-  if (!existed) std::filesystem::remove(name);
-}
-
 /// Throws unless the options go together.
 void check_options(const PruneOptions& options) {
   if (!(options.keep > 0 && options.keep <= 1))
@@ -67,6 +47,8 @@ void check_options(const PruneOptions& options) {
     throw std::invalid_argument("--score '" + options.score + "': expected contribution or opacity-volume");
   if (std::filesystem::path(options.out).extension() != ".ply")
     throw std::invalid_argument("--out '" + options.out + "': expected a name that ends in .ply");
+  require_distinct({{"--out", options.out}, {"--json", options.json}},
+                   {{"SCENE", file_of(options.scene)}, {"--cameras", options.view.cameras}});
   if (!options.view.cameras.empty() || builtin_size(options.scene.scene)) return;
   if (options.score == "contribution")
     throw std::invalid_argument(
@@ -103,57 +85,10 @@ std::vector<std::uint64_t> contributions_of(const ContributionsEntry& backend,
   return contributions->sums();
 }
 
-/// Median time of three frames after one that is not timed. @units{milliseconds}
-double timed(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings, Frame& frame) {
-  std::array<double, 3> ms;
-  renderer.render(camera, settings, frame);
-  for (double& time : ms) renderer.render(camera, settings, frame), time = renderer.times().total;
-  std::sort(ms.begin(), ms.end());
-  return ms[1];
-}
-
-void add_to(std::optional<double>& sum, double value) { sum = sum.value_or(0) + value; }
-
-/// Renders the held-out views. Their colours are compared with `unpruned` where that has frames, and become
-/// it where it has none.
-PruneSide judge(const HeldOut& held_out, const std::shared_ptr<const Scene>& scene,
-                std::vector<std::vector<float>>& unpruned, Progress& progress) {
-  PruneSide side;
-  side.gaussians = scene->size();
-  if (held_out.views.empty()) return side;
-  const bool first = unpruned.empty();
-  const std::unique_ptr<AnyRenderer> renderer = make_renderer(held_out.renderer);
-  renderer->set_scene(scene);
-  Frame frame;
-  std::size_t photos = 0;
-  for (std::size_t i = 0; i < held_out.views.size(); ++i) {
-    progress.start(held_out.views[i].name);
-    add_to(side.ms, timed(*renderer, held_out.views[i].camera, held_out.settings, frame));
-    for (float& value : frame.colour) value = std::clamp(value, 0.0f, 1.0f);  // what a photograph can hold
-    if (first)
-      unpruned.push_back(frame.colour);
-    else
-      add_to(side.unpruned_psnr_db, psnr(frame.colour, unpruned[i]));
-    if (!held_out.photos.empty() && held_out.photos[i]) {
-      const std::vector<float>& photo = held_out.photos[i]->pixels;
-      add_to(side.photo_psnr_db, psnr(frame.colour, photo));
-      add_to(side.photo_ssim, ssim(frame.width, frame.height, 3, frame.colour, photo));
-      ++photos;
-    }
-    progress.step();
-  }
-  *side.ms /= double(held_out.views.size());
-  if (side.unpruned_psnr_db) *side.unpruned_psnr_db /= double(held_out.views.size());
-  if (photos > 0) *side.photo_psnr_db /= double(photos), *side.photo_ssim /= double(photos);
-  return side;
-}
-
 HeldOut held_out_of(const PruneOptions& options, const ViewOptions& view, const Scene& scene,
                     const std::string& backend) {
-  HeldOut held_out{.views = {},
-                   .photos = {},
-                   .settings = settings_of(view, scene),
-                   .renderer = backend + "/early/axis-shared-threshold-float-cholesky/ellipse"};
+  HeldOut held_out{
+      .views = {}, .photos = {}, .settings = settings_of(view, scene), .renderer = exact_renderer(backend)};
   if (view.views.empty()) return held_out;
   held_out.views = views_left_out(options.scene, view, scene);
   if (options.photos.empty()) return held_out;
@@ -175,7 +110,7 @@ void prune(const PruneOptions& options) {
   const bool by_contribution = options.score == "contribution";
   const std::vector<View> views =
       by_contribution ? views_of(options.scene, view, *scene, training_views) : std::vector<View>();
-  require_writable(options.out);
+  require_replaceable(options.out);
   ResultFile json(options.json);
 
   PruneResult result{.scene = scene_label(options.scene.scene),
@@ -185,6 +120,7 @@ void prune(const PruneOptions& options) {
                      .keep = options.keep,
                      .views = views.size(),
                      .held_out = held_out.views.size()};
+  if (!options.json.empty()) result.machine = describe_machine(), result.command = command_line();
   Progress progress(views.size() + 2 * held_out.views.size());
   const std::vector<std::uint32_t> kept =
       by_contribution
@@ -192,7 +128,7 @@ void prune(const PruneOptions& options) {
                    options.keep, result.kept_weight)
           : choose(opacity_volumes(*scene), options.keep, result.kept_weight);
   const auto pruned = std::make_shared<const Scene>(subset(*scene, kept));
-  write_ply(options.out, *pruned);
+  replace_file(options.out, [&](const std::filesystem::path& file) { write_ply(file, *pruned); });
   progress.clear();
   std::printf("%s: kept %zu of %zu Gaussians, with %.2f %% of the %s\n", options.out.c_str(), kept.size(),
               scene->size(), 100 * result.kept_weight,

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bench/results.hpp"
+
 namespace swiftgs::cli {
 namespace {
 
@@ -34,6 +36,8 @@ void print_row(const char* name, const PruneSide& side) {
 std::string to_json(const PruneResult& result) {
   const Json json{{"format", "swiftgs-prune"},
                   {"version", 1},
+                  {"machine", Json::parse(to_json(result.machine))},
+                  {"command", result.command},
                   {"scene", result.scene},
                   {"score", result.score},
                   {"keep", result.keep},

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "bench/machine.hpp"
+
 namespace swiftgs::cli {
 
 /// A scene over the views that were held out; means over these.
@@ -18,6 +20,8 @@ struct PruneSide {
 
 /// What `prune` did, as `docs/results.md` has it.
 struct PruneResult {
+  Machine machine{};
+  std::string command{};  ///< as `command_line` gives it
   std::string scene, score, backend, conventions;
   double keep = 1;
   std::size_t views = 0, held_out = 0;  ///< that were scored, and that were rendered before and after

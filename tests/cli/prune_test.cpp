@@ -9,8 +9,10 @@
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/version.hpp>
 
 #include "cli/command.hpp"
+#include "support/skip.hpp"
 
 using nlohmann::json;
 using swiftgs::test::content_of;
@@ -46,7 +48,7 @@ json result_of(const TemporaryFolder& place, const std::string& name) {
   return json::parse(content_of(place / name));
 }
 
-const std::string small_views = " --scale 0.05 --backend cpu ";
+const std::string small_views = " --scale 0.05 --backend serial ";
 
 }  // namespace
 
@@ -93,15 +95,17 @@ TEST_CASE("cli prune: writes one object of results with exactly these members") 
     std::set<std::string> members, side;
     for (const auto& item : result.items()) members.insert(item.key());
     for (const auto& item : result["after"].items()) side.insert(item.key());
-    CHECK(members == std::set<std::string>{"format", "version", "scene", "score", "keep", "backend",
-                                           "conventions", "views", "held_out", "kept_weight", "before",
-                                           "after"});
+    CHECK(members == std::set<std::string>{"format", "version", "machine", "command", "scene", "score",
+                                           "keep", "backend", "conventions", "views", "held_out",
+                                           "kept_weight", "before", "after"});
     CHECK(side ==
           std::set<std::string>{"gaussians", "ms", "photo_psnr_db", "photo_ssim", "unpruned_psnr_db"});
     CHECK(result["format"] == "swiftgs-prune");
     CHECK(result["version"] == 1);
     CHECK(result["scene"] == "builtin:1000");
-    CHECK(result["backend"] == "cpu");
+    CHECK(result["backend"] == "serial");
+    CHECK(result["machine"]["version"] == swiftgs::version);
+    CHECK(contains(result["command"], "swiftgs prune builtin:1000 --keep 0.3 "));
     CHECK(result["before"]["gaussians"] == 1000);
     CHECK(result["after"]["gaussians"] == 300);
     CHECK(result["after"]["ms"] > 0);
@@ -119,6 +123,7 @@ TEST_CASE("cli prune: writes one object of results with exactly these members") 
 
 TEST_CASE("cli prune: the serial backend writes the same file as the cpu backend") {
   const TemporaryFolder place;
+  if (!contains(run(place, "list").out, "cpu/")) return swiftgs::test::skip("no cpu backend here");
   run(place, "prune builtin:500 --keep 0.2 --out a.ply --scale 0.05 --backend serial --views 1,2,3");
   run(place, "prune builtin:500 --keep 0.2 --out b.ply --scale 0.05 --backend cpu --views 1,2,3");
   CHECK(content_of(place / "a.ply") == content_of(place / "b.ply"));
@@ -156,11 +161,19 @@ TEST_CASE("cli prune: a scene that was trained with anti-aliasing stays one") {
   CHECK(swiftgs::load_scene(place / "small.ply").antialiased);
 }
 
-TEST_CASE("cli prune: a scene may be replaced by its own smaller one") {
+TEST_CASE("cli prune: nothing is written in the place of what is read or of another result") {
   const TemporaryFolder place;
   write_ply(place / "scene.ply", swiftgs::make_builtin_scene(100));
-  run(place, "prune scene.ply --keep 0.5 --score opacity-volume --out scene.ply");
-  CHECK(swiftgs::load_scene(place / "scene.ply").size() == 50);
+  place.write("cameras.ply", "[]");
+  const std::string before = content_of(place / "scene.ply");
+  const std::string by_volume = "scene.ply --keep 0.5 --score opacity-volume ";
+  fails(place, by_volume + "--out scene.ply", "--out scene.ply: expected another file than that of SCENE");
+  fails(place, by_volume + "--out ./scene.ply", "that of SCENE, scene.ply");
+  fails(place, by_volume + "--out small.ply --json scene.ply", "--json scene.ply: expected another file");
+  fails(place, by_volume + "--out small.ply --json small.ply",
+        "--json small.ply: expected another file than that of --out");
+  fails(place, by_volume + "--cameras cameras.ply --out cameras.ply", "that of --cameras");
+  CHECK(content_of(place / "scene.ply") == before);
 }
 
 TEST_CASE("cli prune: what cannot be done is one line and writes nothing") {
@@ -198,8 +211,13 @@ TEST_CASE("cli prune: views that show nothing of the scene are an error") {
                        {"position", {0, 1e6, 0}},
                        {"rotation", {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}}};
   place.write("cameras.json", json::array({camera, camera}).dump());
-  fails(place, "scene.ply --keep 0.5 --cameras cameras.json --out small.ply",
-        "expected views that show the scene");
+  const std::string command = "scene.ply --keep 0.5 --cameras cameras.json --backend serial ";
+  fails(place, command + "--out small.ply", "expected views that show the scene");
+  // What an earlier run left stays.
+  place.write("earlier.ply", "a scene"), place.write("earlier.json", "its results");
+  fails(place, command + "--out earlier.ply --json earlier.json", "expected views that show the scene");
+  CHECK(content_of(place / "earlier.ply") == "a scene");
+  CHECK(content_of(place / "earlier.json") == "its results");
 }
 
 TEST_CASE("cli: render --views except leaves out every so many") {
