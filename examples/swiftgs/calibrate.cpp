@@ -16,11 +16,13 @@
 #include "calibrations.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
+#include "distinct_files.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "renderer_words.hpp"
 #include "scene_input.hpp"
 #include "sort_timing.hpp"
+#include "view_sizes.hpp"
 #include "views.hpp"
 
 namespace swiftgs::cli {
@@ -34,15 +36,12 @@ struct CalibrateOptions {
   std::vector<double> scales{1};
   std::uint64_t seed = 1;
   bool check = false;
-  std::string check_views = "all";  ///< as `choose_views` takes them
-  std::string json;                 ///< file for the rows of the check, or empty
+  std::string check_views;  ///< as `choose_views` takes them; empty for all
+  std::string json;         ///< file for the rows of the check, or empty
 };
 
 /// The renderers that `render` would use, but for the sort.
-std::string default_renderers() {
-  const RendererWords usual(default_renderer());
-  return usual.backend + "/adaptive/*/" + usual.bounds;
-}
+std::string default_renderers() { return adaptive_renderers(default_renderer()); }
 
 /// Names of adaptive renderers that match `pattern`, one for each backend and bounds: the rasterizer has no
 /// part in the sort.
@@ -60,29 +59,6 @@ std::vector<std::string> distinct_sorts(const std::string& pattern) {
                                 "': expected one with the sort 'adaptive', such as '" + default_renderers() +
                                 "'");
   return distinct;
-}
-
-/// Views of one image size.
-struct SizeGroup {
-  std::vector<View> views;
-  std::vector<View> checked;  ///< those of them that the choice is compared on
-};
-
-std::vector<SizeGroup> group_by_size(const CalibrateOptions& options, const Scene& scene) {
-  std::map<std::pair<int, int>, SizeGroup> sizes;
-  const auto size_of = [](const View& view) { return std::pair(view.camera.width, view.camera.height); };
-  for (const double scale : options.scales) {
-    ViewOptions view = options.view;
-    view.scale = scale, view.views = "all";
-    for (View& each : views_of(options.scene, view, scene, "all"))
-      sizes[size_of(each)].views.push_back(std::move(each));
-    view.views = options.check_views;
-    for (View& each : views_of(options.scene, view, scene, "all"))
-      sizes[size_of(each)].checked.push_back(std::move(each));
-  }
-  std::vector<SizeGroup> groups;
-  for (auto& [size, group] : sizes) groups.push_back(std::move(group));
-  return groups;
 }
 
 void print_strategy(const char* name, const StrategyTimes& times) {
@@ -126,16 +102,27 @@ std::size_t calibrate_size(const CalibrateOptions& options, const std::string& f
   return add_sort_calibrations(file, {saved}) + 1;
 }
 
-void calibrate(const CalibrateOptions& options) {
-  const std::string file = calibration_file(options.scene, options.out);
+/// Throws unless the options go together; `file` is where the calibration goes.
+void check_options(const CalibrateOptions& options, const std::string& file) {
   if (file.empty())
     throw std::invalid_argument("--out: expected a file, as the built-in scene has none beside it");
+  if (!options.check_views.empty() && !options.check)
+    throw std::invalid_argument("--check-views: expected --check with it");
   if (!options.json.empty() && !options.check)
     throw std::invalid_argument("--json: expected --check with it");
+  require_distinct({{"--out", file}, {"--json", options.json}},
+                   {{"SCENE", file_of(options.scene)}, {"--cameras", options.view.cameras}});
+}
+
+void calibrate(const CalibrateOptions& options) {
+  const std::string file = calibration_file(options.scene, options.out);
+  check_options(options, file);
   const std::vector<std::string> names =
       distinct_sorts(options.renderers.empty() ? default_renderers() : options.renderers);
   const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
-  const std::vector<SizeGroup> groups = group_by_size(options, *scene);
+  ViewOptions view = options.view;
+  if (options.check) view.views = options.check_views.empty() ? "all" : options.check_views;
+  const std::vector<SizeGroup> groups = group_by_size(options.scene, view, options.scales, *scene);
   const RenderSettings settings = settings_of(options.view, *scene);
   const std::string checksum = scene_checksum(*scene);
   std::size_t in_file =
@@ -150,7 +137,13 @@ void calibrate(const CalibrateOptions& options) {
     early->share_scene(*standard);
     for (const SizeGroup& group : groups) {
       in_file = calibrate_size(options, file, *scene, checksum, group.views, settings, *standard, *early);
-      if (!options.check || group.checked.empty()) continue;
+      if (!options.check) continue;
+      if (group.checked.empty()) {
+        const Camera& camera = group.views.front().camera;
+        std::printf("  check    none: of --check-views %s none is %dx%d\n", options.check_views.c_str(),
+                    camera.width, camera.height);
+        continue;
+      }
       const std::unique_ptr<AnyRenderer> adaptive = make_renderer(name);
       adaptive->share_scene(*standard);
       Calibrations(options.scene, options.view, scene, file).hand_to(*adaptive, group.checked);
@@ -163,9 +156,9 @@ void calibrate(const CalibrateOptions& options) {
 constexpr const char* more =
     R"(A fifth of the views is chosen at random; one half is sorted with each strategy, and the one
 with the lower mean sort time is what renderers with the sort 'adaptive' use from then on, at
-this image size, on this device, with this backend and these bounds. 'render' and 'check' find
-the file beside the scene; one that does not fit is ignored with a message, and the sort is
-then measured while rendering. Measurements for other sizes, devices, backends or bounds are
+this image size, on this device, with this backend and these bounds. 'render', 'check' and
+'bench' find the file beside the scene; one that does not fit is ignored with a message, and the
+sort is then measured while rendering. Measurements for other sizes, devices, backends or bounds are
 kept in the file. +- is the standard deviation over the views.
 --check renders views with both strategies and with the file, in turn, and prints by how much
 the frame and its sort took longer than with the better of both, +- the standard error.
@@ -192,8 +185,8 @@ void add_calibrate(CLI::App& app) {
   command->add_option("--seed", options->seed, "Of the random choice of views")->capture_default_str();
   command->add_option("--out", options->out, "File to add to [SCENE.sort.json]");
   command->add_flag("--check", options->check, "Compare the choice with both strategies");
-  command->add_option("--check-views", options->check_views, "On which: all, every:8, or numbers as 0,8")
-      ->capture_default_str();
+  command->add_option("--check-views", options->check_views,
+                      "On which: all, every:8, or numbers as 0,8 [all]");
   command->add_option("--json", options->json, "File for the results of --check");
   command->callback([options] { calibrate(*options); });
 }

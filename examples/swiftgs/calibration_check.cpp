@@ -24,8 +24,8 @@ std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::e
 
 std::string document_of(const Machine& machine, const std::vector<std::string>& rows) {
   std::string text =
-      "{\"format\": \"swiftgs-calibration-check\", \"version\": 1, \"machine\": " + to_json(machine) +
-      ",\n \"rows\": [";
+      "{\"format\": \"swiftgs-calibration-check\", \"version\": 1,\n \"machine\": " + to_json(machine) +
+      ",\n \"command\": " + text_of(command_line()) + ",\n \"rows\": [";
   for (const std::string& row : rows) text += (&row == rows.data() ? "\n  " : ",\n  ") + row;
   return text + "\n ]}\n";
 }
@@ -50,9 +50,7 @@ Regret regret_of(const std::vector<double>& standard, const std::vector<double>&
 CalibrationCheck::CalibrationCheck(const std::string& json, const SceneOptions& scene)
     : file_(json),
       machine_(json.empty() ? Machine() : describe_machine()),
-      scene_(builtin_size(scene.scene) ? "builtin" : scene_label(scene.scene)) {
-  file_.write(document_of(machine_, rows_));
-}
+      scene_(builtin_size(scene.scene) ? "builtin" : scene_label(scene.scene)) {}
 
 void CalibrationCheck::run(const SortTrio& sorts, const std::vector<View>& views,
                            const RenderSettings& settings, std::size_t gaussians) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -12,33 +11,25 @@
 
 #include "renderer_words.hpp"
 #include "scene_input.hpp"
+#include "shell_word.hpp"
 
 namespace swiftgs::cli {
 namespace {
-
-/// `text` as a shell takes it for one word.
-std::string quoted(const std::string& text) {
-  const auto plain = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           std::string_view("_-+=.,:/").find(c) != std::string_view::npos;
-  };
-  return std::all_of(text.begin(), text.end(), plain) ? text : "\"" + text + "\"";
-}
 
 /// What calibrates the images that `view` asks for, without the renderers.
 std::string command_for(const SceneOptions& scene, const ViewOptions& view, const std::string& out) {
   const SceneOptions usual_scene;
   const ViewOptions usual;
-  std::string command = "swiftgs calibrate " + quoted(scene.scene);
-  if (scene.spz_frame != usual_scene.spz_frame) command += " --spz-frame " + quoted(scene.spz_frame);
-  if (!view.cameras.empty()) command += " --cameras " + quoted(view.cameras);
+  std::string command = "swiftgs calibrate " + shell_word(scene.scene);
+  if (scene.spz_frame != usual_scene.spz_frame) command += " --spz-frame " + shell_word(scene.spz_frame);
+  if (!view.cameras.empty()) command += " --cameras " + shell_word(view.cameras);
   if (view.scale != usual.scale) {
     char scale[32];
     std::snprintf(scale, sizeof(scale), " --scale %g", view.scale);
     command += scale;
   }
-  if (view.conventions != usual.conventions) command += " --conventions " + quoted(view.conventions);
-  if (!out.empty()) command += " --out " + quoted(out);
+  if (view.conventions != usual.conventions) command += " --conventions " + shell_word(view.conventions);
+  if (!out.empty()) command += " --out " + shell_word(out);
   return command;
 }
 
@@ -47,6 +38,11 @@ std::string command_for(const SceneOptions& scene, const ViewOptions& view, cons
 std::string calibration_file(const SceneOptions& scene, const std::string& given) {
   if (!given.empty()) return given;
   return builtin_size(scene.scene) ? "" : sort_calibrations_beside(scene.scene).string();
+}
+
+std::string adaptive_renderers(std::string_view name) {
+  const RendererWords words(name);
+  return words.backend + "/" + std::string(AdaptiveSort::name) + "/*/" + words.bounds;
 }
 
 SortCalibrationKey calibration_key(const AnyRenderer& renderer, const std::string& scene_checksum) {
@@ -88,10 +84,8 @@ void Calibrations::hand_to(AnyRenderer& renderer, const std::vector<View>& views
 
 void Calibrations::say(const std::string& why, const AnyRenderer& renderer) {
   if (!said_.insert(why).second) return;
-  const RendererWords words(renderer.name());
-  std::fprintf(stderr,
-               "swiftgs: %s; the sort is measured while rendering; run: %s --renderers '%s/adaptive/*/%s'\n",
-               why.c_str(), command_.c_str(), words.backend.c_str(), words.bounds.c_str());
+  std::fprintf(stderr, "swiftgs: %s; the sort is measured while rendering; run: %s --renderers %s\n",
+               why.c_str(), command_.c_str(), shell_word(adaptive_renderers(renderer.name())).c_str());
 }
 
 }  // namespace swiftgs::cli

@@ -4,6 +4,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <swiftgs/any_renderer.hpp>
@@ -18,6 +19,10 @@ namespace swiftgs::cli {
 /// The file of measurements of a scene: `given`, or the one beside the scene's file where that is empty.
 /// Empty for the built-in scene unless given.
 std::string calibration_file(const SceneOptions& scene, const std::string& given);
+
+/// A pattern for renderers with the sort 'adaptive' that share measurements with the one called `name`: the
+/// same backend and bounds, and any rasterizer, which has no part in the sort.
+std::string adaptive_renderers(std::string_view name);
 
 /// What measurements with `renderer` hold for.
 SortCalibrationKey calibration_key(const AnyRenderer& renderer, const std::string& scene_checksum);

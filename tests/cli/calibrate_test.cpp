@@ -173,6 +173,8 @@ TEST_CASE("cli calibrate: check compares the choice with both strategies and wri
   CHECK(result["format"] == "swiftgs-calibration-check");
   CHECK(result["version"] == 1);
   CHECK(result["machine"]["version"] == swiftgs::version);
+  CHECK(result["command"].get<std::string>().starts_with(
+      "swiftgs calibrate builtin:100 --out b.json --check "));
   REQUIRE(result["rows"].size() == 2);
   for (const json& row : result["rows"]) {
     std::set<std::string> members;
@@ -193,6 +195,46 @@ TEST_CASE("cli calibrate: check compares the choice with both strategies and wri
   CHECK(result["rows"][1]["width"] == 38);
 }
 
+TEST_CASE("cli calibrate: a size without a view to check is said") {
+  const TemporaryFolder place;
+  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(20));
+  json cameras = json::array();
+  for (const int width : {32, 48})
+    cameras.push_back({{"id", 0},
+                       {"img_name", std::to_string(width)},
+                       {"width", width},
+                       {"height", 16},
+                       {"fx", 30.0},
+                       {"fy", 30.0},
+                       {"position", {0, 0, -5}},
+                       {"rotation", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}});
+  place.write("cameras.json", cameras.dump());
+  const std::string text = run(place,
+                               "calibrate scene.ply --cameras cameras.json --check --check-views 1 "
+                               "--renderers 'serial/adaptive/*/ellipse' --json c.json");
+  CHECK(contains(text, "32x16"));
+  CHECK(contains(text, "  check    none: of --check-views 1 none is 32x16\n"));
+  CHECK(contains(text, "  check    1 view: standard "));
+  CHECK(json::parse(content_of(place / "c.json"))["rows"].size() == 1);
+}
+
+TEST_CASE("cli calibrate: the command that a message says runs as it is in a shell") {
+  const TemporaryFolder place;
+  const std::string name = "a `scene`'s \"$HOME\" & more.ply";
+  write_ply(place / name, swiftgs::make_builtin_scene(100));
+  place.write(name + ".sort.json", "");
+  const std::string quoted = "'a `scene`'\\''s \"$HOME\" & more.ply'";
+  const Outcome outcome = swiftgs::test::swiftgs(place, "render " + quoted + small + adaptive);
+  CAPTURE(outcome.err);
+  CHECK(outcome.code == 0);
+  const std::string before = "; run: swiftgs ";
+  const std::size_t at = outcome.err.find(before);
+  REQUIRE(at != std::string::npos);
+  const std::string told = outcome.err.substr(at + before.size());
+  run(place, told.substr(0, told.find('\n')));
+  run(place, "render " + quoted + small + adaptive);
+}
+
 TEST_CASE("cli calibrate: what cannot be done is an error of one line before anything is measured") {
   const TemporaryFolder place;
   place.write("notes.txt", "nothing of ours");
@@ -203,7 +245,14 @@ TEST_CASE("cli calibrate: what cannot be done is an error of one line before any
       {"calibrate builtin:100 --out file/b.json", "file/b.json"},
       {"calibrate builtin:100 --out nowhere/b.json", "nowhere/b.json"},
       {"calibrate builtin:100 --out b.json --json c.json", "--json: expected --check"},
+      {"calibrate builtin:100 --out b.json --check-views 0", "--check-views: expected --check"},
+      {"calibrate builtin:100 --out b.json --check --json ./b.json",
+       "--json ./b.json: expected another file"},
+      {"calibrate scene.ply --out scene.ply", "--out scene.ply: expected another file than that of SCENE"},
       {"calibrate builtin:100 --out b.json --scale 0", "--scale"},
+      {"calibrate builtin:100 --out b.json --scale 0.02,0.02",
+       "--scale: expected factors that give different sizes, found 26x14 twice for the view front"},
+      {"calibrate builtin:100 --out b.json --scale 0.02,0.02001", "found 26x14 twice"},
       {"calibrate builtin:100 --out b.json --check --check-views 99", "--views '99'"},
       {"calibrate builtin:100 --out b.json --renderers serial/early/per-pixel/ellipse",
        "the sort 'adaptive'"},
