@@ -99,6 +99,9 @@ SortTimes time_sorts(AnyRenderer& standard, AnyRenderer& early, const std::vecto
   return times;
 }
 
+// `measure` of bench/measure.hpp takes turns too, until one view's median is precise, however long that
+// takes. Here a mean over views decides, which differ by more than the median of a few frames: each has the
+// same few.
 std::vector<FrameTimes> time_in_turn(const std::vector<AnyRenderer*>& renderers,
                                      const std::vector<View>& views, const RenderSettings& settings,
                                      int turns, Progress& progress) {
