@@ -111,12 +111,15 @@ def usual_errors(pairs):
 
 
 def unexplained(before, after, stage, moved):
-    """The duration of `stage` in `after`, less what those of `moved` added that it holds. Medians do not add up, so it
-    may be negative."""
+    """The duration of `stage` in `after`, less what those of `moved` added that it holds, whose noise its interval has
+    too. Medians do not add up, so it may be negative."""
     found = after.ms[stage]
     held = () if stage in PARTS else ("total",) if stage == "wall" and "total" in moved else PARTS
-    added = sum(after.ms[part].median - before.ms[part].median for part in held if part in moved)
-    return Duration(found.median - added, found.low - added, found.high - added)
+    parts = [part for part in held if part in moved]
+    median = found.median - sum(after.ms[part].median - before.ms[part].median for part in parts)
+    noise = math.hypot(*((row.ms[part].high - row.ms[part].low) / 2 for part in parts for row in (before, after)))
+    return Duration(median, median - math.hypot(found.median - found.low, noise),
+                    median + math.hypot(found.high - found.median, noise))
 
 
 def moved_stages(pairs, threshold, of_means):
@@ -145,7 +148,7 @@ def moved_values(pairs):
 
 def standard_error(duration):
     """Of the logarithm of a median, from its confidence interval."""
-    if not duration.low:
+    if duration.low <= 0:
         return math.inf
     return math.log(duration.high / duration.low) / (2 * HALF_WIDTH)
 
@@ -157,7 +160,7 @@ def mean_ratio(renderer, stage, pairs, moved, comparisons):
         return None
     logs = [math.log(a.median / b.median) for b, a in durations]
     n = len(logs)
-    noise = math.hypot(*(standard_error(row.ms[stage]) for pair in pairs for row in pair)) / n
+    noise = math.hypot(*(standard_error(duration) for pair in durations for duration in pair)) / n
     spread = statistics.stdev(logs) / math.sqrt(n) if n > 1 else 0
     mean, width = statistics.mean(logs), quantile(comparisons) * max(noise, spread)
     return Mean(renderer, stage, n, math.exp(mean), math.exp(mean - width), math.exp(min(mean + width, 700)))

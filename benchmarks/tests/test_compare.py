@@ -143,7 +143,7 @@ class Compare(unittest.TestCase):
             synthetic.write(place / f"{name}.json", synthetic.run(seed, slower={SLOWED: slower}))
         for after, same, message in (("slower", "same", None), ("quicker", "same", "expected exit code 1"),
                                      ("sorts", "same", "named were [('sort', 'slower')"),
-                                     ("same", "same", "expected exit code 1"),
+                                     ("same", "same", "the slower rasterization was not found"),
                                      ("slower", "quicker", "expected exit code 0 and no stage")):
             folder = place / f"{after}-{same}"
             folder.mkdir()
@@ -154,6 +154,14 @@ class Compare(unittest.TestCase):
                                  text=True, check=False)
             self.assertEqual(ran.returncode, 1 if message else 0, ran.stdout + ran.stderr)
             self.assertIn(message or "", ran.stderr)
+        noisy = place / "slower-same"
+        for seed, (name, slower) in enumerate((("before", 1), ("after", 1.05), ("same", 1))):
+            synthetic.write(noisy / f"{name}.json", synthetic.run(seed, views=1, noise=0.2, slower={
+                renderer: {"raster": slower} for renderer in synthetic.RENDERERS}))
+        ran = subprocess.run([sys.executable, "-B", str(program), str(PROGRAM), str(noisy)], capture_output=True,
+                             text=True, check=False)
+        self.assertEqual(ran.returncode, 77, ran.stdout + ran.stderr)
+        self.assertIn("skipped: a standard error of ", ran.stdout)
 
     def test_another_machine_is_warned_about(self):
         after = synthetic.run(1)

@@ -86,7 +86,7 @@ Results measured(const std::vector<RendererEntry>& table, int frames, std::size_
 }
 
 void write_all(const std::filesystem::path& folder) {
-  const Results timed = measured(entries<PerPixel, Slowed<PerPixel>, PerPixel>(), 100, 0);
+  const Results timed = measured(entries<PerPixel, Slowed<PerPixel>, PerPixel>(), 80, 0);
   const char* const names[] = {"before.json", "after.json", "same.json"};
   for (std::size_t i = 0; i < std::size(names); ++i) {
     Results one = timed;
