@@ -94,20 +94,21 @@ TEST_CASE("replace file: what cannot be written is named before and while writin
   const TemporaryFolder place;
   fs::create_directory(place / "folder");
   place.write("file", "");
-  for (const auto& [name, reason] : {std::pair{"folder", "folder: Is a directory"},
-                                     {"missing/a.txt", "missing/a.txt: No such file"},
-                                     {"file/a.txt", "file/a.txt: Not a directory"}}) {
-    const auto message_of = [&](const auto& act) -> std::string {
-      try {
-        act();
-      } catch (const std::system_error& error) {
-        return error.what();
-      }
-      return "no error";
-    };
-    CAPTURE(name);
-    const std::string before = message_of([&] { require_replaceable(place / name); });
-    const std::string during = message_of([&] { replace_file(place / name, "text"); });
+  const auto message_of = [](const auto& act) -> std::string {
+    try {
+      act();
+    } catch (const std::system_error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  const char* cases[][2] = {{"folder", "folder: Is a directory"},
+                            {"missing/a.txt", "missing/a.txt: No such file"},
+                            {"file/a.txt", "file/a.txt: Not a directory"}};
+  for (const auto& [name, reason] : cases) {
+    const std::filesystem::path path = place / name;
+    const std::string before = message_of([&] { require_replaceable(path); });
+    const std::string during = message_of([&] { replace_file(path, "text"); });
     CAPTURE(before);
     CHECK(before.find(reason) != std::string::npos);
     CHECK(during == before);
