@@ -74,14 +74,16 @@ paper=axis-shared-threshold-half-split
 square=three-sigma-square
 scaling() { echo "$1/early/$ours,$1/standard/$ours,$1/standard/per-pixel/$square"; }
 
+# In which folders it was measured is nobody's business.
+leave_folders_out() { sed -i "s|$out/||g;s|$scenes/||g" "$1"; }
+
 # bench FILE ARGUMENT...
 bench() {
   local file=$1
   shift
   "$swiftgs" bench "$@" --min-frames "$least" --max-frames "$most" --precision "$precision" --seed 1 \
     --json "$out/$file"
-  # In which folders it was measured is nobody's business.
-  sed -i "/^\"command\": /{s|$out/||g;s|$scenes/||g}" "$out/$file"
+  leave_folders_out "$out/$file"
 }
 
 part_matrix() {
@@ -151,6 +153,7 @@ part_prune() {
       "$swiftgs" prune "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")" ${photos[@]+"${photos[@]}"} \
         --keep 0.1 --score "$score" --out "$out/pruned/$name-pruned/$name-pruned.ply" \
         --json "$out/prune-$name-$score.json"
+      leave_folders_out "$out/prune-$name-$score.json"
     done
     pruned+=("$out/pruned/$name-pruned")  # what the last score has kept
   done
@@ -164,6 +167,7 @@ calibrate() {
   shift
   "$swiftgs" calibrate "$@" --scale 1,2 --renderers "$sorts" --check --check-views every:8 \
     --out "$out/calibration-$name.sort.json" --json "$out/calibration-$name.json"
+  leave_folders_out "$out/calibration-$name.json"
 }
 
 part_calibrate() {

@@ -152,6 +152,7 @@ TEST_CASE("bench: what cannot be measured is one line that says why") {
   fails("builtin:500 --max-frames 2 --min-frames 3", {"--max-frames"});
   fails("builtin:500 --precision 0", {"--precision"});
   fails("builtin:500 --images im", {"--images", "--json"});
+  fails("same.ply --json same.ply", {"same.ply"});
   fails("builtin:500 --threads 0", {"--threads", "1 to"});
   fails("builtin:500 --gaussians 0", {"--gaussians", "100000000"});
   fails("builtin:500 --gaussians 18446744073709551615", {"--gaussians", "100000000"});

@@ -11,6 +11,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <swiftgs/io/replace_file.hpp>
+
 #include "bench/inputs.hpp"
 #include "bench/runner.hpp"
 #include "bench/table.hpp"
@@ -18,6 +20,7 @@
 #include "bench/variants.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
+#include "distinct_files.hpp"
 #include "photos.hpp"
 #include "scene_input.hpp"
 
@@ -177,7 +180,11 @@ void bench(const BenchOptions& options) {
   Matrix matrix(options);
   Results results;
   results.machine = describe_machine(), results.command = command_line();
-  if (!options.json.empty()) write_results(results, options.json);  // where it cannot be written, say so now
+  std::vector<NamedFile> scenes;
+  for (const std::string& scene : options.scenes)
+    if (!builtin_size(scene)) scenes.push_back({"SCENE", input_named(scene).scene.scene});
+  require_distinct({{"--json", options.json}}, scenes);
+  if (!options.json.empty()) require_replaceable(options.json);  // hours of results must find a place
   if (!options.images.empty()) std::filesystem::create_directories(options.images);
 
   Progress progress(matrix.images() * entries.size());

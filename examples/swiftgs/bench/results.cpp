@@ -5,11 +5,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
-#include <string_view>
 
 #include <nlohmann/json.hpp>
 
 #include <swiftgs/io/replace_file.hpp>
+
+#include "renderer_words.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -57,21 +58,15 @@ Json json_of(const ViewResult& v) {
   return json;
 }
 
-/// Adds the words of BACKEND/SORT/RASTER/BOUNDS.
-void add_words(Json& json, std::string_view name) {
-  for (const char* word : {"backend", "sort", "raster", "bounds"}) {
-    const std::size_t end = name.find('/');
-    json[word] = name.substr(0, end);
-    name.remove_prefix(end == std::string_view::npos ? name.size() : end + 1);
-  }
-}
-
 Json json_of(const RowResult& r) {
   Json json = json_of(r.place);
   json["threads"] = r.threads;
   json["renderer"] = r.renderer;
-  add_words(json, r.renderer);
+  const RendererWords words(r.renderer);
+  json["backend"] = words.backend, json["sort"] = words.sort;
+  json["raster"] = words.raster, json["bounds"] = words.bounds;
   json["frames"] = r.frames;
+  json["calibrated"] = r.calibrated;
   json["ms"] = {{"project", json_of(r.ms.project)},
                 {"sort", json_of(r.ms.sort)},
                 {"raster", json_of(r.ms.raster)},
