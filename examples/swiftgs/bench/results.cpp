@@ -97,12 +97,12 @@ Json json_of(const Machine& m) {
     json.update(Json{{"gpu", m.gpu->name},
                      {"driver", m.gpu->driver},
                      {"cuda", m.gpu->cuda},
-                     {"gpu_memory_gib", m.gpu->memory_gib}});
+                     {"gpu_memory_gib", rounded(m.gpu->memory_gib, 4)}});
   json.update(Json{{"compiler", m.compiler},
                    {"flags", m.flags},
                    {"commit", m.commit},
                    {"version", m.version},
-                   {"load", m.load}});
+                   {"load", rounded(m.load, 3)}});
   return json;
 }
 
