@@ -12,32 +12,14 @@
 #include <swiftgs/builtin_scene.hpp>
 
 #include "cuda/device.hpp"
+#include "policies/contribution_sums.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
 
 namespace {
 
-using Sums = std::vector<std::uint64_t>;
 using Usual = Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-
-template <class B>
-Sums sums_of(const Scene& scene, const std::vector<Camera>& cameras, const Conventions& conventions,
-             B backend = B()) {
-  Contributions<B> contributions(std::make_shared<const Scene>(scene), std::move(backend));
-  for (const Camera& camera : cameras) contributions.add(camera, conventions);
-  return contributions.sums();
-}
-
-double total(const Sums& sums) {
-  return std::accumulate(sums.begin(), sums.end(), 0.0,
-                         [](double sum, std::uint64_t parts) { return sum + weight_of_parts(parts); });
-}
-
-void append(Scene& scene, vec3 mean, float scale, float opacity) {
-  scene.means.push_back(mean), scene.scales.push_back(vec3(scale)), scene.rotations.push_back({});
-  scene.opacities.push_back(opacity), scene.sh0.push_back(vec3(1));
-}
 
 /// Compares with the serial backend. Exponentials differ by 2 units in the last place; and where alpha or
 /// transmittance is at a threshold, a pixel more or less keeps a splat: with a weight of 1/255 at most at

@@ -11,33 +11,13 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/reference.hpp>
 
-#include "policies/backends.hpp"
+#include "policies/contribution_sums.hpp"
 #include "policies/random_splats.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
 
 namespace {
-
-using Sums = std::vector<std::uint64_t>;
-
-template <class B>
-Sums sums_of(const Scene& scene, const std::vector<Camera>& cameras, const Conventions& conventions,
-             B backend = make_backend<B>()) {
-  Contributions<B> contributions(std::make_shared<const Scene>(scene), std::move(backend));
-  for (const Camera& camera : cameras) contributions.add(camera, conventions);
-  return contributions.sums();
-}
-
-double total(const Sums& sums) {
-  return std::accumulate(sums.begin(), sums.end(), 0.0,
-                         [](double sum, std::uint64_t parts) { return sum + weight_of_parts(parts); });
-}
-
-void append(Scene& scene, vec3 mean, float scale, float opacity) {
-  scene.means.push_back(mean), scene.scales.push_back(vec3(scale)), scene.rotations.push_back({});
-  scene.opacities.push_back(opacity), scene.sh0.push_back(vec3(1));
-}
 
 /// Weight of each Gaussian in the float64 reference's image, in pixels: in a colour of its own, three of them
 /// a frame.
