@@ -60,26 +60,29 @@ Calibrations::Calibrations(const SceneOptions& scene, const ViewOptions& view,
       given_(!file.empty()),
       content_(std::move(content)) {}
 
-void Calibrations::hand_to(AnyRenderer& renderer, const std::vector<View>& views) {
-  if (file_.empty() || RendererWords(renderer.name()).sort != AdaptiveSort::name) return;
+bool Calibrations::hand_to(AnyRenderer& renderer, const std::vector<View>& views) {
+  if (file_.empty() || RendererWords(renderer.name()).sort != AdaptiveSort::name) return false;
   std::error_code unreadable;
   if (!std::filesystem::exists(file_, unreadable) && !unreadable) {
     if (given_) say(file_ + " is not there", renderer);
-    return;
+    return false;
   }
   if (checksum_.empty()) checksum_ = scene_checksum(*content_);
   FoundSortCalibrations found = find_sort_calibrations(file_, calibration_key(renderer, checksum_));
-  if (!found.why_none.empty()) return say(found.why_none, renderer);
+  if (!found.why_none.empty()) return say(found.why_none, renderer), false;
+  bool all = true;
   for (const View& view : views) {
     const auto of_its_size = [&](const SortCalibration& calibration) {
       return calibration.width == view.camera.width && calibration.height == view.camera.height;
     };
-    if (std::none_of(found.calibrations.begin(), found.calibrations.end(), of_its_size))
-      say(file_ + " holds no calibration at " + std::to_string(view.camera.width) + "x" +
-              std::to_string(view.camera.height),
-          renderer);
+    if (std::any_of(found.calibrations.begin(), found.calibrations.end(), of_its_size)) continue;
+    all = false;
+    say(file_ + " holds no calibration at " + std::to_string(view.camera.width) + "x" +
+            std::to_string(view.camera.height),
+        renderer);
   }
   renderer.use_calibrations(std::move(found.calibrations));
+  return all;
 }
 
 void Calibrations::say(const std::string& why, const AnyRenderer& renderer) {

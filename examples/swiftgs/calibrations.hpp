@@ -37,7 +37,8 @@ class Calibrations {
   /// Hands to `renderer` what holds for it. Where there is a file with nothing for `renderer` or for the size
   /// of one of `views`, a line on standard error says why and what to run, once for each reason; the
   /// renderer then measures while it renders. Other sorts than `adaptive` have no use for it.
-  void hand_to(AnyRenderer& renderer, const std::vector<View>& views);
+  /// Returns whether what it handed over holds for all of `views`, so that nothing is left to measure.
+  bool hand_to(AnyRenderer& renderer, const std::vector<View>& views);
 
  private:
   void say(const std::string& why, const AnyRenderer& renderer);

@@ -12,6 +12,7 @@
 using swiftgs::test::content_of;
 using swiftgs::test::lines_in;
 using swiftgs::test::Outcome;
+using swiftgs::test::run;
 using swiftgs::test::TemporaryFolder;
 
 namespace {
@@ -190,4 +191,18 @@ TEST_CASE("bench: results that are there stay until there are new ones") {
   const std::string before = content_of(place / "r.json");
   REQUIRE(swiftgs::test::swiftgs(place, command + " --enlarge 0").code == 1);
   CHECK(content_of(place / "r.json") == before);
+}
+
+TEST_CASE("bench: a sort is calibrated where a file was found and not where it has adapted meanwhile") {
+  const TemporaryFolder place;
+  const std::string renderer = " --renderers 'serial/adaptive/per-pixel/ellipse' --errors none";
+  // Views enough to decide on the way.
+  run(place, "bench builtin:100 --views all" + renderer + quick);
+  for (const Json& row : results_in(place / "r.json").at("rows")) CHECK(row.at("calibrated") == false);
+  run(place, "prune builtin:100 --keep 1 --score opacity-volume --out scene.ply");
+  run(place, "calibrate scene.ply --scale 0.1 --renderers 'serial/adaptive/*/ellipse'");
+  run(place, "bench scene.ply" + renderer + quick);
+  const Json rows = results_in(place / "r.json").at("rows");
+  REQUIRE(rows.size() == 1);
+  CHECK(rows[0].at("calibrated") == true);
 }

@@ -15,6 +15,7 @@ using nlohmann::json;
 using swiftgs::test::content_of;
 using swiftgs::test::lines_in;
 using swiftgs::test::Outcome;
+using swiftgs::test::run;
 using swiftgs::test::TemporaryFolder;
 
 namespace {
@@ -24,15 +25,6 @@ const std::string adaptive = " --format pfm --renderer serial/adaptive/per-pixel
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
-}
-
-/// Runs the tool and expects success and nothing on standard error.
-std::string run(const TemporaryFolder& place, const std::string& arguments) {
-  const Outcome outcome = swiftgs::test::swiftgs(place, arguments);
-  CAPTURE(arguments);
-  CHECK(outcome.code == 0);
-  CHECK(outcome.err == "");
-  return outcome.out;
 }
 
 /// Runs the tool and expects success all the same, and one line on standard error that holds all `parts`.
@@ -59,7 +51,7 @@ void calibrate_builtin(const TemporaryFolder& place) {
 TEST_CASE("cli calibrate: says which views and how long and what was chosen and where it is") {
   const TemporaryFolder place;
   const std::string text =
-      run(place, "calibrate builtin:300 --out b.json --renderers 'serial/adaptive/*/ellipse'" + small);
+      run(place, "calibrate builtin:300 --out b.json --renderers 'serial/adaptive/*/ellipse'" + small).out;
   for (const char* part : {"serial with ellipse, 64x36, on ", "  standard ", "  early ", " ms +- ",
                            ", 3 views: ", "  choice   ", ", expected regret ", "b.json: 1 calibration\n"})
     CHECK(contains(text, part));
@@ -77,13 +69,13 @@ TEST_CASE("cli calibrate: says which views and how long and what was chosen and 
 TEST_CASE("cli calibrate: each backend and bounds once and each size and again in place") {
   const TemporaryFolder place;
   const std::string command = "calibrate builtin:100 --out b.json --renderers 'serial/adaptive/*/*'";
-  CHECK(contains(run(place, command + " --scale 0.02,0.03"), "b.json: 6 calibrations\n"));
+  CHECK(contains(run(place, command + " --scale 0.02,0.03").out, "b.json: 6 calibrations\n"));
   std::set<std::string> cases;
   for (const auto& saved : swiftgs::read_sort_calibrations(place / "b.json"))
     cases.insert(saved.key.bounds + std::to_string(saved.measured.width));
   CHECK(cases.size() == 6);
-  CHECK(contains(run(place, command + " --scale 0.03"), "b.json: 6 calibrations\n"));
-  CHECK(contains(run(place, command + " --scale 0.04"), "b.json: 9 calibrations\n"));
+  CHECK(contains(run(place, command + " --scale 0.03").out, "b.json: 6 calibrations\n"));
+  CHECK(contains(run(place, command + " --scale 0.04").out, "b.json: 9 calibrations\n"));
 }
 
 TEST_CASE("cli calibrate: the same seed chooses the same views") {
@@ -93,7 +85,8 @@ TEST_CASE("cli calibrate: the same seed chooses the same views") {
         run(place,
             "calibrate builtin:100 --out b.json --renderers serial/adaptive/per-pixel/ellipse --scale 0.02 "
             "--seed " +
-                seed);
+                seed)
+            .out;
     std::multiset<std::string> views;
     for (std::size_t at = 0; (at = text.find("orbit-", at)) != std::string::npos; at += 6)
       views.insert(text.substr(at, 8));
@@ -166,7 +159,8 @@ TEST_CASE("cli calibrate: check compares the choice with both strategies and wri
   const TemporaryFolder place;
   const std::string text = run(place,
                                "calibrate builtin:100 --out b.json --check --check-views 0,7 --json c.json "
-                               "--renderers 'serial/adaptive/*/ellipse' --scale 0.02,0.03");
+                               "--renderers 'serial/adaptive/*/ellipse' --scale 0.02,0.03")
+                               .out;
   CHECK(contains(text, "  check    2 views: standard "));
   CHECK(contains(text, " % of the frame, "));
   const json result = json::parse(content_of(place / "c.json"));
@@ -211,7 +205,8 @@ TEST_CASE("cli calibrate: a size without a view to check is said") {
   place.write("cameras.json", cameras.dump());
   const std::string text = run(place,
                                "calibrate scene.ply --cameras cameras.json --check --check-views 1 "
-                               "--renderers 'serial/adaptive/*/ellipse' --json c.json");
+                               "--renderers 'serial/adaptive/*/ellipse' --json c.json")
+                               .out;
   CHECK(contains(text, "32x16"));
   CHECK(contains(text, "  check    none: of --check-views 1 none is 32x16\n"));
   CHECK(contains(text, "  check    1 view: standard "));

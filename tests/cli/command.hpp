@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <string>
 
+#include <doctest/doctest.h>
 #include <sys/wait.h>
 
 #include "support/files.hpp"
@@ -26,6 +27,15 @@ inline Outcome swiftgs(const TemporaryFolder& place, const std::string& argument
                                   " >'" + out + "' 2>'" + err + "'")
                                      .c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(out), content_of(err)};
+}
+
+/// The same, of a command that must end well and say nothing on standard error.
+inline Outcome run(const TemporaryFolder& place, const std::string& arguments) {
+  Outcome outcome = swiftgs(place, arguments);
+  CAPTURE(arguments);
+  CHECK(outcome.code == 0);
+  CHECK(outcome.err == "");
+  return outcome;
 }
 
 }  // namespace swiftgs::test

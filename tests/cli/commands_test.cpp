@@ -14,18 +14,11 @@
 
 using nlohmann::json;
 using swiftgs::test::Outcome;
+using swiftgs::test::run;
 using swiftgs::test::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
-
-Outcome run(const TemporaryFolder& place, const std::string& arguments) {
-  Outcome outcome = swiftgs::test::swiftgs(place, arguments);
-  CAPTURE(arguments);
-  CHECK(outcome.code == 0);
-  CHECK(outcome.err == "");
-  return outcome;
-}
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;

@@ -17,17 +17,10 @@
 using nlohmann::json;
 using swiftgs::test::content_of;
 using swiftgs::test::Outcome;
+using swiftgs::test::run;
 using swiftgs::test::TemporaryFolder;
 
 namespace {
-
-Outcome run(const TemporaryFolder& place, const std::string& arguments) {
-  Outcome outcome = swiftgs::test::swiftgs(place, arguments);
-  CAPTURE(arguments);
-  CHECK(outcome.code == 0);
-  CHECK(outcome.err == "");
-  return outcome;
-}
 
 /// Expects one line of error that holds `part`, and no file `small.ply`.
 void fails(const TemporaryFolder& place, const std::string& arguments, const std::string& part) {

@@ -70,7 +70,7 @@ struct RowResult {
   int threads = 0;
   std::string renderer;
   int frames = 0;
-  bool calibrated = false;  ///< an adaptive sort had a saved measurement
+  bool calibrated = false;  ///< an adaptive sort had saved measurements for all views
   Durations ms;
   std::optional<Errors> errors;
   std::optional<PhotoErrors> photo;

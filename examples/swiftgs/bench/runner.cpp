@@ -38,14 +38,12 @@ bool has_room(const AnyRenderer& like, std::uint64_t bytes) {
   return on_device && available_memory() > bytes + spare_bytes;
 }
 
-/// Draws a view until an adaptive sort has decided for its size, or once. Returns whether it had decided
-/// before.
-bool adapt(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings) {
+/// Draws a view until an adaptive sort has decided for its size, or once.
+void adapt(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings) {
   const bool adaptive = RendererWords(renderer.name()).sort == AdaptiveSort::name;
   int frames = 0;
   do renderer.render_resident(camera, settings), ++frames;
   while (adaptive && !renderer.calibration() && frames < most_frames_to_adapt);
-  return adaptive && frames == 1 && renderer.calibration();
 }
 
 }  // namespace
@@ -76,7 +74,7 @@ std::vector<Runner::Subject> Runner::prepare(const Session& session, std::size_t
     if (std::none_of(subjects.begin(), subjects.end(),
                      [&](const Subject& other) { return renderer.share_scene(*other.renderer); }))
       renderer.set_scene(session.gaussians);
-    if (session.calibrations) session.calibrations->hand_to(renderer, session.views);
+    subject.calibrated = session.calibrations && session.calibrations->hand_to(renderer, session.views);
     release_free_memory();
     const std::uint64_t device = device_bytes(renderer), host = resident_memory();
     // Every view once, so that nothing grows later.
@@ -110,15 +108,12 @@ void Runner::measure_view(const Session& session, std::size_t view, std::vector<
   for (const Subject& subject : subjects) renderers.push_back(subject.renderer.get());
   const Camera& camera = session.views[view].camera;
   progress_.start(session.scene.scene + " " + session.views[view].name);
-  std::vector<bool> calibrated;
-  for (AnyRenderer* renderer : renderers) calibrated.push_back(adapt(*renderer, camera, session.settings));
+  for (AnyRenderer* renderer : renderers) adapt(*renderer, camera, session.settings);
   const std::vector<Samples> samples = measure(
       renderers, camera, session.settings, options_.plan,
       [&](const AnyRenderer& renderer) { progress_.step(), progress_.start(std::string(renderer.name())); });
-  for (std::size_t i = 0; i < subjects.size(); ++i) {
+  for (std::size_t i = 0; i < subjects.size(); ++i)
     results_.rows.push_back(row_of(session, view, subjects[i], samples[i], judge));
-    results_.rows.back().calibrated = calibrated[i];
-  }
 }
 
 RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subject, const Samples& samples,
@@ -130,6 +125,7 @@ RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subj
   row.renderer = renderer.name();
   row.frames = samples.frames();
   row.ms = samples.summary();
+  row.calibrated = subject.calibrated;
   row.bytes = renderer.memory();
   row.device_bytes = subject.device_bytes, row.host_bytes = subject.host_bytes;
 

@@ -51,6 +51,7 @@ class Runner {
   struct Subject {
     std::unique_ptr<AnyRenderer> renderer;
     std::uint64_t device_bytes = 0, host_bytes = 0;
+    bool calibrated = false;
   };
 
   std::vector<Subject> prepare(const Session& session, std::size_t first);
