@@ -14,6 +14,33 @@
 
 namespace swiftgs {
 
+void Cuda::State::Fork::start() {
+  const auto event = [](auto& owner) {
+    cudaEvent_t made = nullptr;
+    check_cuda(cudaEventCreateWithFlags(&made, cudaEventDisableTiming), "cudaEventCreateWithFlags");
+    owner.reset(made);
+  };
+  event(begun), event(ended);
+  cudaStream_t made = nullptr;
+  check_cuda(cudaStreamCreateWithFlags(&made, cudaStreamNonBlocking), "cudaStreamCreateWithFlags");
+  stream.reset(made);
+}
+
+void Cuda::State::join() {
+  if (!fork.open) return;
+  check_cuda(cudaEventRecord(fork.ended.get(), fork.stream.get()), "cudaEventRecord");
+  check_cuda(cudaStreamWaitEvent(stream, fork.ended.get()), "cudaStreamWaitEvent");
+  fork.open = false;
+}
+
+void Cuda::State::wait() const { check_cuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize"); }
+
+void Cuda::State::copy_to_host(const void* from, void* to, std::size_t bytes) const {
+  if (bytes == 0) return;
+  check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, stream), "cudaMemcpyAsync to the host");
+  wait();
+}
+
 bool Cuda::usable() {
   static const bool usable = [] {
     int devices = 0;
@@ -41,14 +68,26 @@ Cuda& Cuda::operator=(Cuda&&) noexcept = default;
 
 cudaStream_t Cuda::stream() const { return state_->stream; }
 
-void Cuda::download_bytes(const void* from, void* to, std::size_t bytes) const {
-  if (bytes == 0) return;
-  check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, stream()),
-             "cudaMemcpyAsync to the host");
-  wait();
+cudaStream_t Cuda::fork() {
+  State::Fork& fork = state_->fork;
+  if (!fork.stream) fork.start();
+  check_cuda(cudaEventRecord(fork.begun.get(), stream()), "cudaEventRecord");
+  check_cuda(cudaStreamWaitEvent(fork.stream.get(), fork.begun.get()), "cudaStreamWaitEvent");
+  fork.open = true;
+  return fork.stream.get();
 }
 
-void Cuda::wait() const { check_cuda(cudaStreamSynchronize(stream()), "cudaStreamSynchronize"); }
+void Cuda::join() { state_->join(); }
+
+void Cuda::download_bytes(const void* from, void* to, std::size_t bytes) const {
+  state_->join();
+  state_->copy_to_host(from, to, bytes);
+}
+
+void Cuda::wait() const {
+  state_->join();
+  state_->wait();
+}
 
 MemoryUse Cuda::memory_use() {
   std::size_t free = 0, total = 0;
@@ -66,7 +105,7 @@ FrameCounts Cuda::read(const FrameCounts* counts) const {
     check_cuda(cudaMallocHost(&memory, sizeof(FrameCounts)), "cudaMallocHost");
     state_->counts.reset(static_cast<FrameCounts*>(memory));
   }
-  download_bytes(counts, state_->counts.get(), sizeof(FrameCounts));
+  state_->copy_to_host(counts, state_->counts.get(), sizeof(FrameCounts));
   return *state_->counts;
 }
 

@@ -12,22 +12,42 @@
 
 namespace swiftgs {
 
+namespace detail {
+struct DestroyEvent {
+  void operator()(cudaEvent_t event) const { cudaEventDestroy(event); }
+};
+struct DestroyStream {
+  void operator()(cudaStream_t stream) const { cudaStreamDestroy(stream); }
+};
+struct FreeHost {
+  void operator()(FrameCounts* memory) const { cudaFreeHost(memory); }
+};
+}  // namespace detail
+using OwnedEvent = std::unique_ptr<CUevent_st, detail::DestroyEvent>;
+using OwnedStream = std::unique_ptr<CUstream_st, detail::DestroyStream>;
+
 /// What a backend keeps from frame to frame.
 struct Cuda::State {
-  struct DestroyEvent {
-    void operator()(cudaEvent_t event) const { cudaEventDestroy(event); }
+  /// Work beside the stream's.
+  struct Fork {
+    OwnedStream stream;       ///< made when it is needed
+    OwnedEvent begun, ended;  ///< made with it
+    bool open = false;        ///< whether the stream has not been told to wait for it
+
+    void start();
   };
 
-  struct FreeHost {
-    void operator()(FrameCounts* memory) const { cudaFreeHost(memory); }
-  };
+  void join();
+  void wait() const;
+  void copy_to_host(const void* from, void* to, std::size_t bytes) const;
 
   cudaStream_t stream = nullptr;
-  std::array<std::unique_ptr<CUevent_st, DestroyEvent>, 256> events;  ///< a ring, made as they are needed
-  std::uint64_t points = 0;                                           ///< taken so far
-  DeviceBuffer<std::byte> temporary;                                  ///< of CUB
-  std::unique_ptr<FrameCounts, FreeHost> counts;                      ///< where copies need no further one
-  DeviceBuffer<std::uint64_t> total;                                  ///< of a scan
+  Fork fork;
+  std::array<OwnedEvent, 256> events;                     ///< a ring, made as they are needed
+  std::uint64_t points = 0;                               ///< taken so far
+  DeviceBuffer<std::byte> temporary;                      ///< of CUB
+  std::unique_ptr<FrameCounts, detail::FreeHost> counts;  ///< where copies need no further one
+  DeviceBuffer<std::uint64_t> total;                      ///< of a scan
 };
 
 }  // namespace swiftgs

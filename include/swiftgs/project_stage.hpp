@@ -74,4 +74,9 @@ void project(B& b, const ProjectJob& job, const Bounds&, ProjectScratch<B>& scra
   splats.count = visible;
 }
 
+/// Sees to it that what is asked of the backend next finds the splats' colours. The sort needs none, but for
+/// their depths: a backend may let `project` leave them under way, and overloads this then.
+template <BackendPolicy B>
+void finish_colours(B&, Splats<B>&) {}
+
 }  // namespace swiftgs

@@ -78,6 +78,7 @@ class Renderer {
     sort_.build(backend_, SortJob{splats_.view(), grid, key}, Bounds{}, sort_scratch_, lists_);
 
     const auto sorted = backend_.now();
+    finish_colours(backend_, splats_);
     rasterize(backend_, Raster{},
               RasterJob{splats_.view(), lists_.view(), grid, BlendRules::from(settings.conventions),
                         settings.background, frame, counts});

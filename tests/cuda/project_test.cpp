@@ -260,6 +260,21 @@ TEST_CASE("cuda project: scenes may grow and shrink from frame to frame") {
   }
 }
 
+TEST_CASE("cuda project: colours of a frame that is given up do not get into the next") {
+  if (without_device()) return;
+  Stage stage, other;
+  const DeviceScene scene = stage.cuda.upload(random_scene(200'000, 3, 9));
+  const Camera near = forward_camera(640, 360), wide = forward_camera(1280, 360);
+  const SplatSet expected = other.run(scene.view(), near, Conventions::gsplat(), Ellipse{});
+  for (int i = 0; i < 20; ++i) {
+    const TileGrid grid = TileGrid::covering(wide.width, wide.height);
+    project(stage.cuda, ProjectJob{view_constants(wide, Conventions::gsplat()), scene.view(), grid},
+            Ellipse{}, stage.scratch, stage.splats);
+    CHECK(
+        same_bits(stage.run(scene.view(), near, Conventions::gsplat(), Ellipse{}).colours, expected.colours));
+  }
+}
+
 TEST_CASE("cuda project: every run gives the same bits") {
   if (without_device()) return;
   Stage stage;

@@ -65,6 +65,14 @@ class Cuda {
   /// The stream that everything is in the order of.
   cudaStream_t stream() const;
 
+  /// A second stream, the backend's own, behind everything that was asked for so far: what is started on it
+  /// runs beside what is asked for next, up to `join`.
+  cudaStream_t fork();
+
+  /// What is asked for next comes after all that was started on the stream of `fork`. `wait` and `download`
+  /// join first.
+  void join();
+
   /// Copies `scene` to the device, without the SH bands that are zero throughout. Waits.
   /// Throws `std::invalid_argument` as `validate` does.
   SceneOn upload(const Scene& scene) const;
@@ -91,7 +99,7 @@ class Cuda {
   std::uint64_t exclusive_scan(Span<std::uint32_t> counts);
 
   /// Sorts the first `n` pairs by the low `bits` bits of their keys, ascending and stably, into `keys` and
-  /// `values`. By CUB, between these and the spare arrays.
+  /// `values`, by way of the spare arrays. Throws `CapacityError` beyond 2^32 - 1 pairs.
   void sort_pairs(Pairs<Cuda, std::uint16_t>& pairs, std::size_t n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, std::size_t n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, std::size_t n, int bits);
@@ -137,7 +145,6 @@ class RunningSums {
   bool cleared_ = false;
 };
 
-/// Memory of projection.
 /// Two counters in turn: kernels of even and odd epochs of a running sum add to one and clear the other.
 template <class T>
 class AlternatingCounters {
@@ -161,12 +168,14 @@ class AlternatingCounters {
   bool started_ = false;
 };
 
+/// Memory of projection.
 template <>
 struct ProjectScratch<Cuda> {
   RunningSums sums;
   AlternatingCounters<FrameCounts> counts;
+  DeviceBuffer<std::uint32_t> gaussians;  ///< of each splat
 
-  std::size_t bytes() const { return bytes_of(sums, counts); }
+  std::size_t bytes() const { return bytes_of(sums, counts, gaussians); }
 };
 
 /// Splats with the tiles that each may touch within the bounds that they were projected for.
@@ -185,12 +194,20 @@ struct Splats<Cuda> {
   std::size_t bytes() const { return bytes_of(shapes, colours, footprints); }
 };
 
-/// One kernel: projects, compacts in the order of the Gaussians, finds tiles and evaluates colours. Waits for
-/// the counts of visible splats and of instances, the only thing that the host waits for in a frame.
+/// Starts to evaluate the colours of splats beside whatever is asked for until `finish_colours`. How many
+/// there are is read where the device keeps it. @shape{gaussians, colours: splats}
+void start_colours(Cuda& cuda, const ProjectJob& job, const FrameCounts* counts,
+                   const std::uint32_t* gaussians, SplatColour* colours);
+
+/// One kernel: projects, compacts in the order of the Gaussians and finds tiles. Waits for the counts of
+/// visible splats and of instances, the only thing that the host waits for in a frame. Colours, but for their
+/// depths, are under way until `finish_colours`.
 /// Instantiated for the library's bounds; for others by `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
 void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
              Splats<Cuda>& splats);
+
+inline void finish_colours(Cuda& cuda, Splats<Cuda>&) { cuda.join(); }
 
 /// A splat, its depth key where the keys of instances hold one, and the place of its first instance.
 struct EmittedSplat {

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include <cuda_pipeline_primitives.h>
+
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/sh_words.hpp>
+#include <swiftgs/cuda/warp.cuh>
+#include <swiftgs/project.hpp>
+
+namespace swiftgs {
+
+namespace kernels {
+inline constexpr unsigned shade_threads = 128, shade_warps = shade_threads / warp_size;
+
+/// Enough to keep a device's memory busy, and few enough to leave room for what runs beside them.
+inline constexpr unsigned shade_blocks = 512;
+
+/// Copies the SH coefficients of the warp's Gaussians, `Word` by `Word`: lanes read neighbouring words, where
+/// a lane a Gaussian would touch 32 lines with each load. All copies are under way at once.
+template <class Word>
+__device__ void stage_rest(const SceneView& scene, std::uint32_t id, unsigned gaussians, unsigned words,
+                           unsigned pitch, Word* rest) {
+  constexpr unsigned floats = sizeof(Word) / sizeof(float);
+  unsigned gaussian = lane_index() / words, word = lane_index() % words;
+  const unsigned gaussian_step = warp_size / words, word_step = warp_size % words;
+  while (__any_sync(whole_warp, gaussian < gaussians)) {
+    const std::uint32_t theirs = __shfl_sync(whole_warp, id, int(gaussian % warp_size));
+    const float* from =
+        scene.sh_rest.data + std::size_t(theirs) * std::size_t(scene.sh_stride) + word * floats;
+    if (gaussian < gaussians) __pipeline_memcpy_async(rest + gaussian * pitch + word, from, sizeof(Word));
+    gaussian += gaussian_step, word += word_step;
+    if (word >= words) word -= words, ++gaussian;
+  }
+  __pipeline_commit();
+  __pipeline_wait_prior(0);
+  __syncwarp();
+}
+
+/// Copies the SH coefficients of the warp's Gaussians by quadruples where they are aligned, as those of
+/// `Cuda::upload` are.
+__device__ inline void stage_rest(const SceneView& scene, std::uint32_t id, unsigned gaussians,
+                                  float4* rest) {
+  const unsigned words = rest_words(scene.sh_degree), pitch = rest_pitch(scene.sh_degree);
+  const std::size_t stride = std::size_t(scene.sh_stride);
+  if (stride % 4 == 0 && stride >= 4 * words && scene.sh_rest.size >= scene.size() * stride &&
+      reinterpret_cast<std::uintptr_t>(scene.sh_rest.data) % sizeof(float4) == 0)
+    stage_rest<float4>(scene, id, gaussians, words, pitch, rest);
+  else
+    stage_rest<float>(scene, id, gaussians, 3 * unsigned(sh_rest_count(scene.sh_degree)), 4 * pitch,
+                      reinterpret_cast<float*>(rest));
+}
+
+/// `sh_colour` with a degree that the compiler knows, so that coefficients and basis stay in registers.
+template <int degree>
+__device__ vec3 colour_of(vec3 sh0, const float4* words, vec3 direction) {
+  if constexpr (degree == 0) {
+    return sh_colour(0, sh0, nullptr, direction);
+  } else {
+    float rest[4 * rest_words(degree)];
+#pragma unroll
+    for (unsigned k = 0; k < rest_words(degree); ++k) {
+      const float4 word = words[k];
+      rest[4 * k] = word.x, rest[4 * k + 1] = word.y, rest[4 * k + 2] = word.z, rest[4 * k + 3] = word.w;
+    }
+    return sh_colour(degree, sh0, rest, direction);
+  }
+}
+__device__ inline vec3 colour_of(int degree, vec3 sh0, const float4* rest, vec3 direction) {
+  switch (degree) {
+    case 0:
+      return colour_of<0>(sh0, rest, direction);
+    case 1:
+      return colour_of<1>(sh0, rest, direction);
+    case 2:
+      return colour_of<2>(sh0, rest, direction);
+    default:
+      return colour_of<3>(sh0, rest, direction);
+  }
+}
+
+/// Evaluates the colours of all splats, a warp 32 at a time and a lane one of them.
+__global__ void __launch_bounds__(shade_threads)
+    shade(const __grid_constant__ ProjectJob job, const FrameCounts* counts, const std::uint32_t* gaussians,
+          SplatColour* colours) {
+  __shared__ float4 shared[shade_warps][warp_size * rest_pitch(max_sh_degree)];
+  float4* const rest = shared[threadIdx.x / warp_size];
+  const SceneView& scene = job.scene;
+  const std::size_t visible = std::size_t(counts->visible), step = std::size_t(gridDim.x) * shade_threads;
+  for (std::size_t first = blockIdx.x * shade_threads + threadIdx.x - lane_index(); first < visible;
+       first += step) {
+    const std::size_t at = first + lane_index();
+    const std::uint32_t id = at < visible ? gaussians[at] : 0;
+    if (scene.sh_degree > 0)
+      stage_rest(scene, id, unsigned(min(visible - first, std::size_t(warp_size))), rest);
+    if (at < visible)
+      colours[at].rgb =
+          colour_of(scene.sh_degree, scene.sh0[id], rest + lane_index() * rest_pitch(scene.sh_degree),
+                    view_direction(job.constants, scene.means[id]));
+    __syncwarp();  // before the coefficients are overwritten
+  }
+}
+}  // namespace kernels
+
+void start_colours(Cuda& cuda, const ProjectJob& job, const FrameCounts* counts,
+                   const std::uint32_t* gaussians, SplatColour* colours) {
+  const unsigned blocks =
+      std::min(blocks_for(job.scene.size(), kernels::shade_threads), kernels::shade_blocks);
+  launch("shade", kernels::shade, blocks, kernels::shade_threads, cuda.fork(), job, counts, gaussians,
+         colours);
+}
+
+}  // namespace swiftgs
