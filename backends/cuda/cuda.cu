@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include <cuda/atomic>
 #include <cuda_runtime_api.h>
 
 #include <swiftgs/cuda.cuh>
@@ -68,6 +70,15 @@ Cuda& Cuda::operator=(Cuda&&) noexcept = default;
 
 cudaStream_t Cuda::stream() const { return state_->stream; }
 
+namespace kernels {
+/// Writes what the host waits for to its own memory: it sees that sooner than the end of a copy.
+__global__ void post(const FrameCounts* counts, Mailbox* mailbox, std::uint32_t reading) {
+  mailbox->counts = *counts;
+  cuda::atomic_ref<std::uint32_t, cuda::thread_scope_system>(mailbox->reading)
+      .store(reading, cuda::memory_order_release);
+}
+}  // namespace kernels
+
 cudaStream_t Cuda::fork() {
   State::Fork& fork = state_->fork;
   if (!fork.stream) fork.start();
@@ -100,13 +111,26 @@ void Cuda::clear(void* memory, std::size_t bytes) const {
 }
 
 FrameCounts Cuda::read(const FrameCounts* counts) const {
-  if (!state_->counts) {
+  if (!state_->mailbox) {
     void* memory = nullptr;
-    check_cuda(cudaMallocHost(&memory, sizeof(FrameCounts)), "cudaMallocHost");
-    state_->counts.reset(static_cast<FrameCounts*>(memory));
+    check_cuda(cudaMallocHost(&memory, sizeof(Mailbox)), "cudaMallocHost");
+    state_->mailbox.reset(new (memory) Mailbox{});
   }
-  state_->copy_to_host(counts, state_->counts.get(), sizeof(FrameCounts));
-  return *state_->counts;
+  Mailbox& mailbox = *state_->mailbox;
+  const std::uint32_t reading = ++state_->readings;
+  launch("post", kernels::post, 1, 1, stream(), counts, &mailbox, reading);
+  const std::atomic_ref<std::uint32_t> posted(mailbox.reading);
+  for (unsigned looks = 1; posted.load(std::memory_order_acquire) != reading; ++looks) {
+    if (looks % 1024 != 0) continue;
+    const cudaError_t done = cudaStreamQuery(stream());
+    if (done == cudaErrorNotReady) {
+      cudaGetLastError();
+      continue;
+    }
+    check_cuda(done, "post");
+    break;
+  }
+  return mailbox.counts;
 }
 
 Cuda::TimePoint Cuda::now() {

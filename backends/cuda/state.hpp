@@ -20,11 +20,17 @@ struct DestroyStream {
   void operator()(cudaStream_t stream) const { cudaStreamDestroy(stream); }
 };
 struct FreeHost {
-  void operator()(FrameCounts* memory) const { cudaFreeHost(memory); }
+  void operator()(void* memory) const { cudaFreeHost(memory); }
 };
 }  // namespace detail
 using OwnedEvent = std::unique_ptr<CUevent_st, detail::DestroyEvent>;
 using OwnedStream = std::unique_ptr<CUstream_st, detail::DestroyStream>;
+
+/// Host memory in which a kernel leaves counts, and which reading they answer.
+struct Mailbox {
+  FrameCounts counts;
+  std::uint32_t reading = 0;
+};
 
 /// What a backend keeps from frame to frame.
 struct Cuda::State {
@@ -43,11 +49,13 @@ struct Cuda::State {
 
   cudaStream_t stream = nullptr;
   Fork fork;
-  std::array<OwnedEvent, 256> events;                     ///< a ring, made as they are needed
-  std::uint64_t points = 0;                               ///< taken so far
-  DeviceBuffer<std::byte> temporary;                      ///< of CUB
-  std::unique_ptr<FrameCounts, detail::FreeHost> counts;  ///< where copies need no further one
-  DeviceBuffer<std::uint64_t> total;                      ///< of a scan
+  std::array<OwnedEvent, 256> events;                  ///< a ring, made as they are needed
+  std::uint64_t points = 0;                            ///< taken so far
+  std::unique_ptr<Mailbox, detail::FreeHost> mailbox;  ///< made when it is needed
+  std::uint32_t readings = 0;                          ///< asked for so far
+
+  DeviceBuffer<std::byte> temporary;  ///< of CUB
+  DeviceBuffer<std::uint64_t> total;  ///< of a scan
 };
 
 }  // namespace swiftgs
