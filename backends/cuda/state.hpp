@@ -32,6 +32,12 @@ struct Mailbox {
   std::uint32_t reading = 0;
 };
 
+/// How many keys have each digit, in each pass of a sort.
+struct RadixCounts {
+  static constexpr unsigned most_passes = 8, digits = 256;
+  std::uint32_t of_pass[most_passes][digits];
+};
+
 /// What a backend keeps from frame to frame.
 struct Cuda::State {
   /// Work beside the stream's.
@@ -56,6 +62,10 @@ struct Cuda::State {
 
   DeviceBuffer<std::byte> temporary;  ///< of CUB
   DeviceBuffer<std::uint64_t> total;  ///< of a scan
+
+  AlternatingCounters<RadixCounts> digit_counts;  ///< of sorts
+  RunningSums digit_sums;                         ///< of their passes
+  std::uint32_t sorts = 0;                        ///< so far
 };
 
 }  // namespace swiftgs

@@ -88,6 +88,33 @@ TEST_CASE("cuda: sort_pairs sorts a million pairs and keeps the order of equal k
   CHECK(sorts(cuda, std::vector<std::uint64_t>(100'001, 0xdeadbeef12345678u), 44));
 }
 
+TEST_CASE("cuda: sort_pairs sorts as many pairs as end a tile or a group of tiles, or nearly") {
+  if (without_device()) return;
+  Cuda cuda;
+  for (const std::size_t tile : {3072, 4096})
+    for (const std::size_t tiles : {1, 2, 7, 8, 9, 16, 63, 64, 65, 129})
+      for (const int beyond : {-1, 0, 1}) {
+        const std::size_t n = tile * tiles + std::size_t(beyond);
+        CAPTURE(n);
+        CHECK(sorts(cuda, random_keys<std::uint16_t>(n, 5), 13));
+        CHECK(sorts(cuda, random_keys<std::uint32_t>(n, 6), 31));
+        CHECK(sorts(cuda, random_keys<std::uint64_t>(n, 7), 44));
+      }
+}
+
+TEST_CASE(
+    "cuda: sort_pairs keeps the order of pairs with the highest keys, which are like what pads a tile") {
+  if (without_device()) return;
+  Cuda cuda;
+  for (const int bits : {5, 8, 13, 16}) {
+    CAPTURE(bits);
+    CHECK(sorts(cuda, std::vector<std::uint16_t>(10'001, 0xffff), bits));
+    std::vector<std::uint16_t> keys = random_keys<std::uint16_t>(70'001, 8);
+    for (std::size_t i = 0; i < keys.size(); i += 2) keys[i] = 0xffff;
+    CHECK(sorts(cuda, keys, bits));
+  }
+}
+
 TEST_CASE("cuda: sort_pairs sorts by every digit when only one digit differs") {
   if (without_device()) return;
   Cuda cuda;
@@ -96,6 +123,29 @@ TEST_CASE("cuda: sort_pairs sorts by every digit when only one digit differs") {
     std::vector<std::uint64_t> keys(5000, 0x5a5a5a5a5a5a5a5au);
     for (std::size_t i = 0; i < keys.size(); i += 3) keys[i] ^= std::uint64_t(1) << bit;
     CHECK(sorts(cuda, keys, 44));
+  }
+}
+
+TEST_CASE("cuda: work of a fork comes after what was asked for before it and before what follows the join") {
+  if (without_device()) return;
+  Cuda cuda;
+  DeviceBuffer<std::uint8_t> memory, copy;
+  memory.reset(std::size_t(1) << 26), copy.reset(memory.size());
+  const std::size_t last = memory.size() - 1;
+  std::uint8_t seen = 0;
+  for (std::uint8_t round = 1; round < 50; ++round) {
+    check_cuda(cudaMemsetAsync(memory.data(), 0, memory.size(), cuda.stream()), "cudaMemsetAsync");
+    check_cuda(cudaMemsetAsync(memory.data(), round, memory.size(), cuda.fork()), "cudaMemsetAsync");
+    if (round % 2) {
+      cuda.join();
+      check_cuda(
+          cudaMemcpyAsync(copy.data(), memory.data(), memory.size(), cudaMemcpyDeviceToDevice, cuda.stream()),
+          "cudaMemcpyAsync");
+      cuda.download(Span<const std::uint8_t>{copy.data() + last, 1}, &seen);
+    } else {
+      cuda.download(Span<const std::uint8_t>{memory.data() + last, 1}, &seen);
+    }
+    CHECK(seen == round);
   }
 }
 

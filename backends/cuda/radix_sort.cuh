@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// A stable sort of pairs by the low bits of their keys: a histogram of all digits, then one pass a digit
+/// that finds the places of its pairs while it moves them (Adinets and Merrill 2022, Onesweep).
+///
+/// The sorts of a frame, of a hundred thousand to some millions of pairs, take as long as their longest chain
+/// of waiting: all tiles of a pass are under way at once, and CUB's `DeviceRadixSort` walks back over them
+/// one by one and clears memory before each pass. Here a tile waits for seven others and then for groups of
+/// them, and nothing is cleared or summed up by a kernel of its own.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/running_sum.cuh>
+#include <swiftgs/cuda/warp.cuh>
+
+#include "state.hpp"
+
+namespace swiftgs::kernels {
+
+inline constexpr unsigned digit_bits = 8, digits = RadixCounts::digits;
+static_assert(digits == 1u << digit_bits);
+
+/// Which bits of a key a pass sorts by.
+struct Digit {
+  unsigned shift, bits;
+
+  __device__ unsigned highest() const { return (1u << bits) - 1; }
+  template <class Key>
+  __device__ unsigned of(Key key) const {
+    return unsigned(key >> shift) & highest();
+  }
+};
+
+/// The passes of a sort by so many bits, each by about as many.
+struct Digits {
+  unsigned bits, count;
+
+  explicit Digits(unsigned of) : bits(of), count((of + digit_bits - 1) / digit_bits) {}
+  __host__ __device__ Digit digit(unsigned pass) const {
+    const unsigned begin = bits * pass / count;
+    return {begin, bits * (pass + 1) / count - begin};
+  }
+};
+
+inline constexpr unsigned histogram_threads = digits;
+inline constexpr unsigned histogram_items = 8;  ///< keys of a thread at a time
+/// As many as a device has use for; they share the keys there are.
+inline unsigned histogram_blocks(std::size_t n) {
+  return std::min(blocks_for(n, histogram_threads * histogram_items), 512u);
+}
+
+/// Adds up how often each digit occurs in each pass, and clears the counts of the next sort.
+template <class Key>
+__global__ void __launch_bounds__(histogram_threads)
+    radix_histogram(const Key* keys, std::uint32_t n, const Digits passes, RadixCounts* counts,
+                    RadixCounts* next_counts) {
+  // Four times over: neighbouring keys often have the same high digits, and would wait for each other.
+  constexpr unsigned copies = 4;
+  __shared__ std::uint32_t shared[RadixCounts::most_passes][digits][copies];
+  for (unsigned p = 0; p < passes.count; ++p)
+    for (unsigned c = 0; c < copies; ++c) shared[p][threadIdx.x][c] = 0;
+  if (blockIdx.x == 0)
+    for (unsigned p = 0; p < RadixCounts::most_passes; ++p) next_counts->of_pass[p][threadIdx.x] = 0;
+  __syncthreads();
+
+  constexpr unsigned block_items = histogram_threads * histogram_items;
+  for (std::uint64_t first = std::uint64_t(blockIdx.x) * block_items; first < n;
+       first += std::uint64_t(gridDim.x) * block_items) {
+    Key keys_here[histogram_items];
+    bool exists[histogram_items];
+#pragma unroll
+    for (unsigned k = 0; k < histogram_items; ++k) {
+      const std::uint64_t at = first + k * histogram_threads + threadIdx.x;
+      exists[k] = at < n;
+      keys_here[k] = exists[k] ? keys[at] : Key(0);
+    }
+    for (unsigned p = 0; p < passes.count; ++p) {
+      const Digit digit = passes.digit(p);
+#pragma unroll
+      for (unsigned k = 0; k < histogram_items; ++k)
+        if (exists[k]) atomicAdd(&shared[p][digit.of(keys_here[k])][threadIdx.x % copies], 1u);
+    }
+  }
+  __syncthreads();
+  for (unsigned p = 0; p < passes.count; ++p) {
+    std::uint32_t count = 0;
+    for (unsigned c = 0; c < copies; ++c) count += shared[p][threadIdx.x][c];
+    if (count != 0) atomicAdd(&counts->of_pass[p][threadIdx.x], count);
+  }
+}
+
+/// Tiles whose counts are added up directly: what lies before them is looked for a group at a time.
+inline constexpr unsigned group_tiles = 8;
+
+/// Words of a pass of so many tiles: one a tile and one a group, for each digit.
+inline std::size_t radix_states(std::size_t tiles) {
+  return (tiles + (tiles + group_tiles - 1) / group_tiles) * digits;
+}
+
+/// How many pairs of one digit lie in the tiles before a block's, by a thread a digit. As `RunningSum`, in
+/// two levels: all tiles of a sort this small are under way at once, so that none finds a complete sum near
+/// by.
+class DigitSum {
+ public:
+  __device__ DigitSum(RunningSums::View sums, std::uint32_t tiles)
+      : tiles_{sums.states, sums.epoch}, groups_{sums.states + std::size_t(tiles) * digits, sums.epoch} {}
+
+  /// Tells later tiles how many lie in this one.
+  __device__ void add(std::uint32_t count) const { tiles_.publish(blockIdx.x, SumWord::partial, count); }
+
+  /// How many lie in all tiles before this one, which holds `count`.
+
+  __device__ std::uint32_t before(std::uint32_t count) const {
+    const std::uint32_t group = blockIdx.x / group_tiles, in_group = blockIdx.x % group_tiles;
+    const std::uint32_t here = tiles_.look_back(blockIdx.x, in_group);
+    const bool last = in_group == group_tiles - 1;
+    if (last) groups_.publish(group, group == 0 ? SumWord::complete : SumWord::partial, here + count);
+    if (group == 0) return here;
+    const std::uint32_t before = groups_.look_back(group, group) + here;
+    if (last) groups_.publish(group, SumWord::complete, before + count);
+    return before;
+  }
+
+ private:
+  /// The words of all tiles, or of all groups.
+  struct Row {
+    std::uint64_t* states;
+    std::uint32_t epoch;
+
+    /// Sum of the `count` values before that at `end`, or of those after the nearest complete sum, and that.
+    __device__ std::uint32_t look_back(std::uint32_t end, std::uint32_t count) const {
+      constexpr unsigned window = 8;
+      std::uint32_t sum = 0;
+      bool found = false;
+      for (std::uint32_t back = 0; back < count && !found; back += window) {
+        SumWord words[window];
+#pragma unroll
+        for (unsigned k = 0; k < window; ++k)
+          if (back + k < count) words[k] = SumWord::read(state(end - 1 - back - k));
+#pragma unroll
+        for (unsigned k = 0; k < window; ++k) {
+          if (found || back + k >= count) continue;
+          while (words[k].epoch() != epoch) words[k] = SumWord::read(state(end - 1 - back - k));
+          sum += words[k].value();
+          found = words[k].known() == SumWord::complete;
+        }
+      }
+      return sum;
+    }
+    __device__ void publish(std::uint32_t at, std::uint32_t known, std::uint32_t value) const {
+      SumWord(epoch, known, value).write(state(at));
+    }
+    __device__ std::uint64_t& state(std::uint32_t at) const {
+      return states[std::size_t(at) * digits + threadIdx.x];
+    }
+  };
+
+  Row tiles_, groups_;
+};
+
+inline constexpr unsigned radix_threads = digits, radix_warps = radix_threads / warp_size;
+/// Pairs of a thread in one pass: as many as shared memory has room for with wide keys.
+template <class Key>
+inline constexpr unsigned radix_items = sizeof(Key) == 8 ? 12 : 16;
+/// Pairs of a block, a tile.
+template <class Key>
+inline constexpr unsigned radix_tile = radix_items<Key>* radix_threads;
+
+/// What the threads of a block tell each other in a pass.
+template <class Key>
+struct RadixShared {
+  std::uint32_t sums_of_warps[2][radix_warps];
+  std::uint32_t first[digits];  ///< where the tile's pairs of a digit begin in it
+  std::uint32_t moved[digits];  ///< how far they move from there
+  union {
+    std::uint32_t counts[radix_warps][digits];  ///< of each warp, then of the warps before it
+    struct {
+      std::uint32_t values[radix_tile<Key>];
+      Key keys[radix_tile<Key>];
+    } pairs;  ///< in the order of their digits
+  };
+};
+
+/// Sum over the threads below this one. A barrier of the block.
+__device__ inline std::uint32_t sum_below_in_block(std::uint32_t value,
+                                                   std::uint32_t (&of_warps)[radix_warps]) {
+  const std::uint32_t below = sum_below(value);
+  const unsigned warp = threadIdx.x / warp_size;
+  if (lane_index() == warp_size - 1) of_warps[warp] = below + value;
+  __syncthreads();
+  std::uint32_t sum = below;
+  for (unsigned w = 0; w < warp; ++w) sum += of_warps[w];
+  return sum;
+}
+
+/// Lanes whose digit is this one's.
+__device__ inline unsigned lanes_with(unsigned digit) {
+  unsigned lanes = whole_warp;
+#pragma unroll
+  for (unsigned b = 0; b < digit_bits; ++b) {
+    const bool set = digit >> b & 1;
+    const unsigned setting = __ballot_sync(whole_warp, set);
+    lanes &= set ? setting : ~setting;
+  }
+  return lanes;
+}
+
+/// Sorts by one digit: a block a tile, and a thread a digit of it. `counts` are those of the digit in all
+/// keys.
+template <class Key>
+__global__ void __launch_bounds__(radix_threads)
+    radix_pass(const Key* keys, const std::uint32_t* values, Key* sorted_keys, std::uint32_t* sorted_values,
+               std::uint32_t n, const Digit digit, const std::uint32_t* counts,
+               const RunningSums::View sums) {
+  constexpr unsigned items = radix_items<Key>;
+  __shared__ RadixShared<Key> shared;
+  const unsigned thread = threadIdx.x, warp = thread / warp_size;
+  const std::uint64_t tile_first = std::uint64_t(blockIdx.x) * radix_tile<Key>;
+  const unsigned size = unsigned(min(std::uint64_t(n) - tile_first, std::uint64_t(radix_tile<Key>)));
+
+  // Load: a warp from neighbouring places. What lies behind the end gets the highest digit, to come last.
+  Key key[items];
+  std::uint32_t value[items];
+  const unsigned first_item = warp * warp_size * items + lane_index();
+#pragma unroll
+  for (unsigned k = 0; k < items; ++k) {
+    const unsigned item = first_item + k * warp_size;
+    key[k] = item < size ? keys[tile_first + item] : Key(~Key(0));
+  }
+#pragma unroll
+  for (unsigned k = 0; k < items; ++k) {
+    const unsigned item = first_item + k * warp_size;
+    value[k] = item < size ? values[tile_first + item] : 0;
+  }
+  const std::uint32_t of_digit = counts[thread];
+
+  // Count the warp's digits. A pair's place is, for now, how many of its digit come before it in the warp.
+  for (unsigned d = lane_index(); d < digits; d += warp_size) shared.counts[warp][d] = 0;
+  __syncwarp();
+  std::uint32_t place[items];
+#pragma unroll
+  for (unsigned k = 0; k < items; ++k) {
+    std::uint32_t& counted = shared.counts[warp][digit.of(key[k])];
+    const unsigned alike = lanes_with(digit.of(key[k]));
+    const std::uint32_t before = counted;
+    __syncwarp();
+    if ((alike & lanes_below()) == 0) counted = before + std::uint32_t(__popc(alike));
+    place[k] = before + std::uint32_t(__popc(alike & lanes_below()));
+    __syncwarp();
+  }
+  __syncthreads();
+
+  // Add up the tile's, and tell later tiles.
+  const DigitSum sum(sums, gridDim.x);
+  std::uint32_t count = 0;
+#pragma unroll
+  for (unsigned w = 0; w < radix_warps; ++w) {
+    const std::uint32_t of_warp = shared.counts[w][thread];
+    shared.counts[w][thread] = count;
+    count += of_warp;
+  }
+  const std::uint32_t added = thread == digit.highest() ? count - (radix_tile<Key> - size) : count;
+  sum.add(added);
+  const std::uint32_t first = sum_below_in_block(count, shared.sums_of_warps[0]);
+  const std::uint32_t first_of_all = sum_below_in_block(of_digit, shared.sums_of_warps[1]);
+  shared.first[thread] = first;
+  __syncthreads();
+
+  // Bring its pairs into the order of their digits.
+#pragma unroll
+  for (unsigned k = 0; k < items; ++k)
+    place[k] += shared.counts[warp][digit.of(key[k])] + shared.first[digit.of(key[k])];
+  __syncthreads();
+#pragma unroll
+  for (unsigned k = 0; k < items; ++k)
+    shared.pairs.keys[place[k]] = key[k], shared.pairs.values[place[k]] = value[k];
+
+  // Move them to where those of earlier tiles end.
+  shared.moved[thread] = first_of_all + sum.before(added) - first;
+  __syncthreads();
+#pragma unroll
+  for (unsigned k = 0; k < items; ++k) {
+    const unsigned item = k * radix_threads + thread;
+    if (item >= size) break;
+    const Key moving = shared.pairs.keys[item];
+    const std::uint32_t to = item + shared.moved[digit.of(moving)];
+    sorted_keys[to] = moving;
+    sorted_values[to] = shared.pairs.values[item];
+  }
+}
+
+}  // namespace swiftgs::kernels
