@@ -132,10 +132,10 @@ __global__ void __launch_bounds__(emit_threads)
   const std::uint32_t warp = (blockIdx.x * emit_threads + threadIdx.x) / warp_size,
                       part = warp % warps_of_splat;
   const std::uint32_t step = gridDim.x * emit_warps / warps_of_splat;
-  for (std::uint32_t s = warp / warps_of_splat; s < large.count(); s += step) {
+  for (std::uint32_t s = warp / warps_of_splat, turn = 0; s < large.count(); s += step, ++turn) {
     const EmittedSplat splat = large.splats[s];
     const bool shared = splat.footprint.count > shared_from;
-    if (part != 0 && !shared) continue;
+    if (!shared && part != turn % warps_of_splat) continue;
     const SplatShape shape = job.splats.shapes[splat.id];
     const TileRect rect = bounds.rect(shape, job.grid);
     std::uint32_t at = splat.at;
@@ -145,7 +145,7 @@ __global__ void __launch_bounds__(emit_threads)
       const std::uint32_t size = std::uint32_t(run.size()), first = sum_below(size);
       const std::uint32_t total = __shfl_sync(whole_warp, first + size, warp_size - 1);
       const int first_tile = row * job.grid.columns + run.begin;
-      for (std::uint32_t begin = part * warp_size; begin < total;
+      for (std::uint32_t begin = shared ? part * warp_size : 0; begin < total;
            begin += shared ? warps_of_splat * warp_size : warp_size) {
         const std::uint32_t position = begin + lane_index();
         const int lane = int(owner_of(position, first));
