@@ -103,22 +103,33 @@ struct EmitInstances {
   }
 };
 
-/// Marks where each tile's instances begin and end in keys sorted by tile. Tiles without instances keep {0,
-/// 0}.
+/// Marks where each tile's instances begin and end in keys sorted by tile, from the keys [i, i + 1) times
+/// `keys_each`. Tiles without instances keep {0, 0}.
 template <class Key>
 struct FindRanges {
+  static constexpr std::size_t keys_each = 8;
+
   const Key* keys;
   std::size_t count;
   int tile_shift;
   Span<TileRange> ranges;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
-    const std::size_t tile = std::size_t(keys[i] >> tile_shift);
-    if (tile >= ranges.size) return;  // bounds that were counted and emitted unlike
-    if (i == 0 || std::size_t(keys[i - 1] >> tile_shift) != tile) ranges[tile].begin = std::uint32_t(i);
-    if (i + 1 == count || std::size_t(keys[i + 1] >> tile_shift) != tile)
-      ranges[tile].end = std::uint32_t(i + 1);
+    const std::size_t begin = i * keys_each, end = count - begin < keys_each ? count : begin + keys_each;
+    std::size_t before = begin == 0 ? ranges.size : tile(begin - 1);
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t here = tile(k);
+      if (here == before) continue;
+      // Bounds that were counted and emitted unlike may leave tiles that there are not.
+      if (before < ranges.size) ranges[before].end = std::uint32_t(k);
+      if (here < ranges.size) ranges[here].begin = std::uint32_t(k);
+      before = here;
+    }
+    if (end == count && before < ranges.size) ranges[before].end = std::uint32_t(count);
   }
+
+ private:
+  SWIFTGS_HD std::size_t tile(std::size_t k) const { return std::size_t(keys[k] >> tile_shift); }
 };
 
 /// Empties a range.
@@ -167,7 +178,9 @@ void finish_lists(B& b, const SortJob& job, std::size_t count, int tile_shift, P
   lists.tiles = lists.instances = 0;
   lists.ranges.reset(tiles);
   b.for_each(tiles, ClearRanges{lists.ranges.data()});
-  b.for_each(count, FindRanges<Key>{instances.keys.data(), count, tile_shift, lists.ranges.span()});
+  using Find = FindRanges<Key>;
+  b.for_each((count + Find::keys_each - 1) / Find::keys_each,
+             Find{instances.keys.data(), count, tile_shift, lists.ranges.span()});
   std::swap(lists.ids, instances.values);
   lists.tiles = tiles, lists.instances = count;
 }
