@@ -105,6 +105,34 @@ TEST_CASE("adaptive sort: the first frame of either strategy does not count") {
   CHECK(session.sort.calibration()->standard_ms == 2);
 }
 
+TEST_CASE("adaptive sort: a frame for which buffers grow does not count") {
+  Session session(AdaptiveSort(2));
+  CHECK(session.frames(3) == "ses");
+  // Allocations take their time, and the standard sort seems the quicker one.
+  session.backend.early_ms = 100;
+  for (SplatShape& shape : session.splats.shapes) shape = make_splat(32, 24, 40, 40, 0, 1);
+  CHECK(session.frame() == "early");
+  session.backend.early_ms = 1;
+  session.frames(4);
+  REQUIRE(session.sort.calibration());
+  CHECK(session.sort.calibration()->early_ms == 1);
+  CHECK(session.frames(3) == "eee");
+  CHECK(session.correct);
+}
+
+TEST_CASE("adaptive sort: buffers of different sizes that change places do not keep it from deciding") {
+  Session session(AdaptiveSort(3));
+  const SplatSet few = session.splats;
+  session.frame();
+  for (SplatShape& shape : session.splats.shapes) shape = make_splat(32, 24, 40, 40, 0, 1);
+  session.frame();
+  session.splats = few;
+  CHECK(session.frames(6) == "sesese");
+  REQUIRE(session.sort.calibration());
+  CHECK(session.sort.calibration()->early_ms == 1);
+  CHECK(session.correct);
+}
+
 TEST_CASE("adaptive sort: stops asking the clock once it has decided") {
   Session session(AdaptiveSort(1));
   session.frames(4);

@@ -21,8 +21,8 @@ class AdaptiveSort {
  public:
   static constexpr std::string_view name = "adaptive";
 
-  /// Measures `frames_each` frames with either strategy; the first frame of either grows buffers and does not
-  /// count.
+  /// Measures `frames_each` frames with either strategy. The first frame of either does not count, nor does
+  /// one for which buffers grew.
   explicit AdaptiveSort(int frames_each = 3) : frames_each_(std::max(frames_each, 1)) {}
 
   /// The paper's budget: a fifth of `views`, half of it with either strategy.
@@ -71,12 +71,19 @@ class AdaptiveSort {
     const bool early =
         decided_ ? early_
                  : measured_[1].frames + measured_[1].warm_ups < measured_[0].frames + measured_[0].warm_ups;
+    // Buffers change places between the scratch and the lists. Lists that come empty may be new in every
+    // frame, and are no reason to measure none.
+    const std::size_t held = lists.bytes() == 0 ? 0 : bytes_of(scratch, lists);
     if (measure) scratch.from = b.now();
     if (early)
       EarlySort{}.build(b, job, bounds, scratch.early, lists);
     else
       StandardSort{}.build(b, job, bounds, scratch.standard, lists);
-    if (measure) scratch.to = b.now(), scratch.pending_early = early;
+    const bool grew = held != 0 && bytes_of(scratch, lists) != held;
+    if (measure && grew)
+      scratch.from.reset(), measured_[early].warm_ups = 1;
+    else if (measure)
+      scratch.to = b.now(), scratch.pending_early = early;
     collect(b, scratch);
   }
 

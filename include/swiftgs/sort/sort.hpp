@@ -170,7 +170,8 @@ std::size_t emit_instances(B& b, const SortJob& job, const Bounds& bounds, const
   return std::size_t(total);
 }
 
-/// Hands the sorted instances over to `lists`; the old ids become room for the next frame.
+/// Hands the sorted instances over to `lists`; the old ids become room for the next frame, which allocates
+/// nothing if it is no larger.
 template <class B, class Key>
 void finish_lists(B& b, const SortJob& job, std::size_t count, int tile_shift, Pairs<B, Key>& instances,
                   TileLists<B>& lists) {
@@ -182,6 +183,7 @@ void finish_lists(B& b, const SortJob& job, std::size_t count, int tile_shift, P
   b.for_each((count + Find::keys_each - 1) / Find::keys_each,
              Find{instances.keys.data(), count, tile_shift, lists.ranges.span()});
   std::swap(lists.ids, instances.values);
+  instances.values.reset(count);
   lists.tiles = tiles, lists.instances = count;
 }
 
