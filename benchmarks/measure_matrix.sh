@@ -13,7 +13,8 @@
 #   occupancy  scaling-occupancy.json: scales of all Gaussians from an eighth to eight times theirs (four on a CPU);
 #              tiles get no sparser than by one for each splat in view
 #   prune      prune-SCENE-SCORE.json, and pruned.json: a tenth of each capture
-#   calibrate  calibration-SCENE.json, at one and two times the images' sides; calibration-SCENE.sort.json, the choices
+#   calibrate  calibration-SCENE.json, at half, one and two times the images' sides, of pruned captures too where they are;
+#              calibration-SCENE.sort.json, the choices
 # BACKEND is cuda or cpu; by default cuda where it runs. Scenes are the built-in one and the captures in
 # SWIFTGS_SCENES; SCENES='fox garden' names other captures. The program is that of SWIFTGS_BUILD, else of build/release.
 #
@@ -165,17 +166,22 @@ part_prune() {
 calibrate() {
   local name=$1
   shift
-  "$swiftgs" calibrate "$@" --scale 1,2 --renderers "$sorts" --check --check-views every:8 \
+  "$swiftgs" calibrate "$@" --scale 0.5,1,2 --renderers "$sorts" --check --check-views every:8 \
     --out "$out/calibration-$name.sort.json" --json "$out/calibration-$name.json"
   leave_folders_out "$out/calibration-$name.json"
 }
 
+# Pruned captures, where part prune has left them, and a small built-in scene are there because the standard sort may be
+# the quicker one where there is little to sort.
 part_calibrate() {
-  local capture
+  local capture name pruned
   for capture in ${captures[@]+"${captures[@]}"}; do
-    calibrate "$(basename "$capture")" "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")"
+    name=$(basename "$capture") pruned=$out/pruned/$name-pruned/$name-pruned.ply
+    calibrate "$name" "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")"
+    [ ! -e "$pruned" ] || calibrate "$name-pruned" "$pruned" --cameras "$(cameras_of "$capture")"
   done
   calibrate builtin builtin:1000000
+  calibrate builtin-100000 builtin:100000
 }
 
 failed=0

@@ -56,7 +56,8 @@ class Scripts(unittest.TestCase):
         code, error, calls = self.measure("calibrate", "prune")
         self.assertEqual((code, error), (0, ""))
         named = [call[1] for call in calls if call[0] in ("calibrate", "prune")]
-        self.assertEqual(named, [str(self.fox / "fox.spz"), "builtin:1000000"] + 2 * [str(self.fox / "fox.spz")])
+        self.assertEqual(named, [str(self.fox / "fox.spz"), "builtin:1000000", "builtin:100000"] +
+                         2 * [str(self.fox / "fox.spz")])
         (self.fox / "fox.spz").rename(self.fox / "fox.ply")
         self.assertEqual(self.measure("prune")[2][0][1], str(self.fox / "fox.ply"))
 
