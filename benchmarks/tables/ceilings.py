@@ -19,8 +19,11 @@ SORT = {"32 bits": (67, 80, 86, 120, 228, 375),      # keys of 32 bits, as depth
 
 FLOAT = 4  # bytes
 GEOMETRY = 3 + 3 + 4 + 1    # mean, scales, rotation and opacity of a Gaussian: floats
-SPLAT = 2 + 3 + 1 + 3 + 1   # mean, conic, opacity, colour and depth of a splat: floats
-FRAME = 3                   # colour of a pixel: floats
+SHAPE = 2 + 3 + 1 + 1       # mean, conic, opacity and depth of a splat: floats
+COLOUR = 3                  # of a splat or a pixel: floats
+ID, DEPTH, TILE, BOTH = 4, 4, 2, 8  # bytes of a pair's value, and of its key: depth, tile, tile and depth
+# Passes of a sort that moves pairs by eight bits at a time.
+DEPTH_PASSES, TILE_PASSES, BOTH_PASSES = 4, 2, 6
 # Of a contributing pair: two for the exponent in its shared form, cut, weight, transmittance, and three colours.
 PAIR_FMA = 8
 
@@ -37,25 +40,32 @@ def sort_seconds(pairs, kind):
     return math.exp(math.log(times[n - 1]) + part * math.log(times[n] / times[n - 1]))
 
 
-def project(row, sh_degree):
-    """(seconds, what bounds them): every Gaussian's geometry is read, of those in view the colour too, a splat each is
-    written."""
-    colour = 3 * (sh_degree + 1) ** 2
-    return FLOAT * (GEOMETRY * row.gaussians + (colour + SPLAT) * row.visible) / COPY, "memory"
-
-
-def sort(row, _sh_degree):
-    """One sort of visible depths and one of instances by tile, or one of instances by both."""
+def cub_sort(row):
+    """Seconds of one sort of visible depths and one of instances by tile, or one of instances by both, if it is CUB's."""
     if row.sort == "standard":
-        return sort_seconds(row.instances, "45 of 64 bits"), "sort of 45 bits"
-    depths, tiles = sort_seconds(row.visible, "32 bits"), sort_seconds(row.instances, "13 of 16 bits")
-    return depths + tiles, "sorts of 32 and 13 bits"
+        return sort_seconds(row.instances, "45 of 64 bits")
+    return sort_seconds(row.visible, "32 bits") + sort_seconds(row.instances, "13 of 16 bits")
+
+
+def project(row, _sh_degree):
+    """(seconds, what bounds them): every Gaussian's geometry is read, a shape is written of those in view."""
+    return FLOAT * (GEOMETRY * row.gaussians + SHAPE * row.visible) / COPY, "memory"
+
+
+def sort(row, sh_degree):
+    """Pairs are written once, then read and written in each pass; the colours are evaluated beside."""
+    def moved(pairs, key, passes):
+        return (key + ID) * pairs * (1 + 2 * passes)
+    pairs = moved(row.instances, BOTH, BOTH_PASSES) if row.sort == "standard" else \
+        moved(row.visible, DEPTH, DEPTH_PASSES) + moved(row.instances, TILE, TILE_PASSES)
+    colours = FLOAT * (3 * (sh_degree + 1) ** 2 + COLOUR) * row.visible
+    return (pairs + colours) / COPY, "memory"
 
 
 def raster(row, _sh_degree):
     """Arithmetic of the contributing pairs, their exponentials, or splats, lists and image through memory."""
     bounds = {"multiply-adds": row.contributing_pairs * PAIR_FMA / FMA, "exponentials": row.contributing_pairs / EX2,
-              "memory": FLOAT * (SPLAT * row.visible + row.instances + FRAME * row.pixels) / COPY}
+              "memory": FLOAT * ((SHAPE + COLOUR) * row.visible + row.instances + COLOUR * row.pixels) / COPY}
     what = max(bounds, key=bounds.get)
     return bounds[what], what
 

@@ -54,8 +54,10 @@ def errors(results, frames):
     apart = [abs(row.photo_psnr_db - photo[row.place]) for row in seen]
     text = f"The float policies with lossless bounds differ from the reference by {max(judged):.4f} at most."
     if apart:
-        text += (f" Against the photographs of {' and '.join(dict.fromkeys(row.scene for row in seen))} that training did "
-                 f"not see, each is within {max(*apart, 1e-4):.4f} dB of what the reference has.")
+        *others, last = dict.fromkeys(row.scene for row in seen)
+        scenes = f"{', '.join(others)} and {last}" if others else last
+        text += (f" Against the photographs of {scenes} that training did not see, each is within "
+                 f"{max(*apart, 1e-4):.4f} dB of what the reference has.")
     return prose(text)
 
 
@@ -63,7 +65,9 @@ def machine_words(source, machine):
     """A machine, and what ran there when."""
     name = next((name for name in NAMING if source.has(machine, name)), NAMING[0])
     found = source.results(machine, name).machine
-    device = f"{found['gpu']}, driver {found.get('driver')}, CUDA {found.get('cuda')}, in a host with " \
+    # The toolkit's version, which the architectures and the flags follow.
+    toolkit = str(found.get("cuda")).split(" for ")[0]
+    device = f"{found['gpu']}, driver {found.get('driver')}, CUDA {toolkit}, in a host with " \
         if found.get("gpu") and machine == "gpu" else ""
     return (f"{device}{found.get('cores')} cores of {found.get('cpu')}, {found.get('memory_gib')} GiB, "
             f"{found.get('system')}; {found.get('compiler')}, `{found.get('flags')}`; {found.get('date')}")
