@@ -41,7 +41,7 @@ def sort_seconds(pairs, kind):
 
 
 def cub_sort(row):
-    """Seconds of one sort of visible depths and one of instances by tile, or one of instances by both, if it is CUB's."""
+    """Seconds of CUB for one sort of visible depths and one of instances by tile, or one of instances by both."""
     if row.sort == "standard":
         return sort_seconds(row.instances, "45 of 64 bits")
     return sort_seconds(row.visible, "32 bits") + sort_seconds(row.instances, "13 of 16 bits")

@@ -40,19 +40,20 @@ def matrix(backend, scenes=("garden", "fox", "builtin"), suffix="", **members):
             for sort in SORTS for raster in RASTERS for bounds in BOUNDS]
 
 
-def growing(backend, points, scenes=("garden",)):
-    """Rows of SCALING at each of (members, growth of the stages). Those of a CPU tell each stage's memory, which grows as
-    its time does; those of a GPU are of an older file."""
+def growing(backend, points, scenes=("garden",), older=False):
+    """Rows of SCALING at each of (members, growth of the stages). They tell each stage's memory, which grows as its
+    time does, but for those of an older file."""
     def memory(grow):
-        return {"bytes": {stage: 2**20 * grow.get(stage, 1) for stage in ("project", "sort", "raster")}} \
-            if backend == "cpu" else {}
+        found = {stage: 2**20 * grow.get(stage, 1) for stage in ("project", "sort", "raster")}
+        return {} if older else {"bytes": found}
 
-    return [row(backend, words, scene, **members, **memory(grow), grow=grow) for scene in scenes for members, grow in points
-            for words in SCALING]
+    return [row(backend, words, scene, **members, **memory(grow), grow=grow) for scene in scenes
+            for members, grow in points for words in SCALING]
 
 
-def write(folder, backend):
-    """All files of a machine. Projection grows as Gaussians, rasterization as pixels, sorting as instances a tile."""
+def write(folder, backend, older=False):
+    """All files of a machine, of which those of growth may be older ones. Projection grows as Gaussians, rasterization
+    as pixels, sorting as instances a tile."""
     folder.mkdir(parents=True)
 
     def bench(name, rows):
@@ -68,8 +69,8 @@ def write(folder, backend):
     bench("vanilla.json", matrix(backend, conventions="inria"))
     bench("pruned.json", matrix(backend, ("garden", "fox"), "-pruned", conventions="inria"))
     gaussians = [({"gaussians": n}, {"project": n / 1e6}) for n in (100000, 1000000, 10000000)]
-    bench("scaling-gaussians.json", growing(backend, gaussians))
-    bench("scaling-builtin.json", growing(backend, gaussians, ("builtin",)))
+    bench("scaling-gaussians.json", growing(backend, gaussians, older=older))
+    bench("scaling-builtin.json", growing(backend, gaussians, ("builtin",), older))
     bench("scaling-pixels.json", growing(backend, [({"scale": s, "width": 1000 * s, "height": 1000 * s},
                                                     {"raster": s * s}) for s in (1, 2, 4)]))
     bench("scaling-threads.json", growing("cpu", [({"threads": n}, {"raster": 1 / n}) for n in (1, 2, 4)]))
