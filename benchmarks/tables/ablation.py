@@ -4,17 +4,21 @@ from statistics import mean
 
 from tables import paper
 from tables.frames import BASELINE, OUR_STEPS, STEPS, Frames, label
-from tables.markdown import ms, table, times
+from tables.markdown import decibel, ms, table, times
 from tables.source import backend, machine_name
 
 
 def paper_scenes(_source):
-    """Table 1: each scene's times and speed-up."""
+    """Table 1: each scene's times, speed-up and PSNR."""
     rows = []
     for run in paper.RUNS:
         before, after = paper.TIME[run]
         rows.append([run] + [f"{b:.2f} to {a:.2f}, {times(b / a)}" for b, a in zip(before, after)]
                     + [f"{mean(before):.2f} to {mean(after):.2f}, {times(mean(b / a for b, a in zip(before, after)))}"])
+    for run in paper.RUNS:
+        before, after = paper.PSNR[run]
+        rows.append([f"{run}, dB"] + [f"{b:.2f} to {a:.2f}" for b, a in zip(before, after)]
+                    + [f"{mean(before):.2f} to {mean(after):.2f}"])
     return table(["GPU, iterations", *paper.SCENES, "mean"], rows)
 
 
@@ -27,16 +31,30 @@ def paper_steps(_source):
 
 
 def steps(source, machine):
-    """Our Table 2 on a machine: means over views, and how many times the baseline's speed."""
+    """Our Table 2 on a machine: means over views, how many times the baseline's speed, and the accuracy of each."""
     results = source.results(machine, "matrix.json")
     frames = Frames(results)
     rows = []
     for step, name in STEPS + OUR_STEPS:
         cells = [f"{ms(frames.mean(scene, name))} ({times(frames.speed_up(scene, name, BASELINE))})"
                  for scene in frames.scenes]
-        rows.append([step, f"`{name}`", *cells, times(frames.speed_up_of_all(name, BASELINE))])
+        photographs = [frames.mean_of(scene, name, "photo_psnr_db") for scene in frames.scenes]
+        rows.append([step, f"`{name}`", *cells, times(frames.speed_up_of_all(name, BASELINE)),
+                     decibel(average(photographs)),
+                     decibel(min(known(frames.worst_psnr(scene, name) for scene in frames.scenes), default=None))])
     return f"{machine_name(results)}, `{backend(machine)}`, milliseconds a frame:\n\n" + table(
-        ["step", "sort/raster/bounds", *map(label, frames.scenes), "geometric mean"], rows, words=2)
+        ["step", "sort/raster/bounds", *map(label, frames.scenes), "geometric mean", "photographs, mean, dB",
+         "float64, worst, dB"], rows, words=2)
+
+
+def known(values):
+    return [value for value in values if value is not None]
+
+
+def average(values):
+    """Of those that are known; None where none is."""
+    found = known(values)
+    return mean(found) if found else None
 
 
 def printed(_source):
