@@ -3,8 +3,10 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include <cuda/atomic>
 #include <cuda_runtime_api.h>
@@ -33,6 +35,13 @@ void Cuda::State::join() {
   check_cuda(cudaEventRecord(fork.ended.get(), fork.stream.get()), "cudaEventRecord");
   check_cuda(cudaStreamWaitEvent(stream, fork.ended.get()), "cudaStreamWaitEvent");
   fork.open = false;
+}
+
+Cuda::State::~State() {
+  if (!fork.open) return;
+  // There is nobody left to tell of an error.
+  if (cudaEventRecord(fork.ended.get(), fork.stream.get()) == cudaSuccess)
+    cudaStreamWaitEvent(stream, fork.ended.get());
 }
 
 void Cuda::State::wait() const { check_cuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize"); }
@@ -125,6 +134,7 @@ FrameCounts Cuda::read(const FrameCounts* counts) const {
     const cudaError_t done = cudaStreamQuery(stream());
     if (done == cudaErrorNotReady) {
       cudaGetLastError();
+      std::this_thread::yield();
       continue;
     }
     check_cuda(done, "post");

@@ -105,7 +105,7 @@ inline std::size_t radix_states(std::size_t tiles) {
 
 /// How many pairs of one digit lie in the tiles before a block's, by a thread a digit. As `RunningSum`, in
 /// two levels: all tiles of a sort this small are under way at once, so that none finds a complete sum near
-/// by.
+/// by. Blocks start in the order of their indices, as there.
 class DigitSum {
  public:
   __device__ DigitSum(RunningSums::View sums, std::uint32_t tiles)
@@ -115,7 +115,6 @@ class DigitSum {
   __device__ void add(std::uint32_t count) const { tiles_.publish(blockIdx.x, SumWord::partial, count); }
 
   /// How many lie in all tiles before this one, which holds `count`.
-
   __device__ std::uint32_t before(std::uint32_t count) const {
     const std::uint32_t group = blockIdx.x / group_tiles, in_group = blockIdx.x % group_tiles;
     const std::uint32_t here = tiles_.look_back(blockIdx.x, in_group);

@@ -197,6 +197,7 @@ __global__ void __launch_bounds__(raster_threads)
 template <class Form, bool threshold>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   const unsigned blocks = unsigned(job.grid.size());
+  cuda.join();  // splats whose colours are under way
   if (job.counts) cuda.clear(job.counts, job.grid.size() * sizeof(TileCounts));
   const auto kernel = kernels::wants_extras(job) ? kernels::raster_warps<Form, threshold, true>
                                                  : kernels::raster_warps<Form, threshold, false>;

@@ -4,8 +4,10 @@
 #include <cstdint>
 
 #include <cuda_pipeline_primitives.h>
+#include <cuda_runtime_api.h>
 
 #include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/check.hpp>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/sh_words.hpp>
 #include <swiftgs/cuda/warp.cuh>
@@ -16,8 +18,9 @@ namespace swiftgs {
 namespace kernels {
 inline constexpr unsigned shade_threads = 128, shade_warps = shade_threads / warp_size;
 
-/// Enough to keep a device's memory busy, and few enough to leave room for what runs beside them.
-inline constexpr unsigned shade_blocks = 512;
+/// Blocks for each multiprocessor: enough to keep a device's memory busy, and few enough to leave room for
+/// what runs beside them.
+inline constexpr int shade_blocks = 4;
 
 /// Copies the SH coefficients of the warp's Gaussians, `Word` by `Word`: lanes read neighbouring words, where
 /// a lane a Gaussian would touch 32 lines with each load. All copies are under way at once.
@@ -107,8 +110,12 @@ __global__ void __launch_bounds__(shade_threads)
 
 void start_colours(Cuda& cuda, const ProjectJob& job, const FrameCounts* counts,
                    const std::uint32_t* gaussians, SplatColour* colours) {
-  const unsigned blocks =
-      std::min(blocks_for(job.scene.size(), kernels::shade_threads), kernels::shade_blocks);
+  int device = 0, multiprocessors = 0;
+  check_cuda(cudaGetDevice(&device), "cudaGetDevice");
+  check_cuda(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device),
+             "cudaDeviceGetAttribute");
+  const unsigned blocks = std::min(blocks_for(job.scene.size(), kernels::shade_threads),
+                                   unsigned(multiprocessors * kernels::shade_blocks));
   launch("shade", kernels::shade, blocks, kernels::shade_threads, cuda.fork(), job, counts, gaussians,
          colours);
 }

@@ -49,6 +49,9 @@ struct Cuda::State {
     void start();
   };
 
+  State() = default;
+  ~State();  ///< whatever the caller's stream does next comes after what the fork still does
+
   void join();
   void wait() const;
   void copy_to_host(const void* from, void* to, std::size_t bytes) const;

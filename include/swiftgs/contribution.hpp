@@ -151,8 +151,8 @@ requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const Contri
 /// bounds, and the conventions' own rules of alpha and stop, so that a Gaussian is credited with what
 /// `AxisSharedThreshold<FloatCholesky>` would draw of it.
 ///
-/// It projects by `project_shape` alone, in passes of its own: a renderer's projection does not tell which
-/// Gaussian a splat belongs to, and need not.
+/// It projects by `project_shape` alone, in passes of its own: it needs to know which Gaussian a splat
+/// belongs to, which a renderer's projection need not tell, and no colour.
 template <BackendPolicy B>
 class Contributions {
  public:

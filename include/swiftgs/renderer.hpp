@@ -75,7 +75,12 @@ class Renderer {
 
     const auto projected = backend_.now();
     const FrameKey key{scene.means.data, scene.size(), frame.width, frame.height};
-    sort_.build(backend_, SortJob{splats_.view(), grid, key}, Bounds{}, sort_scratch_, lists_);
+    try {
+      sort_.build(backend_, SortJob{splats_.view(), grid, key}, Bounds{}, sort_scratch_, lists_);
+    } catch (...) {
+      finish_colours(backend_, splats_);  // the caller may change the scene in the backend's order
+      throw;
+    }
 
     const auto sorted = backend_.now();
     finish_colours(backend_, splats_);

@@ -26,7 +26,9 @@ struct StageMemory {
   std::size_t total() const { return project + sort + raster; }
 };
 
-/// Durations of one frame's stages. @units{milliseconds}
+/// Durations of one frame's stages. A backend may evaluate colours beside the sort, and then `sort` has their
+/// time.
+/// @units{milliseconds}
 struct StageTimes {
   double project = 0, sort = 0, raster = 0, total = 0;
 };

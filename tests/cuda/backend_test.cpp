@@ -115,6 +115,13 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("cuda: sort_pairs refuses more pairs than it can number") {
+  if (without_device()) return;
+  Cuda cuda;
+  Pairs<Cuda, std::uint32_t> pairs;
+  CHECK_THROWS_AS(cuda.sort_pairs(pairs, std::size_t(1) << 32, 31), CapacityError);
+}
+
 TEST_CASE("cuda: sort_pairs sorts by every digit when only one digit differs") {
   if (without_device()) return;
   Cuda cuda;

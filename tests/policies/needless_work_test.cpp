@@ -57,6 +57,7 @@ std::vector<SplatColour> colours(B& backend, const SceneView& scene, const Camer
           ProjectJob{view_constants(camera, Conventions::gsplat()), scene,
                      TileGrid::covering(camera.width, camera.height)},
           Ellipse(), scratch, splats);
+  finish_colours(backend, splats);
   return {splats.colours.data(), splats.colours.data() + splats.count};
 }
 

@@ -26,7 +26,7 @@ struct FrameKey {
 
 /// What a sort turns into tile lists.
 struct SortJob {
-  SplatsView splats;
+  SplatsView splats;  ///< of their colours, depths alone: the others may still be under way
   TileGrid grid;
   FrameKey key;
 };
@@ -183,8 +183,8 @@ void finish_lists(B& b, const SortJob& job, std::size_t count, int tile_shift, P
   b.for_each((count + Find::keys_each - 1) / Find::keys_each,
              Find{instances.keys.data(), count, tile_shift, lists.ranges.span()});
   std::swap(lists.ids, instances.values);
-  instances.values.reset(count);
   lists.tiles = tiles, lists.instances = count;
+  instances.values.reset(count);
 }
 
 /// Memory that grouping works in.

@@ -29,9 +29,9 @@ struct FrameCounts {
   std::uint64_t instances = 0;
 };
 
-/// One NVIDIA GPU: everything runs in order on one stream, and what a frame computes has the same bits from
-/// run to run. This header compiles without CUDA; policies of your own also need `<swiftgs/cuda.cuh>` and
-/// nvcc.
+/// One NVIDIA GPU: everything runs in the order of one stream, and what a frame computes has the same bits
+/// from run to run. This header compiles without CUDA; policies of your own also need `<swiftgs/cuda.cuh>`
+/// and nvcc.
 ///
 /// A backend belongs to the device that was current when it was made; that device must be current wherever it
 /// is used. Its functions return when their work is in stream order, unless they say that they wait.
@@ -62,7 +62,7 @@ class Cuda {
   Cuda(Cuda&&) noexcept;
   Cuda& operator=(Cuda&&) noexcept;
 
-  /// The stream that everything is in the order of.
+  /// The stream that everything is in the order of, but for what `fork` started, up to `join`.
   cudaStream_t stream() const;
 
   /// A second stream, the backend's own, behind everything that was asked for so far: what is started on it
@@ -104,7 +104,7 @@ class Cuda {
   void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, std::size_t n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, std::size_t n, int bits);
 
-  /// The point behind all that was asked for so far.
+  /// The point behind all that was asked for so far, what `fork` started apart.
   TimePoint now();
   /// From one point to a later one; nothing where `to` has not been reached or `from` is too old. Does not
   /// wait. @units{milliseconds}
@@ -145,7 +145,7 @@ class RunningSums {
   bool cleared_ = false;
 };
 
-/// Two counters in turn: kernels of even and odd epochs of a running sum add to one and clear the other.
+/// Two counters in turn: of kernels that follow each other, one adds to the one and clears the other.
 template <class T>
 class AlternatingCounters {
  public:
