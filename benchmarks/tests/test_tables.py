@@ -282,14 +282,30 @@ class Tables(unittest.TestCase):
         self.assertIn("rows without bytes of each stage; expected them in every row", error)
 
     def test_launches_of_a_kernel_are_averaged(self):
-        kernel, times = "raster_warps<CholeskyForm, 1, 0>", []
-        with open(self.results / FOLDERS["gpu"] / "kernels-garden.csv", encoding="utf-8") as lines:
-            for line in csv.DictReader(lines):
-                if kernel in line["Kernel Name"] and line["Metric Name"] == "gpu__time_duration.sum":
-                    times.append(float(line["Metric Value"].replace(",", "")) / 1e3)
-        row = cells(self.table("kernels gpu garden"), "`raster_warps<CholeskyForm, 1, 0>`")
-        self.assertEqual(row[1:3], [str(len(times)), f"{sum(times) / len(times):.1f}"])
-        self.assertGreater(len(times), 1)
+        kernel = ("void swiftgs::kernels::raster_warps<swiftgs::kernels::CholeskyForm, (bool)1, (bool)0>"
+                  "(swiftgs::RasterJob)")
+        launches = ({"gpu__time_duration.sum": "153,000", "smsp__inst_executed.sum": "118,561,421",
+                     "dram__bytes.sum": "43,812,864", "launch__registers_per_thread": "56",
+                     "sm__warps_active.avg.pct_of_peak_sustained_active": "47.31",
+                     "smsp__issue_active.avg.pct_of_peak_sustained_active": "85.69"},
+                    {"gpu__time_duration.sum": "154,000", "smsp__inst_executed.sum": "118,561,421",
+                     "dram__bytes.sum": "43,800,000", "launch__registers_per_thread": "56",
+                     "sm__warps_active.avg.pct_of_peak_sustained_active": "47.41",
+                     "smsp__issue_active.avg.pct_of_peak_sustained_active": "86.01"})
+        with open(self.results / FOLDERS["gpu"] / "kernels-made.csv", "w", encoding="utf-8", newline="") as file:
+            write = csv.writer(file).writerow
+            write(["ID", "Kernel Name", "Metric Name", "Metric Value"])
+            for number, metrics in enumerate(launches):
+                for name, value in metrics.items():
+                    write([number, kernel, name, value])
+        row = cells(self.table("kernels gpu made"), "`raster_warps<CholeskyForm, 1, 0>`")
+        self.assertEqual(row[1:], ["2", "153.5", "118.56", "43.8", "56", "47", "86"])
+
+    def test_memory_of_an_older_file_is_what_the_device_has_less(self):
+        results = self.place / "older"
+        synthetic_folder.write(results / FOLDERS["gpu"], "cuda", older=True)
+        _, text, _, _ = self.update("<!-- table: growth gpu gaussians -->\n<!-- end -->\n", results=results)
+        self.assertEqual(cells(text, "garden")[-1], "512")
 
     def test_the_commands_of_a_folder_are_listed(self):
         text = self.table("files gpu")
