@@ -9,9 +9,10 @@
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
 #include <swiftgs/cuda/launch.cuh>
-#include <swiftgs/cuda/sh_words.hpp>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/project.hpp>
+
+#include "sh_words.hpp"
 
 namespace swiftgs {
 

@@ -3,8 +3,8 @@
 
 The ceilings were measured on one H200 (132 multiprocessors, CUDA 13.0), each by a program that does nothing else,
 medians of repeated runs. The floors count what no implementation of the stage with these inputs and outputs, and with
-sorts by eight bits a pass, can leave out, at the full rate of the unit that has most to do; launches, divergence, tests of pairs that do not contribute, and
-reads that are repeated are what a measured stage has on top.
+sorts by eight bits a pass, can leave out, at the full rate of the unit that has most to do; launches, divergence, tests
+of pairs that do not contribute, and reads that are repeated are what a measured stage has on top.
 """
 import math
 

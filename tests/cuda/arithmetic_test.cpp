@@ -10,13 +10,13 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/cuda/find_bit.hpp>
-#include <swiftgs/cuda/sh_words.hpp>
 
 #include "blending.hpp"
 #include "box_touched.hpp"
 #include "cuda/exact_square.hpp"
 #include "forms.hpp"
 #include "policies/random_splats.hpp"
+#include "sh_words.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::kernels;
