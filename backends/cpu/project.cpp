@@ -58,44 +58,70 @@ HWY_INLINE Wide ScaleAdd(const Wide& a, double scale, double offset) {
   return {hn::MulAdd(a.low, s, o), hn::MulAdd(a.high, s, o)};
 }
 
-HWY_INLINE Vec3 Cross(const Vec3& a, const Vec3& b) {
-  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
-          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
-}
-
 HWY_INLINE Vec3 LoadVec3(const vec3* HWY_RESTRICT v) {
   Vec3 out;
   hn::LoadInterleaved3(F32(), &v->x, out.x, out.y, out.z);
   return out;
 }
 
-/// Columns of the rotation matrix of q, each scaled by the standard deviation along it.
-HWY_INLINE void GaussianAxes(const Quaternion* HWY_RESTRICT rotations, const vec3* HWY_RESTRICT scales,
-                             Vec3 axes[3]) {
+/// A Gaussian's own axes, not scaled: columns of the rotation matrix of (w, turn), and 4 (|q|^2 - 1), by
+/// which its cofactors exceed it (see `image_axes`).
+struct Axes {
+  Vec3 column[3];
+  Vec3 turn;
+  Vec excess;
+};
+
+HWY_INLINE Axes LocalAxesOf(const Quaternion* HWY_RESTRICT rotations) {
   const F32 d;
   Vec w, x, y, z;
   hn::LoadInterleaved4(d, &rotations->w, w, x, y, z);
-  const Vec3 scale = LoadVec3(scales);
   const Vec one = hn::Set(d, 1.0f);
   const Vec x2 = hn::Add(x, x), y2 = hn::Add(y, y), z2 = hn::Add(z, z);
   const Vec xx = hn::Mul(x, x2), yy = hn::Mul(y, y2), zz = hn::Mul(z, z2);
   const Vec xy = hn::Mul(x, y2), xz = hn::Mul(x, z2), yz = hn::Mul(y, z2);
   const Vec wx = hn::Mul(w, x2), wy = hn::Mul(w, y2), wz = hn::Mul(w, z2);
-  axes[0] = Scale({hn::Sub(one, hn::Add(yy, zz)), hn::Add(xy, wz), hn::Sub(xz, wy)}, scale.x);
-  axes[1] = Scale({hn::Sub(xy, wz), hn::Sub(one, hn::Add(xx, zz)), hn::Add(yz, wx)}, scale.y);
-  axes[2] = Scale({hn::Add(xz, wy), hn::Sub(yz, wx), hn::Sub(one, hn::Add(xx, yy))}, scale.z);
+  const Vec squares = hn::Add(hn::MulAdd(w, w, hn::Mul(x, x)), hn::MulAdd(y, y, hn::Mul(z, z)));
+  return {{{hn::Sub(one, hn::Add(yy, zz)), hn::Add(xy, wz), hn::Sub(xz, wy)},
+           {hn::Sub(xy, wz), hn::Sub(one, hn::Add(xx, zz)), hn::Add(yz, wx)},
+           {hn::Add(xz, wy), hn::Sub(yz, wx), hn::Sub(one, hn::Add(xx, yy))}},
+          {x, y, z},
+          hn::Mul(hn::Set(d, 4.0f), hn::Sub(squares, one))};
 }
 
-/// One axis of the image against the Gaussian's three: a row of J W R S.
-HWY_INLINE Vec3 ImageAxis(const ViewConstants& v, int row, Vec tangent, Vec focal_over_z,
-                          const Vec3 axes[3]) {
+HWY_INLINE Vec3 Times(const Vec3& a, const Vec3& b) {
+  return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)};
+}
+HWY_INLINE Vec3 DotColumns(const Vec3& v, const Axes& axes) {
+  return {Dot(v, axes.column[0]), Dot(v, axes.column[1]), Dot(v, axes.column[2])};
+}
+
+/// One axis of the image against the Gaussian's three, which are not scaled: a row of J W R.
+HWY_INLINE Vec3 ImageAxis(const ViewConstants& v, int row, Vec tangent, Vec focal_over_z, const Axes& axes) {
   const F32 d;
   const auto component = [&](int k) HWY_ATTR {
     return hn::Mul(focal_over_z, hn::NegMulAdd(tangent, hn::Set(d, float(v.rotation[2][k])),
                                                hn::Set(d, float(v.rotation[row][k]))));
   };
-  const Vec3 direction{component(0), component(1), component(2)};
-  return {Dot(direction, axes[0]), Dot(direction, axes[1]), Dot(direction, axes[2])};
+  return DotColumns({component(0), component(1), component(2)}, axes);
+}
+
+/// Cross product of the rows of J W R S, by cofactors (see `image_axes`).
+HWY_INLINE Vec3 CrossOfAxes(const ViewConstants& v, Vec tx, Vec ty, Vec jx, Vec jy, const Vec3& scale,
+                            const Axes& axes) {
+  const F32 d;
+  const auto component = [&](int k) HWY_ATTR {
+    const Vec sideways =
+        hn::MulAdd(tx, hn::Set(d, v.cofactors[0][k]), hn::Mul(ty, hn::Set(d, v.cofactors[1][k])));
+    return hn::Add(hn::Set(d, v.cofactors[2][k]), sideways);
+  };
+  const Vec3 normal{component(0), component(1), component(2)};
+  const Vec along = hn::Mul(axes.excess, Dot(axes.turn, normal));
+  const Vec3 across = DotColumns(normal, axes);
+  const Vec3 sum{hn::MulAdd(along, axes.turn.x, across.x), hn::MulAdd(along, axes.turn.y, across.y),
+                 hn::MulAdd(along, axes.turn.z, across.z)};
+  const Vec3 sx = Scale(scale, jx), sy = Scale(scale, jy);
+  return Times({hn::Mul(sx.y, sy.z), hn::Mul(sx.z, sy.x), hn::Mul(sx.x, sy.y)}, sum);
 }
 
 /// Consecutive Gaussians of a scene, `lanes` of which may be read.
@@ -119,7 +145,8 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   const F32 d;
   Vec opacity = hn::LoadU(d, group.opacities);
   const Vec alpha_min = hn::Set(d, v.alpha_min);
-  Mask visible = hn::Ge(opacity, alpha_min);
+  const Vec most = hn::Set(d, 3.4028234663852886e38f);
+  Mask visible = hn::And(hn::Ge(opacity, alpha_min), hn::Le(opacity, most));
 
   // Move to camera space in double, and cull by depth before anything else is read.
   const Vec3 mean = LoadVec3(group.means);
@@ -137,23 +164,25 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   // Linearise within the limits of the conventions.
   const Vec tx = hn::Min(hn::Max(Demote(x_over_z), hn::Set(d, v.tan_x_min)), hn::Set(d, v.tan_x_max));
   const Vec ty = hn::Min(hn::Max(Demote(y_over_z), hn::Set(d, v.tan_y_min)), hn::Set(d, v.tan_y_max));
-  Vec3 axes[3];
-  GaussianAxes(group.rotations, group.scales, axes);
-  const Vec3 mx = ImageAxis(v, 0, tx, hn::Div(hn::Set(d, float(v.fx)), z), axes);
-  const Vec3 my = ImageAxis(v, 1, ty, hn::Div(hn::Set(d, float(v.fy)), z), axes);
+  const Axes axes = LocalAxesOf(group.rotations);
+  const Vec3 scale = LoadVec3(group.scales);
+  const Vec jx = hn::Div(hn::Set(d, float(v.fx)), z), jy = hn::Div(hn::Set(d, float(v.fy)), z);
+  const Vec3 mx = Times(ImageAxis(v, 0, tx, jx, axes), scale);
+  const Vec3 my = Times(ImageAxis(v, 1, ty, jy, axes), scale);
 
   // Factor the blurred covariance; the determinant is a sum of squares (see `project_shape`).
   const Vec one = hn::Set(d, 1.0f), blur = hn::Set(d, v.blur);
   const Vec xx = Dot(mx, mx), yy = Dot(my, my), xy = Dot(mx, my);
   const Vec var_x = hn::Add(xx, blur), var_y = hn::Add(yy, blur);
   const Vec inv_sigma_y = hn::Div(one, hn::Sqrt(var_y));
-  const Vec3 c = Scale(Cross(mx, my), inv_sigma_y);
+  const Vec3 c = Scale(CrossOfAxes(v, tx, ty, jx, jy, scale, axes), inv_sigma_y);
   const Vec sharp = Dot(c, c);
   const Vec inv_var_y = hn::Mul(inv_sigma_y, inv_sigma_y);
   const Vec var_x_given_y = hn::MulAdd(blur, hn::Mul(hn::Add(xx, var_y), inv_var_y), sharp);
-  const Vec largest = hn::Set(d, 3.4028234663852886e38f);
+  const Vec largest = hn::Set(d, largest_variance);
   visible = hn::And(visible, hn::And(hn::Gt(var_x_given_y, hn::Zero(d)), hn::Gt(var_y, hn::Zero(d))));
-  visible = hn::And(visible, hn::And(hn::Le(var_x, largest), hn::Le(var_x_given_y, largest)));
+  visible = hn::And(visible, hn::And(hn::Le(var_x, largest), hn::Le(var_y, largest)));
+  visible = hn::And(visible, hn::Le(var_x_given_y, most));
 
   if (v.antialiased) {
     const Vec ratio = hn::Max(hn::Div(sharp, var_x_given_y), hn::Set(d, v.min_compensation));
@@ -258,7 +287,7 @@ void project(Cpu& cpu, const ProjectJob& job, ProjectScratch<Cpu>& scratch, Spla
       const std::size_t count = (chunk + 1 < chunks ? offsets[chunk + 1] : splats.count) - to;
       std::copy_n(scratch.shapes.data() + begin, count, splats.shapes.data() + to);
       shade_splats(constants, scene, scratch.ids.data() + begin, scratch.depths.data() + begin, count,
-                   splats.colours.data() + to);
+                   splats.shapes.data() + to, splats.colours.data() + to);
     }
   });
 }

@@ -71,7 +71,8 @@ HWY_INLINE hn::Vec<F32x4> SumBands(const float* HWY_RESTRICT rest, const float (
 /// coefficients takes one Gaussian at a time, because its coefficients lie together and those of the next
 /// visible one do not.
 void ShadeSplats(const ViewConstants& v, const SceneView& scene, const std::uint32_t* HWY_RESTRICT ids,
-                 const float* HWY_RESTRICT depths, std::size_t count, SplatColour* HWY_RESTRICT colours) {
+                 const float* HWY_RESTRICT depths, std::size_t count, SplatShape* HWY_RESTRICT shapes,
+                 SplatColour* HWY_RESTRICT colours) {
   const F32 d;
   const int degree = scene.sh_degree, coefficients = sh_rest_count(degree);
   const std::size_t stride = std::size_t(scene.sh_stride), row = 3 * std::size_t(coefficients);
@@ -86,7 +87,11 @@ void ShadeSplats(const ViewConstants& v, const SceneView& scene, const std::uint
         x[k] = float(mean.x - v.centre[0]), y[k] = float(mean.y - v.centre[1]),
         z[k] = float(mean.z - v.centre[2]);
       }
-      const Vec3 direction{hn::Load(d, x), hn::Load(d, y), hn::Load(d, z)};
+      // The largest component is scaled to 1, so that no square leaves the range of float.
+      Vec3 direction{hn::Load(d, x), hn::Load(d, y), hn::Load(d, z)};
+      const Vec largest = hn::Max(hn::Max(hn::Abs(direction.x), hn::Abs(direction.y)), hn::Abs(direction.z));
+      direction = {hn::Div(direction.x, largest), hn::Div(direction.y, largest),
+                   hn::Div(direction.z, largest)};
       const Vec squared = Dot(direction, direction);
       ShBasis(degree, Scale(direction, hn::Div(hn::Set(d, 1.0f), hn::Sqrt(squared))), basis);
     }
@@ -102,8 +107,9 @@ void ShadeSplats(const ViewConstants& v, const SceneView& scene, const std::uint
       const float* HWY_RESTRICT rest = scene.sh_rest.data + id * stride;
       float rgb[4];
       hn::StoreU(SumBands(rest, basis, k, coefficients), F32x4(), rgb);
-      const auto channel = [&](int c) { return cut_channel(0.5f + sh::c0 * sh0[c] + rgb[c]); };
-      colours[first + k] = {vec3(channel(0), channel(1), channel(2)), depths[first + k]};
+      const auto channel = [&](int c) { return 0.5f + sh::c0 * sh0[c] + rgb[c]; };
+      set_colour(shapes[first + k], colours[first + k], vec3(channel(0), channel(1), channel(2)));
+      colours[first + k].depth = depths[first + k];
     }
   }
 }
@@ -118,8 +124,8 @@ HWY_EXPORT(ShadeSplats);
 }
 
 void shade_splats(const ViewConstants& constants, const SceneView& scene, const std::uint32_t* ids,
-                  const float* depths, std::size_t count, SplatColour* colours) {
-  HWY_DYNAMIC_DISPATCH(ShadeSplats)(constants, scene, ids, depths, count, colours);
+                  const float* depths, std::size_t count, SplatShape* shapes, SplatColour* colours) {
+  HWY_DYNAMIC_DISPATCH(ShadeSplats)(constants, scene, ids, depths, count, shapes, colours);
 }
 
 }  // namespace swiftgs

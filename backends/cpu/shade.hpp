@@ -8,9 +8,9 @@
 
 namespace swiftgs {
 
-/// Evaluates the colours of the Gaussians `ids` in this view, and puts each with its depth.
-/// `ids`, `depths` and `colours` have `count` elements.
+/// Evaluates the colours of the Gaussians `ids` in this view, and puts each with its depth; a splat whose
+/// colour is not finite loses its opacity. All arrays have `count` elements.
 void shade_splats(const ViewConstants& constants, const SceneView& scene, const std::uint32_t* ids,
-                  const float* depths, std::size_t count, SplatColour* colours);
+                  const float* depths, std::size_t count, SplatShape* shapes, SplatColour* colours);
 
 }  // namespace swiftgs

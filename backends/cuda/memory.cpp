@@ -49,6 +49,7 @@ Span<const T> copy(Span<const T> from, DeviceBuffer<T>& to) {
 
 DeviceScene Cuda::upload(const Scene& scene) const {
   const SceneView host = swiftgs::view(scene);
+  validate_numbers(scene);
   const auto arrays = std::make_shared<DeviceScene::Arrays>();
   // Only the bands that are used, and a multiple of 16 bytes a Gaussian, which kernels copy by.
   const std::size_t used = 3 * std::size_t(sh_rest_count(host.sh_degree)), stride = (used + 3) / 4 * 4;

@@ -86,10 +86,11 @@ __device__ inline vec3 colour_of(int degree, vec3 sh0, const float4* rest, vec3 
   }
 }
 
-/// Evaluates the colours of all splats, a warp 32 at a time and a lane one of them.
+/// Evaluates the colours of all splats, a warp 32 at a time and a lane one of them. Of shapes it writes the
+/// opacity alone, which the sort beside it does not read.
 __global__ void __launch_bounds__(shade_threads)
     shade(const __grid_constant__ ProjectJob job, const FrameCounts* counts, const std::uint32_t* gaussians,
-          SplatColour* colours) {
+          SplatShape* shapes, SplatColour* colours) {
   __shared__ float4 shared[shade_warps][warp_size * rest_pitch(max_sh_degree)];
   float4* const rest = shared[threadIdx.x / warp_size];
   const SceneView& scene = job.scene;
@@ -101,23 +102,23 @@ __global__ void __launch_bounds__(shade_threads)
     if (scene.sh_degree > 0)
       stage_rest(scene, id, unsigned(min(visible - first, std::size_t(warp_size))), rest);
     if (at < visible)
-      colours[at].rgb =
-          colour_of(scene.sh_degree, scene.sh0[id], rest + lane_index() * rest_pitch(scene.sh_degree),
-                    view_direction(job.constants, scene.means[id]));
+      set_colour(shapes[at], colours[at],
+                 colour_of(scene.sh_degree, scene.sh0[id], rest + lane_index() * rest_pitch(scene.sh_degree),
+                           view_direction(job.constants, scene.means[id])));
     __syncwarp();  // before the coefficients are overwritten
   }
 }
 }  // namespace kernels
 
 void start_colours(Cuda& cuda, const ProjectJob& job, const FrameCounts* counts,
-                   const std::uint32_t* gaussians, SplatColour* colours) {
+                   const std::uint32_t* gaussians, SplatShape* shapes, SplatColour* colours) {
   int device = 0, multiprocessors = 0;
   check_cuda(cudaGetDevice(&device), "cudaGetDevice");
   check_cuda(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device),
              "cudaDeviceGetAttribute");
   const unsigned blocks = std::min(blocks_for(job.scene.size(), kernels::shade_threads),
                                    unsigned(multiprocessors * kernels::shade_blocks));
-  launch("shade", kernels::shade, blocks, kernels::shade_threads, cuda.fork(), job, counts, gaussians,
+  launch("shade", kernels::shade, blocks, kernels::shade_threads, cuda.fork(), job, counts, gaussians, shapes,
          colours);
 }
 

@@ -16,7 +16,8 @@ inline dvec3 cross(dvec3 a, dvec3 b) {
 }
 }  // namespace detail
 
-/// Pinhole camera, OpenCV axes (x right, y down, z forward): p_camera = rotation p_world + translation.
+/// Pinhole camera, OpenCV axes (x right, y down, z forward): p_camera = rotation p_world + translation. A
+/// rotation of determinant -1 is a mirror: what it shows is the image of the mirrored world.
 /// Pixel (column i, row j) is sampled at (i + 0.5, j + 0.5); the principal point may lie anywhere.
 struct Camera {
   dmat3 rotation{1.0};        ///< world to camera; GLM stores it by columns: rotation[column][row]
@@ -41,6 +42,10 @@ struct Camera {
 /// Largest image side @units{pixels}.
 inline constexpr int max_image_side = 1 << 16;
 
+/// Focal lengths that can be rendered with, and the largest distance of the principal point from the image's
+/// corner: what is beyond leaves the range of float. @units{pixels}
+inline constexpr double min_focal_length = 1e-6, max_focal_length = 1e12, max_principal_point = 1e9;
+
 /// Throws `std::invalid_argument` naming the first member that no image can be rendered with.
 inline void validate(const Camera& camera) {
   const auto require = [](bool holds, const char* expected) {
@@ -48,9 +53,10 @@ inline void validate(const Camera& camera) {
   };
   require(camera.width > 0 && camera.height > 0, "a width and a height above 0");
   require(camera.width <= max_image_side && camera.height <= max_image_side, "at most 65536 pixels a side");
-  require(std::isfinite(camera.fx) && std::isfinite(camera.fy) && camera.fx > 0 && camera.fy > 0,
-          "finite focal lengths above 0");
-  require(std::isfinite(camera.cx) && std::isfinite(camera.cy), "a finite principal point");
+  const auto focal = [](double f) { return f >= min_focal_length && f <= max_focal_length; };
+  require(focal(camera.fx) && focal(camera.fy), "focal lengths of 1e-6 to 1e12 pixels");
+  require(std::abs(camera.cx) <= max_principal_point && std::abs(camera.cy) <= max_principal_point,
+          "a principal point at most 1e9 pixels from the corner");
   for (int i = 0; i < 3; ++i) {
     require(std::isfinite(camera.translation[i]), "a finite translation");
     for (int j = 0; j < 3; ++j) {

@@ -12,11 +12,12 @@ namespace swiftgs {
 /// A scene as host backends hold it: shared, never copied.
 class HostScene {
  public:
-  /// Throws `std::invalid_argument` as `validate` does.
+  /// Throws `std::invalid_argument` as `validate` and `validate_numbers` do.
   explicit HostScene(Scene scene) : HostScene(std::make_shared<const Scene>(std::move(scene))) {}
   explicit HostScene(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {
     if (!scene_) throw std::invalid_argument("upload: expected a scene");
     view_ = swiftgs::view(*scene_);
+    validate_numbers(*scene_);
   }
 
   SceneView view() const { return view_; }

@@ -33,29 +33,50 @@ struct ProjectedShape {
 /// Rows of J W R S: how a Gaussian's own unit sphere maps to the image. @units{pixels}
 struct ImageAxes {
   vec3 x, y;
+  vec3 cross;  ///< x cross y, up to the sign of its elements @units{pixels^2}
+};
+
+/// Columns of the rotation matrix of `q` as it is given, unit or not.
+struct LocalAxes {
+  vec3 column[3];
+
+  SWIFTGS_HD explicit LocalAxes(Quaternion q)
+      : column{
+            vec3(1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + q.w * q.z), 2 * (q.x * q.z - q.w * q.y)),
+            vec3(2 * (q.x * q.y - q.w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z + q.w * q.x)),
+            vec3(2 * (q.x * q.z + q.w * q.y), 2 * (q.y * q.z - q.w * q.x),
+                 1 - 2 * (q.x * q.x + q.y * q.y))} {}
 };
 
 /// Axes of a Gaussian at camera-space direction (tx, ty, 1) and depth z, by the linearised projection
 /// (Zwicker et al. 2001, EWA splatting, equation 29).
+///
+/// Far off the axis the two rows are nearly parallel, and their cross product would cancel. It is made of
+/// cofactors instead: for rows W0, W1, W2 of the camera's rotation
+///   (W0 - tx W2) cross (W1 - ty W2) = C2 + tx C0 + ty C1,   C the cofactors of W,
+/// and the cofactors of the matrix of a quaternion (w, v) are that matrix + 4 (|q|^2 - 1) v v^T.
 SWIFTGS_HD inline ImageAxes image_axes(const ViewConstants& v, float tx, float ty, float z, vec3 scale,
                                        Quaternion q) {
   const float jx = float(v.fx) / z, jy = float(v.fy) / z;
-  vec3 row_x, row_y;
+  vec3 row_x, row_y, normal;
   for (int k = 0; k < 3; ++k) {
     const float forward = float(v.rotation[2][k]);
     row_x[k] = jx * (float(v.rotation[0][k]) - tx * forward);
     row_y[k] = jy * (float(v.rotation[1][k]) - ty * forward);
+    normal[k] = v.cofactors[2][k] + (tx * v.cofactors[0][k] + ty * v.cofactors[1][k]);
   }
-  const vec3 axis[3] = {scale.x * vec3(1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + q.w * q.z),
-                                       2 * (q.x * q.z - q.w * q.y)),
-                        scale.y * vec3(2 * (q.x * q.y - q.w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z),
-                                       2 * (q.y * q.z + q.w * q.x)),
-                        scale.z * vec3(2 * (q.x * q.z + q.w * q.y), 2 * (q.y * q.z - q.w * q.x),
-                                       1 - 2 * (q.x * q.x + q.y * q.y))};
+  const float excess = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1;
+  const vec3 turn(q.x, q.y, q.z);
+  const float along = 4 * excess * (turn.x * normal.x + turn.y * normal.y + turn.z * normal.z);
+
+  const LocalAxes axes(q);
   ImageAxes image;
   for (int k = 0; k < 3; ++k) {
-    image.x[k] = row_x.x * axis[k].x + row_x.y * axis[k].y + row_x.z * axis[k].z;
-    image.y[k] = row_y.x * axis[k].x + row_y.y * axis[k].y + row_y.z * axis[k].z;
+    const vec3 axis = axes.column[k];
+    image.x[k] = scale[k] * (row_x.x * axis.x + row_x.y * axis.y + row_x.z * axis.z);
+    image.y[k] = scale[k] * (row_y.x * axis.x + row_y.y * axis.y + row_y.z * axis.z);
+    const float across = axis.x * normal.x + axis.y * normal.y + axis.z * normal.z + along * turn[k];
+    image.cross[k] = (jx * scale[(k + 1) % 3]) * (jy * scale[(k + 2) % 3]) * across;
   }
   return image;
 }
@@ -65,7 +86,7 @@ SWIFTGS_HD inline ImageAxes image_axes(const ViewConstants& v, float tx, float t
 SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gaussian& g) {
   ProjectedShape out;
   float opacity = g.opacity;
-  if (!(opacity >= v.alpha_min)) return out;
+  if (!(opacity >= v.alpha_min && opacity < INFINITY)) return out;
 
   // Move to camera space in double, so that distant worlds and long focal lengths keep their pixels.
   const vec3 mean = g.mean;
@@ -84,18 +105,18 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gau
   const ImageAxes m = image_axes(v, tx, ty, z, g.scale, g.rotation);
 
   // Factor the blurred covariance. Its determinant is |m.x cross m.y|^2 + blur (trace + blur), a sum of
-  // squares (Lagrange's identity), which the textbook xx yy - xy^2 loses for needles.
+  // squares (Lagrange's identity); the textbook xx yy - xy^2 loses all digits of a needle's.
   const float xx = m.x.x * m.x.x + m.x.y * m.x.y + m.x.z * m.x.z;
   const float yy = m.y.x * m.y.x + m.y.y * m.y.y + m.y.z * m.y.z;
   const float xy = m.x.x * m.y.x + m.x.y * m.y.y + m.x.z * m.y.z;
-  const vec3 cross(m.x.y * m.y.z - m.x.z * m.y.y, m.x.z * m.y.x - m.x.x * m.y.z,
-                   m.x.x * m.y.y - m.x.y * m.y.x);
   const float var_y = yy + v.blur;
   const float inv_sigma_y = 1 / std::sqrt(var_y);
-  const vec3 c = cross * inv_sigma_y;
+  const vec3 c = m.cross * inv_sigma_y;
   const float sharp = c.x * c.x + c.y * c.y + c.z * c.z;  // determinant without blur / var_y
   const float var_x_given_y = sharp + v.blur * ((xx + yy + v.blur) * inv_sigma_y * inv_sigma_y);
-  if (!(var_x_given_y > 0 && var_y > 0 && xx + v.blur < INFINITY && var_x_given_y < INFINITY)) return out;
+  if (!(var_x_given_y > 0 && var_y > 0 && xx + v.blur <= largest_variance && var_y <= largest_variance &&
+        var_x_given_y < INFINITY))
+    return out;
 
   if (v.antialiased) {
     const float ratio = sharp / var_x_given_y;
@@ -121,13 +142,16 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gau
   return out;
 }
 
-/// Unit direction from the camera towards `mean`.
+/// Unit direction from the camera towards `mean`. The largest component is scaled to 1 first, so that no
+/// square leaves the range of float.
 SWIFTGS_HD inline vec3 view_direction(const ViewConstants& v, vec3 mean) {
-  const vec3 d(float(mean.x - v.centre[0]), float(mean.y - v.centre[1]), float(mean.z - v.centre[2]));
+  vec3 d(float(mean.x - v.centre[0]), float(mean.y - v.centre[1]), float(mean.z - v.centre[2]));
+  const float largest = std::fmax(std::fmax(std::fabs(d.x), std::fabs(d.y)), std::fabs(d.z));
+  for (int k = 0; k < 3; ++k) d[k] /= largest;
   return d * (1 / std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z));
 }
 
-/// Colour of Gaussian `i` in this view.
+/// Colour of Gaussian `i` in this view, before it is cut below at 0.
 SWIFTGS_HD inline vec3 project_colour(const ViewConstants& v, const SceneView& scene, std::size_t i) {
   return sh_colour(scene, i, view_direction(v, scene.means[i]));
 }

@@ -53,8 +53,10 @@ struct CompactSplats {
 
   SWIFTGS_HD void operator()(std::size_t i) const {
     if (!projected[i].visible) return;
-    shapes[slots[i]] = projected[i].shape;
-    colours[slots[i]] = {project_colour(constants, scene, i), projected[i].depth};
+    SplatShape shape = projected[i].shape;
+    SplatColour colour{vec3(0), projected[i].depth};
+    set_colour(shape, colour, project_colour(constants, scene, i));
+    shapes[slots[i]] = shape, colours[slots[i]] = colour;
   }
 };
 

@@ -123,14 +123,16 @@ inline void render_rows(ReferenceFrame& frame, Counts& counts, const std::vector
 /// Renders `scene` in double precision on `threads` threads (0: one a processor); the result does not depend
 /// on how many. All stored SH bands are evaluated. Gaussians that are not finite are left out.
 /// `occluder`: @shape{height, width} as `FrameView::occluder`; empty for none.
-/// Throws `std::invalid_argument` when `scene`, `camera` or the size of `occluder` is not valid or `threads`
-/// is negative.
+/// Throws `std::invalid_argument` when `scene`, `camera` or the size of `occluder` is not valid, `background`
+/// is not finite or `threads` is negative.
 inline ReferenceFrame render_reference(const Scene& scene, const Camera& camera,
                                        const Conventions& conventions, dvec3 background = dvec3(0),
                                        int threads = 0, Span<const float> occluder = {}) {
   using namespace reference;
   validate(scene);
   validate(camera);
+  if (!std::isfinite(background.x + background.y + background.z))
+    throw std::invalid_argument("render_reference: expected a finite background");
   threads = thread_count(threads);
   const SplatChunks chunks = project_all(scene, View(camera, conventions), threads);
   const std::vector<std::vector<const Splat*>> bands = sort_into_bands(chunks, camera.height);

@@ -30,6 +30,15 @@ struct RenderSettings {
   bool count = false;  ///< fill the raster part of `Statistics`, which costs some time
 };
 
+/// Throws `std::invalid_argument` where nothing can be rendered with `settings`.
+inline void validate(const RenderSettings& settings) {
+  validate(settings.conventions);
+  for (int c = 0; c < 3; ++c)
+    if (detail::is_not_finite(settings.background[c]))
+      throw std::invalid_argument("render: the background is " + std::to_string(settings.background[c]) +
+                                  " in channel " + std::to_string(c) + ", expected finite numbers");
+}
+
 /// Policy `R` rasterizes on backend `B`, by its own kernel or by an overload that the backend offers.
 template <class R, class B>
 concept RastersOn = BackendPolicy<B> && requires(B& b, R raster, const RasterJob& job) {
@@ -63,7 +72,7 @@ class Renderer {
   /// that nothing can be rendered with, `CapacityError`, and `DeviceError` on a device.
   void render_into(const SceneView& scene, const Camera& camera, const RenderSettings& settings,
                    const FrameView& frame) {
-    check_arguments(scene, camera, frame);
+    check_arguments(scene, camera, settings, frame);
     counted_ = false;
     const TileGrid grid = TileGrid::covering(frame.width, frame.height);
     TileCounts* counts = nullptr;
@@ -167,8 +176,10 @@ class Renderer {
   const TileLists<B>& lists() const { return lists_; }
 
  private:
-  static void check_arguments(const SceneView& scene, const Camera& camera, const FrameView& frame) {
+  static void check_arguments(const SceneView& scene, const Camera& camera, const RenderSettings& settings,
+                              const FrameView& frame) {
     validate(camera);
+    validate(settings);
     const auto require = [](bool holds, const char* expected) {
       if (!holds) throw std::invalid_argument(std::string("render: expected ") + expected);
     };

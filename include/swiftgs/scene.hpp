@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -32,7 +33,8 @@ struct Scene {
   std::size_t size() const { return means.size(); }
 };
 
-/// Constant arrays of one scene wherever a backend keeps them; what a frame is rendered from.
+/// Constant arrays of one scene wherever a backend keeps them; what a frame is rendered from. A Gaussian with
+/// a number that is NaN or infinite is not drawn.
 /// `sh_degree` may be lower than what is stored: bands above it are never loaded.
 struct SceneView {
   Span<const vec3> means;
@@ -63,6 +65,46 @@ inline void validate(const Scene& scene) {
   expect("opacities", scene.opacities.size(), scene.size());
   expect("sh0", scene.sh0.size(), scene.size());
   expect("sh_rest", scene.sh_rest.size(), scene.size() * 3 * sh_rest_count(scene.sh_degree));
+}
+
+namespace detail {
+/// Whether a float is NaN or infinite, by its bits: no compiler flag turns that off.
+inline bool is_not_finite(float value) {
+  return (__builtin_bit_cast(std::uint32_t, value) & 0x7f800000u) == 0x7f800000u;
+}
+
+/// Throws `std::invalid_argument` at the first of `count` floats that is not finite. Gaussian i has the
+/// `width` floats from `width` i on.
+inline void require_finite(const char* array, const float* values, std::size_t count, std::size_t width) {
+  constexpr std::size_t block = 1 << 14;
+  for (std::size_t begin = 0; begin < count; begin += block) {
+    const std::size_t end = count - begin < block ? count : begin + block;
+    bool found = false;
+    for (std::size_t i = begin; i < end; ++i) found |= is_not_finite(values[i]);
+    for (std::size_t i = begin; found && i < end; ++i)
+      if (is_not_finite(values[i]))
+        throw std::invalid_argument("scene: " + std::string(array) + " of Gaussian " +
+                                    std::to_string(i / width) + " is " + std::to_string(values[i]) +
+                                    ", expected finite numbers");
+  }
+}
+}  // namespace detail
+
+/// Throws `std::invalid_argument` naming the first Gaussian with a number that is NaN or infinite. Reads
+/// every array once; `scene` is valid.
+inline void validate_numbers(const Scene& scene) {
+  const auto require = [&](const char* array, const auto& values) {
+    if (values.empty()) return;
+    const std::size_t floats = values.size() * sizeof(values[0]) / sizeof(float);
+    detail::require_finite(array, reinterpret_cast<const float*>(values.data()), floats,
+                           floats / scene.size());
+  };
+  require("means", scene.means);
+  require("scales", scene.scales);
+  require("rotations", scene.rotations);
+  require("opacities", scene.opacities);
+  require("sh0", scene.sh0);
+  require("sh_rest", scene.sh_rest);
 }
 
 /// The highest band with a coefficient other than zero: what is above it need not be read to render the

@@ -48,26 +48,18 @@ SWIFTGS_HD inline void sh_basis(int degree, vec3 d, float* basis) {
   basis[14] = sh::c36 * x * (xx - 3 * yy);
 }
 
-/// A channel of a colour cut below at 0, where what is not a number goes too, and above where floats end: an
-/// infinite one would make 0 * colour a NaN in pixels that the Gaussian does not reach.
-SWIFTGS_HD inline float cut_channel(float value) {
-  const float most = 3.4028234663852886e38f;
-  return value > 0 ? (value < most ? value : most) : 0.0f;
-}
-
-/// Colour seen in the unit direction `d`: 0.5 + sum of bands, cut below at 0. `rest` holds the coefficients
-/// of bands 1 to `degree`, RGB innermost.
+/// Colour seen in the unit direction `d`, before it is cut below at 0: 0.5 + sum of bands. `rest` holds the
+/// coefficients of bands 1 to `degree`, RGB innermost.
 SWIFTGS_HD inline vec3 sh_colour(int degree, vec3 sh0, const float* rest, vec3 d) {
   float basis[sh_rest_count(max_sh_degree)];
   sh_basis(degree, d, basis);
   vec3 colour = vec3(0.5f) + sh::c0 * sh0;
   for (int k = 0; k < sh_rest_count(degree); ++k)
     colour += basis[k] * vec3(rest[3 * k], rest[3 * k + 1], rest[3 * k + 2]);
-  for (int c = 0; c < 3; ++c) colour[c] = cut_channel(colour[c]);
   return colour;
 }
 
-/// Colour of Gaussian `i` seen in the unit direction `d`.
+/// Colour of Gaussian `i` seen in the unit direction `d`, before it is cut below at 0.
 SWIFTGS_HD inline vec3 sh_colour(const SceneView& scene, std::size_t i, vec3 d) {
   return sh_colour(scene.sh_degree, scene.sh0[i], scene.sh_rest.data + i * std::size_t(scene.sh_stride), d);
 }

@@ -21,7 +21,7 @@ struct alignas(32) SplatShape {
   float l0 = 0;          ///< > 0 @units{1/pixels}
   float l1 = 0;          ///< @units{1/pixels}
   float l2 = 0;          ///< > 0 @units{1/pixels}
-  float opacity = 0;     ///< after anti-aliasing compensation
+  float opacity = 0;     ///< after anti-aliasing compensation; 0 where the splat shows nothing
   float reach = 0;       ///< largest s that is kept; 0 or more for a visible splat
   float half_width = 0;  ///< half the width of the ellipse s = reach @units{pixels}
 };
@@ -31,6 +31,24 @@ struct alignas(16) SplatColour {
   vec3 rgb{0};      ///< linear, 0 or more
   float depth = 0;  ///< camera-space z, > 0
 };
+
+/// Largest variance of a splat, blur included: a Gaussian with a larger one is not drawn. Up to here no
+/// product of projection leaves the range of float. @units{pixels^2}
+inline constexpr float largest_variance = 1e36f;
+
+/// Stores the colour of a splat, cut below at 0. A Gaussian whose colour is not finite is not drawn: its
+/// opacity becomes 0, which every rasterizer skips.
+SWIFTGS_HD inline void set_colour(SplatShape& shape, SplatColour& colour, vec3 rgb) {
+  const float most = 3.4028234663852886e38f;
+  bool finite = true;
+  for (int c = 0; c < 3; ++c) {
+    finite = finite && rgb[c] >= -most && rgb[c] <= most;
+    colour.rgb[c] = rgb[c] > 0 ? rgb[c] : 0.0f;
+  }
+  if (finite) return;
+  shape.opacity = 0;
+  colour.rgb = vec3(0);
+}
 
 /// Visible splats in the order of their Gaussians; `shapes` and `colours` have one element a splat.
 struct SplatsView {

@@ -14,6 +14,7 @@ namespace swiftgs {
 /// The pose stays in double: rounding it to float moves splats by more than all later arithmetic does.
 struct ViewConstants {
   double rotation[3][3];       ///< rows: world to camera
+  float cofactors[3][3];       ///< of the rotation as it is given, by rows; computed in double
   double centre[3];            ///< camera centre in the world
   double fx, fy, cx, cy;       ///< @units{pixels}
   float width, height;         ///< @units{pixels}
@@ -35,6 +36,12 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
   for (int row = 0; row < 3; ++row) {
     v.centre[row] = centre[row];
     for (int column = 0; column < 3; ++column) v.rotation[row][column] = camera.rotation[column][row];
+  }
+  for (int row = 0; row < 3; ++row) {
+    const double* a = v.rotation[(row + 1) % 3];
+    const double* b = v.rotation[(row + 2) % 3];
+    const dvec3 cofactors = detail::cross(dvec3(a[0], a[1], a[2]), dvec3(b[0], b[1], b[2]));
+    for (int column = 0; column < 3; ++column) v.cofactors[row][column] = float(cofactors[column]);
   }
   v.fx = camera.fx, v.fy = camera.fy, v.cx = camera.cx, v.cy = camera.cy;
   v.width = float(camera.width), v.height = float(camera.height);

@@ -240,5 +240,5 @@ TEST_CASE("cuda embedding: what nothing can be rendered with is refused and the 
   CHECK(refusal([](auto& a) { a.scene.sh_degree = 4; }) == "render: expected an SH degree of 0 to 3");
   CHECK(refusal([](auto& a) { a.settings.conventions.blur = -1; }) ==
         "conventions: expected a blur of 0 or more");
-  CHECK(refusal([](auto& a) { a.camera.fx = 0; }) == "camera: expected finite focal lengths above 0");
+  CHECK(refusal([](auto& a) { a.camera.fx = 0; }) == "camera: expected focal lengths of 1e-6 to 1e12 pixels");
 }

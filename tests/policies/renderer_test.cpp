@@ -129,7 +129,7 @@ TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
   CHECK(refusal([](Arguments& a) { a.camera.width = a.frame.width = -100, a.settings.count = true; }) ==
         "camera: expected a width and a height above 0");
   CHECK(refusal([](Arguments& a) { a.camera.fx = std::nan(""); }) ==
-        "camera: expected finite focal lengths above 0");
+        "camera: expected focal lengths of 1e-6 to 1e12 pixels");
   CHECK(refusal([](Arguments& a) { a.scene.opacities.size = 9; }) ==
         "render: expected arrays of one length in the scene");
   CHECK(refusal([](Arguments& a) { a.scene.sh_degree = 4; }) == "render: expected an SH degree of 0 to 3");

@@ -33,8 +33,8 @@ inline std::array<double, 16> sh_basis(const Eigen::Vector3d& d) {
           -0.5900435899266435 * x * (xx - 3 * yy)};
 }
 
-/// Colour of Gaussian `i` seen along the unit vector `direction`, from the camera towards the Gaussian:
-/// all stored bands, + 0.5, clamped below at 0.
+/// Colour of Gaussian `i` seen along the unit vector `direction`, from the camera towards the Gaussian,
+/// before it is cut below at 0: all stored bands, + 0.5.
 inline Eigen::Vector3d colour(const Scene& scene, std::size_t i, const Eigen::Vector3d& direction) {
   const std::array<double, 16> basis = sh_basis(direction);
   const vec3& dc = scene.sh0[i];
@@ -43,7 +43,7 @@ inline Eigen::Vector3d colour(const Scene& scene, std::size_t i, const Eigen::Ve
   for (std::size_t k = 0; k < count; ++k)
     sum +=
         basis[k + 1] * Eigen::Map<const Eigen::Vector3f>(&scene.sh_rest[3 * (i * count + k)]).cast<double>();
-  return (sum.array() + 0.5).max(0.0);
+  return sum.array() + 0.5;
 }
 
 }  // namespace swiftgs::reference

@@ -15,6 +15,7 @@
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/reference/colour.hpp>
 #include <swiftgs/scene.hpp>
+#include <swiftgs/splats.hpp>
 
 namespace swiftgs::reference {
 
@@ -134,11 +135,16 @@ inline std::optional<Splat> project(const Scene& scene, std::size_t i, const Vie
   const vec3& m = scene.means[i];
   const Eigen::Vector3d mean(m.x, m.y, m.z);
   const Eigen::Vector3d p = view.rotation * mean + view.translation;
-  const double z = p.z(), nearest = k.near_plane;
-  if (!(k.cull_at_near ? z > nearest : z >= nearest) || !(z <= double(k.far_plane))) return {};
+  const double z = p.z();
+  // Depth is a float, to the planes as to the order.
+  const float depth = float(z);
+  if (!(k.cull_at_near ? depth > k.near_plane : depth >= k.near_plane) || !(depth <= k.far_plane) ||
+      !std::isfinite(depth))
+    return {};
 
   const Covariance cov = project_covariance(scene, i, p, view);
   if (!(cov.det > 0) || !std::isfinite(cov.det)) return {};
+  if (!(cov.xx <= double(largest_variance) && cov.yy <= double(largest_variance))) return {};
 
   Splat splat;
   splat.opacity = scene.opacities[i];
@@ -162,8 +168,10 @@ inline std::optional<Splat> project(const Scene& scene, std::size_t i, const Vie
   if (k.footprint == Conventions::Footprint::three_sigma_square) cut_to_three_sigma_square(splat, cov);
   if (splat.x_begin >= splat.x_end || splat.y_begin >= splat.y_end) return {};
 
-  splat.colour = colour(scene, i, (mean - view.centre).normalized());
-  if (!splat.colour.allFinite()) return {};
+  const Eigen::Vector3d sum_of_bands = colour(scene, i, (mean - view.centre).stableNormalized());
+  if (!(sum_of_bands.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= double(std::numeric_limits<float>::max())))
+    return {};
+  splat.colour = sum_of_bands.cwiseMax(0.0);
   return splat;
 }
 

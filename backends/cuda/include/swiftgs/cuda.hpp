@@ -197,7 +197,7 @@ struct Splats<Cuda> {
 /// Starts to evaluate the colours of splats beside whatever is asked for until `finish_colours`. How many
 /// there are is read where the device keeps it. @shape{gaussians, colours: splats}
 void start_colours(Cuda& cuda, const ProjectJob& job, const FrameCounts* counts,
-                   const std::uint32_t* gaussians, SplatColour* colours);
+                   const std::uint32_t* gaussians, SplatShape* shapes, SplatColour* colours);
 
 /// One kernel: projects, compacts in the order of the Gaussians and finds tiles. Waits for the counts of
 /// visible splats and of instances, the only thing that the host waits for in a frame. Colours, but for their

@@ -112,7 +112,7 @@ void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScr
          sums);
   scratch.counts.end();
   FrameCounts* const counted = counters + sums.epoch % 2;
-  start_colours(cuda, job, counted, scratch.gaussians.data(), splats.colours.data());
+  start_colours(cuda, job, counted, scratch.gaussians.data(), splats.shapes.data(), splats.colours.data());
   const FrameCounts counts = cuda.read(counted);
   splats.count = std::size_t(counts.visible);
   splats.instances = counts.instances;
