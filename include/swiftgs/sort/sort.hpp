@@ -69,29 +69,39 @@ struct CountTiles {
 };
 
 /// Writes one (key, id) pair for each tile that splat `order[i]` may touch, from `offsets[i]` on.
+///
+/// Code that counts and code that emits may round differently, where a compiler is free to. Emission
+/// therefore fills exactly what was counted: it ends there, and gives what is left to the tile after the
+/// last, where the rasterizer finds that the splat shows nothing.
 template <class Bounds, class Key>
 struct EmitInstances {
   SplatsView splats;
   const std::uint32_t* order;
   TileGrid grid;
   Bounds bounds;
-  const std::uint32_t* offsets;
+  Span<const std::uint32_t> offsets;
+  std::size_t total;
   Key* keys;
   std::uint32_t* ids;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
     const std::uint32_t id = order ? order[i] : std::uint32_t(i);
     const SplatShape& shape = splats.shapes[id];
-    const TileRect rect = bounds.rect(shape, grid);
-    if (rect.columns.size() == 0) return;
     std::size_t at = offsets[i];
-    for (int row = rect.rows.begin; row < rect.rows.end; ++row) {
+    const std::size_t end = i + 1 < offsets.size ? offsets[i + 1] : total;
+    if (at == end) return;
+    std::uint32_t next = 0;
+    const auto emit = [&](std::uint32_t tile) {
+      keys[at] = key(tile, id), ids[at] = id;
+      ++at, next = tile + 1;
+    };
+    const TileRect rect = bounds.rect(shape, grid);
+    for (int row = rect.rows.begin; row < rect.rows.end && rect.columns.size() != 0; ++row) {
       const TileRun run = bounds.row(shape, rect, row);
-      for (int column = run.begin; column < run.end; ++column, ++at) {
-        keys[at] = key(std::uint32_t(row * grid.columns + column), id);
-        ids[at] = id;
-      }
+      for (int column = run.begin; column < run.end && at < end; ++column)
+        emit(std::uint32_t(row * grid.columns + column));
     }
+    while (at < end) emit(next < grid.size() ? next : 0);
   }
 
  private:
@@ -120,7 +130,7 @@ struct FindRanges {
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t here = tile(k);
       if (here == before) continue;
-      // Bounds that were counted and emitted unlike may leave tiles that there are not.
+      // If counting and emission disagree, keys may name tiles outside the grid.
       if (before < ranges.size) ranges[before].end = std::uint32_t(k);
       if (here < ranges.size) ranges[here].begin = std::uint32_t(k);
       before = here;
@@ -165,8 +175,14 @@ std::size_t emit_instances(B& b, const SortJob& job, const Bounds& bounds, const
   const std::uint64_t total = b.exclusive_scan(Span{offsets.data(), splats});
   check_instances(total);
   instances.reset(std::size_t(total));
-  b.for_each(splats, EmitInstances<Bounds, Key>{job.splats, order, job.grid, bounds, offsets.data(),
-                                                instances.keys.data(), instances.values.data()});
+  b.for_each(splats, EmitInstances<Bounds, Key>{job.splats,
+                                                order,
+                                                job.grid,
+                                                bounds,
+                                                {offsets.data(), splats},
+                                                std::size_t(total),
+                                                instances.keys.data(),
+                                                instances.values.data()});
   return std::size_t(total);
 }
 
