@@ -27,21 +27,22 @@ struct FlatEllipses {
    public:
     /// `first_centre` is the centre of the tile's first pixel @units{pixels}.
     SWIFTGS_HD Kernel(const SplatShape& shape, vec2 first_centre, BlendRules rules)
-        : shape_(shape), first_x_(first_centre.x), alpha_max_(rules.alpha_max) {}
+        : terms_(shape, first_centre),
+          height_(shape.opacity < rules.alpha_max ? shape.opacity : rules.alpha_max),
+          first_x_(first_centre.x) {}
 
     /// Called once a row, with the height of its centres; `alpha` follows for the columns of that row.
-    SWIFTGS_HD void start_row(float y) { row_ = FloatCholesky::y_term(shape_, y); }
+    SWIFTGS_HD void start_row(float y) { row_ = terms_.y_term(y); }
 
     /// What the splat covers of a pixel, from 0, which skips it, to `alpha_max`.
     SWIFTGS_HD float alpha(int column) const {
-      const float s = FloatCholesky::exponent(FloatCholesky::x_term(shape_, first_x_ + float(column)), row_);
-      if (s > one_sigma) return 0;
-      return shape_.opacity < alpha_max_ ? shape_.opacity : alpha_max_;
+      const float s = FloatCholesky::exponent(terms_.x_term(first_x_ + float(column)), row_);
+      return s > one_sigma ? 0.0f : height_;
     }
 
    private:
-    SplatShape shape_;
-    float first_x_, alpha_max_;
+    FloatCholesky terms_;
+    float height_, first_x_;
     FloatCholesky::Y row_{};
   };
 };

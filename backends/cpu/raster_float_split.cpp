@@ -13,17 +13,39 @@
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 
-/// Terms as they are computed.
-struct FloatStorage {
+/// `swiftgs::FloatSplit`: measured from the tile's centre, terms as they are computed, s at least 0.
+struct FloatSplitTerms {
   using Cell = float;
-  static HWY_INLINE void Store(Vec v, Cell* HWY_RESTRICT to) { hn::Store(v, F32(), to); }
   static HWY_INLINE Vec Row(const Cell* HWY_RESTRICT terms) { return hn::Load(F32(), terms); }
   static HWY_INLINE Vec All(const Cell& term) { return hn::Set(F32(), term); }
+  static HWY_INLINE Vec Joined(Vec s) { return hn::IfThenZeroElse(hn::Lt(s, hn::Zero(F32())), s); }
+  static HWY_INLINE Mask Valid(Vec s) { return hn::Ge(s, hn::Zero(F32())); }
+
+  template <class Terms>
+  static HWY_INLINE void Prepare(const SplatShape& shape, vec2 first_centre, Terms& HWY_RESTRICT t) {
+    const F32 d;
+    constexpr float half_side = 0.5f * float(tile_side - 1);
+    const float from_x = first_centre.x + half_side - shape.mean.x;
+    const float from_y = first_centre.y + half_side - shape.mean.y;
+    const float u = shape.l0 * from_x + shape.l1 * from_y, v = shape.l2 * from_y;
+    const Vec a = hn::Set(d, shape.l0 * shape.l0), b = hn::Set(d, 2 * shape.l0 * shape.l1);
+    const Vec c = hn::Set(d, shape.l1 * shape.l1 + shape.l2 * shape.l2);
+    const Vec linear_x = hn::Set(d, 2 * shape.l0 * u),
+              linear_y = hn::Set(d, 2 * (shape.l1 * u + shape.l2 * v));
+    const Vec constant = hn::Set(d, u * u + v * v);
+    for (std::size_t i = 0; i < tile_side; i += lanes) {
+      const Vec from_centre = hn::Iota(d, float(i) - half_side);
+      hn::Store(hn::Mul(hn::MulAdd(a, from_centre, linear_x), from_centre), d, t.x_square + i);
+      hn::Store(hn::Mul(b, from_centre), d, t.x_mixed + i);
+      hn::Store(hn::MulAdd(hn::MulAdd(c, from_centre, linear_y), from_centre, constant), d, t.y_square + i);
+      hn::Store(from_centre, d, t.y_offset + i);
+    }
+  }
 };
 
 void FloatSplitTiles(const RasterJob& job, bool threshold, std::size_t begin, std::size_t end) {
-  threshold ? RenderTilesOf<SplitForm<FloatStorage, true>>(job, begin, end)
-            : RenderTilesOf<SplitForm<FloatStorage, false>>(job, begin, end);
+  threshold ? RenderTilesOf<SplitForm<FloatSplitTerms, true>>(job, begin, end)
+            : RenderTilesOf<SplitForm<FloatSplitTerms, false>>(job, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

@@ -14,25 +14,44 @@
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 
-/// Terms as IEEE half; one that is too large is infinite.
-struct HalfStorage {
+/// `swiftgs::HalfSplit`: measured from the mean, terms as IEEE half; one that is too large is infinite.
+struct HalfSplitTerms {
   using Cell = hwy::float16_t;
-
-  /// Rounds to the nearest half, as `to_half` does.
-  static HWY_INLINE void Store(Vec v, Cell* HWY_RESTRICT to) {
-    hn::Store(hn::BitCast(F16(), ToHalf(v)), F16(), to);
-  }
   static HWY_INLINE Vec Row(const Cell* HWY_RESTRICT terms) {
     return hn::PromoteTo(F32(), hn::Load(F16(), terms));
   }
   static HWY_INLINE Vec All(const Cell& term) {
     return hn::PromoteTo(F32(), hn::BitCast(F16(), hn::Set(U16(), term.bits)));
   }
+  static HWY_INLINE Vec Joined(Vec s) { return s; }
+  static HWY_INLINE Mask Valid(Vec s) { return hn::Ge(s, hn::Zero(F32())); }
+
+  template <class Terms>
+  static HWY_INLINE void Prepare(const SplatShape& shape, vec2 first_centre, Terms& HWY_RESTRICT t) {
+    const F32 d;
+    const Vec a = hn::Set(d, shape.l0 * shape.l0), b = hn::Set(d, 2 * shape.l0 * shape.l1);
+    const Vec c = hn::Set(d, shape.l1 * shape.l1 + shape.l2 * shape.l2);
+    const float first_dx = first_centre.x - shape.mean.x, first_dy = first_centre.y - shape.mean.y;
+    for (std::size_t i = 0; i < tile_side; i += lanes) {
+      const Vec dx = hn::Add(hn::Set(d, first_dx), hn::Iota(d, float(i)));
+      const Vec dy = hn::Add(hn::Set(d, first_dy), hn::Iota(d, float(i)));
+      Store(hn::Mul(hn::Mul(a, dx), dx), t.x_square + i);
+      Store(hn::Mul(b, dx), t.x_mixed + i);
+      Store(hn::Mul(hn::Mul(c, dy), dy), t.y_square + i);
+      Store(dy, t.y_offset + i);
+    }
+  }
+
+ private:
+  /// Rounds to the nearest half, as `to_half` does.
+  static HWY_INLINE void Store(Vec v, Cell* HWY_RESTRICT to) {
+    hn::Store(hn::BitCast(F16(), ToHalf(v)), F16(), to);
+  }
 };
 
 void HalfSplitTiles(const RasterJob& job, bool threshold, std::size_t begin, std::size_t end) {
-  threshold ? RenderTilesOf<SplitForm<HalfStorage, true>>(job, begin, end)
-            : RenderTilesOf<SplitForm<HalfStorage, false>>(job, begin, end);
+  threshold ? RenderTilesOf<SplitForm<HalfSplitTerms, true>>(job, begin, end)
+            : RenderTilesOf<SplitForm<HalfSplitTerms, false>>(job, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

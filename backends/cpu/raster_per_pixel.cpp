@@ -13,19 +13,18 @@
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 
-/// Each pixel evaluates its whole exponent and exponential.
+/// Each pixel evaluates its whole exponent, from the factor as it is stored, and exponential.
 class PerPixelForm {
  public:
   explicit PerPixelForm(const BlendRules& rules) : alpha_min_(rules.alpha_min) {}
 
   HWY_INLINE std::uint32_t Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                                    float log2_alpha_min) {
-    const float ln_2 = 0.69314718055994530942f;
     splats_[k] = {shape.mean.x - first_centre.x,
                   shape.mean.y - first_centre.y,
-                  2 * ln_2 * shape.l0 * shape.l0,
-                  2 * ln_2 * shape.l0 * shape.l1,
-                  2 * ln_2 * (shape.l1 * shape.l1 + shape.l2 * shape.l2),
+                  shape.l0,
+                  shape.l1,
+                  shape.l2,
                   shape.opacity};
     CholeskyTerms rows;
     return PrepareRows(shape, first_centre, log2_alpha_min, rows);
@@ -36,20 +35,17 @@ class PerPixelForm {
     const Splat& HWY_RESTRICT splat = splats_[k];
     const Vec dx = hn::Sub(hn::Iota(d, float(column)), hn::Set(d, splat.mean_x));
     const Vec dy = hn::Sub(hn::Set(d, float(row)), hn::Set(d, splat.mean_y));
-    const Vec along_x = hn::Mul(hn::Mul(hn::Set(d, splat.a), dx), dx);
-    const Vec squares = hn::MulAdd(hn::Mul(hn::Set(d, splat.c), dy), dy, along_x);
-    const Vec mixed = hn::Mul(hn::Mul(hn::Set(d, splat.b), dx), dy);
-    const Vec sigma = hn::MulAdd(hn::Set(d, 0.5f), squares, mixed);
-    const Vec exponent = hn::Mul(sigma, hn::Set(d, float(-log2_e)));
+    const Vec u = hn::MulAdd(hn::Set(d, splat.l0), dx, hn::Mul(hn::Set(d, splat.l1), dy));
+    const Vec v = hn::Mul(hn::Set(d, splat.l2), dy);
+    const Vec exponent = hn::Neg(hn::MulAdd(u, u, hn::Mul(v, v)));
     alpha = hn::Mul(hn::Set(d, splat.opacity), Exp2(d, hn::Max(exponent, hn::Set(d, least_exponent))));
-    kept = hn::And(hn::Ge(sigma, hn::Zero(d)), hn::Ge(alpha, hn::Set(d, alpha_min_)));
+    kept = hn::Ge(alpha, hn::Set(d, alpha_min_));
   }
 
  private:
   struct Splat {
     float mean_x, mean_y;  ///< from the tile's first pixel centre
-    float a, b, c;         ///< conic: sigma = (a dx^2 + c dy^2) / 2 + b dx dy
-    float opacity;
+    float l0, l1, l2, opacity;
   };
   float alpha_min_;
   Splat splats_[batch_size];

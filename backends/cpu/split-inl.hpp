@@ -15,29 +15,18 @@
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 
-/// s = x_square[x] + y_square[y] + x_mixed[x] y_offset[y], the four kept as `Storage` keeps them. Where the
-/// sum is not a number, no comparison holds and the pixel skips the splat.
-template <class Storage, bool kThreshold>
+/// s = x_square[x] + y_square[y] + x_mixed[x] y_offset[y], the four computed and kept as `Split` has it.
+/// Where the sum is not a number, no comparison holds and the pixel skips the splat.
+template <class Split, bool kThreshold>
 class SplitForm {
  public:
   explicit SplitForm(const BlendRules& rules) : alpha_min_(rules.alpha_min) {}
 
   HWY_INLINE std::uint32_t Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                                    float log2_alpha_min) {
-    const F32 d;
     Terms& HWY_RESTRICT t = terms_[k];
     t.opacity = shape.opacity, t.log2_opacity = shape.reach + log2_alpha_min, t.reach = shape.reach;
-    const Vec a = hn::Set(d, shape.l0 * shape.l0), b = hn::Set(d, 2 * shape.l0 * shape.l1);
-    const Vec c = hn::Set(d, shape.l1 * shape.l1 + shape.l2 * shape.l2);
-    const float first_dx = first_centre.x - shape.mean.x, first_dy = first_centre.y - shape.mean.y;
-    for (std::size_t i = 0; i < tile_side; i += lanes) {
-      const Vec dx = hn::Add(hn::Set(d, first_dx), hn::Iota(d, float(i)));
-      const Vec dy = hn::Add(hn::Set(d, first_dy), hn::Iota(d, float(i)));
-      Storage::Store(hn::Mul(hn::Mul(a, dx), dx), t.x_square + i);
-      Storage::Store(hn::Mul(b, dx), t.x_mixed + i);
-      Storage::Store(hn::Mul(hn::Mul(c, dy), dy), t.y_square + i);
-      Storage::Store(dy, t.y_offset + i);
-    }
+    Split::Prepare(shape, first_centre, t);
     CholeskyTerms rows;
     return PrepareRows(shape, first_centre, log2_alpha_min, rows);
   }
@@ -45,21 +34,22 @@ class SplitForm {
   HWY_INLINE void Alpha(std::size_t k, std::size_t row, std::size_t column, Mask& kept, Vec& alpha) const {
     const F32 d;
     const Terms& HWY_RESTRICT t = terms_[k];
-    const Vec squares = hn::Add(Storage::Row(t.x_square + column), Storage::All(t.y_square[row]));
-    const Vec s = hn::MulAdd(Storage::Row(t.x_mixed + column), Storage::All(t.y_offset[row]), squares);
-    const Mask positive = hn::Ge(s, hn::Zero(d));
+    const Vec squares = hn::Add(Split::Row(t.x_square + column), Split::All(t.y_square[row]));
+    const Vec sum = hn::MulAdd(Split::Row(t.x_mixed + column), Split::All(t.y_offset[row]), squares);
+    const Vec s = Split::Joined(sum);
+    const Mask valid = Split::Valid(s);
     if constexpr (kThreshold) {
-      kept = hn::And(positive, hn::Le(s, hn::Set(d, t.reach)));
+      kept = hn::And(valid, hn::Le(s, hn::Set(d, t.reach)));
       // As an exponent, opacity needs no product: where s is beyond the reach, that could be denormal.
       alpha = Exp2(d, hn::Sub(hn::Set(d, t.log2_opacity), s));
     } else {
       alpha = hn::Mul(hn::Set(d, t.opacity), Exp2(d, hn::Max(hn::Neg(s), hn::Set(d, least_exponent))));
-      kept = hn::And(positive, hn::Ge(alpha, hn::Set(d, alpha_min_)));
+      kept = hn::And(valid, hn::Ge(alpha, hn::Set(d, alpha_min_)));
     }
   }
 
  private:
-  using Cell = typename Storage::Cell;
+  using Cell = typename Split::Cell;
   struct alignas(64) Terms {
     Cell x_square[tile_side], x_mixed[tile_side], y_square[tile_side], y_offset[tile_side];
     float opacity, log2_opacity, reach;

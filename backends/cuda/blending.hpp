@@ -32,13 +32,13 @@ struct RasterLimits {
 /// (SwiftGS, section 5.2) the exponent decides, before the exponential. A lane that skips cannot leave its
 /// warp: its exponential is that of minus infinity, and nothing after it asks again.
 template <bool threshold>
-SWIFTGS_HD float alpha_of(float exponent, bool valid, const RasterLimits& limits) {
+SWIFTGS_HD float alpha_of(float exponent, const RasterLimits& limits) {
   if constexpr (threshold) {
-    const bool kept = valid && exponent >= limits.log2_alpha_min;
+    const bool kept = exponent >= limits.log2_alpha_min;
     return fminf(exp2_approx(kept ? exponent : -INFINITY), limits.alpha_max);
   } else {
     const float alpha = exp2_approx(exponent);
-    return valid && alpha >= limits.alpha_min ? fminf(alpha, limits.alpha_max) : 0.0f;
+    return alpha >= limits.alpha_min ? fminf(alpha, limits.alpha_max) : 0.0f;
   }
 }
 

@@ -13,8 +13,7 @@ namespace kernels {
 
 /// Terms of the splats that a warp looks at together, as its part of the tile sees them.
 struct WarpTerms {
-  float4 terms[warp_size];
-  float2 offsets[warp_size];
+  CholeskyForm::Terms terms[warp_size];
 };
 
 /// Sum over all lanes of values below 2^48.
@@ -58,7 +57,7 @@ __global__ void __launch_bounds__(raster_threads)
       touched = box_touched(shape, first_centre, float(part_side));
       if (touched)
         CholeskyForm::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min,
-                              mine.terms[lane_index()], mine.offsets[lane_index()]);
+                              mine.terms[lane_index()]);
     }
     unsigned waiting = __ballot_sync(whole_warp, touched);
     __syncwarp();
@@ -68,13 +67,11 @@ __global__ void __launch_bounds__(raster_threads)
     for (; waiting != 0; waiting &= waiting - 1) {
       const unsigned owner = unsigned(__ffs(int(waiting))) - 1;
       float exponents[pixels_of_lane];
-      bool valid[pixels_of_lane];
-      CholeskyForm::evaluate(mine.terms[owner], mine.offsets[owner], float(column), float(row), exponents,
-                             valid);
+      CholeskyForm::evaluate(mine.terms[owner], float(column), float(row), exponents);
       std::uint64_t parts = 0;
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p)
-        parts += weight_parts(weigh(pixels[p], alpha_of<true>(exponents[p], valid[p], limits)));
+        parts += weight_parts(weigh(pixels[p], alpha_of<true>(exponents[p], limits)));
       if (!__any_sync(whole_warp, parts != 0)) continue;
       const std::uint64_t of_part = wide_warp_sum(parts);
       if (lane_index() == owner) sum = of_part;

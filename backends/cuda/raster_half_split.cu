@@ -31,14 +31,15 @@ __device__ inline void compute_term(HalfBatch& batch, unsigned buffer, unsigned 
                                     vec2 first_centre) {
   const unsigned splat = threadIdx.x / tile_side % mini_batch, position = threadIdx.x % tile_side;
   const SplatShape& s = batch.shapes.data()[first + splat];
+  const detail::MeanSplit terms(s);
   if (threadIdx.x < mini_batch * tile_side) {
-    const FloatSplit::X term = FloatSplit::x_term(s, first_centre.x + float(position));
-    batch.x[buffer][splat][position] = __floats2half2_rn(term.square, term.mixed);
+    const vec2 term = terms.x_term(first_centre.x + float(position));
+    batch.x[buffer][splat][position] = __floats2half2_rn(term.x, term.y);
   } else {
     const float y = first_centre.y + float(position);
-    const FloatSplit::Y term = FloatSplit::y_term(s, y);
+    const vec2 term = terms.y_term(y);
     const bool touched = first + splat < count && row_touched(s, first_centre.x, y);
-    batch.y[buffer][splat][position] = __floats2half2_rn(touched ? term.square : INFINITY, term.offset);
+    batch.y[buffer][splat][position] = __floats2half2_rn(touched ? term.x : INFINITY, term.y);
   }
 }
 
@@ -75,7 +76,7 @@ __global__ void __launch_bounds__(block_threads) raster_half_split(const __grid_
       for (unsigned k = 0; k < mini_batch; ++k) {
         const float2 x = __half22float2(batch.x[buffer][k][column]),
                      y = __half22float2(batch.y[buffer][k][row]);
-        const float s = FloatSplit::exponent({x.x, x.y}, {y.x, y.y});
+        const float s = x.x + y.x + x.y * y.y;
         const float2 reach = batch.reaches[first + k];
         const float alpha = alpha_of_square<threshold>(s, reach.x, reach.y, job.rules);
         if (alpha > 0) mine.blend(alpha, batch.colours[first + k]);

@@ -11,9 +11,9 @@ namespace swiftgs {
 namespace kernels {
 
 /// Splats as every pixel of a tile reads them.
-struct ConicBatch {
+struct FactorBatch {
   float2 means[block_threads];
-  float4 conics[block_threads];   ///< of `ConicForm`, with opacity 0 where the tile is not touched
+  float4 factors[block_threads];  ///< of `FactorForm`, with opacity 0 where the tile is not touched
   float4 colours[block_threads];  ///< RGB, depth
 };
 
@@ -21,7 +21,7 @@ struct ConicBatch {
 /// it.
 template <bool extras>
 __global__ void __launch_bounds__(block_threads) raster_per_pixel(const __grid_constant__ RasterJob job) {
-  __shared__ ConicBatch batch;
+  __shared__ FactorBatch batch;
   TilePixel<extras> mine(job);
   const TileRange range = job.lists.ranges[blockIdx.x];
   const float x = float(mine.place.x) + 0.5f, y = float(mine.place.y) + 0.5f;
@@ -33,17 +33,17 @@ __global__ void __launch_bounds__(block_threads) raster_per_pixel(const __grid_c
       const std::uint32_t id = job.lists.ids[at + threadIdx.x];
       const SplatShape s = load_shape(job, id);
       batch.means[threadIdx.x] = make_float2(s.mean.x, s.mean.y);
-      float4 conic = ConicForm::prepare(s);
-      if (!box_touched(s, mine.first_centre(), tile_side)) conic.w = 0;
-      batch.conics[threadIdx.x] = conic;
+      float4 factor = FactorForm::prepare(s);
+      if (!box_touched(s, mine.first_centre(), tile_side)) factor.w = 0;
+      batch.factors[threadIdx.x] = factor;
       batch.colours[threadIdx.x] = load_colour(job, id);
     }
     __syncthreads();
     for (std::uint32_t k = 0; k < count && mine.pixel.live(); ++k) {
       const float2 mean = batch.means[k];
-      const float4 conic = batch.conics[k];
+      const float4 factor = batch.factors[k];
       const float dx = x - mean.x, dy = y - mean.y;
-      mine.blend(ConicForm::alpha(conic, dx, dy, job.rules), batch.colours[k]);
+      mine.blend(FactorForm::alpha(factor, dx, dy, job.rules), batch.colours[k]);
     }
   }
   mine.store(min(at, range.end) - range.begin);

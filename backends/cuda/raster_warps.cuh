@@ -26,9 +26,9 @@ inline constexpr unsigned raster_threads = parts_of_tile * warp_size;
 inline constexpr unsigned queue_half = 32, queue_size = 2 * queue_half;
 
 /// Terms and colours of splats, as their part sees them.
+template <class Form>
 struct Queue {
-  float4 terms[queue_size];    ///< of a form, with log2(opacity) in w
-  float2 offsets[queue_size];  ///< of a form
+  typename Form::Terms terms[queue_size];
   float4 colours[queue_size];  ///< RGB, depth
 };
 
@@ -43,17 +43,15 @@ struct Part {
   ThreadCounts counts;
 
   /// Alphas of the lane's pixels for the splat at `at`.
-  __device__ void evaluate(const Queue& queue, unsigned at, float (&alphas)[pixels_of_lane]) const {
+  __device__ void evaluate(const Queue<Form>& queue, unsigned at, float (&alphas)[pixels_of_lane]) const {
     float exponents[pixels_of_lane];
-    bool valid[pixels_of_lane];
-    Form::evaluate(queue.terms[at], queue.offsets[at], x, y, exponents, valid);
+    Form::evaluate(queue.terms[at], x, y, exponents);
 #pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p)
-      alphas[p] = alpha_of<threshold>(exponents[p], valid[p], limits);
+    for (unsigned p = 0; p < pixels_of_lane; ++p) alphas[p] = alpha_of<threshold>(exponents[p], limits);
   }
 
   /// Blends `group_size` splats from `first` on.
-  __device__ void blend_group(const Queue& queue, unsigned first) {
+  __device__ void blend_group(const Queue<Form>& queue, unsigned first) {
     float alphas[pixels_of_lane][group_size], weights[pixels_of_lane][group_size];
 #pragma unroll
     for (unsigned k = 0; k < group_size; ++k) {
@@ -75,7 +73,7 @@ struct Part {
   }
 
   /// Blends `count` splats from `first` on; room after them is there to be overwritten.
-  __device__ void blend_queued(Queue& queue, unsigned first, unsigned count) {
+  __device__ void blend_queued(Queue<Form>& queue, unsigned first, unsigned count) {
     __pipeline_commit();
     __pipeline_wait_prior(0);
     __syncwarp();
@@ -91,8 +89,7 @@ struct Part {
       // Fill the last group up with splats that show nothing.
       if (lane_index() < (group_size - count % group_size) % group_size) {
         const unsigned at = first + count + lane_index();
-        queue.terms[at] = make_float4(0, 0, 0, -INFINITY);
-        queue.offsets[at] = make_float2(0, 0);
+        Form::clear(queue.terms[at]);
         queue.colours[at] = make_float4(0, 0, 0, 0);
       }
       __syncwarp();
@@ -113,9 +110,9 @@ struct Part {
 template <class Form, bool threshold, bool extras>
 __global__ void __launch_bounds__(raster_threads)
     raster_warps(const __grid_constant__ RasterJob job, const __grid_constant__ RasterLimits limits) {
-  __shared__ Queue queues[parts_of_tile];
+  __shared__ Queue<Form> queues[parts_of_tile];
   const unsigned warp = threadIdx.x / warp_size;
-  Queue& queue = queues[warp];
+  Queue<Form>& queue = queues[warp];
   const std::uint32_t tile = blockIdx.x;
   const int part_x = int(tile % unsigned(job.grid.columns)) * tile_side + int(warp % 2 * part_side);
   const int part_y = int(tile / unsigned(job.grid.columns)) * tile_side + int(warp / 2 * part_side);
@@ -161,8 +158,7 @@ __global__ void __launch_bounds__(raster_threads)
         const unsigned slot =
             (begun * queue_half + waiting + unsigned(__popc(lanes & lanes_below()))) % queue_size;
         __pipeline_memcpy_async(&queue.colours[slot], job.splats.colours.data + id, sizeof(float4));
-        Form::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min, queue.terms[slot],
-                      queue.offsets[slot]);
+        Form::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min, queue.terms[slot]);
       }
       waiting += unsigned(__popc(lanes));
 

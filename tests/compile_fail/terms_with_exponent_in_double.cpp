@@ -4,6 +4,7 @@
 
 struct DoubleTerms : swiftgs::FloatCholesky {
   static constexpr std::string_view name = "double-terms";
+  using FloatCholesky::FloatCholesky;
 #ifdef SWIFTGS_EXPECT_COMPILE
   using Exponent = float;
 #else

@@ -37,23 +37,19 @@ float below(float x) { return std::nextafter(x, -infinity); }
 
 TEST_CASE("cuda arithmetic: alpha is kept from its least on and cut at its largest") {
   const RasterLimits limits(rules);
-  CHECK(alpha_of<false>(-8, true, limits) == rules.alpha_min);
-  CHECK(alpha_of<true>(-8, true, limits) == rules.alpha_min);
-  CHECK(alpha_of<false>(-8.00001f, true, limits) == 0);
-  CHECK(alpha_of<true>(below(-8), true, limits) == 0);
-  CHECK(alpha_of<false>(-1, true, limits) == 0.5f);
-  CHECK(alpha_of<true>(-1, true, limits) == 0.5f);
+  CHECK(alpha_of<false>(-8, limits) == rules.alpha_min);
+  CHECK(alpha_of<true>(-8, limits) == rules.alpha_min);
+  CHECK(alpha_of<false>(-8.00001f, limits) == 0);
+  CHECK(alpha_of<true>(below(-8), limits) == 0);
+  CHECK(alpha_of<false>(-1, limits) == 0.5f);
+  CHECK(alpha_of<true>(-1, limits) == 0.5f);
   for (const float large : {-0.4f, 0.0f, 3.0f, infinity}) {
-    CHECK(alpha_of<false>(large, true, limits) == rules.alpha_max);
-    CHECK(alpha_of<true>(large, true, limits) == rules.alpha_max);
+    CHECK(alpha_of<false>(large, limits) == rules.alpha_max);
+    CHECK(alpha_of<true>(large, limits) == rules.alpha_max);
   }
   for (const float nothing : {-infinity, -1000.0f, not_a_number}) {
-    CHECK(alpha_of<false>(nothing, true, limits) == 0);
-    CHECK(alpha_of<true>(nothing, true, limits) == 0);
-  }
-  for (const float refused : {-8.0f, -1.0f, 0.0f, not_a_number}) {
-    CHECK(alpha_of<false>(refused, false, limits) == 0);
-    CHECK(alpha_of<true>(refused, false, limits) == 0);
+    CHECK(alpha_of<false>(nothing, limits) == 0);
+    CHECK(alpha_of<true>(nothing, limits) == 0);
   }
 }
 
@@ -81,14 +77,14 @@ TEST_CASE("cuda arithmetic: alpha of a square is kept up to the reach and cut at
 
 TEST_CASE("cuda arithmetic: splats that fill a group up show nothing") {
   const RasterLimits limits(rules);
-  const float4 terms = make_float4(0, 0, 0, -INFINITY);
   const auto check = [&]<class Form>(Form) {
+    typename Form::Terms terms;
+    Form::clear(terms);
     float exponents[pixels_of_lane];
-    bool valid[pixels_of_lane];
-    Form::evaluate(terms, make_float2(0, 0), 7, 3, exponents, valid);
+    Form::evaluate(terms, 7, 3, exponents);
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
-      CHECK(alpha_of<false>(exponents[p], valid[p], limits) == 0);
-      CHECK(alpha_of<true>(exponents[p], valid[p], limits) == 0);
+      CHECK(alpha_of<false>(exponents[p], limits) == 0);
+      CHECK(alpha_of<true>(exponents[p], limits) == 0);
     }
   };
   check(CholeskyForm());

@@ -15,15 +15,16 @@ namespace detail {
 template <TermsPolicy Terms>
 class SharedTerms {
  public:
-  SWIFTGS_HD SharedTerms(const SplatShape& shape, vec2 first_centre) : shape_(shape) {
+  SWIFTGS_HD SharedTerms(const SplatShape& shape, vec2 first_centre)
+      : terms_(shape, first_centre + 0.5f * float(tile_side - 1)) {
     for (int column = 0; column < tile_side; ++column)
-      x_[column] = Terms::x_term(shape, first_centre.x + float(column));
+      x_[column] = terms_.x_term(first_centre.x + float(column));
   }
-  SWIFTGS_HD void start_row(float y) { y_ = Terms::y_term(shape_, y); }
+  SWIFTGS_HD void start_row(float y) { y_ = terms_.y_term(y); }
   SWIFTGS_HD float exponent(int column) const { return Terms::exponent(x_[column], y_); }
 
  private:
-  const SplatShape& shape_;
+  Terms terms_;
   typename Terms::X x_[tile_side];
   typename Terms::Y y_{};
 };

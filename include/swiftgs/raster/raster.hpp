@@ -80,7 +80,7 @@ SWIFTGS_HD inline bool row_touched(const SplatShape& shape, float first_x, float
   const float left = shape.l0 * (first_x - shape.mean.x) + q;
   const float right = shape.l0 * (first_x + float(tile_side - 1) - shape.mean.x) + q;
   const float nearest = left > 0 ? left : right < 0 ? right : 0.0f;
-  return nearest * nearest + v * v <= shape.reach;
+  return nearest * nearest + v * v <= shape.reach && shape.opacity > 0;
 }
 
 /// Blends one tile, pixel by pixel, on a host: the plain form of what every rasterizer computes.
@@ -119,7 +119,9 @@ struct RasterizeTile {
           if (stopped[row][column]) continue;
           const float alpha = kernel.alpha(column);
           if (alpha == 0) continue;
-          const float next = pixel.transmittance * (1 - alpha);
+          // Not T (1 - alpha): 1 - alpha rounds the same way for every splat of an opacity, and a thousand
+          // layers add it up.
+          const float next = pixel.transmittance - alpha * pixel.transmittance;
           if (next < job.rules.stop_below || occluded(x0 + column, y0 + row, colour.depth)) {
             stopped[row][column] = true;
             --live_in_row[row], --live, ++counts.pixels_stopped;

@@ -9,40 +9,81 @@
 
 namespace swiftgs {
 
-/// Form and precision of the terms that axis-shared rasterization computes once a column and once a row.
-/// `exponent` joins the two to s, base 2; where it is negative or not a number the pixel skips the splat.
+/// Form and precision of the terms that axis-shared rasterization computes once a column and once a row. An
+/// object holds what the terms of one splat need in one tile, given the tile's centre; `x_term` and `y_term`
+/// take the place of a column and of a row @units{pixels}. `exponent` joins two terms to s, base 2; where it
+/// is negative or not a number the pixel skips the splat.
 template <class T>
-concept TermsPolicy = requires(const SplatShape& shape, float at, typename T::X x, typename T::Y y) {
+concept TermsPolicy = requires(const T& terms, const SplatShape& shape, vec2 centre, float at,
+                               typename T::X x, typename T::Y y) {
   { T::name } -> std::convertible_to<std::string_view>;
-  { T::x_term(shape, at) } -> std::same_as<typename T::X>;
-  { T::y_term(shape, at) } -> std::same_as<typename T::Y>;
+  T(shape, centre);
+  { terms.x_term(at) } -> std::same_as<typename T::X>;
+  { terms.y_term(at) } -> std::same_as<typename T::Y>;
   { T::exponent(x, y) } -> std::same_as<float>;
 };
 
-/// s = (a dx^2) + (c dy^2) + (b dx) dy: the paper's split. The three terms cancel where a splat is long and
-/// oblique.
+/// The paper's split in float: s = (a x^2 + d x) + (c y^2 + e y + g) + (b x) y, with x and y measured from
+/// the tile's centre, so that a distant mean costs no digits.
+///
+/// The three parts may still cancel. Where rounding makes s negative it is 0. With u = l0 dx + l1 dy and v =
+/// l2 dy at a pixel, the error of s is at most 2^-18 ((|u| + 16 l0 + 16 |l1|)^2 + (|v| + 16 l2)^2).
 struct FloatSplit {
   static constexpr std::string_view name = "float-split";
   struct X {
-    float square, mixed;  ///< a dx^2, b dx
+    float square, mixed;  ///< a x^2 + d x, b x
   };
   struct Y {
-    float square, offset;  ///< c dy^2, dy
+    float square, offset;  ///< c y^2 + e y + g, y
   };
-  SWIFTGS_HD static X x_term(const SplatShape& s, float x) {
-    const float dx = x - s.mean.x;
-    return {s.l0 * s.l0 * dx * dx, 2 * s.l0 * s.l1 * dx};
+
+  SWIFTGS_HD FloatSplit(const SplatShape& s, vec2 centre) : centre_(centre) {
+    const vec2 from_mean = centre - s.mean;
+    const float u = s.l0 * from_mean.x + s.l1 * from_mean.y, v = s.l2 * from_mean.y;
+    a_ = s.l0 * s.l0, b_ = 2 * s.l0 * s.l1, c_ = s.l1 * s.l1 + s.l2 * s.l2;
+    d_ = 2 * s.l0 * u, e_ = 2 * (s.l1 * u + s.l2 * v), g_ = u * u + v * v;
   }
-  SWIFTGS_HD static Y y_term(const SplatShape& s, float y) {
-    const float dy = y - s.mean.y;
-    return {(s.l1 * s.l1 + s.l2 * s.l2) * dy * dy, dy};
+  SWIFTGS_HD X x_term(float at) const {
+    const float x = at - centre_.x;
+    return {(a_ * x + d_) * x, b_ * x};
   }
-  SWIFTGS_HD static float exponent(X x, Y y) { return x.square + y.square + x.mixed * y.offset; }
+  SWIFTGS_HD Y y_term(float at) const {
+    const float y = at - centre_.y;
+    return {(c_ * y + e_) * y + g_, y};
+  }
+  SWIFTGS_HD static float exponent(X x, Y y) {
+    const float s = x.square + y.square + x.mixed * y.offset;
+    return s < 0 ? 0 : s;
+  }
+
+ private:
+  vec2 centre_;
+  float a_, b_, c_, d_, e_, g_;
 };
 
-/// The same split stored as IEEE half (SwiftGS, section 5.1). Offsets are measured from the splat's mean,
-/// which may lie far outside the tile, so rounding costs accuracy where splats are large, and beyond 65,504 a
-/// term is infinite.
+namespace detail {
+/// The terms of the paper's split before they are rounded to half.
+struct MeanSplit {
+  vec2 mean;
+  float a, b, c;  ///< s = a dx^2 + b dx dy + c dy^2
+
+  SWIFTGS_HD explicit MeanSplit(const SplatShape& s)
+      : mean(s.mean), a(s.l0 * s.l0), b(2 * s.l0 * s.l1), c(s.l1 * s.l1 + s.l2 * s.l2) {}
+  SWIFTGS_HD vec2 x_term(float at) const {
+    const float dx = at - mean.x;
+    return {a * dx * dx, b * dx};
+  }
+  SWIFTGS_HD vec2 y_term(float at) const {
+    const float dy = at - mean.y;
+    return {c * dy * dy, dy};
+  }
+};
+}  // namespace detail
+
+/// The paper's split as the paper stores it (SwiftGS, section 5.1): a dx^2, c dy^2, b dx and dy in IEEE half,
+/// measured from the splat's mean, which may lie far outside the tile. Rounding costs accuracy on every splat
+/// that is large, and beyond 65,504 a term is infinite; where two infinite terms cancel, the sum is not a
+/// number and the pixel skips the splat.
 struct HalfSplit {
   static constexpr std::string_view name = "half-split";
   struct X {
@@ -51,18 +92,22 @@ struct HalfSplit {
   struct Y {
     Half square, offset;
   };
-  SWIFTGS_HD static X x_term(const SplatShape& s, float x) {
-    const FloatSplit::X t = FloatSplit::x_term(s, x);
-    return {to_half(t.square), to_half(t.mixed)};
+
+  SWIFTGS_HD HalfSplit(const SplatShape& s, vec2) : terms_(s) {}
+  SWIFTGS_HD X x_term(float at) const {
+    const vec2 term = terms_.x_term(at);
+    return {to_half(term.x), to_half(term.y)};
   }
-  SWIFTGS_HD static Y y_term(const SplatShape& s, float y) {
-    const FloatSplit::Y t = FloatSplit::y_term(s, y);
-    return {to_half(t.square), to_half(t.offset)};
+  SWIFTGS_HD Y y_term(float at) const {
+    const vec2 term = terms_.y_term(at);
+    return {to_half(term.x), to_half(term.y)};
   }
   SWIFTGS_HD static float exponent(X x, Y y) {
-    return FloatSplit::exponent({to_float(x.square), to_float(x.mixed)},
-                                {to_float(y.square), to_float(y.offset)});
+    return to_float(x.square) + to_float(y.square) + to_float(x.mixed) * to_float(y.offset);
   }
+
+ private:
+  detail::MeanSplit terms_;
 };
 
 /// s = (p[x] + q[y])^2 + r[y]: a sum of squares by the Cholesky factor, so nothing cancels and s is never
@@ -75,15 +120,21 @@ struct FloatCholesky {
   struct Y {
     float q, r;  ///< l1 dy, (l2 dy)^2
   };
-  SWIFTGS_HD static X x_term(const SplatShape& s, float x) { return {s.l0 * (x - s.mean.x)}; }
-  SWIFTGS_HD static Y y_term(const SplatShape& s, float y) {
-    const float dy = y - s.mean.y, v = s.l2 * dy;
-    return {s.l1 * dy, v * v};
+
+  SWIFTGS_HD FloatCholesky(const SplatShape& s, vec2) : mean_(s.mean), l0_(s.l0), l1_(s.l1), l2_(s.l2) {}
+  SWIFTGS_HD X x_term(float at) const { return {l0_ * (at - mean_.x)}; }
+  SWIFTGS_HD Y y_term(float at) const {
+    const float dy = at - mean_.y, v = l2_ * dy;
+    return {l1_ * dy, v * v};
   }
   SWIFTGS_HD static float exponent(X x, Y y) {
     const float u = x.p + y.q;
     return u * u + y.r;
   }
+
+ private:
+  vec2 mean_;
+  float l0_, l1_, l2_;
 };
 
 static_assert(TermsPolicy<HalfSplit> && TermsPolicy<FloatSplit> && TermsPolicy<FloatCholesky>);
