@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// An oracle for the reference: every Gaussian at every pixel, in long double, with no tiles, no bands and no
+/// bounds but the convention's. For each value it bounds what double arithmetic may differ by, and it marks
+/// the pixels in which such a difference could turn a decision.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <swiftgs/span.hpp>
+
+#include "reference/oracle_gaussian.hpp"
+
+namespace swiftgs::test {
+
+/// A value and what double may differ from it by.
+struct Bounded {
+  Real value = 0, error = 0;
+};
+
+struct OracleFrame {
+  std::vector<Bounded> colour, alpha, depth;  ///< as in `ReferenceFrame`
+  std::vector<bool> sure;                     ///< pixels in which no rounding turns a decision
+  std::size_t unsure = 0;                     ///< the other pixels
+  std::uint64_t visible = 0, contributing_pairs = 0, pixels_stopped = 0;
+};
+
+/// What a splat's alpha is at a pixel.
+inline Bounded alpha_at(const OracleSplat& s, int column, int row) {
+  const Real dx = Real(column) + 0.5L - s.x, dy = Real(row) + 0.5L - s.y;
+  const Real u = dx / s.l00, v = (dy - s.l10 * u) / s.l11;
+  const Real alpha = s.opacity * std::exp(-(u * u + v * v) / 2);
+
+  // The reference adds x_weight (dx - shear dy)^2 and y_weight dy^2.
+  const SplatDoubt& e = s.doubt;
+  const Real along = std::abs(dx - s.shear * dy), up = std::abs(dy);
+  const Real y_error = e.position_y + unit * up;
+  const Real x_error = e.position_x + unit * std::abs(dx) + std::abs(s.shear) * (y_error + 2 * unit * up) +
+                       e.shear * up + 2 * unit * along;
+  const Real twice =
+      s.x_weight * (x_error * (2 * along + x_error) + (e.x_weight + 4 * unit) * along * along) +
+      s.y_weight * (y_error * (2 * up + y_error) + (e.y_weight + 4 * unit) * up * up);
+  const Real relative = twice / 2 + e.opacity + 4 * unit;
+  return {alpha, alpha * (relative < 1e-4L ? 1.001L * relative : std::expm1(std::min(relative, Real(1e3))))};
+}
+
+/// Blends one pixel. `surely` becomes false where rounding could turn a decision.
+class OraclePixel {
+ public:
+  OraclePixel(const Conventions& conventions, float occluder) : k_(conventions), occluder_(occluder) {}
+
+  /// Offers the next splat; true when it contributed.
+  bool offer(const OracleSplat& s, int x, int y) {
+    if ((stopped && follows(s)) || !s.footprint.holds(x, y)) return false;
+    Bounded alpha = test::alpha_at(s, x, y);
+    if (alpha.value + alpha.error < k_.alpha_min) return false;
+    // From here on the splat might show, so every doubt about it counts.
+    surely = surely && std::abs(alpha.value - k_.alpha_min) > alpha.error && !s.doubt.drawn &&
+             s.doubt.surely.holds(x, y) && follows(s) &&
+             (s.doubt.nearest >= occluder_) == (s.doubt.furthest >= occluder_);
+    remember(s);
+    if (stopped || !s.drawn || alpha.value < k_.alpha_min) return false;
+    alpha.value = std::min(alpha.value, Real(k_.alpha_max));
+
+    const Bounded left{
+        light.value * (1 - alpha.value),
+        light.error * (1 - alpha.value) + (light.value + light.error) * alpha.error + 2 * unit * light.value};
+    surely = surely && std::abs(left.value - k_.stop) > left.error;
+    stopped = (k_.stop_at_equal ? left.value <= k_.stop : left.value < k_.stop) || s.depth >= occluder_;
+    if (stopped) return false;
+    add(s, {alpha.value * light.value, alpha.error * (light.value + light.error) + alpha.value * light.error +
+                                           2 * unit * alpha.value * light.value});
+    light = left;
+    return true;
+  }
+
+  Bounded colour[3], light{1, 0}, weight, depth;
+  bool stopped = false, surely = true;
+
+ private:
+  /// Whether no rounding moves `s` before a splat that was offered.
+  bool follows(const OracleSplat& s) const {
+    return s.doubt.nearest > furthest_ || (s.doubt.nearest == furthest_ && s.index > last_);
+  }
+  void remember(const OracleSplat& s) {
+    if (s.doubt.furthest > furthest_) furthest_ = s.doubt.furthest, last_ = s.index;
+    if (s.doubt.furthest == furthest_) last_ = std::max(last_, s.index);
+  }
+  void add(const OracleSplat& s, const Bounded& w) {
+    const auto accumulate = [&](Bounded& sum, Real value, Real error) {
+      sum.value += w.value * value;
+      sum.error += w.error * std::abs(value) + w.value * error + unit * std::abs(w.value * value);
+      sum.error += unit * std::abs(sum.value);
+    };
+    for (std::size_t c = 0; c < 3; ++c) accumulate(colour[c], s.colour[c], s.doubt.colour[c]);
+    accumulate(depth, s.z, s.doubt.z);
+    accumulate(weight, 1, 0);
+  }
+
+  const Conventions& k_;
+  Real occluder_;
+  float furthest_ = -1;
+  std::size_t last_ = 0;
+};
+
+/// What `pixel` shows over `background`.
+inline void store(OracleFrame& frame, const OraclePixel& pixel, dvec3 background) {
+  const Bounded& light = pixel.light;
+  for (int c = 0; c < 3; ++c) {
+    const Real value = pixel.colour[c].value + light.value * background[c];
+    frame.colour.push_back({value, pixel.colour[c].error + light.error * std::abs(background[c]) +
+                                       2 * unit * (std::abs(value) + std::abs(background[c]))});
+  }
+  frame.alpha.push_back({1 - light.value, light.error + unit});
+  const Bounded &sum = pixel.depth, &weight = pixel.weight;
+  const Real mean = weight.value > 0 ? sum.value / weight.value : 0;
+  frame.depth.push_back(
+      {mean, weight.value > 0 ? (sum.error + mean * weight.error) / weight.value + 2 * unit * mean : 0});
+  frame.sure.push_back(pixel.surely);
+  frame.unsure += !pixel.surely;
+  frame.pixels_stopped += pixel.stopped;
+}
+
+/// Renders `scene`. `occluder`: as of `render_reference`.
+inline OracleFrame render_oracle(const Scene& scene, const Camera& camera, const Conventions& conventions,
+                                 dvec3 background = dvec3(0), Span<const float> occluder = {}) {
+  std::vector<OracleSplat> splats;
+  for (std::size_t i = 0; i < scene.size(); ++i)
+    if (const auto splat = project_gaussian(scene, i, camera, conventions)) splats.push_back(*splat);
+  std::sort(splats.begin(), splats.end(), [](const OracleSplat& a, const OracleSplat& b) {
+    return a.depth != b.depth ? a.depth < b.depth : a.index < b.index;
+  });
+
+  OracleFrame frame;
+  std::vector<bool> seen(splats.size());
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const std::size_t i = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
+      OraclePixel pixel(conventions, occluder.size > 0 ? occluder[i] : INFINITY);
+      for (std::size_t n = 0; n < splats.size(); ++n)
+        if (pixel.offer(splats[n], x, y)) ++frame.contributing_pairs, seen[n] = true;
+      store(frame, pixel, background);
+    }
+  frame.visible = std::uint64_t(std::count(seen.begin(), seen.end(), true));
+  return frame;
+}
+
+}  // namespace swiftgs::test

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Comparison of the reference with the oracle, value by value.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/reference.hpp>
+
+#include "reference/oracle.hpp"
+#include "reference/oracle_scenes.hpp"
+
+namespace swiftgs::test {
+
+/// What is rendered by both, and what the result must be like.
+struct Case {
+  Scene scene;
+  Camera camera = oracle_camera();
+  Conventions conventions{};
+  dvec3 background{0.2, 0.7, -0.1};
+  std::vector<float> occluder{};
+  Real largest_bound = 1e-11L;  ///< of errors, in parts of the largest value
+  std::size_t unsure = 0;       ///< pixels that may be set aside
+  std::uint64_t visible = 20;   ///< at least
+};
+
+/// The worst of one kind of values over the pixels that are sure.
+struct Worst {
+  Real part_of_bound = 0, bound = 0, peak = 0;
+};
+inline Worst compare(const std::vector<double>& values, const std::vector<Bounded>& expected,
+                     const std::vector<bool>& sure) {
+  Worst worst;
+  const std::size_t channels = values.size() / sure.size();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    worst.peak = std::max(worst.peak, std::abs(expected[i].value));
+    if (!sure[i / channels]) continue;
+    const Real difference = std::abs(Real(values[i]) - expected[i].value);
+    const bool within = difference <= expected[i].error;  // not so where it is not a number
+    const Real part = expected[i].error > 0 ? difference / expected[i].error : (within ? 0 : INFINITY);
+    worst.part_of_bound = within ? std::max(worst.part_of_bound, part) : std::max(part, Real(2));
+    if (!within) return worst;
+    worst.bound = std::max(worst.bound, expected[i].error);
+  }
+  return worst;
+}
+
+inline void check(const Case& c) {
+  const Span<const float> occluder{c.occluder.data(), c.occluder.size()};
+  const OracleFrame expected = render_oracle(c.scene, c.camera, c.conventions, c.background, occluder);
+  const ReferenceFrame frame = render_reference(c.scene, c.camera, c.conventions, c.background, 1, occluder);
+  REQUIRE(frame.alpha.size() == expected.alpha.size());
+  for (const Worst& worst : {compare(frame.colour, expected.colour, expected.sure),
+                             compare(frame.alpha, expected.alpha, expected.sure),
+                             compare(frame.depth, expected.depth, expected.sure)}) {
+    CHECK(worst.part_of_bound <= 1);
+    CHECK(worst.bound <= c.largest_bound * std::max(Real(1), worst.peak));
+  }
+  CHECK(expected.visible >= c.visible);
+  CHECK(expected.unsure <= c.unsure);
+  if (expected.unsure > 0) return;
+  CHECK(frame.visible == expected.visible);
+  CHECK(frame.contributing_pairs == expected.contributing_pairs);
+  CHECK(frame.pixels_stopped == expected.pixels_stopped);
+}
+
+/// Checks the case under each preset, with and without antialiasing.
+inline void check_presets(Case c) {
+  for (const Conventions& preset : {Conventions::gsplat(), Conventions::inria()})
+    for (const bool antialiased : {false, true}) {
+      CAPTURE(preset.cull_at_near);
+      CAPTURE(antialiased);
+      c.conventions = preset, c.conventions.antialiased = antialiased;
+      check(c);
+    }
+}
+
+}  // namespace swiftgs::test

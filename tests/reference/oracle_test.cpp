@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+
+#include <doctest/doctest.h>
+
+#include "reference/gaussians.hpp"
+#include "reference/oracle_comparison.hpp"
+
+namespace swiftgs::test {
+namespace {
+
+Camera turned_camera() {
+  return look_at(dvec3(-1, 0.5, -2), dvec3(0.2, 0, 2), dvec3(0.1, -1, 0.2), 0.9, 53, 37);
+}
+
+TEST_CASE("reference: mixtures of Gaussians agree with the oracle under both presets") {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    Random random(seed);
+    Case c{.scene = mixture(random, 300)};
+    check_presets(c);
+    c.camera = turned_camera();
+    check_presets(c);
+  }
+}
+
+TEST_CASE("reference: harmonics of each degree and of large coefficients agree with the oracle") {
+  for (const int degree : {0, 1, 2, 3})
+    for (const double largest : {1.0, 1e4}) {
+      CAPTURE(degree);
+      Random random(std::uint64_t(10 + degree));
+      check_presets({.scene = mixture(random, 200, degree, largest), .camera = turned_camera()});
+    }
+}
+
+TEST_CASE("reference: needles and pancakes up to 1e8 times as long as thick agree with the oracle") {
+  for (const std::uint64_t seed : {20u, 21u}) {
+    Random random(seed);
+    check_presets({.scene = needles_and_pancakes(random, 250)});
+  }
+}
+
+TEST_CASE("reference: Gaussians far beside the image agree with the oracle") {
+  Random random(30);
+  check_presets({.scene = far_off_screen(random, 300)});
+}
+
+TEST_CASE("reference: depths at the planes and some floats off them agree with the oracle") {
+  for (const Conventions& preset : {Conventions::gsplat(), Conventions::inria()})
+    for (const double fraction : {0.0, 0.3, -0.3, 0.7, -0.7}) {
+      CAPTURE(preset.cull_at_near);
+      CAPTURE(fraction);
+      Random random(40);
+      Case c{.scene = at_planes(random, preset), .conventions = preset};
+      // Part of the distance between floats: only rounding tells on which side of the plane such depths are.
+      const float near = preset.near_plane;
+      c.camera.translation.z = fraction * (double(std::nextafter(near, 1.0f)) - double(near));
+      check(c);
+    }
+}
+
+TEST_CASE("reference: equal depths agree with the oracle") {
+  Random random(50);
+  check_presets({.scene = equal_depths(random, 300)});
+}
+
+TEST_CASE("reference: splats without blur agree with the oracle") {
+  Random random(60);
+  Case c{.scene = mixture(random, 300)};
+  c.conventions.blur = 0;
+  check(c);
+  c.scene = needles_and_pancakes(random, 250);
+  check(c);
+}
+
+TEST_CASE("reference: worlds up to 1e7 from the origin agree with the oracle") {
+  for (const double offset : {1e3, 1e5, 1e7}) {
+    CAPTURE(offset);
+    Random random(70);
+    Case c{.scene = mixture(random, 300, 2), .camera = turned_camera()};
+    move_world(c.scene, c.camera, dvec3(offset, -offset, 0.5 * offset));
+    // Camera space is a difference of numbers of 2.5 offsets. Four units of those at a depth of 0.1 are so
+    // much of a pixel, and depths may round to either of two floats.
+    c.largest_bound += 4 * unit * 2.5L * Real(offset) * Real(c.camera.fy) / 0.1L;
+    c.unsure = offset < 1e7 ? 0 : 100;
+    check_presets(c);
+  }
+}
+
+TEST_CASE("reference: pixels that blend hundreds of splats agree with the oracle") {
+  Random random(80);
+  check_presets({.scene = deep_stack(random, 1000)});
+}
+
+TEST_CASE("reference: mirrored cameras and rotations of five digits agree with the oracle") {
+  Random random(90);
+  Case c{.scene = mixture(random, 300, 3), .camera = turned_camera()};
+  mirror(c.camera);
+  check_presets(c);
+  keep_five_digits(c.scene), keep_five_digits(c.camera);
+  check_presets(c);
+}
+
+TEST_CASE("reference: a mirrored camera draws the mirror image") {
+  Random random(91);
+  const Scene scene = mixture(random, 200, 3);
+  Camera camera = turned_camera();
+  const ReferenceFrame frame = render_reference(scene, camera, Conventions::gsplat());
+  mirror(camera);
+  camera.cx = camera.width - camera.cx;
+  const ReferenceFrame mirrored = render_reference(scene, camera, Conventions::gsplat());
+  double worst = 0;
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x)
+      for (int c = 0; c < 3; ++c)
+        worst = std::max(
+            worst, std::abs(colour_at(frame, x, y, c) - colour_at(mirrored, camera.width - 1 - x, y, c)));
+  CHECK(frame.visible > 20);
+  CHECK(worst < 1e-12);
+}
+
+TEST_CASE("reference: pixels behind an occluder agree with the oracle") {
+  Random random(100);
+  Case c{.scene = equal_depths(random, 300)};
+  // Some occluders stand exactly at a splat's depth and some a float off.
+  for (int i = 0; i < c.camera.width * c.camera.height; ++i) {
+    const float z = 1.5f + 0.25f * float(i % 6);
+    c.occluder.push_back(i % 11 == 0 ? INFINITY : i % 3 == 0 ? std::nextafter(z, 9.0f) : z);
+  }
+  check_presets(c);
+  c.camera.translation.z = 0.3 * 0x1p-23;
+  check_presets(c);
+}
+
+TEST_CASE("reference: Gaussians with a number that is not finite agree with the oracle") {
+  for (const float bad : {NAN, INFINITY, -INFINITY}) {
+    Random random(110);
+    Case c{.scene = mixture(random, 240, 3)};
+    for (std::size_t i = 0; i < c.scene.size(); i += 2) {
+      if (i % 12 == 0) c.scene.means[i].x = bad;
+      if (i % 12 == 2) c.scene.scales[i].y = bad;
+      if (i % 12 == 4) c.scene.rotations[i].z = bad;
+      if (i % 12 == 6) c.scene.opacities[i] = bad;
+      if (i % 12 == 8) c.scene.sh0[i].y = bad;
+      if (i % 12 == 10) c.scene.sh_rest[45 * i + i % 45] = bad;
+    }
+    check_presets(c);
+  }
+}
+
+TEST_CASE("reference: splats of too large a variance agree with the oracle") {
+  Random random(120);
+  Case c{.scene = mixture(random, 200)};
+  for (std::size_t i = 0; i < c.scene.size(); ++i) {
+    c.scene.opacities[i] *= 0.1f;
+    c.scene.scales[i] = vec3(float(random.scale(1e12, 1e22)));
+    c.scene.means[i].z = std::abs(c.scene.means[i].z) + 0.5f;
+  }
+  check_presets(c);
+}
+
+TEST_CASE("reference: a background that is not finite is refused") {
+  const Scene scene = scene_of(Gaussian{});
+  for (const double bad : {double(NAN), double(INFINITY), -double(INFINITY)})
+    for (int channel = 0; channel < 3; ++channel) {
+      dvec3 background(0);
+      background[channel] = bad;
+      CHECK_THROWS_AS(render_reference(scene, small_camera(), Conventions::gsplat(), background),
+                      std::invalid_argument);
+    }
+}
+
+TEST_CASE("reference: the frame does not depend on the number of threads") {
+  Random random(4);
+  const Scene scene = mixture(random, 300);
+  const Camera camera = oracle_camera();
+  const ReferenceFrame one = render_reference(scene, camera, Conventions::gsplat(), dvec3(0.5), 1);
+  for (const int threads : {0, 2, 3, 8}) {
+    const ReferenceFrame frame = render_reference(scene, camera, Conventions::gsplat(), dvec3(0.5), threads);
+    CHECK(frame.colour == one.colour);
+    CHECK(frame.alpha == one.alpha);
+    CHECK(frame.depth == one.depth);
+    CHECK(frame.visible == one.visible);
+    CHECK(frame.contributing_pairs == one.contributing_pairs);
+    CHECK(frame.pixels_stopped == one.pixels_stopped);
+  }
+}
+
+}  // namespace
+}  // namespace swiftgs::test
