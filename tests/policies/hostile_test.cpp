@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+
+/// @file
+/// Frames that are rendered on a thread with another floating-point environment than the default one.
+
+#include <algorithm>
+#include <cfenv>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/metrics.hpp>
+
+#include "policies/rasterizers.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+/// A mode of rounding, and whether denormal numbers are taken and given as zero.
+struct Environment {
+  std::string_view name;
+  int rounding;
+  bool flush;
+};
+constexpr Environment environments[] = {
+    {"to nearest", FE_TONEAREST, false},   {"upward", FE_UPWARD, false},
+    {"downward", FE_DOWNWARD, false},      {"towards zero", FE_TOWARDZERO, false},
+    {"flush to zero", FE_TONEAREST, true}, {"flush to zero upward", FE_UPWARD, true},
+};
+
+/// Sets the environment of this thread until it is destroyed.
+class ScopedEnvironment {
+ public:
+  explicit ScopedEnvironment(const Environment& environment) {
+    std::fegetenv(&saved_);
+    std::fesetround(environment.rounding);
+#if defined(__SSE__)
+    // Bit 15 flushes results, bit 6 takes denormal operands as zero.
+    if (environment.flush) _mm_setcsr(_mm_getcsr() | 0x8040);
+#endif
+  }
+  ~ScopedEnvironment() { std::fesetenv(&saved_); }
+  ScopedEnvironment(const ScopedEnvironment&) = delete;
+  ScopedEnvironment& operator=(const ScopedEnvironment&) = delete;
+
+ private:
+  std::fenv_t saved_;
+};
+
+/// An ordinary scene with needles, giants, and numbers that are denormal or nearly so.
+Scene hostile_scene() {
+  Scene scene = random_scene(300, 3, 1);
+  Random random(2);
+  const float denormal = std::numeric_limits<float>::denorm_min(), least = std::numeric_limits<float>::min();
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    if (i % 10 == 0) scene.scales[i] = vec3(random.f(1, 30), random.f(1e-6, 1e-3), random.f(1e-6, 1e-3));
+    if (i % 10 == 1) scene.scales[i] = vec3(denormal, 1e-20f, 0.5f);
+    if (i % 10 == 2) scene.scales[i] = vec3(1e10f, 0.5f, 1e-10f);
+    if (i % 10 == 3) scene.means[i].x = denormal, scene.means[i].y = -least / 3;
+    if (i % 10 == 4) scene.opacities[i] = i % 20 == 4 ? denormal : 1.0f;
+    if (i % 10 == 5) scene.rotations[i] = {1, denormal, -least / 2, least};
+    if (i % 10 == 6) scene.sh0[i] = vec3(denormal, -denormal, least);
+    if (i % 10 == 7) scene.means[i].z = i % 20 == 7 ? denormal : 0.01f;
+  }
+  return scene;
+}
+
+struct Image {
+  std::vector<float> colour, alpha, depth;
+  bool operator==(const Image&) const = default;
+  bool finite() const {
+    const auto all = [](const std::vector<float>& values) {
+      return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+    };
+    return all(colour) && all(alpha) && all(depth);
+  }
+};
+
+/// Images of one way to render, by rasterizer.
+using Images = std::map<std::string_view, Image>;
+
+/// How frames are rendered.
+struct Way {
+  Environment environment;
+  bool made_inside = false;  ///< whether renderers are made in the environment too
+  int threads = 1;           ///< of `Cpu`
+  bool antialiased = false;
+};
+
+template <class B>
+B make(const Way& way) {
+  if constexpr (std::is_same_v<B, Cpu>)
+    return Cpu(way.threads);
+  else
+    return B();
+}
+
+/// The frame of a renderer that has drawn one before, in the default environment, or was made for this one.
+template <class R, class B>
+Image draw(const Way& way, const Scene& scene) {
+  const Camera camera = forward_camera(83, 50);
+  RenderSettings settings;
+  settings.background = vec3(0.2f, 0.3f, 0.4f), settings.outputs = {true, true};
+  settings.conventions.antialiased = way.antialiased;
+  R outside(make<B>(way));
+  const auto uploaded = outside.backend().upload(scene);
+  if (!way.made_inside) outside.render(uploaded, camera, settings);
+  Frame frame;
+  {
+    const ScopedEnvironment scope(way.environment);
+    if (way.made_inside) {
+      R inside(make<B>(way));
+      inside.render(uploaded, camera, settings, frame);
+    } else {
+      outside.render(uploaded, camera, settings, frame);
+    }
+  }
+  return {frame.colour, frame.alpha, frame.depth};
+}
+
+/// Renders with every rasterizer, two sorts and both lossless bounds. All images of a rasterizer must be
+/// finite and the same.
+template <class B>
+Images draw_all(const Way& way) {
+  CAPTURE(way.environment.name);
+  CAPTURE(way.made_inside);
+  CAPTURE(way.antialiased);
+  const Scene scene = hostile_scene();
+  Images images;
+  const auto draw_with = [&]<class Sort, class Raster, class Bounds>(Sort, Raster, Bounds) {
+    using R = Renderer<B, Sort, Raster, Bounds>;
+    CAPTURE(R::name);
+    const Image image = draw<R, B>(way, scene);
+    CHECK(image.finite());
+    CHECK(images.try_emplace(Raster::name, image).first->second == image);
+  };
+  for_each_raster([&](auto raster) {
+    draw_with(StandardSort(), raster, OpacityBox());
+    draw_with(StandardSort(), raster, Ellipse());
+    draw_with(EarlySort(), raster, OpacityBox());
+    draw_with(EarlySort(), raster, Ellipse());
+  });
+  return images;
+}
+
+/// Calls f(way) for every environment, for renderers that are made in it and before it, and for both modes of
+/// opacity.
+template <class F>
+void for_each_way(const F& f) {
+  for (const Environment& environment : environments)
+    for (const bool made_inside : {false, true})
+      for (const bool antialiased : {false, true}) f(Way{environment, made_inside, 1, antialiased});
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("hostile: images are finite and independent of sort and bounds in every environment", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  for_each_way([](const Way& way) {
+    const Images images = draw_all<B>(way);
+    CHECK(images.size() == 7);
+    const Images usual = draw_all<B>({.environment = environments[0], .antialiased = way.antialiased});
+    for (const auto& [name, image] : images) {
+      CAPTURE(name);
+      CAPTURE(way.environment.name);
+      // An arena of oneTBB keeps the environment that it was made in, so only a renderer that is made here
+      // surely rounds differently.
+      if (way.environment.rounding == FE_TONEAREST) CHECK(image == usual.at(name));
+      if (way.environment.rounding != FE_TONEAREST && way.made_inside) CHECK_FALSE(image == usual.at(name));
+      // A sum of squares cancels nothing, so rounding moves it little.
+      if (name.find("cholesky") != std::string_view::npos)
+        CHECK(psnr(image.colour, usual.at(name).colour) > 80);
+      CHECK(std::count_if(image.alpha.begin(), image.alpha.end(), [](float a) { return a > 0.1f; }) > 400);
+    }
+  });
+}
+
+TEST_CASE("hostile: images do not depend on the number of threads in any environment") {
+  for_each_way([](Way way) {
+    const Images one = draw_all<Cpu>(way);
+    way.threads = 4;
+    CHECK(draw_all<Cpu>(way) == one);
+  });
+}
+
+TEST_CASE("hostile: the environment is in force while it is set and gone afterwards") {
+  volatile float one = 1, tiny = 0x1p-30f, least = std::numeric_limits<float>::min(), half = 0.5f;
+  {
+    const ScopedEnvironment scope(environments[1]);
+    CHECK(one + tiny > 1);
+  }
+  CHECK(one + tiny == 1);
+#if defined(__SSE__)
+  {
+    const ScopedEnvironment scope(environments[4]);
+    CHECK(least * half == 0);
+  }
+#endif
+  CHECK(least * half > 0);
+}
