@@ -244,8 +244,9 @@ TEST_CASE("metamorphic: a smaller image is the corner of a larger one") {
         const Image whole = render(renderer, world);
         CHECK(covered(whole) > 200);
         World part = world;
-        for (const auto& [width, height] : {std::pair(82, 49), std::pair(64, 48), std::pair(63, 33),
-                                            std::pair(49, 32), std::pair(41, 31)}) {
+        constexpr std::pair<int, int> sizes[] = {{82, 49}, {64, 48}, {63, 33}, {49, 32}, {41, 31}};
+        for (const auto& size : sizes) {
+          const int width = size.first, height = size.second;
           CAPTURE(width);
           part.camera.width = width, part.camera.height = height;
           CHECK(render(renderer, part) == corner(whole, 83, width, height));

@@ -172,7 +172,9 @@ TEST_CASE_TEMPLATE("hostile: images are finite and independent of sort and bound
     const Images images = draw_all<B>(way);
     CHECK(images.size() == 7);
     const Images usual = draw_all<B>({.environment = environments[0], .antialiased = way.antialiased});
-    for (const auto& [name, image] : images) {
+    for (const auto& named : images) {
+      const std::string_view name = named.first;
+      const Image& image = named.second;
       CAPTURE(name);
       CAPTURE(way.environment.name);
       // An arena of oneTBB keeps the environment that it was made in, so only a renderer that is made here

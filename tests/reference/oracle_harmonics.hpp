@@ -7,10 +7,12 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 namespace swiftgs::test {
 
 using Real = long double;
+static_assert(std::numeric_limits<Real>::digits >= 64, "the oracle needs more digits than double has");
 
 inline constexpr Real pi = 3.14159265358979323846264338327950288L;
 

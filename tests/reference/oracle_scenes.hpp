@@ -114,11 +114,12 @@ inline void mirror(Camera& camera) {
   camera.translation.x *= -1;
 }
 
-/// `scene` and `camera` moved by `offset`; means round to the floats that are there.
-inline void move_world(Scene& scene, Camera& camera, dvec3 offset) {
+/// `scene` and `camera` times `factor`, then moved by `offset`; means round to the floats that are there.
+inline void move_world(Scene& scene, Camera& camera, double factor, dvec3 offset) {
   for (vec3& mean : scene.means)
-    for (int k = 0; k < 3; ++k) mean[k] = float(double(mean[k]) + offset[k]);
-  camera.translation -= camera.rotation * offset;
+    for (int k = 0; k < 3; ++k) mean[k] = float(factor * double(mean[k]) + offset[k]);
+  for (vec3& scale : scene.scales) scale *= float(factor);
+  camera.translation = factor * camera.translation - camera.rotation * offset;
 }
 
 }  // namespace swiftgs::test

@@ -81,11 +81,13 @@ TEST_CASE("reference: worlds up to 1e7 from the origin agree with the oracle") {
     CAPTURE(offset);
     Random random(70);
     Case c{.scene = mixture(random, 300, 2), .camera = turned_camera()};
-    move_world(c.scene, c.camera, dvec3(offset, -offset, 0.5 * offset));
-    // Camera space is a difference of numbers of 2.5 offsets. Four units of those at a depth of 0.1 are so
-    // much of a pixel, and depths may round to either of two floats.
-    c.largest_bound += 4 * unit * 2.5L * Real(offset) * Real(c.camera.fy) / 0.1L;
-    c.unsure = offset < 1e7 ? 0 : 100;
+    // Far worlds are large too: floats lie a whole unit apart at 1e7.
+    const double factor = std::max(1.0, 1e-5 * offset);
+    move_world(c.scene, c.camera, factor, dvec3(offset, -offset, 0.5 * offset));
+    // Camera space is a difference of numbers of 2.5 offsets. Four units of those at a depth of 0.1 factors
+    // are so much of a pixel.
+    c.largest_bound += 4 * unit * 2.5L * Real(offset) * Real(c.camera.fy) / (0.1L * Real(factor));
+    c.unsure = 20;  // where depths may round to either of two floats
     check_presets(c);
   }
 }
