@@ -37,6 +37,37 @@ enum class Kind { ordinary, needles, far_means };
 constexpr Kind kinds[] = {Kind::ordinary, Kind::needles, Kind::far_means};
 constexpr std::uint64_t seeds[] = {1, 2, 3, 4, 5, 6};
 
+/// `scene` with Gaussian order[i] at place i.
+Scene reordered(const Scene& scene, const std::vector<std::size_t>& order) {
+  Scene out;
+  out.sh_degree = scene.sh_degree;
+  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  for (const std::size_t i : order) {
+    out.means.push_back(scene.means[i]), out.scales.push_back(scene.scales[i]);
+    out.rotations.push_back(scene.rotations[i]), out.opacities.push_back(scene.opacities[i]);
+    out.sh0.push_back(scene.sh0[i]);
+    for (std::size_t k = 0; k < rest; ++k) out.sh_rest.push_back(scene.sh_rest[i * rest + k]);
+  }
+  return out;
+}
+
+/// Leaves out Gaussians until no two are drawn at depths within the last places in which backends may differ.
+void keep_distinct_depths(World& world) {
+  const ViewConstants constants = view_constants(world.camera, world.conventions);
+  const SceneView scene = view(world.scene);
+  std::vector<float> depths;
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const ProjectedShape p = project_shape(constants, gaussian(scene, i));
+    const auto close = [&](float depth) { return std::abs(depth - p.depth) <= 0x1p-20f * p.depth; };
+    if (p.visible && std::any_of(depths.begin(), depths.end(), close)) continue;
+    if (p.visible) depths.push_back(p.depth);
+    kept.push_back(i);
+  }
+  CHECK(depths.size() > 20);
+  world.scene = reordered(world.scene, kept);
+}
+
 World make_world(Kind kind, std::uint64_t seed) {
   Random random(seed);
   World world{random_scene(160, int(seed % 4), seed), forward_camera(83, 50), Conventions::gsplat()};
@@ -52,7 +83,7 @@ World make_world(Kind kind, std::uint64_t seed) {
     if (kind == Kind::needles) {
       const float length = float(random.scale(0.1, 20));
       scale =
-          vec3(length * float(random.scale(1e-6, 1e-2)), length, length * float(random.scale(1e-6, 1e-2)));
+          vec3{length * float(random.scale(1e-6, 1e-2)), length, length * float(random.scale(1e-6, 1e-2))};
     }
     if (kind == Kind::far_means) {
       const float away = float(random.scale(2, 500));
@@ -61,6 +92,7 @@ World make_world(Kind kind, std::uint64_t seed) {
       scale *= away * 3;
     }
   }
+  keep_distinct_depths(world);
   return world;
 }
 
@@ -118,33 +150,6 @@ void check_all(const Change& change, const Expected& expected) {
 
 const auto unchanged = [](const Image& image) { return image; };
 
-/// `scene` with Gaussian order[i] at place i.
-Scene reordered(const Scene& scene, const std::vector<std::size_t>& order) {
-  Scene out;
-  out.sh_degree = scene.sh_degree;
-  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
-  for (const std::size_t i : order) {
-    out.means.push_back(scene.means[i]), out.scales.push_back(scene.scales[i]);
-    out.rotations.push_back(scene.rotations[i]), out.opacities.push_back(scene.opacities[i]);
-    out.sh0.push_back(scene.sh0[i]);
-    for (std::size_t k = 0; k < rest; ++k) out.sh_rest.push_back(scene.sh_rest[i * rest + k]);
-  }
-  return out;
-}
-
-/// Whether depths of what is drawn differ by more than the last places in which backends may.
-bool depths_differ(const World& world) {
-  const ViewConstants constants = view_constants(world.camera, world.conventions);
-  const SceneView scene = view(world.scene);
-  std::vector<float> depths;
-  for (std::size_t i = 0; i < scene.size(); ++i)
-    if (const ProjectedShape p = project_shape(constants, gaussian(scene, i)); p.visible)
-      depths.push_back(p.depth);
-  std::sort(depths.begin(), depths.end());
-  return std::adjacent_find(depths.begin(), depths.end(),
-                            [](float a, float b) { return b <= a * (1 + 0x1p-22f); }) == depths.end();
-}
-
 }  // namespace
 
 TEST_CASE("metamorphic: a world times a power of two has the same image and scaled depths") {
@@ -168,7 +173,6 @@ TEST_CASE("metamorphic: a world times a power of two has the same image and scal
 TEST_CASE("metamorphic: the order of Gaussians of distinct depths does not matter") {
   check_all(
       [](World& world, std::uint64_t seed) {
-        CHECK(depths_differ(world));
         std::vector<std::size_t> order(world.scene.size());
         Random random(seed + 50);
         for (std::size_t i = 0; i < order.size(); ++i) {

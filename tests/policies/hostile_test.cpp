@@ -65,7 +65,7 @@ Scene hostile_scene() {
   Random random(2);
   const float denormal = std::numeric_limits<float>::denorm_min(), least = std::numeric_limits<float>::min();
   for (std::size_t i = 0; i < scene.size(); ++i) {
-    if (i % 10 == 0) scene.scales[i] = vec3(random.f(1, 30), random.f(1e-6, 1e-3), random.f(1e-6, 1e-3));
+    if (i % 10 == 0) scene.scales[i] = vec3{random.f(1, 30), random.f(1e-6, 1e-3), random.f(1e-6, 1e-3)};
     if (i % 10 == 1) scene.scales[i] = vec3(denormal, 1e-20f, 0.5f);
     if (i % 10 == 2) scene.scales[i] = vec3(1e10f, 0.5f, 1e-10f);
     if (i % 10 == 3) scene.means[i].x = denormal, scene.means[i].y = -least / 3;

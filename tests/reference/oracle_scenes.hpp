@@ -29,7 +29,7 @@ inline Scene mixture(Random& random, std::size_t count, int degree = 0, double l
     const double size = random.scale(0.02, 0.6);
     scene.means.push_back({random.f(-2, 2), random.f(-2, 2), random.f(-0.5, 4)});
     scene.scales.push_back(
-        vec3(float(size), float(size * random.scale(0.01, 1)), float(size * random.scale(0.01, 1))));
+        vec3{float(size), float(size * random.scale(0.01, 1)), float(size * random.scale(0.01, 1))});
     scene.rotations.push_back(random_rotation(random));
     scene.opacities.push_back(random.f(0, 1));
     const auto harmonic = [&] { return random.f(-largest, largest); };
@@ -58,7 +58,8 @@ inline Scene far_off_screen(Random& random, std::size_t count) {
     const float z = random.f(0.5, 4), away = float(random.scale(2, 2000)) * z;
     const double angle = random.in(0, 6.2831853);
     scene.means[i] = {away * float(std::cos(angle)), away * float(std::sin(angle)), z};
-    scene.scales[i] = vec3(away, away * random.f(0.01, 1), away * random.f(0.01, 1)) * random.f(0.3, 2);
+    scene.scales[i] = vec3{away, away * random.f(0.01, 1), away * random.f(0.01, 1)};
+    scene.scales[i] *= random.f(0.3, 2);
     scene.opacities[i] *= 0.5f;
   }
   return scene;
@@ -74,7 +75,7 @@ inline Scene at_planes(Random& random, const Conventions& k) {
     const int step = steps[i / 2 % 9];
     for (int s = 0; s < std::abs(step); ++s) z = std::nextafter(z, step > 0 ? INFINITY : 0.0f);
     scene.means[i] = {random.f(-0.5, 0.5) * z, random.f(-0.5, 0.5) * z, z};
-    scene.scales[i] = vec3(random.f(0.02, 0.1), random.f(0.02, 0.1), random.f(0.02, 0.1)) * z;
+    scene.scales[i] = vec3{random.f(0.02, 0.1), random.f(0.02, 0.1), random.f(0.02, 0.1)} * z;
   }
   return scene;
 }
@@ -91,7 +92,7 @@ inline Scene deep_stack(Random& random, std::size_t count) {
   Scene scene = mixture(random, count, 1);
   for (std::size_t i = 0; i < count; ++i) {
     scene.means[i] = {random.f(-0.3, 0.3), random.f(-0.3, 0.3), random.f(1, 30)};
-    scene.scales[i] = vec3(random.f(0.2, 1), random.f(0.2, 1), random.f(0.2, 1)) * scene.means[i].z;
+    scene.scales[i] = vec3{random.f(0.2, 1), random.f(0.2, 1), random.f(0.2, 1)} * scene.means[i].z;
     scene.opacities[i] = random.f(0.004, 0.02);
   }
   return scene;
