@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -118,6 +119,25 @@ inline void render_rows(ReferenceFrame& frame, Counts& counts, const std::vector
       std::count_if(pixels.begin(), pixels.end(), [](const Pixel& pixel) { return pixel.stopped; }));
 }
 
+/// Throws `std::invalid_argument` where no reference can be rendered.
+inline void check_reference_arguments(const Scene& scene, const Camera& camera, dvec3 background,
+                                      Span<const float> occluder) {
+  validate(scene);
+  validate(camera);
+  if (!std::isfinite(background.x) || !std::isfinite(background.y) || !std::isfinite(background.z))
+    throw std::invalid_argument("render_reference: expected a finite background");
+  const std::size_t pixels = std::size_t(camera.width) * std::size_t(camera.height);
+  if (occluder.size != 0 && occluder.size != pixels)
+    throw std::invalid_argument("render_reference: expected an occluder of the camera's size");
+}
+
+/// Gives `frame` the size of the camera's image.
+inline void prepare(ReferenceFrame& frame, const Camera& camera) {
+  frame.width = camera.width, frame.height = camera.height;
+  const std::size_t pixels = std::size_t(camera.width) * std::size_t(camera.height);
+  frame.colour.resize(3 * pixels), frame.alpha.resize(pixels), frame.depth.resize(pixels);
+}
+
 }  // namespace reference
 
 /// Renders `scene` in double precision on `threads` threads (0: one a processor); the result does not depend
@@ -129,23 +149,13 @@ inline ReferenceFrame render_reference(const Scene& scene, const Camera& camera,
                                        const Conventions& conventions, dvec3 background = dvec3(0),
                                        int threads = 0, Span<const float> occluder = {}) {
   using namespace reference;
-  validate(scene);
-  validate(camera);
-  if (!std::isfinite(background.x + background.y + background.z))
-    throw std::invalid_argument("render_reference: expected a finite background");
+  check_reference_arguments(scene, camera, background, occluder);
   threads = thread_count(threads);
   const SplatChunks chunks = project_all(scene, View(camera, conventions), threads);
   const std::vector<std::vector<const Splat*>> bands = sort_into_bands(chunks, camera.height);
 
   ReferenceFrame frame;
-  frame.width = camera.width, frame.height = camera.height;
-  const std::size_t pixels = std::size_t(camera.width) * std::size_t(camera.height);
-  if (occluder.size != 0 && occluder.size != pixels)
-    throw std::invalid_argument("render_reference: expected an occluder of the camera's size");
-  frame.colour.resize(3 * pixels);
-  frame.alpha.resize(pixels);
-  frame.depth.resize(pixels);
-
+  prepare(frame, camera);
   Counts counts(scene.size());
   for_each_index(bands.size(), threads, [&](std::size_t band) {
     const int first = int(band) * band_rows, last = std::min(camera.height, first + band_rows);

@@ -19,6 +19,13 @@
 
 namespace swiftgs::reference {
 
+/// Covariance in the image.
+struct Covariance {
+  double xx = 0, xy = 0, yy = 0;  ///< with blur @units{pixels^2}
+  double det = 0;                 ///< with blur
+  double det_sharp = 0;           ///< without blur
+};
+
 /// A projected Gaussian. Its exponent is kept as a sum of two squares,
 ///   2 sigma = x_weight (dx - shear dy)^2 + y_weight dy^2,
 /// because the textbook form A dx^2 + 2 B dx dy + C dy^2 loses up to 12 of double's 16 digits on a needle
@@ -30,7 +37,8 @@ struct Splat {
   double reach = 0;        ///< at 2 sigma above this, alpha is below `alpha_min` whatever the rounding
   double depth = 0;        ///< camera-space z
   Eigen::Vector3d colour;  ///< linear RGB
-  std::size_t index = 0;   ///< of the Gaussian in its scene
+  Covariance covariance;
+  std::size_t index = 0;                               ///< of the Gaussian in its scene
   int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< no pixel outside is reached
 };
 
@@ -58,13 +66,6 @@ struct View {
   Eigen::Matrix3d rotation;
   Eigen::Vector3d translation, centre;
   Eigen::Array2d least_tangent, largest_tangent;  ///< limits of x/z and y/z in the Jacobian
-};
-
-/// Covariance in the image.
-struct Covariance {
-  double xx = 0, xy = 0, yy = 0;  ///< with blur @units{pixels^2}
-  double det = 0;                 ///< with blur
-  double det_sharp = 0;           ///< without blur
 };
 
 /// Projects the covariance of Gaussian `i`, whose mean is at `p` in camera space.
@@ -102,9 +103,9 @@ inline void set_range(double low, double high, int size, int& begin, int& end) {
 
 /// Sets the rectangle outside which alpha is surely below `alpha_min`: the bounding box of the ellipse at
 /// `reach`, widened by far more than rounding can move it.
-inline void bound_by_alpha(Splat& splat, const Covariance& cov, const View& view) {
+inline void bound_by_alpha(Splat& splat, const View& view) {
   const auto half = [&](double variance) { return std::sqrt(splat.reach * variance) * (1 + 1e-9) + 1; };
-  const double half_x = half(cov.xx), half_y = half(cov.yy);
+  const double half_x = half(splat.covariance.xx), half_y = half(splat.covariance.yy);
   set_range(splat.x - 0.5 - half_x, splat.x - 0.5 + half_x, view.camera.width, splat.x_begin, splat.x_end);
   set_range(splat.y - 0.5 - half_y, splat.y - 0.5 + half_y, view.camera.height, splat.y_begin, splat.y_end);
 }
@@ -112,8 +113,9 @@ inline void bound_by_alpha(Splat& splat, const Covariance& cov, const View& view
 /// Cuts the rectangle to the 16x16 tiles that INRIA's square of three standard deviations selects. That
 /// square is placed in coordinates where pixel centres are whole numbers, and its end is rounded as if it
 /// were 15 pixels further.
-inline void cut_to_three_sigma_square(Splat& splat, const Covariance& cov) {
+inline void cut_to_three_sigma_square(Splat& splat) {
   constexpr double tile = 16;
+  const Covariance& cov = splat.covariance;
   const double mid = 0.5 * (cov.xx + cov.yy), difference = 0.5 * (cov.xx - cov.yy);
   const double lambda_max = mid + std::sqrt(std::max(0.1, difference * difference + cov.xy * cov.xy));
   const double radius = std::ceil(3 * std::sqrt(lambda_max));
@@ -128,20 +130,21 @@ inline void cut_to_three_sigma_square(Splat& splat, const Covariance& cov) {
   cut(splat.y, splat.y_begin, splat.y_end);
 }
 
-/// Projects Gaussian `i`; nothing when it is culled or reaches no pixel. A Gaussian whose numbers are not
-/// finite, or whose splat would have such numbers, is culled.
-inline std::optional<Splat> project(const Scene& scene, std::size_t i, const View& view) {
+/// Whether a Gaussian of camera-space depth `depth` is drawn. Depth is a float, to the planes as to the
+/// order.
+inline bool is_between_planes(float depth, const Conventions& k) {
+  const bool near_enough = k.cull_at_near ? depth > k.near_plane : depth >= k.near_plane;
+  return near_enough && depth <= k.far_plane && std::isfinite(depth);
+}
+
+/// Projects Gaussian `i`, but for its colour, without asking the planes, its opacity or the image. Nothing
+/// where it has no splat: its numbers are not finite, or its splat's are not or are too large.
+inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, const View& view) {
   const Conventions& k = view.conventions;
   const vec3& m = scene.means[i];
   const Eigen::Vector3d mean(m.x, m.y, m.z);
   const Eigen::Vector3d p = view.rotation * mean + view.translation;
   const double z = p.z();
-  // Depth is a float, to the planes as to the order.
-  const float depth = float(z);
-  if (!(k.cull_at_near ? depth > k.near_plane : depth >= k.near_plane) || !(depth <= k.far_plane) ||
-      !std::isfinite(depth))
-    return {};
-
   const Covariance cov = project_covariance(scene, i, p, view);
   if (!(cov.det > 0) || !std::isfinite(cov.det)) return {};
   if (!(cov.xx <= double(largest_variance) && cov.yy <= double(largest_variance))) return {};
@@ -150,10 +153,8 @@ inline std::optional<Splat> project(const Scene& scene, std::size_t i, const Vie
   splat.opacity = scene.opacities[i];
   if (k.antialiased)
     splat.opacity *= std::sqrt(std::max(double(k.min_compensation), cov.det_sharp / cov.det));
-  if (!(splat.opacity >= double(k.alpha_min))) return {};
   splat.reach = k.alpha_min > 0 ? 2 * std::log(splat.opacity / double(k.alpha_min)) * (1 + 1e-9) + 1e-9
                                 : std::numeric_limits<double>::infinity();
-
   splat.x = view.camera.fx * (p.x() / z) + view.camera.cx;
   splat.y = view.camera.fy * (p.y() / z) + view.camera.cy;
   splat.x_weight = cov.yy / cov.det;
@@ -161,17 +162,31 @@ inline std::optional<Splat> project(const Scene& scene, std::size_t i, const Vie
   splat.shear = cov.xy / cov.yy;
   splat.depth = z;
   splat.index = i;
+  splat.covariance = cov;
   const double sum = splat.x + splat.y + splat.x_weight + splat.y_weight + splat.shear + z + splat.opacity;
   if (!std::isfinite(sum)) return {};
+  return splat;
+}
 
-  bound_by_alpha(splat, cov, view);
-  if (k.footprint == Conventions::Footprint::three_sigma_square) cut_to_three_sigma_square(splat, cov);
-  if (splat.x_begin >= splat.x_end || splat.y_begin >= splat.y_end) return {};
+/// Evaluates the colour of `splat`; false where a channel is not a finite float, and the splat is not drawn.
+inline bool shade(Splat& splat, const Scene& scene, const View& view) {
+  const vec3& m = scene.means[splat.index];
+  const Eigen::Vector3d direction = Eigen::Vector3d(m.x, m.y, m.z) - view.centre;
+  const Eigen::Vector3d sum = colour(scene, splat.index, direction.stableNormalized());
+  splat.colour = sum.cwiseMax(0.0);
+  return sum.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= double(std::numeric_limits<float>::max());
+}
 
-  const Eigen::Vector3d sum_of_bands = colour(scene, i, (mean - view.centre).stableNormalized());
-  if (!(sum_of_bands.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= double(std::numeric_limits<float>::max())))
-    return {};
-  splat.colour = sum_of_bands.cwiseMax(0.0);
+/// Projects Gaussian `i`; nothing when it is culled or reaches no pixel.
+inline std::optional<Splat> project(const Scene& scene, std::size_t i, const View& view) {
+  const Conventions& k = view.conventions;
+  std::optional<Splat> splat = project_unculled(scene, i, view);
+  if (!splat || !is_between_planes(float(splat->depth), k)) return {};
+  if (!(splat->opacity >= double(k.alpha_min))) return {};
+  bound_by_alpha(*splat, view);
+  if (k.footprint == Conventions::Footprint::three_sigma_square) cut_to_three_sigma_square(*splat);
+  if (splat->x_begin >= splat->x_end || splat->y_begin >= splat->y_end) return {};
+  if (!shade(*splat, scene, view)) return {};
   return splat;
 }
 

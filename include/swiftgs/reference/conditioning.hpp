@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// How exact a frame can be in float: the float64 reference, how far the rounding of the scene itself moves
+/// each of its values, and how far a value may jump where a decision stands on the edge.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <swiftgs/reference.hpp>
+#include <swiftgs/reference/exponent_form.hpp>
+#include <swiftgs/reference/variation.hpp>
+
+namespace swiftgs {
+
+/// The reference and what may be asked of a float renderer that draws the same.
+struct ConditionedFrame {
+  ReferenceFrame frame;                                     ///< without counts
+  std::vector<double> colour_move, alpha_move, depth_move;  ///< as in `frame`: largest move in the trials
+
+  /// @shape{height, width} Weight that may change hands: of splats whose test may fall out either way, of
+  /// what lies behind a stop that may come a splat earlier or later, and of alphas as far as the form of the
+  /// exponent may err. 0 where nothing may.
+  std::vector<double> loose;
+
+  std::vector<std::uint32_t> layers;  ///< @shape{height, width} splats that were blended
+
+  double colour_span = 0;  ///< largest difference of two colours, background included
+  double peak = 0;         ///< largest magnitude in `frame.colour`
+  double depth_span = 0;   ///< largest depth
+};
+
+namespace reference {
+
+/// A pixel as it is and in every trial. All take the decisions of the first.
+struct VariedPixel {
+  struct State {
+    Eigen::Vector3d colour = Eigen::Vector3d::Zero();
+    double transmittance = 1, depth = 0, weight = 0;
+  };
+  std::array<State, trials + 1> states;
+  double loose = 0;
+  double most_left = 1;  ///< largest transmittance that loose alphas allow
+  double drift = 0;      ///< relative uncertainty of the transmittance by loose alphas
+  std::uint32_t layers = 0;
+  bool stopped = false;
+  float occluder = std::numeric_limits<float>::infinity();
+};
+
+/// Moves in the trials up to this many times as large are allowed for at every threshold.
+inline constexpr double threshold_moves = 10;
+
+/// What is decided at one pixel about one splat.
+struct PixelDecision {
+  std::array<double, trials + 1> alphas;
+  bool kept = false;
+  double loose = 0;  ///< how far alpha may be from the first of `alphas`, kept or not
+};
+
+/// Finds alphas of `splat` at a point, whether it is kept there, and how sure that is.
+inline PixelDecision decide(const VariedSplat& splat, double x, double y, ExponentForm form,
+                            const Conventions& k) {
+  PixelDecision out;
+  const double log2_e = 1.4426950408889634, log2_min = std::log2(double(k.alpha_min));
+  double first = 0, spread = 0;
+  for (std::size_t t = 0; t <= trials; ++t) {
+    const SplatNumbers& n = splat.numbers[t];
+    out.alphas[t] = n.log2_opacity - n.sigma(x, y) * log2_e;
+    if (t == 0) first = out.alphas[0];
+    spread = std::max(spread, std::abs(out.alphas[t] - first));
+  }
+  const double rounding = std::ldexp(4 + std::abs(log2_min), -22);
+  const double form_error = exponent_error(form, splat.numbers[0], x, y);
+  const double tolerance = threshold_moves * spread + rounding + form_error;
+  const bool reached = first >= log2_min && splat.splat.opacity >= double(k.alpha_min);
+  const bool surely_valid =
+      form != ExponentForm::half_split || splat.numbers[0].log2_opacity - first > form_error;
+  const bool surely_kept = splat.drawn && surely_valid && first - tolerance > log2_min;
+  const bool surely_skipped = first + tolerance < log2_min;
+  out.kept = splat.drawn && reached;
+  if (surely_skipped) return out;
+  for (double& alpha : out.alphas) alpha = std::min(double(k.alpha_max), std::exp2(alpha));
+
+  const auto alpha_at = [&](double exponent) {
+    const double most = std::min(splat.numbers[0].log2_opacity, exponent);
+    return std::min(double(k.alpha_max), std::exp2(most));
+  };
+  const double alpha = out.kept ? out.alphas[0] : 0;
+  const double high = form_error > 0 ? alpha_at(first + form_error) : out.alphas[0];
+  const double low = form_error > 0 ? alpha_at(first - form_error) : out.alphas[0];
+  out.loose = std::max(high - alpha, surely_kept ? alpha - low : alpha);
+  if (surely_kept && form_error == 0) out.loose = 0;
+  return out;
+}
+
+/// Blends the splat into the pixel, as it is and in every trial.
+inline void blend_varied(VariedPixel& pixel, const VariedSplat& splat, const PixelDecision& decision,
+                         const Conventions& k) {
+  if (decision.loose > 0) {
+    pixel.loose += pixel.most_left * decision.loose;
+    pixel.drift += decision.loose / std::max(1 - decision.alphas[0], 1e-6);
+  }
+  if (!decision.kept) {
+    pixel.most_left = std::min(1.0, pixel.most_left);
+    return;
+  }
+  // Where the pixel may stop.
+  VariedPixel::State& first = pixel.states[0];
+  const double alpha = decision.alphas[0], next = first.transmittance * (1 - alpha), stop = k.stop;
+  double spread = 0;
+  for (std::size_t t = 1; t <= trials; ++t)
+    spread = std::max(spread, std::abs(pixel.states[t].transmittance * (1 - decision.alphas[t]) - next));
+  // A float's rounding of each layer, and what rounding of alpha is to a splat that is nearly opaque.
+  const double rounding =
+      std::ldexp(double(pixel.layers) + 2, -23) * next + std::ldexp(first.transmittance, -21);
+  const double tolerance = threshold_moves * spread + rounding + pixel.drift * next;
+  const bool stops = k.stop_at_equal ? next <= stop : next < stop;
+  if (stop > 0 && std::abs(next - stop) <= tolerance) pixel.loose += pixel.most_left;
+
+  const bool hidden = float(splat.splat.depth) >= pixel.occluder;
+  if ((splat.least_depth >= pixel.occluder) != (splat.largest_depth >= pixel.occluder))
+    pixel.loose += pixel.most_left;
+  if (stops || hidden) {
+    pixel.stopped = true;
+    return;
+  }
+  if (splat.order_is_loose) pixel.loose += pixel.most_left * alpha;
+  for (std::size_t t = 0; t <= trials; ++t) {
+    VariedPixel::State& state = pixel.states[t];
+    const double weight = decision.alphas[t] * state.transmittance;
+    state.colour += weight * splat.numbers[t].colour;
+    state.depth += weight * splat.numbers[t].depth;
+    state.weight += weight;
+    state.transmittance -= weight;
+  }
+  pixel.most_left = std::min(1.0, pixel.most_left * (1 - alpha + decision.loose));
+  ++pixel.layers;
+}
+
+/// Offers `splat` to the pixels of image row `y`.
+inline void blend_row_varied(VariedPixel* pixels, int y, const VariedSplat& splat, ExponentForm form,
+                             const Conventions& k) {
+  for (int x = splat.splat.x_begin; x < splat.splat.x_end; ++x) {
+    if (pixels[x].stopped) continue;
+    if (!may_be_visited(form, splat.numbers[0], x, y, k)) continue;
+    const PixelDecision decision = decide(splat, x + 0.5, y + 0.5, form, k);
+    if (decision.kept || decision.loose > 0) blend_varied(pixels[x], splat, decision, k);
+  }
+}
+
+/// Widens what `splat` may reach by far more than rounding can, and by the pixels that share a row of a tile.
+inline void bound_varied(VariedSplat& splat, const View& view) {
+  Splat& s = splat.splat;
+  const double reach = std::max(s.reach, 0.0);
+  Splat wide = s;
+  wide.reach = reach * 1.01 + 0.01;
+  bound_by_alpha(wide, view);
+  s.y_begin = std::max(0, wide.y_begin - 1), s.y_end = std::min(view.camera.height, wide.y_end + 1);
+  s.x_begin = std::max(0, wide.x_begin - 16), s.x_end = std::min(view.camera.width, wide.x_end + 16);
+}
+
+inline std::vector<VariedSplat> project_all_varied(const Scene& scene, const View& view, std::uint64_t seed) {
+  std::vector<Scene> moved;
+  for (std::size_t t = 0; t < trials; ++t) moved.push_back(nudged(scene, seed + 977 * (t + 1)));
+  std::vector<VariedSplat> splats;
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    std::optional<VariedSplat> splat = project_varied(scene, moved, i, view, seed);
+    if (!splat || !(splat->splat.opacity >= 0.99 * double(view.conventions.alpha_min))) continue;
+    bound_varied(*splat, view);
+    if (splat->splat.x_begin < splat->splat.x_end && splat->splat.y_begin < splat->splat.y_end)
+      splats.push_back(std::move(*splat));
+  }
+  std::stable_sort(splats.begin(), splats.end(), [](const VariedSplat& a, const VariedSplat& b) {
+    return float(a.splat.depth) < float(b.splat.depth);
+  });
+  for (std::size_t i = 0; i + 1 < splats.size(); ++i)
+    for (std::size_t j = i + 1; j < splats.size() && splats[j].least_depth <= splats[i].largest_depth; ++j)
+      if (splats[i].least_depth != splats[i].largest_depth ||
+          splats[j].least_depth != splats[j].largest_depth)
+        splats[i].order_is_loose = splats[j].order_is_loose = true;
+  return splats;
+}
+
+/// Writes a row of what was blended.
+inline void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pixels, dvec3 background) {
+  const std::size_t width = std::size_t(out.frame.width);
+  for (std::size_t x = 0; x < width; ++x) {
+    const std::size_t i = std::size_t(y) * width + x;
+    const VariedPixel& pixel = pixels[x];
+    const auto depth_of = [](const VariedPixel::State& s) { return s.weight > 0 ? s.depth / s.weight : 0; };
+    for (const VariedPixel::State& state : pixel.states) {
+      const auto note = [&](double value, double& of_first, double& move) {
+        if (&state == pixel.states.data()) of_first = value;
+        move = std::max(move, std::abs(value - of_first));
+      };
+      for (std::size_t c = 0; c < 3; ++c)
+        note(state.colour[Eigen::Index(c)] + state.transmittance * background[int(c)],
+             out.frame.colour[3 * i + c], out.colour_move[3 * i + c]);
+      note(1 - state.transmittance, out.frame.alpha[i], out.alpha_move[i]);
+      note(depth_of(state), out.frame.depth[i], out.depth_move[i]);
+    }
+    out.loose[i] = pixel.loose;
+    out.layers[i] = pixel.layers;
+  }
+}
+
+}  // namespace reference
+
+/// Renders `scene` as `render_reference` does, six more times with every float of it moved by up to a unit in
+/// its last place, and finds where decisions are loose for a renderer whose exponent has the form `form`.
+/// What moves is decided by `seed` alone. Conventions have an `alpha_min` above 0.
+/// Throws `std::invalid_argument` as `render_reference` does.
+inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& camera,
+                                           const Conventions& conventions, dvec3 background = dvec3(0),
+                                           ExponentForm form = ExponentForm::factor, std::uint64_t seed = 1,
+                                           int threads = 0, Span<const float> occluder = {}) {
+  using namespace reference;
+  ConditionedFrame out;
+  check_reference_arguments(scene, camera, background, occluder);
+  validate(conventions);
+  threads = thread_count(threads);
+  prepare(out.frame, camera);
+  out.colour_move.resize(out.frame.colour.size());
+  out.alpha_move.resize(out.frame.alpha.size()), out.depth_move.resize(out.frame.alpha.size());
+  out.loose.resize(out.frame.alpha.size()), out.layers.resize(out.frame.alpha.size());
+
+  const std::vector<VariedSplat> splats = project_all_varied(scene, View(camera, conventions), seed);
+  for_each_index(std::size_t(camera.height), threads, [&](std::size_t row) {
+    const int y = int(row);
+    std::vector<VariedPixel> pixels(std::size_t(camera.width));
+    for (std::size_t x = 0; occluder.size > 0 && x < pixels.size(); ++x)
+      pixels[x].occluder = occluder[row * pixels.size() + x];
+    for (const VariedSplat& splat : splats)
+      if (y >= splat.splat.y_begin && y < splat.splat.y_end)
+        blend_row_varied(pixels.data(), y, splat, form, conventions);
+    write_row_varied(out, y, pixels.data(), background);
+  });
+
+  double lowest = std::min({0.0, background.x, background.y, background.z});
+  double highest = std::max({0.0, background.x, background.y, background.z});
+  for (const VariedSplat& splat : splats) {
+    highest = std::max(highest, splat.splat.colour.maxCoeff());
+    out.depth_span = std::max(out.depth_span, splat.splat.depth);
+  }
+  out.colour_span = highest - lowest;
+  for (const double value : out.frame.colour) out.peak = std::max(out.peak, std::abs(value));
+  return out;
+}
+
+}  // namespace swiftgs

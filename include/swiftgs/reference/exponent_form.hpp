@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// How far the exponent of each form may be off, proved from the form's own arithmetic.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include <swiftgs/conventions.hpp>
+#include <swiftgs/reference/variation.hpp>
+
+namespace swiftgs {
+
+/// How a rasterizer works out the exponent s of a splat.
+enum class ExponentForm {
+  factor,       ///< a sum of two squares from the factor: `PerPixel`, `FloatCholesky`
+  float_split,  ///< three terms that may cancel, in float: `FloatSplit`
+  half_split,   ///< the same, stored as half, skipped where rounding makes it negative: `HalfSplit`
+};
+
+/// The form of the rasterizer called `name`, as in a renderer's name.
+inline ExponentForm exponent_form_named(std::string_view name) {
+  if (name.find("half-split") != std::string_view::npos) return ExponentForm::half_split;
+  if (name.find("float-split") != std::string_view::npos) return ExponentForm::float_split;
+  return ExponentForm::factor;
+}
+
+namespace reference {
+
+/// A splat's Cholesky factor in base 2, as `SplatShape` has it, applied at a point.
+struct FactorAt {
+  double l0, l1, l2, dx, dy, u, v;
+
+  FactorAt(const SplatNumbers& n, double x, double y) {
+    const double half_log2_e = 0.72134752044448170368;
+    l0 = std::sqrt(half_log2_e * n.x_weight), l1 = -l0 * n.shear, l2 = std::sqrt(half_log2_e * n.y_weight);
+    dx = x - n.x, dy = y - n.y;
+    u = l0 * (dx - n.shear * dy), v = l2 * dy;
+  }
+};
+
+/// Largest error of s at a point that the form makes, beyond the roundings that any float arithmetic makes.
+inline double exponent_error(ExponentForm form, const SplatNumbers& numbers, double x, double y) {
+  if (form == ExponentForm::factor) return 0;
+  const FactorAt at(numbers, x, y);
+  const double l1 = std::abs(at.l1);
+  if (form == ExponentForm::float_split) {
+    const double wide = std::abs(at.u) + 16 * (at.l0 + l1), high = std::abs(at.v) + 16 * at.l2;
+    return std::ldexp(wide * wide + high * high, -18);
+  }
+  // Each of the four stored terms is rounded to 11 bits, or to 2^-25 where it is subnormal; the mixed term is
+  // a product of two.
+  const double dx = std::abs(at.dx), dy = std::abs(at.dy);
+  const double a = at.l0 * at.l0 * dx * dx, c = (l1 * l1 + at.l2 * at.l2) * dy * dy;
+  const double b = 2 * at.l0 * l1 * dx, largest_half = 65504;
+  if (!(std::max({a, b, c, dy}) <= largest_half)) return std::numeric_limits<double>::infinity();
+  return std::ldexp(1.01 * (a + c + 2 * b * dy), -11) + std::ldexp(2 + b + dy, -24);
+}
+
+/// Whether a rasterizer evaluates a splat at pixel (x, y) at all: rasterizers skip rows of 16 pixels in which
+/// the splat keeps none. Only a form that may err widely far from the splat needs to know.
+inline bool may_be_visited(ExponentForm form, const SplatNumbers& numbers, int x, int y,
+                           const Conventions& k) {
+  if (form != ExponentForm::half_split) return true;
+  const double first = 16 * std::floor(x / 16.0) + 0.5, at_y = y + 0.5;
+  const FactorAt left(numbers, first, at_y), right(numbers, first + 15, at_y);
+  const double nearest = left.u > 0 ? left.u : right.u < 0 ? right.u : 0;
+  const double s = nearest * nearest + left.v * left.v;
+  const double reach = numbers.log2_opacity - std::log2(double(k.alpha_min));
+  return s <= 1.001 * std::max(reach, 0.0) + 0.001;
+}
+
+}  // namespace reference
+}  // namespace swiftgs

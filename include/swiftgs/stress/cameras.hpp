@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include <swiftgs/stress/case.hpp>
+
+/// @file
+/// Families of hard cameras.
+
+namespace swiftgs::stress {
+
+/// Gaussians some pixels large wherever `camera`, at the origin, shows them.
+inline void add_in_view_of(Scene& scene, const Camera& camera, Random& random, int count) {
+  for (int i = 0; i < count; ++i) {
+    const double z = random.in(2, 10), pixel_x = z / camera.fx, pixel_y = z / camera.fy;
+    const auto side = [&] { return float(std::sqrt(pixel_x * pixel_y) * random.scale(0.5, 12)); };
+    add(scene, {.mean = {float((random.in(-0.1, 1.1) * camera.width - camera.cx) * pixel_x),
+                         float((random.in(-0.1, 1.1) * camera.height - camera.cy) * pixel_y), float(z)},
+                .scale = {side(), side(), side()},
+                .rotation = random.rotation(),
+                .opacity = float(random.scale(0.02, 1)),
+                .rgb = random_colour(random)});
+  }
+}
+
+/// Short focal lengths; severity: the inverse of the focal length. @units{1/pixels}
+inline StressCase wide_angles(double inverse, std::uint64_t seed, ImageSize size) {
+  Random random(seed);
+  StressCase out;
+  out.camera = forward_camera(size, 1 / inverse);
+  if (seed % 2) out.conventions = Conventions::inria(), out.conventions.footprint = {};
+  add_in_view_of(out.scene, out.camera, random, 60);
+  return out;
+}
+
+/// Long focal lengths. @units{pixels}
+inline StressCase long_lenses(double focal, std::uint64_t seed, ImageSize size) {
+  Random random(seed);
+  StressCase out;
+  out.camera = forward_camera(size, focal);
+  add_in_view_of(out.scene, out.camera, random, 60);
+  return out;
+}
+
+/// Principal points far from the image; severity: how far. @units{pixels}
+inline StressCase principal_points(double distance, std::uint64_t seed, ImageSize size) {
+  Random random(seed);
+  StressCase out;
+  out.camera = forward_camera(size, usual_focal(size));
+  out.camera.cx += seed % 2 ? distance : -0.3 * distance;
+  out.camera.cy += seed % 3 ? -distance : 0.1 * distance;
+  if (seed % 5 == 0) out.camera.cx = -distance, out.camera.cy = 0.5 * size.height;
+  add_in_view_of(out.scene, out.camera, random, 60);
+  return out;
+}
+
+/// Focal lengths that differ; severity: their ratio.
+inline StressCase uneven_focals(double ratio, std::uint64_t seed, ImageSize size) {
+  Random random(seed);
+  StressCase out;
+  out.camera = forward_camera(size, usual_focal(size));
+  (seed % 2 ? out.camera.fx : out.camera.fy) *= ratio;
+  add_in_view_of(out.scene, out.camera, random, 60);
+  return out;
+}
+
+/// A usual scene and its camera, both turned and moved: `rotation` and `distance` from the world's origin.
+inline StressCase moved_case(Random& random, ImageSize size, double distance) {
+  StressCase out = usual_case(random, size, 60, 3);
+  const dvec3 offset(distance * random.in(-1, 1), distance * random.in(-1, 1), distance);
+  for (vec3& mean : out.scene.means)
+    for (int k = 0; k < 3; ++k) mean[k] = float(double(mean[k]) + offset[k]);
+  out.camera.translation = -offset;
+  return out;
+}
+
+/// A world far from its origin, the camera there too; severity: how far.
+inline StressCase world_offsets(double distance, std::uint64_t seed, ImageSize size) {
+  Random random(seed);
+  StressCase out = moved_case(random, size, distance);
+  // Floats step by the distance's last place there: a world of steps' size shows nothing.
+  const float step = float(std::fmax(1.0, distance * 0x1p-16));
+  for (std::size_t i = 0; i < out.scene.size(); ++i) {
+    vec3& mean = out.scene.means[i];
+    for (int k = 0; k < 3; ++k)
+      mean[k] =
+          float(double(step) * (double(mean[k]) + out.camera.translation[k]) - out.camera.translation[k]);
+    out.scene.scales[i] *= step;
+  }
+  return out;
+}
+
+/// Rotations that are not orthonormal; severity: by how much. Every third is a mirror.
+inline StressCase skewed_rotations(double skew, std::uint64_t seed, ImageSize size) {
+  Random random(seed);
+  StressCase out = usual_case(random, size, 60, 3);
+  const Camera upright = out.camera;
+  const double angle = random.in(-3, 3);
+  out.camera = look_at(dvec3(0), dvec3(std::sin(angle), 0.3, std::cos(angle)), dvec3(0.1, -1, 0.2), 0.9,
+                       size.width, size.height);
+  out.camera.fx = out.camera.fy = upright.fx;
+  for (vec3& mean : out.scene.means) {
+    // To where the turned camera sees them: by the transpose, before it is skewed.
+    const vec3 p = mean;
+    for (int k = 0; k < 3; ++k) {
+      const dvec3 column = out.camera.rotation[k];
+      mean[k] = float(column.x * double(p.x) + column.y * double(p.y) + column.z * double(p.z));
+    }
+  }
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) out.camera.rotation[column][row] += random.in(-skew, skew);
+  if (seed % 3 == 0)
+    for (int column = 0; column < 3; ++column) out.camera.rotation[column].x *= -1;
+  return out;
+}
+
+}  // namespace swiftgs::stress
