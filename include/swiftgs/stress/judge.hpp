@@ -17,7 +17,7 @@ namespace swiftgs {
 /// How far a frame is from the reference, measured by what float can do.
 ///
 /// The **ratio** of a value is its error over (its largest move in the trials + what rounding costs).
-/// Rounding costs 2^-23 max(|value|, peak / 16), times sqrt(layers) / 20 from 400 layers on: a pixel's
+/// Rounding costs 2^-23 max(|value|, peak / 16), times sqrt(layers) / 8 from 64 layers on: a pixel's
 /// transmittance is rounded once a layer, which is a random walk. Up to 10 a renderer is about as good as
 /// float can be; from 100 on digits were thrown away. Where decisions are loose, what they may change is
 /// taken off the error first.
@@ -41,7 +41,7 @@ struct PlaneJudge {
   double ratio(double value, double expected, double move, double loose, std::uint32_t layers) const {
     const double error = std::abs(value - expected);
     if (!(error <= std::numeric_limits<double>::max())) return std::numeric_limits<double>::infinity();
-    const double walk = std::max(1.0, std::sqrt(double(layers)) / 20);
+    const double walk = std::max(1.0, std::sqrt(double(layers)) / 8);
     const double rounding = std::ldexp(walk * std::max(std::abs(expected), peak / 16), -23);
     const double beyond = error - loose * span;
     return beyond > 0 ? beyond / (move + rounding) : 0;
