@@ -71,7 +71,7 @@ inline double float_ulp(double value) {
 struct SplatNumbers {
   double x = 0, y = 0, x_weight = 0, y_weight = 0, shear = 0;
   double log2_opacity = 0, depth = 0;
-  Eigen::Vector3d colour;
+  Eigen::Vector3d colour = Eigen::Vector3d::Zero();
 
   explicit SplatNumbers(const Splat& s)
       : x(s.x),

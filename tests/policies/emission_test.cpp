@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "policies/backends.hpp"
+#include "policies/tile_lists.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+/// Bounds whose rows are `when_counted` columns wide while they are counted and `when_emitted` afterwards, as
+/// a compiler may make of rounding that it is free to choose.
+struct Fickle {
+  static constexpr std::string_view name = "fickle";
+  static constexpr bool lossless = false;
+  static inline int when_counted = 0, when_emitted = 0;
+  static inline std::size_t rows_to_count = 0;  ///< calls of `row` that still count
+
+  TileRect rect(const SplatShape&, TileGrid grid) const { return {{0, grid.columns}, {0, grid.rows}}; }
+  TileRun row(const SplatShape&, TileRect rect, int) const {
+    const bool counting = rows_to_count > 0;
+    if (counting) --rows_to_count;
+    const int width = counting ? when_counted : when_emitted;
+    return {0, width < rect.columns.end ? width : rect.columns.end};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("sort: emission fills what was counted whatever the bounds say then") {
+  SplatSet splats;
+  for (int i = 0; i < 20; ++i) splats.add(make_splat(40, 24, 2, 2, 0, 0.5), float(1 + i % 5));
+  const SortJob job = splats.job(80, 48);
+  const auto tiles = std::uint32_t(job.grid.size());
+  for (const int counted : {0, 1, 3, 5})
+    for (const int emitted : {0, 1, 3, 5}) {
+      CAPTURE(counted);
+      CAPTURE(emitted);
+      Fickle::when_counted = counted, Fickle::when_emitted = emitted;
+      Fickle::rows_to_count = 20 * std::size_t(job.grid.rows);
+      Serial serial;
+      EarlySort sort;
+      EarlySort::Scratch<Serial> scratch;
+      TileLists<Serial> lists;
+      sort.build(serial, job, Fickle{}, scratch, lists);
+      CHECK(lists.instances == std::size_t(20 * counted * job.grid.rows));
+
+      // Every list holds splats that there are, each as often as it was counted.
+      std::vector<std::size_t> seen(splats.shapes.size());
+      std::uint32_t listed = 0;
+      for (std::uint32_t tile = 0; tile < tiles; ++tile) {
+        const TileRange range = lists.view().ranges[tile];
+        REQUIRE(range.begin <= range.end);
+        REQUIRE(range.end <= lists.instances);
+        listed += range.end - range.begin;
+        for (std::uint32_t at = range.begin; at < range.end; ++at) {
+          REQUIRE(lists.view().ids[at] < splats.shapes.size());
+          ++seen[lists.view().ids[at]];
+        }
+      }
+      CHECK(listed == lists.instances);
+      for (const std::size_t times : seen) CHECK(times == std::size_t(counted * job.grid.rows));
+    }
+}

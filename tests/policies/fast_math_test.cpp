@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Compiled with -ffast-math, as a program of a user may be that includes the library's headers.
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/swiftgs.hpp>
+
+#include "policies/tile_lists.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+/// Checks that lists of many splats stay within the tiles and the splats that there are.
+template <class Sort, class Bounds>
+void check_lists(std::uint64_t seed) {
+  const SplatSet splats = random_splats(4000, 300, 200, seed);
+  const SortJob job = splats.job(300, 200);
+  Serial serial;
+  Sort sort;
+  typename Sort::template Scratch<Serial> scratch;
+  TileLists<Serial> lists;
+  sort.build(serial, job, Bounds{}, scratch, lists);
+  std::size_t listed = 0, strange = 0;
+  for (std::size_t tile = 0; tile < job.grid.size(); ++tile) {
+    const TileRange range = lists.view().ranges[tile];
+    strange += range.begin > range.end || range.end > lists.instances;
+    for (std::uint32_t at = range.begin; at < range.end; ++at, ++listed)
+      strange += lists.view().ids[at] >= splats.shapes.size();
+  }
+  CHECK(strange == 0);
+  CHECK(listed == lists.instances);
+  CHECK(lists.instances > splats.shapes.size());
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("fast math: tile lists name tiles and splats that there are", Bounds, Ellipse, OpacityBox,
+                   ThreeSigmaSquare) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    check_lists<EarlySort, Bounds>(seed);
+    check_lists<StandardSort, Bounds>(seed);
+  }
+}
+
+TEST_CASE("fast math: a scene with numbers that are not finite is refused") {
+  Scene scene = random_scene(10, 1, 1);
+  scene.sh_rest[7] = std::numeric_limits<float>::quiet_NaN();
+  CHECK_THROWS_AS((void)Serial().upload(scene), std::invalid_argument);
+}
