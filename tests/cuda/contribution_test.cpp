@@ -54,7 +54,7 @@ TEST_CASE("cuda contribution: what Gaussians get is what covers the pixels of th
     settings.conventions = conventions, settings.outputs.alpha = true, settings.count = true;
     const Frame frame = renderer.render(renderer.backend().upload(scene), camera, settings);
     const double covered = std::accumulate(frame.alpha.begin(), frame.alpha.end(), 0.0);
-    // Roundings as on hosts, where 1 - alpha is rounded too.
+    // Roundings as on hosts.
     const double bound =
         double(renderer.statistics().raster.contributing_pairs) * (0x1p-24 + 0x1p-25 + 0x1p-31) +
         double(frame.pixels()) * 0x1p-25;

@@ -80,6 +80,66 @@ cudaError_t poll_busy(const Stream& stream) {
 
 }  // namespace
 
+namespace {
+
+/// Draws a caller's own arrays, some of whose Gaussians hold numbers that are not finite, and the same scene
+/// without those Gaussians.
+template <class Raster>
+void check_not_finite(const Scene& wild, const Scene& tame) {
+  CAPTURE(Raster::name);
+  const Camera camera = forward_camera(160, 120);
+  const auto draw = [&](const Scene& scene) {
+    const Stream stream;
+    Renderer<Cuda, EarlySort, Raster, Ellipse> renderer{Cuda(stream.get())};
+    const Arrays arrays(scene);
+    DeviceFrame image(160, 120);
+    stream.wait();
+    renderer.render_into(arrays.view(), camera, {}, image.view());
+    return image.pixels(renderer.backend(), image.colour, 12);
+  };
+  CHECK(draw(wild) == draw(tame));
+}
+
+}  // namespace
+
+TEST_CASE("cuda embedding: Gaussians with a number that is not finite are not drawn") {
+  if (without_device()) return;
+  const Scene all = random_scene(600, 2, 5);
+  Scene wild = all, tame = all;
+  const float bad[] = {NAN, INFINITY, -INFINITY};
+  for (std::size_t i = 0; i < wild.size(); i += 3) {
+    const float value = bad[i / 3 % 3];
+    tame.opacities[i] = 0;
+    switch (i / 9 % 6) {
+      case 0:
+        wild.means[i].y = value;
+        break;
+      case 1:
+        wild.scales[i].x = value;
+        break;
+      case 2:
+        wild.rotations[i].z = value;
+        break;
+      case 3:
+        wild.opacities[i] = value;
+        break;
+      case 4:
+        wild.sh0[i].z = value;
+        break;
+      default:
+        wild.sh_rest[24 * i + 17] = value;
+    }
+  }
+  check_not_finite<PerPixel>(wild, tame);
+  check_not_finite<AxisShared<HalfSplit>>(wild, tame);
+  check_not_finite<AxisSharedThreshold<HalfSplit>>(wild, tame);
+  check_not_finite<AxisSharedThreshold<FloatSplit>>(wild, tame);
+  check_not_finite<AxisShared<FloatCholesky>>(wild, tame);
+  check_not_finite<AxisSharedThreshold<FloatCholesky>>(wild, tame);
+  CHECK_THROWS_WITH_AS((void)Cuda().upload(wild),
+                       "scene: means of Gaussian 0 is nan, expected finite numbers", std::invalid_argument);
+}
+
 TEST_CASE("cuda embedding: frames are drawn from the caller's arrays into its memory on its stream") {
   if (without_device()) return;
   const Scene scene = random_scene(4000, 2, 1);

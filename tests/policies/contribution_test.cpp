@@ -59,10 +59,9 @@ TEST_CASE_TEMPLATE("contribution: what Gaussians get is what covers the pixels",
     const double covered = std::accumulate(frame.alpha.begin(), frame.alpha.end(), 0.0);
     const Statistics statistics = renderer.statistics();
 
-    // With T the transmittance, of which no more than 1 is there: a pair rounds its weight by T 2^-24 at
-    // most, 1 - alpha by 2^-25 and their product with T by T 2^-24, and loses 2^-31 in the cut. A pixel
-    // rounds 1 - T by 2^-25. Weights and transmittance together are 1, so T rounds once for both.
-    const double bound = double(statistics.raster.contributing_pairs) * (0x1p-24 + 0x1p-25 + 0x1p-31) +
+    // Transmittance is at most 1: a pair rounds its weight and what is left of the light by 2^-25 each, and
+    // loses 2^-31 in the cut. A pixel rounds 1 - T by 2^-25.
+    const double bound = double(statistics.raster.contributing_pairs) * (0x1p-24 + 0x1p-31) +
                          double(frame.pixels()) * 0x1p-25;
     const double sum = total(sums_of<B>(scene, {camera}, conventions));
     CHECK(sum > 1000);
