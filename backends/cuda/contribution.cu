@@ -13,7 +13,8 @@ namespace kernels {
 
 /// Terms of the splats that a warp looks at together, as its part of the tile sees them.
 struct WarpTerms {
-  CholeskyForm::Terms terms[warp_size];
+  float4 terms[warp_size];
+  CholeskyForm::Rest rests[warp_size];
 };
 
 /// Sum over all lanes of values below 2^48.
@@ -57,7 +58,7 @@ __global__ void __launch_bounds__(raster_threads)
       touched = box_touched(shape, first_centre, float(part_side));
       if (touched)
         CholeskyForm::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min,
-                              mine.terms[lane_index()]);
+                              mine.terms[lane_index()], mine.rests[lane_index()]);
     }
     unsigned waiting = __ballot_sync(whole_warp, touched);
     __syncwarp();
@@ -67,7 +68,7 @@ __global__ void __launch_bounds__(raster_threads)
     for (; waiting != 0; waiting &= waiting - 1) {
       const unsigned owner = unsigned(__ffs(int(waiting))) - 1;
       float exponents[pixels_of_lane];
-      CholeskyForm::evaluate(mine.terms[owner], float(column), float(row), exponents);
+      CholeskyForm::evaluate(mine.terms[owner], mine.rests[owner], float(column), float(row), exponents);
       std::uint64_t parts = 0;
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p)

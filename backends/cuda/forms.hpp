@@ -6,7 +6,8 @@
 ///
 /// Those of a lane's pixels have two functions. `prepare` finds the terms of a splat as a part of a tile sees
 /// it, its mean relative to the part's first pixel; `evaluate` finds log2(alpha) of the lane's pixels from
-/// the place of the first within the part. Terms that are cleared show nothing.
+/// the place of the first within the part. Terms are a quadruple and a `Rest`, apart because shared memory is
+/// read by words of 16 bytes; cleared, they show nothing.
 
 #include <cmath>
 
@@ -26,57 +27,54 @@ inline constexpr float rows_between = 4;
 /// `FloatCholesky` in registers: u = l0 x + l1 y + c and v = l2 y + d at pixel (x, y) of the part, s = u^2 +
 /// v^2. From one pixel of a lane to the next, u and v grow by what depends on the splat alone.
 struct CholeskyForm {
-  struct Terms {
-    float4 factor;   ///< l0, l1, l2, log2(opacity)
-    float2 offsets;  ///< c, d
-  };
+  using Rest = float2;  ///< c, d; the quadruple is l0, l1, l2, log2(opacity)
 
-  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float log2_alpha_min, Terms& terms) {
-    terms.factor = make_float4(s.l0, s.l1, s.l2, s.reach + log2_alpha_min);
-    terms.offsets = make_float2(-fmaf(s.l0, mean.x, s.l1 * mean.y), -s.l2 * mean.y);
+  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float log2_alpha_min, float4& terms,
+                                 Rest& rest) {
+    terms = make_float4(s.l0, s.l1, s.l2, s.reach + log2_alpha_min);
+    rest = make_float2(-fmaf(s.l0, mean.x, s.l1 * mean.y), -s.l2 * mean.y);
   }
-  SWIFTGS_HD static void clear(Terms& terms) { terms = {make_float4(0, 0, 0, -INFINITY), make_float2(0, 0)}; }
+  SWIFTGS_HD static void clear(float4& terms, Rest& rest) {
+    terms = make_float4(0, 0, 0, -INFINITY), rest = make_float2(0, 0);
+  }
 
-  SWIFTGS_HD static void evaluate(const Terms& terms, float x, float y, float (&exponents)[pixels_of_lane]) {
-    const float4 f = terms.factor;
-    const float2 offsets = terms.offsets;
-    const float u = fmaf(f.x, x, fmaf(f.y, y, offsets.x)), v = fmaf(f.z, y, offsets.y);
-    const float lower_u = fmaf(f.y, rows_between, u);
-    const float lower_v = fmaf(f.z, rows_between, v);
-    exponents[0] = fmaf(-u, u, fmaf(-v, v, f.w));
-    exponents[1] = fmaf(-lower_u, lower_u, fmaf(-lower_v, lower_v, f.w));
+  SWIFTGS_HD static void evaluate(const float4& terms, const Rest& rest, float x, float y,
+                                  float (&exponents)[pixels_of_lane]) {
+    const float u = fmaf(terms.x, x, fmaf(terms.y, y, rest.x)), v = fmaf(terms.z, y, rest.y);
+    const float lower_u = fmaf(terms.y, rows_between, u);
+    const float lower_v = fmaf(terms.z, rows_between, v);
+    exponents[0] = fmaf(-u, u, fmaf(-v, v, terms.w));
+    exponents[1] = fmaf(-lower_u, lower_u, fmaf(-lower_v, lower_v, terms.w));
   }
 };
 
 /// `FloatSplit` in registers, measured from the part's first pixel: s = a x^2 + b x y + c y^2 + d x + e y +
 /// g. What depends on the column alone is computed once for both pixels of a lane.
 struct SplitForm {
-  struct Terms {
-    float4 squares;  ///< a, b, c, log2(opacity) - g
-    float4 linear;   ///< d, e, log2(opacity), unused
-  };
+  using Rest = float4;  ///< d, e, log2(opacity), unused; the quadruple is a, b, c, log2(opacity) - g
 
-  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float log2_alpha_min, Terms& terms) {
+  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float log2_alpha_min, float4& terms,
+                                 Rest& rest) {
     const float log2_opacity = s.reach + log2_alpha_min;
     const float u = -fmaf(s.l0, mean.x, s.l1 * mean.y), v = -s.l2 * mean.y;
     const float a = s.l0 * s.l0, c = fmaf(s.l1, s.l1, s.l2 * s.l2), g = fmaf(u, u, v * v);
-    terms.squares = make_float4(a, 2 * s.l0 * s.l1, c, log2_opacity - g);
-    terms.linear = make_float4(2 * s.l0 * u, 2 * fmaf(s.l1, u, s.l2 * v), log2_opacity, 0);
+    terms = make_float4(a, 2 * s.l0 * s.l1, c, log2_opacity - g);
+    rest = make_float4(2 * s.l0 * u, 2 * fmaf(s.l1, u, s.l2 * v), log2_opacity, 0);
     // Far below any splat that meets a pixel, sums of squares leave the range of float.
     const float largest = 1e30f;
-    if (!(a < largest && c < largest && g < largest)) clear(terms);
+    if (!(a < largest && c < largest && g < largest)) clear(terms, rest);
   }
-  SWIFTGS_HD static void clear(Terms& terms) {
-    terms = {make_float4(0, 0, 0, -INFINITY), make_float4(0, 0, 0, 0)};
+  SWIFTGS_HD static void clear(float4& terms, Rest& rest) {
+    terms = make_float4(0, 0, 0, -INFINITY), rest = make_float4(0, 0, 0, 0);
   }
 
-  SWIFTGS_HD static void evaluate(const Terms& terms, float x, float y, float (&exponents)[pixels_of_lane]) {
-    const float4 f = terms.squares, linear = terms.linear;
-    const float mixed = fmaf(f.y, x, linear.y), rest = fmaf(-x, fmaf(f.x, x, linear.x), f.w);
+  SWIFTGS_HD static void evaluate(const float4& terms, const Rest& rest, float x, float y,
+                                  float (&exponents)[pixels_of_lane]) {
+    const float mixed = fmaf(terms.y, x, rest.y), column = fmaf(-x, fmaf(terms.x, x, rest.x), terms.w);
     for (int p = 0; p < int(pixels_of_lane); ++p) {
       const float at = y + float(p) * rows_between;
       // Rounding may make s negative where it is nearly zero.
-      exponents[p] = fminf(fmaf(-at, fmaf(f.z, at, mixed), rest), linear.z);
+      exponents[p] = fminf(fmaf(-at, fmaf(terms.z, at, mixed), column), rest.z);
     }
   }
 };

@@ -28,7 +28,8 @@ inline constexpr unsigned queue_half = 32, queue_size = 2 * queue_half;
 /// Terms and colours of splats, as their part sees them.
 template <class Form>
 struct Queue {
-  typename Form::Terms terms[queue_size];
+  float4 terms[queue_size];
+  typename Form::Rest rests[queue_size];
   float4 colours[queue_size];  ///< RGB, depth
 };
 
@@ -45,7 +46,7 @@ struct Part {
   /// Alphas of the lane's pixels for the splat at `at`.
   __device__ void evaluate(const Queue<Form>& queue, unsigned at, float (&alphas)[pixels_of_lane]) const {
     float exponents[pixels_of_lane];
-    Form::evaluate(queue.terms[at], x, y, exponents);
+    Form::evaluate(queue.terms[at], queue.rests[at], x, y, exponents);
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p) alphas[p] = alpha_of<threshold>(exponents[p], limits);
   }
@@ -89,7 +90,7 @@ struct Part {
       // Fill the last group up with splats that show nothing.
       if (lane_index() < (group_size - count % group_size) % group_size) {
         const unsigned at = first + count + lane_index();
-        Form::clear(queue.terms[at]);
+        Form::clear(queue.terms[at], queue.rests[at]);
         queue.colours[at] = make_float4(0, 0, 0, 0);
       }
       __syncwarp();
@@ -158,7 +159,8 @@ __global__ void __launch_bounds__(raster_threads)
         const unsigned slot =
             (begun * queue_half + waiting + unsigned(__popc(lanes & lanes_below()))) % queue_size;
         __pipeline_memcpy_async(&queue.colours[slot], job.splats.colours.data + id, sizeof(float4));
-        Form::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min, queue.terms[slot]);
+        Form::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min, queue.terms[slot],
+                      queue.rests[slot]);
       }
       waiting += unsigned(__popc(lanes));
 

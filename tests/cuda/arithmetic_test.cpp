@@ -78,10 +78,11 @@ TEST_CASE("cuda arithmetic: alpha of a square is kept up to the reach and cut at
 TEST_CASE("cuda arithmetic: splats that fill a group up show nothing") {
   const RasterLimits limits(rules);
   const auto check = [&]<class Form>(Form) {
-    typename Form::Terms terms;
-    Form::clear(terms);
+    float4 terms;
+    typename Form::Rest rest;
+    Form::clear(terms, rest);
     float exponents[pixels_of_lane];
-    Form::evaluate(terms, 7, 3, exponents);
+    Form::evaluate(terms, rest, 7, 3, exponents);
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
       CHECK(alpha_of<false>(exponents[p], limits) == 0);
       CHECK(alpha_of<true>(exponents[p], limits) == 0);

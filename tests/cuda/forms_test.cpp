@@ -59,12 +59,13 @@ void check_form(const ErrorOf& error_of) {
   Worst worst, worst_usual;
   int kept = 0, wrong_alphas = 0;
   for_each_splat_and_part([&](const SplatShape& shape, vec2 first, bool usual) {
-    typename Form::Terms terms;
-    Form::prepare(shape, shape.mean - first, limits.log2_alpha_min, terms);
+    float4 terms;
+    typename Form::Rest rest;
+    Form::prepare(shape, shape.mean - first, limits.log2_alpha_min, terms, rest);
     for (int lane = 0; lane < 32; ++lane) {
       const int x = lane % part, y = lane / part;
       float exponents[pixels_of_lane];
-      Form::evaluate(terms, float(x), float(y), exponents);
+      Form::evaluate(terms, rest, float(x), float(y), exponents);
       for (unsigned p = 0; p < pixels_of_lane; ++p) {
         const double at_x = double(first.x) + x, at_y = double(first.y) + y + p * 4.0;
         const ExactSquare exact(shape, at_x, at_y);
@@ -97,24 +98,26 @@ TEST_CASE("cuda arithmetic: the split form's exponents are those of double") {
 TEST_CASE("cuda arithmetic: the split form takes s that rounding makes negative for 0") {
   // At its mean a splat has the largest exponent there is. A negative c stands for what rounding does.
   const SplatShape shape = make_splat(3.5, 2.5, 2, 1, 0.4, 0.8);
-  SplitForm::Terms terms;
-  SplitForm::prepare(shape, shape.mean - vec2(0.5f), std::log2(rules.alpha_min), terms);
+  float4 terms;
+  SplitForm::Rest rest;
+  SplitForm::prepare(shape, shape.mean - vec2(0.5f), std::log2(rules.alpha_min), terms, rest);
   float exponents[pixels_of_lane];
-  SplitForm::evaluate(terms, 3, 2, exponents);
-  CHECK(exponents[0] == doctest::Approx(terms.linear.z).epsilon(1e-6));
-  terms.squares.z = -10;
-  SplitForm::evaluate(terms, 3, 2, exponents);
-  CHECK(exponents[0] == terms.linear.z);
-  CHECK(exponents[1] == terms.linear.z);
+  SplitForm::evaluate(terms, rest, 3, 2, exponents);
+  CHECK(exponents[0] == doctest::Approx(rest.z).epsilon(1e-6));
+  terms.z = -10;
+  SplitForm::evaluate(terms, rest, 3, 2, exponents);
+  CHECK(exponents[0] == rest.z);
+  CHECK(exponents[1] == rest.z);
 }
 
 TEST_CASE("cuda arithmetic: the split form shows nothing of a splat whose squares no float holds") {
   SplatShape shape = make_splat(3.5, 2.5, 2, 1, 0.4, 0.8);
   shape.l0 = 1e25f;
-  SplitForm::Terms terms;
-  SplitForm::prepare(shape, shape.mean - vec2(0.5f), std::log2(rules.alpha_min), terms);
+  float4 terms;
+  SplitForm::Rest rest;
+  SplitForm::prepare(shape, shape.mean - vec2(0.5f), std::log2(rules.alpha_min), terms, rest);
   float exponents[pixels_of_lane];
-  SplitForm::evaluate(terms, 3, 2, exponents);
+  SplitForm::evaluate(terms, rest, 3, 2, exponents);
   CHECK(exponents[0] == -INFINITY);
 }
 

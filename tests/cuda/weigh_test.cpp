@@ -35,10 +35,11 @@ std::vector<std::uint64_t> weights_in_part(const SplatSet& splats, Span<const st
     for (const std::uint32_t id : ids) {
       const SplatShape& shape = splats.shapes[id];
       if (!box_touched(shape, first_centre, 8)) continue;
-      CholeskyForm::Terms terms;
-      CholeskyForm::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min, terms);
+      float4 terms;
+      CholeskyForm::Rest rest;
+      CholeskyForm::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min, terms, rest);
       float exponents[pixels_of_lane];
-      CholeskyForm::evaluate(terms, float(lane % 8), float(lane / 8), exponents);
+      CholeskyForm::evaluate(terms, rest, float(lane % 8), float(lane / 8), exponents);
       for (unsigned p = 0; p < pixels_of_lane; ++p)
         parts[id] += weight_parts(weigh(pixels[p], alpha_of<true>(exponents[p], limits)));
     }
