@@ -6,9 +6,13 @@
 /// each of its values, and how far a value may jump where a decision stands on the edge.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <swiftgs/reference.hpp>
@@ -22,10 +26,10 @@ struct ConditionedFrame {
   ReferenceFrame frame;                                     ///< without counts
   std::vector<double> colour_move, alpha_move, depth_move;  ///< as in `frame`: largest move in the trials
 
-  /// @shape{height, width} Weight that may change hands: of splats whose test may fall out either way, of
-  /// what lies behind a stop that may come a splat earlier or later, and of alphas as far as the form of the
-  /// exponent may err. 0 where nothing may.
-  std::vector<double> loose;
+  /// @shape{height, width} Weight that may change hands, for renderers of each form of the exponent: of
+  /// splats whose test may fall out either way, of what lies behind a stop that may come a splat earlier or
+  /// later, and of alphas as far as the form may err. 0 where nothing may.
+  std::array<std::vector<double>, exponent_forms> loose;
 
   std::vector<std::uint32_t> layers;  ///< @shape{height, width} splats that were blended
 
@@ -36,6 +40,13 @@ struct ConditionedFrame {
 
 namespace reference {
 
+/// What a form leaves open in a pixel.
+struct Looseness {
+  double weight = 0;     ///< that may change hands
+  double most_left = 1;  ///< largest transmittance that loose alphas allow
+  double drift = 0;      ///< relative uncertainty of the transmittance by loose alphas
+};
+
 /// A pixel as it is and in every trial. All take the decisions of the first.
 struct VariedPixel {
   struct State {
@@ -43,9 +54,7 @@ struct VariedPixel {
     double transmittance = 1, depth = 0, weight = 0;
   };
   std::array<State, trials + 1> states;
-  double loose = 0;
-  double most_left = 1;  ///< largest transmittance that loose alphas allow
-  double drift = 0;      ///< relative uncertainty of the transmittance by loose alphas
+  std::array<Looseness, exponent_forms> forms;
   std::uint32_t layers = 0;
   bool stopped = false;
   float occluder = std::numeric_limits<float>::infinity();
@@ -58,12 +67,31 @@ inline constexpr double threshold_moves = 10;
 struct PixelDecision {
   std::array<double, trials + 1> alphas;
   bool kept = false;
-  double loose = 0;  ///< how far alpha may be from the first of `alphas`, kept or not
+  std::array<double, exponent_forms>
+      loose{};  ///< how far alpha may be from the first of `alphas`, kept or not
 };
 
+/// How far a renderer of a form may be from `alpha`, 0 where it is not kept, at a pixel whose exponent is
+/// `exponent` and may move by `tolerance` at the threshold.
+inline double loose_alpha(ExponentForm form, const VariedSplat& splat, double x, double y, double exponent,
+                          double alpha, double tolerance, const Conventions& k) {
+  const SplatNumbers& numbers = splat.numbers[0];
+  if (!may_be_visited(form, numbers, int(x), int(y), k)) return 0;
+  const double error = exponent_error(form, numbers, x, y), log2_min = std::log2(double(k.alpha_min));
+  if (exponent + tolerance + error < log2_min) return 0;
+  // `HalfSplit` skips a pixel where rounding makes s negative.
+  const bool valid = form != ExponentForm::half_split || numbers.log2_opacity - exponent > error;
+  const bool surely_kept = splat.drawn && valid && exponent - tolerance - error > log2_min;
+  if (surely_kept && error == 0) return 0;
+  const auto alpha_at = [&](double at) {
+    return std::min(double(k.alpha_max), std::exp2(std::min(numbers.log2_opacity, at)));
+  };
+  return std::max(alpha_at(exponent + error) - alpha,
+                  surely_kept ? alpha - alpha_at(exponent - error) : alpha);
+}
+
 /// Finds alphas of `splat` at a point, whether it is kept there, and how sure that is.
-inline PixelDecision decide(const VariedSplat& splat, double x, double y, ExponentForm form,
-                            const Conventions& k) {
+inline PixelDecision decide(const VariedSplat& splat, double x, double y, const Conventions& k) {
   PixelDecision out;
   const double log2_e = 1.4426950408889634, log2_min = std::log2(double(k.alpha_min));
   double first = 0, spread = 0;
@@ -73,62 +101,48 @@ inline PixelDecision decide(const VariedSplat& splat, double x, double y, Expone
     if (t == 0) first = out.alphas[0];
     spread = std::max(spread, std::abs(out.alphas[t] - first));
   }
-  const double rounding = std::ldexp(4 + std::abs(log2_min), -22);
-  const double form_error = exponent_error(form, splat.numbers[0], x, y);
-  const double tolerance = threshold_moves * spread + rounding + form_error;
-  const bool reached = first >= log2_min && splat.splat.opacity >= double(k.alpha_min);
-  const bool surely_valid =
-      form != ExponentForm::half_split || splat.numbers[0].log2_opacity - first > form_error;
-  const bool surely_kept = splat.drawn && surely_valid && first - tolerance > log2_min;
-  const bool surely_skipped = first + tolerance < log2_min;
-  out.kept = splat.drawn && reached;
-  if (surely_skipped) return out;
-  for (double& alpha : out.alphas) alpha = std::min(double(k.alpha_max), std::exp2(alpha));
-
-  const auto alpha_at = [&](double exponent) {
-    const double most = std::min(splat.numbers[0].log2_opacity, exponent);
-    return std::min(double(k.alpha_max), std::exp2(most));
-  };
-  const double alpha = out.kept ? out.alphas[0] : 0;
-  const double high = form_error > 0 ? alpha_at(first + form_error) : out.alphas[0];
-  const double low = form_error > 0 ? alpha_at(first - form_error) : out.alphas[0];
-  out.loose = std::max(high - alpha, surely_kept ? alpha - low : alpha);
-  if (surely_kept && form_error == 0) out.loose = 0;
+  out.kept = splat.drawn && first >= log2_min && splat.splat.opacity >= double(k.alpha_min);
+  if (out.kept)
+    for (double& alpha : out.alphas) alpha = std::min(double(k.alpha_max), std::exp2(alpha));
+  const double tolerance = threshold_moves * spread + std::ldexp(4 + std::abs(log2_min), -22);
+  for (std::size_t form = 0; form < exponent_forms; ++form)
+    out.loose[form] =
+        loose_alpha(ExponentForm(form), splat, x, y, first, out.kept ? out.alphas[0] : 0, tolerance, k);
   return out;
+}
+
+/// Whether the splat, of transmittance `next` behind it, ends the pixel; adds what that leaves open.
+inline bool ends(VariedPixel& pixel, const VariedSplat& splat, const PixelDecision& decision, double next,
+                 const Conventions& k) {
+  const double stop = k.stop, before = pixel.states[0].transmittance;
+  double spread = 0;
+  for (std::size_t t = 1; t <= trials; ++t)
+    spread = std::max(spread, std::abs(pixel.states[t].transmittance * (1 - decision.alphas[t]) - next));
+  // Transmittance is rounded once a layer, and a splat that is nearly opaque leaves little of much.
+  const double rounding = std::ldexp((double(pixel.layers) + 2) * next, -23) + std::ldexp(before, -21);
+  const bool order_of_occluder =
+      (splat.least_depth >= pixel.occluder) != (splat.largest_depth >= pixel.occluder);
+  for (Looseness& form : pixel.forms) {
+    const double tolerance = threshold_moves * spread + rounding + form.drift * next;
+    if ((stop > 0 && std::abs(next - stop) <= tolerance) || order_of_occluder) form.weight += form.most_left;
+  }
+  return (k.stop_at_equal ? next <= stop : next < stop) || float(splat.splat.depth) >= pixel.occluder;
 }
 
 /// Blends the splat into the pixel, as it is and in every trial.
 inline void blend_varied(VariedPixel& pixel, const VariedSplat& splat, const PixelDecision& decision,
                          const Conventions& k) {
-  if (decision.loose > 0) {
-    pixel.loose += pixel.most_left * decision.loose;
-    pixel.drift += decision.loose / std::max(1 - decision.alphas[0], 1e-6);
+  const double alpha = decision.kept ? decision.alphas[0] : 0;
+  for (std::size_t f = 0; f < exponent_forms; ++f) {
+    Looseness& form = pixel.forms[f];
+    form.weight += form.most_left * decision.loose[f];
+    form.drift += decision.loose[f] / std::max(1 - alpha, 1e-6);
   }
-  if (!decision.kept) {
-    pixel.most_left = std::min(1.0, pixel.most_left);
-    return;
-  }
-  // Where the pixel may stop.
-  VariedPixel::State& first = pixel.states[0];
-  const double alpha = decision.alphas[0], next = first.transmittance * (1 - alpha), stop = k.stop;
-  double spread = 0;
-  for (std::size_t t = 1; t <= trials; ++t)
-    spread = std::max(spread, std::abs(pixel.states[t].transmittance * (1 - decision.alphas[t]) - next));
-  // A float's rounding of each layer, and what rounding of alpha is to a splat that is nearly opaque.
-  const double rounding =
-      std::ldexp(double(pixel.layers) + 2, -23) * next + std::ldexp(first.transmittance, -21);
-  const double tolerance = threshold_moves * spread + rounding + pixel.drift * next;
-  const bool stops = k.stop_at_equal ? next <= stop : next < stop;
-  if (stop > 0 && std::abs(next - stop) <= tolerance) pixel.loose += pixel.most_left;
-
-  const bool hidden = float(splat.splat.depth) >= pixel.occluder;
-  if ((splat.least_depth >= pixel.occluder) != (splat.largest_depth >= pixel.occluder))
-    pixel.loose += pixel.most_left;
-  if (stops || hidden) {
+  if (!decision.kept) return;
+  if (ends(pixel, splat, decision, pixel.states[0].transmittance * (1 - alpha), k)) {
     pixel.stopped = true;
     return;
   }
-  if (splat.order_is_loose) pixel.loose += pixel.most_left * alpha;
   for (std::size_t t = 0; t <= trials; ++t) {
     VariedPixel::State& state = pixel.states[t];
     const double weight = decision.alphas[t] * state.transmittance;
@@ -137,19 +151,18 @@ inline void blend_varied(VariedPixel& pixel, const VariedSplat& splat, const Pix
     state.weight += weight;
     state.transmittance -= weight;
   }
-  pixel.most_left = std::min(1.0, pixel.most_left * (1 - alpha + decision.loose));
+  for (std::size_t f = 0; f < exponent_forms; ++f) {
+    Looseness& form = pixel.forms[f];
+    if (splat.order_is_loose) form.weight += form.most_left * alpha;
+    form.most_left = std::min(1.0, form.most_left * (1 - alpha + decision.loose[f]));
+  }
   ++pixel.layers;
 }
 
 /// Offers `splat` to the pixels of image row `y`.
-inline void blend_row_varied(VariedPixel* pixels, int y, const VariedSplat& splat, ExponentForm form,
-                             const Conventions& k) {
-  for (int x = splat.splat.x_begin; x < splat.splat.x_end; ++x) {
-    if (pixels[x].stopped) continue;
-    if (!may_be_visited(form, splat.numbers[0], x, y, k)) continue;
-    const PixelDecision decision = decide(splat, x + 0.5, y + 0.5, form, k);
-    if (decision.kept || decision.loose > 0) blend_varied(pixels[x], splat, decision, k);
-  }
+inline void blend_row_varied(VariedPixel* pixels, int y, const VariedSplat& splat, const Conventions& k) {
+  for (int x = splat.splat.x_begin; x < splat.splat.x_end; ++x)
+    if (!pixels[x].stopped) blend_varied(pixels[x], splat, decide(splat, x + 0.5, y + 0.5, k), k);
 }
 
 /// Widens what `splat` may reach by far more than rounding can, and by the pixels that share a row of a tile.
@@ -203,7 +216,7 @@ inline void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pi
       note(1 - state.transmittance, out.frame.alpha[i], out.alpha_move[i]);
       note(depth_of(state), out.frame.depth[i], out.depth_move[i]);
     }
-    out.loose[i] = pixel.loose;
+    for (std::size_t form = 0; form < exponent_forms; ++form) out.loose[form][i] = pixel.forms[form].weight;
     out.layers[i] = pixel.layers;
   }
 }
@@ -211,13 +224,12 @@ inline void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pi
 }  // namespace reference
 
 /// Renders `scene` as `render_reference` does, six more times with every float of it moved by up to a unit in
-/// its last place, and finds where decisions are loose for a renderer whose exponent has the form `form`.
-/// What moves is decided by `seed` alone. Conventions have an `alpha_min` above 0.
-/// Throws `std::invalid_argument` as `render_reference` does.
+/// its last place, and finds where decisions are loose. What moves is decided by `seed` alone.
+/// Throws `std::invalid_argument` as `render_reference` does, and where `conventions` are not valid.
 inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& camera,
                                            const Conventions& conventions, dvec3 background = dvec3(0),
-                                           ExponentForm form = ExponentForm::factor, std::uint64_t seed = 1,
-                                           int threads = 0, Span<const float> occluder = {}) {
+                                           std::uint64_t seed = 1, int threads = 0,
+                                           Span<const float> occluder = {}) {
   using namespace reference;
   ConditionedFrame out;
   check_reference_arguments(scene, camera, background, occluder);
@@ -226,7 +238,8 @@ inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& cam
   prepare(out.frame, camera);
   out.colour_move.resize(out.frame.colour.size());
   out.alpha_move.resize(out.frame.alpha.size()), out.depth_move.resize(out.frame.alpha.size());
-  out.loose.resize(out.frame.alpha.size()), out.layers.resize(out.frame.alpha.size());
+  out.layers.resize(out.frame.alpha.size());
+  for (std::vector<double>& loose : out.loose) loose.resize(out.frame.alpha.size());
 
   const std::vector<VariedSplat> splats = project_all_varied(scene, View(camera, conventions), seed);
   for_each_index(std::size_t(camera.height), threads, [&](std::size_t row) {
@@ -236,7 +249,7 @@ inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& cam
       pixels[x].occluder = occluder[row * pixels.size() + x];
     for (const VariedSplat& splat : splats)
       if (y >= splat.splat.y_begin && y < splat.splat.y_end)
-        blend_row_varied(pixels.data(), y, splat, form, conventions);
+        blend_row_varied(pixels.data(), y, splat, conventions);
     write_row_varied(out, y, pixels.data(), background);
   });
 

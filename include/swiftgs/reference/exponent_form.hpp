@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <string_view>
 
@@ -20,6 +21,8 @@ enum class ExponentForm {
   float_split,  ///< three terms that may cancel, in float: `FloatSplit`
   half_split,   ///< the same, stored as half, skipped where rounding makes it negative: `HalfSplit`
 };
+
+inline constexpr std::size_t exponent_forms = 3;
 
 /// The form of the rasterizer called `name`, as in a renderer's name.
 inline ExponentForm exponent_form_named(std::string_view name) {

@@ -22,12 +22,13 @@ namespace swiftgs {
 /// float can be; from 100 on digits were thrown away. Where decisions are loose, what they may change is
 /// taken off the error first.
 struct StressVerdict {
-  double ratio = 0;             ///< largest, of colour and transmittance, beyond what is loose
-  double depth_ratio = 0;       ///< the same of depth
+  double ratio = 0;             ///< largest, of colour and transmittance
+  double excess = 0;            ///< the same beyond what the form of the exponent is allowed to err
+  double depth_excess = 0;      ///< `excess` of depth
   double psnr_db = 0;           ///< of colour, for a peak of 1, or the reference's where that is more
   double max_abs = 0;           ///< of colour
-  double loosest = 0;           ///< largest weight that may change hands in a pixel
-  std::uint64_t flips = 0;      ///< loose pixels that differ by a ratio above 10
+  double loosest = 0;           ///< largest weight that the form leaves open in a pixel
+  std::uint64_t flips = 0;      ///< pixels where a loose decision fell out the other way
   std::size_t worst_pixel = 0;  ///< of `ratio`
 };
 
@@ -50,35 +51,39 @@ struct PlaneJudge {
 
 }  // namespace stress
 
-/// Judges `frame`, of the reference's size; its alpha and depth too where it has them.
-inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame) {
+/// Judges `frame`, of the reference's size; its alpha and depth too where it has them. Its renderer works out
+/// exponents in the form `form`.
+inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame, ExponentForm form) {
   const stress::PlaneJudge colour{reference.peak, reference.colour_span}, transmittance{1, 1};
+  const std::vector<double>& decisions = reference.loose[std::size_t(ExponentForm::factor)];
+  const std::vector<double>& allowed = reference.loose[std::size_t(form)];
   StressVerdict out;
   for (std::size_t i = 0; i < reference.frame.alpha.size(); ++i) {
-    const double loose = reference.loose[i], covered = reference.frame.alpha[i];
+    const double covered = reference.frame.alpha[i];
     const std::uint32_t layers = reference.layers[i];
-    double worst = 0, worst_of_all = 0;
-    for (std::size_t v = 3 * i; v < 3 * i + 3; ++v) {
-      const auto ratio = [&](double taken_off) {
-        return colour.ratio(double(frame.colour[v]), reference.frame.colour[v], reference.colour_move[v],
-                            taken_off, layers);
-      };
-      worst = std::max(worst, ratio(loose)), worst_of_all = std::max(worst_of_all, ratio(0));
-    }
-    // Alpha is 1 - transmittance, and transmittance is what floats hold.
-    if (!frame.alpha.empty())
-      worst = std::max(worst, transmittance.ratio(1 - double(frame.alpha[i]), 1 - covered,
-                                                  reference.alpha_move[i], loose, layers));
-    if (worst > out.ratio) out.ratio = worst, out.worst_pixel = i;
-    out.flips += loose > 0 && worst_of_all > 10;
-    out.loosest = std::max(out.loosest, loose);
+    // Worst ratio of the pixel's values, beyond a weight that may change hands.
+    const auto ratio = [&](double loose) {
+      double worst = 0;
+      for (std::size_t v = 3 * i; v < 3 * i + 3; ++v)
+        worst = std::max(worst, colour.ratio(double(frame.colour[v]), reference.frame.colour[v],
+                                             reference.colour_move[v], loose, layers));
+      // Alpha is 1 - transmittance, and transmittance is what floats hold.
+      if (!frame.alpha.empty())
+        worst = std::max(worst, transmittance.ratio(1 - double(frame.alpha[i]), 1 - covered,
+                                                    reference.alpha_move[i], loose, layers));
+      return worst;
+    };
+    const double of_pixel = ratio(decisions[i]);
+    if (of_pixel > out.ratio) out.ratio = of_pixel, out.worst_pixel = i;
+    out.excess = std::max(out.excess, ratio(allowed[i]));
+    out.flips += decisions[i] > 0 && of_pixel <= 10 && ratio(0) > 10;
+    out.loosest = std::max(out.loosest, allowed[i]);
     if (frame.depth.empty() || covered == 0) continue;
     // Depth is divided by alpha: where little is covered, the rounding of transmittance is much of both.
-    const double z = reference.frame.depth[i];
+    const double z = reference.frame.depth[i], loose = allowed[i] / std::max(covered - allowed[i], 1e-9);
     const stress::PlaneJudge depth{16 * z / covered, reference.depth_span};
-    out.depth_ratio =
-        std::max(out.depth_ratio, depth.ratio(double(frame.depth[i]), z, reference.depth_move[i],
-                                              loose / std::max(covered - loose, 1e-9), layers));
+    out.depth_excess = std::max(
+        out.depth_excess, depth.ratio(double(frame.depth[i]), z, reference.depth_move[i], loose, layers));
   }
   const double peak = std::max(1.0, reference.peak);
   const auto relative = [&](const auto& values) {
