@@ -15,7 +15,8 @@ HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// 2^v for v in [-126, 126], within 1.7e-7 of the true value, relative. Outside, an arbitrary float.
+/// 2^v for v in [-126, 126], within 2e-7 of the true value, relative: 1.72e-7 with fused
+/// multiply-adds, 1.94e-7 without. Outside, an arbitrary float.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V Exp2(D d, V v) {
   const hn::RebindToSigned<D> di;
