@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <type_traits>
+#include <vector>
+
+#include "policies/rasterizers.hpp"
+#include "stability/search.hpp"
+#include "stability/targets.hpp"
+#include "stability/ulps.hpp"
+
+namespace swiftgs::test {
+namespace {
+
+// The tile that is drawn: not the first, so that coordinates round.
+constexpr int tile_x = 4, tile_y = 2, width = (tile_x + 1) * tile_side, height = (tile_y + 1) * tile_side;
+constexpr Real ln_2 = 0.693147180559945309417232121458176568L;
+
+/// s of a pixel, and the scales that errors of s are measured by.
+struct Exponent {
+  Real s, moved, split, half;
+
+  Exponent(const SplatShape& shape, Real x, Real y) {
+    const Real mx = shape.mean.x, my = shape.mean.y, l0 = shape.l0, l1 = shape.l1, l2 = shape.l2;
+    const Real dx = x - mx, dy = y - my, u = l0 * dx + l1 * dy, v = l2 * dy;
+    s = u * u + v * v;
+    // What s moves by if each number of the splat moves by one ulp.
+    const Real du = ulp(l0) * std::abs(dx) + l0 * ulp(mx) + ulp(l1) * std::abs(dy) + std::abs(l1) * ulp(my);
+    const Real dv = ulp(l2) * std::abs(dy) + l2 * ulp(my);
+    moved = 2 * std::abs(u) * du + du * du + 2 * std::abs(v) * dv + dv * dv;
+    // The scale of the bound that `FloatSplit` states; the bound is 64 of these.
+    const Real wide = std::abs(u) + 16 * (l0 + std::abs(l1)), high = std::abs(v) + 16 * l2;
+    split = 0x1p-24L * (wide * wide + high * high);
+    // One rounding to half of the largest term, and what subnormal halves lose.
+    const Real mixed = 2 * l0 * l1 * dx;
+    const Real largest = std::max({l0 * l0 * dx * dx, (l1 * l1 + l2 * l2) * dy * dy, std::abs(mixed * dy)});
+    half = 0x1p-11L * largest + 0x1p-24L * (1 + std::abs(dy) + std::abs(mixed));
+  }
+};
+
+template <class Name>
+const char* yardstick(Name name) {
+  if (name.find("half") != name.npos) return "ulps, s by roundings of its largest term to half";
+  if (name.find("split") != name.npos) return "ulps, s by 1/64 of its stated bound";
+  return "conditioned ulps";
+}
+template <class Name>
+Real scale_of(Name name, const Exponent& e) {
+  return name.find("half") != name.npos ? e.half : name.find("split") != name.npos ? e.split : e.moved;
+}
+
+SplatShape draw_shape(Random& random) {
+  const double across = random.scale(0.5478, 60), along = across * random.scale(1, 100);
+  const double middle_x = tile_x * tile_side + 8, middle_y = tile_y * tile_side + 8;
+  const double angle = random.in(0, 3.14159265), t = random.in(-2, 2), w = random.in(-2, 2);
+  return make_splat(middle_x + t * along * std::cos(angle) - w * across * std::sin(angle),
+                    middle_y + t * along * std::sin(angle) + w * across * std::cos(angle), along, across,
+                    angle, random.scale(1.0 / 250, 1));
+}
+
+void nudge_all(Random& random, SplatShape& s) {
+  nudge(random, s.mean.x), nudge(random, s.mean.y), nudge(random, s.l0), nudge(random, s.l1);
+  nudge(random, s.l2), nudge(random, s.opacity);
+  s.l0 = std::abs(s.l0), s.l2 = std::abs(s.l2);
+  // No splat is narrower than the blur.
+  s.l0 = std::fmin(s.l0, 1.5506f), s.l2 = std::fmin(s.l2, 1.5506f);
+  s.opacity = std::fmin(1.0f, std::abs(s.opacity));
+  s.reach = float(std::log2(double(s.opacity) / double(Conventions().alpha_min)));
+}
+
+/// Draws single splats on one backend; alpha is the colour of a white splat on black.
+template <class B>
+class Drawer {
+ public:
+  explicit Drawer(B& backend) : backend_(backend), ranges_(grid_.size()) {
+    ranges_.back() = {0, 1};
+    view_ = prepare(frame_, width, height, {false, false});
+  }
+  template <class Raster>
+  void draw(Raster raster, const SplatShape& shape) {
+    const SplatColour white{vec3(1), 1};
+    const SplatsView splats{.shapes = {&shape, 1}, .colours = {&white, 1}};
+    const TileListsView lists{{&id_, 1}, {ranges_.data(), ranges_.size()}};
+    rasterize(backend_, raster, RasterJob{splats, lists, grid_, rules_, vec3(0), view_, nullptr});
+  }
+  float alpha(int x, int y) const { return frame_.colour[3 * std::size_t(y * width + x)]; }
+
+ private:
+  B& backend_;
+  TileGrid grid_ = TileGrid::covering(width, height);
+  std::vector<TileRange> ranges_;
+  std::uint32_t id_ = 0;
+  Frame frame_;
+  FrameView view_;
+  BlendRules rules_ = BlendRules::from(Conventions());
+};
+
+/// All pixels of the tile, exactly.
+struct Tile {
+  std::vector<Exponent> exponents;
+  std::vector<Real> alphas;
+
+  explicit Tile(const SplatShape& shape) {
+    for (int y = 0; y < tile_side; ++y)
+      for (int x = 0; x < tile_side; ++x) {
+        exponents.emplace_back(shape, Real(tile_x * tile_side + x) + 0.5L,
+                               Real(tile_y * tile_side + y) + 0.5L);
+        alphas.push_back(Real(shape.opacity) * std::exp2(-exponents.back().s));
+      }
+  }
+};
+
+/// The largest error of log2 of a kept alpha that is not cut, over what one ulp of alpha, opacity and reach
+/// and the scale of s explain.
+template <class Raster, class B>
+double error(Drawer<B>& drawer, const SplatShape& shape, const Tile& tile) {
+  drawer.draw(Raster(), shape);
+  Real worst = 0;
+  for (std::size_t i = 0; i < tile.alphas.size(); ++i) {
+    const float alpha =
+        drawer.alpha(tile_x * tile_side + int(i) % tile_side, tile_y * tile_side + int(i) / tile_side);
+    const Real exact = tile.alphas[i];
+    if (alpha == 0 || alpha == 0.99f || exact > 0.99L) continue;
+    const Real by_alpha = (ulp(exact) / exact + ulp(shape.opacity) / shape.opacity) / ln_2;
+    const Real explained = by_alpha + ulp(shape.reach) + scale_of(Raster::name, tile.exponents[i]);
+    worst = std::max(worst, std::abs(std::log2(alpha / exact)) / explained);
+  }
+  return double(worst);
+}
+
+/// The largest error of s itself, by the scale of its form and one ulp.
+template <class Terms>
+double exponent_error(const SplatShape& shape, const Tile& tile) {
+  const vec2 centre(float(tile_x * tile_side + 8), float(tile_y * tile_side + 8));
+  const Terms terms(shape, centre);
+  Real worst = 0;
+  for (std::size_t i = 0; i < tile.alphas.size(); ++i) {
+    const Exponent& e = tile.exponents[i];
+    if (e.s > Real(shape.reach)) continue;
+    const float x = float(tile_x * tile_side) + float(i % tile_side) + 0.5f;
+    const float y = float(tile_y * tile_side) + float(i / tile_side) + 0.5f;
+    const float s = Terms::exponent(terms.x_term(x), terms.y_term(y));
+    if (std::isfinite(s)) worst = std::max(worst, std::abs(s - e.s) / (ulp(e.s) + scale_of(Terms::name, e)));
+  }
+  return double(worst);
+}
+
+}  // namespace
+
+std::vector<Worst> search_alpha(int effort) {
+  Targets targets;
+  std::vector<Worst> worst;
+  const auto add = [&](const std::string& stage, const char* by, const std::string& target) {
+    worst.push_back({stage, by, target, 0, ""});
+  };
+  const auto each_terms = [](const auto& f) {
+    f(FloatCholesky::name), f(FloatSplit::name), f(HalfSplit::name);
+  };
+  each_terms([&](auto name) { add("exponent `" + std::string(name) + "`", yardstick(name), "serial"); });
+  for (std::size_t t = 0; t < targets.size(); ++t)
+    for_each_raster([&]<class Raster>(Raster) {
+      add("alpha `" + std::string(Raster::name) + "`", yardstick(Raster::name), targets.name(t));
+    });
+  Search<SplatShape> search(worst.size(), 40 * effort, 400);
+  const auto judge = [&](const std::vector<SplatShape>& candidates, const auto& offer) {
+    std::vector<Tile> tiles;
+    for (const SplatShape& shape : candidates) {
+      tiles.emplace_back(shape);
+      offer(0, shape, exponent_error<FloatCholesky>(shape, tiles.back()));
+      offer(1, shape, exponent_error<FloatSplit>(shape, tiles.back()));
+      offer(2, shape, exponent_error<HalfSplit>(shape, tiles.back()));
+    }
+    for (std::size_t t = 0, at = 3; t < targets.size(); ++t)
+      targets.on(t, [&]<class B>(B& backend) {
+        Drawer<B> drawer(backend);
+        for_each_raster([&]<class Raster>(Raster) {
+          for (std::size_t i = 0; i < candidates.size(); ++i)
+            offer(at, candidates[i], error<Raster>(drawer, candidates[i], tiles[i]));
+          ++at;
+        });
+      });
+  };
+  search.run(128, draw_shape, nudge_all, judge);
+  for (std::size_t i = 0; i < worst.size(); ++i) {
+    const SplatShape& s = search.best()[i].candidate;
+    worst[i].ulps = search.value(i);
+    worst[i].at = text("mean %.9g %.9g l0 %.9g l1 %.9g l2 %.9g opacity %.9g", double(s.mean.x),
+                       double(s.mean.y), double(s.l0), double(s.l1), double(s.l2), double(s.opacity));
+  }
+  return worst;
+}
+
+}  // namespace swiftgs::test

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Search for the inputs that a stage errs most on. Random draws alone miss them: the worst cases hold
+/// several coincidences at once.
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "policies/random_splats.hpp"
+
+namespace swiftgs::test {
+
+/// Climbs towards the largest error of several objectives at once, from fixed seeds. The first quarter of the
+/// generations are draws; later ones are mostly neighbours of the worst candidates so far.
+template <class Candidate>
+class Search {
+ public:
+  struct Best {
+    Candidate candidate{};
+    double value = -1;
+  };
+
+  Search(std::size_t objectives, int generations, std::uint64_t seed)
+      : random_(seed), generations_(generations), best_(objectives) {}
+
+  /// draw(random) makes a candidate, mutate(random, candidate) moves one; judge(candidates, offer) measures a
+  /// generation and calls offer(objective, candidate, value).
+  template <class Draw, class Mutate, class Judge>
+  void run(std::size_t size, const Draw& draw, const Mutate& mutate, const Judge& judge) {
+    std::vector<Candidate> generation(size);
+    for (int g = 0; g < generations_; ++g) {
+      for (std::size_t i = 0; i < size; ++i) {
+        const Best& parent = best_[(i + std::size_t(g)) % best_.size()];
+        if (4 * g < generations_ || i % 8 == 0 || parent.value < 0)
+          generation[i] = draw(random_);
+        else
+          generation[i] = parent.candidate, mutate(random_, generation[i]);
+      }
+      judge(generation, [&](std::size_t objective, const Candidate& candidate, double value) {
+        Best& best = best_[objective];
+        if (value > best.value) best = {candidate, value};
+      });
+    }
+  }
+
+  const std::vector<Best>& best() const { return best_; }
+  double value(std::size_t objective) const { return best_[objective].value; }
+
+ private:
+  Random random_;
+  int generations_;
+  std::vector<Best> best_;
+};
+
+/// Moves `value` by a few floats, by a small part of itself, or not at all.
+inline void nudge(Random& random, float& value) {
+  switch (random.bits() % 4) {
+    case 0: {
+      std::uint32_t bits = 0;
+      std::memcpy(&bits, &value, sizeof bits);
+      bits += std::uint32_t(random.bits() % 9) - 4;
+      float moved = 0;
+      std::memcpy(&moved, &bits, sizeof moved);
+      if (std::isfinite(moved)) value = moved;
+      return;
+    }
+    case 1:
+      value *= 1 + random.f(-1, 1) * float(random.scale(1e-7, 0.3));
+      return;
+    default:
+      return;
+  }
+}
+
+/// The rotation nearest to `q`, in float.
+inline Quaternion normalised(Quaternion q) {
+  const double length = std::sqrt(double(q.w) * double(q.w) + double(q.x) * double(q.x) +
+                                  double(q.y) * double(q.y) + double(q.z) * double(q.z));
+  return {float(double(q.w) / length), float(double(q.x) / length), float(double(q.y) / length),
+          float(double(q.z) / length)};
+}
+
+/// Turns `q` a little, or leaves it.
+inline void nudge(Random& random, Quaternion& q) {
+  nudge(random, q.w), nudge(random, q.x), nudge(random, q.y), nudge(random, q.z);
+  q = normalised(q);
+}
+
+}  // namespace swiftgs::test

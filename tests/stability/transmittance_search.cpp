@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <vector>
+
+#include "policies/rasterizers.hpp"
+#include "stability/search.hpp"
+#include "stability/targets.hpp"
+#include "stability/ulps.hpp"
+
+namespace swiftgs::test {
+namespace {
+
+/// Layers of `alphas` in turn, from front to back.
+struct Candidate {
+  float alphas[8];
+  int period;  ///< 1: all layers are equal
+};
+
+/// Transmittance after `layers` layers of each candidate, by a whole rasterization: one row of pixels, a tile
+/// a candidate, black splats in front of a white background. Splats are flat, so alpha is their opacity.
+template <class B>
+std::vector<float> transmittances(B& backend, const std::vector<Candidate>& candidates, int layers) {
+  const int width = int(candidates.size()) * tile_side;
+  std::vector<SplatShape> shapes;
+  std::vector<SplatColour> colours;
+  std::vector<std::uint32_t> ids;
+  std::vector<TileRange> ranges;
+  for (const Candidate& c : candidates) {
+    const auto first = std::uint32_t(shapes.size()), begin = std::uint32_t(ids.size());
+    for (int k = 0; k < c.period; ++k) {
+      SplatShape shape;
+      shape.opacity = c.alphas[k], shape.reach = 20, shape.half_width = 1e9f;
+      shapes.push_back(shape), colours.push_back({vec3(0), 1});
+    }
+    for (int k = 0; k < layers; ++k) ids.push_back(first + std::uint32_t(k % c.period));
+    ranges.push_back({begin, std::uint32_t(ids.size())});
+  }
+  Frame frame;
+  const FrameView view = prepare(frame, width, 1, {false, false});
+  const SplatsView splats{.shapes = {shapes.data(), shapes.size()},
+                          .colours = {colours.data(), colours.size()}};
+  const TileListsView lists{{ids.data(), ids.size()}, {ranges.data(), ranges.size()}};
+  const BlendRules rules{1e-6f, 0.99f, 0};
+  rasterize(backend, PerPixel(),
+            RasterJob{splats, lists, TileGrid::covering(width, 1), rules, vec3(1), view, nullptr});
+  std::vector<float> found;
+  for (std::size_t i = 0; i < candidates.size(); ++i) found.push_back(frame.colour[3 * tile_side * i]);
+  return found;
+}
+
+Real exactly(const Candidate& c, int layers) {
+  Real t = 1;
+  for (int k = 0; k < layers; ++k) t *= 1 - Real(c.alphas[k % c.period]);
+  return t;
+}
+
+/// What the result moves by, as a part of itself, if every alpha moves by one ulp.
+Real moved(const Candidate& c, int layers) {
+  Real sum = 0;
+  for (int k = 0; k < layers; ++k) sum += ulp(c.alphas[k % c.period]) / (1 - Real(c.alphas[k % c.period]));
+  return sum;
+}
+
+/// The largest alpha of `layers` layers that leaves 1e-30.
+double largest_alpha(int layers) { return std::fmin(0.98, -std::expm1(-69.0 / layers)); }
+
+Candidate draw_alphas(Random& random, int layers, int period) {
+  Candidate c{};
+  c.period = period;
+  for (float& a : c.alphas) a = float(random.scale(1.0 / 255, largest_alpha(layers)));
+  return c;
+}
+
+std::string text_of(const Candidate& c) {
+  std::string line = "alphas";
+  for (int k = 0; k < c.period; ++k) line += text(" %.9g", double(c.alphas[k]));
+  return line;
+}
+
+/// Mean error over a fixed number of draws, in 2^-23 of the result: rounding that leans to one side would
+/// grow with the layers.
+template <class B>
+double bias(B& backend, int layers, int period) {
+  Random random(std::uint64_t(600 + layers + period));
+  std::vector<Candidate> candidates;
+  for (int i = 0; i < 256; ++i) candidates.push_back(draw_alphas(random, layers, period));
+  const std::vector<float> found = transmittances(backend, candidates, layers);
+  Real sum = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Real exact = exactly(candidates[i], layers);
+    sum += (found[i] - exact) / (0x1p-23L * exact);
+  }
+  return double(std::abs(sum) / Real(found.size()));
+}
+
+}  // namespace
+
+std::vector<Worst> search_transmittance(int effort) {
+  Targets targets;
+  std::vector<Worst> worst;
+  for (const int layers : {10, 100, 1000, 10000}) {
+    for (const int period : {1, 8}) {
+      Search<Candidate> search(targets.size(), 12 * effort, std::uint64_t(500 + layers + period));
+      const auto judge = [&](const std::vector<Candidate>& candidates, const auto& offer) {
+        std::vector<Real> exact, allowed;
+        for (const Candidate& c : candidates) {
+          exact.push_back(exactly(c, layers));
+          allowed.push_back(ulp(exact.back()) + exact.back() * moved(c, layers));
+        }
+        for (std::size_t t = 0; t < targets.size(); ++t) {
+          std::vector<float> found;
+          targets.on(t, [&](auto& backend) { found = transmittances(backend, candidates, layers); });
+          for (std::size_t i = 0; i < found.size(); ++i)
+            offer(t, candidates[i], double(std::abs(found[i] - exact[i]) / allowed[i]));
+        }
+      };
+      const auto nudge_all = [&](Random& random, Candidate& c) {
+        for (float& a : c.alphas)
+          nudge(random, a), a = std::clamp(a, 1.0f / 255, float(largest_alpha(layers)));
+      };
+      search.run(
+          64, [&](Random& random) { return draw_alphas(random, layers, period); }, nudge_all, judge);
+      const std::string of =
+          text("transmittance after %d %s layers", layers, period == 1 ? "equal" : "unequal");
+      for (std::size_t t = 0; t < targets.size(); ++t) {
+        worst.push_back(
+            {of, "conditioned ulps", targets.name(t), search.value(t), text_of(search.best()[t].candidate)});
+        Worst mean{"mean error of " + of, "2^-23 of it", targets.name(t), 0, "256 draws"};
+        targets.on(t, [&](auto& backend) { mean.ulps = bias(backend, layers, period); });
+        worst.push_back(mean);
+      }
+    }
+  }
+  return worst;
+}
+
+}  // namespace swiftgs::test

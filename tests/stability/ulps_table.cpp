@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "stability/ulps.hpp"
+
+using namespace swiftgs::test;
+
+namespace {
+
+std::vector<Worst> all(int effort) {
+  std::vector<Worst> rows;
+  for (const auto search :
+       {search_projection, search_axes, search_harmonics, search_exp2, search_alpha, search_transmittance})
+    for (const Worst& row : search(effort)) rows.push_back(row);
+  return rows;
+}
+
+void print_markdown(const std::vector<Worst>& rows) {
+  std::cout << "| stage | yardstick | target | worst | at |\n| --- | --- | --- | ---: | --- |\n";
+  for (const Worst& row : rows)
+    std::cout << "| " << row.stage << " | " << row.yardstick << " | " << row.target << " | "
+              << text("%.2f", row.ulps) << " | " << row.at << " |\n";
+}
+
+/// `machine` is what benchmarks/describe_machine.sh prints.
+void print_json(const std::vector<Worst>& rows, const nlohmann::ordered_json& machine) {
+  std::cout << "{\n \"format\": \"swiftgs-ulps\",\n \"version\": 1,\n \"machine\": " << machine.dump()
+            << ",\n \"command\": \"ulps_table --json\",\n \"rows\": [";
+  const char* separator = "\n  ";
+  for (const Worst& row : rows) {
+    nlohmann::ordered_json json;
+    json["stage"] = row.stage, json["target"] = row.target;
+    json["ulps"] = std::strtod(text("%.4f", row.ulps).c_str(), nullptr);
+    json["yardstick"] = row.yardstick, json["at"] = row.at;
+    std::cout << separator << json.dump();
+    separator = ",\n  ";
+  }
+  std::cout << "\n ]\n}\n";
+}
+
+}  // namespace
+
+/// ulps_table [--json MACHINE.json] [EFFORT]: the largest error of every stage. EFFORT multiplies the length
+/// of the searches; 1 is what the tests run, 4 what is recorded.
+int main(int argc, char** argv) {
+  nlohmann::ordered_json machine;
+  int effort = 4;
+  for (int i = 1; i < argc; ++i) {
+    if (std::string_view(argv[i]) == "--json" && i + 1 < argc) {
+      std::ifstream file(argv[++i]);
+      machine = nlohmann::ordered_json::parse(file, nullptr, false);
+    } else {
+      effort = std::atoi(argv[i]);
+    }
+  }
+  if (effort < 1 || machine.is_discarded()) {
+    std::cerr
+        << "usage: ulps_table [--json MACHINE.json] [EFFORT]; expected what describe_machine.sh prints and "
+           "an effort of 1 or more\n";
+    return 2;
+  }
+  const std::vector<Worst> rows = all(effort);
+  machine.is_null() ? print_markdown(rows) : print_json(rows, machine);
+}
