@@ -182,7 +182,7 @@ std::vector<Worst> search_projection(int effort) {
       }
     };
     search.run(
-        512, [&](Random& random) { return draw_gaussian(random, view.constants); },
+        256, [&](Random& random) { return draw_gaussian(random, view.constants); },
         [](Random& random, Gaussian& g) { nudge(random, g); }, judge);
     for (std::size_t i = 0; i < worst.size(); ++i)
       if (search.value(i) > worst[i].ulps)
