@@ -5,10 +5,10 @@ import os
 from tables.results import InputError, read, read_json
 
 RESULTS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "results")
-# The folders that README.md and docs/ show: a GPU, a processor with many cores and one with few, which need not have
+# The folders that README.md and docs/ show: a GPU, a processor with many cores and two with few, which need not have
 # all files. Whoever measures anew changes them here.
 FOLDERS = {"gpu": "2026-11-21-nvidia-h200", "cpu": "2026-11-21-intel-xeon-16-cores",
-           "cpu2": "2026-11-21-intel-xeon-2-cores"}
+           "cpu2": "2026-11-21-intel-xeon-2-cores", "amd": "2026-11-22-amd-epyc-2-cores"}
 
 
 class Source:

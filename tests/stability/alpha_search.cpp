@@ -160,7 +160,7 @@ std::vector<Worst> search_alpha(int effort) {
     for_each_raster([&]<class Raster>(Raster) {
       add("alpha `" + std::string(Raster::name) + "`", yardstick(Raster::name), targets.name(t));
     });
-  Search<SplatShape> search(worst.size(), 40 * effort, 400);
+  Search<SplatShape> search(worst.size(), 40, effort, 400);
   const auto judge = [&](const std::vector<SplatShape>& candidates, const auto& offer) {
     std::vector<Tile> tiles;
     for (const SplatShape& shape : candidates) {

@@ -59,7 +59,7 @@ std::vector<Worst> search_axes(int effort) {
   std::uint64_t seed = 200;
   for (const NamedCamera& named : searched_cameras()) {
     const ViewConstants v = view_constants(named.camera, Conventions());
-    Search<Candidate> search(2, 120 * effort, ++seed);
+    Search<Candidate> search(2, 120, effort, ++seed);
     const auto judge = [&](const std::vector<Candidate>& candidates, const auto& offer) {
       for (const Candidate& c : candidates) {
         const ImageAxes got = image_axes(v, c.tx, c.ty, c.z, c.scale, c.rotation);
@@ -72,7 +72,7 @@ std::vector<Worst> search_axes(int effort) {
           const float value = row[int(k % 3)];
           errors[k] = std::abs((k < 6 ? Real(value) : std::abs(Real(value))) - exact[k]);
           const std::size_t objective = k / 6;
-          if (double(errors[k] / ulp(exact[k])) <= search.value(objective)) continue;
+          if (double(errors[k] / ulp(exact[k])) <= search.reached(objective)) continue;
           if (!found)
             moved = moves([&](const Inputs& at) { return exactly(v, at); }, in, ulps_of(in)), found = true;
           offer(objective, c, double(errors[k] / (ulp(exact[k]) + moved[k])));

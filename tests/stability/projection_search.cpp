@@ -166,14 +166,14 @@ std::vector<Worst> search_projection(int effort) {
                 targets.name(i / stage_count), 0, ""};
   std::uint64_t seed = 100;
   for (const View& view : views()) {
-    Search<Gaussian> search(worst.size(), 45 * effort, ++seed);
+    Search<Gaussian> search(worst.size(), 45, effort, ++seed);
     const auto judge = [&](const std::vector<Gaussian>& candidates, const auto& offer) {
       std::vector<Judge> judges;
       for (const Gaussian& g : candidates) judges.emplace_back(view, g);
       for (std::size_t t = 0; t < targets.size(); ++t) {
         std::vector<Found> found;
         targets.on(t, [&](auto& backend) { found = project_all(backend, view, candidates); });
-        const auto known = [&](std::size_t stage) { return search.value(t * stage_count + stage); };
+        const auto known = [&](std::size_t stage) { return search.reached(t * stage_count + stage); };
         for (const Found& f : found) {
           const auto errors = judges[f.candidate].errors(f, known);
           for (std::size_t k = 0; k < stage_count; ++k)

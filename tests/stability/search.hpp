@@ -15,7 +15,8 @@
 namespace swiftgs::test {
 
 /// Climbs towards the largest error of several objectives at once, from fixed seeds. The first quarter of the
-/// generations are draws; later ones are mostly neighbours of the worst candidates so far.
+/// generations are draws; later ones are mostly neighbours of the worst candidates so far. A search is
+/// repeated with other seeds `effort` times, so one of more effort finds at least as much.
 template <class Candidate>
 class Search {
  public:
@@ -24,36 +25,48 @@ class Search {
     double value = -1;
   };
 
-  Search(std::size_t objectives, int generations, std::uint64_t seed)
-      : random_(seed), generations_(generations), best_(objectives) {}
+  Search(std::size_t objectives, int generations, int effort, std::uint64_t seed)
+      : seed_(seed), generations_(generations), effort_(effort), now_(objectives), best_(objectives) {}
 
   /// draw(random) makes a candidate, mutate(random, candidate) moves one; judge(candidates, offer) measures a
   /// generation and calls offer(objective, candidate, value).
   template <class Draw, class Mutate, class Judge>
   void run(std::size_t size, const Draw& draw, const Mutate& mutate, const Judge& judge) {
-    std::vector<Candidate> generation(size);
-    for (int g = 0; g < generations_; ++g) {
-      for (std::size_t i = 0; i < size; ++i) {
-        const Best& parent = best_[(i + std::size_t(g)) % best_.size()];
-        if (4 * g < generations_ || i % 8 == 0 || parent.value < 0)
-          generation[i] = draw(random_);
-        else
-          generation[i] = parent.candidate, mutate(random_, generation[i]);
+    for (int repeat = 0; repeat < effort_; ++repeat) {
+      climb(Random(seed_ + 7919 * std::uint64_t(repeat)), size, draw, mutate, judge);
+      for (std::size_t i = 0; i < best_.size(); ++i) {
+        if (now_[i].value > best_[i].value) best_[i] = now_[i];
+        now_[i] = {};
       }
-      judge(generation, [&](std::size_t objective, const Candidate& candidate, double value) {
-        Best& best = best_[objective];
-        if (value > best.value) best = {candidate, value};
-      });
     }
   }
 
+  /// What an objective has reached in the present repetition: less need not be judged exactly.
+  double reached(std::size_t objective) const { return now_[objective].value; }
   const std::vector<Best>& best() const { return best_; }
   double value(std::size_t objective) const { return best_[objective].value; }
 
  private:
-  Random random_;
-  int generations_;
-  std::vector<Best> best_;
+  template <class Draw, class Mutate, class Judge>
+  void climb(Random random, std::size_t size, const Draw& draw, const Mutate& mutate, const Judge& judge) {
+    std::vector<Candidate> generation(size);
+    for (int g = 0; g < generations_; ++g) {
+      for (std::size_t i = 0; i < size; ++i) {
+        const Best& parent = now_[(i + std::size_t(g)) % now_.size()];
+        if (4 * g < generations_ || i % 8 == 0 || parent.value < 0)
+          generation[i] = draw(random);
+        else
+          generation[i] = parent.candidate, mutate(random, generation[i]);
+      }
+      judge(generation, [&](std::size_t objective, const Candidate& candidate, double value) {
+        if (value > now_[objective].value) now_[objective] = {candidate, value};
+      });
+    }
+  }
+
+  std::uint64_t seed_;
+  int generations_, effort_;
+  std::vector<Best> now_, best_;
 };
 
 /// Moves `value` by a few floats, by a small part of itself, or not at all.

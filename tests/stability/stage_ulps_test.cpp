@@ -7,8 +7,8 @@ using namespace swiftgs::test;
 
 namespace {
 
-/// Each gate is the recorded number, which docs/conventions.md shows, so that table and gate are one. What
-/// was recorded took a search four times as long. A twentieth and a tenth of an ulp more are left for
+/// Each gate is the recorded number, which docs/conventions.md shows, so that table and gate are one. The
+/// record repeats these searches with three more seeds. A twentieth and a tenth of an ulp more are left for
 /// compilers, which order and fuse operations differently.
 void check_against_the_record(const std::vector<Worst>& found) {
   static const Record record(SWIFTGS_ULPS_JSON);

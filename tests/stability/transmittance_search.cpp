@@ -100,7 +100,7 @@ std::vector<Worst> search_transmittance(int effort) {
   std::vector<Worst> worst;
   for (const int layers : {10, 100, 1000, 10000}) {
     for (const int period : {1, 8}) {
-      Search<Candidate> search(targets.size(), 12 * effort, std::uint64_t(500 + layers + period));
+      Search<Candidate> search(targets.size(), 12, effort, std::uint64_t(500 + layers + period));
       const auto judge = [&](const std::vector<Candidate>& candidates, const auto& offer) {
         std::vector<Real> exact, allowed;
         for (const Candidate& c : candidates) {

@@ -89,7 +89,8 @@ std::string text(const char* format, T... values) {
   return line;
 }
 
-/// The searches of each file. `effort` multiplies how long each searches: tests take 1, the table 4.
+/// The searches of each file. `effort` is how often each is repeated with other seeds: tests take 1, the
+/// table 4.
 std::vector<Worst> search_axes(int effort);
 std::vector<Worst> search_projection(int effort);
 std::vector<Worst> search_harmonics(int effort);

@@ -46,8 +46,8 @@ void print_json(const std::vector<Worst>& rows, const nlohmann::ordered_json& ma
 
 }  // namespace
 
-/// ulps_table [--json MACHINE.json] [EFFORT]: the largest error of every stage. EFFORT multiplies the length
-/// of the searches; 1 is what the tests run, 4 what is recorded.
+/// ulps_table [--json MACHINE.json] [EFFORT]: the largest error of every stage. EFFORT repeats
+/// the searches; 1 is what the tests run, 4 what is recorded.
 int main(int argc, char** argv) {
   nlohmann::ordered_json machine;
   int effort = 4;

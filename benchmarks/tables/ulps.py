@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What single stages of the arithmetic err by: the largest errors that `ulps_table` found by search."""
+from tables.markdown import table
+from tables.results import InputError, is_number
+from tables.source import processor
+
+# What a page shows of them; the folder of the machine shows all.
+SHOWN = ("mean", "depth", "rows of `image_axes`", "cross product of `image_axes`", "determinant without blur", "`l0`",
+         "`l1`", "`l2`", "reach", "half width", "colour of degree 3", "`Exp2`", "alpha `per-pixel`",
+         "alpha `axis-shared-threshold-float-split`", "alpha `axis-shared-threshold-float-cholesky`",
+         "alpha `axis-shared-threshold-half-split`", "transmittance after 1000 equal layers",
+         "transmittance after 10000 equal layers", "transmittance after 10000 unequal layers")
+
+
+def rows_of(source, machine):
+    """(path, {(stage, yardstick): {target: ulps}}, the machine in words)"""
+    path = source.path(machine, "ulps.json")
+    found = source.json(machine, "ulps.json")
+    if found.get("format") != "swiftgs-ulps" or found.get("version") != 1:
+        raise InputError(f"{path}: format {found.get('format')!r}, version {found.get('version')!r}; "
+                         "expected 'swiftgs-ulps', 1")
+    stages = {}
+    for n, row in enumerate(found.get("rows", [])):
+        if not all(isinstance(row.get(name), str) for name in ("stage", "target", "yardstick")) or \
+                not is_number(row.get("ulps")):
+            raise InputError(f"{path}: rows[{n}]: expected a stage, a target, a yardstick and a number of ulps")
+        stages.setdefault((row["stage"], row["yardstick"]), {})[row["target"]] = row["ulps"]
+    if not stages:
+        raise InputError(f"{path}: no rows; expected what ulps_table --json prints")
+    return path, stages, processor(found.get("machine", {}))
+
+
+def ulps(source, machine):
+    """The stages of SHOWN, each on the target that errs most."""
+    path, stages, words = rows_of(source, machine)
+    missing = [name for name in SHOWN if name not in {stage for stage, _ in stages}]
+    if missing:
+        raise InputError(f"{path}: no row of {missing[0]}; expected one of each stage")
+    rows = []
+    for name in SHOWN:
+        for (stage, yardstick), found in stages.items():
+            if stage == name:
+                worst = max(found, key=found.get)
+                rows.append([stage, yardstick, worst, f"{found[worst]:.2f}"])
+    return f"{words}:\n\n" + table(["stage", "measured in", "worst on", "error"], rows, words=3)
+
+
+def all_ulps(source, machine):
+    """Every stage on every target."""
+    _, stages, words = rows_of(source, machine)
+    targets = list(dict.fromkeys(target for found in stages.values() for target in found))
+    rows = [[stage, yardstick, *(f"{found[target]:.2f}" if target in found else "-" for target in targets)]
+            for (stage, yardstick), found in stages.items()]
+    return f"{words}:\n\n" + table(["stage", "measured in", *targets], rows, words=2)
+
+
+TABLES = {"ulps": ulps, "all-ulps": all_ulps}
