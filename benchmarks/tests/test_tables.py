@@ -63,6 +63,8 @@ class Tables(unittest.TestCase):
             synthetic_folder.write(cls.results / FOLDERS[machine], backend, older=machine == "cpu")
         for name in ("instructions-garden.csv", "kernels-garden.csv"):
             shutil.copy(pathlib.Path(RESULTS) / FOLDERS["gpu"] / name, cls.results / FOLDERS["gpu"])
+        (cls.results / FOLDERS["amd"]).mkdir()
+        shutil.copy(pathlib.Path(RESULTS) / FOLDERS["amd"] / "ulps.json", cls.results / FOLDERS["amd"])
 
     @classmethod
     def tearDownClass(cls):
@@ -179,6 +181,22 @@ class Tables(unittest.TestCase):
             json.dumps(synthetic_folder.synthetic.file_of(rows)), encoding="utf-8")
         error = self.update("<!-- table: sort-growth gpu gaussians -->\n<!-- end -->\n", results=folder.parent)[3]
         self.assertRegex(error, r"\A[^\n]+scaling-gaussians.json[^\n]*: garden: expected rows of [^\n]+\n\Z")
+
+    def test_a_stage_is_shown_with_the_target_that_errs_most(self):
+        found = json.loads((self.results / FOLDERS["amd"] / "ulps.json").read_text(encoding="utf-8"))
+        for row in found["rows"]:
+            if row["stage"] == "`Exp2`":
+                row["ulps"] = 9.875 if row["target"] == "cpu AVX2" else 1
+        folder = self.place / "ulps" / FOLDERS["amd"]
+        folder.mkdir(parents=True)
+        (folder / "ulps.json").write_text(json.dumps(found), encoding="utf-8")
+        _, text, _, error = self.update("<!-- table: ulps amd -->\n<!-- end -->\n", results=folder.parent)
+        self.assertEqual((error, cells(text, "`Exp2`")[2:]), ("", ["cpu AVX2", "9.88"]))
+        found["rows"] = [row for row in found["rows"] if row["stage"] != "`l1`"]
+        (folder / "ulps.json").write_text(json.dumps(found), encoding="utf-8")
+        code, _, _, error = self.update("<!-- table: ulps amd -->\n<!-- end -->\n", results=folder.parent)
+        self.assertEqual(code, 2)
+        self.assertRegex(error, r"ulps.json: no row of `l1`; expected one of each stage\n\Z")
 
     def test_speed_ups_are_against_the_baseline(self):
         text = self.table("steps gpu")
