@@ -127,7 +127,8 @@ std::vector<Worst> search_harmonics(int effort) {
   std::vector<Worst> all;
   for (int degree = 1; degree <= max_sh_degree; ++degree) {
     // Objective 0 is the basis alone, 1 is `sh_colour` alone; then whole colours on each target.
-    Search<Candidate> search(2 + targets.size(), 2000, effort, std::uint64_t(300 + degree));
+    // Many short climbs: with so many coefficients, one climb ends at a hill of its own.
+    Search<Candidate> search(2 + targets.size(), 400, 8 * effort, std::uint64_t(300 + degree));
     const auto judge = [&](const std::vector<Candidate>& candidates, const auto& offer) {
       for (const Candidate& c : candidates) {
         const vec3 d = view_direction(constants, c.mean);
