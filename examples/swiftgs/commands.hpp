@@ -18,5 +18,6 @@ void add_list(CLI::App& app);
 void add_prune(CLI::App& app);
 void add_render(CLI::App& app);
 void add_report(CLI::App& app);
+void add_stress(CLI::App& app);
 
 }  // namespace swiftgs::cli

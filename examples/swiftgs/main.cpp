@@ -53,6 +53,7 @@ int run(int argc, char** argv) {
   add_prune(app);
   add_bench(app);
   add_report(app);
+  add_stress(app);
 
   try {
     app.parse(argc, argv);

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stress/cases.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <stdexcept>
+
+#include <swiftgs/camera.hpp>
+
+#include "bench/inputs.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+ImageSize size_named(const std::string& text) {
+  ImageSize size;
+  const char *at = text.data(), *const end = at + text.size();
+  const auto read = [&](int& side) {
+    const auto [next, error] = std::from_chars(at, end, side);
+    at = next;
+    return error == std::errc() && side >= 1 && side <= max_image_side;
+  };
+  const bool good = read(size.width) && at != end && *at++ == 'x' && read(size.height) && at == end;
+  if (!good)
+    throw std::invalid_argument("--size '" + text + "': expected WIDTHxHEIGHT such as 64x48, each 1 to " +
+                                std::to_string(max_image_side));
+  return size;
+}
+
+}  // namespace
+
+std::vector<const StressFamily*> families_named(const std::string& names) {
+  std::vector<std::string> wanted;
+  if (!names.empty()) wanted = list_of("--families", names);
+  for (const std::string& name : wanted) {
+    std::string valid;
+    bool found = false;
+    for (const StressFamily& family : stress_families()) {
+      found |= family.name == name;
+      valid += (valid.empty() ? "" : ", ") + std::string(family.name);
+    }
+    if (!found) throw std::invalid_argument("--families '" + name + "': expected some of " + valid);
+  }
+  std::vector<const StressFamily*> families;
+  for (const StressFamily& family : stress_families())
+    if (wanted.empty() || std::find(wanted.begin(), wanted.end(), family.name) != wanted.end())
+      families.push_back(&family);
+  return families;
+}
+
+std::vector<double> severities_named(const std::string& text, const StressFamily& family) {
+  if (text == "all") return family.severities;
+  const double least = family.severities.front(), most = family.severities.back();
+  if (text == "max") return {most};
+  std::vector<double> severities;
+  try {
+    severities = numbers_of("--severity", text);
+  } catch (const std::invalid_argument&) {
+    throw std::invalid_argument("--severity '" + text +
+                                "': expected max, all, or numbers separated by commas, each once");
+  }
+  for (const double severity : severities)
+    if (!(severity >= least && severity <= most))
+      throw std::invalid_argument("--severity '" + text + "': expected " + severity_text(least) + " to " +
+                                  severity_text(most) + " for " + std::string(family.name) + " (" +
+                                  std::string(family.severity) + ")");
+  std::sort(severities.begin(), severities.end());
+  return severities;
+}
+
+std::vector<ImageSize> sizes_named(const std::string& text) {
+  std::vector<ImageSize> sizes;
+  for (const std::string& size : list_of("--size", text)) sizes.push_back(size_named(size));
+  return sizes;
+}
+
+std::vector<StressPoint> points_of(const std::string& families, const std::string& severities,
+                                   const std::string& sizes) {
+  std::vector<StressPoint> points;
+  for (const ImageSize size : sizes_named(sizes))
+    for (const StressFamily* family : families_named(families))
+      for (const double severity : severities_named(severities, *family))
+        points.push_back({family, severity, size});
+  return points;
+}
+
+std::string severity_text(double severity) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", severity);
+  std::string short_text = text;
+  if (const std::size_t e = short_text.find('e'); e != short_text.npos) {
+    if (short_text[e + 1] == '+') short_text.erase(e + 1, 1);
+    const std::size_t digits = e + 1 + (short_text[e + 1] == '-');
+    while (short_text[digits] == '0') short_text.erase(digits, 1);
+  }
+  return short_text;
+}
+
+}  // namespace swiftgs::cli

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <swiftgs/stress/families.hpp>
+
+namespace swiftgs::cli {
+
+/// A family at one severity and image size.
+struct StressPoint {
+  const StressFamily* family = nullptr;
+  double severity = 0;
+  ImageSize size;
+};
+
+/// The families that `names` lists, all where it is empty, in the order of `stress_families`. Throws
+/// `std::invalid_argument` with the valid names.
+std::vector<const StressFamily*> families_named(const std::string& names);
+
+/// The severities of `family` that `text` asks for: `max`, `all`, or numbers. Throws `std::invalid_argument`
+/// for a number outside of the family's own range: a scene of any size could follow from it.
+std::vector<double> severities_named(const std::string& text, const StressFamily& family);
+
+/// Sizes such as `64x48,960x540`. Throws `std::invalid_argument`.
+std::vector<ImageSize> sizes_named(const std::string& text);
+
+/// Every combination, size by size and family by family.
+std::vector<StressPoint> points_of(const std::string& families, const std::string& severities,
+                                   const std::string& sizes);
+
+/// As 1e10, 0.1 or inf.
+std::string severity_text(double severity);
+
+}  // namespace swiftgs::cli

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bench/machine.hpp"
+
+/// What `stress` finds, as docs/results.md describes its file, member by member.
+namespace swiftgs::cli {
+
+/// The ratio of `StressVerdict` above which a renderer is not trusted.
+inline constexpr double stress_gate = 10;
+
+/// One renderer on a family at one severity and image size: the worst over the seeds.
+struct StressRow {
+  std::string family, severity_label;
+  double severity = 0;
+  int width = 0, height = 0;
+  std::string renderer;
+  int seeds = 0;   ///< that were drawn or tried
+  int failed = 0;  ///< of these, where the renderer threw
+
+  double ratio = 0, depth_ratio = 0, psnr_db = 0, max_abs = 0, loosest = 0;
+  std::uint64_t flips = 0;  ///< sum over the seeds
+  std::uint64_t worst_seed = 0;
+  std::size_t worst_pixel = 0;
+  std::string error;  ///< first message of the renderer, or empty
+
+  /// Whether every seed was drawn with a ratio that passes the gate. NaN does not.
+  bool passes() const { return failed == 0 && ratio <= stress_gate; }
+};
+
+struct StressResults {
+  Machine machine;
+  std::string command;
+  std::vector<StressRow> rows;
+};
+
+/// The document of `--json`.
+std::string to_json(const StressResults& results);
+
+}  // namespace swiftgs::cli

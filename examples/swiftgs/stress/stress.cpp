@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stress/stress.hpp"
+
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+
+#include <CLI/CLI.hpp>
+
+#include "bench/threads.hpp"
+#include "choice.hpp"
+#include "commands.hpp"
+#include "progress.hpp"
+#include "result_file.hpp"
+#include "stress/sweep.hpp"
+#include "stress/table.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+constexpr int most_seeds = 1000000;
+
+constexpr const char* more =
+    R"(Draws frames that are hard on float arithmetic, and judges them against float64. A family is a
+kind of hard frame, and its severity says how hard. The ratio is a pixel's error over what
+rounding the scene and the arithmetic to float may cost: up to 10 a renderer is about as good
+as float can be, from 100 on it has lost digits. What a tie, a threshold or the stated bound
+of a half or split exponent leaves open is taken off the error first. 'loose' is the largest
+weight that is left open so; near 1, little is promised.
+--severity is all, max, or numbers in the units of each family. The columns are rasterizers;
+docs/results.md describes the JSON.
+Exit code 0: every ratio is 10 or less. Exit code 1: a ratio is above 10, a renderer failed,
+or an option is wrong; the last line on standard error says which. Bounds that cut splats, as
+three-sigma-square does, do not pass.
+
+Examples:
+  swiftgs stress --json stress.json
+  swiftgs stress --renderers 'cuda/early/*/ellipse' --families needles,mixtures --severity max
+  swiftgs stress --families needles --severity 1e3,1e5 --seeds 64 --size 64x48,960x540)";
+
+/// Throws unless every row passes.
+void require_passes(const std::vector<StressRow>& rows) {
+  std::size_t above = 0, failed = 0;
+  const StressRow *worst = nullptr, *failure = nullptr;
+  for (const StressRow& row : rows) {
+    if (row.failed > 0) ++failed, failure = failure ? failure : &row;
+    if (row.failed == row.seeds || row.ratio <= stress_gate) continue;
+    ++above;
+    if (!worst || !(row.ratio <= worst->ratio)) worst = &row;
+  }
+  const auto case_of = [](const StressRow& row) {
+    return row.renderer + " on " + row.family + " at " + severity_text(row.severity);
+  };
+  const std::string of_rows = " of " + std::to_string(rows.size()) + " rows";
+  if (failure)
+    throw std::runtime_error("stress: renderers failed in " + std::to_string(failed) + of_rows + ", first " +
+                             case_of(*failure) + ", " + failure->error);
+  if (worst)
+    throw std::runtime_error("stress: expected ratios up to 10; " + std::to_string(above) + of_rows +
+                             " are above, the worst " + ratio_text(worst->ratio) + " of " + case_of(*worst) +
+                             ", seed " + std::to_string(worst->worst_seed));
+}
+
+}  // namespace
+
+void stress(const StressOptions& options, const std::vector<RendererEntry>& entries) {
+  const std::vector<StressPoint> points = points_of(options.families, options.severities, options.sizes);
+  if (options.seeds < 1 || options.seeds > most_seeds)
+    throw std::invalid_argument("--seeds " + std::to_string(options.seeds) + ": expected 1 to " +
+                                std::to_string(most_seeds));
+  const ThreadLimit limit(options.threads);
+  ResultFile file(options.json);
+  StressResults results;
+  results.machine = describe_machine(), results.command = command_line();
+  Sweep sweep(entries, options.seeds, limit.threads());
+  {
+    Progress progress(points.size() * std::size_t(options.seeds) * entries.size());
+    for (const StressPoint& point : points) {
+      for (StressRow& row : sweep.run(point, progress)) results.rows.push_back(std::move(row));
+      file.write(to_json(results));
+    }
+  }
+  print_stress(results.rows);
+  std::fflush(stdout);
+  require_passes(results.rows);
+}
+
+void add_stress(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("stress", "Where renderers stop being exact, on frames made to be hard");
+  command->footer(more);
+  const auto options = std::make_shared<StressOptions>();
+  command
+      ->add_option("--renderers", options->renderers, "Which: names with * for any text, separated by commas")
+      ->capture_default_str();
+  command->add_option("--families", options->families, "Names separated by commas [all]");
+  command->add_option("--severity", options->severities, "all, max, or numbers")->capture_default_str();
+  command->add_option("--seeds", options->seeds, "Frames of each family and severity")->capture_default_str();
+  command->add_option("--size", options->sizes, "Of images, one or several")->capture_default_str();
+  command->add_option("--threads", options->threads, "Of the cpu backend and the reference [all]");
+  command->add_option("--json", options->json, "File for the results");
+  command->callback([options] { stress(*options, renderers_matching(options->renderers)); });
+}
+
+}  // namespace swiftgs::cli

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <swiftgs/any_renderer.hpp>
+
+namespace swiftgs::cli {
+
+struct StressOptions {
+  std::string renderers = "*/early/*/ellipse";
+  std::string families;  ///< separated by commas; empty for all
+  std::string severities = "all", sizes = "64x48";
+  int seeds = 8;
+  std::optional<std::size_t> threads;
+  std::string json;
+};
+
+/// Runs the command with renderers of any table: prints tables and writes the file. Throws
+/// `std::invalid_argument` for options that make no sense, and afterwards `std::runtime_error` where a ratio
+/// is above `stress_gate` or a renderer threw.
+void stress(const StressOptions& options, const std::vector<RendererEntry>& entries);
+
+}  // namespace swiftgs::cli
