@@ -138,12 +138,14 @@ void print_verdict(const Rows& rows) {
 
 constexpr const char* legend = R"(
 A cell: the largest severity up to which the ratio stays at or below 10 ('-': none) and, at the greatest
-severity, the worst ratio; the largest absolute error and the least PSNR; the largest weight left open.
+severity, the worst ratio; the largest absolute error and the least PSNR; 'loose', the largest weight left
+open, of 1 in a pixel: the error is judged beyond it.
 )";
 
 }  // namespace
 
 std::string ratio_text(double ratio) {
+  if (ratio == 0) return "0";
   if (!std::isfinite(ratio)) return "inf";
   char text[32];
   std::snprintf(text, sizeof text, ratio < 10 ? "%.2f" : ratio < 1e5 ? "%.0f" : "%.1e", ratio);

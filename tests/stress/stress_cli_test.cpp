@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <initializer_list>
+#include <set>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <swiftgs/version.hpp>
+
+#include "cli/command.hpp"
+
+using Json = nlohmann::json;
+using swiftgs::test::content_of;
+using swiftgs::test::lines_in;
+using swiftgs::test::Outcome;
+using swiftgs::test::run;
+using swiftgs::test::TemporaryFolder;
+
+namespace {
+
+void fails(const std::string& arguments, std::initializer_list<const char*> words) {
+  const TemporaryFolder place;
+  const Outcome outcome = swiftgs::test::swiftgs(place, "stress " + arguments);
+  CAPTURE(arguments);
+  CAPTURE(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(lines_in(outcome.err) == 1);
+  CHECK(outcome.err.starts_with("swiftgs: "));
+  for (const char* word : words) CHECK(outcome.err.find(word) != std::string::npos);
+}
+
+const std::string one = " --renderers serial/early/per-pixel/ellipse --seeds 1 ";
+
+}  // namespace
+
+TEST_CASE("stress: a sweep of one family ends well and prints a column for each rasterizer") {
+  const TemporaryFolder place;
+  const std::string text =
+      run(place, "stress --families needles --severity max --seeds 1 --renderers 'serial/early/*/ellipse'")
+          .out;
+  CHECK(text.find("\nserial/early/*/ellipse: 64x48, 1 seed\n") != std::string::npos);
+  CHECK(text.find("\n  at 1e10 ") != std::string::npos);
+  for (const char* raster : {"per-pixel", "axis-shared-threshold-float-cholesky", "axis-shared-half-split"})
+    CHECK(text.find("\nserial/early/" + std::string(raster) + "/ellipse: trustworthy in 1 family;") !=
+          std::string::npos);
+}
+
+TEST_CASE("stress: results have a head and a row for each family with severity and size") {
+  const TemporaryFolder place;
+  run(place,
+      "stress --families little-blur,needles --size 16x12,20x10 --seeds 2 --json r.json"
+      " --renderers 'serial/early/per-pixel/ellipse,serial/standard/axis-shared-half-split/ellipse'");
+  const Json results = Json::parse(content_of(place / "r.json"));
+  CHECK(results.at("format") == "swiftgs-stress");
+  CHECK(results.at("version") == 1);
+  CHECK(results.at("machine").at("version") == swiftgs::version);
+  CHECK(
+      results.at("command").get<std::string>().starts_with("swiftgs stress --families little-blur,needles "));
+  REQUIRE(results.at("rows").size() == 2 * 2 * 10);
+  std::set<std::string> places;
+  for (const Json& row : results.at("rows")) {
+    CAPTURE(row.dump());
+    places.insert(row.at("family").dump() + row.at("severity").dump() + row.at("width").dump() +
+                  row.at("renderer").dump());
+    CHECK(row.at("renderer") ==
+          row.at("backend").get<std::string>() + "/" + row.at("sort").get<std::string>() + "/" +
+              row.at("raster").get<std::string>() + "/" + row.at("bounds").get<std::string>());
+    CHECK(row.at("severity_label") ==
+          (row.at("family") == "needles" ? "length over width" : "1 / blur (1/px^2)"));
+    CHECK(row.at("height") == (row.at("width") == 16 ? 12 : 10));
+    CHECK(row.at("seeds") == 2);
+    CHECK(row.at("failed") == 0);
+    CHECK(row.at("error").is_null());
+    for (const char* number : {"ratio", "depth_ratio", "psnr_db", "max_abs", "loosest"})
+      CHECK(row.at(number) >= 0);
+    CHECK(row.at("ratio") <= 10);
+    CHECK(row.at("worst_seed") >= 1);
+    CHECK(row.at("worst_seed") <= 2);
+    CHECK(row.at("worst_pixel") < row.at("width").get<int>() * row.at("height").get<int>());
+  }
+  CHECK(places.size() == results.at("rows").size());
+  CHECK(places.contains("\"little-blur\"null16\"serial/early/per-pixel/ellipse\""));
+}
+
+TEST_CASE("stress: bounds that cut splats end with exit code 1 after table and results") {
+  const TemporaryFolder place;
+  const Outcome outcome =
+      swiftgs::test::swiftgs(place,
+                             "stress --families pancakes --severity 1e4 --seeds 2 --json r.json"
+                             " --renderers 'serial/early/per-pixel/*'");
+  CAPTURE(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(lines_in(outcome.err) == 1);
+  CHECK(outcome.err.starts_with(
+      "swiftgs: stress: expected ratios up to 10; 1 of 3 rows are above, the worst "));
+  CHECK(outcome.err.find("serial/early/per-pixel/three-sigma-square on pancakes at 1e4, seed ") !=
+        std::string::npos);
+  CHECK(outcome.out.find("serial/early/per-pixel/three-sigma-square: stops at pancakes 1e4;") !=
+        std::string::npos);
+  CHECK(outcome.out.find("serial/early/per-pixel/ellipse: trustworthy in 1 family;") != std::string::npos);
+  CHECK(Json::parse(content_of(place / "r.json")).at("rows").size() == 3);
+}
+
+TEST_CASE("stress: options that make no sense are one line with what was typed and expected") {
+  fails("--families needle" + one, {"--families 'needle'", "expected some of needles, pancakes", "mixtures"});
+  fails("--families needles,needles" + one, {"--families 'needles,needles'", "once"});
+  fails("--severity most" + one, {"--severity 'most'", "max, all"});
+  fails("--severity nan --families needles" + one, {"--severity 'nan'", "100 to 1e10 for needles"});
+  fails("--severity 1e12 --families needles" + one,
+        {"--severity '1e12'", "100 to 1e10", "length over width"});
+  fails("--size 64" + one, {"--size '64'", "WIDTHxHEIGHT"});
+  fails("--size 0x48" + one, {"--size '0x48'", "1 to 65536"});
+  fails("--size 64x48x" + one, {"--size '64x48x'", "WIDTHxHEIGHT"});
+  fails("--seeds 0", {"--seeds 0", "1 to"});
+  fails("--seeds many", {"--seeds", "many"});
+  fails("--threads 0" + one, {"--threads", "1 to"});
+  fails("--renderers nothing", {"--renderers 'nothing'", "swiftgs list"});
+  fails("--json no/such/folder/r.json" + one, {"no/such/folder"});
+}

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stress/sweep.hpp"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <swiftgs/serial.hpp>
+#include <swiftgs/stress.hpp>
+#include <swiftgs/swiftgs.hpp>
+
+#include "stress/stress.hpp"
+#include "support/files.hpp"
+
+namespace swiftgs {
+namespace {
+
+/// Adds a thousandth to every colour.
+struct Off : PerPixel {
+  static constexpr std::string_view name = "off-by-a-thousandth";
+};
+
+void rasterize(Serial& serial, Off, const RasterJob& job) {
+  rasterize(serial, PerPixel{}, job);
+  for (int y = 0; y < job.frame.height; ++y) {
+    float* const row = static_cast<float*>(job.frame.colour.row(std::size_t(y)));
+    for (int i = 0; i < 3 * job.frame.width; ++i) row[i] += 1e-3f;
+  }
+}
+
+/// Leaves a value out that is no number.
+struct NoNumber : PerPixel {
+  static constexpr std::string_view name = "no-number";
+};
+
+void rasterize(Serial& serial, NoNumber, const RasterJob& job) {
+  rasterize(serial, PerPixel{}, job);
+  static_cast<float*>(job.frame.colour.row(0))[0] = std::numeric_limits<float>::quiet_NaN();
+}
+
+/// Throws on every other frame.
+struct Throwing : PerPixel {
+  static constexpr std::string_view name = "throwing";
+};
+
+int frames_of_throwing = 0;
+
+void rasterize(Serial& serial, Throwing, const RasterJob& job) {
+  if (frames_of_throwing++ % 2 == 0) throw std::runtime_error("no \"memory\"");
+  rasterize(serial, PerPixel{}, job);
+}
+
+template <class... Rasters>
+std::vector<RendererEntry> entries() {
+  std::vector<RendererEntry> table;
+  append_renderers<Serial>(table, TypeList<EarlySort>{}, TypeList<Rasters...>{}, TypeList<Ellipse>{});
+  return table;
+}
+
+cli::StressOptions options_of(const std::string& family, const std::string& severity, int seeds) {
+  cli::StressOptions options;
+  options.families = family, options.severities = severity, options.seeds = seeds;
+  return options;
+}
+
+std::string message_of(const cli::StressOptions& options, const std::vector<RendererEntry>& table) {
+  try {
+    cli::stress(options, table);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
+  const ImageSize size{32, 24};
+  const std::vector<RendererEntry> table = entries<PerPixel, AxisShared<HalfSplit>, AxisShared<FloatSplit>>();
+  const StressFamily& family = stress_families().back();
+  cli::Progress progress(9);
+  const auto rows = cli::Sweep(table, 3, 1).run({&family, 50, size}, progress);
+  REQUIRE(rows.size() == table.size());
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const auto renderer = table[i].make();
+    StressVerdict worst;
+    worst.psnr_db = std::numeric_limits<double>::infinity();
+    std::uint64_t worst_seed = 1;
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      const StressCase made = family.make(50, seed, size);
+      Frame frame;
+      renderer->set_scene(std::make_shared<const Scene>(made.scene));
+      renderer->render(
+          made.camera,
+          {.conventions = made.conventions, .background = made.background, .outputs = {true, true}}, frame);
+      const StressVerdict verdict =
+          judge(render_conditioned(made.scene, made.camera, made.conventions, dvec3(made.background),
+                                   exponent_form_named(table[i].name), seed),
+                frame);
+      if (verdict.ratio > worst.ratio)
+        worst.ratio = verdict.ratio, worst.worst_pixel = verdict.worst_pixel, worst_seed = seed;
+      worst.depth_ratio = std::max(worst.depth_ratio, verdict.depth_ratio);
+      worst.psnr_db = std::min(worst.psnr_db, verdict.psnr_db);
+      worst.max_abs = std::max(worst.max_abs, verdict.max_abs);
+      worst.loosest = std::max(worst.loosest, verdict.loosest);
+      worst.flips += verdict.flips;
+    }
+    CAPTURE(rows[i].renderer);
+    CHECK(rows[i].renderer == table[i].name);
+    CHECK(rows[i].ratio == worst.ratio);
+    CHECK(rows[i].depth_ratio == worst.depth_ratio);
+    CHECK(rows[i].psnr_db == worst.psnr_db);
+    CHECK(rows[i].max_abs == worst.max_abs);
+    CHECK(rows[i].loosest == worst.loosest);
+    CHECK(rows[i].flips == worst.flips);
+    CHECK(rows[i].worst_seed == worst_seed);
+    CHECK(rows[i].max_abs > 0);
+
+    // What the file says of it is the same to the last digit.
+    cli::StressResults results;
+    results.rows = {rows[i]};
+    const auto json = nlohmann::json::parse(to_json(results)).at("rows").at(0);
+    CHECK(json.at("ratio") == worst.ratio);
+    CHECK(json.at("psnr_db") == worst.psnr_db);
+    CHECK(json.at("max_abs") == worst.max_abs);
+    CHECK(json.at("loosest") == worst.loosest);
+  }
+}
+
+TEST_CASE("stress: a renderer that is off by a thousandth is named and the exact one is not") {
+  const cli::StressOptions options = options_of("needles", "max", 2);
+  CHECK(message_of(options, entries<PerPixel>()) == "");
+  const std::string message = message_of(options, entries<PerPixel, Off>());
+  CAPTURE(message);
+  CHECK(message.starts_with("stress: expected ratios up to 10; 1 of 2 rows are above, the worst "));
+  CHECK(message.find("serial/early/off-by-a-thousandth/ellipse on needles at 1e10, seed ") != message.npos);
+}
+
+TEST_CASE("stress: a frame with a value that is no number has an infinite ratio") {
+  const cli::StressOptions options = options_of("needles", "max", 1);
+  const std::string message = message_of(options, entries<Off, NoNumber, PerPixel>());
+  CAPTURE(message);
+  CHECK(message.find("2 of 3 rows are above, the worst inf of serial/early/no-number/ellipse") !=
+        message.npos);
+  cli::Progress progress(1);
+  cli::StressResults results;
+  results.rows = cli::Sweep(entries<NoNumber>(), 2, 1).run({&stress_families().front(), 1e4, {}}, progress);
+  const auto row = nlohmann::json::parse(to_json(results)).at("rows").at(0);
+  CHECK(row.at("ratio").is_null());
+  CHECK(row.at("max_abs").is_null());
+  CHECK(row.at("failed") == 0);
+}
+
+TEST_CASE("stress: a renderer that throws has a row with its message and the others go on") {
+  test::TemporaryFolder place;
+  cli::StressOptions options = options_of("needles", "100,1e4", 3);
+  options.json = (place / "r.json").string();
+  frames_of_throwing = 0;
+  const std::string message = message_of(options, entries<Throwing, PerPixel>());
+  CHECK(message ==
+        "stress: renderers failed in 2 of 4 rows, first serial/early/throwing/ellipse on needles at 100, "
+        "seed 1: "
+        "no \"memory\"");
+  const auto rows = nlohmann::json::parse(test::content_of(place / "r.json")).at("rows");
+  REQUIRE(rows.size() == 4);
+  CHECK(rows[0].at("failed") == 2);
+  CHECK(rows[0].at("seeds") == 3);
+  CHECK(rows[0].at("error") == "seed 1: no \"memory\"");
+  CHECK(rows[0].at("worst_seed") == 2);
+  CHECK(rows[1].at("failed") == 0);
+  CHECK(rows[1].at("ratio") <= 10);
+  CHECK(rows[2].at("failed") == 1);
+
+  frames_of_throwing = 0;
+  options.seeds = 1, options.severities = "100";
+  CHECK(message_of(options, entries<Throwing>()) != "");
+  const auto row = nlohmann::json::parse(test::content_of(place / "r.json")).at("rows").at(0);
+  for (const char* number : {"ratio", "psnr_db", "max_abs", "loosest", "worst_seed"})
+    CHECK(row.at(number).is_null());
+}
+
+}  // namespace swiftgs
