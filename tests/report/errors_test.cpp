@@ -51,8 +51,9 @@ TEST_CASE("report errors: what is no JSON is named with the byte where it ends t
 
 TEST_CASE("report errors: a file of another kind or version is refused") {
   if (!has_vega()) return;
-  refuses("[]", {"format: expected \"swiftgs-bench\""});
-  refuses("{\"format\": \"other\", \"version\": 1}", {"format: expected \"swiftgs-bench\""});
+  refuses("[]", {"format: expected \"swiftgs-bench\" or \"swiftgs-stress\""});
+  refuses("{\"format\": \"other\", \"version\": 1}",
+          {"format: expected \"swiftgs-bench\" or \"swiftgs-stress\""});
   refuses(changed([](Json& json) { json["version"] = 2; }), {"version: expected 1, found 2"});
   refuses(changed([](Json& json) { json.erase("version"); }), {"version: expected 1, found null"});
 }
@@ -84,6 +85,22 @@ TEST_CASE("report errors: members that are missing or of another type are named"
           {"scenes[0].original: expected a number"});
   refuses(changed([](Json& json) { json["views"][0]["scale"] = nullptr; }),
           {"views[0].scale: expected a number above 0"});
+}
+
+TEST_CASE("report errors: members of hard frames that are missing or of another type are named") {
+  if (!has_vega()) return;
+  const auto changed = [](const std::function<void(Json&)>& change) {
+    Json results = stress_results_of({{}, {.severity = 1e4}});
+    change(results);
+    return results.dump();
+  };
+  refuses(changed([](Json& json) { json["version"] = 2; }), {"version: expected 1, found 2"});
+  refuses(changed([](Json& json) { json["rows"] = Json::array(); }), {"rows: expected at least one row"});
+  refuses(changed([](Json& json) { json["rows"][1].erase("family"); }), {"rows[1].family: expected a text"});
+  refuses(changed([](Json& json) { json["rows"][1]["ratio"] = "high"; }),
+          {"rows[1].ratio: expected a number, 0 or more, or null"});
+  refuses(changed([](Json& json) { json["rows"][0]["seeds"] = 0; }),
+          {"rows[0].seeds: expected a number above 0"});
 }
 
 TEST_CASE("report errors: images that are missing or none are named") {

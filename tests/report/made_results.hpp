@@ -101,4 +101,42 @@ inline Json results_of(const std::vector<Row>& rows) {
   return results;
 }
 
+/// A row of `swiftgs stress`, of what tests vary. What is not finite becomes null.
+struct StressRow {
+  std::string family = "needles";
+  double severity = 100, ratio = 2, max_abs = 1e-6;
+  std::string backend = "cpu", raster = "per-pixel";
+  int failed = 0;
+};
+
+inline Json stress_results_of(const std::vector<StressRow>& rows) {
+  Json results = results_of({{}});
+  results["format"] = "swiftgs-stress", results["command"] = "swiftgs stress made";
+  results.erase("scenes"), results.erase("views");
+  results["rows"] = Json::array();
+  for (const StressRow& row : rows)
+    results["rows"].push_back({{"family", row.family},
+                               {"severity", row.severity},
+                               {"severity_label", "how hard"},
+                               {"width", 64},
+                               {"height", 48},
+                               {"renderer", row.backend + "/early/" + row.raster + "/ellipse"},
+                               {"backend", row.backend},
+                               {"sort", "early"},
+                               {"raster", row.raster},
+                               {"bounds", "ellipse"},
+                               {"seeds", 8},
+                               {"failed", row.failed},
+                               {"error", row.failed ? Json("seed 1: no <memory>") : Json()},
+                               {"ratio", row.ratio},
+                               {"depth_ratio", row.ratio},
+                               {"psnr_db", 120},
+                               {"max_abs", row.max_abs},
+                               {"flips", 0},
+                               {"loosest", 0.5},
+                               {"worst_seed", 3},
+                               {"worst_pixel", 17}});
+  return Json::parse(results.dump());
+}
+
 }  // namespace swiftgs::test

@@ -211,19 +211,68 @@ TEST_CASE("report: frames stand beside their reference and error map") {
   CHECK(facts["errorLegend"] == true);
 }
 
+TEST_CASE("report: hard frames have a panel of ratios and one of errors for each family") {
+  const TemporaryFolder place;
+  if (!can_draw(place)) return;
+  std::vector<StressRow> rows;
+  for (const char* backend : {"cpu", "serial"})
+    for (const double severity : {1e2, 1e4, infinity}) {
+      rows.push_back({.severity = severity, .ratio = severity == 1e4 ? 10.0 : 1.0, .backend = backend});
+      rows.push_back({.severity = severity,
+                      .ratio = severity == 1e4 ? 100.0 : infinity,
+                      .backend = backend,
+                      .raster = "axis-shared-half-split"});
+      rows.push_back(
+          {.family = "ridges", .severity = severity, .ratio = 0, .max_abs = 0, .backend = backend});
+    }
+  rows.back().failed = 8;
+  place.write("stress.json", stress_results_of(rows).dump());
+  REQUIRE(swiftgs::test::swiftgs(place, "report stress.json --out page.html").code == 0);
+  const Json facts = found_in(place, content_of(place / "page.html"), source("tests/report/probe_stress.js"));
+  CHECK(facts["fault"] == "");
+  CHECK(facts["shown"] == Json({"stress"}));
+  CHECK(facts["names"] ==
+        Json({"needles: ratio", "needles: largest error", "ridges: ratio", "ridges: largest error"}));
+  // Both quantities of every row but the one that failed.
+  CHECK(facts["points"] == 2 * (rows.size() - 1));
+  CHECK(facts["curves"] == 2 * 6);
+  // The rules of the first panel lie where points of these ratios do, and an infinite one is drawn above.
+  CHECK(facts["rules"] == Json({facts["heights"]["10"], facts["heights"]["100"]}));
+  CHECK(facts["heights"]["infinite"] < facts["heights"]["100"]);
+  CHECK(facts["ticks"] == Json({"100", "1e4", "∞"}));
+  CHECK(facts["backends"] == Json({"cpu", "serial"}));
+  CHECK(facts["note"].get<std::string>().find("serial/early/per-pixel/ellipse: seed 1: no <memory>") !=
+        std::string::npos);
+  CHECK(facts["rows"] == rows.size());
+  CHECK(facts["of_one_backend"] == 9);
+}
+
+TEST_CASE("report: files of bench and of stress share one page") {
+  const TemporaryFolder place;
+  if (!can_draw(place)) return;
+  place.write("a.json", results_of(renderers()).dump());
+  place.write("b.json", stress_results_of({{}, {.severity = 1e4}}).dump());
+  const Json facts = facts_of_files(place, "b.json a.json");
+  CHECK(facts["marks"]["#pareto .points path"] == 5);
+  CHECK(facts["text"].get<std::string>().find("swiftgs stress made") != std::string::npos);
+  CHECK(facts["text"].get<std::string>().find("needles: largest error") != std::string::npos);
+}
+
 TEST_CASE("report: figures are saved for other pages") {
   const TemporaryFolder place;
   if (!can_draw(place)) return;
   place.write("results.json", results_of(renderers()).dump());
-  REQUIRE(swiftgs::test::swiftgs(place, "report results.json --out page.html").code == 0);
+  place.write("stress.json", stress_results_of({{}, {.backend = "cuda"}}).dump());
+  REQUIRE(swiftgs::test::swiftgs(place, "report results.json stress.json --out page.html").code == 0);
   const std::string folder = place.path().string();
   const std::string command = "TMPDIR='" + folder +  // where the browser's profile is left
                               "' SWIFTGS_BROWSER='" SWIFTGS_BROWSER "' '" SWIFTGS_SOURCES
                               "/benchmarks/figures.sh' '" +
                               folder + "/page.html' '" + folder + "/figures' >'" + folder + "/listed.txt'";
   REQUIRE(std::system(command.c_str()) == 0);
-  CHECK(lines_in(content_of(place / "listed.txt")) == 3);
-  for (const std::string name : {"pareto-made", "stages-made", "speedup-made"}) {
+  CHECK(lines_in(content_of(place / "listed.txt")) == 5);
+  for (const std::string name :
+       {"pareto-made", "stages-made", "speedup-made", "stability-cpu", "stability-gpu"}) {
     const std::string svg = content_of(place / ("figures/" + name + ".svg"));
     CAPTURE(name);
     CHECK(svg.starts_with("<svg "));

@@ -109,6 +109,25 @@ const offered = choices.narrow(rowsOf([row({gaussians: 500}), row({scale: 2}), r
 expect('default choices', offered.steps.map(step => step.chosen), ['0', 's|1000|1', '1', 'gsplat', '4', 'a', 'cpu']);
 expect('rows of choices', offered.rows.length, 1);
 
+// Hard frames: null is infinity but for a renderer that failed on every seed.
+const hard = more => ({family: 'f', severity: 1, severity_label: 'how much', renderer: 'cpu/early/a/b', backend: 'cpu',
+  raster: 'a', seeds: 2, failed: 0, ratio: 1, depth_ratio: 1, psnr_db: 90, max_abs: 1e-6, ...more});
+const rowsOfStress = stress.rowsOf([{rows: [hard({severity: null, ratio: null}), hard({psnr_db: null, max_abs: 0}),
+  hard({severity: 0, failed: 2, ratio: null, psnr_db: null, max_abs: null}), hard({family: 'g', raster: 'c'})]}]);
+expect('an infinite ratio', rowsOfStress[0].ratio, Infinity);
+expect('an infinite severity', rowsOfStress[0].severity, Infinity);
+expect('PSNR of equal hard frames', rowsOfStress[1].psnr, Infinity);
+expect('nothing is known of a failure', [rowsOfStress[2].ratio, rowsOfStress[2].max_abs, rowsOfStress[2].psnr],
+       [null, null, null]);
+const panels = stress.panels(rowsOfStress);
+expect('a panel a family', panels.map(panel => panel.family), ['f', 'g']);
+expect('severities in order', panels[0].severities, [0, 1, Infinity]);
+expect('a curve a renderer', panels[0].curves.map(curve => curve.points.map(row => row.severity)), [[1, Infinity]]);
+expect('places on a log axis', stress.places([0, 1e2, 1e4, Infinity]).map(place => place.x), [0, 2, 4, 6]);
+expect('one severity has a place', stress.places([0]).map(place => place.x), [0]);
+expect('severities as texts', [0, 0.1, 100, 1e3, 1e-5, 3e38, 1e10, Infinity].map(stress.severityText),
+       ['0', '0.1', '100', '1e3', '1e-5', '3e38', '1e10', '∞']);
+
 // Numbers as texts.
 expect('numbers', [0.01234, 1.2345, 123.45, 12345, 0, null, Infinity].map(format.short),
        ['0.0123', '1.23', '123', '12345', '0', '–', '∞']);

@@ -7,7 +7,7 @@ TEST_CASE("report: the page computes what is known of made rows") {
   const TemporaryFolder place;
   if (!can_draw(place)) return;
   std::string html = "<!doctype html><body>";
-  for (const std::string name : {"stats", "style", "scaling", "choices"})
+  for (const std::string name : {"stats", "style", "scaling", "choices", "stress"})
     html += "<script>" + source("examples/swiftgs/report/" + name + ".js") + "</script>";
   const nlohmann::json told = found_in(place, html + "</body>", source("tests/report/statistics.js"));
   CHECK(told["count"] > 0);

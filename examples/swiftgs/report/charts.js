@@ -65,10 +65,12 @@ const charts = (() => {
   });
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => refresh(true));
 
-  /// The text of an SVG file, on white, with a title of its own.
-  function svgOf(specify, title) {
+  /// The text of an SVG file, on white, with a title of its own. Places are rounded to hundredths of a pixel.
+  async function svgOf(specify, title) {
     const look = {width: 900, narrow: false, theme: style.themes.light, title};
-    return new vega.View(vega.parse(specify(look)), {renderer: 'none'}).toSVG();
+    const svg = await new vega.View(vega.parse(specify(look)), {renderer: 'none'}).toSVG();
+    const rounded = number => String(Number(Number(number).toFixed(2)));
+    return svg.replace(/ (?:d|transform)="[^"]*"/g, places => places.replace(/-?\d+\.\d{3,}(?!\d*e)/g, rounded));
   }
 
   return {draw, refresh, svgOf};

@@ -47,10 +47,24 @@ function figuresOfGrowth(rows, files) {
   });
 }
 
+/// Ratios on hard frames, one figure for each backend, of the first image size, sort and bounds of each.
+function figuresOfStress(files) {
+  const rows = stress.rowsOf(files);
+  return [...stats.groupsOf(rows, row => row.backend)].map(([backend, some]) => {
+    const like = row => [stressSize, stressPolicies, one => one.file].every(key => key(row) === key(some[0]));
+    const chosen = some.filter(like), file = files[some[0].file];
+    const device = backend === 'cuda' ? file.machine.gpu : file.machine.cpu;
+    return {name: `stability-${backend === 'cuda' ? 'gpu' : backend}`,
+            title: `Error over what rounding may cost: ${stressSize(some[0])}, worst of ${some[0].seeds}, ${device}`,
+            specify: look => stressPlots.ratios(stress.panels(chosen), one => one.backend, look)};
+  });
+}
+
 /// Leaves the figures in the page as base64 of SVG files, for benchmarks/figures.sh to fetch.
-async function writeFigures(rows, files) {
+async function writeFigures(rows, files, stressFiles) {
   const scenes = stats.distinct(rows, row => row.scene);
-  const figures = [...scenes.flatMap(scene => figuresOfScene(scene, rows, files)), ...figuresOfGrowth(rows, files)];
+  const figures = [...scenes.flatMap(scene => figuresOfScene(scene, rows, files)), ...figuresOfGrowth(rows, files),
+    ...figuresOfStress(stressFiles)];
   const stand = element('div', {id: 'figures', hidden: true}, '\n');
   for (const {name, title, specify} of figures) {
     const bytes = new TextEncoder().encode(await charts.svgOf(specify, title));

@@ -11,9 +11,9 @@ const page = (() => {
   const find = (selector, root = document) => root.querySelector(selector);
 
   /// A labelled chooser of `options`, {value, title}; nothing where there is only one.
-  function chooser(title, options, chosen, choose) {
+  function chooser(title, options, chosen, choose, after = render) {
     if (options.length < 2) return [];
-    const select = element('select', {onchange: event => { choose(event.target.value); render(); }},
+    const select = element('select', {onchange: event => { choose(event.target.value); after(); }},
       ...options.map(({value, title: text}) => element('option', {value, selected: value === chosen}, text)));
     return [element('label', {}, title, select)];
   }
@@ -30,7 +30,7 @@ const page = (() => {
   }
 
   function showMachines() {
-    find('#machines').replaceChildren(...data.files.map(file => {
+    find('#machines').replaceChildren(...[...data.files, ...data.stress].map(file => {
       const {machine} = file;
       const gpu = machine.gpu && [machine.gpu, machine.gpu_memory_gib && `${machine.gpu_memory_gib} GiB`,
         machine.driver && `driver ${machine.driver}`, machine.cuda && `CUDA ${machine.cuda}`]
@@ -213,8 +213,15 @@ const page = (() => {
   }
 
   showMachines();
-  render();
-  find('#rows').replaceChildren(sortableTable(
-    {caption: 'All rows', columns: rowColumns(), rows, filter: true, sort: 0}));
-  if (location.hash === '#figures') writeFigures(rows, data.files);
+  find('#tables').hidden = find('#choosers').hidden = find('#summary').hidden = rows.length === 0;
+  if (rows.length > 0) {
+    render();
+    find('#rows').replaceChildren(sortableTable(
+      {caption: 'All rows', columns: rowColumns(), rows, filter: true, sort: 0}));
+  }
+  // Choices there concern that section alone.
+  const ownChooser = (title, options, chosen, choose) => chooser(title, options, chosen, choose, () => {});
+  showStress(data.stress, {}, ownChooser, setChoosers);
+  charts.refresh(false);
+  if (location.hash === '#figures') writeFigures(rows, data.files, data.stress);
 })();

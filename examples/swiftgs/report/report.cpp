@@ -59,17 +59,24 @@ void report(const ReportOptions& options) {
   require_distinct({{"--out", options.out}}, inputs);
   require_replaceable(options.out);
   Images images;
-  Json files = Json::array();
+  Json files = Json::array(), stress = Json::array();
   std::size_t rows = 0;
   for (const std::string& name : options.results) {
     Json results = read_results(name);
-    for (Json& view : results["views"]) images.take(view, "reference_image", name);
-    for (Json& row : results["rows"]) images.take(row, "image", name), images.take(row, "error_image", name);
+    const bool is_stress = results["format"] == stress_format;
+    if (!is_stress) {
+      for (Json& view : results["views"]) images.take(view, "reference_image", name);
+      for (Json& row : results["rows"])
+        images.take(row, "image", name), images.take(row, "error_image", name);
+    }
     rows += results["rows"].size();
     results["file"] = std::filesystem::path(name).filename().string();
-    files.push_back(std::move(results));
+    (is_stress ? stress : files).push_back(std::move(results));
   }
-  const Json data{{"tool", "swiftgs " + std::string(version)}, {"files", files}, {"images", images.uris()}};
+  const Json data{{"tool", "swiftgs " + std::string(version)},
+                  {"files", files},
+                  {"stress", stress},
+                  {"images", images.uris()}};
   const std::string html = page_of(data.dump(-1, ' ', true, Json::error_handler_t::replace));
   replace_file(options.out, html);
   std::printf("%s: %zu rows of %zu %s, %zu images, %.1f MiB\n", options.out.c_str(), rows,
@@ -78,21 +85,23 @@ void report(const ReportOptions& options) {
 }
 
 constexpr const char* more =
-    R"(RESULTS are files that swiftgs bench wrote. The page holds everything that it shows and works
-without a network: run time against error with the Pareto front, stage times, speed-ups,
-growth with fitted exponents, all rows as a table, and images where the files name some.
+    R"(RESULTS are files that swiftgs bench or swiftgs stress wrote. The page holds everything that it
+shows and works without a network: run time against error with the Pareto front, stage times,
+speed-ups, growth with fitted exponents, ratios and errors on hard frames, all rows as a table,
+and images where the files name some.
 
 Example:
   swiftgs bench builtin --json results.json
-  swiftgs report results.json --out report.html)";
+  swiftgs stress --json stress.json
+  swiftgs report results.json stress.json --out report.html)";
 
 }  // namespace
 
 void add_report(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("report", "A page that shows what bench has measured");
+  CLI::App* command = app.add_subcommand("report", "A page that shows what bench and stress have measured");
   command->footer(more);
   const auto options = std::make_shared<ReportOptions>();
-  command->add_option("RESULTS", options->results, "Files of swiftgs bench")->required();
+  command->add_option("RESULTS", options->results, "Files of swiftgs bench and swiftgs stress")->required();
   command->add_option("--out", options->out, "File for the page")->capture_default_str();
   command->callback([options] { report(*options); });
 }

@@ -73,6 +73,27 @@ constexpr Member members_of_row[] = {{"scene", Kind::text},
                                      {"image", Kind::optional_text},
                                      {"error_image", Kind::optional_text}};
 
+constexpr Member members_of_stress_row[] = {{"family", Kind::text},
+                                            {"severity", Kind::optional_amount},
+                                            {"severity_label", Kind::text},
+                                            {"width", Kind::positive},
+                                            {"height", Kind::positive},
+                                            {"renderer", Kind::text},
+                                            {"backend", Kind::text},
+                                            {"sort", Kind::text},
+                                            {"raster", Kind::text},
+                                            {"bounds", Kind::text},
+                                            {"seeds", Kind::positive},
+                                            {"failed", Kind::amount},
+                                            {"error", Kind::optional_text},
+                                            {"ratio", Kind::optional_amount},
+                                            {"depth_ratio", Kind::optional_amount},
+                                            {"psnr_db", Kind::optional_number},
+                                            {"max_abs", Kind::optional_amount},
+                                            {"flips", Kind::optional_amount},
+                                            {"loosest", Kind::optional_amount},
+                                            {"worst_seed", Kind::optional_amount}};
+
 constexpr Member members_of_bytes[] = {
     {"project", Kind::amount}, {"sort", Kind::amount}, {"raster", Kind::amount}};
 
@@ -166,6 +187,16 @@ void check_each(const Json& results, const std::string& file, const char* name, 
   for (const Json& element : *found) check(element, file + ": " + name + "[" + std::to_string(index++) + "]");
 }
 
+/// What a file of `bench` holds beside its head.
+void check_bench(const Json& results, const std::string& name) {
+  check_each(results, name, "scenes", [](const Json& scene, const std::string& where) {
+    check_members(scene, members_of_scene, where);
+  });
+  check_each(results, name, "views",
+             [](const Json& view, const std::string& where) { check_members(view, members_of_view, where); });
+  check_each(results, name, "rows", check_row);
+}
+
 Json parsed(const std::string& file, const std::string& text) {
   const auto not_too_deep = [&](int depth, Json::parse_event_t, Json&) {
     if (depth > deepest) refuse(file, "objects and arrays at most " + std::to_string(deepest) + " deep");
@@ -175,8 +206,9 @@ Json parsed(const std::string& file, const std::string& text) {
     return Json::parse(text, not_too_deep);
   } catch (const Json::parse_error& error) {
     const bool at_end = error.byte > text.size();
-    throw FormatError(file, at_end ? text.size() : error.byte - 1,
-                      at_end ? "JSON that goes on: the file is cut short" : "JSON of swiftgs bench");
+    throw FormatError(
+        file, at_end ? text.size() : error.byte - 1,
+        at_end ? "JSON that goes on: the file is cut short" : "JSON of swiftgs bench or stress");
   } catch (const Json::out_of_range&) {
     refuse(file, "numbers that a double can hold");
   }
@@ -186,19 +218,21 @@ Json parsed(const std::string& file, const std::string& text) {
 
 nlohmann::json read_results(const std::string& name) {
   Json results = parsed(name, content_of_file(name));
-  const bool is_ours = results.is_object() && results.value("format", Json()) == "swiftgs-bench";
-  if (!is_ours) refuse(name + ": format", "\"swiftgs-bench\", as swiftgs bench writes it");
+  const Json format = results.is_object() ? results.value("format", Json()) : Json();
+  if (format != "swiftgs-bench" && format != stress_format)
+    refuse(name + ": format", "\"swiftgs-bench\" or \"swiftgs-stress\", as these commands write it");
   const Json version = results.value("version", Json());
   if (version != 1) refuse(name + ": version", "1, found " + version.dump().substr(0, 40));
   check_object(results.value("machine", Json()), name + ": machine");
   if (!is_of(results.value("command", Json()), Kind::text))
     refuse(name + ": command", "a text that is not empty");
-  check_each(results, name, "scenes", [](const Json& scene, const std::string& where) {
-    check_members(scene, members_of_scene, where);
-  });
-  check_each(results, name, "views",
-             [](const Json& view, const std::string& where) { check_members(view, members_of_view, where); });
-  check_each(results, name, "rows", check_row);
+  if (format == stress_format) {
+    check_each(results, name, "rows", [](const Json& row, const std::string& where) {
+      check_members(row, members_of_stress_row, where);
+    });
+  } else {
+    check_bench(results, name);
+  }
   if (results["rows"].empty()) refuse(name + ": rows", "at least one row");
   return results;
 }
