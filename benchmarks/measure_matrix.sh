@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 #
-# Measures, with `swiftgs bench`, what the pages of docs/ and the README print as tables.
+# Measures, with `swiftgs`, what the pages of docs/ and the README print as tables.
 #   benchmarks/measure_matrix.sh OUTDIR [PART...]
 # Parts, each with files of its own in OUTDIR; without any, all of them in this order:
 #   matrix     matrix.json: every renderer of the backend over views of each scene, with errors and photographs
@@ -15,6 +15,8 @@
 #   prune      prune-SCENE-SCORE.json, and pruned.json: a tenth of each capture
 #   calibrate  calibration-SCENE.json, at half, one and two times the images' sides, of pruned captures too where they are;
 #              calibration-SCENE.sort.json, the choices
+#   stress     stress.json: every rasterizer on every family of hard frames at every severity, 64x48, 16 seeds;
+#              stress-large.json: three families at 960x540 and 1920x1080, 2 seeds. A CPU has the serial backend beside it
 # BACKEND is cuda or cpu; by default cuda where it runs. Scenes are the built-in one and the captures in
 # SWIFTGS_SCENES; SCENES='fox garden' names other captures. The program is that of SWIFTGS_BUILD, else of build/release.
 #
@@ -24,7 +26,7 @@
 # reference, which takes longer than all frames together, is rendered for the first three views of a scene.
 # Nothing else should run meanwhile. A part that fails says so, and the others run.
 set -euo pipefail
-all_parts=(matrix vanilla all-views gaussians pixels threads occupancy prune calibrate)
+all_parts=(matrix vanilla all-views gaussians pixels threads occupancy prune calibrate stress)
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 [ $# -ge 1 ] || { echo "usage: benchmarks/measure_matrix.sh OUTDIR [${all_parts[*]}]" >&2; exit 2; }
 out=$1
@@ -182,6 +184,24 @@ part_calibrate() {
   done
   calibrate builtin builtin:1000000
   calibrate builtin-100000 builtin:100000
+}
+
+# stress FILE ARGUMENT...: a ratio above 10 fails, and the file is kept.
+stress() {
+  local file=$1 status=0
+  shift
+  "$swiftgs" stress "$@" --severity all --json "$out/$file" || status=$?
+  [ ! -e "$out/$file" ] || leave_folders_out "$out/$file"
+  return $status
+}
+
+part_stress() {
+  local renderers="$backend/early/*/ellipse" status=0
+  if [ "$backend" = cpu ] && runs_here serial; then renderers+=',serial/early/*/ellipse'; fi
+  stress stress.json --renderers "$renderers" --size 64x48 --seeds 16 || status=$?
+  stress stress-large.json --renderers "$renderers" --families needles,ridges,mixtures --size 960x540,1920x1080 \
+    --seeds 2 || status=$?
+  return $status
 }
 
 failed=0

@@ -51,6 +51,24 @@ def growing(backend, points, scenes=("garden",), older=False):
             for members, grow in points for words in SCALING]
 
 
+def stress(backend, sizes):
+    """A file of `swiftgs stress`: ratios of 1 at severity 1 and of 2 at infinity, twice that with the threshold."""
+    rows = []
+    for width, height in sizes:
+        for family in ("needles", "ridges"):
+            for severity, ratio in ((1, 1.0), (None, 2.0)):
+                for raster in RASTERS:
+                    for name in {backend, "cuda" if backend == "cuda" else "serial"}:
+                        scale = (2 if "threshold" in raster else 1) * (1 if name == backend else 3)
+                        rows.append({"family": family, "severity": severity, "severity_label": "how hard",
+                                     "width": width, "height": height, "renderer": f"{name}/early/{raster}/ellipse",
+                                     "backend": name, "sort": "early", "raster": raster, "bounds": "ellipse",
+                                     "seeds": 16, "failed": 0, "error": None, "ratio": ratio * scale,
+                                     "max_abs": 1e-6 * ratio * scale})
+    machine = {"cpu": "a processor", "cores": 16, **({"gpu": "a GPU"} if backend == "cuda" else {})}
+    return {"format": "swiftgs-stress", "version": 1, "machine": machine, "rows": rows}
+
+
 def write(folder, backend, older=False):
     """All files of a machine, of which those of growth may be older ones. Projection grows as Gaussians, rasterization
     as pixels, sorting as instances a tile."""
@@ -76,6 +94,8 @@ def write(folder, backend, older=False):
     bench("scaling-threads.json", growing("cpu", [({"threads": n}, {"raster": 1 / n}) for n in (1, 2, 4)]))
     bench("scaling-occupancy.json", growing(backend, [({"enlarge": e, "instances": 1e6 * e}, {"sort": e})
                                                       for e in (0.5, 1, 2)]))
+    synthetic.write(folder / "stress.json", stress(backend, ((64, 48),)))
+    synthetic.write(folder / "stress-large.json", stress(backend, ((960, 540), (1920, 1080))))
     for scene in ("fox", "garden"):
         synthetic.write(folder / f"calibration-{scene}.sort.json", {"format": "swiftgs-sort-calibrations"})
         synthetic.write(folder / f"calibration-{scene}.json", {

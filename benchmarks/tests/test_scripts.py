@@ -79,6 +79,19 @@ class Scripts(unittest.TestCase):
                          ["cameras.json", "fox.json", "fox.spz", "fox.spz.sort.json", "photos"])
         self.assertEqual([path.name for path in (self.fox / "photos").iterdir()], ["0001.jpg"])
 
+    def test_hard_frames_that_fail_a_renderer_fail_the_part_and_leave_both_files(self):
+        code, error, calls = self.measure("stress")
+        self.assertEqual((code, error), (0, ""))
+        self.assertEqual([call[0] for call in calls], ["stress", "stress"])
+        self.assertEqual([call[call.index("--size") + 1] for call in calls], ["64x48", "960x540,1920x1080"])
+        self.assertEqual(calls[0][calls[0].index("--renderers") + 1], "cpu/early/*/ellipse")
+        program(self.place / "build" / "examples" / "swiftgs", SWIFTGS + 'echo "$*" >&2\n[ "$1" = list ]\n')
+        code, error, calls = self.measure("stress")
+        self.assertEqual((code, len(calls)), (1, 2))
+        self.assertIn("measure: stress FAILED", error)
+        for name in ("stress.json", "stress-large.json"):
+            self.assertTrue((self.place / "out" / name).exists())
+
     def test_figures_are_saved_and_where_the_profile_is_left_is_said(self):
         program(self.place / "browser", BROWSER)
         page, folder = self.place / "report.html", self.place / "figures"

@@ -325,6 +325,44 @@ class Tables(unittest.TestCase):
         _, text, _, _ = self.update("<!-- table: growth gpu gaussians -->\n<!-- end -->\n", results=results)
         self.assertEqual(cells(text, "garden")[-1], "512")
 
+    def test_hard_frames_show_the_worse_of_both_rasterizers_of_a_form(self):
+        for machine, device in (("gpu", "a GPU, `cuda`"), ("cpu", "a processor, 16 cores, `cpu`")):
+            text = self.table(f"stability {machine}")
+            self.assertIn(f"\n{device}, images of 64x48, 16 seeds at each severity: ", text)
+            self.assertIn("| family | per-pixel | float-split | float-cholesky | half-split |", text)
+            self.assertEqual(cells(text, "`needles`")[1:], ["2.00 (2.0e-06)"] + 3 * ["4.00 (4.0e-06)"])
+        text = self.table("stability gpu large")
+        self.assertEqual(cells(text, "`ridges`, 1920x1080")[1], "2.00 (2.0e-06)")
+        self.assertEqual(len([line for line in text.splitlines() if line.startswith("| `")]), 4)
+
+    def test_hard_frames_above_the_gate_or_without_a_number_stand_out(self):
+        folder = self.place / "hard" / FOLDERS["gpu"]
+        folder.mkdir(parents=True)
+        found = synthetic_folder.stress("cuda", ((64, 48),))
+        for row in found["rows"]:
+            if row["family"] == "needles":
+                row.update({"per-pixel": {"ratio": 12345.0}, "axis-shared-half-split": {"ratio": None},
+                            "axis-shared-float-split": {"failed": 1}}.get(row["raster"], {}))
+        synthetic_folder.synthetic.write(folder / "stress.json", found)
+        text = self.update("<!-- table: stability gpu -->\n<!-- end -->\n", results=folder.parent)[1]
+        self.assertEqual(cells(text, "`needles`")[1:], ["**1.2e+04** (2.0e-06)", "**failed**", "4.00 (4.0e-06)",
+                                                        "**inf** (4.0e-06)"])
+
+    def test_a_broken_file_of_hard_frames_is_one_line(self):
+        folder = self.place / "soft" / FOLDERS["gpu"]
+        folder.mkdir(parents=True)
+        page = "<!-- table: stability gpu -->\n<!-- end -->\n"
+        good = synthetic_folder.stress("cuda", ((64, 48),))
+        for change, message in (({"format": "swiftgs-bench"}, "expected 'swiftgs-stress', 1"), ({"rows": []}, "'rows'"),
+                                ({"rows": [{}]}, "rows[0]: expected"),
+                                ({"rows": [{**good["rows"][0], "ratio": "x"}]}, "rows[0].ratio: expected a number"),
+                                ({"rows": [{**good["rows"][0], "backend": "cpu"}]}, "no rows of the backend 'cuda'")):
+            synthetic_folder.synthetic.write(folder / "stress.json", {**good, **change})
+            code, text, _, error = self.update(page, results=folder.parent)
+            self.assertEqual((code, text), (2, page))
+            self.assertRegex(error, r"\A[^\n]+/stress.json: [^\n]+\n\Z")
+            self.assertIn(message, error)
+
     def test_the_commands_of_a_folder_are_listed(self):
         text = self.table("files gpu")
         self.assertEqual(cells(text, "`matrix.json`")[1:], ["`000000000000`", "`swiftgs bench`"])

@@ -85,7 +85,8 @@ const stressPlots = (() => {
            encode: {update: {x, y, stroke: colour, strokeDash: {scale: 'dash', field: 'line'},
                              strokeWidth: {value: 1.6}}}}]},
         {type: 'symbol', name: 'points', from: {data: 'values'}, aria: !look.title,  // a figure has none to ask
-         encode: {update: {x, y, fill: colour, size: {value: 22}, tooltip: {field: 'tip'}},
+         encode: {update: {x, y, fill: colour, shape: {value: look.title ? 'square' : 'circle'},
+                           size: {value: look.title ? 16 : 22}, tooltip: {field: 'tip'}},
                   hover: {size: {value: 70}}}},
       ],
     };

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Hard frames: how far the forms of the exponent are from float64, from the files of `swiftgs stress`."""
+import math
+
+from tables.markdown import prose, significant, table
+from tables.results import InputError, is_number
+from tables.source import backend, processor
+
+# The columns, and the rasterizers whose worse value each shows.
+FORMS = {"per-pixel": ("per-pixel",),
+         **{form: (f"axis-shared-{form}", f"axis-shared-threshold-{form}")
+            for form in ("float-split", "float-cholesky", "half-split")}}
+GATE = 10
+TEXTS = ("family", "severity_label", "renderer", "backend", "raster")
+COUNTS = ("width", "height", "seeds", "failed")
+FILES = {"": "stress.json", "large": "stress-large.json"}
+
+
+def read_stress(source, machine, name):
+    """The object in a file of `swiftgs stress`, checked."""
+    found, path = source.json(machine, name), source.path(machine, name)
+    if found.get("format") != "swiftgs-stress" or found.get("version") != 1:
+        raise InputError(f"{path}: format {found.get('format')!r}, version {found.get('version')!r}; expected "
+                         "'swiftgs-stress', 1")
+    if not isinstance(found.get("machine"), dict) or not isinstance(found.get("rows"), list) or not found["rows"]:
+        raise InputError(f"{path}: expected an object 'machine' and an array 'rows' that is not empty")
+    for n, row in enumerate(found["rows"]):
+        if not isinstance(row, dict) or not all(isinstance(row.get(name), str) for name in TEXTS):
+            raise InputError(f"{path}: rows[{n}]: expected an object with the texts {', '.join(TEXTS)}")
+        for member in COUNTS:
+            if not is_number(row.get(member)) or row[member] < 0:
+                raise InputError(f"{path}: rows[{n}].{member}: expected a number that is not negative")
+        for member in ("ratio", "max_abs"):
+            if row.get(member) is not None and not is_number(row[member]):
+                raise InputError(f"{path}: rows[{n}].{member}: expected a number or null")
+    return found
+
+
+def worst(rows, member):
+    """The largest; what is not finite is null in the file."""
+    return max(math.inf if row.get(member) is None else row[member] for row in rows)
+
+
+def number(value):
+    return "inf" if math.isinf(value) else f"{value:.1e}" if value >= 1e4 else significant(value, 2)
+
+
+def cell(rows):
+    """Worst ratio, emphasised above the gate, and largest error in parentheses."""
+    if not rows:
+        return "-"
+    if any(row["failed"] for row in rows):
+        return "**failed**"
+    ratio = worst(rows, "ratio")
+    text = f"{ratio:.2f}" if ratio < GATE else number(ratio)
+    return f"{'**' + text + '**' if ratio > GATE else text} ({number(worst(rows, 'max_abs'))})"
+
+
+def stability(source, machine, size=""):
+    """The worst ratio and the largest error over severities and seeds, family by family."""
+    if size not in FILES:
+        raise InputError(f"no frames '{size}'; expected 'large' or nothing")
+    found, name = read_stress(source, machine, FILES[size]), backend(machine)
+    rows = [row for row in found["rows"] if row["backend"] == name]
+    if not rows:
+        raise InputError(f"{source.path(machine, FILES[size])}: no rows of the backend '{name}'")
+    sizes = list(dict.fromkeys((row["width"], row["height"]) for row in rows))
+    lines = []
+    for width, height in sizes:
+        here = [row for row in rows if (row["width"], row["height"]) == (width, height)]
+        for family in dict.fromkeys(row["family"] for row in here):
+            of_family = [row for row in here if row["family"] == family]
+            lines.append([f"`{family}`" + (f", {width}x{height}" if len(sizes) > 1 else "")] + [
+                cell([row for row in of_family if row["raster"] in rasters]) for rasters in FORMS.values()])
+    device = found["machine"].get("gpu") if name == "cuda" else None
+    images = " and ".join(f"{width}x{height}" for width, height in sizes)
+    return prose(f"{device or processor(found['machine'])}, `{name}`, images of {images}, {rows[0]['seeds']} seeds at "
+                 f"each severity: the worst ratio, and in parentheses the largest absolute error of a colour.") \
+        + "\n\n" + table(["family", *FORMS], lines)
+
+
+TABLES = {"stability": stability}
