@@ -52,7 +52,7 @@ def cell(rows):
     if any(row["failed"] for row in rows):
         return "**failed**"
     ratio = worst(rows, "ratio")
-    text = f"{ratio:.2f}" if ratio < GATE else number(ratio)
+    text = "0" if ratio == 0 else f"{ratio:.2f}" if ratio < GATE else number(ratio)
     return f"{'**' + text + '**' if ratio > GATE else text} ({number(worst(rows, 'max_abs'))})"
 
 

@@ -111,7 +111,7 @@ expect('rows of choices', offered.rows.length, 1);
 
 // Hard frames: null is infinity but for a renderer that failed on every seed.
 const hard = more => ({family: 'f', severity: 1, severity_label: 'how much', renderer: 'cpu/early/a/b', backend: 'cpu',
-  raster: 'a', seeds: 2, failed: 0, ratio: 1, depth_ratio: 1, psnr_db: 90, max_abs: 1e-6, ...more});
+  raster: 'a', seeds: 2, failed: 0, ratio: 1, excess: 1, depth_excess: 1, psnr_db: 90, max_abs: 1e-6, ...more});
 const rowsOfStress = stress.rowsOf([{rows: [hard({severity: null, ratio: null}), hard({psnr_db: null, max_abs: 0}),
   hard({severity: 0, failed: 2, ratio: null, psnr_db: null, max_abs: null}), hard({family: 'g', raster: 'c'})]}]);
 expect('an infinite ratio', rowsOfStress[0].ratio, Infinity);

@@ -14,7 +14,7 @@ const stress = (() => {
       const known = row.failed < row.seeds;
       const worst = value => !known ? null : value ?? Infinity;
       return {...row, file: index, severity: row.severity ?? Infinity, known, ratio: worst(row.ratio),
-              depth_ratio: worst(row.depth_ratio), max_abs: worst(row.max_abs),
+              excess: worst(row.excess), max_abs: worst(row.max_abs),
               psnr: known && row.max_abs === 0 ? Infinity : row.psnr_db ?? null};
     }));
   }

@@ -31,7 +31,7 @@ const stressPlots = (() => {
 
   const tipOf = row => ({
     title: row.renderer, family: row.family, severity: stress.severityText(row.severity),
-    ratio: format.short(row.ratio), 'ratio of depth': format.short(row.depth_ratio),
+    ratio: format.short(row.ratio), excess: format.short(row.excess),
     'largest error': format.short(row.max_abs),
     PSNR: format.psnr(row.psnr) + (row.psnr === null ? '' : ' dB'), 'left open': format.short(row.loosest),
     'worst seed': row.worst_seed, ...(row.failed ? {failed: `${row.failed} of ${row.seeds}`} : {}),

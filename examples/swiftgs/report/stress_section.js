@@ -43,7 +43,7 @@ function stressTable(files, rows) {
     {title: 'renderer', value: row => row.renderer},
     {title: 'size', value: row => row.width * row.height, text: stressSize, number: true},
     number('seeds', row => row.seeds, String), number('failed', row => row.failed, String),
-    number('ratio', row => row.ratio), number('ratio of depth', row => row.depth_ratio),
+    number('ratio', row => row.ratio), number('excess', row => row.excess),
     number('largest error', row => row.max_abs), number('PSNR dB', row => row.psnr, format.psnr),
     number('left open', row => row.loosest ?? null),
     number('flips', row => row.flips ?? null, format.count),

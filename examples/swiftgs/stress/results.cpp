@@ -31,7 +31,7 @@ Json json_of(const StressRow& r) {
             {"error", r.error.empty() ? Json() : Json(r.error)}};
   const bool drawn = r.failed < r.seeds;
   const auto number = [&](const char* name, const auto& value) { json[name] = drawn ? Json(value) : Json(); };
-  number("ratio", r.ratio), number("depth_ratio", r.depth_ratio);
+  number("ratio", r.ratio), number("excess", r.excess), number("depth_excess", r.depth_excess);
   number("psnr_db", r.psnr_db), number("max_abs", r.max_abs);
   number("flips", r.flips), number("loosest", r.loosest);
   number("worst_seed", r.worst_seed), number("worst_pixel", r.worst_pixel);

@@ -24,12 +24,13 @@ constexpr const char* more =
     R"(Draws frames that are hard on float arithmetic, and judges them against float64. A family is a
 kind of hard frame, and its severity says how hard. The ratio is a pixel's error over what
 rounding the scene and the arithmetic to float may cost: up to 10 a renderer is about as good
-as float can be, from 100 on it has lost digits. What a tie, a threshold or the stated bound
-of a half or split exponent leaves open is taken off the error first. 'loose' is the largest
-weight that is left open so; near 1, little is promised.
+as float can be, from 100 on it has lost digits. What a tie or a threshold leaves open is taken
+off the error first. The excess is the ratio beyond what the form of the exponent is allowed to
+err, which is nothing but for the split forms. 'loose' is the largest weight that a form leaves
+open; near 1, it promises little.
 --severity is all, max, or numbers in the units of each family. The columns are rasterizers;
 docs/results.md describes the JSON.
-Exit code 0: every ratio is 10 or less. Exit code 1: a ratio is above 10, a renderer failed,
+Exit code 0: every excess is 10 or less. Exit code 1: an excess is above 10, a renderer failed,
 or an option is wrong; the last line on standard error says which. Bounds that cut splats, as
 three-sigma-square does, do not pass.
 
@@ -38,15 +39,15 @@ Examples:
   swiftgs stress --renderers 'cuda/early/*/ellipse' --families needles,mixtures --severity max
   swiftgs stress --families needles --severity 1e3,1e5 --seeds 64 --size 64x48,960x540)";
 
-/// Throws unless every row passes.
-void require_passes(const std::vector<StressRow>& rows) {
+/// Throws unless every renderer keeps what its form promises.
+void require_promises(const std::vector<StressRow>& rows) {
   std::size_t above = 0, failed = 0;
   const StressRow *worst = nullptr, *failure = nullptr;
   for (const StressRow& row : rows) {
     if (row.failed > 0) ++failed, failure = failure ? failure : &row;
-    if (row.failed == row.seeds || row.ratio <= stress_gate) continue;
+    if (row.failed == row.seeds || row.excess <= stress_gate) continue;
     ++above;
-    if (!worst || !(row.ratio <= worst->ratio)) worst = &row;
+    if (!worst || !(row.excess <= worst->excess)) worst = &row;
   }
   const auto case_of = [](const StressRow& row) {
     return row.renderer + " on " + row.family + " at " + severity_text(row.severity);
@@ -56,9 +57,8 @@ void require_passes(const std::vector<StressRow>& rows) {
     throw std::runtime_error("stress: renderers failed in " + std::to_string(failed) + of_rows + ", first " +
                              case_of(*failure) + ", " + failure->error);
   if (worst)
-    throw std::runtime_error("stress: expected ratios up to 10; " + std::to_string(above) + of_rows +
-                             " are above, the worst " + ratio_text(worst->ratio) + " of " + case_of(*worst) +
-                             ", seed " + std::to_string(worst->worst_seed));
+    throw std::runtime_error("stress: expected an excess up to 10; " + std::to_string(above) + of_rows +
+                             " are above, the worst " + ratio_text(worst->excess) + " of " + case_of(*worst));
 }
 
 }  // namespace
@@ -82,7 +82,7 @@ void stress(const StressOptions& options, const std::vector<RendererEntry>& entr
   }
   print_stress(results.rows);
   std::fflush(stdout);
-  require_passes(results.rows);
+  require_promises(results.rows);
 }
 
 void add_stress(CLI::App& app) {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <exception>
 #include <limits>
-#include <map>
 #include <string>
 
 #include <swiftgs/stress.hpp>
@@ -20,7 +19,8 @@ void add(StressRow& row, const StressVerdict& verdict, std::uint64_t seed) {
   const bool first = row.seeds - row.failed == 1;
   if (first || is_worse(verdict.ratio, row.ratio))
     row.ratio = verdict.ratio, row.worst_seed = seed, row.worst_pixel = verdict.worst_pixel;
-  if (is_worse(verdict.depth_ratio, row.depth_ratio)) row.depth_ratio = verdict.depth_ratio;
+  if (is_worse(verdict.excess, row.excess)) row.excess = verdict.excess;
+  if (is_worse(verdict.depth_excess, row.depth_excess)) row.depth_excess = verdict.depth_excess;
   if (is_worse(-verdict.psnr_db, -row.psnr_db)) row.psnr_db = verdict.psnr_db;
   if (is_worse(verdict.max_abs, row.max_abs)) row.max_abs = verdict.max_abs;
   row.loosest = std::max(row.loosest, verdict.loosest);
@@ -56,22 +56,19 @@ void Sweep::draw_seed(const StressPoint& point, std::uint64_t seed, std::vector<
   const auto scene = std::make_shared<const Scene>(made.scene);
   const RenderSettings settings{
       .conventions = made.conventions, .background = made.background, .outputs = {true, true}};
-  std::map<ExponentForm, ConditionedFrame> references;  // each serves all renderers of its form
+  const ConditionedFrame reference =
+      render_conditioned(*scene, made.camera, made.conventions, dvec3(made.background), seed, threads_);
   for (std::size_t i = 0; i < subjects_.size(); ++i) {
     Subject& subject = subjects_[i];
     progress.start(std::string(point.family->name) + " " + severity_text(point.severity) + ": " +
                    std::string(subject.entry.name));
-    const ExponentForm form = exponent_form_named(subject.entry.name);
-    if (!references.contains(form))
-      references.emplace(form, render_conditioned(*scene, made.camera, made.conventions,
-                                                  dvec3(made.background), form, seed, threads_));
     ++rows[i].seeds;
     Frame frame;
     try {
       if (!subject.renderer) subject.renderer = subject.entry.make();
       subject.renderer->set_scene(scene);
       subject.renderer->render(made.camera, settings, frame);
-      add(rows[i], judge(references.at(form), frame), seed);
+      add(rows[i], judge(reference, frame, exponent_form_named(subject.entry.name)), seed);
     } catch (const std::exception& error) {
       if (rows[i].failed++ == 0) rows[i].error = "seed " + std::to_string(seed) + ": " + error.what();
       subject.renderer.reset();

@@ -39,11 +39,11 @@ std::string number(const StressRow& row, const char* format, double value) {
   return text;
 }
 
-/// The largest severity up to which a renderer passes, of its rows in ascending order; "-" for none.
-std::string passes_up_to(const Rows& rows) {
+/// The largest severity up to which a renderer is exact, of its rows in ascending order; "-" for none.
+std::string exact_up_to(const Rows& rows) {
   std::string severity = "-";
   for (const StressRow* row : rows) {
-    if (!row->passes()) break;
+    if (!row->is_exact()) break;
     severity = severity_text(row->severity);
   }
   return severity;
@@ -53,7 +53,7 @@ std::string passes_up_to(const Rows& rows) {
 std::vector<std::string> cell_of(const Rows& rows) {
   const StressRow& last = *rows.back();
   const std::string ratio = last.failed == last.seeds ? "failed" : ratio_text(last.ratio);
-  return {passes_up_to(rows) + "  " + ratio,
+  return {exact_up_to(rows) + "  " + ratio,
           number(last, "%.1e", last.max_abs) + " " + number(last, "%.0f dB", last.psnr_db),
           number(last, "loose %.2g", last.loosest)};
 }
@@ -108,7 +108,7 @@ void print_block(const Rows& rows) {
   }
 }
 
-/// Where one renderer stops being trustworthy, in a line.
+/// From where on one renderer loses digits, in a line.
 void print_verdict(const Rows& rows) {
   const StressRow *worst = nullptr, *loosest = nullptr;
   std::string stops;
@@ -116,9 +116,10 @@ void print_verdict(const Rows& rows) {
   for (const Rows& family : grouped(rows, [](const StressRow& row) { return row.family; })) {
     ++families;
     const auto bad =
-        std::find_if(family.begin(), family.end(), [](const StressRow* row) { return !row->passes(); });
+        std::find_if(family.begin(), family.end(), [](const StressRow* row) { return !row->is_exact(); });
     if (bad != family.end())
-      stops += (stops.empty() ? "stops at " : ", ") + (*bad)->family + " " + severity_text((*bad)->severity);
+      stops += (stops.empty() ? "loses digits from " : ", ") + (*bad)->family + " " +
+               severity_text((*bad)->severity);
   }
   for (const StressRow* row : rows) {
     if (row->failed == row->seeds) continue;
@@ -126,7 +127,7 @@ void print_verdict(const Rows& rows) {
     if (!loosest || row->loosest > loosest->loosest) loosest = row;
   }
   if (stops.empty())
-    stops = "trustworthy in " + std::to_string(families) + (families == 1 ? " family" : " families");
+    stops = "exact in " + std::to_string(families) + (families == 1 ? " family" : " families");
   std::printf("%s: %s", rows.front()->renderer.c_str(), stops.c_str());
   if (worst)
     std::printf("; worst ratio %s (%s %s, seed %llu); loose up to %.2g (%s %s)",
@@ -138,8 +139,8 @@ void print_verdict(const Rows& rows) {
 
 constexpr const char* legend = R"(
 A cell: the largest severity up to which the ratio stays at or below 10 ('-': none) and, at the greatest
-severity, the worst ratio; the largest absolute error and the least PSNR; 'loose', the largest weight left
-open, of 1 in a pixel: the error is judged beyond it.
+severity, the worst ratio; the largest absolute error and the least PSNR; 'loose', the largest weight that
+the form of the exponent leaves open, of 1 in a pixel.
 )";
 
 }  // namespace
