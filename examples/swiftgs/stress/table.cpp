@@ -82,6 +82,7 @@ void print_lines(const std::vector<std::string>& first,
       text += column[line];
       end += width;
     }
+    text.resize(text.find_last_not_of(' ') + 1);
     std::printf("%s\n", text.c_str());
   }
 }
