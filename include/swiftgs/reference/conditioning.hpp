@@ -86,8 +86,9 @@ inline double loose_alpha(ExponentForm form, const VariedSplat& splat, double x,
   const auto alpha_at = [&](double at) {
     return std::min(double(k.alpha_max), std::exp2(std::min(numbers.log2_opacity, at)));
   };
-  return std::max(alpha_at(exponent + error) - alpha,
-                  surely_kept ? alpha - alpha_at(exponent - error) : alpha);
+  if (surely_kept) return std::max(alpha_at(exponent + error) - alpha, alpha - alpha_at(exponent - error));
+  // The trials blend no splat that the reference skips: what moves its alpha is part of what may change.
+  return std::max(alpha_at(exponent + tolerance + error) - alpha, alpha);
 }
 
 /// Finds alphas of `splat` at a point, whether it is kept there, and how sure that is.
