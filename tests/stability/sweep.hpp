@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// What every backend is asked for on hard frames.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/bounds/ellipse.hpp>
+#include <swiftgs/bounds/opacity_box.hpp>
+#include <swiftgs/bounds/three_sigma_square.hpp>
+#include <swiftgs/raster/axis_shared.hpp>
+#include <swiftgs/raster/per_pixel.hpp>
+#include <swiftgs/renderer.hpp>
+#include <swiftgs/sort/early.hpp>
+#include <swiftgs/sort/standard.hpp>
+#include <swiftgs/stress/families.hpp>
+
+#include "stability/case_judge.hpp"
+
+namespace swiftgs::test {
+
+/// Largest ratio of colour and transmittance, and of depth.
+inline constexpr double ratio_gate = 10, depth_ratio_gate = 10;
+
+inline RenderSettings settings_of(const StressCase& drawn) {
+  return {.conventions = drawn.conventions, .background = drawn.background, .outputs = {true, true}};
+}
+
+/// Draws on backends that work in the host's memory.
+struct DrawOnHost {
+  template <class R>
+  Frame operator()(R& renderer, const StressCase& drawn) const {
+    Frame frame;
+    FrameView view = prepare(frame, drawn.camera.width, drawn.camera.height, {true, true});
+    if (!drawn.occluder.empty())
+      view.occluder = {drawn.occluder.data(), sizeof(float) * std::size_t(frame.width)};
+    // As a caller's own arrays, which nothing looks at before.
+    renderer.render_into(swiftgs::view(drawn.scene), drawn.camera, settings_of(drawn), view);
+    return frame;
+  }
+};
+
+inline bool is_finite(const std::vector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+}
+inline bool is_finite(const Frame& frame) {
+  return is_finite(frame.colour) && is_finite(frame.alpha) && is_finite(frame.depth);
+}
+inline bool same_frame(const Frame& a, const Frame& b) {
+  const auto same = [](const std::vector<float>& x, const std::vector<float>& y) {
+    return x.size() == y.size() &&
+           (x.empty() || std::memcmp(x.data(), y.data(), x.size() * sizeof(float)) == 0);
+  };
+  return same(a.colour, b.colour) && same(a.alpha, b.alpha) && same(a.depth, b.depth);
+}
+
+/// Which renderers draw a case.
+enum class Extent {
+  rasterizers,  ///< each rasterizer with one sort and one bounds
+  all           ///< other sorts and bounds as well, whose bits must be equal
+};
+
+/// Renderers of one backend, kept from case to case as a program keeps its own.
+template <class B, class Draw = DrawOnHost>
+class Sweep {
+ public:
+  explicit Sweep(Draw draw = {}) : draw_(draw) {}
+
+  /// Draws the case of `judge` with every rasterizer.
+  void check(CaseJudge& judge, Extent extent, double least_db = -INFINITY) {
+    std::apply([&](auto&... pair) { (check_pair(pair, judge, extent, least_db), ...); }, pairs_);
+    if (extent != Extent::all) return;
+    const Frame first = draw_(std::get<0>(pairs_).first, judge.drawn());
+    CHECK(same_frame(draw_(standard_ellipse_, judge.drawn()), first));
+    CHECK(same_frame(draw_(early_box_, judge.drawn()), first));
+  }
+
+  /// The square cuts what the reference draws, so its frames are only finite.
+  void check_square(const StressCase& drawn) {
+    CHECK(is_finite(draw_(square_half_, drawn)));
+    CHECK(is_finite(draw_(square_split_, drawn)));
+    CHECK(is_finite(draw_(square_per_pixel_, drawn)));
+  }
+
+ private:
+  using Usual = AxisSharedThreshold<FloatCholesky>;
+  template <class Raster>
+  struct Pair {
+    Renderer<B, EarlySort, Raster, Ellipse> first;
+    Renderer<B, StandardSort, Raster, OpacityBox> second;
+  };
+
+  template <class P>
+  void check_pair(P& pair, CaseJudge& judge, Extent extent, double least_db) {
+    const std::string_view name = pair.first.name;
+    CAPTURE(name);
+    const Frame frame = draw_(pair.first, judge.drawn());
+    CHECK(is_finite(frame));
+    const Verdict verdict = judge.judge(name, frame);
+    CHECK(verdict.ratio <= ratio_gate);
+    CHECK(verdict.depth_ratio <= depth_ratio_gate);
+    CHECK((verdict.psnr_db >= least_db || name.find("half") != std::string_view::npos));
+    if (extent == Extent::all) CHECK(same_frame(draw_(pair.second, judge.drawn()), frame));
+  }
+
+  Draw draw_;
+  std::tuple<Pair<Usual>, Pair<PerPixel>, Pair<AxisShared<FloatCholesky>>, Pair<AxisShared<FloatSplit>>,
+             Pair<AxisSharedThreshold<FloatSplit>>, Pair<AxisShared<HalfSplit>>,
+             Pair<AxisSharedThreshold<HalfSplit>>>
+      pairs_;
+  Renderer<B, StandardSort, Usual, Ellipse> standard_ellipse_;
+  Renderer<B, EarlySort, Usual, OpacityBox> early_box_;
+  Renderer<B, EarlySort, AxisSharedThreshold<HalfSplit>, ThreeSigmaSquare> square_half_;
+  Renderer<B, EarlySort, AxisShared<FloatSplit>, ThreeSigmaSquare> square_split_;
+  Renderer<B, StandardSort, PerPixel, ThreeSigmaSquare> square_per_pixel_;
+};
+
+/// Calls `f` with every severity of the families that are named, and of all where none is.
+template <class F>
+void for_each_case(const std::vector<std::string_view>& names, const std::vector<std::uint64_t>& seeds,
+                   ImageSize size, const F& f) {
+  for (const StressFamily& family : stress_families()) {
+    if (!names.empty() && std::find(names.begin(), names.end(), family.name) == names.end()) continue;
+    for (const double severity : family.severities)
+      for (const std::uint64_t seed : seeds) {
+        CAPTURE(family.name);
+        CAPTURE(severity);
+        CAPTURE(seed);
+        CAPTURE(size.width);
+        CAPTURE(size.height);
+        f(family.make(severity, seed, size));
+      }
+  }
+}
+
+}  // namespace swiftgs::test
