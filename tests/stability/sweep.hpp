@@ -85,6 +85,13 @@ class Sweep {
     CHECK(same_frame(draw_(early_box_, judge.drawn()), first));
   }
 
+  /// f(name, frame) for each rasterizer whose exponent is 0 at the mean of a splat.
+  template <class F>
+  void for_each_frame(const StressCase& drawn, const F& f) {
+    const auto give = [&](auto& pair) { f(pair.first.name, draw_(pair.first, drawn)); };
+    give(std::get<0>(pairs_)), give(std::get<1>(pairs_)), give(std::get<2>(pairs_));
+  }
+
   /// The square cuts what the reference draws, so its frames are only finite.
   void check_square(const StressCase& drawn) {
     CHECK(is_finite(draw_(square_half_, drawn)));

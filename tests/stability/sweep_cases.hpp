@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Test cases of whatever backends the including file has. It defines SWIFTGS_STABILITY, what the names of
+/// the cases begin with, and in `swiftgs::test` a function `unavailable` that skips the case where the
+/// backends cannot run, and a class `Backends` with the members of `Sweep`.
+
+#include <cmath>
+#include <cstdint>
+#include <set>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "stability/sweep.hpp"
+
+namespace swiftgs::test {
+namespace {
+
+using Names = std::vector<std::string_view>;
+using Seeds = std::vector<std::uint64_t>;
+
+const Names long_shapes{"needles", "pancakes", "ridges", "little-blur"};
+const Names large_shapes{"grazing", "scales", "distant-means"};
+const Names cameras{"wide-angles",   "long-lenses",   "principal-points",
+                    "uneven-focals", "world-offsets", "skewed-rotations"};
+const Names thresholds{"on-planes", "on-alphas", "on-stops", "on-ties"};
+const Names stacks{"equal-stacks", "deep-stacks"};
+const Names values{"harmonics", "backgrounds", "far-depths", "mixtures"};
+
+/// Draws the families that are named.
+void sweep(const Names& names, const Seeds& seeds, ImageSize size) {
+  if (unavailable()) return;
+  Backends backends;
+  for_each_case(names, seeds, size, [&](StressCase drawn) {
+    CaseJudge judge(std::move(drawn));
+    backends.check(judge, Extent::all);
+  });
+}
+
+/// Draws one case.
+void check_one(StressCase drawn, double least_db = -INFINITY) {
+  if (unavailable()) return;
+  CaseJudge judge(std::move(drawn));
+  Backends().check(judge, Extent::rasterizers, least_db);
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": every family is swept") {
+  std::set<std::string_view> swept;
+  for (const Names& names : {long_shapes, large_shapes, cameras, thresholds, stacks, values})
+    swept.insert(names.begin(), names.end());
+  for (const StressFamily& family : stress_families()) CHECK(swept.count(family.name) == 1);
+  CHECK(swept.size() == stress_families().size());
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": long thin shapes are drawn as exactly as floats allow") {
+  sweep(long_shapes, {1, 2, 35}, {});
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": large and distant shapes are drawn as exactly as floats allow") {
+  sweep(large_shapes, {3, 14, 40}, {});
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": hard cameras are drawn as exactly as floats allow") {
+  sweep(cameras, {5, 6, 27}, {});
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": decisions on an edge are taken as exactly as floats allow") {
+  sweep(thresholds, {7, 8, 9, 10, 12}, {});
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": stacks of layers are drawn as exactly as floats allow") {
+  sweep(stacks, {11}, {});
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": extreme values are drawn as exactly as floats allow") {
+  sweep(values, {13, 16, 44}, {});
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": images that end within a tile are drawn as exactly as floats allow") {
+  for (const Names& names : {long_shapes, large_shapes, cameras, thresholds, values}) {
+    sweep(names, {17}, {33, 17});
+    sweep(names, {18}, {200, 3});
+  }
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": an occluder ends pixels as exactly as floats allow") {
+  if (unavailable()) return;
+  Backends backends;
+  for (const double steps : {0.0, 1.0, 2.0, 4.0})
+    for (const std::uint64_t seed : {19u, 20u, 21u}) {
+      CAPTURE(steps);
+      CAPTURE(seed);
+      CaseJudge judge(stress::on_occluders(steps, seed, {}));
+      backends.check(judge, Extent::all);
+    }
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": squares of three sigmas are finite on every family") {
+  if (unavailable()) return;
+  Backends backends;
+  for_each_case({}, {22}, {}, [&](StressCase drawn) {
+    drawn.conventions = Conventions::inria();
+    backends.check_square(drawn);
+  });
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": needles of ratio 1e4 across a large image") {
+  check_one(stress::needles(1e4, 23, {960, 540}), 120);
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": ridges of 1e4 pixels across a large image") {
+  check_one(stress::ridges(1e4, 24, {960, 540}), 115);
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": an image one pixel high and as wide as images may be") {
+  check_one(stress::needles(1e2, 25, {max_image_side, 1}));
+  check_one(stress::mixtures(200, 26, {max_image_side, 1}));
+}
+
+}  // namespace
+}  // namespace swiftgs::test
