@@ -96,19 +96,7 @@ inline StressCase world_offsets(double distance, std::uint64_t seed, ImageSize s
 inline StressCase skewed_rotations(double skew, std::uint64_t seed, ImageSize size) {
   Random random(seed);
   StressCase out = usual_case(random, size, 60, 3);
-  const Camera upright = out.camera;
-  const double angle = random.in(-3, 3);
-  out.camera = look_at(dvec3(0), dvec3(std::sin(angle), 0.3, std::cos(angle)), dvec3(0.1, -1, 0.2), 0.9,
-                       size.width, size.height);
-  out.camera.fx = out.camera.fy = upright.fx;
-  for (vec3& mean : out.scene.means) {
-    // To where the turned camera sees them: by the transpose, before it is skewed.
-    const vec3 p = mean;
-    for (int k = 0; k < 3; ++k) {
-      const dvec3 column = out.camera.rotation[k];
-      mean[k] = float(column.x * double(p.x) + column.y * double(p.y) + column.z * double(p.z));
-    }
-  }
+  turn(out, random.in(-3, 3));
   for (int column = 0; column < 3; ++column)
     for (int row = 0; row < 3; ++row) out.camera.rotation[column][row] += random.in(-skew, skew);
   if (seed % 3 == 0)

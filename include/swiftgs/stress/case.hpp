@@ -126,5 +126,22 @@ inline StressCase usual_case(Random& random, ImageSize size, int count = 60, int
   return out;
 }
 
+/// Turns the camera of `drawn` at the origin by `angle` and some more, and the means with it.
+inline void turn(StressCase& drawn, double angle) {
+  const Camera upright = drawn.camera;
+  drawn.camera = look_at(dvec3(0), dvec3(std::sin(angle), 0.3, std::cos(angle)), dvec3(0.1, -1, 0.2), 0.9,
+                         upright.width, upright.height);
+  drawn.camera.fx = upright.fx, drawn.camera.fy = upright.fy;
+  drawn.camera.cx = upright.cx, drawn.camera.cy = upright.cy;
+  for (vec3& mean : drawn.scene.means) {
+    // To where the turned camera sees them.
+    const vec3 p = mean;
+    for (int k = 0; k < 3; ++k) {
+      const dvec3 column = drawn.camera.rotation[k];
+      mean[k] = float(column.x * double(p.x) + column.y * double(p.y) + column.z * double(p.z));
+    }
+  }
+}
+
 }  // namespace stress
 }  // namespace swiftgs

@@ -40,7 +40,7 @@ inline const std::vector<StressFamily>& stress_families() {
       {"deep-stacks", "layers", {10, 100, 1000, 4000}, deep_stacks},
       {"harmonics", "magnitude of coefficients", {1, 1e3, 1e10, 1e20, 1e30, 1e38}, harmonics},
       {"backgrounds", "magnitude of the background", {1, 1e3, 1e10, 1e20, 3e38}, backgrounds},
-      {"far-depths", "depth", {1, 1e5, 1e10, 1e15, 1e25}, far_depths},
+      {"far-depths", "depth", {1, 1e5, 1e10, 1e15, 1e25, 1e36}, far_depths},
       {"mixtures", "Gaussians", {50, 500}, mixtures},
   };
   return families;
