@@ -139,6 +139,22 @@ TEST_CASE(SWIFTGS_STABILITY ": compensation has the least value of the conventio
   check_shown(settings, point, true, 0x1p-5f);
 }
 
+TEST_CASE(SWIFTGS_STABILITY ": a splat reaches as far as its opacity over the least alpha says") {
+  if (unavailable()) return;
+  Backends backends;
+  for (const float alpha_min : {1.0f / 255, 0x1p-8f, 1e-3f, 0.25f, 0x1p-60f})
+    for (const float opacity : {0.25f, 0.3f, 0.7f, 0.99f, 1.0f}) {
+      CAPTURE(alpha_min);
+      CAPTURE(opacity);
+      StressCase drawn = exact_case();
+      drawn.conventions.alpha_min = alpha_min;
+      stress::add(drawn.scene, dot(2, opacity));
+      const double reach = std::log2(double(opacity) / double(alpha_min));
+      for (const SplatShape& shape : backends.shapes(drawn))
+        CHECK(std::abs(double(shape.reach) - reach) <= 0x1p-22 * (1 + reach));
+    }
+}
+
 TEST_CASE(SWIFTGS_STABILITY ": the largest variance is drawn and a larger one is not") {
   const float largest = 1e18f;  // the root of the largest variance
   StressGaussian huge = dot(1, 0.5f);

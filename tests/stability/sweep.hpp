@@ -85,11 +85,24 @@ class Sweep {
     CHECK(same_frame(draw_(early_box_, judge.drawn()), first));
   }
 
-  /// f(name, frame) for each rasterizer whose exponent is 0 at the mean of a splat.
+  /// f(name, frame) for each rasterizer whose exponent is 0 at the mean of a splat, with both pairs of sort
+  /// and bounds.
   template <class F>
   void for_each_frame(const StressCase& drawn, const F& f) {
-    const auto give = [&](auto& pair) { f(pair.first.name, draw_(pair.first, drawn)); };
+    const auto give = [&](auto& pair) {
+      f(pair.first.name, draw_(pair.first, drawn)), f(pair.second.name, draw_(pair.second, drawn));
+    };
     give(std::get<0>(pairs_)), give(std::get<1>(pairs_)), give(std::get<2>(pairs_));
+  }
+
+  /// Splats of the case as they are projected.
+  std::vector<SplatShape> shapes(const StressCase& drawn) {
+    auto& renderer = std::get<0>(pairs_).first;
+    draw_(renderer, drawn);
+    const Span<const SplatShape> projected = renderer.splats().view().shapes;
+    std::vector<SplatShape> out(projected.size);
+    renderer.backend().download(projected, out.data());
+    return out;
   }
 
   /// The square cuts what the reference draws, so its frames are only finite.

@@ -49,6 +49,14 @@ class Backends {
     serial_.for_each_frame(drawn, f);
     for_each_target([&](bool) { cpu_.for_each_frame(drawn, f); });
   }
+  std::vector<SplatShape> shapes(const StressCase& drawn) {
+    std::vector<SplatShape> out = serial_.shapes(drawn);
+    for_each_target([&](bool) {
+      const std::vector<SplatShape> of_target = cpu_.shapes(drawn);
+      out.insert(out.end(), of_target.begin(), of_target.end());
+    });
+    return out;
+  }
 
  private:
   template <class F>
