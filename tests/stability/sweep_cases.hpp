@@ -23,8 +23,8 @@ using Seeds = std::vector<std::uint64_t>;
 
 const Names long_shapes{"needles", "pancakes", "ridges", "little-blur"};
 const Names large_shapes{"grazing", "scales", "distant-means"};
-const Names cameras{"wide-angles",   "long-lenses",   "principal-points",
-                    "uneven-focals", "world-offsets", "skewed-rotations"};
+const Names cameras{"wide-angles",   "long-lenses",     "principal-points", "uneven-focals",
+                    "world-offsets", "distant-cameras", "skewed-rotations"};
 const Names thresholds{"on-planes", "on-alphas", "on-stops", "on-ties"};
 const Names stacks{"equal-stacks", "deep-stacks"};
 const Names values{"harmonics", "backgrounds", "far-depths", "mixtures"};

@@ -81,4 +81,5 @@ bool unavailable() { return false; }
 
 #define SWIFTGS_STABILITY "stability"
 #include "stability/edge_cases.hpp"
+#include "stability/number_cases.hpp"
 #include "stability/sweep_cases.hpp"

@@ -92,6 +92,32 @@ inline StressCase world_offsets(double distance, std::uint64_t seed, ImageSize s
   return out;
 }
 
+/// A world around its origin and a camera far from it, every second one beside its axis; severity: how far.
+/// Floats hold the means exactly to many more digits than their places seen from the camera.
+inline StressCase distant_cameras(double distance, std::uint64_t seed, ImageSize size) {
+  Random random(seed);
+  StressCase out;
+  out.scene.sh_degree = 2;
+  const double pixel = 2.0 / size.width;  // of the world
+  out.camera = forward_camera(size, distance / pixel);
+  out.camera.translation.z = distance;
+  if (seed % 2) {
+    const double x = distance * random.in(-1, 1), y = distance * random.in(-1, 1);
+    out.camera.translation.x = x, out.camera.cx -= x / pixel;
+    out.camera.translation.y = y, out.camera.cy -= y / pixel;
+  }
+  for (int i = 0; i < 60; ++i) {
+    const auto side = [&] { return float(pixel * random.scale(0.3, 12)); };
+    add(out.scene, {.mean = {random.f(-1, 1), random.f(-1, 1), random.f(-1, 1)},
+                    .scale = {side(), side(), side()},
+                    .rotation = random.rotation(),
+                    .opacity = float(random.scale(0.02, 1)),
+                    .rgb = random_colour(random)});
+  }
+  for (float& v : out.scene.sh_rest) v = random.f(-0.1, 0.1);
+  return out;
+}
+
 /// Rotations that are not orthonormal; severity: by how much. Every third is a mirror.
 inline StressCase skewed_rotations(double skew, std::uint64_t seed, ImageSize size) {
   Random random(seed);

@@ -166,9 +166,9 @@ def try_mutant(tests, mutant):
 
 
 def chosen(options):
-    wanted = [m for m in MUTANTS if (m.quick or not options.quick) and (not options.only or options.only in m.name)]
+    wanted = [m for m in MUTANTS if (m.quick or not options.quick) and (m.name.startswith(options.only))]
     if not wanted:
-        raise SystemExit(f"mutants: no mutant's name has '{options.only}'")
+        raise SystemExit(f"mutants: no mutant's name begins with '{options.only}'")
     return wanted
 
 
@@ -176,7 +176,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build")
     parser.add_argument("--quick", action="store_true", help="the selection that ctest runs")
-    parser.add_argument("--only", default="", metavar="WORDS", help="mutants whose name has these words")
+    parser.add_argument("--only", default="", metavar="WORDS", help="mutants whose name begins so")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--compiler", default=os.environ.get("CXX", "c++"))
     parser.add_argument("--include", action="append", default=["/usr/include/eigen3"], metavar="FOLDER")

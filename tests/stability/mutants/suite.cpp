@@ -27,4 +27,5 @@ bool unavailable() { return false; }
 
 #define SWIFTGS_STABILITY "mutant"
 #include "stability/edge_cases.hpp"
+#include "stability/number_cases.hpp"
 #include "stability/sweep_cases.hpp"

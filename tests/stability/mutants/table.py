@@ -185,7 +185,7 @@ MUTANTS = [
     Mutant("raster: half-split a term short", I + "raster/terms.hpp",
            "to_float(x.square) + to_float(y.square) + to_float(x.mixed) * to_float(y.offset)",
            "to_float(x.square) + to_float(y.square)"),
-    Mutant("raster: background times alpha", I + "store_pixel.hpp", "pixel.transmittance * below", "alpha * below"),
+    Mutant("raster: background times alpha", I + "store_pixel.hpp", "pixel.transmittance * below", "alpha * below", quick=True),
     Mutant("raster: depth is not divided by alpha", I + "store_pixel.hpp", "alpha > 0 ? pixel.depth / alpha : 0.0f",
            "pixel.depth"),
     # The cpu backend's own arithmetic.
@@ -196,7 +196,7 @@ MUTANTS = [
            "const Wide inverse_z = Inverse(Promote(z));"),
     Mutant("cpu project: x/z and y/z in float", CPU + "project.cpp",
            "const Vec mean_x = Demote(ScaleAdd(x_over_z, v.fx, v.cx))",
-           "const Vec mean_x = Demote(ScaleAdd(Promote(Demote(x_over_z)), v.fx, v.cx))", quick=True),
+           "const Vec mean_x = Demote(ScaleAdd(Promote(Demote(x_over_z)), v.fx, v.cx))"),
     Mutant("cpu project: cross product of rows", CPU + "project.cpp",
            "const Vec3 c = Scale(CrossOfAxes(v, tx, ty, jx, jy, scale, axes), inv_sigma_y);",
            "const Vec3 c = Scale(Vec3{hn::Sub(hn::Mul(mx.y, my.z), hn::Mul(mx.z, my.y)), hn::Sub(hn::Mul(mx.z, my.x), hn::Mul(mx.x, my.z)),\n"

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Numbers that no trained scene has. For whatever backends the including file has, as in `sweep_cases.hpp`.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "stability/sweep.hpp"
+
+namespace swiftgs::test {
+namespace {
+
+/// Draws with every renderer.
+void check_drawn(StressCase drawn) {
+  if (unavailable()) return;
+  CaseJudge judge(std::move(drawn));
+  Backends().check(judge, Extent::all);
+}
+
+StressCase usual_scene(std::uint64_t seed, int count = 200) {
+  stress::Random random(seed);
+  return stress::usual_case(random, {96, 64}, count);
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": scales of 0 and of 1e12 are drawn") {
+  StressCase drawn = usual_scene(1);
+  for (vec3& scale : drawn.scene.scales) scale = vec3(0);
+  check_drawn(drawn);
+  for (vec3& scale : drawn.scene.scales) scale = vec3(1e12f);
+  check_drawn(drawn);
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": scales whose squares no float holds are left out and nothing is infinite") {
+  StressCase drawn = usual_scene(2);
+  for (std::size_t i = 0; i < drawn.scene.size(); i += 3) drawn.scene.scales[i] = vec3(1e30f, 1e-30f, 1e25f);
+  for (std::size_t i = 1; i < drawn.scene.size(); i += 3) drawn.scene.scales[i] = vec3(3e38f);
+  check_drawn(drawn);
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": everything at the camera and behind it leaves the background") {
+  StressCase drawn = usual_scene(5);
+  for (std::size_t i = 0; i < drawn.scene.size(); ++i) {
+    const float z[] = {0, -0.01f, -drawn.scene.means[i].z};
+    drawn.scene.means[i].z = z[i % 3];
+  }
+  if (unavailable()) return;
+  Backends().for_each_frame(drawn, [&](std::string_view name, const Frame& frame) {
+    CAPTURE(name);
+    const auto all = [](const std::vector<float>& values, float expected) {
+      return std::all_of(values.begin(), values.end(), [&](float v) { return v == expected; });
+    };
+    CHECK(all(frame.colour, drawn.background.x));
+    CHECK(all(frame.alpha, 0));
+    CHECK(all(frame.depth, 0));
+  });
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": opacities of 0 and 1 and between with denormal ones among them") {
+  StressCase drawn = usual_scene(8);
+  const float denormal = std::numeric_limits<float>::denorm_min(), least = std::numeric_limits<float>::min();
+  const float opacities[] = {0,
+                             1,
+                             denormal,
+                             least / 3,
+                             1.0f / 255,
+                             std::nextafter(1.0f / 255, 0.0f),
+                             std::nextafter(1.0f / 255, 1.0f),
+                             std::nextafter(1.0f, 0.0f)};
+  for (std::size_t i = 0; i < drawn.scene.size(); ++i) drawn.scene.opacities[i] = opacities[i % 8];
+  check_drawn(drawn);
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": numbers that are not finite are left out among others that are drawn") {
+  const float wild[] = {NAN, INFINITY, -INFINITY};
+  StressCase drawn = usual_scene(10, 300);
+  Scene& scene = drawn.scene;
+  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  for (std::size_t i = 0; i < scene.size(); i += 2) {
+    const float value = wild[i / 2 % 3];
+    switch (i / 6 % 8) {
+      case 0:
+        scene.means[i][int(i) % 3] = value;
+        break;
+      case 1:
+        scene.scales[i][int(i) % 3] = value;
+        break;
+      case 2:
+        scene.rotations[i].x = value;
+        break;
+      case 3:
+        scene.opacities[i] = value;
+        break;
+      case 4:
+        scene.means[i] = vec3(value);
+        break;
+      case 5:
+        scene.sh_rest[rest * i + 4] = value;
+        break;
+      case 6:
+        scene.sh0[i] = vec3(value);
+        break;
+      default:
+        scene.rotations[i] = {value, value, value, value};
+    }
+  }
+  check_drawn(drawn);
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": depths that no float holds are not drawn") {
+  StressCase drawn = usual_scene(13, 60);
+  stress::turn(drawn, 0.7);
+  for (std::size_t i = 0; i < drawn.scene.size(); i += 4) drawn.scene.means[i] = vec3(3e38f);
+  for (const Conventions& conventions : {Conventions::gsplat(), Conventions::inria()}) {
+    drawn.conventions = conventions, drawn.conventions.footprint = {};
+    check_drawn(drawn);
+  }
+}
+
+}  // namespace
+}  // namespace swiftgs::test
