@@ -2,7 +2,7 @@
 #pragma once
 
 /// @file
-/// The references of one hard frame. Compiled apart from what renders: the double arithmetic takes long to
+/// The reference of one hard frame. Compiled apart from what renders: the double arithmetic takes long to
 /// compile, and a defect that is injected into a renderer cannot reach it.
 
 #include <memory>
@@ -13,12 +13,13 @@
 
 namespace swiftgs::test {
 
-/// As `StressVerdict`, of which this holds what the gates look at.
+/// As `StressVerdict`, of which this holds what the gates look at. A form that is allowed no error of its own
+/// has its ratio for an excess.
 struct Verdict {
-  double ratio = 0, depth_ratio = 0, psnr_db = 0;
+  double excess = 0, depth_excess = 0, psnr_db = 0;
 };
 
-/// Judges frames of one case. References are computed when a form of the exponent first asks for its own.
+/// Judges frames of one case.
 class CaseJudge {
  public:
   explicit CaseJudge(StressCase drawn);
@@ -29,12 +30,12 @@ class CaseJudge {
   const StressCase& drawn() const { return drawn_; }
 
   /// Judges what the renderer called `name` drew.
-  Verdict judge(std::string_view name, const Frame& frame);
+  Verdict judge(std::string_view name, const Frame& frame) const;
 
  private:
-  struct References;
+  struct Reference;
   StressCase drawn_;
-  std::unique_ptr<References> references_;
+  std::unique_ptr<const Reference> reference_;
 };
 
 }  // namespace swiftgs::test

@@ -29,8 +29,8 @@
 
 namespace swiftgs::test {
 
-/// Largest ratio of colour and transmittance, and of depth.
-inline constexpr double ratio_gate = 10, depth_ratio_gate = 10;
+/// Largest excess of colour and transmittance, and of depth.
+inline constexpr double excess_gate = 10, depth_excess_gate = 10;
 
 inline RenderSettings settings_of(const StressCase& drawn) {
   return {.conventions = drawn.conventions, .background = drawn.background, .outputs = {true, true}};
@@ -127,8 +127,8 @@ class Sweep {
     const Frame frame = draw_(pair.first, judge.drawn());
     CHECK(is_finite(frame));
     const Verdict verdict = judge.judge(name, frame);
-    CHECK(verdict.ratio <= ratio_gate);
-    CHECK(verdict.depth_ratio <= depth_ratio_gate);
+    CHECK(verdict.excess <= excess_gate);
+    CHECK(verdict.depth_excess <= depth_excess_gate);
     CHECK((verdict.psnr_db >= least_db || name.find("half") != std::string_view::npos));
     if (extent == Extent::all) CHECK(same_frame(draw_(pair.second, judge.drawn()), frame));
   }
