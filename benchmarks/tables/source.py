@@ -8,7 +8,8 @@ RESULTS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 # The folders that README.md and docs/ show: a GPU, a processor with many cores and two with few, which need not have
 # all files. Whoever measures anew changes them here.
 FOLDERS = {"gpu": "2026-11-21-nvidia-h200", "cpu": "2026-11-21-intel-xeon-16-cores",
-           "cpu2": "2026-11-21-intel-xeon-2-cores", "amd": "2026-11-22-amd-epyc-2-cores"}
+           "cpu2": "2026-11-21-intel-xeon-2-cores", "amd": "2026-11-22-amd-epyc-2-cores",
+           "h200": "2026-11-22-nvidia-h200"}
 
 
 class Source:
@@ -55,7 +56,7 @@ class Source:
 
 def backend(machine):
     """The backend that a machine's results are of."""
-    return "cuda" if machine == "gpu" else "cpu"
+    return "cuda" if machine in ("gpu", "h200") else "cpu"
 
 
 def processor(machine):

@@ -79,4 +79,36 @@ def stability(source, machine, size=""):
         + "\n\n" + table(["family", *FORMS], lines)
 
 
-TABLES = {"stability": stability}
+def mean_raster(rows):
+    """Mean over views of the raster stage's medians, in milliseconds."""
+    return sum(row.ms["raster"].median for row in rows) / len(rows)
+
+
+def cost_cell(before, after):
+    """Raster stage and worst PSNR, before and after."""
+    if not before or not after:
+        return "-"
+    times = [mean_raster(rows) for rows in (before, after)]
+    text = f"{significant(times[0], 3)} → {significant(times[1], 3)} ({times[1] / times[0]:.2f}x)"
+    known = [[row.psnr_db for row in rows if row.psnr_db is not None] for rows in (before, after)]
+    if all(known):
+        text += f", {min(known[0]):.1f} → {min(known[1]):.1f} dB"
+    return text
+
+
+def cost(source, machine, name="cuda"):
+    """What a change of the rasterizers costs: files of one run before and after it."""
+    before, after = (source.results(machine, f"cost-{when}-{name}.json") for when in ("before", "after"))
+    scenes = list(dict.fromkeys(row.scene for row in after.rows))
+    rasters = sorted(dict.fromkeys(row.raster for row in after.rows))
+
+    def of(results, raster, scene):
+        return [row for row in results.rows if (row.raster, row.scene) == (raster, scene)]
+    lines = [[f"`{raster}`"] + [cost_cell(of(before, raster, scene), of(after, raster, scene)) for scene in scenes]
+             for raster in rasters]
+    device = after.machine.get("gpu") if name == "cuda" else None
+    return prose(f"{device or processor(after.machine)}, `{name}`: milliseconds of the raster stage, the mean over views, "
+                 "and the worst PSNR where frames were compared.") + "\n\n" + table(["rasterizer", *scenes], lines)
+
+
+TABLES = {"stability": stability, "stability-cost": cost}
