@@ -83,6 +83,34 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
+/// A caller's own arrays on the device.
+struct DeviceArrays {
+  explicit DeviceArrays(const Scene& scene)
+      : means(to_device(scene.means)),
+        scales(to_device(scene.scales)),
+        sh0(to_device(scene.sh0)),
+        rotations(to_device(scene.rotations)),
+        opacities(to_device(scene.opacities)),
+        sh_rest(to_device(scene.sh_rest)),
+        degree(scene.sh_degree) {}
+
+  SceneView view() const {
+    return {.means = means.span(),
+            .scales = scales.span(),
+            .rotations = rotations.span(),
+            .opacities = opacities.span(),
+            .sh0 = sh0.span(),
+            .sh_rest = sh_rest.span(),
+            .sh_degree = degree,
+            .sh_stride = 3 * sh_rest_count(degree)};
+  }
+
+  DeviceBuffer<vec3> means, scales, sh0;
+  DeviceBuffer<Quaternion> rotations;
+  DeviceBuffer<float> opacities, sh_rest;
+  int degree;
+};
+
 /// Splats of the host on the device, without footprints.
 class DeviceSplats {
  public:

@@ -16,34 +16,6 @@ namespace {
 
 using Usual = Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
 
-/// A caller's own arrays on the device.
-struct Arrays {
-  explicit Arrays(const Scene& scene)
-      : means(to_device(scene.means)),
-        scales(to_device(scene.scales)),
-        sh0(to_device(scene.sh0)),
-        rotations(to_device(scene.rotations)),
-        opacities(to_device(scene.opacities)),
-        sh_rest(to_device(scene.sh_rest)),
-        degree(scene.sh_degree) {}
-
-  SceneView view() const {
-    return {.means = means.span(),
-            .scales = scales.span(),
-            .rotations = rotations.span(),
-            .opacities = opacities.span(),
-            .sh0 = sh0.span(),
-            .sh_rest = sh_rest.span(),
-            .sh_degree = degree,
-            .sh_stride = 3 * sh_rest_count(degree)};
-  }
-
-  DeviceBuffer<vec3> means, scales, sh0;
-  DeviceBuffer<Quaternion> rotations;
-  DeviceBuffer<float> opacities, sh_rest;
-  int degree;
-};
-
 RenderSettings with_planes() {
   RenderSettings settings;
   settings.outputs = {true, true};
@@ -91,7 +63,7 @@ void check_not_finite(const Scene& wild, const Scene& tame) {
   const auto draw = [&](const Scene& scene) {
     const Stream stream;
     Renderer<Cuda, EarlySort, Raster, Ellipse> renderer{Cuda(stream.get())};
-    const Arrays arrays(scene);
+    const DeviceArrays arrays(scene);
     DeviceFrame image(160, 120);
     stream.wait();
     renderer.render_into(arrays.view(), camera, {}, image.view());
@@ -147,7 +119,7 @@ TEST_CASE("cuda embedding: frames are drawn from the caller's arrays into its me
   Usual own;
   const Frame expected = own.render(own.backend().upload(scene), camera, with_planes());
 
-  const Arrays arrays(scene);
+  const DeviceArrays arrays(scene);
   const Stream stream;
   Usual renderer{Cuda(stream.get())};
   DeviceFrame image(150, 90, PixelFormat::rgb_float, 36);
@@ -163,7 +135,7 @@ TEST_CASE("cuda embedding: a frame waits for what its stream was given before an
   if (without_device()) return;
   const Scene scene = random_scene(4000, 0, 2);
   const Camera camera = forward_camera(150, 90);
-  const Arrays arrays(scene);
+  const DeviceArrays arrays(scene);
   const Stream stream;
   Usual renderer{Cuda(stream.get())};
   DeviceFrame expected(150, 90), image(150, 90);
@@ -216,7 +188,7 @@ TEST_CASE_TEMPLATE("cuda embedding: a frame is drawn while its host polls a stre
 
 TEST_CASE("cuda embedding: two renderers on two streams in two threads draw what each draws alone") {
   if (without_device()) return;
-  const Arrays first(random_scene(9000, 1, 3)), second(random_scene(7000, 3, 4));
+  const DeviceArrays first(random_scene(9000, 1, 3)), second(random_scene(7000, 3, 4));
   constexpr int frames = 60;
   const auto alone_first = render_many(first.view(), 1), alone_second = render_many(second.view(), 1);
   REQUIRE_FALSE(same_bits(alone_first[0], alone_second[0]));
@@ -270,7 +242,7 @@ TEST_CASE("cuda embedding: what nothing can be rendered with is refused and the 
   if (without_device()) return;
   Usual renderer;
   const Scene scene = random_scene(500, 2, 8);
-  const Arrays arrays(scene);
+  const DeviceArrays arrays(scene);
   const Camera camera = forward_camera(40, 30);
   const Frame expected = renderer.render(renderer.backend().upload(scene), camera);
   const auto refusal = [&](const auto& spoil) {
