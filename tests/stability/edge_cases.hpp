@@ -155,6 +155,29 @@ TEST_CASE(SWIFTGS_STABILITY ": a splat reaches as far as its opacity over the le
     }
 }
 
+TEST_CASE(SWIFTGS_STABILITY ": bounds lose no pixel at which an ellipse ends") {
+  if (unavailable()) return;
+  Backends backends;
+  stress::Random random(28);
+  for (int round = 0; round < 40; ++round) {
+    CAPTURE(round);
+    StressCase drawn = exact_case();
+    drawn.conventions.alpha_min = 1.0f / 255, drawn.conventions.stop = 0;
+    for (int i = 0; i < 60; ++i) {
+      // Ends, but for a few last places of its opacity, at the first or last pixel of a neighbouring tile.
+      const double sigma = random.in(1, 6), away = i % 4 < 2 ? 8 : 9, variance = sigma * sigma + 0.3;
+      const double opacity = std::exp(0.5 * away * away / variance) / 255;
+      if (!(opacity < 1)) continue;
+      StressGaussian g = dot(2, stress::stepped(float(opacity), random.below(7) - 3));
+      g.scale = vec3(float(sigma * 2 / 32)), g.rgb = stress::random_colour(random);
+      g.mean[i % 2] = away == 9 ? 1 : 0;
+      g.mean[1 - i % 2] = float(random.below(20)) / 16;
+      stress::add(drawn.scene, g);
+    }
+    backends.check_bounds(drawn);
+  }
+}
+
 TEST_CASE(SWIFTGS_STABILITY ": the largest variance is drawn and a larger one is not") {
   const float largest = 1e18f;  // the root of the largest variance
   StressGaussian huge = dot(1, 0.5f);

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -64,6 +65,15 @@ inline bool same_frame(const Frame& a, const Frame& b) {
   return same(a.colour, b.colour) && same(a.alpha, b.alpha) && same(a.depth, b.depth);
 }
 
+/// Bounds that list every splat for every tile.
+struct WholeImage {
+  static constexpr std::string_view name = "whole-image";
+  static constexpr bool lossless = true;
+
+  TileRect rect(const SplatShape&, TileGrid grid) const { return {{0, grid.columns}, {0, grid.rows}}; }
+  TileRun row(const SplatShape&, TileRect rect, int) const { return rect.columns; }
+};
+
 /// Which renderers draw a case.
 enum class Extent {
   rasterizers,  ///< each rasterizer with one sort and one bounds
@@ -83,6 +93,16 @@ class Sweep {
     const Frame first = draw_(std::get<0>(pairs_).first, judge.drawn());
     CHECK(same_frame(draw_(standard_ellipse_, judge.drawn()), first));
     CHECK(same_frame(draw_(early_box_, judge.drawn()), first));
+  }
+
+  /// Draws with bounds that leave nothing out too: lossless bounds must leave out nothing either.
+  void check_bounds(const StressCase& drawn) {
+    const auto check = [&](auto& pair, auto& whole) {
+      const Frame expected = draw_(whole, drawn);
+      CHECK(same_frame(draw_(pair.first, drawn), expected));
+      CHECK(same_frame(draw_(pair.second, drawn), expected));
+    };
+    check(std::get<0>(pairs_), whole_), check(std::get<1>(pairs_), whole_per_pixel_);
   }
 
   /// f(name, frame) for each rasterizer whose exponent is 0 at the mean of a splat, with both pairs of sort
@@ -140,6 +160,10 @@ class Sweep {
       pairs_;
   Renderer<B, StandardSort, Usual, Ellipse> standard_ellipse_;
   Renderer<B, EarlySort, Usual, OpacityBox> early_box_;
+  // Devices run bounds of the caller's only where nvcc compiles them.
+  using Whole = std::conditional_t<bool(B::reaches_host_memory), WholeImage, OpacityBox>;
+  Renderer<B, EarlySort, Usual, Whole> whole_;
+  Renderer<B, EarlySort, PerPixel, Whole> whole_per_pixel_;
   Renderer<B, EarlySort, AxisSharedThreshold<HalfSplit>, ThreeSigmaSquare> square_half_;
   Renderer<B, EarlySort, AxisShared<FloatSplit>, ThreeSigmaSquare> square_split_;
   Renderer<B, StandardSort, PerPixel, ThreeSigmaSquare> square_per_pixel_;

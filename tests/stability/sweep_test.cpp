@@ -44,6 +44,10 @@ class Backends {
         [&](bool first) { cpu_.check(judge, first ? Extent::all : Extent::rasterizers, least_db); });
   }
   void check_square(const StressCase& drawn) { serial_.check_square(drawn), cpu_.check_square(drawn); }
+  void check_bounds(const StressCase& drawn) {
+    serial_.check_bounds(drawn);
+    for_each_target([&](bool) { cpu_.check_bounds(drawn); });
+  }
   template <class F>
   void for_each_frame(const StressCase& drawn, const F& f) {
     serial_.for_each_frame(drawn, f);

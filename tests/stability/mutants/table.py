@@ -177,7 +177,8 @@ MUTANTS = [
            "std::exp2(-(shape_.l0 * shape_.l0 * dx * dx + 2 * shape_.l0 * shape_.l1 * dx * dy +\n"
            "                             (shape_.l1 * shape_.l1 + shape_.l2 * shape_.l2) * dy * dy + 0 * (u + v)))"),
     Mutant("raster: exponential off by 1e-6 of log2_e", I + "raster/per_pixel.hpp", "std::exp2(-(u * u + v * v))",
-           "std::exp2(-(u * u + v * v) * (1 + 1e-6f))"),
+           "std::exp2(-(u * u + v * v) * (1 + 1e-6f))",
+           equivalent="moves alpha by at most 1e-6 / e, three roundings of ten that the gate allows"),
     Mutant("raster: float-split from the mean", I + "raster/terms.hpp", "FloatSplit(const SplatShape& s, vec2 centre) : centre_(centre) {",
            "FloatSplit(const SplatShape& s, vec2 centre) : centre_(s.mean) {\n    centre = s.mean;"),
     Mutant("raster: float-split without the cut at 0", I + "raster/terms.hpp", "return s < 0 ? 0 : s;", "return s;"),
