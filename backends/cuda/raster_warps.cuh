@@ -132,6 +132,8 @@ __global__ void __launch_bounds__(raster_threads)
     if constexpr (extras) part.occluders[p] = at.occluder;
   }
 
+  // Opacities are not looked at otherwise: to keep them at hand costs 6 % of the kernel.
+  const bool some_hidden = job.splats.hidden && *job.splats.hidden != 0;
   const TileRange range = job.lists.ranges[tile];
   const auto load_id = [&](std::uint32_t at) {
     return at + lane_index() < range.end ? job.lists.ids[at + lane_index()] : 0;
@@ -153,7 +155,8 @@ __global__ void __launch_bounds__(raster_threads)
       later_id = load_id(at + warp_size);
 
       // Queue those that touch the part.
-      const bool touched = listed && box_touched(shape, first_centre, float(part_side));
+      bool touched = listed && box_touched(shape, first_centre, float(part_side));
+      if (some_hidden) touched = touched && job.splats.shapes[id].opacity > 0;
       const unsigned lanes = __ballot_sync(whole_warp, touched);
       if (touched) {
         const unsigned slot =

@@ -86,11 +86,17 @@ __device__ inline vec3 colour_of(int degree, vec3 sh0, const float4* rest, vec3 
   }
 }
 
-/// Evaluates the colours of all splats, a warp 32 at a time and a lane one of them. Of shapes it writes the
-/// opacity alone, which the sort beside it does not read.
+/// Where colours are written to.
+struct ShadeOutput {
+  SplatShape* shapes;  ///< their opacities, which the sort beside it does not read
+  SplatColour* colours;
+  std::uint32_t* hidden;
+};
+
+/// Evaluates the colours of all splats, a warp 32 at a time and a lane one of them.
 __global__ void __launch_bounds__(shade_threads)
     shade(const __grid_constant__ ProjectJob job, const FrameCounts* counts, const std::uint32_t* gaussians,
-          SplatShape* shapes, SplatColour* colours) {
+          const ShadeOutput output) {
   __shared__ float4 shared[shade_warps][warp_size * rest_pitch(max_sh_degree)];
   float4* const rest = shared[threadIdx.x / warp_size];
   const SceneView& scene = job.scene;
@@ -101,25 +107,27 @@ __global__ void __launch_bounds__(shade_threads)
     const std::uint32_t id = at < visible ? gaussians[at] : 0;
     if (scene.sh_degree > 0)
       stage_rest(scene, id, unsigned(min(visible - first, std::size_t(warp_size))), rest);
-    if (at < visible)
-      set_colour(shapes[at], colours[at],
-                 colour_of(scene.sh_degree, scene.sh0[id], rest + lane_index() * rest_pitch(scene.sh_degree),
-                           view_direction(job.constants, scene.means[id])));
+    if (at < visible) {
+      const vec3 rgb =
+          colour_of(scene.sh_degree, scene.sh0[id], rest + lane_index() * rest_pitch(scene.sh_degree),
+                    view_direction(job.constants, scene.means[id]));
+      if (!set_colour(output.shapes[at], output.colours[at], rgb)) *output.hidden = 1;
+    }
     __syncwarp();  // before the coefficients are overwritten
   }
 }
 }  // namespace kernels
 
 void start_colours(Cuda& cuda, const ProjectJob& job, const FrameCounts* counts,
-                   const std::uint32_t* gaussians, SplatShape* shapes, SplatColour* colours) {
+                   const std::uint32_t* gaussians, Splats<Cuda>& splats) {
   int device = 0, multiprocessors = 0;
   check_cuda(cudaGetDevice(&device), "cudaGetDevice");
   check_cuda(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device),
              "cudaDeviceGetAttribute");
   const unsigned blocks = std::min(blocks_for(job.scene.size(), kernels::shade_threads),
                                    unsigned(multiprocessors * kernels::shade_blocks));
-  launch("shade", kernels::shade, blocks, kernels::shade_threads, cuda.fork(), job, counts, gaussians, shapes,
-         colours);
+  launch("shade", kernels::shade, blocks, kernels::shade_threads, cuda.fork(), job, counts, gaussians,
+         kernels::ShadeOutput{splats.shapes.data(), splats.colours.data(), splats.hidden.data()});
 }
 
 }  // namespace swiftgs

@@ -37,17 +37,18 @@ struct alignas(16) SplatColour {
 inline constexpr float largest_variance = 1e36f;
 
 /// Stores the colour of a splat, cut below at 0. A Gaussian whose colour is not finite is not drawn: its
-/// opacity becomes 0, which every rasterizer skips.
-SWIFTGS_HD inline void set_colour(SplatShape& shape, SplatColour& colour, vec3 rgb) {
+/// opacity becomes 0, which every rasterizer skips. Returns whether the splat is drawn.
+SWIFTGS_HD inline bool set_colour(SplatShape& shape, SplatColour& colour, vec3 rgb) {
   const float most = 3.4028234663852886e38f;
   bool finite = true;
   for (int c = 0; c < 3; ++c) {
     finite = finite && rgb[c] >= -most && rgb[c] <= most;
     colour.rgb[c] = rgb[c] > 0 ? rgb[c] : 0.0f;
   }
-  if (finite) return;
+  if (finite) return true;
   shape.opacity = 0;
   colour.rgb = vec3(0);
+  return false;
 }
 
 /// Visible splats in the order of their Gaussians; `shapes` and `colours` have one element a splat.
@@ -59,6 +60,10 @@ struct SplatsView {
   Span<const Footprint> footprints{};
   std::uint64_t instances = 0;
 
+  /// Not 0 where `set_colour` hid a splat, whose opacity is 0 then although its reach is not. Null means that
+  /// a rasterizer which has no other use for opacities need not look at them.
+  const std::uint32_t* hidden = nullptr;
+
   SWIFTGS_HD std::size_t size() const { return shapes.size; }
 };
 
@@ -69,7 +74,7 @@ struct Splats {
   typename B::template Buffer<SplatColour> colours;
   std::size_t count = 0;
 
-  SplatsView view() const { return {{shapes.data(), count}, {colours.data(), count}, {}, 0}; }
+  SplatsView view() const { return {.shapes = {shapes.data(), count}, .colours = {colours.data(), count}}; }
   std::size_t bytes() const { return shapes.bytes() + colours.bytes(); }
 };
 

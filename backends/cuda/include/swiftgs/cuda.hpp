@@ -185,19 +185,24 @@ struct Splats<Cuda> {
   DeviceBuffer<SplatShape> shapes;
   DeviceBuffer<SplatColour> colours;
   DeviceBuffer<Footprint> footprints;
+  DeviceBuffer<std::uint32_t> hidden;  ///< one word, not 0 where a colour is not finite
   std::size_t count = 0;
   std::uint64_t instances = 0;
 
   SplatsView view() const {
-    return {{shapes.data(), count}, {colours.data(), count}, {footprints.data(), count}, instances};
+    return {{shapes.data(), count},
+            {colours.data(), count},
+            {footprints.data(), count},
+            instances,
+            hidden.data()};
   }
-  std::size_t bytes() const { return bytes_of(shapes, colours, footprints); }
+  std::size_t bytes() const { return bytes_of(shapes, colours, footprints, hidden); }
 };
 
-/// Starts to evaluate the colours of splats beside whatever is asked for until `finish_colours`. How many
-/// there are is read where the device keeps it. @shape{gaussians, colours: splats}
+/// Starts to evaluate the colours of `splats` beside whatever is asked for until `finish_colours`. How many
+/// there are is read where the device keeps it. @shape{gaussians: splats}
 void start_colours(Cuda& cuda, const ProjectJob& job, const FrameCounts* counts,
-                   const std::uint32_t* gaussians, SplatShape* shapes, SplatColour* colours);
+                   const std::uint32_t* gaussians, Splats<Cuda>& splats);
 
 /// One kernel: projects, compacts in the order of the Gaussians and finds tiles. Waits for the counts of
 /// visible splats and of instances, the only thing that the host waits for in a frame. Colours, but for their

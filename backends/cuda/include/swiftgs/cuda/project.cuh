@@ -22,6 +22,7 @@ struct ProjectOutput {
   SplatColour* colours;  ///< their depths
   Footprint* footprints;
   std::uint32_t* gaussians;
+  std::uint32_t* hidden;
   FrameCounts* counts;
 };
 
@@ -49,7 +50,7 @@ __global__ void __launch_bounds__(project_threads)
   const unsigned warp = threadIdx.x / warp_size;
   RunningSum sum(sums);
   FrameCounts& counts = output.counts[sums.epoch % 2];
-  if (blockIdx.x == 0 && threadIdx.x == 0) output.counts[(sums.epoch + 1) % 2] = {};
+  if (blockIdx.x == 0 && threadIdx.x == 0) output.counts[(sums.epoch + 1) % 2] = {}, *output.hidden = 0;
 
   // Project, and count the visible splats of the block.
   const std::size_t i = std::size_t(blockIdx.x) * project_threads + threadIdx.x;
@@ -101,18 +102,19 @@ void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScr
   const std::size_t n = job.scene.size();
   cuda.join();  // colours of a frame that was given up
   splats.count = 0, splats.instances = 0;
-  splats.shapes.reset(n), splats.colours.reset(n), splats.footprints.reset(n), scratch.gaussians.reset(n);
+  splats.shapes.reset(n), splats.colours.reset(n), splats.footprints.reset(n), splats.hidden.reset(1);
+  scratch.gaussians.reset(n);
   if (n == 0) return;
   const unsigned blocks = blocks_for(n, kernels::project_threads);
   const RunningSums::View sums = scratch.sums.next(cuda, blocks);
   FrameCounts* const counters = scratch.counts.begin(cuda);
   launch("project", kernels::project<Bounds>, blocks, kernels::project_threads, cuda.stream(), job, bounds,
          kernels::ProjectOutput{splats.shapes.data(), splats.colours.data(), splats.footprints.data(),
-                                scratch.gaussians.data(), counters},
+                                scratch.gaussians.data(), splats.hidden.data(), counters},
          sums);
   scratch.counts.end();
   FrameCounts* const counted = counters + sums.epoch % 2;
-  start_colours(cuda, job, counted, scratch.gaussians.data(), splats.shapes.data(), splats.colours.data());
+  start_colours(cuda, job, counted, scratch.gaussians.data(), splats);
   const FrameCounts counts = cuda.read(counted);
   splats.count = std::size_t(counts.visible);
   splats.instances = counts.instances;
