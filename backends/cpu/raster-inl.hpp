@@ -73,7 +73,7 @@ HWY_INLINE std::uint32_t PrepareRows(const SplatShape& shape, vec2 first_centre,
     hn::StoreMaskBits(d, touched, bits);
     rows |= std::uint64_t(bits[0] | std::uint32_t(bits[1]) << 8) << i;
   }
-  return shape.opacity > 0 ? std::uint32_t(rows) : 0;
+  return std::uint32_t(rows);
 }
 
 /// Turns one mask of rows a splat into one list of splats a row.

@@ -108,7 +108,8 @@ void ShadeSplats(const ViewConstants& v, const SceneView& scene, const std::uint
       float rgb[4];
       hn::StoreU(SumBands(rest, basis, k, coefficients), F32x4(), rgb);
       const auto channel = [&](int c) { return 0.5f + sh::c0 * sh0[c] + rgb[c]; };
-      set_colour(shapes[first + k], colours[first + k], vec3(channel(0), channel(1), channel(2)));
+      const vec3 colour(channel(0), channel(1), channel(2));
+      if (!set_colour(shapes[first + k], colours[first + k], colour)) shapes[first + k].reach = -1;
       colours[first + k].depth = depths[first + k];
     }
   }

@@ -55,7 +55,7 @@ struct CompactSplats {
     if (!projected[i].visible) return;
     SplatShape shape = projected[i].shape;
     SplatColour colour{vec3(0), projected[i].depth};
-    set_colour(shape, colour, project_colour(constants, scene, i));
+    if (!set_colour(shape, colour, project_colour(constants, scene, i))) shape.reach = -1;
     shapes[slots[i]] = shape, colours[slots[i]] = colour;
   }
 };

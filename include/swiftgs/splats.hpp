@@ -17,12 +17,12 @@ namespace swiftgs {
 /// follows without cancellation: at d = pixel - mean the base-2 exponent is s(d) = (l0 dx + l1 dy)^2 + (l2
 /// dy)^2, and alpha = opacity 2^-s. A pixel keeps the splat where s <= reach = log2(opacity / alpha_min).
 struct alignas(32) SplatShape {
-  vec2 mean{0};          ///< @units{pixels}, the first pixel's centre is (0.5, 0.5)
-  float l0 = 0;          ///< > 0 @units{1/pixels}
-  float l1 = 0;          ///< @units{1/pixels}
-  float l2 = 0;          ///< > 0 @units{1/pixels}
-  float opacity = 0;     ///< after anti-aliasing compensation; 0 where the splat shows nothing
-  float reach = 0;       ///< largest s that is kept; 0 or more for a visible splat
+  vec2 mean{0};       ///< @units{pixels}, the first pixel's centre is (0.5, 0.5)
+  float l0 = 0;       ///< > 0 @units{1/pixels}
+  float l1 = 0;       ///< @units{1/pixels}
+  float l2 = 0;       ///< > 0 @units{1/pixels}
+  float opacity = 0;  ///< after anti-aliasing compensation; 0 where the splat is hidden
+  float reach = 0;    ///< largest s that is kept; 0 or more for a visible splat, -1 for one hidden on a host
   float half_width = 0;  ///< half the width of the ellipse s = reach @units{pixels}
 };
 
@@ -37,7 +37,8 @@ struct alignas(16) SplatColour {
 inline constexpr float largest_variance = 1e36f;
 
 /// Stores the colour of a splat, cut below at 0. A Gaussian whose colour is not finite is not drawn: its
-/// opacity becomes 0, which every rasterizer skips. Returns whether the splat is drawn.
+/// opacity becomes 0, and the result is false. A host then makes its reach -1, which no pixel is within; a
+/// device, whose sort may read the reach meanwhile, sets `SplatsView::hidden`.
 SWIFTGS_HD inline bool set_colour(SplatShape& shape, SplatColour& colour, vec3 rgb) {
   const float most = 3.4028234663852886e38f;
   bool finite = true;

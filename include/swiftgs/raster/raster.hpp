@@ -80,7 +80,7 @@ SWIFTGS_HD inline bool row_touched(const SplatShape& shape, float first_x, float
   const float left = shape.l0 * (first_x - shape.mean.x) + q;
   const float right = shape.l0 * (first_x + float(tile_side - 1) - shape.mean.x) + q;
   const float nearest = left > 0 ? left : right < 0 ? right : 0.0f;
-  return nearest * nearest + v * v <= shape.reach && shape.opacity > 0;
+  return nearest * nearest + v * v <= shape.reach;
 }
 
 /// Blends one tile, pixel by pixel, on a host: the plain form of what every rasterizer computes.
