@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+
+/// @file
+/// Searches for a scene that a renderer draws worse than float can. `ratio_case.hpp` says what the bytes of
+/// an input mean. The fuzzer keeps inputs that reach a new size of the excess, and so climbs towards large
+/// ones.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <vector>
+
+#include <swiftgs/bounds/ellipse.hpp>
+#include <swiftgs/raster/axis_shared.hpp>
+#include <swiftgs/raster/per_pixel.hpp>
+#include <swiftgs/renderer.hpp>
+#include <swiftgs/serial.hpp>
+#include <swiftgs/sort/early.hpp>
+#include <swiftgs/stress/judge.hpp>
+
+#include "ratio_case.hpp"
+
+namespace {
+
+using namespace swiftgs;
+
+constexpr double gate = 10;  // of the excess, see docs/stability.md
+
+/// Buckets an octave, from an excess of 2^-8 to one of 2^8.
+constexpr int buckets_per_octave = 8, octaves = 16, buckets = buckets_per_octave * octaves;
+
+/// A row a renderer and kind of excess. libFuzzer takes each byte for the counter of a branch.
+__attribute__((section("__libfuzzer_extra_counters"))) std::uint8_t reached[3 * 2][buckets];
+
+struct Largest {
+  double excess = 0, depth_excess = 0;
+  ~Largest() { std::fprintf(stderr, "largest excess: %.3g, of depth %.3g\n", excess, depth_excess); }
+} largest;
+
+void count(int row, double excess) {
+  if (!(excess > 0)) return;
+  const double bucket = (std::log2(excess) + 0.5 * octaves) * buckets_per_octave;
+  reached[row][std::size_t(std::clamp(bucket, 0.0, buckets - 1.0))] = 1;
+}
+
+[[noreturn]] void fail(std::string_view renderer, const char* what, double value, std::size_t pixel) {
+  std::fprintf(stderr, "%.*s: %s is %g (pixel %zu)\n", int(renderer.size()), renderer.data(), what, value,
+               pixel);
+  std::abort();
+}
+
+void require_finite(std::string_view renderer, const char* plane, const std::vector<float>& values,
+                    std::size_t channels) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values[i])) fail(renderer, plane, double(values[i]), i / channels);
+}
+
+template <class Raster>
+void draw_and_judge(const StressCase& drawn, const ConditionedFrame& reference, int index) {
+  using Drawn = Renderer<Serial, EarlySort, Raster, Ellipse>;
+  Drawn renderer;
+  RenderSettings settings;
+  settings.conventions = drawn.conventions;
+  settings.background = drawn.background;
+  settings.outputs = {.alpha = true, .depth = true};
+  const Frame frame = renderer.render(renderer.backend().upload(drawn.scene), drawn.camera, settings);
+  require_finite(Drawn::name, "colour", frame.colour, 3);
+  require_finite(Drawn::name, "alpha", frame.alpha, 1);
+  require_finite(Drawn::name, "depth", frame.depth, 1);
+
+  const StressVerdict verdict = judge(reference, frame, exponent_form_named(Raster::name));
+  count(2 * index, verdict.excess), count(2 * index + 1, verdict.depth_excess);
+  largest.excess = std::max(largest.excess, verdict.excess);
+  largest.depth_excess = std::max(largest.depth_excess, verdict.depth_excess);
+  if (!(verdict.excess <= gate)) fail(Drawn::name, "excess", verdict.excess, verdict.worst_pixel);
+  // Depth guides the search and has no gate. A pixel rounds transmittances to 2^-25 of 1, and with depths of
+  // 1 and 1e6 in one pixel that is many units of the mean depth: the allowance of the judge knows depths of
+  // one size.
+  if (!std::isfinite(verdict.depth_excess))
+    fail(Drawn::name, "excess of depth", verdict.depth_excess, verdict.worst_pixel);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const StressCase drawn = fuzz::ratio_case(data, size);
+  if (std::getenv("SWIFTGS_FUZZ_PRINT")) fuzz::print(drawn);
+  const ConditionedFrame reference =
+      render_conditioned(drawn.scene, drawn.camera, drawn.conventions, dvec3(drawn.background), 1, 1);
+  draw_and_judge<AxisSharedThreshold<FloatCholesky>>(drawn, reference, 0);
+  draw_and_judge<AxisShared<FloatSplit>>(drawn, reference, 1);
+  draw_and_judge<PerPixel>(drawn, reference, 2);
+  return 0;
+}
