@@ -10,8 +10,9 @@
 
 namespace {
 
-/// Larger images reach no other code and spend the fuzzer's time on zeroing memory.
+/// Larger images reach no other code, and the fuzzer would spend its time on clearing their memory.
 constexpr std::int64_t max_pixels = 256 * 256;
+constexpr std::size_t max_attribute = 1 << 16;
 
 bool is_large(std::int64_t width, std::int64_t height) {
   return width > 0 && height > 0 && width > max_pixels / height;
@@ -48,6 +49,40 @@ bool is_large_pfm(std::string_view text) {
   return is_large(sides[0], sides[1]);
 }
 
+/// Where the text that starts at `at` ends, its 0 included.
+std::size_t after_name(std::string_view text, std::size_t at) {
+  const std::size_t end = text.find('\0', at);
+  return end == text.npos ? text.size() : end + 1;
+}
+
+/// Bytes that OpenEXR reads for a value of this type; for most types as many as the header claims.
+std::size_t value_size(std::string_view text, std::string_view type, std::size_t at, std::size_t claimed) {
+  if (type == "compression" || type == "lineOrder") return 1;
+  if (type == "float" || type == "int") return 4;
+  if (type == "v2f") return 8;
+  if (type == "tiledesc") return 9;
+  if (type == "box2i") return 16;
+  if (type != "chlist") return claimed;
+  const std::size_t begin = at;
+  while (at < text.size() && text[at] != '\0') at = after_name(text, at) + 16;
+  return at + 1 - begin;
+}
+
+/// Whether an attribute claims to be larger than the file. OpenEXR takes and clears that much before it
+/// reads.
+bool has_large_attribute(std::string_view text) {
+  std::size_t at = 8;
+  while (at < text.size() && text[at] != '\0') {
+    const std::size_t type = after_name(text, at), end = after_name(text, type);
+    const std::size_t claimed = std::size_t(number(text, end, 4, true));
+    if (end >= text.size()) return false;
+    const std::size_t size = value_size(text, text.substr(type, end - type - 1), end + 4, claimed);
+    if (size > max_attribute) return true;
+    at = end + 4 + size;
+  }
+  return false;
+}
+
 /// Any box may be the window that counts, and any tile description the one of its tiles.
 bool is_large_exr(std::string_view text) {
   const auto int32 = [&](std::size_t at) {
@@ -66,7 +101,7 @@ bool claims_large(std::string_view text) {
   if (text.starts_with("\x89PNG")) return is_large(number(text, 16, 4, false), number(text, 20, 4, false));
   if (text.starts_with("\xff\xd8")) return is_large_jpeg(text);
   if (text.starts_with("PF") || text.starts_with("Pf")) return is_large_pfm(text);
-  return is_large_exr(text);
+  return has_large_attribute(text) || is_large_exr(text);
 }
 
 }  // namespace
