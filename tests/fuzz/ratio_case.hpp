@@ -31,11 +31,11 @@ inline constexpr std::size_t header_size = 32, gaussian_size = 54, max_gaussians
 /// last place too.
 inline constexpr double max_tangent = 2;
 
-/// No colour is near 0: of the background 0.125 to 0.375, of a Gaussian 0.25 to 1.25, moved by harmonics of
-/// at most 0.1. Splats of alpha 0.99 may cover a whole frame. Behind them a transmittance of 0.01 is left,
-/// rounded to 2^-25 of 1. Where they are black, the peak of the frame is as dark, and the judge allows only
-/// for roundings of that peak: excesses of 12 came of it, and more of depths, which this range does not
-/// bound.
+// No colour is near 0: of the background 0.125 to 0.375, of a Gaussian 0.25 to 1.25, moved by harmonics of
+// at most 0.1. Splats of alpha 0.99 may cover a whole frame. Behind them a transmittance of 0.01 is left,
+// rounded to 2^-25 of 1. Where they are black, the peak of the frame is as dark, and the judge allows only
+// for roundings of that peak: excesses of 12 came of it, and more of depths, which this range does not
+// bound.
 
 /// Reads numbers off the bytes of an input.
 class Numbers {
