@@ -28,7 +28,7 @@ namespace swiftgs {
 /// An image in double precision, rows from top to bottom, and what was counted on the way.
 struct ReferenceFrame {
   int width = 0, height = 0;
-  std::vector<double> colour;  ///< @shape{height, width, 3} linear RGB, not clamped above
+  std::vector<double> colour;  ///< @shape{height, width, 3} RGB, the scene's own values, not clamped above
   std::vector<double> alpha;   ///< @shape{height, width} 1 - transmittance
   std::vector<double> depth;   ///< @shape{height, width} mean camera-space z, weighted by contribution; 0
                                ///< where nothing contributes

@@ -36,7 +36,7 @@ struct Splat {
   double opacity = 0;  ///< with the anti-aliasing factor
   double reach = 0;    ///< at 2 sigma above this, alpha is below `alpha_min` whatever the rounding
   double depth = 0;    ///< camera-space z
-  Eigen::Vector3d colour = Eigen::Vector3d::Zero();  ///< linear RGB
+  Eigen::Vector3d colour = Eigen::Vector3d::Zero();  ///< RGB, the scene's own values
   Covariance covariance;
   std::size_t index = 0;                               ///< of the Gaussian in its scene
   int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< no pixel outside is reached
