@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -77,6 +78,9 @@ int run(int argc, char** argv) {
 }  // namespace swiftgs::cli
 
 int main(int argc, char** argv) {
+#if defined(SIGXFSZ)
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows beyond a limit is an error like others
+#endif
   try {
     return swiftgs::cli::run(argc, argv);
   } catch (const std::bad_alloc&) {

@@ -109,6 +109,14 @@ TEST_CASE("cli errors: results that cannot be written are named with the reason"
         {"swiftgs: file/x.json: Not a directory"});
 }
 
+TEST_CASE("cli errors: an image that a limit cuts is named and leaves nothing") {
+  const TemporaryFolder place;
+  const Outcome outcome = run_after(place, "ulimit -f 8", "render builtin:1000 --scale 0.3 --out images");
+  CHECK(outcome.code == 1);
+  CHECK(outcome.err == "swiftgs: images/front.png: File too large\n");
+  CHECK(std::filesystem::is_empty(place / "images"));
+}
+
 TEST_CASE("cli errors: check finds out that results cannot be written before it renders") {
   const TemporaryFolder place;
   const Outcome outcome =
