@@ -2,9 +2,9 @@
 include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/swiftgs")
 
-# One export a component, so that find_package(swiftgs COMPONENTS core) asks for Eigen and GLM alone.
+# One export a component, so that find_package(swiftgs COMPONENTS core) asks for GLM alone.
 set(swiftgs_components)
-foreach(component IN ITEMS core cpu cuda io swiftgs)
+foreach(component IN ITEMS core reference cpu cuda io swiftgs)
   set(target swiftgs_${component})
   if(component STREQUAL swiftgs)
     set(target swiftgs)
@@ -21,14 +21,15 @@ foreach(component IN ITEMS core cpu cuda io swiftgs)
   install(EXPORT swiftgs-${component} NAMESPACE swiftgs:: DESTINATION "${package_dir}")
 
   # A static library hands its private dependencies on to whoever links it.
-  set(dependencies_of_core Eigen3 glm Threads)
-  set(dependencies_of_cpu TBB)
+  set(dependencies_of_core glm)
+  set(dependencies_of_reference Eigen3 Threads)
+  set(dependencies_of_cpu)
   set(dependencies_of_cuda "CUDAToolkit ${swiftgs_cuda_version}")
   set(dependencies_of_io)
   get_target_property(type ${target} TYPE)
   if(type STREQUAL STATIC_LIBRARY)
-    list(APPEND dependencies_of_cpu hwy)
-    list(APPEND dependencies_of_io ZLIB PNG JPEG zstd)
+    list(APPEND dependencies_of_cpu TBB hwy)
+    list(APPEND dependencies_of_io Threads ZLIB PNG JPEG zstd)
     get_property(has_openexr GLOBAL PROPERTY SWIFTGS_HAS_OPENEXR)
     if(has_openexr)
       list(APPEND dependencies_of_io OpenEXR)

@@ -12,10 +12,6 @@
 #include <string_view>
 #include <utility>
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/ellipse.hpp>
 #include <swiftgs/bounds/opacity_box.hpp>
@@ -51,11 +47,14 @@ class Cpu {
   /// backend has its own arena, so renderers neither wait for nor change the settings of other users of
   /// oneTBB.
   explicit Cpu(int threads = 0);
+  ~Cpu();
+  Cpu(Cpu&&) noexcept;
+  Cpu& operator=(Cpu&&) noexcept;
 
   static constexpr bool reaches_host_memory = true;
 
   static bool usable() { return true; }
-  int threads() const { return arena_->max_concurrency(); }
+  int threads() const;
   std::string device_name() const;
 
   /// Shares `scene` without copying it, and asks for its arrays to be moved to large pages.
@@ -72,11 +71,9 @@ class Cpu {
   /// f(begin, end) for consecutive parts of [0, n) of at least `grain` elements, in parallel.
   template <class F>
   void for_parts(std::size_t n, std::size_t grain, const F& f) const {
-    if (n == 0) return;
-    arena_->execute([&] {
-      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
-                        [&](const tbb::blocked_range<std::size_t>& part) { f(part.begin(), part.end()); });
-    });
+    run(n, grain, {&f, [](const void* loop, std::size_t begin, std::size_t end) {
+                     (*static_cast<const F*>(loop))(begin, end);
+                   }});
   }
 
   template <class F>
@@ -98,7 +95,15 @@ class Cpu {
   }
 
  private:
-  std::unique_ptr<tbb::task_arena> arena_;
+  /// A function of a part, without its type: oneTBB stays out of this header.
+  struct PartLoop {
+    const void* loop;
+    void (*call)(const void* loop, std::size_t begin, std::size_t end);
+  };
+  void run(std::size_t n, std::size_t grain, PartLoop part) const;
+
+  struct Arena;
+  std::unique_ptr<Arena> arena_;
   Buffer<std::uint32_t> histograms_;  ///< of `sort_pairs`, kept from frame to frame
 };
 
