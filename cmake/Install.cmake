@@ -2,6 +2,9 @@
 include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/swiftgs")
 
+include(cmake/PkgConfig.cmake)
+install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+
 # One export a component, so that find_package(swiftgs COMPONENTS core) asks for GLM alone.
 set(swiftgs_components)
 foreach(component IN ITEMS core reference cpu cuda io swiftgs)
