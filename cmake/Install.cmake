@@ -21,6 +21,9 @@ foreach(component IN ITEMS core reference cpu cuda io swiftgs)
     set(headers)
   endif()
   install(TARGETS ${target} EXPORT swiftgs-${component} ${headers})
+  if(component STREQUAL cuda)
+    install(TARGETS swiftgs_cuda_kernels EXPORT swiftgs-cuda)
+  endif()
   install(EXPORT swiftgs-${component} NAMESPACE swiftgs:: DESTINATION "${package_dir}")
 
   # A static library hands its private dependencies on to whoever links it.
