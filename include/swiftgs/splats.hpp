@@ -28,7 +28,7 @@ struct alignas(32) SplatShape {
 
 /// What a projected Gaussian contributes.
 struct alignas(16) SplatColour {
-  vec3 rgb{0};      ///< linear, 0 or more
+  vec3 rgb{0};      ///< in the scene's own values, 0 or more
   float depth = 0;  ///< camera-space z, > 0
 };
 
