@@ -3,11 +3,11 @@
 #
 # Installs what is missing, builds everything with warnings as errors, for CUDA where nvcc is there, and runs every
 # test: units, header and compile-fail checks, installation, documentation, and the fuzz targets for a few seconds each.
-# Ends with one line, 'N passed, N failed, N skipped', and fails when one test did.
+# Says why tests were skipped, then ends with one line, 'N passed, N failed, N skipped', and fails when one test did.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
-passed=0 failed=0 skipped=0
+passed=0 failed=0 skipped=0 reasons=
 
 # Runs the workflow preset $1 and adds its results, which ctest leaves in JUnit form.
 run_workflow() {
@@ -16,9 +16,10 @@ run_workflow() {
   cmake --workflow --preset "$1"
   local status=$? tests=0 failures=0 not_run=0
   if [ -f "$results" ]; then
-    attribute() { sed -n "1,/<testcase/s/.*\b$1=\"\([0-9]*\)\".*/\1/p" "$results" | head -n 1; }
+    attribute() { sed -n "1,/<testcase/s/.*\b$1=\"\([0-9]*\)\".*/\1/p" "$results" | sed -n 1p; }
     tests=$(attribute tests) failures=$(attribute failures)
     not_run=$(($(attribute skipped) + $(attribute disabled)))
+    reasons+=$(sed -n '/<skipped /,/<[/]testcase>/s/^\(.*MESSAGE: \|.*<system-out>\)\{0,1\}skipped: \([^<]*\).*/\2/p' "$results")$'\n'
   fi
   # A workflow that ends before its tests, or says that it failed when no test did, is a failure of its own.
   [ "$status" -ne 0 ] && [ "$failures" -eq 0 ] && tests=$((tests + 1)) failures=1
@@ -31,18 +32,19 @@ if cmake/setup.sh test; then
   command -v ccache >/dev/null && export CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_CUDA_COMPILER_LAUNCHER=ccache
   run_workflow release
   if grep -q '^SWIFTGS_BUILD_CUDA:BOOL=OFF$' build/release/CMakeCache.txt 2>/dev/null; then
-    echo "test: no nvcc 13 or newer here, the CUDA backend is skipped"
+    reasons+=$'no nvcc 13 or newer here: the CUDA backend\n'
     skipped=$((skipped + 1))
   fi
   if command -v clang++ >/dev/null; then
     run_workflow fuzz
   else
-    echo "test: no clang++ here, the fuzz targets are skipped"
+    reasons+=$'no clang++ here (package clang): the fuzz targets\n'
     skipped=$((skipped + 1))
   fi
 else
   failed=1
 fi
 
+sort <<<"$reasons" | uniq -c | sed -n 's/^ *\([0-9][0-9]*\) \(..*\)/test: \1 skipped, \2/p'
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]

@@ -48,6 +48,9 @@ const ContributionsEntry& contribution_backend(std::string_view backend) {
     if (entry.backend == backend || (backend.empty() && entry.usable)) return entry;
     names += (names.empty() ? "" : ", ") + std::string(entry.backend);
   }
+#if !defined(SWIFTGS_HAS_CUDA)
+  if (backend == "cuda") throw std::invalid_argument("backend 'cuda': the library was built without CUDA");
+#endif
   throw std::invalid_argument("backend '" + std::string(backend) + "' is not known; expected " + names);
 }
 

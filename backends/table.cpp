@@ -65,6 +65,10 @@ std::unique_ptr<AnyRenderer> make_renderer(std::string_view name) {
       throw std::runtime_error("renderer '" + std::string(name) + "' cannot run on this machine");
     return entry.make();
   }
+#if !defined(SWIFTGS_HAS_CUDA)
+  if (name.starts_with("cuda/"))
+    throw std::invalid_argument("renderer '" + std::string(name) + "': the library was built without CUDA");
+#endif
   throw std::invalid_argument("renderer '" + std::string(name) +
                               "' is not known; expected BACKEND/SORT/RASTER/BOUNDS with " + "BACKEND of " +
                               words_at(0) + "; SORT of " + words_at(1) + "; RASTER of " + words_at(2) +

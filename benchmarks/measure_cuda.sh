@@ -36,7 +36,7 @@ if [ -z "${SCENES:-}" ]; then
   for folder in "$SWIFTGS_SCENES"/*/; do [ -d "$folder" ] && SCENES+=" $(basename "$folder")"; done
 fi
 
-ask_gpu() { nvidia-smi --query-gpu="$1" --format=csv,noheader 2>/dev/null | head -n 1; }
+ask_gpu() { nvidia-smi --query-gpu="$1" --format=csv,noheader 2>/dev/null | sed -n 1p; }
 usable() { "$build/examples/swiftgs" list | grep '^cuda/.* runs here$' >/dev/null; }
 
 step_build() {
@@ -91,7 +91,7 @@ step_check() {
     if [ -d "$SWIFTGS_SCENES/$scene" ]; then
       cameras=$SWIFTGS_SCENES/$scene/cameras.json
       [ -e "$cameras" ] || cameras=$SWIFTGS_SCENES/$scene/sparse/0
-      input=("$(ls "$SWIFTGS_SCENES/$scene/$scene".* | head -n 1)" --views 0,8,16 --cameras "$cameras")
+      input=("$(ls "$SWIFTGS_SCENES/$scene/$scene".* | sed -n 1p)" --views 0,8,16 --cameras "$cameras")
     fi
     for conventions in gsplat inria; do
       echo "check: $scene, $conventions"

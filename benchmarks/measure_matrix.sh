@@ -137,7 +137,7 @@ cameras_of() { if [ -e "$1/cameras.json" ]; then echo "$1/cameras.json"; else ec
 scene_of() {  # a calibration, NAME.spz.sort.json, may lie beside NAME.spz
   local name
   name=$(basename "$1")
-  find -L "$1" -maxdepth 1 -type f \( -name "$name.spz" -o -name "$name.ply" \) | sort -r | head -n 1
+  find -L "$1" -maxdepth 1 -type f \( -name "$name.spz" -o -name "$name.ply" \) | sort -r | sed -n 1p
 }
 
 # Pruned scenes lie in OUTDIR/pruned, each a capture whose cameras, sparse and photos are links to those of the whole

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
-# swiftgs::core: headers only. What lies in io/ belongs to swiftgs::io.
+# swiftgs::core: headers only. What lies in io/ belongs to swiftgs::io; the float64 reference, which alone needs Eigen,
+# and what is judged by it are swiftgs::reference, headers too.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(glm REQUIRED CONFIG)
 find_package(Threads REQUIRED)
@@ -8,8 +9,10 @@ find_package(Threads REQUIRED)
 # Headers are found, not listed: one that is forgotten in a list would be neither checked nor installed.
 file(GLOB_RECURSE swiftgs_core_headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/swiftgs/*.hpp")
 set(swiftgs_io_headers "${swiftgs_core_headers}")
-list(FILTER swiftgs_core_headers EXCLUDE REGEX "/include/swiftgs/io/")
+set(swiftgs_reference_headers "${swiftgs_core_headers}")
+list(FILTER swiftgs_core_headers EXCLUDE REGEX "/include/swiftgs/(io/|reference[./]|stress[./])")
 list(FILTER swiftgs_io_headers INCLUDE REGEX "/include/swiftgs/io/")
+list(FILTER swiftgs_reference_headers INCLUDE REGEX "/include/swiftgs/(reference|stress)[./]")
 
 add_library(swiftgs_core INTERFACE)
 add_library(swiftgs::core ALIAS swiftgs_core)
@@ -17,4 +20,11 @@ set_target_properties(swiftgs_core PROPERTIES EXPORT_NAME core)
 target_sources(swiftgs_core INTERFACE FILE_SET HEADERS
   BASE_DIRS "${PROJECT_SOURCE_DIR}/include" FILES ${swiftgs_core_headers})
 target_compile_features(swiftgs_core INTERFACE cxx_std_20)
-target_link_libraries(swiftgs_core INTERFACE Eigen3::Eigen glm::glm Threads::Threads)
+target_link_libraries(swiftgs_core INTERFACE glm::glm)
+
+add_library(swiftgs_reference INTERFACE)
+add_library(swiftgs::reference ALIAS swiftgs_reference)
+set_target_properties(swiftgs_reference PROPERTIES EXPORT_NAME reference)
+target_sources(swiftgs_reference INTERFACE FILE_SET HEADERS
+  BASE_DIRS "${PROJECT_SOURCE_DIR}/include" FILES ${swiftgs_reference_headers})
+target_link_libraries(swiftgs_reference INTERFACE swiftgs::core Eigen3::Eigen Threads::Threads)

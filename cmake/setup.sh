@@ -29,8 +29,9 @@ while read -r name part; do
   case $part in *'?') optional+=("$name") ;; *) missing+=("$name") ;; esac
 done < <(awk -v parts="$parts" '!/^#/ && NF && $2 ~ parts { print $1, $2 }' "$list")
 
-# What is optional costs no network where the system knows of no such package.
-has_candidate() { LC_ALL=C apt-cache policy "$1" | grep -q '^ *Candidate: [^(]'; }
+# What is optional costs no network where the system knows of no such package. awk reads to the end: a reader that
+# leaves early kills apt-cache by SIGPIPE, and pipefail would make that the answer.
+has_candidate() { LC_ALL=C apt-cache policy "$1" | awk '/^ *Candidate: [^(]/ { found = 1 } END { exit !found }'; }
 if [ ${#missing[@]} -eq 0 ]; then
   known=()
   for name in ${optional[@]+"${optional[@]}"}; do

@@ -7,7 +7,10 @@
 #include <string>
 #include <utility>
 
+#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <swiftgs/cpu.hpp>
 #include <swiftgs/processor_name.hpp>
@@ -16,12 +19,32 @@
 
 namespace swiftgs {
 
+struct Cpu::Arena {
+  tbb::task_arena arena;
+};
+
+Cpu::~Cpu() = default;
+Cpu::Cpu(Cpu&&) noexcept = default;
+Cpu& Cpu::operator=(Cpu&&) noexcept = default;
+
+int Cpu::threads() const { return arena_->arena.max_concurrency(); }
+
+void Cpu::run(std::size_t n, std::size_t grain, PartLoop part) const {
+  if (n == 0) return;
+  arena_->arena.execute([&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                        part.call(part.loop, range.begin(), range.end());
+                      });
+  });
+}
+
 Cpu::Cpu(int threads) {
   // Asked for more than it may use, oneTBB would print a warning.
   const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   const int most = int(std::min<std::size_t>(allowed, 1 << 15));
-  arena_ = std::make_unique<tbb::task_arena>(threads > 0 ? std::min(threads, most)
-                                                         : int(tbb::task_arena::automatic));
+  arena_.reset(
+      new Arena{tbb::task_arena(threads > 0 ? std::min(threads, most) : int(tbb::task_arena::automatic))});
 }
 
 std::string Cpu::device_name() const {

@@ -60,7 +60,7 @@ struct SplitForm {
     const float a = s.l0 * s.l0, c = fmaf(s.l1, s.l1, s.l2 * s.l2), g = fmaf(u, u, v * v);
     terms = make_float4(a, 2 * s.l0 * s.l1, c, log2_opacity - g);
     rest = make_float4(2 * s.l0 * u, 2 * fmaf(s.l1, u, s.l2 * v), log2_opacity, 0);
-    // Far below any splat that meets a pixel, sums of squares leave the range of float.
+    // Larger squares could overflow, and `fminf` would turn a difference of infinities into full opacity.
     const float largest = 1e30f;
     if (!(a < largest && c < largest && g < largest)) clear(terms, rest);
   }

@@ -12,6 +12,7 @@
 #include <ImfOutputFile.h>
 
 #include "image_parsing.hpp"
+#include "output_file.hpp"
 
 namespace swiftgs {
 namespace io {
@@ -39,6 +40,28 @@ class MemoryStream : public Imf::IStream {
 
  private:
   std::span<const std::byte> bytes_;
+  std::size_t position_ = 0;
+};
+
+/// Lets OpenEXR write to memory: it goes back to fill in a table, which a pipe does not allow.
+class MemoryOutput : public Imf::OStream {
+ public:
+  MemoryOutput() : Imf::OStream("memory") {}
+
+  void write(const char from[], int size) override {
+    const std::size_t end = position_ + std::size_t(size);
+    if (bytes_.size() < end) bytes_.resize(end);
+    std::memcpy(bytes_.data() + position_, from, std::size_t(size));
+    position_ = end;
+  }
+
+  std::uint64_t tellp() override { return position_; }
+  void seekp(std::uint64_t position) override { position_ = position; }
+
+  const std::vector<char>& bytes() const { return bytes_; }
+
+ private:
+  std::vector<char> bytes_;
   std::size_t position_ = 0;
 };
 
@@ -116,13 +139,17 @@ void write_exr(const std::filesystem::path& path, const Frame& frame) {
   add("B", frame.colour, 2, 3);
   if (frame.alpha.size() == frame.pixels()) add("A", frame.alpha, 0, 1);
   if (frame.depth.size() == frame.pixels()) add("Z", frame.depth, 0, 1);
+  io::MemoryOutput encoded;
   try {
-    Imf::OutputFile file(path.c_str(), header);
+    Imf::OutputFile file(encoded, header);
     file.setFrameBuffer(source);
     file.writePixels(frame.height);
   } catch (const std::exception& error) {
-    throw std::runtime_error(path.string() + ": EXR: " + error.what());
+    throw std::runtime_error(path.string() + ": EXR encoder: " + error.what());
   }
+  io::OutputFile file(path);
+  file.write(encoded.bytes().data(), encoded.bytes().size());
+  file.close();
 }
 
 }  // namespace swiftgs

@@ -8,7 +8,7 @@
 namespace swiftgs::io {
 
 OutputFile::OutputFile(const std::filesystem::path& path)
-    : path_(path), file_(std::fopen(path.c_str(), "wb")) {
+    : path_(path), unfinished_(path), file_(std::fopen(unfinished_.path().c_str(), "wb")) {
   if (!file_) fail();
 }
 
@@ -22,6 +22,11 @@ void OutputFile::write(const void* data, std::size_t size) {
 
 void OutputFile::close() {
   if (std::fclose(std::exchange(file_, nullptr)) != 0) fail();
+  try {
+    unfinished_.finish();
+  } catch (const std::system_error& error) {
+    throw std::system_error(error.code(), path_.string());
+  }
 }
 
 void OutputFile::fail() const { throw std::system_error(errno, std::generic_category(), path_.string()); }

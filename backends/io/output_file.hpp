@@ -5,10 +5,12 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "unfinished_file.hpp"
+
 namespace swiftgs::io {
 
-/// A file that is written front to back. Every failure throws `std::system_error` with the path and the
-/// reason.
+/// A file that is written front to back and takes its place when it is closed, so that no part of a file ever
+/// goes by its name. Every failure throws `std::system_error` with the path and the reason.
 class OutputFile {
  public:
   explicit OutputFile(const std::filesystem::path& path);
@@ -25,6 +27,7 @@ class OutputFile {
   [[noreturn]] void fail() const;
 
   std::filesystem::path path_;
+  UnfinishedFile unfinished_;
   std::FILE* file_ = nullptr;
 };
 

@@ -27,8 +27,8 @@ class LayoutFinder {
     if (has("packed_position")) fail("an INRIA PLY; a compressed PLY (packed_position) is not supported");
     layout_.mean = {take("x"), take("y"), take("z")};
     layout_.scale[0] = take("scale_0"), layout_.scale[1] = take("scale_1");
-    layout_.flat = !has("scale_2");
-    layout_.scale[2] = layout_.flat ? layout_.scale[1] : take("scale_2");
+    layout_.has_third_scale = has("scale_2");
+    layout_.scale[2] = layout_.has_third_scale ? take("scale_2") : layout_.scale[1];
     layout_.rotation = {take("rot_0"), take("rot_1"), take("rot_2"), take("rot_3")};
     layout_.opacity = take("opacity");
     find_colour();

@@ -23,7 +23,8 @@ struct PlyLayout {
   std::vector<PlyField> sh_rest;  ///< in the scene's order: a coefficient after another, RGB innermost
   int sh_degree = 0;              ///< of what is kept
   int stored_sh_degree = 0;
-  bool flat = false;          ///< no third scale: a 2D Gaussian
+  bool has_third_scale = true;
+  bool flat = false;          ///< 2D Gaussians: the third scale is 0, whatever the file holds
   bool byte_colour = false;   ///< `colour` holds red, green, blue from 0 to 255, not SH coefficients
   bool all_floats = false;    ///< every field is a 32-bit float
   std::size_t row_bytes = 0;  ///< distance between rows

@@ -92,20 +92,30 @@ void decode_vertices(const Source& source, const PlyHeader& header, const PlyEle
     decode_rows(layout, rows, AnyScalar{little ? std::endian::little : std::endian::big}, scene);
 }
 
+/// Whether the trainer's comments say that the Gaussians are 2D; the last one counts.
+bool says_flat(const PlyHeader& header) {
+  bool flat = false;
+  for (const std::string& comment : header.comments) {
+    Tokens tokens(comment);
+    if (tokens.next() == "SplatRenderMode:") flat = tokens.next() == "2dgs";
+  }
+  return flat;
+}
+
 /// What the trainer's comments say of the render model; the last one counts.
 void apply_comments(const PlyHeader& header, const PlyLayout& layout, SceneFile& file) {
-  bool flat = layout.flat;
   for (const std::string& comment : header.comments) {
     Tokens tokens(comment);
     const std::string_view key = tokens.next(), value = tokens.next();
     if (key == "SplatRenderMode:") {
       file.scene.antialiased = value == "mip";
-      flat = layout.flat || value == "2dgs";
     } else if (key == "antialiased" && (value == "0" || value == "1")) {
       file.scene.antialiased = value == "1";
     }
   }
-  if (flat) file.notes.push_back("The Gaussians were trained as 2D ones; they are kept as flat 3D ones.");
+  if (!layout.flat) return;
+  const std::string unused = layout.has_third_scale ? ", and scale_2 is not used." : ".";
+  file.notes.push_back("The Gaussians were trained as 2D ones; they are kept as flat 3D ones" + unused);
 }
 
 /// Checks that all elements fit the file before memory is taken for the vertices; returns where these start.
@@ -137,7 +147,8 @@ SceneFile read_ply(std::span<const std::byte> bytes, const std::string& name) {
   const io::Source source{bytes, name};
   const io::PlyHeader header = io::parse_ply_header(source);
   const io::PlyElement& vertex = io::find_vertex_element(source, header);
-  const io::PlyLayout layout = io::find_layout(source, vertex, header.encoding);
+  io::PlyLayout layout = io::find_layout(source, vertex, header.encoding);
+  layout.flat = !layout.has_third_scale || io::says_flat(header);
   const std::uint64_t vertices = io::locate_vertices(source, header, vertex);
 
   SceneFile file;

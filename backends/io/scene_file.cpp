@@ -7,6 +7,40 @@
 #include "mapped_file.hpp"
 
 namespace swiftgs {
+namespace io {
+namespace {
+
+/// What people take for a scene most often deserves its name. Content decides; `name` only helps with formats
+/// that begin with nothing of their own.
+std::string_view what_it_is(std::string_view text, std::string_view name) {
+  const std::string_view beginning = text.substr(0, 1 << 16);
+  const auto starts_with = [&](std::string_view start) { return text.starts_with(start); };
+  const auto holds = [&](std::string_view word) { return beginning.find(word) != std::string_view::npos; };
+  const bool gaussians = holds("KHR_gaussian_splatting") || holds("KHR_spz_gaussian");
+  if (text.empty()) return "an empty file";
+  if (starts_with("PK")) {
+    const bool bundle = text.find("meta.json") != text.npos && text.find(".webp") != text.npos;
+    if (bundle) return "a SOG bundle";
+    return holds(".usdc") || holds(".usda") ? "a USD archive" : "a ZIP archive";
+  }
+  if (starts_with("PXR-USDC") || starts_with("#usda")) return "a USD scene";
+  if (starts_with("glTF"))
+    return gaussians ? "a binary glTF of Gaussians" : "a binary glTF without Gaussians";
+  if (starts_with("\x89PNG")) return "a PNG image";
+  if (starts_with("\xff\xd8\xff")) return "a JPEG image";
+  if (starts_with("{") || starts_with("[")) {
+    if (holds("\"transform_matrix\"")) return "JSON of cameras (transforms.json)";
+    if (holds("\"img_name\"")) return "JSON of cameras (cameras.json)";
+    if (holds("\"means\"") && holds(".webp")) return "JSON that describes a SOG folder";
+    if (holds("\"asset\"")) return gaussians ? "a glTF of Gaussians" : "a glTF without Gaussians";
+    return "JSON";
+  }
+  if (name.ends_with(".ksplat")) return "a .ksplat scene";
+  return name.ends_with(".splat") && text.size() % 32 == 0 ? "a .splat scene" : "something else";
+}
+
+}  // namespace
+}  // namespace io
 
 SceneFile read_scene(std::span<const std::byte> bytes, const std::string& name,
                      const SceneReadOptions& options) {
@@ -16,18 +50,13 @@ SceneFile read_scene(std::span<const std::byte> bytes, const std::string& name,
   if (starts_with("ply\n") || starts_with("ply\r\n")) return read_ply(bytes, name);
   if (starts_with("NGSP") || starts_with("\x1f\x8b")) return read_spz(bytes, name, options);
 
-  // What people take for a scene most often deserves its name.
-  const std::string_view found = bytes.empty()                          ? "an empty file"
-                                 : starts_with("PK")                    ? "a ZIP archive"
-                                 : starts_with("glTF")                  ? "a binary glTF"
-                                 : starts_with("\x89PNG")               ? "a PNG image"
-                                 : starts_with("\xff\xd8\xff")          ? "a JPEG image"
-                                 : starts_with("{") || starts_with("[") ? "JSON"
-                                                                        : "something else";
-  source.fail(0, "an INRIA PLY or an SPZ scene, found " + std::string(found));
+  const std::string found(io::what_it_is(text, name));
+  source.fail(0, "an INRIA PLY or an SPZ scene, found " + found);
 }
 
 SceneFile read_scene(const std::filesystem::path& path, const SceneReadOptions& options) {
+  if (std::filesystem::exists(path / "meta.json"))
+    throw FormatError(path.string(), 0, "an INRIA PLY or an SPZ scene, found a SOG folder");
   const io::MappedFile file(path);
   return read_scene(file.bytes(), path.string(), options);
 }

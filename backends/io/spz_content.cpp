@@ -48,20 +48,22 @@ void split_arrays(SpzContent& content, const std::byte* data) {
   }
 }
 
-std::uint32_t parse_spz_extensions(const Source& source, std::span<const std::byte> records,
-                                   std::uint64_t offset) {
+SpzCoordinates parse_spz_extensions(const Source& source, std::span<const std::byte> records,
+                                    std::optional<std::uint64_t> offset) {
   constexpr std::uint32_t coordinate_system = 0xADBE0003;
-  std::uint32_t found = 0;
+  const std::byte* const start = records.data();
+  const auto here = [&] { return offset ? *offset + std::uint64_t(records.data() - start) : 0; };
+  SpzCoordinates found;
   while (!records.empty()) {
-    if (records.size() < 8) source.fail(offset, "an SPZ extension of at least 8 bytes");
+    if (records.size() < 8) source.fail(here(), "an SPZ extension of at least 8 bytes");
     const auto type = load<std::uint32_t>(records.data()), length = load<std::uint32_t>(records.data() + 4);
     records = records.subspan(8);
     if (length > records.size())
-      source.fail(offset, "an SPZ extension of at most " + std::to_string(records.size()) + " bytes, found " +
+      source.fail(here(), "an SPZ extension of at most " + std::to_string(records.size()) + " bytes, found " +
                               std::to_string(length));
     if (type == coordinate_system) {
-      if (length != 4) source.fail(offset, "a coordinate system of 4 bytes");
-      found = load<std::uint32_t>(records.data());
+      if (length != 4) source.fail(here(), "a coordinate system of 4 bytes");
+      found = {load<std::uint32_t>(records.data()), here()};
     }
     records = records.subspan(length);
   }

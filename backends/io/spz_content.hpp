@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "bytes.hpp"
@@ -42,20 +43,26 @@ std::array<std::size_t, spz_attributes> spz_sizes(const SpzHeader& header);
 /// Bytes of all attribute arrays together.
 std::size_t spz_total(const SpzHeader& header);
 
+/// What the extension 0xADBE0003 states.
+struct SpzCoordinates {
+  std::uint32_t system = 0;  ///< 0 if the extension is absent
+  std::uint64_t offset = 0;  ///< of the value in the file; 0 in what was unpacked
+};
+
 struct SpzContent {
   SpzHeader header;
   std::array<std::span<const std::byte>, spz_attributes> arrays{};
-  std::uint32_t coordinate_system = 0;  ///< of the extension 0xADBE0003; 0 if it is absent
+  SpzCoordinates coordinates{};
   std::unique_ptr<std::byte[]> storage{};
 };
 
 /// The fields that all versions share. `first` holds at least 16 bytes.
 SpzHeader parse_spz_header(const Source& source, const std::byte* first);
 
-/// Walks extension records and returns the coordinate system that one of them states, or 0. Errors are placed
-/// at `offset` of the file, where `records` (or what it was unpacked from) starts.
-std::uint32_t parse_spz_extensions(const Source& source, std::span<const std::byte> records,
-                                   std::uint64_t offset);
+/// Walks extension records and returns the coordinate system that one of them states. `offset` is where
+/// `records` starts in the file; without one they were unpacked, and errors are placed at byte 0.
+SpzCoordinates parse_spz_extensions(const Source& source, std::span<const std::byte> records,
+                                    std::optional<std::uint64_t> offset);
 
 SpzContent unpack_spz_gzip(const Source& source);     ///< versions 1 to 3
 SpzContent unpack_spz_plain(const Source& source);    ///< versions 1 to 3 without gzip

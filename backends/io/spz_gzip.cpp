@@ -94,7 +94,7 @@ SpzContent unpack_spz_gzip(const Source& source) {
   if (content.header.has_extensions) {
     std::array<std::byte, max_extension_bytes> records;
     const std::size_t length = reader.read(records.data(), records.size());
-    content.coordinate_system = parse_spz_extensions(source, std::span(records).first(length), 0);
+    content.coordinates = parse_spz_extensions(source, std::span(records).first(length), {});
   }
   reader.expect_end();
   return content;
@@ -107,7 +107,7 @@ SpzContent unpack_spz_plain(const Source& source) {
   split_arrays(content, reader.take(size, "Gaussians"));
   if (content.header.has_extensions) {
     const std::uint64_t offset = reader.position();
-    content.coordinate_system = parse_spz_extensions(source, source.bytes.subspan(offset), offset);
+    content.coordinates = parse_spz_extensions(source, source.bytes.subspan(offset), offset);
   } else {
     reader.expect_end("the last Gaussian");
   }

@@ -34,11 +34,11 @@ AxisFlip choose_flip(const Source& source, const SpzContent& content, SpzFrame f
     case SpzFrame::specified:
       break;
   }
-  if (content.coordinate_system == 0) return rub_to_rdf;
-  const auto flip = flip_of_coordinate_system(content.coordinate_system);
+  if (content.coordinates.system == 0) return rub_to_rdf;
+  const auto flip = flip_of_coordinate_system(content.coordinates.system);
   if (!flip)
-    source.fail(0, "an SPZ coordinate system of 1 to 8 (y up or down), found " +
-                       std::to_string(content.coordinate_system));
+    source.fail(content.coordinates.offset, "an SPZ coordinate system of 1 to 8 (y up or down), found " +
+                                                std::to_string(content.coordinates.system));
   if (*flip != rub_to_rdf)
     notes.push_back("The file states its axes, and they are not RUB; they were converted.");
   return *flip;

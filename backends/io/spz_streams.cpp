@@ -60,7 +60,7 @@ SpzContent unpack_spz_streams(const Source& source) {
   if (table_offset < v4_header_size || table_offset > source.bytes.size())
     source.fail(16, "a table of contents inside the file");
   if (header.has_extensions)
-    content.coordinate_system = parse_spz_extensions(
+    content.coordinates = parse_spz_extensions(
         source, source.bytes.subspan(v4_header_size, table_offset - v4_header_size), v4_header_size);
 
   ByteReader table_reader(source, table_offset);

@@ -89,7 +89,9 @@ def cost_cell(before, after):
     if not before or not after:
         return "-"
     times = [mean_raster(rows) for rows in (before, after)]
-    text = f"{significant(times[0], 3)} → {significant(times[1], 3)} ({times[1] / times[0]:.2f}x)"
+    text = f"{significant(times[0], 3)} → {significant(times[1], 3)}"
+    if times[0] > 0:
+        text += f" ({times[1] / times[0]:.2f}x)"
     known = [[row.psnr_db for row in rows if row.psnr_db is not None] for rows in (before, after)]
     if all(known):
         text += f", {min(known[0]):.1f} → {min(known[1]):.1f} dB"

@@ -94,6 +94,9 @@ def write(folder, backend, older=False):
     bench("scaling-threads.json", growing("cpu", [({"threads": n}, {"raster": 1 / n}) for n in (1, 2, 4)]))
     bench("scaling-occupancy.json", growing(backend, [({"enlarge": e, "instances": 1e6 * e}, {"sort": e})
                                                       for e in (0.5, 1, 2)]))
+    for name in ("cuda", "cpu"):
+        for when in ("before", "after"):
+            bench(f"cost-{when}-{name}.json", matrix(name))
     synthetic.write(folder / "stress.json", stress(backend, ((64, 48),)))
     synthetic.write(folder / "stress-large.json", stress(backend, ((960, 540), (1920, 1080))))
     for scene in ("fox", "garden"):

@@ -63,7 +63,8 @@ class Tables(unittest.TestCase):
             synthetic_folder.write(cls.results / FOLDERS[machine], backend, older=machine == "cpu")
         for name in ("instructions-garden.csv", "kernels-garden.csv"):
             shutil.copy(pathlib.Path(RESULTS) / FOLDERS["gpu"] / name, cls.results / FOLDERS["gpu"])
-        (cls.results / FOLDERS["amd"]).mkdir()
+        synthetic_folder.write(cls.results / FOLDERS["amd"], "cpu")
+        synthetic_folder.write(cls.results / FOLDERS["h200"], "cuda")
         shutil.copy(pathlib.Path(RESULTS) / FOLDERS["amd"] / "ulps.json", cls.results / FOLDERS["amd"])
 
     @classmethod

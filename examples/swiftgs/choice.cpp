@@ -25,6 +25,15 @@ bool matches(std::string_view pattern, std::string_view name) {
   return p == pattern.size();
 }
 
+namespace {
+
+bool has_backend(std::string_view start) {
+  return std::any_of(renderers().begin(), renderers().end(),
+                     [&](const RendererEntry& entry) { return entry.name.starts_with(start); });
+}
+
+}  // namespace
+
 std::vector<RendererEntry> renderers_matching(const std::string& patterns) {
   std::vector<bool> chosen(renderers().size());
   for (std::size_t at = 0; at != std::string::npos;) {
@@ -33,6 +42,8 @@ std::vector<RendererEntry> renderers_matching(const std::string& patterns) {
     bool found = false;
     for (std::size_t i = 0; i < chosen.size(); ++i)
       if (renderers()[i].usable && matches(pattern, renderers()[i].name)) found = chosen[i] = true;
+    if (!found && pattern.starts_with("cuda") && !has_backend("cuda/"))
+      throw std::invalid_argument("--renderers '" + pattern + "': built without CUDA");
     if (!found)
       throw std::invalid_argument("--renderers '" + pattern +
                                   "': no renderer that can run here matches; expected a name from 'swiftgs "

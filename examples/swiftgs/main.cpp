@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <new>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include <swiftgs/version.hpp>
 
 #include "commands.hpp"
+#include "suggestion.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -38,6 +41,29 @@ int fail(const std::string& what) {
   return 1;
 }
 
+std::vector<std::string> names_of_commands(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return names;
+}
+
+/// What is wrong with arguments that no option takes, in the order in which they were typed.
+std::string unexpected(const CLI::App& app, const std::vector<std::string>& arguments) {
+  const CLI::App& command = app.get_subcommands().empty() ? app : *app.get_subcommands().front();
+  std::vector<std::string> options;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  const std::vector<std::string> left = app.remaining(true);
+  std::string message;
+  for (const std::string& argument : arguments) {
+    if (std::find(left.begin(), left.end(), argument) == left.end()) continue;
+    message += message.empty() ? command.get_name() + ": " : "; ";
+    message += "'" + argument + "' is not expected";
+    if (argument.starts_with("--")) message += suggestion(argument.substr(0, argument.find('=')), options);
+  }
+  return message;
+}
+
 int run(int argc, char** argv) {
   CLI::App app(about, "swiftgs");
   app.footer(start_here);
@@ -55,19 +81,25 @@ int run(int argc, char** argv) {
   add_report(app);
   add_stress(app);
 
+  const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc),
+      names = names_of_commands(app);
+  const std::string first = arguments.empty() || arguments[0].starts_with("-") ? "" : arguments[0];
+  if (first != "" && std::find(names.begin(), names.end(), first) == names.end())
+    return fail("command '" + first + "' is not known" + suggestion(first, names) + " (see swiftgs --help)");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked_for_help) {
     return app.exit(asked_for_help);
+  } catch (const CLI::ExtrasError&) {
+    return fail(unexpected(app, arguments) + " (see swiftgs --help)");
   } catch (const CLI::ParseError& error) {
     return fail(std::string(error.what()) + " (see swiftgs --help)");
   }
 
   if (app.get_subcommands().empty()) {
-    std::string names;
-    for (const CLI::App* command : app.get_subcommands({}))
-      names += (names.empty() ? "" : ", ") + command->get_name();
-    return fail("expected a command: " + names + " (see swiftgs --help)");
+    std::string all;
+    for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+    return fail("expected a command: " + all + " (see swiftgs --help)");
   }
   // A full disk may show only here.
   if (std::fflush(stdout) != 0 || std::ferror(stdout)) return fail("standard output: cannot be written");
@@ -78,6 +110,9 @@ int run(int argc, char** argv) {
 }  // namespace swiftgs::cli
 
 int main(int argc, char** argv) {
+#if defined(SIGXFSZ)
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows beyond a limit is an error like others
+#endif
   try {
     return swiftgs::cli::run(argc, argv);
   } catch (const std::bad_alloc&) {

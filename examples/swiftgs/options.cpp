@@ -23,9 +23,14 @@ void add_cameras(CLI::App& command, ViewOptions& options) {
 
 void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views) {
   add_cameras(command, options);
-  command.add_option(
-      "--views", options.views,
-      "Which: numbers as 0,8, or every:8, or except:8, or all [" + default_views + " with cameras, else 0]");
+  const auto given = [](const std::string& views) {
+    return std::string(views.empty() ? "expected views, found nothing" : "");
+  };
+  command
+      .add_option("--views", options.views,
+                  "Which: numbers as 0,8 or 3-7, or every:8, or except:8, or all [" + default_views +
+                      " with cameras, else 0]")
+      ->check(given);
   command.add_option("--scale", options.scale, "Factor of the image's sides")->capture_default_str();
   command.add_option("--background", options.background, "R,G,B, each 0 to 1")->capture_default_str();
 }

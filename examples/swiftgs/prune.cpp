@@ -128,7 +128,7 @@ void prune(const PruneOptions& options) {
                    options.keep, result.kept_weight)
           : choose(opacity_volumes(*scene), options.keep, result.kept_weight);
   const auto pruned = std::make_shared<const Scene>(subset(*scene, kept));
-  replace_file(options.out, [&](const std::filesystem::path& file) { write_ply(file, *pruned); });
+  write_ply(options.out, *pruned);
   progress.clear();
   std::printf("%s: kept %zu of %zu Gaussians, with %.2f %% of the %s\n", options.out.c_str(), kept.size(),
               scene->size(), 100 * result.kept_weight,
@@ -169,7 +169,7 @@ void add_prune(CLI::App& app) {
   command->add_option("--out", options->out, "The .ply file to write")->required();
   add_views(*command, options->view, training_views);
   command->get_option("--views")->description(
-      "Which are scored: numbers as 1,2, or every:8, or except:8, or all [except:8]");
+      "Which are scored: numbers as 1,2 or 3-7, or every:8, or except:8, or all [except:8]");
   command->add_option("--photos", options->photos, "Folder with photographs of the views that are left out");
   command->add_option("--backend", options->backend, "cuda, cpu or serial [the first that runs here]");
   command->add_option("--json", options->json, "File for the results");

@@ -78,9 +78,9 @@ std::vector<View> views_numbered(const std::vector<Camera>& cameras, const std::
 
 std::vector<std::size_t> choose_views(std::string_view text, std::size_t count) {
   const auto wrong = [&] {
-    return std::invalid_argument("--views '" + std::string(text) +
-                                 "': expected all, every:N, except:N, or numbers from 0 to " +
-                                 std::to_string(count - 1) + " separated by commas");
+    return std::invalid_argument(
+        "--views '" + std::string(text) + "': expected all, every:N, except:N, or numbers from 0 to " +
+        std::to_string(count - 1) + " and ranges of them as 3-7, separated by commas");
   };
   if (count == 0) throw std::invalid_argument("--cameras: expected at least one camera, found none");
   std::vector<std::size_t> chosen;
@@ -97,9 +97,11 @@ std::vector<std::size_t> choose_views(std::string_view text, std::size_t count) 
     return chosen;
   }
   for (const std::string_view part : split(text, ',')) {
-    const std::optional<std::size_t> number = parse<std::size_t>(part);
-    if (!number || *number >= count) throw wrong();
-    chosen.push_back(*number);
+    const std::vector<std::string_view> ends = split(part, '-');
+    const std::optional<std::size_t> first = parse<std::size_t>(ends.front()),
+                                     last = parse<std::size_t>(ends.back());
+    if (ends.size() > 2 || !first || !last || *first > *last || *last >= count) throw wrong();
+    for (std::size_t number = *first; number <= *last; ++number) chosen.push_back(number);
   }
   return chosen;
 }
@@ -129,9 +131,9 @@ RenderSettings settings_of(const ViewOptions& options, const Scene& scene) {
   const std::vector<std::string_view> parts = split(options.background, ',');
   for (std::size_t c = 0; c < 3; ++c) {
     const std::optional<float> value = parts.size() == 3 ? parse<float>(parts[c]) : std::nullopt;
-    if (!value || !std::isfinite(*value))
+    if (!value || !(*value >= 0 && *value <= 1))
       throw std::invalid_argument("--background '" + options.background +
-                                  "': expected three numbers R,G,B such as 1,1,1");
+                                  "': expected three numbers R,G,B of 0 to 1 each, such as 1,1,1");
     settings.background[int(c)] = *value;
   }
   return settings;

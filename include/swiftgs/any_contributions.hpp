@@ -7,12 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/contribution.hpp>
 
 namespace swiftgs {
 
 /// `Contributions` on a backend that is chosen at run time.
-class AnyContributions {
+class SWIFTGS_API AnyContributions {
  public:
   virtual ~AnyContributions() = default;
   /// As `Contributions::add`.
@@ -46,11 +47,11 @@ struct ContributionsEntry {
 
 /// Every backend of this build, whether or not it can run here, the preferred first. Defined in the library
 /// that joins the backends.
-const std::vector<ContributionsEntry>& contribution_backends();
+SWIFTGS_API const std::vector<ContributionsEntry>& contribution_backends();
 
 /// The row called `backend`, or the first that can run here if that is empty. Throws
 /// `std::invalid_argument`, naming the valid words, where there is none, and `std::runtime_error` where it
 /// cannot run here.
-const ContributionsEntry& contribution_backend(std::string_view backend);
+SWIFTGS_API const ContributionsEntry& contribution_backend(std::string_view backend);
 
 }  // namespace swiftgs

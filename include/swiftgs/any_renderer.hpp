@@ -9,13 +9,14 @@
 #include <utility>
 #include <vector>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/renderer.hpp>
 #include <swiftgs/sort/calibration.hpp>
 
 namespace swiftgs {
 
 /// A renderer whose policies are chosen at run time.
-class AnyRenderer {
+class SWIFTGS_API AnyRenderer {
  public:
   virtual ~AnyRenderer() = default;
 
@@ -68,7 +69,7 @@ struct RendererEntry {
 
 /// What renderers on backend `B` have in common.
 template <class B>
-class RendererOn : public AnyRenderer {
+class SWIFTGS_API RendererOn : public AnyRenderer {
  public:
   bool share_scene(const AnyRenderer& other) override {
     const auto* like = dynamic_cast<const RendererOn*>(&other);
@@ -149,10 +150,10 @@ void append_renderers(std::vector<RendererEntry>& table, TypeList<Sorts...>, Typ
 
 /// Every renderer of this build, whether or not it can run here. Defined in the library that joins the
 /// backends.
-const std::vector<RendererEntry>& renderers();
+SWIFTGS_API const std::vector<RendererEntry>& renderers();
 
 /// Makes the renderer called `name`. Throws `std::invalid_argument`, naming the valid words, where there is
 /// none, and `std::runtime_error` where it cannot run here.
-std::unique_ptr<AnyRenderer> make_renderer(std::string_view name);
+SWIFTGS_API std::unique_ptr<AnyRenderer> make_renderer(std::string_view name);
 
 }  // namespace swiftgs

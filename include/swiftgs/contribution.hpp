@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/ellipse.hpp>
 #include <swiftgs/camera.hpp>
@@ -53,7 +54,7 @@ struct ContributionJob {
 };
 
 /// Moves what a tile needs of visible Gaussian i to its slot, and remembers whose slot it is.
-struct KeepVisible {
+struct SWIFTGS_API KeepVisible {
   const ProjectedShape* projected;
   const std::uint32_t* slots;
   SplatShape* shapes;
@@ -70,7 +71,7 @@ struct KeepVisible {
 };
 
 /// Sets a sum to 0.
-struct ClearSums {
+struct SWIFTGS_API ClearSums {
   std::uint64_t* sums;
   SWIFTGS_HD void operator()(std::size_t i) const { sums[i] = 0; }
 };

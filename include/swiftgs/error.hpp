@@ -6,10 +6,12 @@
 #include <string>
 #include <utility>
 
+#include <swiftgs/api.hpp>
+
 namespace swiftgs {
 
 /// A file is not what it should be. `what()` is one line: file, byte offset, what was expected.
-class FormatError : public std::runtime_error {
+class SWIFTGS_API FormatError : public std::runtime_error {
  public:
   FormatError(std::string file, std::uint64_t byte_offset, const std::string& expected)
       : std::runtime_error(file + ": byte " + std::to_string(byte_offset) + ": expected " + expected),
@@ -25,7 +27,7 @@ class FormatError : public std::runtime_error {
 };
 
 /// A frame needs more of something than there can be. The renderer that threw it stays usable.
-class CapacityError : public std::runtime_error {
+class SWIFTGS_API CapacityError : public std::runtime_error {
  public:
   CapacityError(const std::string& what, std::uint64_t needed, std::uint64_t limit)
       : std::runtime_error(what + ": " + std::to_string(needed) + " needed, the limit is " +
@@ -42,7 +44,7 @@ class CapacityError : public std::runtime_error {
 };
 
 /// A call to a device failed. `what()` holds the call and the device's own text.
-class DeviceError : public std::runtime_error {
+class SWIFTGS_API DeviceError : public std::runtime_error {
  public:
   DeviceError(const std::string& call, const std::string& text) : std::runtime_error(call + ": " + text) {}
 };

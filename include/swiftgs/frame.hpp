@@ -7,12 +7,20 @@
 
 #include <swiftgs/math.hpp>
 
+/// @file
+/// Frames, and where a backend writes them. Colours of a frame are in the scene's own values: those of the
+/// photographs that it was trained with, usually the sRGB-encoded ones that a display is sent. Nothing
+/// converts them. An image whose memory holds encoded values, such as R8G8B8A8_SRGB, takes them as they are.
+/// A shader that writes them to an sRGB framebuffer decodes them to linear light first, as the hardware
+/// encodes once more; so does one that adds them to linear light. Splats are blended in the scene's values,
+/// so what lies below them (`FrameView::over`) is to be in the same.
+
 namespace swiftgs {
 
 /// A rendered image on the host, rows from top to bottom. What was not asked for is empty.
 struct Frame {
   int width = 0, height = 0;
-  std::vector<float> colour;  ///< @shape{height, width, 3} linear RGB, not clamped above
+  std::vector<float> colour;  ///< @shape{height, width, 3} RGB in the scene's own values, not clamped above
   std::vector<float> alpha;   ///< @shape{height, width} 1 - transmittance
   std::vector<float>
       depth;  ///< @shape{height, width} mean camera-space z, weighted by contribution; 0 where alpha is 0

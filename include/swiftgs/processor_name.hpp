@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fstream>
+#include <cstdio>
+#include <memory>
 #include <string>
 
 namespace swiftgs {
 
 /// The model of this machine's processor, as /proc/cpuinfo has it; "unknown processor" where it does not.
 inline std::string processor_name() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
+  // <fstream> would bring <locale> to whoever includes this.
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen("/proc/cpuinfo", "r"), &std::fclose);
+  char part[1024];
+  while (file && std::fgets(part, sizeof part, file.get())) {
+    std::string line = part;
     if (!line.starts_with("model name")) continue;
+    if (line.back() == '\n') line.pop_back();
     const std::size_t colon = line.find(':');
     const std::size_t first = colon == std::string::npos ? colon : line.find_first_not_of(" \t", colon + 1);
     if (first == std::string::npos) break;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/project.hpp>
@@ -29,7 +30,7 @@ struct ProjectScratch {
 };
 
 /// Projects Gaussian i and marks it with 1 where it is visible.
-struct ProjectShapes {
+struct SWIFTGS_API ProjectShapes {
   ViewConstants constants;
   SceneView scene;
   ProjectedShape* projected;

@@ -25,7 +25,8 @@ namespace swiftgs {
 /// What a frame is rendered with, beside scene and camera.
 struct RenderSettings {
   Conventions conventions;
-  vec3 background{0};  ///< linear RGB, shown where transmittance is left; has no part in alpha
+  /// RGB in the scene's own values, shown where transmittance is left; has no part in alpha.
+  vec3 background{0};
   Outputs outputs;     ///< of `render`; `render_into` computes what its frame points to
   bool count = false;  ///< fill the raster part of `Statistics`, which costs some time
 };

@@ -28,7 +28,7 @@ struct alignas(32) SplatShape {
 
 /// What a projected Gaussian contributes.
 struct alignas(16) SplatColour {
-  vec3 rgb{0};      ///< linear, 0 or more
+  vec3 rgb{0};      ///< in the scene's own values, 0 or more
   float depth = 0;  ///< camera-space z, > 0
 };
 
@@ -61,8 +61,8 @@ struct SplatsView {
   Span<const Footprint> footprints{};
   std::uint64_t instances = 0;
 
-  /// Not 0 where `set_colour` hid a splat, whose opacity is 0 then although its reach is not. Null means that
-  /// a rasterizer which has no other use for opacities need not look at them.
+  /// Not 0 if `set_colour` hid a splat: its opacity is 0, its reach is unchanged.
+  /// Null: no splat is hidden.
   const std::uint32_t* hidden = nullptr;
 
   SWIFTGS_HD std::size_t size() const { return shapes.size; }

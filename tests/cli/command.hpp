@@ -20,13 +20,19 @@ struct Outcome {
   std::string out, err;
 };
 
-/// Runs the tool in `place`; `arguments` are a shell's.
-inline Outcome swiftgs(const TemporaryFolder& place, const std::string& arguments) {
+/// Runs the tool in `place` after `first`, a command that may set limits; `arguments` are a shell's.
+inline Outcome run_after(const TemporaryFolder& place, const std::string& first,
+                         const std::string& arguments) {
   const std::string out = (place / "stdout.txt").string(), err = (place / "stderr.txt").string();
-  const int status = std::system(("cd '" + place.path().string() + "' && '" SWIFTGS_CLI "' " + arguments +
-                                  " >'" + out + "' 2>'" + err + "'")
+  const int status = std::system(("cd '" + place.path().string() + "' && " + first +
+                                  " && '" SWIFTGS_CLI "' " + arguments + " >'" + out + "' 2>'" + err + "'")
                                      .c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(out), content_of(err)};
+}
+
+/// Runs the tool in `place`; `arguments` are a shell's.
+inline Outcome swiftgs(const TemporaryFolder& place, const std::string& arguments) {
+  return run_after(place, "true", arguments);
 }
 
 /// The same, of a command that must end well and say nothing on standard error.

@@ -126,23 +126,32 @@ TEST_CASE("cli: images of cameras with the same name do not share a file") {
   CHECK(files_in(place / "again").size() == 3);
 }
 
+TEST_CASE("cli: render takes ranges of views") {
+  const TemporaryFolder place;
+  run(place, "render builtin:10 --scale 0.02 --views 3-5,8");
+  CHECK(files_in(place / "renders").size() == 4);
+}
+
 TEST_CASE("cli: render shows the background where nothing else is") {
   const TemporaryFolder place;
-  run(place, "render builtin:1 --scale 0.1 --format pfm --background 0.5,0.25,2");
+  run(place, "render builtin:1 --scale 0.1 --format pfm --background 0.5,0.25,1");
   const swiftgs::Image image = swiftgs::read_image(place / "renders/front.pfm");
   CHECK(image.pixels[0] == 0.5f);
   CHECK(image.pixels[1] == 0.25f);
-  CHECK(image.pixels[2] == 2.0f);
+  CHECK(image.pixels[2] == 1.0f);
 }
 
 TEST_CASE("cli: a scene without cameras is seen from where it fills the image") {
   const TemporaryFolder place;
   write_ply(place / "scene.ply", swiftgs::make_builtin_scene(5000));
-  run(place, "render scene.ply --scale 0.1 --format pfm --background -1,-1,-1");
-  const swiftgs::Image image = swiftgs::read_image(place / "renders/view.pfm");
-  const auto filled =
-      std::count_if(image.pixels.begin(), image.pixels.end(), [](float v) { return v > -0.5f; });
-  CHECK(double(filled) > 0.8 * double(image.pixels.size()));
+  const auto pixels_before = [&](const std::string& background) {
+    run(place, "render scene.ply --scale 0.1 --format pfm --background " + background);
+    return swiftgs::read_image(place / "renders/view.pfm").pixels;
+  };
+  const std::vector<float> dark = pixels_before("0,0,0"), light = pixels_before("1,1,1");
+  std::size_t filled = 0;
+  for (std::size_t i = 0; i < dark.size(); ++i) filled += light[i] - dark[i] < 0.5f;
+  CHECK(double(filled) > 0.8 * double(dark.size()));
 }
 
 TEST_CASE("cli: a scene of no Gaussians is background") {

@@ -11,6 +11,7 @@
 #include "support/skip.hpp"
 
 using swiftgs::test::Outcome;
+using swiftgs::test::run;
 using swiftgs::test::TemporaryFolder;
 
 namespace {
@@ -73,10 +74,13 @@ TEST_CASE("cli errors: an unknown renderer brings up the valid words") {
 
 TEST_CASE("cli errors: options that make no sense say what was expected") {
   const TemporaryFolder place;
-  for (const std::string views : {"25", "0,", "every:0", "every:x", "-1", "some", "0,1,99"})
+  for (const std::string views :
+       {"25", "0,", "every:0", "every:x", "-1", "some", "0,1,99", "3-", "7-3", "0-25", "1-2-3"})
     fails(place, "render builtin:10 --views=" + views, {"--views '" + views + "'", "numbers from 0 to 24"});
-  for (const std::string background : {"1,2", "1,2,x", "nan,0,0", "red", "1,2,3,4"})
-    fails(place, "render builtin:10 --background " + background, {background, "R,G,B"});
+  fails(place, "render builtin:10 --views ''", {"--views", "expected"});
+  for (const std::string background :
+       {"1,2", "1,0,x", "nan,0,0", "red", "1,0,1,0", "255,255,255", "0,0,-0.1"})
+    fails(place, "render builtin:10 --background " + background, {background, "R,G,B", "0 to 1"});
   for (const std::string size :
        {"builtin:", "builtin:0", "builtin:-5", "builtin:1e9", "builtin:999999999999"})
     fails(place, "info " + size, {size, "builtin:N"});
@@ -92,9 +96,18 @@ TEST_CASE("cli errors: options that make no sense say what was expected") {
 TEST_CASE("cli errors: arguments that are not known or missing") {
   const TemporaryFolder place;
   fails(place, "", {"expected a command: info, list, render, compare, check", "--help"});
-  fails(place, "paint", {"paint", "--help"});
+  fails(place, "paint", {"command 'paint' is not known (see", "--help"});
+  fails(place, "rendr builtin", {"command 'rendr' is not known, did you mean 'render'?"});
   fails(place, "render", {"SCENE", "--help"});
-  fails(place, "render builtin:10 --colour", {"--colour"});
+  if (run(place, "list").out.find("cuda/") == std::string::npos) {
+    fails(place, "render builtin:10 --renderer cuda/early/per-pixel/ellipse", {"built without CUDA"});
+    fails(place, "check builtin:10 --renderers 'cuda/*'", {"built without CUDA"});
+    fails(place, "prune builtin:20 --keep 0.5 --backend cuda --out a.ply", {"built without CUDA"});
+  }
+  fails(place, "render builtin:10 --colour", {"render: '--colour' is not expected (see"});
+  fails(place, "render builtin:10 --sclae 0.5 here --stat",
+        {"'--sclae' is not expected, did you mean '--scale'?; '0.5' is not expected; 'here' is not expected; "
+         "'--stat' is not expected, did you mean '--stats'?"});
   fails(place, "render builtin:10 --scale big", {"--scale"});
   fails(place, "compare one.png", {"B", "--help"});
 }
@@ -107,6 +120,14 @@ TEST_CASE("cli errors: results that cannot be written are named with the reason"
         "check builtin:10 --scale 0.01 --repeats 1 --json file/x.json --renderers "
         "serial/early/per-pixel/ellipse",
         {"swiftgs: file/x.json: Not a directory"});
+}
+
+TEST_CASE("cli errors: an image that a limit cuts is named and leaves nothing") {
+  const TemporaryFolder place;
+  const Outcome outcome = run_after(place, "ulimit -f 8", "render builtin:1000 --scale 0.3 --out images");
+  CHECK(outcome.code == 1);
+  CHECK(outcome.err == "swiftgs: images/front.png: File too large\n");
+  CHECK(std::filesystem::is_empty(place / "images"));
 }
 
 TEST_CASE("cli errors: check finds out that results cannot be written before it renders") {

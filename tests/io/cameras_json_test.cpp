@@ -83,7 +83,7 @@ TEST_CASE("cameras.json: the camera that is wrong is placed") {
   CHECK(complaint_about(second_with(", [0, 0, 1]", "")) == place + "'rotation' to be three rows");
   CHECK(complaint_about(second_with("\"b\"", "7")) == place + "'img_name' to be a string");
   CHECK(contains(complaint_about(second_with("[0, 0, 1]", "[0, 0, 2]")), place));
-  CHECK(contains(complaint_about(second_with("500", "-500")), "focal lengths above 0"));
+  CHECK(contains(complaint_about(second_with("500", "-500")), "focal lengths of 1e-6 to 1e12 pixels"));
   for (const char* width : {"0", "-640", "65537", "640.5", "1e300"})
     CHECK(contains(complaint_about(second_with("640", width)), place + "a width"));
 }

@@ -194,7 +194,7 @@ TEST_CASE("colmap: values that make no camera are refused") {
   };
   CHECK(contains(camera({.width = 0}), "a width and a height"));
   CHECK(contains(camera({.height = ~std::uint64_t(0)}), "a width and a height"));
-  CHECK(contains(camera({.parameters = {-1, 1, 1, 1}}), "focal lengths above 0"));
+  CHECK(contains(camera({.parameters = {-1, 1, 1, 1}}), "focal lengths of 1e-6 to 1e12 pixels"));
   CHECK(contains(camera({.parameters = {1, 1, NAN, 1}}), "principal point"));
   CHECK(contains(camera({.id = 3}), "images.bin: byte 8: expected the id of a known camera, found 1"));
   CHECK(contains(complaint([] { parse_binary(cameras_bin({{}, {}}), images_bin({{}})); }), "once"));

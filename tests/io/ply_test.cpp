@@ -159,6 +159,19 @@ TEST_CASE("ply: a Gaussian without a third scale is flat") {
   CHECK(file.notes.size() == 1);
 }
 
+TEST_CASE("ply: a comment that says 2D makes Gaussians flat though there is a third scale") {
+  const auto read_with = [](const std::string& comments) {
+    return read(ply(plain_gaussian(), {.before = comments}));
+  };
+  const SceneFile flat = read_with("comment SplatRenderMode: 2dgs\n");
+  CHECK(flat.scene.scales[0] == vec3(std::exp(-1.0f), std::exp(-2.0f), 0));
+  REQUIRE(flat.notes.size() == 1);
+  CHECK(flat.notes[0].find("scale_2 is not used") != std::string::npos);
+  const SceneFile solid = read_with("comment SplatRenderMode: 2dgs\ncomment SplatRenderMode: mip\n");
+  CHECK(solid.scene.scales[0].z == std::exp(-3.0f));
+  CHECK(solid.notes.empty());
+}
+
 TEST_CASE("ply: the last comment on the render model counts") {
   const auto antialiased = [](const std::string& comments) {
     return read(ply(plain_gaussian(), {.before = comments})).scene.antialiased;

@@ -36,12 +36,37 @@ TEST_CASE("scene file: foreign files are refused at byte 0 and named where they 
   const std::string start = "a file: byte 0: expected an INRIA PLY or an SPZ scene, found ";
   CHECK(complaint_about("") == start + "an empty file");
   CHECK(complaint_about("PK\3\4") == start + "a ZIP archive");
-  CHECK(complaint_about("glTF") == start + "a binary glTF");
-  CHECK(complaint_about("{\"asset\": 1}") == start + "JSON");
+  CHECK(complaint_about("PK\3\4 meta.json means_l.webp") == start + "a SOG bundle");
+  CHECK(complaint_about("PK\3\4 scene.usdc") == start + "a USD archive");
+  CHECK(complaint_about("PXR-USDC") == start + "a USD scene");
+  CHECK(complaint_about("#usda 1.0\n") == start + "a USD scene");
+  CHECK(complaint_about("glTF") == start + "a binary glTF without Gaussians");
+  CHECK(complaint_about("glTF KHR_gaussian_splatting") == start + "a binary glTF of Gaussians");
+  CHECK(complaint_about("{\"asset\": 1}") == start + "a glTF without Gaussians");
+  CHECK(complaint_about("{\"asset\": 1, \"KHR_gaussian_splatting\": 1}") == start + "a glTF of Gaussians");
+  CHECK(complaint_about("{\"frames\": [{\"transform_matrix\": []}]}") ==
+        start + "JSON of cameras (transforms.json)");
+  CHECK(complaint_about("[{\"img_name\": 1}]") == start + "JSON of cameras (cameras.json)");
+  CHECK(complaint_about("{\"means\": {\"files\": [\"means_l.webp\"]}}") ==
+        start + "JSON that describes a SOG folder");
+  CHECK(complaint_about("{}") == start + "JSON");
   CHECK(complaint_about("\x89PNG\r\n") == start + "a PNG image");
   CHECK(complaint_about("\xff\xd8\xff\xe0") == start + "a JPEG image");
   CHECK(complaint_about(std::string(64, '\0')) == start + "something else");
   CHECK(complaint_about("plywood\n") == start + "something else");
+}
+
+TEST_CASE("scene file: formats without a beginning of their own are named by the ending") {
+  const auto complaint_about = [](const std::string& name, std::size_t size) {
+    const std::string content(size, '\1');
+    return complaint([&] { read_scene(as_bytes(content), name); });
+  };
+  CHECK(contains(complaint_about("a.splat", 64), "found a .splat scene"));
+  CHECK(contains(complaint_about("a.splat", 65), "found something else"));
+  CHECK(contains(complaint_about("a.ksplat", 65), "found a .ksplat scene"));
+  const TemporaryFolder place;
+  place.write("sog/meta.json", "{}");
+  CHECK(contains(complaint([&] { read_scene(place / "sog"); }), "found a SOG folder"));
 }
 
 TEST_CASE("scene file: what cannot be opened is an error with its path and reason") {

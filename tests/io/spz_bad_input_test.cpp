@@ -126,5 +126,9 @@ TEST_CASE("spz: damaged extensions are refused") {
     CHECK(contains(complaint_about(pack_spz(parts)), "4 bytes"));
     parts.extensions = coordinate_system(9);
     CHECK(contains(complaint_about(pack_spz(parts)), "1 to 8"));
+    parts.extensions = spz_extension(1, "payload") + coordinate_system(9);
+    // The header of version 4 has 32 bytes, that of an extension 8; version 3 is unpacked first.
+    const std::string place = version == 4 ? "byte 55: " : "byte 0: ";
+    CHECK(contains(complaint_about(pack_spz(parts)), place + "expected an SPZ coordinate system"));
   }
 }

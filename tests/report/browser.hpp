@@ -21,10 +21,10 @@ inline bool can_draw(const TemporaryFolder& place) {
     const Outcome outcome = swiftgs(place, "report results.json");
     CHECK(outcome.code == 1);
     CHECK(outcome.err.find("install libjs-vega") != std::string::npos);
-    skip("the tool was built without Vega");
+    skip("the tool was built without Vega (package libjs-vega)");
     return false;
   }
-  if (std::string(SWIFTGS_BROWSER).empty()) skip("no Chromium here");
+  if (std::string(SWIFTGS_BROWSER).empty()) skip("no Chromium here (package chromium)");
   return !std::string(SWIFTGS_BROWSER).empty();
 }
 

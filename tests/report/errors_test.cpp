@@ -9,7 +9,7 @@ using namespace swiftgs::test;
 namespace {
 
 bool has_vega() {
-  if (!SWIFTGS_HAS_VEGA) skip("the tool was built without Vega");
+  if (!SWIFTGS_HAS_VEGA) skip("the tool was built without Vega (package libjs-vega)");
   return SWIFTGS_HAS_VEGA;
 }
 

@@ -64,6 +64,17 @@ class Setup(unittest.TestCase):
         self.assertEqual((code, calls), (0, []))
         self.assertEqual(output, f"setup: there is no package {self.optional} here\n")
 
+    def test_a_package_of_many_versions_is_found_a_hundred_times_of_a_hundred(self):
+        versions = "echo '  Candidate: 1.0'\nseq -f '     %g-1 500' 30000\n"  # more than a pipe holds
+        (self.place / "apt-cache").write_text(f"#!/bin/sh\n{versions}", encoding="utf-8")
+        lines = (ROOT / "cmake" / "setup.sh").read_text(encoding="utf-8").splitlines()
+        function = [line for line in lines if line.startswith("has_candidate()")]
+        self.assertEqual(len(function), 1)
+        script = f"set -euo pipefail\n{function[0]}\nfor i in {{1..100}}; do has_candidate {self.optional}; done"
+        ran = subprocess.run(["bash", "-c", script], check=False,
+                             env={"PATH": f"{self.place}:{os.environ['PATH']}"})
+        self.assertEqual(ran.returncode, 0)
+
     def test_without_what_is_needed_nothing_goes_on(self):
         code, _, error, calls = self.setup_sh(missing=(self.needed, self.optional), broken=("update",))
         self.assertEqual((code, len(calls)), (1, 1))

@@ -205,7 +205,7 @@ void add_bench(CLI::App& app) {
   command
       ->add_option("--renderers", options->renderers, "Which: names with * for any text, separated by commas")
       ->capture_default_str();
-  command->add_option("--views", options->views, "Which: numbers as 0,8, or every:8, or all")
+  command->add_option("--views", options->views, "Which: numbers as 0,8 or 3-7, or every:8, or all")
       ->capture_default_str();
   command->add_option("--scales", options->scales, "Factors of the images' sides")->capture_default_str();
   command->add_option("--gaussians", options->gaussians, "Numbers of Gaussians [as in the file]");

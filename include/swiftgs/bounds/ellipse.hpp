@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 
 namespace swiftgs {
 
 /// Exactly the tiles that the ellipse s <= reach meets.
-struct Ellipse {
+struct SWIFTGS_API Ellipse {
   static constexpr std::string_view name = "ellipse";
   static constexpr bool lossless = true;
 

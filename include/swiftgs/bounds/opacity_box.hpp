@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 
 namespace swiftgs {
 
 /// The box of the ellipse outside which alpha is below the threshold: faint splats get small boxes.
-struct OpacityBox {
+struct SWIFTGS_API OpacityBox {
   static constexpr std::string_view name = "opacity-box";
   static constexpr bool lossless = true;
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 
 namespace swiftgs {
 
 /// INRIA's square of half side ceil(3 sigma) along the larger axis, whatever the opacity. It cuts alpha up to
 /// opacity exp(-4.5), about 0.011, and lists faint splats where they show nothing.
-struct ThreeSigmaSquare {
+struct SWIFTGS_API ThreeSigmaSquare {
   static constexpr std::string_view name = "three-sigma-square";
   static constexpr bool lossless = false;
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/camera.hpp>
 
 namespace swiftgs {
@@ -16,6 +17,6 @@ namespace swiftgs {
 /// COLMAP's camera models PINHOLE and SIMPLE_PINHOLE are read; any other is refused by name. `Camera::name`
 /// is the image's name as the file has it. Throws `FormatError`, or `std::system_error` if something cannot
 /// be read.
-std::vector<Camera> read_cameras(const std::filesystem::path& path);
+SWIFTGS_API std::vector<Camera> read_cameras(const std::filesystem::path& path);
 
 }  // namespace swiftgs

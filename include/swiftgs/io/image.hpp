@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/frame.hpp>
 
 namespace swiftgs {
@@ -21,22 +22,23 @@ struct Image {
 /// Reads a PNG (8 or 16 bits), a JPEG, a PFM or, where built with OpenEXR, an EXR. The content decides which,
 /// never the name. Values are those of the file: no gamma is applied, no colour profile is used. Throws
 /// `FormatError`, or `std::system_error` if the file cannot be read.
-Image read_image(const std::filesystem::path& path);
+SWIFTGS_API Image read_image(const std::filesystem::path& path);
 
 /// The same from memory; `name` stands for the file in error messages.
-Image read_image(std::span<const std::byte> bytes, const std::string& name);
+SWIFTGS_API Image read_image(std::span<const std::byte> bytes, const std::string& name);
 
-/// Writes colour as 8-bit RGB, clamped to 0 to 1 and rounded; a NaN becomes 0. Values are taken to be what a
-/// display is sent, as trained scenes have them: no gamma is applied. The writers throw
-/// `std::invalid_argument` if the frame holds no colour, or `std::system_error` if the file cannot be
-/// written.
-void write_png(const std::filesystem::path& path, const Frame& frame);
+/// Writes colour as 8-bit RGB, clamped to 0 to 1 and rounded; a NaN becomes 0. Values are written as
+/// they are, which is right for scenes that were trained with display values, as most are: no gamma is
+/// applied. The writers throw `std::invalid_argument` if the frame holds no colour, or `std::system_error` if
+/// the file cannot be written; `path` then keeps what it held, as the new file takes its place when it is
+/// whole.
+SWIFTGS_API void write_png(const std::filesystem::path& path, const Frame& frame);
 
 /// Writes colour as three floats a pixel in the byte order of this machine, which the file states.
-void write_pfm(const std::filesystem::path& path, const Frame& frame);
+SWIFTGS_API void write_pfm(const std::filesystem::path& path, const Frame& frame);
 
 /// Writes float channels R, G, B, and A and Z (depth) if the frame has them. Throws `std::runtime_error` in a
 /// build without OpenEXR.
-void write_exr(const std::filesystem::path& path, const Frame& frame);
+SWIFTGS_API void write_exr(const std::filesystem::path& path, const Frame& frame);
 
 }  // namespace swiftgs

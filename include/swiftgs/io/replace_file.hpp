@@ -5,6 +5,8 @@
 #include <functional>
 #include <string_view>
 
+#include <swiftgs/api.hpp>
+
 /// @file
 /// Files that are whole or as they were: a new one is written beside the old one and takes its place at once.
 /// What is no plain file, such as a pipe, is written to as it is; links stay, and lead to the new file.
@@ -13,14 +15,14 @@ namespace swiftgs {
 
 /// Calls `write` with the name of the file to write, and puts that in the place of `path` when it returns.
 /// Where it throws, `path` keeps what it held. Throws `std::system_error` with `path`.
-void replace_file(const std::filesystem::path& path,
-                  const std::function<void(const std::filesystem::path&)>& write);
+SWIFTGS_API void replace_file(const std::filesystem::path& path,
+                              const std::function<void(const std::filesystem::path&)>& write);
 
 /// The same with `content`.
-void replace_file(const std::filesystem::path& path, std::string_view content);
+SWIFTGS_API void replace_file(const std::filesystem::path& path, std::string_view content);
 
 /// Throws `std::system_error` with `path` where `replace_file` could not begin, before hours are spent on
 /// what goes there. Changes nothing.
-void require_replaceable(const std::filesystem::path& path);
+SWIFTGS_API void require_replaceable(const std::filesystem::path& path);
 
 }  // namespace swiftgs

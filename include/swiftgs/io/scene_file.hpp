@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {
@@ -40,25 +41,25 @@ struct SceneFile {
 /// A Gaussian with a NaN, or with an infinite mean, rotation, SH coefficient or scale, is counted and left
 /// out. A scale of 0 and an opacity of 0 or 1 are legal, whatever infinity the file writes them as. The file
 /// must not change while it is read. Throws `FormatError`, or `std::system_error` if it cannot be read.
-SceneFile read_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
+SWIFTGS_API SceneFile read_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
 
 /// `read_scene(path, options).scene`.
-Scene load_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
+SWIFTGS_API Scene load_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
 
 /// The same from memory; `name` stands for the file in error messages.
-SceneFile read_scene(std::span<const std::byte> bytes, const std::string& name,
-                     const SceneReadOptions& options = {});
+SWIFTGS_API SceneFile read_scene(std::span<const std::byte> bytes, const std::string& name,
+                                 const SceneReadOptions& options = {});
 
 /// An INRIA PLY from memory. Throws `FormatError`.
-SceneFile read_ply(std::span<const std::byte> bytes, const std::string& name);
+SWIFTGS_API SceneFile read_ply(std::span<const std::byte> bytes, const std::string& name);
 
 /// An SPZ file from memory. Throws `FormatError`.
-SceneFile read_spz(std::span<const std::byte> bytes, const std::string& name,
-                   const SceneReadOptions& options = {});
+SWIFTGS_API SceneFile read_spz(std::span<const std::byte> bytes, const std::string& name,
+                               const SceneReadOptions& options = {});
 
 /// Writes an INRIA PLY, little-endian floats, with as many `f_rest` properties as the scene has bands.
 /// Opacities are clamped to [1e-6, 1 - 1e-6], because the file holds logits; a scale of 0 becomes -infinity.
 /// Throws `std::invalid_argument` as `validate` does, or `std::system_error` if the file cannot be written.
-void write_ply(const std::filesystem::path& path, const Scene& scene);
+SWIFTGS_API void write_ply(const std::filesystem::path& path, const Scene& scene);
 
 }  // namespace swiftgs

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/sort/calibration.hpp>
 #include <swiftgs/version.hpp>
@@ -43,30 +44,30 @@ struct FoundSortCalibrations {
 
 /// A checksum of what `scene` holds, whatever file it came from: `crc32:` and eight hexadecimal digits, the
 /// CRC-32 of zlib over SH degree and anti-aliasing, two bytes, and all arrays in the order of `Scene`.
-std::string scene_checksum(const Scene& scene);
+SWIFTGS_API std::string scene_checksum(const Scene& scene);
 
 /// Where the measurements of a scene's file are kept unless told otherwise: `garden.spz.sort.json` for
 /// `garden.spz`.
-std::filesystem::path sort_calibrations_beside(const std::filesystem::path& scene);
+SWIFTGS_API std::filesystem::path sort_calibrations_beside(const std::filesystem::path& scene);
 
 /// Reads a file of measurements. Throws `FormatError`, or `std::system_error` if it cannot be read.
-std::vector<SavedSortCalibration> read_sort_calibrations(const std::filesystem::path& path);
+SWIFTGS_API std::vector<SavedSortCalibration> read_sort_calibrations(const std::filesystem::path& path);
 
 /// The same from memory; `name` stands for the file in error messages.
-std::vector<SavedSortCalibration> read_sort_calibrations(std::span<const std::byte> bytes,
-                                                         const std::string& name);
+SWIFTGS_API std::vector<SavedSortCalibration> read_sort_calibrations(std::span<const std::byte> bytes,
+                                                                     const std::string& name);
 
 /// Adds `calibrations` to a file, which need not be there yet. Those with the key, the number of Gaussians
 /// and the image size of a new one are replaced, the rest is kept; a file of measurements that is damaged is
 /// written anew. Readers see the old file or the new one, never a part; writers wait for each other where the
 /// file system can lock a folder. Returns how many measurements were kept. Throws `FormatError` for a file
 /// that is no file of measurements, which is left alone, and `std::system_error` if it cannot be written.
-std::size_t add_sort_calibrations(const std::filesystem::path& path,
-                                  const std::vector<SavedSortCalibration>& calibrations);
+SWIFTGS_API std::size_t add_sort_calibrations(const std::filesystem::path& path,
+                                              const std::vector<SavedSortCalibration>& calibrations);
 
 /// What the file holds for `key`. A file that is missing, damaged, or of other content, another version,
 /// device, backend or other bounds is no error: nothing is found in it.
-FoundSortCalibrations find_sort_calibrations(const std::filesystem::path& path,
-                                             const SortCalibrationKey& key);
+SWIFTGS_API FoundSortCalibrations find_sort_calibrations(const std::filesystem::path& path,
+                                                         const SortCalibrationKey& key);
 
 }  // namespace swiftgs

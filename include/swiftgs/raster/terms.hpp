@@ -24,10 +24,10 @@ concept TermsPolicy = requires(const T& terms, const SplatShape& shape, vec2 cen
 };
 
 /// The paper's split in float: s = (a x^2 + d x) + (c y^2 + e y + g) + (b x) y, with x and y measured from
-/// the tile's centre, so that a distant mean costs no digits.
-///
-/// The three parts may still cancel. Where rounding makes s negative it is 0. With u = l0 dx + l1 dy and v =
-/// l2 dy at a pixel, the error of s is at most 2^-18 ((|u| + 16 l0 + 16 |l1|)^2 + (|v| + 16 l2)^2).
+/// the tile's centre: a distant mean costs no digits but its own. The three parts may still cancel; where
+/// rounding makes s negative it is 0. With u = l0 dx + l1 dy and v = l2 dy at a pixel, the error of s is at
+/// most 2^-18 ((|u| + 16 l0 + 16 |l1|)^2 + (|v| + 16 l2)^2), beside what the rounding of u and v at the
+/// tile's centre makes of it, as in every form.
 struct FloatSplit {
   static constexpr std::string_view name = "float-split";
   struct X {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/sort/sort.hpp>
 
 namespace swiftgs {
 
 /// Key and index of splat i before the depth sort.
-struct DepthPair {
+struct SWIFTGS_API DepthPair {
   SplatsView splats;
   std::uint32_t* keys;
   std::uint32_t* ids;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/error.hpp>
@@ -116,7 +117,7 @@ struct EmitInstances {
 /// Marks where each tile's instances begin and end in keys sorted by tile, from the keys [i, i + 1) times
 /// `keys_each`. Tiles without instances keep {0, 0}.
 template <class Key>
-struct FindRanges {
+struct SWIFTGS_API FindRanges {
   static constexpr std::size_t keys_each = 8;
 
   const Key* keys;
@@ -143,7 +144,7 @@ struct FindRanges {
 };
 
 /// Empties a range.
-struct ClearRanges {
+struct SWIFTGS_API ClearRanges {
   TileRange* ranges;
   SWIFTGS_HD void operator()(std::size_t i) const { ranges[i] = {}; }
 };

@@ -9,6 +9,9 @@
 #if defined(CONSUMER_USES_CPU)
 #include <swiftgs/cpu.hpp>
 #endif
+#if defined(CONSUMER_USES_REFERENCE)
+#include <swiftgs/reference.hpp>
+#endif
 #if defined(CONSUMER_USES_CUDA)
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>

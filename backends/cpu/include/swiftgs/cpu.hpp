@@ -12,10 +12,7 @@
 #include <string_view>
 #include <utility>
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
+#include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/ellipse.hpp>
 #include <swiftgs/bounds/opacity_box.hpp>
@@ -32,14 +29,14 @@ namespace swiftgs {
 
 /// Memory in large pages where the system grants them: splats are visited in depth order, and with small
 /// pages most visits would miss the address translation too. Throws `std::bad_alloc`.
-struct LargePageMemory {
+struct SWIFTGS_API LargePageMemory {
   static void* allocate(std::size_t bytes);
   static void release(void* memory);
 };
 
 /// All cores, by oneTBB, with vector kernels that are chosen for the processor at run time. A frame has the
 /// same bits whatever the number of threads.
-class Cpu {
+class SWIFTGS_API Cpu {
  public:
   static constexpr std::string_view name = "cpu";
   template <class T>
@@ -51,11 +48,14 @@ class Cpu {
   /// backend has its own arena, so renderers neither wait for nor change the settings of other users of
   /// oneTBB.
   explicit Cpu(int threads = 0);
+  ~Cpu();
+  Cpu(Cpu&&) noexcept;
+  Cpu& operator=(Cpu&&) noexcept;
 
   static constexpr bool reaches_host_memory = true;
 
   static bool usable() { return true; }
-  int threads() const { return arena_->max_concurrency(); }
+  int threads() const;
   std::string device_name() const;
 
   /// Shares `scene` without copying it, and asks for its arrays to be moved to large pages.
@@ -72,11 +72,9 @@ class Cpu {
   /// f(begin, end) for consecutive parts of [0, n) of at least `grain` elements, in parallel.
   template <class F>
   void for_parts(std::size_t n, std::size_t grain, const F& f) const {
-    if (n == 0) return;
-    arena_->execute([&] {
-      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
-                        [&](const tbb::blocked_range<std::size_t>& part) { f(part.begin(), part.end()); });
-    });
+    run(n, grain, {&f, [](const void* loop, std::size_t begin, std::size_t end) {
+                     (*static_cast<const F*>(loop))(begin, end);
+                   }});
   }
 
   template <class F>
@@ -98,7 +96,15 @@ class Cpu {
   }
 
  private:
-  std::unique_ptr<tbb::task_arena> arena_;
+  /// A function of a part, without its type: oneTBB stays out of this header.
+  struct PartLoop {
+    const void* loop;
+    void (*call)(const void* loop, std::size_t begin, std::size_t end);
+  };
+  void run(std::size_t n, std::size_t grain, PartLoop part) const;
+
+  struct Arena;
+  std::unique_ptr<Arena> arena_;
   Buffer<std::uint32_t> histograms_;  ///< of `sort_pairs`, kept from frame to frame
 };
 
@@ -116,7 +122,7 @@ struct ProjectScratch<Cpu> {
 };
 
 /// Vector kernel of the projection: a lane a Gaussian.
-void project(Cpu& cpu, const ProjectJob& job, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats);
+SWIFTGS_API void project(Cpu& cpu, const ProjectJob& job, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats);
 
 /// Tiles are counted when instances are emitted, whatever the bounds.
 template <BoundsPolicy Bounds>
@@ -151,21 +157,22 @@ concept VectorBounds = std::same_as<Bounds, ThreeSigmaSquare> || std::same_as<Bo
 
 /// `emit_instances` from footprints. Instantiated for 64-bit keys.
 template <VectorBounds Bounds>
-std::size_t emit_instances(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                           InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint64_t>& instances);
+SWIFTGS_API std::size_t emit_instances(Cpu& cpu, const SortJob& job, const Bounds& bounds,
+                                       const std::uint32_t* order, InstanceScratch<Cpu>& scratch,
+                                       Pairs<Cpu, std::uint64_t>& instances);
 
 /// `group_by_tile` from footprints, without keys: a counting sort that moves each id straight to its tile.
 template <VectorBounds Bounds>
-void group_by_tile(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                   GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists);
+SWIFTGS_API void group_by_tile(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+                               GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists);
 
 /// Vector kernels of the library's rasterizers: a row of 16 pixels at a time.
-void rasterize(Cpu& cpu, PerPixel, const RasterJob& job);
-void rasterize(Cpu& cpu, AxisShared<HalfSplit>, const RasterJob& job);
-void rasterize(Cpu& cpu, AxisShared<FloatSplit>, const RasterJob& job);
-void rasterize(Cpu& cpu, AxisShared<FloatCholesky>, const RasterJob& job);
-void rasterize(Cpu& cpu, AxisSharedThreshold<HalfSplit>, const RasterJob& job);
-void rasterize(Cpu& cpu, AxisSharedThreshold<FloatSplit>, const RasterJob& job);
-void rasterize(Cpu& cpu, AxisSharedThreshold<FloatCholesky>, const RasterJob& job);
+SWIFTGS_API void rasterize(Cpu& cpu, PerPixel, const RasterJob& job);
+SWIFTGS_API void rasterize(Cpu& cpu, AxisShared<HalfSplit>, const RasterJob& job);
+SWIFTGS_API void rasterize(Cpu& cpu, AxisShared<FloatSplit>, const RasterJob& job);
+SWIFTGS_API void rasterize(Cpu& cpu, AxisShared<FloatCholesky>, const RasterJob& job);
+SWIFTGS_API void rasterize(Cpu& cpu, AxisSharedThreshold<HalfSplit>, const RasterJob& job);
+SWIFTGS_API void rasterize(Cpu& cpu, AxisSharedThreshold<FloatSplit>, const RasterJob& job);
+SWIFTGS_API void rasterize(Cpu& cpu, AxisSharedThreshold<FloatCholesky>, const RasterJob& job);
 
 }  // namespace swiftgs

@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/cuda/memory.hpp>
@@ -36,7 +37,7 @@ struct FrameCounts {
 /// A backend belongs to the device that was current when it was made; that device must be current wherever it
 /// is used. Its functions return when their work is in stream order, unless they say that they wait.
 /// All of them throw `DeviceError`, and `CapacityError` where the device's memory does not suffice.
-class Cuda {
+class SWIFTGS_API Cuda {
  public:
   static constexpr std::string_view name = "cuda";
   template <class T>
@@ -126,7 +127,7 @@ class Cuda {
 };
 
 /// Memory of a running sum that blocks of one kernel hand on to each other, from kernel to kernel.
-class RunningSums {
+class SWIFTGS_API RunningSums {
  public:
   /// What a kernel needs of it.
   struct View {
@@ -194,23 +195,23 @@ struct Splats<Cuda> {
             {colours.data(), count},
             {footprints.data(), count},
             instances,
-            hidden.data()};
+            count > 0 ? hidden.data() : nullptr};
   }
   std::size_t bytes() const { return bytes_of(shapes, colours, footprints, hidden); }
 };
 
 /// Starts to evaluate the colours of `splats` beside whatever is asked for until `finish_colours`. How many
 /// there are is read where the device keeps it. @shape{gaussians: splats}
-void start_colours(Cuda& cuda, const ProjectJob& job, const FrameCounts* counts,
-                   const std::uint32_t* gaussians, Splats<Cuda>& splats);
+SWIFTGS_API void start_colours(Cuda& cuda, const ProjectJob& job, const FrameCounts* counts,
+                               const std::uint32_t* gaussians, Splats<Cuda>& splats);
 
 /// One kernel: projects, compacts in the order of the Gaussians and finds tiles. Waits for the counts of
 /// visible splats and of instances, the only thing that the host waits for in a frame. Colours, but for their
 /// depths, are under way until `finish_colours`.
 /// Instantiated for the library's bounds; for others by `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
-void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
-             Splats<Cuda>& splats);
+SWIFTGS_API void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds,
+                         ProjectScratch<Cuda>& scratch, Splats<Cuda>& splats);
 
 inline void finish_colours(Cuda& cuda, Splats<Cuda>&) { cuda.join(); }
 
@@ -236,8 +237,9 @@ struct InstanceScratch<Cuda> {
 /// Instantiated for the library's bounds; for others by `<swiftgs/cuda.cuh>`. Waits only where `job` does not
 /// hold footprints.
 template <BoundsPolicy Bounds, class Key>
-std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                           InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances);
+SWIFTGS_API std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds,
+                                       const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
+                                       Pairs<Cuda, Key>& instances);
 
 /// Memory of grouping by tile.
 template <>
@@ -262,19 +264,19 @@ void group_by_tile(Cuda& cuda, const SortJob& job, const Bounds& bounds, const s
 }
 
 /// A thread a pixel, splats in shared memory.
-void rasterize(Cuda& cuda, PerPixel, const RasterJob& job);
+SWIFTGS_API void rasterize(Cuda& cuda, PerPixel, const RasterJob& job);
 /// Terms in shared memory, eight splats at a time (SwiftGS, section 5.1).
-void rasterize(Cuda& cuda, AxisShared<HalfSplit>, const RasterJob& job);
-void rasterize(Cuda& cuda, AxisSharedThreshold<HalfSplit>, const RasterJob& job);
+SWIFTGS_API void rasterize(Cuda& cuda, AxisShared<HalfSplit>, const RasterJob& job);
+SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<HalfSplit>, const RasterJob& job);
 /// Terms in registers, a warp on 8x8 pixels of its own.
-void rasterize(Cuda& cuda, AxisShared<FloatSplit>, const RasterJob& job);
-void rasterize(Cuda& cuda, AxisSharedThreshold<FloatSplit>, const RasterJob& job);
-void rasterize(Cuda& cuda, AxisShared<FloatCholesky>, const RasterJob& job);
-void rasterize(Cuda& cuda, AxisSharedThreshold<FloatCholesky>, const RasterJob& job);
+SWIFTGS_API void rasterize(Cuda& cuda, AxisShared<FloatSplit>, const RasterJob& job);
+SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<FloatSplit>, const RasterJob& job);
+SWIFTGS_API void rasterize(Cuda& cuda, AxisShared<FloatCholesky>, const RasterJob& job);
+SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<FloatCholesky>, const RasterJob& job);
 
 struct ContributionJob;
 /// A warp on 8x8 pixels, as the last of these, with the same bits of every weight.
-void add_contributions(Cuda& cuda, const ContributionJob& job);
+SWIFTGS_API void add_contributions(Cuda& cuda, const ContributionJob& job);
 
 static_assert(BackendPolicy<Cuda>);
 

@@ -4,13 +4,14 @@
 #include <cstddef>
 #include <memory>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/growing_buffer.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {
 
 /// Memory of the current device. `allocate` throws `CapacityError` where there is not enough of it.
-struct DeviceMemory {
+struct SWIFTGS_API DeviceMemory {
   static void* allocate(std::size_t bytes);
   static void release(void* memory);
 };

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+namespace swiftgs::io {
+
+/// A file beside the one that it replaces when it is whole; it is removed unless `finish` is called. What is
+/// no regular file, such as a pipe, and standard output are written to as they are. Links stay, and lead to
+/// the new file.
+class UnfinishedFile {
+ public:
+  explicit UnfinishedFile(const std::filesystem::path& path);
+  ~UnfinishedFile();
+  UnfinishedFile(const UnfinishedFile&) = delete;
+  UnfinishedFile& operator=(const UnfinishedFile&) = delete;
+
+  /// Where to write.
+  const std::filesystem::path& path() const { return path_; }
+
+  /// Puts the file in its place. Throws `std::filesystem::filesystem_error`.
+  void finish();
+
+ private:
+  std::filesystem::path place_;  ///< empty once it is filled, and for what is written to as it is
+  std::filesystem::path path_;
+};
+
+/// Whether `path` is written to as it is.
+bool is_stream(const std::filesystem::path& path);
+
+}  // namespace swiftgs::io

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+
+# Prints what this build has. Included last.
+set(backends serial)
+foreach(backend IN ITEMS cpu cuda)
+  if(TARGET swiftgs_${backend})
+    list(APPEND backends ${backend})
+  endif()
+endforeach()
+list(JOIN backends ", " backends)
+
+set(exr "no, OpenEXR was not found")
+get_property(has_openexr GLOBAL PROPERTY SWIFTGS_HAS_OPENEXR)
+if(NOT TARGET swiftgs_io)
+  set(exr "no, SWIFTGS_BUILD_IO is off")
+elseif(has_openexr)
+  set(exr yes)
+endif()
+
+set(report "no, the command-line tool is not built")
+if(TARGET swiftgs_report)
+  get_target_property(can_plot swiftgs_report SWIFTGS_CAN_PLOT)
+  set(report "no, Vega was not found (package libjs-vega)")
+  if(can_plot)
+    set(report yes)
+  endif()
+endif()
+
+set(tests no)
+if(SWIFTGS_BUILD_TESTS)
+  set(tests yes)
+endif()
+message(STATUS "SwiftGS ${PROJECT_VERSION}")
+message(STATUS "  backends: ${backends}")
+message(STATUS "  EXR:      ${exr}")
+message(STATUS "  report:   ${report}")
+message(STATUS "  tests:    ${tests}")

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: Apache-2.0
+
+# Builds SOURCE in FOLDER by what PKG_CONFIG says of the libraries in LIBRARIES, and runs it.
+file(REMOVE_RECURSE "${FOLDER}")
+file(MAKE_DIRECTORY "${FOLDER}")
+set(ENV{PKG_CONFIG_PATH} "${LIBRARIES}/pkgconfig:$ENV{PKG_CONFIG_PATH}")
+execute_process(COMMAND "${PKG_CONFIG}" --cflags --libs swiftgs-cpu swiftgs-io
+  OUTPUT_VARIABLE options OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+separate_arguments(options UNIX_COMMAND "${options}")
+execute_process(COMMAND ${COMPILER} -std=c++20 "${SOURCE}" -o "${FOLDER}/program" ${options} COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND "${FOLDER}/program" WORKING_DIRECTORY "${FOLDER}" COMMAND_ERROR_IS_FATAL ANY)
+foreach(file IN ITEMS "${FOLDER}/frame.png" "${LICENCE}")
+  if(NOT EXISTS "${file}")
+    message(FATAL_ERROR "expected ${file}")
+  endif()
+endforeach()
