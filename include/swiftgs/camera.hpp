@@ -17,7 +17,7 @@ inline dvec3 cross(dvec3 a, dvec3 b) {
 }  // namespace detail
 
 /// Pinhole camera, OpenCV axes (x right, y down, z forward): p_camera = rotation p_world + translation. A
-/// rotation of determinant -1 is a mirror: what it shows is the image of the mirrored world.
+/// rotation of determinant -1 is a mirror: it shows the image of the mirrored world.
 /// Pixel (column i, row j) is sampled at (i + 0.5, j + 0.5); the principal point may lie anywhere.
 struct Camera {
   dmat3 rotation{1.0};        ///< world to camera; GLM stores it by columns: rotation[column][row]
@@ -43,7 +43,7 @@ struct Camera {
 inline constexpr int max_image_side = 1 << 16;
 
 /// Focal lengths that can be rendered with, and the largest distance of the principal point from the image's
-/// corner: what is beyond leaves the range of float. @units{pixels}
+/// corner. Numbers beyond these leave the range of float. @units{pixels}
 inline constexpr double min_focal_length = 1e-6, max_focal_length = 1e12, max_principal_point = 1e9;
 
 /// Throws `std::invalid_argument` naming the first member that no image can be rendered with.

@@ -61,8 +61,8 @@ TEST_CASE_TEMPLATE("contribution: what Gaussians get is what covers the pixels",
 
     // Transmittance is at most 1: a pair rounds its weight and what is left of the light by 2^-25 each, and
     // loses 2^-31 in the cut. A pixel rounds 1 - T by 2^-25.
-    const double bound = double(statistics.raster.contributing_pairs) * (0x1p-24 + 0x1p-31) +
-                         double(frame.pixels()) * 0x1p-25;
+    const double bound =
+        double(statistics.raster.contributing_pairs) * (0x1p-24 + 0x1p-31) + double(frame.pixels()) * 0x1p-25;
     const double sum = total(sums_of<B>(scene, {camera}, conventions));
     CHECK(sum > 1000);
     CHECK(std::abs(sum - covered) <= bound);

@@ -31,7 +31,7 @@ std::vector<Rows> grouped(const Rows& rows, Key key) {
   return groups;
 }
 
-/// A number of a row, or what says that there is none.
+/// A number of a row, or "failed" where no seed was drawn.
 std::string number(const StressRow& row, const char* format, double value) {
   if (row.failed == row.seeds) return "failed";
   char text[32];
