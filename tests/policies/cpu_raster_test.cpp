@@ -9,26 +9,12 @@
 
 #include "policies/double_drawing.hpp"
 #include "policies/images.hpp"
+#include "policies/only_targets.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
 
 namespace {
-
-/// Lets Highway choose among the given targets only, until the end of the scope.
-class OnlyTargets {
- public:
-  explicit OnlyTargets(std::int64_t targets) { choose(targets); }
-  ~OnlyTargets() { choose(0); }
-  OnlyTargets(const OnlyTargets&) = delete;
-  OnlyTargets& operator=(const OnlyTargets&) = delete;
-
- private:
-  static void choose(std::int64_t targets) {
-    hwy::SetSupportedTargetsForTest(targets);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  }
-};
 
 /// What a vector kernel may differ by from the plain form, or from another target: order of operations and
 /// the exponential's last bits. A pixel at a threshold may then gain or lose one splat, so a few values

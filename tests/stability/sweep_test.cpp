@@ -17,23 +17,10 @@
 #include <swiftgs/cpu.hpp>
 #include <swiftgs/serial.hpp>
 
+#include "policies/only_targets.hpp"
+
 namespace swiftgs::test {
 namespace {
-
-/// Lets Highway choose among the given targets only, until the end of the scope.
-class OnlyTargets {
- public:
-  explicit OnlyTargets(std::int64_t targets) { choose(targets); }
-  ~OnlyTargets() { choose(0); }
-  OnlyTargets(const OnlyTargets&) = delete;
-  OnlyTargets& operator=(const OnlyTargets&) = delete;
-
- private:
-  static void choose(std::int64_t targets) {
-    hwy::SetSupportedTargetsForTest(targets);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  }
-};
 
 /// Both backends of the host, the second with each vector target in turn.
 class Backends {

@@ -12,6 +12,7 @@
 #include <hwy/targets.h>
 
 #include "policies/backends.hpp"
+#include "policies/only_targets.hpp"
 
 namespace swiftgs::test {
 
@@ -21,9 +22,6 @@ class Targets {
   Targets() {
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) vector_.push_back(target);
   }
-  ~Targets() { choose(0); }
-  Targets(const Targets&) = delete;
-  Targets& operator=(const Targets&) = delete;
 
   std::size_t size() const { return 1 + vector_.size(); }
   std::string name(std::size_t i) const {
@@ -34,16 +32,11 @@ class Targets {
   template <class F>
   void on(std::size_t i, const F& f) {
     if (i == 0) return f(serial_);
-    choose(vector_[i - 1]);
+    const OnlyTargets only(vector_[i - 1]);
     f(cpu_);
   }
 
  private:
-  static void choose(std::int64_t target) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  }
-
   Serial serial_;
   Cpu cpu_{1};
   std::vector<std::int64_t> vector_;
