@@ -1,14 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The README's tables: what each policy costs on a machine."""
+"""What each policy costs on a machine, in the README and in docs/policies.md; machines and commands."""
 from statistics import median
 
-from tables.frames import BOX, CHOLESKY, ELLIPSE, OURS, RASTERS, SQUARE, VANILLA, Frames, label
+from tables.frames import (BASELINE, BOX, CHOLESKY, ELLIPSE, RASTERS, SHARED, SQUARE, THRESHOLD, VANILLA, Frames,
+                           gaussians, label)
 from tables.markdown import decibel, prose, table
 from tables.results import InputError, read_json
 from tables.source import backend, machine_name
 
 SHOWN = tuple(f"early/{raster}/{ELLIPSE}" for raster in RASTERS) + (
-    f"early/{CHOLESKY}/{BOX}", f"early/{CHOLESKY}/{SQUARE}", f"standard/{CHOLESKY}/{ELLIPSE}", OURS, VANILLA)
+    f"early/{CHOLESKY}/{BOX}", f"early/{CHOLESKY}/{SQUARE}", f"standard/{CHOLESKY}/{ELLIPSE}", VANILLA)
+# Ten of them for the README, with whose choices they are.
+HEADLINE = {VANILLA: "INRIA's", BASELINE: "gsplat's", f"early/{THRESHOLD}half-split/{BOX}": "the paper's",
+            f"early/per-pixel/{ELLIPSE}": "", f"early/{THRESHOLD}float-split/{ELLIPSE}": "",
+            f"early/{CHOLESKY}/{SQUARE}": "", f"early/{CHOLESKY}/{BOX}": "", f"standard/{CHOLESKY}/{ELLIPSE}": "",
+            f"early/{SHARED}float-cholesky/{ELLIPSE}": "", f"early/{CHOLESKY}/{ELLIPSE}": "**ours**"}
 NAMING = ("matrix.json", "scaling-gaussians.json", "scaling-pixels.json", "pruned.json")  # any names its machine
 PLACE = ("scene", "gaussians", "enlarge", "view", "scale", "conventions")
 
@@ -18,9 +24,14 @@ def captures(frames):
     return [scene for scene in frames.scenes if scene.name != "builtin"] or frames.scenes
 
 
-def cell(frames, scene, name):
+def milliseconds(frames, scene, name):
+    """A frame's, the median over the views."""
     time = median(row.ms["total"].median for row in frames.rows(scene, name))
-    return f"{time:.{2 if time < 10 else 1}f} ms, {decibel(frames.worst_psnr(scene, name))} dB"
+    return f"{time:.{2 if time < 10 else 1}f}"
+
+
+def cell(frames, scene, name):
+    return f"{milliseconds(frames, scene, name)} ms, {decibel(frames.worst_psnr(scene, name))} dB"
 
 
 def views_of(frames, scenes):
@@ -41,6 +52,31 @@ def summary(source, machine):
                   f"capture, and PSNR against float64, the worst of the views that were compared.") + "\n\n"
             + table(["renderer", *(f"{label(scene)}, {frames.sizes[scene]}" for scene in scenes)], rows)
             + "\n\n" + errors(results, frames))
+
+
+def headline(source, *machines):
+    """Ten renderers on the captures of every machine, and the least PSNR over these."""
+    if not machines:
+        raise InputError("table 'headline': expected a MACHINE or several")
+    found = [Frames(source.results(machine, "matrix.json")) for machine in machines]
+    scenes = captures(found[0])
+    header, rows = ["sort/raster/bounds", "choices"], [[f"`{name}`", whose] for name, whose in HEADLINE.items()]
+    places = []
+    for machine, frames in zip(machines, found):
+        if captures(frames) != scenes:
+            raise InputError(f"{frames.results.path}: expected the captures of {found[0].results.path}")
+        first, *others = [scene.name for scene in scenes]
+        header += [f"`{backend(machine)}`, ms: {first}", *others, "dB"]
+        for row, name in zip(rows, HEADLINE):
+            psnr = [frames.worst_psnr(scene, name) for scene in scenes]
+            row += [*(milliseconds(frames, scene, name) for scene in scenes),
+                    decibel(min((value for value in psnr if value is not None), default=None))]
+        places.append(f"`{backend(machine)}` is {machine_name(frames.results)}, {views_of(frames, scenes)} a capture")
+    sizes = ", ".join(f"{scene.name} ({gaussians(scene.gaussians)} Gaussians, {found[0].sizes[scene]})"
+                      for scene in scenes)
+    return (prose(f"Milliseconds a frame, the median over views of {sizes}, and PSNR against float64, the worst of all "
+                  f"views that were compared. {'; '.join(places)}.")
+            + "\n\n" + table(header, rows, words=2))
 
 
 def errors(results, frames):
@@ -95,4 +131,4 @@ def files(source, machine):
     return prose(machine_words(source, machine) + ".") + "\n\n" + table(["file", "commit", "command"], rows, words=3)
 
 
-TABLES = {"summary": summary, "machine": of_machine, "files": files}
+TABLES = {"summary": summary, "headline": headline, "machine": of_machine, "files": files}

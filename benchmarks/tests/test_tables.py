@@ -206,6 +206,30 @@ class Tables(unittest.TestCase):
         self.assertEqual(cells(text, "ES")[2:], ["3.30 (1.06x)"] * 3 + ["1.06x", "24.8", "102.0"])
         self.assertEqual(cells(text, "all, our terms")[2:], ["2.30 (1.52x)"] * 3 + ["1.52x", "24.8", "102.0"])
 
+    def test_the_headline_has_ten_renderers_on_every_machine_and_the_least_psnr(self):
+        text = self.table("headline gpu cpu")
+        self.assertEqual(len([line for line in text.splitlines() if line.startswith("| `")]), 10)
+        best = "`early/axis-shared-threshold-float-cholesky/ellipse`"
+        self.assertEqual(cells(text, best)[1:], ["**ours**"] + 2 * ["2.30", "2.30", "102.0"])
+        half = "`early/axis-shared-threshold-half-split/opacity-box`"
+        self.assertEqual(cells(text, half)[1:], ["the paper's"] + 2 * ["2.80", "2.80", "60.0"])
+        self.assertIn("`cpu` is a processor, 16 cores, 2 views a capture.", text.replace("\n", " "))
+        changed = json.loads((self.results / FOLDERS["cpu"] / "matrix.json").read_text(encoding="utf-8"))
+        for row in changed["rows"]:
+            if row["scene"] == "fox" and row["view"] == "1":
+                row["psnr_db"] = 77.0
+        folder = self.place / "headline"
+        for machine in ("gpu", "cpu"):
+            (folder / FOLDERS[machine]).mkdir(parents=True)
+        shutil.copy(self.results / FOLDERS["gpu"] / "matrix.json", folder / FOLDERS["gpu"])
+        synthetic_folder.synthetic.write(folder / FOLDERS["cpu"] / "matrix.json", changed)
+        text = self.update("<!-- table: headline gpu cpu -->\n<!-- end -->\n", results=folder)[1]
+        self.assertEqual(cells(text, best)[4::3], ["102.0", "77.0"])
+        changed["rows"] = [row for row in changed["rows"] if row["scene"] != "fox"]
+        synthetic_folder.synthetic.write(folder / FOLDERS["cpu"] / "matrix.json", changed)
+        error = self.update("<!-- table: headline gpu cpu -->\n<!-- end -->\n", results=folder)[3]
+        self.assertRegex(error, r"[^\n]+matrix.json: expected the captures of [^\n]+matrix.json\n\Z")
+
     def test_loss_of_a_form_is_against_the_per_pixel_rasterizer(self):
         text = self.table("accuracy cpu")
         self.assertEqual(cells(text, "`axis-shared-half-split`")[1:],
