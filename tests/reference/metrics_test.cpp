@@ -23,6 +23,11 @@ TEST_CASE("metrics: psnr is 10 log10 of one over the mean squared difference") {
   CHECK(psnr(std::vector<double>(7, 0.0), std::vector<double>(7, 0.1)) == doctest::Approx(20).epsilon(1e-14));
 }
 
+TEST_CASE("metrics: half an 8-bit step in every value is 54 dB") {
+  const std::vector<double> zero(7, 0.0), half_step(7, 0.5 / 255);
+  CHECK(std::round(psnr(zero, half_step)) == 54);
+}
+
 TEST_CASE("metrics: psnr of equal images is infinite") {
   CHECK(psnr(std::vector<float>{0.5f, 2}, std::vector<double>{0.5, 2}) == infinity);
 }

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pages state no decibel that nothing checks, and have no long lines.
+
+A number of decibels stands in a table that benchmarks/update_tables.py writes, or in a paragraph that names the test
+which asserts it: `<!-- tested: tests/FILE -->`, where FILE holds the number.
+"""
+import pathlib
+import re
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "benchmarks"))
+sys.dont_write_bytecode = True
+
+from tables import blocks  # noqa: E402
+
+WORDS = ("half", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve",
+         "tens", "dozens")
+NUMBER = rf"(?:\d+(?:\.\d+)?|\b(?:{'|'.join(WORDS)})\b(?: of)?)"
+DECIBELS = re.compile(rf"({NUMBER}(?:\s*(?:to|and|or|-|–)\s*{NUMBER})*)\s*(?:dB|[Dd]ecibels?)\b")
+TESTED = re.compile(r"<!-- tested: (\S+) -->")
+TESTS = ("tests/", "benchmarks/tests/")
+COLUMNS = 120
+
+
+def pages(root):
+    found = [*root.glob("*.md"), *(page for folder in ("docs", "backends", "benchmarks", "examples", "tests")
+                                   for page in root.glob(f"{folder}/**/*.md"))]
+    return sorted(found)
+
+
+def own_lines(text):
+    """(number, line) of what people wrote: without the tables that a program writes."""
+    inside = False
+    for number, line in enumerate(text.split("\n"), 1):
+        inside = inside and line.strip() != blocks.END or blocks.BEGIN.fullmatch(line.strip()) is not None
+        if not inside:
+            yield number, line
+
+
+def paragraphs(text):
+    """(number of the first line, lines joined); a table is one too."""
+    start, lines, last = 1, [], 0
+    for number, line in [*own_lines(text), (0, "")]:
+        if lines and (not line.strip() or number != last + 1):
+            yield start, " ".join(lines)
+            lines = []
+        if line.strip():
+            start = start if lines else number
+            lines.append(line.strip())
+        last = number
+
+
+def holds(text, number):
+    """Whether a test's text has the number, not as a part of another."""
+    return re.search(rf"(?<![\w.]){re.escape(number)}(?:\.0*)?(?![\w.])", text) is not None
+
+
+def untested(root, page):
+    """What is wrong with the decibels of a page, a line each."""
+    where, wrong = page.relative_to(root), []
+    for line, paragraph in paragraphs(page.read_text(encoding="utf-8")):
+        names, texts = TESTED.findall(paragraph), []
+        for name in names:
+            if not name.startswith(TESTS) or not (root / name).is_file():
+                wrong.append(f"{where}:{line}: '{name}' is no test; expected a file in {' or '.join(TESTS)}")
+            else:
+                texts.append((root / name).read_text(encoding="utf-8"))
+        found = DECIBELS.findall(paragraph)
+        if names and not found:
+            wrong.append(f"{where}:{line}: names a test for no number of dB")
+        for number in (number for group in found for number in re.findall(NUMBER, group)):
+            if not names:
+                wrong.append(f"{where}:{line}: '{number} dB'; expected a generated table or <!-- tested: FILE -->")
+            elif not any(holds(text, number) for text in texts):
+                wrong.append(f"{where}:{line}: '{number} dB' is not in {', '.join(names)}")
+    return wrong
+
+
+def long_lines(root, page):
+    """Lines of prose that are too long; tables, code, and what cannot be broken are not."""
+    wrong, code = [], False
+    for number, line in own_lines(page.read_text(encoding="utf-8")):
+        code ^= line.startswith("```")
+        if len(line) > COLUMNS and not code and not line.startswith("|") and " " in line.strip()[:COLUMNS]:
+            wrong.append(f"{page.relative_to(root)}:{number}: {len(line)} columns; expected {COLUMNS} at most")
+    return wrong
+
+
+class Pages(unittest.TestCase):
+    def test_every_decibel_is_generated_or_tested(self):
+        self.assertGreater(len(pages(ROOT)), 10)
+        self.assertEqual("\n".join(line for page in pages(ROOT) for line in untested(ROOT, page)), "")
+
+    def test_lines_of_prose_fit(self):
+        self.assertEqual("\n".join(line for page in pages(ROOT) for line in long_lines(ROOT, page)), "")
+
+
+class Checks(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+        (self.root / "tests").mkdir()
+        (self.root / "tests/some_test.cpp").write_text("CHECK(floor >= 95);\nCHECK(x > 1.5);\n", encoding="utf-8")
+
+    def wrong(self, text, check=untested):
+        page = self.root / "page.md"
+        page.write_text(text, encoding="utf-8")
+        return check(self.root, page)
+
+    def test_a_number_that_nothing_checks_is_found(self):
+        for text in ("It has 95 dB.", "It has 95 or more, at\n95 dB.", "| half | 58 to 78 dB |", "95.5dB", "10 decibels",
+                     "worse by three to twelve decibels", "- tens of dB\n"):
+            self.assertTrue(self.wrong(text), text)
+        self.assertEqual(self.wrong("First.\n\nAt most\n95 dB."),
+                         ["page.md:3: '95 dB'; expected a generated table or <!-- tested: FILE -->"])
+        self.assertEqual(len(self.wrong("58 to 78 dB")), 2)
+
+    def test_a_number_in_a_named_test_passes(self):
+        tested = "<!-- tested: tests/some_test.cpp -->"
+        self.assertEqual(self.wrong(f"At least\n95 dB. {tested}\n\nNo number of dB."), [])
+        self.assertEqual(self.wrong(f"1.5 to 95 dB {tested}"), [])
+        self.assertEqual(self.wrong(f"94 dB {tested}"), ["page.md:1: '94 dB' is not in tests/some_test.cpp"])
+        self.assertEqual(len(self.wrong(f"5 dB {tested}")), 1)
+        self.assertEqual(len(self.wrong(f"95 dB\n\nNext. {tested}")), 2)
+
+    def test_a_test_that_is_not_there_is_named(self):
+        for name in ("tests/other_test.cpp", "page.md", "tests"):
+            self.assertIn(f"'{name}' is no test", self.wrong(f"95 dB <!-- tested: {name} -->")[0])
+
+    def test_generated_tables_are_left_out_and_what_is_around_them_is_not(self):
+        block = "<!-- table: steps gpu -->\n\n| 95 dB |\n\n<!-- end -->\n"
+        self.assertEqual(self.wrong(block), [])
+        self.assertEqual(len(self.wrong(f"At 95 dB\n{block}and 94 dB")), 2)
+
+    def test_long_lines_of_prose_are_found(self):
+        words = 30 * "word "
+        self.assertEqual(self.wrong(f"short\n{words}", long_lines), ["page.md:2: 150 columns; expected 120 at most"])
+        for text in (f"| {words} |", f"```\n{words}\n```", f"<!-- table: a -->\n{words}\n<!-- end -->", 130 * "w"):
+            self.assertEqual(self.wrong(text, long_lines), [], text)
+        self.assertEqual(len(self.wrong(f"```\n{words}\n```\n{words}", long_lines)), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
