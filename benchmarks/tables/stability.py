@@ -109,8 +109,11 @@ def cost(source, machine, name="cuda"):
     lines = [[f"`{raster}`"] + [cost_cell(of(before, raster, scene), of(after, raster, scene)) for scene in scenes]
              for raster in rasters]
     device = after.machine.get("gpu") if name == "cuda" else None
+    compared = any(row.psnr_db is not None for row in before.rows + after.rows)
+    errors = "and the worst PSNR of the frames that were compared with float64" if compared else \
+        "of frames that were not compared with float64"
     return prose(f"{device or processor(after.machine)}, `{name}`: milliseconds of the raster stage, the mean over views, "
-                 "and the worst PSNR where frames were compared.") + "\n\n" + table(["rasterizer", *scenes], lines)
+                 f"{errors}.") + "\n\n" + table(["rasterizer", *scenes], lines)
 
 
 TABLES = {"stability": stability, "stability-cost": cost}

@@ -388,6 +388,22 @@ class Tables(unittest.TestCase):
             self.assertRegex(error, r"\A[^\n]+/stress.json: [^\n]+\n\Z")
             self.assertIn(message, error)
 
+    def test_a_cost_says_whether_its_frames_were_compared_with_float64(self):
+        text = self.table("stability-cost gpu").replace("\n", " ")
+        self.assertIn("and the worst PSNR of the frames that were compared with float64.", text)
+        self.assertEqual(cells(self.table("stability-cost gpu"), "`per-pixel`")[1],
+                         "2.00 → 2.00 (1.00x), 102.0 → 102.0 dB")
+        folder = self.place / "cost" / FOLDERS["gpu"]
+        folder.mkdir(parents=True)
+        for when in ("before", "after"):
+            found = json.loads((self.results / FOLDERS["gpu"] / f"cost-{when}-cuda.json").read_text(encoding="utf-8"))
+            for row in found["rows"]:
+                row["psnr_db"] = None
+            synthetic_folder.synthetic.write(folder / f"cost-{when}-cuda.json", found)
+        text = self.update("<!-- table: stability-cost gpu -->\n<!-- end -->\n", results=folder.parent)[1]
+        self.assertIn("of frames that were not compared with float64.", text.replace("\n", " "))
+        self.assertEqual(cells(text, "`per-pixel`")[1], "2.00 → 2.00 (1.00x)")
+
     def test_the_commands_of_a_folder_are_listed(self):
         text = self.table("files gpu")
         self.assertEqual(cells(text, "`matrix.json`")[1:], ["`000000000000`", "`swiftgs bench`"])
