@@ -36,12 +36,12 @@ class ContributionsOn final : public AnyContributions {
   Contributions<B> contributions_;
 };
 
-/// One row of the table of backends that find contributions.
+/// One row of the table of backends with contributions.
 struct ContributionsEntry {
   std::string_view backend;  ///< its `name`
   bool usable = false;       ///< whether it can run on this machine
 
-  /// Sums of a scene that begin at 0. Throws as `Contributions`.
+  /// Makes sums of a scene, all 0. Throws as `Contributions`.
   std::unique_ptr<AnyContributions> (*make)(std::shared_ptr<const Scene>) = nullptr;
 };
 
@@ -49,8 +49,8 @@ struct ContributionsEntry {
 /// that joins the backends.
 SWIFTGS_API const std::vector<ContributionsEntry>& contribution_backends();
 
-/// The row called `backend`, or the first that can run here if that is empty. Throws
-/// `std::invalid_argument`, naming the valid words, where there is none, and `std::runtime_error` where it
+/// The row called `backend`; if that is empty, the first row that can run here. Throws
+/// `std::invalid_argument` with the valid words if the backend is not known, and `std::runtime_error` if it
 /// cannot run here.
 SWIFTGS_API const ContributionsEntry& contribution_backend(std::string_view backend);
 

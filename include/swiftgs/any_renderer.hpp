@@ -23,21 +23,21 @@ class SWIFTGS_API AnyRenderer {
   /// BACKEND/SORT/RASTER/BOUNDS, as in the table of renderers.
   virtual std::string_view name() const = 0;
 
-  /// What the backend runs on, as its `device_name`.
+  /// The backend's `device_name`.
   virtual std::string device_name() const = 0;
 
   /// Uploads `scene` for the frames that follow; host backends share it.
   virtual void set_scene(std::shared_ptr<const Scene> scene) = 0;
 
-  /// Takes the scene that `other` has uploaded instead, without another copy. Returns false, and changes
-  /// nothing, where `other` has none or is of another backend.
+  /// Shares the scene that `other` has uploaded, without another copy. Returns false, and changes nothing, if
+  /// `other` has no scene or another backend.
   virtual bool share_scene(const AnyRenderer& other) = 0;
 
   /// As `Renderer::render`. Throws `std::logic_error` before a scene is set.
   virtual void render(const Camera& camera, const RenderSettings& settings, Frame& frame) = 0;
 
-  /// Renders a frame that stays with the backend, as in a program that shows or composes it there; finished
-  /// when it returns. Throws as `render`.
+  /// Renders a frame that stays in the backend's memory, for a program that shows or composes it there. The
+  /// frame is finished when it returns. Throws as `render`.
   virtual void render_resident(const Camera& camera, const RenderSettings& settings) = 0;
 
   /// As `Renderer::times`. @units{milliseconds}
@@ -49,14 +49,14 @@ class SWIFTGS_API AnyRenderer {
   /// As `Renderer::memory`.
   virtual StageMemory memory() const = 0;
 
-  /// Hands measurements of the scene's sort, on this device and with these bounds, to a renderer with
-  /// `AdaptiveSort`, as its `use`. Other sorts have no use for them: nothing changes.
+  /// Hands measurements of the scene's sort, on this device and with these bounds, to `AdaptiveSort::use`.
+  /// Other sorts ignore them.
   virtual void use_calibrations(std::vector<SortCalibration> saved) = 0;
 
-  /// `AdaptiveSort::calibration`; nothing of other sorts.
+  /// `AdaptiveSort::calibration`; no value for other sorts.
   virtual std::optional<SortCalibration> calibration() const = 0;
 
-  /// Memory of the device that the backend works in; nothing where it works in the host's.
+  /// Memory of the backend's device; no value for a backend that works in the host's memory.
   virtual std::optional<MemoryUse> device_memory() const = 0;
 };
 
@@ -67,7 +67,7 @@ struct RendererEntry {
   std::unique_ptr<AnyRenderer> (*make)() = nullptr;
 };
 
-/// What renderers on backend `B` have in common.
+/// Common part of the renderers on backend `B`.
 template <class B>
 class SWIFTGS_API RendererOn : public AnyRenderer {
  public:
@@ -133,7 +133,8 @@ template <class... Policies>
 struct TypeList {};
 
 /// Appends every combination of `backend` with the given sorts, rasterizers and bounds to `table`.
-/// A policy is added to the library by one word in one of these lists.
+/// backends/table.cpp holds the library's lists. A policy on a device also needs code that its compiler
+/// makes.
 template <class B, class... Sorts, class... Rasters, class... Bounds>
 void append_renderers(std::vector<RendererEntry>& table, TypeList<Sorts...>, TypeList<Rasters...>,
                       TypeList<Bounds...>) {
@@ -152,8 +153,8 @@ void append_renderers(std::vector<RendererEntry>& table, TypeList<Sorts...>, Typ
 /// backends.
 SWIFTGS_API const std::vector<RendererEntry>& renderers();
 
-/// Makes the renderer called `name`. Throws `std::invalid_argument`, naming the valid words, where there is
-/// none, and `std::runtime_error` where it cannot run here.
+/// Makes the renderer called `name`. Throws `std::invalid_argument` with the valid words if the name is not
+/// known, and `std::runtime_error` if the renderer cannot run here.
 SWIFTGS_API std::unique_ptr<AnyRenderer> make_renderer(std::string_view name);
 
 }  // namespace swiftgs

@@ -2,10 +2,10 @@
 #pragma once
 
 /// @file
-/// What the libraries export. They are compiled with hidden symbols, so that theirs meet no other library's;
-/// what is not inline and has this mark can be called from outside of a shared one. Types have it where their
-/// type information crosses the border, as exceptions' does, or where a function that is exported is a template
-/// of them.
+/// Marks the symbols that shared libraries export. All other symbols are hidden, so that they cannot clash
+/// with another library's. Functions that are not inline need the mark to be called from outside. Types need
+/// it if their type information crosses the border, as that of exceptions does, or if an exported function is
+/// a template of them.
 
 #if defined(__GNUC__)
 #define SWIFTGS_API __attribute__((visibility("default")))

@@ -13,14 +13,13 @@
 
 namespace swiftgs {
 
-/// Memory that `parts` hold: buffers, and structs of them that have such a member themselves. @units{bytes}
+/// Memory of all `parts`: buffers, and structs of buffers with a member `bytes`. @units{bytes}
 template <class... Parts>
 std::size_t bytes_of(const Parts&... parts) {
   return (std::size_t{0} + ... + parts.bytes());
 }
 
-/// Keys with the values that travel with them, and as much room again for a sort that moves them back and
-/// forth.
+/// Keys with their values, and as much spare room for a sort that moves them back and forth.
 template <class B, class Key>
 struct Pairs {
   typename B::template Buffer<Key> keys, spare_keys;
@@ -33,7 +32,7 @@ struct Pairs {
   std::size_t bytes() const { return bytes_of(keys, spare_keys, values, spare_values); }
 };
 
-/// How much of a memory is taken, by whomever, and how much there is. @units{bytes}
+/// Used part of a memory, by all programs, and its size. @units{bytes}
 struct MemoryUse {
   std::size_t in_use = 0, total = 0;
 };
@@ -44,23 +43,23 @@ struct AnyIndexed {
 };
 }  // namespace detail
 
-/// Policy: where memory lives and how loops run. A backend is an object; what it computes does not depend on
-/// how many threads it has.
-/// - `device_name()`: model of what it runs on, with the number of threads where that is a choice: tells
-/// apart what times were measured on.
+/// Policy: where memory lives and how loops run. A backend is an object; its results do not depend on its
+/// number of threads.
+/// - `device_name()`: model of the processor or device, with the number of threads if that is a choice. Times
+/// measured on one name are not used on another.
 /// - `Buffer<T>`: grow-only memory that the backend's loops can reach (`GrowingBuffer`).
 /// - `SceneOn`: an uploaded scene, with `view()`.
 /// - `reaches_host_memory`: whether its loops can write to the host's own arrays.
-/// - `download(from, to)`: copies to the host, after all that was asked for before; complete when it returns.
-/// - `memory_use()`, of a backend that does not reach the host's memory: of that which it works in.
-/// - `wait()`: returns when all that was asked for before is done.
+/// - `download(from, to)`: copies to the host, after all work submitted so far; complete when it returns.
+/// - `memory_use()`: of the backend's own memory; only for a backend that does not reach the host's memory.
+/// - `wait()`: returns when all work submitted so far is done.
 /// - `for_each(n, f)`: f(i) for every i in [0, n), in any order. Complete when it returns, or in stream
 /// order.
 /// - `exclusive_scan(counts)`: sums in place, returns the total.
 /// - `sort_pairs(pairs, n, bits)`: stable ascending sort by the low `bits` bits; the result is in `keys` and
 /// `values`.
-/// - `now()`, `milliseconds(from, to)`: points on the backend's own clock; no value while `to` has not been
-/// reached.
+/// - `now()`, `milliseconds(from, to)`: points on the backend's own clock; no value before the backend has
+/// reached `to`.
 template <class B>
 concept BackendPolicy = requires(B b, const Scene& scene, Span<std::uint32_t> counts,
                                  Pairs<B, std::uint32_t>& narrow, Pairs<B, std::uint64_t>& wide,

@@ -25,7 +25,7 @@ namespace swiftgs {
 
 namespace builtin {
 
-/// A surface of the still life and its part of all Gaussians.
+/// A surface of the still life and its share of all Gaussians.
 struct Part {
   Surface surface;
   double share;
@@ -56,15 +56,15 @@ inline Light light_of(const std::vector<Part>& parts) {
 
 }  // namespace builtin
 
-/// Gaussians of the built-in scene unless another number is asked for.
+/// Default number of Gaussians in the built-in scene.
 inline constexpr std::size_t builtin_scene_size = 200'000;
 
 /// The built-in scene in exactly `count` Gaussians of SH degree 3. One unit is a metre, y points down, the
 /// still life stands at the origin, the sky is 190 m away. The same picture at any count: standard deviations
 /// shrink as count^(-1/2). Scales, opacities and anisotropy are spread as in trained captures.
 ///
-/// Reproducible: integers decide everything random, and functions that differ between C libraries are not
-/// used. A compiler that contracts multiplications and additions may change the last bit of a value.
+/// The scene is reproducible: integers decide everything random, and it avoids functions that differ between
+/// C libraries. A compiler that contracts multiplications and additions may change the last bit of a value.
 inline Scene make_builtin_scene(std::size_t count = builtin_scene_size) {
   using namespace builtin;
   Scene scene;

@@ -42,11 +42,11 @@ struct Camera {
 /// Largest image side @units{pixels}.
 inline constexpr int max_image_side = 1 << 16;
 
-/// Focal lengths that can be rendered with, and the largest distance of the principal point from the image's
-/// corner. Numbers beyond these leave the range of float. @units{pixels}
+/// Valid focal lengths, and the largest distance of the principal point from the image's corner. Numbers
+/// beyond these would leave the range of float. @units{pixels}
 inline constexpr double min_focal_length = 1e-6, max_focal_length = 1e12, max_principal_point = 1e9;
 
-/// Throws `std::invalid_argument` naming the first member that no image can be rendered with.
+/// Throws `std::invalid_argument` that names the first invalid member.
 inline void validate(const Camera& camera) {
   const auto require = [](bool holds, const char* expected) {
     if (!holds) throw std::invalid_argument(std::string("camera: expected ") + expected);

@@ -2,13 +2,13 @@
 #pragma once
 
 /// @file
-/// How much of a set of images each Gaussian is: its blending weight, alpha times transmittance, summed over
-/// all pixels of all views. Nothing is differentiated and no colour is looked at, so this is one frame's
-/// projection, sort and blending a view.
+/// The contribution of each Gaussian to a set of images: its blending weight, alpha times transmittance,
+/// summed over all pixels of all views. This needs no derivatives and no colours. A view costs one frame's
+/// projection, sort and blending.
 ///
-/// Sums are integers: weights are added up as 2^-31 parts of 1, so that no order of additions, number of
-/// threads or run changes a bit. A weight of 2^-8 or more is a whole number of such parts; a smaller one is
-/// cut to one, and loses less than 2^-31.
+/// Sums are integers: weights are added in parts of 2^-31, so that the bits do not depend on the order of
+/// additions, the number of threads or the run. A weight of 2^-8 or more is a whole number of parts. A
+/// smaller one is cut to a whole number, and loses less than 2^-31.
 
 #include <atomic>
 #include <cstddef>
@@ -33,32 +33,31 @@ namespace swiftgs {
 /// Parts of a weight of 1.
 inline constexpr float contribution_parts = 2147483648.0f;
 
-/// Most pixels that weights are summed over, of all views together. A pixel adds at most 2^31 parts to one
-/// Gaussian, since no weight is above 1, so fewer than 2^33 pixels keep every sum below 2^64.
+/// Largest number of pixels in a sum, of all views together. A pixel adds at most 2^31 parts to one Gaussian,
+/// because no weight is above 1, so fewer than 2^33 pixels keep every sum below 2^64.
 inline constexpr std::uint64_t max_contribution_pixels = (std::uint64_t(1) << 33) - 1;
 
-/// Whole parts of `weight`, which is 0 to 1. Exact but for the cut, since scaling by a power of 2 is.
+/// Whole parts of `weight`, which is 0 to 1. Only the cut rounds: scaling by a power of 2 is exact.
 SWIFTGS_HD inline std::uint32_t weight_parts(float weight) {
   return std::uint32_t(weight * contribution_parts);
 }
 
-/// A sum of parts as weight. @units{pixels}
+/// The weight of a sum of parts. @units{pixels}
 constexpr double weight_of_parts(std::uint64_t parts) { return double(parts) / double(contribution_parts); }
 
-/// What the weights of one view are found from. Everything that is pointed to lives where the backend can
-/// reach it.
+/// Input of the weights of one view. All pointers are to memory that the backend can reach.
 struct ContributionJob {
   RasterJob raster;                ///< splats, lists and rules; its frame has a size and no planes
   const std::uint32_t* gaussians;  ///< @shape{splats} the Gaussian of each
   std::uint64_t* sums;             ///< @shape{Gaussians} parts, added to
 };
 
-/// Moves what a tile needs of visible Gaussian i to its slot, and remembers whose slot it is.
+/// Moves the shape and depth of visible Gaussian i to its slot, and stores the Gaussian's index there.
 struct SWIFTGS_API KeepVisible {
   const ProjectedShape* projected;
   const std::uint32_t* slots;
   SplatShape* shapes;
-  SplatColour* depths;  ///< for the sort, which looks at their depth alone
+  SplatColour* depths;  ///< for the sort, which reads only `depth`
   std::uint32_t* gaussians;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
@@ -76,8 +75,8 @@ struct SWIFTGS_API ClearSums {
   SWIFTGS_HD void operator()(std::size_t i) const { sums[i] = 0; }
 };
 
-/// Blends one tile, pixel by pixel, on a host, and adds the weights to their Gaussians: one atomic addition
-/// for a splat and tile.
+/// Blends one tile, pixel by pixel, on a host, and adds the weights to their Gaussians, with one atomic
+/// addition for each splat and tile.
 struct AddTileContributions {
   ContributionJob job;
 
@@ -114,7 +113,7 @@ struct AddTileContributions {
       for (float& transmittance : transmittances) transmittance = 1;
     }
 
-    /// Parts of the weight that a splat has in all pixels: the arithmetic and the rules of `RasterizeTile`.
+    /// Parts of a splat's weight in all pixels, by the arithmetic and the rules of `RasterizeTile`.
     std::uint64_t blend(const SplatShape& shape, const BlendRules& rules) {
       AxisSharedThreshold<FloatCholesky>::Kernel kernel(shape, first_centre, rules);
       std::uint64_t parts = 0;
@@ -148,12 +147,12 @@ requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const Contri
   b.for_each(job.raster.grid.size(), AddTileContributions{job});
 }
 
-/// Sums of the weights of a scene's Gaussians over views that are added one by one: exact float terms, exact
-/// bounds, and the conventions' own rules of alpha and stop, so that a Gaussian is credited with what
-/// `AxisSharedThreshold<FloatCholesky>` would draw of it.
+/// Sums the weights of a scene's Gaussians over views that are added one by one. It uses exact float terms,
+/// exact bounds, and the conventions' rules of alpha and stop, so the weights are those that
+/// `AxisSharedThreshold<FloatCholesky>` blends with.
 ///
-/// It projects by `project_shape` alone, in passes of its own: it needs to know which Gaussian a splat
-/// belongs to, which a renderer's projection need not tell, and no colour.
+/// It has its own projection, by `project_shape`: it needs the Gaussian of each splat, which a renderer's
+/// projection does not store, and no colour.
 template <BackendPolicy B>
 class Contributions {
  public:
@@ -166,9 +165,9 @@ class Contributions {
     backend_.for_each(n, ClearSums{sums_.data()});
   }
 
-  /// Adds the weights in one view. Throws `std::invalid_argument` for a camera or conventions that nothing
-  /// can be rendered with, and `CapacityError` for more instances than a frame may have or more pixels than
-  /// `max_contribution_pixels`; then nothing was added.
+  /// Adds the weights in one view. Throws `std::invalid_argument` for an invalid camera or conventions, and
+  /// `CapacityError` for more instances than a frame may have or more pixels than `max_contribution_pixels`.
+  /// If it throws, it has added nothing.
   void add(const Camera& camera, const Conventions& conventions) {
     const ViewConstants constants = view_constants(camera, conventions);
     const std::uint64_t pixels = pixels_ + std::uint64_t(camera.width) * std::uint64_t(camera.height);
@@ -191,14 +190,15 @@ class Contributions {
     pixels_ = pixels;
   }
 
-  /// Parts of the weight of each Gaussian so far; `weight_of_parts` makes pixels of them. @shape{Gaussians}
+  /// Parts of the weight of each Gaussian so far; `weight_of_parts` converts them to pixels.
+  /// @shape{Gaussians}
   std::vector<std::uint64_t> sums() const {
     std::vector<std::uint64_t> sums(sums_.size());
     backend_.download(sums_.span(), sums.data());
     return sums;
   }
 
-  /// Gaussians that were visible in the view that was added last.
+  /// Number of visible Gaussians in the last added view.
   std::size_t visible() const { return visible_; }
 
  private:

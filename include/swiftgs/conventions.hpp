@@ -8,7 +8,7 @@
 
 namespace swiftgs {
 
-/// The numbers that decide what "the same image" is. `Conventions::gsplat()` and `Conventions::inria()` are
+/// The numbers that define "the same image". `Conventions::gsplat()` and `Conventions::inria()` are
 /// exact presets.
 struct Conventions {
   /// Limits of x/z and y/z where the projection is linearised, in tangents.
@@ -34,7 +34,7 @@ struct Conventions {
   float alpha_max = 0.99f;           ///< alpha is cut here
   float stop = 1e-4f;         ///< a pixel ends before the Gaussian that would bring its transmittance below
   bool stop_at_equal = true;  ///< or exactly to `stop`
-  Footprint footprint = Footprint::alpha;  ///< what the reference draws; renderers choose by their Bounds
+  Footprint footprint = Footprint::alpha;  ///< of the reference; renderers use their Bounds
 
   /// gsplat 1.6.
   static constexpr Conventions gsplat() { return {}; }
@@ -54,7 +54,7 @@ struct Conventions {
   bool operator==(const Conventions&) const = default;
 };
 
-/// Throws `std::invalid_argument` naming the first number that no image can be rendered with.
+/// Throws `std::invalid_argument` that names the first invalid number.
 inline void validate(const Conventions& c) {
   const auto require = [](bool holds, const char* expected) {
     if (!holds) throw std::invalid_argument(std::string("conventions: expected ") + expected);
@@ -68,7 +68,7 @@ inline void validate(const Conventions& c) {
   require(c.stop >= 0 && c.stop < 1, "a stop of 0 or more and below 1");
 }
 
-/// The preset called `name`. Throws `std::invalid_argument` with the valid names.
+/// The preset called `name`. Throws `std::invalid_argument` with the valid names for any other.
 inline Conventions conventions_named(std::string_view name) {
   if (name == "gsplat") return Conventions::gsplat();
   if (name == "inria") return Conventions::inria();

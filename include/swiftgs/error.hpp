@@ -10,7 +10,7 @@
 
 namespace swiftgs {
 
-/// A file is not what it should be. `what()` is one line: file, byte offset, what was expected.
+/// A file is invalid. `what()` is one line: file, byte offset, and the expected content.
 class SWIFTGS_API FormatError : public std::runtime_error {
  public:
   FormatError(std::string file, std::uint64_t byte_offset, const std::string& expected)
@@ -26,7 +26,7 @@ class SWIFTGS_API FormatError : public std::runtime_error {
   std::uint64_t byte_offset_;
 };
 
-/// A frame needs more of something than there can be. The renderer that threw it stays usable.
+/// A frame exceeds a limit or the available memory. The renderer that threw it stays usable.
 class SWIFTGS_API CapacityError : public std::runtime_error {
  public:
   CapacityError(const std::string& what, std::uint64_t needed, std::uint64_t limit)

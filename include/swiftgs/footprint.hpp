@@ -5,9 +5,9 @@
 
 namespace swiftgs {
 
-/// The tiles that a splat may touch, found once and expanded where instances are emitted.
+/// The tiles that a splat may touch, found once; emission expands them to instances.
 struct alignas(16) Footprint {
-  /// Tiles a side that the mask has room for.
+  /// Side of the mask in tiles.
   static constexpr int side = 8;
 
   std::uint64_t mask = 0;   ///< bit 8 r + c: the tile r rows below and c columns right of the first; zero

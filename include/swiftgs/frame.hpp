@@ -8,16 +8,17 @@
 #include <swiftgs/math.hpp>
 
 /// @file
-/// Frames, and where a backend writes them. Colours of a frame are in the scene's own values: those of the
-/// photographs that it was trained with, usually the sRGB-encoded ones that a display is sent. Nothing
-/// converts them. An image whose memory holds encoded values, such as R8G8B8A8_SRGB, takes them as they are.
-/// A shader that writes them to an sRGB framebuffer decodes them to linear light first, as the hardware
-/// encodes once more; so does one that adds them to linear light. Splats are blended in the scene's values,
-/// so what lies below them (`FrameView::over`) is to be in the same.
+/// Frames, and their memory. Colours of a frame are in the scene's own values: those of the photographs that
+/// it was trained with, usually sRGB-encoded for a display. The library does not convert them. Copy them as
+/// they are to an image with encoded values in memory, for example R8G8B8A8_SRGB. A shader that writes them
+/// to an sRGB framebuffer must decode them to linear light first, because the hardware encodes them again. A
+/// shader that adds them to linear light must decode them too. Splats are blended in the scene's values, so
+/// the image below them (`FrameView::over`) must hold the same kind of values.
 
 namespace swiftgs {
 
-/// A rendered image on the host, rows from top to bottom. What was not asked for is empty.
+/// A rendered image on the host, rows from top to bottom. Arrays of outputs that were not requested are
+/// empty.
 struct Frame {
   int width = 0, height = 0;
   std::vector<float> colour;  ///< @shape{height, width, 3} RGB in the scene's own values, not clamped above
@@ -28,8 +29,8 @@ struct Frame {
   std::size_t pixels() const { return std::size_t(width) * height; }
 };
 
-/// How the colours of a frame lie in memory, interleaved. RGBA holds in its last channel what covers the
-/// pixel, and colours that are already multiplied by it.
+/// Format of a frame's colours in memory, interleaved. The last channel of RGBA is the frame's alpha, and the
+/// colours are premultiplied by it.
 enum class PixelFormat {
   rgb_float,   ///< 12 bytes
   rgba_float,  ///< 16 bytes
@@ -52,7 +53,7 @@ SWIFTGS_HD constexpr std::size_t bytes_per_pixel(PixelFormat format) {
   return 4;
 }
 
-/// One plane of a frame in the caller's memory. A null pointer is a plane that there is none of.
+/// One plane of a frame in the caller's memory. Null means absent.
 template <class T>
 struct Plane {
   T* data = nullptr;
@@ -65,8 +66,8 @@ struct Plane {
   }
 };
 
-/// Where a backend writes a frame: the caller's memory, reachable by that backend, rows from top to bottom.
-/// What is not pointed to is not computed.
+/// Destination of a frame: the caller's memory, reachable by the backend, rows from top to bottom. Absent
+/// planes are not computed.
 struct FrameView {
   int width = 0, height = 0;
   Plane<void> colour{};  ///< of `format`
@@ -74,11 +75,11 @@ struct FrameView {
   Plane<float> alpha{};  ///< 1 - transmittance
   Plane<float> depth{};  ///< as `Frame::depth`
 
-  /// The caller's own depth buffer, camera-space z: a splat at a pixel's `occluder` or behind is not blended.
-  /// Infinity where nothing stands.
+  /// The caller's own depth buffer, camera-space z: a splat at a pixel's `occluder` or behind it is not
+  /// blended. Infinity hides nothing.
   Plane<const float> occluder{};
 
-  /// Show what `colour` holds, instead of the background, where transmittance is left.
+  /// Show the image that `colour` already holds, instead of the background, behind the splats.
   bool over = false;
 };
 
@@ -88,8 +89,8 @@ struct Outputs {
   bool depth = false;
 };
 
-/// Gives `frame` the size and the arrays that are asked for, and views them. Keeps memory that is already
-/// there.
+/// Gives `frame` the size and the arrays of `outputs`, and returns a view of them. Reuses the memory of
+/// `frame`.
 inline FrameView prepare(Frame& frame, int width, int height, Outputs outputs) {
   frame.width = width, frame.height = height;
   frame.colour.resize(3 * frame.pixels());

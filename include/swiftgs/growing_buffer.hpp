@@ -17,9 +17,8 @@ struct CacheLineMemory {
   static void release(void* memory) { ::operator delete (memory, std::align_val_t{64}); }
 };
 
-/// Uninitialised memory that grows and never shrinks, so that a steady frame allocates nothing: of the host,
-/// or of where `Memory` takes it from. 64 bytes beyond its end may be read or written, as vector registers
-/// do.
+/// Uninitialised memory that grows and never shrinks, so that a steady frame allocates nothing. `Memory`
+/// allocates it, by default on the host. Vector code may read and write 64 bytes beyond its end.
 template <class T, class Memory = CacheLineMemory>
 class GrowingBuffer {
   static_assert(std::is_trivially_copyable_v<T>, "GrowingBuffer holds plain data only");
@@ -36,14 +35,14 @@ class GrowingBuffer {
     return *this;
   }
 
-  /// Makes room for `count` elements, and where it grows for an eighth more. What was in the buffer is
-  /// undefined afterwards.
+  /// Makes room for `count` elements; if the buffer grows, for an eighth more. Its contents are undefined
+  /// afterwards.
   void reset(std::size_t count) {
     if (count > capacity_) allocate(count + count / 8);
     size_ = count;
   }
 
-  /// Makes room for `count` elements and no more, for what will not grow.
+  /// Makes room for exactly `count` elements, for data that will not grow.
   void reset_exactly(std::size_t count) {
     if (count > capacity_) allocate(count);
     size_ = count;
@@ -61,7 +60,7 @@ class GrowingBuffer {
   static constexpr std::size_t padding = 64;
 
   void allocate(std::size_t room) {
-    // Empty while the allocation may throw; what is there is freed first, as it need not be kept.
+    // Empty while the allocation may throw. The old memory is freed first, because its contents are not kept.
     memory_.reset();
     capacity_ = size_ = 0;
     memory_.reset(static_cast<T*>(Memory::allocate(room * sizeof(T) + padding)));

@@ -9,7 +9,7 @@
 
 namespace swiftgs {
 
-/// A scene as host backends hold it: shared, never copied.
+/// The scene of a host backend: shared, never copied.
 class HostScene {
  public:
   /// Throws `std::invalid_argument` as `validate` and `validate_numbers` do.

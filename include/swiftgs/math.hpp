@@ -2,7 +2,7 @@
 #pragma once
 
 /// @file
-/// Vectors shared by host and device code, and the marker of functions that run on both.
+/// Vectors for host and device code, and the marker of functions that run on both.
 
 #if defined(__CUDACC__)
 #define SWIFTGS_HD __host__ __device__
@@ -37,7 +37,7 @@ using glm::vec4;
 // Kernels of every backend read arrays of these as plain floats.
 static_assert(sizeof(vec3) == 3 * sizeof(float) && alignof(vec3) == alignof(float));
 
-/// Hamilton quaternion, scalar part first. A type of its own, so that its order is never in doubt.
+/// Hamilton quaternion, scalar part first. It is not a vec4, so that its order is never in doubt.
 struct Quaternion {
   float w = 1, x = 0, y = 0, z = 0;
   bool operator==(const Quaternion&) const = default;

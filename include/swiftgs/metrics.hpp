@@ -45,7 +45,7 @@ double psnr(const A& a, const B& b) {
   return -10 * std::log10(sum / count);
 }
 
-/// Largest difference of a value in `a` from the same in `b`; NaN when one is NaN. Throws
+/// Largest difference between a value of `a` and its counterpart in `b`; NaN when one is NaN. Throws
 /// `std::invalid_argument` when the sizes differ or are 0.
 template <class A, class B>
 double max_abs_difference(const A& a, const B& b) {
@@ -62,7 +62,7 @@ double max_abs_difference(const A& a, const B& b) {
 
 namespace metrics {
 
-/// Weighted means over a window: of both images, of their squares, of their product.
+/// Weighted means over a window: of both images, their squares, and their product.
 struct Moments {
   double a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 

@@ -7,9 +7,9 @@
 
 namespace swiftgs {
 
-/// The model of this machine's processor, as /proc/cpuinfo has it; "unknown processor" where it does not.
+/// The model of this machine's processor from /proc/cpuinfo, or "unknown processor".
 inline std::string processor_name() {
-  // <fstream> would bring <locale> to whoever includes this.
+  // <fstream> would include <locale>.
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen("/proc/cpuinfo", "r"), &std::fclose);
   char part[1024];
   while (file && std::fgets(part, sizeof part, file.get())) {

@@ -13,7 +13,7 @@
 
 namespace swiftgs {
 
-/// What projection turns into splats.
+/// Input of projection.
 struct ProjectJob {
   ViewConstants constants;
   SceneView scene;
@@ -42,8 +42,8 @@ struct SWIFTGS_API ProjectShapes {
   }
 };
 
-/// Moves visible Gaussian i to its slot and evaluates its colour: the only place that reads spherical
-/// harmonics.
+/// Moves visible Gaussian i to its slot and evaluates its colour. Nothing else in the generic form reads
+/// spherical harmonics.
 struct CompactSplats {
   ViewConstants constants;
   SceneView scene;
@@ -62,8 +62,8 @@ struct CompactSplats {
 };
 
 /// Projects the scene of `job`: one splat for each visible Gaussian, in the order of the Gaussians. Backends
-/// overload this. One for which a count on the host is dear counts the tiles within `bounds` on the way, so
-/// that a single count serves this stage and the next.
+/// overload this. If the host's read of a count is slow, a backend also counts the tiles within `bounds`
+/// here, so that one read serves this stage and the next.
 template <BackendPolicy B, BoundsPolicy Bounds>
 void project(B& b, const ProjectJob& job, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats) {
   const std::size_t n = job.scene.size();
@@ -77,8 +77,8 @@ void project(B& b, const ProjectJob& job, const Bounds&, ProjectScratch<B>& scra
   splats.count = visible;
 }
 
-/// Sees to it that what is asked of the backend next finds the splats' colours. The sort needs none, but for
-/// their depths: a backend may let `project` leave them under way, and overloads this then.
+/// Orders later work after the splats' colours. Overload it if `project` may return before they are
+/// evaluated. The sort reads only `depth` of colours, which is always written.
 template <BackendPolicy B>
 void finish_colours(B&, Splats<B>&) {}
 

@@ -30,8 +30,8 @@ inline std::vector<double> opacity_volumes(const Scene& scene) {
   return scores;
 }
 
-/// How many of `count` Gaussians a `fraction` of them is: rounded, and at least one where there is one.
-/// Throws `std::invalid_argument` unless the fraction is above 0 and at most 1.
+/// `fraction` of `count` Gaussians, rounded: at least one if `count` is at least one. Throws
+/// `std::invalid_argument` unless the fraction is above 0 and at most 1.
 inline std::size_t kept_count(double fraction, std::size_t count) {
   if (!(fraction > 0 && fraction <= 1))
     throw std::invalid_argument("pruning: expected a fraction above 0 and at most 1, got " +
@@ -61,8 +61,8 @@ std::vector<std::uint32_t> highest(const std::vector<Score>& scores, std::size_t
   return order;
 }
 
-/// The Gaussians `kept` of `scene`, in that order. Throws `std::invalid_argument` as `validate` does, and
-/// where `kept` names a Gaussian that there is not.
+/// The Gaussians `kept` of `scene`, in that order. Throws `std::invalid_argument` as `validate` does, and if
+/// an index in `kept` is not below the number of Gaussians.
 inline Scene subset(const Scene& scene, const std::vector<std::uint32_t>& kept) {
   validate(scene);
   const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));

@@ -2,8 +2,8 @@
 #pragma once
 
 /// @file
-/// The float64 renderer that every other renderer is judged by. It follows `Conventions` and approximates
-/// nothing beyond them, and it shares no arithmetic with the renderers that it judges.
+/// The float64 renderer that judges every other renderer. It follows `Conventions`, approximates nothing
+/// beyond them, and shares no arithmetic with the renderers that it judges.
 
 #include <algorithm>
 #include <atomic>
@@ -25,7 +25,7 @@
 
 namespace swiftgs {
 
-/// An image in double precision, rows from top to bottom, and what was counted on the way.
+/// An image in double precision, rows from top to bottom, with counts.
 struct ReferenceFrame {
   int width = 0, height = 0;
   std::vector<double> colour;  ///< @shape{height, width, 3} RGB, the scene's own values, not clamped above
@@ -34,13 +34,13 @@ struct ReferenceFrame {
                                ///< where nothing contributes
   std::uint64_t visible = 0;   ///< Gaussians that contribute to at least one pixel
   std::uint64_t contributing_pairs = 0;  ///< contributions of a Gaussian to a pixel
-  std::uint64_t pixels_stopped = 0;      ///< pixels that the stop rule ended, or an occluder
+  std::uint64_t pixels_stopped = 0;      ///< pixels that the stop rule or an occluder ended
 };
 
 namespace reference {
 
-/// Rows of pixels that are blended together: many enough that a splat is fetched seldom, few enough that
-/// their pixels stay in a core's cache.
+/// Number of rows that are blended together: enough to fetch each splat rarely, and few enough to keep their
+/// pixels in a core's cache.
 inline constexpr int band_rows = 16;
 
 /// The splats of a scene, in chunks of consecutive Gaussians, in the scene's order.
@@ -58,7 +58,7 @@ inline SplatChunks project_all(const Scene& scene, const View& view, int threads
 }
 
 /// The splats that reach each band of rows, front to back: ordered by depth rounded to float, as the
-/// convention has it, and by index where that is equal.
+/// convention demands, and by index where depths are equal.
 inline std::vector<std::vector<const Splat*>> sort_into_bands(const SplatChunks& chunks, int height) {
   struct Entry {
     float depth;
@@ -89,7 +89,7 @@ inline void write_row(ReferenceFrame& frame, int y, const Pixel* pixels, dvec3 b
   }
 }
 
-/// What the threads count together.
+/// Counts shared by the threads.
 struct Counts {
   explicit Counts(std::size_t gaussians) : seen(gaussians) {}
 
@@ -119,7 +119,7 @@ inline void render_rows(ReferenceFrame& frame, Counts& counts, const std::vector
       std::count_if(pixels.begin(), pixels.end(), [](const Pixel& pixel) { return pixel.stopped; }));
 }
 
-/// Throws `std::invalid_argument` where no reference can be rendered.
+/// Throws `std::invalid_argument` for invalid arguments of `render_reference`.
 inline void check_reference_arguments(const Scene& scene, const Camera& camera, dvec3 background,
                                       Span<const float> occluder) {
   validate(scene);
@@ -141,7 +141,7 @@ inline void prepare(ReferenceFrame& frame, const Camera& camera) {
 }  // namespace reference
 
 /// Renders `scene` in double precision on `threads` threads (0: one a processor); the result does not depend
-/// on how many. All stored SH bands are evaluated. Gaussians that are not finite are left out.
+/// on their number. All stored SH bands are evaluated. Gaussians that are not finite are left out.
 /// `occluder`: @shape{height, width} as `FrameView::occluder`; empty for none.
 /// Throws `std::invalid_argument` when `scene`, `camera` or the size of `occluder` is not valid, `background`
 /// is not finite or `threads` is negative.

@@ -19,7 +19,7 @@
 
 namespace swiftgs {
 
-/// One thread and the standard library: the archetype of a backend, and the one to read first.
+/// Backend of one thread and the standard library. Read it first; copy it to write your own.
 class Serial {
  public:
   static constexpr std::string_view name = "serial";

@@ -7,12 +7,12 @@
 
 namespace swiftgs {
 
-/// What one frame took, in numbers of things.
+/// Counts of one frame.
 struct Statistics {
   std::size_t gaussians = 0;  ///< in the scene
-  std::size_t visible = 0;    ///< projected to splats: what spherical harmonics were evaluated for
+  std::size_t visible = 0;    ///< projected to splats; harmonics are evaluated for these
   std::size_t instances = 0;  ///< pairs of splat and tile
-  TileCounts raster;          ///< summed over tiles; zero unless asked for
+  TileCounts raster;          ///< summed over tiles; zero unless requested
 
   double instances_a_visible() const { return visible ? double(instances) / double(visible) : 0.0; }
 };
@@ -26,7 +26,7 @@ struct StageMemory {
   std::size_t total() const { return project + sort + raster; }
 };
 
-/// Durations of one frame's stages. A backend may evaluate colours beside the sort, and then `sort` has their
+/// Durations of one frame's stages. If a backend evaluates colours beside the sort, `sort` includes their
 /// time.
 /// @units{milliseconds}
 struct StageTimes {

@@ -10,15 +10,15 @@
 
 namespace swiftgs {
 
-/// What blending leaves in a pixel.
+/// Result of blending in a pixel.
 struct BlendedPixel {
   vec3 colour{0};           ///< sum of colours, each times its weight
-  float transmittance = 1;  ///< what is left of 1
+  float transmittance = 1;  ///< part of the light that all splats let through
   float depth = 0;          ///< sum of depths, each times its weight
 };
 
-/// Channel of `PixelFormat::rgba_8`: cut and rounded to the nearest step; NaN becomes 0. Counted in half
-/// steps, so that the one rounding is that of a product, which no compiler contracts into another operation.
+/// Channel of `PixelFormat::rgba_8`: cut and rounded to the nearest step; NaN becomes 0. It counts half
+/// steps, so that only a product rounds, which no compiler can contract into another operation.
 SWIFTGS_HD inline std::uint8_t to_unorm8(float value) {
   return value > 0 ? std::uint8_t((int((value < 1 ? value : 1.0f) * 510.0f) + 1) >> 1) : std::uint8_t(0);
 }

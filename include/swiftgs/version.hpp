@@ -4,7 +4,7 @@
 #include <string_view>
 
 /// @file
-/// The version of the library. The build reads it from here; it is written nowhere else.
+/// The version of the library. The build reads it from here.
 ///
 /// Until 1.0 the binary interface changes with each minor version, and shared libraries are named for it
 /// (libswiftgs.so.0.1). A program includes the headers of the library that it links: much of the library is

@@ -10,7 +10,7 @@
 
 namespace swiftgs {
 
-/// What projection needs of a camera and its conventions, computed once a frame.
+/// Constants of a camera and its conventions for projection, computed once a frame.
 /// The pose stays in double: rounding it to float moves splats by more than all later arithmetic does.
 struct ViewConstants {
   double rotation[3][3];       ///< rows: world to camera
@@ -27,7 +27,7 @@ struct ViewConstants {
   bool antialiased;
 };
 
-/// Throws `std::invalid_argument` where nothing can be rendered with `camera` or `conventions`.
+/// Throws `std::invalid_argument` for an invalid `camera` or `conventions`.
 inline ViewConstants view_constants(const Camera& camera, const Conventions& conventions) {
   validate(camera);
   validate(conventions);
