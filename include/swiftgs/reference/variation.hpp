@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <swiftgs/reference/projection.hpp>
+#include <swiftgs/split_mix.hpp>
 
 namespace swiftgs::reference {
 
@@ -21,7 +22,7 @@ inline constexpr std::size_t trials = 6;
 /// Decides, from what it is asked for alone, whether a number moves down, up or not at all in a trial.
 class Nudges {
  public:
-  explicit Nudges(std::uint64_t seed) : state_(seed) {}
+  explicit Nudges(std::uint64_t seed) : bits_(seed) {}
 
   float nudged(float value) {
     const int step = next();
@@ -34,16 +35,10 @@ class Nudges {
   vec3 nudged(vec3 v) { return {nudged(v.x), nudged(v.y), nudged(v.z)}; }
 
   /// -1, 0 or 1.
-  int next() {
-    // SplitMix64 (Steele, Lea and Flood 2014).
-    std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return int((z ^ (z >> 31)) % 3) - 1;
-  }
+  int next() { return int(bits_.bits() % 3) - 1; }
 
  private:
-  std::uint64_t state_;
+  SplitMix64 bits_;
 };
 
 /// `scene` with every float moved by up to one unit in its last place.
