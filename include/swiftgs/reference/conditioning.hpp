@@ -177,6 +177,24 @@ inline void bound_varied(VariedSplat& splat, const View& view) {
   s.x_begin = std::max(0, wide.x_begin - 16), s.x_end = std::min(view.camera.width, wide.x_end + 16);
 }
 
+/// Finds splats whose depths may round to those of others. Depths of one float each are in order, or equal
+/// and ordered by index.
+inline void mark_loose_orders(std::vector<VariedSplat>& splats) {
+  std::vector<VariedSplat*> by_least;
+  for (VariedSplat& splat : splats) by_least.push_back(&splat);
+  std::sort(by_least.begin(), by_least.end(),
+            [](const VariedSplat* a, const VariedSplat* b) { return a->least_depth < b->least_depth; });
+  const auto is_one_float = [](const VariedSplat& s) { return s.least_depth == s.largest_depth; };
+  for (std::size_t i = 0; i < by_least.size(); ++i) {
+    VariedSplat& first = *by_least[i];
+    for (std::size_t j = i + 1; j < by_least.size(); ++j) {
+      VariedSplat& other = *by_least[j];
+      if (other.least_depth > first.largest_depth) break;
+      if (!is_one_float(first) || !is_one_float(other)) first.order_is_loose = other.order_is_loose = true;
+    }
+  }
+}
+
 inline std::vector<VariedSplat> project_all_varied(const Scene& scene, const View& view, std::uint64_t seed) {
   std::vector<Scene> moved;
   for (std::size_t t = 0; t < trials; ++t) moved.push_back(nudged(scene, seed + 977 * (t + 1)));
@@ -191,11 +209,7 @@ inline std::vector<VariedSplat> project_all_varied(const Scene& scene, const Vie
   std::stable_sort(splats.begin(), splats.end(), [](const VariedSplat& a, const VariedSplat& b) {
     return float(a.splat.depth) < float(b.splat.depth);
   });
-  for (std::size_t i = 0; i + 1 < splats.size(); ++i)
-    for (std::size_t j = i + 1; j < splats.size() && splats[j].least_depth <= splats[i].largest_depth; ++j)
-      if (splats[i].least_depth != splats[i].largest_depth ||
-          splats[j].least_depth != splats[j].largest_depth)
-        splats[i].order_is_loose = splats[j].order_is_loose = true;
+  mark_loose_orders(splats);
   return splats;
 }
 
