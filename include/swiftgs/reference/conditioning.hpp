@@ -31,8 +31,6 @@ struct ConditionedFrame {
   /// later, and of alphas as far as the form may err. 0 where nothing may.
   std::array<std::vector<double>, exponent_forms> loose;
 
-  std::vector<std::uint32_t> layers;  ///< @shape{height, width} splats that were blended
-
   double colour_span = 0;  ///< largest difference of two colours, background included
   double peak = 0;         ///< largest magnitude in `frame.colour`
   double depth_span = 0;   ///< largest depth
@@ -52,6 +50,21 @@ struct VariedPixel {
   struct State {
     Eigen::Vector3d colour = Eigen::Vector3d::Zero();
     double transmittance = 1, depth = 0, weight = 0;
+
+    void add(double alpha, const SplatNumbers& splat) {
+      const double part = alpha * transmittance;
+      colour += part * splat.colour, depth += part * splat.depth;
+      weight += part, transmittance -= part;
+    }
+    /// Rounds what a renderer keeps of a pixel: colour, depth and transmittance, to which it adds weights up.
+    /// It is done and not estimated: at alphas near a power of 2 the roundings of equal layers lean to one
+    /// side for many layers, and elsewhere they do not.
+    void round() {
+      colour = colour.cast<float>().cast<double>();
+      depth = double(float(depth)), transmittance = double(float(transmittance));
+      weight = 1 - transmittance;
+    }
+    double mean_depth() const { return weight > 0 ? depth / weight : 0; }
   };
   std::array<State, trials + 1> states;
   std::array<Looseness, exponent_forms> forms;
@@ -145,12 +158,8 @@ inline void blend_varied(VariedPixel& pixel, const VariedSplat& splat, const Pix
     return;
   }
   for (std::size_t t = 0; t <= trials; ++t) {
-    VariedPixel::State& state = pixel.states[t];
-    const double weight = decision.alphas[t] * state.transmittance;
-    state.colour += weight * splat.numbers[t].colour;
-    state.depth += weight * splat.numbers[t].depth;
-    state.weight += weight;
-    state.transmittance -= weight;
+    pixel.states[t].add(decision.alphas[t], splat.numbers[t]);
+    if (t > 0) pixel.states[t].round();
   }
   for (std::size_t f = 0; f < exponent_forms; ++f) {
     Looseness& form = pixel.forms[f];
@@ -219,7 +228,6 @@ inline void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pi
   for (std::size_t x = 0; x < width; ++x) {
     const std::size_t i = std::size_t(y) * width + x;
     const VariedPixel& pixel = pixels[x];
-    const auto depth_of = [](const VariedPixel::State& s) { return s.weight > 0 ? s.depth / s.weight : 0; };
     for (const VariedPixel::State& state : pixel.states) {
       const auto note = [&](double value, double& of_first, double& move) {
         if (&state == pixel.states.data()) of_first = value;
@@ -229,10 +237,9 @@ inline void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pi
         note(state.colour[Eigen::Index(c)] + state.transmittance * background[int(c)],
              out.frame.colour[3 * i + c], out.colour_move[3 * i + c]);
       note(1 - state.transmittance, out.frame.alpha[i], out.alpha_move[i]);
-      note(depth_of(state), out.frame.depth[i], out.depth_move[i]);
+      note(state.mean_depth(), out.frame.depth[i], out.depth_move[i]);
     }
     for (std::size_t form = 0; form < exponent_forms; ++form) out.loose[form][i] = pixel.forms[form].weight;
-    out.layers[i] = pixel.layers;
   }
 }
 
@@ -253,7 +260,6 @@ inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& cam
   prepare(out.frame, camera);
   out.colour_move.resize(out.frame.colour.size());
   out.alpha_move.resize(out.frame.alpha.size()), out.depth_move.resize(out.frame.alpha.size());
-  out.layers.resize(out.frame.alpha.size());
   for (std::vector<double>& loose : out.loose) loose.resize(out.frame.alpha.size());
 
   const std::vector<VariedSplat> splats = project_all_varied(scene, View(camera, conventions), seed);

@@ -15,8 +15,11 @@
 
 namespace swiftgs::reference {
 
-/// Trials of one frame: in each, every float of the scene and the stored mean of every splat moves by up to
-/// one unit in its last place.
+/// Trials of one frame. In each, every number that a renderer reads or keeps as float is another one that it
+/// might have been:
+/// - every float of the scene, and of every splat the stored mean and factor, moves by up to one unit in its
+///   last place: whoever stores them rounds them, and a ridge that is long enough shows it;
+/// - what a pixel holds is rounded to float after every layer.
 inline constexpr std::size_t trials = 6;
 
 /// Decides, from what it is asked for alone, whether a number moves down, up or not at all in a trial.
@@ -62,6 +65,11 @@ inline double float_ulp(double value) {
   return double(std::nextafter(magnitude, std::numeric_limits<float>::infinity())) - double(magnitude);
 }
 
+/// Cholesky factor in base 2, as `SplatShape` has it.
+struct Factor {
+  double l0 = 0, l1 = 0, l2 = 0;
+};
+
 /// What a pixel needs of a splat, as the scene has it or as a trial has it.
 struct SplatNumbers {
   double x = 0, y = 0, x_weight = 0, y_weight = 0, shear = 0;
@@ -78,12 +86,34 @@ struct SplatNumbers {
         depth(s.depth),
         colour(s.colour) {}
 
+  Factor factor() const {
+    const double l0 = std::sqrt(half_log2_e * x_weight);
+    return {l0, -l0 * shear, std::sqrt(half_log2_e * y_weight)};
+  }
+  void set_factor(const Factor& f) {
+    x_weight = f.l0 * f.l0 / half_log2_e, y_weight = f.l2 * f.l2 / half_log2_e;
+    shear = -f.l1 / f.l0;
+  }
+
   /// Half the squared Mahalanobis distance of a point.
   double sigma(double at_x, double at_y) const {
     const double dy = at_y - y, along = at_x - x - shear * dy;
     return 0.5 * (x_weight * along * along + y_weight * dy * dy);
   }
+
+ private:
+  static constexpr double half_log2_e = 0.72134752044448170368;
 };
+
+/// Moves what a renderer stores of a splat.
+inline void nudge_stored(SplatNumbers& numbers, Nudges& nudges) {
+  const auto nudge = [&](double& value) { value += nudges.next() * float_ulp(value); };
+  nudge(numbers.x), nudge(numbers.y);
+  Factor factor = numbers.factor();
+  nudge(factor.l0), nudge(factor.l1), nudge(factor.l2);
+  // A factor below what floats hold is one that no renderer stores.
+  if (factor.l0 > 0 && factor.l2 > 0) numbers.set_factor(factor);
+}
 
 /// A splat, and what it is in every trial.
 struct VariedSplat {
@@ -125,9 +155,7 @@ inline std::optional<VariedSplat> project_varied(const Scene& scene, const std::
     // A trial in which the splat cannot be drawn at all tells nothing of how far it moves.
     std::optional<Splat> there = project_unculled(trial, i, view);
     if (!there || !shade(*there, trial, view)) there = splat;
-    SplatNumbers& numbers = out.numbers.emplace_back(*there);
-    numbers.x += nudges.next() * float_ulp(numbers.x);
-    numbers.y += nudges.next() * float_ulp(numbers.y);
+    nudge_stored(out.numbers.emplace_back(*there), nudges);
   }
   return out;
 }
