@@ -130,11 +130,12 @@ class Sweep {
     return out;
   }
 
-  /// The square cuts what the reference draws, so its frames are only finite.
-  void check_square(const StressCase& drawn) {
-    CHECK(is_finite(draw_(square_half_, drawn)));
-    CHECK(is_finite(draw_(square_split_, drawn)));
-    CHECK(is_finite(draw_(square_per_pixel_, drawn)));
+  /// Draws with squares of three sigmas a case whose footprint they are.
+  void check_square(CaseJudge& judge) {
+    const auto check = [&](auto& renderer) {
+      check_frame(draw_(renderer, judge.drawn()), renderer.name, judge, {});
+    };
+    check(square_half_), check(square_split_), check(square_per_pixel_);
   }
 
  private:
@@ -150,6 +151,12 @@ class Sweep {
     const std::string_view name = pair.first.name;
     CAPTURE(name);
     const Frame frame = draw_(pair.first, judge.drawn());
+    check_frame(frame, name, judge, limits);
+    if (extent == Extent::all) CHECK(same_frame(draw_(pair.second, judge.drawn()), frame));
+  }
+
+  static void check_frame(const Frame& frame, std::string_view name, CaseJudge& judge, Limits limits) {
+    CAPTURE(name);
     CHECK(is_finite(frame));
     const Verdict verdict = judge.judge(name, frame);
     CHECK(verdict.excess <= excess_gate);
@@ -158,7 +165,6 @@ class Sweep {
       CHECK(verdict.psnr_db >= limits.least_db);
       CHECK(verdict.max_abs <= limits.most_abs);
     }
-    if (extent == Extent::all) CHECK(same_frame(draw_(pair.second, judge.drawn()), frame));
   }
 
   Draw draw_;

@@ -30,7 +30,7 @@ class Backends {
     for_each_target(
         [&](bool first) { cpu_.check(judge, first ? Extent::all : Extent::rasterizers, limits); });
   }
-  void check_square(const StressCase& drawn) { serial_.check_square(drawn), cpu_.check_square(drawn); }
+  void check_square(CaseJudge& judge) { serial_.check_square(judge), cpu_.check_square(judge); }
   void check_bounds(const StressCase& drawn) {
     serial_.check_bounds(drawn);
     for_each_target([&](bool) { cpu_.check_bounds(drawn); });

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -45,28 +46,31 @@ struct Looseness {
   double drift = 0;      ///< relative uncertainty of the transmittance by loose alphas
 };
 
-/// A pixel as it is and in every trial. All take the decisions of the first.
-struct VariedPixel {
-  struct State {
-    Eigen::Vector3d colour = Eigen::Vector3d::Zero();
-    double transmittance = 1, depth = 0, weight = 0;
+/// What a pixel keeps from layer to layer, as numbers of type `Kept`.
+template <class Kept>
+struct PixelState {
+  std::array<Kept, 3> colour{};
+  Kept transmittance = 1, depth = 0;
+  double weight = 0;  ///< sum of weights, or what the kept transmittance makes of it
 
-    void add(double alpha, const SplatNumbers& splat) {
-      const double part = alpha * transmittance;
-      colour += part * splat.colour, depth += part * splat.depth;
-      weight += part, transmittance -= part;
-    }
-    /// Rounds what a renderer keeps of a pixel: colour, depth and transmittance, to which it adds weights up.
-    /// It is done and not estimated: at alphas near a power of 2 the roundings of equal layers lean to one
-    /// side for many layers, and elsewhere they do not.
-    void round() {
-      colour = colour.cast<float>().cast<double>();
-      depth = double(float(depth)), transmittance = double(float(transmittance));
-      weight = 1 - transmittance;
-    }
-    double mean_depth() const { return weight > 0 ? depth / weight : 0; }
-  };
-  std::array<State, trials + 1> states;
+  void add(double alpha, const SplatNumbers& splat) {
+    const double part = alpha * double(transmittance);
+    for (std::size_t c = 0; c < 3; ++c)
+      colour[c] = Kept(double(colour[c]) + part * splat.colour[Eigen::Index(c)]);
+    depth = Kept(double(depth) + part * splat.depth);
+    transmittance = Kept(double(transmittance) - part);
+    weight = std::is_same_v<Kept, float> ? 1 - double(transmittance) : weight + part;
+  }
+  double mean_depth() const { return weight > 0 ? double(depth) / weight : 0; }
+};
+
+/// A pixel as it is and in every trial. All take the decisions of the first.
+///
+/// Trials keep floats. What many roundings add up to is found by rounding, not estimated: at alphas near a
+/// power of 2 those of equal layers lean to one side for many layers, and elsewhere they do not.
+struct VariedPixel {
+  PixelState<double> exact;
+  std::array<PixelState<float>, trials> moved;
   std::array<Looseness, exponent_forms> forms;
   std::uint32_t layers = 0;
   bool stopped = false;
@@ -104,6 +108,15 @@ inline double loose_alpha(ExponentForm form, const VariedSplat& splat, double x,
   return std::max(alpha_at(exponent + tolerance + error) - alpha, alpha);
 }
 
+/// Applies what a footprint says of a pixel to the decision about it.
+inline void cut(PixelDecision& decision, FootprintCut::At at) {
+  using At = FootprintCut::At;
+  if (at == At::kept) return;
+  const double alpha = decision.kept ? decision.alphas[0] : 0;
+  for (double& loose : decision.loose) loose = at == At::dropped ? 0 : std::max(loose, alpha);
+  if (at != At::loosely_kept) decision.kept = false;
+}
+
 /// Finds alphas of `splat` at a point, whether it is kept there, and how sure that is.
 inline PixelDecision decide(const VariedSplat& splat, double x, double y, const Conventions& k) {
   PixelDecision out;
@@ -122,16 +135,18 @@ inline PixelDecision decide(const VariedSplat& splat, double x, double y, const 
   for (std::size_t form = 0; form < exponent_forms; ++form)
     out.loose[form] =
         loose_alpha(ExponentForm(form), splat, x, y, first, out.kept ? out.alphas[0] : 0, tolerance, k);
+  cut(out, splat.cut.at(int(x), int(y)));
   return out;
 }
 
 /// Whether the splat, of transmittance `next` behind it, ends the pixel; adds what that leaves open.
 inline bool ends(VariedPixel& pixel, const VariedSplat& splat, const PixelDecision& decision, double next,
                  const Conventions& k) {
-  const double stop = k.stop, before = pixel.states[0].transmittance;
+  const double stop = k.stop, before = pixel.exact.transmittance;
   double spread = 0;
-  for (std::size_t t = 1; t <= trials; ++t)
-    spread = std::max(spread, std::abs(pixel.states[t].transmittance * (1 - decision.alphas[t]) - next));
+  for (std::size_t t = 0; t < trials; ++t)
+    spread = std::max(spread,
+                      std::abs(double(pixel.moved[t].transmittance) * (1 - decision.alphas[t + 1]) - next));
   // Transmittance is rounded once a layer, and a splat that is nearly opaque leaves little of much.
   const double rounding = std::ldexp((double(pixel.layers) + 2) * next, -23) + std::ldexp(before, -21);
   const bool order_of_occluder =
@@ -153,14 +168,12 @@ inline void blend_varied(VariedPixel& pixel, const VariedSplat& splat, const Pix
     form.drift += decision.loose[f] / std::max(1 - alpha, 1e-6);
   }
   if (!decision.kept) return;
-  if (ends(pixel, splat, decision, pixel.states[0].transmittance * (1 - alpha), k)) {
+  if (ends(pixel, splat, decision, pixel.exact.transmittance * (1 - alpha), k)) {
     pixel.stopped = true;
     return;
   }
-  for (std::size_t t = 0; t <= trials; ++t) {
-    pixel.states[t].add(decision.alphas[t], splat.numbers[t]);
-    if (t > 0) pixel.states[t].round();
-  }
+  pixel.exact.add(decision.alphas[0], splat.numbers[0]);
+  for (std::size_t t = 0; t < trials; ++t) pixel.moved[t].add(decision.alphas[t + 1], splat.numbers[t + 1]);
   for (std::size_t f = 0; f < exponent_forms; ++f) {
     Looseness& form = pixel.forms[f];
     if (splat.order_is_loose) form.weight += form.most_left * alpha;
@@ -228,16 +241,20 @@ inline void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pi
   for (std::size_t x = 0; x < width; ++x) {
     const std::size_t i = std::size_t(y) * width + x;
     const VariedPixel& pixel = pixels[x];
-    for (const VariedPixel::State& state : pixel.states) {
-      const auto note = [&](double value, double& of_first, double& move) {
-        if (&state == pixel.states.data()) of_first = value;
-        move = std::max(move, std::abs(value - of_first));
+    const auto shown = [&](const auto& state, std::size_t c) {
+      return double(state.colour[c]) + double(state.transmittance) * background[int(c)];
+    };
+    for (std::size_t c = 0; c < 3; ++c) out.frame.colour[3 * i + c] = shown(pixel.exact, c);
+    out.frame.alpha[i] = 1 - pixel.exact.transmittance;
+    out.frame.depth[i] = pixel.exact.mean_depth();
+    for (const PixelState<float>& state : pixel.moved) {
+      const auto note = [](double& move, double value, double exact) {
+        move = std::max(move, std::abs(value - exact));
       };
       for (std::size_t c = 0; c < 3; ++c)
-        note(state.colour[Eigen::Index(c)] + state.transmittance * background[int(c)],
-             out.frame.colour[3 * i + c], out.colour_move[3 * i + c]);
-      note(1 - state.transmittance, out.frame.alpha[i], out.alpha_move[i]);
-      note(state.mean_depth(), out.frame.depth[i], out.depth_move[i]);
+        note(out.colour_move[3 * i + c], shown(state, c), out.frame.colour[3 * i + c]);
+      note(out.alpha_move[i], 1 - double(state.transmittance), out.frame.alpha[i]);
+      note(out.depth_move[i], state.mean_depth(), out.frame.depth[i]);
     }
     for (std::size_t form = 0; form < exponent_forms; ++form) out.loose[form][i] = pixel.forms[form].weight;
   }

@@ -115,10 +115,58 @@ inline void nudge_stored(SplatNumbers& numbers, Nudges& nudges) {
   if (factor.l0 > 0 && factor.l2 > 0) numbers.set_factor(factor);
 }
 
+/// Where a footprint that cuts splats keeps one. A splat that is kept or dropped at a pixel where rounding
+/// decides is loose there.
+class FootprintCut {
+ public:
+  enum class At { kept, dropped, loosely_kept, loosely_dropped };
+
+  /// Keeps every pixel.
+  FootprintCut() = default;
+
+  /// The square of three standard deviations of `splat`. `ThreeSigmaSquare` works the larger axis out from a
+  /// difference of squares, like INRIA's code. Of a splat that is nearly round, half the digits are left of
+  /// it; so the axis may be off by 2^-12 of itself.
+  FootprintCut(const Splat& splat, const std::vector<SplatNumbers>& numbers) {
+    const double sigmas = three_sigmas(splat.covariance), off = std::ldexp(sigmas, -12);
+    double move_x = 0, move_y = 0;
+    for (const SplatNumbers& n : numbers) {
+      move_x = std::max(move_x, 10 * std::abs(n.x - splat.x));
+      move_y = std::max(move_y, 10 * std::abs(n.y - splat.y));
+    }
+    x_ = Side(splat.x, move_x, sigmas, off), y_ = Side(splat.y, move_y, sigmas, off);
+  }
+
+  At at(int x, int y) const {
+    const bool kept = x_.exact.has(x) && y_.exact.has(y);
+    if (kept) return x_.least.has(x) && y_.least.has(y) ? At::kept : At::loosely_kept;
+    return x_.most.has(x) && y_.most.has(y) ? At::loosely_dropped : At::dropped;
+  }
+
+ private:
+  struct Pixels {
+    double first = -std::numeric_limits<double>::infinity(), last = std::numeric_limits<double>::infinity();
+    bool has(int pixel) const { return pixel >= first && pixel < last; }
+  };
+  struct Side {
+    Pixels exact, least, most;
+
+    Side() = default;
+    Side(double mean, double move, double sigmas, double off) {
+      const SquareSide exactly(mean, sigmas);
+      exact = {exactly.first, exactly.last};
+      least = {SquareSide(mean + move, sigmas - off).first, SquareSide(mean - move, sigmas - off).last};
+      most = {SquareSide(mean - move, sigmas + off).first, SquareSide(mean + move, sigmas + off).last};
+    }
+  };
+  Side x_, y_;
+};
+
 /// A splat, and what it is in every trial.
 struct VariedSplat {
   Splat splat;
-  std::vector<SplatNumbers> numbers;         ///< as it is, then `trials` times
+  std::vector<SplatNumbers> numbers;  ///< as it is, then `trials` times
+  FootprintCut cut{};
   bool drawn = false;                        ///< its depth lies between the planes
   bool may_be_drawn = false;                 ///< or is that close to one
   bool order_is_loose = false;               ///< its depth may round to that of a neighbour
@@ -157,6 +205,7 @@ inline std::optional<VariedSplat> project_varied(const Scene& scene, const std::
     if (!there || !shade(*there, trial, view)) there = splat;
     nudge_stored(out.numbers.emplace_back(*there), nudges);
   }
+  if (k.footprint == Conventions::Footprint::three_sigma_square) out.cut = FootprintCut(*splat, out.numbers);
   return out;
 }
 

@@ -26,6 +26,7 @@ struct StressVerdict {
   double psnr_db = 0;           ///< of colour, for a peak of 1, or the reference's where that is more
   double max_abs = 0;           ///< of colour
   double loosest = 0;           ///< largest weight that the form leaves open in a pixel
+  double judged = 1;            ///< share of pixels of which it leaves less than the whole weight open
   std::uint64_t flips = 0;      ///< pixels where a loose decision fell out the other way
   std::size_t worst_pixel = 0;  ///< of `ratio`
 };
@@ -55,7 +56,11 @@ inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame
   const std::vector<double>& decisions = reference.loose[std::size_t(ExponentForm::factor)];
   const std::vector<double>& allowed = reference.loose[std::size_t(form)];
   StressVerdict out;
-  for (std::size_t i = 0; i < reference.frame.alpha.size(); ++i) {
+  const std::size_t pixels = reference.frame.alpha.size();
+  const auto open =
+      std::count_if(allowed.begin(), allowed.end(), [](double weight) { return !(weight < 1); });
+  if (pixels > 0) out.judged = 1 - double(open) / double(pixels);
+  for (std::size_t i = 0; i < pixels; ++i) {
     const double covered = reference.frame.alpha[i];
     // Worst ratio of the pixel's values, beyond a weight that may change hands.
     const auto ratio = [&](double loose) {
