@@ -90,6 +90,18 @@ HWY_INLINE void ListRows(Batch& HWY_RESTRICT batch, std::size_t splats) {
   }
 }
 
+/// As `dimmed`, in one rounding where the target has fused multiply-adds.
+HWY_INLINE Vec Dimmed(Vec transmittance, Vec alpha) {
+  const Vec difference = hn::NegMulAdd(alpha, transmittance, transmittance);
+#if HWY_NATIVE_FMA
+  return difference;
+#else
+  const F32 d;
+  const Vec product = hn::Mul(transmittance, hn::Sub(hn::Set(d, 1.0f), alpha));
+  return hn::IfThenElse(hn::Gt(alpha, hn::Set(d, 0.5f)), product, difference);
+#endif
+}
+
 /// Blends the listed splats into one part of a row. The state stays in registers, so a splat costs its
 /// arithmetic and the loads of its terms.
 template <class Form, bool kDepth, bool kCount, bool kOccluder>
@@ -114,7 +126,7 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
     Vec alpha;
     form.Alpha(k, row, column, kept, alpha);
     alpha = hn::IfThenElseZero(kept, hn::Min(alpha, alpha_max));
-    const Vec next = hn::NegMulAdd(alpha, transmittance, transmittance);
+    const Vec next = Dimmed(transmittance, alpha);
 
     // Pixels that this splat would bring below the limit, or in which the caller's surface hides it, end
     // without it. Masks see to them, since a branch

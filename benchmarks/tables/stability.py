@@ -53,7 +53,8 @@ def cell(rows):
         return "**failed**"
     ratio = worst(rows, "ratio")
     text = "0" if ratio == 0 else f"{ratio:.2f}" if ratio < GATE else number(ratio)
-    return f"{'**' + text + '**' if ratio > GATE else text} ({number(worst(rows, 'max_abs'))})"
+    open_pixels = "†" if worst(rows, "loosest") >= 1 else ""
+    return f"{'**' + text + '**' if ratio > GATE else text}{open_pixels} ({number(worst(rows, 'max_abs'))})"
 
 
 def stability(source, machine, size=""):
@@ -75,7 +76,8 @@ def stability(source, machine, size=""):
     device = found["machine"].get("gpu") if name == "cuda" else None
     images = " and ".join(f"{width}x{height}" for width, height in sizes)
     return prose(f"{device or processor(found['machine'])}, `{name}`, images of {images}, {rows[0]['seeds']} seeds at "
-                 f"each severity: the worst ratio, and in parentheses the largest absolute error of a colour.") \
+                 f"each severity: the worst ratio, and in parentheses the largest absolute error of a colour. †: "
+                 f"pixels of which everything is open are not judged.") \
         + "\n\n" + table(["family", *FORMS], lines)
 
 

@@ -8,7 +8,7 @@ from tables.source import processor
 SHOWN = ("mean", "depth", "rows of `image_axes`", "cross product of `image_axes`", "determinant without blur", "`l0`",
          "`l1`", "`l2`", "reach", "half width", "colour of degree 3", "`Exp2`", "alpha `per-pixel`",
          "alpha `axis-shared-threshold-float-split`", "alpha `axis-shared-threshold-float-cholesky`",
-         "alpha `axis-shared-threshold-half-split`", "transmittance after 1000 equal layers",
+         "alpha `axis-shared-threshold-half-split`", "transmittance after 4 nearly opaque layers", "transmittance after 1000 equal layers",
          "transmittance after 10000 equal layers", "transmittance after 10000 unequal layers")
 
 

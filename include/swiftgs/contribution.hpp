@@ -127,7 +127,7 @@ struct AddTileContributions {
           const float alpha = kernel.alpha(column);
           if (alpha == 0) continue;
           float& transmittance = transmittances[pixel];
-          const float next = transmittance - alpha * transmittance;
+          const float next = dimmed(transmittance, alpha);
           if (next < rules.stop_below) {
             stopped[pixel] = true, --live;
             continue;

@@ -77,10 +77,7 @@ void draw_and_judge(const StressCase& drawn, const ConditionedFrame& reference, 
   largest.excess = std::max(largest.excess, verdict.excess);
   largest.depth_excess = std::max(largest.depth_excess, verdict.depth_excess);
   if (!(verdict.excess <= gate)) fail(Drawn::name, "excess", verdict.excess, verdict.worst_pixel);
-  // Depth guides the search and has no gate. A pixel rounds transmittances to 2^-25 of 1, and with depths of
-  // 1 and 1e6 in one pixel that is many units of the mean depth: the allowance of the judge knows depths of
-  // one size.
-  if (!std::isfinite(verdict.depth_excess))
+  if (!(verdict.depth_excess <= gate))
     fail(Drawn::name, "excess of depth", verdict.depth_excess, verdict.worst_pixel);
 }
 

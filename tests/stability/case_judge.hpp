@@ -16,7 +16,7 @@ namespace swiftgs::test {
 /// As `StressVerdict`, of which this holds what the gates look at. A form that is allowed no error of its own
 /// has its ratio for an excess.
 struct Verdict {
-  double excess = 0, depth_excess = 0, psnr_db = 0;
+  double excess = 0, depth_excess = 0, psnr_db = 0, max_abs = 0;
 };
 
 /// Judges frames of one case.

@@ -25,12 +25,12 @@ namespace {
 /// Both backends of the host, the second with each vector target in turn.
 class Backends {
  public:
-  void check(CaseJudge& judge, Extent extent, double least_db = -INFINITY) {
-    serial_.check(judge, extent, least_db);
+  void check(CaseJudge& judge, Extent extent, Limits limits = {}) {
+    serial_.check(judge, extent, limits);
     for_each_target(
-        [&](bool first) { cpu_.check(judge, first ? Extent::all : Extent::rasterizers, least_db); });
+        [&](bool first) { cpu_.check(judge, first ? Extent::all : Extent::rasterizers, limits); });
   }
-  void check_square(const StressCase& drawn) { serial_.check_square(drawn), cpu_.check_square(drawn); }
+  void check_square(CaseJudge& judge) { serial_.check_square(judge), cpu_.check_square(judge); }
   void check_bounds(const StressCase& drawn) {
     serial_.check_bounds(drawn);
     for_each_target([&](bool) { cpu_.check_bounds(drawn); });
@@ -71,6 +71,7 @@ bool unavailable() { return false; }
 }  // namespace swiftgs::test
 
 #define SWIFTGS_STABILITY "stability"
+#include "stability/corner_cases.hpp"
 #include "stability/edge_cases.hpp"
 #include "stability/number_cases.hpp"
 #include "stability/sweep_cases.hpp"

@@ -93,11 +93,42 @@ double bias(B& backend, int layers, int period) {
   return double(std::abs(sum) / Real(found.size()));
 }
 
+/// Behind alphas above 1/2, each of which is an exact input: the result alone is rounded. Plain ulps show it
+/// where conditioned ones do not, because an ulp of such an alpha is many of what is left.
+void search_nearly_opaque(Targets& targets, int effort, std::vector<Worst>& worst) {
+  const int layers = 4;
+  Search<Candidate> search(targets.size(), 12, effort, 521);
+  const auto judge = [&](const std::vector<Candidate>& candidates, const auto& offer) {
+    for (std::size_t t = 0; t < targets.size(); ++t) {
+      std::vector<float> found;
+      targets.on(t, [&](auto& backend) { found = transmittances(backend, candidates, layers); });
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        const Real exact = exactly(candidates[i], layers);
+        offer(t, candidates[i], double(std::abs(found[i] - exact) / ulp(exact)));
+      }
+    }
+  };
+  const auto draw = [&](Random& random) {
+    Candidate c{};
+    c.period = layers;
+    for (float& a : c.alphas) a = random.f(0.5, 0.99);
+    return c;
+  };
+  const auto nudge_all = [&](Random& random, Candidate& c) {
+    for (float& a : c.alphas) nudge(random, a), a = std::clamp(a, 0.5f, 0.99f);
+  };
+  search.run(256, draw, nudge_all, judge);
+  for (std::size_t t = 0; t < targets.size(); ++t)
+    worst.push_back({"transmittance after 4 nearly opaque layers", "ulps", targets.name(t), search.value(t),
+                     text_of(search.best()[t].candidate)});
+}
+
 }  // namespace
 
 std::vector<Worst> search_transmittance(int effort) {
   Targets targets;
   std::vector<Worst> worst;
+  search_nearly_opaque(targets, effort, worst);
   for (const int layers : {10, 100, 1000, 10000}) {
     for (const int period : {1, 8}) {
       Search<Candidate> search(targets.size(), 12, effort, std::uint64_t(500 + layers + period));

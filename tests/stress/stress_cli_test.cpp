@@ -75,7 +75,7 @@ TEST_CASE("stress: results have a head and a row for each family with severity a
     CHECK(row.at("seeds") == 2);
     CHECK(row.at("failed") == 0);
     CHECK(row.at("error").is_null());
-    for (const char* number : {"ratio", "excess", "depth_excess", "psnr_db", "max_abs", "loosest"})
+    for (const char* number : {"ratio", "excess", "depth_excess", "psnr_db", "max_abs", "loosest", "judged"})
       CHECK(row.at(number) >= 0);
     CHECK(row.at("excess") <= 10);
     if (row.at("raster") == "per-pixel") CHECK(row.at("ratio") <= 10);

@@ -108,6 +108,7 @@ TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
       worst.psnr_db = std::min(worst.psnr_db, verdict.psnr_db);
       worst.max_abs = std::max(worst.max_abs, verdict.max_abs);
       worst.loosest = std::max(worst.loosest, verdict.loosest);
+      worst.judged = std::min(worst.judged, verdict.judged);
       worst.flips += verdict.flips;
     }
     CAPTURE(rows[i].renderer);
@@ -118,6 +119,7 @@ TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
     CHECK(rows[i].psnr_db == worst.psnr_db);
     CHECK(rows[i].max_abs == worst.max_abs);
     CHECK(rows[i].loosest == worst.loosest);
+    CHECK(rows[i].judged == worst.judged);
     CHECK(rows[i].flips == worst.flips);
     CHECK(rows[i].worst_seed == worst_seed);
     CHECK(rows[i].max_abs > 0);
@@ -130,6 +132,7 @@ TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
     CHECK(json.at("psnr_db") == worst.psnr_db);
     CHECK(json.at("max_abs") == worst.max_abs);
     CHECK(json.at("loosest") == worst.loosest);
+    CHECK(json.at("judged") == worst.judged);
   }
 }
 

@@ -25,13 +25,15 @@ struct StressRow {
   int failed = 0;  ///< of these, where the renderer threw
 
   double ratio = 0, excess = 0, depth_excess = 0, psnr_db = 0, max_abs = 0, loosest = 0;
+  double judged = 1;        ///< least share of pixels that are judged, as in `StressVerdict`
   std::uint64_t flips = 0;  ///< sum over the seeds
   std::uint64_t worst_seed = 0;
   std::size_t worst_pixel = 0;
   std::string error;  ///< first message of the renderer, or empty
 
-  /// Whether every seed was drawn about as exactly as floats can. NaN is not.
-  bool is_exact() const { return failed == 0 && ratio <= stress_gate; }
+  /// Whether every seed was drawn about as exactly as floats can. NaN is not, and where no pixel of a frame is
+  /// judged nobody knows.
+  bool is_exact() const { return failed == 0 && ratio <= stress_gate && judged > 0; }
   /// Whether every seed was drawn within what the renderer's form of the exponent promises.
   bool keeps_promise() const { return failed == 0 && excess <= stress_gate; }
 };

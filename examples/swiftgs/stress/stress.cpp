@@ -27,7 +27,7 @@ rounding the scene and the arithmetic to float may cost: up to 10 a renderer is 
 as float can be, from 100 on it has lost digits. What a tie or a threshold leaves open is taken
 off the error first. The excess is the ratio beyond what the form of the exponent is allowed to
 err, which is nothing but for the split forms. 'loose' is the largest weight that a form leaves
-open; near 1, it promises little.
+open. A pixel of which all is open is not judged; 'judged' is the share of the others.
 --severity is all, max, or numbers in the units of each family. The columns are rasterizers;
 docs/results.md describes the JSON.
 Exit code 0: every excess is 10 or less. Exit code 1: an excess is above 10, a renderer failed,

@@ -49,13 +49,20 @@ std::string exact_up_to(const Rows& rows) {
   return severity;
 }
 
+/// How much of a pixel is open or, where that is all of some, how much of the image is judged.
+std::string openness(const StressRow& row) {
+  if (row.judged < 1) return number(row, "judged %.1f%%", std::floor(1000 * row.judged) / 10);
+  return number(row, "loose %.2g", row.loosest);
+}
+
 /// The three lines of a cell: rows of one renderer on one family.
 std::vector<std::string> cell_of(const Rows& rows) {
   const StressRow& last = *rows.back();
-  const std::string ratio = last.failed == last.seeds ? "failed" : ratio_text(last.ratio);
+  const std::string ratio = last.failed == last.seeds ? "failed"
+                            : last.judged > 0         ? ratio_text(last.ratio)
+                                                      : "not judged";
   return {exact_up_to(rows) + "  " + ratio,
-          number(last, "%.1e", last.max_abs) + " " + number(last, "%.0f dB", last.psnr_db),
-          number(last, "loose %.2g", last.loosest)};
+          number(last, "%.1e", last.max_abs) + " " + number(last, "%.0f dB", last.psnr_db), openness(last)};
 }
 
 /// The lines of a column's heading: a rasterizer's name in parts that fit.
@@ -141,7 +148,8 @@ void print_verdict(const Rows& rows) {
 constexpr const char* legend = R"(
 A cell: the largest severity up to which the ratio stays at or below 10 ('-': none) and, at the greatest
 severity, the worst ratio; the largest absolute error and the least PSNR; 'loose', the largest weight that
-the form of the exponent leaves open, of 1 in a pixel.
+the form of the exponent leaves open, of 1 in a pixel. Where ties and thresholds leave all of a pixel open,
+the pixel is not judged; 'judged' is the share of the others in the worst frame.
 )";
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include <swiftgs/math.hpp>
+#include <swiftgs/split_mix.hpp>
 
 namespace swiftgs::builtin {
 
@@ -50,20 +51,16 @@ inline double smooth_step(double from, double to, double x) {
 /// A point `height` above the ground: the scene's y axis points down.
 inline dvec3 at(double x, double height, double z) { return {x, -height, z}; }
 
-/// Scrambles 64 bits: the finaliser of SplitMix64.
-inline std::uint64_t scramble(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
+/// Scrambles 64 bits.
+inline std::uint64_t scramble(std::uint64_t x) { return SplitMix64::scrambled(x); }
 
 /// Random numbers of one Gaussian. Each has its own sequence, so none depends on how many came before.
 class Random {
  public:
-  Random(std::uint64_t stream, std::uint64_t index) : state_(scramble(scramble(stream) + index)) {}
+  Random(std::uint64_t stream, std::uint64_t index) : bits_(scramble(scramble(stream) + index)) {}
 
   /// In [0, 1).
-  double uniform() { return double(scramble(state_ += 0x9e3779b97f4a7c15u) >> 11) * 0x1p-53; }
+  double uniform() { return bits_.uniform(); }
   double between(double low, double high) { return low + (high - low) * uniform(); }
   /// Mean 0, variance 1, within +-3.5: a sum of four uniform numbers.
   double bell() {
@@ -75,7 +72,7 @@ class Random {
   dvec3 bell3() { return dvec3{bell(), bell(), bell()}; }
 
  private:
-  std::uint64_t state_;
+  SplitMix64 bits_;
 };
 
 /// The `index`-th point of the R2 sequence, which covers the unit square evenly at any length.
@@ -88,7 +85,7 @@ struct SquarePoint {
 
 /// A number in [0, 1) that belongs to a cell of a grid.
 inline double cell_value(std::int64_t x, std::int64_t y, std::int64_t z) {
-  const std::uint64_t key = std::uint64_t(x) * 0x9e3779b97f4a7c15u + std::uint64_t(y) * 0xc2b2ae3d27d4eb4fu +
+  const std::uint64_t key = std::uint64_t(x) * SplitMix64::step + std::uint64_t(y) * 0xc2b2ae3d27d4eb4fu +
                             std::uint64_t(z) * 0x165667b19e3779f9u;
   return double(scramble(key) >> 11) * 0x1p-53;
 }

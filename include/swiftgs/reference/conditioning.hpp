@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -31,8 +32,6 @@ struct ConditionedFrame {
   /// later, and of alphas as far as the form may err. 0 where nothing may.
   std::array<std::vector<double>, exponent_forms> loose;
 
-  std::vector<std::uint32_t> layers;  ///< @shape{height, width} splats that were blended
-
   double colour_span = 0;  ///< largest difference of two colours, background included
   double peak = 0;         ///< largest magnitude in `frame.colour`
   double depth_span = 0;   ///< largest depth
@@ -47,13 +46,31 @@ struct Looseness {
   double drift = 0;      ///< relative uncertainty of the transmittance by loose alphas
 };
 
+/// What a pixel keeps from layer to layer, as numbers of type `Kept`.
+template <class Kept>
+struct PixelState {
+  std::array<Kept, 3> colour{};
+  Kept transmittance = 1, depth = 0;
+  double weight = 0;  ///< sum of weights, or what the kept transmittance makes of it
+
+  void add(double alpha, const SplatNumbers& splat) {
+    const double part = alpha * double(transmittance);
+    for (std::size_t c = 0; c < 3; ++c)
+      colour[c] = Kept(double(colour[c]) + part * splat.colour[Eigen::Index(c)]);
+    depth = Kept(double(depth) + part * splat.depth);
+    transmittance = Kept(double(transmittance) - part);
+    weight = std::is_same_v<Kept, float> ? 1 - double(transmittance) : weight + part;
+  }
+  double mean_depth() const { return weight > 0 ? double(depth) / weight : 0; }
+};
+
 /// A pixel as it is and in every trial. All take the decisions of the first.
+///
+/// Trials keep floats. What many roundings add up to is found by rounding, not estimated: at alphas near a
+/// power of 2 those of equal layers lean to one side for many layers, and elsewhere they do not.
 struct VariedPixel {
-  struct State {
-    Eigen::Vector3d colour = Eigen::Vector3d::Zero();
-    double transmittance = 1, depth = 0, weight = 0;
-  };
-  std::array<State, trials + 1> states;
+  PixelState<double> exact;
+  std::array<PixelState<float>, trials> moved;
   std::array<Looseness, exponent_forms> forms;
   std::uint32_t layers = 0;
   bool stopped = false;
@@ -91,6 +108,15 @@ inline double loose_alpha(ExponentForm form, const VariedSplat& splat, double x,
   return std::max(alpha_at(exponent + tolerance + error) - alpha, alpha);
 }
 
+/// Applies what a footprint says of a pixel to the decision about it.
+inline void cut(PixelDecision& decision, FootprintCut::At at) {
+  using At = FootprintCut::At;
+  if (at == At::kept) return;
+  const double alpha = decision.kept ? decision.alphas[0] : 0;
+  for (double& loose : decision.loose) loose = at == At::dropped ? 0 : std::max(loose, alpha);
+  if (at != At::loosely_kept) decision.kept = false;
+}
+
 /// Finds alphas of `splat` at a point, whether it is kept there, and how sure that is.
 inline PixelDecision decide(const VariedSplat& splat, double x, double y, const Conventions& k) {
   PixelDecision out;
@@ -109,16 +135,18 @@ inline PixelDecision decide(const VariedSplat& splat, double x, double y, const 
   for (std::size_t form = 0; form < exponent_forms; ++form)
     out.loose[form] =
         loose_alpha(ExponentForm(form), splat, x, y, first, out.kept ? out.alphas[0] : 0, tolerance, k);
+  cut(out, splat.cut.at(int(x), int(y)));
   return out;
 }
 
 /// Whether the splat, of transmittance `next` behind it, ends the pixel; adds what that leaves open.
 inline bool ends(VariedPixel& pixel, const VariedSplat& splat, const PixelDecision& decision, double next,
                  const Conventions& k) {
-  const double stop = k.stop, before = pixel.states[0].transmittance;
+  const double stop = k.stop, before = pixel.exact.transmittance;
   double spread = 0;
-  for (std::size_t t = 1; t <= trials; ++t)
-    spread = std::max(spread, std::abs(pixel.states[t].transmittance * (1 - decision.alphas[t]) - next));
+  for (std::size_t t = 0; t < trials; ++t)
+    spread = std::max(spread,
+                      std::abs(double(pixel.moved[t].transmittance) * (1 - decision.alphas[t + 1]) - next));
   // Transmittance is rounded once a layer, and a splat that is nearly opaque leaves little of much.
   const double rounding = std::ldexp((double(pixel.layers) + 2) * next, -23) + std::ldexp(before, -21);
   const bool order_of_occluder =
@@ -140,18 +168,12 @@ inline void blend_varied(VariedPixel& pixel, const VariedSplat& splat, const Pix
     form.drift += decision.loose[f] / std::max(1 - alpha, 1e-6);
   }
   if (!decision.kept) return;
-  if (ends(pixel, splat, decision, pixel.states[0].transmittance * (1 - alpha), k)) {
+  if (ends(pixel, splat, decision, pixel.exact.transmittance * (1 - alpha), k)) {
     pixel.stopped = true;
     return;
   }
-  for (std::size_t t = 0; t <= trials; ++t) {
-    VariedPixel::State& state = pixel.states[t];
-    const double weight = decision.alphas[t] * state.transmittance;
-    state.colour += weight * splat.numbers[t].colour;
-    state.depth += weight * splat.numbers[t].depth;
-    state.weight += weight;
-    state.transmittance -= weight;
-  }
+  pixel.exact.add(decision.alphas[0], splat.numbers[0]);
+  for (std::size_t t = 0; t < trials; ++t) pixel.moved[t].add(decision.alphas[t + 1], splat.numbers[t + 1]);
   for (std::size_t f = 0; f < exponent_forms; ++f) {
     Looseness& form = pixel.forms[f];
     if (splat.order_is_loose) form.weight += form.most_left * alpha;
@@ -177,6 +199,24 @@ inline void bound_varied(VariedSplat& splat, const View& view) {
   s.x_begin = std::max(0, wide.x_begin - 16), s.x_end = std::min(view.camera.width, wide.x_end + 16);
 }
 
+/// Finds splats whose depths may round to those of others. Depths of one float each are in order, or equal
+/// and ordered by index.
+inline void mark_loose_orders(std::vector<VariedSplat>& splats) {
+  std::vector<VariedSplat*> by_least;
+  for (VariedSplat& splat : splats) by_least.push_back(&splat);
+  std::sort(by_least.begin(), by_least.end(),
+            [](const VariedSplat* a, const VariedSplat* b) { return a->least_depth < b->least_depth; });
+  const auto is_one_float = [](const VariedSplat& s) { return s.least_depth == s.largest_depth; };
+  for (std::size_t i = 0; i < by_least.size(); ++i) {
+    VariedSplat& first = *by_least[i];
+    for (std::size_t j = i + 1; j < by_least.size(); ++j) {
+      VariedSplat& other = *by_least[j];
+      if (other.least_depth > first.largest_depth) break;
+      if (!is_one_float(first) || !is_one_float(other)) first.order_is_loose = other.order_is_loose = true;
+    }
+  }
+}
+
 inline std::vector<VariedSplat> project_all_varied(const Scene& scene, const View& view, std::uint64_t seed) {
   std::vector<Scene> moved;
   for (std::size_t t = 0; t < trials; ++t) moved.push_back(nudged(scene, seed + 977 * (t + 1)));
@@ -191,11 +231,7 @@ inline std::vector<VariedSplat> project_all_varied(const Scene& scene, const Vie
   std::stable_sort(splats.begin(), splats.end(), [](const VariedSplat& a, const VariedSplat& b) {
     return float(a.splat.depth) < float(b.splat.depth);
   });
-  for (std::size_t i = 0; i + 1 < splats.size(); ++i)
-    for (std::size_t j = i + 1; j < splats.size() && splats[j].least_depth <= splats[i].largest_depth; ++j)
-      if (splats[i].least_depth != splats[i].largest_depth ||
-          splats[j].least_depth != splats[j].largest_depth)
-        splats[i].order_is_loose = splats[j].order_is_loose = true;
+  mark_loose_orders(splats);
   return splats;
 }
 
@@ -205,20 +241,22 @@ inline void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pi
   for (std::size_t x = 0; x < width; ++x) {
     const std::size_t i = std::size_t(y) * width + x;
     const VariedPixel& pixel = pixels[x];
-    const auto depth_of = [](const VariedPixel::State& s) { return s.weight > 0 ? s.depth / s.weight : 0; };
-    for (const VariedPixel::State& state : pixel.states) {
-      const auto note = [&](double value, double& of_first, double& move) {
-        if (&state == pixel.states.data()) of_first = value;
-        move = std::max(move, std::abs(value - of_first));
+    const auto shown = [&](const auto& state, std::size_t c) {
+      return double(state.colour[c]) + double(state.transmittance) * background[int(c)];
+    };
+    for (std::size_t c = 0; c < 3; ++c) out.frame.colour[3 * i + c] = shown(pixel.exact, c);
+    out.frame.alpha[i] = 1 - pixel.exact.transmittance;
+    out.frame.depth[i] = pixel.exact.mean_depth();
+    for (const PixelState<float>& state : pixel.moved) {
+      const auto note = [](double& move, double value, double exact) {
+        move = std::max(move, std::abs(value - exact));
       };
       for (std::size_t c = 0; c < 3; ++c)
-        note(state.colour[Eigen::Index(c)] + state.transmittance * background[int(c)],
-             out.frame.colour[3 * i + c], out.colour_move[3 * i + c]);
-      note(1 - state.transmittance, out.frame.alpha[i], out.alpha_move[i]);
-      note(depth_of(state), out.frame.depth[i], out.depth_move[i]);
+        note(out.colour_move[3 * i + c], shown(state, c), out.frame.colour[3 * i + c]);
+      note(out.alpha_move[i], 1 - double(state.transmittance), out.frame.alpha[i]);
+      note(out.depth_move[i], state.mean_depth(), out.frame.depth[i]);
     }
     for (std::size_t form = 0; form < exponent_forms; ++form) out.loose[form][i] = pixel.forms[form].weight;
-    out.layers[i] = pixel.layers;
   }
 }
 
@@ -239,7 +277,6 @@ inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& cam
   prepare(out.frame, camera);
   out.colour_move.resize(out.frame.colour.size());
   out.alpha_move.resize(out.frame.alpha.size()), out.depth_move.resize(out.frame.alpha.size());
-  out.layers.resize(out.frame.alpha.size());
   for (std::vector<double>& loose : out.loose) loose.resize(out.frame.alpha.size());
 
   const std::vector<VariedSplat> splats = project_all_varied(scene, View(camera, conventions), seed);

@@ -33,16 +33,12 @@ inline ExponentForm exponent_form_named(std::string_view name) {
 
 namespace reference {
 
-/// A splat's Cholesky factor in base 2, as `SplatShape` has it, applied at a point.
-struct FactorAt {
-  double l0, l1, l2, dx, dy, u, v;
+/// A splat's factor applied at a point.
+struct FactorAt : Factor {
+  double dx, dy, u, v;
 
-  FactorAt(const SplatNumbers& n, double x, double y) {
-    const double half_log2_e = 0.72134752044448170368;
-    l0 = std::sqrt(half_log2_e * n.x_weight), l1 = -l0 * n.shear, l2 = std::sqrt(half_log2_e * n.y_weight);
-    dx = x - n.x, dy = y - n.y;
-    u = l0 * (dx - n.shear * dy), v = l2 * dy;
-  }
+  FactorAt(const SplatNumbers& n, double x, double y)
+      : Factor(n.factor()), dx(x - n.x), dy(y - n.y), u(l0 * (dx - n.shear * dy)), v(l2 * dy) {}
 };
 
 /// Largest error of s at a point that the form makes, beyond the roundings that any float arithmetic makes.

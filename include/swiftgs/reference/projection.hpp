@@ -110,21 +110,33 @@ inline void bound_by_alpha(Splat& splat, const View& view) {
   set_range(splat.y - 0.5 - half_y, splat.y - 0.5 + half_y, view.camera.height, splat.y_begin, splat.y_end);
 }
 
-/// Cuts the rectangle to the 16x16 tiles that INRIA's square of three standard deviations selects. That
-/// square is placed in coordinates where pixel centres are whole numbers, and its end is rounded as if it
-/// were 15 pixels further.
-inline void cut_to_three_sigma_square(Splat& splat) {
-  constexpr double tile = 16;
-  const Covariance& cov = splat.covariance;
+/// Three standard deviations along the larger axis, as INRIA's square has them.
+inline double three_sigmas(const Covariance& cov) {
   const double mid = 0.5 * (cov.xx + cov.yy), difference = 0.5 * (cov.xx - cov.yy);
-  const double lambda_max = mid + std::sqrt(std::max(0.1, difference * difference + cov.xy * cov.xy));
-  const double radius = std::ceil(3 * std::sqrt(lambda_max));
+  return 3 * std::sqrt(mid + std::sqrt(std::max(0.1, difference * difference + cov.xy * cov.xy)));
+}
+
+/// First pixel, and the one behind the last, of the 16x16 tiles that INRIA's square selects along an axis.
+/// The square is placed in coordinates where pixel centres are whole numbers, and its end is rounded as if it
+/// were 15 pixels further.
+struct SquareSide {
+  double first, last;
+
+  SquareSide(double mean, double three_sigmas) {
+    constexpr double tile = 16;
+    const double p = mean - 0.5, radius = std::ceil(three_sigmas);
+    first = tile * std::max(0.0, std::floor((p - radius) / tile));
+    last = tile * std::max(0.0, std::floor((p + radius + tile - 1) / tile));
+  }
+};
+
+/// Cuts the rectangle to the tiles of INRIA's square of three standard deviations.
+inline void cut_to_three_sigma_square(Splat& splat) {
+  const double sigmas = three_sigmas(splat.covariance);
   const auto cut = [&](double mean, int& begin, int& end) {
-    const double p = mean - 0.5;
-    const double first = tile * std::max(0.0, std::floor((p - radius) / tile));
-    const double last = tile * std::max(0.0, std::floor((p + radius + tile - 1) / tile));
-    begin = int(std::max(double(begin), std::min(first, double(end))));
-    end = int(std::max(double(begin), std::min(last, double(end))));
+    const SquareSide side(mean, sigmas);
+    begin = int(std::max(double(begin), std::min(side.first, double(end))));
+    end = int(std::max(double(begin), std::min(side.last, double(end))));
   };
   cut(splat.x, splat.x_begin, splat.x_end);
   cut(splat.y, splat.y_begin, splat.y_end);

@@ -11,17 +11,21 @@
 #include <vector>
 
 #include <swiftgs/reference/projection.hpp>
+#include <swiftgs/split_mix.hpp>
 
 namespace swiftgs::reference {
 
-/// Trials of one frame: in each, every float of the scene and the stored mean of every splat moves by up to
-/// one unit in its last place.
+/// Trials of one frame. In each, every number that a renderer reads or keeps as float is another one that it
+/// might have been:
+/// - every float of the scene, and of every splat the stored mean and factor, moves by up to one unit in its
+///   last place: whoever stores them rounds them, and a ridge that is long enough shows it;
+/// - what a pixel holds is rounded to float after every layer.
 inline constexpr std::size_t trials = 6;
 
 /// Decides, from what it is asked for alone, whether a number moves down, up or not at all in a trial.
 class Nudges {
  public:
-  explicit Nudges(std::uint64_t seed) : state_(seed) {}
+  explicit Nudges(std::uint64_t seed) : bits_(seed) {}
 
   float nudged(float value) {
     const int step = next();
@@ -34,16 +38,10 @@ class Nudges {
   vec3 nudged(vec3 v) { return {nudged(v.x), nudged(v.y), nudged(v.z)}; }
 
   /// -1, 0 or 1.
-  int next() {
-    // SplitMix64 (Steele, Lea and Flood 2014).
-    std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return int((z ^ (z >> 31)) % 3) - 1;
-  }
+  int next() { return int(bits_.bits() % 3) - 1; }
 
  private:
-  std::uint64_t state_;
+  SplitMix64 bits_;
 };
 
 /// `scene` with every float moved by up to one unit in its last place.
@@ -67,6 +65,11 @@ inline double float_ulp(double value) {
   return double(std::nextafter(magnitude, std::numeric_limits<float>::infinity())) - double(magnitude);
 }
 
+/// Cholesky factor in base 2, as `SplatShape` has it.
+struct Factor {
+  double l0 = 0, l1 = 0, l2 = 0;
+};
+
 /// What a pixel needs of a splat, as the scene has it or as a trial has it.
 struct SplatNumbers {
   double x = 0, y = 0, x_weight = 0, y_weight = 0, shear = 0;
@@ -83,17 +86,87 @@ struct SplatNumbers {
         depth(s.depth),
         colour(s.colour) {}
 
+  Factor factor() const {
+    const double l0 = std::sqrt(half_log2_e * x_weight);
+    return {l0, -l0 * shear, std::sqrt(half_log2_e * y_weight)};
+  }
+  void set_factor(const Factor& f) {
+    x_weight = f.l0 * f.l0 / half_log2_e, y_weight = f.l2 * f.l2 / half_log2_e;
+    shear = -f.l1 / f.l0;
+  }
+
   /// Half the squared Mahalanobis distance of a point.
   double sigma(double at_x, double at_y) const {
     const double dy = at_y - y, along = at_x - x - shear * dy;
     return 0.5 * (x_weight * along * along + y_weight * dy * dy);
   }
+
+ private:
+  static constexpr double half_log2_e = 0.72134752044448170368;
+};
+
+/// Moves what a renderer stores of a splat.
+inline void nudge_stored(SplatNumbers& numbers, Nudges& nudges) {
+  const auto nudge = [&](double& value) { value += nudges.next() * float_ulp(value); };
+  nudge(numbers.x), nudge(numbers.y);
+  Factor factor = numbers.factor();
+  nudge(factor.l0), nudge(factor.l1), nudge(factor.l2);
+  // A factor below what floats hold is one that no renderer stores.
+  if (factor.l0 > 0 && factor.l2 > 0) numbers.set_factor(factor);
+}
+
+/// Where a footprint that cuts splats keeps one. A splat that is kept or dropped at a pixel where rounding
+/// decides is loose there.
+class FootprintCut {
+ public:
+  enum class At { kept, dropped, loosely_kept, loosely_dropped };
+
+  /// Keeps every pixel.
+  FootprintCut() = default;
+
+  /// The square of three standard deviations of `splat`. `ThreeSigmaSquare` works the larger axis out from a
+  /// difference of squares, like INRIA's code. Of a splat that is nearly round, half the digits are left of
+  /// it; so the axis may be off by 2^-12 of itself.
+  FootprintCut(const Splat& splat, const std::vector<SplatNumbers>& numbers) {
+    const double sigmas = three_sigmas(splat.covariance), off = std::ldexp(sigmas, -12);
+    double move_x = 0, move_y = 0;
+    for (const SplatNumbers& n : numbers) {
+      move_x = std::max(move_x, 10 * std::abs(n.x - splat.x));
+      move_y = std::max(move_y, 10 * std::abs(n.y - splat.y));
+    }
+    x_ = Side(splat.x, move_x, sigmas, off), y_ = Side(splat.y, move_y, sigmas, off);
+  }
+
+  At at(int x, int y) const {
+    const bool kept = x_.exact.has(x) && y_.exact.has(y);
+    if (kept) return x_.least.has(x) && y_.least.has(y) ? At::kept : At::loosely_kept;
+    return x_.most.has(x) && y_.most.has(y) ? At::loosely_dropped : At::dropped;
+  }
+
+ private:
+  struct Pixels {
+    double first = -std::numeric_limits<double>::infinity(), last = std::numeric_limits<double>::infinity();
+    bool has(int pixel) const { return pixel >= first && pixel < last; }
+  };
+  struct Side {
+    Pixels exact, least, most;
+
+    Side() = default;
+    Side(double mean, double move, double sigmas, double off) {
+      const SquareSide exactly(mean, sigmas);
+      exact = {exactly.first, exactly.last};
+      least = {SquareSide(mean + move, sigmas - off).first, SquareSide(mean - move, sigmas - off).last};
+      most = {SquareSide(mean - move, sigmas + off).first, SquareSide(mean + move, sigmas + off).last};
+    }
+  };
+  Side x_, y_;
 };
 
 /// A splat, and what it is in every trial.
 struct VariedSplat {
   Splat splat;
-  std::vector<SplatNumbers> numbers;         ///< as it is, then `trials` times
+  std::vector<SplatNumbers> numbers;  ///< as it is, then `trials` times
+  FootprintCut cut{};
   bool drawn = false;                        ///< its depth lies between the planes
   bool may_be_drawn = false;                 ///< or is that close to one
   bool order_is_loose = false;               ///< its depth may round to that of a neighbour
@@ -130,10 +203,9 @@ inline std::optional<VariedSplat> project_varied(const Scene& scene, const std::
     // A trial in which the splat cannot be drawn at all tells nothing of how far it moves.
     std::optional<Splat> there = project_unculled(trial, i, view);
     if (!there || !shade(*there, trial, view)) there = splat;
-    SplatNumbers& numbers = out.numbers.emplace_back(*there);
-    numbers.x += nudges.next() * float_ulp(numbers.x);
-    numbers.y += nudges.next() * float_ulp(numbers.y);
+    nudge_stored(out.numbers.emplace_back(*there), nudges);
   }
+  if (k.footprint == Conventions::Footprint::three_sigma_square) out.cut = FootprintCut(*splat, out.numbers);
   return out;
 }
 

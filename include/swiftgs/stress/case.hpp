@@ -10,6 +10,7 @@
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/span.hpp>
+#include <swiftgs/split_mix.hpp>
 
 namespace swiftgs {
 
@@ -40,19 +41,12 @@ namespace stress {
 /// Numbers that depend on the seed alone, on every machine.
 class Random {
  public:
-  explicit Random(std::uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15u + 0x632be59bd9b4e019u) {}
+  explicit Random(std::uint64_t seed) : bits_(seed * SplitMix64::step + 0x632be59bd9b4e019u) {}
 
-  std::uint64_t bits() {
-    // SplitMix64 (Steele, Lea and Flood 2014).
-    std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-  }
-  double in(double low, double high) { return low + (high - low) * double(bits() >> 11) * 0x1p-53; }
+  double in(double low, double high) { return low + (high - low) * bits_.uniform(); }
   float f(double low, double high) { return float(in(low, high)); }
   double scale(double low, double high) { return std::exp(in(std::log(low), std::log(high))); }
-  int below(int count) { return int(bits() % std::uint64_t(count)); }
+  int below(int count) { return int(bits_.bits() % std::uint64_t(count)); }
 
   /// A unit quaternion, as exactly as floats hold one.
   Quaternion rotation() {
@@ -66,7 +60,7 @@ class Random {
   }
 
  private:
-  std::uint64_t state_;
+  SplitMix64 bits_;
 };
 
 /// A camera at the origin that looks along +z, `focal` pixels long, its axis in the middle of the image.

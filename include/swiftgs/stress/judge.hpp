@@ -16,11 +16,9 @@ namespace swiftgs {
 
 /// How far a frame is from the reference, measured by what float can do.
 ///
-/// The **ratio** of a value is its error over (its largest move in the trials + what rounding costs).
-/// Rounding costs 2^-23 max(|value|, peak / 16), times sqrt(layers) / 8 from 64 layers on: a pixel's
-/// transmittance is rounded once a layer, which is a random walk. Up to 10 a renderer is about as good as
-/// float can be; from 100 on digits were thrown away. Where decisions are loose, what they may change is
-/// taken off the error first.
+/// The **ratio** of a value is its error over (its largest move in the trials + what rounding it once costs,
+/// 2^-23 max(|value|, peak / 16)). Up to 10 a renderer is about as good as float can be; from 100 on digits
+/// were thrown away. Where decisions are loose, what they may change is taken off the error first.
 struct StressVerdict {
   double ratio = 0;             ///< largest, of colour and transmittance
   double excess = 0;            ///< the same beyond what the form of the exponent is allowed to err
@@ -28,6 +26,7 @@ struct StressVerdict {
   double psnr_db = 0;           ///< of colour, for a peak of 1, or the reference's where that is more
   double max_abs = 0;           ///< of colour
   double loosest = 0;           ///< largest weight that the form leaves open in a pixel
+  double judged = 1;            ///< share of pixels of which it leaves less than the whole weight open
   std::uint64_t flips = 0;      ///< pixels where a loose decision fell out the other way
   std::size_t worst_pixel = 0;  ///< of `ratio`
 };
@@ -39,11 +38,10 @@ struct PlaneJudge {
   double peak, span;  ///< largest magnitude of its values, largest difference of two colours in it
 
   /// Ratio of a value that should be `expected`, of which the part `loose` may change hands.
-  double ratio(double value, double expected, double move, double loose, std::uint32_t layers) const {
+  double ratio(double value, double expected, double move, double loose) const {
     const double error = std::abs(value - expected);
     if (!(error <= std::numeric_limits<double>::max())) return std::numeric_limits<double>::infinity();
-    const double walk = std::max(1.0, std::sqrt(double(layers)) / 8);
-    const double rounding = std::ldexp(walk * std::max(std::abs(expected), peak / 16), -23);
+    const double rounding = std::ldexp(std::max(std::abs(expected), peak / 16), -23);
     const double beyond = error - loose * span;
     return beyond > 0 ? beyond / (move + rounding) : 0;
   }
@@ -58,19 +56,22 @@ inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame
   const std::vector<double>& decisions = reference.loose[std::size_t(ExponentForm::factor)];
   const std::vector<double>& allowed = reference.loose[std::size_t(form)];
   StressVerdict out;
-  for (std::size_t i = 0; i < reference.frame.alpha.size(); ++i) {
+  const std::size_t pixels = reference.frame.alpha.size();
+  const auto open =
+      std::count_if(allowed.begin(), allowed.end(), [](double weight) { return !(weight < 1); });
+  if (pixels > 0) out.judged = 1 - double(open) / double(pixels);
+  for (std::size_t i = 0; i < pixels; ++i) {
     const double covered = reference.frame.alpha[i];
-    const std::uint32_t layers = reference.layers[i];
     // Worst ratio of the pixel's values, beyond a weight that may change hands.
     const auto ratio = [&](double loose) {
       double worst = 0;
       for (std::size_t v = 3 * i; v < 3 * i + 3; ++v)
         worst = std::max(worst, colour.ratio(double(frame.colour[v]), reference.frame.colour[v],
-                                             reference.colour_move[v], loose, layers));
+                                             reference.colour_move[v], loose));
       // Alpha is 1 - transmittance, and transmittance is what floats hold.
       if (!frame.alpha.empty())
         worst = std::max(worst, transmittance.ratio(1 - double(frame.alpha[i]), 1 - covered,
-                                                    reference.alpha_move[i], loose, layers));
+                                                    reference.alpha_move[i], loose));
       return worst;
     };
     const double of_pixel = ratio(decisions[i]);
@@ -82,8 +83,8 @@ inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame
     // Depth is divided by alpha: where little is covered, the rounding of transmittance is much of both.
     const double z = reference.frame.depth[i], loose = allowed[i] / std::max(covered - allowed[i], 1e-9);
     const stress::PlaneJudge depth{16 * z / covered, reference.depth_span};
-    out.depth_excess = std::max(
-        out.depth_excess, depth.ratio(double(frame.depth[i]), z, reference.depth_move[i], loose, layers));
+    out.depth_excess =
+        std::max(out.depth_excess, depth.ratio(double(frame.depth[i]), z, reference.depth_move[i], loose));
   }
   const double peak = std::max(1.0, reference.peak);
   const auto relative = [&](const auto& values) {

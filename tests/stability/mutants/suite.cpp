@@ -26,6 +26,7 @@ bool unavailable() { return false; }
 }  // namespace swiftgs::test
 
 #define SWIFTGS_STABILITY "mutant"
+#include "stability/corner_cases.hpp"
 #include "stability/edge_cases.hpp"
 #include "stability/number_cases.hpp"
 #include "stability/sweep_cases.hpp"

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/reference/conditioning.hpp>
+
+#include "reference/gaussians.hpp"
+
+namespace swiftgs::test {
+namespace {
+
+using reference::VariedSplat;
+
+/// Splats in the order of their depths, of which each may be any float of a range.
+struct Range {
+  float least, largest;
+};
+std::vector<bool> loose_of(const std::vector<Range>& ranges) {
+  std::vector<VariedSplat> splats;
+  for (const Range& range : ranges) {
+    VariedSplat splat{};
+    splat.least_depth = range.least, splat.largest_depth = range.largest;
+    splats.push_back(splat);
+  }
+  reference::mark_loose_orders(splats);
+  std::vector<bool> loose;
+  for (const VariedSplat& splat : splats) loose.push_back(splat.order_is_loose);
+  return loose;
+}
+
+TEST_CASE("conditioning: the order of depths that may be the same float is loose") {
+  CHECK(loose_of({{1, 2}, {2, 3}, {4, 5}}) == std::vector{true, true, false});
+  CHECK(loose_of({{1, 1}, {1, 1}, {2, 2}}) == std::vector{false, false, false});
+  CHECK(loose_of({{1, 1}, {1, 2}}) == std::vector{true, true});
+}
+
+TEST_CASE("conditioning: a depth of wide range is loose against one that is not its neighbour") {
+  // The least ends do not ascend with the depths.
+  CHECK(loose_of({{1, 1}, {2, 2}, {0, 5}}) == std::vector{true, true, true});
+  CHECK(loose_of({{0, 9}, {3, 3}, {4, 4}, {1, 8}}) == std::vector{true, true, true, true});
+}
+
+TEST_CASE(
+    "conditioning: a Gaussian far beside the camera is loose in order against all that its depth may be") {
+  // Depths of a turned camera: the third Gaussian's is a difference of terms of 5e9, which a unit in the last
+  // place of double moves by some floats.
+  Camera camera = small_camera(32, 32, 32);
+  camera.rotation = dmat3(0.8, 0, 0.6, 0, 1, 0, -0.6, 0, 0.8);
+  camera.translation = dvec3(0, 0, 1);
+  const auto at_depth = [](float off) {
+    return Gaussian{.mean = {0.6f * off, 0, 0.8f * off}, .scale = vec3(0.1f), .opacity = 0.5f};
+  };
+  Gaussian far = at_depth(0);
+  far.mean = {0x1p33f * 4, 0, -0x1p33f * 3}, far.scale = vec3(1e12f);
+  const Scene scene = scene_of(at_depth(-0x1p-21f), at_depth(-0x1p-22f), far);
+  const reference::View view(camera, Conventions::gsplat());
+  const std::vector<VariedSplat> splats = reference::project_all_varied(scene, view, 1);
+  REQUIRE(splats.size() == 3);
+  for (const VariedSplat& splat : splats) CHECK(splat.order_is_loose);
+}
+
+}  // namespace
+}  // namespace swiftgs::test
