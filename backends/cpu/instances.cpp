@@ -21,9 +21,10 @@ constexpr std::size_t prefetch_distance = 16;
 template <class Bounds>
 class Instances {
  public:
-  Instances(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+  Instances(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
             InstanceScratch<Cpu>& scratch)
       : job_(job), bounds_(bounds), order_(order) {
+    check_footprints(job);
     constexpr std::size_t grain = 1024;
     const std::size_t splats = job.splats.size();
     scratch.footprints.reset(splats);
@@ -87,7 +88,7 @@ class Instances {
     });
   }
 
-  const SortJob& job_;
+  const SortJob<Bounds>& job_;
   const Bounds& bounds_;
   const std::uint32_t* order_;
   const Footprint* footprints_;
@@ -115,8 +116,9 @@ PartOffsets part_offsets(const Cpu& cpu, const Instances<Bounds>& instances, std
 }  // namespace
 
 template <VectorBounds Bounds>
-std::size_t emit_instances(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                           InstanceScratch<Cpu>& scratch, Pairs<Cpu, std::uint64_t>& out) {
+std::size_t emit_instances(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds,
+                           const std::uint32_t* order, InstanceScratch<Cpu>& scratch,
+                           Pairs<Cpu, std::uint64_t>& out) {
   const Instances<Bounds> instances(cpu, job, bounds, order, scratch);
   const std::size_t splats = job.splats.size(), parts = part_count(cpu, splats, 4096);
   const PartOffsets offsets = part_offsets(cpu, instances, splats, parts);
@@ -133,7 +135,7 @@ std::size_t emit_instances(Cpu& cpu, const SortJob& job, const Bounds& bounds, c
 }
 
 template <VectorBounds Bounds>
-void group_by_tile(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+void group_by_tile(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists) {
   const Instances<Bounds> instances(cpu, job, bounds, order, scratch.emission);
   const std::size_t splats = job.splats.size(), tiles = job.grid.size();
@@ -165,17 +167,17 @@ void group_by_tile(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std
   });
 }
 
-template std::size_t emit_instances(Cpu&, const SortJob&, const ThreeSigmaSquare&, const std::uint32_t*,
+template std::size_t emit_instances(Cpu&, const SortJob<ThreeSigmaSquare>&, const ThreeSigmaSquare&,
+                                    const std::uint32_t*, InstanceScratch<Cpu>&, Pairs<Cpu, std::uint64_t>&);
+template void group_by_tile(Cpu&, const SortJob<ThreeSigmaSquare>&, const ThreeSigmaSquare&,
+                            const std::uint32_t*, GroupScratch<Cpu>&, TileLists<Cpu>&);
+template std::size_t emit_instances(Cpu&, const SortJob<OpacityBox>&, const OpacityBox&, const std::uint32_t*,
                                     InstanceScratch<Cpu>&, Pairs<Cpu, std::uint64_t>&);
-template void group_by_tile(Cpu&, const SortJob&, const ThreeSigmaSquare&, const std::uint32_t*,
+template void group_by_tile(Cpu&, const SortJob<OpacityBox>&, const OpacityBox&, const std::uint32_t*,
                             GroupScratch<Cpu>&, TileLists<Cpu>&);
-template std::size_t emit_instances(Cpu&, const SortJob&, const OpacityBox&, const std::uint32_t*,
+template std::size_t emit_instances(Cpu&, const SortJob<Ellipse>&, const Ellipse&, const std::uint32_t*,
                                     InstanceScratch<Cpu>&, Pairs<Cpu, std::uint64_t>&);
-template void group_by_tile(Cpu&, const SortJob&, const OpacityBox&, const std::uint32_t*, GroupScratch<Cpu>&,
-                            TileLists<Cpu>&);
-template std::size_t emit_instances(Cpu&, const SortJob&, const Ellipse&, const std::uint32_t*,
-                                    InstanceScratch<Cpu>&, Pairs<Cpu, std::uint64_t>&);
-template void group_by_tile(Cpu&, const SortJob&, const Ellipse&, const std::uint32_t*, GroupScratch<Cpu>&,
-                            TileLists<Cpu>&);
+template void group_by_tile(Cpu&, const SortJob<Ellipse>&, const Ellipse&, const std::uint32_t*,
+                            GroupScratch<Cpu>&, TileLists<Cpu>&);
 
 }  // namespace swiftgs

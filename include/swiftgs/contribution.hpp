@@ -180,7 +180,7 @@ class Contributions {
     const SplatsView splats{{shapes_.data(), visible_}, {depths_.data(), visible_}};
     const SceneView scene = scene_.view();
     const FrameKey key{scene.means.data, scene.size(), camera.width, camera.height};
-    EarlySort().build(backend_, SortJob{splats, grid, key}, Ellipse{}, sort_scratch_, lists_);
+    EarlySort().build(backend_, SortJob<Ellipse>{splats, grid, key}, Ellipse{}, sort_scratch_, lists_);
 
     const RasterJob raster{.splats = splats,
                            .lists = lists_.view(),

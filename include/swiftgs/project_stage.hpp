@@ -7,6 +7,7 @@
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/bounds.hpp>
+#include <swiftgs/footprint.hpp>
 #include <swiftgs/project.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/tiles.hpp>
@@ -62,10 +63,12 @@ struct CompactSplats {
 };
 
 /// Projects the scene of `job`: one splat for each visible Gaussian, in the order of the Gaussians. Backends
-/// overload this. One for which a count on the host is dear counts the tiles within `bounds` on the way, so
+/// overload this. One for which a count on the host is dear finds the tiles within `bounds` on the way, so
 /// that a single count serves this stage and the next.
 template <BackendPolicy B, BoundsPolicy Bounds>
-void project(B& b, const ProjectJob& job, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats) {
+void project(B& b, const ProjectJob& job, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
+             Footprints<B, Bounds>& footprints) {
+  footprints.grid = job.grid;
   const std::size_t n = job.scene.size();
   scratch.projected.reset(n), scratch.slots.reset(n);
   b.for_each(n, ProjectShapes{job.constants, job.scene, scratch.projected.data(), scratch.slots.data()});

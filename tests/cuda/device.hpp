@@ -118,7 +118,7 @@ class DeviceSplats {
       : shapes_(to_device(set.shapes)), colours_(to_device(set.colours)) {}
 
   SplatsView view() const { return {.shapes = shapes_.span(), .colours = colours_.span()}; }
-  SortJob job(int width, int height) const {
+  SortInput job(int width, int height) const {
     return {view(), TileGrid::covering(width, height), {shapes_.data(), shapes_.size(), width, height}};
   }
 

@@ -87,7 +87,7 @@ TEST_CASE("cuda: every sort takes bounds of the caller") {
   const HostLists expected =
       host_lists(serial, build_lists<StandardSort, EvenRows>(serial, splats.job(600, 400)));
   REQUIRE(!expected.ids.empty());
-  const SortJob job = uploaded.job(600, 400);
+  const SortInput job = uploaded.job(600, 400);
   CHECK(host_lists(cuda, build_lists<StandardSort, EvenRows>(cuda, job)) == expected);
   CHECK(host_lists(cuda, build_lists<EarlySort, EvenRows>(cuda, job)) == expected);
   CHECK(host_lists(cuda, build_lists<AdaptiveSort, EvenRows>(cuda, job)) == expected);
@@ -103,12 +103,13 @@ TEST_CASE("cuda: projection takes bounds of the caller") {
                        grid};
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
-  project(cuda, job, EvenRows{}, scratch, splats);
+  Footprints<Cuda, EvenRows> footprints;
+  project(cuda, job, EvenRows{}, scratch, splats, footprints);
   const SplatSet set = to_host(cuda, splats.view());
   REQUIRE(set.shapes.size() > 100);
   std::uint64_t tiles = 0;
   for (const SplatShape& shape : set.shapes) tiles += count_tiles(EvenRows{}, shape, grid);
-  CHECK(splats.instances == tiles);
+  CHECK(footprints.instances == tiles);
 }
 
 TEST_CASE("cuda: a renderer takes a rasterizer of the caller") {

@@ -56,9 +56,9 @@ struct Session {
 
   /// Builds the lists of one frame; returns the strategy that ran.
   std::string frame(int width = 64, int height = 48) {
-    SortJob job = splats.job(width, height);
+    SortInput job = splats.job(width, height);
     job.key.scene = scene;
-    sort.build(backend, job, Ellipse{}, scratch, lists);
+    sort.build(backend, job.within(Ellipse{}), Ellipse{}, scratch, lists);
     correct = correct && to_vectors(lists.view()) == brute_force_lists<Ellipse>(job);
     return backend.last;
   }
@@ -287,9 +287,10 @@ TEST_CASE("adaptive sort: can sort again after a frame that was refused") {
   Session session(AdaptiveSort(1));
   SplatSet flood;
   for (int i = 0; i < 129; ++i) flood.add(make_splat(0, 0, 1e6, 1e6, 0, 1), 1);
-  CHECK_THROWS_AS(session.sort.build(session.backend, flood.job(max_image_side, max_image_side), Ellipse{},
-                                     session.scratch, session.lists),
-                  CapacityError);
+  CHECK_THROWS_AS(
+      session.sort.build(session.backend, flood.job(max_image_side, max_image_side).within(Ellipse{}),
+                         Ellipse{}, session.scratch, session.lists),
+      CapacityError);
   CHECK(session.frames(5) == "sesee");
   CHECK(session.correct);
 }

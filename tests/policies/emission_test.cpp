@@ -34,7 +34,7 @@ struct Fickle {
 TEST_CASE("sort: emission fills what was counted whatever the bounds say then") {
   SplatSet splats;
   for (int i = 0; i < 20; ++i) splats.add(make_splat(40, 24, 2, 2, 0, 0.5), float(1 + i % 5));
-  const SortJob job = splats.job(80, 48);
+  const SortInput job = splats.job(80, 48);
   const auto tiles = std::uint32_t(job.grid.size());
   for (const int counted : {0, 1, 3, 5})
     for (const int emitted : {0, 1, 3, 5}) {
@@ -46,7 +46,7 @@ TEST_CASE("sort: emission fills what was counted whatever the bounds say then") 
       EarlySort sort;
       EarlySort::Scratch<Serial> scratch;
       TileLists<Serial> lists;
-      sort.build(serial, job, Fickle{}, scratch, lists);
+      sort.build(serial, job.within(Fickle{}), Fickle{}, scratch, lists);
       CHECK(lists.instances == std::size_t(20 * counted * job.grid.rows));
 
       // Every list holds splats that there are, each as often as it was counted.

@@ -64,7 +64,8 @@ class AdaptiveSort {
   };
 
   template <class B, class Bounds>
-  void build(B& b, const SortJob& job, const Bounds& bounds, Scratch<B>& scratch, TileLists<B>& lists) {
+  void build(B& b, const SortJob<Bounds>& job, const Bounds& bounds, Scratch<B>& scratch,
+             TileLists<B>& lists) {
     start_over_where_stale(job.key, scratch);
     collect(b, scratch);
     const bool measure = !decided_ && !scratch.to;

@@ -4,6 +4,8 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -11,6 +13,7 @@
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/error.hpp>
+#include <swiftgs/footprint.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/tiles.hpp>
 
@@ -25,20 +28,37 @@ struct FrameKey {
   bool operator==(const FrameKey&) const = default;
 };
 
-/// What a sort turns into tile lists.
+/// What a sort turns into tile lists within `Bounds`.
+template <BoundsPolicy Bounds>
 struct SortJob {
-  SplatsView splats;  ///< of their colours, depths alone: the others may still be under way
+  SplatsView splats;  ///< Read only `depth` of colours; `rgb` may not be written yet.
   TileGrid grid;
   FrameKey key;
+  FootprintsView<Bounds> footprints{};  ///< of these splats on this grid; none for splats of your own
 };
+
+/// Throws `std::invalid_argument` if the footprints of `job` are of another grid or another number of splats.
+template <BoundsPolicy Bounds>
+void check_footprints(const SortJob<Bounds>& job) {
+  const auto size = [](TileGrid grid) {
+    return std::to_string(grid.columns) + " x " + std::to_string(grid.rows) + " tiles";
+  };
+  const FootprintsView<Bounds>& footprints = job.footprints;
+  if (footprints.grid != TileGrid{} && footprints.grid != job.grid)
+    throw std::invalid_argument("sort: the splats were projected for " + size(footprints.grid) +
+                                ", expected the grid of the sort, " + size(job.grid));
+  if (footprints.each.data && footprints.each.size != job.splats.size())
+    throw std::invalid_argument("sort: there are footprints of " + std::to_string(footprints.each.size) +
+                                " splats, expected those of " + std::to_string(job.splats.size()));
+}
 
 /// Policy `S` builds tile lists on backend `B` within bounds `Bounds`: for every tile the ids of the splats
 /// that may touch it, nearest first, equal depths by ascending index. An object of `S` may keep what it
 /// learnt from earlier frames; `Scratch<B>` is the memory that it works in, `bytes()` of it.
 template <class S, class B, class Bounds>
 concept SortsOn = BackendPolicy<B> && BoundsPolicy<Bounds> &&
-    requires(S sort, B& b, const SortJob& job, const Bounds& bounds, typename S::template Scratch<B>& scratch,
-             TileLists<B>& lists) {
+    requires(S sort, B& b, const SortJob<Bounds>& job, const Bounds& bounds,
+             typename S::template Scratch<B>& scratch, TileLists<B>& lists) {
   { S::name } -> std::convertible_to<std::string_view>;
   { scratch.bytes() } -> std::same_as<std::size_t>;
   sort.build(b, job, bounds, scratch, lists);
@@ -167,8 +187,9 @@ struct InstanceScratch {
 /// beyond `max_instances`.
 /// Backends overload this for bounds that they have kernels for.
 template <class B, class Bounds, class Key>
-std::size_t emit_instances(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+std::size_t emit_instances(B& b, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
                            InstanceScratch<B>& scratch, Pairs<B, Key>& instances) {
+  check_footprints(job);
   const std::size_t splats = job.splats.size();
   auto& offsets = scratch.offsets;
   offsets.reset(splats);
@@ -190,9 +211,9 @@ std::size_t emit_instances(B& b, const SortJob& job, const Bounds& bounds, const
 /// Hands the sorted instances over to `lists`; the old ids become room for the next frame, which allocates
 /// nothing if it is no larger.
 template <class B, class Key>
-void finish_lists(B& b, const SortJob& job, std::size_t count, int tile_shift, Pairs<B, Key>& instances,
+void finish_lists(B& b, TileGrid grid, std::size_t count, int tile_shift, Pairs<B, Key>& instances,
                   TileLists<B>& lists) {
-  const std::size_t tiles = job.grid.size();
+  const std::size_t tiles = grid.size();
   lists.tiles = lists.instances = 0;
   lists.ranges.reset(tiles);
   b.for_each(tiles, ClearRanges{lists.ranges.data()});
@@ -217,11 +238,11 @@ struct GroupScratch {
 /// and sorts them by tile alone, stably and by as few bits as the grid needs. Backends overload this for
 /// bounds that they have kernels for.
 template <class B, class Bounds>
-void group_by_tile(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+void group_by_tile(B& b, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<B>& scratch, TileLists<B>& lists) {
   const std::size_t count = emit_instances(b, job, bounds, order, scratch.emission, scratch.instances);
   b.sort_pairs(scratch.instances, count, job.grid.key_bits());
-  finish_lists(b, job, count, 0, scratch.instances, lists);
+  finish_lists(b, job.grid, count, 0, scratch.instances, lists);
 }
 
 }  // namespace swiftgs

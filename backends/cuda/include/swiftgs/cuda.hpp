@@ -179,25 +179,30 @@ struct ProjectScratch<Cuda> {
   std::size_t bytes() const { return bytes_of(sums, counts, gaussians); }
 };
 
-/// Splats with the tiles that each may touch within the bounds that they were projected for.
 /// The buffers have room for all Gaussians: how many are visible is known only after they are written.
 template <>
 struct Splats<Cuda> {
   DeviceBuffer<SplatShape> shapes;
   DeviceBuffer<SplatColour> colours;
-  DeviceBuffer<Footprint> footprints;
   DeviceBuffer<std::uint32_t> hidden;  ///< one word, not 0 where a colour is not finite
   std::size_t count = 0;
-  std::uint64_t instances = 0;
 
   SplatsView view() const {
-    return {{shapes.data(), count},
-            {colours.data(), count},
-            {footprints.data(), count},
-            instances,
-            count > 0 ? hidden.data() : nullptr};
+    return {{shapes.data(), count}, {colours.data(), count}, count > 0 ? hidden.data() : nullptr};
   }
-  std::size_t bytes() const { return bytes_of(shapes, colours, footprints, hidden); }
+  std::size_t bytes() const { return bytes_of(shapes, colours, hidden); }
+};
+
+/// Footprints that projection finds. The buffer has room for all Gaussians.
+template <BoundsPolicy Bounds>
+struct Footprints<Cuda, Bounds> {
+  DeviceBuffer<Footprint> each;
+  std::size_t count = 0;  ///< splats
+  std::uint64_t instances = 0;
+  TileGrid grid;
+
+  FootprintsView<Bounds> view() const { return {{each.data(), count}, instances, grid}; }
+  std::size_t bytes() const { return each.bytes(); }
 };
 
 /// Starts to evaluate the colours of `splats` beside whatever is asked for until `finish_colours`. How many
@@ -211,7 +216,8 @@ SWIFTGS_API void start_colours(Cuda& cuda, const ProjectJob& job, const FrameCou
 /// Instantiated for the library's bounds; for others by `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
 SWIFTGS_API void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds,
-                         ProjectScratch<Cuda>& scratch, Splats<Cuda>& splats);
+                         ProjectScratch<Cuda>& scratch, Splats<Cuda>& splats,
+                         Footprints<Cuda, Bounds>& footprints);
 
 inline void finish_colours(Cuda& cuda, Splats<Cuda>&) { cuda.join(); }
 
@@ -237,7 +243,7 @@ struct InstanceScratch<Cuda> {
 /// Instantiated for the library's bounds; for others by `<swiftgs/cuda.cuh>`. Waits only where `job` does not
 /// hold footprints.
 template <BoundsPolicy Bounds, class Key>
-SWIFTGS_API std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds,
+SWIFTGS_API std::size_t emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
                                        const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
                                        Pairs<Cuda, Key>& instances);
 
@@ -253,12 +259,12 @@ struct GroupScratch<Cuda> {
 
 /// `group_by_tile` with keys no wider than the grid needs.
 template <BoundsPolicy Bounds>
-void group_by_tile(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+void group_by_tile(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<Cuda>& scratch, TileLists<Cuda>& lists) {
   const auto group = [&](auto& instances) {
     const std::size_t count = emit_instances(cuda, job, bounds, order, scratch.emission, instances);
     cuda.sort_pairs(instances, count, job.grid.key_bits());
-    finish_lists(cuda, job, count, 0, instances, lists);
+    finish_lists(cuda, job.grid, count, 0, instances, lists);
   };
   job.grid.key_bits() <= 16 ? group(scratch.narrow) : group(scratch.wide);
 }
