@@ -63,7 +63,8 @@ DeviceScene Cuda::upload(const Scene& scene) const {
                          .sh0 = copy(host.sh0, arrays->sh0),
                          .sh_rest = copy(Span<const float>{rest.data(), rest.size()}, arrays->sh_rest),
                          .sh_degree = host.sh_degree,
-                         .sh_stride = int(stride)};
+                         .sh_stride = int(stride),
+                         .identity = new_scene_identity()};
   // Streams that do not wait for the default one may read the scene at once.
   check_cuda(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
   return DeviceScene(arrays, device);

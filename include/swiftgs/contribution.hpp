@@ -179,7 +179,7 @@ class Contributions {
     const TileGrid grid = TileGrid::covering(camera.width, camera.height);
     const SplatsView splats{{shapes_.data(), visible_}, {depths_.data(), visible_}};
     const SceneView scene = scene_.view();
-    const FrameKey key{scene.means.data, scene.size(), camera.width, camera.height};
+    const FrameKey key{scene.identity, scene.size(), camera.width, camera.height};
     EarlySort().build(backend_, SortJob<Ellipse>{splats, grid, key}, Ellipse{}, sort_scratch_, lists_);
 
     const RasterJob raster{.splats = splats,

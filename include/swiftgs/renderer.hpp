@@ -84,7 +84,7 @@ class Renderer {
             project_scratch_, splats_, footprints_);
 
     const auto projected = backend_.now();
-    const FrameKey key{scene.means.data, scene.size(), frame.width, frame.height};
+    const FrameKey key{scene.identity, scene.size(), frame.width, frame.height};
     try {
       sort_.build(backend_, SortJob<Bounds>{splats_.view(), grid, key, footprints_.view()}, Bounds{},
                   sort_scratch_, lists_);

@@ -96,7 +96,7 @@ TEST_CASE("cuda sort: lists from footprints that projection found are the serial
       const SplatSet set = to_host(cuda, splats.view());
       const HostLists expected =
           host_lists(serial, build_lists<StandardSort, Bounds>(serial, set.job(700, 500)));
-      const FrameKey key{scene.view().means.data, n, 700, 500};
+      const FrameKey key{scene.view().identity, n, 700, 500};
       sorts.for_each(cuda, SortJob<Bounds>{splats.view(), grid, key, footprints.view()},
                      [&](std::string_view name, const HostLists& lists) {
                        CAPTURE(name);

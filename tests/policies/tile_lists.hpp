@@ -40,8 +40,10 @@ struct SplatSet {
     return {.shapes = {shapes.data(), shapes.size()}, .colours = {colours.data(), colours.size()}};
   }
   SortInput job(int width, int height) const {
-    return {view(), TileGrid::covering(width, height), {shapes.data(), shapes.size(), width, height}};
+    return {view(), TileGrid::covering(width, height), {identity, shapes.size(), width, height}};
   }
+
+  std::uint64_t identity = new_scene_identity();  ///< as if the splats were a scene's
 };
 
 /// Random splats for a width x height image; few depths, so that many are equal.

@@ -21,7 +21,7 @@ namespace swiftgs {
 
 /// Which scene at which image size: what a choice of sort strategy holds for.
 struct FrameKey {
-  const void* scene = nullptr;  ///< where the uploaded scene's means lie
+  std::uint64_t scene = 0;  ///< `SceneView::identity`
   std::size_t gaussians = 0;
   int width = 0, height = 0;
 
