@@ -175,6 +175,7 @@ class Contributions {
     if (pixels > max_contribution_pixels)
       throw CapacityError("pixels of all views", pixels, max_contribution_pixels);
 
+    check_ready(backend_);
     project(constants);
     const TileGrid grid = TileGrid::covering(camera.width, camera.height);
     const SplatsView splats{{shapes_.data(), visible_}, {depths_.data(), visible_}};

@@ -74,6 +74,7 @@ class Renderer {
   void render_into(const SceneView& scene, const Camera& camera, const RenderSettings& settings,
                    const FrameView& frame) {
     check_arguments(scene, camera, settings, frame);
+    check_ready(backend_);
     counted_ = false;
     const TileGrid grid = TileGrid::covering(frame.width, frame.height);
     TileCounts* counts = nullptr;
@@ -108,6 +109,7 @@ class Renderer {
   /// Returns and throws as `render_into`.
   FrameView render_resident(const SceneView& scene, const Camera& camera, const RenderSettings& settings) {
     validate(camera);
+    check_ready(backend_);
     const std::size_t width = std::size_t(camera.width), pixels = width * std::size_t(camera.height);
     const auto plane = [&](auto& buffer, std::size_t channels) {
       buffer.reset(channels * pixels);

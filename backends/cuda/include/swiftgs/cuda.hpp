@@ -37,6 +37,12 @@ struct FrameCounts {
 /// A backend belongs to the device that was current when it was made; that device must be current wherever it
 /// is used. Its functions return when their work is in stream order, unless they say that they wait.
 /// All of them throw `DeviceError`, and `CapacityError` where the device's memory does not suffice.
+///
+/// Frames cannot be captured into a CUDA graph: the host waits for counts of theirs, and kernels tell their
+/// words from older ones by numbers that the host counts up, which a replay would repeat. While the stream is
+/// being captured, all but `for_each`, `clear` and rasterizing finished splats throw `DeviceError` before
+/// they call CUDA, and the capture stays valid. What was allocated must not be destroyed then either: CUDA
+/// does not allow to free memory.
 class SWIFTGS_API Cuda {
  public:
   static constexpr std::string_view name = "cuda";
@@ -74,7 +80,11 @@ class SWIFTGS_API Cuda {
   /// join first.
   void join();
 
-  /// Copies `scene` to the device, without the SH bands that are zero throughout. Waits.
+  /// Throws `DeviceError` for `call` while the stream is being captured into a CUDA graph.
+  void check_not_captured(const char* call) const;
+
+  /// Copies `scene` to the device, without the SH bands that are zero throughout, in stream order. Waits for
+  /// the stream, so that other streams may read the scene too.
   /// Throws `std::invalid_argument` as `validate` does.
   SceneOn upload(const Scene& scene) const;
   SceneOn upload(std::shared_ptr<const Scene> scene) const;
@@ -126,7 +136,10 @@ class SWIFTGS_API Cuda {
   std::unique_ptr<State> state_;
 };
 
-/// Memory of a running sum that blocks of one kernel hand on to each other, from kernel to kernel.
+inline void check_ready(const Cuda& cuda) { cuda.check_not_captured("a frame"); }
+
+/// Memory of a running sum that blocks of one kernel hand on to each other, from kernel to kernel. Kernels
+/// that use it cannot be captured.
 class SWIFTGS_API RunningSums {
  public:
   /// What a kernel needs of it.

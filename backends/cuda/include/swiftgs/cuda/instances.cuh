@@ -181,6 +181,7 @@ std::size_t emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds&
                            const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
                            Pairs<Cuda, Key>& instances) {
   check_footprints(job);
+  cuda.check_not_captured("emit_instances");
   const std::size_t splats = job.splats.size();
   FootprintsView<Bounds> footprints = job.footprints;
   if (!footprints.each.data && splats != 0) {

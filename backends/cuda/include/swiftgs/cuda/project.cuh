@@ -99,6 +99,7 @@ __global__ void __launch_bounds__(project_threads)
 template <BoundsPolicy Bounds>
 void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
              Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints) {
+  cuda.check_not_captured("project");
   const std::size_t n = job.scene.size();
   cuda.join();  // colours of a frame that was given up
   splats.count = 0, footprints.count = 0, footprints.instances = 0, footprints.grid = job.grid;
