@@ -92,8 +92,8 @@ struct CountTiles {
 /// Writes one (key, id) pair for each tile that splat `order[i]` may touch, from `offsets[i]` on.
 ///
 /// Code that counts and code that emits may round differently, where a compiler is free to. Emission
-/// therefore fills exactly what was counted: it ends there, and gives what is left to the tile after the
-/// last, where the rasterizer finds that the splat shows nothing.
+/// therefore fills exactly what was counted: it ends there, and gives what is left to other tiles of the
+/// grid, where the rasterizer finds that the splat shows nothing. No tile has a splat twice.
 template <class Bounds, class Key>
 struct EmitInstances {
   SplatsView splats;
@@ -109,23 +109,30 @@ struct EmitInstances {
     const std::uint32_t id = order ? order[i] : std::uint32_t(i);
     const SplatShape& shape = splats.shapes[id];
     std::size_t at = offsets[i];
-    const std::size_t end = i + 1 < offsets.size ? offsets[i + 1] : total;
+    const std::size_t begin = at, end = i + 1 < offsets.size ? offsets[i + 1] : total;
     if (at == end) return;
-    std::uint32_t next = 0;
-    const auto emit = [&](std::uint32_t tile) {
-      keys[at] = key(tile, id), ids[at] = id;
-      ++at, next = tile + 1;
-    };
+    const auto emit = [&](std::uint32_t tile) { keys[at] = key(tile, id), ids[at] = id, ++at; };
     const TileRect rect = bounds.rect(shape, grid);
     for (int row = rect.rows.begin; row < rect.rows.end && rect.columns.size() != 0; ++row) {
       const TileRun run = bounds.row(shape, rect, row);
       for (int column = run.begin; column < run.end && at < end; ++column)
         emit(std::uint32_t(row * grid.columns + column));
     }
-    while (at < end) emit(next < grid.size() ? next : 0);
+    // Tiles that it has were written in ascending order.
+    std::size_t named = begin;
+    const std::size_t all_named = at;
+    for (std::uint32_t tile = 0; at < end; ++tile) {
+      if (named < all_named && tile_of(keys[named]) == tile)
+        ++named;
+      else
+        emit(tile);
+    }
   }
 
  private:
+  SWIFTGS_HD static std::uint32_t tile_of(Key key) {
+    return std::uint32_t(sizeof(Key) == 8 ? key >> (sizeof(Key) == 8 ? depth_key_bits : 0) : key);
+  }
   SWIFTGS_HD Key key(std::uint32_t tile, std::uint32_t id) const {
     if constexpr (sizeof(Key) == 8)
       return Key(tile) << depth_key_bits | depth_key(splats.colours[id].depth);

@@ -125,7 +125,24 @@ __global__ void __launch_bounds__(emit_threads)
 inline constexpr unsigned warps_of_splat = 4;
 inline constexpr std::uint32_t shared_from = 256;
 
-/// Emits the splats that were set aside: a lane a row of tiles, and then a lane a tile.
+/// Gives a splat, of which `at` is the next instance, tiles of the grid outside of its bounds up to `end`.
+/// For one thread.
+template <class Bounds, class Key>
+__device__ __noinline__ void emit_outside(const Bounds bounds, const SplatShape shape, const TileGrid grid,
+                                          const EmittedSplat splat, std::uint32_t at, std::uint32_t end,
+                                          const Instances<Key> out) {
+  const TileRect rect = bounds.rect(shape, grid);
+  for (int row = 0; row < grid.rows && at < end; ++row) {
+    TileRun run;
+    if (row >= rect.rows.begin && row < rect.rows.end) run = bounds.row(shape, rect, row);
+    for (int column = 0; column < grid.columns && at < end; ++column)
+      if (column < run.begin || column >= run.end)
+        out.write(at++, std::uint32_t(row * grid.columns + column), splat.depth, splat.id);
+  }
+}
+
+/// Emits the splats that were set aside: a lane a row of tiles, and then a lane a tile. Should the bounds
+/// find other tiles here than were counted, a splat still has as many, each once.
 template <class Bounds, class Key>
 __global__ void __launch_bounds__(emit_threads)
     emit_large(const SplatShape* shapes, const TileGrid grid, const Bounds bounds, const Instances<Key> out,
@@ -140,6 +157,7 @@ __global__ void __launch_bounds__(emit_threads)
     const SplatShape shape = shapes[splat.id];
     const TileRect rect = bounds.rect(shape, grid);
     std::uint32_t at = splat.at;
+    const std::uint32_t end = splat.at + splat.footprint.count;
     for (int first_row = rect.rows.begin; first_row < rect.rows.end; first_row += int(warp_size)) {
       const int row = first_row + int(lane_index());
       const TileRun run = row < rect.rows.end ? bounds.row(shape, rect, row) : TileRun{};
@@ -152,10 +170,12 @@ __global__ void __launch_bounds__(emit_threads)
         const int lane = int(owner_of(position, first));
         const std::uint32_t tile = std::uint32_t(__shfl_sync(whole_warp, first_tile, lane)) + position -
                                    __shfl_sync(whole_warp, first, lane);
-        if (position < total) out.write(at + position, tile, splat.depth, splat.id);
+        if (position < total && at + position < end) out.write(at + position, tile, splat.depth, splat.id);
       }
       at += total;
     }
+    if (at < end && lane_index() == 0 && (!shared || part == 0))
+      emit_outside(bounds, shape, grid, splat, at, end, out);
   }
 }
 
