@@ -10,5 +10,6 @@ namespace swiftgs {
 template void Cuda::for_each(std::size_t, const ClearSums&) const;
 template void Cuda::for_each(std::size_t, const ProjectShapes&) const;
 template void Cuda::for_each(std::size_t, const KeepVisible&) const;
+template void Cuda::for_each(std::size_t, const HideSplats&) const;
 
 }  // namespace swiftgs

@@ -79,6 +79,24 @@ Cuda& Cuda::operator=(Cuda&&) noexcept = default;
 
 cudaStream_t Cuda::stream() const { return state_->stream; }
 
+void Cuda::check_not_captured(const char* call) const {
+  cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
+  const cudaError_t asked = cudaStreamIsCapturing(stream(), &status);
+  if (asked == cudaSuccess && status == cudaStreamCaptureStatusNone) return;
+  cudaGetLastError();
+  // The default stream is never captured itself, but using it breaks the capture of streams that it waits
+  // for.
+  if (asked == cudaErrorStreamCaptureImplicit)
+    throw DeviceError(call,
+                      "a stream that waits for the default stream is being captured into a CUDA graph, "
+                      "expected none while the default stream is used");
+  if (asked == cudaSuccess)
+    throw DeviceError(call,
+                      "the stream is being captured into a CUDA graph, expected a stream that is not, "
+                      "since a replay would repeat numbers that the host counts up");
+  // Any other error is that of whichever call comes next.
+}
+
 namespace kernels {
 /// Writes what the host waits for to its own memory: it sees that sooner than the end of a copy.
 __global__ void post(const FrameCounts* counts, Mailbox* mailbox, std::uint32_t reading) {
@@ -89,6 +107,7 @@ __global__ void post(const FrameCounts* counts, Mailbox* mailbox, std::uint32_t 
 }  // namespace kernels
 
 cudaStream_t Cuda::fork() {
+  check_not_captured("fork");
   State::Fork& fork = state_->fork;
   if (!fork.stream) fork.start();
   check_cuda(cudaEventRecord(fork.begun.get(), stream()), "cudaEventRecord");
@@ -97,14 +116,19 @@ cudaStream_t Cuda::fork() {
   return fork.stream.get();
 }
 
-void Cuda::join() { state_->join(); }
+void Cuda::join() {
+  if (state_->fork.open) check_not_captured("join");
+  state_->join();
+}
 
 void Cuda::download_bytes(const void* from, void* to, std::size_t bytes) const {
+  if (bytes != 0 || state_->fork.open) check_not_captured("download");
   state_->join();
   state_->copy_to_host(from, to, bytes);
 }
 
 void Cuda::wait() const {
+  check_not_captured("wait");
   state_->join();
   state_->wait();
 }
@@ -120,6 +144,7 @@ void Cuda::clear(void* memory, std::size_t bytes) const {
 }
 
 FrameCounts Cuda::read(const FrameCounts* counts) const {
+  check_not_captured("read");
   if (!state_->mailbox) {
     void* memory = nullptr;
     check_cuda(cudaMallocHost(&memory, sizeof(Mailbox)), "cudaMallocHost");
@@ -144,6 +169,7 @@ FrameCounts Cuda::read(const FrameCounts* counts) const {
 }
 
 Cuda::TimePoint Cuda::now() {
+  check_not_captured("now");
   auto& event = state_->events[++state_->points % state_->events.size()];
   if (!event) {
     cudaEvent_t made = nullptr;
@@ -159,6 +185,7 @@ std::optional<double> Cuda::milliseconds(TimePoint from, TimePoint to) const {
   if (from.serial == 0 || from.serial > to.serial || to.serial > state_->points ||
       from.serial + events.size() <= state_->points)
     return std::nullopt;
+  check_not_captured("milliseconds");
   const cudaEvent_t last = events[to.serial % events.size()].get();
   const cudaError_t reached = cudaEventQuery(last);
   if (reached == cudaErrorNotReady) {

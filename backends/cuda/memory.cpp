@@ -35,13 +35,13 @@ struct DeviceScene::Arrays {
 
 namespace {
 
-/// Copies a host array and views the copy.
+/// Copies a host array in the order of `stream` and views the copy.
 template <class T>
-Span<const T> copy(Span<const T> from, DeviceBuffer<T>& to) {
+Span<const T> copy(Span<const T> from, DeviceBuffer<T>& to, cudaStream_t stream) {
   if (from.size == 0) return {};
   to.reset_exactly(from.size);
-  check_cuda(cudaMemcpy(to.data(), from.data, from.size * sizeof(T), cudaMemcpyHostToDevice),
-             "cudaMemcpy to the device");
+  check_cuda(cudaMemcpyAsync(to.data(), from.data, from.size * sizeof(T), cudaMemcpyHostToDevice, stream),
+             "cudaMemcpyAsync to the device");
   return std::as_const(to).span();
 }
 
@@ -50,22 +50,25 @@ Span<const T> copy(Span<const T> from, DeviceBuffer<T>& to) {
 DeviceScene Cuda::upload(const Scene& scene) const {
   const SceneView host = swiftgs::view(scene);
   validate_numbers(scene);
+  check_not_captured("upload");
   const auto arrays = std::make_shared<DeviceScene::Arrays>();
   // Only the bands that are used, and a multiple of 16 bytes a Gaussian, which kernels copy by.
   const std::size_t used = 3 * std::size_t(sh_rest_count(host.sh_degree)), stride = (used + 3) / 4 * 4;
   std::vector<float> rest(stride * scene.size());
   for (std::size_t i = 0; i < scene.size() && used != 0; ++i)
     std::copy_n(host.sh_rest.data + i * std::size_t(host.sh_stride), used, rest.data() + i * stride);
-  const SceneView device{.means = copy(host.means, arrays->means),
-                         .scales = copy(host.scales, arrays->scales),
-                         .rotations = copy(host.rotations, arrays->rotations),
-                         .opacities = copy(host.opacities, arrays->opacities),
-                         .sh0 = copy(host.sh0, arrays->sh0),
-                         .sh_rest = copy(Span<const float>{rest.data(), rest.size()}, arrays->sh_rest),
+  const auto to_device = [&](auto from, auto& to) { return copy(from, to, stream()); };
+  const SceneView device{.means = to_device(host.means, arrays->means),
+                         .scales = to_device(host.scales, arrays->scales),
+                         .rotations = to_device(host.rotations, arrays->rotations),
+                         .opacities = to_device(host.opacities, arrays->opacities),
+                         .sh0 = to_device(host.sh0, arrays->sh0),
+                         .sh_rest = to_device(Span<const float>{rest.data(), rest.size()}, arrays->sh_rest),
                          .sh_degree = host.sh_degree,
-                         .sh_stride = int(stride)};
-  // Streams that do not wait for the default one may read the scene at once.
-  check_cuda(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
+                         .sh_stride = int(stride),
+                         .identity = new_scene_identity()};
+  // Copies read memory of the caller, and other streams may read the scene at once.
+  check_cuda(cudaStreamSynchronize(stream()), "cudaStreamSynchronize");
   return DeviceScene(arrays, device);
 }
 

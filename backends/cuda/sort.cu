@@ -36,6 +36,7 @@ struct SumU64 {
 
 std::uint64_t Cuda::exclusive_scan(Span<std::uint32_t> counts) {
   if (counts.empty()) return 0;
+  check_not_captured("exclusive_scan");
   // The last sum and the last count make the total, which may not fit the sums: add the counts up in 64 bits
   // first.
   DeviceBuffer<std::byte>& temporary = state_->temporary;
@@ -56,6 +57,7 @@ std::uint64_t Cuda::exclusive_scan(Span<std::uint32_t> counts) {
 template <class Key>
 void Cuda::radix_sort(Pairs<Cuda, Key>& pairs, std::size_t n, int bits) {
   if (n == 0 || bits == 0) return;
+  check_not_captured("sort_pairs");
   const std::size_t most = std::numeric_limits<std::uint32_t>::max();
   if (n > most) throw CapacityError("pairs in one sort", n, most);
   const kernels::Digits passes{unsigned(bits)};

@@ -32,6 +32,10 @@ struct Pairs {
   std::size_t bytes() const { return bytes_of(keys, spare_keys, values, spare_values); }
 };
 
+/// Throws if `b` cannot be given work now, before any memory is taken for it. Backends overload this.
+template <class B>
+void check_ready(const B&) {}
+
 /// Used part of a memory, by all programs, and its size. @units{bytes}
 struct MemoryUse {
   std::size_t in_use = 0, total = 0;

@@ -3,8 +3,8 @@
 
 /// @file
 /// The contribution of each Gaussian to a set of images: its blending weight, alpha times transmittance,
-/// summed over all pixels of all views. This needs no derivatives and no colours. A view costs one frame's
-/// projection, sort and blending.
+/// summed over all pixels of all views. This needs no derivatives, and colours only where one might not be
+/// finite. A view costs one frame's projection, sort and blending.
 ///
 /// Sums are integers: weights are added in parts of 2^-31, so that the bits do not depend on the order of
 /// additions, the number of threads or the run. A weight of 2^-8 or more is a whole number of parts. A
@@ -68,6 +68,40 @@ struct SWIFTGS_API KeepVisible {
     gaussians[slot] = std::uint32_t(i);
   }
 };
+
+/// Hides splat i, as a frame does, where its colour is not finite.
+struct SWIFTGS_API HideSplats {
+  ViewConstants constants;
+  SceneView scene;
+  const std::uint32_t* gaussians;
+  SplatShape* shapes;
+
+  SWIFTGS_HD void operator()(std::size_t i) const {
+    SplatColour colour;
+    if (!set_colour(shapes[i], colour, project_colour(constants, scene, gaussians[i]))) shapes[i].reach = -1;
+  }
+};
+
+namespace detail {
+/// Whether a sum of a few dozen such numbers could leave the range of float.
+constexpr bool is_extreme(double value) { return !(value >= -1e36 && value <= 1e36); }
+
+inline bool some_is_extreme(const float* values, std::size_t count) {
+  bool extreme = false;
+  for (std::size_t i = 0; i < count; ++i) extreme |= is_extreme(values[i]);
+  return extreme;
+}
+}  // namespace detail
+
+/// Whether a Gaussian of `scene` may have a colour that is not finite in a view from within 1e36 of the
+/// origin. Basis functions are below 1.2, so harmonics up to 1e36 sum up to less than 1e38.
+inline bool colours_may_overflow(const Scene& scene) {
+  const auto extreme = [](const auto& array, std::size_t width) {
+    const auto* values = reinterpret_cast<const float*>(array.data());
+    return detail::some_is_extreme(values, width * array.size());
+  };
+  return extreme(scene.sh0, 3) || extreme(scene.sh_rest, 1) || extreme(scene.means, 3);
+}
 
 /// Sets a sum to 0.
 struct SWIFTGS_API ClearSums {
@@ -152,13 +186,16 @@ requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const Contri
 /// `AxisSharedThreshold<FloatCholesky>` blends with.
 ///
 /// It has its own projection, by `project_shape`: it needs the Gaussian of each splat, which a renderer's
-/// projection does not store, and no colour.
+/// projection does not store. It evaluates colours only in scenes with numbers beyond 1e36, to leave out the
+/// Gaussians that frames do not draw because their colour is not finite.
 template <BackendPolicy B>
 class Contributions {
  public:
   /// Uploads `scene` to `backend`. Throws as `upload` does, and `CapacityError` beyond 2^32 - 1 Gaussians.
   explicit Contributions(std::shared_ptr<const Scene> scene, B backend = B())
-      : backend_(std::move(backend)), scene_(backend_.upload(std::move(scene))) {
+      : backend_(std::move(backend)),
+        scene_(backend_.upload(scene)),
+        colours_may_overflow_(colours_may_overflow(*scene)) {
     const std::size_t n = scene_.view().size(), most = std::numeric_limits<std::uint32_t>::max();
     if (n > most) throw CapacityError("Gaussians", n, most);
     sums_.reset(n);
@@ -174,12 +211,13 @@ class Contributions {
     if (pixels > max_contribution_pixels)
       throw CapacityError("pixels of all views", pixels, max_contribution_pixels);
 
+    check_ready(backend_);
     project(constants);
     const TileGrid grid = TileGrid::covering(camera.width, camera.height);
     const SplatsView splats{{shapes_.data(), visible_}, {depths_.data(), visible_}};
     const SceneView scene = scene_.view();
-    const FrameKey key{scene.means.data, scene.size(), camera.width, camera.height};
-    EarlySort().build(backend_, SortJob{splats, grid, key}, Ellipse{}, sort_scratch_, lists_);
+    const FrameKey key{scene.identity, scene.size(), camera.width, camera.height};
+    EarlySort().build(backend_, SortJob<Ellipse>{splats, grid, key}, Ellipse{}, sort_scratch_, lists_);
 
     const RasterJob raster{.splats = splats,
                            .lists = lists_.view(),
@@ -213,11 +251,19 @@ class Contributions {
     shapes_.reset(visible), depths_.reset(visible), gaussians_.reset(visible);
     backend_.for_each(
         n, KeepVisible{projected_.data(), slots_.data(), shapes_.data(), depths_.data(), gaussians_.data()});
+    if (colours_may_overflow_ || centre_is_extreme(constants))
+      backend_.for_each(visible, HideSplats{constants, scene, gaussians_.data(), shapes_.data()});
     visible_ = visible;
+  }
+
+  static bool centre_is_extreme(const ViewConstants& constants) {
+    const double* centre = constants.centre;
+    return detail::is_extreme(centre[0]) || detail::is_extreme(centre[1]) || detail::is_extreme(centre[2]);
   }
 
   B backend_;
   typename B::SceneOn scene_;
+  bool colours_may_overflow_;
   typename B::template Buffer<std::uint64_t> sums_;
   typename B::template Buffer<ProjectedShape> projected_;
   typename B::template Buffer<std::uint32_t> slots_, gaussians_;

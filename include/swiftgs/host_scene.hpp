@@ -18,6 +18,7 @@ class HostScene {
     if (!scene_) throw std::invalid_argument("upload: expected a scene");
     view_ = swiftgs::view(*scene_);
     validate_numbers(*scene_);
+    view_.identity = new_scene_identity();
   }
 
   SceneView view() const { return view_; }

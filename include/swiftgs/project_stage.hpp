@@ -7,6 +7,7 @@
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/bounds.hpp>
+#include <swiftgs/footprint.hpp>
 #include <swiftgs/project.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/tiles.hpp>
@@ -65,7 +66,9 @@ struct CompactSplats {
 /// overload this. If the host's read of a count is slow, a backend also counts the tiles within `bounds`
 /// here, so that one read serves this stage and the next.
 template <BackendPolicy B, BoundsPolicy Bounds>
-void project(B& b, const ProjectJob& job, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats) {
+void project(B& b, const ProjectJob& job, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
+             Footprints<B, Bounds>& footprints) {
+  footprints.grid = job.grid;
   const std::size_t n = job.scene.size();
   scratch.projected.reset(n), scratch.slots.reset(n);
   b.for_each(n, ProjectShapes{job.constants, job.scene, scratch.projected.data(), scratch.slots.data()});

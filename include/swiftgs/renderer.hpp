@@ -74,6 +74,7 @@ class Renderer {
   void render_into(const SceneView& scene, const Camera& camera, const RenderSettings& settings,
                    const FrameView& frame) {
     check_arguments(scene, camera, settings, frame);
+    check_ready(backend_);
     counted_ = false;
     const TileGrid grid = TileGrid::covering(frame.width, frame.height);
     TileCounts* counts = nullptr;
@@ -81,12 +82,13 @@ class Renderer {
 
     const auto start = backend_.now();
     project(backend_, ProjectJob{view_constants(camera, settings.conventions), scene, grid}, Bounds{},
-            project_scratch_, splats_);
+            project_scratch_, splats_, footprints_);
 
     const auto projected = backend_.now();
-    const FrameKey key{scene.means.data, scene.size(), frame.width, frame.height};
+    const FrameKey key{scene.identity, scene.size(), frame.width, frame.height};
     try {
-      sort_.build(backend_, SortJob{splats_.view(), grid, key}, Bounds{}, sort_scratch_, lists_);
+      sort_.build(backend_, SortJob<Bounds>{splats_.view(), grid, key, footprints_.view()}, Bounds{},
+                  sort_scratch_, lists_);
     } catch (...) {
       finish_colours(backend_, splats_);  // the caller may change the scene in the backend's order
       throw;
@@ -107,6 +109,7 @@ class Renderer {
   /// Returns and throws as `render_into`.
   FrameView render_resident(const SceneView& scene, const Camera& camera, const RenderSettings& settings) {
     validate(camera);
+    check_ready(backend_);
     const std::size_t width = std::size_t(camera.width), pixels = width * std::size_t(camera.height);
     const auto plane = [&](auto& buffer, std::size_t channels) {
       buffer.reset(channels * pixels);
@@ -168,7 +171,7 @@ class Renderer {
 
   /// What the buffers of each stage hold, in the backend's memory. They grow with the largest frame so far.
   StageMemory memory() const {
-    return {bytes_of(project_scratch_, splats_), bytes_of(sort_scratch_, lists_),
+    return {bytes_of(project_scratch_, splats_, footprints_), bytes_of(sort_scratch_, lists_),
             bytes_of(frame_.colour, frame_.alpha, frame_.depth, tile_counts_)};
   }
 
@@ -223,6 +226,7 @@ class Renderer {
   Sort sort_;
   ProjectScratch<B> project_scratch_;
   Splats<B> splats_;
+  Footprints<B, Bounds> footprints_;
   typename Sort::template Scratch<B> sort_scratch_;
   TileLists<B> lists_;
   typename B::template Buffer<TileCounts> tile_counts_;

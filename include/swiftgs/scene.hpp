@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/span.hpp>
 
@@ -33,6 +35,12 @@ struct Scene {
   std::size_t size() const { return means.size(); }
 };
 
+/// A number for `SceneView::identity` that this process has not returned before.
+SWIFTGS_API inline std::uint64_t new_scene_identity() {
+  static std::atomic<std::uint64_t> last{0};
+  return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
 /// Constant arrays of one scene wherever a backend keeps them; what a frame is rendered from. A Gaussian with
 /// a number that is NaN or infinite is not drawn.
 /// `sh_degree` may be lower than what is stored: bands above it are never loaded.
@@ -45,6 +53,11 @@ struct SceneView {
   Span<const float> sh_rest;
   int sh_degree = 0;  ///< bands to evaluate
   int sh_stride = 0;  ///< floats a Gaussian in `sh_rest`
+
+  /// Of these arrays with what they hold: tells whether what was learnt from earlier frames holds. Every
+  /// upload has its own, and copies of what it returns share it. 0 of a view of your own arrays, from which
+  /// nothing is learnt, unless you set it to a `new_scene_identity()` for each scene that they come to hold.
+  std::uint64_t identity = 0;
 
   SWIFTGS_HD std::size_t size() const { return means.size; }
 };

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
-#include <swiftgs/footprint.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/span.hpp>
 
@@ -56,10 +56,6 @@ SWIFTGS_HD inline bool set_colour(SplatShape& shape, SplatColour& colour, vec3 r
 struct SplatsView {
   Span<const SplatShape> shapes;
   Span<const SplatColour> colours;
-
-  /// @shape{splats} tiles that each may touch, and their sum: where the backend finds them while it projects.
-  Span<const Footprint> footprints{};
-  std::uint64_t instances = 0;
 
   /// Not 0 if `set_colour` hid a splat: its opacity is 0, its reach is unchanged.
   /// Null: no splat is hidden.

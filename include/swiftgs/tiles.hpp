@@ -20,6 +20,7 @@ struct TileGrid {
     return {(width + tile_side - 1) / tile_side, (height + tile_side - 1) / tile_side};
   }
   SWIFTGS_HD constexpr std::size_t size() const { return std::size_t(columns) * std::size_t(rows); }
+  bool operator==(const TileGrid&) const = default;
 
   /// Bits that tell all tiles apart: what a sort by tile has to look at.
   SWIFTGS_HD constexpr int key_bits() const {

@@ -226,7 +226,9 @@ TEST_CASE("cuda: a kernel may be started while a measurement is under way") {
   const DeviceSplats splats(random_splats(2000, 200, 100, 9));
   StandardSort::Scratch<Cuda> scratch;
   TileLists<Cuda> lists;
-  const auto build = [&] { StandardSort{}.build(cuda, splats.job(200, 100), Ellipse{}, scratch, lists); };
+  const auto build = [&] {
+    StandardSort{}.build(cuda, splats.job(200, 100).within(Ellipse{}), Ellipse{}, scratch, lists);
+  };
   build();
   for (int i = 0; i < 20; ++i) {
     const auto from = cuda.now();

@@ -124,6 +124,21 @@ TEST_CASE("cuda contribution: what is hidden or culled gets nothing") {
   }
 }
 
+TEST_CASE("cuda contribution: Gaussians that frames hide get nothing and those behind them all") {
+  if (without_device()) return;
+  const Scene scene = scene_with_hidden(3000, 16);
+  const Camera camera = forward_camera(213, 147);
+  Usual renderer;
+  RenderSettings settings;
+  settings.outputs.alpha = true;
+  const Frame frame = renderer.render(renderer.backend().upload(scene), camera, settings);
+  const double covered = std::accumulate(frame.alpha.begin(), frame.alpha.end(), 0.0);
+  const Sums sums = sums_of<Cuda>(scene, {camera}, settings.conventions);
+  for (std::size_t i = 0; i < sums.size(); i += 10) CHECK(sums[i] == 0);
+  CHECK(total(sums) > 1000);
+  CHECK(total(sums) == doctest::Approx(covered).epsilon(1e-4));
+}
+
 TEST_CASE("cuda contribution: scenes of no and of one Gaussian have as many sums") {
   if (without_device()) return;
   const Camera camera = forward_camera(20, 30);

@@ -118,11 +118,12 @@ class DeviceSplats {
       : shapes_(to_device(set.shapes)), colours_(to_device(set.colours)) {}
 
   SplatsView view() const { return {.shapes = shapes_.span(), .colours = colours_.span()}; }
-  SortJob job(int width, int height) const {
-    return {view(), TileGrid::covering(width, height), {shapes_.data(), shapes_.size(), width, height}};
+  SortInput job(int width, int height) const {
+    return {view(), TileGrid::covering(width, height), {identity_, shapes_.size(), width, height}};
   }
 
  private:
+  std::uint64_t identity_ = new_scene_identity();
   DeviceBuffer<SplatShape> shapes_;
   DeviceBuffer<SplatColour> colours_;
 };

@@ -2,6 +2,7 @@
 
 // The device's renderers inside another program: its stream, its memory, its arrays, its threads.
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -157,6 +158,39 @@ TEST_CASE("cuda embedding: a frame waits for what its stream was given before an
   renderer.render_into(late, camera, {}, image.view());
   CHECK(same_bits(image.pixels(renderer.backend(), image.colour, 12),
                   expected.pixels(renderer.backend(), expected.colour, 12)));
+}
+
+TEST_CASE("cuda embedding: an upload follows its stream and waits for no other") {
+  if (without_device()) return;
+  const Scene scene = random_scene(4000, 1, 10);
+  const Stream stream;
+  Cuda cuda(stream.get());
+  const std::vector<vec3> expected = to_host(cuda, cuda.upload(scene).view().means);
+
+  // The default stream has work for a second, unless it is let go. An upload is done long before.
+  struct Gate {
+    std::atomic<bool> open = false, passed = false;
+  } gate;
+  const auto hold = [](void* of) {
+    Gate& held = *static_cast<Gate*>(of);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+    while (!held.open && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+    held.passed = true;
+  };
+  check_cuda(cudaLaunchHostFunc(nullptr, hold, &gate), "cudaLaunchHostFunc");
+  const DeviceScene early = cuda.upload(scene);
+  CHECK_FALSE(gate.passed);
+  gate.open = true;
+  check_cuda(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
+  CHECK(same_bits(to_host(cuda, early.view().means), expected));
+
+  // What the stream was given before is done when an upload returns.
+  DeviceBuffer<unsigned char> busy;
+  busy.reset(std::size_t(256) << 20);
+  for (int i = 0; i < 40; ++i) cuda.clear(busy.data(), busy.size());
+  const DeviceScene late = cuda.upload(scene);
+  CHECK(cudaStreamQuery(stream.get()) == cudaSuccess);
+  CHECK(same_bits(to_host(Cuda(), late.view().means), expected));
 }
 
 TEST_CASE_TEMPLATE("cuda embedding: a frame is drawn while its host polls a stream that is not ready", Sort,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Loops, bounds and rasterizers that the library does not know.
+#include <algorithm>
+
 #include <swiftgs/cuda.cuh>
 #include <swiftgs/renderer.hpp>
 
@@ -22,6 +24,23 @@ struct EvenRows {
   SWIFTGS_HD TileRect rect(const SplatShape& shape, TileGrid grid) const { return opacity_box(shape, grid); }
   SWIFTGS_HD TileRun row(const SplatShape&, TileRect rect, int row) const {
     return row % 2 ? TileRun{} : rect.columns;
+  }
+};
+
+/// Bounds of other tiles in the kernel that emits large splats than where tiles are counted.
+struct Fickle {
+  static constexpr std::string_view name = "fickle";
+  static constexpr bool lossless = false;
+  int counted = 0, emitted = 0;  ///< columns of a row
+
+  SWIFTGS_HD TileRect rect(const SplatShape&, TileGrid grid) const {
+    return {{0, grid.columns}, {0, grid.rows}};
+  }
+  SWIFTGS_HD TileRun row(const SplatShape&, TileRect, int) const {
+#if defined(__CUDA_ARCH__)
+    if (gridDim.x == kernels::emit_large_blocks) return {1, 1 + emitted};
+#endif
+    return {1, 1 + counted};
   }
 };
 
@@ -87,10 +106,45 @@ TEST_CASE("cuda: every sort takes bounds of the caller") {
   const HostLists expected =
       host_lists(serial, build_lists<StandardSort, EvenRows>(serial, splats.job(600, 400)));
   REQUIRE(!expected.ids.empty());
-  const SortJob job = uploaded.job(600, 400);
+  const SortInput job = uploaded.job(600, 400);
   CHECK(host_lists(cuda, build_lists<StandardSort, EvenRows>(cuda, job)) == expected);
   CHECK(host_lists(cuda, build_lists<EarlySort, EvenRows>(cuda, job)) == expected);
   CHECK(host_lists(cuda, build_lists<AdaptiveSort, EvenRows>(cuda, job)) == expected);
+}
+
+TEST_CASE_TEMPLATE("cuda: a large splat has as many instances as were counted and no list has it twice", Sort,
+                   StandardSort, EarlySort) {
+  if (without_device()) return;
+  Cuda cuda;
+  for (const int splats : {1, 40})
+    for (const int counted : {1, 5, 30})
+      for (const int emitted : {0, 1, 5, 31}) {
+        CAPTURE(splats);
+        CAPTURE(counted);
+        CAPTURE(emitted);
+        SplatSet set;
+        for (int i = 0; i < splats; ++i) set.add(make_splat(250, 200, 90, 90, 0, 0.5), float(1 + i % 5));
+        const DeviceSplats uploaded(set);
+        const SortInput job = uploaded.job(512, 400);
+        REQUIRE(job.grid.columns == 32);
+        const Fickle bounds{counted, emitted};
+        typename Sort::template Scratch<Cuda> scratch;
+        TileLists<Cuda> lists;
+        Sort().build(cuda, job.within(bounds), bounds, scratch, lists);
+        const HostLists found = host_lists(cuda, lists);
+        const auto each = std::size_t(counted * job.grid.rows);
+        REQUIRE(found.ids.size() == std::size_t(splats) * each);
+        std::vector<std::size_t> seen(std::size_t(splats), 0);
+        for (std::vector<std::uint32_t> list : to_vectors(found.view())) {
+          std::sort(list.begin(), list.end());
+          CHECK(std::adjacent_find(list.begin(), list.end()) == list.end());
+          for (const std::uint32_t id : list) {
+            REQUIRE(id < std::uint32_t(splats));
+            ++seen[id];
+          }
+        }
+        for (const std::size_t times : seen) CHECK(times == each);
+      }
 }
 
 TEST_CASE("cuda: projection takes bounds of the caller") {
@@ -103,12 +157,13 @@ TEST_CASE("cuda: projection takes bounds of the caller") {
                        grid};
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
-  project(cuda, job, EvenRows{}, scratch, splats);
+  Footprints<Cuda, EvenRows> footprints;
+  project(cuda, job, EvenRows{}, scratch, splats, footprints);
   const SplatSet set = to_host(cuda, splats.view());
   REQUIRE(set.shapes.size() > 100);
   std::uint64_t tiles = 0;
   for (const SplatShape& shape : set.shapes) tiles += count_tiles(EvenRows{}, shape, grid);
-  CHECK(splats.instances == tiles);
+  CHECK(footprints.instances == tiles);
 }
 
 TEST_CASE("cuda: a renderer takes a rasterizer of the caller") {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <tuple>
 
 #include <swiftgs/builtin_scene.hpp>
 
@@ -83,26 +84,35 @@ struct Stage {
   Cuda cuda;
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
+  std::tuple<Footprints<Cuda, ThreeSigmaSquare>, Footprints<Cuda, OpacityBox>, Footprints<Cuda, Ellipse>>
+      all_footprints;
 
   template <class Bounds>
   SplatSet run(const SceneView& scene, const Camera& camera, const Conventions& conventions, Bounds bounds) {
     const TileGrid grid = TileGrid::covering(camera.width, camera.height);
-    project(cuda, ProjectJob{view_constants(camera, conventions), scene, grid}, bounds, scratch, splats);
+    project(cuda, ProjectJob{view_constants(camera, conventions), scene, grid}, bounds, scratch, splats,
+            footprints(bounds));
     return to_host(cuda, splats.view());
+  }
+
+  /// Those of the frame before, if it was projected within these bounds.
+  template <class Bounds>
+  Footprints<Cuda, Bounds>& footprints(Bounds) {
+    return std::get<Footprints<Cuda, Bounds>>(all_footprints);
   }
 
   /// Whether the tiles of every splat are those of the bounds.
   template <class Bounds>
-  bool found_tiles(const SplatSet& set, const Camera& camera, Bounds bounds) const {
+  bool found_tiles(const SplatSet& set, const Camera& camera, Bounds bounds) {
     const TileGrid grid = TileGrid::covering(camera.width, camera.height);
-    const std::vector<Footprint> footprints = to_host(cuda, splats.view().footprints);
+    const std::vector<Footprint> found = to_host(cuda, footprints(bounds).view().each);
     std::uint64_t sum = 0;
-    bool same = footprints.size() == set.shapes.size();
-    for (std::size_t i = 0; same && i < footprints.size(); ++i) {
-      same = footprints[i].count == count_tiles(bounds, set.shapes[i], grid);
-      sum += footprints[i].count;
+    bool same = found.size() == set.shapes.size() && footprints(bounds).grid == grid;
+    for (std::size_t i = 0; same && i < found.size(); ++i) {
+      same = found[i].count == count_tiles(bounds, set.shapes[i], grid);
+      sum += found[i].count;
     }
-    return same && sum == splats.instances;
+    return same && sum == footprints(bounds).instances;
   }
 };
 
@@ -111,7 +121,9 @@ SplatSet project_on_host(const SceneView& scene, const Camera& camera, const Con
   ProjectScratch<Serial> scratch;
   Splats<Serial> splats;
   const TileGrid grid = TileGrid::covering(camera.width, camera.height);
-  project(serial, ProjectJob{view_constants(camera, conventions), scene, grid}, Ellipse{}, scratch, splats);
+  Footprints<Serial, Ellipse> footprints;
+  project(serial, ProjectJob{view_constants(camera, conventions), scene, grid}, Ellipse{}, scratch, splats,
+          footprints);
   const SplatsView view = splats.view();
   return {{view.shapes.begin(), view.shapes.end()}, {view.colours.begin(), view.colours.end()}};
 }
@@ -232,7 +244,7 @@ TEST_CASE("cuda project: nothing may be visible or all") {
   Scene scene = random_scene(3000, 1, 7);
   for (vec3& mean : scene.means) mean = vec3(mean.x, mean.y, -1 - std::abs(mean.z));
   CHECK(check_projection(stage, scene, forward_camera(320, 200)) == 0);
-  CHECK(stage.splats.instances == 0);
+  CHECK(stage.footprints(Ellipse{}).instances == 0);
   for (std::size_t i = 0; i < scene.size(); ++i) scene.means[i] = vec3(0, 0, 4), scene.opacities[i] = 0.7f;
   CHECK(check_projection(stage, scene, forward_camera(320, 200)) == 3000);
 }
@@ -269,7 +281,7 @@ TEST_CASE("cuda project: colours of a frame that is given up do not get into the
   for (int i = 0; i < 20; ++i) {
     const TileGrid grid = TileGrid::covering(wide.width, wide.height);
     project(stage.cuda, ProjectJob{view_constants(wide, Conventions::gsplat()), scene.view(), grid},
-            Ellipse{}, stage.scratch, stage.splats);
+            Ellipse{}, stage.scratch, stage.splats, stage.footprints(Ellipse{}));
     CHECK(
         same_bits(stage.run(scene.view(), near, Conventions::gsplat(), Ellipse{}).colours, expected.colours));
   }
@@ -282,11 +294,11 @@ TEST_CASE("cuda project: every run gives the same bits") {
   const Camera camera = forward_camera(640, 360);
   const auto run = [&] { return stage.run(scene.view(), camera, Conventions::gsplat(), Ellipse{}); };
   const SplatSet first = run();
-  const std::vector<Footprint> footprints = to_host(stage.cuda, stage.splats.view().footprints);
+  const std::vector<Footprint> footprints = to_host(stage.cuda, stage.footprints(Ellipse{}).view().each);
   for (int i = 0; i < 10; ++i) {
     const SplatSet again = run();
     CHECK(same_bits(again.shapes, first.shapes));
     CHECK(same_bits(again.colours, first.colours));
-    CHECK(same_bits(to_host(stage.cuda, stage.splats.view().footprints), footprints));
+    CHECK(same_bits(to_host(stage.cuda, stage.footprints(Ellipse{}).view().each), footprints));
   }
 }

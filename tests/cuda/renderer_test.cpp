@@ -176,6 +176,24 @@ TEST_CASE("cuda renderer: counts what it did and says how long it took") {
   CHECK(times.total == doctest::Approx(times.project + times.sort + times.raster).epsilon(0.05));
 }
 
+TEST_CASE("cuda renderer: a scene in the memory of one that is gone is not sorted by what was learnt of it") {
+  if (without_device()) return;
+  Renderer<Cuda, AdaptiveSort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(), AdaptiveSort(1)};
+  const Camera camera = forward_camera(200, 150);
+  const void* memory = nullptr;
+  {
+    const auto scene = renderer.backend().upload(random_scene(50'000, 0, 1));
+    memory = scene.view().means.data;
+    for (int i = 0; i < 50 && !renderer.sort().calibration(); ++i) renderer.render(scene, camera);
+    REQUIRE(renderer.sort().calibration());
+  }
+  const auto scene = renderer.backend().upload(random_scene(50'000, 0, 2));
+  INFO("expected the memory of the scene that is gone, or this shows nothing");
+  CHECK(scene.view().means.data == memory);
+  renderer.render(scene, camera);
+  CHECK_FALSE(renderer.sort().calibration());
+}
+
 TEST_CASE("cuda renderer: one renderer draws scenes and sizes in any order as new ones do") {
   if (without_device()) return;
   Usual renderer;

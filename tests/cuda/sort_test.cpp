@@ -22,9 +22,9 @@ struct Sorts {
   TileLists<B> lists;
 
   template <class Bounds, class F>
-  void for_each(B& backend, const SortJob& job, Bounds bounds, const F& f) {
+  void for_each(B& backend, const SortJob<Bounds>& job, const F& f) {
     const auto run = [&](auto& sort, auto& scratch) {
-      sort.build(backend, job, bounds, scratch, lists);
+      sort.build(backend, job, Bounds{}, scratch, lists);
       f(sort.name, host_lists(backend, lists));
     };
     run(standard, standard_scratch), run(early, early_scratch), run(adaptive, adaptive_scratch);
@@ -47,7 +47,7 @@ std::size_t check_lists(Cuda& cuda, Sorts<Cuda>& sorts, const SplatSet& splats, 
     const HostLists expected =
         host_lists(serial, build_lists<StandardSort, Bounds>(serial, splats.job(width, height)));
     instances = expected.ids.size();
-    sorts.for_each(cuda, uploaded.job(width, height), bounds,
+    sorts.for_each(cuda, uploaded.job(width, height).within(bounds),
                    [&](std::string_view name, const HostLists& lists) {
                      CAPTURE(name);
                      CHECK(lists == expected);
@@ -91,17 +91,43 @@ TEST_CASE("cuda sort: lists from footprints that projection found are the serial
     const ProjectJob job{view_constants(camera, Conventions::gsplat()), scene.view(), grid};
     for_each_bounds([&]<class Bounds>(Bounds bounds) {
       CAPTURE(Bounds::name);
-      project(cuda, job, bounds, scratch, splats);
+      Footprints<Cuda, Bounds> footprints;
+      project(cuda, job, bounds, scratch, splats, footprints);
       const SplatSet set = to_host(cuda, splats.view());
       const HostLists expected =
           host_lists(serial, build_lists<StandardSort, Bounds>(serial, set.job(700, 500)));
-      sorts.for_each(cuda, {splats.view(), grid, {scene.view().means.data, n, 700, 500}}, bounds,
+      const FrameKey key{scene.view().identity, n, 700, 500};
+      sorts.for_each(cuda, SortJob<Bounds>{splats.view(), grid, key, footprints.view()},
                      [&](std::string_view name, const HostLists& lists) {
                        CAPTURE(name);
                        CHECK(lists == expected);
                      });
     });
   }
+}
+
+TEST_CASE("cuda sort: footprints of another grid are refused") {
+  if (without_device()) return;
+  Cuda cuda;
+  const DeviceScene scene = cuda.upload(random_scene(3000, 0, 11));
+  const TileGrid grid = TileGrid::covering(700, 500), other = TileGrid::covering(500, 700);
+  ProjectScratch<Cuda> scratch;
+  Splats<Cuda> splats;
+  for_each_bounds([&]<class Bounds>(Bounds bounds) {
+    Footprints<Cuda, Bounds> footprints;
+    const ProjectJob job{view_constants(forward_camera(700, 500), Conventions::gsplat()), scene.view(), grid};
+    project(cuda, job, bounds, scratch, splats, footprints);
+    Sorts<Cuda> sorts;
+    const auto refuse = [&](auto& sort, auto& sort_scratch) {
+      const SortJob<Bounds> wrong{splats.view(), other, {}, footprints.view()};
+      CHECK_THROWS_WITH_AS(sort.build(cuda, wrong, bounds, sort_scratch, sorts.lists),
+                           "sort: the splats were projected for 44 x 32 tiles, expected the grid of the "
+                           "sort, 32 x 44 tiles",
+                           std::invalid_argument);
+    };
+    refuse(sorts.standard, sorts.standard_scratch), refuse(sorts.early, sorts.early_scratch);
+    refuse(sorts.adaptive, sorts.adaptive_scratch);
+  });
 }
 
 TEST_CASE("cuda sort: giants among dots are listed where they lie") {
@@ -184,13 +210,16 @@ TEST_CASE("cuda sort: more instances than lists can index are a capacity error a
   SplatSet flood;
   for (int i = 0; i < 129; ++i) flood.add(make_splat(0, 0, 1e6, 1e6, 0, 1), 1);
   const DeviceSplats uploaded(flood);
-  const SortJob job = uploaded.job(max_image_side, max_image_side);
+  const SortInput job = uploaded.job(max_image_side, max_image_side);
   for_each_bounds([&](auto bounds) {
-    CHECK_THROWS_AS(sorts.standard.build(cuda, job, bounds, sorts.standard_scratch, sorts.lists),
+    CHECK_THROWS_AS(
+        sorts.standard.build(cuda, job.within(bounds), bounds, sorts.standard_scratch, sorts.lists),
+        CapacityError);
+    CHECK_THROWS_AS(sorts.early.build(cuda, job.within(bounds), bounds, sorts.early_scratch, sorts.lists),
                     CapacityError);
-    CHECK_THROWS_AS(sorts.early.build(cuda, job, bounds, sorts.early_scratch, sorts.lists), CapacityError);
-    CHECK_THROWS_AS(sorts.adaptive.build(cuda, job, bounds, sorts.adaptive_scratch, sorts.lists),
-                    CapacityError);
+    CHECK_THROWS_AS(
+        sorts.adaptive.build(cuda, job.within(bounds), bounds, sorts.adaptive_scratch, sorts.lists),
+        CapacityError);
   });
   check_lists(cuda, sorts, usual, 300, 200);
 }
@@ -204,7 +233,7 @@ TEST_CASE("cuda sort: an adaptive sort decides after some frames and without wai
   TileLists<Cuda> lists;
   int frames = 0;
   for (; !sort.calibration() && frames < 200; ++frames) {
-    sort.build(cuda, splats.job(640, 480), Ellipse{}, scratch, lists);
+    sort.build(cuda, splats.job(640, 480).within(Ellipse{}), Ellipse{}, scratch, lists);
     if (frames >= 100) check_cuda(cudaStreamSynchronize(cuda.stream()), "cudaStreamSynchronize");
   }
   REQUIRE(sort.calibration());

@@ -76,7 +76,7 @@ TEST_CASE("cuda arithmetic: weights in the parts of a tile are those of the seri
   double sum = 0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const SplatSet splats = random_splats(300, tile_side, tile_side, seed);
-    const SortJob job = splats.job(tile_side, tile_side);
+    const SortInput job = splats.job(tile_side, tile_side);
     const TileLists<Serial> lists = build_lists<EarlySort, Ellipse>(serial, job);
     std::vector<std::uint32_t> gaussians(splats.shapes.size());
     for (std::size_t i = 0; i < gaussians.size(); ++i) gaussians[i] = std::uint32_t(i);

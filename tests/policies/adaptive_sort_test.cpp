@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -56,9 +59,9 @@ struct Session {
 
   /// Builds the lists of one frame; returns the strategy that ran.
   std::string frame(int width = 64, int height = 48) {
-    SortJob job = splats.job(width, height);
+    SortInput job = splats.job(width, height);
     job.key.scene = scene;
-    sort.build(backend, job, Ellipse{}, scratch, lists);
+    sort.build(backend, job.within(Ellipse{}), Ellipse{}, scratch, lists);
     correct = correct && to_vectors(lists.view()) == brute_force_lists<Ellipse>(job);
     return backend.last;
   }
@@ -73,7 +76,7 @@ struct Session {
   AdaptiveSort::Scratch<ScriptedBackend> scratch;
   TileLists<ScriptedBackend> lists;
   SplatSet splats = random_splats(20, 64, 48, 1);
-  const void* scene = "a scene";
+  std::uint64_t scene = 1;
   bool correct = true;
 };
 
@@ -167,7 +170,7 @@ TEST_CASE("adaptive sort: decides anew when the image size or the scene changes"
   REQUIRE(session.sort.calibration());
   CHECK(session.sort.calibration()->width == 80);
 
-  session.scene = "another scene";
+  session.scene = 2;
   session.frame(80, 48);
   CHECK_FALSE(session.sort.calibration());
   CHECK(session.correct);
@@ -178,7 +181,7 @@ TEST_CASE("adaptive sort: a measurement that is under way when the scene changes
   session.backend.late = true;
   session.frame();
   session.backend.late = false;
-  session.scene = "another scene";
+  session.scene = 2;
   // Were it taken for the new scene's first frame, which does not count, one of these would count.
   session.backend.standard_ms = session.backend.early_ms = 1000;
   CHECK(session.frames(2) == "se");
@@ -249,10 +252,10 @@ TEST_CASE("adaptive sort: a saved measurement of another scene or size is ignore
 
 TEST_CASE("adaptive sort: saved measurements hold for the first scene that matches and no other") {
   Session session(AdaptiveSort({{20, 64, 48, 1, 2}, {20, 80, 48, 1, 2}}));
-  const void* first = session.scene;
+  const std::uint64_t first = session.scene;
   session.frame();
   CHECK(session.sort.calibration());
-  session.scene = "another scene of the same size";
+  session.scene = 2;
   session.frame();
   CHECK_FALSE(session.sort.calibration());
   session.frame(80, 48);
@@ -283,13 +286,52 @@ TEST_CASE("adaptive sort: what was being measured when measurements are handed o
   CHECK(session.sort.calibration()->standard_ms == 1);
 }
 
+TEST_CASE("adaptive sort: a scene without identity is sorted early and not by what was learnt or saved") {
+  Session session(AdaptiveSort({{20, 64, 48, 1, 2}}, 1));
+  session.scene = 0;
+  CHECK(session.frames(8) == "eeeeeeee");
+  CHECK(session.backend.times_asked == 0);
+  CHECK_FALSE(session.sort.calibration());
+  session.scene = 1;
+  CHECK(session.frame() == "standard");
+  CHECK(session.sort.calibration());
+  session.scene = 0;
+  CHECK(session.frame() == "early");
+  CHECK_FALSE(session.sort.calibration());
+  CHECK(session.correct);
+}
+
+TEST_CASE_TEMPLATE("adaptive sort: a scene that lies where another one lay is not taken for it", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  Renderer<B, AdaptiveSort, PerPixel, Ellipse> renderer(make_backend<B>(), AdaptiveSort(1));
+  const Camera camera = forward_camera(64, 48);
+  const auto memory = std::make_shared<Scene>(random_scene(200, 0, 1));
+  std::uint64_t first = 0;
+  {
+    const auto scene = renderer.backend().upload(std::shared_ptr<const Scene>(memory));
+    first = scene.view().identity;
+    for (int i = 0; i < 4; ++i) renderer.render(scene, camera);
+    REQUIRE(renderer.sort().calibration());
+    const auto copy = scene;
+    renderer.render(copy, camera);
+    CHECK(renderer.sort().calibration());
+  }
+  const Scene other = random_scene(200, 0, 2);
+  std::copy(other.means.begin(), other.means.end(), memory->means.begin());
+  const auto scene = renderer.backend().upload(std::shared_ptr<const Scene>(memory));
+  CHECK(scene.view().identity > first);
+  renderer.render(scene, camera);
+  CHECK_FALSE(renderer.sort().calibration());
+}
+
 TEST_CASE("adaptive sort: can sort again after a frame that was refused") {
   Session session(AdaptiveSort(1));
   SplatSet flood;
   for (int i = 0; i < 129; ++i) flood.add(make_splat(0, 0, 1e6, 1e6, 0, 1), 1);
-  CHECK_THROWS_AS(session.sort.build(session.backend, flood.job(max_image_side, max_image_side), Ellipse{},
-                                     session.scratch, session.lists),
-                  CapacityError);
+  CHECK_THROWS_AS(
+      session.sort.build(session.backend, flood.job(max_image_side, max_image_side).within(Ellipse{}),
+                         Ellipse{}, session.scratch, session.lists),
+      CapacityError);
   CHECK(session.frames(5) == "sesee");
   CHECK(session.correct);
 }

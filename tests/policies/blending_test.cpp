@@ -167,7 +167,7 @@ TEST_CASE_TEMPLATE("blend: memory beyond each row of a pitched frame is left alo
   B backend = make_backend<B>();
   const int width = 37, height = 21;
   const SplatSet splats = usual_splats(100, width, height, 14);
-  const SortJob job = splats.job(width, height);
+  const SortInput job = splats.job(width, height);
   const TileLists<B> lists = build_lists<EarlySort, Ellipse>(backend, job);
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
@@ -203,7 +203,7 @@ TEST_CASE_TEMPLATE("blend: memory beyond each row of a pitched frame is left alo
 TEST_CASE_TEMPLATE("blend: each output alone is the same as with the others", B, SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
   const SplatSet splats = usual_splats(100, 50, 30, 15);
-  const SortJob job = splats.job(50, 30);
+  const SortInput job = splats.job(50, 30);
   const TileLists<B> lists = build_lists<EarlySort, Ellipse>(backend, job);
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
@@ -238,7 +238,7 @@ TEST_CASE_TEMPLATE("blend: lossless bounds draw the same bits of splats that bar
                             random.in(0, 3.14), (1 + faintness) / 255),
                  float(i + 1));
     }
-    const SortJob job = splats.job(width, height);
+    const SortInput job = splats.job(width, height);
     for_each_raster([&]<class Raster>(Raster) {
       CAPTURE(Raster::name);
       const auto alpha_within = [&]<class Bounds>(Bounds) {

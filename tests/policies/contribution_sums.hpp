@@ -10,6 +10,7 @@
 #include <swiftgs/contribution.hpp>
 
 #include "policies/backends.hpp"
+#include "policies/random_splats.hpp"
 
 namespace swiftgs::test {
 
@@ -28,6 +29,19 @@ Sums sums_of(const Scene& scene, const std::vector<Camera>& cameras, const Conve
 inline double total(const Sums& sums) {
   return std::accumulate(sums.begin(), sums.end(), 0.0,
                          [](double sum, std::uint64_t parts) { return sum + weight_of_parts(parts); });
+}
+
+/// A scene of which a tenth is in front of the others, large, and of a colour that is not finite: of SH
+/// coefficients that are, but add up to more than the largest float.
+inline Scene scene_with_hidden(std::size_t count, std::uint64_t seed) {
+  Scene scene = random_scene(count, 3, seed);
+  for (std::size_t i = 0; i < count; i += 10) {
+    scene.means[i] = vec3(0.01f * float(i % 7), 0, 1), scene.scales[i] = vec3(0.3f), scene.opacities[i] = 0.9f;
+    for (int k = 0; k < sh_rest_count(3); ++k)  // those that are not 0 along the axis
+      for (std::size_t c = 0; c < 3; ++c)
+        scene.sh_rest[i * 45 + 3 * std::size_t(k) + c] = k == 1 || k == 5 || k == 11 ? 3e38f : 0;
+  }
+  return scene;
 }
 
 /// Adds a white ball.

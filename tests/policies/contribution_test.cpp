@@ -136,6 +136,39 @@ TEST_CASE_TEMPLATE("contribution: what is hidden or culled gets nothing", B, SWI
   }
 }
 
+TEST_CASE_TEMPLATE("contribution: Gaussians that frames hide get nothing and those behind them all", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  const Scene scene = scene_with_hidden(2000, 16);
+  const Camera camera = forward_camera(150, 93);
+  Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer(make_backend<B>());
+  RenderSettings settings;
+  settings.outputs.alpha = true;
+  const Frame frame = renderer.render(renderer.backend().upload(scene), camera, settings);
+  const double covered = std::accumulate(frame.alpha.begin(), frame.alpha.end(), 0.0);
+  Contributions<B> contributions(std::make_shared<const Scene>(scene), make_backend<B>());
+  contributions.add(camera, settings.conventions);
+  const Sums sums = contributions.sums();
+  for (std::size_t i = 0; i < sums.size(); i += 10) CHECK(sums[i] == 0);
+  CHECK(total(sums) > 1000);
+  CHECK(total(sums) == doctest::Approx(covered).epsilon(1e-4));
+  CHECK(contributions.visible() == renderer.statistics().visible);
+}
+
+TEST_CASE("contribution: colours are looked at only in scenes whose numbers could overflow") {
+  Scene scene = random_scene(100, 3, 17);
+  CHECK_FALSE(colours_may_overflow(Scene()));
+  CHECK_FALSE(colours_may_overflow(scene));
+  for (vec3& coefficient : scene.sh0) coefficient = vec3(1e36f);
+  for (float& coefficient : scene.sh_rest) coefficient = -1e36f;
+  CHECK_FALSE(colours_may_overflow(scene));
+  scene.sh_rest.back() = 1.1e36f;
+  CHECK(colours_may_overflow(scene));
+  scene.sh_rest.back() = 0, scene.sh0[50].y = -1.1e36f;
+  CHECK(colours_may_overflow(scene));
+  scene.sh0[50].y = 0, scene.means[99].z = 1.1e36f;
+  CHECK(colours_may_overflow(scene));
+}
+
 TEST_CASE_TEMPLATE("contribution: views add up in any order", B, SWIFTGS_TEST_BACKENDS) {
   const Scene scene = random_scene(800, 0, 14);
   const Conventions conventions = Conventions::inria();

@@ -67,7 +67,7 @@ TEST_CASE("cpu raster: every vector target draws the same image") {
 TEST_CASE("cpu raster: every vector target stores each pixel format and ends at the occluder") {
   const int width = 150, height = 110;
   const SplatSet splats = usual_splats(800, width, height, 8);
-  const SortJob job = splats.job(width, height);
+  const SortInput job = splats.job(width, height);
   std::vector<float> occluder;
   Random random(9);
   for (int i = 0; i < width * height; ++i) occluder.push_back(random.f(0, 30));
@@ -128,7 +128,7 @@ TEST_CASE("cpu raster: every vector target stores terms beyond the largest half 
 
 TEST_CASE("cpu sort: every vector target lists the same tiles") {
   const SplatSet splats = random_splats(3000, 400, 300, 5);
-  const SortJob job = splats.job(400, 300);
+  const SortInput job = splats.job(400, 300);
   const Lists expected = brute_force_lists<Ellipse>(job);
   Cpu cpu(2);
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {

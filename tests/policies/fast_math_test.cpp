@@ -21,12 +21,12 @@ namespace {
 template <class Sort, class Bounds>
 void check_lists(std::uint64_t seed) {
   const SplatSet splats = random_splats(4000, 300, 200, seed);
-  const SortJob job = splats.job(300, 200);
+  const SortInput job = splats.job(300, 200);
   Serial serial;
   Sort sort;
   typename Sort::template Scratch<Serial> scratch;
   TileLists<Serial> lists;
-  sort.build(serial, job, Bounds{}, scratch, lists);
+  sort.build(serial, job.within(Bounds{}), Bounds{}, scratch, lists);
   std::size_t listed = 0, strange = 0;
   for (std::size_t tile = 0; tile < job.grid.size(); ++tile) {
     const TileRange range = lists.view().ranges[tile];

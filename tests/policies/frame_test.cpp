@@ -243,7 +243,7 @@ TEST_CASE_TEMPLATE("frame: a tile ends when the surface has hidden all its pixel
   B backend = make_backend<B>();
   SplatSet splats;
   for (int i = 0; i < 1000; ++i) splats.add(make_splat(16, 8, 500, 500, 0, 0.01), 1.0f + float(i));
-  const SortJob job = splats.job(32, 16);
+  const SortInput job = splats.job(32, 16);
   const TileLists<B> lists = build_lists<EarlySort, Ellipse>(backend, job);
   const std::vector<float> occluder(32 * 16, 4.0f);
   for_each_raster([&]<class Raster>(Raster) {

@@ -53,10 +53,11 @@ template <class B>
 std::vector<SplatColour> colours(B& backend, const SceneView& scene, const Camera& camera) {
   ProjectScratch<B> scratch;
   Splats<B> splats;
+  Footprints<B, Ellipse> footprints;
   project(backend,
           ProjectJob{view_constants(camera, Conventions::gsplat()), scene,
                      TileGrid::covering(camera.width, camera.height)},
-          Ellipse(), scratch, splats);
+          Ellipse(), scratch, splats, footprints);
   finish_colours(backend, splats);
   return {splats.colours.data(), splats.colours.data() + splats.count};
 }
@@ -166,7 +167,7 @@ TEST_CASE_TEMPLATE("no needless work: bands that are all zero are not evaluated"
 TEST_CASE("no needless work: only as many key bits are sorted as tell the tiles apart") {
   const SplatSet splats = random_splats(10, 640, 480, 3);
   RecordingBackend backend;
-  const SortJob job = splats.job(640, 480);  // 1,200 tiles: 11 bits
+  const SortInput job = splats.job(640, 480);  // 1,200 tiles: 11 bits
   const std::size_t instances = build_lists<StandardSort, Ellipse>(backend, job).instances;
   build_lists<EarlySort, Ellipse>(backend, job);
   build_lists<StandardSort, Ellipse>(backend, splats.job(16, 16));
@@ -182,7 +183,7 @@ TEST_CASE_TEMPLATE("no needless work: tiles without splats cost nothing but the 
   B backend = make_backend<B>();
   SplatSet splats;
   splats.add(make_splat(40, 24, 1, 1, 0, 0.9), 1);  // inside tile (2, 1)
-  const SortJob job = splats.job(96, 64);
+  const SortInput job = splats.job(96, 64);
   const TileLists<B> lists = build_lists<EarlySort, Ellipse>(backend, job);
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);

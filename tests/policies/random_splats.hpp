@@ -16,7 +16,8 @@
 
 namespace swiftgs::test {
 
-/// Numbers that are the same on every machine (xorshift64*).
+/// Numbers that are the same on every machine (xorshift64*). Draw them in statements of their own: compilers
+/// evaluate the arguments of a call in different orders.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15u + 1) {}
@@ -61,15 +62,18 @@ inline SplatShape random_splat(Random& random, int width, int height) {
   const double across = random.scale(0.5478, 300);
   const double along = across * random.scale(1, 1e4);
   const double margin = 0.6 * along < 2.0 * width ? 0.6 * along : 2.0 * width;
-  return make_splat(random.in(-margin, width + margin), random.in(-margin, height + margin), along, across,
-                    random.in(0, 3.14159265), random.scale(1.0 / 254, 1));
+  const double opacity = random.scale(1.0 / 254, 1), angle = random.in(0, 3.14159265);
+  const double y = random.in(-margin, height + margin), x = random.in(-margin, width + margin);
+  return make_splat(x, y, along, across, angle, opacity);
 }
 
 /// As `random_splat`, of sizes that trained scenes have.
 inline SplatShape usual_splat(Random& random, int width, int height) {
   const double across = random.scale(0.5478, 12);
-  return make_splat(random.in(-20, width + 20), random.in(-20, height + 20), across * random.scale(1, 8),
-                    across, random.in(0, 3.14159265), random.scale(1.0 / 200, 1));
+  const double opacity = random.scale(1.0 / 200, 1), angle = random.in(0, 3.14159265);
+  const double along = across * random.scale(1, 8);
+  const double y = random.in(-20, height + 20), x = random.in(-20, width + 20);
+  return make_splat(x, y, along, across, angle, opacity);
 }
 
 /// Looks along +z from the origin; the principal point lies off the centre.
@@ -99,14 +103,16 @@ inline Scene random_scene(std::size_t count, int sh_degree, std::uint64_t seed) 
   scene.sh_degree = sh_degree;
   for (std::size_t i = 0; i < count; ++i) {
     const double z = random.in(-1, 12);
-    scene.means.push_back(vec3(random.f(-1, 1) * float(std::abs(z)) * 0.7f,
-                               random.f(-1, 1) * float(std::abs(z)) * 0.7f, float(z)));
+    const float y = random.f(-1, 1) * float(std::abs(z)) * 0.7f;
+    const float x = random.f(-1, 1) * float(std::abs(z)) * 0.7f;
+    scene.means.push_back(vec3(x, y, float(z)));
     const double size = random.scale(0.005, 0.5);
-    scene.scales.push_back(
-        vec3(float(size), float(size * random.scale(0.02, 1)), float(size * random.scale(0.02, 1))));
+    const float third = float(size * random.scale(0.02, 1)), second = float(size * random.scale(0.02, 1));
+    scene.scales.push_back(vec3(float(size), second, third));
     scene.rotations.push_back(random_rotation(random));
     scene.opacities.push_back(float(random.scale(0.003, 1)));
-    scene.sh0.push_back(vec3(random.f(-1.5, 1.5), random.f(-1.5, 1.5), random.f(-1.5, 1.5)));
+    const float blue = random.f(-1.5, 1.5), green = random.f(-1.5, 1.5), red = random.f(-1.5, 1.5);
+    scene.sh0.push_back(vec3(red, green, blue));
     for (int k = 0; k < 3 * sh_rest_count(sh_degree); ++k) scene.sh_rest.push_back(random.f(-0.3, 0.3));
   }
   return scene;

@@ -52,7 +52,7 @@ struct Drawing {
 /// Draws `splats` with lists that every sort builds alike.
 template <class Raster, class B>
 Drawing draw(B& backend, const SplatSet& splats, int width, int height, const DrawSettings& settings = {}) {
-  const SortJob job = splats.job(width, height);
+  const SortInput job = splats.job(width, height);
   const TileLists<B> lists = build_lists<StandardSort, OpacityBox>(backend, job);
   std::vector<TileCounts> counts(job.grid.size());
   Drawing drawing;

@@ -45,7 +45,7 @@ TEST_CASE_TEMPLATE("sort: every sort takes bounds that the backend has no kernel
                    SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
   const SplatSet splats = random_splats(600, 300, 200, 8);
-  const SortJob job = splats.job(300, 200);
+  const SortInput job = splats.job(300, 200);
   const Lists expected = brute_force_lists<EvenRows>(job);
   for_each_sort([&]<class Sort>(Sort) {
     CAPTURE(Sort::name);
@@ -57,7 +57,7 @@ TEST_CASE_TEMPLATE("sort: every sort with every bounds builds the lists that bru
                    SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
   const SplatSet splats = random_splats(600, 300, 200, 1);
-  const SortJob job = splats.job(300, 200);
+  const SortInput job = splats.job(300, 200);
   for_each_bounds([&]<class Bounds>(Bounds) {
     CAPTURE(Bounds::name);
     const Lists expected = brute_force_lists<Bounds>(job);
@@ -76,7 +76,7 @@ TEST_CASE_TEMPLATE("sort: every sort with every bounds builds the lists that bru
 TEST_CASE_TEMPLATE("sort: the three sorts give the same bits", B, SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
   const SplatSet splats = random_splats(5'000, 1000, 700, 2);
-  const SortJob job = splats.job(1000, 700);
+  const SortInput job = splats.job(1000, 700);
   for_each_bounds([&]<class Bounds>(Bounds) {
     CAPTURE(Bounds::name);
     const TileLists<B> standard = build_lists<StandardSort, Bounds>(backend, job);
@@ -87,7 +87,7 @@ TEST_CASE_TEMPLATE("sort: the three sorts give the same bits", B, SWIFTGS_TEST_B
     AdaptiveSort::Scratch<B> scratch;
     for (int frame = 0; frame < 12; ++frame) {
       TileLists<B> lists;
-      adaptive.build(backend, job, Bounds{}, scratch, lists);
+      adaptive.build(backend, job.within(Bounds{}), Bounds{}, scratch, lists);
       CHECK(same_bits(standard, lists));
     }
     CHECK(adaptive.calibration().has_value());
@@ -96,7 +96,7 @@ TEST_CASE_TEMPLATE("sort: the three sorts give the same bits", B, SWIFTGS_TEST_B
 
 TEST_CASE("sort: both backends give the same bits on 1 2 4 and 8 threads") {
   const SplatSet splats = random_splats(5'000, 1000, 700, 3);
-  const SortJob job = splats.job(1000, 700);
+  const SortInput job = splats.job(1000, 700);
   Serial serial;
   const TileLists<Serial> expected = build_lists<StandardSort, Ellipse>(serial, job);
   const std::vector<std::uint32_t> ids(expected.view().ids.begin(), expected.view().ids.end());
@@ -147,7 +147,7 @@ TEST_CASE_TEMPLATE("sort: more than 65536 tiles are told apart", B, SWIFTGS_TEST
   SplatSet splats;
   for (int i = 0; i < columns * rows; ++i)
     splats.add(dot(16 * (i % columns) + 8, 16 * (i / columns) + 8), 1.0f + float(i % 7));
-  const SortJob job = splats.job(16 * columns, 16 * rows);
+  const SortInput job = splats.job(16 * columns, 16 * rows);
   REQUIRE(job.grid.size() == 89'700);
   CHECK(job.grid.key_bits() == 17);
   for_each_sort([&]<class Sort>(Sort) {
@@ -172,7 +172,7 @@ TEST_CASE_TEMPLATE("sort: a few splats are spread over the largest image by ever
     splats.add(dot(random.in(0, max_image_side), random.in(0, max_image_side)),
                float(random.scale(1e-38, 1e38)));
   for (int i = 0; i < 200; ++i) splats.add(dot(65'000, 65'000), float(random.scale(1e-38, 1e38)));
-  const SortJob job = splats.job(max_image_side, max_image_side);
+  const SortInput job = splats.job(max_image_side, max_image_side);
   const TileLists<B> expected = build_lists<EarlySort, OpacityBox>(backend, job);
   bool ordered = true;
   std::size_t listed = 0;
@@ -214,10 +214,10 @@ TEST_CASE_TEMPLATE("sort: no splats give empty lists in every tile whatever was 
     CAPTURE(Sort::name);
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;
-    sort.build(backend, some.job(100, 100), Ellipse{}, scratch, lists);
+    sort.build(backend, some.job(100, 100).within(Ellipse{}), Ellipse{}, scratch, lists);
     CHECK(lists.instances > 0);
     for (const SplatSet* set : {&none, &away}) {
-      sort.build(backend, set->job(100, 100), Ellipse{}, scratch, lists);
+      sort.build(backend, set->job(100, 100).within(Ellipse{}), Ellipse{}, scratch, lists);
       CHECK(lists.instances == 0);
       CHECK(to_vectors(lists.view()) == Lists(49));
     }
@@ -232,8 +232,8 @@ TEST_CASE_TEMPLATE("sort: memory of earlier frames does not show in a smaller fr
     CAPTURE(Sort::name);
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;
-    sort.build(backend, large.job(400, 300), Ellipse{}, scratch, lists);
-    sort.build(backend, small.job(60, 40), Ellipse{}, scratch, lists);
+    sort.build(backend, large.job(400, 300).within(Ellipse{}), Ellipse{}, scratch, lists);
+    sort.build(backend, small.job(60, 40).within(Ellipse{}), Ellipse{}, scratch, lists);
     CHECK(to_vectors(lists.view()) == brute_force_lists<Ellipse>(small.job(60, 40)));
   });
 }
@@ -244,17 +244,17 @@ TEST_CASE_TEMPLATE("sort: more instances than there can be are refused before me
   // The largest image has 2^24 tiles: 129 splats that fill it are 2^24 instances too many.
   SplatSet splats;
   for (int i = 0; i < 129; ++i) splats.add(make_splat(32'768, 32'768, 1e6, 1e6, 0, 1), 1);
-  const SortJob job = splats.job(max_image_side, max_image_side);
+  const SortInput job = splats.job(max_image_side, max_image_side);
   REQUIRE(job.grid.size() == std::size_t(1) << 24);
   const SplatSet small = random_splats(50, 60, 40, 7);
   for_each_sort([&]<class Sort>(Sort sort) {
     CAPTURE(Sort::name);
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;
-    CHECK_THROWS_WITH_AS(sort.build(backend, job, OpacityBox{}, scratch, lists),
+    CHECK_THROWS_WITH_AS(sort.build(backend, job.within(OpacityBox{}), OpacityBox{}, scratch, lists),
                          "instances in one frame: 2164260864 needed, the limit is 2147483648", CapacityError);
     CHECK(lists.ids.capacity() == 0);
-    sort.build(backend, small.job(60, 40), OpacityBox{}, scratch, lists);
+    sort.build(backend, small.job(60, 40).within(OpacityBox{}), OpacityBox{}, scratch, lists);
     CHECK(to_vectors(lists.view()) == brute_force_lists<OpacityBox>(small.job(60, 40)));
   });
 }

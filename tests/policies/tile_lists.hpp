@@ -14,7 +14,20 @@
 
 namespace swiftgs::test {
 
-/// Splats on the host, with the job that sorts them for an image.
+/// Splats without footprints that are to be sorted for an image.
+struct SortInput {
+  SplatsView splats;
+  TileGrid grid;
+  FrameKey key;
+
+  /// The job that sorts them within bounds.
+  template <class Bounds>
+  SortJob<Bounds> within(const Bounds&) const {
+    return {splats, grid, key};
+  }
+};
+
+/// Splats on the host, and what sorts them for an image.
 struct SplatSet {
   std::vector<SplatShape> shapes;
   std::vector<SplatColour> colours;
@@ -26,9 +39,11 @@ struct SplatSet {
   SplatsView view() const {
     return {.shapes = {shapes.data(), shapes.size()}, .colours = {colours.data(), colours.size()}};
   }
-  SortJob job(int width, int height) const {
-    return {view(), TileGrid::covering(width, height), {shapes.data(), shapes.size(), width, height}};
+  SortInput job(int width, int height) const {
+    return {view(), TileGrid::covering(width, height), {identity, shapes.size(), width, height}};
   }
+
+  std::uint64_t identity = new_scene_identity();  ///< as if the splats were a scene's
 };
 
 /// Random splats for a width x height image; few depths, so that many are equal.
@@ -57,7 +72,7 @@ inline Lists to_vectors(const TileListsView& lists) {
 /// Every tile against every splat: in the list where the bounds' row has the tile, ordered by depth, then
 /// index.
 template <class Bounds>
-Lists brute_force_lists(const SortJob& job) {
+Lists brute_force_lists(const SortInput& job) {
   Lists lists(job.grid.size());
   const Bounds bounds;
   for (int row = 0; row < job.grid.rows; ++row)
@@ -78,10 +93,10 @@ Lists brute_force_lists(const SortJob& job) {
 
 /// What `Sort` makes of `job` on `backend`.
 template <class Sort, class Bounds, class B>
-TileLists<B> build_lists(B& backend, const SortJob& job, Sort sort = Sort()) {
+TileLists<B> build_lists(B& backend, const SortInput& job, Sort sort = Sort()) {
   typename Sort::template Scratch<B> scratch;
   TileLists<B> lists;
-  sort.build(backend, job, Bounds{}, scratch, lists);
+  sort.build(backend, job.within(Bounds{}), Bounds{}, scratch, lists);
   return lists;
 }
 

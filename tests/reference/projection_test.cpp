@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include <doctest/doctest.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include "reference/gaussians.hpp"
 
@@ -31,6 +35,26 @@ TEST_CASE("reference: a Gaussian without extent is as wide as the blur") {
             return unless_skipped(0.75 * std::exp(-0.5 * d2 / double(blur)));
           }) < 1e-14);
   }
+}
+
+TEST_CASE("reference: scales of a Gaussian that the planes cull are not read") {
+  // Whole pages of scales belong to Gaussians behind the camera. A read of them ends the program.
+  const std::size_t page = std::size_t(sysconf(_SC_PAGESIZE)), count = page;
+  Scene scene;
+  scene.means.assign(count, vec3(0, 0, 2)), scene.scales.assign(count, vec3(0.1f));
+  scene.rotations.resize(count), scene.opacities.assign(count, 0.01f), scene.sh0.resize(count);
+  const auto begin = reinterpret_cast<std::uintptr_t>(scene.scales.data());
+  const std::uintptr_t first = (begin + page - 1) / page * page, last = first + 10 * page;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uintptr_t at = begin + i * sizeof(vec3);
+    if (at + sizeof(vec3) > first && at < last) scene.means[i].z = -2;
+  }
+  const ReferenceFrame all = render_reference(scene, small_camera(), Conventions::gsplat());
+  REQUIRE(mprotect(reinterpret_cast<void*>(first), 10 * page, PROT_NONE) == 0);
+  const ReferenceFrame guarded = render_reference(scene, small_camera(), Conventions::gsplat());
+  REQUIRE(mprotect(reinterpret_cast<void*>(first), 10 * page, PROT_READ | PROT_WRITE) == 0);
+  CHECK(guarded.contributing_pairs > 0);
+  CHECK(guarded.colour == all.colour);
 }
 
 TEST_CASE("reference: without blur a Gaussian without extent covers nothing and is culled") {

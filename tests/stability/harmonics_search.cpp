@@ -108,10 +108,8 @@ std::vector<float> colours(B& backend, int degree, const std::vector<Candidate>&
   ProjectScratch<B> scratch;
   Splats<B> splats;
   const ProjectJob job{constants, view, grid};
-  if constexpr (std::is_same_v<B, Cpu>)
-    project(backend, job, scratch, splats);
-  else
-    project(backend, job, Ellipse(), scratch, splats);
+  Footprints<B, Ellipse> footprints;
+  project(backend, job, Ellipse(), scratch, splats, footprints);
   std::vector<float> found;
   for (std::size_t i = 0; i < splats.count; ++i) found.push_back(splats.colours.data()[i].rgb.y);
   return found;

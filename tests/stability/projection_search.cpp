@@ -66,10 +66,8 @@ std::vector<Found> project_all(B& backend, const View& view, const std::vector<G
   Splats<B> splats;
   const SceneView all = swiftgs::view(scene);
   const ProjectJob job{view.constants, all, view.grid};
-  if constexpr (std::is_same_v<B, Cpu>)
-    project(backend, job, scratch, splats);
-  else
-    project(backend, job, Ellipse(), scratch, splats);
+  Footprints<B, Ellipse> footprints;
+  project(backend, job, Ellipse(), scratch, splats, footprints);
   std::vector<Found> found;
   for (std::size_t i = 0; i < splats.count; ++i) {
     const SplatColour colour = splats.colours.data()[i];

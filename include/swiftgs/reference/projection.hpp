@@ -149,13 +149,18 @@ inline bool is_between_planes(float depth, const Conventions& k) {
   return near_enough && depth <= k.far_plane && std::isfinite(depth);
 }
 
-/// Projects Gaussian `i`, but for its colour, without asking the planes, its opacity or the image. Nothing
-/// where it has no splat: its numbers are not finite, or its splat's are not or are too large.
-inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, const View& view) {
-  const Conventions& k = view.conventions;
+/// Mean of Gaussian `i` in camera space.
+inline Eigen::Vector3d camera_space_mean(const Scene& scene, std::size_t i, const View& view) {
   const vec3& m = scene.means[i];
-  const Eigen::Vector3d mean(m.x, m.y, m.z);
-  const Eigen::Vector3d p = view.rotation * mean + view.translation;
+  return view.rotation * Eigen::Vector3d(m.x, m.y, m.z) + view.translation;
+}
+
+/// Projects Gaussian `i`, whose mean is at `p` in camera space, but for its colour, without asking the
+/// planes, its opacity or the image. Nothing where it has no splat: its numbers are not finite, or its
+/// splat's are not or are too large.
+inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, const Eigen::Vector3d& p,
+                                             const View& view) {
+  const Conventions& k = view.conventions;
   const double z = p.z();
   const Covariance cov = project_covariance(scene, i, p, view);
   if (!(cov.det > 0) || !std::isfinite(cov.det)) return {};
@@ -192,9 +197,10 @@ inline bool shade(Splat& splat, const Scene& scene, const View& view) {
 /// Projects Gaussian `i`; nothing when it is culled or reaches no pixel.
 inline std::optional<Splat> project(const Scene& scene, std::size_t i, const View& view) {
   const Conventions& k = view.conventions;
-  std::optional<Splat> splat = project_unculled(scene, i, view);
-  if (!splat || !is_between_planes(float(splat->depth), k)) return {};
-  if (!(splat->opacity >= double(k.alpha_min))) return {};
+  const Eigen::Vector3d p = camera_space_mean(scene, i, view);
+  if (!is_between_planes(float(p.z()), k)) return {};
+  std::optional<Splat> splat = project_unculled(scene, i, p, view);
+  if (!splat || !(splat->opacity >= double(k.alpha_min))) return {};
   bound_by_alpha(*splat, view);
   if (k.footprint == Conventions::Footprint::three_sigma_square) cut_to_three_sigma_square(*splat);
   if (splat->x_begin >= splat->x_end || splat->y_begin >= splat->y_end) return {};

@@ -168,7 +168,6 @@ struct VariedSplat {
   std::vector<SplatNumbers> numbers;  ///< as it is, then `trials` times
   FootprintCut cut{};
   bool drawn = false;                        ///< its depth lies between the planes
-  bool may_be_drawn = false;                 ///< or is that close to one
   bool order_is_loose = false;               ///< its depth may round to that of a neighbour
   float least_depth = 0, largest_depth = 0;  ///< floats that its depth may round to
 };
@@ -185,23 +184,24 @@ inline double depth_error(const Scene& scene, std::size_t i, const View& view) {
 /// Projects Gaussian `i` of `scene`, and of the trials `moved`. Nothing where no rounding could draw it.
 inline std::optional<VariedSplat> project_varied(const Scene& scene, const std::vector<Scene>& moved,
                                                  std::size_t i, const View& view, std::uint64_t seed) {
-  std::optional<Splat> splat = project_unculled(scene, i, view);
-  if (!splat || !shade(*splat, scene, view)) return {};
-  VariedSplat out{.splat = *splat, .numbers = {}};
+  const Eigen::Vector3d p = camera_space_mean(scene, i, view);
   const Conventions& k = view.conventions;
   const double slack = depth_error(scene, i, view);
-  const float low = float(splat->depth - slack), high = float(splat->depth + slack);
+  const float low = float(p.z() - slack), high = float(p.z() + slack);
   const auto between_planes = [&](float z) { return is_between_planes(z, k); };
-  out.drawn = between_planes(float(splat->depth));
-  out.may_be_drawn = out.drawn || between_planes(low) || between_planes(high);
-  if (!out.may_be_drawn) return {};
+  const bool drawn = between_planes(float(p.z()));
+  if (!drawn && !between_planes(low) && !between_planes(high)) return {};
+  std::optional<Splat> splat = project_unculled(scene, i, p, view);
+  if (!splat || !shade(*splat, scene, view)) return {};
+  VariedSplat out{.splat = *splat, .numbers = {}};
+  out.drawn = drawn;
   out.least_depth = low, out.largest_depth = high;
 
   Nudges nudges(seed ^ (i * 0x2545f4914f6cdd1du));
   out.numbers.emplace_back(*splat);
   for (const Scene& trial : moved) {
     // A trial in which the splat cannot be drawn at all tells nothing of how far it moves.
-    std::optional<Splat> there = project_unculled(trial, i, view);
+    std::optional<Splat> there = project_unculled(trial, i, camera_space_mean(trial, i, view), view);
     if (!there || !shade(*there, trial, view)) there = splat;
     nudge_stored(out.numbers.emplace_back(*there), nudges);
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -16,7 +17,8 @@ namespace swiftgs {
 
 /// Adaptive early sorting (SwiftGS, section 4.2): measures both strategies on the frames that it renders,
 /// then keeps the one with the lower mean, until the scene or the image size changes. What was measured
-/// before spares it that. Every frame is correct, measured or not.
+/// before spares it that. Frames of a scene without identity are sorted early and never measured. Every frame
+/// is correct, measured or not.
 class AdaptiveSort {
  public:
   static constexpr std::string_view name = "adaptive";
@@ -40,7 +42,7 @@ class AdaptiveSort {
   /// for the caller to know.
   void use(std::vector<SortCalibration> saved) {
     saved_ = std::move(saved);
-    saved_scene_ = nullptr;
+    saved_scene_ = 0;
     key_ = {};  // looks the next frame's up
     measured_ = {};
     decided_ = false;
@@ -64,8 +66,13 @@ class AdaptiveSort {
   };
 
   template <class B, class Bounds>
-  void build(B& b, const SortJob& job, const Bounds& bounds, Scratch<B>& scratch, TileLists<B>& lists) {
+  void build(B& b, const SortJob<Bounds>& job, const Bounds& bounds, Scratch<B>& scratch,
+             TileLists<B>& lists) {
     start_over_where_stale(job.key, scratch);
+    if (job.key.scene == 0) {
+      EarlySort{}.build(b, job, bounds, scratch.early, lists);
+      return;
+    }
     collect(b, scratch);
     const bool measure = !decided_ && !scratch.to;
     const bool early =
@@ -111,7 +118,7 @@ class AdaptiveSort {
   }
 
   const SortCalibration* saved_for(const FrameKey& key) {
-    if (saved_scene_ && saved_scene_ != key.scene) return nullptr;
+    if (key.scene == 0 || (saved_scene_ != 0 && saved_scene_ != key.scene)) return nullptr;
     const auto found = std::find_if(saved_.begin(), saved_.end(), [&](const SortCalibration& saved) {
       return saved.gaussians == key.gaussians && saved.width == key.width && saved.height == key.height;
     });
@@ -143,7 +150,7 @@ class AdaptiveSort {
 
   int frames_each_;
   std::vector<SortCalibration> saved_;
-  const void* saved_scene_ = nullptr;  ///< which of all scenes `saved_` is of, once it has come
+  std::uint64_t saved_scene_ = 0;  ///< which of all scenes `saved_` is of, once it has come
   FrameKey key_;
   std::array<Measured, 2> measured_{};  ///< standard, early
   bool early_ = false;

@@ -32,7 +32,9 @@ struct EarlySort {
   };
 
   template <class B, class Bounds>
-  void build(B& b, const SortJob& job, const Bounds& bounds, Scratch<B>& scratch, TileLists<B>& lists) {
+  void build(B& b, const SortJob<Bounds>& job, const Bounds& bounds, Scratch<B>& scratch,
+             TileLists<B>& lists) {
+    check_ready(b);
     const std::size_t splats = job.splats.size();
     scratch.depths.reset(splats);
     b.for_each(splats, DepthPair{job.splats, scratch.depths.keys.data(), scratch.depths.values.data()});

@@ -4,6 +4,8 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -11,6 +13,7 @@
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/error.hpp>
+#include <swiftgs/footprint.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/tiles.hpp>
 
@@ -18,27 +21,44 @@ namespace swiftgs {
 
 /// Which scene at which image size: what a choice of sort strategy holds for.
 struct FrameKey {
-  const void* scene = nullptr;  ///< where the uploaded scene's means lie
+  std::uint64_t scene = 0;  ///< `SceneView::identity`
   std::size_t gaussians = 0;
   int width = 0, height = 0;
 
   bool operator==(const FrameKey&) const = default;
 };
 
-/// What a sort turns into tile lists.
+/// What a sort turns into tile lists within `Bounds`.
+template <BoundsPolicy Bounds>
 struct SortJob {
-  SplatsView splats;  ///< of their colours, depths alone: the others may still be under way
+  SplatsView splats;  ///< Read only `depth` of colours; `rgb` may not be written yet.
   TileGrid grid;
   FrameKey key;
+  FootprintsView<Bounds> footprints{};  ///< of these splats on this grid; none for splats of your own
 };
+
+/// Throws `std::invalid_argument` if the footprints of `job` are of another grid or another number of splats.
+template <BoundsPolicy Bounds>
+void check_footprints(const SortJob<Bounds>& job) {
+  const auto size = [](TileGrid grid) {
+    return std::to_string(grid.columns) + " x " + std::to_string(grid.rows) + " tiles";
+  };
+  const FootprintsView<Bounds>& footprints = job.footprints;
+  if (footprints.grid != TileGrid{} && footprints.grid != job.grid)
+    throw std::invalid_argument("sort: the splats were projected for " + size(footprints.grid) +
+                                ", expected the grid of the sort, " + size(job.grid));
+  if (footprints.each.data && footprints.each.size != job.splats.size())
+    throw std::invalid_argument("sort: there are footprints of " + std::to_string(footprints.each.size) +
+                                " splats, expected those of " + std::to_string(job.splats.size()));
+}
 
 /// Policy `S` builds tile lists on backend `B` within bounds `Bounds`: for every tile the ids of the splats
 /// that may touch it, nearest first, equal depths by ascending index. An object of `S` may keep what it
 /// learnt from earlier frames; `Scratch<B>` is the memory that it works in, `bytes()` of it.
 template <class S, class B, class Bounds>
 concept SortsOn = BackendPolicy<B> && BoundsPolicy<Bounds> &&
-    requires(S sort, B& b, const SortJob& job, const Bounds& bounds, typename S::template Scratch<B>& scratch,
-             TileLists<B>& lists) {
+    requires(S sort, B& b, const SortJob<Bounds>& job, const Bounds& bounds,
+             typename S::template Scratch<B>& scratch, TileLists<B>& lists) {
   { S::name } -> std::convertible_to<std::string_view>;
   { scratch.bytes() } -> std::same_as<std::size_t>;
   sort.build(b, job, bounds, scratch, lists);
@@ -72,8 +92,8 @@ struct CountTiles {
 /// Writes one (key, id) pair for each tile that splat `order[i]` may touch, from `offsets[i]` on.
 ///
 /// Code that counts and code that emits may round differently, where a compiler is free to. Emission
-/// therefore fills exactly what was counted: it ends there, and gives what is left to the tile after the
-/// last, where the rasterizer finds that the splat shows nothing.
+/// therefore fills exactly what was counted: it ends there, and gives what is left to other tiles of the
+/// grid, where the rasterizer finds that the splat shows nothing. No tile has a splat twice.
 template <class Bounds, class Key>
 struct EmitInstances {
   SplatsView splats;
@@ -89,23 +109,30 @@ struct EmitInstances {
     const std::uint32_t id = order ? order[i] : std::uint32_t(i);
     const SplatShape& shape = splats.shapes[id];
     std::size_t at = offsets[i];
-    const std::size_t end = i + 1 < offsets.size ? offsets[i + 1] : total;
+    const std::size_t begin = at, end = i + 1 < offsets.size ? offsets[i + 1] : total;
     if (at == end) return;
-    std::uint32_t next = 0;
-    const auto emit = [&](std::uint32_t tile) {
-      keys[at] = key(tile, id), ids[at] = id;
-      ++at, next = tile + 1;
-    };
+    const auto emit = [&](std::uint32_t tile) { keys[at] = key(tile, id), ids[at] = id, ++at; };
     const TileRect rect = bounds.rect(shape, grid);
     for (int row = rect.rows.begin; row < rect.rows.end && rect.columns.size() != 0; ++row) {
       const TileRun run = bounds.row(shape, rect, row);
       for (int column = run.begin; column < run.end && at < end; ++column)
         emit(std::uint32_t(row * grid.columns + column));
     }
-    while (at < end) emit(next < grid.size() ? next : 0);
+    // Tiles that it has were written in ascending order.
+    std::size_t named = begin;
+    const std::size_t all_named = at;
+    for (std::uint32_t tile = 0; at < end; ++tile) {
+      if (named < all_named && tile_of(keys[named]) == tile)
+        ++named;
+      else
+        emit(tile);
+    }
   }
 
  private:
+  SWIFTGS_HD static std::uint32_t tile_of(Key key) {
+    return std::uint32_t(sizeof(Key) == 8 ? key >> (sizeof(Key) == 8 ? depth_key_bits : 0) : key);
+  }
   SWIFTGS_HD Key key(std::uint32_t tile, std::uint32_t id) const {
     if constexpr (sizeof(Key) == 8)
       return Key(tile) << depth_key_bits | depth_key(splats.colours[id].depth);
@@ -167,8 +194,9 @@ struct InstanceScratch {
 /// beyond `max_instances`.
 /// Backends overload this for bounds that they have kernels for.
 template <class B, class Bounds, class Key>
-std::size_t emit_instances(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+std::size_t emit_instances(B& b, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
                            InstanceScratch<B>& scratch, Pairs<B, Key>& instances) {
+  check_footprints(job);
   const std::size_t splats = job.splats.size();
   auto& offsets = scratch.offsets;
   offsets.reset(splats);
@@ -190,9 +218,9 @@ std::size_t emit_instances(B& b, const SortJob& job, const Bounds& bounds, const
 /// Hands the sorted instances over to `lists`; the old ids become room for the next frame, which allocates
 /// nothing if it is no larger.
 template <class B, class Key>
-void finish_lists(B& b, const SortJob& job, std::size_t count, int tile_shift, Pairs<B, Key>& instances,
+void finish_lists(B& b, TileGrid grid, std::size_t count, int tile_shift, Pairs<B, Key>& instances,
                   TileLists<B>& lists) {
-  const std::size_t tiles = job.grid.size();
+  const std::size_t tiles = grid.size();
   lists.tiles = lists.instances = 0;
   lists.ranges.reset(tiles);
   b.for_each(tiles, ClearRanges{lists.ranges.data()});
@@ -217,11 +245,11 @@ struct GroupScratch {
 /// and sorts them by tile alone, stably and by as few bits as the grid needs. Backends overload this for
 /// bounds that they have kernels for.
 template <class B, class Bounds>
-void group_by_tile(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+void group_by_tile(B& b, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<B>& scratch, TileLists<B>& lists) {
   const std::size_t count = emit_instances(b, job, bounds, order, scratch.emission, scratch.instances);
   b.sort_pairs(scratch.instances, count, job.grid.key_bits());
-  finish_lists(b, job, count, 0, scratch.instances, lists);
+  finish_lists(b, job.grid, count, 0, scratch.instances, lists);
 }
 
 }  // namespace swiftgs

@@ -3,6 +3,7 @@
 // Renders one Gaussian in the middle of an image with every backend that can run here, and fails unless it is
 // there, also in a file where there are files.
 #include <iostream>
+#include <memory>
 
 #include <swiftgs/swiftgs.hpp>
 
@@ -13,8 +14,12 @@
 #include <swiftgs/reference.hpp>
 #endif
 #if defined(CONSUMER_USES_CUDA)
+#include <swiftgs/contribution.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
+#endif
+#if defined(CONSUMER_USES_TABLE)
+#include <swiftgs/any_renderer.hpp>
 #endif
 #if defined(CONSUMER_USES_IO)
 #include <swiftgs/io/image.hpp>
@@ -47,18 +52,40 @@ bool renders() {
   return centre > 0.5f && corner == 0;
 }
 
+#if defined(CONSUMER_USES_CUDA)
+/// Without a device the library throws what a program knows by its type.
+bool reports_the_lack_of_a_device() {
+  try {
+    swiftgs::Contributions<swiftgs::Cuda> contributions(std::make_shared<const swiftgs::Scene>());
+  } catch (const swiftgs::DeviceError& error) {
+    std::cout << "no usable GPU here: " << error.what() << "\n";
+    return true;
+  }
+  return false;
+}
+#endif
+
 int main() {
   bool good = renders<swiftgs::Serial>();
 #if defined(CONSUMER_USES_CPU)
   good = renders<swiftgs::Cpu>() && good;
+  // One upload is compiled into the program and one into a library that may be shared.
+  const auto scene = std::make_shared<const swiftgs::Scene>();
+  const auto here = swiftgs::Serial().upload(scene).view().identity;
+  const auto there = swiftgs::Cpu(1).upload(scene).view().identity;
+  good = good && here != 0 && there == here + 1;
 #endif
 #if defined(CONSUMER_USES_CUDA)
   if (swiftgs::Cuda::usable()) {
     swiftgs::check_cuda(cudaSetDevice(0), "cudaSetDevice");
     good = renders<swiftgs::Cuda>() && good;
   } else {
-    std::cout << "no usable GPU here\n";
+    good = reports_the_lack_of_a_device() && good;
   }
+#endif
+#if defined(CONSUMER_USES_TABLE)
+  std::cout << swiftgs::renderers().size() << " renderers\n";
+  good = good && !swiftgs::renderers().empty();
 #endif
   return good ? 0 : 1;
 }

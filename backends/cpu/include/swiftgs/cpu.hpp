@@ -127,7 +127,8 @@ SWIFTGS_API void project(Cpu& cpu, const ProjectJob& job, ProjectScratch<Cpu>& s
 /// Tiles are counted when instances are emitted, whatever the bounds.
 template <BoundsPolicy Bounds>
 void project(Cpu& cpu, const ProjectJob& job, const Bounds&, ProjectScratch<Cpu>& scratch,
-             Splats<Cpu>& splats) {
+             Splats<Cpu>& splats, Footprints<Cpu, Bounds>& footprints) {
+  footprints.grid = job.grid;
   project(cpu, job, scratch, splats);
 }
 
@@ -157,14 +158,14 @@ concept VectorBounds = std::same_as<Bounds, ThreeSigmaSquare> || std::same_as<Bo
 
 /// `emit_instances` from footprints. Instantiated for 64-bit keys.
 template <VectorBounds Bounds>
-SWIFTGS_API std::size_t emit_instances(Cpu& cpu, const SortJob& job, const Bounds& bounds,
+SWIFTGS_API std::size_t emit_instances(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds,
                                        const std::uint32_t* order, InstanceScratch<Cpu>& scratch,
                                        Pairs<Cpu, std::uint64_t>& instances);
 
 /// `group_by_tile` from footprints, without keys: a counting sort that moves each id straight to its tile.
 template <VectorBounds Bounds>
-SWIFTGS_API void group_by_tile(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                               GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists);
+SWIFTGS_API void group_by_tile(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds,
+                               const std::uint32_t* order, GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists);
 
 /// Vector kernels of the library's rasterizers: a row of 16 pixels at a time.
 SWIFTGS_API void rasterize(Cpu& cpu, PerPixel, const RasterJob& job);

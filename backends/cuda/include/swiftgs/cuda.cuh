@@ -18,30 +18,37 @@ namespace swiftgs {
 
 // Compiled into the library, with the flag that they need.
 extern template void project(Cuda&, const ProjectJob&, const ThreeSigmaSquare&, ProjectScratch<Cuda>&,
-                             Splats<Cuda>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob&, const ThreeSigmaSquare&,
+                             Splats<Cuda>&, Footprints<Cuda, ThreeSigmaSquare>&);
+extern template std::size_t emit_instances(Cuda&, const SortJob<ThreeSigmaSquare>&, const ThreeSigmaSquare&,
                                            const std::uint32_t*, InstanceScratch<Cuda>&,
                                            Pairs<Cuda, std::uint16_t>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob&, const ThreeSigmaSquare&,
+extern template std::size_t emit_instances(Cuda&, const SortJob<ThreeSigmaSquare>&, const ThreeSigmaSquare&,
                                            const std::uint32_t*, InstanceScratch<Cuda>&,
                                            Pairs<Cuda, std::uint32_t>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob&, const ThreeSigmaSquare&,
+extern template std::size_t emit_instances(Cuda&, const SortJob<ThreeSigmaSquare>&, const ThreeSigmaSquare&,
                                            const std::uint32_t*, InstanceScratch<Cuda>&,
                                            Pairs<Cuda, std::uint64_t>&);
 extern template void project(Cuda&, const ProjectJob&, const OpacityBox&, ProjectScratch<Cuda>&,
-                             Splats<Cuda>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob&, const OpacityBox&, const std::uint32_t*,
-                                           InstanceScratch<Cuda>&, Pairs<Cuda, std::uint16_t>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob&, const OpacityBox&, const std::uint32_t*,
-                                           InstanceScratch<Cuda>&, Pairs<Cuda, std::uint32_t>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob&, const OpacityBox&, const std::uint32_t*,
-                                           InstanceScratch<Cuda>&, Pairs<Cuda, std::uint64_t>&);
-extern template void project(Cuda&, const ProjectJob&, const Ellipse&, ProjectScratch<Cuda>&, Splats<Cuda>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob&, const Ellipse&, const std::uint32_t*,
-                                           InstanceScratch<Cuda>&, Pairs<Cuda, std::uint16_t>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob&, const Ellipse&, const std::uint32_t*,
-                                           InstanceScratch<Cuda>&, Pairs<Cuda, std::uint32_t>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob&, const Ellipse&, const std::uint32_t*,
-                                           InstanceScratch<Cuda>&, Pairs<Cuda, std::uint64_t>&);
+                             Splats<Cuda>&, Footprints<Cuda, OpacityBox>&);
+extern template std::size_t emit_instances(Cuda&, const SortJob<OpacityBox>&, const OpacityBox&,
+                                           const std::uint32_t*, InstanceScratch<Cuda>&,
+                                           Pairs<Cuda, std::uint16_t>&);
+extern template std::size_t emit_instances(Cuda&, const SortJob<OpacityBox>&, const OpacityBox&,
+                                           const std::uint32_t*, InstanceScratch<Cuda>&,
+                                           Pairs<Cuda, std::uint32_t>&);
+extern template std::size_t emit_instances(Cuda&, const SortJob<OpacityBox>&, const OpacityBox&,
+                                           const std::uint32_t*, InstanceScratch<Cuda>&,
+                                           Pairs<Cuda, std::uint64_t>&);
+extern template void project(Cuda&, const ProjectJob&, const Ellipse&, ProjectScratch<Cuda>&, Splats<Cuda>&,
+                             Footprints<Cuda, Ellipse>&);
+extern template std::size_t emit_instances(Cuda&, const SortJob<Ellipse>&, const Ellipse&,
+                                           const std::uint32_t*, InstanceScratch<Cuda>&,
+                                           Pairs<Cuda, std::uint16_t>&);
+extern template std::size_t emit_instances(Cuda&, const SortJob<Ellipse>&, const Ellipse&,
+                                           const std::uint32_t*, InstanceScratch<Cuda>&,
+                                           Pairs<Cuda, std::uint32_t>&);
+extern template std::size_t emit_instances(Cuda&, const SortJob<Ellipse>&, const Ellipse&,
+                                           const std::uint32_t*, InstanceScratch<Cuda>&,
+                                           Pairs<Cuda, std::uint64_t>&);
 
 }  // namespace swiftgs

@@ -37,6 +37,12 @@ struct FrameCounts {
 /// A backend belongs to the device that was current when it was made; that device must be current wherever it
 /// is used. Its functions return when their work is in stream order, unless they say that they wait.
 /// All of them throw `DeviceError`, and `CapacityError` where the device's memory does not suffice.
+///
+/// Frames cannot be captured into a CUDA graph: the host waits for counts of theirs, and kernels tell their
+/// words from older ones by numbers that the host counts up, which a replay would repeat. While the stream is
+/// being captured, all but `for_each`, `clear` and rasterizing finished splats throw `DeviceError` before
+/// they call CUDA, and the capture stays valid. What was allocated must not be destroyed then either: CUDA
+/// does not allow to free memory.
 class SWIFTGS_API Cuda {
  public:
   static constexpr std::string_view name = "cuda";
@@ -74,7 +80,11 @@ class SWIFTGS_API Cuda {
   /// join first.
   void join();
 
-  /// Copies `scene` to the device, without the SH bands that are zero throughout. Waits.
+  /// Throws `DeviceError` for `call` while the stream is being captured into a CUDA graph.
+  void check_not_captured(const char* call) const;
+
+  /// Copies `scene` to the device, without the SH bands that are zero throughout, in stream order. Waits for
+  /// the stream, so that other streams may read the scene too.
   /// Throws `std::invalid_argument` as `validate` does.
   SceneOn upload(const Scene& scene) const;
   SceneOn upload(std::shared_ptr<const Scene> scene) const;
@@ -126,7 +136,10 @@ class SWIFTGS_API Cuda {
   std::unique_ptr<State> state_;
 };
 
-/// Memory of a running sum that blocks of one kernel hand on to each other, from kernel to kernel.
+inline void check_ready(const Cuda& cuda) { cuda.check_not_captured("a frame"); }
+
+/// Memory of a running sum that blocks of one kernel hand on to each other, from kernel to kernel. Kernels
+/// that use it cannot be captured.
 class SWIFTGS_API RunningSums {
  public:
   /// What a kernel needs of it.
@@ -179,25 +192,30 @@ struct ProjectScratch<Cuda> {
   std::size_t bytes() const { return bytes_of(sums, counts, gaussians); }
 };
 
-/// Splats with the tiles that each may touch within the bounds that they were projected for.
 /// The buffers have room for all Gaussians: how many are visible is known only after they are written.
 template <>
 struct Splats<Cuda> {
   DeviceBuffer<SplatShape> shapes;
   DeviceBuffer<SplatColour> colours;
-  DeviceBuffer<Footprint> footprints;
   DeviceBuffer<std::uint32_t> hidden;  ///< one word, not 0 where a colour is not finite
   std::size_t count = 0;
-  std::uint64_t instances = 0;
 
   SplatsView view() const {
-    return {{shapes.data(), count},
-            {colours.data(), count},
-            {footprints.data(), count},
-            instances,
-            count > 0 ? hidden.data() : nullptr};
+    return {{shapes.data(), count}, {colours.data(), count}, count > 0 ? hidden.data() : nullptr};
   }
-  std::size_t bytes() const { return bytes_of(shapes, colours, footprints, hidden); }
+  std::size_t bytes() const { return bytes_of(shapes, colours, hidden); }
+};
+
+/// Footprints that projection finds. The buffer has room for all Gaussians.
+template <BoundsPolicy Bounds>
+struct Footprints<Cuda, Bounds> {
+  DeviceBuffer<Footprint> each;
+  std::size_t count = 0;  ///< splats
+  std::uint64_t instances = 0;
+  TileGrid grid;
+
+  FootprintsView<Bounds> view() const { return {{each.data(), count}, instances, grid}; }
+  std::size_t bytes() const { return each.bytes(); }
 };
 
 /// Starts to evaluate the colours of `splats` beside whatever is asked for until `finish_colours`. How many
@@ -211,7 +229,8 @@ SWIFTGS_API void start_colours(Cuda& cuda, const ProjectJob& job, const FrameCou
 /// Instantiated for the library's bounds; for others by `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
 SWIFTGS_API void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds,
-                         ProjectScratch<Cuda>& scratch, Splats<Cuda>& splats);
+                         ProjectScratch<Cuda>& scratch, Splats<Cuda>& splats,
+                         Footprints<Cuda, Bounds>& footprints);
 
 inline void finish_colours(Cuda& cuda, Splats<Cuda>&) { cuda.join(); }
 
@@ -237,7 +256,7 @@ struct InstanceScratch<Cuda> {
 /// Instantiated for the library's bounds; for others by `<swiftgs/cuda.cuh>`. Waits only where `job` does not
 /// hold footprints.
 template <BoundsPolicy Bounds, class Key>
-SWIFTGS_API std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds,
+SWIFTGS_API std::size_t emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
                                        const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
                                        Pairs<Cuda, Key>& instances);
 
@@ -253,12 +272,12 @@ struct GroupScratch<Cuda> {
 
 /// `group_by_tile` with keys no wider than the grid needs.
 template <BoundsPolicy Bounds>
-void group_by_tile(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+void group_by_tile(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<Cuda>& scratch, TileLists<Cuda>& lists) {
   const auto group = [&](auto& instances) {
     const std::size_t count = emit_instances(cuda, job, bounds, order, scratch.emission, instances);
     cuda.sort_pairs(instances, count, job.grid.key_bits());
-    finish_lists(cuda, job, count, 0, instances, lists);
+    finish_lists(cuda, job.grid, count, 0, instances, lists);
   };
   job.grid.key_bits() <= 16 ? group(scratch.narrow) : group(scratch.wide);
 }

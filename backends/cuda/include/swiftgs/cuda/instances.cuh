@@ -82,7 +82,8 @@ struct LargeSplats {
 /// splats are.
 template <class Key>
 __global__ void __launch_bounds__(emit_threads)
-    emit_instances(const __grid_constant__ SortJob job, const std::uint32_t* order, const Instances<Key> out,
+    emit_instances(const __grid_constant__ SplatsView splats, const Footprint* footprints,
+                   const TileGrid grid, const std::uint32_t* order, const Instances<Key> out,
                    const LargeSplats large, const RunningSums::View sums) {
   // Apart, or the words around `tiles_of` are loaded with it while one of them is written.
   __shared__ alignas(16) std::uint32_t tiles_of[emit_warps];
@@ -94,10 +95,10 @@ __global__ void __launch_bounds__(emit_threads)
   // Load a splat a lane.
   const std::size_t i = std::size_t(blockIdx.x) * emit_threads + threadIdx.x;
   EmittedSplat mine;
-  if (i < job.splats.size()) {
+  if (i < splats.size()) {
     mine.id = order ? order[i] : std::uint32_t(i);
-    mine.footprint = job.splats.footprints[mine.id];
-    if constexpr (sizeof(Key) == 8) mine.depth = depth_key(job.splats.colours[mine.id].depth);
+    mine.footprint = footprints[mine.id];
+    if constexpr (sizeof(Key) == 8) mine.depth = depth_key(splats.colours[mine.id].depth);
   }
   mine.at = sum_below(mine.footprint.count);
   if (lane_index() == warp_size - 1) tiles_of[warp] = mine.at + mine.footprint.count;
@@ -115,7 +116,7 @@ __global__ void __launch_bounds__(emit_threads)
   mine.at += before_block;
   for (unsigned w = 0; w < warp; ++w) mine.at += tiles_of[w];
 
-  emit_masks(mine, job.grid, out);
+  emit_masks(mine, grid, out);
   if (mine.footprint.mask == 0 && mine.footprint.count != 0)
     large.splats[atomicAdd(&large.count(), 1u)] = mine;
 }
@@ -124,10 +125,27 @@ __global__ void __launch_bounds__(emit_threads)
 inline constexpr unsigned warps_of_splat = 4;
 inline constexpr std::uint32_t shared_from = 256;
 
-/// Emits the splats that were set aside: a lane a row of tiles, and then a lane a tile.
+/// Gives a splat, of which `at` is the next instance, tiles of the grid outside of its bounds up to `end`.
+/// For one thread.
+template <class Bounds, class Key>
+__device__ __noinline__ void emit_outside(const Bounds bounds, const SplatShape shape, const TileGrid grid,
+                                          const EmittedSplat splat, std::uint32_t at, std::uint32_t end,
+                                          const Instances<Key> out) {
+  const TileRect rect = bounds.rect(shape, grid);
+  for (int row = 0; row < grid.rows && at < end; ++row) {
+    TileRun run;
+    if (row >= rect.rows.begin && row < rect.rows.end) run = bounds.row(shape, rect, row);
+    for (int column = 0; column < grid.columns && at < end; ++column)
+      if (column < run.begin || column >= run.end)
+        out.write(at++, std::uint32_t(row * grid.columns + column), splat.depth, splat.id);
+  }
+}
+
+/// Emits the splats that were set aside: a lane a row of tiles, and then a lane a tile. Should the bounds
+/// find other tiles here than were counted, a splat still has as many, each once.
 template <class Bounds, class Key>
 __global__ void __launch_bounds__(emit_threads)
-    emit_large(const __grid_constant__ SortJob job, const Bounds bounds, const Instances<Key> out,
+    emit_large(const SplatShape* shapes, const TileGrid grid, const Bounds bounds, const Instances<Key> out,
                const LargeSplats large) {
   const std::uint32_t warp = (blockIdx.x * emit_threads + threadIdx.x) / warp_size,
                       part = warp % warps_of_splat;
@@ -136,39 +154,42 @@ __global__ void __launch_bounds__(emit_threads)
     const EmittedSplat splat = large.splats[s];
     const bool shared = splat.footprint.count > shared_from;
     if (!shared && part != turn % warps_of_splat) continue;
-    const SplatShape shape = job.splats.shapes[splat.id];
-    const TileRect rect = bounds.rect(shape, job.grid);
+    const SplatShape shape = shapes[splat.id];
+    const TileRect rect = bounds.rect(shape, grid);
     std::uint32_t at = splat.at;
+    const std::uint32_t end = splat.at + splat.footprint.count;
     for (int first_row = rect.rows.begin; first_row < rect.rows.end; first_row += int(warp_size)) {
       const int row = first_row + int(lane_index());
       const TileRun run = row < rect.rows.end ? bounds.row(shape, rect, row) : TileRun{};
       const std::uint32_t size = std::uint32_t(run.size()), first = sum_below(size);
       const std::uint32_t total = __shfl_sync(whole_warp, first + size, warp_size - 1);
-      const int first_tile = row * job.grid.columns + run.begin;
+      const int first_tile = row * grid.columns + run.begin;
       for (std::uint32_t begin = shared ? part * warp_size : 0; begin < total;
            begin += shared ? warps_of_splat * warp_size : warp_size) {
         const std::uint32_t position = begin + lane_index();
         const int lane = int(owner_of(position, first));
         const std::uint32_t tile = std::uint32_t(__shfl_sync(whole_warp, first_tile, lane)) + position -
                                    __shfl_sync(whole_warp, first, lane);
-        if (position < total) out.write(at + position, tile, splat.depth, splat.id);
+        if (position < total && at + position < end) out.write(at + position, tile, splat.depth, splat.id);
       }
       at += total;
     }
+    if (at < end && lane_index() == 0 && (!shared || part == 0))
+      emit_outside(bounds, shape, grid, splat, at, end, out);
   }
 }
 
 /// Finds footprints outside of projection.
 template <class Bounds>
 __global__ void __launch_bounds__(emit_threads)
-    find_footprints(const __grid_constant__ SortJob job, const Bounds bounds, Footprint* footprints,
-                    FrameCounts* counts) {
+    find_footprints(const __grid_constant__ SplatsView splats, const TileGrid grid, const Bounds bounds,
+                    Footprint* footprints, FrameCounts* counts) {
   __shared__ FootprintShared shared[emit_warps];
   const std::size_t i = std::size_t(blockIdx.x) * emit_threads + threadIdx.x;
-  const bool exists = i < job.splats.size();
+  const bool exists = i < splats.size();
   SplatShape shape;
-  if (exists) shape = job.splats.shapes[i];
-  const Footprint found = find_footprint(bounds, job.grid, shape, exists, shared[threadIdx.x / warp_size]);
+  if (exists) shape = splats.shapes[i];
+  const Footprint found = find_footprint(bounds, grid, shape, exists, shared[threadIdx.x / warp_size]);
   if (exists) footprints[i] = found;
   const std::uint32_t tiles = warp_sum(found.count);
   if (lane_index() == 0) add_instances(*counts, tiles);
@@ -176,20 +197,23 @@ __global__ void __launch_bounds__(emit_threads)
 }  // namespace kernels
 
 template <BoundsPolicy Bounds, class Key>
-std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                           InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances) {
+std::size_t emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
+                           const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
+                           Pairs<Cuda, Key>& instances) {
+  check_footprints(job);
+  cuda.check_not_captured("emit_instances");
   const std::size_t splats = job.splats.size();
-  SortJob found = job;
-  if (!job.splats.footprints.data && splats != 0) {
+  FootprintsView<Bounds> footprints = job.footprints;
+  if (!footprints.each.data && splats != 0) {
     scratch.footprints.reset(splats), scratch.counts.reset(1);
     cuda.clear(scratch.counts.data(), sizeof(FrameCounts));
     launch("find_footprints", kernels::find_footprints<Bounds>, blocks_for(splats, kernels::emit_threads),
-           kernels::emit_threads, cuda.stream(), job, bounds, scratch.footprints.data(),
+           kernels::emit_threads, cuda.stream(), job.splats, job.grid, bounds, scratch.footprints.data(),
            scratch.counts.data());
-    found.splats.footprints = {scratch.footprints.data(), splats};
-    found.splats.instances = cuda.read(scratch.counts.data()).instances;
+    footprints.each = {scratch.footprints.data(), splats};
+    footprints.instances = cuda.read(scratch.counts.data()).instances;
   }
-  const std::uint64_t total = found.splats.instances;
+  const std::uint64_t total = footprints.instances;
   check_instances(total);
   instances.reset(std::size_t(total));
   if (total == 0) return 0;
@@ -198,10 +222,10 @@ std::size_t emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds,
   const RunningSums::View sums = scratch.sums.next(cuda, blocks);
   const kernels::LargeSplats large{scratch.large.data(), scratch.large_counts.begin(cuda), sums.epoch};
   const kernels::Instances<Key> out{instances.keys.data(), instances.values.data(), std::uint32_t(total)};
-  launch("emit_instances", kernels::emit_instances<Key>, blocks, kernels::emit_threads, cuda.stream(), found,
-         order, out, large, sums);
+  launch("emit_instances", kernels::emit_instances<Key>, blocks, kernels::emit_threads, cuda.stream(),
+         job.splats, footprints.each.data, job.grid, order, out, large, sums);
   launch("emit_large", kernels::emit_large<Bounds, Key>, kernels::emit_large_blocks, kernels::emit_threads,
-         cuda.stream(), found, bounds, out, large);
+         cuda.stream(), job.splats.shapes.data, job.grid, bounds, out, large);
   scratch.large_counts.end();
   return std::size_t(total);
 }

@@ -98,26 +98,27 @@ __global__ void __launch_bounds__(project_threads)
 
 template <BoundsPolicy Bounds>
 void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
-             Splats<Cuda>& splats) {
+             Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints) {
+  cuda.check_not_captured("project");
   const std::size_t n = job.scene.size();
   cuda.join();  // colours of a frame that was given up
-  splats.count = 0, splats.instances = 0;
-  splats.shapes.reset(n), splats.colours.reset(n), splats.footprints.reset(n), splats.hidden.reset(1);
+  splats.count = 0, footprints.count = 0, footprints.instances = 0, footprints.grid = job.grid;
+  splats.shapes.reset(n), splats.colours.reset(n), splats.hidden.reset(1), footprints.each.reset(n);
   scratch.gaussians.reset(n);
   if (n == 0) return;
   const unsigned blocks = blocks_for(n, kernels::project_threads);
   const RunningSums::View sums = scratch.sums.next(cuda, blocks);
   FrameCounts* const counters = scratch.counts.begin(cuda);
   launch("project", kernels::project<Bounds>, blocks, kernels::project_threads, cuda.stream(), job, bounds,
-         kernels::ProjectOutput{splats.shapes.data(), splats.colours.data(), splats.footprints.data(),
+         kernels::ProjectOutput{splats.shapes.data(), splats.colours.data(), footprints.each.data(),
                                 scratch.gaussians.data(), splats.hidden.data(), counters},
          sums);
   scratch.counts.end();
   FrameCounts* const counted = counters + sums.epoch % 2;
   start_colours(cuda, job, counted, scratch.gaussians.data(), splats);
   const FrameCounts counts = cuda.read(counted);
-  splats.count = std::size_t(counts.visible);
-  splats.instances = counts.instances;
+  splats.count = footprints.count = std::size_t(counts.visible);
+  footprints.instances = counts.instances;
 }
 
 }  // namespace swiftgs

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Streams that are being captured into a CUDA graph: what cannot be captured refuses before it calls CUDA, so
+// that the capture stays valid and the renderer works on.
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <swiftgs/any_contributions.hpp>
+#include <swiftgs/any_renderer.hpp>
+
+#include "cuda/drawings.hpp"
+#include "policies/contribution_sums.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+using Usual = Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
+
+struct DestroyGraph {
+  void operator()(cudaGraph_t graph) const { cudaGraphDestroy(graph); }
+};
+using OwnedGraph = std::unique_ptr<std::remove_pointer_t<cudaGraph_t>, DestroyGraph>;
+
+/// What `f` gives to `stream`, as a graph. Throws if the capture did not stay valid.
+template <class F>
+OwnedGraph capture(cudaStream_t stream, cudaStreamCaptureMode mode, const F& f) {
+  check_cuda(cudaStreamBeginCapture(stream, mode), "cudaStreamBeginCapture");
+  f();
+  cudaGraph_t graph = nullptr;
+  check_cuda(cudaStreamEndCapture(stream, &graph), "cudaStreamEndCapture");
+  return OwnedGraph(graph);
+}
+
+/// Launches `graph` so often, and waits.
+void replay(const OwnedGraph& graph, const Stream& stream, int times) {
+  cudaGraphExec_t made = nullptr;
+  check_cuda(cudaGraphInstantiate(&made, graph.get(), 0), "cudaGraphInstantiate");
+  for (int i = 0; i < times; ++i) check_cuda(cudaGraphLaunch(made, stream.get()), "cudaGraphLaunch");
+  stream.wait();
+  check_cuda(cudaGraphExecDestroy(made), "cudaGraphExecDestroy");
+}
+
+std::size_t nodes_of(const OwnedGraph& graph) {
+  std::size_t count = 0;
+  check_cuda(cudaGraphGetNodes(graph.get(), nullptr, &count), "cudaGraphGetNodes");
+  return count;
+}
+
+/// Whether `f` throws a `DeviceError` that begins with `call` and says that the stream is being captured.
+template <class F>
+bool refused(const char* call, const F& f) {
+  try {
+    f();
+  } catch (const DeviceError& error) {
+    const std::string message = error.what();
+    INFO(message);
+    const bool good = message.rfind(std::string(call) + ": ", 0) == 0 &&
+                      message.find("is being captured into a CUDA graph") != std::string::npos;
+    CHECK(good);
+    return good;
+  }
+  FAIL_CHECK(call << " was not refused");
+  return false;
+}
+
+constexpr cudaStreamCaptureMode modes[] = {cudaStreamCaptureModeGlobal, cudaStreamCaptureModeThreadLocal,
+                                           cudaStreamCaptureModeRelaxed};
+
+}  // namespace
+
+TEST_CASE("cuda capture: no function of the backend that cannot be captured touches the capture") {
+  if (without_device()) return;
+  const Stream stream;
+  Cuda cuda(stream.get());
+  const Scene scene = random_scene(500, 1, 1);
+  DeviceBuffer<std::uint32_t> words = to_device(std::vector<std::uint32_t>(100, 1));
+  const DeviceBuffer<FrameCounts> counts = to_device(std::vector<FrameCounts>{{3, 4}});
+  Pairs<Cuda, std::uint16_t> pairs16;
+  Pairs<Cuda, std::uint32_t> pairs32;
+  Pairs<Cuda, std::uint64_t> pairs64;
+  pairs16.reset(100), pairs32.reset(100), pairs64.reset(100);
+  const Cuda::TimePoint first = cuda.now(), second = cuda.now();
+  stream.wait();
+  for (const cudaStreamCaptureMode mode : modes) {
+    const OwnedGraph graph = capture(stream.get(), mode, [&] {
+      std::uint32_t word = 0;
+      refused("upload", [&] { (void)cuda.upload(scene); });
+      refused("upload", [&] { (void)cuda.upload(std::make_shared<const Scene>(scene)); });
+      refused("download", [&] { cuda.download(Span<const std::uint32_t>{words.data(), 1}, &word); });
+      refused("wait", [&] { cuda.wait(); });
+      refused("exclusive_scan", [&] { (void)cuda.exclusive_scan(words.span()); });
+      refused("sort_pairs", [&] { cuda.sort_pairs(pairs16, 100, 16); });
+      refused("sort_pairs", [&] { cuda.sort_pairs(pairs32, 100, 31); });
+      refused("sort_pairs", [&] { cuda.sort_pairs(pairs64, 100, 40); });
+      refused("now", [&] { (void)cuda.now(); });
+      refused("milliseconds", [&] { (void)cuda.milliseconds(first, second); });
+      refused("read", [&] { (void)cuda.read(counts.data()); });
+      refused("fork", [&] { (void)cuda.fork(); });
+    });
+    CHECK(nodes_of(graph) == 0);
+  }
+  CHECK(cuda.read(counts.data()).instances == 4);
+  CHECK(cuda.exclusive_scan(words.span()) == 100);
+  CHECK(cuda.milliseconds(first, second));
+  CHECK(cudaPeekAtLastError() == cudaSuccess);
+}
+
+TEST_CASE("cuda capture: no stage touches the capture and each works afterwards") {
+  if (without_device()) return;
+  const Stream stream;
+  Cuda cuda(stream.get());
+  const DeviceScene scene = cuda.upload(random_scene(3000, 1, 2));
+  const Camera camera = forward_camera(200, 150);
+  const TileGrid grid = TileGrid::covering(200, 150);
+  const ProjectJob job{view_constants(camera, Conventions::gsplat()), scene.view(), grid};
+  ProjectScratch<Cuda> scratch;
+  Splats<Cuda> splats;
+  Footprints<Cuda, Ellipse> footprints;
+  const auto try_all = [&] {
+    refused("project", [&] { project(cuda, job, Ellipse{}, scratch, splats, footprints); });
+    const auto sort = [&]<class Sort>(const char* call, Sort policy) {
+      typename Sort::template Scratch<Cuda> memory;
+      TileLists<Cuda> lists;
+      const SortJob<Ellipse> all{splats.view(), grid, {1, 3000, 200, 150}, footprints.view()};
+      refused(call, [&] { policy.build(cuda, all, Ellipse{}, memory, lists); });
+    };
+    sort("emit_instances", StandardSort()), sort("a frame", EarlySort()), sort("now", AdaptiveSort());
+  };
+  for (const cudaStreamCaptureMode mode : modes) CHECK(nodes_of(capture(stream.get(), mode, try_all)) == 0);
+
+  // Colours are under way when the capture begins: to join them would break it.
+  project(cuda, job, Ellipse{}, scratch, splats, footprints);
+  CHECK(nodes_of(capture(stream.get(), cudaStreamCaptureModeGlobal, [&] {
+          refused("join", [&] { cuda.join(); });
+          refused("join", [&] { finish_colours(cuda, splats); });
+          try_all();
+        })) == 0);
+  finish_colours(cuda, splats);
+  EarlySort::Scratch<Cuda> memory;
+  TileLists<Cuda> lists;
+  EarlySort().build(cuda, SortJob<Ellipse>{splats.view(), grid, {}, footprints.view()}, Ellipse{}, memory,
+                    lists);
+  Serial serial;
+  const SplatSet set = to_host(cuda, splats.view());
+  CHECK(host_lists(cuda, lists) ==
+        host_lists(serial, build_lists<StandardSort, Ellipse>(serial, set.job(200, 150))));
+}
+
+TEST_CASE_TEMPLATE("cuda capture: a renderer refuses frames and draws as before afterwards", Sort,
+                   StandardSort, EarlySort, AdaptiveSort) {
+  if (without_device()) return;
+  const Stream stream;
+  Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(stream.get())};
+  const Camera camera = forward_camera(150, 90), larger = forward_camera(400, 300);
+  const DeviceScene scene = renderer.backend().upload(random_scene(4000, 2, 3));
+  const Frame expected = renderer.render(scene, camera);
+  RenderSettings counting;
+  counting.count = true;
+  DeviceFrame image(400, 300);
+  stream.wait();
+  for (const cudaStreamCaptureMode mode : modes)
+    for (const Camera& view : {camera, larger}) {  // buffers would have to grow
+      const OwnedGraph graph = capture(stream.get(), mode, [&] {
+        FrameView planes = image.view();
+        planes.width = view.width, planes.height = view.height;
+        refused("a frame", [&] { renderer.render_into(scene.view(), view, {}, planes); });
+        refused("a frame", [&] { renderer.render_into(scene.view(), view, counting, planes); });
+        refused("a frame", [&] { (void)renderer.render_resident(scene.view(), view, {}); });
+        refused("a frame", [&] { (void)renderer.render(scene, view); });
+        refused("milliseconds", [&] { (void)renderer.times(); });
+      });
+      CHECK(nodes_of(graph) == 0);
+    }
+  CHECK(same_bits(renderer.render(scene, camera).colour, expected.colour));
+  CHECK(renderer.render(scene, larger, counting).pixels() == 400 * 300);
+  CHECK(renderer.statistics().raster.contributing_pairs > 0);
+}
+
+TEST_CASE("cuda capture: contributions refuse views and add up as before afterwards") {
+  if (without_device()) return;
+  const auto scene = std::make_shared<const Scene>(random_scene(2000, 0, 4));
+  const Camera camera = forward_camera(90, 60);
+  const Sums expected = sums_of<Cuda>(*scene, {camera, camera}, Conventions::gsplat());
+  const Stream stream;
+  Contributions<Cuda> contributions(scene, Cuda(stream.get()));
+  contributions.add(camera, Conventions::gsplat());
+  const OwnedGraph graph = capture(stream.get(), cudaStreamCaptureModeGlobal, [&] {
+    refused("a frame", [&] { contributions.add(camera, Conventions::gsplat()); });
+    refused("a frame", [&] { contributions.add(forward_camera(900, 600), Conventions::gsplat()); });
+    refused("download", [&] { (void)contributions.sums(); });
+    refused("upload", [&] { Contributions<Cuda> other(scene, Cuda(stream.get())); });
+  });
+  CHECK(nodes_of(graph) == 0);
+  contributions.add(camera, Conventions::gsplat());
+  CHECK(contributions.sums() == expected);
+}
+
+TEST_CASE("cuda capture: the default stream is not used while a stream that waits for it is captured") {
+  if (without_device()) return;
+  cudaStream_t made = nullptr;
+  check_cuda(cudaStreamCreate(&made), "cudaStreamCreate");
+  Usual renderer;
+  const DeviceScene scene = renderer.backend().upload(random_scene(500, 0, 5));
+  const Camera camera = forward_camera(60, 40);
+  const Frame expected = renderer.render(scene, camera);
+  const OwnedGraph graph = capture(made, cudaStreamCaptureModeGlobal, [&] {
+    refused("a frame", [&] { (void)renderer.render(scene, camera); });
+    refused("wait", [&] { renderer.backend().wait(); });
+  });
+  CHECK(nodes_of(graph) == 0);
+  CHECK(same_bits(renderer.render(scene, camera).colour, expected.colour));
+  check_cuda(cudaStreamDestroy(made), "cudaStreamDestroy");
+}
+
+TEST_CASE("cuda capture: a rasterizer is captured and draws the same picture at each replay") {
+  if (without_device()) return;
+  const Stream stream;
+  Cuda cuda(stream.get());
+  const Picture picture(random_splats(500, 100, 70, 6), 100, 70);
+  DevicePicture device(picture);
+  DeviceFrame expected(100, 70), image(100, 70);
+  rasterize(cuda, AxisSharedThreshold<FloatCholesky>{}, device.job(expected.view(), true));
+  stream.wait();
+  const OwnedGraph graph = capture(stream.get(), cudaStreamCaptureModeGlobal, [&] {
+    cuda.clear(image.colour.data(), image.colour.size());
+    rasterize(cuda, AxisSharedThreshold<FloatCholesky>{}, device.job(image.view(), true));
+  });
+  CHECK(nodes_of(graph) == 3);  // the picture, its counts and the kernel
+  replay(graph, stream, 3);
+  CHECK(image.pixels(cuda, image.colour, 12) == expected.pixels(cuda, expected.colour, 12));
+}
