@@ -23,7 +23,6 @@ using Sorts = TypeList<StandardSort, EarlySort, AdaptiveSort>;
 using Rasters = TypeList<PerPixel, AxisShared<HalfSplit>, AxisShared<FloatSplit>, AxisShared<FloatCholesky>,
                          AxisSharedThreshold<HalfSplit>, AxisSharedThreshold<FloatSplit>,
                          AxisSharedThreshold<FloatCholesky>>;
-using AllBounds = TypeList<ThreeSigmaSquare, OpacityBox, Ellipse>;
 
 std::vector<RendererEntry> all_renderers() {
   std::vector<RendererEntry> table;

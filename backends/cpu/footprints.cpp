@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "footprints.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -82,6 +81,8 @@ struct BoxRows {
 };
 
 struct VectorOpacityBox : BoxRows {
+  using Scalar = OpacityBox;
+
   HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
     const Vec height = HalfHeight(s), slack = Slack(s.half_width, height);
     const Vec x = hn::Add(s.half_width, slack), y = hn::Add(height, slack);
@@ -91,6 +92,8 @@ struct VectorOpacityBox : BoxRows {
 };
 
 struct VectorThreeSigmaSquare : BoxRows {
+  using Scalar = ThreeSigmaSquare;
+
   HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
     const Vec k = All(0.72134752044448170368f), one = All(1.0f);
     const Vec slope = hn::Div(s.l1, s.l2);
@@ -115,6 +118,8 @@ struct VectorThreeSigmaSquare : BoxRows {
 
 class VectorEllipse {
  public:
+  using Scalar = Ellipse;
+
   HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
     shapes_ = s;
     height_ = HalfHeight(s), slack_ = Slack(s.half_width, height_);
@@ -158,7 +163,7 @@ class VectorEllipse {
   Vec height_, slack_, steepest_;
 };
 
-/// Footprints of `lanes` splats.
+/// Footprints of `lanes` splats. Those too large for a mask are left to the scalar bounds.
 template <class VectorBounds>
 HWY_INLINE void GroupFootprints(const SplatShape* HWY_RESTRICT shapes, TileGrid grid,
                                 Footprint* HWY_RESTRICT footprints) {
@@ -202,7 +207,8 @@ HWY_INLINE void GroupFootprints(const SplatShape* HWY_RESTRICT shapes, TileGrid 
   std::uint8_t large_bits[8] = {};
   hn::StoreMaskBits(di, large, large_bits);
   for (std::size_t i = 0; i < lanes; ++i)
-    if (large_bits[i / 8] >> (i % 8) & 1) footprints[i].count = to_be_counted;
+    if (large_bits[i / 8] >> (i % 8) & 1)
+      footprints[i] = find_footprint(typename VectorBounds::Scalar(), shapes[i], grid);
 }
 
 template <class VectorBounds>

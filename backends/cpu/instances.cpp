@@ -1,32 +1,111 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "instances.hpp"
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include <swiftgs/cpu.hpp>
+
+#include "parts.hpp"
 
 namespace swiftgs {
+namespace {
 
-template <VectorBounds Bounds>
-std::size_t emit_instances(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds,
-                           const std::uint32_t* order, InstanceScratch<Cpu>& scratch,
-                           Pairs<Cpu, std::uint64_t>& instances) {
-  return emit_footprints(cpu, job, bounds, order, scratch, instances);
+/// How far ahead of its use a footprint is asked for.
+constexpr std::size_t prefetch_distance = 16;
+
+/// Instances of the splats in `part`.
+std::uint64_t count_instances(const EmissionJob& job, Part part) {
+  std::uint64_t sum = 0;
+  for (std::size_t i = part.begin; i < part.end; ++i)
+    sum += job.footprints[job.order ? job.order[i] : i].count;
+  return sum;
 }
 
-template <VectorBounds Bounds>
-void group_by_tile(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
-                   GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists) {
-  group_footprints(cpu, job, bounds, order, scratch, lists);
+/// f(tile, id) for each instance of the splats in `part`, in order.
+template <class F>
+void visit_instances(const EmissionJob& job, Part part, F f) {
+  const std::uint32_t columns = std::uint32_t(job.grid.columns);
+  for (std::size_t i = part.begin; i < part.end; ++i) {
+    if (job.order && i + prefetch_distance < part.end)
+      __builtin_prefetch(&job.footprints[job.order[i + prefetch_distance]]);
+    const std::uint32_t id = job.order ? job.order[i] : std::uint32_t(i);
+    const Footprint& footprint = job.footprints[id];
+    if (footprint.mask == 0) {
+      if (footprint.count == 0) continue;
+      struct Context {
+        F& f;
+        std::uint32_t id;
+      } context{f, id};
+      job.large.walk(
+          job.large.bounds, footprint, job.splats.shapes[id], job.grid,
+          [](void* to, std::uint32_t tile) {
+            static_cast<Context*>(to)->f(tile, static_cast<Context*>(to)->id);
+          },
+          &context);
+      continue;
+    }
+    const std::uint32_t first = std::uint32_t(footprint.row) * columns + footprint.column;
+    for (std::uint64_t mask = footprint.mask; mask != 0; mask &= mask - 1) {
+      const std::uint32_t bit = std::uint32_t(std::countr_zero(mask));
+      f(first + bit / Footprint::side * columns + bit % Footprint::side, id);
+    }
+  }
 }
 
-template std::size_t emit_instances(Cpu&, const SortJob<ThreeSigmaSquare>&, const ThreeSigmaSquare&,
-                                    const std::uint32_t*, InstanceScratch<Cpu>&, Pairs<Cpu, std::uint64_t>&);
-template void group_by_tile(Cpu&, const SortJob<ThreeSigmaSquare>&, const ThreeSigmaSquare&,
-                            const std::uint32_t*, GroupScratch<Cpu>&, TileLists<Cpu>&);
-template std::size_t emit_instances(Cpu&, const SortJob<OpacityBox>&, const OpacityBox&, const std::uint32_t*,
-                                    InstanceScratch<Cpu>&, Pairs<Cpu, std::uint64_t>&);
-template void group_by_tile(Cpu&, const SortJob<OpacityBox>&, const OpacityBox&, const std::uint32_t*,
-                            GroupScratch<Cpu>&, TileLists<Cpu>&);
-template std::size_t emit_instances(Cpu&, const SortJob<Ellipse>&, const Ellipse&, const std::uint32_t*,
-                                    InstanceScratch<Cpu>&, Pairs<Cpu, std::uint64_t>&);
-template void group_by_tile(Cpu&, const SortJob<Ellipse>&, const Ellipse&, const std::uint32_t*,
-                            GroupScratch<Cpu>&, TileLists<Cpu>&);
+}  // namespace
+
+std::size_t emit_instances(Cpu& cpu, const EmissionJob& job, Pairs<Cpu, std::uint64_t>& out) {
+  check_instances(job.instances);
+  const std::size_t splats = job.splats.size(), parts = part_count(cpu, splats, 4096);
+  std::array<std::uint64_t, max_parts> before;
+  for_each_part(cpu, splats, parts,
+                [&](std::size_t part, Part range) { before[part] = count_instances(job, range); });
+  std::uint64_t total = 0;
+  for (std::size_t part = 0; part < parts; ++part) total += std::exchange(before[part], total);
+  out.reset(std::size_t(total));
+  for_each_part(cpu, splats, parts, [&](std::size_t part, Part range) {
+    std::uint64_t* keys = out.keys.data() + before[part];
+    std::uint32_t* ids = out.values.data() + before[part];
+    visit_instances(job, range, [&](std::uint32_t tile, std::uint32_t id) {
+      *keys++ = std::uint64_t(tile) << depth_key_bits | depth_key(job.splats.depths[id]);
+      *ids++ = id;
+    });
+  });
+  return std::size_t(total);
+}
+
+void group_by_tile(Cpu& cpu, const EmissionJob& job, GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists) {
+  check_instances(job.instances);
+  const std::size_t splats = job.splats.size(), tiles = job.grid.size();
+  // A table of positions a part must not outgrow the splats that it is for.
+  const std::size_t parts = std::min(part_count(cpu, splats, 4096), 1 + 16 * splats / tiles);
+  lists.instances = std::size_t(job.instances);
+  lists.tiles = tiles;
+  lists.ids.reset(lists.instances), lists.ranges.reset(tiles);
+
+  // Count the instances of each tile in each part, turn the counts into first positions, and write every id
+  // to its own.
+  scratch.positions.reset(parts * tiles);
+  const auto positions_of = [&](std::size_t part) { return scratch.positions.data() + part * tiles; };
+  for_each_part(cpu, splats, parts, [&](std::size_t part, Part range) {
+    std::uint32_t* counts = positions_of(part);
+    std::fill_n(counts, tiles, 0u);
+    visit_instances(job, range, [&](std::uint32_t tile, std::uint32_t) { ++counts[tile]; });
+  });
+  std::uint32_t sum = 0;
+  for (std::size_t tile = 0; tile < tiles; ++tile) {
+    const std::uint32_t begin = sum;
+    for (std::size_t part = 0; part < parts; ++part) sum += std::exchange(positions_of(part)[tile], sum);
+    lists.ranges.data()[tile] = sum > begin ? TileRange{begin, sum} : TileRange{};
+  }
+  for_each_part(cpu, splats, parts, [&](std::size_t part, Part range) {
+    std::uint32_t* positions = positions_of(part);
+    std::uint32_t* ids = lists.ids.data();
+    visit_instances(job, range, [&](std::uint32_t tile, std::uint32_t id) { ids[positions[tile]++] = id; });
+  });
+}
 
 }  // namespace swiftgs

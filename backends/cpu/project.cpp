@@ -5,8 +5,6 @@
 
 #include <swiftgs/cpu.hpp>
 
-#include "shade.hpp"
-
 // Compile the rest of this file for every target; the order of these lines matters.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -265,29 +263,29 @@ void project(Cpu& cpu, const ProjectJob& job, ProjectScratch<Cpu>& scratch, Spla
   const SceneView& scene = job.scene;
   // Project each chunk to a place of its own.
   const std::size_t n = scene.size(), chunks = (n + chunk_size - 1) / chunk_size;
-  scratch.shapes.reset(n), scratch.depths.reset(n), scratch.ids.reset(n), scratch.counts.reset(chunks);
+  scratch.shapes.reset(n), scratch.depths.reset(n), scratch.gaussians.reset(n), scratch.counts.reset(chunks);
   cpu.for_parts(chunks, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t chunk = first; chunk < last; ++chunk) {
       const std::size_t begin = chunk * chunk_size, end = std::min(begin + chunk_size, n);
       scratch.counts.data()[chunk] =
           HWY_DYNAMIC_DISPATCH(ProjectChunk)(constants, scene, begin, end, scratch.shapes.data() + begin,
-                                             scratch.depths.data() + begin, scratch.ids.data() + begin);
+                                             scratch.depths.data() + begin, scratch.gaussians.data() + begin);
     }
   });
 
-  // Move the chunks together, and evaluate the colours of what is visible.
+  // Move the chunks together.
   std::size_t* offsets = scratch.counts.data();
   splats.count = 0;
   for (std::size_t chunk = 0; chunk < chunks; ++chunk)
     splats.count += std::exchange(offsets[chunk], splats.count);
-  splats.shapes.reset(splats.count), splats.colours.reset(splats.count);
+  splats.reset(splats.count);
   cpu.for_parts(chunks, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t chunk = first; chunk < last; ++chunk) {
       const std::size_t begin = chunk * chunk_size, to = offsets[chunk];
       const std::size_t count = (chunk + 1 < chunks ? offsets[chunk + 1] : splats.count) - to;
       std::copy_n(scratch.shapes.data() + begin, count, splats.shapes.data() + to);
-      shade_splats(constants, scene, scratch.ids.data() + begin, scratch.depths.data() + begin, count,
-                   splats.shapes.data() + to, splats.colours.data() + to);
+      std::copy_n(scratch.depths.data() + begin, count, splats.depths.data() + to);
+      std::copy_n(scratch.gaussians.data() + begin, count, splats.gaussians.data() + to);
     }
   });
 }

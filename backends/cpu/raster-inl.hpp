@@ -160,6 +160,7 @@ void RenderTiles(const RasterJob& job, std::size_t begin, std::size_t end) {
   Batch batch;
   Form form(job.rules);
   const float log2_alpha_min = std::log2(job.rules.alpha_min);
+  const bool some_hidden = job.colours.some_hidden();
 
   for (std::size_t tile = begin; tile < end; ++tile) {
     const std::size_t x0 = tile % std::size_t(job.grid.columns) * tile_side;
@@ -179,12 +180,13 @@ void RenderTiles(const RasterJob& job, std::size_t begin, std::size_t end) {
         const std::size_t ahead = at + k + 12;
         if (ahead < range.end) {
           hwy::Prefetch(&job.splats.shapes[ids[ahead]]);
-          hwy::Prefetch(&job.splats.colours[ids[ahead]]);
+          hwy::Prefetch(&job.colours.each[ids[ahead]]);
         }
         const std::uint32_t id = ids[at + k];
-        std::memcpy(batch.colours[k], &job.splats.colours[id], sizeof batch.colours[k]);
+        std::memcpy(batch.colours[k], &job.colours.each[id], sizeof batch.colours[k]);
         batch.row_masks[k] =
             form.Prepare(k, job.splats.shapes[id], place.first_centre, log2_alpha_min) & live_rows;
+        if (some_hidden && is_hidden(job.colours.each[id])) batch.row_masks[k] = 0;
       }
       for (std::size_t k = splats; k % lanes != 0; ++k) batch.row_masks[k] = 0;
       ListRows(batch, splats);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "shade.hpp"
-
 #include <algorithm>
+#include <atomic>
+
+#include <swiftgs/cpu.hpp>
 
 // Compile the rest of this file for every target; the order of these lines matters.
 // clang-format off
@@ -70,10 +71,13 @@ HWY_INLINE hn::Vec<F32x4> SumBands(const float* HWY_RESTRICT rest, const float (
 /// Colours of `count` Gaussians, by their ids. The basis is evaluated a lane a Gaussian; the sum over
 /// coefficients takes one Gaussian at a time, because its coefficients lie together and those of the next
 /// visible one do not.
-void ShadeSplats(const ViewConstants& v, const SceneView& scene, const std::uint32_t* HWY_RESTRICT ids,
-                 const float* HWY_RESTRICT depths, std::size_t count, SplatShape* HWY_RESTRICT shapes,
-                 SplatColour* HWY_RESTRICT colours) {
+/// Returns whether any splat is hidden.
+bool ShadeRange(const ShadeJob& job, const std::uint32_t* HWY_RESTRICT ids, const float* HWY_RESTRICT depths,
+                std::size_t count, SplatColour* HWY_RESTRICT colours) {
   const F32 d;
+  const ViewConstants& v = job.constants;
+  const SceneView& scene = job.scene;
+  bool some_hidden = false;
   const int degree = scene.sh_degree, coefficients = sh_rest_count(degree);
   const std::size_t stride = std::size_t(scene.sh_stride), row = 3 * std::size_t(coefficients);
   constexpr std::size_t ahead = 24;  // splats between asking for harmonics and using them
@@ -109,10 +113,11 @@ void ShadeSplats(const ViewConstants& v, const SceneView& scene, const std::uint
       hn::StoreU(SumBands(rest, basis, k, coefficients), F32x4(), rgb);
       const auto channel = [&](int c) { return 0.5f + sh::c0 * sh0[c] + rgb[c]; };
       const vec3 colour(channel(0), channel(1), channel(2));
-      if (!set_colour(shapes[first + k], colours[first + k], colour)) shapes[first + k].reach = -1;
-      colours[first + k].depth = depths[first + k];
+      colours[first + k] = splat_colour(colour, depths[first + k]);
+      some_hidden = some_hidden || is_hidden(colours[first + k]);
     }
   }
+  return some_hidden;
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
@@ -121,12 +126,20 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace swiftgs {
 namespace {
-HWY_EXPORT(ShadeSplats);
+HWY_EXPORT(ShadeRange);
 }
 
-void shade_splats(const ViewConstants& constants, const SceneView& scene, const std::uint32_t* ids,
-                  const float* depths, std::size_t count, SplatShape* shapes, SplatColour* colours) {
-  HWY_DYNAMIC_DISPATCH(ShadeSplats)(constants, scene, ids, depths, count, shapes, colours);
+Shading<Cpu> shade(Cpu& cpu, const ShadeJob& job, const Splats<Cpu>& splats, Colours<Cpu>& colours) {
+  constexpr std::size_t grain = 1024;
+  colours.each.reset(splats.count), colours.hidden.reset(1);
+  std::uint32_t* const hidden = colours.hidden.data();
+  *hidden = 0;
+  cpu.for_parts(splats.count, grain, [&](std::size_t begin, std::size_t end) {
+    if (HWY_DYNAMIC_DISPATCH(ShadeRange)(job, splats.gaussians.data() + begin, splats.depths.data() + begin,
+                                         end - begin, colours.each.data() + begin))
+      std::atomic_ref(*hidden).store(1, std::memory_order_relaxed);
+  });
+  return Shading<Cpu>({{colours.each.data(), splats.count}, hidden});
 }
 
 }  // namespace swiftgs

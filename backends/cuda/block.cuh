@@ -54,7 +54,6 @@ struct TilePixel {
 /// Starts `lean`, or `full` where the frame wants more than colour and alpha: a block a tile.
 inline void rasterize_blocks(Cuda& cuda, const char* name, void (*lean)(RasterJob), void (*full)(RasterJob),
                              const RasterJob& job) {
-  cuda.join();  // splats whose colours are under way
   if (job.counts) cuda.clear(job.counts, job.grid.size() * sizeof(TileCounts));
   launch(name, kernels::wants_extras(job) ? full : lean, unsigned(job.grid.size()), kernels::block_threads,
          cuda.stream(), job);

@@ -2,7 +2,7 @@
 #include <cstdint>
 
 #include <swiftgs/contribution.hpp>
-#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda.cuh>
 
 #include "raster_warps.cuh"
 #include "weigh.hpp"
@@ -47,6 +47,7 @@ __global__ void __launch_bounds__(raster_threads)
     if (PixelPlace(raster, part_x + column, part_y + row + int(p) * int(rows_between), false).inside)
       pixels[p].start(limits.stop_below);
 
+  const bool some_hidden = raster.colours.some_hidden();
   const TileRange range = raster.lists.ranges[tile];
   for (std::uint32_t at = range.begin; at < range.end; at += warp_size) {
     // Load a splat a lane, and find those that touch the part.
@@ -55,7 +56,8 @@ __global__ void __launch_bounds__(raster_threads)
     bool touched = false;
     if (listed) {
       const SplatShape shape = load_shape(raster, id);
-      touched = box_touched(shape, first_centre, float(part_side));
+      touched = box_touched(shape, first_centre, float(part_side)) &&
+                !(some_hidden && is_hidden(raster.colours.each[id]));
       if (touched)
         CholeskyForm::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min,
                               mine.terms[lane_index()], mine.rests[lane_index()]);
@@ -79,7 +81,7 @@ __global__ void __launch_bounds__(raster_threads)
     }
     if (sum != 0) {
       static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
-      atomicAdd(reinterpret_cast<unsigned long long*>(job.sums + job.gaussians[id]), sum);
+      atomicAdd(reinterpret_cast<unsigned long long*>(job.sums + raster.splats.gaussians[id]), sum);
     }
 
     bool stopped = true;
@@ -95,5 +97,7 @@ void add_contributions(Cuda& cuda, const ContributionJob& job) {
   launch("add_contributions", kernels::add_contributions, unsigned(job.raster.grid.size()),
          kernels::raster_threads, cuda.stream(), job, kernels::RasterLimits(job.raster.rules));
 }
+
+template void Cuda::for_each(std::size_t, const ClearSums&) const;
 
 }  // namespace swiftgs

@@ -5,8 +5,10 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include <cuda/atomic>
 #include <cuda_runtime_api.h>
@@ -18,7 +20,7 @@
 
 namespace swiftgs {
 
-void Cuda::State::Fork::start() {
+void Cuda::State::Side::make() {
   const auto event = [](auto& owner) {
     cudaEvent_t made = nullptr;
     check_cuda(cudaEventCreateWithFlags(&made, cudaEventDisableTiming), "cudaEventCreateWithFlags");
@@ -31,17 +33,9 @@ void Cuda::State::Fork::start() {
 }
 
 void Cuda::State::join() {
-  if (!fork.open) return;
-  check_cuda(cudaEventRecord(fork.ended.get(), fork.stream.get()), "cudaEventRecord");
-  check_cuda(cudaStreamWaitEvent(stream, fork.ended.get()), "cudaStreamWaitEvent");
-  fork.open = false;
-}
-
-Cuda::State::~State() {
-  if (!fork.open) return;
-  // There is nobody left to tell of an error.
-  if (cudaEventRecord(fork.ended.get(), fork.stream.get()) == cudaSuccess)
-    cudaStreamWaitEvent(stream, fork.ended.get());
+  side.forked = false;
+  check_cuda(cudaEventRecord(side.ended.get(), side.stream.get()), "cudaEventRecord");
+  check_cuda(cudaStreamWaitEvent(stream, side.ended.get()), "cudaStreamWaitEvent");
 }
 
 void Cuda::State::wait() const { check_cuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize"); }
@@ -106,30 +100,38 @@ __global__ void post(const FrameCounts* counts, Mailbox* mailbox, std::uint32_t 
 }
 }  // namespace kernels
 
-cudaStream_t Cuda::fork() {
+Cuda::Fork Cuda::fork() {
   check_not_captured("fork");
-  State::Fork& fork = state_->fork;
-  if (!fork.stream) fork.start();
-  check_cuda(cudaEventRecord(fork.begun.get(), stream()), "cudaEventRecord");
-  check_cuda(cudaStreamWaitEvent(fork.stream.get(), fork.begun.get()), "cudaStreamWaitEvent");
-  fork.open = true;
-  return fork.stream.get();
+  State::Side& side = state_->side;
+  if (side.forked) throw std::logic_error("fork: expected the fork before to be joined");
+  if (!side.stream) side.make();
+  check_cuda(cudaEventRecord(side.begun.get(), stream()), "cudaEventRecord");
+  check_cuda(cudaStreamWaitEvent(side.stream.get(), side.begun.get()), "cudaStreamWaitEvent");
+  side.forked = true;
+  return Fork(state_.get());
 }
 
-void Cuda::join() {
-  if (state_->fork.open) check_not_captured("join");
-  state_->join();
+cudaStream_t Cuda::Fork::stream() const { return state_->side.stream.get(); }
+
+void Cuda::Fork::join() {
+  if (State* const state = std::exchange(state_, nullptr)) state->join();
+}
+
+Cuda::Fork::~Fork() {
+  try {
+    join();
+  } catch (const DeviceError&) {
+    // There is nobody left to tell.
+  }
 }
 
 void Cuda::download_bytes(const void* from, void* to, std::size_t bytes) const {
-  if (bytes != 0 || state_->fork.open) check_not_captured("download");
-  state_->join();
+  if (bytes != 0) check_not_captured("download");
   state_->copy_to_host(from, to, bytes);
 }
 
 void Cuda::wait() const {
   check_not_captured("wait");
-  state_->join();
   state_->wait();
 }
 

@@ -55,7 +55,10 @@ __device__ inline SplatShape load_shape(const RasterJob& job, std::uint32_t id) 
 
 /// RGB and depth in one load.
 __device__ inline float4 load_colour(const RasterJob& job, std::uint32_t id) {
-  return *reinterpret_cast<const float4*>(job.splats.colours.data + id);
+  return *reinterpret_cast<const float4*>(job.colours.each.data + id);
 }
+
+/// Whether no pixel shows the splat of a loaded colour.
+__device__ inline bool is_hidden(const float4& colour) { return !(colour.w > 0); }
 
 }  // namespace swiftgs::kernels

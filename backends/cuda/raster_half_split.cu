@@ -59,8 +59,9 @@ __global__ void __launch_bounds__(block_threads) raster_half_split(const __grid_
       const std::uint32_t id = job.lists.ids[at + threadIdx.x];
       const SplatShape s = load_shape(job, id);
       batch.shapes.data()[threadIdx.x] = s;
-      batch.reaches[threadIdx.x] = make_float2(s.reach, s.opacity);
-      batch.colours[threadIdx.x] = load_colour(job, id);
+      const float4 colour = load_colour(job, id);
+      batch.reaches[threadIdx.x] = is_hidden(colour) ? make_float2(-1, 0) : make_float2(s.reach, s.opacity);
+      batch.colours[threadIdx.x] = colour;
     } else {
       batch.reaches[threadIdx.x] = make_float2(-1, 0);
     }

@@ -13,7 +13,7 @@ namespace kernels {
 /// Splats as every pixel of a tile reads them.
 struct FactorBatch {
   float2 means[block_threads];
-  float4 factors[block_threads];  ///< of `FactorForm`, with opacity 0 where the tile is not touched
+  float4 factors[block_threads];  ///< of `FactorForm`, with opacity 0 where the tile does not show it
   float4 colours[block_threads];  ///< RGB, depth
 };
 
@@ -34,9 +34,10 @@ __global__ void __launch_bounds__(block_threads) raster_per_pixel(const __grid_c
       const SplatShape s = load_shape(job, id);
       batch.means[threadIdx.x] = make_float2(s.mean.x, s.mean.y);
       float4 factor = FactorForm::prepare(s);
-      if (!box_touched(s, mine.first_centre(), tile_side)) factor.w = 0;
+      const float4 colour = load_colour(job, id);
+      if (!box_touched(s, mine.first_centre(), tile_side) || is_hidden(colour)) factor.w = 0;
       batch.factors[threadIdx.x] = factor;
-      batch.colours[threadIdx.x] = load_colour(job, id);
+      batch.colours[threadIdx.x] = colour;
     }
     __syncthreads();
     for (std::uint32_t k = 0; k < count && mine.pixel.live(); ++k) {

@@ -132,8 +132,7 @@ __global__ void __launch_bounds__(raster_threads)
     if constexpr (extras) part.occluders[p] = at.occluder;
   }
 
-  // Opacities are not looked at otherwise: to keep them at hand costs 6 % of the kernel.
-  const bool some_hidden = job.splats.hidden && *job.splats.hidden != 0;
+  const bool some_hidden = job.colours.some_hidden();
   const TileRange range = job.lists.ranges[tile];
   const auto load_id = [&](std::uint32_t at) {
     return at + lane_index() < range.end ? job.lists.ids[at + lane_index()] : 0;
@@ -156,12 +155,12 @@ __global__ void __launch_bounds__(raster_threads)
 
       // Queue those that touch the part.
       bool touched = listed && box_touched(shape, first_centre, float(part_side));
-      if (some_hidden) touched = touched && job.splats.shapes[id].opacity > 0;
+      if (some_hidden) touched = touched && !is_hidden(job.colours.each[id]);
       const unsigned lanes = __ballot_sync(whole_warp, touched);
       if (touched) {
         const unsigned slot =
             (begun * queue_half + waiting + unsigned(__popc(lanes & lanes_below()))) % queue_size;
-        __pipeline_memcpy_async(&queue.colours[slot], job.splats.colours.data + id, sizeof(float4));
+        __pipeline_memcpy_async(&queue.colours[slot], job.colours.each.data + id, sizeof(float4));
         Form::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min, queue.terms[slot],
                       queue.rests[slot]);
       }
@@ -198,7 +197,6 @@ __global__ void __launch_bounds__(raster_threads)
 template <class Form, bool threshold>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   const unsigned blocks = unsigned(job.grid.size());
-  cuda.join();  // splats whose colours are under way
   if (job.counts) cuda.clear(job.counts, job.grid.size() * sizeof(TileCounts));
   const auto kernel = kernels::wants_extras(job) ? kernels::raster_warps<Form, threshold, true>
                                                  : kernels::raster_warps<Form, threshold, false>;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include <cuda_pipeline_primitives.h>
 #include <cuda_runtime_api.h>
@@ -86,48 +87,62 @@ __device__ inline vec3 colour_of(int degree, vec3 sh0, const float4* rest, vec3 
   }
 }
 
-/// Where colours are written to.
-struct ShadeOutput {
-  SplatShape* shapes;  ///< their opacities, which the sort beside it does not read
-  SplatColour* colours;
-  std::uint32_t* hidden;
+/// How many splats there are: as the device knows, or else the host.
+struct Count {
+  const std::uint64_t* known_here;
+  std::uint64_t known_there;
+
+  __device__ std::size_t get() const { return std::size_t(known_here ? *known_here : known_there); }
 };
 
 /// Evaluates the colours of all splats, a warp 32 at a time and a lane one of them.
 __global__ void __launch_bounds__(shade_threads)
-    shade(const __grid_constant__ ProjectJob job, const FrameCounts* counts, const std::uint32_t* gaussians,
-          const ShadeOutput output) {
+    shade(const __grid_constant__ ShadeJob job, const Count count, const std::uint32_t* gaussians,
+          const float* depths, SplatColour* colours, std::uint32_t* hidden) {
   __shared__ float4 shared[shade_warps][warp_size * rest_pitch(max_sh_degree)];
   float4* const rest = shared[threadIdx.x / warp_size];
   const SceneView& scene = job.scene;
-  const std::size_t visible = std::size_t(counts->visible), step = std::size_t(gridDim.x) * shade_threads;
-  for (std::size_t first = blockIdx.x * shade_threads + threadIdx.x - lane_index(); first < visible;
+  const std::size_t splats = count.get(), step = std::size_t(gridDim.x) * shade_threads;
+  for (std::size_t first = blockIdx.x * shade_threads + threadIdx.x - lane_index(); first < splats;
        first += step) {
     const std::size_t at = first + lane_index();
-    const std::uint32_t id = at < visible ? gaussians[at] : 0;
+    const std::uint32_t id = at < splats ? gaussians[at] : 0;
     if (scene.sh_degree > 0)
-      stage_rest(scene, id, unsigned(min(visible - first, std::size_t(warp_size))), rest);
-    if (at < visible) {
+      stage_rest(scene, id, unsigned(min(splats - first, std::size_t(warp_size))), rest);
+    if (at < splats) {
       const vec3 rgb =
           colour_of(scene.sh_degree, scene.sh0[id], rest + lane_index() * rest_pitch(scene.sh_degree),
                     view_direction(job.constants, scene.means[id]));
-      if (!set_colour(output.shapes[at], output.colours[at], rgb)) *output.hidden = 1;
+      const SplatColour colour = splat_colour(rgb, depths[at]);
+      colours[at] = colour;
+      if (is_hidden(colour)) *hidden = 1;
     }
     __syncwarp();  // before the coefficients are overwritten
   }
 }
 }  // namespace kernels
 
-void start_colours(Cuda& cuda, const ProjectJob& job, const FrameCounts* counts,
-                   const std::uint32_t* gaussians, Splats<Cuda>& splats) {
+Shading<Cuda> shade(Cuda& cuda, const ShadeJob& job, const Splats<Cuda>& splats, Colours<Cuda>& colours) {
+  cuda.check_not_captured("shade");
   int device = 0, multiprocessors = 0;
   check_cuda(cudaGetDevice(&device), "cudaGetDevice");
   check_cuda(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device),
              "cudaDeviceGetAttribute");
-  const unsigned blocks = std::min(blocks_for(job.scene.size(), kernels::shade_threads),
-                                   unsigned(multiprocessors * kernels::shade_blocks));
-  launch("shade", kernels::shade, blocks, kernels::shade_threads, cuda.fork(), job, counts, gaussians,
-         kernels::ShadeOutput{splats.shapes.data(), splats.colours.data(), splats.hidden.data()});
+  const std::size_t most = splats.control ? splats.shapes.size() : splats.count;
+  colours.each.reset(most);
+  std::uint32_t* hidden = splats.control ? &splats.control->hidden : nullptr;
+  if (!hidden) {
+    colours.hidden.reset(1), hidden = colours.hidden.data();
+    cuda.clear(hidden, sizeof *hidden);
+  }
+  Cuda::Fork fork = cuda.fork();
+  const unsigned blocks =
+      std::min(blocks_for(most, kernels::shade_threads), unsigned(multiprocessors * kernels::shade_blocks));
+  if (blocks != 0)
+    launch("shade", kernels::shade, blocks, kernels::shade_threads, fork.stream(), job,
+           kernels::Count{splats.control ? &splats.control->counts.visible : nullptr, most},
+           splats.gaussians.data(), splats.depths.data(), colours.each.data(), hidden);
+  return Shading<Cuda>(std::move(fork), splats, colours.each.data(), hidden);
 }
 
 }  // namespace swiftgs

@@ -40,24 +40,21 @@ struct RadixCounts {
 
 /// What a backend keeps from frame to frame.
 struct Cuda::State {
-  /// Work beside the stream's.
-  struct Fork {
+  /// A second stream.
+  struct Side {
     OwnedStream stream;       ///< made when it is needed
     OwnedEvent begun, ended;  ///< made with it
-    bool open = false;        ///< whether the stream has not been told to wait for it
+    bool forked = false;      ///< whether the backend's stream has not been told to wait for it
 
-    void start();
+    void make();
   };
-
-  State() = default;
-  ~State();  ///< whatever the caller's stream does next comes after what the fork still does
 
   void join();
   void wait() const;
   void copy_to_host(const void* from, void* to, std::size_t bytes) const;
 
   cudaStream_t stream = nullptr;
-  Fork fork;
+  Side side;
   std::array<OwnedEvent, 256> events;                  ///< a ring, made as they are needed
   std::uint64_t points = 0;                            ///< taken so far
   std::unique_ptr<Mailbox, detail::FreeHost> mailbox;  ///< made when it is needed

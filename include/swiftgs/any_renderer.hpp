@@ -12,6 +12,7 @@
 #include <swiftgs/api.hpp>
 #include <swiftgs/renderer.hpp>
 #include <swiftgs/sort/calibration.hpp>
+#include <swiftgs/type_list.hpp>
 
 namespace swiftgs {
 
@@ -127,10 +128,6 @@ class RendererOf final : public RendererOn<B> {
   };
   R renderer_;
 };
-
-/// Types to combine.
-template <class... Policies>
-struct TypeList {};
 
 /// Appends every combination of `backend` with the given sorts, rasterizers and bounds to `table`.
 /// backends/table.cpp holds the library's lists. A policy on a device also needs code that its compiler

@@ -15,17 +15,20 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
+#include <swiftgs/bin_stage.hpp>
 #include <swiftgs/bounds/ellipse.hpp>
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
+#include <swiftgs/shade_stage.hpp>
 #include <swiftgs/sort/early.hpp>
 
 namespace swiftgs {
@@ -47,39 +50,9 @@ constexpr double weight_of_parts(std::uint64_t parts) { return double(parts) / d
 
 /// Input of the weights of one view. All pointers are to memory that the backend can reach.
 struct ContributionJob {
-  RasterJob raster;                ///< splats, lists and rules; its frame has a size and no planes
-  const std::uint32_t* gaussians;  ///< @shape{splats} the Gaussian of each
-  std::uint64_t* sums;             ///< @shape{Gaussians} parts, added to
-};
-
-/// Moves the shape and depth of visible Gaussian i to its slot, and stores the Gaussian's index there.
-struct SWIFTGS_API KeepVisible {
-  const ProjectedShape* projected;
-  const std::uint32_t* slots;
-  SplatShape* shapes;
-  SplatColour* depths;  ///< for the sort, which reads only `depth`
-  std::uint32_t* gaussians;
-
-  SWIFTGS_HD void operator()(std::size_t i) const {
-    if (!projected[i].visible) return;
-    const std::uint32_t slot = slots[i];
-    shapes[slot] = projected[i].shape;
-    depths[slot] = {vec3(0), projected[i].depth};
-    gaussians[slot] = std::uint32_t(i);
-  }
-};
-
-/// Hides splat i, as a frame does, where its colour is not finite.
-struct SWIFTGS_API HideSplats {
-  ViewConstants constants;
-  SceneView scene;
-  const std::uint32_t* gaussians;
-  SplatShape* shapes;
-
-  SWIFTGS_HD void operator()(std::size_t i) const {
-    SplatColour colour;
-    if (!set_colour(shapes[i], colour, project_colour(constants, scene, gaussians[i]))) shapes[i].reach = -1;
-  }
+  /// Splats, lists and rules; its frame has a size and no planes. Colours tell only which splats are hidden.
+  RasterJob raster;
+  std::uint64_t* sums;  ///< @shape{Gaussians} parts, added to
 };
 
 namespace detail {
@@ -119,11 +92,13 @@ struct AddTileContributions {
     const TileRange range = raster.lists.ranges[tile];
     if (range.begin == range.end) return;
     Pixels pixels(raster, tile);
+    const bool some_hidden = raster.colours.some_hidden();
     for (std::uint32_t at = range.begin; at < range.end && pixels.live > 0; ++at) {
       const std::uint32_t id = raster.lists.ids[at];
+      if (some_hidden && is_hidden(raster.colours.each[id])) continue;
       const std::uint64_t parts = pixels.blend(raster.splats.shapes[id], raster.rules);
       if (parts == 0) continue;
-      std::atomic_ref<std::uint64_t> sum(job.sums[job.gaussians[id]]);
+      std::atomic_ref<std::uint64_t> sum(job.sums[raster.splats.gaussians[id]]);
       sum.fetch_add(parts, std::memory_order_relaxed);
     }
   }
@@ -185,9 +160,8 @@ requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const Contri
 /// exact bounds, and the conventions' rules of alpha and stop, so the weights are those that
 /// `AxisSharedThreshold<FloatCholesky>` blends with.
 ///
-/// It has its own projection, by `project_shape`: it needs the Gaussian of each splat, which a renderer's
-/// projection does not store. It evaluates colours only in scenes with numbers beyond 1e36, to leave out the
-/// Gaussians that frames do not draw because their colour is not finite.
+/// The stages are those of a renderer. It evaluates colours only in scenes with numbers beyond 1e36, to leave
+/// out the Gaussians that frames do not draw because their colour is not finite.
 template <BackendPolicy B>
 class Contributions {
  public:
@@ -212,19 +186,24 @@ class Contributions {
       throw CapacityError("pixels of all views", pixels, max_contribution_pixels);
 
     check_ready(backend_);
-    project(constants);
     const TileGrid grid = TileGrid::covering(camera.width, camera.height);
-    const SplatsView splats{{shapes_.data(), visible_}, {depths_.data(), visible_}};
     const SceneView scene = scene_.view();
+    project(backend_, ProjectJob{constants, scene, grid}, Ellipse{}, project_scratch_, splats_, footprints_);
+    std::optional<Shading<B>> shading;
+    if (colours_may_overflow_ || centre_is_extreme(constants))
+      shading.emplace(shade(backend_, ShadeJob{constants, scene}, splats_, colours_));
+    bin(backend_, grid, Ellipse{}, splats_, footprints_);
     const FrameKey key{scene.identity, scene.size(), camera.width, camera.height};
-    EarlySort().build(backend_, SortJob<Ellipse>{splats, grid, key}, Ellipse{}, sort_scratch_, lists_);
+    EarlySort().build(backend_, SortJob<Ellipse>{splats_.view(), footprints_.view(), key}, Ellipse{},
+                      sort_scratch_, lists_);
 
-    const RasterJob raster{.splats = splats,
+    const RasterJob raster{.splats = splats_.view(),
+                           .colours = shading ? shading->finish() : ColoursView{},
                            .lists = lists_.view(),
                            .grid = grid,
                            .rules = BlendRules::from(conventions),
                            .frame = {.width = camera.width, .height = camera.height}};
-    add_contributions(backend_, ContributionJob{raster, gaussians_.data(), sums_.data()});
+    add_contributions(backend_, ContributionJob{raster, sums_.data()});
     pixels_ = pixels;
   }
 
@@ -237,25 +216,9 @@ class Contributions {
   }
 
   /// Number of visible Gaussians in the last added view.
-  std::size_t visible() const { return visible_; }
+  std::size_t visible() const { return splats_.count; }
 
  private:
-  /// Finds the visible splats of the view, in the order of their Gaussians.
-  void project(const ViewConstants& constants) {
-    const SceneView scene = scene_.view();
-    const std::size_t n = scene.size();
-    visible_ = 0;
-    projected_.reset(n), slots_.reset(n);
-    backend_.for_each(n, ProjectShapes{constants, scene, projected_.data(), slots_.data()});
-    const std::size_t visible = std::size_t(backend_.exclusive_scan(Span{slots_.data(), n}));
-    shapes_.reset(visible), depths_.reset(visible), gaussians_.reset(visible);
-    backend_.for_each(
-        n, KeepVisible{projected_.data(), slots_.data(), shapes_.data(), depths_.data(), gaussians_.data()});
-    if (colours_may_overflow_ || centre_is_extreme(constants))
-      backend_.for_each(visible, HideSplats{constants, scene, gaussians_.data(), shapes_.data()});
-    visible_ = visible;
-  }
-
   static bool centre_is_extreme(const ViewConstants& constants) {
     const double* centre = constants.centre;
     return detail::is_extreme(centre[0]) || detail::is_extreme(centre[1]) || detail::is_extreme(centre[2]);
@@ -265,13 +228,12 @@ class Contributions {
   typename B::SceneOn scene_;
   bool colours_may_overflow_;
   typename B::template Buffer<std::uint64_t> sums_;
-  typename B::template Buffer<ProjectedShape> projected_;
-  typename B::template Buffer<std::uint32_t> slots_, gaussians_;
-  typename B::template Buffer<SplatShape> shapes_;
-  typename B::template Buffer<SplatColour> depths_;
+  ProjectScratch<B> project_scratch_;
+  Splats<B> splats_;
+  Footprints<B, Ellipse> footprints_;
+  Colours<B> colours_;
   EarlySort::Scratch<B> sort_scratch_;
   TileLists<B> lists_;
-  std::size_t visible_ = 0;
   std::uint64_t pixels_ = 0;
 };
 

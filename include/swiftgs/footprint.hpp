@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -26,18 +27,89 @@ static_assert(sizeof(Footprint) == 16);
 /// alone.
 template <BoundsPolicy Bounds>
 struct FootprintsView {
-  Span<const Footprint> each{};  ///< @shape{splats} or empty: whoever needs them finds them
+  Span<const Footprint> each{};  ///< @shape{splats}
   std::uint64_t instances = 0;   ///< sum of their counts
-  TileGrid grid;                 ///< of no tiles where nothing was projected
+  TileGrid grid;
 };
 
-/// Storage of one frame's footprints on backend `B`. Here for backends that find none while they project.
+/// Storage of one frame's footprints on backend `B`.
 template <class B, BoundsPolicy Bounds>
 struct Footprints {
+  typename B::template Buffer<Footprint> each;
+  std::size_t count = 0;  ///< splats
+  std::uint64_t instances = 0;
   TileGrid grid;
 
-  FootprintsView<Bounds> view() const { return {.grid = grid}; }
-  std::size_t bytes() const { return 0; }
+  FootprintsView<Bounds> view() const { return {{each.data(), count}, instances, grid}; }
+  std::size_t bytes() const { return each.bytes(); }
 };
+
+namespace detail {
+SWIFTGS_HD inline unsigned lowest_bit(std::uint64_t mask) {
+#if defined(__CUDA_ARCH__)
+  return unsigned(__ffsll(static_cast<long long>(mask))) - 1;
+#else
+  return unsigned(std::countr_zero(mask));
+#endif
+}
+
+/// The bounds' run in one row of `rect`, and nothing outside of it.
+template <BoundsPolicy Bounds>
+SWIFTGS_HD TileRun row_within(const Bounds& bounds, const SplatShape& shape, TileRect rect, int row) {
+  const TileRun run = bounds.row(shape, rect, row), columns = rect.columns;
+  return {run.begin > columns.begin ? run.begin : columns.begin,
+          run.end < columns.end ? run.end : columns.end};
+}
+}  // namespace detail
+
+/// Footprint of `shape` within `bounds`.
+template <BoundsPolicy Bounds>
+SWIFTGS_HD Footprint find_footprint(const Bounds& bounds, const SplatShape& shape, TileGrid grid) {
+  const TileRect rect = bounds.rect(shape, grid);
+  if (rect.columns.size() == 0 || rect.rows.size() == 0) return {};
+  Footprint footprint;
+  footprint.column = std::uint16_t(rect.columns.begin), footprint.row = std::uint16_t(rect.rows.begin);
+  const bool fits = rect.columns.size() <= Footprint::side && rect.rows.size() <= Footprint::side;
+  for (int row = rect.rows.begin; row < rect.rows.end; ++row) {
+    const TileRun run = detail::row_within(bounds, shape, rect, row);
+    footprint.count += std::uint32_t(run.size());
+    if (fits && run.size() > 0)
+      footprint.mask |= ((std::uint64_t(1) << run.size()) - 1)
+                        << (Footprint::side * (row - rect.rows.begin) + run.begin - rect.columns.begin);
+  }
+  return footprint;
+}
+
+/// Calls f(tile) for the tiles of a splat with this footprint, `footprint.count` times, each tile once.
+///
+/// Splats too large for a mask are walked by their bounds again. Code that counts and code that walks may
+/// round differently, where a compiler is free to. If this walk finds more tiles than were counted, the last
+/// are left out; if it finds fewer, other tiles of the grid take their place, in which rasterizers find that
+/// the splat shows nothing.
+template <BoundsPolicy Bounds, class F>
+SWIFTGS_HD void for_each_tile(const Footprint& footprint, const Bounds& bounds, const SplatShape& shape,
+                              TileGrid grid, const F& f) {
+  const std::uint32_t columns = std::uint32_t(grid.columns);
+  const std::uint32_t first = footprint.row * columns + footprint.column;
+  for (std::uint64_t mask = footprint.mask; mask != 0; mask &= mask - 1) {
+    const unsigned bit = detail::lowest_bit(mask);
+    f(first + bit / Footprint::side * columns + bit % Footprint::side);
+  }
+  if (footprint.mask != 0 || footprint.count == 0) return;
+
+  std::uint32_t left = footprint.count;
+  const TileRect rect = bounds.rect(shape, grid);
+  for (const bool inside : {true, false}) {
+    const TileRun rows = inside ? rect.rows : TileRun{0, grid.rows};
+    for (int row = rows.begin; row < rows.end && left != 0; ++row) {
+      TileRun run;
+      if (row >= rect.rows.begin && row < rect.rows.end) run = detail::row_within(bounds, shape, rect, row);
+      const TileRun walked = inside ? run : TileRun{0, grid.columns};
+      for (int column = walked.begin; column < walked.end && left != 0; ++column)
+        if (inside || column < run.begin || column >= run.end)
+          f(std::uint32_t(row) * columns + std::uint32_t(column)), --left;
+    }
+  }
+}
 
 }  // namespace swiftgs

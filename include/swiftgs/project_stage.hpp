@@ -43,46 +43,39 @@ struct SWIFTGS_API ProjectShapes {
   }
 };
 
-/// Moves visible Gaussian i to its slot and evaluates its colour. Nothing else in the generic form reads
-/// spherical harmonics.
-struct CompactSplats {
-  ViewConstants constants;
-  SceneView scene;
+/// Moves visible Gaussian i to its slot.
+struct SWIFTGS_API CompactSplats {
   const ProjectedShape* projected;
   const std::uint32_t* slots;
   SplatShape* shapes;
-  SplatColour* colours;
+  float* depths;
+  std::uint32_t* gaussians;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
     if (!projected[i].visible) return;
-    SplatShape shape = projected[i].shape;
-    SplatColour colour{vec3(0), projected[i].depth};
-    if (!set_colour(shape, colour, project_colour(constants, scene, i))) shape.reach = -1;
-    shapes[slots[i]] = shape, colours[slots[i]] = colour;
+    const std::uint32_t slot = slots[i];
+    shapes[slot] = projected[i].shape, depths[slot] = projected[i].depth;
+    gaussians[slot] = std::uint32_t(i);
   }
 };
 
-/// Projects the scene of `job`: one splat for each visible Gaussian, in the order of the Gaussians. Backends
-/// overload this. If the host's read of a count is slow, a backend also counts the tiles within `bounds`
-/// here, so that one read serves this stage and the next.
+/// Projects the scene of `job`: one splat for each visible Gaussian, in the order of the Gaussians. Reads no
+/// spherical harmonics.
+///
+/// Backends overload this. An overload may also find `footprints` within `bounds`, if that costs little while
+/// the shapes are at hand; the backend's `bin` then only reads their number.
 template <BackendPolicy B, BoundsPolicy Bounds>
 void project(B& b, const ProjectJob& job, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
-             Footprints<B, Bounds>& footprints) {
-  footprints.grid = job.grid;
+             Footprints<B, Bounds>&) {
   const std::size_t n = job.scene.size();
   scratch.projected.reset(n), scratch.slots.reset(n);
   b.for_each(n, ProjectShapes{job.constants, job.scene, scratch.projected.data(), scratch.slots.data()});
   splats.count = 0;
   const std::size_t visible = std::size_t(b.exclusive_scan(Span{scratch.slots.data(), n}));
-  splats.shapes.reset(visible), splats.colours.reset(visible);
-  b.for_each(n, CompactSplats{job.constants, job.scene, scratch.projected.data(), scratch.slots.data(),
-                              splats.shapes.data(), splats.colours.data()});
+  splats.reset(visible);
+  b.for_each(n, CompactSplats{scratch.projected.data(), scratch.slots.data(), splats.shapes.data(),
+                              splats.depths.data(), splats.gaussians.data()});
   splats.count = visible;
 }
-
-/// Orders later work after the splats' colours. Overload it if `project` may return before they are
-/// evaluated. The sort reads only `depth` of colours, which is always written.
-template <BackendPolicy B>
-void finish_colours(B&, Splats<B>&) {}
 
 }  // namespace swiftgs

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <swiftgs/backend.hpp>
+#include <swiftgs/bin_stage.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/camera.hpp>
 #include <swiftgs/composed_name.hpp>
@@ -17,6 +18,7 @@
 #include <swiftgs/frame.hpp>
 #include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/raster.hpp>
+#include <swiftgs/shade_stage.hpp>
 #include <swiftgs/sort/sort.hpp>
 #include <swiftgs/statistics.hpp>
 
@@ -47,7 +49,7 @@ concept RastersOn = BackendPolicy<B> && requires(B& b, R raster, const RasterJob
   rasterize(b, raster, job);
 };
 
-/// Renders frames: project, sort, rasterize. Every combination of policies is one type.
+/// Renders frames: project, shade, bin, sort, rasterize. Every combination of policies is one type.
 ///
 /// A renderer keeps the memory of its stages, so a frame no larger than an earlier one allocates nothing. It
 /// is not safe to use from two threads at once; two renderers are.
@@ -80,25 +82,21 @@ class Renderer {
     TileCounts* counts = nullptr;
     if (settings.count) tile_counts_.reset(grid.size()), counts = tile_counts_.data();
 
+    const ViewConstants constants = view_constants(camera, settings.conventions);
     const auto start = backend_.now();
-    project(backend_, ProjectJob{view_constants(camera, settings.conventions), scene, grid}, Bounds{},
-            project_scratch_, splats_, footprints_);
+    project(backend_, ProjectJob{constants, scene, grid}, Bounds{}, project_scratch_, splats_, footprints_);
+    Shading<B> shading = shade(backend_, ShadeJob{constants, scene}, splats_, colours_);
+    bin(backend_, grid, Bounds{}, splats_, footprints_);
 
     const auto projected = backend_.now();
     const FrameKey key{scene.identity, scene.size(), frame.width, frame.height};
-    try {
-      sort_.build(backend_, SortJob<Bounds>{splats_.view(), grid, key, footprints_.view()}, Bounds{},
-                  sort_scratch_, lists_);
-    } catch (...) {
-      finish_colours(backend_, splats_);  // the caller may change the scene in the backend's order
-      throw;
-    }
+    sort_.build(backend_, SortJob<Bounds>{splats_.view(), footprints_.view(), key}, Bounds{}, sort_scratch_,
+                lists_);
 
     const auto sorted = backend_.now();
-    finish_colours(backend_, splats_);
     rasterize(backend_, Raster{},
-              RasterJob{splats_.view(), lists_.view(), grid, BlendRules::from(settings.conventions),
-                        settings.background, frame, counts});
+              RasterJob{splats_.view(), shading.finish(), lists_.view(), grid,
+                        BlendRules::from(settings.conventions), settings.background, frame, counts});
 
     points_ = {start, projected, sorted, backend_.now()};
     counted_ = settings.count;
@@ -171,7 +169,7 @@ class Renderer {
 
   /// What the buffers of each stage hold, in the backend's memory. They grow with the largest frame so far.
   StageMemory memory() const {
-    return {bytes_of(project_scratch_, splats_, footprints_), bytes_of(sort_scratch_, lists_),
+    return {bytes_of(project_scratch_, splats_, footprints_, colours_), bytes_of(sort_scratch_, lists_),
             bytes_of(frame_.colour, frame_.alpha, frame_.depth, tile_counts_)};
   }
 
@@ -227,6 +225,7 @@ class Renderer {
   ProjectScratch<B> project_scratch_;
   Splats<B> splats_;
   Footprints<B, Bounds> footprints_;
+  Colours<B> colours_;
   typename Sort::template Scratch<B> sort_scratch_;
   TileLists<B> lists_;
   typename B::template Buffer<TileCounts> tile_counts_;

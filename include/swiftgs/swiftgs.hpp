@@ -5,9 +5,7 @@
 /// The core: types, policies, the serial backend and the renderer. Other backends and file formats are
 /// included on their own: `<swiftgs/cpu.hpp>`, `<swiftgs/io/scene_file.hpp>`, ...
 
-#include <swiftgs/bounds/ellipse.hpp>
-#include <swiftgs/bounds/opacity_box.hpp>
-#include <swiftgs/bounds/three_sigma_square.hpp>
+#include <swiftgs/bounds/all.hpp>
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/error.hpp>

@@ -11,5 +11,5 @@ using Projected = OpacityBox;
 #endif
 
 SortJob<Ellipse> job_of(const Splats<Serial>& splats, const Footprints<Serial, Projected>& footprints) {
-  return {splats.view(), footprints.grid, FrameKey{}, footprints.view()};
+  return {splats.view(), footprints.view(), FrameKey{}};
 }

@@ -142,16 +142,16 @@ TEST_CASE("cuda: work of a fork comes after what was asked for before it and bef
   std::uint8_t seen = 0;
   for (std::uint8_t round = 1; round < 50; ++round) {
     check_cuda(cudaMemsetAsync(memory.data(), 0, memory.size(), cuda.stream()), "cudaMemsetAsync");
-    check_cuda(cudaMemsetAsync(memory.data(), round, memory.size(), cuda.fork()), "cudaMemsetAsync");
-    if (round % 2) {
-      cuda.join();
-      check_cuda(
-          cudaMemcpyAsync(copy.data(), memory.data(), memory.size(), cudaMemcpyDeviceToDevice, cuda.stream()),
-          "cudaMemcpyAsync");
-      cuda.download(Span<const std::uint8_t>{copy.data() + last, 1}, &seen);
-    } else {
-      cuda.download(Span<const std::uint8_t>{memory.data() + last, 1}, &seen);
+    {
+      Cuda::Fork fork = cuda.fork();
+      check_cuda(cudaMemsetAsync(memory.data(), round, memory.size(), fork.stream()), "cudaMemsetAsync");
+      CHECK_THROWS_AS((void)cuda.fork(), std::logic_error);
+      if (round % 2) fork.join();  // else the destructor does
     }
+    check_cuda(
+        cudaMemcpyAsync(copy.data(), memory.data(), memory.size(), cudaMemcpyDeviceToDevice, cuda.stream()),
+        "cudaMemcpyAsync");
+    cuda.download(Span<const std::uint8_t>{copy.data() + last, 1}, &seen);
     CHECK(seen == round);
   }
 }
@@ -227,7 +227,8 @@ TEST_CASE("cuda: a kernel may be started while a measurement is under way") {
   StandardSort::Scratch<Cuda> scratch;
   TileLists<Cuda> lists;
   const auto build = [&] {
-    StandardSort{}.build(cuda, splats.job(200, 100).within(Ellipse{}), Ellipse{}, scratch, lists);
+    StandardSort sort;
+    build_again<Ellipse>(cuda, sort, splats.job(200, 100), scratch, lists);
   };
   build();
   for (int i = 0; i < 20; ++i) {

@@ -111,13 +111,34 @@ struct DeviceArrays {
   int degree;
 };
 
-/// Splats of the host on the device, without footprints.
+template <>
+struct CopySplats<Cuda> {
+  static void copy(const SplatsView& from, Splats<Cuda>& to) {
+    const auto array = [](auto span, auto* memory) {
+      if (span.size != 0)
+        check_cuda(cudaMemcpy(memory, span.data, span.size * sizeof *span.data, cudaMemcpyDeviceToDevice),
+                   "cudaMemcpy");
+    };
+    to.reset(from.size());
+    array(from.shapes, to.shapes.data());
+    array(from.depths, to.depths.data());
+    array(from.gaussians, to.gaussians.data());
+    check_cuda(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
+    to.count = from.size();
+  }
+};
+
+/// Splats of the host on the device.
 class DeviceSplats {
  public:
   explicit DeviceSplats(const SplatSet& set)
-      : shapes_(to_device(set.shapes)), colours_(to_device(set.colours)) {}
+      : shapes_(to_device(set.shapes)),
+        depths_(to_device(set.depths)),
+        gaussians_(to_device(set.gaussians)),
+        colours_(to_device(set.colours)) {}
 
-  SplatsView view() const { return {.shapes = shapes_.span(), .colours = colours_.span()}; }
+  SplatsView view() const { return {shapes_.span(), depths_.span(), gaussians_.span()}; }
+  ColoursView colours_view() const { return {colours_.span()}; }
   SortInput job(int width, int height) const {
     return {view(), TileGrid::covering(width, height), {identity_, shapes_.size(), width, height}};
   }
@@ -125,12 +146,15 @@ class DeviceSplats {
  private:
   std::uint64_t identity_ = new_scene_identity();
   DeviceBuffer<SplatShape> shapes_;
+  DeviceBuffer<float> depths_;
+  DeviceBuffer<std::uint32_t> gaussians_;
   DeviceBuffer<SplatColour> colours_;
 };
 
-/// Splats of the device on the host.
-inline SplatSet to_host(const Cuda& cuda, const SplatsView& splats) {
-  return {to_host(cuda, splats.shapes), to_host(cuda, splats.colours)};
+/// Splats of the device on the host, without colours where there are none.
+inline SplatSet to_host(const Cuda& cuda, const SplatsView& splats, const ColoursView& colours = {}) {
+  return {to_host(cuda, splats.shapes), to_host(cuda, splats.depths), to_host(cuda, splats.gaussians),
+          to_host(cuda, colours.each)};
 }
 
 /// Tile lists as arrays of the host.

@@ -74,9 +74,9 @@ struct Picture {
     Serial serial;
     lists = host_lists(serial, build_lists<StandardSort, Bounds>(serial, splats.job(width, height)));
   }
-  RasterJob job(const SplatsView& of, const TileListsView& listed, const FrameView& frame,
-                TileCounts* counts) const {
-    return {of,    listed, TileGrid::covering(width, height), settings.rules, settings.background,
+  RasterJob job(const SplatsView& of, const ColoursView& colours, const TileListsView& listed,
+                const FrameView& frame, TileCounts* counts) const {
+    return {of,    colours, listed, TileGrid::covering(width, height), settings.rules, settings.background,
             frame, counts};
   }
 
@@ -95,7 +95,9 @@ Drawing draw_on_host(const Picture& picture) {
   if (!picture.occluder.empty())
     view.occluder = {picture.occluder.data(), sizeof(float) * std::size_t(view.width)};
   std::vector<TileCounts> counts(picture.lists.ranges.size());
-  rasterize(serial, Raster{}, picture.job(picture.splats.view(), picture.lists.view(), view, counts.data()));
+  rasterize(serial, Raster{},
+            picture.job(picture.splats.view(), picture.splats.colours_view(), picture.lists.view(), view,
+                        counts.data()));
   for (const TileCounts& tile : counts) out.counts += tile;
   return out;
 }
@@ -114,7 +116,8 @@ struct DevicePicture {
   RasterJob job(FrameView frame, bool count) {
     if (!picture.occluder.empty())
       frame.occluder = {occluder.data(), sizeof(float) * std::size_t(picture.width)};
-    return picture.job(splats.view(), {std::as_const(ids).span(), std::as_const(ranges).span()}, frame,
+    return picture.job(splats.view(), splats.colours_view(),
+                       {std::as_const(ids).span(), std::as_const(ranges).span()}, frame,
                        count ? counts.data() : nullptr);
   }
 

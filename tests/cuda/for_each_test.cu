@@ -130,7 +130,8 @@ TEST_CASE_TEMPLATE("cuda: a large splat has as many instances as were counted an
         const Fickle bounds{counted, emitted};
         typename Sort::template Scratch<Cuda> scratch;
         TileLists<Cuda> lists;
-        Sort().build(cuda, job.within(bounds), bounds, scratch, lists);
+        const Binned<Cuda, Fickle> binned(cuda, job, bounds);
+        Sort().build(cuda, binned.job(), bounds, scratch, lists);
         const HostLists found = host_lists(cuda, lists);
         const auto each = std::size_t(counted * job.grid.rows);
         REQUIRE(found.ids.size() == std::size_t(splats) * each);
@@ -159,10 +160,11 @@ TEST_CASE("cuda: projection takes bounds of the caller") {
   Splats<Cuda> splats;
   Footprints<Cuda, EvenRows> footprints;
   project(cuda, job, EvenRows{}, scratch, splats, footprints);
+  bin(cuda, grid, EvenRows{}, splats, footprints);
   const SplatSet set = to_host(cuda, splats.view());
   REQUIRE(set.shapes.size() > 100);
   std::uint64_t tiles = 0;
-  for (const SplatShape& shape : set.shapes) tiles += count_tiles(EvenRows{}, shape, grid);
+  for (const SplatShape& shape : set.shapes) tiles += find_footprint(EvenRows{}, shape, grid).count;
   CHECK(footprints.instances == tiles);
 }
 

@@ -63,7 +63,7 @@ Match match(const SplatSet& a, const SplatSet& b) {
   Match out;
   std::size_t i = 0, j = 0;
   const auto same = [&](std::size_t x, std::size_t y) {
-    return x < a.shapes.size() && y < b.shapes.size() && within(a.colours[x].depth, b.colours[y].depth, 2) &&
+    return x < a.shapes.size() && y < b.shapes.size() && within(a.depths[x], b.depths[y], 2) &&
            within(a.shapes[x].mean.x, b.shapes[y].mean.x, 2);
   };
   while (i < a.shapes.size() || j < b.shapes.size()) {
@@ -84,15 +84,18 @@ struct Stage {
   Cuda cuda;
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
+  Colours<Cuda> colours;
   std::tuple<Footprints<Cuda, ThreeSigmaSquare>, Footprints<Cuda, OpacityBox>, Footprints<Cuda, Ellipse>>
       all_footprints;
 
   template <class Bounds>
   SplatSet run(const SceneView& scene, const Camera& camera, const Conventions& conventions, Bounds bounds) {
     const TileGrid grid = TileGrid::covering(camera.width, camera.height);
-    project(cuda, ProjectJob{view_constants(camera, conventions), scene, grid}, bounds, scratch, splats,
-            footprints(bounds));
-    return to_host(cuda, splats.view());
+    const ViewConstants constants = view_constants(camera, conventions);
+    project(cuda, ProjectJob{constants, scene, grid}, bounds, scratch, splats, footprints(bounds));
+    Shading<Cuda> shading = shade(cuda, ShadeJob{constants, scene}, splats, colours);
+    bin(cuda, grid, bounds, splats, footprints(bounds));
+    return to_host(cuda, splats.view(), shading.finish());
   }
 
   /// Those of the frame before, if it was projected within these bounds.
@@ -109,7 +112,7 @@ struct Stage {
     std::uint64_t sum = 0;
     bool same = found.size() == set.shapes.size() && footprints(bounds).grid == grid;
     for (std::size_t i = 0; same && i < found.size(); ++i) {
-      same = found[i].count == count_tiles(bounds, set.shapes[i], grid);
+      same = found[i].count == find_footprint(bounds, set.shapes[i], grid).count;
       sum += found[i].count;
     }
     return same && sum == footprints(bounds).instances;
@@ -122,10 +125,13 @@ SplatSet project_on_host(const SceneView& scene, const Camera& camera, const Con
   Splats<Serial> splats;
   const TileGrid grid = TileGrid::covering(camera.width, camera.height);
   Footprints<Serial, Ellipse> footprints;
-  project(serial, ProjectJob{view_constants(camera, conventions), scene, grid}, Ellipse{}, scratch, splats,
-          footprints);
+  const ViewConstants constants = view_constants(camera, conventions);
+  project(serial, ProjectJob{constants, scene, grid}, Ellipse{}, scratch, splats, footprints);
+  Colours<Serial> colours;
+  const ColoursView shaded = shade(serial, ShadeJob{constants, scene}, splats, colours).finish();
+  const auto to_vector = [](auto span) { return std::vector(span.begin(), span.end()); };
   const SplatsView view = splats.view();
-  return {{view.shapes.begin(), view.shapes.end()}, {view.colours.begin(), view.colours.end()}};
+  return {to_vector(view.shapes), to_vector(view.depths), to_vector(view.gaussians), to_vector(shaded.each)};
 }
 
 /// Projects one scene on both. Returns the number of splats on the device.
@@ -143,6 +149,8 @@ std::size_t check_projection(Stage& stage, const SceneView& on_device, const Sce
     const SplatSet again = box ? stage.run(on_device, camera, conventions, OpacityBox{})
                                : stage.run(on_device, camera, conventions, ThreeSigmaSquare{});
     CHECK(same_bits(again.shapes, set.shapes));
+    CHECK(same_bits(again.depths, set.depths));
+    CHECK(same_bits(again.gaussians, set.gaussians));
     CHECK(same_bits(again.colours, set.colours));
     CHECK((box ? stage.found_tiles(again, camera, OpacityBox{})
                : stage.found_tiles(again, camera, ThreeSigmaSquare{})));
@@ -280,8 +288,10 @@ TEST_CASE("cuda project: colours of a frame that is given up do not get into the
   const SplatSet expected = other.run(scene.view(), near, Conventions::gsplat(), Ellipse{});
   for (int i = 0; i < 20; ++i) {
     const TileGrid grid = TileGrid::covering(wide.width, wide.height);
-    project(stage.cuda, ProjectJob{view_constants(wide, Conventions::gsplat()), scene.view(), grid},
-            Ellipse{}, stage.scratch, stage.splats, stage.footprints(Ellipse{}));
+    const ViewConstants constants = view_constants(wide, Conventions::gsplat());
+    project(stage.cuda, ProjectJob{constants, scene.view(), grid}, Ellipse{}, stage.scratch, stage.splats,
+            stage.footprints(Ellipse{}));
+    (void)shade(stage.cuda, ShadeJob{constants, scene.view()}, stage.splats, stage.colours);
     CHECK(
         same_bits(stage.run(scene.view(), near, Conventions::gsplat(), Ellipse{}).colours, expected.colours));
   }

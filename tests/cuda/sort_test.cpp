@@ -47,11 +47,11 @@ std::size_t check_lists(Cuda& cuda, Sorts<Cuda>& sorts, const SplatSet& splats, 
     const HostLists expected =
         host_lists(serial, build_lists<StandardSort, Bounds>(serial, splats.job(width, height)));
     instances = expected.ids.size();
-    sorts.for_each(cuda, uploaded.job(width, height).within(bounds),
-                   [&](std::string_view name, const HostLists& lists) {
-                     CAPTURE(name);
-                     CHECK(lists == expected);
-                   });
+    const Binned<Cuda, Bounds> binned(cuda, uploaded.job(width, height), bounds);
+    sorts.for_each(cuda, binned.job(), [&](std::string_view name, const HostLists& lists) {
+      CAPTURE(name);
+      CHECK(lists == expected);
+    });
   });
   return instances;
 }
@@ -93,11 +93,12 @@ TEST_CASE("cuda sort: lists from footprints that projection found are the serial
       CAPTURE(Bounds::name);
       Footprints<Cuda, Bounds> footprints;
       project(cuda, job, bounds, scratch, splats, footprints);
+      bin(cuda, grid, bounds, splats, footprints);
       const SplatSet set = to_host(cuda, splats.view());
       const HostLists expected =
           host_lists(serial, build_lists<StandardSort, Bounds>(serial, set.job(700, 500)));
       const FrameKey key{scene.view().identity, n, 700, 500};
-      sorts.for_each(cuda, SortJob<Bounds>{splats.view(), grid, key, footprints.view()},
+      sorts.for_each(cuda, SortJob<Bounds>{splats.view(), footprints.view(), key},
                      [&](std::string_view name, const HostLists& lists) {
                        CAPTURE(name);
                        CHECK(lists == expected);
@@ -106,28 +107,29 @@ TEST_CASE("cuda sort: lists from footprints that projection found are the serial
   }
 }
 
-TEST_CASE("cuda sort: footprints of another grid are refused") {
+TEST_CASE("cuda sort: footprints are found again where projection found those of another grid or bounds") {
   if (without_device()) return;
   Cuda cuda;
+  Serial serial;
   const DeviceScene scene = cuda.upload(random_scene(3000, 0, 11));
   const TileGrid grid = TileGrid::covering(700, 500), other = TileGrid::covering(500, 700);
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
-  for_each_bounds([&]<class Bounds>(Bounds bounds) {
-    Footprints<Cuda, Bounds> footprints;
-    const ProjectJob job{view_constants(forward_camera(700, 500), Conventions::gsplat()), scene.view(), grid};
-    project(cuda, job, bounds, scratch, splats, footprints);
-    Sorts<Cuda> sorts;
-    const auto refuse = [&](auto& sort, auto& sort_scratch) {
-      const SortJob<Bounds> wrong{splats.view(), other, {}, footprints.view()};
-      CHECK_THROWS_WITH_AS(sort.build(cuda, wrong, bounds, sort_scratch, sorts.lists),
-                           "sort: the splats were projected for 44 x 32 tiles, expected the grid of the "
-                           "sort, 32 x 44 tiles",
-                           std::invalid_argument);
-    };
-    refuse(sorts.standard, sorts.standard_scratch), refuse(sorts.early, sorts.early_scratch);
-    refuse(sorts.adaptive, sorts.adaptive_scratch);
-  });
+  Footprints<Cuda, OpacityBox> boxes;
+  Footprints<Cuda, Ellipse> ellipses;
+  const ProjectJob job{view_constants(forward_camera(700, 500), Conventions::gsplat()), scene.view(), grid};
+  project(cuda, job, OpacityBox{}, scratch, splats, boxes);
+  bin(cuda, grid, Ellipse{}, splats, ellipses);
+  const SplatSet set = to_host(cuda, splats.view());
+  const auto found_by = [&]<class Bounds>(const Footprints<Cuda, Bounds>& footprints, TileGrid of) {
+    std::uint64_t tiles = 0;
+    for (const SplatShape& shape : set.shapes) tiles += find_footprint(Bounds{}, shape, of).count;
+    return footprints.instances == tiles && footprints.count == set.shapes.size() && footprints.grid == of;
+  };
+  REQUIRE(set.shapes.size() > 100);
+  CHECK(found_by(ellipses, grid));
+  bin(cuda, other, OpacityBox{}, splats, boxes);
+  CHECK(found_by(boxes, other));
 }
 
 TEST_CASE("cuda sort: giants among dots are listed where they lie") {
@@ -211,15 +213,12 @@ TEST_CASE("cuda sort: more instances than lists can index are a capacity error a
   for (int i = 0; i < 129; ++i) flood.add(make_splat(0, 0, 1e6, 1e6, 0, 1), 1);
   const DeviceSplats uploaded(flood);
   const SortInput job = uploaded.job(max_image_side, max_image_side);
-  for_each_bounds([&](auto bounds) {
-    CHECK_THROWS_AS(
-        sorts.standard.build(cuda, job.within(bounds), bounds, sorts.standard_scratch, sorts.lists),
-        CapacityError);
-    CHECK_THROWS_AS(sorts.early.build(cuda, job.within(bounds), bounds, sorts.early_scratch, sorts.lists),
-                    CapacityError);
-    CHECK_THROWS_AS(
-        sorts.adaptive.build(cuda, job.within(bounds), bounds, sorts.adaptive_scratch, sorts.lists),
-        CapacityError);
+  for_each_bounds([&]<class Bounds>(Bounds) {
+    const auto refuse = [&](auto& sort, auto& scratch) {
+      CHECK_THROWS_AS(build_again<Bounds>(cuda, sort, job, scratch, sorts.lists), CapacityError);
+    };
+    refuse(sorts.standard, sorts.standard_scratch), refuse(sorts.early, sorts.early_scratch);
+    refuse(sorts.adaptive, sorts.adaptive_scratch);
   });
   check_lists(cuda, sorts, usual, 300, 200);
 }
@@ -233,7 +232,7 @@ TEST_CASE("cuda sort: an adaptive sort decides after some frames and without wai
   TileLists<Cuda> lists;
   int frames = 0;
   for (; !sort.calibration() && frames < 200; ++frames) {
-    sort.build(cuda, splats.job(640, 480).within(Ellipse{}), Ellipse{}, scratch, lists);
+    build_again<Ellipse>(cuda, sort, splats.job(640, 480), scratch, lists);
     if (frames >= 100) check_cuda(cudaStreamSynchronize(cuda.stream()), "cudaStreamSynchronize");
   }
   REQUIRE(sort.calibration());

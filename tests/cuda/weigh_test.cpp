@@ -78,15 +78,13 @@ TEST_CASE("cuda arithmetic: weights in the parts of a tile are those of the seri
     const SplatSet splats = random_splats(300, tile_side, tile_side, seed);
     const SortInput job = splats.job(tile_side, tile_side);
     const TileLists<Serial> lists = build_lists<EarlySort, Ellipse>(serial, job);
-    std::vector<std::uint32_t> gaussians(splats.shapes.size());
-    for (std::size_t i = 0; i < gaussians.size(); ++i) gaussians[i] = std::uint32_t(i);
-    std::vector<std::uint64_t> expected(gaussians.size()), parts(gaussians.size());
+    std::vector<std::uint64_t> expected(splats.shapes.size()), parts(splats.shapes.size());
     const RasterJob raster{.splats = splats.view(),
                            .lists = lists.view(),
                            .grid = job.grid,
                            .rules = rules,
                            .frame = {.width = tile_side, .height = tile_side}};
-    add_contributions(serial, ContributionJob{raster, gaussians.data(), expected.data()});
+    add_contributions(serial, ContributionJob{raster, expected.data()});
     for (int part = 0; part < 4; ++part) {
       const vec2 first_centre(float(part % 2) * 8 + 0.5f, float(part / 2) * 8 + 0.5f);
       const auto of_part = weights_in_part(splats, lists.view().ids, first_centre, RasterLimits(rules));

@@ -21,9 +21,10 @@ void launch(std::size_t n, const F& f) {
 }
 
 template <class Bounds>
-void emit(std::size_t n, const CountTiles<Bounds>& count, const EmitInstances<Bounds, std::uint32_t>& by_tile,
+void emit(std::size_t n, const FindFootprint<Bounds>& find,
+          const EmitInstances<Bounds, std::uint32_t>& by_tile,
           const EmitInstances<Bounds, std::uint64_t>& by_tile_and_depth) {
-  launch(n, count);
+  launch(n, find);
   launch(n, by_tile);
   launch(n, by_tile_and_depth);
 }
@@ -46,13 +47,16 @@ void project(std::size_t n, const ProjectShapes& shapes, const CompactSplats& co
   launch(n, compact);
 }
 
-void contributions(std::size_t n, const ClearSums& clear, const KeepVisible& keep) {
-  launch(n, clear);
-  launch(n, keep);
+void contributions(std::size_t n, const ClearSums& clear) { launch(n, clear); }
+
+void shade(std::size_t n, const ClearWord& clear, const ShadeSplats& colours) {
+  launch(1, clear);
+  launch(n, colours);
 }
 
-void sort(std::size_t n, const DepthPair& depths, const ClearRanges& clear,
+void sort(std::size_t n, const CountTiles& count, const DepthPair& depths, const ClearRanges& clear,
           const FindRanges<std::uint32_t>& narrow, const FindRanges<std::uint64_t>& wide) {
+  launch(n, count);
   launch(n, depths);
   launch(n, clear);
   launch(n, narrow);

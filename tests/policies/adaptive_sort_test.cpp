@@ -61,7 +61,7 @@ struct Session {
   std::string frame(int width = 64, int height = 48) {
     SortInput job = splats.job(width, height);
     job.key.scene = scene;
-    sort.build(backend, job.within(Ellipse{}), Ellipse{}, scratch, lists);
+    build_again<Ellipse>(backend, sort, job, scratch, lists);
     correct = correct && to_vectors(lists.view()) == brute_force_lists<Ellipse>(job);
     return backend.last;
   }
@@ -329,8 +329,8 @@ TEST_CASE("adaptive sort: can sort again after a frame that was refused") {
   SplatSet flood;
   for (int i = 0; i < 129; ++i) flood.add(make_splat(0, 0, 1e6, 1e6, 0, 1), 1);
   CHECK_THROWS_AS(
-      session.sort.build(session.backend, flood.job(max_image_side, max_image_side).within(Ellipse{}),
-                         Ellipse{}, session.scratch, session.lists),
+      build_again<Ellipse>(session.backend, session.sort, flood.job(max_image_side, max_image_side),
+                           session.scratch, session.lists),
       CapacityError);
   CHECK(session.frames(5) == "sesee");
   CHECK(session.correct);

@@ -179,9 +179,9 @@ TEST_CASE_TEMPLATE("blend: memory beyond each row of a pitched frame is left alo
                           .colour = {colour.data(), 12 * pitch},
                           .alpha = {alpha.data(), 4 * pitch},
                           .depth = {depth.data(), 4 * pitch}};
-    rasterize(
-        backend, Raster{},
-        RasterJob{splats.view(), lists.view(), job.grid, DrawSettings().rules, vec3(0), frame, nullptr});
+    rasterize(backend, Raster{},
+              RasterJob{splats.view(), splats.colours_view(), lists.view(), job.grid, DrawSettings().rules,
+                        vec3(0), frame, nullptr});
     bool same = true, untouched = true;
     for (std::size_t y = 0; y < height; ++y)
       for (std::size_t x = 0; x < pitch; ++x) {
@@ -209,9 +209,9 @@ TEST_CASE_TEMPLATE("blend: each output alone is the same as with the others", B,
     CAPTURE(Raster::name);
     const Drawing all = draw<Raster>(backend, splats, 50, 30);
     const auto run = [&](const FrameView& frame) {
-      rasterize(
-          backend, Raster{},
-          RasterJob{splats.view(), lists.view(), job.grid, DrawSettings().rules, vec3(0), frame, nullptr});
+      rasterize(backend, Raster{},
+                RasterJob{splats.view(), splats.colours_view(), lists.view(), job.grid, DrawSettings().rules,
+                          vec3(0), frame, nullptr});
     };
     std::vector<float> colour(50 * 30 * 3), alpha(50 * 30), depth(50 * 30);
     run({.width = 50, .height = 30, .colour = {colour.data(), 600}});
@@ -245,9 +245,9 @@ TEST_CASE_TEMPLATE("blend: lossless bounds draw the same bits of splats that bar
         const TileLists<B> lists = build_lists<EarlySort, Bounds>(backend, job);
         std::vector<float> alpha(std::size_t(width * height));
         const FrameView frame{.width = width, .height = height, .alpha = {alpha.data(), 4 * width}};
-        rasterize(
-            backend, Raster{},
-            RasterJob{splats.view(), lists.view(), job.grid, DrawSettings().rules, vec3(0), frame, nullptr});
+        rasterize(backend, Raster{},
+                  RasterJob{splats.view(), splats.colours_view(), lists.view(), job.grid,
+                            DrawSettings().rules, vec3(0), frame, nullptr});
         return alpha;
       };
       CHECK((alpha_within(OpacityBox()) == alpha_within(Ellipse())));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <numeric>
@@ -29,6 +30,17 @@ Sums sums_of(const Scene& scene, const std::vector<Camera>& cameras, const Conve
 inline double total(const Sums& sums) {
   return std::accumulate(sums.begin(), sums.end(), 0.0,
                          [](double sum, std::uint64_t parts) { return sum + weight_of_parts(parts); });
+}
+
+/// Whether sums of two backends differ by the rounding of their projections alone: a pixel at the threshold
+/// of alpha keeps 1/255 more or less.
+inline bool close(const Sums& a, const Sums& b) {
+  bool same = a.size() == b.size();
+  for (std::size_t i = 0; same && i < a.size(); ++i) {
+    const double x = weight_of_parts(a[i]), y = weight_of_parts(b[i]);
+    same = std::abs(x - y) <= 1e-4 * y + 1.0 / 255;
+  }
+  return same && std::abs(total(a) - total(b)) <= 1e-5 * total(b);
 }
 
 /// A scene of which a tenth is in front of the others, large, and of a colour that is not finite: of SH

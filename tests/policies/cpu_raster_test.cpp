@@ -75,9 +75,9 @@ TEST_CASE("cpu raster: every vector target stores each pixel format and ends at 
     const auto lists = build_lists<EarlySort, Ellipse>(backend, job);
     FrameView frame = image.frame();
     frame.over = true, frame.occluder = {occluder.data(), width * sizeof(float)};
-    rasterize(
-        backend, AxisSharedThreshold<FloatCholesky>(),
-        RasterJob{splats.view(), lists.view(), job.grid, DrawSettings().rules, vec3(9), frame, nullptr});
+    rasterize(backend, AxisSharedThreshold<FloatCholesky>(),
+              RasterJob{splats.view(), splats.colours_view(), lists.view(), job.grid, DrawSettings().rules,
+                        vec3(9), frame, nullptr});
     return image;
   };
   const auto channels = [](Image image) {

@@ -25,9 +25,8 @@ inline DoubleDrawing draw_in_double(const SplatSet& splats, int width, int heigh
                                     const DrawSettings& settings = {}) {
   std::vector<std::size_t> order(splats.shapes.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return splats.colours[a].depth < splats.colours[b].depth;
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return splats.depths[a] < splats.depths[b]; });
   DoubleDrawing out;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {

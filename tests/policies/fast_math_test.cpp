@@ -26,7 +26,7 @@ void check_lists(std::uint64_t seed) {
   Sort sort;
   typename Sort::template Scratch<Serial> scratch;
   TileLists<Serial> lists;
-  sort.build(serial, job.within(Bounds{}), Bounds{}, scratch, lists);
+  build_again<Bounds>(serial, sort, job, scratch, lists);
   std::size_t listed = 0, strange = 0;
   for (std::size_t tile = 0; tile < job.grid.size(); ++tile) {
     const TileRange range = lists.view().ranges[tile];

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Stages called one by one: what projection found holds for its bounds and its grid alone.
+// Footprints: which tiles a splat may touch, found once and walked where instances are emitted.
 #include <stdexcept>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -11,56 +12,59 @@
 using namespace swiftgs;
 using namespace swiftgs::test;
 
-namespace {
-
-/// What projecting for an image leaves behind.
-template <class B>
-struct Projected {
-  Projected(B& backend, int width, int height) {
-    const Camera camera = forward_camera(width, height);
-    const Scene scene = random_scene(500, 0, 3);
-    project(backend,
-            ProjectJob{view_constants(camera, Conventions::gsplat()), swiftgs::view(scene),
-                       TileGrid::covering(width, height)},
-            Ellipse{}, scratch, splats, footprints);
-  }
-  SortJob<Ellipse> job(TileGrid grid) const { return {splats.view(), grid, {}, footprints.view()}; }
-
-  ProjectScratch<B> scratch;
-  Splats<B> splats;
-  Footprints<B, Ellipse> footprints;
-};
-
-}  // namespace
-
-TEST_CASE_TEMPLATE("footprints: a sort takes those of its own grid and refuses others", B,
-                   SWIFTGS_TEST_BACKENDS) {
+TEST_CASE_TEMPLATE("footprints: every backend finds those of the scalar bounds", B, SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
-  const Projected<B> projected(backend, 100, 70);
-  const TileGrid own = TileGrid::covering(100, 70), other = TileGrid::covering(70, 100);
-  REQUIRE(projected.splats.count > 50);
-  const auto check = [&]<class Sort>(Sort sort) {
-    CAPTURE(Sort::name);
-    typename Sort::template Scratch<B> scratch;
-    TileLists<B> lists;
-    CHECK_THROWS_WITH_AS(sort.build(backend, projected.job(other), Ellipse{}, scratch, lists),
-                         "sort: the splats were projected for 7 x 5 tiles, expected the grid of the sort, "
-                         "5 x 7 tiles",
-                         std::invalid_argument);
-    sort.build(backend, projected.job(own), Ellipse{}, scratch, lists);
-    CHECK(to_vectors(lists.view()) == brute_force_lists<Ellipse>({projected.splats.view(), own, {}}));
+  const SplatSet splats = random_splats(3001, 700, 500, 3);
+  const TileGrid grid = TileGrid::covering(700, 500);
+  const auto check = [&]<class Bounds>(Bounds bounds) {
+    CAPTURE(Bounds::name);
+    const Binned<B, Bounds> binned(backend, splats.job(700, 500), bounds);
+    const FootprintsView<Bounds> found = binned.footprints.view();
+    REQUIRE(found.each.size == splats.shapes.size());
+    CHECK(found.grid == grid);
+    std::uint64_t instances = 0, other = 0;
+    for (std::size_t i = 0; i < found.each.size; ++i) {
+      const Footprint expected = find_footprint(bounds, splats.shapes[i], grid);
+      other += found.each[i].mask != expected.mask || found.each[i].count != expected.count;
+      instances += expected.count;
+    }
+    CHECK(other == 0);
+    CHECK(found.instances == instances);
   };
-  check(StandardSort()), check(EarlySort()), check(AdaptiveSort());
+  check(ThreeSigmaSquare()), check(OpacityBox()), check(Ellipse());
+}
+
+TEST_CASE("footprints: a walk names the tiles of the bounds once each and in order") {
+  const SplatSet splats = random_splats(2000, 700, 500, 4);
+  const TileGrid grid = TileGrid::covering(700, 500);
+  std::size_t large = 0;
+  for (const SplatShape& shape : splats.shapes) {
+    const Footprint footprint = find_footprint(Ellipse(), shape, grid);
+    large += footprint.mask == 0 && footprint.count != 0;
+    std::vector<std::uint32_t> walked, expected;
+    for_each_tile(footprint, Ellipse(), shape, grid, [&](std::uint32_t tile) { walked.push_back(tile); });
+    const TileRect rect = Ellipse().rect(shape, grid);
+    for (int row = rect.rows.begin; row < rect.rows.end && rect.columns.size() > 0; ++row) {
+      const TileRun run = Ellipse().row(shape, rect, row);
+      for (int column = run.begin; column < run.end; ++column)
+        expected.push_back(std::uint32_t(row * grid.columns + column));
+    }
+    REQUIRE(walked == expected);
+  }
+  CHECK(large > 50);
 }
 
 TEST_CASE_TEMPLATE("footprints: those of another number of splats are refused", B, SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
   const SplatSet splats = random_splats(20, 64, 48, 1);
-  SortJob<Ellipse> job = splats.job(64, 48).within(Ellipse{});
   const Footprint some[3];
-  job.footprints = {.each = {some, 3}, .instances = 3, .grid = job.grid};
-  EarlySort::Scratch<B> scratch;
-  TileLists<B> lists;
-  CHECK_THROWS_WITH_AS(EarlySort().build(backend, job, Ellipse{}, scratch, lists),
-                       "sort: there are footprints of 3 splats, expected those of 20", std::invalid_argument);
+  const SortJob<Ellipse> job{splats.view(), {{some, 3}, 3, TileGrid::covering(64, 48)}, {}};
+  const auto check = [&]<class Sort>(Sort sort) {
+    typename Sort::template Scratch<B> scratch;
+    TileLists<B> lists;
+    CHECK_THROWS_WITH_AS(sort.build(backend, job, Ellipse{}, scratch, lists),
+                         "sort: there are footprints of 3 splats, expected those of 20",
+                         std::invalid_argument);
+  };
+  check(StandardSort()), check(EarlySort()), check(AdaptiveSort());
 }

@@ -252,7 +252,8 @@ TEST_CASE_TEMPLATE("frame: a tile ends when the surface has hidden all its pixel
     FrameView frame{.width = 32, .height = 16};
     frame.occluder = {occluder.data(), 32 * sizeof(float)};
     rasterize(backend, Raster{},
-              RasterJob{splats.view(), lists.view(), job.grid, DrawSettings().rules, vec3(0), frame, counts});
+              RasterJob{splats.view(), splats.colours_view(), lists.view(), job.grid, DrawSettings().rules,
+                        vec3(0), frame, counts});
     for (const TileCounts& tile : counts) {
       CHECK(tile.contributing_pairs == 3 * 256);
       CHECK(tile.pixels_stopped == 256);

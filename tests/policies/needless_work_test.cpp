@@ -48,7 +48,7 @@ class GuardedHarmonics {
   char* memory_ = nullptr;
 };
 
-/// What projection makes of `scene`.
+/// What projection and shading make of `scene`.
 template <class B>
 std::vector<SplatColour> colours(B& backend, const SceneView& scene, const Camera& camera) {
   ProjectScratch<B> scratch;
@@ -58,8 +58,11 @@ std::vector<SplatColour> colours(B& backend, const SceneView& scene, const Camer
           ProjectJob{view_constants(camera, Conventions::gsplat()), scene,
                      TileGrid::covering(camera.width, camera.height)},
           Ellipse(), scratch, splats, footprints);
-  finish_colours(backend, splats);
-  return {splats.colours.data(), splats.colours.data() + splats.count};
+  Colours<B> colours;
+  const ColoursView shaded =
+      shade(backend, ShadeJob{view_constants(camera, Conventions::gsplat()), scene}, splats, colours)
+          .finish();
+  return {shaded.each.begin(), shaded.each.end()};
 }
 
 /// A Gaussian in the middle of the view that every Gaussian of a test starts from.
@@ -190,9 +193,9 @@ TEST_CASE_TEMPLATE("no needless work: tiles without splats cost nothing but the 
     std::vector<TileCounts> counts(job.grid.size(), {9, 9, 9, 9});
     Frame frame;
     const FrameView view = prepare(frame, 96, 64, {});
-    rasterize(
-        backend, Raster{},
-        RasterJob{splats.view(), lists.view(), job.grid, DrawSettings().rules, vec3(2), view, counts.data()});
+    rasterize(backend, Raster{},
+              RasterJob{splats.view(), splats.colours_view(), lists.view(), job.grid, DrawSettings().rules,
+                        vec3(2), view, counts.data()});
     for (std::size_t tile = 0; tile < counts.size(); ++tile) {
       CAPTURE(tile);
       const std::uint64_t one = tile == 8;

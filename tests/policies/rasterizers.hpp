@@ -58,8 +58,8 @@ Drawing draw(B& backend, const SplatSet& splats, int width, int height, const Dr
   Drawing drawing;
   const FrameView view = prepare(drawing.frame, width, height, settings.outputs);
   rasterize(backend, Raster{},
-            RasterJob{splats.view(), lists.view(), job.grid, settings.rules, settings.background, view,
-                      counts.data()});
+            RasterJob{splats.view(), splats.colours_view(), lists.view(), job.grid, settings.rules,
+                      settings.background, view, counts.data()});
   for (const TileCounts& tile : counts) drawing.counts += tile;
   return drawing;
 }

@@ -158,7 +158,8 @@ TEST_CASE_TEMPLATE("renderer: its memory is that of its stages and grows only wi
   for (int frame = 0; frame < 3; ++frame) renderer.render(scene, large);
   const StageMemory memory = renderer.memory();
   const Statistics statistics = renderer.statistics();
-  CHECK(memory.project >= statistics.visible * (sizeof(SplatShape) + sizeof(SplatColour)));
+  CHECK(memory.project >= statistics.visible * (sizeof(SplatShape) + sizeof(SplatColour) + sizeof(float) +
+                                                sizeof(std::uint32_t)));
   CHECK(memory.sort >= statistics.instances * sizeof(std::uint32_t));
   CHECK(memory.raster == 0);
   renderer.render(scene, small);

@@ -87,7 +87,7 @@ TEST_CASE_TEMPLATE("sort: the three sorts give the same bits", B, SWIFTGS_TEST_B
     AdaptiveSort::Scratch<B> scratch;
     for (int frame = 0; frame < 12; ++frame) {
       TileLists<B> lists;
-      adaptive.build(backend, job.within(Bounds{}), Bounds{}, scratch, lists);
+      build_again<Bounds>(backend, adaptive, job, scratch, lists);
       CHECK(same_bits(standard, lists));
     }
     CHECK(adaptive.calibration().has_value());
@@ -181,7 +181,7 @@ TEST_CASE_TEMPLATE("sort: a few splats are spread over the largest image by ever
     listed += range.end - range.begin;
     ordered =
         ordered && std::is_sorted(ids + range.begin, ids + range.end, [&](std::uint32_t a, std::uint32_t b) {
-          return splats.colours[a].depth < splats.colours[b].depth;
+          return splats.depths[a] < splats.depths[b];
         });
   }
   CHECK(ordered);
@@ -214,10 +214,10 @@ TEST_CASE_TEMPLATE("sort: no splats give empty lists in every tile whatever was 
     CAPTURE(Sort::name);
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;
-    sort.build(backend, some.job(100, 100).within(Ellipse{}), Ellipse{}, scratch, lists);
+    build_again<Ellipse>(backend, sort, some.job(100, 100), scratch, lists);
     CHECK(lists.instances > 0);
     for (const SplatSet* set : {&none, &away}) {
-      sort.build(backend, set->job(100, 100).within(Ellipse{}), Ellipse{}, scratch, lists);
+      build_again<Ellipse>(backend, sort, set->job(100, 100), scratch, lists);
       CHECK(lists.instances == 0);
       CHECK(to_vectors(lists.view()) == Lists(49));
     }
@@ -232,8 +232,8 @@ TEST_CASE_TEMPLATE("sort: memory of earlier frames does not show in a smaller fr
     CAPTURE(Sort::name);
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;
-    sort.build(backend, large.job(400, 300).within(Ellipse{}), Ellipse{}, scratch, lists);
-    sort.build(backend, small.job(60, 40).within(Ellipse{}), Ellipse{}, scratch, lists);
+    build_again<Ellipse>(backend, sort, large.job(400, 300), scratch, lists);
+    build_again<Ellipse>(backend, sort, small.job(60, 40), scratch, lists);
     CHECK(to_vectors(lists.view()) == brute_force_lists<Ellipse>(small.job(60, 40)));
   });
 }
@@ -251,10 +251,10 @@ TEST_CASE_TEMPLATE("sort: more instances than there can be are refused before me
     CAPTURE(Sort::name);
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;
-    CHECK_THROWS_WITH_AS(sort.build(backend, job.within(OpacityBox{}), OpacityBox{}, scratch, lists),
+    CHECK_THROWS_WITH_AS(build_again<OpacityBox>(backend, sort, job, scratch, lists),
                          "instances in one frame: 2164260864 needed, the limit is 2147483648", CapacityError);
     CHECK(lists.ids.capacity() == 0);
-    sort.build(backend, small.job(60, 40).within(OpacityBox{}), OpacityBox{}, scratch, lists);
+    build_again<OpacityBox>(backend, sort, small.job(60, 40), scratch, lists);
     CHECK(to_vectors(lists.view()) == brute_force_lists<OpacityBox>(small.job(60, 40)));
   });
 }

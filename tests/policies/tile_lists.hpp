@@ -8,37 +8,64 @@
 #include <cstdint>
 #include <vector>
 
+#include <swiftgs/bin_stage.hpp>
+#include <swiftgs/colours.hpp>
 #include <swiftgs/sort/sort.hpp>
 
 #include "policies/random_splats.hpp"
 
 namespace swiftgs::test {
 
-/// Splats without footprints that are to be sorted for an image.
+/// Splats in a backend's memory that are to be sorted for an image.
 struct SortInput {
   SplatsView splats;
   TileGrid grid;
   FrameKey key;
+};
 
-  /// The job that sorts them within bounds.
-  template <class Bounds>
-  SortJob<Bounds> within(const Bounds&) const {
-    return {splats, grid, key};
+/// Copies splats within a host's memory. Other backends specialise this.
+template <class B>
+struct CopySplats {
+  static void copy(const SplatsView& from, Splats<B>& to) {
+    to.reset(from.size());
+    std::copy(from.shapes.begin(), from.shapes.end(), to.shapes.data());
+    std::copy(from.depths.begin(), from.depths.end(), to.depths.data());
+    std::copy(from.gaussians.begin(), from.gaussians.end(), to.gaussians.data());
+    to.count = from.size();
   }
+};
+
+/// Splats with their footprints: what is sorted.
+template <class B, class Bounds>
+struct Binned {
+  Binned(B& backend, const SortInput& input, const Bounds& bounds) : key(input.key) {
+    CopySplats<B>::copy(input.splats, splats);
+    bin(backend, input.grid, bounds, splats, footprints);
+  }
+  SortJob<Bounds> job() const { return {splats.view(), footprints.view(), key}; }
+
+  Splats<B> splats;
+  Footprints<B, Bounds> footprints;
+  FrameKey key;
 };
 
 /// Splats on the host, and what sorts them for an image.
 struct SplatSet {
   std::vector<SplatShape> shapes;
+  std::vector<float> depths;
+  std::vector<std::uint32_t> gaussians;
   std::vector<SplatColour> colours;
 
   void add(const SplatShape& shape, float depth, vec3 rgb = vec3(1)) {
-    shapes.push_back(shape);
+    gaussians.push_back(std::uint32_t(shapes.size()));
+    shapes.push_back(shape), depths.push_back(depth);
     colours.push_back({rgb, depth});
   }
   SplatsView view() const {
-    return {.shapes = {shapes.data(), shapes.size()}, .colours = {colours.data(), colours.size()}};
+    return {
+        {shapes.data(), shapes.size()}, {depths.data(), depths.size()}, {gaussians.data(), gaussians.size()}};
   }
+  ColoursView colours_view() const { return {{colours.data(), colours.size()}}; }
   SortInput job(int width, int height) const {
     return {view(), TileGrid::covering(width, height), {identity, shapes.size(), width, height}};
   }
@@ -85,10 +112,17 @@ Lists brute_force_lists(const SortInput& job) {
         if (column >= run.begin && column < run.end) list.push_back(id);
       }
       std::stable_sort(list.begin(), list.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return job.splats.colours[a].depth < job.splats.colours[b].depth;
+        return job.splats.depths[a] < job.splats.depths[b];
       });
     }
   return lists;
+}
+
+/// Sorts `job` in memory of earlier frames.
+template <class Bounds, class B, class Sort, class Scratch>
+void build_again(B& backend, Sort& sort, const SortInput& job, Scratch& scratch, TileLists<B>& lists) {
+  const Binned<B, Bounds> binned(backend, job, Bounds{});
+  sort.build(backend, binned.job(), Bounds{}, scratch, lists);
 }
 
 /// What `Sort` makes of `job` on `backend`.
@@ -96,7 +130,7 @@ template <class Sort, class Bounds, class B>
 TileLists<B> build_lists(B& backend, const SortInput& job, Sort sort = Sort()) {
   typename Sort::template Scratch<B> scratch;
   TileLists<B> lists;
-  sort.build(backend, job.within(Bounds{}), Bounds{}, scratch, lists);
+  build_again<Bounds>(backend, sort, job, scratch, lists);
   return lists;
 }
 

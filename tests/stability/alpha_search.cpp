@@ -78,9 +78,10 @@ class Drawer {
   template <class Raster>
   void draw(Raster raster, const SplatShape& shape) {
     const SplatColour white{vec3(1), 1};
-    const SplatsView splats{.shapes = {&shape, 1}, .colours = {&white, 1}};
+    const SplatsView splats{.shapes = {&shape, 1}, .depths = {&white.depth, 1}, .gaussians = {&id_, 1}};
     const TileListsView lists{{&id_, 1}, {ranges_.data(), ranges_.size()}};
-    rasterize(backend_, raster, RasterJob{splats, lists, grid_, rules_, vec3(0), view_, nullptr});
+    rasterize(backend_, raster,
+              RasterJob{splats, {{&white, 1}}, lists, grid_, rules_, vec3(0), view_, nullptr});
   }
   float alpha(int x, int y) const { return frame_.colour[3 * std::size_t(y * width + x)]; }
 

@@ -110,8 +110,10 @@ std::vector<float> colours(B& backend, int degree, const std::vector<Candidate>&
   const ProjectJob job{constants, view, grid};
   Footprints<B, Ellipse> footprints;
   project(backend, job, Ellipse(), scratch, splats, footprints);
+  Colours<B> colours;
   std::vector<float> found;
-  for (std::size_t i = 0; i < splats.count; ++i) found.push_back(splats.colours.data()[i].rgb.y);
+  for (const SplatColour& colour : shade(backend, ShadeJob{constants, view}, splats, colours).finish().each)
+    found.push_back(colour.rgb.y);
   return found;
 }
 

@@ -53,14 +53,14 @@ struct Found {
   float depth;
 };
 
-/// Projects all candidates on `backend`. The red channel tells which candidate a splat is of.
+/// Projects all candidates on `backend`.
 template <class B>
 std::vector<Found> project_all(B& backend, const View& view, const std::vector<Gaussian>& candidates) {
   Scene scene;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const Gaussian& g = candidates[i];
     scene.means.push_back(g.mean), scene.scales.push_back(g.scale), scene.rotations.push_back(g.rotation);
-    scene.opacities.push_back(g.opacity), scene.sh0.push_back(vec3(float(4 * i)));
+    scene.opacities.push_back(g.opacity), scene.sh0.push_back(vec3(0));
   }
   ProjectScratch<B> scratch;
   Splats<B> splats;
@@ -70,9 +70,7 @@ std::vector<Found> project_all(B& backend, const View& view, const std::vector<G
   project(backend, job, Ellipse(), scratch, splats, footprints);
   std::vector<Found> found;
   for (std::size_t i = 0; i < splats.count; ++i) {
-    const SplatColour colour = splats.colours.data()[i];
-    const double index = (double(colour.rgb.x) - 0.5) / (4 * double(sh::c0));
-    found.push_back({std::size_t(std::lround(index)), splats.shapes.data()[i], colour.depth});
+    found.push_back({splats.gaussians.data()[i], splats.shapes.data()[i], splats.depths.data()[i]});
   }
   return found;
 }

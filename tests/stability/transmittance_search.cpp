@@ -37,12 +37,18 @@ std::vector<float> transmittances(B& backend, const std::vector<Candidate>& cand
   }
   Frame frame;
   const FrameView view = prepare(frame, width, 1, {false, false});
-  const SplatsView splats{.shapes = {shapes.data(), shapes.size()},
-                          .colours = {colours.data(), colours.size()}};
+  const SplatsView splats{.shapes = {shapes.data(), shapes.size()}};  // rasterizers read no more of them
   const TileListsView lists{{ids.data(), ids.size()}, {ranges.data(), ranges.size()}};
   const BlendRules rules{1e-6f, 0.99f, 0};
   rasterize(backend, PerPixel(),
-            RasterJob{splats, lists, TileGrid::covering(width, 1), rules, vec3(1), view, nullptr});
+            RasterJob{splats,
+                      {{colours.data(), colours.size()}},
+                      lists,
+                      TileGrid::covering(width, 1),
+                      rules,
+                      vec3(1),
+                      view,
+                      nullptr});
   std::vector<float> found;
   for (std::size_t i = 0; i < candidates.size(); ++i) found.push_back(frame.colour[3 * tile_side * i]);
   return found;

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include <swiftgs/backend.hpp>
+#include <swiftgs/colours.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/splats.hpp>
@@ -43,6 +44,7 @@ struct TileCounts {
 /// What a rasterizer turns into pixels. Everything that is pointed to lives where the backend can reach it.
 struct RasterJob {
   SplatsView splats;
+  ColoursView colours;
   TileListsView lists;
   TileGrid grid;
   BlendRules rules;
@@ -116,7 +118,8 @@ struct RasterizeTile {
     for (std::uint32_t at = range.begin; at < range.end && live > 0; ++at) {
       const std::uint32_t id = job.lists.ids[at];
       const SplatShape& shape = job.splats.shapes[id];
-      const SplatColour& colour = job.splats.colours[id];
+      const SplatColour& colour = job.colours.each[id];
+      if (is_hidden(colour)) continue;
       typename R::Kernel kernel(shape, first_centre, job.rules);
       ++counts.instances_visited;
       for (int row = 0; row < rows; ++row) {

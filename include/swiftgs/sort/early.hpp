@@ -8,12 +8,12 @@ namespace swiftgs {
 
 /// Key and index of splat i before the depth sort.
 struct SWIFTGS_API DepthPair {
-  SplatsView splats;
+  Span<const float> depths;
   std::uint32_t* keys;
   std::uint32_t* ids;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
-    keys[i] = depth_key(splats.colours[i].depth);
+    keys[i] = depth_key(depths[i]);
     ids[i] = std::uint32_t(i);
   }
 };
@@ -37,7 +37,8 @@ struct EarlySort {
     check_ready(b);
     const std::size_t splats = job.splats.size();
     scratch.depths.reset(splats);
-    b.for_each(splats, DepthPair{job.splats, scratch.depths.keys.data(), scratch.depths.values.data()});
+    b.for_each(splats,
+               DepthPair{job.splats.depths, scratch.depths.keys.data(), scratch.depths.values.data()});
     b.sort_pairs(scratch.depths, splats, depth_key_bits);
 
     group_by_tile(b, job, bounds, scratch.depths.values.data(), scratch.group, lists);

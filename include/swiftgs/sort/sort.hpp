@@ -28,27 +28,21 @@ struct FrameKey {
   bool operator==(const FrameKey&) const = default;
 };
 
-/// What a sort turns into tile lists within `Bounds`.
+/// What a sort turns into tile lists within `Bounds`, on the grid of the footprints.
 template <BoundsPolicy Bounds>
 struct SortJob {
-  SplatsView splats;  ///< Read only `depth` of colours; `rgb` may not be written yet.
-  TileGrid grid;
+  SplatsView splats;
+  FootprintsView<Bounds> footprints;  ///< of these splats
   FrameKey key;
-  FootprintsView<Bounds> footprints{};  ///< of these splats on this grid; none for splats of your own
+
+  SWIFTGS_HD TileGrid grid() const { return footprints.grid; }
 };
 
-/// Throws `std::invalid_argument` if the footprints of `job` are of another grid or another number of splats.
+/// Throws `std::invalid_argument` if the footprints of `job` are of another number of splats.
 template <BoundsPolicy Bounds>
 void check_footprints(const SortJob<Bounds>& job) {
-  const auto size = [](TileGrid grid) {
-    return std::to_string(grid.columns) + " x " + std::to_string(grid.rows) + " tiles";
-  };
-  const FootprintsView<Bounds>& footprints = job.footprints;
-  if (footprints.grid != TileGrid{} && footprints.grid != job.grid)
-    throw std::invalid_argument("sort: the splats were projected for " + size(footprints.grid) +
-                                ", expected the grid of the sort, " + size(job.grid));
-  if (footprints.each.data && footprints.each.size != job.splats.size())
-    throw std::invalid_argument("sort: there are footprints of " + std::to_string(footprints.each.size) +
+  if (job.footprints.each.size != job.splats.size())
+    throw std::invalid_argument("sort: there are footprints of " + std::to_string(job.footprints.each.size) +
                                 " splats, expected those of " + std::to_string(job.splats.size()));
 }
 
@@ -64,80 +58,36 @@ concept SortsOn = BackendPolicy<B> && BoundsPolicy<Bounds> &&
   sort.build(b, job, bounds, scratch, lists);
 };
 
-/// Sum of the runs of tiles that `shape` may touch.
-template <BoundsPolicy Bounds>
-SWIFTGS_HD std::uint32_t count_tiles(const Bounds& bounds, const SplatShape& shape, TileGrid grid) {
-  const TileRect rect = bounds.rect(shape, grid);
-  if (rect.columns.size() == 0) return 0;
-  std::uint32_t count = 0;
-  for (int row = rect.rows.begin; row < rect.rows.end; ++row)
-    count += std::uint32_t(bounds.row(shape, rect, row).size());
-  return count;
-}
-
-/// Counts the tiles of splat `order[i]`, or of splat i where there is no order.
-template <class Bounds>
-struct CountTiles {
-  SplatsView splats;
+/// Numbers of tiles in a given order of the splats, index order when `order` is null.
+struct SWIFTGS_API CountTiles {
+  Span<const Footprint> footprints;
   const std::uint32_t* order;
-  TileGrid grid;
-  Bounds bounds;
   std::uint32_t* counts;
 
-  SWIFTGS_HD void operator()(std::size_t i) const {
-    counts[i] = count_tiles(bounds, splats.shapes[order ? order[i] : i], grid);
-  }
+  SWIFTGS_HD void operator()(std::size_t i) const { counts[i] = footprints[order ? order[i] : i].count; }
 };
 
-/// Writes one (key, id) pair for each tile that splat `order[i]` may touch, from `offsets[i]` on.
-///
-/// Code that counts and code that emits may round differently, where a compiler is free to. Emission
-/// therefore fills exactly what was counted: it ends there, and gives what is left to other tiles of the
-/// grid, where the rasterizer finds that the splat shows nothing. No tile has a splat twice.
+/// Writes one (key, id) pair for each tile of splat `order[i]`, from `offsets[i]` on.
 template <class Bounds, class Key>
 struct EmitInstances {
-  SplatsView splats;
-  const std::uint32_t* order;
-  TileGrid grid;
+  SortJob<Bounds> job;
   Bounds bounds;
-  Span<const std::uint32_t> offsets;
-  std::size_t total;
+  const std::uint32_t* order;
+  const std::uint32_t* offsets;
   Key* keys;
   std::uint32_t* ids;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
     const std::uint32_t id = order ? order[i] : std::uint32_t(i);
-    const SplatShape& shape = splats.shapes[id];
     std::size_t at = offsets[i];
-    const std::size_t begin = at, end = i + 1 < offsets.size ? offsets[i + 1] : total;
-    if (at == end) return;
-    const auto emit = [&](std::uint32_t tile) { keys[at] = key(tile, id), ids[at] = id, ++at; };
-    const TileRect rect = bounds.rect(shape, grid);
-    for (int row = rect.rows.begin; row < rect.rows.end && rect.columns.size() != 0; ++row) {
-      const TileRun run = bounds.row(shape, rect, row);
-      for (int column = run.begin; column < run.end && at < end; ++column)
-        emit(std::uint32_t(row * grid.columns + column));
-    }
-    // Tiles that it has were written in ascending order.
-    std::size_t named = begin;
-    const std::size_t all_named = at;
-    for (std::uint32_t tile = 0; at < end; ++tile) {
-      if (named < all_named && tile_of(keys[named]) == tile)
-        ++named;
-      else
-        emit(tile);
-    }
-  }
-
- private:
-  SWIFTGS_HD static std::uint32_t tile_of(Key key) {
-    return std::uint32_t(sizeof(Key) == 8 ? key >> (sizeof(Key) == 8 ? depth_key_bits : 0) : key);
-  }
-  SWIFTGS_HD Key key(std::uint32_t tile, std::uint32_t id) const {
-    if constexpr (sizeof(Key) == 8)
-      return Key(tile) << depth_key_bits | depth_key(splats.colours[id].depth);
-    else
-      return (void)id, tile;
+    for_each_tile(job.footprints.each[id], bounds, job.splats.shapes[id], job.grid(),
+                  [&](std::uint32_t tile) {
+                    if constexpr (sizeof(Key) == 8)
+                      keys[at] = Key(tile) << depth_key_bits | depth_key(job.splats.depths[id]);
+                    else
+                      keys[at] = tile;
+                    ids[at++] = id;
+                  });
   }
 };
 
@@ -191,26 +141,19 @@ struct InstanceScratch {
 
 /// Emits the instances of all splats in the given order (index order when `order` is null) and returns their
 /// number. Keys of 64 bits hold tile above depth, narrower ones the tile alone. Throws `CapacityError`
-/// beyond `max_instances`.
-/// Backends overload this for bounds that they have kernels for.
+/// beyond `max_instances`. Backends overload this.
 template <class B, class Bounds, class Key>
 std::size_t emit_instances(B& b, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
                            InstanceScratch<B>& scratch, Pairs<B, Key>& instances) {
   check_footprints(job);
   const std::size_t splats = job.splats.size();
-  auto& offsets = scratch.offsets;
-  offsets.reset(splats);
-  b.for_each(splats, CountTiles<Bounds>{job.splats, order, job.grid, bounds, offsets.data()});
-  const std::uint64_t total = b.exclusive_scan(Span{offsets.data(), splats});
+  const std::uint64_t total = job.footprints.instances;
   check_instances(total);
+  std::uint32_t* const offsets = (scratch.offsets.reset(splats), scratch.offsets.data());
+  b.for_each(splats, CountTiles{job.footprints.each, order, offsets});
+  b.exclusive_scan(Span{offsets, splats});
   instances.reset(std::size_t(total));
-  b.for_each(splats, EmitInstances<Bounds, Key>{job.splats,
-                                                order,
-                                                job.grid,
-                                                bounds,
-                                                {offsets.data(), splats},
-                                                std::size_t(total),
-                                                instances.keys.data(),
+  b.for_each(splats, EmitInstances<Bounds, Key>{job, bounds, order, offsets, instances.keys.data(),
                                                 instances.values.data()});
   return std::size_t(total);
 }
@@ -242,14 +185,13 @@ struct GroupScratch {
 };
 
 /// Lists for every tile the splats that may touch it, in the given order: emits the instances in that order
-/// and sorts them by tile alone, stably and by as few bits as the grid needs. Backends overload this for
-/// bounds that they have kernels for.
+/// and sorts them by tile alone, stably and by as few bits as the grid needs. Backends overload this.
 template <class B, class Bounds>
 void group_by_tile(B& b, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<B>& scratch, TileLists<B>& lists) {
   const std::size_t count = emit_instances(b, job, bounds, order, scratch.emission, scratch.instances);
-  b.sort_pairs(scratch.instances, count, job.grid.key_bits());
-  finish_lists(b, job.grid, count, 0, scratch.instances, lists);
+  b.sort_pairs(scratch.instances, count, job.grid().key_bits());
+  finish_lists(b, job.grid(), count, 0, scratch.instances, lists);
 }
 
 }  // namespace swiftgs

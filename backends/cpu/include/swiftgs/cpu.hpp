@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <concepts>
 #include <cstddef>
@@ -14,6 +15,7 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
+#include <swiftgs/bin_stage.hpp>
 #include <swiftgs/bounds/ellipse.hpp>
 #include <swiftgs/bounds/opacity_box.hpp>
 #include <swiftgs/bounds/three_sigma_square.hpp>
@@ -23,6 +25,7 @@
 #include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
 #include <swiftgs/raster/per_pixel.hpp>
+#include <swiftgs/shade_stage.hpp>
 #include <swiftgs/sort/sort.hpp>
 
 namespace swiftgs {
@@ -115,57 +118,121 @@ template <>
 struct ProjectScratch<Cpu> {
   Cpu::Buffer<SplatShape> shapes;
   Cpu::Buffer<float> depths;
-  Cpu::Buffer<std::uint32_t> ids;
+  Cpu::Buffer<std::uint32_t> gaussians;
   Cpu::Buffer<std::size_t> counts;
 
-  std::size_t bytes() const { return bytes_of(shapes, depths, ids, counts); }
+  std::size_t bytes() const { return bytes_of(shapes, depths, gaussians, counts); }
 };
 
 /// Vector kernel of the projection: a lane a Gaussian.
 SWIFTGS_API void project(Cpu& cpu, const ProjectJob& job, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats);
 
-/// Tiles are counted when instances are emitted, whatever the bounds.
+/// Projection itself has no use for bounds.
 template <BoundsPolicy Bounds>
 void project(Cpu& cpu, const ProjectJob& job, const Bounds&, ProjectScratch<Cpu>& scratch,
-             Splats<Cpu>& splats, Footprints<Cpu, Bounds>& footprints) {
-  footprints.grid = job.grid;
+             Splats<Cpu>& splats, Footprints<Cpu, Bounds>&) {
   project(cpu, job, scratch, splats);
 }
 
-/// Footprints by index, found in the order in which the splats lie in memory: emission in depth order then
-/// jumps among 16 bytes a splat.
-template <>
-struct InstanceScratch<Cpu> {
-  Cpu::Buffer<Footprint> footprints;
-  Cpu::Buffer<std::uint32_t> offsets;  ///< for bounds without vector kernels
+/// Vector kernel of the shading.
+SWIFTGS_API Shading<Cpu> shade(Cpu& cpu, const ShadeJob& job, const Splats<Cpu>& splats,
+                               Colours<Cpu>& colours);
 
-  std::size_t bytes() const { return bytes_of(footprints, offsets); }
+/// Footprints of `count` consecutive splats.
+template <BoundsPolicy Bounds>
+void find_footprints(const Bounds& bounds, const SplatShape* shapes, std::size_t count, TileGrid grid,
+                     Footprint* out) {
+  for (std::size_t i = 0; i < count; ++i) out[i] = find_footprint(bounds, shapes[i], grid);
+}
+/// The same tiles, found for a register of splats at a time. Bounds need no such overload.
+SWIFTGS_API void find_footprints(const ThreeSigmaSquare& bounds, const SplatShape* shapes, std::size_t count,
+                                 TileGrid grid, Footprint* out);
+SWIFTGS_API void find_footprints(const OpacityBox& bounds, const SplatShape* shapes, std::size_t count,
+                                 TileGrid grid, Footprint* out);
+SWIFTGS_API void find_footprints(const Ellipse& bounds, const SplatShape* shapes, std::size_t count,
+                                 TileGrid grid, Footprint* out);
+
+/// Footprints in the order in which the splats lie in memory: emission in depth order then jumps among 16
+/// bytes a splat.
+template <BoundsPolicy Bounds>
+void bin(Cpu& cpu, TileGrid grid, const Bounds& bounds, Splats<Cpu>& splats,
+         Footprints<Cpu, Bounds>& footprints) {
+  constexpr std::size_t grain = 1024;
+  footprints.each.reset(splats.count);
+  footprints.count = splats.count, footprints.grid = grid, footprints.instances = 0;
+  const SplatShape* const shapes = splats.shapes.data();
+  Footprint* const out = footprints.each.data();
+  cpu.for_parts(splats.count, grain, [&](std::size_t begin, std::size_t end) {
+    find_footprints(bounds, shapes + begin, end - begin, grid, out + begin);
+    std::uint64_t instances = 0;
+    for (std::size_t i = begin; i < end; ++i) instances += out[i].count;
+    std::atomic_ref(footprints.instances).fetch_add(instances, std::memory_order_relaxed);
+  });
+}
+
+/// Tiles of one large splat by bounds of any type: calls f(context, tile) as `for_each_tile` does.
+struct LargeTiles {
+  using F = void (*)(void* context, std::uint32_t tile);
+  const void* bounds;
+  void (*walk)(const void* bounds, const Footprint& footprint, const SplatShape& shape, TileGrid grid, F f,
+               void* context);
+
+  template <BoundsPolicy Bounds>
+  explicit LargeTiles(const Bounds& of)
+      : bounds(&of),
+        walk([](const void* known, const Footprint& footprint, const SplatShape& shape, TileGrid grid, F f,
+                void* context) {
+          for_each_tile(footprint, *static_cast<const Bounds*>(known), shape, grid,
+                        [&](std::uint32_t tile) { f(context, tile); });
+        }) {}
 };
+
+/// What instances are emitted from, whatever the bounds.
+struct EmissionJob {
+  SplatsView splats;
+  Span<const Footprint> footprints;
+  std::uint64_t instances;
+  TileGrid grid;
+  LargeTiles large;
+  const std::uint32_t* order;  ///< of the splats; null: index order
+
+  template <BoundsPolicy Bounds>
+  EmissionJob(const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order_)
+      : splats(job.splats),
+        footprints(job.footprints.each),
+        instances(job.footprints.instances),
+        grid(job.grid()),
+        large(bounds),
+        order(order_) {
+    check_footprints(job);
+  }
+};
+
+/// Emission in parallel. Throws as the generic one.
+SWIFTGS_API std::size_t emit_instances(Cpu& cpu, const EmissionJob& job,
+                                       Pairs<Cpu, std::uint64_t>& instances);
+template <BoundsPolicy Bounds>
+std::size_t emit_instances(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds,
+                           const std::uint32_t* order, InstanceScratch<Cpu>&,
+                           Pairs<Cpu, std::uint64_t>& instances) {
+  return emit_instances(cpu, EmissionJob(job, bounds, order), instances);
+}
 
 template <>
 struct GroupScratch<Cpu> {
-  InstanceScratch<Cpu> emission;
   Cpu::Buffer<std::uint32_t> positions;  ///< @shape{parts, tiles}
-  Pairs<Cpu, std::uint32_t> instances;   ///< for bounds without vector kernels
 
-  std::size_t bytes() const { return bytes_of(emission, positions, instances); }
+  std::size_t bytes() const { return positions.bytes(); }
 };
 
-/// Bounds that have vector kernels.
-template <class Bounds>
-concept VectorBounds = std::same_as<Bounds, ThreeSigmaSquare> || std::same_as<Bounds, OpacityBox> ||
-    std::same_as<Bounds, Ellipse>;
-
-/// `emit_instances` from footprints. Instantiated for 64-bit keys.
-template <VectorBounds Bounds>
-SWIFTGS_API std::size_t emit_instances(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds,
-                                       const std::uint32_t* order, InstanceScratch<Cpu>& scratch,
-                                       Pairs<Cpu, std::uint64_t>& instances);
-
-/// `group_by_tile` from footprints, without keys: a counting sort that moves each id straight to its tile.
-template <VectorBounds Bounds>
-SWIFTGS_API void group_by_tile(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds,
-                               const std::uint32_t* order, GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists);
+/// `group_by_tile` without keys: a counting sort that moves each id straight to its tile.
+SWIFTGS_API void group_by_tile(Cpu& cpu, const EmissionJob& job, GroupScratch<Cpu>& scratch,
+                               TileLists<Cpu>& lists);
+template <BoundsPolicy Bounds>
+void group_by_tile(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
+                   GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists) {
+  group_by_tile(cpu, EmissionJob(job, bounds, order), scratch, lists);
+}
 
 /// Vector kernels of the library's rasterizers: a row of 16 pixels at a time.
 SWIFTGS_API void rasterize(Cpu& cpu, PerPixel, const RasterJob& job);

@@ -3,12 +3,10 @@
 
 /// @file
 /// Definitions behind `<swiftgs/cuda.hpp>` for code that nvcc compiles: loops over functors, bounds and
-/// rasterizers of your own. Compile with `-fmad=false` what instantiates `project` or `emit_instances`: tiles
-/// are counted by one kernel and emitted by another, and both must round alike.
+/// rasterizers of your own. Compile with `-fmad=false` what uses bounds of your own: tiles are counted by one
+/// kernel and emitted by another, and both must round alike.
 
-#include <swiftgs/bounds/ellipse.hpp>
-#include <swiftgs/bounds/opacity_box.hpp>
-#include <swiftgs/bounds/three_sigma_square.hpp>
+#include <swiftgs/bounds/all.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/for_each.cuh>
 #include <swiftgs/cuda/instances.cuh>
@@ -16,39 +14,28 @@
 
 namespace swiftgs {
 
-// Compiled into the library, with the flag that they need.
-extern template void project(Cuda&, const ProjectJob&, const ThreeSigmaSquare&, ProjectScratch<Cuda>&,
-                             Splats<Cuda>&, Footprints<Cuda, ThreeSigmaSquare>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob<ThreeSigmaSquare>&, const ThreeSigmaSquare&,
-                                           const std::uint32_t*, InstanceScratch<Cuda>&,
-                                           Pairs<Cuda, std::uint16_t>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob<ThreeSigmaSquare>&, const ThreeSigmaSquare&,
-                                           const std::uint32_t*, InstanceScratch<Cuda>&,
-                                           Pairs<Cuda, std::uint32_t>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob<ThreeSigmaSquare>&, const ThreeSigmaSquare&,
-                                           const std::uint32_t*, InstanceScratch<Cuda>&,
-                                           Pairs<Cuda, std::uint64_t>&);
-extern template void project(Cuda&, const ProjectJob&, const OpacityBox&, ProjectScratch<Cuda>&,
-                             Splats<Cuda>&, Footprints<Cuda, OpacityBox>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob<OpacityBox>&, const OpacityBox&,
-                                           const std::uint32_t*, InstanceScratch<Cuda>&,
-                                           Pairs<Cuda, std::uint16_t>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob<OpacityBox>&, const OpacityBox&,
-                                           const std::uint32_t*, InstanceScratch<Cuda>&,
-                                           Pairs<Cuda, std::uint32_t>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob<OpacityBox>&, const OpacityBox&,
-                                           const std::uint32_t*, InstanceScratch<Cuda>&,
-                                           Pairs<Cuda, std::uint64_t>&);
-extern template void project(Cuda&, const ProjectJob&, const Ellipse&, ProjectScratch<Cuda>&, Splats<Cuda>&,
-                             Footprints<Cuda, Ellipse>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob<Ellipse>&, const Ellipse&,
-                                           const std::uint32_t*, InstanceScratch<Cuda>&,
-                                           Pairs<Cuda, std::uint16_t>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob<Ellipse>&, const Ellipse&,
-                                           const std::uint32_t*, InstanceScratch<Cuda>&,
-                                           Pairs<Cuda, std::uint32_t>&);
-extern template std::size_t emit_instances(Cuda&, const SortJob<Ellipse>&, const Ellipse&,
-                                           const std::uint32_t*, InstanceScratch<Cuda>&,
-                                           Pairs<Cuda, std::uint64_t>&);
+/// Bounds that the library has no kernels for. Those of `AllBounds` it has, compiled with the flag that they
+/// need.
+template <class Bounds>
+concept OwnBounds = BoundsPolicy<Bounds> && !AllBounds::contains<Bounds>;
+
+template <OwnBounds Bounds>
+void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
+             Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints) {
+  kernels::run_project(cuda, job, bounds, scratch, splats, footprints);
+}
+
+template <OwnBounds Bounds>
+void bin(Cuda& cuda, TileGrid grid, const Bounds& bounds, Splats<Cuda>& splats,
+         Footprints<Cuda, Bounds>& footprints) {
+  kernels::run_bin(cuda, grid, bounds, splats, footprints);
+}
+
+template <OwnBounds Bounds, class Key>
+std::size_t emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
+                           const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
+                           Pairs<Cuda, Key>& instances) {
+  return kernels::run_emission(cuda, job, bounds, order, scratch, instances);
+}
 
 }  // namespace swiftgs

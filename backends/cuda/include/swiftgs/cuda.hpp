@@ -8,15 +8,18 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
+#include <swiftgs/bin_stage.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/cuda/memory.hpp>
 #include <swiftgs/footprint.hpp>
 #include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
 #include <swiftgs/raster/per_pixel.hpp>
+#include <swiftgs/shade_stage.hpp>
 #include <swiftgs/sort/sort.hpp>
 
 /// A stream as `<cuda_runtime_api.h>` declares it, so that this header needs no toolkit.
@@ -28,6 +31,12 @@ namespace swiftgs {
 struct FrameCounts {
   std::uint64_t visible = 0;
   std::uint64_t instances = 0;
+};
+
+/// What the kernels of a frame tell each other and the host, in device memory.
+struct FrameControl {
+  FrameCounts counts;
+  std::uint32_t hidden = 0;  ///< not 0 if a splat is hidden
 };
 
 /// One NVIDIA GPU: everything runs in the order of one stream, and what a frame computes has the same bits
@@ -44,6 +53,8 @@ struct FrameCounts {
 /// they call CUDA, and the capture stays valid. What was allocated must not be destroyed then either: CUDA
 /// does not allow to free memory.
 class SWIFTGS_API Cuda {
+  struct State;
+
  public:
   static constexpr std::string_view name = "cuda";
   template <class T>
@@ -69,16 +80,30 @@ class SWIFTGS_API Cuda {
   Cuda(Cuda&&) noexcept;
   Cuda& operator=(Cuda&&) noexcept;
 
-  /// The stream that everything is in the order of, but for what `fork` started, up to `join`.
+  /// Stream that orders all work except that of a fork not yet joined.
   cudaStream_t stream() const;
 
-  /// A second stream, the backend's own, behind everything that was asked for so far: what is started on it
-  /// runs beside what is asked for next, up to `join`.
-  cudaStream_t fork();
+  /// Work beside that of the backend. Its stream begins behind all work submitted before the fork; whatever
+  /// is submitted to the backend after `join` comes after the fork's. The destructor joins.
+  class SWIFTGS_API Fork {
+   public:
+    Fork(Fork&& other) noexcept : state_(std::exchange(other.state_, nullptr)) {}
+    Fork& operator=(Fork&&) = delete;
+    ~Fork();
 
-  /// What is asked for next comes after all that was started on the stream of `fork`. `wait` and `download`
-  /// join first.
-  void join();
+    cudaStream_t stream() const;
+    /// The second time nothing happens.
+    void join();
+
+   private:
+    friend Cuda;
+    explicit Fork(State* state) : state_(state) {}
+    State* state_;  ///< null once joined
+  };
+
+  /// Starts a fork. A backend outlives it and has one at a time: throws `std::logic_error` where the one
+  /// before is not joined.
+  [[nodiscard]] Fork fork();
 
   /// Throws `DeviceError` for `call` while the stream is being captured into a CUDA graph.
   void check_not_captured(const char* call) const;
@@ -115,7 +140,7 @@ class SWIFTGS_API Cuda {
   void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, std::size_t n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, std::size_t n, int bits);
 
-  /// The point behind all that was asked for so far, what `fork` started apart.
+  /// A point after all work submitted so far, forked work excluded.
   TimePoint now();
   /// From one point to a later one; nothing where `to` has not been reached or `from` is too old. Does not
   /// wait. @units{milliseconds}
@@ -132,7 +157,6 @@ class SWIFTGS_API Cuda {
   template <class Key>
   void radix_sort(Pairs<Cuda, Key>& pairs, std::size_t n, int bits);
 
-  struct State;
   std::unique_ptr<State> state_;
 };
 
@@ -186,53 +210,81 @@ class AlternatingCounters {
 template <>
 struct ProjectScratch<Cuda> {
   RunningSums sums;
-  AlternatingCounters<FrameCounts> counts;
-  DeviceBuffer<std::uint32_t> gaussians;  ///< of each splat
+  AlternatingCounters<FrameControl> controls;
 
-  std::size_t bytes() const { return bytes_of(sums, counts, gaussians); }
+  std::size_t bytes() const { return bytes_of(sums, controls); }
 };
 
-/// The buffers have room for all Gaussians: how many are visible is known only after they are written.
+/// The buffers have room for all Gaussians. The device learns how many are visible from `project`, the host
+/// from `bin`; until then `count` is 0.
 template <>
 struct Splats<Cuda> {
   DeviceBuffer<SplatShape> shapes;
-  DeviceBuffer<SplatColour> colours;
-  DeviceBuffer<std::uint32_t> hidden;  ///< one word, not 0 where a colour is not finite
+  DeviceBuffer<float> depths;
+  DeviceBuffer<std::uint32_t> gaussians;
   std::size_t count = 0;
+  FrameControl* control = nullptr;  ///< of the projection; null for splats of your own
 
+  void reset(std::size_t splats) { shapes.reset(splats), depths.reset(splats), gaussians.reset(splats); }
   SplatsView view() const {
-    return {{shapes.data(), count}, {colours.data(), count}, count > 0 ? hidden.data() : nullptr};
+    return {{shapes.data(), count}, {depths.data(), count}, {gaussians.data(), count}};
   }
-  std::size_t bytes() const { return bytes_of(shapes, colours, hidden); }
+  std::size_t bytes() const { return bytes_of(shapes, depths, gaussians); }
 };
 
-/// Footprints that projection finds. The buffer has room for all Gaussians.
+/// Footprints, which projection finds. The buffer has room for all Gaussians.
 template <BoundsPolicy Bounds>
 struct Footprints<Cuda, Bounds> {
   DeviceBuffer<Footprint> each;
-  std::size_t count = 0;  ///< splats
+  DeviceBuffer<FrameCounts> counts;  ///< of splats of your own
+  std::size_t count = 0;             ///< splats
   std::uint64_t instances = 0;
   TileGrid grid;
+  bool found = false;  ///< by a projection whose numbers the host does not know yet
 
   FootprintsView<Bounds> view() const { return {{each.data(), count}, instances, grid}; }
-  std::size_t bytes() const { return each.bytes(); }
+  std::size_t bytes() const { return bytes_of(each, counts); }
 };
 
-/// Starts to evaluate the colours of `splats` beside whatever is asked for until `finish_colours`. How many
-/// there are is read where the device keeps it. @shape{gaussians: splats}
-SWIFTGS_API void start_colours(Cuda& cuda, const ProjectJob& job, const FrameCounts* counts,
-                               const std::uint32_t* gaussians, Splats<Cuda>& splats);
-
-/// One kernel: projects, compacts in the order of the Gaussians and finds tiles. Waits for the counts of
-/// visible splats and of instances, the only thing that the host waits for in a frame. Colours, but for their
-/// depths, are under way until `finish_colours`.
-/// Instantiated for the library's bounds; for others by `<swiftgs/cuda.cuh>`.
+/// One kernel: projects, compacts in the order of the Gaussians and finds tiles. Does not wait.
+/// In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
 SWIFTGS_API void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds,
                          ProjectScratch<Cuda>& scratch, Splats<Cuda>& splats,
                          Footprints<Cuda, Bounds>& footprints);
 
-inline void finish_colours(Cuda& cuda, Splats<Cuda>&) { cuda.join(); }
+/// Colours that are evaluated beside the sort, on a fork.
+template <>
+class [[nodiscard]] Shading<Cuda> {
+ public:
+  Shading(Cuda::Fork fork, const Splats<Cuda>& splats, const SplatColour* colours,
+          const std::uint32_t* hidden)
+      : fork_(std::move(fork)), splats_(&splats), colours_(colours), hidden_(hidden) {}
+
+  /// Call it after `bin`, which learns the number of splats.
+  ColoursView finish() {
+    fork_.join();
+    return {{colours_, splats_->count}, hidden_};
+  }
+
+ private:
+  Cuda::Fork fork_;
+  const Splats<Cuda>* splats_;
+  const SplatColour* colours_;
+  const std::uint32_t* hidden_;
+};
+
+/// Evaluates the colours of `splats`, whose number it reads where the device keeps it, beside all later work
+/// until `Shading::finish`.
+SWIFTGS_API Shading<Cuda> shade(Cuda& cuda, const ShadeJob& job, const Splats<Cuda>& splats,
+                                Colours<Cuda>& colours);
+
+/// Waits for the numbers of splats and of instances: the only wait of the host in a frame. Finds the
+/// footprints of splats that `project` has not found them of.
+/// In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
+template <BoundsPolicy Bounds>
+SWIFTGS_API void bin(Cuda& cuda, TileGrid grid, const Bounds& bounds, Splats<Cuda>& splats,
+                     Footprints<Cuda, Bounds>& footprints);
 
 /// A splat, its depth key where the keys of instances hold one, and the place of its first instance.
 struct EmittedSplat {
@@ -246,15 +298,12 @@ struct InstanceScratch<Cuda> {
   RunningSums sums;
   DeviceBuffer<EmittedSplat> large;  ///< splats without a mask
   AlternatingCounters<std::uint32_t> large_counts;
-  DeviceBuffer<Footprint> footprints;  ///< where the job does not bring its own
-  DeviceBuffer<FrameCounts> counts;
 
-  std::size_t bytes() const { return bytes_of(sums, large, large_counts, footprints, counts); }
+  std::size_t bytes() const { return bytes_of(sums, large, large_counts); }
 };
 
 /// `emit_instances` with the tiles of 32 splats spread over the lanes of a warp.
-/// Instantiated for the library's bounds; for others by `<swiftgs/cuda.cuh>`. Waits only where `job` does not
-/// hold footprints.
+/// In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds, class Key>
 SWIFTGS_API std::size_t emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
                                        const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
@@ -276,10 +325,10 @@ void group_by_tile(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
                    GroupScratch<Cuda>& scratch, TileLists<Cuda>& lists) {
   const auto group = [&](auto& instances) {
     const std::size_t count = emit_instances(cuda, job, bounds, order, scratch.emission, instances);
-    cuda.sort_pairs(instances, count, job.grid.key_bits());
-    finish_lists(cuda, job.grid, count, 0, instances, lists);
+    cuda.sort_pairs(instances, count, job.grid().key_bits());
+    finish_lists(cuda, job.grid(), count, 0, instances, lists);
   };
-  job.grid.key_bits() <= 16 ? group(scratch.narrow) : group(scratch.wide);
+  job.grid().key_bits() <= 16 ? group(scratch.narrow) : group(scratch.wide);
 }
 
 /// A thread a pixel, splats in shared memory.

@@ -69,4 +69,22 @@ __device__ inline void add_instances(FrameCounts& counts, std::uint32_t tiles) {
               static_cast<unsigned long long>(tiles));
 }
 
+inline constexpr unsigned bin_threads = 256;
+
+/// Finds footprints outside of projection.
+template <class Bounds>
+__global__ void __launch_bounds__(bin_threads)
+    find_footprints(const Span<const SplatShape> shapes, const TileGrid grid, const Bounds bounds,
+                    Footprint* footprints, FrameCounts* counts) {
+  __shared__ FootprintShared shared[bin_threads / warp_size];
+  const std::size_t i = std::size_t(blockIdx.x) * bin_threads + threadIdx.x;
+  const bool exists = i < shapes.size;
+  SplatShape shape;
+  if (exists) shape = shapes[i];
+  const Footprint found = find_footprint(bounds, grid, shape, exists, shared[threadIdx.x / warp_size]);
+  if (exists) footprints[i] = found;
+  const std::uint32_t tiles = warp_sum(found.count);
+  if (lane_index() == 0) add_instances(*counts, tiles);
+}
+
 }  // namespace swiftgs::kernels

@@ -10,9 +10,8 @@
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
 
-namespace swiftgs {
+namespace swiftgs::kernels {
 
-namespace kernels {
 inline constexpr unsigned emit_threads = 256;
 inline constexpr unsigned emit_warps = emit_threads / warp_size;
 inline constexpr unsigned emit_large_blocks =
@@ -82,9 +81,9 @@ struct LargeSplats {
 /// splats are.
 template <class Key>
 __global__ void __launch_bounds__(emit_threads)
-    emit_instances(const __grid_constant__ SplatsView splats, const Footprint* footprints,
-                   const TileGrid grid, const std::uint32_t* order, const Instances<Key> out,
-                   const LargeSplats large, const RunningSums::View sums) {
+    emit_instances(const Span<const Footprint> footprints, const float* depths, const TileGrid grid,
+                   const std::uint32_t* order, const Instances<Key> out, const LargeSplats large,
+                   const RunningSums::View sums) {
   // Apart, or the words around `tiles_of` are loaded with it while one of them is written.
   __shared__ alignas(16) std::uint32_t tiles_of[emit_warps];
   __shared__ std::uint32_t before_block;
@@ -95,10 +94,10 @@ __global__ void __launch_bounds__(emit_threads)
   // Load a splat a lane.
   const std::size_t i = std::size_t(blockIdx.x) * emit_threads + threadIdx.x;
   EmittedSplat mine;
-  if (i < splats.size()) {
+  if (i < footprints.size) {
     mine.id = order ? order[i] : std::uint32_t(i);
     mine.footprint = footprints[mine.id];
-    if constexpr (sizeof(Key) == 8) mine.depth = depth_key(splats.colours[mine.id].depth);
+    if constexpr (sizeof(Key) == 8) mine.depth = depth_key(depths[mine.id]);
   }
   mine.at = sum_below(mine.footprint.count);
   if (lane_index() == warp_size - 1) tiles_of[warp] = mine.at + mine.footprint.count;
@@ -178,56 +177,28 @@ __global__ void __launch_bounds__(emit_threads)
       emit_outside(bounds, shape, grid, splat, at, end, out);
   }
 }
-
-/// Finds footprints outside of projection.
-template <class Bounds>
-__global__ void __launch_bounds__(emit_threads)
-    find_footprints(const __grid_constant__ SplatsView splats, const TileGrid grid, const Bounds bounds,
-                    Footprint* footprints, FrameCounts* counts) {
-  __shared__ FootprintShared shared[emit_warps];
-  const std::size_t i = std::size_t(blockIdx.x) * emit_threads + threadIdx.x;
-  const bool exists = i < splats.size();
-  SplatShape shape;
-  if (exists) shape = splats.shapes[i];
-  const Footprint found = find_footprint(bounds, grid, shape, exists, shared[threadIdx.x / warp_size]);
-  if (exists) footprints[i] = found;
-  const std::uint32_t tiles = warp_sum(found.count);
-  if (lane_index() == 0) add_instances(*counts, tiles);
-}
-}  // namespace kernels
-
 template <BoundsPolicy Bounds, class Key>
-std::size_t emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
-                           const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
-                           Pairs<Cuda, Key>& instances) {
+std::size_t run_emission(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
+                         const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
+                         Pairs<Cuda, Key>& instances) {
   check_footprints(job);
   cuda.check_not_captured("emit_instances");
   const std::size_t splats = job.splats.size();
-  FootprintsView<Bounds> footprints = job.footprints;
-  if (!footprints.each.data && splats != 0) {
-    scratch.footprints.reset(splats), scratch.counts.reset(1);
-    cuda.clear(scratch.counts.data(), sizeof(FrameCounts));
-    launch("find_footprints", kernels::find_footprints<Bounds>, blocks_for(splats, kernels::emit_threads),
-           kernels::emit_threads, cuda.stream(), job.splats, job.grid, bounds, scratch.footprints.data(),
-           scratch.counts.data());
-    footprints.each = {scratch.footprints.data(), splats};
-    footprints.instances = cuda.read(scratch.counts.data()).instances;
-  }
-  const std::uint64_t total = footprints.instances;
+  const std::uint64_t total = job.footprints.instances;
   check_instances(total);
   instances.reset(std::size_t(total));
   if (total == 0) return 0;
   scratch.large.reset(splats);
-  const unsigned blocks = blocks_for(splats, kernels::emit_threads);
+  const unsigned blocks = blocks_for(splats, emit_threads);
   const RunningSums::View sums = scratch.sums.next(cuda, blocks);
-  const kernels::LargeSplats large{scratch.large.data(), scratch.large_counts.begin(cuda), sums.epoch};
-  const kernels::Instances<Key> out{instances.keys.data(), instances.values.data(), std::uint32_t(total)};
-  launch("emit_instances", kernels::emit_instances<Key>, blocks, kernels::emit_threads, cuda.stream(),
-         job.splats, footprints.each.data, job.grid, order, out, large, sums);
-  launch("emit_large", kernels::emit_large<Bounds, Key>, kernels::emit_large_blocks, kernels::emit_threads,
-         cuda.stream(), job.splats.shapes.data, job.grid, bounds, out, large);
+  const LargeSplats large{scratch.large.data(), scratch.large_counts.begin(cuda), sums.epoch};
+  const Instances<Key> out{instances.keys.data(), instances.values.data(), std::uint32_t(total)};
+  launch("emit_instances", emit_instances<Key>, blocks, emit_threads, cuda.stream(), job.footprints.each,
+         job.splats.depths.data, job.grid(), order, out, large, sums);
+  launch("emit_large", emit_large<Bounds, Key>, emit_large_blocks, emit_threads, cuda.stream(),
+         job.splats.shapes.data, job.grid(), bounds, out, large);
   scratch.large_counts.end();
   return std::size_t(total);
 }
 
-}  // namespace swiftgs
+}  // namespace swiftgs::kernels

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/footprints.cuh>
@@ -10,20 +11,18 @@
 #include <swiftgs/cuda/running_sum.cuh>
 #include <swiftgs/project.hpp>
 
-namespace swiftgs {
+namespace swiftgs::kernels {
 
-namespace kernels {
 inline constexpr unsigned project_threads = 128;
 inline constexpr unsigned project_warps = project_threads / warp_size;
 
-/// Where projection writes to. `counts` are two, of this frame and of the next.
+/// Where projection writes to. `controls` are two, of this frame and of the next.
 struct ProjectOutput {
   SplatShape* shapes;
-  SplatColour* colours;  ///< their depths
-  Footprint* footprints;
+  float* depths;
   std::uint32_t* gaussians;
-  std::uint32_t* hidden;
-  FrameCounts* counts;
+  Footprint* footprints;
+  FrameControl* controls;
 };
 
 /// What the threads of a block tell each other.
@@ -49,8 +48,8 @@ __global__ void __launch_bounds__(project_threads)
   __shared__ ProjectShared shared;
   const unsigned warp = threadIdx.x / warp_size;
   RunningSum sum(sums);
-  FrameCounts& counts = output.counts[sums.epoch % 2];
-  if (blockIdx.x == 0 && threadIdx.x == 0) output.counts[(sums.epoch + 1) % 2] = {}, *output.hidden = 0;
+  FrameCounts& counts = output.controls[sums.epoch % 2].counts;
+  if (blockIdx.x == 0 && threadIdx.x == 0) output.controls[(sums.epoch + 1) % 2] = {};
 
   // Project, and count the visible splats of the block.
   const std::size_t i = std::size_t(blockIdx.x) * project_threads + threadIdx.x;
@@ -91,34 +90,47 @@ __global__ void __launch_bounds__(project_threads)
   const std::size_t at = std::size_t(shared.before) + slot;
   output.shapes[at] = splat.shape;
   output.footprints[at] = footprint;
-  output.colours[at].depth = splat.depth;
+  output.depths[at] = splat.depth;
   output.gaussians[at] = std::uint32_t(i);
 }
-}  // namespace kernels
-
 template <BoundsPolicy Bounds>
-void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
-             Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints) {
+void run_project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
+                 Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints) {
   cuda.check_not_captured("project");
   const std::size_t n = job.scene.size();
-  cuda.join();  // colours of a frame that was given up
-  splats.count = 0, footprints.count = 0, footprints.instances = 0, footprints.grid = job.grid;
-  splats.shapes.reset(n), splats.colours.reset(n), splats.hidden.reset(1), footprints.each.reset(n);
-  scratch.gaussians.reset(n);
+  splats.count = footprints.count = 0, splats.control = nullptr, footprints.found = false;
+  splats.reset(n), footprints.each.reset(n);
   if (n == 0) return;
-  const unsigned blocks = blocks_for(n, kernels::project_threads);
+  const unsigned blocks = blocks_for(n, project_threads);
   const RunningSums::View sums = scratch.sums.next(cuda, blocks);
-  FrameCounts* const counters = scratch.counts.begin(cuda);
-  launch("project", kernels::project<Bounds>, blocks, kernels::project_threads, cuda.stream(), job, bounds,
-         kernels::ProjectOutput{splats.shapes.data(), splats.colours.data(), footprints.each.data(),
-                                scratch.gaussians.data(), splats.hidden.data(), counters},
+  FrameControl* const controls = scratch.controls.begin(cuda);
+  launch("project", project<Bounds>, blocks, project_threads, cuda.stream(), job, bounds,
+         ProjectOutput{splats.shapes.data(), splats.depths.data(), splats.gaussians.data(),
+                       footprints.each.data(), controls},
          sums);
-  scratch.counts.end();
-  FrameCounts* const counted = counters + sums.epoch % 2;
-  start_colours(cuda, job, counted, scratch.gaussians.data(), splats);
-  const FrameCounts counts = cuda.read(counted);
-  splats.count = footprints.count = std::size_t(counts.visible);
-  footprints.instances = counts.instances;
+  scratch.controls.end();
+  splats.control = controls + sums.epoch % 2;
+  footprints.found = true, footprints.grid = job.grid;
 }
 
-}  // namespace swiftgs
+template <BoundsPolicy Bounds>
+void run_bin(Cuda& cuda, TileGrid grid, const Bounds& bounds, Splats<Cuda>& splats,
+             Footprints<Cuda, Bounds>& footprints) {
+  cuda.check_not_captured("bin");
+  const bool found = std::exchange(footprints.found, false) && footprints.grid == grid;
+  FrameCounts counts{.visible = splats.count};
+  if (splats.control) counts = cuda.read(&splats.control->counts), splats.control = nullptr;
+  splats.count = footprints.count = std::size_t(counts.visible);
+  if (!found) {
+    footprints.each.reset(splats.count), footprints.counts.reset(1);
+    cuda.clear(footprints.counts.data(), sizeof(FrameCounts));
+    if (splats.count != 0)
+      launch("find_footprints", find_footprints<Bounds>, blocks_for(splats.count, bin_threads), bin_threads,
+             cuda.stream(), splats.view().shapes, grid, bounds, footprints.each.data(),
+             footprints.counts.data());
+    counts = cuda.read(footprints.counts.data());
+  }
+  footprints.instances = counts.instances, footprints.grid = grid;
+}
+
+}  // namespace swiftgs::kernels

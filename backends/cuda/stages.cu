@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The stages that know of bounds, for all bounds of the library.
+#include <cstdint>
+#include <tuple>
+
+#include <swiftgs/cuda.cuh>
+
+namespace swiftgs {
+
+template <BoundsPolicy Bounds>
+void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
+             Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints) {
+  kernels::run_project(cuda, job, bounds, scratch, splats, footprints);
+}
+
+template <BoundsPolicy Bounds>
+void bin(Cuda& cuda, TileGrid grid, const Bounds& bounds, Splats<Cuda>& splats,
+         Footprints<Cuda, Bounds>& footprints) {
+  kernels::run_bin(cuda, grid, bounds, splats, footprints);
+}
+
+template <BoundsPolicy Bounds, class Key>
+std::size_t emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
+                           const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
+                           Pairs<Cuda, Key>& instances) {
+  return kernels::run_emission(cuda, job, bounds, order, scratch, instances);
+}
+
+namespace {
+
+template <class Bounds, class Key>
+using Emission = std::size_t (*)(Cuda&, const SortJob<Bounds>&, const Bounds&, const std::uint32_t*,
+                                 InstanceScratch<Cuda>&, Pairs<Cuda, Key>&);
+
+template <class Bounds>
+struct Stages {
+  void (*project)(Cuda&, const ProjectJob&, const Bounds&, ProjectScratch<Cuda>&, Splats<Cuda>&,
+                  Footprints<Cuda, Bounds>&) = &swiftgs::project;
+  void (*bin)(Cuda&, TileGrid, const Bounds&, Splats<Cuda>&, Footprints<Cuda, Bounds>&) = &swiftgs::bin;
+  Emission<Bounds, std::uint16_t> emit_narrow = &emit_instances;
+  Emission<Bounds, std::uint32_t> emit_wide = &emit_instances;
+  Emission<Bounds, std::uint64_t> emit_with_depth = &emit_instances;
+};
+
+template <class... Bounds>
+std::tuple<Stages<Bounds>...> stages_within(TypeList<Bounds...>) {
+  return {};
+}
+
+/// An explicit instantiation cannot follow a list; taking addresses can.
+[[gnu::used]] const auto instantiated = stages_within(AllBounds{});
+
+}  // namespace
+}  // namespace swiftgs

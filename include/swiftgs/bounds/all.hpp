@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <swiftgs/bounds/ellipse.hpp>
+#include <swiftgs/bounds/opacity_box.hpp>
+#include <swiftgs/bounds/three_sigma_square.hpp>
+#include <swiftgs/type_list.hpp>
+
+namespace swiftgs {
+
+/// The bounds of the library: every backend, and the table of renderers, has what stands here.
+using AllBounds = TypeList<ThreeSigmaSquare, OpacityBox, Ellipse>;
+
+}  // namespace swiftgs

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <swiftgs/api.hpp>
+#include <swiftgs/backend.hpp>
+#include <swiftgs/colours.hpp>
+#include <swiftgs/project.hpp>
+#include <swiftgs/splats.hpp>
+
+namespace swiftgs {
+
+/// What shading evaluates the harmonics of: the Gaussians of a frame's splats.
+struct ShadeJob {
+  ViewConstants constants;
+  SceneView scene;
+};
+
+/// Evaluates the colour of splat i: the only place that reads spherical harmonics.
+struct SWIFTGS_API ShadeSplats {
+  ShadeJob job;
+  SplatsView splats;
+  SplatColour* colours;
+  std::uint32_t* hidden;
+
+  SWIFTGS_HD void operator()(std::size_t i) const {
+    const vec3 rgb = project_colour(job.constants, job.scene, splats.gaussians[i]);
+    colours[i] = splat_colour(rgb, splats.depths[i]);
+    if (is_hidden(colours[i])) *hidden = 1;
+  }
+};
+
+/// Sets one word to 0.
+struct SWIFTGS_API ClearWord {
+  std::uint32_t* word;
+  SWIFTGS_HD void operator()(std::size_t) const { *word = 0; }
+};
+
+/// Colours that `shade` evaluates. A backend may let them be under way, and specialises this: `finish` orders
+/// later work after them and returns them, once; so does the destructor where nobody asked for them.
+template <class B>
+class [[nodiscard]] Shading {
+ public:
+  explicit Shading(const ColoursView& colours) : colours_(colours) {}
+  ColoursView finish() { return colours_; }
+
+ private:
+  ColoursView colours_;
+};
+
+/// Evaluates the colours of `splats`. The sort does not read them: a backend may run this beside it.
+template <BackendPolicy B>
+Shading<B> shade(B& b, const ShadeJob& job, const Splats<B>& splats, Colours<B>& colours) {
+  colours.each.reset(splats.count), colours.hidden.reset(1);
+  b.for_each(1, ClearWord{colours.hidden.data()});
+  b.for_each(splats.count, ShadeSplats{job, splats.view(), colours.each.data(), colours.hidden.data()});
+  return Shading<B>({{colours.each.data(), splats.count}, colours.hidden.data()});
+}
+
+}  // namespace swiftgs
