@@ -111,7 +111,8 @@ void check_options(const CalibrateOptions& options, const std::string& file) {
   if (!options.json.empty() && !options.check)
     throw std::invalid_argument("--json: expected --check with it");
   require_distinct({{"--out", file}, {"--json", options.json}},
-                   {{"SCENE", file_of(options.scene)}, {"--cameras", options.view.cameras}});
+                   {{"SCENE", capture_of(options.scene).scene.string()},
+                    {"--cameras", cameras_of(options.scene, options.view.cameras)}});
 }
 
 void calibrate(const CalibrateOptions& options) {
@@ -119,11 +120,14 @@ void calibrate(const CalibrateOptions& options) {
   check_options(options, file);
   const std::vector<std::string> names =
       distinct_sorts(options.renderers.empty() ? default_renderers() : options.renderers);
-  const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
   ViewOptions view = options.view;
   if (options.check) view.views = options.check_views.empty() ? "all" : options.check_views;
-  const std::vector<SizeGroup> groups = group_by_size(options.scene, view, options.scales, *scene);
-  const RenderSettings settings = settings_of(options.view, *scene);
+  std::vector<SizeGroup> groups =
+      group_by_size(read_cameras_of(options.scene, view.cameras), view, options.scales);
+  RenderSettings settings = settings_of(options.view);
+  const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
+  for (SizeGroup& group : groups) find_views(group.views, *scene), find_views(group.checked, *scene);
+  settings = settings_for(settings, *scene);
   const std::string checksum = scene_checksum(*scene);
   std::size_t in_file =
       add_sort_calibrations(file, {});  // an hour of measurements must find a place to go to
@@ -185,8 +189,7 @@ void add_calibrate(CLI::App& app) {
   command->add_option("--seed", options->seed, "Of the random choice of views")->capture_default_str();
   command->add_option("--out", options->out, "File to add to [SCENE.sort.json]");
   command->add_flag("--check", options->check, "Compare the choice with both strategies");
-  command->add_option("--check-views", options->check_views,
-                      "On which: all, every:8, or numbers as 0,8 [all]");
+  add_view_choice(*command, "--check-views", options->check_views, "On which")->default_str("all");
   command->add_option("--json", options->json, "File for the results of --check");
   command->callback([options] { calibrate(*options); });
 }

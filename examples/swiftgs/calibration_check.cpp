@@ -50,7 +50,7 @@ Regret regret_of(const std::vector<double>& standard, const std::vector<double>&
 CalibrationCheck::CalibrationCheck(const std::string& json, const SceneOptions& scene)
     : file_(json),
       machine_(json.empty() ? Machine() : describe_machine()),
-      scene_(builtin_size(scene.scene) ? "builtin" : scene_label(scene.scene)) {}
+      scene_(builtin_size(scene.scene) ? "builtin" : capture_of(scene).name) {}
 
 void CalibrationCheck::run(const SortTrio& sorts, const std::vector<View>& views,
                            const RenderSettings& settings, std::size_t gaussians) {

@@ -37,7 +37,7 @@ std::string command_for(const SceneOptions& scene, const ViewOptions& view, cons
 
 std::string calibration_file(const SceneOptions& scene, const std::string& given) {
   if (!given.empty()) return given;
-  return builtin_size(scene.scene) ? "" : sort_calibrations_beside(scene.scene).string();
+  return builtin_size(scene.scene) ? "" : sort_calibrations_beside(capture_of(scene).scene).string();
 }
 
 std::string adaptive_renderers(std::string_view name) {

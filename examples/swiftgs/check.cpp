@@ -123,16 +123,18 @@ CheckResult mean_of(Span<const CheckResult> results) {
 void check(const CheckOptions& options) {
   if (options.repeats < 1) throw std::invalid_argument("--repeats: expected at least 1");
   require_distinct({{"--json", options.json}},
-                   {{"SCENE", file_of(options.scene)},
-                    {"--cameras", options.view.cameras},
+                   {{"SCENE", capture_of(options.scene).scene.string()},
+                    {"--cameras", cameras_of(options.scene, options.view.cameras)},
                     {"--calibration", calibration_file(options.scene, options.calibration)}});
   const std::vector<RendererEntry> entries = renderers_matching(options.renderers);
   Task task;
-  task.scene_name = scene_label(options.scene.scene);
-  task.scene = std::make_shared<const Scene>(load(options.scene).scene);
+  task.scene_name = capture_of(options.scene).name;
   task.repeats = options.repeats;
-  task.views = views_of(options.scene, options.view, *task.scene, "every:8");
-  task.settings = settings_of(options.view, *task.scene);
+  task.views = views_of(read_cameras_of(options.scene, options.view.cameras), options.view, "every:8");
+  task.settings = settings_of(options.view);
+  task.scene = std::make_shared<const Scene>(load(options.scene).scene);
+  find_views(task.views, *task.scene);
+  task.settings = settings_for(task.settings, *task.scene);
   if (!options.photos.empty()) {
     task.photos = photographs_of(task.views, options.photos);
     if (std::none_of(task.photos.begin(), task.photos.end(),

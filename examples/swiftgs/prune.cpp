@@ -39,6 +39,10 @@ struct PruneOptions {
   std::string out, photos, json;
 };
 
+bool has_cameras(const PruneOptions& options) {
+  return builtin_size(options.scene.scene) || !cameras_of(options.scene, options.view.cameras).empty();
+}
+
 /// Throws unless the options go together.
 void check_options(const PruneOptions& options) {
   if (!(options.keep > 0 && options.keep <= 1))
@@ -48,8 +52,9 @@ void check_options(const PruneOptions& options) {
   if (std::filesystem::path(options.out).extension() != ".ply")
     throw std::invalid_argument("--out '" + options.out + "': expected a name that ends in .ply");
   require_distinct({{"--out", options.out}, {"--json", options.json}},
-                   {{"SCENE", file_of(options.scene)}, {"--cameras", options.view.cameras}});
-  if (!options.view.cameras.empty() || builtin_size(options.scene.scene)) return;
+                   {{"SCENE", capture_of(options.scene).scene.string()},
+                    {"--cameras", cameras_of(options.scene, options.view.cameras)}});
+  if (has_cameras(options)) return;
   if (options.score == "contribution")
     throw std::invalid_argument(
         "--score contribution: expected --cameras, for weights in the views of the scene");
@@ -85,12 +90,12 @@ std::vector<std::uint64_t> contributions_of(const ContributionsEntry& backend,
   return contributions->sums();
 }
 
-HeldOut held_out_of(const PruneOptions& options, const ViewOptions& view, const Scene& scene,
+HeldOut held_out_of(const PruneOptions& options, const ViewOptions& view, const Cameras& cameras,
                     const std::string& backend) {
   HeldOut held_out{
-      .views = {}, .photos = {}, .settings = settings_of(view, scene), .renderer = exact_renderer(backend)};
+      .views = {}, .photos = {}, .settings = settings_of(view), .renderer = exact_renderer(backend)};
   if (view.views.empty()) return held_out;
-  held_out.views = views_left_out(options.scene, view, scene);
+  held_out.views = views_left_out(cameras, view);
   if (options.photos.empty()) return held_out;
   if (!held_out.views.empty()) held_out.photos = photographs_of(held_out.views, options.photos);
   if (std::none_of(held_out.photos.begin(), held_out.photos.end(), [](const auto& photo) { return !!photo; }))
@@ -102,18 +107,19 @@ HeldOut held_out_of(const PruneOptions& options, const ViewOptions& view, const 
 void prune(const PruneOptions& options) {
   check_options(options);
   const ContributionsEntry& backend = contribution_backend(options.backend);
-  const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
   ViewOptions view = options.view;
-  if (view.views.empty() && (!view.cameras.empty() || builtin_size(options.scene.scene)))
-    view.views = training_views;
-  const HeldOut held_out = held_out_of(options, view, *scene, std::string(backend.backend));
+  if (view.views.empty() && has_cameras(options)) view.views = training_views;
+  const Cameras cameras = read_cameras_of(options.scene, view.cameras);
+  HeldOut held_out = held_out_of(options, view, cameras, std::string(backend.backend));
   const bool by_contribution = options.score == "contribution";
   const std::vector<View> views =
-      by_contribution ? views_of(options.scene, view, *scene, training_views) : std::vector<View>();
+      by_contribution ? views_of(cameras, view, training_views) : std::vector<View>();
+  const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
+  held_out.settings = settings_for(held_out.settings, *scene);
   require_replaceable(options.out);
   ResultFile json(options.json);
 
-  PruneResult result{.scene = scene_label(options.scene.scene),
+  PruneResult result{.scene = capture_of(options.scene).name,
                      .score = options.score,
                      .backend = std::string(backend.backend),
                      .conventions = view.conventions,
@@ -168,8 +174,7 @@ void add_prune(CLI::App& app) {
   command->add_option("--score", options->score, "contribution or opacity-volume")->capture_default_str();
   command->add_option("--out", options->out, "The .ply file to write")->required();
   add_views(*command, options->view, training_views);
-  command->get_option("--views")->description(
-      "Which are scored: numbers as 1,2 or 3-7, or every:8, or except:8, or all [except:8]");
+  command->get_option("--views")->default_str(training_views);
   command->add_option("--photos", options->photos, "Folder with photographs of the views that are left out");
   command->add_option("--backend", options->backend, "cuda, cpu or serial [the first that runs here]");
   command->add_option("--json", options->json, "File for the results");

@@ -57,9 +57,12 @@ void render(const RenderOptions& options) {
   const Writer write = writer_of(options.format);
   const std::unique_ptr<AnyRenderer> renderer =
       make_renderer(options.renderer.empty() ? default_renderer() : options.renderer);
+  std::vector<View> views =
+      views_of(read_cameras_of(options.scene, options.view.cameras), options.view, "all");
+  RenderSettings settings = settings_of(options.view);
   const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
-  const std::vector<View> views = views_of(options.scene, options.view, *scene, "all");
-  RenderSettings settings = settings_of(options.view, *scene);
+  find_views(views, *scene);
+  settings = settings_for(settings, *scene);
   std::filesystem::create_directories(options.out);
   renderer->set_scene(scene);
   Calibrations(options.scene, options.view, scene, options.calibration).hand_to(*renderer, views);

@@ -36,8 +36,10 @@ std::optional<std::size_t> builtin_size(std::string_view scene) {
   return count;
 }
 
-std::string file_of(const SceneOptions& options) {
-  return builtin_size(options.scene) ? std::string() : options.scene;
+Capture capture_of(const SceneOptions& options) {
+  if (const std::optional<std::size_t> size = builtin_size(options.scene))
+    return {std::string(builtin_name) + ":" + std::to_string(*size), {}, {}, {}};
+  return find_capture(options.scene);
 }
 
 SceneFile load(const SceneOptions& options) {
@@ -51,10 +53,10 @@ SceneFile load(const SceneOptions& options) {
   return file;
 }
 
-std::string scene_label(const std::string& scene) {
-  if (const std::optional<std::size_t> size = builtin_size(scene))
-    return std::string(builtin_name) + ":" + std::to_string(*size);
-  return std::filesystem::path(scene).stem().string();
+std::string cameras_of(const SceneOptions& scene, const std::string& cameras) {
+  if (!cameras.empty() || builtin_size(scene.scene) || !std::filesystem::is_directory(scene.scene))
+    return cameras;
+  return capture_of(scene).cameras.string();
 }
 
 }  // namespace swiftgs::cli

@@ -13,7 +13,7 @@
 
 #include <swiftgs/io/replace_file.hpp>
 
-#include "bench/inputs.hpp"
+#include "bench/lists.hpp"
 #include "bench/runner.hpp"
 #include "bench/table.hpp"
 #include "bench/threads.hpp"
@@ -67,6 +67,22 @@ std::vector<std::optional<std::size_t>> counts_or_one_case(const std::string& op
   return {counts.begin(), counts.end()};
 }
 
+/// A scene with what lies beside it.
+struct Input {
+  explicit Input(const std::string& name) : capture(capture_of({.scene = name})) {
+    scene.scene = name;
+    // A folder brings its own.
+    if (!capture.cameras.empty() && !std::filesystem::is_directory(name))
+      cameras_file = capture.cameras.string();
+    cameras = read_cameras_of(scene, cameras_file);
+  }
+
+  SceneOptions scene;
+  Capture capture;
+  std::string cameras_file;
+  Cameras cameras;
+};
+
 /// Every combination of what the options list, scene by scene.
 class Matrix {
  public:
@@ -81,7 +97,7 @@ class Matrix {
     // In results a scene goes by its name and its number of Gaussians.
     std::set<std::pair<std::string, std::size_t>> names;
     for (const std::string& scene : options.scenes) {
-      inputs_.push_back(input_named(scene));
+      inputs_.emplace_back(scene);
       const std::size_t built_in = options.gaussians.empty() ? builtin_size(scene).value_or(0) : 0;
       if (!names.emplace(name_of(inputs_.back()), built_in).second)
         throw std::invalid_argument("SCENE '" + scene +
@@ -89,16 +105,12 @@ class Matrix {
     }
   }
 
-  /// Images, an upper limit where a scene's cameras are not known yet: for the progress.
-  std::size_t images() {
+  const std::vector<Input>& inputs() const { return inputs_; }
+
+  /// How many there are, for the progress. Throws for views that there are not.
+  std::size_t images() const {
     std::size_t count = 0;
-    for (const Input& input : inputs_) {
-      ViewOptions view;
-      view.cameras = input.cameras, view.views = options_.views;
-      count += input.cameras.empty() && !builtin_size(input.scene.scene)
-                   ? 1
-                   : views_of(input.scene, view, Scene(), "every:8").size();
-    }
+    for (const Input& input : inputs_) count += views_of(input.cameras, view_options(input), "").size();
     return count * scales_.size() * enlarge_.size() * gaussians_.size() * threads_.size() *
            conventions_.size();
   }
@@ -133,7 +145,14 @@ class Matrix {
   }
 
   static std::string name_of(const Input& input) {
-    return builtin_size(input.scene.scene) ? "builtin" : scene_label(input.scene.scene);
+    return builtin_size(input.scene.scene) ? "builtin" : input.capture.name;
+  }
+
+  ViewOptions view_options(const Input& input) const {
+    ViewOptions view;
+    view.cameras = input.cameras_file;
+    view.views = options_.views;
+    return view;
   }
 
   Scene variant(const Scene& original, std::optional<std::size_t> count, double factor) const {
@@ -148,18 +167,18 @@ class Matrix {
       session.threads = limit.threads();
       for (const std::string& conventions : conventions_)
         for (const double scale : scales_) {
-          ViewOptions view;
-          view.cameras = input.cameras, view.views = options_.views;
+          ViewOptions view = view_options(input);
           view.scale = scale, view.conventions = conventions;
-          session.views = views_of(input.scene, view, *session.gaussians, "every:8");
-          session.settings = settings_of(view, *session.gaussians);
+          session.views = views_of(input.cameras, view, "");
+          find_views(session.views, *session.gaussians);
+          session.settings = settings_for(settings_of(view), *session.gaussians);
           session.scale = scale, session.conventions = conventions;
           // What was measured of a scene does not hold for its variants.
           if (session.gaussians->size() == session.scene.original && session.scene.enlarge == 1)
             session.calibrations = std::make_shared<Calibrations>(input.scene, view, session.gaussians, "");
           session.photos.clear();
-          if (!input.photos.empty() && scale == 1)
-            session.photos = photographs_of(session.views, input.photos);
+          if (!input.capture.photos.empty() && scale == 1)
+            session.photos = photographs_of(session.views, input.capture.photos.string());
           run(session);
         }
     }
@@ -177,12 +196,11 @@ void bench(const BenchOptions& options) {
   if (!options.images.empty() && options.json.empty())
     throw std::invalid_argument("--images: expected --json too, which names them");
   const std::vector<RendererEntry> entries = renderers_matching(options.renderers);
-  Matrix matrix(options);
+  const Matrix matrix(options);
   Results results;
   results.machine = describe_machine(), results.command = command_line();
   std::vector<NamedFile> scenes;
-  for (const std::string& scene : options.scenes)
-    if (!builtin_size(scene)) scenes.push_back({"SCENE", input_named(scene).scene.scene});
+  for (const Input& input : matrix.inputs()) scenes.push_back({"SCENE", input.capture.scene.string()});
   require_distinct({{"--json", options.json}}, scenes);
   if (!options.json.empty()) require_replaceable(options.json);  // hours of results must find a place
   if (!options.images.empty()) std::filesystem::create_directories(options.images);
@@ -205,8 +223,7 @@ void add_bench(CLI::App& app) {
   command
       ->add_option("--renderers", options->renderers, "Which: names with * for any text, separated by commas")
       ->capture_default_str();
-  command->add_option("--views", options->views, "Which: numbers as 0,8 or 3-7, or every:8, or all")
-      ->capture_default_str();
+  add_view_choice(*command, "--views", options->views, "Which")->capture_default_str();
   command->add_option("--scales", options->scales, "Factors of the images' sides")->capture_default_str();
   command->add_option("--gaussians", options->gaussians, "Numbers of Gaussians [as in the file]");
   command->add_option("--enlarge", options->enlarge, "Factors of the Gaussians' scales")
