@@ -154,6 +154,7 @@ void calibrate(const CalibrateOptions& options) {
       check.run({standard.get(), early.get(), adaptive.get()}, group.checked, settings, scene->size());
     }
   }
+  check.finish();
   std::printf("%s: %zu %s\n", file.c_str(), in_file, in_file == 1 ? "calibration" : "calibrations");
 }
 
@@ -190,7 +191,7 @@ void add_calibrate(CLI::App& app) {
   command->add_option("--out", options->out, "File to add to [SCENE.sort.json]");
   command->add_flag("--check", options->check, "Compare the choice with both strategies");
   add_view_choice(*command, "--check-views", options->check_views, "On which")->default_str("all");
-  command->add_option("--json", options->json, "File for the results of --check");
+  add_json(*command, options->json, "the results of --check");
   command->callback([options] { calibrate(*options); });
 }
 

@@ -144,6 +144,7 @@ void check(const CheckOptions& options) {
                                   task.views.front().name);
   }
   ResultFile json(options.json);
+  const ResultHead head = json.is_wanted() ? head_of("swiftgs-check") : ResultHead();
 
   Progress progress(task.views.size() * (1 + entries.size()));
   const dvec3 background(task.settings.background);
@@ -177,7 +178,8 @@ void check(const CheckOptions& options) {
     if (views > 1)
       print_row(mean_of({results.data() + results.size() - views, views}), width, !task.photos.empty());
   }
-  json.write(to_json(results, !task.photos.empty()));
+  if (json.is_wanted()) json.write(to_json(head, results, !task.photos.empty()));
+  json.finish();
 }
 
 constexpr const char* more =
@@ -204,7 +206,7 @@ void add_check(CLI::App& app) {
       ->add_option("--renderers", options->renderers, "Which: names with * for any text, separated by commas")
       ->capture_default_str();
   command->add_option("--photos", options->photos, "Folder with photographs of the views");
-  command->add_option("--json", options->json, "File for the results");
+  add_json(*command, options->json);
   add_calibration(*command, options->calibration);
   command->add_option("--repeats", options->repeats, "Frames that are timed")->capture_default_str();
   command->callback([options] { check(*options); });

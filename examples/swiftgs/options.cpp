@@ -46,6 +46,11 @@ void add_views(CLI::App& command, ViewOptions& options, const std::string& defau
   command.add_option("--background", options.background, "R,G,B, each 0 to 1")->capture_default_str();
 }
 
+void add_json(CLI::App& command, std::string& file, const std::string& what) {
+  command.add_option("--json", file,
+                     "File for " + what + "; - is standard output, which gets nothing else then");
+}
+
 void add_calibration(CLI::App& command, std::string& file) {
   command.add_option("--calibration", file,
                      "For renderers with the sort 'adaptive': what 'swiftgs calibrate' wrote\n"

@@ -38,6 +38,9 @@ CLI::Option* add_view_choice(CLI::App& command, const char* name, std::string& v
 /// Adds the options of views. `default_views` is what the command takes of a list of cameras.
 void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views);
 
+/// Adds the option that names a file for `what`.
+void add_json(CLI::App& command, std::string& file, const std::string& what = "the results");
+
 /// Adds the option that names a file with what `calibrate` measured.
 void add_calibration(CLI::App& command, std::string& file);
 

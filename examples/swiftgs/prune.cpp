@@ -126,7 +126,7 @@ void prune(const PruneOptions& options) {
                      .keep = options.keep,
                      .views = views.size(),
                      .held_out = held_out.views.size()};
-  if (!options.json.empty()) result.machine = describe_machine(), result.command = command_line();
+  if (!options.json.empty()) result.head = head_of("swiftgs-prune");
   Progress progress(views.size() + 2 * held_out.views.size());
   const std::vector<std::uint32_t> kept =
       by_contribution
@@ -147,6 +147,7 @@ void prune(const PruneOptions& options) {
   progress.clear();
   if (!held_out.views.empty()) print_table(result);
   json.write(to_json(result));
+  json.finish();
 }
 
 constexpr const char* more =
@@ -177,7 +178,7 @@ void add_prune(CLI::App& app) {
   command->get_option("--views")->default_str(training_views);
   command->add_option("--photos", options->photos, "Folder with photographs of the views that are left out");
   command->add_option("--backend", options->backend, "cuda, cpu or serial [the first that runs here]");
-  command->add_option("--json", options->json, "File for the results");
+  add_json(*command, options->json);
   command->callback([options] { prune(*options); });
 }
 

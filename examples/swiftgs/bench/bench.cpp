@@ -11,8 +11,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include <swiftgs/io/replace_file.hpp>
-
 #include "bench/lists.hpp"
 #include "bench/runner.hpp"
 #include "bench/table.hpp"
@@ -198,19 +196,20 @@ void bench(const BenchOptions& options) {
   const std::vector<RendererEntry> entries = renderers_matching(options.renderers);
   const Matrix matrix(options);
   Results results;
-  results.machine = describe_machine(), results.command = command_line();
+  results.head = head_of("swiftgs-bench");
   std::vector<NamedFile> scenes;
   for (const Input& input : matrix.inputs()) scenes.push_back({"SCENE", input.capture.scene.string()});
   require_distinct({{"--json", options.json}}, scenes);
-  if (!options.json.empty()) require_replaceable(options.json);  // hours of results must find a place
+  ResultFile json(options.json);
   if (!options.images.empty()) std::filesystem::create_directories(options.images);
 
   Progress progress(matrix.images() * entries.size());
   Runner runner(entries, {options.plan, judged_views(options.errors), options.images, options.json}, results,
-                progress);
+                json, progress);
   matrix.for_each_session(results, [&](const Session& session) { runner.run(session); });
   progress.clear();
   print_tables(results.rows);
+  json.finish();
 }
 
 }  // namespace
@@ -238,7 +237,7 @@ void add_bench(CLI::App& app) {
   command->add_option("--max-frames", options->plan.max_frames, "Most that are timed")->capture_default_str();
   command->add_option("--seed", options->plan.seed, "Of the renderers' order and of thinned scenes")
       ->capture_default_str();
-  command->add_option("--json", options->json, "File for the results");
+  add_json(*command, options->json);
   command->add_option("--images", options->images, "Folder for images of each scene's first view");
   command->callback([options] { bench(*options); });
 }
