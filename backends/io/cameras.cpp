@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cerrno>
+#include <stdexcept>
 #include <string>
-#include <system_error>
 
 #include <swiftgs/io/cameras.hpp>
 
@@ -45,8 +44,7 @@ std::vector<Camera> read_cameras(const std::filesystem::path& path) {
   const bool is_folder = std::filesystem::is_directory(path);
   const std::filesystem::path found = is_folder ? io::cameras_in(path) : path;
   if (found.empty())
-    throw std::system_error(ENOENT, std::generic_category(),
-                            path.string() +
+    throw std::invalid_argument(path.string() +
                                 ": expected cameras.json, or a COLMAP model (cameras.bin and images.bin, or "
                                 ".txt), here or in sparse/0 or sparse");
   std::vector<Camera> cameras =

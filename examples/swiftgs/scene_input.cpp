@@ -7,6 +7,8 @@
 
 #include <swiftgs/builtin_scene.hpp>
 
+#include "suggestion.hpp"
+
 namespace swiftgs::cli {
 namespace {
 
@@ -39,13 +41,18 @@ std::optional<std::size_t> builtin_size(std::string_view scene) {
 Capture capture_of(const SceneOptions& options) {
   if (const std::optional<std::size_t> size = builtin_size(options.scene))
     return {std::string(builtin_name) + ":" + std::to_string(*size), {}, {}, {}};
+  if (options.scene.empty()) throw std::invalid_argument("SCENE: expected a file or a folder, found nothing");
+  const std::string word = options.scene.substr(0, options.scene.find_first_of(":,=-"));
+  const std::string nearest = suggestion(word, {std::string(builtin_name)});
+  if (!nearest.empty() && !std::filesystem::exists(options.scene))
+    throw std::invalid_argument(options.scene + ": No such file or directory" + nearest);
   return find_capture(options.scene);
 }
 
 SceneFile load(const SceneOptions& options) {
   const SceneReadOptions read{.spz_frame = spz_frame_named(options.spz_frame)};
   const std::optional<std::size_t> size = builtin_size(options.scene);
-  if (!size) return read_scene(options.scene, read);
+  if (!size) return read_scene(capture_of(options).scene, read);
   SceneFile file;
   file.scene = make_builtin_scene(*size);
   file.format = "built in";

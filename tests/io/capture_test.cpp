@@ -80,7 +80,7 @@ TEST_CASE("capture: a scene's file has the cameras and photographs beside it") {
 TEST_CASE("capture: cameras are found in a folder in one order") {
   const TemporaryFolder place;
   CHECK_THROWS_WITH_AS(read_cameras(place.path()),
-                       doctest::Contains("expected cameras.json, or a COLMAP model"), std::system_error);
+                       doctest::Contains("expected cameras.json, or a COLMAP model"), std::invalid_argument);
   write_colmap(place, "0", "of-0");
   CHECK(camera_in(place.path()) == "of-0");
   write_colmap(place, "sparse", "of-sparse");

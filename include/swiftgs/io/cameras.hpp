@@ -16,8 +16,8 @@ namespace swiftgs {
 /// - the folder of a capture that holds one of these, as `find_capture` says.
 ///
 /// COLMAP's camera models PINHOLE and SIMPLE_PINHOLE are read; any other is refused by name. `Camera::name`
-/// is the image's name as the file has it. Throws `FormatError`, or `std::system_error` if something cannot
-/// be read.
+/// is the image's name as the file has it. Throws `FormatError`, `std::system_error` if something cannot be
+/// read, and `std::invalid_argument` for a folder without cameras.
 SWIFTGS_API std::vector<Camera> read_cameras(const std::filesystem::path& path);
 
 }  // namespace swiftgs
