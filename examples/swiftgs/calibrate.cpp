@@ -13,6 +13,7 @@
 #include <swiftgs/sort/adaptive.hpp>
 
 #include "calibration_check.hpp"
+#include "calibration_store.hpp"
 #include "calibrations.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
@@ -82,10 +83,11 @@ void print_choice(const SortCalibrationKey& key, const SortCalibration& measured
   std::fflush(stdout);
 }
 
-/// One sort at one image size: measures, prints, and adds to the file. Returns how many are in the file.
-std::size_t calibrate_size(const CalibrateOptions& options, const std::string& file, const Scene& scene,
-                           const std::string& checksum, const std::vector<View>& views,
-                           const RenderSettings& settings, AnyRenderer& standard, AnyRenderer& early) {
+/// One sort at one image size: measures and prints.
+SavedSortCalibration calibrate_size(const CalibrateOptions& options, const Scene& scene,
+                                    const std::string& checksum, const std::vector<View>& views,
+                                    const RenderSettings& settings, AnyRenderer& standard,
+                                    AnyRenderer& early) {
   std::vector<View> chosen;
   for (const std::size_t number : random_fifth(views.size(), options.seed)) chosen.push_back(views[number]);
   Progress progress(chosen.size() + std::max<std::size_t>(2, chosen.size()));
@@ -99,7 +101,7 @@ std::size_t calibrate_size(const CalibrateOptions& options, const std::string& f
                                                 .early_ms = times.early_ms()},
                                    .views = int(times.early.ms.size())};
   print_choice(saved.key, saved.measured, times);
-  return add_sort_calibrations(file, {saved}) + 1;
+  return saved;
 }
 
 /// Throws unless the options go together; `file` is where the calibration goes.
@@ -116,8 +118,7 @@ void check_options(const CalibrateOptions& options, const std::string& file) {
 }
 
 void calibrate(const CalibrateOptions& options) {
-  const std::string file = calibration_file(options.scene, options.out);
-  check_options(options, file);
+  check_options(options, calibration_file(options.scene, options.out));
   const std::vector<std::string> names =
       distinct_sorts(options.renderers.empty() ? default_renderers() : options.renderers);
   ViewOptions view = options.view;
@@ -129,8 +130,7 @@ void calibrate(const CalibrateOptions& options) {
   for (SizeGroup& group : groups) find_views(group.views, *scene), find_views(group.checked, *scene);
   settings = settings_for(settings, *scene);
   const std::string checksum = scene_checksum(*scene);
-  std::size_t in_file =
-      add_sort_calibrations(file, {});  // an hour of measurements must find a place to go to
+  CalibrationStore store(calibration_files(options.scene, options.out));
   CalibrationCheck check(options.json, options.scene);
 
   for (const std::string& name : names) {
@@ -140,7 +140,9 @@ void calibrate(const CalibrateOptions& options) {
     standard->set_scene(scene);
     early->share_scene(*standard);
     for (const SizeGroup& group : groups) {
-      in_file = calibrate_size(options, file, *scene, checksum, group.views, settings, *standard, *early);
+      const SavedSortCalibration measured =
+          calibrate_size(options, *scene, checksum, group.views, settings, *standard, *early);
+      store.add(measured);
       if (!options.check) continue;
       if (group.checked.empty()) {
         const Camera& camera = group.views.front().camera;
@@ -150,22 +152,23 @@ void calibrate(const CalibrateOptions& options) {
       }
       const std::unique_ptr<AnyRenderer> adaptive = make_renderer(name);
       adaptive->share_scene(*standard);
-      Calibrations(options.scene, options.view, scene, file).hand_to(*adaptive, group.checked);
+      adaptive->use_calibrations({measured.measured});
       check.run({standard.get(), early.get(), adaptive.get()}, group.checked, settings, scene->size());
     }
   }
   check.finish();
-  std::printf("%s: %zu %s\n", file.c_str(), in_file, in_file == 1 ? "calibration" : "calibrations");
+  std::printf("%s\n", store.summary().c_str());
 }
 
 constexpr const char* more =
     R"(A fifth of the views is chosen at random; one half is sorted with each strategy, and the one
 with the lower mean sort time is what renderers with the sort 'adaptive' use from then on, at
 this image size, on this device, with this backend and these bounds. 'render', 'check' and
-'bench' find the file beside the scene; one that does not fit is ignored with a message, and the
+'bench' find it. It is kept beside the scene, or in ~/.cache/swiftgs (or $XDG_CACHE_HOME/swiftgs)
+where that folder cannot be written. A file that does not fit is ignored with a message, and the
 sort is then measured while rendering. Measurements for other sizes, devices, backends or bounds are
 kept in the file. +- is the standard deviation over the views.
---check renders views with both strategies and with the file, in turn, and prints by how much
+--check renders views with both strategies and with the choice, in turn, and prints by how much
 the frame and its sort took longer than with the better of both, +- the standard error.
 
 Examples:
@@ -188,7 +191,8 @@ void add_calibrate(CLI::App& app) {
       "--renderers", options->renderers,
       "Which: names with * for any text, of which backends and bounds count [those of 'render']");
   command->add_option("--seed", options->seed, "Of the random choice of views")->capture_default_str();
-  command->add_option("--out", options->out, "File to add to [SCENE.sort.json]");
+  command->add_option("--out", options->out,
+                      "File to add to [SCENE.sort.json, else a file in ~/.cache/swiftgs]");
   command->add_flag("--check", options->check, "Compare the choice with both strategies");
   add_view_choice(*command, "--check-views", options->check_views, "On which")->default_str("all");
   add_json(*command, options->json, "the results of --check");

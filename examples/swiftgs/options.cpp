@@ -54,7 +54,7 @@ void add_json(CLI::App& command, std::string& file, const std::string& what) {
 void add_calibration(CLI::App& command, std::string& file) {
   command.add_option("--calibration", file,
                      "For renderers with the sort 'adaptive': what 'swiftgs calibrate' wrote\n"
-                     "[SCENE.sort.json where it is there]");
+                     "[SCENE.sort.json, and that in ~/.cache/swiftgs]");
 }
 
 }  // namespace swiftgs::cli
