@@ -33,7 +33,11 @@ std::vector<Camera> read_json(const fs::path& path) {
   const Source source{file.bytes(), path.string()};
   const std::size_t first = source.text().find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos || source.text()[first] != '[')
-    source.fail(0, "cameras: INRIA's cameras.json (a JSON array), or the folder of a COLMAP model");
+    source.fail(0,
+                std::string("cameras: INRIA's cameras.json (a JSON array), or the folder of a COLMAP model") +
+                    (source.text().find("\"transform_matrix\"") == std::string_view::npos
+                         ? ""
+                         : ", found a transforms.json"));
   return parse_cameras_json(source);
 }
 

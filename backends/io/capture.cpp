@@ -58,6 +58,8 @@ fs::path scene_in(const fs::path& folder) {
   std::string found = scenes.empty() ? "none" : "";
   for (const std::string& scene : scenes) found += (found.empty() ? "" : ", ") + scene;
   if (scenes.empty() && fs::exists(folder / "meta.json")) found = "a SOG folder";
+  if (scenes.empty() && fs::exists(folder / "transforms.json"))
+    found = "transforms.json, which holds cameras alone";
   throw std::invalid_argument(folder.string() +
                               ": expected a capture, a folder with one .spz or .ply in it, found " + found);
 }

@@ -187,14 +187,13 @@ void add_calibrate(CLI::App& app) {
   command->add_option("--scale", options->scales, "Factors of the images' sides, as 1,2")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option(
-      "--renderers", options->renderers,
-      "Which: names with * for any text, of which backends and bounds count [those of 'render']");
-  command->add_option("--seed", options->seed, "Of the random choice of views")->capture_default_str();
+  command->add_option("--renderers", options->renderers,
+                      "Names with * for any text; their backends and bounds count [those of 'render']");
+  command->add_option("--seed", options->seed, "Seed of the random choice of views")->capture_default_str();
   command->add_option("--out", options->out,
                       "File to add to [SCENE.sort.json, else a file in ~/.cache/swiftgs]");
-  command->add_flag("--check", options->check, "Compare the choice with both strategies");
-  add_view_choice(*command, "--check-views", options->check_views, "On which")->default_str("all");
+  command->add_flag("--check", options->check, "Compare the choice with both strategies, in frames");
+  add_view_choice(*command, "--check-views", options->check_views, "Views to compare on")->default_str("all");
   add_json(*command, options->json, "the results of --check");
   command->callback([options] { calibrate(*options); });
 }

@@ -9,6 +9,7 @@
 
 #include <swiftgs/sort/adaptive.hpp>
 
+#include "number_text.hpp"
 #include "renderer_words.hpp"
 #include "scene_input.hpp"
 #include "shell_word.hpp"
@@ -23,11 +24,7 @@ std::string command_for(const SceneOptions& scene, const ViewOptions& view, cons
   std::string command = "swiftgs calibrate " + shell_word(scene.scene);
   if (scene.spz_frame != usual_scene.spz_frame) command += " --spz-frame " + shell_word(scene.spz_frame);
   if (!view.cameras.empty()) command += " --cameras " + shell_word(view.cameras);
-  if (view.scale != usual.scale) {
-    char scale[32];
-    std::snprintf(scale, sizeof(scale), " --scale %g", view.scale);
-    command += scale;
-  }
+  if (view.scale != usual.scale) command += " --scale " + text_of_number(view.scale);
   if (view.conventions != usual.conventions) command += " --conventions " + shell_word(view.conventions);
   if (!out.empty()) command += " --out " + shell_word(out);
   return command;

@@ -121,7 +121,8 @@ CheckResult mean_of(Span<const CheckResult> results) {
 }
 
 void check(const CheckOptions& options) {
-  if (options.repeats < 1) throw std::invalid_argument("--repeats: expected at least 1");
+  if (options.repeats < 1)
+    throw std::invalid_argument("--repeats " + std::to_string(options.repeats) + ": expected at least 1");
   require_distinct({{"--json", options.json}},
                    {{"SCENE", capture_of(options.scene).scene.string()},
                     {"--cameras", cameras_of(options.scene, options.view.cameras)},
@@ -202,13 +203,13 @@ void add_check(CLI::App& app) {
   const auto options = std::make_shared<CheckOptions>();
   add_scene(*command, options->scene);
   add_views(*command, options->view, "every:8");
-  command
-      ->add_option("--renderers", options->renderers, "Which: names with * for any text, separated by commas")
+  command->add_option("--renderers", options->renderers, "Names with * for any text, separated by commas")
       ->capture_default_str();
-  command->add_option("--photos", options->photos, "Folder with photographs of the views");
+  command->add_option("--photos", options->photos,
+                      "Folder with photographs that have the names of the views");
   add_json(*command, options->json);
   add_calibration(*command, options->calibration);
-  command->add_option("--repeats", options->repeats, "Frames that are timed")->capture_default_str();
+  command->add_option("--repeats", options->repeats, "How many frames are timed")->capture_default_str();
   command->callback([options] { check(*options); });
 }
 

@@ -24,6 +24,7 @@ constexpr const char* start_here = R"(Start here:
   swiftgs render builtin                             an image without any file
   swiftgs info garden.spz                            what a file holds
   swiftgs render garden.spz                          a view that is found for the scene
+  swiftgs render garden/                             all views of a capture: scene and cameras in a folder
   swiftgs render garden.spz --cameras cameras.json   the views it was trained with
   swiftgs list                                       what can render
   swiftgs check builtin --renderers 'cpu/early/*'    errors and times, side by side

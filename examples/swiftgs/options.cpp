@@ -21,7 +21,8 @@ void add_cameras(CLI::App& command, ViewOptions& options) {
       "--cameras", options.cameras,
       "A cameras.json or a COLMAP model, or a folder that holds one\n[those of SCENE where it is a folder]");
   command
-      .add_option("--conventions", options.conventions, "gsplat or inria: what the scene was trained with")
+      .add_option("--conventions", options.conventions,
+                  "Conventions that the scene was trained with: gsplat or inria")
       ->capture_default_str();
 }
 
@@ -40,10 +41,11 @@ CLI::Option* add_view_choice(CLI::App& command, const char* name, std::string& v
 
 void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views) {
   add_cameras(command, options);
-  add_view_choice(command, "--views", options.views, "Which")
+  add_view_choice(command, "--views", options.views, "Views")
       ->default_str(default_views + " with cameras, else 0");
-  command.add_option("--scale", options.scale, "Factor of the image's sides")->capture_default_str();
-  command.add_option("--background", options.background, "R,G,B, each 0 to 1")->capture_default_str();
+  command.add_option("--scale", options.scale, "Factor of the images' sides")->capture_default_str();
+  command.add_option("--background", options.background, "Colour behind the scene: R,G,B, each 0 to 1")
+      ->capture_default_str();
 }
 
 void add_json(CLI::App& command, std::string& file, const std::string& what) {

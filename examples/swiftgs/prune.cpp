@@ -16,6 +16,7 @@
 #include "choice.hpp"
 #include "commands.hpp"
 #include "distinct_files.hpp"
+#include "number_text.hpp"
 #include "options.hpp"
 #include "photos.hpp"
 #include "progress.hpp"
@@ -46,7 +47,8 @@ bool has_cameras(const PruneOptions& options) {
 /// Throws unless the options go together.
 void check_options(const PruneOptions& options) {
   if (!(options.keep > 0 && options.keep <= 1))
-    throw std::invalid_argument("--keep: expected a part of the Gaussians above 0 and at most 1");
+    throw std::invalid_argument("--keep " + text_of_number(options.keep) +
+                                ": expected a part of the Gaussians above 0 and at most 1");
   if (options.score != "contribution" && options.score != "opacity-volume")
     throw std::invalid_argument("--score '" + options.score + "': expected contribution or opacity-volume");
   if (std::filesystem::path(options.out).extension() != ".ply")
@@ -57,7 +59,7 @@ void check_options(const PruneOptions& options) {
   if (has_cameras(options)) return;
   if (options.score == "contribution")
     throw std::invalid_argument(
-        "--score contribution: expected --cameras, for weights in the views of the scene");
+        "--score contribution: expected --cameras, as it sums weights in views of the scene");
   if (!options.photos.empty() || !options.view.views.empty())
     throw std::invalid_argument("--photos and --views: expected --cameras with them");
 }
@@ -171,8 +173,10 @@ void add_prune(CLI::App& app) {
   command->footer(more);
   const auto options = std::make_shared<PruneOptions>();
   add_scene(*command, options->scene);
-  command->add_option("--keep", options->keep, "Part of the Gaussians, above 0 and at most 1")->required();
-  command->add_option("--score", options->score, "contribution or opacity-volume")->capture_default_str();
+  command->add_option("--keep", options->keep, "Part of the Gaussians to keep, above 0 and at most 1")
+      ->required();
+  command->add_option("--score", options->score, "Score that decides which: contribution or opacity-volume")
+      ->capture_default_str();
   command->add_option("--out", options->out, "The .ply file to write")->required();
   add_views(*command, options->view, training_views);
   command->get_option("--views")->default_str(training_views);

@@ -125,12 +125,13 @@ void render(const RenderOptions& options) {
 
 constexpr const char* more =
     R"(Prints where each image is and how long its frame took, memory and files left out.
-Without --cameras a view is found for the scene; 'builtin' has a front view, number 0,
-and an orbit, 1 to 24. Images are called as the cameras are, or by number.
+A scene without cameras gets one view, which is found for it; 'builtin' has a front view,
+number 0, and an orbit, 1 to 24. Images are called as the cameras are, or by number.
 A scene that was trained with anti-aliasing is rendered with it.
 
 Examples:
   swiftgs render builtin:1000000 --scale 2 --out big
+  swiftgs render garden/ --views 0,8,DSC08050
   swiftgs render garden.spz --cameras cameras.json --views 0,8 --stats
   swiftgs render fox.spz --cameras fox/sparse/0 --views every:8 --format exr)";
 
@@ -142,9 +143,11 @@ void add_render(CLI::App& app) {
   const auto options = std::make_shared<RenderOptions>();
   add_scene(*command, options->scene);
   add_views(*command, options->view, "all");
-  command->add_option("--renderer", options->renderer, "A name from 'swiftgs list'");
+  command->add_option("--renderer", options->renderer,
+                      "A name from 'swiftgs list' [the quickest on the CPU]");
   command->add_option("--out", options->out, "Folder for the images")->capture_default_str();
-  command->add_option("--format", options->format, "png, pfm or exr")->capture_default_str();
+  command->add_option("--format", options->format, "Format of the images: png, pfm or exr")
+      ->capture_default_str();
   add_calibration(*command, options->calibration);
   add_json(*command, options->json);
   command->add_flag("--stats", options->stats, "Print what each frame had to do");

@@ -12,6 +12,7 @@
 #include <swiftgs/io/cameras.hpp>
 
 #include "default_view.hpp"
+#include "number_text.hpp"
 #include "scene_input.hpp"
 #include "suggestion.hpp"
 
@@ -99,7 +100,7 @@ std::string nearest_name(std::string_view name, const std::vector<Camera>& camer
 std::vector<View> views_numbered(const Cameras& cameras, const std::vector<std::size_t>& numbers,
                                  double scale) {
   if (!(scale > 0) || !std::isfinite(scale))
-    throw std::invalid_argument("--scale: expected a finite scale above 0");
+    throw std::invalid_argument("--scale " + text_of_number(scale) + ": expected a finite scale above 0");
   std::vector<View> views;
   std::set<std::string> names;
   for (const std::size_t number : numbers) {

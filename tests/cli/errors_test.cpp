@@ -87,10 +87,13 @@ TEST_CASE("cli errors: options that make no sense say what was expected") {
   fails(place, "render builtin:10 --conventions other", {"other", "gsplat or inria"});
   fails(place, "render builtin:10 --format bmp", {"bmp", "png, pfm or exr"});
   fails(place, "info builtin:10 --spz-frame up", {"up", "specified, rub, rdf, luf or raw"});
-  fails(place, "render builtin:10 --scale 0", {"--scale", "finite scale above 0"});
+  fails(place, "render builtin:10 --scale 0", {"--scale 0: expected a finite scale above 0"});
   fails(place, "render builtin:10 --scale inf", {"--scale", "finite scale above 0"});
   fails(place, "render builtin:10 --scale 1000", {"65536"});
-  fails(place, "check builtin:10 --repeats 0", {"--repeats", "at least 1"});
+  fails(place, "check builtin:10 --repeats 0", {"--repeats 0: expected at least 1"});
+  fails(place, "prune builtin:10 --keep 2 --out a.ply", {"--keep 2: expected a part"});
+  fails(place, "bench builtin:10 --scales 0,1", {"--scales '0,1': expected finite"});
+  fails(place, "bench builtin:10 --enlarge 0", {"--enlarge 0: expected factors"});
 }
 
 TEST_CASE("cli errors: arguments that are not known or missing") {

@@ -81,6 +81,11 @@ TEST_CASE("capture: cameras are found in a folder in one order") {
   const TemporaryFolder place;
   CHECK_THROWS_WITH_AS(read_cameras(place.path()),
                        doctest::Contains("expected cameras.json, or a COLMAP model"), std::invalid_argument);
+  place.write("nerf/transforms.json", R"({"frames": [{"transform_matrix": []}]})");
+  CHECK_THROWS_WITH_AS(find_capture(place / "nerf"), doctest::Contains("found transforms.json"),
+                       std::invalid_argument);
+  CHECK_THROWS_WITH(read_cameras(place / "nerf/transforms.json"),
+                    doctest::Contains("found a transforms.json"));
   write_colmap(place, "0", "of-0");
   CHECK(camera_in(place.path()) == "of-0");
   write_colmap(place, "sparse", "of-sparse");

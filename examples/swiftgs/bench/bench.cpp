@@ -53,7 +53,8 @@ std::size_t judged_views(const std::string& errors) {
   if (errors == "all") return std::numeric_limits<std::size_t>::max();
   if (errors == "none") return 0;
   const std::vector<std::size_t> count = counts_of("--errors", errors);
-  if (count.size() != 1) throw std::invalid_argument("--errors: expected all, none or a number of views");
+  if (count.size() != 1)
+    throw std::invalid_argument("--errors '" + errors + "': expected all, none or a number of views");
   return count.front();
 }
 
@@ -134,7 +135,7 @@ class Matrix {
   void check_values() const {
     for (const double scale : scales_)
       if (!(scale > 0) || !std::isfinite(scale))
-        throw std::invalid_argument("--scales: expected finite factors above 0");
+        throw std::invalid_argument("--scales '" + options_.scales + "': expected finite factors above 0");
     for (const double factor : enlarge_) require_factor(factor);
     for (const std::optional<std::size_t> count : gaussians_)
       if (count) require_count(*count);
@@ -192,7 +193,7 @@ class Matrix {
 void bench(const BenchOptions& options) {
   validate(options.plan);
   if (!options.images.empty() && options.json.empty())
-    throw std::invalid_argument("--images: expected --json too, which names them");
+    throw std::invalid_argument("--images " + options.images + ": expected --json too, which names them");
   const std::vector<RendererEntry> entries = renderers_matching(options.renderers);
   const Matrix matrix(options);
   Results results;
@@ -215,27 +216,31 @@ void bench(const BenchOptions& options) {
 }  // namespace
 
 void add_bench(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("bench", "Run time against error, of any part of the matrix");
+  CLI::App* command =
+      app.add_subcommand("bench", "Run time against error, of any renderers, scenes and sizes");
   command->footer(more);
   const auto options = std::make_shared<BenchOptions>();
   command->add_option("SCENE", options->scenes, "Scenes: builtin, builtin:N, files or folders")->required();
-  command
-      ->add_option("--renderers", options->renderers, "Which: names with * for any text, separated by commas")
+  command->add_option("--renderers", options->renderers, "Names with * for any text, separated by commas")
       ->capture_default_str();
-  add_view_choice(*command, "--views", options->views, "Which")->capture_default_str();
+  add_view_choice(*command, "--views", options->views, "Views")->capture_default_str();
   command->add_option("--scales", options->scales, "Factors of the images' sides")->capture_default_str();
   command->add_option("--gaussians", options->gaussians, "Numbers of Gaussians [as in the file]");
   command->add_option("--enlarge", options->enlarge, "Factors of the Gaussians' scales")
       ->capture_default_str();
   command->add_option("--threads", options->threads, "Numbers of threads of the cpu backend [all]");
   command->add_option("--conventions", options->conventions, "gsplat, inria or both")->capture_default_str();
-  command->add_option("--errors", options->errors, "all, none or a number of views")->capture_default_str();
-  command->add_option("--precision", options->plan.precision, "Of a median, as a part of it")
+  command
+      ->add_option("--errors", options->errors, "Views that are compared with float64: all, none or how many")
       ->capture_default_str();
-  command->add_option("--min-frames", options->plan.min_frames, "Least that are timed")
+  command
+      ->add_option("--precision", options->plan.precision,
+                   "How well medians are to be known, as a part of them")
       ->capture_default_str();
-  command->add_option("--max-frames", options->plan.max_frames, "Most that are timed")->capture_default_str();
-  command->add_option("--seed", options->plan.seed, "Of the renderers' order and of thinned scenes")
+  command->add_option("--min-frames", options->plan.min_frames, "Fewest frames to time")
+      ->capture_default_str();
+  command->add_option("--max-frames", options->plan.max_frames, "Most frames to time")->capture_default_str();
+  command->add_option("--seed", options->plan.seed, "Seed of the renderers' order and of thinned scenes")
       ->capture_default_str();
   add_json(*command, options->json);
   command->add_option("--images", options->images, "Folder for images of each scene's first view");

@@ -92,14 +92,15 @@ void add_stress(CLI::App& app) {
       app.add_subcommand("stress", "Where renderers stop being exact, on frames made to be hard");
   command->footer(more);
   const auto options = std::make_shared<StressOptions>();
-  command
-      ->add_option("--renderers", options->renderers, "Which: names with * for any text, separated by commas")
+  command->add_option("--renderers", options->renderers, "Names with * for any text, separated by commas")
       ->capture_default_str();
   command->add_option("--families", options->families, "Names separated by commas [all]");
-  command->add_option("--severity", options->severities, "all, max, or numbers")->capture_default_str();
-  command->add_option("--seeds", options->seeds, "Frames of each family and severity")->capture_default_str();
-  command->add_option("--size", options->sizes, "Of images, one or several")->capture_default_str();
-  command->add_option("--threads", options->threads, "Of the cpu backend and the reference [all]");
+  command->add_option("--severity", options->severities, "How hard: all, max, or numbers")
+      ->capture_default_str();
+  command->add_option("--seeds", options->seeds, "How many frames of each family and severity")
+      ->capture_default_str();
+  command->add_option("--size", options->sizes, "Sizes of images, as 64x48,960x540")->capture_default_str();
+  command->add_option("--threads", options->threads, "Threads of the cpu backend and of the reference [all]");
   add_json(*command, options->json);
   command->callback([options] { stress(*options, renderers_matching(options->renderers)); });
 }
