@@ -12,6 +12,7 @@
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/io/cameras.hpp>
+#include <swiftgs/io/capture.hpp>
 #include <swiftgs/io/scene_file.hpp>
 
 namespace swiftgs::bench {
@@ -26,31 +27,30 @@ fs::path captures_folder() {
   return folder ? folder : SWIFTGS_SCENES_DEFAULT;
 }
 
-/// The file that holds the Gaussians of the capture in `folder`, or nothing where `folder` is no capture.
-std::optional<fs::path> gaussians_of(const fs::path& folder) {
-  for (const char* extension : {".spz", ".ply"}) {
-    fs::path file = folder / folder.filename();
-    file += extension;
-    if (fs::is_regular_file(file)) return file;
-  }
-  return std::nullopt;
-}
-
-std::vector<std::string> capture_names() {
-  std::vector<std::string> names;
+/// The captures that have cameras, by name.
+std::vector<Capture> captures() {
+  std::vector<Capture> captures;
   std::error_code absent;
-  for (const auto& entry : fs::directory_iterator(captures_folder(), absent))
-    if (entry.is_directory() && gaussians_of(entry.path())) names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());
-  return names;
+  for (const auto& entry : fs::directory_iterator(captures_folder(), absent)) {
+    if (!entry.is_directory()) continue;
+    try {
+      captures.push_back(find_capture(entry.path()));
+    } catch (const std::invalid_argument&) {
+      continue;  // no capture
+    }
+    if (captures.back().cameras.empty()) captures.pop_back();
+  }
+  std::sort(captures.begin(), captures.end(),
+            [](const Capture& a, const Capture& b) { return a.name < b.name; });
+  return captures;
 }
 
-Input capture(const std::string& name) {
-  const fs::path folder = captures_folder() / name, json = folder / "cameras.json";
-  Input input{name, {}, [file = *gaussians_of(folder)] { return load_scene(file); }};
-  const std::vector<Camera> cameras = read_cameras(fs::exists(json) ? json : folder / "sparse" / "0");
+Input input_of(const Capture& capture) {
+  Input input{capture.name, {}, [file = capture.scene] { return load_scene(file); }};
+  const std::vector<Camera> cameras = read_cameras(capture.cameras);
   for (std::size_t i = 0; i < cameras.size(); i += 8) input.views.push_back(cameras[i]);
-  if (input.views.empty()) throw std::invalid_argument(name + ": expected at least one camera, found none");
+  if (input.views.empty())
+    throw std::invalid_argument(capture.name + ": expected at least one camera, found none");
   return input;
 }
 
@@ -72,22 +72,24 @@ std::string Input::size() const {
 }
 
 std::vector<Input> inputs_named(const std::vector<std::string>& names) {
-  const std::vector<std::string> captures = capture_names();
+  const std::vector<Capture> known = captures();
+  std::vector<std::string> wanted = names;
   if (names.empty()) {
-    std::vector<std::string> all = captures;
-    all.insert(all.begin(), std::string(builtin_name));
-    return inputs_named(all);
+    wanted.emplace_back(builtin_name);
+    for (const Capture& capture : known) wanted.push_back(capture.name);
   }
   std::vector<Input> inputs;
-  for (const std::string& name : names) {
+  for (const std::string& name : wanted) {
+    const auto found = std::find_if(known.begin(), known.end(),
+                                    [&](const Capture& capture) { return capture.name == name; });
     if (const std::optional<std::size_t> count = builtin_size(name)) {
       inputs.push_back({name, {builtin_camera()}, [count] { return make_builtin_scene(*count); }});
-    } else if (std::find(captures.begin(), captures.end(), name) != captures.end()) {
-      inputs.push_back(capture(name));
+    } else if (found != known.end()) {
+      inputs.push_back(input_of(*found));
     } else {
-      std::string known("builtin, builtin:N");
-      for (const std::string& other : captures) known.append(", ").append(other);
-      throw std::invalid_argument("scene '" + name + "' is not known; expected one of " + known);
+      std::string expected("builtin, builtin:N");
+      for (const Capture& capture : known) expected.append(", ").append(capture.name);
+      throw std::invalid_argument("scene '" + name + "' is not known; expected one of " + expected);
     }
   }
   return inputs;

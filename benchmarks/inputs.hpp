@@ -13,7 +13,7 @@ namespace swiftgs::bench {
 /// What a benchmark renders. Cameras are known at once, because image sizes are part of the names; the
 /// Gaussians are loaded when a benchmark first runs.
 struct Input {
-  std::string name;           ///< `builtin`, `builtin:N`, or the capture's folder
+  std::string name;           ///< `builtin`, `builtin:N`, or the capture's
   std::vector<Camera> views;  ///< every eighth of a capture's by image name, from the first; never empty
   std::function<Scene()> load;
 
@@ -22,10 +22,9 @@ struct Input {
 
 /// The inputs called `names`; without names the built-in scene and every capture.
 ///
-/// A capture is a folder NAME with NAME.spz or NAME.ply, and with cameras.json or a COLMAP model in sparse/0.
-/// Captures are looked for in the folder that the environment variable SWIFTGS_SCENES names, or else the
-/// build did; there may be none. Throws `std::invalid_argument`, naming what there is, for a name that is not
-/// known, and what `read_cameras` throws.
+/// Captures with cameras, as `find_capture` knows them, are looked for in the folder that the environment
+/// variable SWIFTGS_SCENES names, or else the build did; there may be none. Throws `std::invalid_argument`,
+/// naming what there is, for a name that is not known, and what `read_cameras` throws.
 std::vector<Input> inputs_named(const std::vector<std::string>& names);
 
 }  // namespace swiftgs::bench

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cerrno>
+#include <stdexcept>
 #include <string>
-#include <system_error>
 
 #include <swiftgs/io/cameras.hpp>
 
 #include "camera_parsing.hpp"
+#include "capture_parts.hpp"
 #include "mapped_file.hpp"
 
 namespace swiftgs {
@@ -23,32 +23,36 @@ std::vector<Camera> read_colmap(const fs::path& folder, const char* ending,
   return parse({cameras.bytes(), cameras_path.string()}, {images.bytes(), images_path.string()});
 }
 
-std::vector<Camera> read_folder(const fs::path& path) {
-  for (const fs::path& folder : {path, path / "sparse" / "0"}) {
-    const auto has = [&](const char* name) { return fs::exists(folder / name); };
-    if (has("cameras.bin") && has("images.bin")) return read_colmap(folder, ".bin", parse_colmap_binary);
-    if (has("cameras.txt") && has("images.txt")) return read_colmap(folder, ".txt", parse_colmap_text);
-  }
-  throw std::system_error(
-      ENOENT, std::generic_category(),
-      path.string() + ": expected cameras.bin and images.bin (or .txt), here or in sparse/0");
+std::vector<Camera> read_model(const fs::path& folder) {
+  return is_colmap(folder, ".bin") ? read_colmap(folder, ".bin", parse_colmap_binary)
+                                   : read_colmap(folder, ".txt", parse_colmap_text);
+}
+
+std::vector<Camera> read_json(const fs::path& path) {
+  const MappedFile file(path);
+  const Source source{file.bytes(), path.string()};
+  const std::size_t first = source.text().find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos || source.text()[first] != '[')
+    source.fail(0,
+                std::string("cameras: INRIA's cameras.json (a JSON array), or the folder of a COLMAP model") +
+                    (source.text().find("\"transform_matrix\"") == std::string_view::npos
+                         ? ""
+                         : ", found a transforms.json"));
+  return parse_cameras_json(source);
 }
 
 }  // namespace
 }  // namespace io
 
 std::vector<Camera> read_cameras(const std::filesystem::path& path) {
-  std::vector<Camera> cameras;
-  if (std::filesystem::is_directory(path)) {
-    cameras = io::read_folder(path);
-  } else {
-    const io::MappedFile file(path);
-    const io::Source source{file.bytes(), path.string()};
-    const std::size_t first = source.text().find_first_not_of(" \t\r\n");
-    if (first == std::string_view::npos || source.text()[first] != '[')
-      source.fail(0, "cameras: INRIA's cameras.json (a JSON array), or the folder of a COLMAP model");
-    cameras = io::parse_cameras_json(source);
-  }
+  const bool is_folder = std::filesystem::is_directory(path);
+  const std::filesystem::path found = is_folder ? io::cameras_in(path) : path;
+  if (found.empty())
+    throw std::invalid_argument(path.string() +
+                                ": expected cameras.json, or a COLMAP model (cameras.bin and images.bin, or "
+                                ".txt), here or in sparse/0 or sparse");
+  std::vector<Camera> cameras =
+      std::filesystem::is_directory(found) ? io::read_model(found) : io::read_json(found);
   std::stable_sort(cameras.begin(), cameras.end(),
                    [](const Camera& a, const Camera& b) { return a.name < b.name; });
   return cameras;

@@ -2,6 +2,7 @@
 #include "mapped_file.hpp"
 
 #include <cerrno>
+#include <string>
 #include <system_error>
 
 #include <fcntl.h>
@@ -10,19 +11,31 @@
 #include <unistd.h>
 
 namespace swiftgs::io {
+namespace {
+
+/// Of what can be opened and is no file: the system has no word for it.
+class NoRegularFile final : public std::error_category {
+ public:
+  const char* name() const noexcept override { return "swiftgs"; }
+  std::string message(int) const override { return "expected a regular file"; }
+};
+
+const NoRegularFile no_regular_file;
+
+}  // namespace
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) throw std::system_error(errno, std::generic_category(), path.string());
-  const auto fail = [&](int code, const char* expected = "") {
+  const auto fail = [&](int code, const std::error_category& category = std::generic_category()) {
     ::close(file);
-    throw std::system_error(code, std::generic_category(), path.string() + expected);
+    throw std::system_error(code, category, path.string());
   };
 
   struct stat status {};
   if (::fstat(file, &status) != 0) fail(errno);
   if (S_ISDIR(status.st_mode)) fail(EISDIR);
-  if (!S_ISREG(status.st_mode)) fail(EINVAL, ": expected a regular file");
+  if (!S_ISREG(status.st_mode)) fail(1, no_regular_file);
   size_ = static_cast<std::size_t>(status.st_size);
   // An empty file is legal to open, and empty mappings do not exist.
   if (size_ > 0) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <string_view>
 
+#include <swiftgs/io/capture.hpp>
 #include <swiftgs/io/scene_file.hpp>
 
 #include "bytes.hpp"
@@ -55,10 +56,9 @@ SceneFile read_scene(std::span<const std::byte> bytes, const std::string& name,
 }
 
 SceneFile read_scene(const std::filesystem::path& path, const SceneReadOptions& options) {
-  if (std::filesystem::exists(path / "meta.json"))
-    throw FormatError(path.string(), 0, "an INRIA PLY or an SPZ scene, found a SOG folder");
-  const io::MappedFile file(path);
-  return read_scene(file.bytes(), path.string(), options);
+  const std::filesystem::path scene = find_capture(path).scene;
+  const io::MappedFile file(scene);
+  return read_scene(file.bytes(), scene.string(), options);
 }
 
 Scene load_scene(const std::filesystem::path& path, const SceneReadOptions& options) {

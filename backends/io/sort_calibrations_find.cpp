@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 #include <vector>
+
+#include <zlib.h>
 
 #include <swiftgs/io/sort_calibrations.hpp>
 
@@ -38,11 +42,36 @@ std::string narrow(Entries& entries, const SortCalibrationKey& key) {
   return "";
 }
 
+/// The folder for what can be measured again; empty where there is none.
+std::filesystem::path cache_folder() {
+  // The specification has paths that are not absolute ignored.
+  const auto absolute = [](const char* variable) {
+    const char* const value = std::getenv(variable);
+    std::filesystem::path path = value ? value : "";
+    return path.is_absolute() ? path : std::filesystem::path();
+  };
+  if (const auto cache = absolute("XDG_CACHE_HOME"); !cache.empty()) return cache / "swiftgs";
+  const auto home = absolute("HOME");
+  return home.empty() ? home : home / ".cache" / "swiftgs";
+}
+
 }  // namespace
 }  // namespace io
 
 std::filesystem::path sort_calibrations_beside(const std::filesystem::path& scene) {
   return std::filesystem::path(scene) += ".sort.json";
+}
+
+std::vector<std::filesystem::path> sort_calibrations_places(const std::filesystem::path& scene) {
+  std::vector<std::filesystem::path> places{sort_calibrations_beside(scene)};
+  const std::filesystem::path cache = io::cache_folder();
+  if (cache.empty()) return places;
+  const std::string path = std::filesystem::weakly_canonical(scene).string();
+  const auto checksum = crc32_z(0, reinterpret_cast<const Bytef*>(path.data()), path.size());
+  char suffix[32];
+  std::snprintf(suffix, sizeof suffix, "-%08lx.sort.json", static_cast<unsigned long>(checksum));
+  places.push_back(cache / (scene.filename().string() + suffix));
+  return places;
 }
 
 FoundSortCalibrations find_sort_calibrations(const std::filesystem::path& path,
@@ -60,6 +89,23 @@ FoundSortCalibrations find_sort_calibrations(const std::filesystem::path& path,
   }
   for (const SavedSortCalibration& entry : entries) found.calibrations.push_back(entry.measured);
   return found;
+}
+
+FoundSortCalibrations find_sort_calibrations(const std::vector<std::filesystem::path>& paths,
+                                             const SortCalibrationKey& key) {
+  FoundSortCalibrations all;
+  for (const std::filesystem::path& path : paths) {
+    const FoundSortCalibrations found = find_sort_calibrations(path, key);
+    if (all.why_none.empty()) all.why_none = found.why_none;
+    for (const SortCalibration& calibration : found.calibrations)
+      if (std::none_of(all.calibrations.begin(), all.calibrations.end(), [&](const SortCalibration& known) {
+            return known.gaussians == calibration.gaussians && known.width == calibration.width &&
+                   known.height == calibration.height;
+          }))
+        all.calibrations.push_back(calibration);
+  }
+  if (!all.calibrations.empty()) all.why_none.clear();
+  return all;
 }
 
 }  // namespace swiftgs

@@ -13,6 +13,7 @@
 #include <swiftgs/sort/adaptive.hpp>
 
 #include "calibration_check.hpp"
+#include "calibration_store.hpp"
 #include "calibrations.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
@@ -82,10 +83,11 @@ void print_choice(const SortCalibrationKey& key, const SortCalibration& measured
   std::fflush(stdout);
 }
 
-/// One sort at one image size: measures, prints, and adds to the file. Returns how many are in the file.
-std::size_t calibrate_size(const CalibrateOptions& options, const std::string& file, const Scene& scene,
-                           const std::string& checksum, const std::vector<View>& views,
-                           const RenderSettings& settings, AnyRenderer& standard, AnyRenderer& early) {
+/// One sort at one image size: measures and prints.
+SavedSortCalibration calibrate_size(const CalibrateOptions& options, const Scene& scene,
+                                    const std::string& checksum, const std::vector<View>& views,
+                                    const RenderSettings& settings, AnyRenderer& standard,
+                                    AnyRenderer& early) {
   std::vector<View> chosen;
   for (const std::size_t number : random_fifth(views.size(), options.seed)) chosen.push_back(views[number]);
   Progress progress(chosen.size() + std::max<std::size_t>(2, chosen.size()));
@@ -99,7 +101,7 @@ std::size_t calibrate_size(const CalibrateOptions& options, const std::string& f
                                                 .early_ms = times.early_ms()},
                                    .views = int(times.early.ms.size())};
   print_choice(saved.key, saved.measured, times);
-  return add_sort_calibrations(file, {saved}) + 1;
+  return saved;
 }
 
 /// Throws unless the options go together; `file` is where the calibration goes.
@@ -111,22 +113,24 @@ void check_options(const CalibrateOptions& options, const std::string& file) {
   if (!options.json.empty() && !options.check)
     throw std::invalid_argument("--json: expected --check with it");
   require_distinct({{"--out", file}, {"--json", options.json}},
-                   {{"SCENE", file_of(options.scene)}, {"--cameras", options.view.cameras}});
+                   {{"SCENE", capture_of(options.scene).scene.string()},
+                    {"--cameras", cameras_of(options.scene, options.view.cameras)}});
 }
 
 void calibrate(const CalibrateOptions& options) {
-  const std::string file = calibration_file(options.scene, options.out);
-  check_options(options, file);
+  check_options(options, calibration_file(options.scene, options.out));
   const std::vector<std::string> names =
       distinct_sorts(options.renderers.empty() ? default_renderers() : options.renderers);
-  const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
   ViewOptions view = options.view;
   if (options.check) view.views = options.check_views.empty() ? "all" : options.check_views;
-  const std::vector<SizeGroup> groups = group_by_size(options.scene, view, options.scales, *scene);
-  const RenderSettings settings = settings_of(options.view, *scene);
+  std::vector<SizeGroup> groups =
+      group_by_size(read_cameras_of(options.scene, view.cameras), view, options.scales);
+  RenderSettings settings = settings_of(options.view);
+  const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
+  for (SizeGroup& group : groups) find_views(group.views, *scene), find_views(group.checked, *scene);
+  settings = settings_for(settings, *scene);
   const std::string checksum = scene_checksum(*scene);
-  std::size_t in_file =
-      add_sort_calibrations(file, {});  // an hour of measurements must find a place to go to
+  CalibrationStore store(calibration_files(options.scene, options.out));
   CalibrationCheck check(options.json, options.scene);
 
   for (const std::string& name : names) {
@@ -136,7 +140,9 @@ void calibrate(const CalibrateOptions& options) {
     standard->set_scene(scene);
     early->share_scene(*standard);
     for (const SizeGroup& group : groups) {
-      in_file = calibrate_size(options, file, *scene, checksum, group.views, settings, *standard, *early);
+      const SavedSortCalibration measured =
+          calibrate_size(options, *scene, checksum, group.views, settings, *standard, *early);
+      store.add(measured);
       if (!options.check) continue;
       if (group.checked.empty()) {
         const Camera& camera = group.views.front().camera;
@@ -146,21 +152,23 @@ void calibrate(const CalibrateOptions& options) {
       }
       const std::unique_ptr<AnyRenderer> adaptive = make_renderer(name);
       adaptive->share_scene(*standard);
-      Calibrations(options.scene, options.view, scene, file).hand_to(*adaptive, group.checked);
+      adaptive->use_calibrations({measured.measured});
       check.run({standard.get(), early.get(), adaptive.get()}, group.checked, settings, scene->size());
     }
   }
-  std::printf("%s: %zu %s\n", file.c_str(), in_file, in_file == 1 ? "calibration" : "calibrations");
+  check.finish();
+  std::printf("%s\n", store.summary().c_str());
 }
 
 constexpr const char* more =
     R"(A fifth of the views is chosen at random; one half is sorted with each strategy, and the one
 with the lower mean sort time is what renderers with the sort 'adaptive' use from then on, at
 this image size, on this device, with this backend and these bounds. 'render', 'check' and
-'bench' find the file beside the scene; one that does not fit is ignored with a message, and the
+'bench' find it. It is kept beside the scene, or in ~/.cache/swiftgs (or $XDG_CACHE_HOME/swiftgs)
+where that folder cannot be written. A file that does not fit is ignored with a message, and the
 sort is then measured while rendering. Measurements for other sizes, devices, backends or bounds are
 kept in the file. +- is the standard deviation over the views.
---check renders views with both strategies and with the file, in turn, and prints by how much
+--check renders views with both strategies and with the choice, in turn, and prints by how much
 the frame and its sort took longer than with the better of both, +- the standard error.
 
 Examples:
@@ -179,15 +187,14 @@ void add_calibrate(CLI::App& app) {
   command->add_option("--scale", options->scales, "Factors of the images' sides, as 1,2")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option(
-      "--renderers", options->renderers,
-      "Which: names with * for any text, of which backends and bounds count [those of 'render']");
-  command->add_option("--seed", options->seed, "Of the random choice of views")->capture_default_str();
-  command->add_option("--out", options->out, "File to add to [SCENE.sort.json]");
-  command->add_flag("--check", options->check, "Compare the choice with both strategies");
-  command->add_option("--check-views", options->check_views,
-                      "On which: all, every:8, or numbers as 0,8 [all]");
-  command->add_option("--json", options->json, "File for the results of --check");
+  command->add_option("--renderers", options->renderers,
+                      "Names with * for any text; their backends and bounds count [those of 'render']");
+  command->add_option("--seed", options->seed, "Seed of the random choice of views")->capture_default_str();
+  command->add_option("--out", options->out,
+                      "File to add to [SCENE.sort.json, else a file in ~/.cache/swiftgs]");
+  command->add_flag("--check", options->check, "Compare the choice with both strategies, in frames");
+  add_view_choice(*command, "--check-views", options->check_views, "Views to compare on")->default_str("all");
+  add_json(*command, options->json, "the results of --check");
   command->callback([options] { calibrate(*options); });
 }
 

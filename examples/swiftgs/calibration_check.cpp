@@ -4,9 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
-#include "bench/results.hpp"
+#include "json_text.hpp"
 #include "progress.hpp"
 #include "renderer_words.hpp"
 #include "scene_input.hpp"
@@ -15,20 +13,7 @@
 namespace swiftgs::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr int turns_a_view = 7;
-
-/// UTF-8 or not: a name from a file may hold any bytes.
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
-std::string document_of(const Machine& machine, const std::vector<std::string>& rows) {
-  std::string text =
-      "{\"format\": \"swiftgs-calibration-check\", \"version\": 1,\n \"machine\": " + to_json(machine) +
-      ",\n \"command\": " + text_of(command_line()) + ",\n \"rows\": [";
-  for (const std::string& row : rows) text += (&row == rows.data() ? "\n  " : ",\n  ") + row;
-  return text + "\n ]}\n";
-}
 
 /// How much longer the choice took than the better of both, as a part of that, and the standard error of it
 /// over the views.
@@ -49,8 +34,8 @@ Regret regret_of(const std::vector<double>& standard, const std::vector<double>&
 
 CalibrationCheck::CalibrationCheck(const std::string& json, const SceneOptions& scene)
     : file_(json),
-      machine_(json.empty() ? Machine() : describe_machine()),
-      scene_(builtin_size(scene.scene) ? "builtin" : scene_label(scene.scene)) {}
+      head_(json.empty() ? ResultHead() : head_of("swiftgs-calibration-check")),
+      scene_(builtin_size(scene.scene) ? "builtin" : capture_of(scene).name) {}
 
 void CalibrationCheck::run(const SortTrio& sorts, const std::vector<View>& views,
                            const RenderSettings& settings, std::size_t gaussians) {
@@ -91,7 +76,7 @@ void CalibrationCheck::run(const SortTrio& sorts, const std::vector<View>& views
                  {"sort_regret", sort.part},
                  {"sort_regret_error", sort.error}};
   rows_.push_back(text_of(row));
-  file_.write(document_of(machine_, rows_));
+  file_.write(document_of(head_, {{"rows", array_of(rows_)}}));
 }
 
 }  // namespace swiftgs::cli

@@ -7,9 +7,9 @@
 
 #include <swiftgs/any_renderer.hpp>
 
-#include "bench/machine.hpp"
 #include "options.hpp"
 #include "result_file.hpp"
+#include "result_head.hpp"
 #include "views.hpp"
 
 namespace swiftgs::cli {
@@ -32,9 +32,12 @@ class CalibrationCheck {
   void run(const SortTrio& sorts, const std::vector<View>& views, const RenderSettings& settings,
            std::size_t gaussians);
 
+  /// Ends the file.
+  void finish() { file_.finish(); }
+
  private:
   ResultFile file_;
-  Machine machine_;
+  ResultHead head_;
   std::string scene_;
   std::vector<std::string> rows_;
 };

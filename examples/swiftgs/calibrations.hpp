@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <set>
 #include <string>
@@ -16,8 +17,11 @@
 
 namespace swiftgs::cli {
 
-/// The file of measurements of a scene: `given`, or the one beside the scene's file where that is empty.
-/// Empty for the built-in scene unless given.
+/// The files of measurements of a scene, in the order in which they count: `given` alone, or those of
+/// `sort_calibrations_places` where that is empty. None for the built-in scene unless given.
+std::vector<std::filesystem::path> calibration_files(const SceneOptions& scene, const std::string& given);
+
+/// The first of them, or an empty name.
 std::string calibration_file(const SceneOptions& scene, const std::string& given);
 
 /// A pattern for renderers with the sort 'adaptive' that share measurements with the one called `name`: the
@@ -30,7 +34,7 @@ SortCalibrationKey calibration_key(const AnyRenderer& renderer, const std::strin
 /// What `calibrate` has measured of a scene, for renderers whose sort is `adaptive`.
 class Calibrations {
  public:
-  /// Of `content`, which `scene` names. `file` is as for `calibration_file`; `view` is what is rendered.
+  /// Of `content`, which `scene` names. `file` is as for `calibration_files`; `view` is what is rendered.
   Calibrations(const SceneOptions& scene, const ViewOptions& view, std::shared_ptr<const Scene> content,
                const std::string& file);
 
@@ -43,7 +47,8 @@ class Calibrations {
  private:
   void say(const std::string& why, const AnyRenderer& renderer);
 
-  std::string file_, command_;
+  std::vector<std::filesystem::path> files_;
+  std::string command_;
   bool given_;
   std::shared_ptr<const Scene> content_;
   std::string checksum_;  ///< empty until it is asked for

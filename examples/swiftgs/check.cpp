@@ -121,18 +121,21 @@ CheckResult mean_of(Span<const CheckResult> results) {
 }
 
 void check(const CheckOptions& options) {
-  if (options.repeats < 1) throw std::invalid_argument("--repeats: expected at least 1");
+  if (options.repeats < 1)
+    throw std::invalid_argument("--repeats " + std::to_string(options.repeats) + ": expected at least 1");
   require_distinct({{"--json", options.json}},
-                   {{"SCENE", file_of(options.scene)},
-                    {"--cameras", options.view.cameras},
+                   {{"SCENE", capture_of(options.scene).scene.string()},
+                    {"--cameras", cameras_of(options.scene, options.view.cameras)},
                     {"--calibration", calibration_file(options.scene, options.calibration)}});
   const std::vector<RendererEntry> entries = renderers_matching(options.renderers);
   Task task;
-  task.scene_name = scene_label(options.scene.scene);
-  task.scene = std::make_shared<const Scene>(load(options.scene).scene);
+  task.scene_name = capture_of(options.scene).name;
   task.repeats = options.repeats;
-  task.views = views_of(options.scene, options.view, *task.scene, "every:8");
-  task.settings = settings_of(options.view, *task.scene);
+  task.views = views_of(read_cameras_of(options.scene, options.view.cameras), options.view, "every:8");
+  task.settings = settings_of(options.view);
+  task.scene = std::make_shared<const Scene>(load(options.scene).scene);
+  find_views(task.views, *task.scene);
+  task.settings = settings_for(task.settings, *task.scene);
   if (!options.photos.empty()) {
     task.photos = photographs_of(task.views, options.photos);
     if (std::none_of(task.photos.begin(), task.photos.end(),
@@ -142,6 +145,7 @@ void check(const CheckOptions& options) {
                                   task.views.front().name);
   }
   ResultFile json(options.json);
+  const ResultHead head = json.is_wanted() ? head_of("swiftgs-check") : ResultHead();
 
   Progress progress(task.views.size() * (1 + entries.size()));
   const dvec3 background(task.settings.background);
@@ -175,7 +179,8 @@ void check(const CheckOptions& options) {
     if (views > 1)
       print_row(mean_of({results.data() + results.size() - views, views}), width, !task.photos.empty());
   }
-  json.write(to_json(results, !task.photos.empty()));
+  if (json.is_wanted()) json.write(to_json(head, results, !task.photos.empty()));
+  json.finish();
 }
 
 constexpr const char* more =
@@ -198,13 +203,13 @@ void add_check(CLI::App& app) {
   const auto options = std::make_shared<CheckOptions>();
   add_scene(*command, options->scene);
   add_views(*command, options->view, "every:8");
-  command
-      ->add_option("--renderers", options->renderers, "Which: names with * for any text, separated by commas")
+  command->add_option("--renderers", options->renderers, "Names with * for any text, separated by commas")
       ->capture_default_str();
-  command->add_option("--photos", options->photos, "Folder with photographs of the views");
-  command->add_option("--json", options->json, "File for the results");
+  command->add_option("--photos", options->photos,
+                      "Folder with photographs that have the names of the views");
+  add_json(*command, options->json);
   add_calibration(*command, options->calibration);
-  command->add_option("--repeats", options->repeats, "Frames that are timed")->capture_default_str();
+  command->add_option("--repeats", options->repeats, "How many frames are timed")->capture_default_str();
   command->callback([options] { check(*options); });
 }
 

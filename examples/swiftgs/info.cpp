@@ -2,12 +2,18 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
+#include "distinct_files.hpp"
+#include "json_text.hpp"
 #include "options.hpp"
+#include "result_file.hpp"
+#include "result_head.hpp"
 #include "scene_input.hpp"
 
 namespace swiftgs::cli {
@@ -15,41 +21,58 @@ namespace {
 
 constexpr double parts[] = {0, 0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99, 1};
 
-/// One line of percentiles of what `measure` gives for each Gaussian.
-template <class Measure>
-void print_percentiles(const char* label, std::size_t count, Measure measure) {
-  std::vector<float> values(count);
-  for (std::size_t i = 0; i < count; ++i) values[i] = measure(i);
-  std::sort(values.begin(), values.end());
-  std::printf("%-15s", label);
-  for (const double part : parts)
-    std::printf(" %9.4g", double(values[std::size_t(part * double(count - 1))]) + 0.0);  // no -0
-  std::printf("\n");
+/// What is measured of every Gaussian, sorted.
+struct Distribution {
+  const char* name;
+  const char* member;  ///< in results
+  std::vector<float> values;
+
+  double at(double part) const {
+    return double(values[std::size_t(part * double(values.size() - 1))]) + 0.0;  // no -0
+  }
+};
+
+std::vector<Distribution> distributions_of(const Scene& scene) {
+  std::vector<Distribution> all;
+  const auto add = [&](const char* name, const char* member, auto measure) {
+    std::vector<float> values(scene.size());
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = measure(i);
+    std::sort(values.begin(), values.end());
+    all.push_back({name, member, std::move(values)});
+  };
+  const auto scale = [&](int rank) {
+    return [&scene, rank](std::size_t i) {
+      float s[3] = {scene.scales[i].x, scene.scales[i].y, scene.scales[i].z};
+      std::sort(s, s + 3);
+      return s[rank];
+    };
+  };
+  if (scene.size() == 0) return all;
+  add("x", "x", [&](std::size_t i) { return scene.means[i].x; });
+  add("y", "y", [&](std::size_t i) { return scene.means[i].y; });
+  add("z", "z", [&](std::size_t i) { return scene.means[i].z; });
+  add("opacity", "opacity", [&](std::size_t i) { return scene.opacities[i]; });
+  add("longest scale", "longest_scale", scale(2));
+  add("middle scale", "middle_scale", scale(1));
+  add("shortest scale", "shortest_scale", scale(0));
+  return all;
 }
 
-void print_distributions(const Scene& scene) {
+void print_distributions(const std::vector<Distribution>& distributions) {
+  if (distributions.empty()) return;
   std::printf("\n%-15s", "percentiles");
   for (const double part : parts) std::printf(" %8.3g%%", 100 * part);
   std::printf("\n");
-  const std::size_t n = scene.size();
-  print_percentiles("x", n, [&](std::size_t i) { return scene.means[i].x; });
-  print_percentiles("y", n, [&](std::size_t i) { return scene.means[i].y; });
-  print_percentiles("z", n, [&](std::size_t i) { return scene.means[i].z; });
-  print_percentiles("opacity", n, [&](std::size_t i) { return scene.opacities[i]; });
-  const auto sorted_scale = [&](std::size_t i, int rank) {
-    float s[3] = {scene.scales[i].x, scene.scales[i].y, scene.scales[i].z};
-    std::sort(s, s + 3);
-    return s[rank];
-  };
-  print_percentiles("longest scale", n, [&](std::size_t i) { return sorted_scale(i, 2); });
-  print_percentiles("middle scale", n, [&](std::size_t i) { return sorted_scale(i, 1); });
-  print_percentiles("shortest scale", n, [&](std::size_t i) { return sorted_scale(i, 0); });
+  for (const Distribution& distribution : distributions) {
+    std::printf("%-15s", distribution.name);
+    for (const double part : parts) std::printf(" %9.4g", distribution.at(part));
+    std::printf("\n");
+  }
 }
 
-void info(const SceneOptions& options) {
-  const SceneFile file = load(options);
+void print_info(const std::string& name, const SceneFile& file) {
   const Scene& scene = file.scene;
-  std::printf("%-15s %s\n", "scene", options.scene.c_str());
+  std::printf("%-15s %s\n", "scene", name.c_str());
   std::printf("%-15s %s\n", "format", file.format.c_str());
   std::printf("%-15s %zu\n", "Gaussians", scene.size());
   std::printf("%-15s %llu of %llu (not finite)\n", "dropped",
@@ -60,7 +83,45 @@ void info(const SceneOptions& options) {
               used < scene.sh_degree ? (" (bands above " + std::to_string(used) + " are zero)").c_str() : "");
   std::printf("%-15s %s\n", "anti-aliased", scene.antialiased ? "yes" : "no");
   for (const std::string& note : file.notes) std::printf("%-15s %s\n", "note", note.c_str());
-  if (scene.size() > 0) print_distributions(scene);
+}
+
+std::string to_json(const std::string& scene, const SceneFile& file,
+                    const std::vector<Distribution>& distributions) {
+  Json json{{"scene", scene},
+            {"file_format", file.format},
+            {"gaussians", file.scene.size()},
+            {"stored", file.stored},
+            {"dropped", file.dropped_nonfinite},
+            {"sh_degree", file.scene.sh_degree},
+            {"used_sh_degree", used_sh_degree(file.scene)},
+            {"antialiased", file.scene.antialiased},
+            {"notes", file.notes}};
+  Json percentiles{{"percent", Json::array()}};
+  for (const double part : parts) percentiles["percent"].push_back(100 * part);
+  for (const Distribution& distribution : distributions)
+    for (const double part : parts)
+      percentiles[distribution.member].push_back(rounded(distribution.at(part), 9));
+  json["percentiles"] = percentiles;
+  return document_of(head_of("swiftgs-info"), members_of(json));
+}
+
+struct InfoOptions {
+  SceneOptions scene;
+  std::string json;  ///< file for the results, or empty
+};
+
+void info(const InfoOptions& options) {
+  const Capture capture = capture_of(options.scene);
+  require_distinct({{"--json", options.json}}, {{"SCENE", capture.scene.string()}});
+  ResultFile json(options.json);
+  const SceneFile file = load(options.scene);
+  const std::vector<Distribution> distributions = distributions_of(file.scene);
+  if (!json.is_standard_output()) {
+    print_info(options.scene.scene, file);
+    print_distributions(distributions);
+  }
+  if (json.is_wanted()) json.write(to_json(capture.name, file, distributions));
+  json.finish();
 }
 
 constexpr const char* more =
@@ -75,8 +136,9 @@ Example:
 void add_info(CLI::App& app) {
   CLI::App* command = app.add_subcommand("info", "What a scene holds");
   command->footer(more);
-  const auto options = std::make_shared<SceneOptions>();
-  add_scene(*command, *options);
+  const auto options = std::make_shared<InfoOptions>();
+  add_scene(*command, options->scene);
+  add_json(*command, options->json);
   command->callback([options] { info(*options); });
 }
 

@@ -1,30 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "json.hpp"
 
-#include <nlohmann/json.hpp>
+#include "json_text.hpp"
 
 namespace swiftgs::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-/// UTF-8 or not: a name from a file may hold any bytes.
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+Json object_of(const StageTimes& ms) {
+  return {{"project", ms.project}, {"sort", ms.sort}, {"raster", ms.raster}, {"total", ms.total}};
+}
 
 Json object_of(const CheckResult& result, bool with_photos) {
+  Json json{{"renderer", result.renderer}, {"scene", result.scene},    {"view", result.view},
+            {"width", result.width},       {"height", result.height},  {"ms", object_of(result.ms)},
+            {"psnr_db", result.psnr_db},   {"max_abs", result.max_abs}};
+  if (with_photos) json["photo_psnr_db"] = result.photo_psnr_db ? Json(*result.photo_psnr_db) : Json();
+  return json;
+}
+
+Json object_of(const RenderResult& result) {
   Json json{{"renderer", result.renderer},
             {"scene", result.scene},
             {"view", result.view},
             {"width", result.width},
             {"height", result.height},
-            {"ms",
-             {{"project", result.ms.project},
-              {"sort", result.ms.sort},
-              {"raster", result.ms.raster},
-              {"total", result.ms.total}}},
-            {"psnr_db", result.psnr_db},
-            {"max_abs", result.max_abs}};
-  if (with_photos) json["photo_psnr_db"] = result.photo_psnr_db ? Json(*result.photo_psnr_db) : Json();
+            {"scale", result.scale},
+            {"conventions", result.conventions},
+            {"image", result.image},
+            {"ms", object_of(result.ms)}};
+  if (!result.counts) return json;
+  json["gaussians"] = result.counts->gaussians;
+  json["visible"] = result.counts->visible;
+  json["instances"] = result.counts->instances;
+  json["contributing_pairs"] = result.counts->raster.contributing_pairs;
+  json["pixels_stopped"] = result.counts->raster.pixels_stopped;
   return json;
 }
 
@@ -35,11 +44,14 @@ std::string to_json(const Comparison& comparison) {
       {{"psnr_db", comparison.psnr_db}, {"ssim", comparison.ssim}, {"max_abs", comparison.max_abs}});
 }
 
-std::string to_json(const std::vector<CheckResult>& results, bool with_photos) {
-  std::string text = "[";
-  for (const CheckResult& result : results)
-    text += (text.size() > 1 ? ",\n " : "\n ") + text_of(object_of(result, with_photos));
-  return text + "\n]\n";
+std::string to_json(const ResultHead& head, const std::vector<RenderResult>& results) {
+  const auto row = [](const RenderResult& result) { return text_of(object_of(result)); };
+  return document_of(head, {{"rows", array_of(results, row)}});
+}
+
+std::string to_json(const ResultHead& head, const std::vector<CheckResult>& results, bool with_photos) {
+  const auto row = [&](const CheckResult& result) { return text_of(object_of(result, with_photos)); };
+  return document_of(head, {{"rows", array_of(results, row)}});
 }
 
 }  // namespace swiftgs::cli

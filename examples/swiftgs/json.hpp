@@ -7,6 +7,8 @@
 
 #include <swiftgs/statistics.hpp>
 
+#include "result_head.hpp"
+
 namespace swiftgs::cli {
 
 /// How two images differ. JSON has no infinity: `psnr_db` of equal images is written as null.
@@ -23,10 +25,23 @@ struct CheckResult {
   std::optional<double> photo_psnr_db;  ///< against the photograph, where there is one
 };
 
+/// One image of `render`.
+struct RenderResult {
+  std::string renderer, scene, view, conventions;
+  int width = 0, height = 0;
+  double scale = 1;
+  std::string image;  ///< the file's name as the command prints it
+  StageTimes ms;
+  std::optional<Statistics> counts;  ///< where they were asked for
+};
+
 std::string to_json(const Comparison& comparison);
 
-/// An array, one object a line. `photo_psnr_db` is a member of every object if `with_photos`, null where
+/// The document of `render --json`.
+std::string to_json(const ResultHead& head, const std::vector<RenderResult>& results);
+
+/// The document of `check --json`. `photo_psnr_db` is a member of every object if `with_photos`, null where
 /// there is no photograph.
-std::string to_json(const std::vector<CheckResult>& results, bool with_photos);
+std::string to_json(const ResultHead& head, const std::vector<CheckResult>& results, bool with_photos);
 
 }  // namespace swiftgs::cli

@@ -2,22 +2,46 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
 #include <swiftgs/any_renderer.hpp>
 
 #include "commands.hpp"
+#include "json_text.hpp"
+#include "options.hpp"
+#include "renderer_words.hpp"
+#include "result_file.hpp"
+#include "result_head.hpp"
 
 namespace swiftgs::cli {
 namespace {
 
-void list() {
+void print_list() {
   std::size_t width = 0;
   for (const RendererEntry& entry : renderers()) width = std::max(width, entry.name.size());
   for (const RendererEntry& entry : renderers())
     std::printf("%-*s  %s\n", int(width), std::string(entry.name).c_str(),
                 entry.usable ? "runs here" : "cannot run here");
+}
+
+std::string to_json(const RendererEntry& entry) {
+  const RendererWords words(entry.name);
+  return text_of({{"renderer", entry.name},
+                  {"backend", words.backend},
+                  {"sort", words.sort},
+                  {"raster", words.raster},
+                  {"bounds", words.bounds},
+                  {"usable", entry.usable}});
+}
+
+void list(const std::string& file) {
+  ResultFile json(file);
+  if (!json.is_standard_output()) print_list();
+  if (json.is_wanted())
+    json.write(document_of(head_of("swiftgs-list"), {{"rows", array_of(renderers(), to_json)}}));
+  json.finish();
 }
 
 constexpr const char* more =
@@ -29,7 +53,9 @@ are blended, which tiles a splat may touch.)";
 void add_list(CLI::App& app) {
   CLI::App* command = app.add_subcommand("list", "Every renderer, and whether it can run here");
   command->footer(more);
-  command->callback(list);
+  const auto json = std::make_shared<std::string>();
+  add_json(*command, *json);
+  command->callback([json] { list(*json); });
 }
 
 }  // namespace swiftgs::cli

@@ -24,6 +24,7 @@ constexpr const char* start_here = R"(Start here:
   swiftgs render builtin                             an image without any file
   swiftgs info garden.spz                            what a file holds
   swiftgs render garden.spz                          a view that is found for the scene
+  swiftgs render garden/                             all views of a capture: scene and cameras in a folder
   swiftgs render garden.spz --cameras cameras.json   the views it was trained with
   swiftgs list                                       what can render
   swiftgs check builtin --renderers 'cpu/early/*'    errors and times, side by side
@@ -47,21 +48,62 @@ std::vector<std::string> names_of_commands(const CLI::App& app) {
   return names;
 }
 
+/// The command that was asked for, or the tool where none was.
+const CLI::App& command_in(const CLI::App& app) {
+  return app.get_subcommands().empty() ? app : *app.get_subcommands().front();
+}
+
 /// What is wrong with arguments that no option takes, in the order in which they were typed.
 std::string unexpected(const CLI::App& app, const std::vector<std::string>& arguments) {
-  const CLI::App& command = app.get_subcommands().empty() ? app : *app.get_subcommands().front();
+  const CLI::App& command = command_in(app);
   std::vector<std::string> options;
   for (const CLI::Option* option : command.get_options())
     for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
   const std::vector<std::string> left = app.remaining(true);
-  std::string message;
+  std::string message = &command == &app ? "" : command.get_name() + ": ";
+  const char* separator = "";
   for (const std::string& argument : arguments) {
     if (std::find(left.begin(), left.end(), argument) == left.end()) continue;
-    message += message.empty() ? command.get_name() + ": " : "; ";
-    message += "'" + argument + "' is not expected";
+    message += separator + ("'" + argument + "' is not expected");
     if (argument.starts_with("--")) message += suggestion(argument.substr(0, argument.find('=')), options);
+    separator = "; ";
   }
   return message;
+}
+
+/// What an option of a type of CLI11's takes.
+std::string expected_by(const CLI::Option* option) {
+  if (!option || option->get_type_name().empty()) return "no value";  // a flag
+  return option->get_type_name().starts_with("FLOAT") ? "a number" : "a whole number";
+}
+
+/// The parser's errors in our words. Their texts are `NAME is required`, `NAME: 1 required TYPE missing`,
+/// `NAME: At Most 1 required but received N`, and `Could not convert: NAME = VALUE`.
+std::string in_our_words(const CLI::App& command, const CLI::ParseError& error) {
+  const std::string text = one_line(error.what()), name = text.substr(0, text.find(": "));
+  if (dynamic_cast<const CLI::RequiredError*>(&error))
+    return command.get_name() + ": expected " + text.substr(0, text.find(" is required"));
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {
+    const bool too_many = text.find("At Most") != std::string::npos;
+    return name + (too_many ? ": expected one value, found " + text.substr(text.rfind(' ') + 1)
+                            : ": expected a value, found nothing");
+  }
+  const std::size_t value = text.find(" = ");
+  if (dynamic_cast<const CLI::ConversionError*>(&error) && name != text && value != std::string::npos) {
+    const std::size_t begin = name.size() + 2;
+    const std::string option = text.substr(begin, value - begin);
+    return option + " '" + text.substr(value + 3) + "': expected " +
+           expected_by(command.get_option_no_throw(option));
+  }
+  return text;
+}
+
+/// `help` and `help COMMAND` are what many type first.
+std::vector<std::string> with_help_as_option(std::vector<std::string> arguments) {
+  if (arguments.empty() || arguments[0] != "help") return arguments;
+  arguments.erase(arguments.begin());
+  arguments.emplace_back("--help");
+  return arguments;
 }
 
 int run(int argc, char** argv) {
@@ -81,19 +123,22 @@ int run(int argc, char** argv) {
   add_report(app);
   add_stress(app);
 
-  const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc),
-      names = names_of_commands(app);
+  const std::vector<std::string> names = names_of_commands(app),
+                                 arguments = with_help_as_option({argv + std::min(argc, 1), argv + argc});
   const std::string first = arguments.empty() || arguments[0].starts_with("-") ? "" : arguments[0];
   if (first != "" && std::find(names.begin(), names.end(), first) == names.end())
     return fail("command '" + first + "' is not known" + suggestion(first, names) + " (see swiftgs --help)");
   try {
-    app.parse(argc, argv);
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::Success& asked_for_help) {
     return app.exit(asked_for_help);
-  } catch (const CLI::ExtrasError&) {
-    return fail(unexpected(app, arguments) + " (see swiftgs --help)");
   } catch (const CLI::ParseError& error) {
-    return fail(std::string(error.what()) + " (see swiftgs --help)");
+    const CLI::App& command = command_in(app);
+    const std::string help = &command == &app ? "" : command.get_name() + " ";
+    // What was mistyped may be what is missing.
+    const std::string what =
+        app.remaining(true).empty() ? in_our_words(command, error) : unexpected(app, arguments);
+    return fail(what + " (see swiftgs " + help + "--help)");
   }
 
   if (app.get_subcommands().empty()) {

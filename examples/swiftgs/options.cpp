@@ -6,7 +6,9 @@
 namespace swiftgs::cli {
 
 void add_scene(CLI::App& command, SceneOptions& options) {
-  command.add_option("SCENE", options.scene, "A .ply or .spz file, builtin, or builtin:N for N Gaussians")
+  command
+      .add_option("SCENE", options.scene,
+                  "A .ply or .spz file, the folder of a capture, builtin, or builtin:N for N Gaussians")
       ->required();
   command
       .add_option("--spz-frame", options.spz_frame,
@@ -15,30 +17,46 @@ void add_scene(CLI::App& command, SceneOptions& options) {
 }
 
 void add_cameras(CLI::App& command, ViewOptions& options) {
-  command.add_option("--cameras", options.cameras, "A cameras.json, or a folder with a COLMAP model");
+  command.add_option(
+      "--cameras", options.cameras,
+      "A cameras.json or a COLMAP model, or a folder that holds one\n[those of SCENE where it is a folder]");
   command
-      .add_option("--conventions", options.conventions, "gsplat or inria: what the scene was trained with")
+      .add_option("--conventions", options.conventions,
+                  "Conventions that the scene was trained with: gsplat or inria")
       ->capture_default_str();
+}
+
+CLI::Option* add_view_choice(CLI::App& command, const char* name, std::string& views,
+                             const std::string& what) {
+  const auto given = [](const std::string& choice) {
+    return std::string(choice.empty() ? "expected views, found nothing" : "");
+  };
+  return command
+      .add_option(
+          name, views,
+          what +
+              ": all, every:8, except:8, or a list of numbers,\nranges and images' names, as 0,3-7,DSC01.JPG")
+      ->check(given);
 }
 
 void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views) {
   add_cameras(command, options);
-  const auto given = [](const std::string& views) {
-    return std::string(views.empty() ? "expected views, found nothing" : "");
-  };
-  command
-      .add_option("--views", options.views,
-                  "Which: numbers as 0,8 or 3-7, or every:8, or except:8, or all [" + default_views +
-                      " with cameras, else 0]")
-      ->check(given);
-  command.add_option("--scale", options.scale, "Factor of the image's sides")->capture_default_str();
-  command.add_option("--background", options.background, "R,G,B, each 0 to 1")->capture_default_str();
+  add_view_choice(command, "--views", options.views, "Views")
+      ->default_str(default_views + " with cameras, else 0");
+  command.add_option("--scale", options.scale, "Factor of the images' sides")->capture_default_str();
+  command.add_option("--background", options.background, "Colour behind the scene: R,G,B, each 0 to 1")
+      ->capture_default_str();
+}
+
+void add_json(CLI::App& command, std::string& file, const std::string& what) {
+  command.add_option("--json", file,
+                     "File for " + what + "; - is standard output, which gets nothing else then");
 }
 
 void add_calibration(CLI::App& command, std::string& file) {
   command.add_option("--calibration", file,
                      "For renderers with the sort 'adaptive': what 'swiftgs calibrate' wrote\n"
-                     "[SCENE.sort.json where it is there]");
+                     "[SCENE.sort.json, and that in ~/.cache/swiftgs]");
 }
 
 }  // namespace swiftgs::cli

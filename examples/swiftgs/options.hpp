@@ -5,19 +5,20 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace swiftgs::cli {
 
 /// What says which scene to load.
 struct SceneOptions {
-  std::string scene;                    ///< a file, `builtin`, or `builtin:N`
+  std::string scene;                    ///< a file, the folder of a capture, `builtin`, or `builtin:N`
   std::string spz_frame = "specified";  ///< as `SpzFrame` names them
 };
 
 /// What says which images to make of it.
 struct ViewOptions {
-  std::string cameras;  ///< a file or folder of cameras, or empty
+  std::string cameras;  ///< a file or folder of cameras; empty for those in the folder that is the scene
   std::string views;    ///< such as `0,8`, `every:8` or `all`; empty for the command's own choice
   double scale = 1;     ///< of the images' sides
   std::string conventions = "gsplat";
@@ -30,8 +31,15 @@ void add_scene(CLI::App& command, SceneOptions& options);
 /// Adds those options of views that say what there is to see: cameras and conventions.
 void add_cameras(CLI::App& command, ViewOptions& options);
 
+/// Adds an option that chooses views; `what` begins its description. An empty choice is refused.
+CLI::Option* add_view_choice(CLI::App& command, const char* name, std::string& views,
+                             const std::string& what);
+
 /// Adds the options of views. `default_views` is what the command takes of a list of cameras.
 void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views);
+
+/// Adds the option that names a file for `what`.
+void add_json(CLI::App& command, std::string& file, const std::string& what = "the results");
 
 /// Adds the option that names a file with what `calibrate` measured.
 void add_calibration(CLI::App& command, std::string& file);

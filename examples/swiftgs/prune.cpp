@@ -16,6 +16,7 @@
 #include "choice.hpp"
 #include "commands.hpp"
 #include "distinct_files.hpp"
+#include "number_text.hpp"
 #include "options.hpp"
 #include "photos.hpp"
 #include "progress.hpp"
@@ -39,20 +40,26 @@ struct PruneOptions {
   std::string out, photos, json;
 };
 
+bool has_cameras(const PruneOptions& options) {
+  return builtin_size(options.scene.scene) || !cameras_of(options.scene, options.view.cameras).empty();
+}
+
 /// Throws unless the options go together.
 void check_options(const PruneOptions& options) {
   if (!(options.keep > 0 && options.keep <= 1))
-    throw std::invalid_argument("--keep: expected a part of the Gaussians above 0 and at most 1");
+    throw std::invalid_argument("--keep " + text_of_number(options.keep) +
+                                ": expected a part of the Gaussians above 0 and at most 1");
   if (options.score != "contribution" && options.score != "opacity-volume")
     throw std::invalid_argument("--score '" + options.score + "': expected contribution or opacity-volume");
   if (std::filesystem::path(options.out).extension() != ".ply")
     throw std::invalid_argument("--out '" + options.out + "': expected a name that ends in .ply");
   require_distinct({{"--out", options.out}, {"--json", options.json}},
-                   {{"SCENE", file_of(options.scene)}, {"--cameras", options.view.cameras}});
-  if (!options.view.cameras.empty() || builtin_size(options.scene.scene)) return;
+                   {{"SCENE", capture_of(options.scene).scene.string()},
+                    {"--cameras", cameras_of(options.scene, options.view.cameras)}});
+  if (has_cameras(options)) return;
   if (options.score == "contribution")
     throw std::invalid_argument(
-        "--score contribution: expected --cameras, for weights in the views of the scene");
+        "--score contribution: expected --cameras, as it sums weights in views of the scene");
   if (!options.photos.empty() || !options.view.views.empty())
     throw std::invalid_argument("--photos and --views: expected --cameras with them");
 }
@@ -85,12 +92,12 @@ std::vector<std::uint64_t> contributions_of(const ContributionsEntry& backend,
   return contributions->sums();
 }
 
-HeldOut held_out_of(const PruneOptions& options, const ViewOptions& view, const Scene& scene,
+HeldOut held_out_of(const PruneOptions& options, const ViewOptions& view, const Cameras& cameras,
                     const std::string& backend) {
   HeldOut held_out{
-      .views = {}, .photos = {}, .settings = settings_of(view, scene), .renderer = exact_renderer(backend)};
+      .views = {}, .photos = {}, .settings = settings_of(view), .renderer = exact_renderer(backend)};
   if (view.views.empty()) return held_out;
-  held_out.views = views_left_out(options.scene, view, scene);
+  held_out.views = views_left_out(cameras, view);
   if (options.photos.empty()) return held_out;
   if (!held_out.views.empty()) held_out.photos = photographs_of(held_out.views, options.photos);
   if (std::none_of(held_out.photos.begin(), held_out.photos.end(), [](const auto& photo) { return !!photo; }))
@@ -102,25 +109,26 @@ HeldOut held_out_of(const PruneOptions& options, const ViewOptions& view, const 
 void prune(const PruneOptions& options) {
   check_options(options);
   const ContributionsEntry& backend = contribution_backend(options.backend);
-  const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
   ViewOptions view = options.view;
-  if (view.views.empty() && (!view.cameras.empty() || builtin_size(options.scene.scene)))
-    view.views = training_views;
-  const HeldOut held_out = held_out_of(options, view, *scene, std::string(backend.backend));
+  if (view.views.empty() && has_cameras(options)) view.views = training_views;
+  const Cameras cameras = read_cameras_of(options.scene, view.cameras);
+  HeldOut held_out = held_out_of(options, view, cameras, std::string(backend.backend));
   const bool by_contribution = options.score == "contribution";
   const std::vector<View> views =
-      by_contribution ? views_of(options.scene, view, *scene, training_views) : std::vector<View>();
+      by_contribution ? views_of(cameras, view, training_views) : std::vector<View>();
+  const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
+  held_out.settings = settings_for(held_out.settings, *scene);
   require_replaceable(options.out);
   ResultFile json(options.json);
 
-  PruneResult result{.scene = scene_label(options.scene.scene),
+  PruneResult result{.scene = capture_of(options.scene).name,
                      .score = options.score,
                      .backend = std::string(backend.backend),
                      .conventions = view.conventions,
                      .keep = options.keep,
                      .views = views.size(),
                      .held_out = held_out.views.size()};
-  if (!options.json.empty()) result.machine = describe_machine(), result.command = command_line();
+  if (!options.json.empty()) result.head = head_of("swiftgs-prune");
   Progress progress(views.size() + 2 * held_out.views.size());
   const std::vector<std::uint32_t> kept =
       by_contribution
@@ -141,6 +149,7 @@ void prune(const PruneOptions& options) {
   progress.clear();
   if (!held_out.views.empty()) print_table(result);
   json.write(to_json(result));
+  json.finish();
 }
 
 constexpr const char* more =
@@ -164,15 +173,16 @@ void add_prune(CLI::App& app) {
   command->footer(more);
   const auto options = std::make_shared<PruneOptions>();
   add_scene(*command, options->scene);
-  command->add_option("--keep", options->keep, "Part of the Gaussians, above 0 and at most 1")->required();
-  command->add_option("--score", options->score, "contribution or opacity-volume")->capture_default_str();
+  command->add_option("--keep", options->keep, "Part of the Gaussians to keep, above 0 and at most 1")
+      ->required();
+  command->add_option("--score", options->score, "Score that decides which: contribution or opacity-volume")
+      ->capture_default_str();
   command->add_option("--out", options->out, "The .ply file to write")->required();
   add_views(*command, options->view, training_views);
-  command->get_option("--views")->description(
-      "Which are scored: numbers as 1,2 or 3-7, or every:8, or except:8, or all [except:8]");
+  command->get_option("--views")->default_str(training_views);
   command->add_option("--photos", options->photos, "Folder with photographs of the views that are left out");
   command->add_option("--backend", options->backend, "cuda, cpu or serial [the first that runs here]");
-  command->add_option("--json", options->json, "File for the results");
+  add_json(*command, options->json);
   command->callback([options] { prune(*options); });
 }
 

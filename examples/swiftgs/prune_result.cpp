@@ -3,14 +3,10 @@
 
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
-#include "bench/results.hpp"
+#include "json_text.hpp"
 
 namespace swiftgs::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
@@ -34,11 +30,7 @@ void print_row(const char* name, const PruneSide& side) {
 }  // namespace
 
 std::string to_json(const PruneResult& result) {
-  const Json json{{"format", "swiftgs-prune"},
-                  {"version", 1},
-                  {"machine", Json::parse(to_json(result.machine))},
-                  {"command", result.command},
-                  {"scene", result.scene},
+  const Json json{{"scene", result.scene},
                   {"score", result.score},
                   {"keep", result.keep},
                   {"backend", result.backend},
@@ -48,7 +40,7 @@ std::string to_json(const PruneResult& result) {
                   {"kept_weight", result.kept_weight},
                   {"before", json_of(result.before)},
                   {"after", json_of(result.after)}};
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return document_of(result.head, members_of(json));
 }
 
 void print_table(const PruneResult& result) {

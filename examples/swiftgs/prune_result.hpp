@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "bench/machine.hpp"
+#include "result_head.hpp"
 
 namespace swiftgs::cli {
 
@@ -20,8 +20,7 @@ struct PruneSide {
 
 /// What `prune` did, as `docs/results.md` has it.
 struct PruneResult {
-  Machine machine{};
-  std::string command{};  ///< as `command_line` gives it
+  ResultHead head{};
   std::string scene, score, backend, conventions;
   double keep = 1;
   std::size_t views = 0, held_out = 0;  ///< that were scored, and that were rendered before and after

@@ -14,8 +14,11 @@
 #include "calibrations.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
+#include "distinct_files.hpp"
+#include "json.hpp"
 #include "options.hpp"
 #include "progress.hpp"
+#include "result_file.hpp"
 #include "scene_input.hpp"
 #include "views.hpp"
 
@@ -29,6 +32,7 @@ struct RenderOptions {
   std::string out = "renders";
   std::string format = "png";
   std::string calibration;  ///< file, or empty for the one beside the scene
+  std::string json;         ///< file for the results, or empty
   bool stats = false;
 };
 
@@ -55,11 +59,22 @@ void print_statistics(const Statistics& s) {
 
 void render(const RenderOptions& options) {
   const Writer write = writer_of(options.format);
+  const Capture capture = capture_of(options.scene);
+  require_distinct({{"--json", options.json}},
+                   {{"SCENE", capture.scene.string()},
+                    {"--cameras", cameras_of(options.scene, options.view.cameras)},
+                    {"--calibration", calibration_file(options.scene, options.calibration)}});
   const std::unique_ptr<AnyRenderer> renderer =
       make_renderer(options.renderer.empty() ? default_renderer() : options.renderer);
+  std::vector<View> views =
+      views_of(read_cameras_of(options.scene, options.view.cameras), options.view, "all");
+  RenderSettings settings = settings_of(options.view);
   const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
-  const std::vector<View> views = views_of(options.scene, options.view, *scene, "all");
-  RenderSettings settings = settings_of(options.view, *scene);
+  find_views(views, *scene);
+  settings = settings_for(settings, *scene);
+  ResultFile json(options.json);
+  const ResultHead head = json.is_wanted() ? head_of("swiftgs-render") : ResultHead();
+  std::vector<RenderResult> results;
   std::filesystem::create_directories(options.out);
   renderer->set_scene(scene);
   Calibrations(options.scene, options.view, scene, options.calibration).hand_to(*renderer, views);
@@ -77,6 +92,16 @@ void render(const RenderOptions& options) {
     const std::filesystem::path file =
         std::filesystem::path(options.out) / (view.name + "." + options.format);
     write(file, frame);
+    results.push_back({.renderer = std::string(renderer->name()),
+                       .scene = capture.name,
+                       .view = view.name,
+                       .conventions = options.view.conventions,
+                       .width = frame.width,
+                       .height = frame.height,
+                       .scale = options.view.scale,
+                       .image = file.string(),
+                       .ms = ms,
+                       .counts = std::nullopt});
     progress.clear();
     std::printf("%s  %dx%d  %.2f ms (project %.2f, sort %.2f, raster %.2f)\n", file.string().c_str(),
                 frame.width, frame.height, ms.total, ms.project, ms.sort, ms.raster);
@@ -85,7 +110,8 @@ void render(const RenderOptions& options) {
       settings.count = true;
       renderer->render(view.camera, settings, frame);
       settings.count = false;
-      print_statistics(renderer->statistics());
+      results.back().counts = renderer->statistics();
+      print_statistics(*results.back().counts);
     }
     progress.step();
   }
@@ -93,16 +119,19 @@ void render(const RenderOptions& options) {
   std::printf("%zu %s with %s, median %.2f ms a frame\n", views.size(),
               views.size() == 1 ? "image" : "images", std::string(renderer->name()).c_str(),
               totals[totals.size() / 2]);
+  if (json.is_wanted()) json.write(to_json(head, results));
+  json.finish();
 }
 
 constexpr const char* more =
     R"(Prints where each image is and how long its frame took, memory and files left out.
-Without --cameras a view is found for the scene; 'builtin' has a front view, number 0,
-and an orbit, 1 to 24. Images are called as the cameras are, or by number.
+A scene without cameras gets one view, which is found for it; 'builtin' has a front view,
+number 0, and an orbit, 1 to 24. Images are called as the cameras are, or by number.
 A scene that was trained with anti-aliasing is rendered with it.
 
 Examples:
   swiftgs render builtin:1000000 --scale 2 --out big
+  swiftgs render garden/ --views 0,8,DSC08050
   swiftgs render garden.spz --cameras cameras.json --views 0,8 --stats
   swiftgs render fox.spz --cameras fox/sparse/0 --views every:8 --format exr)";
 
@@ -114,10 +143,13 @@ void add_render(CLI::App& app) {
   const auto options = std::make_shared<RenderOptions>();
   add_scene(*command, options->scene);
   add_views(*command, options->view, "all");
-  command->add_option("--renderer", options->renderer, "A name from 'swiftgs list'");
+  command->add_option("--renderer", options->renderer,
+                      "A name from 'swiftgs list' [the quickest on the CPU]");
   command->add_option("--out", options->out, "Folder for the images")->capture_default_str();
-  command->add_option("--format", options->format, "png, pfm or exr")->capture_default_str();
+  command->add_option("--format", options->format, "Format of the images: png, pfm or exr")
+      ->capture_default_str();
   add_calibration(*command, options->calibration);
+  add_json(*command, options->json);
   command->add_flag("--stats", options->stats, "Print what each frame had to do");
   command->callback([options] { render(*options); });
 }

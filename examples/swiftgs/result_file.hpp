@@ -4,26 +4,33 @@
 #include <string>
 #include <string_view>
 
-#include <swiftgs/io/replace_file.hpp>
-
 namespace swiftgs::cli {
 
-/// The file of `--json`, or none where the name is empty. What it held stays until the first `write`.
+/// Where the results of a command go, as `--json` names it: a file; standard output for `-`; nowhere where
+/// the name is empty. Of `-`, what the command prints goes to standard error as long as the object lives, so
+/// that nothing is mixed with the results.
 class ResultFile {
  public:
-  /// Throws `std::system_error` where the file cannot be written: an hour of results must find a place to go
-  /// to.
-  explicit ResultFile(const std::string& name) : name_(name) {
-    if (!name_.empty()) require_replaceable(name_);
-  }
+  /// What the file held stays until the first `write`. Throws `std::system_error` where the file cannot be
+  /// written: an hour of results must find a place to go to.
+  explicit ResultFile(const std::string& name);
+  ~ResultFile();
+  ResultFile(const ResultFile&) = delete;
+  ResultFile& operator=(const ResultFile&) = delete;
 
-  /// Replaces what was written before. Throws `std::system_error`.
-  void write(std::string_view text) {
-    if (!name_.empty()) replace_file(name_, text);
-  }
+  bool is_wanted() const { return !name_.empty(); }
+  bool is_standard_output() const { return name_ == "-"; }
+
+  /// Replaces what was written before. Standard output gets the last text, when `finish` is called. Throws
+  /// `std::system_error`.
+  void write(std::string_view text);
+
+  /// Ends the results. Throws `std::system_error`.
+  void finish();
 
  private:
-  std::string name_;
+  std::string name_, text_;
+  int output_ = -1;  ///< standard output, while it is kept for the results
 };
 
 }  // namespace swiftgs::cli

@@ -7,6 +7,8 @@
 
 #include <swiftgs/builtin_scene.hpp>
 
+#include "suggestion.hpp"
+
 namespace swiftgs::cli {
 namespace {
 
@@ -36,14 +38,21 @@ std::optional<std::size_t> builtin_size(std::string_view scene) {
   return count;
 }
 
-std::string file_of(const SceneOptions& options) {
-  return builtin_size(options.scene) ? std::string() : options.scene;
+Capture capture_of(const SceneOptions& options) {
+  if (const std::optional<std::size_t> size = builtin_size(options.scene))
+    return {std::string(builtin_name) + ":" + std::to_string(*size), {}, {}, {}};
+  if (options.scene.empty()) throw std::invalid_argument("SCENE: expected a file or a folder, found nothing");
+  const std::string word = options.scene.substr(0, options.scene.find_first_of(":,=-"));
+  const std::string nearest = suggestion(word, {std::string(builtin_name)});
+  if (!nearest.empty() && !std::filesystem::exists(options.scene))
+    throw std::invalid_argument(options.scene + ": No such file or directory" + nearest);
+  return find_capture(options.scene);
 }
 
 SceneFile load(const SceneOptions& options) {
   const SceneReadOptions read{.spz_frame = spz_frame_named(options.spz_frame)};
   const std::optional<std::size_t> size = builtin_size(options.scene);
-  if (!size) return read_scene(options.scene, read);
+  if (!size) return read_scene(capture_of(options).scene, read);
   SceneFile file;
   file.scene = make_builtin_scene(*size);
   file.format = "built in";
@@ -51,10 +60,10 @@ SceneFile load(const SceneOptions& options) {
   return file;
 }
 
-std::string scene_label(const std::string& scene) {
-  if (const std::optional<std::size_t> size = builtin_size(scene))
-    return std::string(builtin_name) + ":" + std::to_string(*size);
-  return std::filesystem::path(scene).stem().string();
+std::string cameras_of(const SceneOptions& scene, const std::string& cameras) {
+  if (!cameras.empty() || builtin_size(scene.scene) || !std::filesystem::is_directory(scene.scene))
+    return cameras;
+  return capture_of(scene).cameras.string();
 }
 
 }  // namespace swiftgs::cli

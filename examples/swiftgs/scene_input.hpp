@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include <swiftgs/io/capture.hpp>
 #include <swiftgs/io/scene_file.hpp>
 
 #include "options.hpp"
@@ -16,13 +17,15 @@ namespace swiftgs::cli {
 /// `std::invalid_argument` for `builtin:` with anything but a number.
 std::optional<std::size_t> builtin_size(std::string_view scene);
 
-/// The file of the scene; empty for the built-in one.
-std::string file_of(const SceneOptions& options);
+/// The scene and what lies beside it. Of the built-in scene only the name is there, `builtin:N`. Throws what
+/// `find_capture` throws.
+Capture capture_of(const SceneOptions& options);
 
 /// Loads the file or makes the built-in scene.
 SceneFile load(const SceneOptions& options);
 
-/// What tables call the scene: `builtin:N`, or the file's name without folder and extension.
-std::string scene_label(const std::string& scene);
+/// The cameras of `scene`: those that `--cameras` names, or else those in its folder where `scene` is the
+/// folder of a capture. Empty where there are none.
+std::string cameras_of(const SceneOptions& scene, const std::string& cameras);
 
 }  // namespace swiftgs::cli

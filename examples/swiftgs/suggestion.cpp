@@ -21,11 +21,23 @@ std::size_t edits_between(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
+namespace {
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  return result;
+}
+
+}  // namespace
+
 std::string suggestion(std::string_view word, const std::vector<std::string>& known) {
   const std::string* nearest = nullptr;
   std::size_t least = 1 + word.size() / 3;
   for (const std::string& name : known)
-    if (const std::size_t edits = edits_between(word, name); edits < least || (!nearest && edits == least))
+    if (const std::size_t edits = edits_between(lower(word), lower(name));
+        edits < least || (!nearest && edits == least))
       least = edits, nearest = &name;
   return nearest ? ", did you mean '" + *nearest + "'?" : "";
 }

@@ -9,8 +9,8 @@
 
 namespace swiftgs::cli {
 
-std::vector<SizeGroup> group_by_size(const SceneOptions& scene_options, const ViewOptions& options,
-                                     const std::vector<double>& scales, const Scene& scene) {
+std::vector<SizeGroup> group_by_size(const Cameras& cameras, const ViewOptions& options,
+                                     const std::vector<double>& scales) {
   using Size = std::pair<int, int>;
   const auto size_of = [](const View& view) { return Size(view.camera.width, view.camera.height); };
   std::map<Size, SizeGroup> sizes;
@@ -18,7 +18,7 @@ std::vector<SizeGroup> group_by_size(const SceneOptions& scene_options, const Vi
   for (const double scale : scales) {
     ViewOptions view = options;
     view.scale = scale, view.views = "all";
-    for (View& each : views_of(scene_options, view, scene, "all")) {
+    for (View& each : views_of(cameras, view, "all")) {
       const Size size = size_of(each);
       if (!known.emplace(each.name, size).second)
         throw std::invalid_argument("--scale: expected factors that give different sizes, found " +
@@ -28,8 +28,7 @@ std::vector<SizeGroup> group_by_size(const SceneOptions& scene_options, const Vi
     }
     if (options.views.empty()) continue;
     view.views = options.views;
-    for (View& each : views_of(scene_options, view, scene, "all"))
-      sizes[size_of(each)].checked.push_back(std::move(each));
+    for (View& each : views_of(cameras, view, "all")) sizes[size_of(each)].checked.push_back(std::move(each));
   }
   std::vector<SizeGroup> groups;
   for (auto& [size, group] : sizes) groups.push_back(std::move(group));

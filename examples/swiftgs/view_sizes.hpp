@@ -3,8 +3,6 @@
 
 #include <vector>
 
-#include <swiftgs/scene.hpp>
-
 #include "options.hpp"
 #include "views.hpp"
 
@@ -19,7 +17,7 @@ struct SizeGroup {
 /// All views at all `scales`, by size, of which those that `options.views` chooses are checked; none where
 /// that is empty. Throws `std::invalid_argument` where two scales give a view the same size, and as
 /// `views_of`.
-std::vector<SizeGroup> group_by_size(const SceneOptions& scene_options, const ViewOptions& options,
-                                     const std::vector<double>& scales, const Scene& scene);
+std::vector<SizeGroup> group_by_size(const Cameras& cameras, const ViewOptions& options,
+                                     const std::vector<double>& scales);
 
 }  // namespace swiftgs::cli

@@ -12,7 +12,9 @@
 #include <swiftgs/io/cameras.hpp>
 
 #include "default_view.hpp"
+#include "number_text.hpp"
 #include "scene_input.hpp"
+#include "suggestion.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -36,36 +38,74 @@ std::optional<Number> parse(std::string_view text) {
   return number;
 }
 
+/// `name` without the extension of a file.
+std::string_view without_extension(std::string_view name) {
+  const std::size_t dot = name.rfind('.'), slash = name.find_last_of("/\\");
+  const bool has = dot != name.npos && dot > 0 && (slash == name.npos || dot > slash + 1);
+  return has ? name.substr(0, dot) : name;
+}
+
 /// The name under which an image of `camera` is stored: folders become part of it, the extension goes.
 std::string file_name(const Camera& camera, std::size_t number) {
-  std::string name = camera.name;
-  const std::size_t dot = name.rfind('.'), slash = name.find_last_of("/\\");
-  if (dot != std::string::npos && dot > 0 && (slash == std::string::npos || dot > slash + 1))
-    name.resize(dot);
+  std::string name(without_extension(camera.name));
   for (char& c : name)
     if (c == '/' || c == '\\' || static_cast<unsigned char>(c) < ' ') c = '_';
   return name.empty() ? std::to_string(number) : name;
 }
 
-/// Every camera there is for the scene, before any is chosen.
-std::vector<Camera> all_cameras(const SceneOptions& scene_options, const ViewOptions& options,
-                                const Scene& scene) {
-  if (!options.cameras.empty()) return read_cameras(options.cameras);
-  if (!builtin_size(scene_options.scene)) return {default_view(scene)};
-  std::vector<Camera> cameras = builtin_cameras();
-  cameras.insert(cameras.begin(), builtin_camera());
-  return cameras;
+/// The numbers of the cameras of the image that is called `name`, in full, without extension, or as the file
+/// is called that it is rendered to.
+std::vector<std::size_t> cameras_called(std::string_view name, const std::vector<Camera>& cameras) {
+  std::vector<std::size_t> in_full, in_part;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    if (cameras[i].name == name) in_full.push_back(i);
+    if (without_extension(cameras[i].name) == name || file_name(cameras[i], i) == name) in_part.push_back(i);
+  }
+  return in_full.empty() ? in_part : in_full;
+}
+
+/// The numbers that `text`, as `8` or `3-7`, stands for, or none.
+std::vector<std::size_t> numbers_in(std::string_view text, std::size_t count) {
+  const std::vector<std::string_view> ends = split(text, '-');
+  const std::optional<std::size_t> first = parse<std::size_t>(ends.front()),
+                                   last = parse<std::size_t>(ends.back());
+  std::vector<std::size_t> numbers;
+  if (ends.size() > 2 || !first || !last || *last >= count) return numbers;
+  for (std::size_t number = *first; number <= *last; ++number) numbers.push_back(number);
+  return numbers;
+}
+
+/// The cameras that one part of a list chooses, or none.
+std::vector<std::size_t> cameras_at(std::string_view part, const std::vector<Camera>& cameras) {
+  // Images are often called 0001, 0002 and so on.
+  const bool name_first = part.size() > 1 && part.starts_with('0');
+  std::vector<std::size_t> called;
+  if (name_first) called = cameras_called(part, cameras);
+  if (called.empty()) called = numbers_in(part, cameras.size());
+  return called.empty() ? cameras_called(part, cameras) : called;
+}
+
+/// Suggests an image for a name that none has, unless it is a number.
+std::string nearest_name(std::string_view name, const std::vector<Camera>& cameras) {
+  if (name.find_first_not_of("0123456789-") == name.npos) return {};
+  std::vector<std::string> known;
+  for (const Camera& camera : cameras) {
+    known.push_back(camera.name);
+    known.emplace_back(without_extension(camera.name));
+  }
+  return suggestion(name, known);
 }
 
 /// The cameras called `numbers`, scaled, each with a name of its own.
-std::vector<View> views_numbered(const std::vector<Camera>& cameras, const std::vector<std::size_t>& numbers,
+std::vector<View> views_numbered(const Cameras& cameras, const std::vector<std::size_t>& numbers,
                                  double scale) {
   if (!(scale > 0) || !std::isfinite(scale))
-    throw std::invalid_argument("--scale: expected a finite scale above 0");
+    throw std::invalid_argument("--scale " + text_of_number(scale) + ": expected a finite scale above 0");
   std::vector<View> views;
   std::set<std::string> names;
   for (const std::size_t number : numbers) {
-    View view{scaled(cameras[number], scale), file_name(cameras[number], number)};
+    const Camera& camera = cameras.all[number];
+    View view{scaled(camera, scale), file_name(camera, number), cameras.to_find ? scale : 0};
     validate(view.camera);
     // Two images must never share a file.
     while (!names.insert(view.name).second) view.name.append("-").append(std::to_string(number));
@@ -76,13 +116,29 @@ std::vector<View> views_numbered(const std::vector<Camera>& cameras, const std::
 
 }  // namespace
 
-std::vector<std::size_t> choose_views(std::string_view text, std::size_t count) {
+Cameras read_cameras_of(const SceneOptions& scene, const std::string& cameras) {
+  const std::string file = cameras_of(scene, cameras);
+  Cameras result;
+  if (!file.empty()) {
+    result.all = read_cameras(file), result.of_file = true;
+    if (result.all.empty()) throw std::invalid_argument(file + ": expected at least one camera, found none");
+  } else if (builtin_size(scene.scene)) {
+    result.all = builtin_cameras();
+    result.all.insert(result.all.begin(), builtin_camera());
+  } else {
+    result.all = {default_view(Scene())}, result.to_find = true;
+  }
+  return result;
+}
+
+std::vector<std::size_t> choose_views(std::string_view text, const std::vector<Camera>& cameras) {
+  const std::size_t count = cameras.size();
+  const std::string option = "--views '" + std::string(text) + "': ";
   const auto wrong = [&] {
     return std::invalid_argument(
-        "--views '" + std::string(text) + "': expected all, every:N, except:N, or numbers from 0 to " +
+        option + "expected all, every:N, except:N, or names of images, numbers from 0 to " +
         std::to_string(count - 1) + " and ranges of them as 3-7, separated by commas");
   };
-  if (count == 0) throw std::invalid_argument("--cameras: expected at least one camera, found none");
   std::vector<std::size_t> chosen;
   const bool every = text.starts_with("every:"), except = text.starts_with("except:");
   if (every || except || text == "all") {
@@ -92,42 +148,43 @@ std::vector<std::size_t> choose_views(std::string_view text, std::size_t count) 
     for (std::size_t i = 0; i < count; ++i)
       if ((i % step == 0) != except) chosen.push_back(i);
     if (chosen.empty())
-      throw std::invalid_argument("--views '" + std::string(text) + "': expected to leave some of " +
-                                  std::to_string(count) + " views");
+      throw std::invalid_argument(option + "expected to leave some of " + std::to_string(count) + " views");
     return chosen;
   }
   for (const std::string_view part : split(text, ',')) {
-    const std::vector<std::string_view> ends = split(part, '-');
-    const std::optional<std::size_t> first = parse<std::size_t>(ends.front()),
-                                     last = parse<std::size_t>(ends.back());
-    if (ends.size() > 2 || !first || !last || *first > *last || *last >= count) throw wrong();
-    for (std::size_t number = *first; number <= *last; ++number) chosen.push_back(number);
+    const std::vector<std::size_t> numbers = cameras_at(part, cameras);
+    chosen.insert(chosen.end(), numbers.begin(), numbers.end());
+    if (!numbers.empty()) continue;
+    const std::string nearest = nearest_name(part, cameras);
+    if (nearest.empty()) throw wrong();
+    throw std::invalid_argument(option + "no image is called '" + std::string(part) + "'" + nearest);
   }
   return chosen;
 }
 
-std::vector<View> views_of(const SceneOptions& scene_options, const ViewOptions& options, const Scene& scene,
+std::vector<View> views_of(const Cameras& cameras, const ViewOptions& options,
                            std::string_view default_views) {
-  const std::vector<Camera> cameras = all_cameras(scene_options, options, scene);
   std::string_view choice = options.views;
-  if (choice.empty()) choice = options.cameras.empty() ? "0" : default_views;
-  return views_numbered(cameras, choose_views(choice, cameras.size()), options.scale);
+  if (choice.empty()) choice = cameras.of_file ? default_views : "0";
+  return views_numbered(cameras, choose_views(choice, cameras.all), options.scale);
 }
 
-std::vector<View> views_left_out(const SceneOptions& scene_options, const ViewOptions& options,
-                                 const Scene& scene) {
-  const std::vector<Camera> cameras = all_cameras(scene_options, options, scene);
-  const std::vector<std::size_t> chosen = choose_views(options.views, cameras.size());
+std::vector<View> views_left_out(const Cameras& cameras, const ViewOptions& options) {
+  const std::vector<std::size_t> chosen = choose_views(options.views, cameras.all);
   std::vector<std::size_t> others;
-  for (std::size_t i = 0; i < cameras.size(); ++i)
+  for (std::size_t i = 0; i < cameras.all.size(); ++i)
     if (std::find(chosen.begin(), chosen.end(), i) == chosen.end()) others.push_back(i);
   return views_numbered(cameras, others, options.scale);
 }
 
-RenderSettings settings_of(const ViewOptions& options, const Scene& scene) {
+void find_views(std::vector<View>& views, const Scene& scene) {
+  for (View& view : views)
+    if (view.to_find_at > 0) view.camera = scaled(default_view(scene), view.to_find_at), view.to_find_at = 0;
+}
+
+RenderSettings settings_of(const ViewOptions& options) {
   RenderSettings settings;
   settings.conventions = conventions_named(options.conventions);
-  settings.conventions.antialiased = scene.antialiased;
   const std::vector<std::string_view> parts = split(options.background, ',');
   for (std::size_t c = 0; c < 3; ++c) {
     const std::optional<float> value = parts.size() == 3 ? parse<float>(parts[c]) : std::nullopt;
@@ -136,6 +193,11 @@ RenderSettings settings_of(const ViewOptions& options, const Scene& scene) {
                                   "': expected three numbers R,G,B of 0 to 1 each, such as 1,1,1");
     settings.background[int(c)] = *value;
   }
+  return settings;
+}
+
+RenderSettings settings_for(RenderSettings settings, const Scene& scene) {
+  settings.conventions.antialiased = scene.antialiased;
   return settings;
 }
 

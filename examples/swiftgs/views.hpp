@@ -18,24 +18,43 @@ namespace swiftgs::cli {
 struct View {
   Camera camera;
   std::string name;  ///< the camera's name without extension, made a plain file name; or the view's number
+  double to_find_at = 0;  ///< scale of a view that `find_views` has yet to find; 0 for any other
 };
 
-/// The numbers below `count` that `text` chooses: `all`, `every:N` (0, N, 2N, ...), `except:N` (all others),
-/// or a list as `0,8`. Throws `std::invalid_argument` for anything else, for a number that is not below
-/// `count`, and where `except:N` leaves none.
-std::vector<std::size_t> choose_views(std::string_view text, std::size_t count);
+/// All cameras that there are for a scene, in the order of their names.
+struct Cameras {
+  std::vector<Camera> all;
+  bool of_file = false;
+  bool to_find = false;  ///< `all` is one camera that knows its image alone: the scene tells where it stands
+};
 
-/// The views that `options` ask for, scaled. Without cameras the built-in scene has a front view and an orbit
-/// of 24, any other scene has one view that is found for it; then the first is the default. With cameras
-/// `default_views` is.
-std::vector<View> views_of(const SceneOptions& scene_options, const ViewOptions& options, const Scene& scene,
+/// The cameras of `scene`: those of the file or folder `cameras`; those of the folder, where `scene` is a
+/// capture's; of the built-in scene a front view and an orbit of 24. Any other scene has one view, to be
+/// found. It looks into no scene: cameras that cannot be read are refused before gigabytes of Gaussians are
+/// read.
+Cameras read_cameras_of(const SceneOptions& scene, const std::string& cameras);
+
+/// The numbers of the cameras that `text` chooses: `all`, `every:N` (0, N, 2N, ...), `except:N` (all others),
+/// or a list of numbers, of ranges as `3-7`, and of images' names, with or without extension. An image's name
+/// that begins with 0 is a name before it is a number. Throws `std::invalid_argument` for anything else, for
+/// what is not there, and where `except:N` leaves none.
+std::vector<std::size_t> choose_views(std::string_view text, const std::vector<Camera>& cameras);
+
+/// The views that `options` choose, scaled. Of cameras from a file `default_views` is the default, else the
+/// first.
+std::vector<View> views_of(const Cameras& cameras, const ViewOptions& options,
                            std::string_view default_views);
 
 /// The views that `options.views`, which must not be empty, does not choose, scaled.
-std::vector<View> views_left_out(const SceneOptions& scene_options, const ViewOptions& options,
-                                 const Scene& scene);
+std::vector<View> views_left_out(const Cameras& cameras, const ViewOptions& options);
 
-/// What `options` say about conventions and background; anti-aliased if `scene` was trained so.
-RenderSettings settings_of(const ViewOptions& options, const Scene& scene);
+/// Finds in `scene` what `views` have yet to find.
+void find_views(std::vector<View>& views, const Scene& scene);
+
+/// What `options` say about conventions and background.
+RenderSettings settings_of(const ViewOptions& options);
+
+/// The same for `scene`: anti-aliased if it was trained so.
+RenderSettings settings_for(RenderSettings settings, const Scene& scene);
 
 }  // namespace swiftgs::cli

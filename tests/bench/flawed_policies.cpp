@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/io/replace_file.hpp>
 #include <swiftgs/serial.hpp>
 #include <swiftgs/swiftgs.hpp>
 
@@ -76,9 +77,10 @@ Session session() {
 
 Results measured(const std::vector<RendererEntry>& table, int frames, std::size_t judged) {
   Results results;
-  results.machine = describe_machine(), results.command = "flawed_policies";
+  results.head = {"swiftgs-bench", describe_machine(), "flawed_policies"};
+  ResultFile file("");
   Progress progress(table.size());
-  Runner runner(table, {{frames, frames, 0.001, 1}, judged, {}, {}}, results, progress);
+  Runner runner(table, {{frames, frames, 0.001, 1}, judged, {}, {}}, results, file, progress);
   const Session s = session();
   results.scenes.push_back(s.scene);
   runner.run(s);
@@ -91,10 +93,10 @@ void write_all(const std::filesystem::path& folder) {
   for (std::size_t i = 0; i < std::size(names); ++i) {
     Results one = timed;
     one.rows = {timed.rows.at(i)};
-    write_results(one, folder / names[i]);
+    replace_file(folder / names[i], to_json(one));
   }
-  write_results(measured(entries<PerPixel, AxisShared<FloatCholesky>, Off<PerPixel>>(), 8, 1),
-                folder / "error.json");
+  replace_file(folder / "error.json",
+               to_json(measured(entries<PerPixel, AxisShared<FloatCholesky>, Off<PerPixel>>(), 8, 1)));
 }
 
 }  // namespace

@@ -116,6 +116,43 @@ TEST_CASE("cli calibrate: a renderer finds the file beside the scene and draws t
        "run: swiftgs calibrate scene.ply --scale 0.05 --renderers 'serial/adaptive/*/ellipse'\n"});
 }
 
+TEST_CASE("cli calibrate: a place that cannot be written is replaced by the cache where renderers look too") {
+  const TemporaryFolder place;
+  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(300));
+  std::filesystem::create_directory(place / "scene.ply.sort.json");
+  const std::string text =
+      run(place, "calibrate scene.ply --renderers 'serial/adaptive/*/ellipse'" + small).out;
+  CHECK(contains(text, "cache/swiftgs/scene.ply-"));
+  CHECK(contains(
+      text, ": 1 calibration, as another place cannot be written: scene.ply.sort.json: Is a directory\n"));
+  const auto bench = [&] {
+    run(place,
+        "bench scene.ply --scales 0.05 --errors none --min-frames 2 --max-frames 2 --json r.json "
+        "--renderers serial/adaptive/per-pixel/ellipse");
+    return json::parse(content_of(place / "r.json"))["rows"][0]["calibrated"].get<bool>();
+  };
+  CHECK(bench());
+  run(place, "render ./scene.ply" + small + adaptive);
+  std::filesystem::remove(place / "scene.ply.sort.json");
+  CHECK(bench());
+  std::filesystem::remove_all(place / "cache");
+  CHECK_FALSE(bench());
+}
+
+TEST_CASE("cli calibrate: without any place it says so before it measures") {
+  const TemporaryFolder place;
+  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(300));
+  std::filesystem::create_directory(place / "scene.ply.sort.json");
+  place.write("cache", "no folder");
+  const Outcome outcome =
+      swiftgs::test::swiftgs(place, "calibrate scene.ply --renderers 'serial/adaptive/*/ellipse'" + small);
+  CHECK(outcome.code == 1);
+  CHECK(outcome.out == "");
+  CHECK(lines_in(outcome.err) == 1);
+  CHECK(contains(outcome.err, "scene.ply.sort.json: Is a directory; "));
+  CHECK(contains(outcome.err, "Not a directory; expected --out"));
+}
+
 TEST_CASE("cli calibrate: what does not fit is passed over in one line and the image is the same") {
   const TemporaryFolder place;
   calibrate_builtin(place);

@@ -191,8 +191,7 @@ TEST_CASE("cli: check writes one object a renderer and view with exactly these m
   const Outcome outcome = run(place,
                               "check builtin:1000 --scale 0.05 --views 0,5 --repeats 1 --json results.json "
                               "--renderers 'serial/standard/per-pixel/*'");
-  const json results = json::parse(swiftgs::test::content_of(place / "results.json"));
-  REQUIRE(results.is_array());
+  const json results = json::parse(swiftgs::test::content_of(place / "results.json"))["rows"];
   CHECK(results.size() == 6);
   // A header, and for each of three renderers two views and their mean.
   CHECK(swiftgs::test::lines_in(outcome.out) == 10);
@@ -218,7 +217,7 @@ TEST_CASE("cli: check compares with the photographs that have the names of the v
   run(place,
       "check builtin:1000 --scale 0.05 --views 0,1 --repeats 1 --photos photos --json results.json "
       "--renderers serial/early/per-pixel/ellipse");
-  const json results = json::parse(swiftgs::test::content_of(place / "results.json"));
+  const json results = json::parse(swiftgs::test::content_of(place / "results.json"))["rows"];
   REQUIRE(results.size() == 2);
   // The photograph is this very frame in 8 bits.
   CHECK(results[0]["photo_psnr_db"] > 50);
@@ -228,6 +227,9 @@ TEST_CASE("cli: check compares with the photographs that have the names of the v
 TEST_CASE("cli: help explains every command and gives examples") {
   const TemporaryFolder place;
   const std::string help = run(place, "--help").out;
+  CHECK(run(place, "help").out == help);
+  CHECK(run(place, "help render").out == run(place, "render --help").out);
+  CHECK(run(place, "render -h").out == run(place, "render --help").out);
   for (const std::string command : {"info", "list", "render", "compare", "check", "prune"}) {
     CHECK(contains(help, "  " + command + "  "));
     const std::string more = run(place, command + " --help").out;

@@ -87,28 +87,46 @@ TEST_CASE("cli errors: options that make no sense say what was expected") {
   fails(place, "render builtin:10 --conventions other", {"other", "gsplat or inria"});
   fails(place, "render builtin:10 --format bmp", {"bmp", "png, pfm or exr"});
   fails(place, "info builtin:10 --spz-frame up", {"up", "specified, rub, rdf, luf or raw"});
-  fails(place, "render builtin:10 --scale 0", {"--scale", "finite scale above 0"});
+  fails(place, "render builtin:10 --scale 0", {"--scale 0: expected a finite scale above 0"});
   fails(place, "render builtin:10 --scale inf", {"--scale", "finite scale above 0"});
   fails(place, "render builtin:10 --scale 1000", {"65536"});
-  fails(place, "check builtin:10 --repeats 0", {"--repeats", "at least 1"});
+  fails(place, "check builtin:10 --repeats 0", {"--repeats 0: expected at least 1"});
+  fails(place, "prune builtin:10 --keep 2 --out a.ply", {"--keep 2: expected a part"});
+  fails(place, "bench builtin:10 --scales 0,1", {"--scales '0,1': expected finite"});
+  fails(place, "bench builtin:10 --enlarge 0", {"--enlarge 0: expected factors"});
 }
 
 TEST_CASE("cli errors: arguments that are not known or missing") {
   const TemporaryFolder place;
   fails(place, "", {"expected a command: info, list, render, compare, check", "--help"});
   fails(place, "paint", {"command 'paint' is not known (see", "--help"});
+  fails(place, "RENDER builtin", {"command 'RENDER' is not known, did you mean 'render'?"});
   fails(place, "rendr builtin", {"command 'rendr' is not known, did you mean 'render'?"});
-  fails(place, "render", {"SCENE", "--help"});
+  fails(place, "render", {"swiftgs: render: expected SCENE (see swiftgs render --help)"});
+  fails(place, "prune builtin --out a.ply", {"swiftgs: prune: expected --keep (see"});
   if (run(place, "list").out.find("cuda/") == std::string::npos) {
     fails(place, "render builtin:10 --renderer cuda/early/per-pixel/ellipse", {"built without CUDA"});
     fails(place, "check builtin:10 --renderers 'cuda/*'", {"built without CUDA"});
     fails(place, "prune builtin:20 --keep 0.5 --backend cuda --out a.ply", {"built without CUDA"});
   }
+  fails(place, "--frobnicate", {"swiftgs: '--frobnicate' is not expected (see swiftgs --help)"});
+  fails(place, "prune builtin --kep 0.5 --out a.ply",
+        {"prune: '--kep' is not expected, did you mean '--keep'?"});
+  fails(place, "render buildin:50",
+        {"swiftgs: buildin:50: No such file or directory, did you mean 'builtin'?"});
+  fails(place, "info ''", {"swiftgs: SCENE: expected a file or a folder, found nothing"});
+  fails(place, "info /dev/null", {"swiftgs: /dev/null: expected a regular file\n"});
   fails(place, "render builtin:10 --colour", {"render: '--colour' is not expected (see"});
   fails(place, "render builtin:10 --sclae 0.5 here --stat",
         {"'--sclae' is not expected, did you mean '--scale'?; '0.5' is not expected; 'here' is not expected; "
          "'--stat' is not expected, did you mean '--stats'?"});
-  fails(place, "render builtin:10 --scale big", {"--scale"});
+  fails(place, "render builtin:10 --scale big", {"swiftgs: --scale 'big': expected a number (see"});
+  fails(place, "check builtin:10 --repeats 1.5", {"swiftgs: --repeats '1.5': expected a whole number (see"});
+  fails(place, "calibrate builtin:10 --scale 1,x", {"swiftgs: --scale '1,x': expected a number (see"});
+  fails(place, "render builtin:10 --scale", {"swiftgs: --scale: expected a value, found nothing (see"});
+  fails(place, "render builtin:10 --out=", {"swiftgs: --out: expected a value, found nothing (see"});
+  fails(place, "render builtin:10 --out a --out b", {"swiftgs: --out: expected one value, found 2 (see"});
+  fails(place, "render builtin:10 --stats=maybe", {"swiftgs: --stats 'maybe': expected no value (see"});
   fails(place, "compare one.png", {"B", "--help"});
 }
 

@@ -175,7 +175,8 @@ TEST_CASE("cli prune: what cannot be done is one line and writes nothing") {
   place.write("photos/none.png", "");
   const std::string out = " --out small.ply ";
   for (const std::string keep : {"0", "1.5", "nan", "inf", "-0.1"})
-    fails(place, "builtin:20 --keep=" + keep + out, "--keep: expected a part of the Gaussians above 0");
+    fails(place, "builtin:20 --keep=" + keep + out,
+          "--keep " + keep + ": expected a part of the Gaussians above 0");
   fails(place, "builtin:20" + out, "--keep");
   fails(place, "builtin:20 --keep 0.5", "--out");
   fails(place, "builtin:20 --keep 0.5 --score size" + out, "expected contribution or opacity-volume");

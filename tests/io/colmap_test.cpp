@@ -140,7 +140,8 @@ TEST_CASE("colmap: a model is found in its folder or below it and binary wins") 
   folder.write("both/sparse/0/images.bin", images_bin({{}}));
   CHECK(read_cameras(folder / "both").size() == 1);
   CHECK(read_cameras(folder / "both/sparse/0").size() == 1);
-  CHECK_THROWS_AS(read_cameras(folder / "both/sparse"), std::system_error);
+  CHECK(read_cameras(folder / "both/sparse").size() == 1);
+  CHECK_THROWS_AS(read_cameras(folder.path()), std::invalid_argument);
 }
 
 TEST_CASE("colmap: a binary file that ends early is refused wherever it ends") {

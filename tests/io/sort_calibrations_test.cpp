@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <atomic>
+#include <cstdlib>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -48,6 +51,29 @@ template <class T>
 uLong zlib_crc(uLong before, const std::vector<T>& array) {
   return zlib_crc(before, array.data(), array.size() * sizeof(T));
 }
+
+/// An environment variable for a while; without `value` there is none.
+class Variable {
+ public:
+  Variable(const char* name, const char* value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    set(value);
+  }
+  ~Variable() { set(before_ ? before_->c_str() : nullptr); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  void set(const char* value) const {
+    if (value)
+      ::setenv(name_, value, 1);
+    else
+      ::unsetenv(name_);
+  }
+
+  const char* name_;
+  std::optional<std::string> before_;
+};
 
 }  // namespace
 
@@ -246,4 +272,50 @@ TEST_CASE("sort calibrations: every part of a scene is in its checksum") {
   others[3].opacities[20] *= 0.5f, others[4].sh0[3].y += 1, others[5].sh_rest.back() += 1;
   others[6].antialiased = !scene.antialiased, others[7].sh_degree = 2;
   for (const Scene& other : others) CHECK(scene_checksum(other) != scene_checksum(scene));
+}
+
+TEST_CASE("sort calibrations: places are beside the scene and in the user's cache") {
+  const TemporaryFolder place;
+  const auto places_with = [&](const char* cache, const char* home, const fs::path& scene) {
+    const Variable a("XDG_CACHE_HOME", cache), b("HOME", home);
+    return sort_calibrations_places(scene);
+  };
+  const fs::path scene = place / "garden.spz";
+  const auto of_cache = places_with("/somewhere/cache", "/home/a", scene);
+  REQUIRE(of_cache.size() == 2);
+  CHECK(of_cache[0] == sort_calibrations_beside(scene));
+  CHECK(of_cache[1].parent_path() == "/somewhere/cache/swiftgs");
+  CHECK(of_cache[1].filename().string().starts_with("garden.spz-"));
+  CHECK(of_cache[1].filename().string().ends_with(".sort.json"));
+  CHECK(places_with(nullptr, "/home/a", scene)[1].parent_path() == "/home/a/.cache/swiftgs");
+  CHECK(places_with("", "/home/a", scene)[1].parent_path() == "/home/a/.cache/swiftgs");
+  CHECK(places_with("relative", "/home/a", scene)[1].parent_path() == "/home/a/.cache/swiftgs");
+  CHECK(places_with(nullptr, nullptr, scene).size() == 1);
+  // One scene has one place whatever way leads to it, and another scene another.
+  CHECK(places_with("/c", nullptr, place / "." / "garden.spz")[1] == places_with("/c", nullptr, scene)[1]);
+  CHECK(places_with("/c", nullptr, place / "other" / "garden.spz")[1] !=
+        places_with("/c", nullptr, scene)[1]);
+}
+
+TEST_CASE("sort calibrations: of several files the first counts at each size") {
+  const TemporaryFolder place;
+  const std::vector<fs::path> files{place / "a.json", place / "b.json"};
+  CHECK(find_sort_calibrations(files, usual_key()).why_none == "");
+  SavedSortCalibration other = usual();
+  other.measured.early_ms = 99;
+  SavedSortCalibration wider = usual();
+  wider.measured.width = 1280;
+  add_sort_calibrations(files[1], {other, wider});
+  REQUIRE(find_sort_calibrations(files, usual_key()).calibrations.size() == 2);
+  add_sort_calibrations(files[0], {usual()});
+  const FoundSortCalibrations found = find_sort_calibrations(files, usual_key());
+  REQUIRE(found.calibrations.size() == 2);
+  CHECK(found.calibrations[0].early_ms == 1.5);
+  CHECK(found.calibrations[1].width == 1280);
+  // A damaged file hides no other.
+  place.write("a.json", "damaged");
+  CHECK(find_sort_calibrations(files, usual_key()).calibrations.size() == 2);
+  CHECK(find_sort_calibrations(files, usual_key()).why_none == "");
+  place.write("b.json", "damaged too");
+  CHECK(find_sort_calibrations(files, usual_key()).why_none.starts_with(files[0].string()));
 }

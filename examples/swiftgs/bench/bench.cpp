@@ -11,9 +11,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include <swiftgs/io/replace_file.hpp>
-
-#include "bench/inputs.hpp"
+#include "bench/lists.hpp"
 #include "bench/runner.hpp"
 #include "bench/table.hpp"
 #include "bench/threads.hpp"
@@ -55,7 +53,8 @@ std::size_t judged_views(const std::string& errors) {
   if (errors == "all") return std::numeric_limits<std::size_t>::max();
   if (errors == "none") return 0;
   const std::vector<std::size_t> count = counts_of("--errors", errors);
-  if (count.size() != 1) throw std::invalid_argument("--errors: expected all, none or a number of views");
+  if (count.size() != 1)
+    throw std::invalid_argument("--errors '" + errors + "': expected all, none or a number of views");
   return count.front();
 }
 
@@ -66,6 +65,22 @@ std::vector<std::optional<std::size_t>> counts_or_one_case(const std::string& op
   const std::vector<std::size_t> counts = counts_of(option, list);
   return {counts.begin(), counts.end()};
 }
+
+/// A scene with what lies beside it.
+struct Input {
+  explicit Input(const std::string& name) : capture(capture_of({.scene = name})) {
+    scene.scene = name;
+    // A folder brings its own.
+    if (!capture.cameras.empty() && !std::filesystem::is_directory(name))
+      cameras_file = capture.cameras.string();
+    cameras = read_cameras_of(scene, cameras_file);
+  }
+
+  SceneOptions scene;
+  Capture capture;
+  std::string cameras_file;
+  Cameras cameras;
+};
 
 /// Every combination of what the options list, scene by scene.
 class Matrix {
@@ -81,7 +96,7 @@ class Matrix {
     // In results a scene goes by its name and its number of Gaussians.
     std::set<std::pair<std::string, std::size_t>> names;
     for (const std::string& scene : options.scenes) {
-      inputs_.push_back(input_named(scene));
+      inputs_.emplace_back(scene);
       const std::size_t built_in = options.gaussians.empty() ? builtin_size(scene).value_or(0) : 0;
       if (!names.emplace(name_of(inputs_.back()), built_in).second)
         throw std::invalid_argument("SCENE '" + scene +
@@ -89,16 +104,12 @@ class Matrix {
     }
   }
 
-  /// Images, an upper limit where a scene's cameras are not known yet: for the progress.
-  std::size_t images() {
+  const std::vector<Input>& inputs() const { return inputs_; }
+
+  /// How many there are, for the progress. Throws for views that there are not.
+  std::size_t images() const {
     std::size_t count = 0;
-    for (const Input& input : inputs_) {
-      ViewOptions view;
-      view.cameras = input.cameras, view.views = options_.views;
-      count += input.cameras.empty() && !builtin_size(input.scene.scene)
-                   ? 1
-                   : views_of(input.scene, view, Scene(), "every:8").size();
-    }
+    for (const Input& input : inputs_) count += views_of(input.cameras, view_options(input), "").size();
     return count * scales_.size() * enlarge_.size() * gaussians_.size() * threads_.size() *
            conventions_.size();
   }
@@ -124,7 +135,7 @@ class Matrix {
   void check_values() const {
     for (const double scale : scales_)
       if (!(scale > 0) || !std::isfinite(scale))
-        throw std::invalid_argument("--scales: expected finite factors above 0");
+        throw std::invalid_argument("--scales '" + options_.scales + "': expected finite factors above 0");
     for (const double factor : enlarge_) require_factor(factor);
     for (const std::optional<std::size_t> count : gaussians_)
       if (count) require_count(*count);
@@ -133,7 +144,14 @@ class Matrix {
   }
 
   static std::string name_of(const Input& input) {
-    return builtin_size(input.scene.scene) ? "builtin" : scene_label(input.scene.scene);
+    return builtin_size(input.scene.scene) ? "builtin" : input.capture.name;
+  }
+
+  ViewOptions view_options(const Input& input) const {
+    ViewOptions view;
+    view.cameras = input.cameras_file;
+    view.views = options_.views;
+    return view;
   }
 
   Scene variant(const Scene& original, std::optional<std::size_t> count, double factor) const {
@@ -148,18 +166,18 @@ class Matrix {
       session.threads = limit.threads();
       for (const std::string& conventions : conventions_)
         for (const double scale : scales_) {
-          ViewOptions view;
-          view.cameras = input.cameras, view.views = options_.views;
+          ViewOptions view = view_options(input);
           view.scale = scale, view.conventions = conventions;
-          session.views = views_of(input.scene, view, *session.gaussians, "every:8");
-          session.settings = settings_of(view, *session.gaussians);
+          session.views = views_of(input.cameras, view, "");
+          find_views(session.views, *session.gaussians);
+          session.settings = settings_for(settings_of(view), *session.gaussians);
           session.scale = scale, session.conventions = conventions;
           // What was measured of a scene does not hold for its variants.
           if (session.gaussians->size() == session.scene.original && session.scene.enlarge == 1)
             session.calibrations = std::make_shared<Calibrations>(input.scene, view, session.gaussians, "");
           session.photos.clear();
-          if (!input.photos.empty() && scale == 1)
-            session.photos = photographs_of(session.views, input.photos);
+          if (!input.capture.photos.empty() && scale == 1)
+            session.photos = photographs_of(session.views, input.capture.photos.string());
           run(session);
         }
     }
@@ -175,53 +193,56 @@ class Matrix {
 void bench(const BenchOptions& options) {
   validate(options.plan);
   if (!options.images.empty() && options.json.empty())
-    throw std::invalid_argument("--images: expected --json too, which names them");
+    throw std::invalid_argument("--images " + options.images + ": expected --json too, which names them");
   const std::vector<RendererEntry> entries = renderers_matching(options.renderers);
-  Matrix matrix(options);
+  const Matrix matrix(options);
   Results results;
-  results.machine = describe_machine(), results.command = command_line();
+  results.head = head_of("swiftgs-bench");
   std::vector<NamedFile> scenes;
-  for (const std::string& scene : options.scenes)
-    if (!builtin_size(scene)) scenes.push_back({"SCENE", input_named(scene).scene.scene});
+  for (const Input& input : matrix.inputs()) scenes.push_back({"SCENE", input.capture.scene.string()});
   require_distinct({{"--json", options.json}}, scenes);
-  if (!options.json.empty()) require_replaceable(options.json);  // hours of results must find a place
+  ResultFile json(options.json);
   if (!options.images.empty()) std::filesystem::create_directories(options.images);
 
   Progress progress(matrix.images() * entries.size());
   Runner runner(entries, {options.plan, judged_views(options.errors), options.images, options.json}, results,
-                progress);
+                json, progress);
   matrix.for_each_session(results, [&](const Session& session) { runner.run(session); });
   progress.clear();
   print_tables(results.rows);
+  json.finish();
 }
 
 }  // namespace
 
 void add_bench(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("bench", "Run time against error, of any part of the matrix");
+  CLI::App* command =
+      app.add_subcommand("bench", "Run time against error, of any renderers, scenes and sizes");
   command->footer(more);
   const auto options = std::make_shared<BenchOptions>();
   command->add_option("SCENE", options->scenes, "Scenes: builtin, builtin:N, files or folders")->required();
-  command
-      ->add_option("--renderers", options->renderers, "Which: names with * for any text, separated by commas")
+  command->add_option("--renderers", options->renderers, "Names with * for any text, separated by commas")
       ->capture_default_str();
-  command->add_option("--views", options->views, "Which: numbers as 0,8 or 3-7, or every:8, or all")
-      ->capture_default_str();
+  add_view_choice(*command, "--views", options->views, "Views")->capture_default_str();
   command->add_option("--scales", options->scales, "Factors of the images' sides")->capture_default_str();
   command->add_option("--gaussians", options->gaussians, "Numbers of Gaussians [as in the file]");
   command->add_option("--enlarge", options->enlarge, "Factors of the Gaussians' scales")
       ->capture_default_str();
   command->add_option("--threads", options->threads, "Numbers of threads of the cpu backend [all]");
   command->add_option("--conventions", options->conventions, "gsplat, inria or both")->capture_default_str();
-  command->add_option("--errors", options->errors, "all, none or a number of views")->capture_default_str();
-  command->add_option("--precision", options->plan.precision, "Of a median, as a part of it")
+  command
+      ->add_option("--errors", options->errors, "Views that are compared with float64: all, none or how many")
       ->capture_default_str();
-  command->add_option("--min-frames", options->plan.min_frames, "Least that are timed")
+  command
+      ->add_option("--precision", options->plan.precision,
+                   "How well medians are to be known, as a part of them")
       ->capture_default_str();
-  command->add_option("--max-frames", options->plan.max_frames, "Most that are timed")->capture_default_str();
-  command->add_option("--seed", options->plan.seed, "Of the renderers' order and of thinned scenes")
+  command->add_option("--min-frames", options->plan.min_frames, "Fewest frames to time")
       ->capture_default_str();
-  command->add_option("--json", options->json, "File for the results");
+  command->add_option("--max-frames", options->plan.max_frames, "Most frames to time")->capture_default_str();
+  command->add_option("--seed", options->plan.seed, "Seed of the renderers' order and of thinned scenes")
+      ->capture_default_str();
+  add_json(*command, options->json);
   command->add_option("--images", options->images, "Folder for images of each scene's first view");
   command->callback([options] { bench(*options); });
 }

@@ -2,28 +2,12 @@
 #include "bench/results.hpp"
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <sstream>
 
-#include <nlohmann/json.hpp>
-
-#include <swiftgs/io/replace_file.hpp>
-
+#include "json_text.hpp"
 #include "renderer_words.hpp"
 
 namespace swiftgs::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-/// `value` with as many digits as a measurement has; null where it is not finite.
-Json rounded(double value, int digits = 6) {
-  if (!std::isfinite(value)) return nullptr;
-  char text[32];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return std::strtod(text, nullptr);
-}
 
 Json named_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
@@ -87,49 +71,16 @@ Json json_of(const RowResult& r) {
   return json;
 }
 
-Json json_of(const Machine& m) {
-  Json json{{"date", m.date},
-            {"cpu", m.cpu},
-            {"cores", m.cores},
-            {"memory_gib", m.memory_gib},
-            {"system", m.system}};
-  if (m.gpu)
-    json.update(Json{{"gpu", m.gpu->name},
-                     {"driver", m.gpu->driver},
-                     {"cuda", m.gpu->cuda},
-                     {"gpu_memory_gib", rounded(m.gpu->memory_gib, 4)}});
-  json.update(Json{{"compiler", m.compiler},
-                   {"flags", m.flags},
-                   {"commit", m.commit},
-                   {"version", m.version},
-                   {"load", rounded(m.load, 3)}});
-  return json;
-}
-
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
-/// A member of an array, each element on a line of its own.
 template <class Values>
-void print(std::ostream& out, const char* name, const Values& values) {
-  out << ",\n\"" << name << "\": [";
-  const char* separator = "\n ";
-  for (const auto& value : values) out << separator << text_of(json_of(value)), separator = ",\n ";
-  out << "]";
+Member array(const char* name, const Values& values) {
+  return {name, array_of(values, [](const auto& value) { return text_of(json_of(value)); })};
 }
 
 }  // namespace
 
-std::string to_json(const Machine& machine) { return text_of(json_of(machine)); }
-
-void write_results(const Results& results, const std::filesystem::path& file) {
-  std::ostringstream out;
-  out << "{\"format\": \"swiftgs-bench\", \"version\": 1,\n\"machine\": " << to_json(results.machine)
-      << ",\n\"command\": " << text_of(results.command);
-  print(out, "scenes", results.scenes);
-  print(out, "views", results.views);
-  print(out, "rows", results.rows);
-  out << "}\n";
-  replace_file(file, out.str());
+std::string to_json(const Results& results) {
+  return document_of(results.head, {array("scenes", results.scenes), array("views", results.views),
+                                    array("rows", results.rows)});
 }
 
 }  // namespace swiftgs::cli

@@ -3,14 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <swiftgs/statistics.hpp>
 
-#include "bench/machine.hpp"
+#include "result_head.hpp"
 
 /// What `bench` measures, as docs/results.md describes its file, member by member.
 namespace swiftgs::cli {
@@ -81,18 +80,13 @@ struct RowResult {
 };
 
 struct Results {
-  Machine machine;
-  std::string command;
+  ResultHead head;
   std::vector<SceneResult> scenes;
   std::vector<ViewResult> views;
   std::vector<RowResult> rows;
 };
 
-/// The member `machine` of a result file.
-std::string to_json(const Machine& machine);
-
-/// Writes `results` to `file`, which holds what it held before until all is written. Throws
-/// `std::system_error`.
-void write_results(const Results& results, const std::filesystem::path& file);
+/// The document of `--json`.
+std::string to_json(const Results& results);
 
 }  // namespace swiftgs::cli

@@ -57,7 +57,7 @@ void Runner::run(const Session& session) {
                   session.photos.empty() ? std::nullopt : session.photos[view]);
       add_view(session, view, judge);
       measure_view(session, view, subjects, judge);
-      if (!options_.file.empty()) write_results(results_, options_.file);
+      if (file_.is_wanted()) file_.write(to_json(results_));
     }
     first += subjects.size();
   }
@@ -160,6 +160,7 @@ std::string Runner::write_image(const Place& place, const Frame& frame, const st
     name.append("-").append(part);
   const std::filesystem::path file = options_.images / (name + ".png");
   if (!std::filesystem::exists(file)) write_png(file, frame);
+  if (file.is_absolute()) return file.string();
   const std::filesystem::path from = options_.file.parent_path();
   return std::filesystem::relative(file, from.empty() ? "." : from).string();
 }

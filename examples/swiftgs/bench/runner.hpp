@@ -15,6 +15,7 @@
 #include "bench/results.hpp"
 #include "calibrations.hpp"
 #include "progress.hpp"
+#include "result_file.hpp"
 #include "views.hpp"
 
 namespace swiftgs::cli {
@@ -39,11 +40,17 @@ class Runner {
     Plan plan;
     std::size_t judged = 0;        ///< how many of a session's views are compared with a reference
     std::filesystem::path images;  ///< folder for those of a session's first view; empty for none
-    std::filesystem::path file;    ///< written after every view; empty for none
+    std::filesystem::path file;    ///< of the results, which image files are named from; empty for none
   };
 
-  Runner(std::vector<RendererEntry> entries, Options options, Results& results, Progress& progress)
-      : entries_(std::move(entries)), options_(std::move(options)), results_(results), progress_(progress) {}
+  /// `file` is written after every view.
+  Runner(std::vector<RendererEntry> entries, Options options, Results& results, ResultFile& file,
+         Progress& progress)
+      : entries_(std::move(entries)),
+        options_(std::move(options)),
+        results_(results),
+        file_(file),
+        progress_(progress) {}
 
   void run(const Session& session);
 
@@ -64,6 +71,7 @@ class Runner {
   std::vector<RendererEntry> entries_;
   Options options_;
   Results& results_;
+  ResultFile& file_;
   Progress& progress_;
 };
 

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "number_text.hpp"
+
 namespace swiftgs::cli {
 namespace {
 
@@ -63,12 +65,14 @@ void add_pieces(const Scene& scene, std::size_t i, std::size_t parts, Scene& to)
 void require_count(std::size_t count) {
   constexpr std::size_t most = 100'000'000;
   if (count == 0 || count > most)
-    throw std::invalid_argument("--gaussians: expected numbers from 1 to " + std::to_string(most));
+    throw std::invalid_argument("--gaussians " + std::to_string(count) + ": expected numbers from 1 to " +
+                                std::to_string(most));
 }
 
 void require_factor(double factor) {
   if (!(factor >= 1e-3 && factor <= 1e3))
-    throw std::invalid_argument("--enlarge: expected factors from 0.001 to 1000");
+    throw std::invalid_argument("--enlarge " + text_of_number(factor) +
+                                ": expected factors from 0.001 to 1000");
 }
 
 Scene with_count(const Scene& scene, std::size_t count, std::uint32_t seed) {

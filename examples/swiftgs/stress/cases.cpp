@@ -8,7 +8,7 @@
 
 #include <swiftgs/camera.hpp>
 
-#include "bench/inputs.hpp"
+#include "bench/lists.hpp"
 
 namespace swiftgs::cli {
 namespace {

@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stress/results.hpp"
 
-#include <nlohmann/json.hpp>
-
-#include "bench/results.hpp"
+#include "json_text.hpp"
 #include "renderer_words.hpp"
 
 namespace swiftgs::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-/// UTF-8 or not: a message may hold any bytes. What is not finite becomes null.
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 Json json_of(const StressRow& r) {
   const RendererWords words(r.renderer);
@@ -41,12 +34,9 @@ Json json_of(const StressRow& r) {
 }  // namespace
 
 std::string to_json(const StressResults& results) {
-  std::string text =
-      "{\"format\": \"swiftgs-stress\", \"version\": 1,\n\"machine\": " + to_json(results.machine) +
-      ",\n\"command\": " + text_of(results.command) + ",\n\"rows\": [";
-  for (const StressRow& row : results.rows)
-    text += (&row == results.rows.data() ? "\n " : ",\n ") + text_of(json_of(row));
-  return text + "]}\n";
+  return document_of(
+      results.head,
+      {{"rows", array_of(results.rows, [](const StressRow& row) { return text_of(json_of(row)); })}});
 }
 
 }  // namespace swiftgs::cli

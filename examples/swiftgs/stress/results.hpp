@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/machine.hpp"
+#include "result_head.hpp"
 
 /// What `stress` finds, as docs/results.md describes its file, member by member.
 namespace swiftgs::cli {
@@ -39,8 +39,7 @@ struct StressRow {
 };
 
 struct StressResults {
-  Machine machine;
-  std::string command;
+  ResultHead head;
   std::vector<StressRow> rows;
 };
 

@@ -10,6 +10,7 @@
 #include "bench/threads.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
+#include "options.hpp"
 #include "progress.hpp"
 #include "result_file.hpp"
 #include "stress/sweep.hpp"
@@ -71,7 +72,7 @@ void stress(const StressOptions& options, const std::vector<RendererEntry>& entr
   const ThreadLimit limit(options.threads);
   ResultFile file(options.json);
   StressResults results;
-  results.machine = describe_machine(), results.command = command_line();
+  results.head = head_of("swiftgs-stress");
   Sweep sweep(entries, options.seeds, limit.threads());
   {
     Progress progress(points.size() * std::size_t(options.seeds) * entries.size());
@@ -82,6 +83,7 @@ void stress(const StressOptions& options, const std::vector<RendererEntry>& entr
   }
   print_stress(results.rows);
   std::fflush(stdout);
+  file.finish();
   require_promises(results.rows);
 }
 
@@ -90,15 +92,16 @@ void add_stress(CLI::App& app) {
       app.add_subcommand("stress", "Where renderers stop being exact, on frames made to be hard");
   command->footer(more);
   const auto options = std::make_shared<StressOptions>();
-  command
-      ->add_option("--renderers", options->renderers, "Which: names with * for any text, separated by commas")
+  command->add_option("--renderers", options->renderers, "Names with * for any text, separated by commas")
       ->capture_default_str();
   command->add_option("--families", options->families, "Names separated by commas [all]");
-  command->add_option("--severity", options->severities, "all, max, or numbers")->capture_default_str();
-  command->add_option("--seeds", options->seeds, "Frames of each family and severity")->capture_default_str();
-  command->add_option("--size", options->sizes, "Of images, one or several")->capture_default_str();
-  command->add_option("--threads", options->threads, "Of the cpu backend and the reference [all]");
-  command->add_option("--json", options->json, "File for the results");
+  command->add_option("--severity", options->severities, "How hard: all, max, or numbers")
+      ->capture_default_str();
+  command->add_option("--seeds", options->seeds, "How many frames of each family and severity")
+      ->capture_default_str();
+  command->add_option("--size", options->sizes, "Sizes of images, as 64x48,960x540")->capture_default_str();
+  command->add_option("--threads", options->threads, "Threads of the cpu backend and of the reference [all]");
+  add_json(*command, options->json);
   command->callback([options] { stress(*options, renderers_matching(options->renderers)); });
 }
 

@@ -11,12 +11,13 @@ namespace swiftgs {
 
 /// Reads cameras, sorted by image name. `path` is one of
 /// - an INRIA `cameras.json`; its principal points are the image centres,
-/// - a COLMAP sparse model: the folder that holds `cameras` and `images`, or one that holds it as `sparse/0`.
-///   The binary files are read if both are there, the text files otherwise. Points are not needed.
+/// - the folder of a COLMAP sparse model, with `cameras` and `images`. The binary files are read if both are
+///   there, the text files otherwise. Points are not needed,
+/// - the folder of a capture that holds one of these, as `find_capture` says.
 ///
 /// COLMAP's camera models PINHOLE and SIMPLE_PINHOLE are read; any other is refused by name. `Camera::name`
-/// is the image's name as the file has it. Throws `FormatError`, or `std::system_error` if something cannot
-/// be read.
+/// is the image's name as the file has it. Throws `FormatError`, `std::system_error` if something cannot be
+/// read, and `std::invalid_argument` for a folder without cameras.
 SWIFTGS_API std::vector<Camera> read_cameras(const std::filesystem::path& path);
 
 }  // namespace swiftgs

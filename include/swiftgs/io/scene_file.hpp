@@ -36,11 +36,13 @@ struct SceneFile {
   std::vector<std::string> notes;       ///< what of the file the scene does not carry, a sentence each
 };
 
-/// Reads an INRIA PLY or an SPZ file (versions 1 to 4). The content decides which, never the name.
+/// Reads an INRIA PLY or an SPZ file (versions 1 to 4). The content decides which, never the name. `path` may
+/// also be the folder of a capture, in which `find_capture` finds the file.
 ///
 /// A Gaussian with a NaN, or with an infinite mean, rotation, SH coefficient or scale, is counted and left
 /// out. A scale of 0 and an opacity of 0 or 1 are legal, whatever infinity the file writes them as. The file
-/// must not change while it is read. Throws `FormatError`, or `std::system_error` if it cannot be read.
+/// must not change while it is read. Throws `FormatError`, `std::system_error` if it cannot be read, and what
+/// `find_capture` throws.
 SWIFTGS_API SceneFile read_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
 
 /// `read_scene(path, options).scene`.

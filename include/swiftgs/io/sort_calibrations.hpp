@@ -50,6 +50,11 @@ SWIFTGS_API std::string scene_checksum(const Scene& scene);
 /// `garden.spz`.
 SWIFTGS_API std::filesystem::path sort_calibrations_beside(const std::filesystem::path& scene);
 
+/// Where they are looked for, in this order: beside the scene's file; then in the user's cache, for scenes in
+/// folders that cannot be written: `$XDG_CACHE_HOME/swiftgs`, or else `~/.cache/swiftgs`, under the file's
+/// name and a checksum of its path. The second is missing where there is no home.
+SWIFTGS_API std::vector<std::filesystem::path> sort_calibrations_places(const std::filesystem::path& scene);
+
 /// Reads a file of measurements. Throws `FormatError`, or `std::system_error` if it cannot be read.
 SWIFTGS_API std::vector<SavedSortCalibration> read_sort_calibrations(const std::filesystem::path& path);
 
@@ -68,6 +73,11 @@ SWIFTGS_API std::size_t add_sort_calibrations(const std::filesystem::path& path,
 /// What the file holds for `key`. A file that is missing, damaged, or of other content, another version,
 /// device, backend or other bounds is no error: nothing is found in it.
 SWIFTGS_API FoundSortCalibrations find_sort_calibrations(const std::filesystem::path& path,
+                                                         const SortCalibrationKey& key);
+
+/// What the files hold together; of two measurements at the same size, the one in the first file counts.
+/// `why_none` is of the first file that is there.
+SWIFTGS_API FoundSortCalibrations find_sort_calibrations(const std::vector<std::filesystem::path>& paths,
                                                          const SortCalibrationKey& key);
 
 }  // namespace swiftgs

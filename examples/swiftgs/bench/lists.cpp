@@ -1,29 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/inputs.hpp"
+#include "bench/lists.hpp"
 
 #include <algorithm>
 #include <charconv>
-#include <filesystem>
 #include <stdexcept>
-
-#include "scene_input.hpp"
 
 namespace swiftgs::cli {
 namespace {
-
-namespace fs = std::filesystem;
-
-fs::path scene_in(const fs::path& folder) {
-  std::vector<fs::path> scenes;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && (entry.path().extension() == ".spz" || entry.path().extension() == ".ply"))
-      scenes.push_back(entry.path());
-  if (scenes.size() != 1)
-    throw std::invalid_argument(folder.string() +
-                                ": expected a capture, with one .spz or .ply in it, found " +
-                                std::to_string(scenes.size()));
-  return scenes.front();
-}
 
 template <class Number>
 std::vector<Number> parsed(const std::string& option, const std::string& text, const char* expected) {
@@ -41,18 +24,6 @@ std::vector<Number> parsed(const std::string& option, const std::string& text, c
 }
 
 }  // namespace
-
-Input input_named(const std::string& name) {
-  Input input;
-  input.scene.scene = name;
-  if (builtin_size(name)) return input;
-  if (fs::is_directory(name)) input.scene.scene = scene_in(name).string();
-  const fs::path folder = fs::path(input.scene.scene).parent_path();
-  for (const char* cameras : {"sparse/0", "cameras.json"})
-    if (fs::exists(folder / cameras)) input.cameras = (folder / cameras).string();
-  if (fs::is_directory(folder / "photos")) input.photos = (folder / "photos").string();
-  return input;
-}
 
 std::vector<std::string> list_of(const std::string& option, const std::string& text) {
   std::vector<std::string> parts(1);

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <swiftgs/api.hpp>
+
+namespace swiftgs {
+
+/// A trained scene and what lies beside it. A path that is empty means that there is none.
+struct Capture {
+  std::string name;               ///< of the scene: its file's without extension
+  std::filesystem::path scene;    ///< a file that `read_scene` takes
+  std::filesystem::path cameras;  ///< what `read_cameras` takes
+  std::filesystem::path photos;   ///< a folder of photographs that have the names of cameras
+};
+
+/// Finds the parts of a capture. `path` is its folder, or the scene's file in it, which need not be there.
+///
+/// In a folder NAME the scene is one of
+/// - `point_cloud/iteration_N/point_cloud.ply` with the greatest N, which INRIA's training writes; it takes
+/// the
+///   name of the folder,
+/// - `NAME.spz`, or else `NAME.ply`,
+/// - the only `.spz` or `.ply`, where `input.ply` does not count: INRIA's training keeps its points there.
+/// Cameras are a COLMAP model in the folder itself, `cameras.json`, or a COLMAP model in `sparse/0`, `sparse`
+/// or `0`, the first that is there. Photographs are in `photos`.
+///
+/// Throws `std::invalid_argument` where a folder holds no scene, or several of which none is called NAME.
+SWIFTGS_API Capture find_capture(const std::filesystem::path& path);
+
+}  // namespace swiftgs

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
+#include "cli/cameras.hpp"
+#include "cli/command.hpp"
+
+using nlohmann::json;
+using swiftgs::test::cameras_json;
+using swiftgs::test::content_of;
+using swiftgs::test::Outcome;
+using swiftgs::test::run;
+using swiftgs::test::TemporaryFolder;
+using swiftgs::test::write_colmap;
+
+namespace {
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+std::set<std::string> files_in(const std::filesystem::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.insert(entry.path().filename().string());
+  return names;
+}
+
+/// What the tool says of arguments that it must refuse in one line.
+std::string refusal(const TemporaryFolder& place, const std::string& arguments) {
+  const Outcome outcome = swiftgs::test::swiftgs(place, arguments);
+  CAPTURE(arguments);
+  CAPTURE(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(swiftgs::test::lines_in(outcome.err) == 1);
+  return outcome.err;
+}
+
+void write_capture(const TemporaryFolder& place, const std::string& folder) {
+  place.write(folder + "/cameras.json", cameras_json({"a.jpg", "b.jpg"}));
+  write_ply(place / (folder + "/scene.ply"), swiftgs::make_builtin_scene(100));
+}
+
+const std::string serial = " --renderers serial/early/per-pixel/ellipse";
+
+}  // namespace
+
+TEST_CASE("cli captures: every command takes the folder of a capture for its scene and its cameras") {
+  const TemporaryFolder place;
+  write_capture(place, "garden");
+  CHECK(contains(run(place, "info garden").out, "Gaussians       100\n"));
+  run(place, "render garden/ --out images");
+  CHECK(files_in(place / "images") == std::set<std::string>{"a.png", "b.png"});
+  CHECK(contains(run(place, "check garden --repeats 1 --views 1" + serial).out, " b "));
+  run(place, "prune garden --keep 0.5 --views 0 --backend serial --out small.ply");
+  CHECK(swiftgs::load_scene(place / "small.ply").size() == 50);
+  run(place, "calibrate garden --renderers 'serial/adaptive/*/ellipse'");
+  CHECK(std::filesystem::exists(place / "garden/scene.ply.sort.json"));
+  run(place, "render garden --renderer serial/adaptive/per-pixel/ellipse --out images");
+  run(place, "bench garden --errors none --views 1 --max-frames 2 --min-frames 2 --json r.json" + serial);
+  const json row = json::parse(content_of(place / "r.json"))["rows"][0];
+  CHECK(row["scene"] == "scene");
+  CHECK(row["view"] == "b");
+}
+
+TEST_CASE("cli captures: cameras are found in a folder whatever they are") {
+  const TemporaryFolder place;
+  place.write("json/cameras.json", cameras_json({"of-json.jpg"}));
+  write_colmap(place, "colmap/sparse/0", {"of-colmap.jpg"});
+  run(place, "render builtin:50 --cameras json --out images");
+  run(place, "render builtin:50 --cameras colmap/ --out images");
+  run(place, "render builtin:50 --cameras colmap/sparse --out images");
+  CHECK(files_in(place / "images") == std::set<std::string>{"of-json.png", "of-colmap.png"});
+  CHECK(
+      contains(refusal(place, "render builtin:50 --cameras ."), "expected cameras.json, or a COLMAP model"));
+}
+
+TEST_CASE("cli captures: a folder that is none says what is in it") {
+  const TemporaryFolder place;
+  place.write("empty/photos/a.jpg", "");
+  CHECK(refusal(place, "info empty") ==
+        "swiftgs: empty: expected a capture, a folder with one .spz or .ply in it, found none\n");
+  place.write("two/a.ply", ""), place.write("two/b.spz", "");
+  for (const std::string command :
+       {"render two", "check two", "bench two", "calibrate two", "prune two --keep 1 --out x.ply"})
+    CHECK(contains(refusal(place, command), "found a.ply, b.spz"));
+  place.write("sog/meta.json", "{}");
+  CHECK(contains(refusal(place, "render sog"), "found a SOG folder"));
+}
+
+TEST_CASE("cli captures: a result is not written over a file of the capture") {
+  const TemporaryFolder place;
+  write_capture(place, "garden");
+  CHECK(contains(refusal(place, "check garden --json garden/scene.ply"),
+                 "expected another file than that of SCENE"));
+  CHECK(contains(refusal(place, "check garden --json garden/cameras.json"),
+                 "expected another file than that of --cameras"));
+}
+
+TEST_CASE("cli views: images are chosen by name with or without extension") {
+  const TemporaryFolder place;
+  place.write("cameras.json", cameras_json({"left/a.jpg", "b.JPG", "b-2.JPG", "0003.png", "3.png"}));
+  const auto drawn = [&](const std::string& views) {
+    std::filesystem::remove_all(place / "images");
+    run(place, "render builtin:20 --cameras cameras.json --out images --views " + views);
+    return files_in(place / "images");
+  };
+  using Names = std::set<std::string>;
+  CHECK(drawn("left/a.jpg") == Names{"left_a.png"});
+  CHECK(drawn("left/a") == Names{"left_a.png"});
+  CHECK(drawn("left_a") == Names{"left_a.png"});
+  CHECK(drawn("b,b-2.JPG") == Names{"b.png", "b-2.png"});
+  // By name: 0003.png, 3.png, b-2.JPG, b.JPG, left/a.jpg.
+  CHECK(drawn("0003") == Names{"0003.png"});
+  CHECK(drawn("3") == Names{"b.png"});
+  CHECK(drawn("3.png") == Names{"3.png"});
+  CHECK(drawn("03") == Names{"b.png"});
+  CHECK(drawn("0-1,b") == Names{"0003.png", "3.png", "b.png"});
+}
+
+TEST_CASE("cli views: a name that no image has brings up the nearest") {
+  const TemporaryFolder place;
+  place.write("cameras.json", cameras_json({"DSC08042.JPG", "DSC08050.JPG"}));
+  const std::string render = "render builtin:20 --cameras cameras.json --views ";
+  CHECK(refusal(place, render + "DSC08042,DSC0805.JPG") ==
+        "swiftgs: --views 'DSC08042,DSC0805.JPG': no image is called 'DSC0805.JPG', did you mean "
+        "'DSC08050.JPG'?\n");
+  CHECK(contains(refusal(place, render + "DSC08051"), "did you mean 'DSC08050'?"));
+  CHECK(contains(refusal(place, render + "something-else"),
+                 "expected all, every:N, except:N, or names of images, numbers from 0 to 1"));
+  CHECK(contains(refusal(place, "render builtin:20 --views orbit-0"), "did you mean 'orbit-00'?"));
+}
+
+TEST_CASE("cli views: an empty choice is refused by every command") {
+  const TemporaryFolder place;
+  for (const std::string command :
+       {"render builtin:20 --views", "check builtin:20 --views", "bench builtin:20 --views",
+        "prune builtin:20 --keep 1 --out x.ply --views",
+        "calibrate builtin:20 --out c.json --check --check-views"})
+    for (const std::string empty : {" ''", "="}) {
+      const std::string told = refusal(place, command + empty);
+      CHECK(contains(told, "views: expected "));
+      CHECK(contains(told, ", found nothing"));
+    }
+}
+
+TEST_CASE("cli cameras: cameras are refused before the scene is looked at") {
+  const TemporaryFolder place;
+  place.write("broken.json", "[{\"id\": 0}]");
+  place.write("capture/cameras.json", "[{\"id\": 0}]");
+  place.write("capture/scene.ply", "no scene");
+  place.write("cameras.json", cameras_json({"a.jpg"}));
+  const std::string commands[] = {"render", "check", "calibrate", "prune --keep 1 --out x.ply", "bench"};
+  for (const std::string& command : commands) {
+    CAPTURE(command);
+    CHECK(contains(refusal(place, command + " capture"), "capture/cameras.json: byte "));
+    // Of a scene that is not there nothing is said, so nobody has looked.
+    const bool bench = command == "bench";
+    if (!bench)
+      CHECK(contains(refusal(place, command + " missing.ply --cameras broken.json"), "broken.json: byte "));
+    if (command != "calibrate")
+      CHECK(contains(
+          refusal(place, command + (bench ? " capture/missing.ply" : " missing.ply --cameras cameras.json") +
+                             " --views 99"),
+          bench ? "capture/cameras.json: byte " : "--views '99'"));
+  }
+  CHECK(contains(refusal(place, "render missing.ply --background red"), "--background 'red'"));
+  CHECK(contains(refusal(place, "render missing.ply --views 1"), "--views '1'"));
+  CHECK(contains(refusal(place, "render missing.ply --scale 0"), "--scale"));
+}

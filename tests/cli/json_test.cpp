@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/version.hpp>
+
+#include "cli/cameras.hpp"
+#include "cli/command.hpp"
+#include "support/skip.hpp"
+
+using nlohmann::json;
+using swiftgs::test::content_of;
+using swiftgs::test::Outcome;
+using swiftgs::test::run;
+using swiftgs::test::TemporaryFolder;
+
+namespace {
+
+const std::string one = " --renderers serial/early/per-pixel/ellipse";
+
+struct Command {
+  std::string name, arguments;
+  bool prints_beside = true;  ///< text that is no part of the results
+};
+
+/// One of each command that has results.
+const Command commands[] = {
+    {"info", "info builtin:50", false},
+    {"list", "list", false},
+    {"render", "render builtin:50 --scale 0.02 --views 0-1 --stats"},
+    {"check", "check builtin:50 --scale 0.02 --repeats 1" + one},
+    {"bench", "bench builtin:50 --scales 0.05 --views 0 --min-frames 2 --max-frames 2" + one},
+    {"prune", "prune builtin:50 --keep 0.5 --out small.ply --scale 0.02 --backend serial"},
+    {"stress",
+     "stress --families needles --severity 100 --seeds 1 --renderers serial/early/per-pixel/ellipse"},
+    {"calibration-check",
+     "calibrate builtin:50 --out b.json --check --scale 0.02 --renderers "
+     "'serial/adaptive/per-pixel/ellipse'"},
+};
+
+std::set<std::string> members_of(const json& object) {
+  std::set<std::string> members;
+  for (const auto& item : object.items()) members.insert(item.key());
+  return members;
+}
+
+}  // namespace
+
+TEST_CASE("cli json: the results of every command have the same head") {
+  for (const auto& [name, arguments, prints_beside] : commands) {
+    CAPTURE(arguments);
+    const TemporaryFolder place;
+    run(place, arguments + " --json results.json");
+    const std::string text = content_of(place / "results.json");
+    CHECK(text.starts_with("{\"format\": \"swiftgs-" + name + "\", \"version\": 1,\n\"machine\": {\"date\""));
+    const json results = json::parse(text);
+    CHECK(results["machine"]["version"] == swiftgs::version);
+    CHECK(results["command"].get<std::string>().starts_with("swiftgs " + arguments.substr(0, 6)));
+  }
+}
+
+TEST_CASE("cli json: a dash puts the results and nothing else on standard output") {
+  for (const auto& [name, arguments, prints_beside] : commands) {
+    CAPTURE(arguments);
+    const TemporaryFolder place;
+    const Outcome outcome = swiftgs::test::swiftgs(place, arguments + " --json -");
+    CHECK(outcome.code == 0);
+    REQUIRE(json::accept(outcome.out));
+    CHECK(json::parse(outcome.out)["format"] == "swiftgs-" + name);
+    CHECK((outcome.err != "") == prints_beside);
+    CHECK_FALSE(std::filesystem::exists(place / "-"));
+  }
+}
+
+TEST_CASE("cli json: no path of the machine is in the results") {
+  for (const auto& [name, arguments, prints_beside] : commands) {
+    CAPTURE(arguments);
+    const TemporaryFolder place;
+    run(place, arguments + " --json results.json");
+    const std::string text = content_of(place / "results.json");
+    CHECK(text.find(place.path().string()) == std::string::npos);
+    CHECK(text.find(std::filesystem::path(SWIFTGS_CLI).parent_path().string()) == std::string::npos);
+  }
+}
+
+TEST_CASE("cli json: info says what it prints") {
+  const TemporaryFolder place;
+  swiftgs::Scene scene = swiftgs::make_builtin_scene(10);
+  scene.means[3].x = std::numeric_limits<float>::quiet_NaN();
+  write_ply(place / "scene.ply", scene);
+  const json info = json::parse(run(place, "info scene.ply --json -").out);
+  CHECK(members_of(info) == std::set<std::string>{"format", "version", "machine", "command", "scene",
+                                                  "file_format", "gaussians", "stored", "dropped",
+                                                  "sh_degree", "used_sh_degree", "antialiased", "notes",
+                                                  "percentiles"});
+  CHECK(info["scene"] == "scene");
+  CHECK(info["file_format"] == "INRIA PLY (binary_little_endian)");
+  CHECK(info["gaussians"] == 9);
+  CHECK(info["stored"] == 10);
+  CHECK(info["dropped"] == 1);
+  CHECK(info["sh_degree"] == 3);
+  const json& percentiles = info["percentiles"];
+  CHECK(percentiles["percent"] == json({0, 1, 10, 25, 50, 75, 90, 99, 100}));
+  for (const char* member : {"x", "y", "z", "opacity", "longest_scale", "middle_scale", "shortest_scale"}) {
+    REQUIRE(percentiles[member].size() == 9);
+    for (std::size_t i = 1; i < 9; ++i) CHECK(percentiles[member][i - 1] <= percentiles[member][i]);
+  }
+  CHECK(percentiles["longest_scale"][8] > percentiles["shortest_scale"][8]);
+}
+
+TEST_CASE("cli json: list has the words of every renderer and whether it runs here") {
+  const TemporaryFolder place;
+  const json rows = json::parse(run(place, "list --json -").out)["rows"];
+  CHECK(rows.size() == std::size_t(swiftgs::test::lines_in(run(place, "list").out)));
+  const json& row = rows[0];
+  CHECK(members_of(row) ==
+        std::set<std::string>{"renderer", "backend", "sort", "raster", "bounds", "usable"});
+  CHECK(row["renderer"] == row["backend"].get<std::string>() + "/" + row["sort"].get<std::string>() + "/" +
+                               row["raster"].get<std::string>() + "/" + row["bounds"].get<std::string>());
+  CHECK(row["usable"].is_boolean());
+}
+
+TEST_CASE("cli json: render has a row for each image with what it prints of it") {
+  const TemporaryFolder place;
+  run(place, "render builtin:50 --scale 0.02 --views 0-1 --json plain.json --out a/b");
+  const json rows = json::parse(content_of(place / "plain.json"))["rows"];
+  REQUIRE(rows.size() == 2);
+  CHECK(members_of(rows[0]) == std::set<std::string>{"renderer", "scene", "view", "width", "height", "scale",
+                                                     "conventions", "image", "ms"});
+  CHECK(rows[0]["scene"] == "builtin:50");
+  CHECK(rows[0]["view"] == "front");
+  CHECK(rows[0]["width"] == 26);
+  CHECK(rows[0]["image"] == "a/b/front.png");
+  CHECK(rows[1]["image"] == "a/b/orbit-00.png");
+  CHECK(rows[1]["ms"]["total"] > 0);
+  const json counted = json::parse(
+      swiftgs::test::swiftgs(place, "render builtin:50 --scale 0.02 --stats --json -").out)["rows"][0];
+  CHECK(counted["gaussians"] == 50);
+  for (const char* member : {"visible", "instances", "contributing_pairs"}) CHECK(counted[member] > 0);
+  CHECK(counted["pixels_stopped"].is_number());
+}
+
+TEST_CASE("cli json: results are not written over the scene") {
+  const TemporaryFolder place;
+  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(10));
+  for (const std::string command : {"info", "render"}) {
+    const Outcome outcome = swiftgs::test::swiftgs(place, command + " scene.ply --json ./scene.ply");
+    CHECK(outcome.code == 1);
+    CHECK(outcome.err.find("expected another file than that of SCENE") != std::string::npos);
+  }
+  CHECK(swiftgs::load_scene(place / "scene.ply").size() == 10);
+}
+
+TEST_CASE("cli json: a standard output that takes no results is an error") {
+  if (!std::filesystem::exists("/dev/full")) return swiftgs::test::skip("no /dev/full here");
+  const TemporaryFolder place;
+  const Outcome outcome = swiftgs::test::swiftgs(place, "list --json - >/dev/full 2>full.txt #");
+  CHECK(outcome.code == 1);
+  CHECK(content_of(place / "full.txt") == "swiftgs: standard output: No space left on device\n");
+}

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <stdexcept>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/io/cameras.hpp>
+#include <swiftgs/io/capture.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
+#include "io/scenes.hpp"
+#include "support/files.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* cameras_json =
+    R"([{"id": 0, "img_name": "a.jpg", "width": 32, "height": 16, "fx": 30, "fy": 30, "position": [0, 0, -5],
+         "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}])";
+
+void write_colmap(const TemporaryFolder& place, const std::string& folder, const std::string& image) {
+  place.write(folder + "/cameras.txt", "1 PINHOLE 32 16 30 30 16 8\n");
+  place.write(folder + "/images.txt", "1 1 0 0 0 0 0 5 1 " + image + "\n\n");
+}
+
+std::string camera_in(const fs::path& path) { return read_cameras(path).at(0).name; }
+
+}  // namespace
+
+TEST_CASE("capture: a folder has the scene that is called as it is or its only one") {
+  const TemporaryFolder place;
+  place.write("garden/other.ply", ""), place.write("garden/third.ply", "");
+  CHECK_THROWS_WITH_AS(find_capture(place / "garden"), doctest::Contains("found other.ply, third.ply"),
+                       std::invalid_argument);
+  place.write("garden/garden.ply", "");
+  for (const std::string name : {"garden", "garden/", "garden/.", "garden/../garden"}) {
+    CAPTURE(name);
+    CHECK(fs::equivalent(find_capture(place / name).scene, place / "garden/garden.ply"));
+    CHECK(find_capture(place / name).name == "garden");
+  }
+  place.write("garden/garden.spz", "");
+  CHECK(find_capture(place / "garden").scene == place / "garden/garden.spz");
+  place.write("fox/scan.spz", ""), place.write("fox/input.ply", ""),
+      place.write("fox/scan.spz.sort.json", "");
+  CHECK(find_capture(place / "fox").scene == place / "fox/scan.spz");
+  CHECK(find_capture(place / "fox").name == "scan");
+}
+
+TEST_CASE("capture: of a training the last iteration counts and the folder names it") {
+  const TemporaryFolder place;
+  for (const std::string iteration : {"7000", "30000", "x", "99999x"})
+    place.write("output/point_cloud/iteration_" + iteration + "/point_cloud.ply", "");
+  place.write("output/point_cloud/iteration_90000/other.txt", "");
+  place.write("output/input.ply", ""), place.write("output/cameras.json", cameras_json);
+  const Capture capture = find_capture(place / "output");
+  CHECK(capture.scene == place / "output/point_cloud/iteration_30000/point_cloud.ply");
+  CHECK(capture.name == "output");
+  CHECK(capture.cameras == place / "output/cameras.json");
+  CHECK(capture.photos.empty());
+}
+
+TEST_CASE("capture: a scene's file has the cameras and photographs beside it") {
+  const TemporaryFolder place;
+  place.write("a/one.ply", ""), place.write("a/two.ply", "");
+  CHECK(find_capture(place / "a/one.ply").cameras.empty());
+  place.write("a/photos/x.jpg", "");
+  write_colmap(place, "a/sparse/0", "x.jpg");
+  for (const std::string name : {"one", "two", "missing"}) {
+    const Capture capture = find_capture(place / ("a/" + name + ".ply"));
+    CHECK(capture.name == name);
+    CHECK(capture.scene == place / ("a/" + name + ".ply"));
+    CHECK(capture.cameras == place / "a/sparse/0");
+    CHECK(capture.photos == place / "a/photos");
+  }
+}
+
+TEST_CASE("capture: cameras are found in a folder in one order") {
+  const TemporaryFolder place;
+  CHECK_THROWS_WITH_AS(read_cameras(place.path()),
+                       doctest::Contains("expected cameras.json, or a COLMAP model"), std::invalid_argument);
+  place.write("nerf/transforms.json", R"({"frames": [{"transform_matrix": []}]})");
+  CHECK_THROWS_WITH_AS(find_capture(place / "nerf"), doctest::Contains("found transforms.json"),
+                       std::invalid_argument);
+  CHECK_THROWS_WITH(read_cameras(place / "nerf/transforms.json"),
+                    doctest::Contains("found a transforms.json"));
+  write_colmap(place, "0", "of-0");
+  CHECK(camera_in(place.path()) == "of-0");
+  write_colmap(place, "sparse", "of-sparse");
+  CHECK(camera_in(place.path()) == "of-sparse");
+  write_colmap(place, "sparse/0", "of-sparse-0");
+  CHECK(camera_in(place.path()) == "of-sparse-0");
+  place.write("cameras.json", cameras_json);
+  CHECK(camera_in(place.path()) == "a.jpg");
+  write_colmap(place, ".", "of-itself");
+  CHECK(camera_in(place.path()) == "of-itself");
+}
+
+TEST_CASE("capture: a scene is read from its folder") {
+  const TemporaryFolder place;
+  place.write("fox/cameras.json", cameras_json);
+  write_ply(place / "fox/fox.ply", some_scene(5, 1));
+  CHECK(read_scene(place / "fox").scene.size() == 5);
+  CHECK(load_scene(place / "fox/").size() == 5);
+  CHECK_THROWS_AS(load_scene(place.path()), std::invalid_argument);
+}
