@@ -62,19 +62,13 @@ std::vector<Found> project_all(B& backend, const View& view, const std::vector<G
     scene.means.push_back(g.mean), scene.scales.push_back(g.scale), scene.rotations.push_back(g.rotation);
     scene.opacities.push_back(g.opacity), scene.sh0.push_back(vec3(float(4 * i)));
   }
-  ProjectScratch<B> scratch;
-  Splats<B> splats;
-  const SceneView all = swiftgs::view(scene);
-  const ProjectJob job{view.constants, all, view.grid};
-  if constexpr (std::is_same_v<B, Cpu>)
-    project(backend, job, scratch, splats);
-  else
-    project(backend, job, Ellipse(), scratch, splats);
+  std::vector<SplatShape> shapes;
+  std::vector<SplatColour> colours;
+  project_to_host(backend, view.constants, view.grid, scene, shapes, colours);
   std::vector<Found> found;
-  for (std::size_t i = 0; i < splats.count; ++i) {
-    const SplatColour colour = splats.colours.data()[i];
-    const double index = (double(colour.rgb.x) - 0.5) / (4 * double(sh::c0));
-    found.push_back({std::size_t(std::lround(index)), splats.shapes.data()[i], colour.depth});
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const double index = (double(colours[i].rgb.x) - 0.5) / (4 * double(sh::c0));
+    found.push_back({std::size_t(std::lround(index)), shapes[i], colours[i].depth});
   }
   return found;
 }
