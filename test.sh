@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Installs what is missing, builds everything with warnings as errors, for CUDA where nvcc is there, and runs every
-# test: units, header and compile-fail checks, installation, documentation, and the fuzz targets for a few seconds each.
+# test: units, header and compile-fail checks, installation, documentation, hard frames again for this processor and
+# under sanitizers, and the fuzz targets for a few seconds each.
 # Says why tests were skipped, then ends with one line, 'N passed, N failed, N skipped', and fails when one test did.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -35,6 +36,8 @@ if cmake/setup.sh test; then
     reasons+=$'no nvcc 13 or newer here: the CUDA backend\n'
     skipped=$((skipped + 1))
   fi
+  run_workflow native
+  run_workflow asan-stability
   if command -v clang++ >/dev/null; then
     run_workflow fuzz
   else

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <cfenv>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -19,6 +20,26 @@
 
 namespace swiftgs {
 
+namespace {
+
+/// Rounds to nearest until it is destroyed: kernels reduce arguments by it, whatever mode the caller has set.
+class RoundToNearest {
+ public:
+  RoundToNearest() : saved_(std::fegetround()) {
+    if (saved_ != FE_TONEAREST) std::fesetround(FE_TONEAREST);
+  }
+  ~RoundToNearest() {
+    if (saved_ != FE_TONEAREST) std::fesetround(saved_);
+  }
+  RoundToNearest(const RoundToNearest&) = delete;
+  RoundToNearest& operator=(const RoundToNearest&) = delete;
+
+ private:
+  int saved_;
+};
+
+}  // namespace
+
 struct Cpu::Arena {
   tbb::task_arena arena;
 };
@@ -34,6 +55,7 @@ void Cpu::run(std::size_t n, std::size_t grain, PartLoop part) const {
   arena_->arena.execute([&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
                       [&](const tbb::blocked_range<std::size_t>& range) {
+                        const RoundToNearest scope;
                         part.call(part.loop, range.begin(), range.end());
                       });
   });

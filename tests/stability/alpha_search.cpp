@@ -71,27 +71,37 @@ void nudge_all(Random& random, SplatShape& s) {
 template <class B>
 class Drawer {
  public:
-  explicit Drawer(B& backend) : backend_(backend), ranges_(grid_.size()) {
-    ranges_.back() = {0, 1};
-    view_ = prepare(frame_, width, height, {false, false});
-  }
+  explicit Drawer(B& backend) : backend_(backend) {}
   template <class Raster>
   void draw(Raster raster, const SplatShape& shape) {
-    const SplatColour white{vec3(1), 1};
-    const SplatsView splats{.shapes = {&shape, 1}, .depths = {&white.depth, 1}, .gaussians = {&id_, 1}};
-    const TileListsView lists{{&id_, 1}, {ranges_.data(), ranges_.size()}};
+    const std::vector<SplatShape> one{shape};
+    const Reachable reached(one);
+    const SplatsView splats{.shapes = reached.span()};  // rasterizers read no more of them
+    const TileListsView lists{id_.span(), ranges_.span()};
     rasterize(backend_, raster,
-              RasterJob{splats, {{&white, 1}}, lists, grid_, rules_, vec3(0), view_, nullptr});
+              RasterJob{splats, {white_.span()}, lists, grid_, rules_, vec3(0), frame_.view(), nullptr});
+    colours_ = &frame_.colours(backend_);
   }
-  float alpha(int x, int y) const { return frame_.colour[3 * std::size_t(y * width + x)]; }
+  float alpha(int x, int y) const { return (*colours_)[3 * std::size_t(y * width + x)]; }
 
  private:
+  /// The last tile lists the only splat.
+  static std::vector<TileRange> last_tile(TileGrid grid) {
+    std::vector<TileRange> ranges(grid.size());
+    ranges.back() = {0, 1};
+    return ranges;
+  }
+
   B& backend_;
   TileGrid grid_ = TileGrid::covering(width, height);
-  std::vector<TileRange> ranges_;
-  std::uint32_t id_ = 0;
-  Frame frame_;
-  FrameView view_;
+  std::vector<TileRange> host_ranges_ = last_tile(grid_);
+  std::vector<SplatColour> host_white_{{vec3(1), 1}};
+  std::vector<std::uint32_t> host_id_{0};
+  Reachable<TileRange> ranges_{host_ranges_};
+  Reachable<SplatColour> white_{host_white_};
+  Reachable<std::uint32_t> id_{host_id_};
+  ReachableFrame frame_{width, height};
+  const std::vector<float>* colours_ = nullptr;
   BlendRules rules_ = BlendRules::from(Conventions());
 };
 

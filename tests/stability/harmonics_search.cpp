@@ -93,8 +93,8 @@ std::string text_of(const Candidate& c) {
 
 /// Colours of all candidates by a whole projection, in the order of the candidates, which are all visible.
 template <class B>
-std::vector<float> colours(B& backend, int degree, const std::vector<Candidate>& candidates,
-                           const ViewConstants& constants, TileGrid grid) {
+std::vector<float> colours_on(B& backend, int degree, const std::vector<Candidate>& candidates,
+                              const ViewConstants& constants, TileGrid grid) {
   Scene scene;
   scene.sh_degree = degree;
   for (const Candidate& c : candidates) {
@@ -103,16 +103,8 @@ std::vector<float> colours(B& backend, int degree, const std::vector<Candidate>&
     for (int k = 0; k < sh_rest_count(degree); ++k)
       for (int channel = 0; channel < 3; ++channel) scene.sh_rest.push_back(c.rest[k]);
   }
-  SceneView view = swiftgs::view(scene);
-  view.sh_degree = degree;
-  ProjectScratch<B> scratch;
-  Splats<B> splats;
-  const ProjectJob job{constants, view, grid};
-  Footprints<B, Ellipse> footprints;
-  project(backend, job, Ellipse(), scratch, splats, footprints);
-  Colours<B> colours;
   std::vector<float> found;
-  for (const SplatColour& colour : shade(backend, ShadeJob{constants, view}, splats, colours).finish().each)
+  for (const SplatColour& colour : project_to_host(backend, constants, grid, scene).colours)
     found.push_back(colour.rgb.y);
   return found;
 }
@@ -147,7 +139,7 @@ std::vector<Worst> search_harmonics(int effort) {
       }
       for (std::size_t t = 0; t < targets.size(); ++t) {
         std::vector<float> found;
-        targets.on(t, [&](auto& b) { found = colours(b, degree, candidates, constants, grid); });
+        targets.on(t, [&](auto& b) { found = colours_on(b, degree, candidates, constants, grid); });
         for (std::size_t i = 0; i < found.size() && found.size() == candidates.size(); ++i) {
           const Exact exact = exact_colour(degree, candidates[i], direction(candidates[i].mean));
           if (exact.value > 0)  // below, the colour is cut

@@ -62,15 +62,10 @@ std::vector<Found> project_all(B& backend, const View& view, const std::vector<G
     scene.means.push_back(g.mean), scene.scales.push_back(g.scale), scene.rotations.push_back(g.rotation);
     scene.opacities.push_back(g.opacity), scene.sh0.push_back(vec3(0));
   }
-  ProjectScratch<B> scratch;
-  Splats<B> splats;
-  const SceneView all = swiftgs::view(scene);
-  const ProjectJob job{view.constants, all, view.grid};
-  Footprints<B, Ellipse> footprints;
-  project(backend, job, Ellipse(), scratch, splats, footprints);
+  const Projected projected = project_to_host(backend, view.constants, view.grid, scene);
   std::vector<Found> found;
-  for (std::size_t i = 0; i < splats.count; ++i) {
-    found.push_back({splats.gaussians.data()[i], splats.shapes.data()[i], splats.depths.data()[i]});
+  for (std::size_t i = 0; i < projected.shapes.size(); ++i) {
+    found.push_back({projected.gaussians[i], projected.shapes[i], projected.depths[i]});
   }
   return found;
 }

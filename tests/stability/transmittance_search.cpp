@@ -35,22 +35,26 @@ std::vector<float> transmittances(B& backend, const std::vector<Candidate>& cand
     for (int k = 0; k < layers; ++k) ids.push_back(first + std::uint32_t(k % c.period));
     ranges.push_back({begin, std::uint32_t(ids.size())});
   }
-  Frame frame;
-  const FrameView view = prepare(frame, width, 1, {false, false});
-  const SplatsView splats{.shapes = {shapes.data(), shapes.size()}};  // rasterizers read no more of them
-  const TileListsView lists{{ids.data(), ids.size()}, {ranges.data(), ranges.size()}};
+  ReachableFrame frame(width, 1);
+  const Reachable reached_shapes(shapes);
+  const Reachable reached_colours(colours);
+  const Reachable reached_ids(ids);
+  const Reachable reached_ranges(ranges);
+  const SplatsView splats{.shapes = reached_shapes.span()};  // rasterizers read no more of them
+  const TileListsView lists{reached_ids.span(), reached_ranges.span()};
   const BlendRules rules{1e-6f, 0.99f, 0};
   rasterize(backend, PerPixel(),
             RasterJob{splats,
-                      {{colours.data(), colours.size()}},
+                      {reached_colours.span()},
                       lists,
                       TileGrid::covering(width, 1),
                       rules,
                       vec3(1),
-                      view,
+                      frame.view(),
                       nullptr});
+  const std::vector<float>& drawn = frame.colours(backend);
   std::vector<float> found;
-  for (std::size_t i = 0; i < candidates.size(); ++i) found.push_back(frame.colour[3 * tile_side * i]);
+  for (std::size_t i = 0; i < candidates.size(); ++i) found.push_back(drawn[3 * tile_side * i]);
   return found;
 }
 

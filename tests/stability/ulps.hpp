@@ -89,8 +89,17 @@ std::string text(const char* format, T... values) {
   return line;
 }
 
-/// The searches of each file. `effort` is how often each is repeated with other seeds: tests take 1, the
-/// table 4.
+/// Without the rows of what hosts alone compute, where a device is searched.
+inline std::vector<Worst> rows_of_targets(std::vector<Worst> rows) {
+#if defined(SWIFTGS_SEARCH_ON_DEVICE)
+  rows.erase(std::remove_if(rows.begin(), rows.end(), [](const Worst& row) { return row.target != "cuda"; }),
+             rows.end());
+#endif
+  return rows;
+}
+
+/// The searches of each file. That of the axes is of hosts alone: on a device they are part of projection.
+/// `effort` is how often each is repeated with other seeds: tests take 1, the table 4.
 std::vector<Worst> search_axes(int effort);
 std::vector<Worst> search_projection(int effort);
 std::vector<Worst> search_harmonics(int effort);

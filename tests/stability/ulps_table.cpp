@@ -9,15 +9,30 @@
 
 #include "stability/ulps.hpp"
 
+#if defined(SWIFTGS_SEARCH_ON_DEVICE)
+#include <swiftgs/cuda.hpp>
+#endif
+
 using namespace swiftgs::test;
 
 namespace {
 
+#if defined(SWIFTGS_SEARCH_ON_DEVICE)
+constexpr const char* program = "cuda_ulps_table";
+#else
+constexpr const char* program = "ulps_table";
+#endif
+
 std::vector<Worst> all(int effort) {
   std::vector<Worst> rows;
-  for (const auto search :
-       {search_projection, search_axes, search_harmonics, search_exp2, search_alpha, search_transmittance})
-    for (const Worst& row : search(effort)) rows.push_back(row);
+  for (const auto search : {
+         search_projection,
+#if !defined(SWIFTGS_SEARCH_ON_DEVICE)
+             search_axes,
+#endif
+             search_harmonics, search_exp2, search_alpha, search_transmittance
+       })
+    for (const Worst& row : rows_of_targets(search(effort))) rows.push_back(row);
   return rows;
 }
 
@@ -31,7 +46,7 @@ void print_markdown(const std::vector<Worst>& rows) {
 /// `machine` is what benchmarks/describe_machine.sh prints.
 void print_json(const std::vector<Worst>& rows, const nlohmann::ordered_json& machine) {
   std::cout << "{\n \"format\": \"swiftgs-ulps\",\n \"version\": 1,\n \"machine\": " << machine.dump()
-            << ",\n \"command\": \"ulps_table --json\",\n \"rows\": [";
+            << ",\n \"command\": \"" << program << " --json\",\n \"rows\": [";
   const char* separator = "\n  ";
   for (const Worst& row : rows) {
     nlohmann::ordered_json json;
@@ -49,6 +64,12 @@ void print_json(const std::vector<Worst>& rows, const nlohmann::ordered_json& ma
 /// ulps_table [--json MACHINE.json] [EFFORT]: the largest error of every stage. EFFORT repeats
 /// the searches; 1 is what the tests run, 4 what is recorded.
 int main(int argc, char** argv) {
+#if defined(SWIFTGS_SEARCH_ON_DEVICE)
+  if (!swiftgs::Cuda::usable()) {
+    std::cerr << "cuda_ulps_table: expected a device that the kernels of this build run on\n";
+    return 1;
+  }
+#endif
   nlohmann::ordered_json machine;
   int effort = 4;
   for (int i = 1; i < argc; ++i) {

@@ -4,7 +4,9 @@
 // is tried on.
 #include <doctest/doctest.h>
 
-#ifdef SWIFTGS_MUTANT_CPU
+#if defined(SWIFTGS_MUTANT_CUDA)
+#include "cuda/draw_on_device.hpp"
+#elif defined(SWIFTGS_MUTANT_CPU)
 #include <swiftgs/cpu.hpp>
 #else
 #include <swiftgs/serial.hpp>
@@ -15,12 +17,16 @@
 namespace swiftgs::test {
 namespace {
 
-#ifdef SWIFTGS_MUTANT_CPU
+#if defined(SWIFTGS_MUTANT_CUDA)
+using Backends = Sweep<Cuda, DrawOnDevice>;
+bool unavailable() { return without_device(); }
+#elif defined(SWIFTGS_MUTANT_CPU)
 using Backends = Sweep<Cpu>;
+bool unavailable() { return false; }
 #else
 using Backends = Sweep<Serial>;
-#endif
 bool unavailable() { return false; }
+#endif
 
 }  // namespace
 }  // namespace swiftgs::test

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Defects that the stability tests must notice.
 
-A mutant replaces an exact text, which its file has once, in one file. A file of `backends/cpu` is compiled into the
-cpu backend, any other into the serial one or, where `suite` says so, into the backend or the reference that it names.
-`sources` restricts what is compiled for the cpu backend, where one of several sources shows the defect. `equivalent`
-says why no image can show the mutant: the suite must then pass. `quick` marks the selection that ctest runs.
+A mutant replaces an exact text, which its file has once, in one file. A file of `backends/cpu` or `backends/cuda` is
+compiled into that backend, any other into the serial one or, where `suite` says so, into the backend or the reference
+that it names. `sources` are the sources of the cpu or cuda backend that are compiled with the defect; of a header they
+must be named. `also` are further texts of the file, each with what replaces it. `equivalent` says why no image can show
+the mutant: the suite must then pass. `quick` marks the selection that ctest runs.
 """
 from dataclasses import dataclass
 
@@ -17,18 +18,24 @@ class Mutant:
     new: str
     suite: str = ""
     sources: tuple = ()
+    also: tuple = ()
     equivalent: str = ""
     quick: bool = False
 
     def backend(self):
-        return self.suite or ("cpu" if self.file.startswith("backends/cpu/") else "serial")
+        folder = self.file.split("/")[1]
+        return self.suite or (folder if self.file.startswith("backends/") else "serial")
 
 
 I = "include/swiftgs/"
 CPU = "backends/cpu/"
+CUDA = "backends/cuda/"
 CHOLESKY = ("raster_float_cholesky.cpp",)
 SPLIT = ("raster_float_split.cpp",)
 PER_PIXEL = ("raster_per_pixel.cpp",)
+# Of the cuda backend: both lossless bounds, so that frames of one backend are wrong alike.
+STAGES = ("stages_ellipse.cu", "stages_opacity_box.cu")
+WARPS = ("raster_float_cholesky.cu",)
 
 
 def harmonics():
@@ -48,9 +55,11 @@ def harmonics():
 
 def presets():
     """Limits of the Jacobian."""
-    for side, old in (("left", "camera.cx / camera.fx + 0.3 *"), ("right", "(camera.width - camera.cx) / camera.fx + 0.3 *"),
-                      ("top", "camera.cy / camera.fy + 0.3 *"), ("bottom", "(camera.height - camera.cy) / camera.fy + 0.3 *")):
-        yield Mutant(f"view: gsplat's limit at the {side} 0.31", I + "view_constants.hpp", old, old.replace("0.3 ", "0.31 "))
+    limits = {"left": "camera.cx / camera.fx + 0.3 *", "right": "(camera.width - camera.cx) / camera.fx + 0.3 *",
+              "top": "camera.cy / camera.fy + 0.3 *", "bottom": "(camera.height - camera.cy) / camera.fy + 0.3 *"}
+    for side, old in limits.items():
+        new = old.replace("0.3 ", "0.31 ")
+        yield Mutant(f"view: gsplat's limit at the {side} 0.31", I + "view_constants.hpp", old, new)
     for axis in "xy":
         yield Mutant(f"view: inria's limit of {axis} 1.31", I + "view_constants.hpp",
                      f"v.tan_{axis}_max = float(1.3 *", f"v.tan_{axis}_max = float(1.31 *")
@@ -60,7 +69,8 @@ MUTANTS = [
     # Projection.
     Mutant("project: camera space in float", I + "project.hpp",
            "const double d[3] = {mean.x - v.centre[0], mean.y - v.centre[1], mean.z - v.centre[2]};\n  double p[3];",
-           "const float d[3] = {float(mean.x - v.centre[0]), float(mean.y - v.centre[1]), float(mean.z - v.centre[2])};\n  float p[3];",
+           "const float d[3] = {float(mean.x - v.centre[0]), float(mean.y - v.centre[1]), "
+           "float(mean.z - v.centre[2])};\n  float p[3];",
            quick=True),
     Mutant("project: camera space rounded to float after the rotation", I + "project.hpp",
            "const double x_over_z = p[0] / p[2], y_over_z = p[1] / p[2];",
@@ -68,18 +78,22 @@ MUTANTS = [
     Mutant("project: camera's centre in float", I + "project.hpp",
            "{mean.x - v.centre[0],", "{mean.x - float(v.centre[0]),"),
     Mutant("project: depth by a float sum", I + "project.hpp", "const float z = float(p[2]);",
-           "const float z = float(v.rotation[2][0]) * float(d[0]) + float(v.rotation[2][1]) * float(d[1]) + float(v.rotation[2][2]) * float(d[2]);"),
+           "const float z = float(v.rotation[2][0]) * float(d[0]) + float(v.rotation[2][1]) * float(d[1]) +"
+           " float(v.rotation[2][2]) * float(d[2]);"),
     Mutant("project: means on 1/4096 pixel", I + "project.hpp", "s.l0 = to_base_2",
-           "s.mean = vec2(std::round(s.mean.x * 4096) / 4096, std::round(s.mean.y * 4096) / 4096);\n  s.l0 = to_base_2"),
+           "s.mean = vec2(std::round(s.mean.x * 4096) / 4096, std::round(s.mean.y * 4096) / 4096);\n"
+           "  s.l0 = to_base_2"),
     Mutant("project: means on 1/1024 pixel", I + "project.hpp", "s.l0 = to_base_2",
-           "s.mean = vec2(std::round(s.mean.x * 1024) / 1024, std::round(s.mean.y * 1024) / 1024);\n  s.l0 = to_base_2"),
+           "s.mean = vec2(std::round(s.mean.x * 1024) / 1024, std::round(s.mean.y * 1024) / 1024);\n"
+           "  s.l0 = to_base_2"),
     Mutant("view: blur times 1.0001", I + "view_constants.hpp", "v.blur = conventions.blur;",
            "v.blur = conventions.blur * 1.0001f;", quick=True),
     Mutant("view: blur times 1.001", I + "view_constants.hpp", "v.blur = conventions.blur;",
            "v.blur = conventions.blur * 1.001f;"),
     Mutant("project: cross product of rows", I + "project.hpp",
            "  return image;\n}",
-           "  image.cross = vec3(image.x.y * image.y.z - image.x.z * image.y.y, image.x.z * image.y.x - image.x.x * image.y.z,\n"
+           "  image.cross = vec3(image.x.y * image.y.z - image.x.z * image.y.y, "
+           "image.x.z * image.y.x - image.x.x * image.y.z,\n"
            "                     image.x.x * image.y.y - image.x.y * image.y.x);\n  return image;\n}"),
     Mutant("project: determinant as a difference", I + "project.hpp",
            "const float sharp = c.x * c.x + c.y * c.y + c.z * c.z;",
@@ -103,18 +117,22 @@ MUTANTS = [
            "std::sqrt(ratio > v.min_compensation ? ratio : v.min_compensation)",
            "(ratio > v.min_compensation ? ratio : v.min_compensation)"),
     Mutant("project: opacities that are not finite are drawn", I + "project.hpp",
-           "if (!(opacity >= v.alpha_min && opacity < INFINITY)) return out;", "if (!(opacity >= v.alpha_min)) return out;",
+           "if (!(opacity >= v.alpha_min && opacity < INFINITY)) return out;",
+           "if (!(opacity >= v.alpha_min)) return out;",
            quick=True),
     Mutant("project: a NaN of opacity is drawn", I + "project.hpp",
            "if (!(opacity >= v.alpha_min && opacity < INFINITY)) return out;",
            "if (opacity < v.alpha_min || opacity == INFINITY) return out;",
            equivalent="half the width is not a number then, and the splat not visible"),
-    Mutant("project: an opacity of alpha_min is left out", I + "project.hpp", "opacity >= v.alpha_min && opacity < INFINITY",
+    Mutant("project: an opacity of alpha_min is left out", I + "project.hpp",
+           "opacity >= v.alpha_min && opacity < INFINITY",
            "opacity > v.alpha_min && opacity < INFINITY"),
     Mutant("project: visible by its mean alone", I + "project.hpp", "s.mean.x + s.half_width >= 0.5f",
            "s.mean.x >= 0.5f"),
-    Mutant("project: view_direction without scaling", I + "project.hpp", "for (int k = 0; k < 3; ++k) d[k] /= largest;", ""),
-    Mutant("project: far plane left out", I + "project.hpp", "z > v.near_plane && z <= v.far_plane", "z > v.near_plane"),
+    Mutant("project: view_direction without scaling", I + "project.hpp", "for (int k = 0; k < 3; ++k) d[k] /= largest;",
+           ""),
+    Mutant("project: far plane left out", I + "project.hpp", "z > v.near_plane && z <= v.far_plane",
+           "z > v.near_plane"),
     Mutant("project: z on the far plane left out", I + "project.hpp", "z <= v.far_plane", "z < v.far_plane"),
     Mutant("project: planes compare in double", I + "project.hpp",
            "if (!(z > v.near_plane && z <= v.far_plane)) return out;",
@@ -125,25 +143,29 @@ MUTANTS = [
     Mutant("splats: largest_variance 1e34", I + "splats.hpp", "largest_variance = 1e36f", "largest_variance = 1e34f"),
     Mutant("splats: largest_variance 1e37", I + "splats.hpp", "largest_variance = 1e36f", "largest_variance = 1e37f"),
     Mutant("splats: colours are not cut at 0", I + "splats.hpp", "rgb[c] > 0 ? rgb[c] : 0.0f", "rgb[c]"),
-    Mutant("splats: colours that are not finite are drawn", I + "splats.hpp", "if (finite) return;", "return;"),
+    Mutant("splats: colours that are not finite are drawn", I + "splats.hpp", "if (finite) return true;",
+           "return true;"),
     *harmonics(),
     *presets(),
     # Order.
     Mutant("splats: depth key of one bit less", I + "splats.hpp", "return __builtin_bit_cast(std::uint32_t, depth);",
            "return __builtin_bit_cast(std::uint32_t, depth) & ~1u;", quick=True),
     Mutant("splats: keys of 30 bits", I + "splats.hpp", "depth_key_bits = 31", "depth_key_bits = 30"),
-    Mutant("sort: ties in descending order", I + "sort/early.hpp", "b.sort_pairs(scratch.depths, splats, depth_key_bits);",
+    Mutant("sort: ties in descending order", I + "sort/early.hpp",
+           "b.sort_pairs(scratch.depths, splats, depth_key_bits);",
            "std::reverse(scratch.depths.keys.data(), scratch.depths.keys.data() + splats);\n"
            "    std::reverse(scratch.depths.values.data(), scratch.depths.values.data() + splats);\n"
            "    b.sort_pairs(scratch.depths, splats, depth_key_bits);"),
-    Mutant("sort: ties in another order where the sort is standard", I + "sort/standard.hpp", "b.sort_pairs(scratch.instances,",
+    Mutant("sort: ties in another order where the sort is standard", I + "sort/standard.hpp",
+           "b.sort_pairs(scratch.instances,",
            "std::reverse(scratch.instances.keys.data(), scratch.instances.keys.data() + count);\n"
            "    std::reverse(scratch.instances.values.data(), scratch.instances.values.data() + count);\n"
            "    b.sort_pairs(scratch.instances,"),
     # Bounds.
     Mutant("bounds: no slack", I + "bounds/bounds.hpp", "return 1e-2f + 1e-4f * (half_width + half_height);",
            "return 0 * (half_width + half_height);"),
-    Mutant("bounds: tiles_between a tile short", I + "bounds/bounds.hpp", "clamped_floor(last * inv_side + 1, 0, count)}",
+    Mutant("bounds: tiles_between a tile short", I + "bounds/bounds.hpp",
+           "clamped_floor(last * inv_side + 1, 0, count)}",
            "clamped_floor(last * inv_side, 0, count)}"),
     Mutant("bounds: tiles_between a pixel short", I + "bounds/bounds.hpp", "last = std::floor(high - 0.5f);\n  if",
            "last = std::floor(high - 1.5f);\n  if"),
@@ -171,7 +193,8 @@ MUTANTS = [
            "alpha > rules_.alpha_min"),
     Mutant("raster: axis-shared alpha_min compares with >", I + "raster/axis_shared.hpp", "alpha >= rules_.alpha_min",
            "alpha > rules_.alpha_min"),
-    Mutant("raster: threshold compares with <", I + "raster/axis_shared.hpp", "s >= 0 && s <= reach_", "s >= 0 && s < reach_"),
+    Mutant("raster: threshold compares with <", I + "raster/axis_shared.hpp", "s >= 0 && s <= reach_",
+           "s >= 0 && s < reach_"),
     Mutant("raster: threshold keeps a hundredth less", I + "raster/axis_shared.hpp", "s >= 0 && s <= reach_",
            "s >= 0 && s <= 0.99f * reach_"),
     Mutant("raster: per-pixel by the conic", I + "raster/per_pixel.hpp", "std::exp2(-(u * u + v * v))",
@@ -180,20 +203,23 @@ MUTANTS = [
     Mutant("raster: exponential off by 1e-6 of log2_e", I + "raster/per_pixel.hpp", "std::exp2(-(u * u + v * v))",
            "std::exp2(-(u * u + v * v) * (1 + 1e-6f))",
            equivalent="moves alpha by at most 1e-6 / e, three roundings of ten that the gate allows"),
-    Mutant("raster: float-split from the mean", I + "raster/terms.hpp", "FloatSplit(const SplatShape& s, vec2 centre) : centre_(centre) {",
+    Mutant("raster: float-split from the mean", I + "raster/terms.hpp",
+           "FloatSplit(const SplatShape& s, vec2 centre) : centre_(centre) {",
            "FloatSplit(const SplatShape& s, vec2 centre) : centre_(s.mean) {\n    centre = s.mean;"),
     Mutant("raster: float-split without the cut at 0", I + "raster/terms.hpp", "return s < 0 ? 0 : s;", "return s;"),
     Mutant("raster: float-split a term short", I + "raster/terms.hpp", "g_ = u * u + v * v;", "g_ = u * u;"),
     Mutant("raster: half-split a term short", I + "raster/terms.hpp",
            "to_float(x.square) + to_float(y.square) + to_float(x.mixed) * to_float(y.offset)",
            "to_float(x.square) + to_float(y.square)"),
-    Mutant("raster: background times alpha", I + "store_pixel.hpp", "pixel.transmittance * below", "alpha * below", quick=True),
+    Mutant("raster: background times alpha", I + "store_pixel.hpp", "pixel.transmittance * below", "alpha * below",
+           quick=True),
     Mutant("raster: depth is not divided by alpha", I + "store_pixel.hpp", "alpha > 0 ? pixel.depth / alpha : 0.0f",
            "pixel.depth"),
     # The cpu backend's own arithmetic.
     Mutant("cpu project: camera space rounded to float", CPU + "project.cpp",
            "const Wide dx = Minus(Promote(mean.x), v.centre[0]), dy = Minus(Promote(mean.y), v.centre[1]);",
-           "const Wide dx = Promote(Demote(Minus(Promote(mean.x), v.centre[0]))), dy = Promote(Demote(Minus(Promote(mean.y), v.centre[1])));"),
+           "const Wide dx = Promote(Demote(Minus(Promote(mean.x), v.centre[0]))), "
+           "dy = Promote(Demote(Minus(Promote(mean.y), v.centre[1])));"),
     Mutant("cpu project: z in float", CPU + "project.cpp", "const Wide inverse_z = Inverse(wide_z);",
            "const Wide inverse_z = Inverse(Promote(z));"),
     Mutant("cpu project: x/z and y/z in float", CPU + "project.cpp",
@@ -201,40 +227,52 @@ MUTANTS = [
            "const Vec mean_x = Demote(ScaleAdd(Promote(Demote(x_over_z)), v.fx, v.cx))"),
     Mutant("cpu project: cross product of rows", CPU + "project.cpp",
            "const Vec3 c = Scale(CrossOfAxes(v, tx, ty, jx, jy, scale, axes), inv_sigma_y);",
-           "const Vec3 c = Scale(Vec3{hn::Sub(hn::Mul(mx.y, my.z), hn::Mul(mx.z, my.y)), hn::Sub(hn::Mul(mx.z, my.x), hn::Mul(mx.x, my.z)),\n"
+           "const Vec3 c = Scale(Vec3{hn::Sub(hn::Mul(mx.y, my.z), hn::Mul(mx.z, my.y)), hn::Sub(hn::Mul(mx.z, my.x), "
+           "hn::Mul(mx.x, my.z)),\n"
            "                        hn::Sub(hn::Mul(mx.x, my.y), hn::Mul(mx.y, my.x))}, inv_sigma_y);"),
     Mutant("cpu project: no excess of quaternions that are not unit", CPU + "project.cpp",
            "const Vec along = hn::Mul(axes.excess, Dot(axes.turn, normal));", "const Vec along = hn::Zero(d);"),
     Mutant("cpu project: blur times 1.0001", CPU + "project.cpp", "blur = hn::Set(d, v.blur);",
            "blur = hn::Set(d, v.blur * 1.0001f);"),
-    Mutant("cpu project: to_base_2 off by 1e-6", CPU + "project.cpp", "0.84932180028801904272f", "(0.84932180028801904272f + 1e-6f)"),
+    Mutant("cpu project: to_base_2 off by 1e-6", CPU + "project.cpp", "0.84932180028801904272f",
+           "(0.84932180028801904272f + 1e-6f)"),
     Mutant("cpu project: min_compensation ignored", CPU + "project.cpp",
            "hn::Max(hn::Div(sharp, var_x_given_y), hn::Set(d, v.min_compensation))", "hn::Div(sharp, var_x_given_y)"),
     Mutant("cpu project: reach by natural logarithm", CPU + "project.cpp", "hn::CallLog2(d,", "hn::CallLog(d,"),
     Mutant("cpu project: opacities that are not finite are drawn", CPU + "project.cpp",
-           "Mask visible = hn::And(hn::Ge(opacity, alpha_min), hn::Le(opacity, most));", "Mask visible = hn::Ge(opacity, alpha_min);"),
-    Mutant("cpu project: an opacity of alpha_min is left out", CPU + "project.cpp", "hn::Ge(opacity, alpha_min), hn::Le(opacity, most)",
+           "Mask visible = hn::And(hn::Ge(opacity, alpha_min), hn::Le(opacity, most));",
+           "Mask visible = hn::Ge(opacity, alpha_min);"),
+    Mutant("cpu project: an opacity of alpha_min is left out", CPU + "project.cpp",
+           "hn::Ge(opacity, alpha_min), hn::Le(opacity, most)",
            "hn::Gt(opacity, alpha_min), hn::Le(opacity, most)"),
     Mutant("cpu project: z on the near plane left out", CPU + "project.cpp", "hn::Gt(z, hn::Set(d, v.near_plane))",
            "hn::Gt(z, hn::Set(d, v.near_plane * 1.0000003f))"),
     Mutant("cpu project: z on the far plane left out", CPU + "project.cpp", "hn::Le(z, hn::Set(d, v.far_plane))",
            "hn::Lt(z, hn::Set(d, v.far_plane))"),
-    Mutant("cpu project: largest_variance 1e34", CPU + "project.cpp", "hn::Set(d, largest_variance)", "hn::Set(d, 1e34f)"),
-    Mutant("cpu project: largest_variance 1e37", CPU + "project.cpp", "hn::Set(d, largest_variance)", "hn::Set(d, 1e37f)"),
+    Mutant("cpu project: largest_variance 1e34", CPU + "project.cpp", "hn::Set(d, largest_variance)",
+           "hn::Set(d, 1e34f)"),
+    Mutant("cpu project: largest_variance 1e37", CPU + "project.cpp", "hn::Set(d, largest_variance)",
+           "hn::Set(d, 1e37f)"),
     Mutant("cpu shade: direction without scaling", CPU + "shade.cpp",
-           "direction = {hn::Div(direction.x, largest), hn::Div(direction.y, largest),\n                   hn::Div(direction.z, largest)};",
+           "direction = {hn::Div(direction.x, largest), hn::Div(direction.y, largest),\n                   "
+           "hn::Div(direction.z, largest)};",
            "(void)largest;"),
-    Mutant("cpu shade: colours that are not finite are drawn", I + "splats.hpp", "if (finite) return;", "return;",
+    Mutant("cpu shade: colours that are not finite are drawn", I + "splats.hpp", "if (finite) return true;",
+           "return true;",
            "cpu", ("shade.cpp",)),
-    Mutant("cpu shade: colours are not cut at 0", I + "splats.hpp", "rgb[c] > 0 ? rgb[c] : 0.0f", "rgb[c]", "cpu", ("shade.cpp",)),
-    Mutant("cpu shade: the last coefficient is left out", CPU + "shade.cpp", "if (j < coefficients) {", "if (j + 1 < coefficients) {"),
+    Mutant("cpu shade: colours are not cut at 0", I + "splats.hpp", "rgb[c] > 0 ? rgb[c] : 0.0f", "rgb[c]", "cpu",
+           ("shade.cpp",)),
+    Mutant("cpu shade: the last coefficient is left out", CPU + "shade.cpp", "if (j < coefficients) {",
+           "if (j + 1 < coefficients) {"),
     Mutant("cpu exp2: off by 2e-4", CPU + "exp2-inl.hpp", "6.9314700e-1f", "(6.9314700e-1f + 2e-4f)", sources=CHOLESKY),
     Mutant("cpu exp2: off by 1e-5", CPU + "exp2-inl.hpp", "6.9314700e-1f", "(6.9314700e-1f + 1e-5f)", sources=CHOLESKY),
-    Mutant("cpu exp2: the square's coefficient off by 1e-5", CPU + "exp2-inl.hpp", "2.4022242e-1f", "(2.4022242e-1f + 1e-5f)",
+    Mutant("cpu exp2: the square's coefficient off by 1e-5", CPU + "exp2-inl.hpp", "2.4022242e-1f",
+           "(2.4022242e-1f + 1e-5f)",
            sources=PER_PIXEL),
     Mutant("cpu sort: keys of 30 bits", I + "splats.hpp", "depth_key_bits = 31", "depth_key_bits = 30", "cpu",
            ("sort.cpp", "instances.cpp")),
-    Mutant("cpu raster: rows compare with <", CPU + "raster-inl.hpp", "hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.reach))",
+    Mutant("cpu raster: rows compare with <", CPU + "raster-inl.hpp",
+           "hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.reach))",
            "hn::Lt(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.reach))", sources=CHOLESKY),
     Mutant("cpu raster: T (1 - alpha)", CPU + "raster-inl.hpp", "hn::IfThenElse(hn::Gt(alpha, hn::Set(d, 0.5f)), product, difference)",
            "product", sources=CHOLESKY),
@@ -242,38 +280,94 @@ MUTANTS = [
            "difference", sources=CHOLESKY),
     Mutant("cpu raster: the stop compares with <=", CPU + "raster-inl.hpp", "hn::Lt(next, stop_below)",
            "hn::Le(next, stop_below)", sources=PER_PIXEL),
-    Mutant("cpu raster: alpha is not cut", CPU + "raster-inl.hpp", "hn::Min(alpha, alpha_max)", "alpha", sources=PER_PIXEL),
-    Mutant("cpu raster: an occluder hides only what is behind it", CPU + "raster-inl.hpp", "hn::Ge(hn::Set(d, colour[3]), occluder)",
+    Mutant("cpu raster: alpha is not cut", CPU + "raster-inl.hpp", "hn::Min(alpha, alpha_max)", "alpha",
+           sources=PER_PIXEL),
+    Mutant("cpu raster: an occluder hides only what is behind it", CPU + "raster-inl.hpp",
+           "hn::Ge(hn::Set(d, colour[3]), occluder)",
            "hn::Gt(hn::Set(d, colour[3]), occluder)", sources=PER_PIXEL),
-    Mutant("cpu raster: cholesky alpha_min compares with >", CPU + "raster_float_cholesky.cpp", "hn::Ge(alpha, hn::Set(d, alpha_min_))",
+    Mutant("cpu raster: cholesky alpha_min compares with >", CPU + "raster_float_cholesky.cpp",
+           "hn::Ge(alpha, hn::Set(d, alpha_min_))",
            "hn::Gt(alpha, hn::Set(d, alpha_min_))"),
     Mutant("cpu raster: cholesky threshold compares with >", CPU + "raster_float_cholesky.cpp",
            "hn::Ge(log2_alpha, hn::Set(d, log2_alpha_min_))", "hn::Gt(log2_alpha, hn::Set(d, log2_alpha_min_))"),
-    Mutant("cpu raster: per-pixel alpha_min compares with >", CPU + "raster_per_pixel.cpp", "hn::Ge(alpha, hn::Set(d, alpha_min_))",
+    Mutant("cpu raster: per-pixel alpha_min compares with >", CPU + "raster_per_pixel.cpp",
+           "hn::Ge(alpha, hn::Set(d, alpha_min_))",
            "hn::Gt(alpha, hn::Set(d, alpha_min_))"),
-    Mutant("cpu raster: per-pixel by the conic", CPU + "raster_per_pixel.cpp", "hn::Neg(hn::MulAdd(u, u, hn::Mul(v, v)))",
+    Mutant("cpu raster: per-pixel by the conic", CPU + "raster_per_pixel.cpp",
+           "hn::Neg(hn::MulAdd(u, u, hn::Mul(v, v)))",
            "hn::Neg(hn::Add(hn::Add(hn::Mul(hn::Mul(hn::Set(d, splat.l0 * splat.l0), dx), dx),\n"
            "                             hn::Mul(hn::Mul(hn::Set(d, 2 * splat.l0 * splat.l1), dx), dy)),\n"
-           "                             hn::MulAdd(hn::Mul(hn::Set(d, splat.l1 * splat.l1 + splat.l2 * splat.l2), dy), dy, hn::Mul(hn::Zero(d), hn::Add(u, v)))))"),
+           "                             hn::MulAdd(hn::Mul(hn::Set(d, splat.l1 * splat.l1 + splat.l2 * splat.l2), "
+           "dy), dy, hn::Mul(hn::Zero(d), hn::Add(u, v)))))"),
     Mutant("cpu raster: float-split from the mean", CPU + "raster_float_split.cpp",
            "const Vec from_centre = hn::Iota(d, float(i) - half_side);\n"
            "      hn::Store(hn::Mul(hn::MulAdd(a, from_centre, linear_x), from_centre), d, t.x_square + i);\n"
            "      hn::Store(hn::Mul(b, from_centre), d, t.x_mixed + i);\n"
-           "      hn::Store(hn::MulAdd(hn::MulAdd(c, from_centre, linear_y), from_centre, constant), d, t.y_square + i);\n"
+           "      hn::Store(hn::MulAdd(hn::MulAdd(c, from_centre, linear_y), from_centre, constant), d, t.y_square + "
+           "i);\n"
            "      hn::Store(from_centre, d, t.y_offset + i);",
-           "const Vec x = hn::Iota(d, first_centre.x - shape.mean.x + float(i)), y = hn::Iota(d, first_centre.y - shape.mean.y + float(i));\n"
+           "const Vec x = hn::Iota(d, first_centre.x - shape.mean.x + float(i)), y = hn::Iota(d, first_centre.y - "
+           "shape.mean.y + float(i));\n"
            "      hn::Store(hn::Mul(hn::Mul(a, x), x), d, t.x_square + i);\n"
            "      hn::Store(hn::Mul(b, x), d, t.x_mixed + i);\n"
            "      hn::Store(hn::Mul(hn::Mul(c, y), y), d, t.y_square + i);\n"
            "      hn::Store(y, d, t.y_offset + i);"),
     Mutant("cpu raster: float-split without the cut at 0", CPU + "raster_float_split.cpp",
            "return hn::IfThenZeroElse(hn::Lt(s, hn::Zero(F32())), s);", "return s;"),
-    Mutant("cpu bounds: no slack", CPU + "footprints.cpp", "hn::Add(All(1e-2f), hn::Mul(All(1e-4f), hn::Add(half_width, half_height)))",
+    Mutant("cpu bounds: no slack", CPU + "footprints.cpp",
+           "hn::Add(All(1e-2f), hn::Mul(All(1e-4f), hn::Add(half_width, half_height)))",
            "hn::Mul(All(0.0f), hn::Add(half_width, half_height))"),
     Mutant("cpu bounds: tiles_between a tile short", CPU + "footprints.cpp",
-           "ClampedFloor(hn::Add(hn::Mul(last, inv_side), All(1.0f)), count)", "ClampedFloor(hn::Mul(last, inv_side), count)"),
-    Mutant("cpu bounds: tiles_meeting a tile short", CPU + "footprints.cpp", "ClampedFloor(hn::Add(last, All(1.0f)), count)",
+           "ClampedFloor(hn::Add(hn::Mul(last, inv_side), All(1.0f)), count)",
+           "ClampedFloor(hn::Mul(last, inv_side), count)"),
+    Mutant("cpu bounds: tiles_meeting a tile short", CPU + "footprints.cpp",
+           "ClampedFloor(hn::Add(last, All(1.0f)), count)",
            "ClampedFloor(last, count)"),
+    # The cuda backend.
+    Mutant("cuda project: camera space in float", I + "project.hpp",
+           "const double d[3] = {mean.x - v.centre[0], mean.y - v.centre[1], mean.z - v.centre[2]};\n  double p[3];",
+           "const float d[3] = {float(mean.x - v.centre[0]), float(mean.y - v.centre[1]), "
+           "float(mean.z - v.centre[2])};\n  float p[3];",
+           "cuda", STAGES),
+    Mutant("cuda project: means on 1/4096 pixel", I + "project.hpp", "s.l0 = to_base_2",
+           "s.mean = vec2(std::round(s.mean.x * 4096) / 4096, std::round(s.mean.y * 4096) / 4096);\n  s.l0 = to_base_2",
+           "cuda", STAGES),
+    Mutant("cuda project: blur times 1.0001", CUDA + "include/swiftgs/cuda/project.cuh",
+           "splat = project_shape(job.constants, load_gaussian(job.scene, i));",
+           "{\n    ViewConstants blurred = job.constants;\n    blurred.blur *= 1.0001f;\n"
+           "    splat = project_shape(blurred, load_gaussian(job.scene, i));\n  }", sources=STAGES),
+    Mutant("cuda shade: c0 off by 2e-4", I + "sh.hpp", "inline constexpr float c0 = 0.28209479177387814f;",
+           "inline constexpr float c0 = 0.28209479177387814f + 2e-4f;", "cuda", ("shade.cu",)),
+    Mutant("cuda sort: depth key of one bit less", I + "splats.hpp",
+           "return __builtin_bit_cast(std::uint32_t, depth);", "return __builtin_bit_cast(std::uint32_t, depth) & ~1u;",
+           "cuda", STAGES + ("cuda.cu",)),
+    Mutant("cuda exp2: off by 1e-5", CUDA + "arithmetic.hpp", "  return result;", "  return result * (1 + 1e-5f);",
+           sources=WARPS),
+    Mutant("cuda raster: alpha_min compares with >", CUDA + "blending.hpp", "alpha >= limits.alpha_min",
+           "alpha > limits.alpha_min", sources=WARPS),
+    Mutant("cuda raster: threshold compares with >", CUDA + "blending.hpp", "exponent >= limits.log2_alpha_min",
+           "exponent > limits.log2_alpha_min", sources=WARPS),
+    Mutant("cuda raster: alpha is not cut", CUDA + "blending.hpp",
+           "fminf(exp2_approx(kept ? exponent : -INFINITY), limits.alpha_max)",
+           "exp2_approx(kept ? exponent : -INFINITY)", sources=WARPS),
+    Mutant("cuda raster: T (1 - alpha)", CUDA + "blending.hpp", "fmaf(-alpha, transmittance, transmittance)",
+           "transmittance * (1 - alpha)", sources=WARPS),
+    Mutant("cuda raster: an occluder hides only what is behind it", CUDA + "blending.hpp", "colour.w >= occluder",
+           "colour.w > occluder", sources=WARPS),
+    Mutant("cuda raster: parts are left out a thousandth early", CUDA + "box_touched.hpp", "s.reach * 1.0001f",
+           "s.reach * 0.999f", sources=WARPS),
+    Mutant("cuda raster: per-pixel by the conic", CUDA + "forms.hpp", "exp2_approx(-fmaf(u, u, v * v))",
+           "exp2_approx(-(factor.x * factor.x * dx * dx + 2 * factor.x * factor.y * dx * dy +\n"
+           "                                     (factor.y * factor.y + factor.z * factor.z) * dy * dy + 0 * (u + v)))",
+           sources=("raster_per_pixel.cu",)),
+    Mutant("cuda raster: float-split from the mean", CUDA + "forms.hpp",
+           "const float u = -fmaf(s.l0, mean.x, s.l1 * mean.y), v = -s.l2 * mean.y;", "const float u = 0, v = 0;",
+           sources=("raster_float_split.cu",),
+           also=(("make_float4(2 * s.l0 * u, 2 * fmaf(s.l1, u, s.l2 * v), log2_opacity, 0)",
+                  "make_float4(mean.x, mean.y, log2_opacity, 0)"),
+                 ("mixed = fmaf(terms.y, x, rest.y), column = fmaf(-x, fmaf(terms.x, x, rest.x), terms.w);",
+                  "dx = x - rest.x, mixed = terms.y * dx, column = fmaf(-dx, terms.x * dx, terms.w);"),
+                 ("at = y + float(p) * rows_between;", "at = y + float(p) * rows_between - rest.y;"))),
     # The reference.
     Mutant("reference: planes compare in double", I + "reference/variation.hpp",
            "out.drawn = between_planes(float(splat->depth));",
@@ -282,5 +376,6 @@ MUTANTS = [
            "return float(a.splat.depth) < float(b.splat.depth);", "return a.splat.depth < b.splat.depth;", "reference"),
     Mutant("reference: no blur of the determinant", I + "reference/projection.hpp",
            "det_sharp + blur * (xx + yy) + blur * blur", "det_sharp + blur * (xx + yy)", "reference"),
-    Mutant("reference: inria's limit 1.31", I + "reference/projection.hpp", "largest_tangent = 1.3 * tan_half", "largest_tangent = 1.31 * tan_half", "reference"),
+    Mutant("reference: inria's limit 1.31", I + "reference/projection.hpp", "largest_tangent = 1.3 * tan_half",
+           "largest_tangent = 1.31 * tan_half", "reference"),
 ]
