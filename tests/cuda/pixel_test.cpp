@@ -77,7 +77,14 @@ Blended blend_by_serial(const std::vector<Layer>& layers, float stop_below, cons
   TileCounts counts;
   Serial serial;
   rasterize(serial, GivenAlpha{},
-            {splats.view(), lists, TileGrid::covering(1, 1), {0, 1, stop_below}, vec3(0), frame, &counts});
+            {splats.view(),
+             splats.colours_view(),
+             lists,
+             TileGrid::covering(1, 1),
+             {0, 1, stop_below},
+             vec3(0),
+             frame,
+             &counts});
   out.pairs = counts.contributing_pairs, out.stopped = counts.pixels_stopped;
   return out;
 }

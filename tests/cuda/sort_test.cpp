@@ -110,7 +110,6 @@ TEST_CASE("cuda sort: lists from footprints that projection found are the serial
 TEST_CASE("cuda sort: footprints are found again where projection found those of another grid or bounds") {
   if (without_device()) return;
   Cuda cuda;
-  Serial serial;
   const DeviceScene scene = cuda.upload(random_scene(3000, 0, 11));
   const TileGrid grid = TileGrid::covering(700, 500), other = TileGrid::covering(500, 700);
   ProjectScratch<Cuda> scratch;

@@ -80,6 +80,7 @@ TEST_CASE("cuda arithmetic: weights in the parts of a tile are those of the seri
     const TileLists<Serial> lists = build_lists<EarlySort, Ellipse>(serial, job);
     std::vector<std::uint64_t> expected(splats.shapes.size()), parts(splats.shapes.size());
     const RasterJob raster{.splats = splats.view(),
+                           .colours = splats.colours_view(),
                            .lists = lists.view(),
                            .grid = job.grid,
                            .rules = rules,

@@ -76,7 +76,7 @@ class Drawer {
   void draw(Raster raster, const SplatShape& shape) {
     const std::vector<SplatShape> one{shape};
     const Reachable reached(one);
-    const SplatsView splats{.shapes = reached.span()};  // rasterizers read no more of them
+    const SplatsView splats{reached.span(), {}, {}};  // rasterizers read no more of them
     const TileListsView lists{id_.span(), ranges_.span()};
     rasterize(backend_, raster,
               RasterJob{splats, {white_.span()}, lists, grid_, rules_, vec3(0), frame_.view(), nullptr});

@@ -40,7 +40,7 @@ std::vector<float> transmittances(B& backend, const std::vector<Candidate>& cand
   const Reachable reached_colours(colours);
   const Reachable reached_ids(ids);
   const Reachable reached_ranges(ranges);
-  const SplatsView splats{.shapes = reached_shapes.span()};  // rasterizers read no more of them
+  const SplatsView splats{reached_shapes.span(), {}, {}};  // rasterizers read no more of them
   const TileListsView lists{reached_ids.span(), reached_ranges.span()};
   const BlendRules rules{1e-6f, 0.99f, 0};
   rasterize(backend, PerPixel(),

@@ -33,8 +33,8 @@ CUDA = "backends/cuda/"
 CHOLESKY = ("raster_float_cholesky.cpp",)
 SPLIT = ("raster_float_split.cpp",)
 PER_PIXEL = ("raster_per_pixel.cpp",)
-# Of the cuda backend: both lossless bounds, so that frames of one backend are wrong alike.
-STAGES = ("stages_ellipse.cu", "stages_opacity_box.cu")
+# Of the cuda backend: all bounds, so that frames of one backend are wrong alike.
+STAGES = ("stages.cu",)
 WARPS = ("raster_float_cholesky.cu",)
 
 
@@ -142,9 +142,9 @@ MUTANTS = [
            "conventions.near_plane"),
     Mutant("splats: largest_variance 1e34", I + "splats.hpp", "largest_variance = 1e36f", "largest_variance = 1e34f"),
     Mutant("splats: largest_variance 1e37", I + "splats.hpp", "largest_variance = 1e36f", "largest_variance = 1e37f"),
-    Mutant("splats: colours are not cut at 0", I + "splats.hpp", "rgb[c] > 0 ? rgb[c] : 0.0f", "rgb[c]"),
-    Mutant("splats: colours that are not finite are drawn", I + "splats.hpp", "if (finite) return true;",
-           "return true;"),
+    Mutant("colours: colours are not cut at 0", I + "colours.hpp", "rgb[c] > 0 ? rgb[c] : 0.0f", "rgb[c]"),
+    Mutant("colours: colours that are not finite are drawn", I + "colours.hpp",
+           "if (!(rgb[c] >= -most && rgb[c] <= most)) return {};", "(void)most;"),
     *harmonics(),
     *presets(),
     # Order.
@@ -257,10 +257,10 @@ MUTANTS = [
            "direction = {hn::Div(direction.x, largest), hn::Div(direction.y, largest),\n                   "
            "hn::Div(direction.z, largest)};",
            "(void)largest;"),
-    Mutant("cpu shade: colours that are not finite are drawn", I + "splats.hpp", "if (finite) return true;",
-           "return true;",
+    Mutant("cpu shade: colours that are not finite are drawn", I + "colours.hpp",
+           "if (!(rgb[c] >= -most && rgb[c] <= most)) return {};", "(void)most;",
            "cpu", ("shade.cpp",)),
-    Mutant("cpu shade: colours are not cut at 0", I + "splats.hpp", "rgb[c] > 0 ? rgb[c] : 0.0f", "rgb[c]", "cpu",
+    Mutant("cpu shade: colours are not cut at 0", I + "colours.hpp", "rgb[c] > 0 ? rgb[c] : 0.0f", "rgb[c]", "cpu",
            ("shade.cpp",)),
     Mutant("cpu shade: the last coefficient is left out", CPU + "shade.cpp", "if (j < coefficients) {",
            "if (j + 1 < coefficients) {"),
@@ -370,8 +370,8 @@ MUTANTS = [
                  ("at = y + float(p) * rows_between;", "at = y + float(p) * rows_between - rest.y;"))),
     # The reference.
     Mutant("reference: planes compare in double", I + "reference/variation.hpp",
-           "out.drawn = between_planes(float(splat->depth));",
-           "out.drawn = splat->depth >= double(k.near_plane) && splat->depth <= double(k.far_plane);", "reference"),
+           "const bool drawn = between_planes(float(p.z()));",
+           "const bool drawn = p.z() > double(k.near_plane) && p.z() <= double(k.far_plane);", "reference"),
     Mutant("reference: order by depth in double", I + "reference/conditioning.hpp",
            "return float(a.splat.depth) < float(b.splat.depth);", "return a.splat.depth < b.splat.depth;", "reference"),
     Mutant("reference: no blur of the determinant", I + "reference/projection.hpp",
