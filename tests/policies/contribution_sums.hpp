@@ -48,7 +48,8 @@ inline bool close(const Sums& a, const Sums& b) {
 inline Scene scene_with_hidden(std::size_t count, std::uint64_t seed) {
   Scene scene = random_scene(count, 3, seed);
   for (std::size_t i = 0; i < count; i += 10) {
-    scene.means[i] = vec3(0.01f * float(i % 7), 0, 1), scene.scales[i] = vec3(0.3f), scene.opacities[i] = 0.9f;
+    scene.means[i] = vec3(0.01f * float(i % 7), 0, 1), scene.scales[i] = vec3(0.3f),
+    scene.opacities[i] = 0.9f;
     for (int k = 0; k < sh_rest_count(3); ++k)  // those that are not 0 along the axis
       for (std::size_t c = 0; c < 3; ++c)
         scene.sh_rest[i * 45 + 3 * std::size_t(k) + c] = k == 1 || k == 5 || k == 11 ? 3e38f : 0;

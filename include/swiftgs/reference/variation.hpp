@@ -189,12 +189,11 @@ inline std::optional<VariedSplat> project_varied(const Scene& scene, const std::
   const double slack = depth_error(scene, i, view);
   const float low = float(p.z() - slack), high = float(p.z() + slack);
   const auto between_planes = [&](float z) { return is_between_planes(z, k); };
-  const bool drawn = between_planes(float(p.z()));
-  if (!drawn && !between_planes(low) && !between_planes(high)) return {};
+  if (!between_planes(float(p.z())) && !between_planes(low) && !between_planes(high)) return {};
   std::optional<Splat> splat = project_unculled(scene, i, p, view);
   if (!splat || !shade(*splat, scene, view)) return {};
   VariedSplat out{.splat = *splat, .numbers = {}};
-  out.drawn = drawn;
+  out.drawn = between_planes(float(splat->depth));
   out.least_depth = low, out.largest_depth = high;
 
   Nudges nudges(seed ^ (i * 0x2545f4914f6cdd1du));
