@@ -30,7 +30,7 @@ def read_stress(source, machine, name):
         for member in COUNTS:
             if not is_number(row.get(member)) or row[member] < 0:
                 raise InputError(f"{path}: rows[{n}].{member}: expected a number that is not negative")
-        for member in ("ratio", "max_abs"):
+        for member in ("ratio", "max_abs", "loosest"):
             if row.get(member) is not None and not is_number(row[member]):
                 raise InputError(f"{path}: rows[{n}].{member}: expected a number or null")
     return found
@@ -76,8 +76,8 @@ def stability(source, machine, size=""):
     device = found["machine"].get("gpu") if name == "cuda" else None
     images = " and ".join(f"{width}x{height}" for width, height in sizes)
     return prose(f"{device or processor(found['machine'])}, `{name}`, images of {images}, {rows[0]['seeds']} seeds at "
-                 f"each severity: the worst ratio, and in parentheses the largest absolute error of a colour. †: "
-                 f"pixels of which everything is open are not judged.") \
+                 f"each severity: the worst ratio, and in parentheses the largest absolute error of a colour. †: of some "
+                 f"pixels everything is open, and these are not judged.") \
         + "\n\n" + table(["family", *FORMS], lines)
 
 

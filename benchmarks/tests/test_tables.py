@@ -367,10 +367,11 @@ class Tables(unittest.TestCase):
         for row in found["rows"]:
             if row["family"] == "needles":
                 row.update({"per-pixel": {"ratio": 12345.0}, "axis-shared-half-split": {"ratio": None},
-                            "axis-shared-float-split": {"failed": 1}}.get(row["raster"], {}))
+                            "axis-shared-float-split": {"failed": 1},
+                            "axis-shared-float-cholesky": {"loosest": 1.0}}.get(row["raster"], {}))
         synthetic_folder.synthetic.write(folder / "stress.json", found)
         text = self.update("<!-- table: stability gpu -->\n<!-- end -->\n", results=folder.parent)[1]
-        self.assertEqual(cells(text, "`needles`")[1:], ["**1.2e+04** (2.0e-06)", "**failed**", "4.00 (4.0e-06)",
+        self.assertEqual(cells(text, "`needles`")[1:], ["**1.2e+04** (2.0e-06)", "**failed**", "4.00† (4.0e-06)",
                                                         "**inf** (4.0e-06)"])
 
     def test_a_broken_file_of_hard_frames_is_one_line(self):

@@ -43,7 +43,7 @@ std::string number(const StressRow& row, const char* format, double value) {
 std::string exact_up_to(const Rows& rows) {
   std::string severity = "-";
   for (const StressRow* row : rows) {
-    if (!row->is_exact()) break;
+    if (!row->is_exact() || row->judged == 0) break;
     severity = severity_text(row->severity);
   }
   return severity;

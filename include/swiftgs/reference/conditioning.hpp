@@ -247,7 +247,7 @@ inline void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pi
     for (std::size_t c = 0; c < 3; ++c) out.frame.colour[3 * i + c] = shown(pixel.exact, c);
     out.frame.alpha[i] = 1 - pixel.exact.transmittance;
     out.frame.depth[i] = pixel.exact.mean_depth();
-    for (const PixelState<float>& state : pixel.moved) {
+    for (const auto& state : pixel.moved) {
       const auto note = [](double& move, double value, double exact) {
         move = std::max(move, std::abs(value - exact));
       };

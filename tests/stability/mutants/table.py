@@ -173,6 +173,9 @@ MUTANTS = [
            "clamped_floor(last, 0, count)}"),
     Mutant("bounds: ellipse without the other border of a row", I + "bounds/ellipse.hpp",
            "clamp(-steepest, top, bottom, height)", "clamp(-steepest, top, top, height)"),
+    Mutant("bounds: square that ends where a tile begins", I + "bounds/three_sigma_square.hpp", "(tile_side - 1)", "tile_side"),
+    Mutant("bounds: square of 2.9 sigmas", I + "bounds/three_sigma_square.hpp", "std::ceil(3 *", "std::ceil(2.9f *"),
+    Mutant("bounds: square half a pixel off", I + "bounds/three_sigma_square.hpp", "shape.mean.x - 0.5f", "shape.mean.x"),
     # Rasterization.
     Mutant("raster: row_touched compares with <", I + "raster/raster.hpp", "nearest * nearest + v * v <= shape.reach",
            "nearest * nearest + v * v < shape.reach"),
@@ -369,6 +372,10 @@ MUTANTS = [
                   "dx = x - rest.x, mixed = terms.y * dx, column = fmaf(-dx, terms.x * dx, terms.w);"),
                  ("at = y + float(p) * rows_between;", "at = y + float(p) * rows_between - rest.y;"))),
     # The reference.
+    Mutant("reference: trials leave the factor as it is", I + "reference/variation.hpp",
+           "nudge(factor.l0), nudge(factor.l1), nudge(factor.l2);", "", "reference"),
+    Mutant("reference: trials keep pixels in double", I + "reference/conditioning.hpp",
+           "std::array<PixelState<float>, trials> moved;", "std::array<PixelState<double>, trials> moved;", "reference"),
     Mutant("reference: planes compare in double", I + "reference/variation.hpp",
            "const bool drawn = between_planes(float(p.z()));",
            "const bool drawn = p.z() > double(k.near_plane) && p.z() <= double(k.far_plane);", "reference"),
