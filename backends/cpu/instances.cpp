@@ -65,6 +65,7 @@ std::size_t emit_instances(Cpu& cpu, const EmissionJob& job, Pairs<Cpu, std::uin
                 [&](std::size_t part, Part range) { before[part] = count_instances(job, range); });
   std::uint64_t total = 0;
   for (std::size_t part = 0; part < parts; ++part) total += std::exchange(before[part], total);
+  check_sum(job.instances, total);
   out.reset(std::size_t(total));
   for_each_part(cpu, splats, parts, [&](std::size_t part, Part range) {
     std::uint64_t* keys = out.keys.data() + before[part];
@@ -101,6 +102,7 @@ void group_by_tile(Cpu& cpu, const EmissionJob& job, GroupScratch<Cpu>& scratch,
     for (std::size_t part = 0; part < parts; ++part) sum += std::exchange(positions_of(part)[tile], sum);
     lists.ranges.data()[tile] = sum > begin ? TileRange{begin, sum} : TileRange{};
   }
+  check_sum(job.instances, sum);
   for_each_part(cpu, splats, parts, [&](std::size_t part, Part range) {
     std::uint32_t* positions = positions_of(part);
     std::uint32_t* ids = lists.ids.data();

@@ -73,9 +73,11 @@ Cuda& Cuda::operator=(Cuda&&) noexcept = default;
 
 cudaStream_t Cuda::stream() const { return state_->stream; }
 
-void Cuda::check_not_captured(const char* call) const {
+void Cuda::check_not_captured(const char* call) const { state_->check_not_captured(call); }
+
+void Cuda::State::check_not_captured(const char* call) const {
   cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
-  const cudaError_t asked = cudaStreamIsCapturing(stream(), &status);
+  const cudaError_t asked = cudaStreamIsCapturing(stream, &status);
   if (asked == cudaSuccess && status == cudaStreamCaptureStatusNone) return;
   cudaGetLastError();
   // The default stream is never captured itself, but using it breaks the capture of streams that it waits
@@ -114,14 +116,17 @@ Cuda::Fork Cuda::fork() {
 cudaStream_t Cuda::Fork::stream() const { return state_->side.stream.get(); }
 
 void Cuda::Fork::join() {
-  if (State* const state = std::exchange(state_, nullptr)) state->join();
+  if (!state_) return;
+  state_->check_not_captured("join");
+  std::exchange(state_, nullptr)->join();
 }
 
 Cuda::Fork::~Fork() {
   try {
     join();
   } catch (const DeviceError&) {
-    // There is nobody left to tell.
+    // There is nobody left to tell. Work of the next fork comes after this one's, on the same stream.
+    if (state_) state_->side.forked = false;
   }
 }
 

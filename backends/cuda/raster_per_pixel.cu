@@ -23,6 +23,7 @@ template <bool extras>
 __global__ void __launch_bounds__(block_threads) raster_per_pixel(const __grid_constant__ RasterJob job) {
   __shared__ FactorBatch batch;
   TilePixel<extras> mine(job);
+  const bool some_hidden = job.colours.some_hidden();
   const TileRange range = job.lists.ranges[blockIdx.x];
   const float x = float(mine.place.x) + 0.5f, y = float(mine.place.y) + 0.5f;
 
@@ -35,7 +36,7 @@ __global__ void __launch_bounds__(block_threads) raster_per_pixel(const __grid_c
       batch.means[threadIdx.x] = make_float2(s.mean.x, s.mean.y);
       float4 factor = FactorForm::prepare(s);
       const float4 colour = load_colour(job, id);
-      if (!box_touched(s, mine.first_centre(), tile_side) || is_hidden(colour)) factor.w = 0;
+      if (!box_touched(s, mine.first_centre(), tile_side) || (some_hidden && is_hidden(colour))) factor.w = 0;
       batch.factors[threadIdx.x] = factor;
       batch.colours[threadIdx.x] = colour;
     }

@@ -128,9 +128,10 @@ Shading<Cuda> shade(Cuda& cuda, const ShadeJob& job, const Splats<Cuda>& splats,
   check_cuda(cudaGetDevice(&device), "cudaGetDevice");
   check_cuda(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device),
              "cudaDeviceGetAttribute");
-  const std::size_t most = splats.control ? splats.shapes.size() : splats.count;
+  FrameControl* const control = splats.pending.control;
+  const std::size_t most = control ? splats.shapes.size() : splats.count;
   colours.each.reset(most);
-  std::uint32_t* hidden = splats.control ? &splats.control->hidden : nullptr;
+  std::uint32_t* hidden = control ? &control->hidden : nullptr;
   if (!hidden) {
     colours.hidden.reset(1), hidden = colours.hidden.data();
     cuda.clear(hidden, sizeof *hidden);
@@ -140,8 +141,8 @@ Shading<Cuda> shade(Cuda& cuda, const ShadeJob& job, const Splats<Cuda>& splats,
       std::min(blocks_for(most, kernels::shade_threads), unsigned(multiprocessors * kernels::shade_blocks));
   if (blocks != 0)
     launch("shade", kernels::shade, blocks, kernels::shade_threads, fork.stream(), job,
-           kernels::Count{splats.control ? &splats.control->counts.visible : nullptr, most},
-           splats.gaussians.data(), splats.depths.data(), colours.each.data(), hidden);
+           kernels::Count{control ? &control->counts.visible : nullptr, most}, splats.gaussians.data(),
+           splats.depths.data(), colours.each.data(), hidden);
   return Shading<Cuda>(std::move(fork), splats, colours.each.data(), hidden);
 }
 

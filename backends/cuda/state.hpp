@@ -49,6 +49,7 @@ struct Cuda::State {
     void make();
   };
 
+  void check_not_captured(const char* call) const;
   void join();
   void wait() const;
   void copy_to_host(const void* from, void* to, std::size_t bytes) const;

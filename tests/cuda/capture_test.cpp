@@ -135,9 +135,14 @@ TEST_CASE("cuda capture: no stage touches the capture and each works afterwards"
   };
   for (const cudaStreamCaptureMode mode : modes) CHECK(nodes_of(capture(stream.get(), mode, try_all)) == 0);
 
-  // Numbers of the projection are still to be read when the capture begins.
+  // Colours are under way, and numbers of the projection still to be read, when the capture begins.
   project(cuda, job, Ellipse{}, scratch, splats, footprints);
-  CHECK(nodes_of(capture(stream.get(), cudaStreamCaptureModeGlobal, try_all)) == 0);
+  Shading<Cuda> begun = shade(cuda, shading, splats, colours);
+  CHECK(nodes_of(capture(stream.get(), cudaStreamCaptureModeGlobal, [&] {
+          refused("join", [&] { (void)begun.finish(); });
+          try_all();
+        })) == 0);
+  CHECK(begun.finish().each.data == colours.each.data());
   bin(cuda, grid, Ellipse{}, splats, footprints);
   EarlySort::Scratch<Cuda> memory;
   TileLists<Cuda> lists;

@@ -127,8 +127,17 @@ TEST_CASE("cuda sort: footprints are found again where projection found those of
   };
   REQUIRE(set.shapes.size() > 100);
   CHECK(found_by(ellipses, grid));
+  bin(cuda, grid, OpacityBox{}, splats, boxes);
+  CHECK(found_by(boxes, grid));
   bin(cuda, other, OpacityBox{}, splats, boxes);
   CHECK(found_by(boxes, other));
+
+  // Footprints that are left over from a projection are not those of other splats.
+  project(cuda, job, OpacityBox{}, scratch, splats, boxes);
+  Splats<Cuda> own;
+  CopySplats<Cuda>::copy(DeviceSplats(set).view(), own);
+  bin(cuda, grid, OpacityBox{}, own, boxes);
+  CHECK(found_by(boxes, grid));
 }
 
 TEST_CASE("cuda sort: giants among dots are listed where they lie") {

@@ -2,6 +2,7 @@
 
 // Footprints: which tiles a splat may touch, found once and walked where instances are emitted.
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -52,6 +53,25 @@ TEST_CASE("footprints: a walk names the tiles of the bounds once each and in ord
     REQUIRE(walked == expected);
   }
   CHECK(large > 50);
+}
+
+TEST_CASE_TEMPLATE("footprints: those that say another number of instances are refused", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  B backend = make_backend<B>();
+  const SplatSet splats = random_splats(20, 64, 48, 1);
+  const Binned<B, Ellipse> binned(backend, splats.job(64, 48), Ellipse{});
+  SortJob<Ellipse> job = binned.job();
+  const std::string sum = std::to_string(job.footprints.instances);
+  job.footprints.instances = 1;
+  const std::string expected =
+      "sort: the footprints hold " + sum + " instances, expected those that they say, 1";
+  const auto check = [&]<class Sort>(Sort sort) {
+    typename Sort::template Scratch<B> scratch;
+    TileLists<B> lists;
+    CHECK_THROWS_WITH_AS(sort.build(backend, job, Ellipse{}, scratch, lists), expected.c_str(),
+                         std::invalid_argument);
+  };
+  check(StandardSort()), check(EarlySort()), check(AdaptiveSort());
 }
 
 TEST_CASE_TEMPLATE("footprints: those of another number of splats are refused", B, SWIFTGS_TEST_BACKENDS) {

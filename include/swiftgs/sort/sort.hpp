@@ -131,6 +131,13 @@ inline void check_instances(std::uint64_t total) {
   if (total > max_instances) throw CapacityError("instances in one frame", total, max_instances);
 }
 
+/// Throws `std::invalid_argument` if footprints do not have as many instances as they say.
+inline void check_sum(std::uint64_t said, std::uint64_t sum) {
+  if (said != sum)
+    throw std::invalid_argument("sort: the footprints hold " + std::to_string(sum) +
+                                " instances, expected those that they say, " + std::to_string(said));
+}
+
 /// Memory that emission works in.
 template <class B>
 struct InstanceScratch {
@@ -147,11 +154,12 @@ std::size_t emit_instances(B& b, const SortJob<Bounds>& job, const Bounds& bound
                            InstanceScratch<B>& scratch, Pairs<B, Key>& instances) {
   check_footprints(job);
   const std::size_t splats = job.splats.size();
-  const std::uint64_t total = job.footprints.instances;
-  check_instances(total);
-  std::uint32_t* const offsets = (scratch.offsets.reset(splats), scratch.offsets.data());
+  check_instances(job.footprints.instances);
+  scratch.offsets.reset(splats);
+  std::uint32_t* const offsets = scratch.offsets.data();
   b.for_each(splats, CountTiles{job.footprints.each, order, offsets});
-  b.exclusive_scan(Span{offsets, splats});
+  const std::uint64_t total = b.exclusive_scan(Span{offsets, splats});
+  check_sum(job.footprints.instances, total);
   instances.reset(std::size_t(total));
   b.for_each(splats, EmitInstances<Bounds, Key>{job, bounds, order, offsets, instances.keys.data(),
                                                 instances.values.data()});

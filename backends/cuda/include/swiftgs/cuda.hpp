@@ -92,7 +92,8 @@ class SWIFTGS_API Cuda {
     ~Fork();
 
     cudaStream_t stream() const;
-    /// The second time nothing happens.
+    /// Does nothing the second time. Throws `DeviceError` while the backend's stream is being captured; the
+    /// destructor joins nothing then.
     void join();
 
    private:
@@ -206,13 +207,22 @@ class AlternatingCounters {
   bool started_ = false;
 };
 
-/// Memory of projection.
+/// Memory of projection. Holds the numbers of one projection, which the next one clears: `bin` reads them
+/// before.
 template <>
 struct ProjectScratch<Cuda> {
   RunningSums sums;
   AlternatingCounters<FrameControl> controls;
 
   std::size_t bytes() const { return bytes_of(sums, controls); }
+};
+
+/// A projection whose numbers the host has not read.
+struct PendingProjection {
+  FrameControl* control = nullptr;  ///< null: none
+  std::uint32_t epoch = 0;
+
+  bool operator==(const PendingProjection&) const = default;
 };
 
 /// The buffers have room for all Gaussians. The device learns how many are visible from `project`, the host
@@ -223,7 +233,7 @@ struct Splats<Cuda> {
   DeviceBuffer<float> depths;
   DeviceBuffer<std::uint32_t> gaussians;
   std::size_t count = 0;
-  FrameControl* control = nullptr;  ///< of the projection; null for splats of your own
+  PendingProjection pending;  ///< from `project` to `bin`; none where `count` is known
 
   void reset(std::size_t splats) { shapes.reset(splats), depths.reset(splats), gaussians.reset(splats); }
   SplatsView view() const {
@@ -240,7 +250,7 @@ struct Footprints<Cuda, Bounds> {
   std::size_t count = 0;             ///< splats
   std::uint64_t instances = 0;
   TileGrid grid;
-  bool found = false;  ///< by a projection whose numbers the host does not know yet
+  PendingProjection found_by;
 
   FootprintsView<Bounds> view() const { return {{each.data(), count}, instances, grid}; }
   std::size_t bytes() const { return bytes_of(each, counts); }

@@ -177,6 +177,7 @@ __global__ void __launch_bounds__(emit_threads)
       emit_outside(bounds, shape, grid, splat, at, end, out);
   }
 }
+
 template <BoundsPolicy Bounds, class Key>
 std::size_t run_emission(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
                          const std::uint32_t* order, InstanceScratch<Cuda>& scratch,

@@ -93,12 +93,14 @@ __global__ void __launch_bounds__(project_threads)
   output.depths[at] = splat.depth;
   output.gaussians[at] = std::uint32_t(i);
 }
+
 template <BoundsPolicy Bounds>
 void run_project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
                  Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints) {
   cuda.check_not_captured("project");
   const std::size_t n = job.scene.size();
-  splats.count = footprints.count = 0, splats.control = nullptr, footprints.found = false;
+  splats.count = footprints.count = 0, footprints.instances = 0;
+  splats.pending = footprints.found_by = {};
   splats.reset(n), footprints.each.reset(n);
   if (n == 0) return;
   const unsigned blocks = blocks_for(n, project_threads);
@@ -109,17 +111,19 @@ void run_project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, Projec
                        footprints.each.data(), controls},
          sums);
   scratch.controls.end();
-  splats.control = controls + sums.epoch % 2;
-  footprints.found = true, footprints.grid = job.grid;
+  splats.pending = footprints.found_by = {controls + sums.epoch % 2, sums.epoch};
+  footprints.grid = job.grid;
 }
 
 template <BoundsPolicy Bounds>
 void run_bin(Cuda& cuda, TileGrid grid, const Bounds& bounds, Splats<Cuda>& splats,
              Footprints<Cuda, Bounds>& footprints) {
   cuda.check_not_captured("bin");
-  const bool found = std::exchange(footprints.found, false) && footprints.grid == grid;
+  const bool found =
+      splats.pending.control && footprints.found_by == splats.pending && footprints.grid == grid;
+  footprints.found_by = {};
   FrameCounts counts{.visible = splats.count};
-  if (splats.control) counts = cuda.read(&splats.control->counts), splats.control = nullptr;
+  if (splats.pending.control) counts = cuda.read(&splats.pending.control->counts), splats.pending = {};
   splats.count = footprints.count = std::size_t(counts.visible);
   if (!found) {
     footprints.each.reset(splats.count), footprints.counts.reset(1);
