@@ -20,7 +20,8 @@ struct FactorBatch {
 /// A block a tile, a thread a pixel: the whole exponent and exponential of every listed splat, as gsplat has
 /// it.
 template <bool extras>
-__global__ void __launch_bounds__(block_threads) raster_per_pixel(const __grid_constant__ RasterJob job) {
+__global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
+    raster_per_pixel(const __grid_constant__ RasterJob job) {
   __shared__ FactorBatch batch;
   TilePixel<extras> mine(job);
   const bool some_hidden = job.colours.some_hidden();
@@ -35,10 +36,10 @@ __global__ void __launch_bounds__(block_threads) raster_per_pixel(const __grid_c
       const SplatShape s = load_shape(job, id);
       batch.means[threadIdx.x] = make_float2(s.mean.x, s.mean.y);
       float4 factor = FactorForm::prepare(s);
-      const float4 colour = load_colour(job, id);
-      if (!box_touched(s, mine.first_centre(), tile_side) || (some_hidden && is_hidden(colour))) factor.w = 0;
+      if (!box_touched(s, mine.first_centre(), tile_side)) factor.w = 0;
       batch.factors[threadIdx.x] = factor;
-      batch.colours[threadIdx.x] = colour;
+      batch.colours[threadIdx.x] = load_colour(job, id);
+      if (some_hidden && is_hidden(job.colours.each[id])) batch.factors[threadIdx.x].w = 0;
     }
     __syncthreads();
     for (std::uint32_t k = 0; k < count && mine.pixel.live(); ++k) {
