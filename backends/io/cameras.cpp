@@ -8,6 +8,7 @@
 #include "camera_parsing.hpp"
 #include "capture_parts.hpp"
 #include "mapped_file.hpp"
+#include "transforms_json.hpp"
 
 namespace swiftgs {
 namespace io {
@@ -35,9 +36,7 @@ std::vector<Camera> read_json(const fs::path& path) {
   if (first == std::string_view::npos || source.text()[first] != '[')
     source.fail(0,
                 std::string("cameras: INRIA's cameras.json (a JSON array), or the folder of a COLMAP model") +
-                    (source.text().find("\"transform_matrix\"") == std::string_view::npos
-                         ? ""
-                         : ", found a transforms.json"));
+                    (is_transforms_json(source.text(), source.name) ? ", found a transforms.json" : ""));
   return parse_cameras_json(source);
 }
 

@@ -6,6 +6,7 @@
 
 #include "bytes.hpp"
 #include "mapped_file.hpp"
+#include "transforms_json.hpp"
 
 namespace swiftgs {
 namespace io {
@@ -30,11 +31,10 @@ std::string_view what_it_is(std::string_view text, std::string_view name) {
   if (starts_with("\x89PNG")) return "a PNG image";
   if (starts_with("\xff\xd8\xff")) return "a JPEG image";
   if (starts_with("{") || starts_with("[")) {
-    if (holds("\"transform_matrix\"")) return "JSON of cameras (transforms.json)";
     if (holds("\"img_name\"")) return "JSON of cameras (cameras.json)";
     if (holds("\"means\"") && holds(".webp")) return "JSON that describes a SOG folder";
     if (holds("\"asset\"")) return gaussians ? "a glTF of Gaussians" : "a glTF without Gaussians";
-    return "JSON";
+    return is_transforms_json(beginning, name) ? "JSON of cameras (transforms.json)" : "JSON";
   }
   if (name.ends_with(".ksplat")) return "a .ksplat scene";
   return name.ends_with(".splat") && text.size() % 32 == 0 ? "a .splat scene" : "something else";

@@ -49,7 +49,7 @@ def summary(source, machine):
     scenes = captures(frames)
     rows = [[f"`{backend(machine)}/{name}`", *(cell(frames, scene, name) for scene in scenes)] for name in SHOWN]
     return (prose(f"{machine_name(results)}: milliseconds a frame, the median over {views_of(frames, scenes)} of each "
-                  f"capture, and PSNR against float64, the worst of the views that were compared.") + "\n\n"
+                  f"capture, and PSNR against float64 in the worst view compared.") + "\n\n"
             + table(["renderer", *(f"{label(scene)}, {frames.sizes[scene]}" for scene in scenes)], rows)
             + "\n\n" + errors(results, frames))
 
@@ -74,8 +74,8 @@ def headline(source, *machines):
         places.append(f"`{backend(machine)}` is {machine_name(frames.results)}, {views_of(frames, scenes)} a capture")
     sizes = ", ".join(f"{scene.name} ({gaussians(scene.gaussians)} Gaussians, {found[0].sizes[scene]})"
                       for scene in scenes)
-    return (prose(f"Milliseconds a frame, the median over views of {sizes}, and PSNR against float64, the worst of all "
-                  f"views that were compared. {'; '.join(places)}.")
+    return (prose(f"Milliseconds a frame, the median over views of {sizes}. dB is PSNR against float64 in the worst view "
+                  f"compared. {'; '.join(places)}.")
             + "\n\n" + table(header, rows, words=2))
 
 

@@ -161,15 +161,17 @@ void calibrate(const CalibrateOptions& options) {
 }
 
 constexpr const char* more =
-    R"(A fifth of the views is chosen at random; one half is sorted with each strategy, and the one
-with the lower mean sort time is what renderers with the sort 'adaptive' use from then on, at
-this image size, on this device, with this backend and these bounds. 'render', 'check' and
-'bench' find it. It is kept beside the scene, or in ~/.cache/swiftgs (or $XDG_CACHE_HOME/swiftgs)
-where that folder cannot be written. A file that does not fit is ignored with a message, and the
-sort is then measured while rendering. Measurements for other sizes, devices, backends or bounds are
-kept in the file. +- is the standard deviation over the views.
---check renders views with both strategies and with the choice, in turn, and prints by how much
-the frame and its sort took longer than with the better of both, +- the standard error.
+    R"(Picks a fifth of the views at random and sorts half of them with 'standard' and half with
+'early'. The sort with the lower mean time wins. Renderers with the sort 'adaptive' use it for this
+scene from then on. 'render', 'check' and 'bench' find it by themselves.
+The result holds for one image size, device, backend and kind of bounds (the last word of a
+renderer's name). A file keeps the results for all of them. It lies beside the scene, or in
+~/.cache/swiftgs ($XDG_CACHE_HOME/swiftgs if set) if the scene's folder cannot be written.
+Commands ignore a file that does not fit the scene, say so, and measure while they render.
++- is the standard deviation over the views.
+--check renders views with 'standard', 'early' and 'adaptive' in turn. It prints how much longer
+the frame and its sort took with 'adaptive' than with the better of the others, +- the standard
+error.
 
 Examples:
   swiftgs calibrate garden.spz --cameras cameras.json

@@ -53,22 +53,39 @@ const CLI::App& command_in(const CLI::App& app) {
   return app.get_subcommands().empty() ? app : *app.get_subcommands().front();
 }
 
-/// What is wrong with arguments that no option takes, in the order in which they were typed.
+/// What is wrong with arguments that no option takes, in the order in which they were typed: unknown options
+/// alone if there are any.
 std::string unexpected(const CLI::App& app, const std::vector<std::string>& arguments) {
   const CLI::App& command = command_in(app);
   std::vector<std::string> options;
   for (const CLI::Option* option : command.get_options())
     for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
   const std::vector<std::string> left = app.remaining(true);
+  const auto is_option = [](const std::string& argument) {
+    return argument.size() > 1 && argument.starts_with("-");
+  };
+  // The value of an unknown option is taken for a positional argument, and may displace a right one.
+  const bool only_options = std::any_of(left.begin(), left.end(), is_option);
   std::string message = &command == &app ? "" : command.get_name() + ": ";
   const char* separator = "";
   for (const std::string& argument : arguments) {
     if (std::find(left.begin(), left.end(), argument) == left.end()) continue;
+    if (only_options && !is_option(argument)) continue;
     message += separator + ("'" + argument + "' is not expected");
     if (argument.starts_with("--")) message += suggestion(argument.substr(0, argument.find('=')), options);
     separator = "; ";
   }
   return message;
+}
+
+/// Refuses empty values of every option and positional argument of every command.
+void refuse_empty_values(CLI::App& app) {
+  const auto given = [](const std::string& value) {
+    return std::string(value.empty() ? "expected a value, found nothing" : "");
+  };
+  for (CLI::App* command : app.get_subcommands({}))
+    for (CLI::Option* option : command->get_options())
+      if (option->get_items_expected_max() > 0) option->check(given);  // flags take no value
 }
 
 /// What an option of a type of CLI11's takes.
@@ -122,6 +139,7 @@ int run(int argc, char** argv) {
   add_bench(app);
   add_report(app);
   add_stress(app);
+  refuse_empty_values(app);
 
   const std::vector<std::string> names = names_of_commands(app),
                                  arguments = with_help_as_option({argv + std::min(argc, 1), argv + argc});

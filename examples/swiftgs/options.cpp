@@ -28,15 +28,9 @@ void add_cameras(CLI::App& command, ViewOptions& options) {
 
 CLI::Option* add_view_choice(CLI::App& command, const char* name, std::string& views,
                              const std::string& what) {
-  const auto given = [](const std::string& choice) {
-    return std::string(choice.empty() ? "expected views, found nothing" : "");
-  };
-  return command
-      .add_option(
-          name, views,
-          what +
-              ": all, every:8, except:8, or a list of numbers,\nranges and images' names, as 0,3-7,DSC01.JPG")
-      ->check(given);
+  return command.add_option(
+      name, views,
+      what + ": all, every:8, except:8, or a list of numbers,\nranges and images' names, as 0,3-7,DSC01.JPG");
 }
 
 void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views) {
@@ -50,7 +44,7 @@ void add_views(CLI::App& command, ViewOptions& options, const std::string& defau
 
 void add_json(CLI::App& command, std::string& file, const std::string& what) {
   command.add_option("--json", file,
-                     "File for " + what + "; - is standard output, which gets nothing else then");
+                     "File for " + what + ";\n- writes to standard output in place of the text");
 }
 
 void add_calibration(CLI::App& command, std::string& file) {

@@ -31,7 +31,7 @@ void add_scene(CLI::App& command, SceneOptions& options);
 /// Adds those options of views that say what there is to see: cameras and conventions.
 void add_cameras(CLI::App& command, ViewOptions& options);
 
-/// Adds an option that chooses views; `what` begins its description. An empty choice is refused.
+/// Adds an option that chooses views; `what` begins its description.
 CLI::Option* add_view_choice(CLI::App& command, const char* name, std::string& views,
                              const std::string& what);
 

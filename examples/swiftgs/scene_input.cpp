@@ -41,7 +41,6 @@ std::optional<std::size_t> builtin_size(std::string_view scene) {
 Capture capture_of(const SceneOptions& options) {
   if (const std::optional<std::size_t> size = builtin_size(options.scene))
     return {std::string(builtin_name) + ":" + std::to_string(*size), {}, {}, {}};
-  if (options.scene.empty()) throw std::invalid_argument("SCENE: expected a file or a folder, found nothing");
   const std::string word = options.scene.substr(0, options.scene.find_first_of(":,=-"));
   const std::string nearest = suggestion(word, {std::string(builtin_name)});
   if (!nearest.empty() && !std::filesystem::exists(options.scene))

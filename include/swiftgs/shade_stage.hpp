@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 
@@ -28,7 +29,17 @@ struct SWIFTGS_API ShadeSplats {
   SWIFTGS_HD void operator()(std::size_t i) const {
     const vec3 rgb = project_colour(job.constants, job.scene, splats.gaussians[i]);
     colours[i] = splat_colour(rgb, splats.depths[i]);
-    if (is_hidden(colours[i])) *hidden = 1;
+    if (is_hidden(colours[i])) note_hidden();
+  }
+
+ private:
+  /// Loops may run side by side, and any of them may write.
+  SWIFTGS_HD void note_hidden() const {
+#if defined(__CUDA_ARCH__)
+    *hidden = 1;
+#else
+    std::atomic_ref<std::uint32_t>(*hidden).store(1, std::memory_order_relaxed);
+#endif
   }
 };
 
@@ -38,8 +49,9 @@ struct SWIFTGS_API ClearWord {
   SWIFTGS_HD void operator()(std::size_t) const { *word = 0; }
 };
 
-/// Colours that `shade` evaluates. A backend may let them be under way, and specialises this: `finish` orders
-/// later work after them and returns them, once; so does the destructor where nobody asked for them.
+/// Colours that `shade` evaluates. A backend whose `shade` returns before they are evaluated specialises
+/// this: `finish` orders later work after them and returns them, once. The destructor orders later work too
+/// if `finish` was not called.
 template <class B>
 class [[nodiscard]] Shading {
  public:

@@ -26,8 +26,8 @@ struct StageMemory {
   std::size_t total() const { return project + sort + raster; }
 };
 
-/// Durations of one frame's stages. If a backend evaluates colours beside the sort, `sort` includes their
-/// time.
+/// Durations of one frame's stages. A backend may evaluate colours beside the sort; if they take longer than
+/// the sort, the rest counts in `raster`.
 /// @units{milliseconds}
 struct StageTimes {
   double project = 0, sort = 0, raster = 0, total = 0;

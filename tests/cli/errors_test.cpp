@@ -114,12 +114,16 @@ TEST_CASE("cli errors: arguments that are not known or missing") {
         {"prune: '--kep' is not expected, did you mean '--keep'?"});
   fails(place, "render buildin:50",
         {"swiftgs: buildin:50: No such file or directory, did you mean 'builtin'?"});
-  fails(place, "info ''", {"swiftgs: SCENE: expected a file or a folder, found nothing"});
   fails(place, "info /dev/null", {"swiftgs: /dev/null: expected a regular file\n"});
   fails(place, "render builtin:10 --colour", {"render: '--colour' is not expected (see"});
   fails(place, "render builtin:10 --sclae 0.5 here --stat",
-        {"'--sclae' is not expected, did you mean '--scale'?; '0.5' is not expected; 'here' is not expected; "
-         "'--stat' is not expected, did you mean '--stats'?"});
+        {"render: '--sclae' is not expected, did you mean '--scale'?; "
+         "'--stat' is not expected, did you mean '--stats'? (see"});
+  // The unknown option's value takes the scene's place.
+  fails(place, "render --backgrund 1,1,1 builtin:10",
+        {"render: '--backgrund' is not expected, did you mean '--background'? (see"});
+  fails(place, "render builtin:10 here there",
+        {"render: 'here' is not expected; 'there' is not expected (see"});
   fails(place, "render builtin:10 --scale big", {"swiftgs: --scale 'big': expected a number (see"});
   fails(place, "check builtin:10 --repeats 1.5", {"swiftgs: --repeats '1.5': expected a whole number (see"});
   fails(place, "calibrate builtin:10 --scale 1,x", {"swiftgs: --scale '1,x': expected a number (see"});
@@ -128,6 +132,33 @@ TEST_CASE("cli errors: arguments that are not known or missing") {
   fails(place, "render builtin:10 --out a --out b", {"swiftgs: --out: expected one value, found 2 (see"});
   fails(place, "render builtin:10 --stats=maybe", {"swiftgs: --stats 'maybe': expected no value (see"});
   fails(place, "compare one.png", {"B", "--help"});
+}
+
+TEST_CASE("cli errors: no option or argument takes an empty value") {
+  const TemporaryFolder place;
+  const auto refuses = [&](const std::string& arguments, const std::string& name) {
+    fails(place, arguments, {"swiftgs: " + name + ": expected a value, found nothing (see"});
+  };
+  for (const std::string name : {"--cameras", "--views", "--json", "--renderer", "--out", "--format",
+                                 "--calibration", "--conventions", "--background", "--scale", "--spz-frame"})
+    refuses("render builtin:10 " + name + " ''", name);
+  for (const std::string name : {"--renderers", "--photos", "--repeats"})
+    refuses("check builtin:10 " + name + " ''", name);
+  for (const std::string name : {"--gaussians", "--threads", "--images", "--errors", "--precision"})
+    refuses("bench builtin:10 " + name + " ''", name);
+  for (const std::string name : {"--scale", "--check-views", "--out"})
+    refuses("calibrate builtin:10 " + name + " ''", name);
+  for (const std::string name : {"--families", "--severity", "--size"})
+    refuses("stress " + name + " ''", name);
+  refuses("prune builtin:10 --keep 0.5 --out ''", "--out");
+  refuses("list --json ''", "--json");
+  for (const std::string command : {"info", "render", "check", "bench", "calibrate"})
+    refuses(command + " ''", "SCENE");
+  refuses("bench builtin:10 ''", "SCENE");
+  refuses("compare '' ''", "A");
+  refuses("compare a.png ''", "B");
+  refuses("report ''", "RESULTS");
+  CHECK_FALSE(std::filesystem::exists(place / "renders"));
 }
 
 TEST_CASE("cli errors: results that cannot be written are named with the reason") {

@@ -2,17 +2,19 @@
 
 # cmake -DROOT=<sources> -P check_colours.cmake
 #
-# Fails where a public header calls colours linear, or where the one that explains them does not.
+# Fails where a public header or a page calls colours linear or display values, or where the header that explains them
+# does not.
+file(GLOB pages "${ROOT}/*.md" "${ROOT}/docs/*.md" "${ROOT}/backends/*.md" "${ROOT}/benchmarks/*.md")
 file(GLOB_RECURSE headers "${ROOT}/include/swiftgs/*.hpp" "${ROOT}/backends/*/include/*.hpp")
 list(FILTER headers EXCLUDE REGEX "/include/swiftgs/builtin[./]")
 set(found)
-foreach(header IN LISTS headers)
-  file(STRINGS "${header}" lines REGEX "linear(,| RGB)")
+foreach(file IN LISTS headers pages)
+  file(STRINGS "${file}" lines REGEX "linear(,| RGB)|display values")
   foreach(line IN LISTS lines)
-    string(APPEND found "\n${header}: ${line}")
+    string(APPEND found "\n${file}: ${line}")
   endforeach()
 endforeach()
 file(READ "${ROOT}/include/swiftgs/frame.hpp" frame)
-if(NOT headers OR found OR NOT frame MATCHES "scene's own values" OR NOT frame MATCHES "sRGB framebuffer")
+if(NOT headers OR NOT pages OR found OR NOT frame MATCHES "scene's own values" OR NOT frame MATCHES "sRGB framebuffer")
   message(FATAL_ERROR "expected colours in the scene's own values, explained in swiftgs/frame.hpp:${found}")
 endif()

@@ -46,6 +46,9 @@ TEST_CASE("scene file: foreign files are refused at byte 0 and named where they 
   CHECK(complaint_about("{\"asset\": 1, \"KHR_gaussian_splatting\": 1}") == start + "a glTF of Gaussians");
   CHECK(complaint_about("{\"frames\": [{\"transform_matrix\": []}]}") ==
         start + "JSON of cameras (transforms.json)");
+  CHECK(complaint_about("{\"frames\": [], \"camera_angle_x\": 0.7}") ==
+        start + "JSON of cameras (transforms.json)");
+  CHECK(complaint_about("{\"asset\": 1, \"frames\": []}") == start + "a glTF without Gaussians");
   CHECK(complaint_about("[{\"img_name\": 1}]") == start + "JSON of cameras (cameras.json)");
   CHECK(complaint_about("{\"means\": {\"files\": [\"means_l.webp\"]}}") ==
         start + "JSON that describes a SOG folder");
@@ -64,6 +67,8 @@ TEST_CASE("scene file: formats without a beginning of their own are named by the
   CHECK(contains(complaint_about("a.splat", 64), "found a .splat scene"));
   CHECK(contains(complaint_about("a.splat", 65), "found something else"));
   CHECK(contains(complaint_about("a.ksplat", 65), "found a .ksplat scene"));
+  CHECK(contains(complaint([&] { read_scene(as_bytes(std::string("{}")), "nerf/transforms.json"); }),
+                 "found JSON of cameras (transforms.json)"));
   const TemporaryFolder place;
   place.write("sog/meta.json", "{}");
   CHECK_THROWS_WITH_AS(read_scene(place / "sog"), doctest::Contains("found a SOG folder"),

@@ -38,8 +38,9 @@ struct BenchOptions {
 constexpr const char* more =
     R"(SCENE is builtin, builtin:N, a .ply or .spz file, or the folder of a capture: one such file
 with cameras.json or sparse/0 beside it, and photographs in photos. Lists are separated by
-commas; every combination is measured. Frames stay with the backend. Renderers take turns
-in a random order, until each one's median is known to --precision or --max-frames are drawn.
+commas; every combination is measured. Frames are not copied from the GPU. Renderers take turns
+in a random order. Each is timed until its median is as certain as --precision asks, or until
+--max-frames are drawn.
 --gaussians splits or thins a scene, --enlarge multiplies the scales of its Gaussians.
 --errors is all, none, or how many views of each scene are compared with float64.
 The columns are means over views; docs/results.md describes the JSON.
@@ -235,7 +236,7 @@ void add_bench(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--precision", options->plan.precision,
-                   "How well medians are to be known, as a part of them")
+                   "Uncertainty of the median at which timing stops: 0.01 is 1 %")
       ->capture_default_str();
   command->add_option("--min-frames", options->plan.min_frames, "Fewest frames to time")
       ->capture_default_str();

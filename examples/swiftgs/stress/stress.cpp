@@ -25,10 +25,13 @@ constexpr const char* more =
     R"(Draws frames that are hard on float arithmetic, and judges them against float64. A family is a
 kind of hard frame, and its severity says how hard. The ratio is a pixel's error over what
 rounding the scene and the arithmetic to float may cost: up to 10 a renderer is about as good
-as float can be, from 100 on it has lost digits. What a tie or a threshold leaves open is taken
-off the error first. The excess is the ratio beyond what the form of the exponent is allowed to
-err, which is nothing but for the split forms. 'loose' is the largest weight that a form leaves
-open. A pixel of which all is open is not judged; 'judged' is the share of the others.
+as float can be, from 100 on it has lost digits.
+A splat can lie so close to a threshold, or to the depth of another splat, that rounding decides
+whether it is drawn or which is in front. The error that such a decision can cause is subtracted
+before the ratio is taken. 'loose' is the largest share of a pixel's weight that such decisions and
+the form's allowance decide. A pixel is not judged if they decide all of it; 'judged' is the share
+of pixels that are. The excess is the ratio after the error that the rasterizer's form of the
+exponent is allowed is subtracted too. Only the split forms are allowed one.
 --severity is all, max, or numbers in the units of each family. The columns are rasterizers;
 docs/results.md describes the JSON.
 Exit code 0: every excess is 10 or less. Exit code 1: an excess is above 10, a renderer failed,

@@ -27,9 +27,9 @@ SWIFTGS_API Image read_image(const std::filesystem::path& path);
 /// The same from memory; `name` stands for the file in error messages.
 SWIFTGS_API Image read_image(std::span<const std::byte> bytes, const std::string& name);
 
-/// Writes colour as 8-bit RGB, clamped to 0 to 1 and rounded; a NaN becomes 0. Values are written as
-/// they are, which is right for scenes that were trained with display values, as most are: no gamma is
-/// applied. The writers throw `std::invalid_argument` if the frame holds no colour, or `std::system_error` if
+/// Writes colour as 8-bit RGB, clamped to 0 to 1 and rounded; a NaN becomes 0. Values are the scene's own
+/// and written as they are: no gamma is applied. That is right if they are sRGB-encoded, as they usually
+/// are. The writers throw `std::invalid_argument` if the frame holds no colour, or `std::system_error` if
 /// the file cannot be written; `path` then keeps what it held, as the new file takes its place when it is
 /// whole.
 SWIFTGS_API void write_png(const std::filesystem::path& path, const Frame& frame);

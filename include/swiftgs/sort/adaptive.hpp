@@ -16,9 +16,9 @@
 namespace swiftgs {
 
 /// Adaptive early sorting (SwiftGS, section 4.2): measures both strategies on the frames that it renders,
-/// then keeps the one with the lower mean, until the scene or the image size changes. What was measured
-/// before spares it that. Frames of a scene without identity are sorted early and never measured. Every frame
-/// is correct, measured or not.
+/// then keeps the one with the lower mean, until the scene or the image size changes. Stored
+/// measurements replace the warm-up. Frames of a scene without identity are sorted early and never measured.
+/// Every frame is correct, measured or not.
 class AdaptiveSort {
  public:
   static constexpr std::string_view name = "adaptive";

@@ -76,7 +76,7 @@ class SWIFTGS_API Cuda {
   /// Works on the caller's `stream`, which outlives it; by default on the default stream of the device.
   explicit Cuda(cudaStream_t stream = nullptr);
   ~Cuda();
-  /// Nothing but assignment and destruction is left to do with a backend that was moved from.
+  /// A moved-from backend may only be assigned or destroyed.
   Cuda(Cuda&&) noexcept;
   Cuda& operator=(Cuda&&) noexcept;
 
@@ -115,13 +115,13 @@ class SWIFTGS_API Cuda {
   SceneOn upload(const Scene& scene) const;
   SceneOn upload(std::shared_ptr<const Scene> scene) const;
 
-  /// Waits for all that was asked for before.
+  /// Copies after all work submitted before, and waits for the copy.
   template <class T>
   void download(Span<const T> from, T* to) const {
     download_bytes(from.data, to, from.size * sizeof(T));
   }
 
-  /// Returns when the stream has done all that was asked for before.
+  /// Returns when the stream has done all work submitted before.
   void wait() const;
 
   /// Memory of the current device, whoever uses it.
