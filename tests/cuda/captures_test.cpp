@@ -21,6 +21,7 @@ namespace {
 /// Least PSNR against the reference. @units{dB}
 struct Floors {
   double exact = std::numeric_limits<double>::infinity(), half = exact;
+  double largest = 0;  ///< error of a colour, without half terms
 };
 
 /// Whatever the run, the sort, and the bounds as long as they are lossless, the bits are the same. Where
@@ -50,8 +51,10 @@ Floors judge(const Capture& capture, std::size_t view, const Conventions& conven
         first_of.try_emplace(name.substr(raster, bounds - raster) + (cut ? "/square" : ""), frame.colour);
     CHECK(same_bits(first->second, frame.colour));
     if (!is_first || cut != square) continue;
-    double& floor = has(name, "half-split") ? floors.half : floors.exact;
+    const bool half = has(name, "half-split");
+    double& floor = half ? floors.half : floors.exact;
     floor = std::min(floor, psnr(frame.colour, reference));
+    if (!half) floors.largest = std::max(floors.largest, max_abs_difference(frame.colour, reference));
   }
   CHECK(judged == 63);
   CHECK(first_of.size() == 7 * 2);
@@ -67,9 +70,11 @@ void check_capture(const std::string& name) {
     CAPTURE(view);
     const Floors gsplat = judge(capture, view, Conventions::gsplat(), false);
     const Floors inria = judge(capture, view, Conventions::inria(), true);
-    CHECK(gsplat.exact >= 80);
+    CHECK(gsplat.exact >= 90);
+    CHECK(gsplat.largest <= 1.0 / 255);
     CHECK(gsplat.half >= 45);
-    CHECK(inria.exact >= 80);
+    CHECK(inria.exact >= 90);
+    CHECK(inria.largest <= 1.0 / 255);
     MESSAGE(name, ", view ", view, ": gsplat ", gsplat.exact, " dB, half-split ", gsplat.half, " dB; inria ",
             inria.exact, " dB, half-split ", inria.half, " dB");
   }

@@ -64,8 +64,10 @@ void check_all(const Scene& whole, const Camera& camera, Conventions conventions
     if (!is_first) continue;
 
     const ReferenceFrame& reference = square ? cut : lossless;
-    CHECK(psnr(frame.colour, reference.colour) >= (half ? 40 : 80));
-    CHECK(psnr(frame.alpha, reference.alpha) >= (half ? 40 : 80));
+    CHECK(psnr(frame.colour, reference.colour) >= (half ? 40 : 120));
+    CHECK(psnr(frame.alpha, reference.alpha) >= (half ? 40 : 120));
+    if (!half) CHECK(max_abs_difference(frame.colour, reference.colour) <= 1.0 / 255);
+    if (!half) CHECK(max_abs_difference(frame.alpha, reference.alpha) <= 1.0 / 255);
 
     const auto cpu = make_renderer("cpu" + name.substr(4));
     cpu->set_scene(scene);

@@ -91,6 +91,18 @@ TEST_CASE("limits: cameras beyond what float holds are refused") {
   for (const double point : {1.1e9, -1e300, double(INFINITY)})
     CHECK(message([&](Camera& c) { c.cx = point; }) ==
           "camera: expected a principal point at most 1e9 pixels from the corner");
+  // Rows are orthonormal to 1e-3: a product of two of them is off by less.
+  for (const double off : {9.9e-4, -9.9e-4}) {
+    CHECK(message([&](Camera& c) { c.rotation[0].y = off; }) == "accepted");
+    CHECK(message([&](Camera& c) { c.rotation[2].z = std::sqrt(1 + off); }) == "accepted");
+  }
+  for (const double off : {1.01e-3, -1.01e-3, 1.0, double(NAN), double(INFINITY)}) {
+    CAPTURE(off);
+    CHECK(message([&](Camera& c) { c.rotation[0].y = off; }) ==
+          "camera: expected a rotation with orthonormal rows");
+    CHECK(message([&](Camera& c) { c.rotation[2].z = std::sqrt(1 + off); }) ==
+          "camera: expected a rotation with orthonormal rows");
+  }
 }
 
 TEST_CASE_TEMPLATE("limits: a mirrored rotation draws the mirrored world", B, SWIFTGS_TEST_BACKENDS) {

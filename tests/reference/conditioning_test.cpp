@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/reference/conditioning.hpp>
+#include <swiftgs/stress/judge.hpp>
 
 #include "reference/gaussians.hpp"
 
@@ -59,6 +60,54 @@ TEST_CASE(
   const std::vector<VariedSplat> splats = reference::project_all_varied(scene, view, 1);
   REQUIRE(splats.size() == 3);
   for (const VariedSplat& splat : splats) CHECK(splat.order_is_loose);
+}
+
+/// What the judge says of two pixels, the second of which is off by `error`. Of it `loose` may change hands.
+StressVerdict judge_planted(double error, double loose) {
+  ConditionedFrame reference;
+  reference.frame.width = 2, reference.frame.height = 1;
+  reference.frame.colour.assign(6, 0.5), reference.frame.alpha.assign(2, 0.75);
+  reference.frame.depth.assign(2, 1);
+  reference.colour_move.assign(6, 1e-7), reference.alpha_move.assign(2, 1e-7);
+  reference.depth_move.assign(2, 1e-7);
+  for (std::vector<double>& weights : reference.loose) weights = {0, loose};
+  reference.colour_span = 2, reference.peak = 1, reference.depth_span = 1;
+  Frame frame;
+  frame.width = 2, frame.height = 1;
+  frame.colour.assign(6, 0.5f), frame.alpha.assign(2, 0.75f);
+  frame.colour[4] = float(0.5 + error);
+  return judge(reference, frame, ExponentForm::factor);
+}
+
+TEST_CASE("judge: a flip within what may change hands is taken off the error and counted") {
+  // A weight of 1/64 times a span of 2.
+  for (const double error : {0.9 / 32, -0.9 / 32}) {
+    const StressVerdict within = judge_planted(error, 1.0 / 64);
+    CHECK(within.ratio == 0);
+    CHECK(within.excess == 0);
+    CHECK(within.flips == 1);
+    CHECK(within.judged == 1);
+    CHECK(within.max_abs == doctest::Approx(0.9 / 32));
+  }
+}
+
+TEST_CASE("judge: a flip beyond what may change hands is an error and no flip") {
+  for (const double error : {1.1 / 32, -1.1 / 32}) {
+    const StressVerdict beyond = judge_planted(error, 1.0 / 64);
+    // What is beyond, over the move and the rounding of the value.
+    CHECK(beyond.excess == doctest::Approx(0.1 / 32 / (1e-7 + 0x1p-24)).epsilon(1e-3));
+    CHECK(beyond.ratio == beyond.excess);
+    CHECK(beyond.worst_pixel == 1);
+    CHECK(beyond.flips == 0);
+  }
+  CHECK(judge_planted(0.9 / 32, 0).excess > 1e5);
+}
+
+TEST_CASE("judge: pixels whose whole weight may change hands are not counted as judged") {
+  const StressVerdict open = judge_planted(0.3, 1);
+  CHECK(open.excess == 0);
+  CHECK(open.judged == 0.5);
+  CHECK(open.loosest == 1);
 }
 
 }  // namespace

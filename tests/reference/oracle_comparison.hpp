@@ -13,6 +13,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/reference.hpp>
+#include <swiftgs/reference/conditioning.hpp>
 
 #include "reference/oracle.hpp"
 #include "reference/oracle_scenes.hpp"
@@ -52,16 +53,28 @@ inline Worst compare(const std::vector<double>& values, const std::vector<Bounde
   return worst;
 }
 
-inline void check(const Case& c) {
-  const Span<const float> occluder{c.occluder.data(), c.occluder.size()};
-  const OracleFrame expected = render_oracle(c.scene, c.camera, c.conventions, c.background, occluder);
-  const ReferenceFrame frame = render_reference(c.scene, c.camera, c.conventions, c.background, 1, occluder);
+inline void check_values(const ReferenceFrame& frame, const OracleFrame& expected, const Case& c) {
   REQUIRE(frame.alpha.size() == expected.alpha.size());
   for (const Worst& worst : {compare(frame.colour, expected.colour, expected.sure),
                              compare(frame.alpha, expected.alpha, expected.sure),
                              compare(frame.depth, expected.depth, expected.sure)}) {
     CHECK(worst.part_of_bound <= 1);
     CHECK(worst.bound <= c.largest_bound * std::max(Real(1), worst.peak));
+  }
+}
+
+/// Checks both references: the one that renders, and the one that hard frames are judged by.
+inline void check(const Case& c) {
+  const Span<const float> occluder{c.occluder.data(), c.occluder.size()};
+  const OracleFrame expected = render_oracle(c.scene, c.camera, c.conventions, c.background, occluder);
+  const ReferenceFrame frame = render_reference(c.scene, c.camera, c.conventions, c.background, 1, occluder);
+  check_values(frame, expected, c);
+  // It takes no conventions that renderers refuse.
+  if (c.conventions.alpha_min > 0) {
+    const bool conditioned = true;
+    CAPTURE(conditioned);
+    check_values(render_conditioned(c.scene, c.camera, c.conventions, c.background, 1, 1, occluder).frame,
+                 expected, c);
   }
   CHECK(expected.visible >= c.visible);
   CHECK(expected.unsure <= c.unsure);

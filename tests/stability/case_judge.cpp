@@ -24,7 +24,8 @@ CaseJudge::~CaseJudge() = default;
 Verdict CaseJudge::judge(std::string_view name, const Frame& frame) const {
   const ExponentForm form = exponent_form_named(name);
   const StressVerdict verdict = swiftgs::judge(reference_->frame, frame, form);
-  return {verdict.excess, verdict.depth_excess, verdict.psnr_db, verdict.max_abs};
+  return {verdict.excess,  verdict.depth_excess, verdict.psnr_db,
+          verdict.max_abs, verdict.judged,       verdict.flips};
 }
 
 }  // namespace swiftgs::test

@@ -5,6 +5,7 @@
 /// The reference of one hard frame. Compiled apart from what renders: the double arithmetic takes long to
 /// compile, and a defect that is injected into a renderer cannot reach it.
 
+#include <cstdint>
 #include <memory>
 #include <string_view>
 
@@ -17,6 +18,8 @@ namespace swiftgs::test {
 /// has its ratio for an excess.
 struct Verdict {
   double excess = 0, depth_excess = 0, psnr_db = 0, max_abs = 0;
+  double judged = 1;
+  std::uint64_t flips = 0;
 };
 
 /// Judges frames of one case.

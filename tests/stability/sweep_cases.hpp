@@ -33,9 +33,9 @@ const Names values{"harmonics", "backgrounds", "far-depths", "mixtures"};
 void sweep(const Names& names, const Seeds& seeds, ImageSize size) {
   if (unavailable()) return;
   Backends backends;
-  for_each_case(names, seeds, size, [&](StressCase drawn) {
+  for_each_case(names, seeds, size, [&](StressCase drawn, Limits limits) {
     CaseJudge judge(std::move(drawn));
-    backends.check(judge, Extent::all);
+    backends.check(judge, Extent::all, limits);
   });
 }
 
@@ -100,7 +100,7 @@ TEST_CASE(SWIFTGS_STABILITY ": an occluder ends pixels as exactly as floats allo
 TEST_CASE(SWIFTGS_STABILITY ": squares of three sigmas are drawn as exactly as floats allow") {
   if (unavailable()) return;
   Backends backends;
-  for_each_case({}, {22}, {}, [&](StressCase drawn) {
+  for_each_case({}, {22}, {}, [&](StressCase drawn, Limits) {
     drawn.conventions.footprint = Conventions::Footprint::three_sigma_square;
     CaseJudge judge(std::move(drawn));
     backends.check_square(judge);
@@ -113,6 +113,26 @@ TEST_CASE(SWIFTGS_STABILITY ": needles of ratio 1e4 across a large image") {
 
 TEST_CASE(SWIFTGS_STABILITY ": ridges of 1e4 pixels across a large image") {
   check_one(stress::ridges(1e4, 24, {960, 540}), {115, 1.0 / 255});
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": ridges of 1e3 pixels across a large image of 1920x1080") {
+  check_one(stress::ridges(1e3, 30, {1920, 1080}), {115, 1.0 / 255});
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": a focal length of a thousandth of a pixel is drawn as usual ones are") {
+  for (const std::uint64_t seed : {31u, 32u, 33u}) {
+    CAPTURE(seed);
+    check_one(stress::wide_angles(1e3, seed, {}), {130, 1e-5});
+  }
+}
+
+TEST_CASE(SWIFTGS_STABILITY
+          ": a principal point ten million pixels away is drawn as usual ones are where no decision flips") {
+  // Of most or all pixels of these the judge leaves everything open; the limits do not.
+  for (const std::uint64_t seed : {2u, 3u, 4u, 8u}) {
+    CAPTURE(seed);
+    check_one(stress::principal_points(1e7, seed, {}), {130, 1e-5});
+  }
 }
 
 TEST_CASE(SWIFTGS_STABILITY ": an image one pixel high and as wide as images may be") {

@@ -48,7 +48,7 @@ def harmonics():
     for name, value in text.items():
         line = f"inline constexpr float {name} = {value};"
         off = f"inline constexpr float {name} = {value} + 2e-4f;"
-        yield Mutant(f"harmonics: {name} off by 2e-4", I + "sh.hpp", line, off)
+        yield Mutant(f"harmonics: {name} off by 2e-4", I + "sh.hpp", line, off, quick=name == "c0")
         if name in ("c0", "c1", "c22", "c33"):
             yield Mutant(f"cpu harmonics: {name} off by 2e-4", I + "sh.hpp", line, off, "cpu", ("shade.cpp",))
 
@@ -63,6 +63,16 @@ def presets():
     for axis in "xy":
         yield Mutant(f"view: inria's limit of {axis} 1.31", I + "view_constants.hpp",
                      f"v.tan_{axis}_max = float(1.3 *", f"v.tan_{axis}_max = float(1.31 *")
+
+
+def cpu_means(parts):
+    """Means of splats on a grid of `parts` a pixel."""
+    grid = lambda of, focal, point: (f"hn::Mul(hn::Round(hn::Mul(Demote(ScaleAdd({of}, v.{focal}, v.{point})), "
+                                     f"hn::Set(d, {parts}.0f))), hn::Set(d, 1.0f / {parts}))")
+    yield Mutant(f"cpu project: means on 1/{parts} pixel", CPU + "project.cpp",
+                 "const Vec mean_x = Demote(ScaleAdd(x_over_z, v.fx, v.cx)), "
+                 "mean_y = Demote(ScaleAdd(y_over_z, v.fy, v.cy));",
+                 f"const Vec mean_x = {grid('x_over_z', 'fx', 'cx')}, mean_y = {grid('y_over_z', 'fy', 'cy')};")
 
 
 MUTANTS = [
@@ -82,7 +92,7 @@ MUTANTS = [
            " float(v.rotation[2][2]) * float(d[2]);"),
     Mutant("project: means on 1/4096 pixel", I + "project.hpp", "s.l0 = to_base_2",
            "s.mean = vec2(std::round(s.mean.x * 4096) / 4096, std::round(s.mean.y * 4096) / 4096);\n"
-           "  s.l0 = to_base_2"),
+           "  s.l0 = to_base_2", quick=True),
     Mutant("project: means on 1/1024 pixel", I + "project.hpp", "s.l0 = to_base_2",
            "s.mean = vec2(std::round(s.mean.x * 1024) / 1024, std::round(s.mean.y * 1024) / 1024);\n"
            "  s.l0 = to_base_2"),
@@ -237,6 +247,9 @@ MUTANTS = [
            "const Vec along = hn::Mul(axes.excess, Dot(axes.turn, normal));", "const Vec along = hn::Zero(d);"),
     Mutant("cpu project: blur times 1.0001", CPU + "project.cpp", "blur = hn::Set(d, v.blur);",
            "blur = hn::Set(d, v.blur * 1.0001f);"),
+    Mutant("cpu project: blur times 1.001", CPU + "project.cpp", "blur = hn::Set(d, v.blur);",
+           "blur = hn::Set(d, v.blur * 1.001f);"),
+    *cpu_means(4096), *cpu_means(1024),
     Mutant("cpu project: to_base_2 off by 1e-6", CPU + "project.cpp", "0.84932180028801904272f",
            "(0.84932180028801904272f + 1e-6f)"),
     Mutant("cpu project: min_compensation ignored", CPU + "project.cpp",
@@ -269,6 +282,12 @@ MUTANTS = [
            "if (j + 1 < coefficients) {"),
     Mutant("cpu exp2: off by 2e-4", CPU + "exp2-inl.hpp", "6.9314700e-1f", "(6.9314700e-1f + 2e-4f)", sources=CHOLESKY),
     Mutant("cpu exp2: off by 1e-5", CPU + "exp2-inl.hpp", "6.9314700e-1f", "(6.9314700e-1f + 1e-5f)", sources=CHOLESKY),
+    Mutant("cpu exp2: the third power's coefficient off by 2e-5", CPU + "exp2-inl.hpp", "5.5507336e-2f",
+           "(5.5507336e-2f + 2e-5f)", sources=CHOLESKY),
+    Mutant("cpu exp2: the fourth power's coefficient off by 4e-5", CPU + "exp2-inl.hpp", "9.6715130e-3f",
+           "(9.6715130e-3f + 4e-5f)", sources=CHOLESKY),
+    Mutant("cpu exp2: the fifth power's coefficient off by 8e-5", CPU + "exp2-inl.hpp", "1.3264726e-3f",
+           "(1.3264726e-3f + 8e-5f)", sources=CHOLESKY),
     Mutant("cpu exp2: the square's coefficient off by 1e-5", CPU + "exp2-inl.hpp", "2.4022242e-1f",
            "(2.4022242e-1f + 1e-5f)",
            sources=PER_PIXEL),
@@ -335,6 +354,13 @@ MUTANTS = [
     Mutant("cuda project: means on 1/4096 pixel", I + "project.hpp", "s.l0 = to_base_2",
            "s.mean = vec2(std::round(s.mean.x * 4096) / 4096, std::round(s.mean.y * 4096) / 4096);\n  s.l0 = to_base_2",
            "cuda", STAGES),
+    Mutant("cuda project: means on 1/1024 pixel", I + "project.hpp", "s.l0 = to_base_2",
+           "s.mean = vec2(std::round(s.mean.x * 1024) / 1024, std::round(s.mean.y * 1024) / 1024);\n  s.l0 = to_base_2",
+           "cuda", STAGES),
+    Mutant("cuda project: blur times 1.001", CUDA + "include/swiftgs/cuda/project.cuh",
+           "splat = project_shape(job.constants, load_gaussian(job.scene, i));",
+           "{\n    ViewConstants blurred = job.constants;\n    blurred.blur *= 1.001f;\n"
+           "    splat = project_shape(blurred, load_gaussian(job.scene, i));\n  }", sources=STAGES),
     Mutant("cuda project: blur times 1.0001", CUDA + "include/swiftgs/cuda/project.cuh",
            "splat = project_shape(job.constants, load_gaussian(job.scene, i));",
            "{\n    ViewConstants blurred = job.constants;\n    blurred.blur *= 1.0001f;\n"
@@ -345,6 +371,8 @@ MUTANTS = [
            "return __builtin_bit_cast(std::uint32_t, depth);", "return __builtin_bit_cast(std::uint32_t, depth) & ~1u;",
            "cuda", STAGES + ("cuda.cu",)),
     Mutant("cuda exp2: off by 1e-5", CUDA + "arithmetic.hpp", "  return result;", "  return result * (1 + 1e-5f);",
+           sources=WARPS),
+    Mutant("cuda exp2: off by 2e-4", CUDA + "arithmetic.hpp", "  return result;", "  return result * (1 + 2e-4f);",
            sources=WARPS),
     Mutant("cuda raster: alpha_min compares with >", CUDA + "blending.hpp", "alpha >= limits.alpha_min",
            "alpha > limits.alpha_min", sources=WARPS),
