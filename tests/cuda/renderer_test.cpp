@@ -64,8 +64,10 @@ void check_all(const Scene& whole, const Camera& camera, Conventions conventions
     if (!is_first) continue;
 
     const ReferenceFrame& reference = square ? cut : lossless;
-    CHECK(psnr(frame.colour, reference.colour) >= (half ? 40 : 120));
-    CHECK(psnr(frame.alpha, reference.alpha) >= (half ? 40 : 120));
+    // Split terms of floats err more where a part is far from the mean of a needle.
+    const double least_db = half ? 40 : has(name, "float-split") ? 105 : 120;
+    CHECK(psnr(frame.colour, reference.colour) >= least_db);
+    CHECK(psnr(frame.alpha, reference.alpha) >= least_db);
     if (!half) CHECK(max_abs_difference(frame.colour, reference.colour) <= 1.0 / 255);
     if (!half) CHECK(max_abs_difference(frame.alpha, reference.alpha) <= 1.0 / 255);
 

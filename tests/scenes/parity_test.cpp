@@ -26,7 +26,8 @@ struct Floors {
   double exact = std::numeric_limits<double>::infinity();   ///< per-pixel and float terms, lossless bounds
   double half = std::numeric_limits<double>::infinity();    ///< half terms, lossless bounds
   double square = std::numeric_limits<double>::infinity();  ///< per-pixel and float terms, 3-sigma square
-  double largest = 0;  ///< error of a colour where the footprint is what the conventions say, without half terms
+  double largest =
+      0;  ///< error of a colour where the footprint is what the conventions say, without half terms
 
   double& of(std::string_view renderer) {
     return has(renderer, "half-split") ? half : has(renderer, ::square) ? square : exact;
