@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -27,7 +26,6 @@ std::uint64_t count_instances(const EmissionJob& job, Part part) {
 /// f(tile, id) for each instance of the splats in `part`, in order.
 template <class F>
 void visit_instances(const EmissionJob& job, Part part, F f) {
-  const std::uint32_t columns = std::uint32_t(job.grid.columns);
   for (std::size_t i = part.begin; i < part.end; ++i) {
     if (job.order && i + prefetch_distance < part.end)
       __builtin_prefetch(&job.footprints[job.order[i + prefetch_distance]]);
@@ -47,11 +45,7 @@ void visit_instances(const EmissionJob& job, Part part, F f) {
           &context);
       continue;
     }
-    const std::uint32_t first = std::uint32_t(footprint.row) * columns + footprint.column;
-    for (std::uint64_t mask = footprint.mask; mask != 0; mask &= mask - 1) {
-      const std::uint32_t bit = std::uint32_t(std::countr_zero(mask));
-      f(first + bit / Footprint::side * columns + bit % Footprint::side, id);
-    }
+    detail::for_each_masked_tile(footprint, job.grid, [&](std::uint32_t tile) { f(tile, id); });
   }
 }
 

@@ -53,6 +53,17 @@ SWIFTGS_HD inline unsigned lowest_bit(std::uint64_t mask) {
 #endif
 }
 
+/// Calls f(tile) for the tiles of a footprint's mask.
+template <class F>
+SWIFTGS_HD void for_each_masked_tile(const Footprint& footprint, TileGrid grid, const F& f) {
+  const std::uint32_t columns = std::uint32_t(grid.columns);
+  const std::uint32_t first = footprint.row * columns + footprint.column;
+  for (std::uint64_t mask = footprint.mask; mask != 0; mask &= mask - 1) {
+    const unsigned bit = lowest_bit(mask);
+    f(first + bit / Footprint::side * columns + bit % Footprint::side);
+  }
+}
+
 /// The bounds' run in one row of `rect`, and nothing outside of it.
 template <BoundsPolicy Bounds>
 SWIFTGS_HD TileRun row_within(const Bounds& bounds, const SplatShape& shape, TileRect rect, int row) {
@@ -89,14 +100,10 @@ SWIFTGS_HD Footprint find_footprint(const Bounds& bounds, const SplatShape& shap
 template <BoundsPolicy Bounds, class F>
 SWIFTGS_HD void for_each_tile(const Footprint& footprint, const Bounds& bounds, const SplatShape& shape,
                               TileGrid grid, const F& f) {
-  const std::uint32_t columns = std::uint32_t(grid.columns);
-  const std::uint32_t first = footprint.row * columns + footprint.column;
-  for (std::uint64_t mask = footprint.mask; mask != 0; mask &= mask - 1) {
-    const unsigned bit = detail::lowest_bit(mask);
-    f(first + bit / Footprint::side * columns + bit % Footprint::side);
-  }
+  detail::for_each_masked_tile(footprint, grid, f);
   if (footprint.mask != 0 || footprint.count == 0) return;
 
+  const std::uint32_t columns = std::uint32_t(grid.columns);
   std::uint32_t left = footprint.count;
   const TileRect rect = bounds.rect(shape, grid);
   for (const bool inside : {true, false}) {

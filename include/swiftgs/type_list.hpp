@@ -12,10 +12,4 @@ struct TypeList {
   static constexpr bool contains = (std::same_as<T, Types> || ...);
 };
 
-/// Calls f(T()) for every type of the list.
-template <class... Types, class F>
-constexpr void for_each_type(TypeList<Types...>, const F& f) {
-  (f(Types()), ...);
-}
-
 }  // namespace swiftgs

@@ -12,6 +12,7 @@
 #include "cli/command.hpp"
 
 using nlohmann::json;
+using swiftgs::test::contains;
 using swiftgs::test::content_of;
 using swiftgs::test::lines_in;
 using swiftgs::test::Outcome;
@@ -22,10 +23,6 @@ namespace {
 
 const std::string small = " --scale 0.05";
 const std::string adaptive = " --format pfm --renderer serial/adaptive/per-pixel/ellipse";
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 /// Runs the tool and expects success all the same, and one line on standard error that holds all `parts`.
 void run_with_notice(const TemporaryFolder& place, const std::string& arguments,

@@ -14,6 +14,7 @@
 
 using nlohmann::json;
 using swiftgs::test::cameras_json;
+using swiftgs::test::contains;
 using swiftgs::test::content_of;
 using swiftgs::test::Outcome;
 using swiftgs::test::run;
@@ -21,10 +22,6 @@ using swiftgs::test::TemporaryFolder;
 using swiftgs::test::write_colmap;
 
 namespace {
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 std::set<std::string> files_in(const std::filesystem::path& folder) {
   std::set<std::string> names;

@@ -13,16 +13,13 @@
 #include "cli/command.hpp"
 
 using nlohmann::json;
+using swiftgs::test::contains;
 using swiftgs::test::Outcome;
 using swiftgs::test::run;
 using swiftgs::test::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 /// Names of the files in a folder.
 std::set<std::string> files_in(const fs::path& folder) {

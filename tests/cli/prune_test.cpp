@@ -15,6 +15,7 @@
 #include "support/skip.hpp"
 
 using nlohmann::json;
+using swiftgs::test::contains;
 using swiftgs::test::content_of;
 using swiftgs::test::Outcome;
 using swiftgs::test::run;
@@ -31,10 +32,6 @@ void fails(const TemporaryFolder& place, const std::string& arguments, const std
   CHECK(swiftgs::test::lines_in(outcome.err) == 1);
   CHECK(outcome.err.find(part) != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(place / "small.ply"));
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 json result_of(const TemporaryFolder& place, const std::string& name) {

@@ -37,10 +37,6 @@ inline std::string complaint(const std::function<void()>& read) {
   return "";
 }
 
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// Checks that `read` takes `content` and throws `FormatError`, in one line, for all that a shorter file may
 /// hold.
 inline void check_every_truncation(const std::string& content,

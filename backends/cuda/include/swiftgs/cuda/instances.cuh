@@ -124,8 +124,7 @@ __global__ void __launch_bounds__(emit_threads)
 inline constexpr unsigned warps_of_splat = 4;
 inline constexpr std::uint32_t shared_from = 256;
 
-/// Gives a splat, of which `at` is the next instance, tiles of the grid outside of its bounds up to `end`.
-/// For one thread.
+/// Writes instances `at` to `end` of a splat, in tiles outside of its bounds. For one thread.
 template <class Bounds, class Key>
 __device__ __noinline__ void emit_outside(const Bounds bounds, const SplatShape shape, const TileGrid grid,
                                           const EmittedSplat splat, std::uint32_t at, std::uint32_t end,
