@@ -19,19 +19,14 @@
 namespace swiftgs {
 namespace {
 
-using Sorts = TypeList<StandardSort, EarlySort, AdaptiveSort>;
-using Rasters = TypeList<PerPixel, AxisShared<HalfSplit>, AxisShared<FloatSplit>, AxisShared<FloatCholesky>,
-                         AxisSharedThreshold<HalfSplit>, AxisSharedThreshold<FloatSplit>,
-                         AxisSharedThreshold<FloatCholesky>>;
-
 std::vector<RendererEntry> all_renderers() {
   std::vector<RendererEntry> table;
-  append_renderers<Serial>(table, Sorts{}, Rasters{}, AllBounds{});
+  append_renderers<Serial>(table, AllSorts{}, AllRasters{}, AllBounds{});
 #if defined(SWIFTGS_HAS_CPU)
-  append_renderers<Cpu>(table, Sorts{}, Rasters{}, AllBounds{});
+  append_renderers<Cpu>(table, AllSorts{}, AllRasters{}, AllBounds{});
 #endif
 #if defined(SWIFTGS_HAS_CUDA)
-  append_renderers<Cuda>(table, Sorts{}, Rasters{}, AllBounds{});
+  append_renderers<Cuda>(table, AllSorts{}, AllRasters{}, AllBounds{});
 #endif
   return table;
 }

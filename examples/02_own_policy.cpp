@@ -55,11 +55,8 @@ struct OneSigma {
   static constexpr std::string_view name = "one-sigma";
   static constexpr bool lossless = false;  // for rasterizers that draw whole Gaussians
 
-  SWIFTGS_HD TileRect rect(const SplatShape& shape, TileGrid grid) const {
-    return Ellipse().rect(shrunk(shape), grid);
-  }
-  SWIFTGS_HD TileRun row(const SplatShape& shape, TileRect rect, int row) const {
-    return Ellipse().row(shrunk(shape), rect, row);
+  SWIFTGS_HD Ellipse::Tiles tiles(const SplatShape& shape, TileGrid grid) const {
+    return Ellipse().tiles(shrunk(shape), grid);
   }
 
  private:

@@ -68,7 +68,7 @@ struct Gaussians {
 };
 
 /// A view, and the place of its first pixel in the sheet.
-struct View {
+struct Region {
   Camera camera;
   std::size_t x = 0, y = 0;
 };
@@ -134,13 +134,13 @@ int main(int argc, char** argv) try {
 
   // One renderer for all: its memory serves each view in turn.
   Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(stream.get())};
-  const View views[] = {{eye(-1), 0, 0}, {eye(1), eye_width + gap, 0}, {overview(), 0, eye_height + gap}};
-  for (const View& view : views) {
+  const Region regions[] = {{eye(-1), 0, 0}, {eye(1), eye_width + gap, 0}, {overview(), 0, eye_height + gap}};
+  for (const Region& region : regions) {
     const Plane<Sheet::Pixel> sheet{static_cast<Sheet::Pixel*>(memory), pitch};
-    renderer.render_into(gaussians.view, view.camera, {},
-                         {.width = view.camera.width,
-                          .height = view.camera.height,
-                          .colour = {sheet.row(view.y) + view.x, pitch},
+    renderer.render_into(gaussians.view, region.camera, {},
+                         {.width = region.camera.width,
+                          .height = region.camera.height,
+                          .colour = {sheet.row(region.y) + region.x, pitch},
                           .format = PixelFormat::rgba_half});
   }
 

@@ -53,20 +53,20 @@ HWY_INLINE VecI ClampedFloor(Vec v, int high) {
 }
 
 /// `tiles_between`.
-HWY_INLINE Runs TilesBetween(Vec low, Vec high, int count) {
+HWY_INLINE Runs TilesBetween(Vec low, Vec high, int side, int count) {
   const F32 d;
   const Vec first = hn::Ceil(hn::Sub(low, All(0.5f))), last = hn::Floor(hn::Sub(high, All(0.5f)));
-  const Vec inv_side = All(1.0f / tile_side);
+  const Vec inverse_side = All(inverse_of(side));
   const auto some = hn::RebindMask(I32(), hn::And(hn::Le(first, last), hn::Ge(last, hn::Zero(d))));
-  return {hn::IfThenElseZero(some, ClampedFloor(hn::Mul(first, inv_side), count)),
-          hn::IfThenElseZero(some, ClampedFloor(hn::Add(hn::Mul(last, inv_side), All(1.0f)), count))};
+  return {hn::IfThenElseZero(some, ClampedFloor(hn::Mul(first, inverse_side), count)),
+          hn::IfThenElseZero(some, ClampedFloor(hn::Add(hn::Mul(last, inverse_side), All(1.0f)), count))};
 }
 
 /// `tiles_meeting`.
-HWY_INLINE Runs TilesMeeting(Vec low, Vec high, int count) {
-  const Vec inv_side = All(1.0f / tile_side);
-  const Vec first = hn::Ceil(hn::Mul(hn::Sub(low, All(float(tile_side) - 0.5f)), inv_side));
-  const Vec last = hn::Floor(hn::Mul(hn::Sub(high, All(0.5f)), inv_side));
+HWY_INLINE Runs TilesMeeting(Vec low, Vec high, int side, int count) {
+  const Vec inverse_side = All(inverse_of(side));
+  const Vec first = hn::Ceil(hn::Mul(hn::Sub(low, All(float(side) - 0.5f)), inverse_side));
+  const Vec last = hn::Floor(hn::Mul(hn::Sub(high, All(0.5f)), inverse_side));
   return {ClampedFloor(first, count), ClampedFloor(hn::Add(last, All(1.0f)), count)};
 }
 
@@ -86,8 +86,8 @@ struct VectorOpacityBox : BoxRows {
   HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
     const Vec height = HalfHeight(s), slack = Slack(s.half_width, height);
     const Vec x = hn::Add(s.half_width, slack), y = hn::Add(height, slack);
-    return {TilesMeeting(hn::Sub(s.mean_x, x), hn::Add(s.mean_x, x), grid.columns),
-            TilesBetween(hn::Sub(s.mean_y, y), hn::Add(s.mean_y, y), grid.rows)};
+    return {TilesMeeting(hn::Sub(s.mean_x, x), hn::Add(s.mean_x, x), grid.side, grid.columns),
+            TilesBetween(hn::Sub(s.mean_y, y), hn::Add(s.mean_y, y), grid.side, grid.rows)};
   }
 };
 
@@ -104,15 +104,15 @@ struct VectorThreeSigmaSquare : BoxRows {
     const Vec gap = hn::Mul(hn::Sub(mid, root_det), hn::Add(mid, root_det));
     const Vec lambda = hn::Add(mid, hn::Sqrt(hn::Max(gap, All(0.1f))));
     const Vec radius = hn::Ceil(hn::Mul(All(3.0f), hn::Sqrt(lambda)));
-    return {Side(hn::Sub(s.mean_x, All(0.5f)), radius, grid.columns),
-            Side(hn::Sub(s.mean_y, All(0.5f)), radius, grid.rows)};
+    return {Side(hn::Sub(s.mean_x, All(0.5f)), radius, grid, grid.columns),
+            Side(hn::Sub(s.mean_y, All(0.5f)), radius, grid, grid.rows)};
   }
 
  private:
-  static HWY_INLINE Runs Side(Vec centre, Vec radius, int count) {
-    const Vec side = All(float(tile_side)), whole = All(float(tile_side - 1));
-    return {ClampedFloor(hn::Div(hn::Sub(centre, radius), side), count),
-            ClampedFloor(hn::Div(hn::Add(hn::Add(centre, radius), whole), side), count)};
+  static HWY_INLINE Runs Side(Vec centre, Vec radius, TileGrid grid, int count) {
+    const Vec inverse_side = All(inverse_of(grid.side)), whole = All(float(grid.side - 1));
+    return {ClampedFloor(hn::Mul(hn::Sub(centre, radius), inverse_side), count),
+            ClampedFloor(hn::Mul(hn::Add(hn::Add(centre, radius), whole), inverse_side), count)};
   }
 };
 
@@ -121,20 +121,20 @@ class VectorEllipse {
   using Scalar = Ellipse;
 
   HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
-    shapes_ = s;
+    shapes_ = s, side_ = grid.side;
     height_ = HalfHeight(s), slack_ = Slack(s.half_width, height_);
     const Vec slope = hn::Div(s.l1, s.l2);
     steepest_ = hn::Div(hn::Mul(height_, slope), hn::Sqrt(hn::Add(All(1.0f), hn::Mul(slope, slope))));
     return VectorOpacityBox().Rect(s, grid);
   }
 
-  /// `Ellipse::row` of row `offset` of each box.
+  /// `Ellipse::Tiles::row` of row `offset` of each box.
   HWY_INLINE Runs Row(const Rects& rects, int offset) const {
     const F32 d;
     const VecI row = hn::Add(rects.rows.begin, hn::Set(I32(), offset));
-    const Vec row_top = hn::Add(hn::ConvertTo(d, hn::Mul(row, hn::Set(I32(), tile_side))), All(0.5f));
+    const Vec row_top = hn::Add(hn::ConvertTo(d, hn::Mul(row, hn::Set(I32(), side_))), All(0.5f));
     const Vec top = hn::Sub(hn::Sub(row_top, shapes_.mean_y), slack_);
-    const Vec bottom = hn::Add(hn::Add(top, All(float(tile_side - 1))), hn::Mul(All(2.0f), slack_));
+    const Vec bottom = hn::Add(hn::Add(top, All(float(side_ - 1))), hn::Mul(All(2.0f), slack_));
     const Vec right =
         hn::Add(hn::Add(shapes_.mean_x, Edge(Within(hn::Neg(steepest_), top, bottom), All(1.0f))), slack_);
     const Vec left =
@@ -154,12 +154,13 @@ class VectorEllipse {
     return hn::Div(hn::Sub(hn::Mul(sign, hn::Sqrt(rest)), hn::Mul(shapes_.l1, y)), shapes_.l0);
   }
   /// `tiles_meeting` with a limit a lane.
-  static HWY_INLINE Runs TilesUpTo(Vec low, Vec high, VecI count) {
-    Runs runs = TilesMeeting(low, high, max_image_side / tile_side);
+  HWY_INLINE Runs TilesUpTo(Vec low, Vec high, VecI count) const {
+    Runs runs = TilesMeeting(low, high, side_, max_image_side);
     return {hn::Min(runs.begin, count), hn::Min(runs.end, count)};
   }
 
   Shapes shapes_;
+  int side_;
   Vec height_, slack_, steepest_;
 };
 

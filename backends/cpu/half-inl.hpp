@@ -14,7 +14,7 @@
 
 #include <swiftgs/half.hpp>
 
-#include "tile-inl.hpp"
+#include "square-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {

@@ -258,9 +258,9 @@ constexpr std::size_t chunk_size = 4096;
 
 }  // namespace
 
-void project(Cpu& cpu, const ProjectJob& job, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
-  const ViewConstants& constants = job.constants;
-  const SceneView& scene = job.scene;
+void project(Cpu& cpu, const FrameInput& input, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
+  const ViewConstants& camera = only_view(input.views).camera;
+  const SceneView& scene = only_scene(input.scenes);
   // Project each chunk to a place of its own.
   const std::size_t n = scene.size(), chunks = (n + chunk_size - 1) / chunk_size;
   scratch.shapes.reset(n), scratch.depths.reset(n), scratch.gaussians.reset(n), scratch.counts.reset(chunks);
@@ -268,7 +268,7 @@ void project(Cpu& cpu, const ProjectJob& job, ProjectScratch<Cpu>& scratch, Spla
     for (std::size_t chunk = first; chunk < last; ++chunk) {
       const std::size_t begin = chunk * chunk_size, end = std::min(begin + chunk_size, n);
       scratch.counts.data()[chunk] =
-          HWY_DYNAMIC_DISPATCH(ProjectChunk)(constants, scene, begin, end, scratch.shapes.data() + begin,
+          HWY_DYNAMIC_DISPATCH(ProjectChunk)(camera, scene, begin, end, scratch.shapes.data() + begin,
                                              scratch.depths.data() + begin, scratch.gaussians.data() + begin);
     }
   });

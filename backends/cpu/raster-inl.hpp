@@ -20,8 +20,8 @@
 #include <swiftgs/raster/raster.hpp>
 
 #include "exp2-inl.hpp"
+#include "square-inl.hpp"
 #include "store-inl.hpp"
-#include "tile-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
@@ -36,16 +36,16 @@ constexpr float least_exponent = -64.0f;
 
 /// What every form needs of the splats of a batch.
 struct alignas(64) Batch {
-  std::uint32_t row_masks[batch_size];                 ///< bit r: the splat touches row r
-  float colours[batch_size][4];                        ///< RGB, depth
-  std::uint32_t lists[tile_side][batch_size + lanes];  ///< for each row the splats that touch it
-  std::size_t list_sizes[tile_side];
+  std::uint32_t row_masks[batch_size];                   ///< bit r: the splat touches row r
+  float colours[batch_size][4];                          ///< RGB, depth
+  std::uint32_t lists[square_side][batch_size + lanes];  ///< for each row the splats that touch it
+  std::size_t list_sizes[square_side];
 };
 
-/// A splat's factor applied to the offsets of a tile's columns and rows from its mean: what rows are refused
-/// by, and what the Cholesky form is made of.
+/// A splat's factor applied to the offsets of a square's columns and rows from its mean: what rows are
+/// refused by, and what the Cholesky form is made of.
 struct alignas(64) CholeskyTerms {
-  float p[tile_side], q[tile_side], c[tile_side];  ///< l0 dx, l1 dy, log2(opacity) - (l2 dy)^2
+  float p[square_side], q[square_side], c[square_side];  ///< l0 dx, l1 dy, log2(opacity) - (l2 dy)^2
 };
 
 /// Bits of the rows that `shape` touches, as `row_touched` decides them, all rows at once.
@@ -55,11 +55,11 @@ HWY_INLINE std::uint32_t PrepareRows(const SplatShape& shape, vec2 first_centre,
   const Vec l0 = hn::Set(d, shape.l0), l1 = hn::Set(d, shape.l1), l2 = hn::Set(d, shape.l2);
   const Vec log2_opacity = hn::Set(d, shape.reach + log2_alpha_min);
   const float first_dx = first_centre.x - shape.mean.x, first_dy = first_centre.y - shape.mean.y;
-  for (std::size_t i = 0; i < tile_side; i += lanes)
+  for (std::size_t i = 0; i < square_side; i += lanes)
     hn::Store(hn::Mul(l0, hn::Add(hn::Set(d, first_dx), hn::Iota(d, float(i)))), d, terms.p + i);
-  const Vec first_p = hn::Set(d, terms.p[0]), last_p = hn::Set(d, terms.p[tile_side - 1]);
+  const Vec first_p = hn::Set(d, terms.p[0]), last_p = hn::Set(d, terms.p[square_side - 1]);
   std::uint64_t rows = 0;
-  for (std::size_t i = 0; i < tile_side; i += lanes) {
+  for (std::size_t i = 0; i < square_side; i += lanes) {
     const Vec dy = hn::Add(hn::Set(d, first_dy), hn::Iota(d, float(i)));
     const Vec q = hn::Mul(l1, dy), v = hn::Mul(l2, dy);
     const Vec c = hn::NegMulAdd(v, v, log2_opacity);
@@ -78,12 +78,12 @@ HWY_INLINE std::uint32_t PrepareRows(const SplatShape& shape, vec2 first_centre,
 
 /// Turns one mask of rows a splat into one list of splats a row.
 HWY_INLINE void ListRows(Batch& HWY_RESTRICT batch, std::size_t splats) {
-  const hn::CappedTag<std::uint32_t, tile_side> d;
-  for (std::size_t row = 0; row < tile_side; ++row) batch.list_sizes[row] = 0;
+  const hn::CappedTag<std::uint32_t, square_side> d;
+  for (std::size_t row = 0; row < square_side; ++row) batch.list_sizes[row] = 0;
   for (std::size_t first = 0; first < splats; first += lanes) {
     const auto masks = hn::Load(d, batch.row_masks + first);
     const auto index = hn::Iota(d, std::uint32_t(first));
-    for (std::size_t row = 0; row < tile_side; ++row) {
+    for (std::size_t row = 0; row < square_side; ++row) {
       const auto touched = hn::TestBit(masks, hn::Set(d, 1u << row));
       batch.list_sizes[row] += hn::CompressStore(index, touched, d, batch.lists[row] + batch.list_sizes[row]);
     }
@@ -106,8 +106,8 @@ HWY_INLINE Vec Dimmed(Vec transmittance, Vec alpha) {
 /// arithmetic and the loads of its terms.
 template <class Form, bool kDepth, bool kCount, bool kOccluder>
 HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRICT batch,
-                         const BlendRules& rules, TileState& HWY_RESTRICT state, std::size_t row,
-                         std::size_t part, TileCounts& counts) {
+                         const BlendRules& rules, SquareState& HWY_RESTRICT state, std::size_t row,
+                         std::size_t part, SquareCounts& counts) {
   const F32 d;
   const std::size_t column = part * lanes;
   Vec transmittance = hn::Load(d, state.transmittance[row] + column);
@@ -153,24 +153,25 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
   if constexpr (kDepth) hn::Store(depth, d, state.depth[row] + column);
 }
 
-/// Renders tiles [begin, end): lists of each are walked in batches, and each batch row by row.
+/// Renders squares [begin, end): the list of each is walked in batches, and each batch row by row.
 template <class Form, bool kDepth, bool kCount, bool kOccluder>
-void RenderTiles(const RasterJob& job, std::size_t begin, std::size_t end) {
-  TileState state;
+void RenderSquares(const RasterJob& job, std::size_t begin, std::size_t end) {
+  const View& view = job.views[0];
+  const Squares squares(view.frame);
+  SquareState state;
   Batch batch;
-  Form form(job.rules);
-  const float log2_alpha_min = std::log2(job.rules.alpha_min);
+  Form form(view.rules);
+  const float log2_alpha_min = std::log2(view.rules.alpha_min);
   const bool some_hidden = job.colours.some_hidden();
 
-  for (std::size_t tile = begin; tile < end; ++tile) {
-    const std::size_t x0 = tile % std::size_t(job.grid.columns) * tile_side;
-    const std::size_t y0 = tile / std::size_t(job.grid.columns) * tile_side;
-    const TileFrame place{vec2(float(x0) + 0.5f, float(y0) + 0.5f), x0, y0,
-                          std::min(tile_side, job.frame.width - int(x0)),
-                          std::min(tile_side, job.frame.height - int(y0))};
-    Clear<kDepth, kOccluder>(job.frame, place, state);
-    TileCounts counts;
-    const TileRange range = job.lists.ranges[tile];
+  for (std::size_t square = begin; square < end; ++square) {
+    const int x0 = squares.x(square), y0 = squares.y(square);
+    const SquareFrame place{vec2(float(x0) + 0.5f, float(y0) + 0.5f), std::size_t(x0), std::size_t(y0),
+                            std::min(square_side, view.frame.width - x0),
+                            std::min(square_side, view.frame.height - y0)};
+    Clear<kDepth, kOccluder>(view.frame, place, state);
+    SquareCounts counts;
+    const TileRange range = job.lists.ranges[view.grid.tile_at(x0, y0)];
     const std::uint32_t* ids = job.lists.ids.data;
     std::uint32_t live_rows = range.begin < range.end ? LiveRows(place, state) : 0;
     for (std::size_t at = range.begin; at < range.end && live_rows != 0; at += batch_size) {
@@ -194,14 +195,14 @@ void RenderTiles(const RasterJob& job, std::size_t begin, std::size_t end) {
         if (batch.list_sizes[row] != 0) {
           if constexpr (kCount) counts.rows_visited += batch.list_sizes[row];
           for (std::size_t part = 0; part < parts; ++part)
-            BlendRow<Form, kDepth, kCount, kOccluder>(form, batch, job.rules, state, std::size_t(row), part,
+            BlendRow<Form, kDepth, kCount, kOccluder>(form, batch, view.rules, state, std::size_t(row), part,
                                                       counts);
         }
       live_rows = LiveRows(place, state);
       counts.instances_visited += splats;
     }
-    StoreTile(job, place, state);
-    if (job.counts) job.counts[tile] = counts;
+    StoreSquare(view, place, state);
+    if (job.counts) job.counts[square] = counts;
   }
 }
 
@@ -209,15 +210,15 @@ void RenderTiles(const RasterJob& job, std::size_t begin, std::size_t end) {
 /// others ask for; of the rest there is one kind with counts and one without, since each kind takes long to
 /// compile.
 template <class Form>
-void RenderTilesOf(const RasterJob& job, std::size_t begin, std::size_t end) {
+void RenderSquaresOf(const RasterJob& job, std::size_t begin, std::size_t end) {
   if (job.counts)
-    RenderTiles<Form, true, true, true>(job, begin, end);
-  else if (job.frame.occluder.data)
-    RenderTiles<Form, true, false, true>(job, begin, end);
-  else if (job.frame.depth.data)
-    RenderTiles<Form, true, false, false>(job, begin, end);
+    RenderSquares<Form, true, true, true>(job, begin, end);
+  else if (job.views[0].frame.occluder.data)
+    RenderSquares<Form, true, false, true>(job, begin, end);
+  else if (job.views[0].frame.depth.data)
+    RenderSquares<Form, true, false, false>(job, begin, end);
   else
-    RenderTiles<Form, false, false, false>(job, begin, end);
+    RenderSquares<Form, false, false, false>(job, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

@@ -44,9 +44,9 @@ class FloatCholeskyForm {
   CholeskyTerms terms_[batch_size];
 };
 
-void FloatCholeskyTiles(const RasterJob& job, bool threshold, std::size_t begin, std::size_t end) {
-  threshold ? RenderTilesOf<FloatCholeskyForm<true>>(job, begin, end)
-            : RenderTilesOf<FloatCholeskyForm<false>>(job, begin, end);
+void FloatCholeskySquares(const RasterJob& job, bool threshold, std::size_t begin, std::size_t end) {
+  threshold ? RenderSquaresOf<FloatCholeskyForm<true>>(job, begin, end)
+            : RenderSquaresOf<FloatCholeskyForm<false>>(job, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
@@ -55,11 +55,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace swiftgs {
 namespace {
-HWY_EXPORT(FloatCholeskyTiles);
+HWY_EXPORT(FloatCholeskySquares);
 
 void run(Cpu& cpu, const RasterJob& job, bool threshold) {
-  cpu.for_parts(job.grid.size(), 4, [&](std::size_t begin, std::size_t end) {
-    HWY_DYNAMIC_DISPATCH(FloatCholeskyTiles)(job, threshold, begin, end);
+  cpu.for_parts(Squares(only_view(job.views).frame).size(), 4, [&](std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(FloatCholeskySquares)(job, threshold, begin, end);
   });
 }
 }  // namespace

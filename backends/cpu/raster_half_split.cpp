@@ -32,7 +32,7 @@ struct HalfSplitTerms {
     const Vec a = hn::Set(d, shape.l0 * shape.l0), b = hn::Set(d, 2 * shape.l0 * shape.l1);
     const Vec c = hn::Set(d, shape.l1 * shape.l1 + shape.l2 * shape.l2);
     const float first_dx = first_centre.x - shape.mean.x, first_dy = first_centre.y - shape.mean.y;
-    for (std::size_t i = 0; i < tile_side; i += lanes) {
+    for (std::size_t i = 0; i < square_side; i += lanes) {
       const Vec dx = hn::Add(hn::Set(d, first_dx), hn::Iota(d, float(i)));
       const Vec dy = hn::Add(hn::Set(d, first_dy), hn::Iota(d, float(i)));
       Store(hn::Mul(hn::Mul(a, dx), dx), t.x_square + i);
@@ -49,9 +49,9 @@ struct HalfSplitTerms {
   }
 };
 
-void HalfSplitTiles(const RasterJob& job, bool threshold, std::size_t begin, std::size_t end) {
-  threshold ? RenderTilesOf<SplitForm<HalfSplitTerms, true>>(job, begin, end)
-            : RenderTilesOf<SplitForm<HalfSplitTerms, false>>(job, begin, end);
+void HalfSplitSquares(const RasterJob& job, bool threshold, std::size_t begin, std::size_t end) {
+  threshold ? RenderSquaresOf<SplitForm<HalfSplitTerms, true>>(job, begin, end)
+            : RenderSquaresOf<SplitForm<HalfSplitTerms, false>>(job, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
@@ -60,11 +60,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace swiftgs {
 namespace {
-HWY_EXPORT(HalfSplitTiles);
+HWY_EXPORT(HalfSplitSquares);
 
 void run(Cpu& cpu, const RasterJob& job, bool threshold) {
-  cpu.for_parts(job.grid.size(), 4, [&](std::size_t begin, std::size_t end) {
-    HWY_DYNAMIC_DISPATCH(HalfSplitTiles)(job, threshold, begin, end);
+  cpu.for_parts(Squares(only_view(job.views).frame).size(), 4, [&](std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(HalfSplitSquares)(job, threshold, begin, end);
   });
 }
 }  // namespace

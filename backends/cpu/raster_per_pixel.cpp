@@ -44,15 +44,15 @@ class PerPixelForm {
 
  private:
   struct Splat {
-    float mean_x, mean_y;  ///< from the tile's first pixel centre
+    float mean_x, mean_y;  ///< from the square's first pixel centre
     float l0, l1, l2, opacity;
   };
   float alpha_min_;
   Splat splats_[batch_size];
 };
 
-void PerPixelTiles(const RasterJob& job, std::size_t begin, std::size_t end) {
-  RenderTilesOf<PerPixelForm>(job, begin, end);
+void PerPixelSquares(const RasterJob& job, std::size_t begin, std::size_t end) {
+  RenderSquaresOf<PerPixelForm>(job, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
@@ -61,12 +61,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace swiftgs {
 namespace {
-HWY_EXPORT(PerPixelTiles);
+HWY_EXPORT(PerPixelSquares);
 }  // namespace
 
 void rasterize(Cpu& cpu, PerPixel, const RasterJob& job) {
-  cpu.for_parts(job.grid.size(), 4, [&](std::size_t begin, std::size_t end) {
-    HWY_DYNAMIC_DISPATCH(PerPixelTiles)(job, begin, end);
+  cpu.for_parts(Squares(only_view(job.views).frame).size(), 4, [&](std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(PerPixelSquares)(job, begin, end);
   });
 }
 

@@ -72,11 +72,9 @@ HWY_INLINE hn::Vec<F32x4> SumBands(const float* HWY_RESTRICT rest, const float (
 /// coefficients takes one Gaussian at a time, because its coefficients lie together and those of the next
 /// visible one do not.
 /// Returns whether any splat is hidden.
-bool ShadeRange(const ShadeJob& job, const std::uint32_t* HWY_RESTRICT ids, const float* HWY_RESTRICT depths,
-                std::size_t count, SplatColour* HWY_RESTRICT colours) {
+bool ShadeRange(const ViewConstants& v, const SceneView& scene, const std::uint32_t* HWY_RESTRICT ids,
+                const float* HWY_RESTRICT depths, std::size_t count, SplatColour* HWY_RESTRICT colours) {
   const F32 d;
-  const ViewConstants& v = job.constants;
-  const SceneView& scene = job.scene;
   bool some_hidden = false;
   const int degree = scene.sh_degree, coefficients = sh_rest_count(degree);
   const std::size_t stride = std::size_t(scene.sh_stride), row = 3 * std::size_t(coefficients);
@@ -129,14 +127,17 @@ namespace {
 HWY_EXPORT(ShadeRange);
 }
 
-Shading<Cpu> shade(Cpu& cpu, const ShadeJob& job, const Splats<Cpu>& splats, Colours<Cpu>& colours) {
+Shading<Cpu> shade(Cpu& cpu, const FrameInput& input, const Splats<Cpu>& splats, Colours<Cpu>& colours) {
+  const ViewConstants& camera = only_view(input.views).camera;
+  const SceneView& scene = only_scene(input.scenes);
   constexpr std::size_t grain = 1024;
   colours.each.reset(splats.count), colours.hidden.reset(1);
   std::uint32_t* const hidden = colours.hidden.data();
   *hidden = 0;
   cpu.for_parts(splats.count, grain, [&](std::size_t begin, std::size_t end) {
-    if (HWY_DYNAMIC_DISPATCH(ShadeRange)(job, splats.gaussians.data() + begin, splats.depths.data() + begin,
-                                         end - begin, colours.each.data() + begin))
+    if (HWY_DYNAMIC_DISPATCH(ShadeRange)(camera, scene, splats.gaussians.data() + begin,
+                                         splats.depths.data() + begin, end - begin,
+                                         colours.each.data() + begin))
       std::atomic_ref(*hidden).store(1, std::memory_order_relaxed);
   });
   return Shading<Cpu>({{colours.each.data(), splats.count}, hidden});

@@ -51,7 +51,7 @@ class SplitForm {
  private:
   using Cell = typename Split::Cell;
   struct alignas(64) Terms {
-    Cell x_square[tile_side], x_mixed[tile_side], y_square[tile_side], y_offset[tile_side];
+    Cell x_square[square_side], x_mixed[square_side], y_square[square_side], y_offset[square_side];
     float opacity, log2_opacity, reach;
   };
   float alpha_min_;

@@ -13,30 +13,30 @@
 
 #include <hwy/highway.h>
 
-#include <swiftgs/raster/raster.hpp>
 #include <swiftgs/store_pixel.hpp>
+#include <swiftgs/view.hpp>
 
 #include "half-inl.hpp"
-#include "tile-inl.hpp"
+#include "square-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 
-/// What a row of a tile shows where transmittance is left: RGBA, an array a channel.
+/// What a row of a square shows where transmittance is left: RGBA, an array a channel.
 struct alignas(64) Below {
-  float channels[4][tile_side];
+  float channels[4][square_side];
 };
 
-/// Of the whole tile, unless the frame is rendered over what it holds.
+/// Of the whole square, unless the frame is rendered over what it holds.
 HWY_INLINE void LoadBackground(vec3 background, Below& below) {
   for (std::size_t c = 0; c < 4; ++c)
-    for (std::size_t i = 0; i < tile_side; ++i) below.channels[c][i] = c < 3 ? background[int(c)] : 0.0f;
+    for (std::size_t i = 0; i < square_side; ++i) below.channels[c][i] = c < 3 ? background[int(c)] : 0.0f;
 }
 
 /// Of row `y`.
-HWY_INLINE void LoadRow(const FrameView& frame, const TileFrame& tile, std::size_t y, Below& below) {
-  for (std::size_t i = 0; i < std::size_t(tile.columns); ++i) {
-    const vec4 colour = detail::load_colour(frame, tile.x0 + i, y);
+HWY_INLINE void LoadRow(const FrameView& frame, const SquareFrame& square, std::size_t y, Below& below) {
+  for (std::size_t i = 0; i < std::size_t(square.columns); ++i) {
+    const vec4 colour = detail::load_colour(frame, square.x0 + i, y);
     for (std::size_t c = 0; c < 4; ++c) below.channels[c][i] = colour[int(c)];
   }
 }
@@ -72,18 +72,18 @@ HWY_INLINE void StoreColours(PixelFormat format, Vec red, Vec green, Vec blue, V
 }
 
 /// Writes the outputs that are asked for, as `store_pixel` does.
-HWY_INLINE void StoreTile(const RasterJob& job, const TileFrame& tile, TileState& state) {
+HWY_INLINE void StoreSquare(const View& view, const SquareFrame& square, SquareState& state) {
   const F32 d;
-  const FrameView& frame = job.frame;
-  const std::size_t pixel = bytes_per_pixel(frame.format), columns = std::size_t(tile.columns);
+  const FrameView& frame = view.frame;
+  const std::size_t pixel = bytes_per_pixel(frame.format), columns = std::size_t(square.columns);
   Below below;
-  LoadBackground(job.background, below);
-  for (std::size_t row = 0; row < std::size_t(tile.rows); ++row) {
-    alignas(64) unsigned char colours[4 * sizeof(float) * tile_side];
-    alignas(64) float alphas[tile_side], depths[tile_side];
-    const std::size_t y = tile.y0 + row;
-    if (frame.over) LoadRow(frame, tile, y, below);
-    for (std::size_t column = 0; column < tile_side; column += lanes) {
+  LoadBackground(view.background, below);
+  for (std::size_t row = 0; row < std::size_t(square.rows); ++row) {
+    alignas(64) unsigned char colours[4 * sizeof(float) * square_side];
+    alignas(64) float alphas[square_side], depths[square_side];
+    const std::size_t y = square.y0 + row;
+    if (frame.over) LoadRow(frame, square, y, below);
+    for (std::size_t column = 0; column < square_side; column += lanes) {
       const Vec transmittance = hn::Abs(hn::Load(d, state.transmittance[row] + column));
       const Vec alpha = hn::Sub(hn::Set(d, 1.0f), transmittance);
       const auto laid = [&](Vec colour, std::size_t channel) HWY_ATTR {
@@ -99,10 +99,10 @@ HWY_INLINE void StoreTile(const RasterJob& job, const TileFrame& tile, TileState
       }
     }
     if (frame.colour.data)
-      std::memcpy(static_cast<unsigned char*>(frame.colour.row(y)) + tile.x0 * pixel, colours,
+      std::memcpy(static_cast<unsigned char*>(frame.colour.row(y)) + square.x0 * pixel, colours,
                   columns * pixel);
-    if (frame.alpha.data) std::memcpy(frame.alpha.row(y) + tile.x0, alphas, columns * sizeof(float));
-    if (frame.depth.data) std::memcpy(frame.depth.row(y) + tile.x0, depths, columns * sizeof(float));
+    if (frame.alpha.data) std::memcpy(frame.alpha.row(y) + square.x0, alphas, columns * sizeof(float));
+    if (frame.depth.data) std::memcpy(frame.depth.row(y) + square.x0, depths, columns * sizeof(float));
   }
 }
 

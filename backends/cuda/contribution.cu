@@ -11,10 +11,9 @@ namespace swiftgs {
 
 namespace kernels {
 
-/// Terms of the splats that a warp looks at together, as its part of the tile sees them.
-struct WarpTerms {
-  float4 terms[warp_size];
-  CholeskyForm::Rest rests[warp_size];
+/// Terms and Gaussians of splats.
+struct IdQueue : TermsQueue<CholeskyForm> {
+  std::uint32_t gaussians[queue_size];
 };
 
 /// Sum over all lanes of values below 2^48.
@@ -24,78 +23,67 @@ __device__ inline std::uint64_t wide_warp_sum(std::uint64_t value) {
   return (std::uint64_t(warp_sum(std::uint32_t(value >> 24))) << 24) + low;
 }
 
-/// Adds up the weights of one tile's list: a block a tile, a warp an 8x8 part of it, a lane two pixels, with
-/// the terms and the rules of `raster_warps`. A lane adds the sum of the splat that it has loaded: one atomic
-/// addition for a splat and part.
-__global__ void __launch_bounds__(raster_threads)
-    add_contributions(const __grid_constant__ ContributionJob job,
-                      const __grid_constant__ RasterLimits limits) {
-  __shared__ WarpTerms shared[parts_of_tile];
-  const RasterJob& raster = job.raster;
-  const unsigned warp = threadIdx.x / warp_size;
-  WarpTerms& mine = shared[warp];
-  const std::uint32_t tile = blockIdx.x;
-  const int part_x = int(tile % unsigned(raster.grid.columns)) * tile_side + int(warp % 2 * part_side);
-  const int part_y = int(tile / unsigned(raster.grid.columns)) * tile_side + int(warp / 2 * part_side);
-  if (part_x >= raster.frame.width || part_y >= raster.frame.height) return;
-  const vec2 first_centre(float(part_x) + 0.5f, float(part_y) + 0.5f);
-
-  const int column = int(lane_index() % part_side), row = int(lane_index() / part_side);
+/// Blends as `ColourBlender` does and adds up the weights: one atomic addition for a splat and part.
+struct WeightBlender {
+  const ContributionJob& job;
+  const RasterLimits& limits;
+  IdQueue& queue;
+  float x, y;  ///< of the lane's first pixel within the part
   Pixel pixels[pixels_of_lane];
-#pragma unroll
-  for (unsigned p = 0; p < pixels_of_lane; ++p)
-    if (PixelPlace(raster, part_x + column, part_y + row + int(p) * int(rows_between), false).inside)
-      pixels[p].start(limits.stop_below);
 
-  const bool some_hidden = raster.colours.some_hidden();
-  const TileRange range = raster.lists.ranges[tile];
-  for (std::uint32_t at = range.begin; at < range.end; at += warp_size) {
-    // Load a splat a lane, and find those that touch the part.
-    const bool listed = at + lane_index() < range.end;
-    const std::uint32_t id = listed ? raster.lists.ids[at + lane_index()] : 0;
-    bool touched = false;
-    if (listed) {
-      const SplatShape shape = load_shape(raster, id);
-      touched = box_touched(shape, first_centre, float(part_side)) &&
-                !(some_hidden && is_hidden(raster.colours.each[id]));
-      if (touched)
-        CholeskyForm::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min,
-                              mine.terms[lane_index()], mine.rests[lane_index()]);
-    }
-    unsigned waiting = __ballot_sync(whole_warp, touched);
+  __device__ void fill(unsigned slot, std::uint32_t id) const {
+    queue.gaussians[slot] = job.raster.splats.gaussians[id];
+  }
+
+  /// Blends up to 32 splats from `first` on. Lane k keeps the sum of the k-th.
+  __device__ void blend_queued(unsigned first, unsigned count) {
+    static_assert(queue_half == warp_size);
     __syncwarp();
-
-    // Blend them front to back; the lane that loaded a splat keeps its sum.
     std::uint64_t sum = 0;
-    for (; waiting != 0; waiting &= waiting - 1) {
-      const unsigned owner = unsigned(__ffs(int(waiting))) - 1;
+    for (unsigned k = 0; k < count; ++k) {
       float exponents[pixels_of_lane];
-      CholeskyForm::evaluate(mine.terms[owner], mine.rests[owner], float(column), float(row), exponents);
+      CholeskyForm::evaluate(queue.terms[first + k], queue.rests[first + k], x, y, exponents);
       std::uint64_t parts = 0;
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p)
         parts += weight_parts(weigh(pixels[p], alpha_of<true>(exponents[p], limits)));
       if (!__any_sync(whole_warp, parts != 0)) continue;
       const std::uint64_t of_part = wide_warp_sum(parts);
-      if (lane_index() == owner) sum = of_part;
+      if (lane_index() == k) sum = of_part;
     }
     if (sum != 0) {
       static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
-      atomicAdd(reinterpret_cast<unsigned long long*>(job.sums + raster.splats.gaussians[id]), sum);
+      atomicAdd(reinterpret_cast<unsigned long long*>(job.sums + queue.gaussians[first + lane_index()]), sum);
     }
-
-    bool stopped = true;
-#pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) stopped = stopped && !pixels[p].live();
-    if (__all_sync(whole_warp, stopped)) break;
-    __syncwarp();  // before the terms are overwritten
+    __syncwarp();  // before the queue is overwritten
   }
+
+  __device__ bool all_stopped() const { return kernels::all_stopped(pixels); }
+};
+
+/// Adds up the weights of one square's list: a block a square, a warp a part of it.
+__global__ void __launch_bounds__(raster_threads)
+    add_contributions(const __grid_constant__ ContributionJob job, const __grid_constant__ View view,
+                      const __grid_constant__ RasterLimits limits) {
+  __shared__ IdQueue queues[parts_of_square];
+  IdQueue& queue = queues[threadIdx.x / warp_size];
+  const PartPlace part(view.frame);
+  if (part.outside(view.frame)) return;
+
+  WeightBlender blender{job, limits, queue, float(part.column), float(part.row), {}};
+#pragma unroll
+  for (unsigned p = 0; p < pixels_of_lane; ++p)
+    if (part.pixel(view.frame, p, false).inside) blender.pixels[p].start(limits.stop_below);
+
+  const TileRange range = job.raster.lists.ranges[view.grid.tile_at(part.x, part.y)];
+  walk_list<CholeskyForm>(job.raster, range, part.first_centre(), limits, queue, blender);
 }
 }  // namespace kernels
 
 void add_contributions(Cuda& cuda, const ContributionJob& job) {
-  launch("add_contributions", kernels::add_contributions, unsigned(job.raster.grid.size()),
-         kernels::raster_threads, cuda.stream(), job, kernels::RasterLimits(job.raster.rules));
+  const View& view = only_view(job.raster.views);
+  launch("add_contributions", kernels::add_contributions, unsigned(Squares(view.frame).size()),
+         kernels::raster_threads, cuda.stream(), job, view, kernels::RasterLimits(view.rules));
 }
 
 template void Cuda::for_each(std::size_t, const ClearSums&) const;

@@ -12,8 +12,8 @@
 namespace swiftgs::kernels {
 
 /// What a frame wants beside colour and alpha. Kernels that know of neither are compiled apart.
-inline bool wants_extras(const RasterJob& job) {
-  return job.frame.depth.data || job.frame.occluder.data || job.counts;
+inline bool wants_extras(const RasterJob& job, const FrameView& frame) {
+  return frame.depth.data || frame.occluder.data || job.counts;
 }
 
 /// Where a pixel lies, and what a frame asks of it beside colour.
@@ -22,25 +22,25 @@ struct PixelPlace {
   bool inside;
   float occluder;  ///< camera-space z of what hides the splats behind it
 
-  __device__ PixelPlace(const RasterJob& job, int x_, int y_, bool extras)
-      : x(x_), y(y_), inside(x_ < job.frame.width && y_ < job.frame.height), occluder(INFINITY) {
-    if (extras && inside && job.frame.occluder.data) occluder = job.frame.occluder.row(std::size_t(y))[x];
+  __device__ PixelPlace(const FrameView& frame, int x_, int y_, bool extras)
+      : x(x_), y(y_), inside(x_ < frame.width && y_ < frame.height), occluder(INFINITY) {
+    if (extras && inside && frame.occluder.data) occluder = frame.occluder.row(std::size_t(y))[x];
   }
 };
 
-/// Adds what a warp counted to its tile.
-__device__ inline void add_counts(TileCounts* counts, std::uint32_t tile, const ThreadCounts& mine,
+/// Adds what a warp counted to its square.
+__device__ inline void add_counts(SquareCounts* counts, std::uint32_t square, const ThreadCounts& mine,
                                   std::uint32_t instances, std::uint32_t pixels) {
   using Word = unsigned long long;
-  const auto field = [&](std::uint64_t TileCounts::*member) {
-    return reinterpret_cast<Word*>(&(counts[tile].*member));
+  const auto field = [&](std::uint64_t SquareCounts::*member) {
+    return reinterpret_cast<Word*>(&(counts[square].*member));
   };
   const std::uint32_t pairs = warp_sum(mine.pairs), stopped = warp_sum(mine.stopped);
   if (lane_index() != 0) return;
-  atomicMax(field(&TileCounts::instances_visited), Word(instances));
-  atomicAdd(field(&TileCounts::rows_visited), Word(pixels / tile_side));
-  atomicAdd(field(&TileCounts::contributing_pairs), Word(pairs));
-  atomicAdd(field(&TileCounts::pixels_stopped), Word(stopped));
+  atomicMax(field(&SquareCounts::instances_visited), Word(instances));
+  atomicAdd(field(&SquareCounts::rows_visited), Word(pixels / square_side));
+  atomicAdd(field(&SquareCounts::contributing_pairs), Word(pairs));
+  atomicAdd(field(&SquareCounts::pixels_stopped), Word(stopped));
 }
 
 /// 32 bytes in two loads.

@@ -14,25 +14,25 @@ namespace kernels {
 /// rows of threads have one x term each, and the other eight one y term each.
 inline constexpr unsigned mini_batch = 8;
 
-/// What the pixels of a tile share. Terms are two, so that one mini-batch is computed while slower warps
+/// What the pixels of a square share. Terms are two, so that one mini-batch is computed while slower warps
 /// still read the one before; a warp reads sixteen neighbouring words of x and two of y, without bank
 /// conflicts.
 struct HalfBatch {
   SharedArray<SplatShape, block_threads> shapes;
   float4 colours[block_threads];  ///< RGB, depth
   float2 reaches[block_threads];  ///< largest s that is kept, log2(255 opacity) in the paper; and opacity
-  __half2 x[2][mini_batch][tile_side];  ///< a dx^2, b dx
-  __half2 y[2][mini_batch][tile_side];  ///< c dy^2, dy
+  __half2 x[2][mini_batch][square_side];  ///< a dx^2, b dx
+  __half2 y[2][mini_batch][square_side];  ///< c dy^2, dy
 };
 
 /// This thread's term of a mini-batch that begins with splat `first`, of `count` in the batch. Where there is
 /// no splat, or it does not touch the row, no pixel keeps it.
 __device__ inline void compute_term(HalfBatch& batch, unsigned buffer, unsigned first, unsigned count,
                                     vec2 first_centre) {
-  const unsigned splat = threadIdx.x / tile_side % mini_batch, position = threadIdx.x % tile_side;
+  const unsigned splat = threadIdx.x / square_side % mini_batch, position = threadIdx.x % square_side;
   const SplatShape& s = batch.shapes.data()[first + splat];
   const detail::MeanSplit terms(s);
-  if (threadIdx.x < mini_batch * tile_side) {
+  if (threadIdx.x < mini_batch * square_side) {
     const vec2 term = terms.x_term(first_centre.x + float(position));
     batch.x[buffer][splat][position] = __floats2half2_rn(term.x, term.y);
   } else {
@@ -43,14 +43,15 @@ __device__ inline void compute_term(HalfBatch& batch, unsigned buffer, unsigned 
   }
 }
 
-/// A block a tile, a thread a pixel. Each mini-batch has its terms computed by all threads, and is then
+/// A block a square, a thread a pixel. Each mini-batch has its terms computed by all threads, and is then
 /// blended by all.
 template <bool threshold, bool extras>
-__global__ void __launch_bounds__(block_threads) raster_half_split(const __grid_constant__ RasterJob job) {
+__global__ void __launch_bounds__(block_threads)
+    raster_half_split(const __grid_constant__ RasterJob job, const __grid_constant__ View view) {
   __shared__ HalfBatch batch;
-  TilePixel<extras> mine(job);
-  const TileRange range = job.lists.ranges[blockIdx.x];
-  const unsigned column = threadIdx.x % tile_side, row = threadIdx.x / tile_side;
+  SquarePixel<extras> mine(job, view);
+  const TileRange range = mine.range();
+  const unsigned column = threadIdx.x % square_side, row = threadIdx.x / square_side;
 
   std::uint32_t at = range.begin;
   for (; at < range.end && !mine.all_stopped(); at += block_threads) {
@@ -79,7 +80,7 @@ __global__ void __launch_bounds__(block_threads) raster_half_split(const __grid_
                      y = __half22float2(batch.y[buffer][k][row]);
         const float s = x.x + y.x + x.y * y.y;
         const float2 reach = batch.reaches[first + k];
-        const float alpha = alpha_of_square<threshold>(s, reach.x, reach.y, job.rules);
+        const float alpha = alpha_of_square<threshold>(s, reach.x, reach.y, view.rules);
         if (alpha > 0) mine.blend(alpha, batch.colours[first + k]);
       }
     }

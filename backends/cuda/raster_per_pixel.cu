@@ -10,22 +10,22 @@ namespace swiftgs {
 
 namespace kernels {
 
-/// Splats as every pixel of a tile reads them.
+/// Splats as every pixel of a square reads them.
 struct FactorBatch {
   float2 means[block_threads];
-  float4 factors[block_threads];  ///< of `FactorForm`, with opacity 0 where the tile does not show it
+  float4 factors[block_threads];  ///< of `FactorForm`, with opacity 0 where the square does not show it
   float4 colours[block_threads];  ///< RGB, depth
 };
 
-/// A block a tile, a thread a pixel: the whole exponent and exponential of every listed splat, as gsplat has
-/// it.
+/// A block a square, a thread a pixel: the whole exponent and exponential of every listed splat, as gsplat
+/// has it.
 template <bool extras>
 __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
-    raster_per_pixel(const __grid_constant__ RasterJob job) {
+    raster_per_pixel(const __grid_constant__ RasterJob job, const __grid_constant__ View view) {
   __shared__ FactorBatch batch;
-  TilePixel<extras> mine(job);
+  SquarePixel<extras> mine(job, view);
   const bool some_hidden = job.colours.some_hidden();
-  const TileRange range = job.lists.ranges[blockIdx.x];
+  const TileRange range = mine.range();
   const float x = float(mine.place.x) + 0.5f, y = float(mine.place.y) + 0.5f;
 
   std::uint32_t at = range.begin;
@@ -36,7 +36,7 @@ __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
       const SplatShape s = load_shape(job, id);
       batch.means[threadIdx.x] = make_float2(s.mean.x, s.mean.y);
       float4 factor = FactorForm::prepare(s);
-      if (!box_touched(s, mine.first_centre(), tile_side)) factor.w = 0;
+      if (!box_touched(s, mine.first_centre(), square_side)) factor.w = 0;
       batch.factors[threadIdx.x] = factor;
       batch.colours[threadIdx.x] = load_colour(job, id);
       if (some_hidden && is_hidden(job.colours.each[id])) batch.factors[threadIdx.x].w = 0;
@@ -46,7 +46,7 @@ __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
       const float2 mean = batch.means[k];
       const float4 factor = batch.factors[k];
       const float dx = x - mean.x, dy = y - mean.y;
-      mine.blend(FactorForm::alpha(factor, dx, dy, job.rules), batch.colours[k]);
+      mine.blend(FactorForm::alpha(factor, dx, dy, view.rules), batch.colours[k]);
     }
   }
   mine.store(min(at, range.end) - range.begin);

@@ -16,124 +16,54 @@ namespace swiftgs {
 
 namespace kernels {
 
-/// A tile is four parts of 8x8 pixels, each a warp's own: it walks the tile's list by itself and never waits
-/// for the others. A lane has two pixels of one column, four rows apart.
-inline constexpr unsigned part_side = 8, parts_of_tile = 4;
-inline constexpr unsigned raster_threads = parts_of_tile * warp_size;
+/// A square is four parts of 8x8 pixels, each a warp's own: it walks the list by itself and never waits for
+/// the others. A lane has two pixels of one column, four rows apart.
+inline constexpr unsigned part_side = 8, parts_of_square = 4;
+inline constexpr unsigned raster_threads = parts_of_square * warp_size;
 
 /// Splats that touch a part wait here until there are enough to blend: a ring of two halves, so that one can
 /// be filled while the other is blended.
 inline constexpr unsigned queue_half = 32, queue_size = 2 * queue_half;
 
-/// Terms and colours of splats, as their part sees them.
+/// Terms of splats, as their part sees them.
 template <class Form>
-struct Queue {
+struct TermsQueue {
   float4 terms[queue_size];
   typename Form::Rest rests[queue_size];
-  float4 colours[queue_size];  ///< RGB, depth
 };
 
-/// A part of a tile, and the pixels of this lane in it.
-template <class Form, bool threshold, bool extras>
-struct Part {
-  const RasterJob& job;
-  const RasterLimits& limits;
-  float x, y;  ///< of the lane's first pixel within the part
-  Pixel pixels[pixels_of_lane];
-  float occluders[pixels_of_lane];
-  ThreadCounts counts;
+/// Where a warp's part lies in the image, and this lane's pixels in it.
+struct PartPlace {
+  int x, y;         ///< first pixel
+  int column, row;  ///< of the lane's first pixel within the part
 
-  /// Alphas of the lane's pixels for the splat at `at`.
-  __device__ void evaluate(const Queue<Form>& queue, unsigned at, float (&alphas)[pixels_of_lane]) const {
-    float exponents[pixels_of_lane];
-    Form::evaluate(queue.terms[at], queue.rests[at], x, y, exponents);
-#pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) alphas[p] = alpha_of<threshold>(exponents[p], limits);
+  __device__ explicit PartPlace(const FrameView& frame) {
+    const unsigned warp = threadIdx.x / warp_size;
+    const Squares squares(frame);
+    x = squares.x(blockIdx.x) + int(warp % 2 * part_side);
+    y = squares.y(blockIdx.x) + int(warp / 2 * part_side);
+    column = int(lane_index() % part_side), row = int(lane_index() / part_side);
   }
-
-  /// Blends `group_size` splats from `first` on.
-  __device__ void blend_group(const Queue<Form>& queue, unsigned first) {
-    float alphas[pixels_of_lane][group_size], weights[pixels_of_lane][group_size];
-#pragma unroll
-    for (unsigned k = 0; k < group_size; ++k) {
-      float of_splat[pixels_of_lane];
-      evaluate(queue, first + k, of_splat);
-#pragma unroll
-      for (unsigned p = 0; p < pixels_of_lane; ++p) alphas[p][k] = of_splat[p];
-    }
-#pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) weigh_group(pixels[p], alphas[p], weights[p]);
-
-#pragma unroll
-    for (unsigned k = 0; k < group_size; ++k) {
-      const float4 colour = queue.colours[first + k];
-#pragma unroll
-      for (unsigned p = 0; p < pixels_of_lane; ++p)
-        pixels[p].add(weights[p][k], colour.x, colour.y, colour.z);
-    }
-  }
-
-  /// Blends `count` splats from `first` on; room after them is there to be overwritten.
-  __device__ void blend_queued(Queue<Form>& queue, unsigned first, unsigned count) {
-    __pipeline_commit();
-    __pipeline_wait_prior(0);
-    __syncwarp();
-    if constexpr (extras) {
-      for (unsigned k = first; k < first + count; ++k) {
-        float alphas[pixels_of_lane];
-        evaluate(queue, k, alphas);
-#pragma unroll
-        for (unsigned p = 0; p < pixels_of_lane; ++p)
-          blend<true>(pixels[p], alphas[p], queue.colours[k], occluders[p], counts);
-      }
-    } else {
-      // Fill the last group up with splats that show nothing.
-      if (lane_index() < (group_size - count % group_size) % group_size) {
-        const unsigned at = first + count + lane_index();
-        Form::clear(queue.terms[at], queue.rests[at]);
-        queue.colours[at] = make_float4(0, 0, 0, 0);
-      }
-      __syncwarp();
-#pragma unroll 1
-      for (unsigned k = 0; k < count; k += group_size) blend_group(queue, first + k);
-    }
-    __syncwarp();
-  }
-
-  __device__ bool all_stopped() const {
-    bool stopped = true;
-    for (const Pixel& pixel : pixels) stopped = stopped && !pixel.live();
-    return __all_sync(whole_warp, stopped);
+  __device__ bool outside(const FrameView& frame) const { return x >= frame.width || y >= frame.height; }
+  __device__ vec2 first_centre() const { return vec2(float(x) + 0.5f, float(y) + 0.5f); }
+  /// The lane's p-th pixel.
+  __device__ PixelPlace pixel(const FrameView& frame, unsigned p, bool extras) const {
+    return PixelPlace(frame, x + column, y + row + int(p) * int(rows_between), extras);
   }
 };
 
-/// Blends the list of one tile: a block a tile, a warp a part of it.
-template <class Form, bool threshold, bool extras>
-__global__ void __launch_bounds__(raster_threads)
-    raster_warps(const __grid_constant__ RasterJob job, const __grid_constant__ RasterLimits limits) {
-  __shared__ Queue<Form> queues[parts_of_tile];
-  const unsigned warp = threadIdx.x / warp_size;
-  Queue<Form>& queue = queues[warp];
-  const std::uint32_t tile = blockIdx.x;
-  const int part_x = int(tile % unsigned(job.grid.columns)) * tile_side + int(warp % 2 * part_side);
-  const int part_y = int(tile / unsigned(job.grid.columns)) * tile_side + int(warp / 2 * part_side);
-  if (part_x >= job.frame.width || part_y >= job.frame.height) return;
-  const vec2 first_centre(float(part_x) + 0.5f, float(part_y) + 0.5f);
+/// How far a part's walk came: instances of the list, and splats that were blended.
+struct Walked {
+  std::uint32_t visited = 0, blended = 0;
+};
 
-  const int column = int(lane_index() % part_side), row = int(lane_index() / part_side);
-  Part<Form, threshold, extras> part{job, limits, float(column), float(row), {}, {}, {}};
-  const auto place = [&](unsigned p) {
-    return PixelPlace(job, part_x + column, part_y + row + int(p) * int(rows_between), extras);
-  };
-#pragma unroll
-  for (unsigned p = 0; p < pixels_of_lane; ++p) {
-    const PixelPlace at = place(p);
-    if (at.inside) part.pixels[p].start(limits.stop_below);
-    if constexpr (extras) part.occluders[p] = at.occluder;
-  }
-
+/// Walks a tile's list for one part: queues the splats that touch it, and lets `blender` blend them front to
+/// back, half a queue at a time, until all its pixels have stopped. The blender adds to a slot of the queue
+/// what it needs beside the terms.
+template <class Form, class Blender>
+__device__ Walked walk_list(const RasterJob& job, TileRange range, vec2 first_centre,
+                            const RasterLimits& limits, TermsQueue<Form>& queue, Blender& blender) {
   const bool some_hidden = job.colours.some_hidden();
-  const TileRange range = job.lists.ranges[tile];
   const auto load_id = [&](std::uint32_t at) {
     return at + lane_index() < range.end ? job.lists.ids[at + lane_index()] : 0;
   };
@@ -160,7 +90,7 @@ __global__ void __launch_bounds__(raster_threads)
       if (touched) {
         const unsigned slot =
             (begun * queue_half + waiting + unsigned(__popc(lanes & lanes_below()))) % queue_size;
-        __pipeline_memcpy_async(&queue.colours[slot], job.colours.each.data + id, sizeof(float4));
+        blender.fill(slot, id);
         Form::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min, queue.terms[slot],
                       queue.rests[slot]);
       }
@@ -168,39 +98,153 @@ __global__ void __launch_bounds__(raster_threads)
 
       // Blend half a queue at a time.
       if (waiting >= queue_half) {
-        part.blend_queued(queue, begun % 2 * queue_half, queue_half);
+        blender.blend_queued(begun % 2 * queue_half, queue_half);
         ++begun, waiting -= queue_half, blended += queue_half;
-        if (part.all_stopped()) {
+        if (blender.all_stopped()) {
           waiting = 0;
           break;
         }
       }
     }
-    if (waiting != 0) part.blend_queued(queue, begun % 2 * queue_half, waiting), blended += waiting;
+    if (waiting != 0) blender.blend_queued(begun % 2 * queue_half, waiting), blended += waiting;
   }
+  return {min(at, range.end) - range.begin, blended};
+}
+
+/// Whether no pixel of the part is left that could show another splat.
+__device__ inline bool all_stopped(const Pixel (&pixels)[pixels_of_lane]) {
+  bool stopped = true;
+  for (const Pixel& pixel : pixels) stopped = stopped && !pixel.live();
+  return __all_sync(whole_warp, stopped);
+}
+
+/// Terms and colours of splats, as their part sees them.
+template <class Form>
+struct Queue : TermsQueue<Form> {
+  float4 colours[queue_size];  ///< RGB, depth
+};
+
+/// Blends colours into a part, and holds the pixels of this lane in it.
+template <class Form, bool threshold, bool extras>
+struct ColourBlender {
+  const RasterJob& job;
+  const RasterLimits& limits;
+  Queue<Form>& queue;
+  float x, y;  ///< of the lane's first pixel within the part
+  Pixel pixels[pixels_of_lane];
+  float occluders[pixels_of_lane];
+  ThreadCounts counts;
+
+  __device__ void fill(unsigned slot, std::uint32_t id) const {
+    __pipeline_memcpy_async(&queue.colours[slot], job.colours.each.data + id, sizeof(float4));
+  }
+
+  /// Alphas of the lane's pixels for the splat at `at`.
+  __device__ void evaluate(unsigned at, float (&alphas)[pixels_of_lane]) const {
+    float exponents[pixels_of_lane];
+    Form::evaluate(queue.terms[at], queue.rests[at], x, y, exponents);
+#pragma unroll
+    for (unsigned p = 0; p < pixels_of_lane; ++p) alphas[p] = alpha_of<threshold>(exponents[p], limits);
+  }
+
+  /// Blends `group_size` splats from `first` on.
+  __device__ void blend_group(unsigned first) {
+    float alphas[pixels_of_lane][group_size], weights[pixels_of_lane][group_size];
+#pragma unroll
+    for (unsigned k = 0; k < group_size; ++k) {
+      float of_splat[pixels_of_lane];
+      evaluate(first + k, of_splat);
+#pragma unroll
+      for (unsigned p = 0; p < pixels_of_lane; ++p) alphas[p][k] = of_splat[p];
+    }
+#pragma unroll
+    for (unsigned p = 0; p < pixels_of_lane; ++p) weigh_group(pixels[p], alphas[p], weights[p]);
+
+#pragma unroll
+    for (unsigned k = 0; k < group_size; ++k) {
+      const float4 colour = queue.colours[first + k];
+#pragma unroll
+      for (unsigned p = 0; p < pixels_of_lane; ++p)
+        pixels[p].add(weights[p][k], colour.x, colour.y, colour.z);
+    }
+  }
+
+  /// Blends `count` splats from `first` on; room after them is there to be overwritten.
+  __device__ void blend_queued(unsigned first, unsigned count) {
+    __pipeline_commit();
+    __pipeline_wait_prior(0);
+    __syncwarp();
+    if constexpr (extras) {
+      for (unsigned k = first; k < first + count; ++k) {
+        float alphas[pixels_of_lane];
+        evaluate(k, alphas);
+#pragma unroll
+        for (unsigned p = 0; p < pixels_of_lane; ++p)
+          blend<true>(pixels[p], alphas[p], queue.colours[k], occluders[p], counts);
+      }
+    } else {
+      // Fill the last group up with splats that show nothing.
+      if (lane_index() < (group_size - count % group_size) % group_size) {
+        const unsigned at = first + count + lane_index();
+        Form::clear(queue.terms[at], queue.rests[at]);
+        queue.colours[at] = make_float4(0, 0, 0, 0);
+      }
+      __syncwarp();
+#pragma unroll 1
+      for (unsigned k = 0; k < count; k += group_size) blend_group(first + k);
+    }
+    __syncwarp();
+  }
+
+  __device__ bool all_stopped() const { return kernels::all_stopped(pixels); }
+};
+
+/// Blends the list of one square: a block a square, a warp a part of it.
+template <class Form, bool threshold, bool extras>
+__global__ void __launch_bounds__(raster_threads)
+    raster_warps(const __grid_constant__ RasterJob job, const __grid_constant__ View view,
+                 const __grid_constant__ RasterLimits limits) {
+  __shared__ Queue<Form> queues[parts_of_square];
+  Queue<Form>& queue = queues[threadIdx.x / warp_size];
+  const PartPlace part(view.frame);
+  if (part.outside(view.frame)) return;
+
+  ColourBlender<Form, threshold, extras> blender{job, limits, queue, float(part.column), float(part.row),
+                                                 {},  {},     {}};
+#pragma unroll
+  for (unsigned p = 0; p < pixels_of_lane; ++p) {
+    const PixelPlace at = part.pixel(view.frame, p, extras);
+    if (at.inside) blender.pixels[p].start(limits.stop_below);
+    if constexpr (extras) blender.occluders[p] = at.occluder;
+  }
+
+  const TileRange range = job.lists.ranges[view.grid.tile_at(part.x, part.y)];
+  const Walked walked = walk_list<Form>(job, range, part.first_centre(), limits, queue, blender);
 
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p) {
-    const PixelPlace pixel = place(p);
+    const PixelPlace pixel = part.pixel(view.frame, p, extras);
     if (pixel.inside)
-      store_pixel(job.frame, std::size_t(pixel.x), std::size_t(pixel.y), part.pixels[p].blended(),
-                  job.background);
+      store_pixel(view.frame, std::size_t(pixel.x), std::size_t(pixel.y), blender.pixels[p].blended(),
+                  view.background);
   }
-  if constexpr (extras) {
-    const std::uint32_t visited = min(at, range.end) - range.begin;
-    if (job.counts) add_counts(job.counts, tile, part.counts, visited, blended * part_side * part_side);
-  }
+  if constexpr (extras)
+    if (job.counts)
+      add_counts(job.counts, blockIdx.x, blender.counts, walked.visited,
+                 walked.blended * part_side * part_side);
 }
 }  // namespace kernels
 
 /// Rasterizes with terms of `Form` in registers.
 template <class Form, bool threshold>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
-  const unsigned blocks = unsigned(job.grid.size());
-  if (job.counts) cuda.clear(job.counts, job.grid.size() * sizeof(TileCounts));
-  const auto kernel = kernels::wants_extras(job) ? kernels::raster_warps<Form, threshold, true>
-                                                 : kernels::raster_warps<Form, threshold, false>;
-  launch(name, kernel, blocks, kernels::raster_threads, cuda.stream(), job, kernels::RasterLimits(job.rules));
+  const View& view = only_view(job.views);
+  const std::size_t squares = Squares(view.frame).size();
+  if (job.counts) cuda.clear(job.counts, squares * sizeof(SquareCounts));
+  const auto kernel = kernels::wants_extras(job, view.frame) ? kernels::raster_warps<Form, threshold, true>
+                                                             : kernels::raster_warps<Form, threshold, false>;
+  launch(name, kernel, unsigned(squares), kernels::raster_threads, cuda.stream(), job, view,
+         kernels::RasterLimits(view.rules));
 }
 
 }  // namespace swiftgs

@@ -97,11 +97,11 @@ struct Count {
 
 /// Evaluates the colours of all splats, a warp 32 at a time and a lane one of them.
 __global__ void __launch_bounds__(shade_threads)
-    shade(const __grid_constant__ ShadeJob job, const Count count, const std::uint32_t* gaussians,
-          const float* depths, SplatColour* colours, std::uint32_t* hidden) {
+    shade(const __grid_constant__ ViewConstants camera, const __grid_constant__ SceneView scene,
+          const Count count, const std::uint32_t* gaussians, const float* depths, SplatColour* colours,
+          std::uint32_t* hidden) {
   __shared__ float4 shared[shade_warps][warp_size * rest_pitch(max_sh_degree)];
   float4* const rest = shared[threadIdx.x / warp_size];
-  const SceneView& scene = job.scene;
   const std::size_t splats = count.get(), step = std::size_t(gridDim.x) * shade_threads;
   for (std::size_t first = blockIdx.x * shade_threads + threadIdx.x - lane_index(); first < splats;
        first += step) {
@@ -112,7 +112,7 @@ __global__ void __launch_bounds__(shade_threads)
     if (at < splats) {
       const vec3 rgb =
           colour_of(scene.sh_degree, scene.sh0[id], rest + lane_index() * rest_pitch(scene.sh_degree),
-                    view_direction(job.constants, scene.means[id]));
+                    view_direction(camera, scene.means[id]));
       const SplatColour colour = splat_colour(rgb, depths[at]);
       colours[at] = colour;
       if (is_hidden(colour)) *hidden = 1;
@@ -122,8 +122,10 @@ __global__ void __launch_bounds__(shade_threads)
 }
 }  // namespace kernels
 
-Shading<Cuda> shade(Cuda& cuda, const ShadeJob& job, const Splats<Cuda>& splats, Colours<Cuda>& colours) {
+Shading<Cuda> shade(Cuda& cuda, const FrameInput& input, const Splats<Cuda>& splats, Colours<Cuda>& colours) {
   cuda.check_not_captured("shade");
+  const View& view = only_view(input.views);
+  const SceneView& scene = only_scene(input.scenes);
   int device = 0, multiprocessors = 0;
   check_cuda(cudaGetDevice(&device), "cudaGetDevice");
   check_cuda(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device),
@@ -140,7 +142,7 @@ Shading<Cuda> shade(Cuda& cuda, const ShadeJob& job, const Splats<Cuda>& splats,
   const unsigned blocks =
       std::min(blocks_for(most, kernels::shade_threads), unsigned(multiprocessors * kernels::shade_blocks));
   if (blocks != 0)
-    launch("shade", kernels::shade, blocks, kernels::shade_threads, fork.stream(), job,
+    launch("shade", kernels::shade, blocks, kernels::shade_threads, fork.stream(), view.camera, scene,
            kernels::Count{control ? &control->counts.visible : nullptr, most}, splats.gaussians.data(),
            splats.depths.data(), colours.each.data(), hidden);
   return Shading<Cuda>(std::move(fork), splats, colours.each.data(), hidden);

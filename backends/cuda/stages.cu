@@ -9,15 +9,15 @@
 namespace swiftgs {
 
 template <BoundsPolicy Bounds>
-void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
+void project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
              Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints) {
-  kernels::run_project(cuda, job, bounds, scratch, splats, footprints);
+  kernels::run_project(cuda, input, bounds, scratch, splats, footprints);
 }
 
 template <BoundsPolicy Bounds>
-void bin(Cuda& cuda, TileGrid grid, const Bounds& bounds, Splats<Cuda>& splats,
+void bin(Cuda& cuda, Span<const View> views, const Bounds& bounds, Splats<Cuda>& splats,
          Footprints<Cuda, Bounds>& footprints) {
-  kernels::run_bin(cuda, grid, bounds, splats, footprints);
+  kernels::run_bin(cuda, views, bounds, splats, footprints);
 }
 
 template <BoundsPolicy Bounds, class Key>
@@ -35,9 +35,10 @@ using Emission = std::size_t (*)(Cuda&, const SortJob<Bounds>&, const Bounds&, c
 
 template <class Bounds>
 struct Stages {
-  void (*project)(Cuda&, const ProjectJob&, const Bounds&, ProjectScratch<Cuda>&, Splats<Cuda>&,
+  void (*project)(Cuda&, const FrameInput&, const Bounds&, ProjectScratch<Cuda>&, Splats<Cuda>&,
                   Footprints<Cuda, Bounds>&) = &swiftgs::project;
-  void (*bin)(Cuda&, TileGrid, const Bounds&, Splats<Cuda>&, Footprints<Cuda, Bounds>&) = &swiftgs::bin;
+  void (*bin)(Cuda&, Span<const View>, const Bounds&, Splats<Cuda>&,
+              Footprints<Cuda, Bounds>&) = &swiftgs::bin;
   Emission<Bounds, std::uint16_t> emit_narrow = &emit_instances;
   Emission<Bounds, std::uint32_t> emit_wide = &emit_instances;
   Emission<Bounds, std::uint64_t> emit_with_depth = &emit_instances;

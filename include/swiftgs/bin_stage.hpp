@@ -8,6 +8,7 @@
 #include <swiftgs/backend.hpp>
 #include <swiftgs/footprint.hpp>
 #include <swiftgs/splats.hpp>
+#include <swiftgs/view.hpp>
 
 namespace swiftgs {
 
@@ -24,14 +25,15 @@ struct FindFootprint {
   }
 };
 
-/// Finds the tiles of `grid` that each splat may touch within `bounds`, and how many there are in all: after
-/// this stage the host knows the numbers of splats and of instances.
+/// Finds the tiles of a view that each splat may touch within `bounds`, and how many there are in all: after
+/// this stage the host knows the numbers of splats and of instances. Throws as `only_view`.
 ///
 /// Backends overload this. One whose projection has found the footprints on the way only learns their numbers
 /// here.
 template <BackendPolicy B, BoundsPolicy Bounds>
-requires(bool(B::reaches_host_memory)) void bin(B& b, TileGrid grid, const Bounds& bounds, Splats<B>& splats,
-                                                Footprints<B, Bounds>& footprints) {
+requires(bool(B::reaches_host_memory)) void bin(B& b, Span<const View> views, const Bounds& bounds,
+                                                Splats<B>& splats, Footprints<B, Bounds>& footprints) {
+  const TileGrid grid = only_view(views).grid;
   const std::size_t n = splats.count;
   footprints.each.reset(n);
   footprints.count = n, footprints.grid = grid, footprints.instances = 0;

@@ -50,7 +50,8 @@ constexpr double weight_of_parts(std::uint64_t parts) { return double(parts) / d
 
 /// Input of the weights of one view. All pointers are to memory that the backend can reach.
 struct ContributionJob {
-  /// Splats, lists and rules; its frame has a size and no planes. Colours tell only which splats are hidden.
+  /// Splats, lists and a view whose frame has a size and no planes. Colours tell only which splats are
+  /// hidden.
   RasterJob raster;
   std::uint64_t* sums;  ///< @shape{Gaussians} parts, added to
 };
@@ -82,21 +83,24 @@ struct SWIFTGS_API ClearSums {
   SWIFTGS_HD void operator()(std::size_t i) const { sums[i] = 0; }
 };
 
-/// Blends one tile, pixel by pixel, on a host, and adds the weights to their Gaussians, with one atomic
-/// addition for each splat and tile.
-struct AddTileContributions {
+/// Blends one square, pixel by pixel, on a host, and adds the weights to their Gaussians, with one atomic
+/// addition for each splat and square.
+struct AddSquareContributions {
   ContributionJob job;
+  const View& view;
 
-  void operator()(std::size_t tile) const {
+  void operator()(std::size_t square) const {
     const RasterJob& raster = job.raster;
-    const TileRange range = raster.lists.ranges[tile];
+    const Squares squares(view.frame);
+    const int x0 = squares.x(square), y0 = squares.y(square);
+    const TileRange range = raster.lists.ranges[view.grid.tile_at(x0, y0)];
     if (range.begin == range.end) return;
-    Pixels pixels(raster, tile);
+    Pixels pixels(view.frame, x0, y0);
     const bool some_hidden = raster.colours.some_hidden();
     for (std::uint32_t at = range.begin; at < range.end && pixels.live > 0; ++at) {
       const std::uint32_t id = raster.lists.ids[at];
       if (some_hidden && is_hidden(raster.colours.each[id])) continue;
-      const std::uint64_t parts = pixels.blend(raster.splats.shapes[id], raster.rules);
+      const std::uint64_t parts = pixels.blend(raster.splats.shapes[id], view.rules);
       if (parts == 0) continue;
       std::atomic_ref<std::uint64_t> sum(job.sums[raster.splats.gaussians[id]]);
       sum.fetch_add(parts, std::memory_order_relaxed);
@@ -104,25 +108,23 @@ struct AddTileContributions {
   }
 
  private:
-  /// The pixels of a tile that lie in the image.
+  /// The pixels of a square that lie in the image.
   struct Pixels {
     vec2 first_centre;
     int columns, rows;
     int live;  ///< pixels that have not stopped
-    float transmittances[tile_side * tile_side];
-    bool stopped[tile_side * tile_side] = {};
+    float transmittances[square_side * square_side];
+    bool stopped[square_side * square_side] = {};
 
-    Pixels(const RasterJob& job, std::size_t tile) {
-      const int x0 = int(tile % std::size_t(job.grid.columns)) * tile_side;
-      const int y0 = int(tile / std::size_t(job.grid.columns)) * tile_side;
+    Pixels(const FrameView& frame, int x0, int y0) {
       first_centre = vec2(float(x0) + 0.5f, float(y0) + 0.5f);
-      columns = job.frame.width - x0 < tile_side ? job.frame.width - x0 : tile_side;
-      rows = job.frame.height - y0 < tile_side ? job.frame.height - y0 : tile_side;
+      columns = frame.width - x0 < square_side ? frame.width - x0 : square_side;
+      rows = frame.height - y0 < square_side ? frame.height - y0 : square_side;
       live = columns * rows;
       for (float& transmittance : transmittances) transmittance = 1;
     }
 
-    /// Parts of a splat's weight in all pixels, by the arithmetic and the rules of `RasterizeTile`.
+    /// Parts of a splat's weight in all pixels, by the arithmetic and the rules of `RasterizeSquare`.
     std::uint64_t blend(const SplatShape& shape, const BlendRules& rules) {
       AxisSharedThreshold<FloatCholesky>::Kernel kernel(shape, first_centre, rules);
       std::uint64_t parts = 0;
@@ -131,7 +133,7 @@ struct AddTileContributions {
         if (!row_touched(shape, first_centre.x, y)) continue;
         kernel.start_row(y);
         for (int column = 0; column < columns; ++column) {
-          const int pixel = row * tile_side + column;
+          const int pixel = row * square_side + column;
           if (stopped[pixel]) continue;
           const float alpha = kernel.alpha(column);
           if (alpha == 0) continue;
@@ -150,10 +152,11 @@ struct AddTileContributions {
   };
 };
 
-/// Adds the weights of all tiles, on hosts. A device overloads this.
+/// Adds the weights of all squares, on hosts. A device overloads this. Throws as `only_view`.
 template <BackendPolicy B>
 requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const ContributionJob& job) {
-  b.for_each(job.raster.grid.size(), AddTileContributions{job});
+  const View& view = only_view(job.raster.views);
+  b.for_each(Squares(view.frame).size(), AddSquareContributions{job, view});
 }
 
 /// Sums the weights of a scene's Gaussians over views that are added one by one. It uses exact float terms,
@@ -180,29 +183,27 @@ class Contributions {
   /// `CapacityError` for more instances than a frame may have or more pixels than `max_contribution_pixels`.
   /// If it throws, it has added nothing.
   void add(const Camera& camera, const Conventions& conventions) {
-    const ViewConstants constants = view_constants(camera, conventions);
+    const View view = make_view(camera, conventions, {.width = camera.width, .height = camera.height});
     const std::uint64_t pixels = pixels_ + std::uint64_t(camera.width) * std::uint64_t(camera.height);
     if (pixels > max_contribution_pixels)
       throw CapacityError("pixels of all views", pixels, max_contribution_pixels);
 
     check_ready(backend_);
-    const TileGrid grid = TileGrid::covering(camera.width, camera.height);
-    const SceneView scene = scene_.view();
-    project(backend_, ProjectJob{constants, scene, grid}, Ellipse{}, project_scratch_, splats_, footprints_);
+    const SceneInstance instance{scene_.view()};
+    const FrameInput input{{&view, 1}, {&instance, 1}};
+    project(backend_, input, Ellipse{}, project_scratch_, splats_, footprints_);
     std::optional<Shading<B>> shading;
-    if (colours_may_overflow_ || centre_is_extreme(constants))
-      shading.emplace(shade(backend_, ShadeJob{constants, scene}, splats_, colours_));
-    bin(backend_, grid, Ellipse{}, splats_, footprints_);
-    const FrameKey key{scene.identity, scene.size(), camera.width, camera.height};
+    if (colours_may_overflow_ || centre_is_extreme(view.camera))
+      shading.emplace(shade(backend_, input, splats_, colours_));
+    bin(backend_, input.views, Ellipse{}, splats_, footprints_);
+    const FrameKey key{instance.scene.identity, instance.scene.size(), camera.width, camera.height};
     EarlySort().build(backend_, SortJob<Ellipse>{splats_.view(), footprints_.view(), key}, Ellipse{},
                       sort_scratch_, lists_);
 
     const RasterJob raster{.splats = splats_.view(),
                            .colours = shading ? shading->finish() : ColoursView{},
                            .lists = lists_.view(),
-                           .grid = grid,
-                           .rules = BlendRules::from(conventions),
-                           .frame = {.width = camera.width, .height = camera.height}};
+                           .views = input.views};
     add_contributions(backend_, ContributionJob{raster, sums_.data()});
     pixels_ = pixels;
   }
@@ -219,8 +220,8 @@ class Contributions {
   std::size_t visible() const { return splats_.count; }
 
  private:
-  static bool centre_is_extreme(const ViewConstants& constants) {
-    const double* centre = constants.centre;
+  static bool centre_is_extreme(const ViewConstants& camera) {
+    const double* centre = camera.centre;
     return detail::is_extreme(centre[0]) || detail::is_extreme(centre[1]) || detail::is_extreme(centre[2]);
   }
 

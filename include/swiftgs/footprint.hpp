@@ -64,10 +64,10 @@ SWIFTGS_HD void for_each_masked_tile(const Footprint& footprint, TileGrid grid, 
   }
 }
 
-/// The bounds' run in one row of `rect`, and nothing outside of it.
-template <BoundsPolicy Bounds>
-SWIFTGS_HD TileRun row_within(const Bounds& bounds, const SplatShape& shape, TileRect rect, int row) {
-  const TileRun run = bounds.row(shape, rect, row), columns = rect.columns;
+/// The run of `tiles` in one row of their rectangle, and nothing outside of it.
+template <class Tiles>
+SWIFTGS_HD TileRun row_within(const Tiles& tiles, int row) {
+  const TileRun run = tiles.row(row), columns = tiles.rect.columns;
   return {run.begin > columns.begin ? run.begin : columns.begin,
           run.end < columns.end ? run.end : columns.end};
 }
@@ -76,13 +76,14 @@ SWIFTGS_HD TileRun row_within(const Bounds& bounds, const SplatShape& shape, Til
 /// Footprint of `shape` within `bounds`.
 template <BoundsPolicy Bounds>
 SWIFTGS_HD Footprint find_footprint(const Bounds& bounds, const SplatShape& shape, TileGrid grid) {
-  const TileRect rect = bounds.rect(shape, grid);
+  const auto tiles = bounds.tiles(shape, grid);
+  const TileRect& rect = tiles.rect;
   if (rect.columns.size() == 0 || rect.rows.size() == 0) return {};
   Footprint footprint;
   footprint.column = std::uint16_t(rect.columns.begin), footprint.row = std::uint16_t(rect.rows.begin);
   const bool fits = rect.columns.size() <= Footprint::side && rect.rows.size() <= Footprint::side;
   for (int row = rect.rows.begin; row < rect.rows.end; ++row) {
-    const TileRun run = detail::row_within(bounds, shape, rect, row);
+    const TileRun run = detail::row_within(tiles, row);
     footprint.count += std::uint32_t(run.size());
     if (fits && run.size() > 0)
       footprint.mask |= ((std::uint64_t(1) << run.size()) - 1)
@@ -105,12 +106,13 @@ SWIFTGS_HD void for_each_tile(const Footprint& footprint, const Bounds& bounds, 
 
   const std::uint32_t columns = std::uint32_t(grid.columns);
   std::uint32_t left = footprint.count;
-  const TileRect rect = bounds.rect(shape, grid);
+  const auto tiles = bounds.tiles(shape, grid);
+  const TileRect& rect = tiles.rect;
   for (const bool inside : {true, false}) {
     const TileRun rows = inside ? rect.rows : TileRun{0, grid.rows};
     for (int row = rows.begin; row < rows.end && left != 0; ++row) {
       TileRun run;
-      if (row >= rect.rows.begin && row < rect.rows.end) run = detail::row_within(bounds, shape, rect, row);
+      if (row >= rect.rows.begin && row < rect.rows.end) run = detail::row_within(tiles, row);
       const TileRun walked = inside ? run : TileRun{0, grid.columns};
       for (int column = walked.begin; column < walked.end && left != 0; ++column)
         if (inside || column < run.begin || column >= run.end)

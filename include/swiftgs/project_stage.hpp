@@ -10,16 +10,9 @@
 #include <swiftgs/footprint.hpp>
 #include <swiftgs/project.hpp>
 #include <swiftgs/splats.hpp>
-#include <swiftgs/tiles.hpp>
+#include <swiftgs/view.hpp>
 
 namespace swiftgs {
-
-/// Input of projection.
-struct ProjectJob {
-  ViewConstants constants;
-  SceneView scene;
-  TileGrid grid;
-};
 
 /// Memory of the projection stage between its two steps.
 template <class B>
@@ -32,13 +25,13 @@ struct ProjectScratch {
 
 /// Projects Gaussian i and marks it with 1 where it is visible.
 struct SWIFTGS_API ProjectShapes {
-  ViewConstants constants;
+  ViewConstants camera;
   SceneView scene;
   ProjectedShape* projected;
   std::uint32_t* slots;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
-    projected[i] = project_shape(constants, gaussian(scene, i));
+    projected[i] = project_shape(camera, gaussian(scene, i));
     slots[i] = projected[i].visible;
   }
 };
@@ -59,17 +52,19 @@ struct SWIFTGS_API CompactSplats {
   }
 };
 
-/// Projects the scene of `job`: one splat for each visible Gaussian, in the order of the Gaussians. Reads no
-/// spherical harmonics.
+/// Projects a scene: one splat for each visible Gaussian, in the order of the Gaussians. Reads no spherical
+/// harmonics. Throws as `only_view` and `only_scene`.
 ///
 /// Backends overload this. An overload may also find `footprints` within `bounds`, if that costs little while
 /// the shapes are at hand; the backend's `bin` then only reads their number.
 template <BackendPolicy B, BoundsPolicy Bounds>
-void project(B& b, const ProjectJob& job, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
+void project(B& b, const FrameInput& input, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
              Footprints<B, Bounds>&) {
-  const std::size_t n = job.scene.size();
+  const ViewConstants& camera = only_view(input.views).camera;
+  const SceneView& scene = only_scene(input.scenes);
+  const std::size_t n = scene.size();
   scratch.projected.reset(n), scratch.slots.reset(n);
-  b.for_each(n, ProjectShapes{job.constants, job.scene, scratch.projected.data(), scratch.slots.data()});
+  b.for_each(n, ProjectShapes{camera, scene, scratch.projected.data(), scratch.slots.data()});
   splats.count = 0;
   const std::size_t visible = std::size_t(b.exclusive_scan(Span{scratch.slots.data(), n}));
   splats.reset(visible);

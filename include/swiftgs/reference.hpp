@@ -151,7 +151,7 @@ inline ReferenceFrame render_reference(const Scene& scene, const Camera& camera,
   using namespace reference;
   check_reference_arguments(scene, camera, background, occluder);
   threads = thread_count(threads);
-  const SplatChunks chunks = project_all(scene, View(camera, conventions), threads);
+  const SplatChunks chunks = project_all(scene, reference::View(camera, conventions), threads);
   const std::vector<std::vector<const Splat*>> bands = sort_into_bands(chunks, camera.height);
 
   ReferenceFrame frame;

@@ -21,6 +21,7 @@
 #include <swiftgs/shade_stage.hpp>
 #include <swiftgs/sort/sort.hpp>
 #include <swiftgs/statistics.hpp>
+#include <swiftgs/view.hpp>
 
 namespace swiftgs {
 
@@ -78,15 +79,16 @@ class Renderer {
     check_arguments(scene, camera, settings, frame);
     check_ready(backend_);
     counted_ = false;
-    const TileGrid grid = TileGrid::covering(frame.width, frame.height);
-    TileCounts* counts = nullptr;
-    if (settings.count) tile_counts_.reset(grid.size()), counts = tile_counts_.data();
+    SquareCounts* counts = nullptr;
+    if (settings.count) square_counts_.reset(Squares(frame).size()), counts = square_counts_.data();
 
-    const ViewConstants constants = view_constants(camera, settings.conventions);
+    const View view = make_view(camera, settings.conventions, frame, settings.background);
+    const SceneInstance instance{scene};
+    const FrameInput input{{&view, 1}, {&instance, 1}};
     const auto start = backend_.now();
-    project(backend_, ProjectJob{constants, scene, grid}, Bounds{}, project_scratch_, splats_, footprints_);
-    Shading<B> shading = shade(backend_, ShadeJob{constants, scene}, splats_, colours_);
-    bin(backend_, grid, Bounds{}, splats_, footprints_);
+    project(backend_, input, Bounds{}, project_scratch_, splats_, footprints_);
+    Shading<B> shading = shade(backend_, input, splats_, colours_);
+    bin(backend_, input.views, Bounds{}, splats_, footprints_);
 
     const auto projected = backend_.now();
     const FrameKey key{scene.identity, scene.size(), frame.width, frame.height};
@@ -95,8 +97,7 @@ class Renderer {
 
     const auto sorted = backend_.now();
     rasterize(backend_, Raster{},
-              RasterJob{splats_.view(), shading.finish(), lists_.view(), grid,
-                        BlendRules::from(settings.conventions), settings.background, frame, counts});
+              RasterJob{splats_.view(), shading.finish(), lists_.view(), input.views, counts});
 
     points_ = {start, projected, sorted, backend_.now()};
     counted_ = settings.count;
@@ -160,9 +161,9 @@ class Renderer {
     Statistics s{
         .gaussians = gaussians_, .visible = splats_.count, .instances = lists_.instances, .raster = {}};
     if (counted_) {
-      std::vector<TileCounts> tiles(tile_counts_.size());
-      backend_.download(tile_counts_.span(), tiles.data());
-      for (const TileCounts& tile : tiles) s.raster += tile;
+      std::vector<SquareCounts> squares(square_counts_.size());
+      backend_.download(square_counts_.span(), squares.data());
+      for (const SquareCounts& square : squares) s.raster += square;
     }
     return s;
   }
@@ -170,7 +171,7 @@ class Renderer {
   /// What the buffers of each stage hold, in the backend's memory. They grow with the largest frame so far.
   StageMemory memory() const {
     return {bytes_of(project_scratch_, splats_, footprints_, colours_), bytes_of(sort_scratch_, lists_),
-            bytes_of(frame_.colour, frame_.alpha, frame_.depth, tile_counts_)};
+            bytes_of(frame_.colour, frame_.alpha, frame_.depth, square_counts_)};
   }
 
   /// The last frame's splats and tile lists, in the backend's memory, until the next frame.
@@ -228,7 +229,7 @@ class Renderer {
   Colours<B> colours_;
   typename Sort::template Scratch<B> sort_scratch_;
   TileLists<B> lists_;
-  typename B::template Buffer<TileCounts> tile_counts_;
+  typename B::template Buffer<SquareCounts> square_counts_;
   struct {
     typename B::template Buffer<float> colour, alpha, depth;
   } frame_;  ///< of `render_resident`

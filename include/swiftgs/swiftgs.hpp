@@ -10,12 +10,9 @@
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame.hpp>
-#include <swiftgs/raster/axis_shared.hpp>
-#include <swiftgs/raster/per_pixel.hpp>
+#include <swiftgs/raster/all.hpp>
 #include <swiftgs/renderer.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/serial.hpp>
-#include <swiftgs/sort/adaptive.hpp>
-#include <swiftgs/sort/early.hpp>
-#include <swiftgs/sort/standard.hpp>
+#include <swiftgs/sort/all.hpp>
 #include <swiftgs/version.hpp>

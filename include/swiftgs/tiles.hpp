@@ -9,18 +9,29 @@
 
 namespace swiftgs {
 
-/// Side of a tile @units{pixels}.
-inline constexpr int tile_side = 16;
+/// Side of the tiles that a renderer lists splats for @units{pixels}.
+inline constexpr int default_tile_side = 16;
 
-/// Tiles that cover an image, numbered by rows.
+/// Tiles that cover an image, numbered by rows. The side changes how long lists are, and no bit of an image.
 struct TileGrid {
   int columns = 0, rows = 0;
+  int side = default_tile_side;  ///< a power of two @units{pixels}
 
-  SWIFTGS_HD static constexpr TileGrid covering(int width, int height) {
-    return {(width + tile_side - 1) / tile_side, (height + tile_side - 1) / tile_side};
+  SWIFTGS_HD static constexpr TileGrid covering(int width, int height, int side = default_tile_side) {
+    return {(width + side - 1) / side, (height + side - 1) / side, side};
   }
   SWIFTGS_HD constexpr std::size_t size() const { return std::size_t(columns) * std::size_t(rows); }
   bool operator==(const TileGrid&) const = default;
+
+  /// Number of the tile that holds pixel (x, y).
+  SWIFTGS_HD std::uint32_t tile_at(int x, int y) const {
+#if defined(__CUDA_ARCH__)
+    const int shift = 31 - __clz(side);  // a division costs twenty instructions
+    return std::uint32_t((y >> shift) * columns + (x >> shift));
+#else
+    return std::uint32_t(y / side * columns + x / side);
+#endif
+  }
 
   /// Bits that tell all tiles apart: what a sort by tile has to look at.
   SWIFTGS_HD constexpr int key_bits() const {

@@ -46,9 +46,10 @@ struct Off : Raster {
 template <class Raster>
 void rasterize(Serial& serial, Off<Raster>, const RasterJob& job) {
   rasterize(serial, Raster{}, job);
-  for (int y = 0; y < job.frame.height; ++y) {
-    float* const row = static_cast<float*>(job.frame.colour.row(std::size_t(y)));
-    for (int i = 0; i < 3 * job.frame.width; ++i) row[i] += 1e-3f;
+  const FrameView& frame = job.views[0].frame;
+  for (int y = 0; y < frame.height; ++y) {
+    float* const row = static_cast<float*>(frame.colour.row(std::size_t(y)));
+    for (int i = 0; i < 3 * frame.width; ++i) row[i] += 1e-3f;
   }
 }
 

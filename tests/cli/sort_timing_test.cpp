@@ -50,10 +50,10 @@ class ScriptedRenderer final : public AnyRenderer {
   bool first_ = true;
 };
 
-std::vector<View> views_of_widths(const std::vector<int>& widths) {
-  std::vector<View> views;
+std::vector<cli::View> views_of_widths(const std::vector<int>& widths) {
+  std::vector<cli::View> views;
   for (const int width : widths) {
-    View view;
+    cli::View view;
     view.camera.width = width, view.camera.height = 1;
     view.name = std::to_string(width);
     views.push_back(view);
@@ -89,7 +89,7 @@ TEST_CASE("sort timing: the seed alone decides which views") {
 
 TEST_CASE("sort timing: each chosen view is sorted by one strategy and neighbours by different ones") {
   ScriptedRenderer standard(2), early(1);
-  const std::vector<View> views = views_of_widths({60, 11, 31, 10, 61, 30});
+  const std::vector<cli::View> views = views_of_widths({60, 11, 31, 10, 61, 30});
   Progress progress(12);
   std::set<std::string> first_halves;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// expected: bounds\.row\(shape, rect, row\)
+// expected: bounds\.tiles\(shape, grid\)\.row\(row\)
 #include <swiftgs/swiftgs.hpp>
 
 struct WholeImage {
   static constexpr std::string_view name = "whole-image";
   static constexpr bool lossless = true;
-  swiftgs::TileRect rect(const swiftgs::SplatShape&, swiftgs::TileGrid grid) const {
-    return {{0, grid.columns}, {0, grid.rows}};
-  }
+  struct Tiles {
+    swiftgs::TileRect rect;
 #ifdef SWIFTGS_EXPECT_COMPILE
-  swiftgs::TileRun row(const swiftgs::SplatShape&, swiftgs::TileRect rect, int) const { return rect.columns; }
+    swiftgs::TileRun row(int) const { return rect.columns; }
 #endif
+  };
+  Tiles tiles(const swiftgs::SplatShape&, swiftgs::TileGrid grid) const {
+    return {{{0, grid.columns}, {0, grid.rows}}};
+  }
 };
 
 using Refused = swiftgs::Renderer<swiftgs::Serial, swiftgs::EarlySort, swiftgs::PerPixel, WholeImage>;

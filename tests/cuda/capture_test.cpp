@@ -11,6 +11,7 @@
 
 #include "cuda/drawings.hpp"
 #include "policies/contribution_sums.hpp"
+#include "support/one_view.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -114,17 +115,15 @@ TEST_CASE("cuda capture: no stage touches the capture and each works afterwards"
   Cuda cuda(stream.get());
   const DeviceScene scene = cuda.upload(random_scene(3000, 1, 2));
   const Camera camera = forward_camera(200, 150);
-  const TileGrid grid = TileGrid::covering(200, 150);
-  const ProjectJob job{view_constants(camera, Conventions::gsplat()), scene.view(), grid};
+  const OneView frame(camera, Conventions::gsplat(), scene.view());
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
   Footprints<Cuda, Ellipse> footprints;
-  const ShadeJob shading{job.constants, job.scene};
   Colours<Cuda> colours;
   const auto try_all = [&] {
-    refused("project", [&] { project(cuda, job, Ellipse{}, scratch, splats, footprints); });
-    refused("shade", [&] { (void)shade(cuda, shading, splats, colours); });
-    refused("bin", [&] { bin(cuda, grid, Ellipse{}, splats, footprints); });
+    refused("project", [&] { project(cuda, frame.input(), Ellipse{}, scratch, splats, footprints); });
+    refused("shade", [&] { (void)shade(cuda, frame.input(), splats, colours); });
+    refused("bin", [&] { bin(cuda, frame.views(), Ellipse{}, splats, footprints); });
     const auto sort = [&]<class Sort>(const char* call, Sort policy) {
       typename Sort::template Scratch<Cuda> memory;
       TileLists<Cuda> lists;
@@ -136,14 +135,14 @@ TEST_CASE("cuda capture: no stage touches the capture and each works afterwards"
   for (const cudaStreamCaptureMode mode : modes) CHECK(nodes_of(capture(stream.get(), mode, try_all)) == 0);
 
   // Colours are under way, and numbers of the projection still to be read, when the capture begins.
-  project(cuda, job, Ellipse{}, scratch, splats, footprints);
-  Shading<Cuda> begun = shade(cuda, shading, splats, colours);
+  project(cuda, frame.input(), Ellipse{}, scratch, splats, footprints);
+  Shading<Cuda> begun = shade(cuda, frame.input(), splats, colours);
   CHECK(nodes_of(capture(stream.get(), cudaStreamCaptureModeGlobal, [&] {
           refused("join", [&] { (void)begun.finish(); });
           try_all();
         })) == 0);
   CHECK(begun.finish().each.data == colours.each.data());
-  bin(cuda, grid, Ellipse{}, splats, footprints);
+  bin(cuda, frame.views(), Ellipse{}, splats, footprints);
   EarlySort::Scratch<Cuda> memory;
   TileLists<Cuda> lists;
   EarlySort().build(cuda, SortJob<Ellipse>{splats.view(), footprints.view(), {}}, Ellipse{}, memory, lists);

@@ -72,17 +72,20 @@ struct Picture {
   template <class Bounds>
   void use_bounds(Bounds) {
     Serial serial;
-    lists = host_lists(serial, build_lists<StandardSort, Bounds>(serial, splats.job(width, height)));
+    lists =
+        host_lists(serial, build_lists<StandardSort, Bounds>(serial, splats.job(width, height, tile_side)));
   }
-  RasterJob job(const SplatsView& of, const ColoursView& colours, const TileListsView& listed,
-                const FrameView& frame, TileCounts* counts) const {
-    return {of,    colours, listed, TileGrid::covering(width, height), settings.rules, settings.background,
-            frame, counts};
+  View view(const FrameView& frame) const {
+    return {.rules = settings.rules,
+            .background = settings.background,
+            .grid = TileGrid::covering(width, height, tile_side),
+            .frame = frame};
   }
 
   SplatSet splats;
   int width, height;
   DrawSettings settings;
+  int tile_side = default_tile_side;
   HostLists lists;
   std::vector<float> occluder;  ///< @shape{height, width} or empty
 };
@@ -91,14 +94,17 @@ template <class Raster>
 Drawing draw_on_host(const Picture& picture) {
   Serial serial;
   Drawing out;
-  FrameView view = prepare(out.frame, picture.width, picture.height, picture.settings.outputs);
+  View view = picture.view(prepare(out.frame, picture.width, picture.height, picture.settings.outputs));
   if (!picture.occluder.empty())
-    view.occluder = {picture.occluder.data(), sizeof(float) * std::size_t(view.width)};
-  std::vector<TileCounts> counts(picture.lists.ranges.size());
+    view.frame.occluder = {picture.occluder.data(), sizeof(float) * std::size_t(picture.width)};
+  std::vector<SquareCounts> counts(Squares(view.frame).size());
   rasterize(serial, Raster{},
-            picture.job(picture.splats.view(), picture.splats.colours_view(), picture.lists.view(), view,
-                        counts.data()));
-  for (const TileCounts& tile : counts) out.counts += tile;
+            RasterJob{picture.splats.view(),
+                      picture.splats.colours_view(),
+                      picture.lists.view(),
+                      {&view, 1},
+                      counts.data()});
+  for (const SquareCounts& tile : counts) out.counts += tile;
   return out;
 }
 
@@ -110,15 +116,19 @@ struct DevicePicture {
         ids(to_device(of.lists.ids)),
         ranges(to_device(of.lists.ranges)),
         occluder(to_device(of.occluder)),
-        counts(to_device(std::vector<TileCounts>(of.lists.ranges.size()))) {}
+        counts(
+            to_device(std::vector<SquareCounts>(Squares({.width = of.width, .height = of.height}).size()))) {}
 
-  /// The job that draws it into `frame`, before the surface that hides it.
+  /// The job that draws it into `frame`, before the surface that hides it. Holds until the next.
   RasterJob job(FrameView frame, bool count) {
     if (!picture.occluder.empty())
       frame.occluder = {occluder.data(), sizeof(float) * std::size_t(picture.width)};
-    return picture.job(splats.view(), splats.colours_view(),
-                       {std::as_const(ids).span(), std::as_const(ranges).span()}, frame,
-                       count ? counts.data() : nullptr);
+    view = picture.view(frame);
+    return {splats.view(),
+            splats.colours_view(),
+            {std::as_const(ids).span(), std::as_const(ranges).span()},
+            {&view, 1},
+            count ? counts.data() : nullptr};
   }
 
   const Picture& picture;
@@ -126,7 +136,8 @@ struct DevicePicture {
   DeviceBuffer<std::uint32_t> ids;
   DeviceBuffer<TileRange> ranges;
   DeviceBuffer<float> occluder;
-  DeviceBuffer<TileCounts> counts;
+  DeviceBuffer<SquareCounts> counts;
+  View view;
 };
 
 /// `lean`: by the kernels that know neither depth nor counts.
@@ -143,7 +154,7 @@ Drawing draw_on_device(Cuda& cuda, const Picture& picture, bool lean = false) {
   out.frame.alpha = frame.pixels(cuda, frame.alpha, 4);
   if (!lean) {
     out.frame.depth = frame.pixels(cuda, frame.depth, 4);
-    for (const TileCounts& tile : to_host(cuda, std::as_const(device.counts).span())) out.counts += tile;
+    for (const SquareCounts& tile : to_host(cuda, std::as_const(device.counts).span())) out.counts += tile;
   }
   return out;
 }

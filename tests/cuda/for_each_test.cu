@@ -7,6 +7,7 @@
 #include <swiftgs/renderer.hpp>
 
 #include "cuda/device.hpp"
+#include "support/one_view.hpp"
 
 namespace swiftgs::test {
 
@@ -21,10 +22,11 @@ struct Visit {
 struct EvenRows {
   static constexpr std::string_view name = "even-rows";
   static constexpr bool lossless = false;
-  SWIFTGS_HD TileRect rect(const SplatShape& shape, TileGrid grid) const { return opacity_box(shape, grid); }
-  SWIFTGS_HD TileRun row(const SplatShape&, TileRect rect, int row) const {
-    return row % 2 ? TileRun{} : rect.columns;
-  }
+  struct Tiles {
+    TileRect rect;
+    SWIFTGS_HD TileRun row(int row) const { return row % 2 ? TileRun{} : rect.columns; }
+  };
+  SWIFTGS_HD Tiles tiles(const SplatShape& shape, TileGrid grid) const { return {opacity_box(shape, grid)}; }
 };
 
 /// Bounds of other tiles in the kernel that emits large splats than where tiles are counted.
@@ -33,14 +35,19 @@ struct Fickle {
   static constexpr bool lossless = false;
   int counted = 0, emitted = 0;  ///< columns of a row
 
-  SWIFTGS_HD TileRect rect(const SplatShape&, TileGrid grid) const {
-    return {{0, grid.columns}, {0, grid.rows}};
-  }
-  SWIFTGS_HD TileRun row(const SplatShape&, TileRect, int) const {
+  struct Tiles {
+    TileRect rect;
+    int counted, emitted;
+
+    SWIFTGS_HD TileRun row(int) const {
 #if defined(__CUDA_ARCH__)
-    if (gridDim.x == kernels::emit_large_blocks) return {1, 1 + emitted};
+      if (gridDim.x == kernels::emit_large_blocks) return {1, 1 + emitted};
 #endif
-    return {1, 1 + counted};
+      return {1, 1 + counted};
+    }
+  };
+  SWIFTGS_HD Tiles tiles(const SplatShape&, TileGrid grid) const {
+    return {{{0, grid.columns}, {0, grid.rows}}, counted, emitted};
   }
 };
 
@@ -50,16 +57,18 @@ struct ListLengths {
 };
 struct WriteLength {
   RasterJob job;
+  View view;
   SWIFTGS_HD void operator()(std::size_t pixel) const {
-    const std::size_t width = std::size_t(job.frame.width), x = pixel % width, y = pixel / width;
-    const TileRange range = job.lists.ranges[y / tile_side * std::size_t(job.grid.columns) + x / tile_side];
+    const std::size_t width = std::size_t(view.frame.width), x = pixel % width, y = pixel / width;
+    const TileRange range = job.lists.ranges[view.grid.tile_at(int(x), int(y))];
     BlendedPixel length;
     length.colour = vec3(float(range.end - range.begin));
-    store_pixel(job.frame, x, y, length, job.background);
+    store_pixel(view.frame, x, y, length, view.background);
   }
 };
 void rasterize(Cuda& cuda, ListLengths, const RasterJob& job) {
-  cuda.for_each(std::size_t(job.frame.width) * std::size_t(job.frame.height), WriteLength{job});
+  const View& view = only_view(job.views);
+  cuda.for_each(std::size_t(view.frame.width) * std::size_t(view.frame.height), WriteLength{job, view});
 }
 static_assert(RastersOn<ListLengths, Cuda> && !RastersOn<ListLengths, Serial>);
 
@@ -153,18 +162,17 @@ TEST_CASE("cuda: projection takes bounds of the caller") {
   Cuda cuda;
   const Scene scene = random_scene(2000, 0, 9);
   const DeviceScene uploaded = cuda.upload(scene);
-  const TileGrid grid = TileGrid::covering(300, 200);
-  const ProjectJob job{view_constants(forward_camera(300, 200), Conventions::gsplat()), uploaded.view(),
-                       grid};
+  const OneView frame(forward_camera(300, 200), Conventions::gsplat(), uploaded.view());
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
   Footprints<Cuda, EvenRows> footprints;
-  project(cuda, job, EvenRows{}, scratch, splats, footprints);
-  bin(cuda, grid, EvenRows{}, splats, footprints);
+  project(cuda, frame.input(), EvenRows{}, scratch, splats, footprints);
+  bin(cuda, frame.views(), EvenRows{}, splats, footprints);
   const SplatSet set = to_host(cuda, splats.view());
   REQUIRE(set.shapes.size() > 100);
   std::uint64_t tiles = 0;
-  for (const SplatShape& shape : set.shapes) tiles += find_footprint(EvenRows{}, shape, grid).count;
+  for (const SplatShape& shape : set.shapes)
+    tiles += find_footprint(EvenRows{}, shape, frame.view.grid).count;
   CHECK(footprints.instances == tiles);
 }
 

@@ -72,19 +72,11 @@ Blended blend_by_serial(const std::vector<Layer>& layers, float stop_below, cons
   const TileRange range{0, std::uint32_t(layers.size())};
   const TileListsView lists{{ids.data(), ids.size()}, {&range, 1}};
   Blended out;
-  FrameView frame = out.frame();
-  if (occluder) frame.occluder = {occluder, sizeof(float)};
-  TileCounts counts;
+  View view{.rules = {0, 1, stop_below}, .grid = TileGrid::covering(1, 1), .frame = out.frame()};
+  if (occluder) view.frame.occluder = {occluder, sizeof(float)};
+  SquareCounts counts;
   Serial serial;
-  rasterize(serial, GivenAlpha{},
-            {splats.view(),
-             splats.colours_view(),
-             lists,
-             TileGrid::covering(1, 1),
-             {0, 1, stop_below},
-             vec3(0),
-             frame,
-             &counts});
+  rasterize(serial, GivenAlpha{}, {splats.view(), splats.colours_view(), lists, {&view, 1}, &counts});
   out.pairs = counts.contributing_pairs, out.stopped = counts.pixels_stopped;
   return out;
 }

@@ -9,6 +9,7 @@
 #include <swiftgs/builtin_scene.hpp>
 
 #include "cuda/device.hpp"
+#include "support/one_view.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -85,16 +86,16 @@ struct Stage {
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
   Colours<Cuda> colours;
-  std::tuple<Footprints<Cuda, ThreeSigmaSquare>, Footprints<Cuda, OpacityBox>, Footprints<Cuda, Ellipse>>
-      all_footprints;
+  template <class... Bounds>
+  static std::tuple<Footprints<Cuda, Bounds>...> footprints_within(TypeList<Bounds...>);
+  decltype(footprints_within(AllBounds())) all_footprints;
 
   template <class Bounds>
   SplatSet run(const SceneView& scene, const Camera& camera, const Conventions& conventions, Bounds bounds) {
-    const TileGrid grid = TileGrid::covering(camera.width, camera.height);
-    const ViewConstants constants = view_constants(camera, conventions);
-    project(cuda, ProjectJob{constants, scene, grid}, bounds, scratch, splats, footprints(bounds));
-    Shading<Cuda> shading = shade(cuda, ShadeJob{constants, scene}, splats, colours);
-    bin(cuda, grid, bounds, splats, footprints(bounds));
+    const OneView frame(camera, conventions, scene);
+    project(cuda, frame.input(), bounds, scratch, splats, footprints(bounds));
+    Shading<Cuda> shading = shade(cuda, frame.input(), splats, colours);
+    bin(cuda, frame.views(), bounds, splats, footprints(bounds));
     return to_host(cuda, splats.view(), shading.finish());
   }
 
@@ -123,12 +124,11 @@ SplatSet project_on_host(const SceneView& scene, const Camera& camera, const Con
   Serial serial;
   ProjectScratch<Serial> scratch;
   Splats<Serial> splats;
-  const TileGrid grid = TileGrid::covering(camera.width, camera.height);
   Footprints<Serial, Ellipse> footprints;
-  const ViewConstants constants = view_constants(camera, conventions);
-  project(serial, ProjectJob{constants, scene, grid}, Ellipse{}, scratch, splats, footprints);
+  const OneView frame(camera, conventions, scene);
+  project(serial, frame.input(), Ellipse{}, scratch, splats, footprints);
   Colours<Serial> colours;
-  const ColoursView shaded = shade(serial, ShadeJob{constants, scene}, splats, colours).finish();
+  const ColoursView shaded = shade(serial, frame.input(), splats, colours).finish();
   const auto to_vector = [](auto span) { return std::vector(span.begin(), span.end()); };
   const SplatsView view = splats.view();
   return {to_vector(view.shapes), to_vector(view.depths), to_vector(view.gaussians), to_vector(shaded.each)};
@@ -144,17 +144,15 @@ std::size_t check_projection(Stage& stage, const SceneView& on_device, const Sce
   CAPTURE(on_host.size());
   CHECK(result.different == 0);
   CHECK(result.alone <= 1 + expected.shapes.size() / 10'000);
-  for (const bool box : {false, true}) {
-    CAPTURE(box);
-    const SplatSet again = box ? stage.run(on_device, camera, conventions, OpacityBox{})
-                               : stage.run(on_device, camera, conventions, ThreeSigmaSquare{});
+  for_each_type(AllBounds(), [&]<class Bounds>(Bounds bounds) {
+    CAPTURE(Bounds::name);
+    const SplatSet again = stage.run(on_device, camera, conventions, bounds);
     CHECK(same_bits(again.shapes, set.shapes));
     CHECK(same_bits(again.depths, set.depths));
     CHECK(same_bits(again.gaussians, set.gaussians));
     CHECK(same_bits(again.colours, set.colours));
-    CHECK((box ? stage.found_tiles(again, camera, OpacityBox{})
-               : stage.found_tiles(again, camera, ThreeSigmaSquare{})));
-  }
+    CHECK(stage.found_tiles(again, camera, bounds));
+  });
   return set.shapes.size();
 }
 std::size_t check_projection(Stage& stage, const Scene& scene, const Camera& camera,
@@ -287,11 +285,9 @@ TEST_CASE("cuda project: colours of a frame that is given up do not get into the
   const Camera near = forward_camera(640, 360), wide = forward_camera(1280, 360);
   const SplatSet expected = other.run(scene.view(), near, Conventions::gsplat(), Ellipse{});
   for (int i = 0; i < 20; ++i) {
-    const TileGrid grid = TileGrid::covering(wide.width, wide.height);
-    const ViewConstants constants = view_constants(wide, Conventions::gsplat());
-    project(stage.cuda, ProjectJob{constants, scene.view(), grid}, Ellipse{}, stage.scratch, stage.splats,
-            stage.footprints(Ellipse{}));
-    (void)shade(stage.cuda, ShadeJob{constants, scene.view()}, stage.splats, stage.colours);
+    const OneView frame(wide, Conventions::gsplat(), scene.view());
+    project(stage.cuda, frame.input(), Ellipse{}, stage.scratch, stage.splats, stage.footprints(Ellipse{}));
+    (void)shade(stage.cuda, frame.input(), stage.splats, stage.colours);
     CHECK(
         same_bits(stage.run(scene.view(), near, Conventions::gsplat(), Ellipse{}).colours, expected.colours));
   }

@@ -275,3 +275,25 @@ TEST_CASE("cuda raster: lossless bounds draw the same bits of any splats") {
     });
   }
 }
+
+TEST_CASE("cuda raster: tiles of any side give the same bits") {
+  if (without_device()) return;
+  Cuda cuda;
+  Picture picture(random_splats(3000, 300, 200, 31), 300, 200);
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    picture.tile_side = default_tile_side;
+    picture.use_bounds(Ellipse());
+    const Drawing usual = draw_on_device<Raster>(cuda, picture);
+    for (const int side : {32, 64, 512}) {
+      CAPTURE(side);
+      picture.tile_side = side;
+      picture.use_bounds(Ellipse());
+      const Drawing drawn = draw_on_device<Raster>(cuda, picture);
+      CHECK(same_bits(drawn.frame.colour, usual.frame.colour));
+      CHECK(same_bits(drawn.frame.alpha, usual.frame.alpha));
+      CHECK(same_bits(drawn.frame.depth, usual.frame.depth));
+      CHECK(same_bits(draw_on_device<Raster>(cuda, picture, true).frame.colour, usual.frame.colour));
+    }
+  });
+}

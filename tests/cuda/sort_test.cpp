@@ -4,6 +4,7 @@
 #include <swiftgs/builtin_scene.hpp>
 
 #include "cuda/device.hpp"
+#include "support/one_view.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -31,17 +32,12 @@ struct Sorts {
   }
 };
 
-template <class F>
-void for_each_bounds(const F& f) {
-  f(ThreeSigmaSquare()), f(OpacityBox()), f(Ellipse());
-}
-
 /// Whether all sorts on the device, within all bounds, build the lists of the serial backend. Returns the
 /// instances.
 std::size_t check_lists(Cuda& cuda, Sorts<Cuda>& sorts, const SplatSet& splats, int width, int height) {
   const DeviceSplats uploaded(splats);
   std::size_t instances = 0;
-  for_each_bounds([&]<class Bounds>(Bounds bounds) {
+  for_each_type(AllBounds(), [&]<class Bounds>(Bounds bounds) {
     CAPTURE(Bounds::name);
     Serial serial;
     const HostLists expected =
@@ -87,13 +83,12 @@ TEST_CASE("cuda sort: lists from footprints that projection found are the serial
     CAPTURE(n);
     const DeviceScene scene = cuda.upload(random_scene(n, 0, n + 1));
     const Camera camera = forward_camera(700, 500);
-    const TileGrid grid = TileGrid::covering(700, 500);
-    const ProjectJob job{view_constants(camera, Conventions::gsplat()), scene.view(), grid};
-    for_each_bounds([&]<class Bounds>(Bounds bounds) {
+    const OneView frame(camera, Conventions::gsplat(), scene.view());
+    for_each_type(AllBounds(), [&]<class Bounds>(Bounds bounds) {
       CAPTURE(Bounds::name);
       Footprints<Cuda, Bounds> footprints;
-      project(cuda, job, bounds, scratch, splats, footprints);
-      bin(cuda, grid, bounds, splats, footprints);
+      project(cuda, frame.input(), bounds, scratch, splats, footprints);
+      bin(cuda, frame.views(), bounds, splats, footprints);
       const SplatSet set = to_host(cuda, splats.view());
       const HostLists expected =
           host_lists(serial, build_lists<StandardSort, Bounds>(serial, set.job(700, 500)));
@@ -116,9 +111,10 @@ TEST_CASE("cuda sort: footprints are found again where projection found those of
   Splats<Cuda> splats;
   Footprints<Cuda, OpacityBox> boxes;
   Footprints<Cuda, Ellipse> ellipses;
-  const ProjectJob job{view_constants(forward_camera(700, 500), Conventions::gsplat()), scene.view(), grid};
-  project(cuda, job, OpacityBox{}, scratch, splats, boxes);
-  bin(cuda, grid, Ellipse{}, splats, ellipses);
+  const OneView frame(forward_camera(700, 500), Conventions::gsplat(), scene.view());
+  const View turned = view_without_camera(500, 700);
+  project(cuda, frame.input(), OpacityBox{}, scratch, splats, boxes);
+  bin(cuda, frame.views(), Ellipse{}, splats, ellipses);
   const SplatSet set = to_host(cuda, splats.view());
   const auto found_by = [&]<class Bounds>(const Footprints<Cuda, Bounds>& footprints, TileGrid of) {
     std::uint64_t tiles = 0;
@@ -127,16 +123,16 @@ TEST_CASE("cuda sort: footprints are found again where projection found those of
   };
   REQUIRE(set.shapes.size() > 100);
   CHECK(found_by(ellipses, grid));
-  bin(cuda, grid, OpacityBox{}, splats, boxes);
+  bin(cuda, frame.views(), OpacityBox{}, splats, boxes);
   CHECK(found_by(boxes, grid));
-  bin(cuda, other, OpacityBox{}, splats, boxes);
+  bin(cuda, {&turned, 1}, OpacityBox{}, splats, boxes);
   CHECK(found_by(boxes, other));
 
   // Footprints that are left over from a projection are not those of other splats.
-  project(cuda, job, OpacityBox{}, scratch, splats, boxes);
+  project(cuda, frame.input(), OpacityBox{}, scratch, splats, boxes);
   Splats<Cuda> own;
   CopySplats<Cuda>::copy(DeviceSplats(set).view(), own);
-  bin(cuda, grid, OpacityBox{}, own, boxes);
+  bin(cuda, frame.views(), OpacityBox{}, own, boxes);
   CHECK(found_by(boxes, grid));
 }
 
@@ -221,7 +217,7 @@ TEST_CASE("cuda sort: more instances than lists can index are a capacity error a
   for (int i = 0; i < 129; ++i) flood.add(make_splat(0, 0, 1e6, 1e6, 0, 1), 1);
   const DeviceSplats uploaded(flood);
   const SortInput job = uploaded.job(max_image_side, max_image_side);
-  for_each_bounds([&]<class Bounds>(Bounds) {
+  for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
     const auto refuse = [&](auto& sort, auto& scratch) {
       CHECK_THROWS_AS(build_again<Bounds>(cuda, sort, job, scratch, sorts.lists), CapacityError);
     };

@@ -31,12 +31,13 @@ void emit(std::size_t n, const FindFootprint<Bounds>& find,
 
 template <class R>
 struct EvaluateAlpha {
-  RasterJob job;
+  SplatsView splats;
+  BlendRules rules;
   float* alphas;
   SWIFTGS_HD void operator()(std::size_t i) const {
-    typename R::Kernel kernel(job.splats.shapes[i], vec2(0.5f), job.rules);
+    typename R::Kernel kernel(splats.shapes[i], vec2(0.5f), rules);
     kernel.start_row(0.5f);
-    alphas[i] = kernel.alpha(int(i) % tile_side);
+    alphas[i] = kernel.alpha(int(i) % square_side);
   }
 };
 
@@ -61,17 +62,11 @@ void sort(std::size_t n, const CountTiles& count, const DepthPair& depths, const
   launch(n, clear);
   launch(n, narrow);
   launch(n, wide);
-  emit<ThreeSigmaSquare>(n, {}, {}, {});
-  emit<OpacityBox>(n, {}, {}, {});
-  emit<Ellipse>(n, {}, {}, {});
+  for_each_type(AllBounds(), [&]<class Bounds>(Bounds) { emit<Bounds>(n, {}, {}, {}); });
 }
 
-void rasterize(std::size_t n, const RasterJob& job, float* alphas) {
-  launch(n, EvaluateAlpha<PerPixel>{job, alphas});
-  launch(n, EvaluateAlpha<AxisShared<HalfSplit>>{job, alphas});
-  launch(n, EvaluateAlpha<AxisShared<FloatSplit>>{job, alphas});
-  launch(n, EvaluateAlpha<AxisShared<FloatCholesky>>{job, alphas});
-  launch(n, EvaluateAlpha<AxisSharedThreshold<HalfSplit>>{job, alphas});
-  launch(n, EvaluateAlpha<AxisSharedThreshold<FloatSplit>>{job, alphas});
-  launch(n, EvaluateAlpha<AxisSharedThreshold<FloatCholesky>>{job, alphas});
+void rasterize(std::size_t n, const SplatsView& splats, const BlendRules& rules, float* alphas) {
+  for_each_type(AllRasters(), [&]<class Raster>(Raster) {
+    launch(n, EvaluateAlpha<Raster>{splats, rules, alphas});
+  });
 }

@@ -155,7 +155,7 @@ TEST_CASE_TEMPLATE("blend: what is counted is what double counts", B, SWIFTGS_TE
   for_each_raster([&]<class Raster>(Raster) {
     if (stores_half<Raster>) return;
     CAPTURE(Raster::name);
-    const TileCounts counts = draw<Raster>(backend, splats, 100, 70).counts;
+    const SquareCounts counts = draw<Raster>(backend, splats, 100, 70).counts;
     CHECK(double(counts.contributing_pairs) ==
           doctest::Approx(double(exact.contributing_pairs)).epsilon(1e-3));
     CHECK(double(counts.pixels_stopped) == doctest::Approx(double(exact.pixels_stopped)).epsilon(1e-2));
@@ -179,9 +179,8 @@ TEST_CASE_TEMPLATE("blend: memory beyond each row of a pitched frame is left alo
                           .colour = {colour.data(), 12 * pitch},
                           .alpha = {alpha.data(), 4 * pitch},
                           .depth = {depth.data(), 4 * pitch}};
-    rasterize(backend, Raster{},
-              RasterJob{splats.view(), splats.colours_view(), lists.view(), job.grid, DrawSettings().rules,
-                        vec3(0), frame, nullptr});
+    const View view = view_into(frame);
+    rasterize(backend, Raster{}, RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}});
     bool same = true, untouched = true;
     for (std::size_t y = 0; y < height; ++y)
       for (std::size_t x = 0; x < pitch; ++x) {
@@ -209,9 +208,8 @@ TEST_CASE_TEMPLATE("blend: each output alone is the same as with the others", B,
     CAPTURE(Raster::name);
     const Drawing all = draw<Raster>(backend, splats, 50, 30);
     const auto run = [&](const FrameView& frame) {
-      rasterize(backend, Raster{},
-                RasterJob{splats.view(), splats.colours_view(), lists.view(), job.grid, DrawSettings().rules,
-                          vec3(0), frame, nullptr});
+      const View view = view_into(frame);
+      rasterize(backend, Raster{}, RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}});
     };
     std::vector<float> colour(50 * 30 * 3), alpha(50 * 30), depth(50 * 30);
     run({.width = 50, .height = 30, .colour = {colour.data(), 600}});
@@ -244,13 +242,16 @@ TEST_CASE_TEMPLATE("blend: lossless bounds draw the same bits of splats that bar
       const auto alpha_within = [&]<class Bounds>(Bounds) {
         const TileLists<B> lists = build_lists<EarlySort, Bounds>(backend, job);
         std::vector<float> alpha(std::size_t(width * height));
-        const FrameView frame{.width = width, .height = height, .alpha = {alpha.data(), 4 * width}};
+        const View view = view_into({.width = width, .height = height, .alpha = {alpha.data(), 4 * width}});
         rasterize(backend, Raster{},
-                  RasterJob{splats.view(), splats.colours_view(), lists.view(), job.grid,
-                            DrawSettings().rules, vec3(0), frame, nullptr});
+                  RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}});
         return alpha;
       };
-      CHECK((alpha_within(OpacityBox()) == alpha_within(Ellipse())));
+      const std::vector<float> expected = alpha_within(Ellipse());
+      for_each_type(AllBounds(), [&]<class Bounds>(Bounds bounds) {
+        CAPTURE(Bounds::name);
+        if constexpr (Bounds::lossless) CHECK(alpha_within(bounds) == expected);
+      });
     });
   }
 }
@@ -274,4 +275,44 @@ TEST_CASE_TEMPLATE("blend: terms beyond the largest half leave no pixel that is 
     for (const float value : drawing.frame.alpha) finite = finite && value >= 0 && value <= 1;
     CHECK(finite);
   });
+}
+
+TEST_CASE_TEMPLATE("blend: tiles of any side give the same bits", B, SWIFTGS_TEST_BACKENDS) {
+  B backend = make_backend<B>();
+  const SplatSet splats = random_splats(600, 150, 110, 16);
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    const Drawing usual = draw<Raster>(backend, splats, 150, 110);
+    for (const int side : {32, 64, 256}) {
+      CAPTURE(side);
+      const Drawing drawn = draw<Raster>(backend, splats, 150, 110, {}, side);
+      CHECK(drawn.frame.colour == usual.frame.colour);
+      CHECK(drawn.frame.alpha == usual.frame.alpha);
+      CHECK(drawn.frame.depth == usual.frame.depth);
+      CHECK(drawn.counts.contributing_pairs == usual.counts.contributing_pairs);
+      CHECK(drawn.counts.instances_visited >= usual.counts.instances_visited);
+    }
+  });
+}
+
+TEST_CASE_TEMPLATE("blend: tiles that do not fit the frame or the squares are refused", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  B backend = make_backend<B>();
+  std::vector<float> alpha(64 * 48);
+  View view = view_into({.width = 64, .height = 48, .alpha = {alpha.data(), 256}});
+  std::vector<TileRange> ranges(12);
+  const RasterJob job{{}, {}, {{}, {ranges.data(), ranges.size()}}, {&view, 1}};
+  const auto refused = [&](TileGrid grid, const char* expected) {
+    view.grid = grid;
+    CHECK_THROWS_WITH_AS(rasterize(backend, PerPixel(), job), expected, std::invalid_argument);
+  };
+  refused({8, 6, 8}, "tiles: the side is 8, expected a power of two of at least 16 pixels");
+  refused({3, 2, 24}, "tiles: the side is 24, expected a power of two of at least 16 pixels");
+  refused({3, 3, 16}, "tiles: the number of columns is 3, expected 4");
+  refused({4, 2, 16}, "tiles: the number of rows is 2, expected 3");
+  view.grid = {4, 3, 16};
+  const RasterJob two{{}, {}, job.lists, {&view, 2}};
+  CHECK_THROWS_WITH_AS(rasterize(backend, PerPixel(), two), "frame: the number of views is 2, expected 1",
+                       std::invalid_argument);
+  rasterize(backend, PerPixel(), job);
 }

@@ -73,11 +73,10 @@ TEST_CASE("cpu raster: every vector target stores each pixel format and ends at 
   for (int i = 0; i < width * height; ++i) occluder.push_back(random.f(0, 30));
   const auto over = [&](auto& backend, Image image) {
     const auto lists = build_lists<EarlySort, Ellipse>(backend, job);
-    FrameView frame = image.frame();
-    frame.over = true, frame.occluder = {occluder.data(), width * sizeof(float)};
+    View view = view_into(image.frame(), {.background = vec3(9)});
+    view.frame.over = true, view.frame.occluder = {occluder.data(), width * sizeof(float)};
     rasterize(backend, AxisSharedThreshold<FloatCholesky>(),
-              RasterJob{splats.view(), splats.colours_view(), lists.view(), job.grid, DrawSettings().rules,
-                        vec3(9), frame, nullptr});
+              RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}});
     return image;
   };
   const auto channels = [](Image image) {

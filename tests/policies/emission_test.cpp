@@ -21,13 +21,16 @@ struct Fickle {
   static inline int when_counted = 0, when_emitted = 0;
   static inline std::size_t rows_to_count = 0;  ///< calls of `row` that still count
 
-  TileRect rect(const SplatShape&, TileGrid grid) const { return {{0, grid.columns}, {0, grid.rows}}; }
-  TileRun row(const SplatShape&, TileRect rect, int) const {
-    const bool counting = rows_to_count > 0;
-    if (counting) --rows_to_count;
-    const int width = counting ? when_counted : when_emitted;
-    return {0, width < rect.columns.end ? width : rect.columns.end};
-  }
+  struct Tiles {
+    TileRect rect;
+    TileRun row(int) const {
+      const bool counting = rows_to_count > 0;
+      if (counting) --rows_to_count;
+      const int width = counting ? when_counted : when_emitted;
+      return {0, width < rect.columns.end ? width : rect.columns.end};
+    }
+  };
+  Tiles tiles(const SplatShape&, TileGrid grid) const { return {{{0, grid.columns}, {0, grid.rows}}}; }
 };
 
 }  // namespace

@@ -32,7 +32,7 @@ TEST_CASE_TEMPLATE("footprints: every backend finds those of the scalar bounds",
     CHECK(other == 0);
     CHECK(found.instances == instances);
   };
-  check(ThreeSigmaSquare()), check(OpacityBox()), check(Ellipse());
+  for_each_type(AllBounds(), check);
 }
 
 TEST_CASE("footprints: a walk names the tiles of the bounds once each and in order") {
@@ -44,9 +44,10 @@ TEST_CASE("footprints: a walk names the tiles of the bounds once each and in ord
     large += footprint.mask == 0 && footprint.count != 0;
     std::vector<std::uint32_t> walked, expected;
     for_each_tile(footprint, Ellipse(), shape, grid, [&](std::uint32_t tile) { walked.push_back(tile); });
-    const TileRect rect = Ellipse().rect(shape, grid);
+    const auto tiles = Ellipse().tiles(shape, grid);
+    const TileRect& rect = tiles.rect;
     for (int row = rect.rows.begin; row < rect.rows.end && rect.columns.size() > 0; ++row) {
-      const TileRun run = Ellipse().row(shape, rect, row);
+      const TileRun run = tiles.row(row);
       for (int column = run.begin; column < run.end; ++column)
         expected.push_back(std::uint32_t(row * grid.columns + column));
     }

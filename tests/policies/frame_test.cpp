@@ -156,11 +156,11 @@ TEST_CASE_TEMPLATE("frame: a surface that hides nothing changes no bit", B, SWIF
     const auto scene = renderer.backend().upload(random_scene(500, 0, 7));
     const Camera camera = forward_camera(70, 45);
     const Frame alone = renderer.render(scene, camera, settings_with(vec3(0.1f, 0.2f, 0.3f)));
-    const TileCounts counts = renderer.statistics().raster;
+    const SquareCounts counts = renderer.statistics().raster;
     for (const float nowhere : {infinity, not_a_number, 1e20f}) {
       CAPTURE(nowhere);
       CHECK(same_bits(render_before(renderer, scene, camera, nowhere), alone));
-      const TileCounts again = renderer.statistics().raster;
+      const SquareCounts again = renderer.statistics().raster;
       CHECK(again.contributing_pairs == counts.contributing_pairs);
       CHECK(again.pixels_stopped == counts.pixels_stopped);
       CHECK(again.instances_visited == counts.instances_visited);
@@ -207,7 +207,7 @@ TEST_CASE_TEMPLATE("frame: a surface in the middle leaves the image of the Gauss
     const Frame frame = render_before(renderer, scene, camera, depth);
     CHECK(same_bits(frame, expected));
     check_near<Raster>(frame, reference);
-    const TileCounts counts = renderer.statistics().raster;
+    const SquareCounts counts = renderer.statistics().raster;
     CHECK(double(counts.contributing_pairs) ==
           doctest::Approx(double(reference.contributing_pairs)).epsilon(1e-2));
     CHECK(double(counts.pixels_stopped) == doctest::Approx(double(reference.pixels_stopped)).epsilon(1e-2));
@@ -258,17 +258,16 @@ TEST_CASE_TEMPLATE("frame: a tile ends when the surface has hidden all its pixel
   const std::vector<float> occluder(32 * 16, 4.0f);
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    TileCounts counts[2];
-    FrameView frame{.width = 32, .height = 16};
-    frame.occluder = {occluder.data(), 32 * sizeof(float)};
+    SquareCounts counts[2];
+    const View view =
+        view_into({.width = 32, .height = 16, .occluder = {occluder.data(), 32 * sizeof(float)}});
     rasterize(backend, Raster{},
-              RasterJob{splats.view(), splats.colours_view(), lists.view(), job.grid, DrawSettings().rules,
-                        vec3(0), frame, counts});
-    for (const TileCounts& tile : counts) {
-      CHECK(tile.contributing_pairs == 3 * 256);
-      CHECK(tile.pixels_stopped == 256);
-      CHECK(tile.instances_visited >= 4);
-      CHECK(tile.instances_visited <= 64);  // a backend may look at lists in batches
+              RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts});
+    for (const SquareCounts& square : counts) {
+      CHECK(square.contributing_pairs == 3 * 256);
+      CHECK(square.pixels_stopped == 256);
+      CHECK(square.instances_visited >= 4);
+      CHECK(square.instances_visited <= 64);  // a backend may look at lists in batches
     }
   });
 }

@@ -54,14 +54,10 @@ std::vector<SplatColour> colours(B& backend, const SceneView& scene, const Camer
   ProjectScratch<B> scratch;
   Splats<B> splats;
   Footprints<B, Ellipse> footprints;
-  project(backend,
-          ProjectJob{view_constants(camera, Conventions::gsplat()), scene,
-                     TileGrid::covering(camera.width, camera.height)},
-          Ellipse(), scratch, splats, footprints);
+  const OneView frame(camera, Conventions::gsplat(), scene);
+  project(backend, frame.input(), Ellipse(), scratch, splats, footprints);
   Colours<B> colours;
-  const ColoursView shaded =
-      shade(backend, ShadeJob{view_constants(camera, Conventions::gsplat()), scene}, splats, colours)
-          .finish();
+  const ColoursView shaded = shade(backend, frame.input(), splats, colours).finish();
   return {shaded.each.begin(), shaded.each.end()};
 }
 
@@ -190,18 +186,17 @@ TEST_CASE_TEMPLATE("no needless work: tiles without splats cost nothing but the 
   const TileLists<B> lists = build_lists<EarlySort, Ellipse>(backend, job);
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    std::vector<TileCounts> counts(job.grid.size(), {9, 9, 9, 9});
     Frame frame;
-    const FrameView view = prepare(frame, 96, 64, {});
+    const View view = view_into(prepare(frame, 96, 64, {}), {.background = vec3(2)});
+    std::vector<SquareCounts> counts(Squares(view.frame).size(), {9, 9, 9, 9});
     rasterize(backend, Raster{},
-              RasterJob{splats.view(), splats.colours_view(), lists.view(), job.grid, DrawSettings().rules,
-                        vec3(2), view, counts.data()});
-    for (std::size_t tile = 0; tile < counts.size(); ++tile) {
-      CAPTURE(tile);
-      const std::uint64_t one = tile == 8;
-      CHECK(counts[tile].instances_visited == one);
-      CHECK((counts[tile].rows_visited > 0) == one);
-      CHECK((counts[tile].contributing_pairs > 0) == one);
+              RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts.data()});
+    for (std::size_t square = 0; square < counts.size(); ++square) {
+      CAPTURE(square);
+      const std::uint64_t one = square == 8;
+      CHECK(counts[square].instances_visited == one);
+      CHECK((counts[square].rows_visited > 0) == one);
+      CHECK((counts[square].contributing_pairs > 0) == one);
     }
     CHECK(frame.colour[0] == 2);
   });
@@ -213,7 +208,7 @@ TEST_CASE_TEMPLATE("no needless work: a tile stops when all its pixels have", B,
   for (int i = 0; i < 1000; ++i) splats.add(make_splat(8, 8, 500, 500, 0, 0.99), 1.0f + float(i));
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    const TileCounts counts = draw<Raster>(backend, splats, 32, 16).counts;
+    const SquareCounts counts = draw<Raster>(backend, splats, 32, 16).counts;
     CHECK(counts.pixels_stopped == 32 * 16);
     // Two splats fill a pixel and the third ends it; a backend may look at lists in batches.
     CHECK(counts.instances_visited >= 2 * 3);
@@ -230,7 +225,7 @@ TEST_CASE_TEMPLATE("no needless work: rows outside a splat's extent are not visi
   splats.add(make_splat(8.5, 8.5, 1, 1, 0, 1), 1);
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    const TileCounts counts = draw<Raster>(backend, splats, 16, 16).counts;
+    const SquareCounts counts = draw<Raster>(backend, splats, 16, 16).counts;
     CHECK(counts.instances_visited == 1);
     CHECK(counts.rows_visited == 7);
     CHECK(counts.contributing_pairs == 37);  // pixels whose distance from the centre is at most 3.33

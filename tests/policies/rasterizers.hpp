@@ -2,7 +2,7 @@
 #pragma once
 
 /// @file
-/// The seven rasterizers, and frames of splats that no projection made.
+/// All rasterizers, and frames of splats that no projection made.
 
 #include <cmath>
 #include <cstddef>
@@ -16,10 +16,7 @@ namespace swiftgs::test {
 /// Calls `f` with one object of each rasterizer.
 template <class F>
 void for_each_raster(const F& f) {
-  f(PerPixel());
-  f(AxisShared<HalfSplit>()), f(AxisShared<FloatSplit>()), f(AxisShared<FloatCholesky>());
-  f(AxisSharedThreshold<HalfSplit>()), f(AxisSharedThreshold<FloatSplit>());
-  f(AxisSharedThreshold<FloatCholesky>());
+  for_each_type(AllRasters(), f);
 }
 
 /// Whether `Raster` keeps its terms in half precision, which costs accuracy.
@@ -35,7 +32,7 @@ struct DrawSettings {
 /// A frame with what rasterizing it took.
 struct Drawing {
   Frame frame;
-  TileCounts counts;
+  SquareCounts counts;
 
   float alpha(int x, int y) const {
     return frame.alpha[std::size_t(y) * std::size_t(frame.width) + std::size_t(x)];
@@ -49,18 +46,27 @@ struct Drawing {
   }
 };
 
-/// Draws `splats` with lists that every sort builds alike.
+/// A view that draws into `frame`.
+inline View view_into(const FrameView& frame, const DrawSettings& settings = {},
+                      int tile_side = default_tile_side) {
+  return {.rules = settings.rules,
+          .background = settings.background,
+          .grid = TileGrid::covering(frame.width, frame.height, tile_side),
+          .frame = frame};
+}
+
+/// Draws `splats` with lists that every sort builds alike, of tiles of so many pixels a side.
 template <class Raster, class B>
-Drawing draw(B& backend, const SplatSet& splats, int width, int height, const DrawSettings& settings = {}) {
-  const SortInput job = splats.job(width, height);
+Drawing draw(B& backend, const SplatSet& splats, int width, int height, const DrawSettings& settings = {},
+             int tile_side = default_tile_side) {
+  const SortInput job = splats.job(width, height, tile_side);
   const TileLists<B> lists = build_lists<StandardSort, OpacityBox>(backend, job);
-  std::vector<TileCounts> counts(job.grid.size());
   Drawing drawing;
-  const FrameView view = prepare(drawing.frame, width, height, settings.outputs);
+  const View view = view_into(prepare(drawing.frame, width, height, settings.outputs), settings, tile_side);
+  std::vector<SquareCounts> counts(Squares(view.frame).size());
   rasterize(backend, Raster{},
-            RasterJob{splats.view(), splats.colours_view(), lists.view(), job.grid, settings.rules,
-                      settings.background, view, counts.data()});
-  for (const TileCounts& tile : counts) drawing.counts += tile;
+            RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts.data()});
+  for (const SquareCounts& tile : counts) drawing.counts += tile;
   return drawing;
 }
 

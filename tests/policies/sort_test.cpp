@@ -10,13 +10,13 @@ namespace {
 /// Calls `f` with one object of each sort.
 template <class F>
 void for_each_sort(const F& f) {
-  f(StandardSort()), f(EarlySort()), f(AdaptiveSort());
+  for_each_type(AllSorts(), f);
 }
 
 /// Calls `f` with one object of each kind of bounds.
 template <class F>
 void for_each_bounds(const F& f) {
-  f(ThreeSigmaSquare()), f(OpacityBox()), f(Ellipse());
+  for_each_type(AllBounds(), f);
 }
 
 template <class B>
@@ -35,8 +35,11 @@ SplatShape dot(double x, double y) { return make_splat(x, y, 1, 1, 0, 0.9); }
 struct EvenRows {
   static constexpr std::string_view name = "even-rows";
   static constexpr bool lossless = false;
-  TileRect rect(const SplatShape& shape, TileGrid grid) const { return opacity_box(shape, grid); }
-  TileRun row(const SplatShape&, TileRect rect, int row) const { return row % 2 ? TileRun{} : rect.columns; }
+  struct Tiles {
+    TileRect rect;
+    TileRun row(int row) const { return row % 2 ? TileRun{} : rect.columns; }
+  };
+  Tiles tiles(const SplatShape& shape, TileGrid grid) const { return {opacity_box(shape, grid)}; }
 };
 
 }  // namespace

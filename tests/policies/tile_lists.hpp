@@ -13,6 +13,7 @@
 #include <swiftgs/sort/sort.hpp>
 
 #include "policies/random_splats.hpp"
+#include "support/one_view.hpp"
 
 namespace swiftgs::test {
 
@@ -40,7 +41,8 @@ template <class B, class Bounds>
 struct Binned {
   Binned(B& backend, const SortInput& input, const Bounds& bounds) : key(input.key) {
     CopySplats<B>::copy(input.splats, splats);
-    bin(backend, input.grid, bounds, splats, footprints);
+    View view = view_without_camera(input.key.width, input.key.height, input.grid.side);
+    bin(backend, {&view, 1}, bounds, splats, footprints);
   }
   SortJob<Bounds> job() const { return {splats.view(), footprints.view(), key}; }
 
@@ -66,8 +68,8 @@ struct SplatSet {
         {shapes.data(), shapes.size()}, {depths.data(), depths.size()}, {gaussians.data(), gaussians.size()}};
   }
   ColoursView colours_view() const { return {{colours.data(), colours.size()}}; }
-  SortInput job(int width, int height) const {
-    return {view(), TileGrid::covering(width, height), {identity, shapes.size(), width, height}};
+  SortInput job(int width, int height, int tile_side = default_tile_side) const {
+    return {view(), TileGrid::covering(width, height, tile_side), {identity, shapes.size(), width, height}};
   }
 
   std::uint64_t identity = new_scene_identity();  ///< as if the splats were a scene's
@@ -106,9 +108,10 @@ Lists brute_force_lists(const SortInput& job) {
     for (int column = 0; column < job.grid.columns; ++column) {
       std::vector<std::uint32_t>& list = lists[std::size_t(row * job.grid.columns + column)];
       for (std::uint32_t id = 0; id < job.splats.size(); ++id) {
-        const TileRect rect = bounds.rect(job.splats.shapes[id], job.grid);
+        const auto tiles = bounds.tiles(job.splats.shapes[id], job.grid);
+        const TileRect& rect = tiles.rect;
         if (row < rect.rows.begin || row >= rect.rows.end || rect.columns.size() == 0) continue;
-        const TileRun run = bounds.row(job.splats.shapes[id], rect, row);
+        const TileRun run = tiles.row(row);
         if (column >= run.begin && column < run.end) list.push_back(id);
       }
       std::stable_sort(list.begin(), list.end(), [&](std::uint32_t a, std::uint32_t b) {

@@ -12,7 +12,7 @@ namespace swiftgs::test {
 namespace {
 
 // The tile that is drawn: not the first, so that coordinates round.
-constexpr int tile_x = 4, tile_y = 2, width = (tile_x + 1) * tile_side, height = (tile_y + 1) * tile_side;
+constexpr int tile_x = 4, tile_y = 2, width = (tile_x + 1) * square_side, height = (tile_y + 1) * square_side;
 constexpr Real ln_2 = 0.693147180559945309417232121458176568L;
 
 /// s of a pixel, and the scales that errors of s are measured by.
@@ -50,7 +50,7 @@ Real scale_of(Name name, const Exponent& e) {
 
 SplatShape draw_shape(Random& random) {
   const double across = random.scale(0.5478, 60), along = across * random.scale(1, 100);
-  const double middle_x = tile_x * tile_side + 8, middle_y = tile_y * tile_side + 8;
+  const double middle_x = tile_x * square_side + 8, middle_y = tile_y * square_side + 8;
   const double angle = random.in(0, 3.14159265), t = random.in(-2, 2), w = random.in(-2, 2);
   return make_splat(middle_x + t * along * std::cos(angle) - w * across * std::sin(angle),
                     middle_y + t * along * std::sin(angle) + w * across * std::cos(angle), along, across,
@@ -78,8 +78,7 @@ class Drawer {
     const Reachable reached(one);
     const SplatsView splats{reached.span(), {}, {}};  // rasterizers read no more of them
     const TileListsView lists{id_.span(), ranges_.span()};
-    rasterize(backend_, raster,
-              RasterJob{splats, {white_.span()}, lists, grid_, rules_, vec3(0), frame_.view(), nullptr});
+    rasterize(backend_, raster, RasterJob{splats, {white_.span()}, lists, {&view_, 1}});
     colours_ = &frame_.colours(backend_);
   }
   float alpha(int x, int y) const { return (*colours_)[3 * std::size_t(y * width + x)]; }
@@ -93,8 +92,7 @@ class Drawer {
   }
 
   B& backend_;
-  TileGrid grid_ = TileGrid::covering(width, height);
-  std::vector<TileRange> host_ranges_ = last_tile(grid_);
+  std::vector<TileRange> host_ranges_ = last_tile(TileGrid::covering(width, height));
   std::vector<SplatColour> host_white_{{vec3(1), 1}};
   std::vector<std::uint32_t> host_id_{0};
   Reachable<TileRange> ranges_{host_ranges_};
@@ -102,7 +100,9 @@ class Drawer {
   Reachable<std::uint32_t> id_{host_id_};
   ReachableFrame frame_{width, height};
   const std::vector<float>* colours_ = nullptr;
-  BlendRules rules_ = BlendRules::from(Conventions());
+  View view_{.rules = BlendRules::from(Conventions()),
+             .grid = TileGrid::covering(width, height),
+             .frame = frame_.view()};
 };
 
 /// All pixels of the tile, exactly.
@@ -111,10 +111,10 @@ struct Tile {
   std::vector<Real> alphas;
 
   explicit Tile(const SplatShape& shape) {
-    for (int y = 0; y < tile_side; ++y)
-      for (int x = 0; x < tile_side; ++x) {
-        exponents.emplace_back(shape, Real(tile_x * tile_side + x) + 0.5L,
-                               Real(tile_y * tile_side + y) + 0.5L);
+    for (int y = 0; y < square_side; ++y)
+      for (int x = 0; x < square_side; ++x) {
+        exponents.emplace_back(shape, Real(tile_x * square_side + x) + 0.5L,
+                               Real(tile_y * square_side + y) + 0.5L);
         alphas.push_back(Real(shape.opacity) * std::exp2(-exponents.back().s));
       }
   }
@@ -127,8 +127,8 @@ double error(Drawer<B>& drawer, const SplatShape& shape, const Tile& tile) {
   drawer.draw(Raster(), shape);
   Real worst = 0;
   for (std::size_t i = 0; i < tile.alphas.size(); ++i) {
-    const float alpha =
-        drawer.alpha(tile_x * tile_side + int(i) % tile_side, tile_y * tile_side + int(i) / tile_side);
+    const float alpha = drawer.alpha(tile_x * square_side + int(i) % square_side,
+                                     tile_y * square_side + int(i) / square_side);
     const Real exact = tile.alphas[i];
     if (alpha == 0 || alpha == 0.99f || exact > 0.99L) continue;
     const Real by_alpha = (ulp(exact) / exact + ulp(shape.opacity) / shape.opacity) / ln_2;
@@ -141,14 +141,14 @@ double error(Drawer<B>& drawer, const SplatShape& shape, const Tile& tile) {
 /// The largest error of s itself, by the scale of its form and one ulp.
 template <class Terms>
 double exponent_error(const SplatShape& shape, const Tile& tile) {
-  const vec2 centre(float(tile_x * tile_side + 8), float(tile_y * tile_side + 8));
+  const vec2 centre(float(tile_x * square_side + 8), float(tile_y * square_side + 8));
   const Terms terms(shape, centre);
   Real worst = 0;
   for (std::size_t i = 0; i < tile.alphas.size(); ++i) {
     const Exponent& e = tile.exponents[i];
     if (e.s > Real(shape.reach)) continue;
-    const float x = float(tile_x * tile_side) + float(i % tile_side) + 0.5f;
-    const float y = float(tile_y * tile_side) + float(i / tile_side) + 0.5f;
+    const float x = float(tile_x * square_side) + float(i % square_side) + 0.5f;
+    const float y = float(tile_y * square_side) + float(i / square_side) + 0.5f;
     const float s = Terms::exponent(terms.x_term(x), terms.y_term(y));
     if (std::isfinite(s)) worst = std::max(worst, std::abs(s - e.s) / (ulp(e.s) + scale_of(Terms::name, e)));
   }

@@ -94,7 +94,7 @@ std::string text_of(const Candidate& c) {
 /// Colours of all candidates by a whole projection, in the order of the candidates, which are all visible.
 template <class B>
 std::vector<float> colours_on(B& backend, int degree, const std::vector<Candidate>& candidates,
-                              const ViewConstants& constants, TileGrid grid) {
+                              const View& view) {
   Scene scene;
   scene.sh_degree = degree;
   for (const Candidate& c : candidates) {
@@ -104,7 +104,7 @@ std::vector<float> colours_on(B& backend, int degree, const std::vector<Candidat
       for (int channel = 0; channel < 3; ++channel) scene.sh_rest.push_back(c.rest[k]);
   }
   std::vector<float> found;
-  for (const SplatColour& colour : project_to_host(backend, constants, grid, scene).colours)
+  for (const SplatColour& colour : project_to_host(backend, view, scene).colours)
     found.push_back(colour.rgb.y);
   return found;
 }
@@ -114,8 +114,7 @@ std::vector<float> colours_on(B& backend, int degree, const std::vector<Candidat
 std::vector<Worst> search_harmonics(int effort) {
   Targets targets;
   const Camera camera = forward_camera(128, 96);
-  const ViewConstants constants = view_constants(camera, Conventions());
-  const TileGrid grid = TileGrid::covering(camera.width, camera.height);
+  const View view = make_view(camera, Conventions(), {.width = camera.width, .height = camera.height});
   std::vector<Worst> all;
   for (int degree = 1; degree <= max_sh_degree; ++degree) {
     // Objective 0 is the basis alone, 1 is `sh_colour` alone; then whole colours on each target.
@@ -123,7 +122,7 @@ std::vector<Worst> search_harmonics(int effort) {
     Search<Candidate> search(2 + targets.size(), 400, 8 * effort, std::uint64_t(300 + degree));
     const auto judge = [&](const std::vector<Candidate>& candidates, const auto& offer) {
       for (const Candidate& c : candidates) {
-        const vec3 d = view_direction(constants, c.mean);
+        const vec3 d = view_direction(view.camera, c.mean);
         const Real3 wide{d.x, d.y, d.z};
         float basis[most];
         sh_basis(degree, d, basis);
@@ -139,7 +138,7 @@ std::vector<Worst> search_harmonics(int effort) {
       }
       for (std::size_t t = 0; t < targets.size(); ++t) {
         std::vector<float> found;
-        targets.on(t, [&](auto& b) { found = colours_on(b, degree, candidates, constants, grid); });
+        targets.on(t, [&](auto& b) { found = colours_on(b, degree, candidates, view); });
         for (std::size_t i = 0; i < found.size() && found.size() == candidates.size(); ++i) {
           const Exact exact = exact_colour(degree, candidates[i], direction(candidates[i].mean));
           if (exact.value > 0)  // below, the colour is cut

@@ -27,21 +27,20 @@ constexpr Stage stages[] = {{"mean", "ulps, of a thousandth of a pixel at least"
                             {"half width", "conditioned ulps"}};
 constexpr std::size_t stage_count = std::size(stages);
 
-struct View {
+struct NamedView {
   std::string name;
-  ViewConstants constants;
-  TileGrid grid;
+  View view;
 };
 
-std::vector<View> views() {
-  std::vector<View> all;
+std::vector<NamedView> views() {
+  std::vector<NamedView> all;
   for (const NamedCamera& c : searched_cameras()) {
-    const TileGrid grid = TileGrid::covering(c.camera.width, c.camera.height);
+    const FrameView frame{.width = c.camera.width, .height = c.camera.height};
     Conventions plain, sharp, compensated;
     sharp.blur = 0, compensated.antialiased = true;
-    all.push_back({c.name, view_constants(c.camera, plain), grid});
-    all.push_back({c.name + " blur 0", view_constants(c.camera, sharp), grid});
-    all.push_back({c.name + " antialiased", view_constants(c.camera, compensated), grid});
+    all.push_back({c.name, make_view(c.camera, plain, frame)});
+    all.push_back({c.name + " blur 0", make_view(c.camera, sharp, frame)});
+    all.push_back({c.name + " antialiased", make_view(c.camera, compensated, frame)});
   }
   return all;
 }
@@ -55,14 +54,14 @@ struct Found {
 
 /// Projects all candidates on `backend`.
 template <class B>
-std::vector<Found> project_all(B& backend, const View& view, const std::vector<Gaussian>& candidates) {
+std::vector<Found> project_all(B& backend, const NamedView& view, const std::vector<Gaussian>& candidates) {
   Scene scene;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const Gaussian& g = candidates[i];
     scene.means.push_back(g.mean), scene.scales.push_back(g.scale), scene.rotations.push_back(g.rotation);
     scene.opacities.push_back(g.opacity), scene.sh0.push_back(vec3(0));
   }
-  const Projected projected = project_to_host(backend, view.constants, view.grid, scene);
+  const Projected projected = project_to_host(backend, view.view, scene);
   std::vector<Found> found;
   for (std::size_t i = 0; i < projected.shapes.size(); ++i) {
     found.push_back({projected.gaussians[i], projected.shapes[i], projected.depths[i]});
@@ -74,8 +73,10 @@ std::vector<Found> project_all(B& backend, const View& view, const std::vector<G
 /// result is found only where its plain error exceeds what is already known.
 class Judge {
  public:
-  Judge(const View& view, const Gaussian& g)
-      : view_(view), inputs_(inputs_of(view.constants, g)), exact_(project_exactly(view.constants, inputs_)) {
+  Judge(const NamedView& view, const Gaussian& g)
+      : view_(view),
+        inputs_(inputs_of(view.view.camera, g)),
+        exact_(project_exactly(view.view.camera, inputs_)) {
     joint_.fill(-1);
   }
 
@@ -83,7 +84,7 @@ class Judge {
   std::array<double, stage_count> errors(const Found& f, const Known& known) {
     using namespace result;
     const SplatShape& s = f.shape;
-    const bool blurred = view_.constants.blur > 0, compensated = view_.constants.antialiased;
+    const bool blurred = view_.view.camera.blur > 0, compensated = view_.view.camera.antialiased;
     std::array<double, stage_count> out;
     out.fill(-1);
     const auto mean = [&](float got, Real exact) {
@@ -126,7 +127,7 @@ class Judge {
  private:
   const ProjectionResults& moved() {
     if (!found_) {
-      const auto f = [&](const ProjectionInputs& in) { return project_exactly(view_.constants, in); };
+      const auto f = [&](const ProjectionInputs& in) { return project_exactly(view_.view.camera, in); };
       moves_ = moves(f, inputs_, ulps_of(inputs_));
       found_ = true;
     }
@@ -135,13 +136,15 @@ class Judge {
 
   Real joint(result::Index index) {
     if (joint_[index] < 0) {
-      const auto f = [&](const ProjectionInputs& in) { return project_exactly(view_.constants, in)[index]; };
+      const auto f = [&](const ProjectionInputs& in) {
+        return project_exactly(view_.view.camera, in)[index];
+      };
       joint_[index] = joint_move(f, inputs_, ulps_of(inputs_));
     }
     return joint_[index];
   }
 
-  const View& view_;
+  const NamedView& view_;
   ProjectionInputs inputs_;
   ProjectionResults exact_, moves_{}, joint_;
   bool found_ = false;
@@ -156,7 +159,7 @@ std::vector<Worst> search_projection(int effort) {
     worst[i] = {stages[i % stage_count].name, stages[i % stage_count].yardstick,
                 targets.name(i / stage_count), 0, ""};
   std::uint64_t seed = 100;
-  for (const View& view : views()) {
+  for (const NamedView& view : views()) {
     Search<Gaussian> search(worst.size(), 45, effort, ++seed);
     const auto judge = [&](const std::vector<Gaussian>& candidates, const auto& offer) {
       std::vector<Judge> judges;
@@ -173,7 +176,7 @@ std::vector<Worst> search_projection(int effort) {
       }
     };
     search.run(
-        256, [&](Random& random) { return draw_gaussian(random, view.constants); },
+        256, [&](Random& random) { return draw_gaussian(random, view.view.camera); },
         [](Random& random, Gaussian& g) { nudge(random, g); }, judge);
     for (std::size_t i = 0; i < worst.size(); ++i)
       if (search.value(i) > worst[i].ulps)

@@ -70,8 +70,7 @@ struct WholeImage {
   static constexpr std::string_view name = "whole-image";
   static constexpr bool lossless = true;
 
-  TileRect rect(const SplatShape&, TileGrid grid) const { return {{0, grid.columns}, {0, grid.rows}}; }
-  TileRun row(const SplatShape&, TileRect rect, int) const { return rect.columns; }
+  BoxTiles tiles(const SplatShape&, TileGrid grid) const { return {{{0, grid.columns}, {0, grid.rows}}}; }
 };
 
 /// Which renderers draw a case.

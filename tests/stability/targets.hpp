@@ -137,22 +137,24 @@ struct Projected {
 
 /// Projects and shades.
 template <class B>
-Projected project_to_host(B& backend, const ViewConstants& constants, TileGrid grid, const Scene& scene) {
+Projected project_to_host(B& backend, const View& view, const Scene& scene) {
   const auto uploaded = backend.upload(scene);
+  const SceneInstance instance{uploaded.view()};
+  const FrameInput input{{&view, 1}, {&instance, 1}};
   ProjectScratch<B> scratch;
   Splats<B> splats;
   Footprints<B, Ellipse> footprints;
   Colours<B> colours;
-  project(backend, ProjectJob{constants, uploaded.view(), grid}, Ellipse(), scratch, splats, footprints);
-  Shading<B> shading = shade(backend, ShadeJob{constants, uploaded.view()}, splats, colours);
-  bin(backend, grid, Ellipse(), splats, footprints);
+  project(backend, input, Ellipse(), scratch, splats, footprints);
+  Shading<B> shading = shade(backend, input, splats, colours);
+  bin(backend, input.views, Ellipse(), splats, footprints);
   const auto to_host = [&]<class T>(Span<const T> from) {
     std::vector<T> to(from.size);
     backend.download(from, to.data());
     return to;
   };
-  const SplatsView view = splats.view();
-  return {to_host(view.shapes), to_host(view.depths), to_host(view.gaussians),
+  const SplatsView found = splats.view();
+  return {to_host(found.shapes), to_host(found.depths), to_host(found.gaussians),
           to_host(shading.finish().each)};
 }
 

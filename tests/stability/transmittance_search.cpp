@@ -20,7 +20,7 @@ struct Candidate {
 /// a candidate, black splats in front of a white background. Splats are flat, so alpha is their opacity.
 template <class B>
 std::vector<float> transmittances(B& backend, const std::vector<Candidate>& candidates, int layers) {
-  const int width = int(candidates.size()) * tile_side;
+  const int width = int(candidates.size()) * square_side;
   std::vector<SplatShape> shapes;
   std::vector<SplatColour> colours;
   std::vector<std::uint32_t> ids;
@@ -42,19 +42,14 @@ std::vector<float> transmittances(B& backend, const std::vector<Candidate>& cand
   const Reachable reached_ranges(ranges);
   const SplatsView splats{reached_shapes.span(), {}, {}};  // rasterizers read no more of them
   const TileListsView lists{reached_ids.span(), reached_ranges.span()};
-  const BlendRules rules{1e-6f, 0.99f, 0};
-  rasterize(backend, PerPixel(),
-            RasterJob{splats,
-                      {reached_colours.span()},
-                      lists,
-                      TileGrid::covering(width, 1),
-                      rules,
-                      vec3(1),
-                      frame.view(),
-                      nullptr});
+  const View view{.rules = {1e-6f, 0.99f, 0},
+                  .background = vec3(1),
+                  .grid = TileGrid::covering(width, 1),
+                  .frame = frame.view()};
+  rasterize(backend, PerPixel(), RasterJob{splats, {reached_colours.span()}, lists, {&view, 1}});
   const std::vector<float>& drawn = frame.colours(backend);
   std::vector<float> found;
-  for (std::size_t i = 0; i < candidates.size(); ++i) found.push_back(drawn[3 * tile_side * i]);
+  for (std::size_t i = 0; i < candidates.size(); ++i) found.push_back(drawn[3 * square_side * i]);
   return found;
 }
 

@@ -27,9 +27,10 @@ struct Off : PerPixel {
 
 void rasterize(Serial& serial, Off, const RasterJob& job) {
   rasterize(serial, PerPixel{}, job);
-  for (int y = 0; y < job.frame.height; ++y) {
-    float* const row = static_cast<float*>(job.frame.colour.row(std::size_t(y)));
-    for (int i = 0; i < 3 * job.frame.width; ++i) row[i] += 1e-3f;
+  const FrameView& frame = job.views[0].frame;
+  for (int y = 0; y < frame.height; ++y) {
+    float* const row = static_cast<float*>(frame.colour.row(std::size_t(y)));
+    for (int i = 0; i < 3 * frame.width; ++i) row[i] += 1e-3f;
   }
 }
 
@@ -40,7 +41,7 @@ struct NoNumber : PerPixel {
 
 void rasterize(Serial& serial, NoNumber, const RasterJob& job) {
   rasterize(serial, PerPixel{}, job);
-  static_cast<float*>(job.frame.colour.row(0))[0] = std::numeric_limits<float>::quiet_NaN();
+  static_cast<float*>(job.views[0].frame.colour.row(0))[0] = std::numeric_limits<float>::quiet_NaN();
 }
 
 /// Throws on every other frame.

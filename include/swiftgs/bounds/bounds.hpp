@@ -3,7 +3,9 @@
 
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <string_view>
+#include <utility>
 
 #include <swiftgs/splats.hpp>
 #include <swiftgs/tiles.hpp>
@@ -15,41 +17,57 @@ struct TileRect {
   TileRun columns, rows;
 };
 
-/// Policy: which tiles a splat may touch. `rect` is the box of those tiles; `row` the run of columns in one
-/// row of it, within its columns. A run, not a test a tile, because an ellipse meets a row of tiles in one
-/// piece: one evaluation a row decides all. `lossless` promises that no tile is left out in which a pixel
-/// keeps the splat.
+/// Tiles that a splat may touch where each row has all columns. Bounds whose rows differ have a type of
+/// their own, which holds what is computed once a splat.
+struct BoxTiles {
+  TileRect rect;
+
+  SWIFTGS_HD TileRun row(int) const { return rect.columns; }
+};
+
+/// Policy: which tiles a splat may touch. `tiles` finds the box of those tiles, `rect`, and prepares what its
+/// rows need; `row` then finds the run of columns in one row of the box, within its columns. A run, not a
+/// test a tile, because an ellipse meets a row of tiles in one piece: one evaluation a row decides all.
+/// `lossless` promises that no tile is left out in which a pixel keeps the splat.
 template <class P>
-concept BoundsPolicy = requires(const P bounds, const SplatShape& shape, TileGrid grid, TileRect rect,
-                                int row) {
+concept BoundsPolicy = requires(const P bounds, const SplatShape& shape, TileGrid grid, int row) {
   { P::name } -> std::convertible_to<std::string_view>;
   { P::lossless } -> std::convertible_to<bool>;
-  { bounds.rect(shape, grid) } -> std::same_as<TileRect>;
-  { bounds.row(shape, rect, row) } -> std::same_as<TileRun>;
+  { bounds.tiles(shape, grid).rect } -> std::convertible_to<TileRect>;
+  { bounds.tiles(shape, grid).row(row) } -> std::same_as<TileRun>;
 };
+
+/// What `Bounds` know of one splat.
+template <class Bounds>
+using TilesWithin = decltype(std::declval<const Bounds&>().tiles(SplatShape(), TileGrid()));
 
 /// Limits `v` to [low, high] before it becomes an integer, so that no float is too large for one.
 SWIFTGS_HD inline int clamped_floor(float v, int low, int high) {
   return v >= float(low) ? (v < float(high) ? int(v) : high) : low;
 }
 
+/// 1 / side of a tile: exact and without a division, since of a power of two only the exponent changes sign.
+SWIFTGS_HD inline float inverse_of(int side) {
+  return __builtin_bit_cast(float, 0x7f000000u - __builtin_bit_cast(std::uint32_t, float(side)));
+}
+
 /// Tiles of [0, count) that hold a pixel centre in [low, high] @units{pixels}.
-SWIFTGS_HD inline TileRun tiles_between(float low, float high, int count) {
-  constexpr float inv_side = 1.0f / tile_side;
+SWIFTGS_HD inline TileRun tiles_between(float low, float high, int side, int count) {
+  const float inverse_side = inverse_of(side);
   // The first centre at or above `low` is ceil(low - 0.5) + 0.5, the last at or below `high` is floor(high -
   // 0.5) + 0.5.
   const float first = std::ceil(low - 0.5f), last = std::floor(high - 0.5f);
   if (!(first <= last && last >= 0)) return {};
-  return {clamped_floor(first * inv_side, 0, count), clamped_floor(last * inv_side + 1, 0, count)};
+  return {clamped_floor(first * inverse_side, 0, count), clamped_floor(last * inverse_side + 1, 0, count)};
 }
 
-/// Tiles of [0, count) whose span from first to last pixel centre meets [low, high] @units{pixels}. Columns
-/// are found so: a rasterizer visits the rows of pixels in which the span meets the ellipse, and rounded
-/// terms may keep a centre there although the ellipse passes between two.
-SWIFTGS_HD inline TileRun tiles_meeting(float low, float high, int count) {
-  constexpr float inv_side = 1.0f / tile_side;
-  const float first = std::ceil((low - (float(tile_side) - 0.5f)) * inv_side);
-  const float last = std::floor((high - 0.5f) * inv_side);
+/// Tiles of [0, count) whose span from first to last pixel centre meets [low, high] @units{pixels}.
+/// Columns are found so: a rasterizer visits the rows of pixels in which the span meets the ellipse, and
+/// rounded terms may keep a centre there although the ellipse passes between two.
+SWIFTGS_HD inline TileRun tiles_meeting(float low, float high, int side, int count) {
+  const float inverse_side = inverse_of(side);
+  const float first = std::ceil((low - (float(side) - 0.5f)) * inverse_side);
+  const float last = std::floor((high - 0.5f) * inverse_side);
   return {clamped_floor(first, 0, count), clamped_floor(last + 1, 0, count)};
 }
 
@@ -66,8 +84,8 @@ SWIFTGS_HD inline float half_height(const SplatShape& shape) { return std::sqrt(
 SWIFTGS_HD inline TileRect opacity_box(const SplatShape& shape, TileGrid grid) {
   const float height = half_height(shape), slack = bounds_slack(shape.half_width, height);
   const float x = shape.half_width + slack, y = height + slack;
-  return {tiles_meeting(shape.mean.x - x, shape.mean.x + x, grid.columns),
-          tiles_between(shape.mean.y - y, shape.mean.y + y, grid.rows)};
+  return {tiles_meeting(shape.mean.x - x, shape.mean.x + x, grid.side, grid.columns),
+          tiles_between(shape.mean.y - y, shape.mean.y + y, grid.side, grid.rows)};
 }
 
 }  // namespace swiftgs

@@ -11,34 +11,55 @@ struct SWIFTGS_API Ellipse {
   static constexpr std::string_view name = "ellipse";
   static constexpr bool lossless = true;
 
-  SWIFTGS_HD TileRect rect(const SplatShape& shape, TileGrid grid) const { return opacity_box(shape, grid); }
+  class Tiles {
+   public:
+    TileRect rect;
 
-  /// The part of the ellipse in a row of tiles is convex, so it spans one run of columns. Its left and right
-  /// ends are the ellipse's own where those lie in the row, and on the row's nearer border where they do not.
-  SWIFTGS_HD TileRun row(const SplatShape& shape, TileRect rect, int row) const {
-    const float height = half_height(shape), slack = bounds_slack(shape.half_width, height);
-    const float top = float(row * tile_side) + 0.5f - shape.mean.y - slack;
-    const float bottom = top + float(tile_side - 1) + 2 * slack;
+    SWIFTGS_HD Tiles(const SplatShape& shape, TileGrid grid)
+        : rect(opacity_box(shape, grid)),
+          side_(grid.side),
+          mean_(shape.mean),
+          l0_(shape.l0),
+          l1_(shape.l1),
+          l2_(shape.l2),
+          reach_(shape.reach),
+          height_(half_height(shape)),
+          slack_(bounds_slack(shape.half_width, height_)) {
+      const float slope = l1_ / l2_;
+      steepest_ = height_ * slope / std::sqrt(1 + slope * slope);
+    }
 
-    // x = (u - l1 y) / l0 with u^2 + (l2 y)^2 = reach; the rightmost point lies at y = -steepest, the
-    // leftmost at +steepest.
-    const float slope = shape.l1 / shape.l2;
-    const float steepest = height * slope / std::sqrt(1 + slope * slope);
-    const float right = shape.mean.x + edge(shape, clamp(-steepest, top, bottom, height), 1.0f) + slack;
-    const float left = shape.mean.x + edge(shape, clamp(steepest, top, bottom, height), -1.0f) - slack;
-    const TileRun run = tiles_meeting(left, right, rect.columns.end);
-    return {run.begin > rect.columns.begin ? run.begin : rect.columns.begin, run.end};
-  }
+    /// The part of the ellipse in a row of tiles is convex, so it spans one run of columns. Its left and
+    /// right ends are the ellipse's own where those lie in the row, and on the row's nearer border where they
+    /// do not.
+    SWIFTGS_HD TileRun row(int row) const {
+      const float top = float(row * side_) + 0.5f - mean_.y - slack_;
+      const float bottom = top + float(side_ - 1) + 2 * slack_;
+      const float right = mean_.x + edge(clamp(-steepest_, top, bottom), 1.0f) + slack_;
+      const float left = mean_.x + edge(clamp(steepest_, top, bottom), -1.0f) - slack_;
+      const TileRun run = tiles_meeting(left, right, side_, rect.columns.end);
+      return {run.begin > rect.columns.begin ? run.begin : rect.columns.begin, run.end};
+    }
 
- private:
-  SWIFTGS_HD static float clamp(float y, float top, float bottom, float height) {
-    y = y < top ? top : y > bottom ? bottom : y;
-    return y < -height ? -height : y > height ? height : y;
-  }
-  SWIFTGS_HD static float edge(const SplatShape& shape, float y, float sign) {
-    const float v = shape.l2 * y, rest = shape.reach - v * v;
-    return (sign * std::sqrt(rest > 0 ? rest : 0.0f) - shape.l1 * y) / shape.l0;
-  }
+   private:
+    SWIFTGS_HD float clamp(float y, float top, float bottom) const {
+      y = y < top ? top : y > bottom ? bottom : y;
+      return y < -height_ ? -height_ : y > height_ ? height_ : y;
+    }
+    /// x = (u - l1 y) / l0 with u^2 + (l2 y)^2 = reach.
+    SWIFTGS_HD float edge(float y, float sign) const {
+      const float v = l2_ * y, rest = reach_ - v * v;
+      return (sign * std::sqrt(rest > 0 ? rest : 0.0f) - l1_ * y) / l0_;
+    }
+
+    int side_;
+    vec2 mean_;
+    float l0_, l1_, l2_, reach_;
+    float height_, slack_;
+    float steepest_;  ///< the rightmost point lies at y = -steepest, the leftmost at +steepest
+  };
+
+  SWIFTGS_HD Tiles tiles(const SplatShape& shape, TileGrid grid) const { return {shape, grid}; }
 };
 
 static_assert(BoundsPolicy<Ellipse>);

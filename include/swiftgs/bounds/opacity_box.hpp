@@ -11,8 +11,9 @@ struct SWIFTGS_API OpacityBox {
   static constexpr std::string_view name = "opacity-box";
   static constexpr bool lossless = true;
 
-  SWIFTGS_HD TileRect rect(const SplatShape& shape, TileGrid grid) const { return opacity_box(shape, grid); }
-  SWIFTGS_HD TileRun row(const SplatShape&, TileRect rect, int) const { return rect.columns; }
+  SWIFTGS_HD BoxTiles tiles(const SplatShape& shape, TileGrid grid) const {
+    return {opacity_box(shape, grid)};
+  }
 };
 
 static_assert(BoundsPolicy<OpacityBox>);

@@ -12,7 +12,7 @@ struct SWIFTGS_API ThreeSigmaSquare {
   static constexpr std::string_view name = "three-sigma-square";
   static constexpr bool lossless = false;
 
-  SWIFTGS_HD TileRect rect(const SplatShape& shape, TileGrid grid) const {
+  SWIFTGS_HD BoxTiles tiles(const SplatShape& shape, TileGrid grid) const {
     // Invert the factor: var_y = k / l2^2, var_x = k (1 / l0^2 + (l1 / (l0 l2))^2), det = (k / (l0 l2))^2.
     const float k = 0.72134752044448170368f;  // log2(e) / 2
     const float slope = shape.l1 / shape.l2;
@@ -22,15 +22,16 @@ struct SWIFTGS_API ThreeSigmaSquare {
     const float root_det = k / (shape.l0 * shape.l2);
     const float gap = (mid - root_det) * (mid + root_det);
     const float radius = std::ceil(3 * std::sqrt(mid + std::sqrt(gap > 0.1f ? gap : 0.1f)));
-    return {side(shape.mean.x - 0.5f, radius, grid.columns), side(shape.mean.y - 0.5f, radius, grid.rows)};
+    return {{span(shape.mean.x - 0.5f, radius, grid, grid.columns),
+             span(shape.mean.y - 0.5f, radius, grid, grid.rows)}};
   }
-  SWIFTGS_HD TileRun row(const SplatShape&, TileRect rect, int) const { return rect.columns; }
 
  private:
   /// `centre` counts from the first pixel's centre, as INRIA's coordinates do.
-  SWIFTGS_HD static TileRun side(float centre, float radius, int count) {
-    return {clamped_floor((centre - radius) / tile_side, 0, count),
-            clamped_floor((centre + radius + (tile_side - 1)) / tile_side, 0, count)};
+  SWIFTGS_HD static TileRun span(float centre, float radius, TileGrid grid, int count) {
+    const float inverse_side = inverse_of(grid.side);
+    return {clamped_floor((centre - radius) * inverse_side, 0, count),
+            clamped_floor((centre + radius + float(grid.side - 1)) * inverse_side, 0, count)};
   }
 };
 

@@ -279,7 +279,8 @@ inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& cam
   out.alpha_move.resize(out.frame.alpha.size()), out.depth_move.resize(out.frame.alpha.size());
   for (std::vector<double>& loose : out.loose) loose.resize(out.frame.alpha.size());
 
-  const std::vector<VariedSplat> splats = project_all_varied(scene, View(camera, conventions), seed);
+  const std::vector<VariedSplat> splats =
+      project_all_varied(scene, reference::View(camera, conventions), seed);
   for_each_index(std::size_t(camera.height), threads, [&](std::size_t row) {
     const int y = int(row);
     std::vector<VariedPixel> pixels(std::size_t(camera.width));

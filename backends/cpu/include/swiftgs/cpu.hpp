@@ -125,17 +125,18 @@ struct ProjectScratch<Cpu> {
 };
 
 /// Vector kernel of the projection: a lane a Gaussian.
-SWIFTGS_API void project(Cpu& cpu, const ProjectJob& job, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats);
+SWIFTGS_API void project(Cpu& cpu, const FrameInput& input, ProjectScratch<Cpu>& scratch,
+                         Splats<Cpu>& splats);
 
 /// Projection itself has no use for bounds.
 template <BoundsPolicy Bounds>
-void project(Cpu& cpu, const ProjectJob& job, const Bounds&, ProjectScratch<Cpu>& scratch,
+void project(Cpu& cpu, const FrameInput& input, const Bounds&, ProjectScratch<Cpu>& scratch,
              Splats<Cpu>& splats, Footprints<Cpu, Bounds>&) {
-  project(cpu, job, scratch, splats);
+  project(cpu, input, scratch, splats);
 }
 
 /// Vector kernel of the shading.
-SWIFTGS_API Shading<Cpu> shade(Cpu& cpu, const ShadeJob& job, const Splats<Cpu>& splats,
+SWIFTGS_API Shading<Cpu> shade(Cpu& cpu, const FrameInput& input, const Splats<Cpu>& splats,
                                Colours<Cpu>& colours);
 
 /// Footprints of `count` consecutive splats.
@@ -155,8 +156,9 @@ SWIFTGS_API void find_footprints(const Ellipse& bounds, const SplatShape* shapes
 /// Footprints in the order in which the splats lie in memory: emission in depth order then jumps among 16
 /// bytes a splat.
 template <BoundsPolicy Bounds>
-void bin(Cpu& cpu, TileGrid grid, const Bounds& bounds, Splats<Cpu>& splats,
+void bin(Cpu& cpu, Span<const View> views, const Bounds& bounds, Splats<Cpu>& splats,
          Footprints<Cpu, Bounds>& footprints) {
+  const TileGrid grid = only_view(views).grid;
   constexpr std::size_t grain = 1024;
   footprints.each.reset(splats.count);
   footprints.count = splats.count, footprints.grid = grid, footprints.instances = 0;

@@ -20,15 +20,15 @@ template <class Bounds>
 concept OwnBounds = BoundsPolicy<Bounds> && !AllBounds::contains<Bounds>;
 
 template <OwnBounds Bounds>
-void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
+void project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
              Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints) {
-  kernels::run_project(cuda, job, bounds, scratch, splats, footprints);
+  kernels::run_project(cuda, input, bounds, scratch, splats, footprints);
 }
 
 template <OwnBounds Bounds>
-void bin(Cuda& cuda, TileGrid grid, const Bounds& bounds, Splats<Cuda>& splats,
+void bin(Cuda& cuda, Span<const View> views, const Bounds& bounds, Splats<Cuda>& splats,
          Footprints<Cuda, Bounds>& footprints) {
-  kernels::run_bin(cuda, grid, bounds, splats, footprints);
+  kernels::run_bin(cuda, views, bounds, splats, footprints);
 }
 
 template <OwnBounds Bounds, class Key>

@@ -259,7 +259,7 @@ struct Footprints<Cuda, Bounds> {
 /// One kernel: projects, compacts in the order of the Gaussians and finds tiles. Does not wait.
 /// In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
-SWIFTGS_API void project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds,
+SWIFTGS_API void project(Cuda& cuda, const FrameInput& input, const Bounds& bounds,
                          ProjectScratch<Cuda>& scratch, Splats<Cuda>& splats,
                          Footprints<Cuda, Bounds>& footprints);
 
@@ -286,14 +286,14 @@ class [[nodiscard]] Shading<Cuda> {
 
 /// Evaluates the colours of `splats`, whose number it reads where the device keeps it, beside all later work
 /// until `Shading::finish`.
-SWIFTGS_API Shading<Cuda> shade(Cuda& cuda, const ShadeJob& job, const Splats<Cuda>& splats,
+SWIFTGS_API Shading<Cuda> shade(Cuda& cuda, const FrameInput& input, const Splats<Cuda>& splats,
                                 Colours<Cuda>& colours);
 
 /// Waits for the numbers of splats and of instances: the only wait of the host in a frame. Finds the
 /// footprints of splats that `project` has not found them of.
 /// In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
-SWIFTGS_API void bin(Cuda& cuda, TileGrid grid, const Bounds& bounds, Splats<Cuda>& splats,
+SWIFTGS_API void bin(Cuda& cuda, Span<const View> views, const Bounds& bounds, Splats<Cuda>& splats,
                      Footprints<Cuda, Bounds>& footprints);
 
 /// A splat, its depth key where the keys of instances hold one, and the place of its first instance.

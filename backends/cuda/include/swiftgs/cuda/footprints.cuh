@@ -10,11 +10,11 @@
 namespace swiftgs::kernels {
 
 /// Rows of tiles of the 32 splats of a warp, each lane's in turn, spread evenly over the lanes: a splat of
-/// many rows does not keep one lane busy. `shapes` are the warp's own, `rect` is that of the lane's splat,
-/// empty where it has none. Calls f(owner, row, run) on all lanes together, with an empty run on lanes that
-/// are left without a row.
-template <class Bounds, class F>
-__device__ void for_each_row(const Bounds& bounds, const SplatShape* shapes, TileRect rect, const F& f) {
+/// many rows does not keep one lane busy. `tiles` are those of the warp's splats, `rect` is that of the
+/// lane's, empty where it has none. Calls f(owner, row, run) on all lanes together, with an empty run on
+/// lanes that are left without a row.
+template <class Tiles, class F>
+__device__ void for_each_row(const Tiles* tiles, TileRect rect, const F& f) {
   const std::uint32_t rows = rect.columns.size() == 0 ? 0 : std::uint32_t(rect.rows.size());
   const std::uint32_t first = sum_below(rows);
   const std::uint32_t total = __shfl_sync(whole_warp, first + rows, warp_size - 1);
@@ -22,31 +22,33 @@ __device__ void for_each_row(const Bounds& bounds, const SplatShape* shapes, Til
     const std::uint32_t position = begin + lane_index();
     const unsigned owner = owner_of(position, first);
     const auto of_owner = [&](auto value) { return __shfl_sync(whole_warp, value, int(owner)); };
-    const TileRect theirs{{of_owner(rect.columns.begin), of_owner(rect.columns.end)},
-                          {of_owner(rect.rows.begin), of_owner(rect.rows.end)}};
-    const int row = theirs.rows.begin + int(position - of_owner(first));
+    const int row = of_owner(rect.rows.begin) + int(position - of_owner(first));
     TileRun run;
-    if (position < total) run = bounds.row(shapes[owner], theirs, row);
+    if (position < total) run = tiles[owner].row(row);
     f(owner, row, run);
   }
 }
 
 /// Shared memory in which a warp finds footprints.
+template <class Bounds>
 struct FootprintShared {
-  SharedArray<SplatShape, warp_size> shapes;
+  SharedArray<TilesWithin<Bounds>, warp_size> tiles;
   std::uint32_t counts[warp_size], masks[2][warp_size];
 };
 
 /// Footprint of each lane's splat, where it has one.
 template <class Bounds>
 __device__ Footprint find_footprint(const Bounds& bounds, TileGrid grid, const SplatShape& shape, bool exists,
-                                    FootprintShared& shared) {
+                                    FootprintShared<Bounds>& shared) {
   const unsigned lane = lane_index();
   TileRect rect;
-  if (exists) shared.shapes.data()[lane] = shape, rect = bounds.rect(shape, grid);
+  if (exists) {
+    const TilesWithin<Bounds> tiles = bounds.tiles(shape, grid);
+    shared.tiles.data()[lane] = tiles, rect = tiles.rect;
+  }
   shared.counts[lane] = shared.masks[0][lane] = shared.masks[1][lane] = 0;
   __syncwarp();
-  for_each_row(bounds, shared.shapes.data(), rect, [&](unsigned owner, int row, TileRun run) {
+  for_each_row(shared.tiles.data(), rect, [&](unsigned owner, int row, TileRun run) {
     const int below = row - __shfl_sync(whole_warp, rect.rows.begin, int(owner));
     const int right = run.begin - __shfl_sync(whole_warp, rect.columns.begin, int(owner));
     if (run.size() == 0) return;
@@ -76,7 +78,7 @@ template <class Bounds>
 __global__ void __launch_bounds__(bin_threads)
     find_footprints(const Span<const SplatShape> shapes, const TileGrid grid, const Bounds bounds,
                     Footprint* footprints, FrameCounts* counts) {
-  __shared__ FootprintShared shared[bin_threads / warp_size];
+  __shared__ FootprintShared<Bounds> shared[bin_threads / warp_size];
   const std::size_t i = std::size_t(blockIdx.x) * bin_threads + threadIdx.x;
   const bool exists = i < shapes.size;
   SplatShape shape;

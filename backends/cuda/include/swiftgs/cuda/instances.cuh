@@ -129,10 +129,11 @@ template <class Bounds, class Key>
 __device__ __noinline__ void emit_outside(const Bounds bounds, const SplatShape shape, const TileGrid grid,
                                           const EmittedSplat splat, std::uint32_t at, std::uint32_t end,
                                           const Instances<Key> out) {
-  const TileRect rect = bounds.rect(shape, grid);
+  const TilesWithin<Bounds> tiles = bounds.tiles(shape, grid);
+  const TileRect& rect = tiles.rect;
   for (int row = 0; row < grid.rows && at < end; ++row) {
     TileRun run;
-    if (row >= rect.rows.begin && row < rect.rows.end) run = bounds.row(shape, rect, row);
+    if (row >= rect.rows.begin && row < rect.rows.end) run = tiles.row(row);
     for (int column = 0; column < grid.columns && at < end; ++column)
       if (column < run.begin || column >= run.end)
         out.write(at++, std::uint32_t(row * grid.columns + column), splat.depth, splat.id);
@@ -153,12 +154,13 @@ __global__ void __launch_bounds__(emit_threads)
     const bool shared = splat.footprint.count > shared_from;
     if (!shared && part != turn % warps_of_splat) continue;
     const SplatShape shape = shapes[splat.id];
-    const TileRect rect = bounds.rect(shape, grid);
+    const TilesWithin<Bounds> tiles = bounds.tiles(shape, grid);
+    const TileRect& rect = tiles.rect;
     std::uint32_t at = splat.at;
     const std::uint32_t end = splat.at + splat.footprint.count;
     for (int first_row = rect.rows.begin; first_row < rect.rows.end; first_row += int(warp_size)) {
       const int row = first_row + int(lane_index());
-      const TileRun run = row < rect.rows.end ? bounds.row(shape, rect, row) : TileRun{};
+      const TileRun run = row < rect.rows.end ? tiles.row(row) : TileRun{};
       const std::uint32_t size = std::uint32_t(run.size()), first = sum_below(size);
       const std::uint32_t total = __shfl_sync(whole_warp, first + size, warp_size - 1);
       const int first_tile = row * grid.columns + run.begin;

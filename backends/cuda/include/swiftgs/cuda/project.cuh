@@ -26,10 +26,11 @@ struct ProjectOutput {
 };
 
 /// What the threads of a block tell each other.
+template <class Bounds>
 struct ProjectShared {
   std::uint32_t before;
   std::uint32_t visible[project_warps], tiles[project_warps];  ///< of each warp
-  FootprintShared footprints[project_warps];
+  FootprintShared<Bounds> footprints[project_warps];
 };
 
 /// All that projection reads of a Gaussian, asked for at once: the compiler would wait for each array before
@@ -43,9 +44,10 @@ __device__ inline Gaussian load_gaussian(const SceneView& scene, std::size_t i) 
 /// Projects the Gaussians of one block and appends the visible ones to those of the blocks before it.
 template <class Bounds>
 __global__ void __launch_bounds__(project_threads)
-    project(const __grid_constant__ ProjectJob job, const Bounds bounds, const ProjectOutput output,
+    project(const __grid_constant__ ViewConstants camera, const __grid_constant__ SceneView scene,
+            const TileGrid grid, const Bounds bounds, const ProjectOutput output,
             const RunningSums::View sums) {
-  __shared__ ProjectShared shared;
+  __shared__ ProjectShared<Bounds> shared;
   const unsigned warp = threadIdx.x / warp_size;
   RunningSum sum(sums);
   FrameCounts& counts = output.controls[sums.epoch % 2].counts;
@@ -54,7 +56,7 @@ __global__ void __launch_bounds__(project_threads)
   // Project, and count the visible splats of the block.
   const std::size_t i = std::size_t(blockIdx.x) * project_threads + threadIdx.x;
   ProjectedShape splat;
-  if (i < job.scene.size()) splat = project_shape(job.constants, load_gaussian(job.scene, i));
+  if (i < scene.size()) splat = project_shape(camera, load_gaussian(scene, i));
   const unsigned visible_lanes = __ballot_sync(whole_warp, splat.visible);
   if (lane_index() == 0) shared.visible[warp] = std::uint32_t(__popc(visible_lanes));
   __syncthreads();
@@ -67,7 +69,7 @@ __global__ void __launch_bounds__(project_threads)
 
   // Find their tiles.
   const Footprint footprint =
-      find_footprint(bounds, job.grid, splat.shape, splat.visible, shared.footprints[warp]);
+      find_footprint(bounds, grid, splat.shape, splat.visible, shared.footprints[warp]);
   const std::uint32_t tiles_of_warp = warp_sum(footprint.count);
   if (lane_index() == 0) shared.tiles[warp] = tiles_of_warp;
   __syncthreads();
@@ -95,10 +97,12 @@ __global__ void __launch_bounds__(project_threads)
 }
 
 template <BoundsPolicy Bounds>
-void run_project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
+void run_project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
                  Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints) {
   cuda.check_not_captured("project");
-  const std::size_t n = job.scene.size();
+  const View& view = only_view(input.views);
+  const SceneView& scene = only_scene(input.scenes);
+  const std::size_t n = scene.size();
   splats.count = footprints.count = 0, footprints.instances = 0;
   splats.pending = footprints.found_by = {};
   splats.reset(n), footprints.each.reset(n);
@@ -106,19 +110,21 @@ void run_project(Cuda& cuda, const ProjectJob& job, const Bounds& bounds, Projec
   const unsigned blocks = blocks_for(n, project_threads);
   const RunningSums::View sums = scratch.sums.next(cuda, blocks);
   FrameControl* const controls = scratch.controls.begin(cuda);
-  launch("project", project<Bounds>, blocks, project_threads, cuda.stream(), job, bounds,
+  launch("project", project<Bounds>, blocks, project_threads, cuda.stream(), view.camera, scene, view.grid,
+         bounds,
          ProjectOutput{splats.shapes.data(), splats.depths.data(), splats.gaussians.data(),
                        footprints.each.data(), controls},
          sums);
   scratch.controls.end();
   splats.pending = footprints.found_by = {controls + sums.epoch % 2, sums.epoch};
-  footprints.grid = job.grid;
+  footprints.grid = view.grid;
 }
 
 template <BoundsPolicy Bounds>
-void run_bin(Cuda& cuda, TileGrid grid, const Bounds& bounds, Splats<Cuda>& splats,
+void run_bin(Cuda& cuda, Span<const View> views, const Bounds& bounds, Splats<Cuda>& splats,
              Footprints<Cuda, Bounds>& footprints) {
   cuda.check_not_captured("bin");
+  const TileGrid grid = only_view(views).grid;
   const bool found =
       splats.pending.control && footprints.found_by == splats.pending && footprints.grid == grid;
   footprints.found_by = {};

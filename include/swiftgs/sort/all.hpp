@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <swiftgs/sort/adaptive.hpp>
+#include <swiftgs/sort/early.hpp>
+#include <swiftgs/sort/standard.hpp>
+#include <swiftgs/type_list.hpp>
+
+namespace swiftgs {
+
+/// The sorts of the library: the table of renderers has what stands here.
+using AllSorts = TypeList<StandardSort, EarlySort, AdaptiveSort>;
+
+}  // namespace swiftgs
