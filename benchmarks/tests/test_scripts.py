@@ -14,6 +14,11 @@ SWIFTGS = """#!/bin/sh
 echo "$*" >>"$CALLS"
 while [ $# -gt 0 ]; do [ "$1" != --json ] || echo '"command": "swiftgs"' >"$2"; shift; done
 """
+NCU = """#!/bin/sh
+echo "$*" >>"$CALLS"
+echo "a line of the program"
+echo '"ID","Kernel Name"'
+"""
 BROWSER = """#!/bin/sh
 mkdir "${4#--user-data-dir=}"
 echo '<p id="figures"></p><p data-figure="pareto-fox">PHN2Zy8+</p>'
@@ -91,6 +96,21 @@ class Scripts(unittest.TestCase):
         self.assertIn("measure: stress FAILED", error)
         for name in ("stress.json", "stress-large.json"):
             self.assertTrue((self.place / "out" / name).exists())
+
+    def test_kernels_are_profiled_in_the_first_view_of_captures_and_of_the_built_in_scene(self):
+        program(self.place / "bin" / "ncu", NCU)
+        calls, out = self.place / "calls", self.place / "out"
+        ran = self.run_script("profile_kernels.sh", out, "builtin:500", "fox", CALLS=str(calls),
+                              PATH=f"{self.place / 'bin'}:{os.environ['PATH']}", SWIFTGS_BUILD=str(self.place / "build"),
+                              SWIFTGS_SCENES=str(self.place / "scenes"))
+        self.assertEqual((ran.returncode, ran.stderr), (0, ""))
+        drawn = [call.split(f"{self.place / 'build'}/examples/swiftgs ")[1]
+                 for call in calls.read_text(encoding="utf-8").splitlines() if " bench " in call]
+        self.assertEqual([words.split(" --renderers ")[0] for words in drawn],
+                         [f"bench {scene} --profile --views 0" for scene in ("builtin:500", self.fox, "builtin:500")])
+        self.assertIn("cuda/standard/axis-shared-threshold-float-cholesky/ellipse", drawn[0])
+        for name in ("kernels-builtin-500.csv", "kernels-fox.csv"):
+            self.assertEqual((out / name).read_text(encoding="utf-8"), '"ID","Kernel Name"\n')
 
     def test_figures_are_saved_and_where_the_profile_is_left_is_said(self):
         program(self.place / "browser", BROWSER)

@@ -137,6 +137,28 @@ TEST_CASE("bench: threads and enlarged Gaussians are in the rows") {
   CHECK(rows[1].at("instances") > rows[0].at("instances"));
 }
 
+TEST_CASE("bench: with --profile every view is drawn by every renderer and nothing is written") {
+  const TemporaryFolder place;
+  const Outcome outcome = run(place,
+                              "bench builtin:500 --profile --renderers 'serial/*/per-pixel/ellipse' "
+                              "--views 0,2 --scales 0.1 --conventions gsplat,inria");
+  CHECK(lines_in(outcome.out) == 3 * 2 * 2);
+  for (const char* line :
+       {"serial/early/per-pixel/ellipse: builtin, 500 Gaussians, view front, 128x72, gsplat\n",
+        "serial/adaptive/per-pixel/ellipse: builtin, 500 Gaussians, view orbit-01, 128x72, inria\n"})
+    CHECK(outcome.out.find(line) != std::string::npos);
+  CHECK(outcome.out.find('|') == std::string::npos);
+  for (const auto& file : std::filesystem::directory_iterator(place.path()))
+    CHECK(file.path().extension() == ".txt");
+}
+
+TEST_CASE("bench: options that say how to measure are refused beside --profile") {
+  for (const char* option : {"--errors all", "--precision 0.1", "--min-frames 2", "--max-frames 9",
+                             "--json r.json", "--images im"})
+    fails("builtin:500 --profile " + std::string(option),
+          {std::string(option).substr(0, std::string(option).find(' ')).c_str(), "--profile"});
+}
+
 TEST_CASE("bench: what cannot be measured is one line that says why") {
   fails("nothing.spz", {"nothing.spz"});
   fails(".", {"expected a capture"});
