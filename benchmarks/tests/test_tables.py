@@ -379,8 +379,9 @@ class Tables(unittest.TestCase):
         folder.mkdir(parents=True)
         page = "<!-- table: stability gpu -->\n<!-- end -->\n"
         good = synthetic_folder.stress("cuda", ((64, 48),))
-        for change, message in (({"format": "swiftgs-bench"}, "expected 'swiftgs-stress', 1"), ({"rows": []}, "'rows'"),
-                                ({"rows": [{}]}, "rows[0]: expected"),
+        for change, message in (({"format": "swiftgs-bench"}, "expected 'swiftgs-stress', 1"),
+                                ({"rows": []}, "rows: expected an array that is not empty"),
+                                ({"rows": [{}]}, "rows[0].family: expected a string"),
                                 ({"rows": [{**good["rows"][0], "ratio": "x"}]}, "rows[0].ratio: expected a number"),
                                 ({"rows": [{**good["rows"][0], "backend": "cpu"}]}, "no rows of the backend 'cuda'")):
             synthetic_folder.synthetic.write(folder / "stress.json", {**good, **change})
@@ -388,6 +389,22 @@ class Tables(unittest.TestCase):
             self.assertEqual((code, text), (2, page))
             self.assertRegex(error, r"\A[^\n]+/stress.json: [^\n]+\n\Z")
             self.assertIn(message, error)
+
+    def test_a_broken_file_of_other_commands_is_one_line(self):
+        folder = self.place / "broken" / FOLDERS["cpu"]
+        folder.mkdir(parents=True)
+        for name, table, form in (("calibration-fox.json", "regret", "swiftgs-calibration-check"),
+                                  ("prune-fox-contribution.json", "prune-quality", "swiftgs-prune"),
+                                  ("ulps.json", "ulps", "swiftgs-ulps")):
+            page = f"<!-- table: {table} cpu -->\n<!-- end -->\n"
+            missing = "before" if table == "prune-quality" else "rows"
+            for found, message in (({"format": form, "version": 2}, f"version 2; expected '{form}', 1"),
+                                   ({"format": form, "version": 1, "machine": {}}, f"{missing}: expected an ")):
+                synthetic_folder.synthetic.write(folder / name, found)
+                code, text, _, error = self.update(page, results=folder.parent)
+                self.assertEqual((code, text), (2, page))
+                self.assertRegex(error, rf"\A[^\n]+/{name}: [^\n]+\n\Z")
+                self.assertIn(message, error)
 
     def test_a_cost_says_whether_its_frames_were_compared_with_float64(self):
         text = self.table("stability-cost gpu").replace("\n", " ")

@@ -11,11 +11,12 @@
 
 #include "cli/cameras.hpp"
 #include "cli/command.hpp"
+#include "cli/json_in.hpp"
 
 using nlohmann::json;
 using swiftgs::test::cameras_json;
 using swiftgs::test::contains;
-using swiftgs::test::content_of;
+using swiftgs::test::json_in;
 using swiftgs::test::Outcome;
 using swiftgs::test::run;
 using swiftgs::test::TemporaryFolder;
@@ -62,7 +63,7 @@ TEST_CASE("cli captures: every command takes the folder of a capture for its sce
   CHECK(std::filesystem::exists(place / "garden/scene.ply.sort.json"));
   run(place, "render garden --renderer serial/adaptive/per-pixel/ellipse --out images");
   run(place, "bench garden --errors none --views 1 --max-frames 2 --min-frames 2 --json r.json" + serial);
-  const json row = json::parse(content_of(place / "r.json"))["rows"][0];
+  const json row = json_in(place / "r.json")["rows"][0];
   CHECK(row["scene"] == "scene");
   CHECK(row["view"] == "b");
 }
