@@ -449,9 +449,15 @@ class Tables(unittest.TestCase):
 
 
 class Arithmetic(unittest.TestCase):
-    def test_the_exponent_of_a_power_law_is_exact(self):
-        self.assertAlmostEqual(fits.exponent([(x, 3 * x**0.7) for x in (1, 2, 5, 100)]), 0.7)
-        self.assertIsNone(fits.exponent([(2, 1)]))
+    def test_a_power_law_is_found_exactly_and_noise_around_it_is_averaged(self):
+        law = fits.fit([(x, 3 * x**0.7) for x in (1, 2, 5, 100)])
+        self.assertAlmostEqual(law.exponent, 0.7)
+        self.assertAlmostEqual(law(1000), 3 * 1000**0.7)
+        noisy = fits.fit([(1, 2 * 1.1), (10, 200 / 1.1**2), (100, 20000 * 1.1)])
+        self.assertAlmostEqual(noisy.exponent, 2)
+        self.assertAlmostEqual(noisy(50), 5000)
+        self.assertIsNone(fits.fit([(2, 1)]))
+        self.assertIsNone(fits.fit([(2, 1), (2, 3)]))
 
     def test_curves_cross_where_their_power_laws_meet(self):
         xs = (1, 4, 16)
