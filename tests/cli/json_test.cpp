@@ -98,10 +98,11 @@ TEST_CASE("cli json: info says what it prints") {
   write_ply(place / "scene.ply", scene);
   const json info = json::parse(run(place, "info scene.ply --json -").out);
   CHECK(members_of(info) == std::set<std::string>{"format", "version", "machine", "command", "scene",
-                                                  "file_format", "gaussians", "stored", "dropped",
-                                                  "sh_degree", "used_sh_degree", "antialiased", "notes",
-                                                  "percentiles"});
+                                                  "cameras", "photos", "file_format", "gaussians", "stored",
+                                                  "dropped", "sh_degree", "used_sh_degree", "antialiased",
+                                                  "notes", "percentiles"});
   CHECK(info["scene"] == "scene");
+  CHECK(info["cameras"].is_null());
   CHECK(info["file_format"] == "INRIA PLY (binary_little_endian)");
   CHECK(info["gaussians"] == 9);
   CHECK(info["stored"] == 10);

@@ -183,9 +183,9 @@ class Matrix {
           // What was measured of a scene does not hold for its variants.
           if (session.gaussians->size() == session.scene.original && session.scene.enlarge == 1)
             session.calibrations = std::make_shared<Calibrations>(input.scene, view, session.gaussians, "");
-          session.photos.clear();
-          if (!options_.profile && !input.capture.photos.empty() && scale == 1)
-            session.photos = photographs_of(session.views, input.capture.photos.string());
+          const bool photographed = !options_.profile && scale == 1;
+          session.photos =
+              photographs_of(session.views, photographed ? input.capture.photos.string() : std::string());
           run(session);
         }
     }
