@@ -4,8 +4,9 @@
 # Has ncu time the kernels of single frames on a GPU, and count how often each of their instructions is executed.
 #   benchmarks/profile_kernels.sh OUTDIR [SCENE...]
 # Scenes default to the captures in SWIFTGS_SCENES. `swiftgs bench --profile` draws the frames; the program is that of
-# SWIFTGS_BUILD, else of build/gpu, where measure_cuda.sh builds. Leaves kernels-SCENE.csv of each scene, instructions-SCENE.csv of one, garden where it is
-# among them, and profile.json, which names the machine; needs ncu and python3. Nothing else should run meanwhile.
+# SWIFTGS_BUILD, else of build/gpu, where measure_cuda.sh builds. Leaves kernels-SCENE.csv of each scene,
+# instructions-SCENE.csv of one, garden where it is among them, and profile.json, which names the machine; needs ncu and
+# python3. Nothing else should run meanwhile.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 [ $# -ge 1 ] || { echo "usage: benchmarks/profile_kernels.sh OUTDIR [SCENE...]" >&2; exit 2; }
