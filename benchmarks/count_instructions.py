@@ -275,6 +275,15 @@ def read_kernels(paths):
     return sorted(found.items(), key=lambda item: (FORMS.index(item[0][0]), item[0][1]))
 
 
+def pairs_of(rows, scene):
+    """{rasterizer: pairs that contribute to the first view of a scene}, of rows in the order of the views."""
+    pairs = {}
+    for row in rows:
+        if (row.scene, row.bounds) == (scene, "ellipse") and row.contributing_pairs:
+            pairs.setdefault(row.raster, row.contributing_pairs)
+    return pairs
+
+
 def main():
     parser = argparse.ArgumentParser(usage=__doc__.split("usage: ")[1].split("\n")[0])
     parser.add_argument("files", nargs="+")
@@ -285,10 +294,7 @@ def main():
     kernels = read_kernels(options.files)
     if not kernels:
         sys.exit("count_instructions: expected kernels named raster_..., found none")
-    pairs = {}
-    for row in read(options.pairs).rows if options.pairs else []:
-        if (row.scene, row.bounds) == (options.scene, "ellipse") and row.contributing_pairs:
-            pairs.setdefault(row.raster, row.contributing_pairs)  # rows are in the order of the views
+    pairs = pairs_of(read(options.pairs).rows if options.pairs else [], options.scene)
     print(table(STATIC, static_rows(kernels)), end="\n\n")
     executed = executed_rows(kernels, pairs)
     if executed:

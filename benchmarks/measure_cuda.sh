@@ -85,18 +85,14 @@ step_synccheck() { sanitize synccheck; }
 step_initcheck() { sanitize initcheck; }
 
 step_check() {
-  local scene cameras input conventions
+  local scene input conventions
   for scene in $SCENES; do
-    input=("$scene" --views 0,8,16)
-    if [ -d "$SWIFTGS_SCENES/$scene" ]; then
-      cameras=$SWIFTGS_SCENES/$scene/cameras.json
-      [ -e "$cameras" ] || cameras=$SWIFTGS_SCENES/$scene/sparse/0
-      input=("$(ls "$SWIFTGS_SCENES/$scene/$scene".* | sed -n 1p)" --views 0,8,16 --cameras "$cameras")
-    fi
+    input=$scene
+    [ ! -d "$SWIFTGS_SCENES/$scene" ] || input=$SWIFTGS_SCENES/$scene
     for conventions in gsplat inria; do
       echo "check: $scene, $conventions"
-      "$build/examples/swiftgs" check "${input[@]}" --renderers 'cuda/*' --repeats 1 --conventions $conventions \
-        --json "$out/check-$conventions-${scene/:/-}.json"
+      "$build/examples/swiftgs" check "$input" --views 0,8,16 --renderers 'cuda/*' --repeats 1 \
+        --conventions $conventions --json "$out/check-$conventions-${scene/:/-}.json"
     done
   done
 }

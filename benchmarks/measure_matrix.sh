@@ -61,12 +61,19 @@ else
   sorts='cpu/adaptive/*/ellipse'
 fi
 
+# part_of_capture FOLDER MEMBER: what `swiftgs info` finds in the folder of a capture, as `cameras` or `photos`; nothing
+# where that is not there, or the folder is no capture.
+part_of_capture() {
+  { "$swiftgs" info "$1" --json - 2>/dev/null || echo '{}'; } |
+    python3 -c 'import json, sys; print(json.load(sys.stdin).get(sys.argv[1]) or "")' "$2"
+}
+
 captures=()
 if [ -n "${SCENES:-}" ]; then
   for name in $SCENES; do captures+=("$scenes/$name"); done
 else
   for folder in "$scenes"/*/; do
-    [ ! -e "${folder}cameras.json" ] && [ ! -e "${folder}sparse/0" ] || captures+=("${folder%/}")
+    [ -z "$(part_of_capture "${folder%/}" cameras)" ] || captures+=("${folder%/}")
   done
 fi
 # Growth is shown on one capture: garden where it is there.
@@ -133,33 +140,23 @@ part_occupancy() {
     --enlarge "$enlarge" --errors none
 }
 
-cameras_of() { if [ -e "$1/cameras.json" ]; then echo "$1/cameras.json"; else echo "$1/sparse/0"; fi; }
-scene_of() {  # a calibration, NAME.spz.sort.json, may lie beside NAME.spz
-  local name
-  name=$(basename "$1")
-  find -L "$1" -maxdepth 1 -type f \( -name "$name.spz" -o -name "$name.ply" \) | sort -r | sed -n 1p
-}
-
-# Pruned scenes lie in OUTDIR/pruned, each a capture whose cameras, sparse and photos are links to those of the whole
-# one. Whoever removes the folder removes links as links, `rm OUTDIR/pruned/*/photos` without a slash at the end, and
-# follows none.
+# Pruned scenes lie in OUTDIR/pruned, each a capture whose cameras and photos are links to those of the whole one.
+# Whoever removes the folder removes links as links, `rm OUTDIR/pruned/*/photos` without a slash at the end, and follows
+# none.
 part_prune() {
-  local capture name score file photos pruned=()
+  local capture name score folder cameras photos pruned=()
   for capture in ${captures[@]+"${captures[@]}"}; do
-    name=$(basename "$capture")
-    mkdir -p "$out/pruned/$name-pruned"
-    for file in cameras.json sparse photos; do
-      [ ! -e "$capture/$file" ] || ln -sfn "$capture/$file" "$out/pruned/$name-pruned/$file"
-    done
+    name=$(basename "$capture") folder=$out/pruned/$name-pruned
+    cameras=$(part_of_capture "$capture" cameras) photos=$(part_of_capture "$capture" photos)
+    mkdir -p "$folder"
+    if [ -d "$cameras" ]; then ln -sfn "$cameras" "$folder/sparse"; else ln -sfn "$cameras" "$folder/cameras.json"; fi
+    [ -z "$photos" ] || ln -sfn "$photos" "$folder/photos"
     for score in opacity-volume contribution; do
-      photos=()
-      [ ! -d "$capture/photos" ] || photos=(--photos "$capture/photos")
-      "$swiftgs" prune "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")" ${photos[@]+"${photos[@]}"} \
-        --keep 0.1 --score "$score" --out "$out/pruned/$name-pruned/$name-pruned.ply" \
+      "$swiftgs" prune "$capture" --keep 0.1 --score "$score" --out "$folder/$name-pruned.ply" \
         --json "$out/prune-$name-$score.json"
       leave_folders_out "$out/prune-$name-$score.json"
     done
-    pruned+=("$out/pruned/$name-pruned")  # what the last score has kept
+    pruned+=("$folder")  # what the last score has kept
   done
   [ ${#pruned[@]} -eq 0 ] || bench pruned.json "${pruned[@]}" --renderers "$vanilla" --conventions inria \
     --views "$views" --errors 1
@@ -179,9 +176,9 @@ calibrate() {
 part_calibrate() {
   local capture name pruned
   for capture in ${captures[@]+"${captures[@]}"}; do
-    name=$(basename "$capture") pruned=$out/pruned/$name-pruned/$name-pruned.ply
-    calibrate "$name" "$(scene_of "$capture")" --cameras "$(cameras_of "$capture")"
-    [ ! -e "$pruned" ] || calibrate "$name-pruned" "$pruned" --cameras "$(cameras_of "$capture")"
+    name=$(basename "$capture") pruned=$out/pruned/$name-pruned
+    calibrate "$name" "$capture"
+    [ ! -e "$pruned/$name-pruned.ply" ] || calibrate "$name-pruned" "$pruned"
   done
   calibrate builtin builtin:1000000
   calibrate builtin-100000 builtin:100000

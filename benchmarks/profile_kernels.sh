@@ -3,9 +3,10 @@
 #
 # Has ncu time the kernels of single frames on a GPU, and count how often each of their instructions is executed.
 #   benchmarks/profile_kernels.sh OUTDIR [SCENE...]
-# Scenes default to the captures in SWIFTGS_SCENES. The program is gpu_frames of SWIFTGS_BUILD, else of build/gpu, where
-# measure_cuda.sh builds. Leaves kernels-SCENE.csv of each scene, instructions-SCENE.csv of one, garden where it is
-# among them, and profile.json, which names the machine; needs ncu and python3. Nothing else should run meanwhile.
+# Scenes default to the captures in SWIFTGS_SCENES. `swiftgs bench --profile` draws the frames; the program is that of
+# SWIFTGS_BUILD, else of build/gpu, where measure_cuda.sh builds. Leaves kernels-SCENE.csv of each scene,
+# instructions-SCENE.csv of one, garden where it is among them, and profile.json, which names the machine; needs ncu and
+# python3. Nothing else should run meanwhile.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 [ $# -ge 1 ] || { echo "usage: benchmarks/profile_kernels.sh OUTDIR [SCENE...]" >&2; exit 2; }
@@ -14,7 +15,7 @@ mkdir -p "$1"
 out=$(cd "$1" && pwd)
 shift
 build=${SWIFTGS_BUILD:-$here/../build/gpu}
-program=$build/benchmarks/gpu_frames
+program=$build/examples/swiftgs
 [ -x "$program" ] || { echo "profile: expected a program at $program; measure_cuda.sh builds it" >&2; exit 1; }
 export SWIFTGS_SCENES=${SWIFTGS_SCENES:-$here/../../shared/scenes}
 if [ $# -eq 0 ]; then
@@ -24,23 +25,29 @@ fi
 
 "$here/describe_machine.sh" "$build" "benchmarks/profile_kernels.sh OUTDIR $*" >"$out/profile.json"
 
+# draw SCENE RENDERERS NCU_OPTION...
+draw() {
+  local scene=$1 renderers=$2
+  shift 2
+  [[ "$scene" == builtin* ]] || scene=$SWIFTGS_SCENES/$scene
+  ncu --profile-from-start off --clock-control none "$@" "$program" bench "$scene" --profile --views 0 \
+    --renderers "$renderers"
+}
 # One frame of each rasterizer, and of each sort with the one that is best.
-best='axis-shared-threshold-float-cholesky'
-one_frame=("$program" /dev/null --frames 1 --views 1 --compared 0 --profile --renderers)
-options=(--profile-from-start off --clock-control none)
+best=axis-shared-threshold-float-cholesky
 metrics=gpu__time_duration.sum,smsp__inst_executed.sum,dram__bytes.sum,launch__registers_per_thread
 metrics+=,sm__warps_active.avg.pct_of_peak_sustained_active,smsp__issue_active.avg.pct_of_peak_sustained_active
 for scene in "$@"; do
   echo "profile: kernels, $scene"
-  ncu "${options[@]}" --print-units base --metrics $metrics --csv "${one_frame[@]}" "(early/.*|standard/$best)/ellipse" \
-    "$scene" 2>/dev/null | grep '^"' >"$out/kernels-${scene/:/-}.csv" || echo "profile: ncu failed for $scene" >&2
+  draw "$scene" "cuda/early/*/ellipse,cuda/standard/$best/ellipse" --print-units base --metrics $metrics --csv \
+    2>/dev/null | grep '^"' >"$out/kernels-${scene/:/-}.csv" || echo "profile: ncu failed for $scene" >&2
 done
 scene=$1
 for other in "$@"; do [ "$other" != garden ] || scene=garden; done
 echo "profile: instructions, $scene"
 report=$(mktemp -d)/report
-ncu "${options[@]}" --section SourceCounters --kernel-name regex:raster -o "$report" "${one_frame[@]}" \
-  "early/.*/ellipse" "$scene" >/dev/null 2>&1 || echo "profile: ncu failed for $scene" >&2
+draw "$scene" "cuda/early/*/ellipse" --section SourceCounters --kernel-name regex:raster -o "$report" >/dev/null 2>&1 ||
+  echo "profile: ncu failed for $scene" >&2
 # Only what the tables need: the machine code, and how often it was executed.
 ncu --import "$report.ncu-rep" --page source --csv | python3 -c '
 import csv, sys

@@ -2,7 +2,7 @@
 """What the calibrated choice of the sort is worth: its regret against the better strategy."""
 from tables.frames import gaussians
 from tables.markdown import ms, prose, table
-from tables.results import InputError, is_number
+from tables.results import InputError, check_rows
 
 NUMBERS = ("gaussians", "width", "height", "views", "standard_ms", "early_ms", "adaptive_ms", "regret", "regret_error",
            "sort_regret", "sort_regret_error")
@@ -17,15 +17,9 @@ def rows_of(source, machine):
     for name in source.names(machine, "calibration-", ".json"):
         if name.endswith(".sort.json"):  # the choice itself
             continue
-        path, document = source.path(machine, name), source.json(machine, name)
-        if document.get("format") != "swiftgs-calibration-check" or document.get("version") != 1:
-            raise InputError(f"{path}: format {document.get('format')!r}, version {document.get('version')!r}; "
-                             "expected 'swiftgs-calibration-check', 1")
-        for n, row in enumerate(document["rows"] if isinstance(document.get("rows"), list) else []):
-            for member in NUMBERS:
-                if not isinstance(row, dict) or not is_number(row.get(member)):
-                    raise InputError(f"{path}: rows[{n}].{member}: expected a number")
-            found.append(row)
+        rows = source.json(machine, name, "swiftgs-calibration-check", rows=list)["rows"]
+        check_rows(source.path(machine, name), rows, numbers=NUMBERS)
+        found += rows
     if not found:
         raise InputError(f"{source.folders[machine]}: no row of a calibration's check; expected some")
     return found

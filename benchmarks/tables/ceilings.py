@@ -6,7 +6,7 @@ medians of repeated runs. The floors count what no implementation of the stage w
 sorts by eight bits a pass, can leave out, at the full rate of the unit that has most to do; launches, divergence, tests
 of pairs that do not contribute, and reads that are repeated are what a measured stage has on top.
 """
-import math
+from tables.fits import fit
 
 COPY = 4.14e12  # bytes a second, read and written together
 FMA = 30.0e12   # fused multiply-adds of single lanes a second, in float
@@ -36,8 +36,7 @@ def sort_seconds(pairs, kind):
     if pairs >= SORT_SIZES[-1]:
         return times[-1] * pairs / SORT_SIZES[-1]
     n = next(n for n in range(1, len(SORT_SIZES)) if pairs <= SORT_SIZES[n])
-    part = math.log(pairs / SORT_SIZES[n - 1]) / math.log(SORT_SIZES[n] / SORT_SIZES[n - 1])
-    return math.exp(math.log(times[n - 1]) + part * math.log(times[n] / times[n - 1]))
+    return fit(list(zip(SORT_SIZES[n - 1:n + 1], times[n - 1:n + 1])))(pairs)
 
 
 def cub_sort(row):

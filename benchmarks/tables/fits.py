@@ -1,22 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
 """Power laws that fit measured growth, and where one curve passes another."""
+import collections
 import math
 
 
-def exponent(points):
-    """Of the power law that fits (x, y) best, by least squares of logarithms; None for fewer than two x."""
+class PowerLaw(collections.namedtuple("PowerLaw", "exponent x y")):
+    """y * (at / x) ** exponent: a line through (x, y) in logarithms."""
+
+    def __call__(self, at):
+        return self.y * (at / self.x) ** self.exponent
+
+
+def fit(points):
+    """The PowerLaw that fits (x, y) best, by least squares of logarithms; through both where there are two. None for
+    fewer than two x."""
     xs, ys = [math.log(x) for x, _ in points], [math.log(y) for _, y in points]
     mx, my = sum(xs) / len(xs), sum(ys) / len(ys)
     spread = sum((x - mx) ** 2 for x in xs)
-    return sum((x - mx) * (y - my) for x, y in zip(xs, ys)) / spread if spread > 0 else None
+    if not spread > 0:
+        return None
+    return PowerLaw(sum((x - mx) * (y - my) for x, y in zip(xs, ys)) / spread, math.exp(mx), math.exp(my))
 
 
-def crossing(x0, x1, first, second):
-    """The x between x0 and x1 where two power laws meet that run through (x0, y0) and (x1, y1), each given as (y0, y1);
-    the first is above at x0 and the second at x1."""
-    apart = math.log(first[0] / second[0])
-    closed = apart - math.log(first[1] / second[1])
-    return math.exp(math.log(x0) + (math.log(x1) - math.log(x0)) * apart / closed)
+def crossing(first, second):
+    """The x where two laws meet that were fitted at the same x."""
+    return first.x * (second.y / first.y) ** (1 / (first.exponent - second.exponent))
 
 
 def dominance(xs, curves):
@@ -25,8 +33,7 @@ def dominance(xs, curves):
     for n, x in enumerate(xs):
         largest = max(curves, key=lambda name: curves[name][n])
         if found and largest != found[-1][0]:
-            before = found[-1][0]
-            x = crossing(xs[n - 1], x, *((curves[name][n - 1], curves[name][n]) for name in (before, largest)))
+            x = crossing(*(fit([(xs[m], curves[name][m]) for m in (n - 1, n)]) for name in (found[-1][0], largest)))
         if not found or largest != found[-1][0]:
             found.append((largest, x))
     return found

@@ -4,7 +4,7 @@ import collections
 import dataclasses
 import math
 
-from tables.fits import dominance, exponent
+from tables.fits import dominance, fit
 from tables.frames import CHOLESKY, ELLIPSE, SQUARE
 from tables.markdown import count, mebibytes, ms, table
 from tables.results import InputError, above_zero
@@ -113,8 +113,8 @@ def fitted(values, measured):
     if any(y is None or y <= 0 for y in measured):
         return "-"
     points = list(zip(values, measured))
-    whole, end = exponent(points), exponent(points[-END:])
-    return "-" if whole is None else f"{rounded(whole)} ({rounded(end)})"
+    whole, end = fit(points), fit(points[-END:])
+    return "-" if whole is None else f"{rounded(whole.exponent)} ({rounded(end.exponent)})"
 
 
 def exponents(source, machine, *axes):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Instructions of a (pixel, Gaussian) pair in the kernels: the paper's sections 3.2 and 5.3, and ours."""
-from count_instructions import EXECUTED, STATIC, executed_rows, read_kernels, static_rows
+from count_instructions import EXECUTED, STATIC, executed_rows, pairs_of, read_kernels, static_rows
 from tables import paper
 from tables.frames import Frames
 from tables.markdown import table
@@ -30,11 +30,7 @@ def instructions(source, machine, scene):
 def executed(source, machine, scene):
     """What one frame of a scene's first view executed, in millions."""
     frames = Frames(source.results(machine, "matrix.json"))
-    pairs = {}
-    for found in frames.scenes:
-        for row in ([rows[0] for (s, _), rows in frames.of.items() if s == found] if found.name == scene else []):
-            if row.bounds == "ellipse" and row.contributing_pairs:
-                pairs.setdefault(row.raster, row.contributing_pairs)
+    pairs = pairs_of((row for found in frames.of.values() for row in found), scene)
     rows = executed_rows(kernels_of(source, machine, scene), pairs)
     if not rows:
         path = source.path(machine, f"instructions-{scene}.csv")

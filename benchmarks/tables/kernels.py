@@ -23,7 +23,7 @@ def short(kernel):
     return re.sub(r"^(DeviceRadixSort\w+|DeviceScan\w+).*", r"\1", name)
 
 
-def read_profile(path):
+def read_metrics(path):
     """{name: [{metric: value} of each launch]}, in the order of first launches."""
     launches = {}
     try:
@@ -42,7 +42,7 @@ def read_profile(path):
 def kernels(source, machine, scene):
     """Means over the launches of each kernel in the first view of a scene."""
     path = source.path(machine, f"kernels-{scene}.csv")
-    found = source.once(read_profile, path)
+    found = source.once(read_metrics, path)
     rows = []
     for name, launches in found.items():
         cells = []

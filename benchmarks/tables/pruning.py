@@ -56,13 +56,10 @@ def vanilla(source, machine):
 
 def read_pruned(source, machine, name):
     """The object in a file of `swiftgs prune --json`, checked."""
-    found, path = source.json(machine, name), source.path(machine, name)
-    if found.get("format") != "swiftgs-prune" or found.get("version") != 1:
-        raise InputError(f"{path}: format {found.get('format')!r}, version {found.get('version')!r}; expected "
-                         "'swiftgs-prune', 1")
+    found, path = source.json(machine, name, "swiftgs-prune", before=dict, after=dict), source.path(machine, name)
     for side in ("before", "after"):
-        if not isinstance(found.get(side), dict) or not is_number(found[side].get("gaussians")):
-            raise InputError(f"{path}: {side}: expected an object with the number of Gaussians")
+        if not is_number(found[side].get("gaussians")):
+            raise InputError(f"{path}: {side}.gaussians: expected a number")
     if not is_number(found.get("kept_weight")):
         raise InputError(f"{path}: kept_weight: expected a number")
     return found

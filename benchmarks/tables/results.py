@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads result files of `swiftgs bench`, which docs/results.md describes."""
+"""Reads result files of the commands, which docs/results.md describes, and checks what tables take from them."""
 import dataclasses
 import json
 import math
@@ -117,15 +117,42 @@ def read_json(path):
     return found
 
 
-def read(path):
-    """The Results in a file; InputError where it is no such file."""
+def read_format(path, name, /, **members):
+    """The object in a file of the format `name`; `members` are the types of those that it must have, dict or list."""
     found = read_json(path)
-    if found.get("format") != "swiftgs-bench" or found.get("version") != 1:
+    if found.get("format") != name or found.get("version") != 1:
         raise InputError(f"{path}: format {found.get('format')!r}, version {found.get('version')!r}; "
-                         "expected 'swiftgs-bench', 1")
-    for name, kind in (("machine", dict), ("rows", list), ("scenes", list), ("views", list)):
-        if not isinstance(found.get(name), kind):
-            raise InputError(f"{path}: {name}: expected {'an object' if kind is dict else 'an array'}")
+                         f"expected {name!r}, 1")
+    for member, kind in members.items():
+        if not isinstance(found.get(member), kind):
+            raise InputError(f"{path}: {member}: expected {'an object' if kind is dict else 'an array'}")
+    return found
+
+
+def check_rows(path, rows, texts=(), counts=(), numbers=(), optional=()):
+    """InputError unless each row has these members: strings, numbers that are not negative, any numbers, and those that
+    may be null or absent."""
+    def check(member, right, expected):
+        if not right:
+            raise InputError(f"{path}: rows[{n}].{member}: expected {expected}")
+
+    for n, row in enumerate(rows):
+        if not isinstance(row, dict):
+            raise InputError(f"{path}: rows[{n}]: expected an object")
+        for name in texts:
+            check(name, isinstance(row.get(name), str), "a string")
+        for name in counts:
+            check(name, is_number(row.get(name)) and row[name] >= 0, "a number that is not negative")
+        for name in numbers:
+            check(name, is_number(row.get(name)), "a number")
+        for name in optional:
+            check(name, row.get(name) is None or is_number(row[name]), "a number or null")
+
+
+def read(path):
+    """The Results in a file of `swiftgs bench`; InputError where it is no such file."""
+    found = read_format(path, "swiftgs-bench", machine=dict, rows=list, scenes=list, views=list)
+    check_rows(path, found["rows"], texts=WORDS, counts=NUMBERS, optional=OPTIONAL)
     for name in ("scenes", "views"):
         for n, entry in enumerate(found[name]):
             if not isinstance(entry, dict):
@@ -145,21 +172,7 @@ def read_row(path, n, row):
     def wrong(member, expected):
         return InputError(f"{path}: rows[{n}].{member}: expected {expected}")
 
-    if not isinstance(row, dict):
-        raise InputError(f"{path}: rows[{n}]: expected an object")
-    values = {}
-    for name in WORDS:
-        values[name] = row.get(name)
-        if not isinstance(values[name], str):
-            raise wrong(name, "a string")
-    for name in NUMBERS:
-        values[name] = row.get(name)
-        if not is_number(values[name]) or values[name] < 0:
-            raise wrong(name, "a number that is not negative")
-    for name in OPTIONAL:
-        values[name] = row.get(name)
-        if values[name] is not None and not is_number(values[name]):
-            raise wrong(name, "a number or null")
+    values = {name: row.get(name) for name in (*WORDS, *NUMBERS, *OPTIONAL)}
     # Of equal images the file has null, as it has where errors were not asked for; but then no difference either.
     if values["max_abs"] == 0 and values["psnr_db"] is None:
         values["psnr_db"] = math.inf

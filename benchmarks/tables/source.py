@@ -2,7 +2,7 @@
 """Where the tables' numbers come from: which folder of results stands for which machine, and its files."""
 import os
 
-from tables.results import InputError, read, read_json
+from tables.results import InputError, read, read_format
 
 RESULTS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "results")
 # The folders that README.md and docs/ show: a GPU, a processor with many cores and two with few, which need not have
@@ -35,9 +35,9 @@ class Source:
         """The Results of a file of `swiftgs bench`."""
         return self.once(read, self.path(machine, name))
 
-    def json(self, machine, name):
-        """The object in a file of another command."""
-        return self.once(read_json, self.path(machine, name))
+    def json(self, machine, name, form, /, **members):
+        """The object in a file of another command, as read_format gives it."""
+        return self.once(lambda path: read_format(path, form, **members), self.path(machine, name))
 
     def once(self, reader, path):
         if path not in self.found:

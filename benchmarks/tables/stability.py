@@ -3,7 +3,7 @@
 import math
 
 from tables.markdown import prose, significant, table
-from tables.results import InputError, is_number
+from tables.results import InputError, check_rows
 from tables.source import backend, processor
 
 # The columns, and the rasterizers whose worse value each shows.
@@ -18,21 +18,10 @@ FILES = {"": "stress.json", "large": "stress-large.json"}
 
 def read_stress(source, machine, name):
     """The object in a file of `swiftgs stress`, checked."""
-    found, path = source.json(machine, name), source.path(machine, name)
-    if found.get("format") != "swiftgs-stress" or found.get("version") != 1:
-        raise InputError(f"{path}: format {found.get('format')!r}, version {found.get('version')!r}; expected "
-                         "'swiftgs-stress', 1")
-    if not isinstance(found.get("machine"), dict) or not isinstance(found.get("rows"), list) or not found["rows"]:
-        raise InputError(f"{path}: expected an object 'machine' and an array 'rows' that is not empty")
-    for n, row in enumerate(found["rows"]):
-        if not isinstance(row, dict) or not all(isinstance(row.get(name), str) for name in TEXTS):
-            raise InputError(f"{path}: rows[{n}]: expected an object with the texts {', '.join(TEXTS)}")
-        for member in COUNTS:
-            if not is_number(row.get(member)) or row[member] < 0:
-                raise InputError(f"{path}: rows[{n}].{member}: expected a number that is not negative")
-        for member in ("ratio", "max_abs", "loosest"):
-            if row.get(member) is not None and not is_number(row[member]):
-                raise InputError(f"{path}: rows[{n}].{member}: expected a number or null")
+    found, path = source.json(machine, name, "swiftgs-stress", machine=dict, rows=list), source.path(machine, name)
+    if not found["rows"]:
+        raise InputError(f"{path}: rows: expected an array that is not empty")
+    check_rows(path, found["rows"], texts=TEXTS, counts=COUNTS, optional=("ratio", "max_abs", "loosest"))
     return found
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What single stages of the arithmetic err by: the largest errors that `ulps_table` found by search."""
 from tables.markdown import table
-from tables.results import InputError, is_number
+from tables.results import InputError, check_rows
 from tables.source import processor
 
 # What a page shows of them; the folder of the machine shows all.
@@ -15,19 +15,14 @@ SHOWN = ("mean", "depth", "rows of `image_axes`", "cross product of `image_axes`
 def rows_of(source, machine):
     """(path, {(stage, yardstick): {target: ulps}}, the machine in words)"""
     path = source.path(machine, "ulps.json")
-    found = source.json(machine, "ulps.json")
-    if found.get("format") != "swiftgs-ulps" or found.get("version") != 1:
-        raise InputError(f"{path}: format {found.get('format')!r}, version {found.get('version')!r}; "
-                         "expected 'swiftgs-ulps', 1")
+    found = source.json(machine, "ulps.json", "swiftgs-ulps", machine=dict, rows=list)
+    check_rows(path, found["rows"], texts=("stage", "target", "yardstick"), numbers=("ulps",))
     stages = {}
-    for n, row in enumerate(found.get("rows", [])):
-        if not all(isinstance(row.get(name), str) for name in ("stage", "target", "yardstick")) or \
-                not is_number(row.get("ulps")):
-            raise InputError(f"{path}: rows[{n}]: expected a stage, a target, a yardstick and a number of ulps")
+    for row in found["rows"]:
         stages.setdefault((row["stage"], row["yardstick"]), {})[row["target"]] = row["ulps"]
     if not stages:
         raise InputError(f"{path}: no rows; expected what ulps_table --json prints")
-    return path, stages, processor(found.get("machine", {}))
+    return path, stages, processor(found["machine"])
 
 
 def ulps(source, machine):

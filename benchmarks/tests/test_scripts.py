@@ -11,8 +11,18 @@ BENCHMARKS = pathlib.Path(__file__).resolve().parent.parent
 ROOT = BENCHMARKS.parent
 SWIFTGS = """#!/bin/sh
 [ "$1" != list ] || { echo "cpu/early/per-pixel/ellipse runs here"; exit 0; }
+if [ "$1" = info ]; then
+  [ -e "$2/fox.spz" ] || { echo "$2: expected a capture" >&2; exit 1; }
+  echo "{\\"cameras\\": \\"$2/cameras.json\\", \\"photos\\": \\"$2/photos\\"}"
+  exit 0
+fi
 echo "$*" >>"$CALLS"
 while [ $# -gt 0 ]; do [ "$1" != --json ] || echo '"command": "swiftgs"' >"$2"; shift; done
+"""
+NCU = """#!/bin/sh
+echo "$*" >>"$CALLS"
+echo "a line of the program"
+echo '"ID","Kernel Name"'
 """
 BROWSER = """#!/bin/sh
 mkdir "${4#--user-data-dir=}"
@@ -52,14 +62,12 @@ class Scripts(unittest.TestCase):
                               **variables)
         return ran.returncode, ran.stderr, [line.split() for line in calls.read_text(encoding="utf-8").splitlines()]
 
-    def test_a_calibration_beside_a_scene_is_not_taken_for_the_scene(self):
+    def test_captures_are_the_folders_in_which_swiftgs_finds_cameras(self):
+        (self.place / "scenes" / "empty").mkdir()
         code, error, calls = self.measure("calibrate", "prune")
         self.assertEqual((code, error), (0, ""))
         named = [call[1] for call in calls if call[0] in ("calibrate", "prune")]
-        self.assertEqual(named, [str(self.fox / "fox.spz"), "builtin:1000000", "builtin:100000"] +
-                         2 * [str(self.fox / "fox.spz")])
-        (self.fox / "fox.spz").rename(self.fox / "fox.ply")
-        self.assertEqual(self.measure("prune")[2][0][1], str(self.fox / "fox.ply"))
+        self.assertEqual(named, [str(self.fox), "builtin:1000000", "builtin:100000"] + 2 * [str(self.fox)])
 
     def test_frames_too_few_for_an_interval_are_refused(self):
         for frames in ("4", "few", "-6"):
@@ -75,6 +83,7 @@ class Scripts(unittest.TestCase):
             self.assertEqual(self.measure("prune")[0], 0)
         pruned = self.place / "out" / "pruned" / "fox-pruned"
         self.assertEqual(os.readlink(pruned / "photos"), str(self.fox / "photos"))
+        self.assertEqual(os.readlink(pruned / "cameras.json"), str(self.fox / "cameras.json"))
         self.assertEqual(sorted(path.name for path in self.fox.iterdir()),
                          ["cameras.json", "fox.json", "fox.spz", "fox.spz.sort.json", "photos"])
         self.assertEqual([path.name for path in (self.fox / "photos").iterdir()], ["0001.jpg"])
@@ -91,6 +100,21 @@ class Scripts(unittest.TestCase):
         self.assertIn("measure: stress FAILED", error)
         for name in ("stress.json", "stress-large.json"):
             self.assertTrue((self.place / "out" / name).exists())
+
+    def test_kernels_are_profiled_in_the_first_view_of_captures_and_of_the_built_in_scene(self):
+        program(self.place / "bin" / "ncu", NCU)
+        calls, out = self.place / "calls", self.place / "out"
+        ran = self.run_script("profile_kernels.sh", out, "builtin:500", "fox", CALLS=str(calls),
+                              PATH=f"{self.place / 'bin'}:{os.environ['PATH']}", SWIFTGS_BUILD=str(self.place / "build"),
+                              SWIFTGS_SCENES=str(self.place / "scenes"))
+        self.assertEqual((ran.returncode, ran.stderr), (0, ""))
+        drawn = [call.split(f"{self.place / 'build'}/examples/swiftgs ")[1]
+                 for call in calls.read_text(encoding="utf-8").splitlines() if " bench " in call]
+        self.assertEqual([words.split(" --renderers ")[0] for words in drawn],
+                         [f"bench {scene} --profile --views 0" for scene in ("builtin:500", self.fox, "builtin:500")])
+        self.assertIn("cuda/standard/axis-shared-threshold-float-cholesky/ellipse", drawn[0])
+        for name in ("kernels-builtin-500.csv", "kernels-fox.csv"):
+            self.assertEqual((out / name).read_text(encoding="utf-8"), '"ID","Kernel Name"\n')
 
     def test_figures_are_saved_and_where_the_profile_is_left_is_said(self):
         program(self.place / "browser", BROWSER)

@@ -379,8 +379,9 @@ class Tables(unittest.TestCase):
         folder.mkdir(parents=True)
         page = "<!-- table: stability gpu -->\n<!-- end -->\n"
         good = synthetic_folder.stress("cuda", ((64, 48),))
-        for change, message in (({"format": "swiftgs-bench"}, "expected 'swiftgs-stress', 1"), ({"rows": []}, "'rows'"),
-                                ({"rows": [{}]}, "rows[0]: expected"),
+        for change, message in (({"format": "swiftgs-bench"}, "expected 'swiftgs-stress', 1"),
+                                ({"rows": []}, "rows: expected an array that is not empty"),
+                                ({"rows": [{}]}, "rows[0].family: expected a string"),
                                 ({"rows": [{**good["rows"][0], "ratio": "x"}]}, "rows[0].ratio: expected a number"),
                                 ({"rows": [{**good["rows"][0], "backend": "cpu"}]}, "no rows of the backend 'cuda'")):
             synthetic_folder.synthetic.write(folder / "stress.json", {**good, **change})
@@ -388,6 +389,22 @@ class Tables(unittest.TestCase):
             self.assertEqual((code, text), (2, page))
             self.assertRegex(error, r"\A[^\n]+/stress.json: [^\n]+\n\Z")
             self.assertIn(message, error)
+
+    def test_a_broken_file_of_other_commands_is_one_line(self):
+        folder = self.place / "broken" / FOLDERS["cpu"]
+        folder.mkdir(parents=True)
+        for name, table, form in (("calibration-fox.json", "regret", "swiftgs-calibration-check"),
+                                  ("prune-fox-contribution.json", "prune-quality", "swiftgs-prune"),
+                                  ("ulps.json", "ulps", "swiftgs-ulps")):
+            page = f"<!-- table: {table} cpu -->\n<!-- end -->\n"
+            missing = "before" if table == "prune-quality" else "rows"
+            for found, message in (({"format": form, "version": 2}, f"version 2; expected '{form}', 1"),
+                                   ({"format": form, "version": 1, "machine": {}}, f"{missing}: expected an ")):
+                synthetic_folder.synthetic.write(folder / name, found)
+                code, text, _, error = self.update(page, results=folder.parent)
+                self.assertEqual((code, text), (2, page))
+                self.assertRegex(error, rf"\A[^\n]+/{name}: [^\n]+\n\Z")
+                self.assertIn(message, error)
 
     def test_a_cost_says_whether_its_frames_were_compared_with_float64(self):
         text = self.table("stability-cost gpu").replace("\n", " ")
@@ -432,9 +449,15 @@ class Tables(unittest.TestCase):
 
 
 class Arithmetic(unittest.TestCase):
-    def test_the_exponent_of_a_power_law_is_exact(self):
-        self.assertAlmostEqual(fits.exponent([(x, 3 * x**0.7) for x in (1, 2, 5, 100)]), 0.7)
-        self.assertIsNone(fits.exponent([(2, 1)]))
+    def test_a_power_law_is_found_exactly_and_noise_around_it_is_averaged(self):
+        law = fits.fit([(x, 3 * x**0.7) for x in (1, 2, 5, 100)])
+        self.assertAlmostEqual(law.exponent, 0.7)
+        self.assertAlmostEqual(law(1000), 3 * 1000**0.7)
+        noisy = fits.fit([(1, 2 * 1.1), (10, 200 / 1.1**2), (100, 20000 * 1.1)])
+        self.assertAlmostEqual(noisy.exponent, 2)
+        self.assertAlmostEqual(noisy(50), 5000)
+        self.assertIsNone(fits.fit([(2, 1)]))
+        self.assertIsNone(fits.fit([(2, 1), (2, 3)]))
 
     def test_curves_cross_where_their_power_laws_meet(self):
         xs = (1, 4, 16)

@@ -31,7 +31,7 @@ struct CheckOptions {
   SceneOptions scene;
   ViewOptions view;
   std::string renderers = "*";  ///< glob
-  std::string photos;           ///< folder of photographs, or empty
+  std::string photos;           ///< folder of photographs, or empty for that of the capture
   std::string json;             ///< file to write, or empty
   std::string calibration;      ///< file, or empty for the one beside the scene
   int repeats = 3;              ///< frames that are timed, after one that is not
@@ -44,7 +44,7 @@ struct Task {
   std::vector<View> views;
   RenderSettings settings;
   std::vector<std::vector<double>> references;  ///< colours of the float64 frame of each view
-  std::vector<std::optional<Image>> photos;     ///< of each view; empty without --photos
+  std::vector<std::optional<Image>> photos;     ///< of each view, or empty
   int repeats = 3;
 };
 
@@ -136,14 +136,10 @@ void check(const CheckOptions& options) {
   task.scene = std::make_shared<const Scene>(load(options.scene).scene);
   find_views(task.views, *task.scene);
   task.settings = settings_for(task.settings, *task.scene);
-  if (!options.photos.empty()) {
-    task.photos = photographs_of(task.views, options.photos);
-    if (std::none_of(task.photos.begin(), task.photos.end(),
-                     [](const auto& photo) { return photo.has_value(); }))
-      throw std::invalid_argument(options.photos +
-                                  ": expected a photograph with the name of a view, such as " +
-                                  task.views.front().name);
-  }
+  task.photos = photographs_of(task.views, photos_of(options.scene, options.view, options.photos));
+  if (task.photos.empty() && !options.photos.empty())
+    throw std::invalid_argument(options.photos + ": expected a photograph with the name of a view, such as " +
+                                task.views.front().name);
   ResultFile json(options.json);
   const ResultHead head = json.is_wanted() ? head_of("swiftgs-check") : ResultHead();
 
@@ -187,8 +183,8 @@ constexpr const char* more =
     R"(Times are medians of --repeats frames after one that is not counted. PSNR and the largest
 difference are against the float64 reference with the same conventions. The table has a row
 of means for each renderer, with the worst difference. In JSON, an infinite PSNR is null.
-With --photos, frames are also compared with the photographs that have the cameras'
-names, and results gain photo_psnr_db.
+Frames are also compared with the photographs that have the cameras' names, and results gain
+photo_psnr_db: those of --photos, or those in 'photos' of a capture at its own size.
 
 Examples:
   swiftgs check builtin:20000 --renderers 'serial/early/per-pixel/*'
@@ -205,8 +201,10 @@ void add_check(CLI::App& app) {
   add_views(*command, options->view, "every:8");
   command->add_option("--renderers", options->renderers, "Names with * for any text, separated by commas")
       ->capture_default_str();
-  command->add_option("--photos", options->photos,
-                      "Folder with photographs that have the names of the views");
+  command->add_option(
+      "--photos", options->photos,
+      "Folder with photographs that have the names of the views\n[photos in SCENE where it is "
+      "a folder, without --cameras and --scale]");
   add_json(*command, options->json);
   add_calibration(*command, options->calibration);
   command->add_option("--repeats", options->repeats, "How many frames are timed")->capture_default_str();

@@ -70,9 +70,16 @@ void print_distributions(const std::vector<Distribution>& distributions) {
   }
 }
 
-void print_info(const std::string& name, const SceneFile& file) {
+/// What other commands take for a scene.
+struct Beside {
+  std::string cameras, photos;  ///< empty where there are none
+};
+
+void print_info(const std::string& name, const SceneFile& file, const Beside& beside) {
   const Scene& scene = file.scene;
   std::printf("%-15s %s\n", "scene", name.c_str());
+  if (!beside.cameras.empty()) std::printf("%-15s %s\n", "cameras", beside.cameras.c_str());
+  if (!beside.photos.empty()) std::printf("%-15s %s\n", "photographs", beside.photos.c_str());
   std::printf("%-15s %s\n", "format", file.format.c_str());
   std::printf("%-15s %zu\n", "Gaussians", scene.size());
   std::printf("%-15s %llu of %llu (not finite)\n", "dropped",
@@ -85,9 +92,13 @@ void print_info(const std::string& name, const SceneFile& file) {
   for (const std::string& note : file.notes) std::printf("%-15s %s\n", "note", note.c_str());
 }
 
-std::string to_json(const std::string& scene, const SceneFile& file,
+Json or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
+
+std::string to_json(const std::string& scene, const SceneFile& file, const Beside& beside,
                     const std::vector<Distribution>& distributions) {
   Json json{{"scene", scene},
+            {"cameras", or_null(beside.cameras)},
+            {"photos", or_null(beside.photos)},
             {"file_format", file.format},
             {"gaussians", file.scene.size()},
             {"stored", file.stored},
@@ -115,18 +126,20 @@ void info(const InfoOptions& options) {
   require_distinct({{"--json", options.json}}, {{"SCENE", capture.scene.string()}});
   ResultFile json(options.json);
   const SceneFile file = load(options.scene);
+  const Beside beside{cameras_of(options.scene, ""), photos_of(options.scene, {}, "")};
   const std::vector<Distribution> distributions = distributions_of(file.scene);
   if (!json.is_standard_output()) {
-    print_info(options.scene.scene, file);
+    print_info(options.scene.scene, file, beside);
     print_distributions(distributions);
   }
-  if (json.is_wanted()) json.write(to_json(capture.name, file, distributions));
+  if (json.is_wanted()) json.write(to_json(capture.name, file, beside, distributions));
   json.finish();
 }
 
 constexpr const char* more =
     R"(Prints format, count, SH degree, how many Gaussians were dropped because they are not
-finite, and percentiles of positions, opacities and scales.
+finite, and percentiles of positions, opacities and scales; of a capture's folder also where
+its cameras and photographs are.
 
 Example:
   swiftgs info garden.spz)";

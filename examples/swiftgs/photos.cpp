@@ -11,6 +11,7 @@
 namespace swiftgs::cli {
 
 std::vector<std::optional<Image>> photographs_of(const std::vector<View>& views, const std::string& folder) {
+  if (folder.empty()) return {};
   std::map<std::string, std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     if (entry.is_regular_file()) files[entry.path().stem().string()] = entry.path();
@@ -28,6 +29,8 @@ std::vector<std::optional<Image>> photographs_of(const std::vector<View>& views,
           "x" + std::to_string(photo.height) + " with " + std::to_string(photo.channels) + " channels");
     photos.back() = std::move(photo);
   }
+  if (std::none_of(photos.begin(), photos.end(), [](const auto& photo) { return photo.has_value(); }))
+    return {};
   return photos;
 }
 

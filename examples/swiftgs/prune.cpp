@@ -98,9 +98,8 @@ HeldOut held_out_of(const PruneOptions& options, const ViewOptions& view, const 
       .views = {}, .photos = {}, .settings = settings_of(view), .renderer = exact_renderer(backend)};
   if (view.views.empty()) return held_out;
   held_out.views = views_left_out(cameras, view);
-  if (options.photos.empty()) return held_out;
-  if (!held_out.views.empty()) held_out.photos = photographs_of(held_out.views, options.photos);
-  if (std::none_of(held_out.photos.begin(), held_out.photos.end(), [](const auto& photo) { return !!photo; }))
+  held_out.photos = photographs_of(held_out.views, photos_of(options.scene, view, options.photos));
+  if (held_out.photos.empty() && !options.photos.empty())
     throw std::invalid_argument(options.photos + ": expected photographs of views that --views '" +
                                 view.views + "' leaves out");
   return held_out;
@@ -158,8 +157,8 @@ all pixels of the views. 'opacity-volume' is opacity times the product of the sc
 views. The highest scores are kept, in the order of the scene; of equal ones those that come first.
 
 Views that --views leaves out are rendered before and after: their mean time, PSNR of the frames
-after against those before, and with --photos PSNR and SSIM against the photographs that have the
-cameras' names.
+after against those before, and PSNR and SSIM against the photographs that have the cameras' names:
+those of --photos, or those in 'photos' of a capture at its own size.
 
 Examples:
   swiftgs prune builtin --keep 0.3 --out small.ply
@@ -180,7 +179,10 @@ void add_prune(CLI::App& app) {
   command->add_option("--out", options->out, "The .ply file to write")->required();
   add_views(*command, options->view, training_views);
   command->get_option("--views")->default_str(training_views);
-  command->add_option("--photos", options->photos, "Folder with photographs of the views that are left out");
+  command->add_option(
+      "--photos", options->photos,
+      "Folder with photographs of the views that are left out\n[photos in SCENE where it is a "
+      "folder, without --cameras and --scale]");
   command->add_option("--backend", options->backend, "cuda, cpu or serial [the first that runs here]");
   add_json(*command, options->json);
   command->callback([options] { prune(*options); });

@@ -18,7 +18,7 @@ namespace swiftgs::cli {
 /// What a scene is judged by before and after: views that chose nothing of it.
 struct HeldOut {
   std::vector<View> views;
-  std::vector<std::optional<Image>> photos;  ///< of each view; empty without --photos
+  std::vector<std::optional<Image>> photos;  ///< of each view, or empty
   RenderSettings settings;
   std::string renderer;
 };

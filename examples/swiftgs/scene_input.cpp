@@ -65,4 +65,12 @@ std::string cameras_of(const SceneOptions& scene, const std::string& cameras) {
   return capture_of(scene).cameras.string();
 }
 
+std::string photos_of(const SceneOptions& scene, const ViewOptions& view, const std::string& photos) {
+  const bool own_views = view.cameras.empty() && view.scale == 1;
+  if (!photos.empty() || !own_views || builtin_size(scene.scene) ||
+      !std::filesystem::is_directory(scene.scene))
+    return photos;
+  return capture_of(scene).photos.string();
+}
+
 }  // namespace swiftgs::cli

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
-#include <fstream>
 #include <initializer_list>
 #include <string>
 
@@ -8,8 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.hpp"
+#include "cli/json_in.hpp"
 
 using swiftgs::test::content_of;
+using swiftgs::test::json_in;
 using swiftgs::test::lines_in;
 using swiftgs::test::Outcome;
 using swiftgs::test::run;
@@ -18,11 +19,6 @@ using swiftgs::test::TemporaryFolder;
 namespace {
 
 using Json = nlohmann::json;
-
-Json results_in(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  return Json::parse(in);
-}
 
 void fails(const std::string& arguments, std::initializer_list<const char*> words) {
   const TemporaryFolder place;
@@ -47,7 +43,7 @@ TEST_CASE("bench: every combination has a row and every row what the schema says
           std::string(quick));
   REQUIRE_MESSAGE(outcome.code == 0, outcome.err);
   CHECK(outcome.out.find("| `serial/standard/per-pixel/ellipse` | 2 |") != std::string::npos);
-  const Json results = results_in(place / "r.json");
+  const Json results = json_in(place / "r.json");
   CHECK(results.at("format") == "swiftgs-bench");
   CHECK(results.at("version") == 1);
   CHECK(
@@ -92,7 +88,7 @@ TEST_CASE("bench: sorts and lossless bounds have equal errors and share their im
       "--views 0,2 --images im" +
           std::string(quick));
   REQUIRE_MESSAGE(outcome.code == 0, outcome.err);
-  const Json results = results_in(place / "r.json");
+  const Json results = json_in(place / "r.json");
   const Json& first = results.at("rows").front();
   CHECK(std::filesystem::is_regular_file(place / first.at("image").get<std::string>()));
   CHECK(std::filesystem::is_regular_file(place / first.at("error_image").get<std::string>()));
@@ -115,7 +111,7 @@ TEST_CASE("bench: errors are left out of the views that are not asked for") {
               place, "bench builtin:500 --renderers 'serial/early/per-pixel/ellipse' --views 0,2 --errors 1" +
                          std::string(quick))
               .code == 0);
-  const Json rows = results_in(place / "r.json").at("rows");
+  const Json rows = json_in(place / "r.json").at("rows");
   REQUIRE(rows.size() == 2);
   CHECK(rows[0].at("psnr_db").is_number());
   CHECK(rows[1].at("psnr_db").is_null());
@@ -130,11 +126,33 @@ TEST_CASE("bench: threads and enlarged Gaussians are in the rows") {
               "--threads 1 --enlarge 1,4" +
                   std::string(quick))
               .code == 0);
-  const Json rows = results_in(place / "r.json").at("rows");
+  const Json rows = json_in(place / "r.json").at("rows");
   REQUIRE(rows.size() == 2);
   CHECK(rows[0].at("threads") == 1);
   CHECK(rows[1].at("enlarge") == 4);
   CHECK(rows[1].at("instances") > rows[0].at("instances"));
+}
+
+TEST_CASE("bench: with --profile every view is drawn by every renderer and nothing is written") {
+  const TemporaryFolder place;
+  const Outcome outcome = run(place,
+                              "bench builtin:500 --profile --renderers 'serial/*/per-pixel/ellipse' "
+                              "--views 0,2 --scales 0.1 --conventions gsplat,inria");
+  CHECK(lines_in(outcome.out) == 3 * 2 * 2);
+  for (const char* line :
+       {"serial/early/per-pixel/ellipse: builtin, 500 Gaussians, view front, 128x72, gsplat\n",
+        "serial/adaptive/per-pixel/ellipse: builtin, 500 Gaussians, view orbit-01, 128x72, inria\n"})
+    CHECK(outcome.out.find(line) != std::string::npos);
+  CHECK(outcome.out.find('|') == std::string::npos);
+  for (const auto& file : std::filesystem::directory_iterator(place.path()))
+    CHECK(file.path().extension() == ".txt");
+}
+
+TEST_CASE("bench: options that say how to measure are refused beside --profile") {
+  for (const char* option : {"--errors all", "--precision 0.1", "--min-frames 2", "--max-frames 9",
+                             "--json r.json", "--images im"})
+    fails("builtin:500 --profile " + std::string(option),
+          {std::string(option).substr(0, std::string(option).find(' ')).c_str(), "--profile"});
 }
 
 TEST_CASE("bench: what cannot be measured is one line that says why") {
@@ -174,13 +192,13 @@ TEST_CASE("bench: images of a variant are not those of another") {
   const TemporaryFolder place;
   const std::string renderer = " --renderers 'serial/early/per-pixel/ellipse' --views 0 --images im";
   REQUIRE(swiftgs::test::swiftgs(place, "bench builtin:500 --enlarge 1,4" + renderer + quick).code == 0);
-  const Json views = results_in(place / "r.json").at("views");
+  const Json views = json_in(place / "r.json").at("views");
   REQUIRE(views.size() == 2);
   CHECK(views[0].at("reference_image") != views[1].at("reference_image"));
   const std::string enlarged = views[1].at("reference_image");
   // Nor of what was in the folder before.
   REQUIRE(swiftgs::test::swiftgs(place, "bench builtin:500 --enlarge 4" + renderer + quick).code == 0);
-  CHECK(results_in(place / "r.json").at("views")[0].at("reference_image") == enlarged);
+  CHECK(json_in(place / "r.json").at("views")[0].at("reference_image") == enlarged);
 }
 
 TEST_CASE("bench: results that are there stay until there are new ones") {
@@ -198,11 +216,11 @@ TEST_CASE("bench: a sort is calibrated where a file was found and not where it h
   const std::string renderer = " --renderers 'serial/adaptive/per-pixel/ellipse' --errors none";
   // Views enough to decide on the way.
   run(place, "bench builtin:100 --views all" + renderer + quick);
-  for (const Json& row : results_in(place / "r.json").at("rows")) CHECK(row.at("calibrated") == false);
+  for (const Json& row : json_in(place / "r.json").at("rows")) CHECK(row.at("calibrated") == false);
   run(place, "prune builtin:100 --keep 1 --score opacity-volume --out scene.ply");
   run(place, "calibrate scene.ply --scale 0.1 --renderers 'serial/adaptive/*/ellipse'");
   run(place, "bench scene.ply" + renderer + quick);
-  const Json rows = results_in(place / "r.json").at("rows");
+  const Json rows = json_in(place / "r.json").at("rows");
   REQUIRE(rows.size() == 1);
   CHECK(rows[0].at("calibrated") == true);
 }

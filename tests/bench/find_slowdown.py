@@ -6,12 +6,16 @@ Asks COMPARE what moved from before.json in FOLDER to after.json, which rasteriz
 is the same renderer measured again. Fails unless of the first it is rasterization that is slower, with what holds it,
 and nothing else, and of the second nothing at all. Exit code 77 where the machine was too busy to tell 5 %.
 """
-import json
 import math
+import pathlib
 import subprocess
 import sys
 
-STAGES = ("project", "sort", "raster", "total", "wall")
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "benchmarks"))
+
+from tables.comparison import standard_error  # noqa: E402
+from tables.results import STAGES, read  # noqa: E402
+
 SLOWER = {"slower", "worse"}  # COMPARE's words for means and for rows
 # What COMPARE and chance leave of 5 %: 2.6 standard errors for a mean to be named, and 2 for it to come out less.
 NOISE = math.log(1.05) / (2.6 + 2)
@@ -30,12 +34,7 @@ def compared(compare, before, after):
 
 def noise(*files):
     """Standard error of the ratio of the rasterization's medians."""
-    errors = []
-    for name in files:
-        with open(name, encoding="utf-8") as file:
-            raster = json.load(file)["rows"][0]["ms"]["raster"]
-        errors.append(math.log(raster["high"] / raster["low"]) / (2 * 1.96))
-    return math.hypot(*errors)
+    return math.hypot(*(standard_error(read(name).rows[0].ms["raster"]) for name in files))
 
 
 def main(compare, folder):

@@ -10,10 +10,12 @@
 #include <swiftgs/io/sort_calibrations.hpp>
 
 #include "cli/command.hpp"
+#include "cli/json_in.hpp"
 
 using nlohmann::json;
 using swiftgs::test::contains;
 using swiftgs::test::content_of;
+using swiftgs::test::json_in;
 using swiftgs::test::lines_in;
 using swiftgs::test::Outcome;
 using swiftgs::test::run;
@@ -126,7 +128,7 @@ TEST_CASE("cli calibrate: a place that cannot be written is replaced by the cach
     run(place,
         "bench scene.ply --scales 0.05 --errors none --min-frames 2 --max-frames 2 --json r.json "
         "--renderers serial/adaptive/per-pixel/ellipse");
-    return json::parse(content_of(place / "r.json"))["rows"][0]["calibrated"].get<bool>();
+    return json_in(place / "r.json")["rows"][0]["calibrated"].get<bool>();
   };
   CHECK(bench());
   run(place, "render ./scene.ply" + small + adaptive);
@@ -197,7 +199,7 @@ TEST_CASE("cli calibrate: check compares the choice with both strategies and wri
                                .out;
   CHECK(contains(text, "  check    2 views: standard "));
   CHECK(contains(text, " % of the frame, "));
-  const json result = json::parse(content_of(place / "c.json"));
+  const json result = json_in(place / "c.json");
   CHECK(result["format"] == "swiftgs-calibration-check");
   CHECK(result["version"] == 1);
   CHECK(result["machine"]["version"] == swiftgs::version);
@@ -244,7 +246,7 @@ TEST_CASE("cli calibrate: a size without a view to check is said") {
   CHECK(contains(text, "32x16"));
   CHECK(contains(text, "  check    none: of --check-views 1 none is 32x16\n"));
   CHECK(contains(text, "  check    1 view: standard "));
-  CHECK(json::parse(content_of(place / "c.json"))["rows"].size() == 1);
+  CHECK(json_in(place / "c.json")["rows"].size() == 1);
 }
 
 TEST_CASE("cli calibrate: the command that a message says runs as it is in a shell") {

@@ -11,11 +11,12 @@
 
 #include "cli/cameras.hpp"
 #include "cli/command.hpp"
+#include "cli/json_in.hpp"
 
 using nlohmann::json;
 using swiftgs::test::cameras_json;
 using swiftgs::test::contains;
-using swiftgs::test::content_of;
+using swiftgs::test::json_in;
 using swiftgs::test::Outcome;
 using swiftgs::test::run;
 using swiftgs::test::TemporaryFolder;
@@ -62,9 +63,43 @@ TEST_CASE("cli captures: every command takes the folder of a capture for its sce
   CHECK(std::filesystem::exists(place / "garden/scene.ply.sort.json"));
   run(place, "render garden --renderer serial/adaptive/per-pixel/ellipse --out images");
   run(place, "bench garden --errors none --views 1 --max-frames 2 --min-frames 2 --json r.json" + serial);
-  const json row = json::parse(content_of(place / "r.json"))["rows"][0];
+  const json row = json_in(place / "r.json")["rows"][0];
   CHECK(row["scene"] == "scene");
   CHECK(row["view"] == "b");
+}
+
+TEST_CASE("cli captures: photographs of the folder are compared with where views are its own") {
+  const TemporaryFolder place;
+  write_capture(place, "garden");
+  CHECK(json::parse(run(place, "info garden --json -").out)["photos"].is_null());
+  run(place, "render garden --out garden/photos --views 0");
+  const json info = json::parse(run(place, "info garden/ --json -").out);
+  CHECK(info["cameras"] == "garden/cameras.json");
+  CHECK(info["photos"] == "garden/photos");
+  CHECK(contains(run(place, "info garden").out, "photographs     garden/photos\n"));
+
+  const auto checked = [&](const std::string& arguments) {
+    run(place, "check " + arguments + " --repeats 1 --json r.json" + serial);
+    return json_in(place / "r.json")["rows"];
+  };
+  const json rows = checked("garden --views all");
+  // The photograph is this very frame in 8 bits.
+  CHECK(rows[0]["photo_psnr_db"] > 50);
+  CHECK(rows[1]["photo_psnr_db"].is_null());
+  for (const std::string other :
+       {"garden --views 1", "garden --views 0 --scale 2", "garden --views 0 --cameras garden",
+        "garden/scene.ply --cameras garden --views 0"})
+    CHECK_FALSE(checked(other)[0].contains("photo_psnr_db"));
+  CHECK(checked("garden/scene.ply --cameras garden --views 0 --photos garden/photos")[0]["photo_psnr_db"] >
+        50);
+
+  const auto pruned = [&](const std::string& arguments) {
+    run(place,
+        "prune garden --keep 0.5 --views 1 --backend serial --out small.ply --json p.json" + arguments);
+    return json_in(place / "p.json")["before"]["photo_psnr_db"];
+  };
+  CHECK(pruned("") > 50);
+  CHECK(pruned(" --scale 2").is_null());
 }
 
 TEST_CASE("cli captures: cameras are found in a folder whatever they are") {

@@ -11,9 +11,11 @@
 #include <swiftgs/io/scene_file.hpp>
 
 #include "cli/command.hpp"
+#include "cli/json_in.hpp"
 
 using nlohmann::json;
 using swiftgs::test::contains;
+using swiftgs::test::json_in;
 using swiftgs::test::Outcome;
 using swiftgs::test::run;
 using swiftgs::test::TemporaryFolder;
@@ -188,7 +190,7 @@ TEST_CASE("cli: check writes one object a renderer and view with exactly these m
   const Outcome outcome = run(place,
                               "check builtin:1000 --scale 0.05 --views 0,5 --repeats 1 --json results.json "
                               "--renderers 'serial/standard/per-pixel/*'");
-  const json results = json::parse(swiftgs::test::content_of(place / "results.json"))["rows"];
+  const json results = json_in(place / "results.json")["rows"];
   CHECK(results.size() == 6);
   // A header, and for each of three renderers two views and their mean.
   CHECK(swiftgs::test::lines_in(outcome.out) == 10);
@@ -216,7 +218,7 @@ TEST_CASE("cli: check compares with the photographs that have the names of the v
   run(place,
       "check builtin:1000 --scale 0.05 --views 0,1 --repeats 1 --photos photos --json results.json "
       "--renderers serial/early/per-pixel/ellipse");
-  const json results = json::parse(swiftgs::test::content_of(place / "results.json"))["rows"];
+  const json results = json_in(place / "results.json")["rows"];
   REQUIRE(results.size() == 2);
   // The photograph is this very frame in 8 bits.
   CHECK(results[0]["photo_psnr_db"] > 50);

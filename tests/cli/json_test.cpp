@@ -12,10 +12,12 @@
 
 #include "cli/cameras.hpp"
 #include "cli/command.hpp"
+#include "cli/json_in.hpp"
 #include "support/skip.hpp"
 
 using nlohmann::json;
 using swiftgs::test::content_of;
+using swiftgs::test::json_in;
 using swiftgs::test::Outcome;
 using swiftgs::test::run;
 using swiftgs::test::TemporaryFolder;
@@ -96,10 +98,11 @@ TEST_CASE("cli json: info says what it prints") {
   write_ply(place / "scene.ply", scene);
   const json info = json::parse(run(place, "info scene.ply --json -").out);
   CHECK(members_of(info) == std::set<std::string>{"format", "version", "machine", "command", "scene",
-                                                  "file_format", "gaussians", "stored", "dropped",
-                                                  "sh_degree", "used_sh_degree", "antialiased", "notes",
-                                                  "percentiles"});
+                                                  "cameras", "photos", "file_format", "gaussians", "stored",
+                                                  "dropped", "sh_degree", "used_sh_degree", "antialiased",
+                                                  "notes", "percentiles"});
   CHECK(info["scene"] == "scene");
+  CHECK(info["cameras"].is_null());
   CHECK(info["file_format"] == "INRIA PLY (binary_little_endian)");
   CHECK(info["gaussians"] == 9);
   CHECK(info["stored"] == 10);
@@ -129,7 +132,7 @@ TEST_CASE("cli json: list has the words of every renderer and whether it runs he
 TEST_CASE("cli json: render has a row for each image with what it prints of it") {
   const TemporaryFolder place;
   run(place, "render builtin:50 --scale 0.02 --views 0-1 --json plain.json --out a/b");
-  const json rows = json::parse(content_of(place / "plain.json"))["rows"];
+  const json rows = json_in(place / "plain.json")["rows"];
   REQUIRE(rows.size() == 2);
   CHECK(members_of(rows[0]) == std::set<std::string>{"renderer", "scene", "view", "width", "height", "scale",
                                                      "conventions", "image", "ms"});

@@ -12,11 +12,13 @@
 #include <swiftgs/version.hpp>
 
 #include "cli/command.hpp"
+#include "cli/json_in.hpp"
 #include "support/skip.hpp"
 
 using nlohmann::json;
 using swiftgs::test::contains;
 using swiftgs::test::content_of;
+using swiftgs::test::json_in;
 using swiftgs::test::Outcome;
 using swiftgs::test::run;
 using swiftgs::test::TemporaryFolder;
@@ -32,10 +34,6 @@ void fails(const TemporaryFolder& place, const std::string& arguments, const std
   CHECK(swiftgs::test::lines_in(outcome.err) == 1);
   CHECK(outcome.err.find(part) != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(place / "small.ply"));
-}
-
-json result_of(const TemporaryFolder& place, const std::string& name) {
-  return json::parse(content_of(place / name));
 }
 
 const std::string small_views = " --scale 0.05 --backend serial ";
@@ -81,7 +79,7 @@ TEST_CASE("cli prune: writes one object of results with exactly these members") 
   run(place, "prune builtin:1000 --keep 0.3 --score opacity-volume --out small.ply --json volume.json" +
                  small_views);
   for (const std::string name : {"contribution", "volume"}) {
-    const json result = result_of(place, name + ".json");
+    const json result = json_in(place / (name + ".json"));
     std::set<std::string> members, side;
     for (const auto& item : result.items()) members.insert(item.key());
     for (const auto& item : result["after"].items()) side.insert(item.key());
@@ -106,8 +104,8 @@ TEST_CASE("cli prune: writes one object of results with exactly these members") 
     CHECK(result["kept_weight"] > 0.3);
     CHECK(result["kept_weight"] <= 1);
   }
-  const double by_contribution = result_of(place, "contribution.json")["after"]["unpruned_psnr_db"];
-  const double by_volume = result_of(place, "volume.json")["after"]["unpruned_psnr_db"];
+  const double by_contribution = json_in(place / "contribution.json")["after"]["unpruned_psnr_db"];
+  const double by_volume = json_in(place / "volume.json")["after"]["unpruned_psnr_db"];
   CHECK(by_contribution > by_volume + 3);
 }
 
@@ -124,7 +122,7 @@ TEST_CASE("cli prune: views that are left out are compared with their photograph
   run(place, "render builtin:1000 --scale 0.05 --views every:8 --out photos");
   run(place,
       "prune builtin:1000 --keep 0.02 --photos photos --out small.ply --json results.json" + small_views);
-  const json result = result_of(place, "results.json");
+  const json result = json_in(place / "results.json");
   // The photographs are these very frames in 8 bits.
   CHECK(result["before"]["photo_psnr_db"] > 50);
   CHECK(result["before"]["photo_ssim"] > 0.99);

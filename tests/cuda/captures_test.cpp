@@ -26,7 +26,7 @@ struct Floors {
 
 /// Whatever the run, the sort, and the bounds as long as they are lossless, the bits are the same. Where
 /// `square` says so, the 3-sigma square is what the image is defined by.
-Floors judge(const Capture& capture, std::size_t view, const Conventions& conventions, bool square) {
+Floors judge(const TrainedCapture& capture, std::size_t view, const Conventions& conventions, bool square) {
   const Camera camera = scaled(capture.cameras.at(view), 0.5);
   const std::vector<double> reference = render_reference(*capture.scene, camera, conventions).colour;
   RenderSettings settings;
@@ -65,7 +65,7 @@ void check_capture(const std::string& name) {
   if (without_device()) return;
   const std::filesystem::path folder = capture_or_skip(name);
   if (folder.empty()) return;
-  const Capture capture = read_capture(folder);
+  const TrainedCapture capture = read_capture(folder);
   for (const std::size_t view : {0, 8}) {
     CAPTURE(view);
     const Floors gsplat = judge(capture, view, Conventions::gsplat(), false);

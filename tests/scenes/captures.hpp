@@ -9,6 +9,7 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/io/cameras.hpp>
+#include <swiftgs/io/capture.hpp>
 #include <swiftgs/io/scene_file.hpp>
 
 #include "support/skip.hpp"
@@ -16,8 +17,8 @@
 namespace swiftgs::test {
 
 /// A trained scene with the cameras of its photographs, in the order of the images' names.
-struct Capture {
-  std::filesystem::path folder;
+struct TrainedCapture {
+  std::filesystem::path photos;
   std::shared_ptr<const Scene> scene;
   std::vector<Camera> cameras;
 };
@@ -35,10 +36,9 @@ inline std::filesystem::path capture_or_skip(const std::string& name, const std:
   return {};
 }
 
-inline Capture read_capture(const std::filesystem::path& folder) {
-  const std::filesystem::path json = folder / "cameras.json";
-  return {folder, std::make_shared<const Scene>(load_scene(folder / (folder.filename().string() + ".spz"))),
-          read_cameras(std::filesystem::exists(json) ? json : folder / "sparse" / "0")};
+inline TrainedCapture read_capture(const std::filesystem::path& folder) {
+  const Capture found = find_capture(folder);
+  return {found.photos, std::make_shared<const Scene>(load_scene(found.scene)), read_cameras(found.cameras)};
 }
 
 /// Whether `name`, a renderer's, holds `word`.

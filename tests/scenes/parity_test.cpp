@@ -42,14 +42,14 @@ struct Judge {
   std::map<std::string, std::vector<float>> first_of;  ///< frame of each set of renderers with the same bits
   Floors floors;
 
-  Judge(const test::Capture& capture, std::size_t view, const Conventions& conventions)
+  Judge(const test::TrainedCapture& capture, std::size_t view, const Conventions& conventions)
       : camera(scaled(capture.cameras.at(view), 0.5)) {
     settings.conventions = conventions;
     reference = render_reference(*capture.scene, camera, conventions).colour;
   }
 
   /// Whatever the run, the sort, and the bounds as long as they are lossless, the bits are the same.
-  void judge(const RendererEntry& entry, const test::Capture& capture) {
+  void judge(const RendererEntry& entry, const test::TrainedCapture& capture) {
     CAPTURE(entry.name);
     const auto renderer = entry.make();
     renderer->set_scene(capture.scene);
@@ -81,7 +81,7 @@ void check_all(const std::string& name, std::size_t view) {
   const std::filesystem::path folder = test::capture_or_skip(name);
   if (folder.empty()) return;
   CAPTURE(name);
-  const test::Capture capture = test::read_capture(folder);
+  const test::TrainedCapture capture = test::read_capture(folder);
   Judge judge(capture, view, Conventions::gsplat());
   std::size_t judged = 0;
   for (const RendererEntry& entry : renderers())
@@ -101,7 +101,7 @@ void check_inria(const std::string& name, std::size_t view) {
   const std::filesystem::path folder = test::capture_or_skip(name);
   if (folder.empty()) return;
   CAPTURE(name);
-  const test::Capture capture = test::read_capture(folder);
+  const test::TrainedCapture capture = test::read_capture(folder);
   Judge inria(capture, view, Conventions::inria());
   std::size_t judged = 0;
   for (const RendererEntry& entry : renderers())

@@ -19,9 +19,9 @@ using swiftgs::test::has;
 namespace {
 
 /// Photographs by the name of their camera, without extension.
-std::map<std::string, std::filesystem::path> photographs_of(const test::Capture& capture) {
+std::map<std::string, std::filesystem::path> photographs_of(const test::TrainedCapture& capture) {
   std::map<std::string, std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(capture.folder / "photos"))
+  for (const auto& entry : std::filesystem::directory_iterator(capture.photos))
     files[entry.path().stem().string()] = entry.path();
   return files;
 }
@@ -40,7 +40,7 @@ void check_photographs(const std::string& name, std::size_t views, double expect
   const std::filesystem::path folder = test::capture_or_skip(name, "photos");
   if (folder.empty()) return;
   CAPTURE(name);
-  const test::Capture capture = test::read_capture(folder);
+  const test::TrainedCapture capture = test::read_capture(folder);
   const auto files = photographs_of(capture);
   const std::string usual = "cpu/early/axis-shared-threshold-float-cholesky/ellipse";
   const auto renderer = make_renderer(usual);

@@ -9,9 +9,10 @@
 #include <swiftgs/version.hpp>
 
 #include "cli/command.hpp"
+#include "cli/json_in.hpp"
 
 using Json = nlohmann::json;
-using swiftgs::test::content_of;
+using swiftgs::test::json_in;
 using swiftgs::test::lines_in;
 using swiftgs::test::Outcome;
 using swiftgs::test::run;
@@ -54,7 +55,7 @@ TEST_CASE("stress: results have a head and a row for each family with severity a
   run(place,
       "stress --families little-blur,needles --size 16x12,20x10 --seeds 2 --json r.json"
       " --renderers 'serial/early/per-pixel/ellipse,serial/standard/axis-shared-half-split/ellipse'");
-  const Json results = Json::parse(content_of(place / "r.json"));
+  const Json results = json_in(place / "r.json");
   CHECK(results.at("format") == "swiftgs-stress");
   CHECK(results.at("version") == 1);
   CHECK(results.at("machine").at("version") == swiftgs::version);
@@ -103,7 +104,7 @@ TEST_CASE("stress: bounds that cut splats end with exit code 1 after table and r
   CHECK(outcome.out.find("serial/early/per-pixel/three-sigma-square: loses digits from pancakes 1e4;") !=
         std::string::npos);
   CHECK(outcome.out.find("serial/early/per-pixel/ellipse: exact in 1 family;") != std::string::npos);
-  CHECK(Json::parse(content_of(place / "r.json")).at("rows").size() == 3);
+  CHECK(json_in(place / "r.json").at("rows").size() == 3);
 }
 
 TEST_CASE("stress: options that make no sense are one line with what was typed and expected") {

@@ -14,6 +14,7 @@
 #include <swiftgs/stress.hpp>
 #include <swiftgs/swiftgs.hpp>
 
+#include "cli/json_in.hpp"
 #include "stress/stress.hpp"
 #include "support/files.hpp"
 
@@ -171,7 +172,7 @@ TEST_CASE("stress: a renderer that throws has a row with its message and the oth
         "stress: renderers failed in 2 of 4 rows, first serial/early/throwing/ellipse on needles at 100, "
         "seed 1: "
         "no \"memory\"");
-  const auto rows = nlohmann::json::parse(test::content_of(place / "r.json")).at("rows");
+  const auto rows = test::json_in(place / "r.json").at("rows");
   REQUIRE(rows.size() == 4);
   CHECK(rows[0].at("failed") == 2);
   CHECK(rows[0].at("seeds") == 3);
@@ -184,7 +185,7 @@ TEST_CASE("stress: a renderer that throws has a row with its message and the oth
   frames_of_throwing = 0;
   options.seeds = 1, options.severities = "100";
   CHECK(message_of(options, entries<Throwing>()) != "");
-  const auto row = nlohmann::json::parse(test::content_of(place / "r.json")).at("rows").at(0);
+  const auto row = test::json_in(place / "r.json").at("rows").at(0);
   for (const char* number : {"ratio", "psnr_db", "max_abs", "loosest", "worst_seed"})
     CHECK(row.at(number).is_null());
 }

@@ -12,6 +12,7 @@
 #include <CLI/CLI.hpp>
 
 #include "bench/lists.hpp"
+#include "bench/profile.hpp"
 #include "bench/runner.hpp"
 #include "bench/table.hpp"
 #include "bench/threads.hpp"
@@ -33,6 +34,7 @@ struct BenchOptions {
   std::string errors = "all";
   std::string json, images;
   Plan plan;
+  bool profile = false;
 };
 
 constexpr const char* more =
@@ -44,11 +46,16 @@ in a random order. Each is timed until its median is as certain as --precision a
 --gaussians splits or thins a scene, --enlarge multiplies the scales of its Gaussians.
 --errors is all, none, or how many views of each scene are compared with float64.
 The columns are means over views; docs/results.md describes the JSON.
+With --profile nothing is timed or compared: after frames that warm up, each renderer draws each
+view once, and a profiler of CUDA records these frames alone.
 
 Examples:
   swiftgs bench builtin garden/ --renderers 'cuda/*' --json results.json
   swiftgs bench garden/ --renderers 'cpu/early/*/ellipse' --views 0,8 --scales 0.5,1,2
-  swiftgs bench builtin --gaussians 100000,1000000 --threads 1,2,4 --errors none)";
+  swiftgs bench builtin --gaussians 100000,1000000 --threads 1,2,4 --errors none
+  ncu --profile-from-start off swiftgs bench garden/ --profile --views 0 --renderers 'cuda/early/*'
+  nsys profile --capture-range=cudaProfilerApi --capture-range-end=repeat
+       swiftgs bench garden/ --profile --renderers 'cuda/*/per-pixel/ellipse')";
 
 std::size_t judged_views(const std::string& errors) {
   if (errors == "all") return std::numeric_limits<std::size_t>::max();
@@ -176,9 +183,9 @@ class Matrix {
           // What was measured of a scene does not hold for its variants.
           if (session.gaussians->size() == session.scene.original && session.scene.enlarge == 1)
             session.calibrations = std::make_shared<Calibrations>(input.scene, view, session.gaussians, "");
-          session.photos.clear();
-          if (!input.capture.photos.empty() && scale == 1)
-            session.photos = photographs_of(session.views, input.capture.photos.string());
+          const bool photographed = !options_.profile && scale == 1;
+          session.photos =
+              photographs_of(session.views, photographed ? input.capture.photos.string() : std::string());
           run(session);
         }
     }
@@ -190,6 +197,14 @@ class Matrix {
   std::vector<std::string> conventions_;
   std::vector<Input> inputs_;
 };
+
+/// Throws if an option was given that says how to measure.
+void require_nothing_measured(const CLI::App& command) {
+  for (const char* option : {"--errors", "--precision", "--min-frames", "--max-frames", "--json", "--images"})
+    if (command.count(option) > 0)
+      throw std::invalid_argument(std::string(option) +
+                                  ": expected no --profile with it, which measures nothing");
+}
 
 void bench(const BenchOptions& options) {
   validate(options.plan);
@@ -206,6 +221,9 @@ void bench(const BenchOptions& options) {
   if (!options.images.empty()) std::filesystem::create_directories(options.images);
 
   Progress progress(matrix.images() * entries.size());
+  if (options.profile)
+    return matrix.for_each_session(results,
+                                   [&](const Session& session) { profile(entries, session, progress); });
   Runner runner(entries, {options.plan, judged_views(options.errors), options.images, options.json}, results,
                 json, progress);
   matrix.for_each_session(results, [&](const Session& session) { runner.run(session); });
@@ -245,7 +263,11 @@ void add_bench(CLI::App& app) {
       ->capture_default_str();
   add_json(*command, options->json);
   command->add_option("--images", options->images, "Folder for images of each scene's first view");
-  command->callback([options] { bench(*options); });
+  command->add_flag("--profile", options->profile, "Only draw the views, for a profiler to record");
+  command->callback([options, command] {
+    if (options->profile) require_nothing_measured(*command);
+    bench(*options);
+  });
 }
 
 }  // namespace swiftgs::cli

@@ -9,10 +9,17 @@
 #include <stdexcept>
 #include <string>
 
+#include <swiftgs/sort/adaptive.hpp>
+
+#include "renderer_words.hpp"
+
 namespace swiftgs::cli {
 namespace {
 
 constexpr int frames_a_turn = 4;
+
+/// Twice as many as an adaptive sort measures.
+constexpr int most_frames_to_adapt = 20;
 
 /// The value below which `part` of the sorted `values` lie, between neighbours in proportion.
 double percentile(const std::vector<double>& values, double part) {
@@ -65,6 +72,13 @@ Duration summary_of(std::vector<double> values) {
 
 Durations Samples::summary() const {
   return {summary_of(project), summary_of(sort), summary_of(raster), summary_of(total), summary_of(wall)};
+}
+
+void adapt(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings) {
+  const bool adaptive = RendererWords(renderer.name()).sort == AdaptiveSort::name;
+  int frames = 0;
+  do renderer.render_resident(camera, settings), ++frames;
+  while (adaptive && !renderer.calibration() && frames < most_frames_to_adapt);
 }
 
 std::vector<Samples> measure(const std::vector<AnyRenderer*>& renderers, const Camera& camera,

@@ -34,6 +34,9 @@ struct Samples {
   Durations summary() const;
 };
 
+/// Draws a view until an adaptive sort has decided for its size, or once.
+void adapt(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings);
+
 /// Times frames that stay with the backends. In each round every renderer has its turn, in a new order each
 /// time, so a machine that drifts is no one's advantage; a turn begins with a frame that is not timed, since
 /// the caches are the previous renderer's. A renderer whose median is precise enough has no further turns.

@@ -5,16 +5,12 @@
 #include <utility>
 
 #include <swiftgs/bounds/three_sigma_square.hpp>
-#include <swiftgs/sort/adaptive.hpp>
 
 #include "bench/machine.hpp"
 #include "renderer_words.hpp"
 
 namespace swiftgs::cli {
 namespace {
-
-/// Twice as many as an adaptive sort measures.
-constexpr int most_frames_to_adapt = 20;
 
 constexpr std::uint64_t spare_bytes = 2ull << 30;
 
@@ -36,14 +32,6 @@ bool has_room(const AnyRenderer& like, std::uint64_t bytes) {
   const std::optional<MemoryUse> use = like.device_memory();
   const bool on_device = !use || use->total - use->in_use > bytes + spare_bytes;
   return on_device && available_memory() > bytes + spare_bytes;
-}
-
-/// Draws a view until an adaptive sort has decided for its size, or once.
-void adapt(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings) {
-  const bool adaptive = RendererWords(renderer.name()).sort == AdaptiveSort::name;
-  int frames = 0;
-  do renderer.render_resident(camera, settings), ++frames;
-  while (adaptive && !renderer.calibration() && frames < most_frames_to_adapt);
 }
 
 }  // namespace
