@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Memory that the kernels of one operation (a projection, an emission, a sort) share with those of the next
+/// operation of its kind. The device counts the operations itself, so that a launch says nothing of what ran
+/// before it.
+
+#include <cstdint>
+
+#include <swiftgs/math.hpp>
+
+namespace swiftgs {
+
+/// An operation's number. It ends at an even one, so that copies alternate where it begins again, and early
+/// enough for a tag to fit the 30 bits that a word has for it.
+inline constexpr std::uint32_t turns_in_all = (1u << 27) - 2;
+/// Kernels of one operation that write the same words.
+inline constexpr std::uint32_t most_passes = 8;
+
+SWIFTGS_HD constexpr std::uint32_t turn_after(std::uint32_t turn) {
+  return turn + 1 == turns_in_all ? 0 : turn + 1;
+}
+
+/// What an operation writes beside its sums: words with another tag are older. Never 0, as cleared memory is.
+SWIFTGS_HD constexpr std::uint32_t tag_of(std::uint32_t turn, std::uint32_t pass = 0) {
+  return turn * most_passes + pass + 1;
+}
+SWIFTGS_HD constexpr std::uint32_t turn_of(std::uint32_t tag) { return (tag - 1) / most_passes; }
+
+/// The copy of the counters to which an operation adds; it clears the other one.
+SWIFTGS_HD constexpr unsigned copy_of(std::uint32_t turn) { return turn % 2; }
+
+/// Tags begin again after days, and a word that no operation has used since would then pass for a new one.
+/// So each operation clears this row of words, unless it uses it: each row comes up within `rows` operations.
+SWIFTGS_HD constexpr std::uint32_t swept_row(std::uint32_t turn, std::uint32_t rows) { return turn % rows; }
+
+/// Counters of the last operation, for kernels that come after it.
+template <class Counters>
+struct LastCounters {
+  const Counters* copies = nullptr;     ///< null: none
+  const std::uint32_t* turn = nullptr;  ///< of the operation that comes next; null: there is one copy
+
+  bool operator==(const LastCounters&) const = default;
+
+  /// Loads all at once: a load that waits for `turn` would take twice as long.
+  SWIFTGS_HD Counters get() const {
+    const Counters even = copies[0], odd = copies[turn ? 1 : 0];
+    const std::uint32_t next = turn ? *turn : 0;
+    return copy_of(next + 1) == 0 ? even : odd;
+  }
+};
+
+/// In device memory.
+template <class Counters>
+struct TurnCounters {
+  std::uint32_t turn;  ///< of the operation that runs, or else of the next
+  Counters copies[2];
+};
+
+/// What a kernel needs of `Turns`.
+template <class Counters>
+struct TurnsView {
+  TurnCounters<Counters>* counters = nullptr;
+  std::uint64_t* words = nullptr;  ///< of running sums
+  std::uint32_t capacity = 0;      ///< words
+
+  SWIFTGS_HD Counters& copy(std::uint32_t turn) const { return counters->copies[copy_of(turn)]; }
+  SWIFTGS_HD Counters& next_copy(std::uint32_t turn) const { return counters->copies[copy_of(turn + 1)]; }
+  LastCounters<Counters> last() const { return {counters->copies, &counters->turn}; }
+};
+
+}  // namespace swiftgs
