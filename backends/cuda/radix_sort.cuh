@@ -149,16 +149,16 @@ class DigitSum {
       std::uint32_t sum = 0;
       bool found = false;
       for (std::uint32_t back = 0; back < count && !found; back += window) {
-        SumWord found_words[window];
+        SumWord seen[window];
 #pragma unroll
         for (unsigned k = 0; k < window; ++k)
-          if (back + k < count) found_words[k] = SumWord::read(word(end - 1 - back - k));
+          if (back + k < count) seen[k] = SumWord::read(word(end - 1 - back - k));
 #pragma unroll
         for (unsigned k = 0; k < window; ++k) {
           if (found || back + k >= count) continue;
-          while (found_words[k].tag() != tag) found_words[k] = SumWord::read(word(end - 1 - back - k));
-          sum += found_words[k].value();
-          found = found_words[k].known() == SumWord::complete;
+          while (seen[k].tag() != tag) seen[k] = SumWord::read(word(end - 1 - back - k));
+          sum += seen[k].value();
+          found = seen[k].known() == SumWord::complete;
         }
       }
       return sum;

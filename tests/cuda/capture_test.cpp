@@ -97,12 +97,12 @@ TEST_CASE("cuda capture: no function of the backend that cannot be captured touc
       refused("sort_pairs", [&] { cuda.sort_pairs(pairs64, 100, 40); });
       refused("now", [&] { (void)cuda.now(); });
       refused("milliseconds", [&] { (void)cuda.milliseconds(first, second); });
-      refused("read", [&] { (void)cuda.read(counts.data()); });
+      refused("read", [&] { (void)cuda.read({counts.data()}); });
       refused("fork", [&] { (void)cuda.fork(); });
     });
     CHECK(nodes_of(graph) == 0);
   }
-  CHECK(cuda.read(counts.data()).instances == 4);
+  CHECK(cuda.read({counts.data()}).instances == 4);
   CHECK(cuda.exclusive_scan(words.span()) == 100);
   CHECK(cuda.milliseconds(first, second));
   CHECK(cudaPeekAtLastError() == cudaSuccess);

@@ -26,7 +26,6 @@ SWIFTGS_HD constexpr std::uint32_t turn_after(std::uint32_t turn) {
 SWIFTGS_HD constexpr std::uint32_t tag_of(std::uint32_t turn, std::uint32_t pass = 0) {
   return turn * most_passes + pass + 1;
 }
-SWIFTGS_HD constexpr std::uint32_t turn_of(std::uint32_t tag) { return (tag - 1) / most_passes; }
 
 /// The copy of the counters to which an operation adds; it clears the other one.
 SWIFTGS_HD constexpr unsigned copy_of(std::uint32_t turn) { return turn % 2; }
@@ -54,8 +53,8 @@ struct LastCounters {
 /// In device memory.
 template <class Counters>
 struct TurnCounters {
-  std::uint32_t turn;  ///< of the operation that runs, or else of the next
   Counters copies[2];
+  std::uint32_t turn;  ///< of the operation that runs, or else of the next
 };
 
 /// What a kernel needs of `Turns`.
