@@ -109,9 +109,9 @@ __global__ void __launch_bounds__(histogram_threads)
 /// Tiles whose counts are added up directly: what lies before them is looked for a group at a time.
 inline constexpr unsigned group_tiles = 8;
 
-/// Rows of words of a pass of so many tiles, a word a digit: one a tile and one a group.
-__host__ __device__ constexpr std::uint32_t radix_rows(std::uint32_t tiles) {
-  return tiles + (tiles + group_tiles - 1) / group_tiles;
+/// Words of a pass of so many tiles: one a tile and one a group, for each digit.
+__host__ __device__ constexpr std::uint32_t radix_words(std::uint32_t tiles) {
+  return (tiles + (tiles + group_tiles - 1) / group_tiles) * digits;
 }
 
 /// How many pairs of one digit lie in the tiles before a block's, by a thread a digit. As `RunningSum`, in
@@ -295,8 +295,8 @@ __global__ void __launch_bounds__(radix_threads)
   shared.moved[thread] = first_of_all + sum.before(added) - first;
   __syncthreads();
   if (pass.last && blockIdx.x + 1 == gridDim.x) {
-    const std::uint32_t row = swept_row(turn, turns.capacity / digits);
-    if (row >= radix_rows(gridDim.x)) turns.words[std::size_t(row) * digits + thread] = 0;
+    const std::uint32_t swept = swept_word(turn, digits, turns.mask);
+    if (swept >= radix_words(gridDim.x) && swept + digits <= turns.capacity) turns.words[swept + thread] = 0;
     if (thread == 0) turns.counters->turn = turn_after(turn);
   }
 #pragma unroll
@@ -319,7 +319,7 @@ void run_radix_sort(Cuda& cuda, Pairs<Cuda, Key>& pairs, std::size_t n, int bits
   if (n > most) throw CapacityError("pairs in one sort", n, most);
   const Digits passes{unsigned(bits)};
   const unsigned tiles = blocks_for(n, radix_tile<Key>);
-  const TurnsView<RadixCounts> view = turns.begin(cuda, std::size_t(radix_rows(tiles)) * digits);
+  const TurnsView<RadixCounts> view = turns.begin(cuda, radix_words(tiles));
   launch("radix_histogram", radix_histogram<Key>, histogram_blocks(n), histogram_threads, cuda.stream(),
          pairs.keys.data(), std::uint32_t(n), passes, view);
   for (unsigned p = 0; p < passes.count; ++p) {

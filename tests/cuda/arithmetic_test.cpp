@@ -3,10 +3,10 @@
 // The arithmetic of kernels, on the host: alphas at their thresholds, boxes that splats touch, bits of
 // footprints.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -212,22 +212,29 @@ TEST_CASE("cuda arithmetic: operations in a row have other tags and alternate be
   CHECK(LastCounters<int>{&alone}.get() == 7);
 }
 
-TEST_CASE("cuda arithmetic: no row of words is older than a few rounds of sweeping") {
-  constexpr std::uint32_t rows = 37;
-  const std::uint32_t begins[] = {0, turns_in_all - 100};
-  for (std::uint32_t turn : begins) {
-    Random random(turn);
-    std::array<int, rows> written{};  // in which operation; 0: cleared
-    int oldest = 0;
-    for (int operation = 1; operation < 1000; ++operation) {
-      const std::uint32_t used = operation % 50 == 1 ? rows : 1 + std::uint32_t(random.bits() % 5);
-      std::fill_n(written.begin(), used, operation);
-      if (const std::uint32_t row = swept_row(turn, rows); row >= used) written[row] = 0;
-      for (const int age : written)
-        if (age != 0) oldest = std::max(oldest, operation - age);
-      turn = turn_after(turn);
+TEST_CASE("cuda arithmetic: no word is older than a few rounds of sweeping") {
+  struct Words {
+    std::uint32_t row, capacity, mask;
+  };
+  for (const Words& words : {Words{1, 37, 63}, Words{1, 64, 63}, Words{4, 150, 255}})
+    for (std::uint32_t turn : {0u, turns_in_all - 100}) {
+      CAPTURE(words.capacity);
+      Random random(turn);
+      const std::uint32_t rows = words.capacity / words.row;
+      std::vector<int> written(words.capacity);  // in which operation; 0: cleared
+      int oldest = 0;
+      for (int operation = 1; operation < 1000; ++operation) {
+        const std::uint32_t used =
+            words.row * (operation % 50 == 1 ? rows : 1 + std::uint32_t(random.bits() % 5));
+        std::fill_n(written.begin(), used, operation);
+        const std::uint32_t swept = swept_word(turn, words.row, words.mask);
+        if (swept >= used && swept + words.row <= words.capacity)
+          std::fill_n(written.begin() + swept, words.row, 0);
+        for (const int age : written)
+          if (age != 0) oldest = std::max(oldest, operation - age);
+        turn = turn_after(turn);
+      }
+      CHECK(oldest > 10);
+      CHECK(oldest <= 2 * 64);
     }
-    CHECK(oldest > 10);
-    CHECK(oldest <= 2 * int(rows));
-  }
 }

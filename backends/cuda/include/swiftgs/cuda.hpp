@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -173,7 +174,8 @@ class Turns {
       cuda.clear(counters_.data(), sizeof(TurnCounters<Counters>));
       cuda.clear(words_.data(), words_.capacity() * sizeof(std::uint64_t));
     }
-    return {counters_.data(), words_.data(), std::uint32_t(words_.capacity())};
+    const auto capacity = std::uint32_t(words_.capacity());
+    return {counters_.data(), words_.data(), capacity, std::bit_ceil(capacity) - 1};
   }
   /// After the last kernel of an operation has been started. It ends the turn on the device.
   void end() { started_ = true; }

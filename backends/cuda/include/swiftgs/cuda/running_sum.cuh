@@ -24,7 +24,8 @@ __device__ std::uint32_t read_turn(const TurnsView<Counters>& turns) {
 /// Ends the turn of an operation with a word a block. For one thread of the last block, after its look-back.
 template <class Counters>
 __device__ void end_turn(const TurnsView<Counters>& turns, std::uint32_t turn) {
-  if (const std::uint32_t row = swept_row(turn, turns.capacity); row >= gridDim.x) turns.words[row] = 0;
+  const std::uint32_t swept = swept_word(turn, 1, turns.mask);
+  if (swept >= gridDim.x && swept < turns.capacity) turns.words[swept] = 0;
   turns.counters->turn = turn_after(turn);
 }
 

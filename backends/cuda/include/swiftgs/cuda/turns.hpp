@@ -31,8 +31,11 @@ SWIFTGS_HD constexpr std::uint32_t tag_of(std::uint32_t turn, std::uint32_t pass
 SWIFTGS_HD constexpr unsigned copy_of(std::uint32_t turn) { return turn % 2; }
 
 /// Tags begin again after days, and a word that no operation has used since would then pass for a new one.
-/// So each operation clears this row of words, unless it uses it: each row comes up within `rows` operations.
-SWIFTGS_HD constexpr std::uint32_t swept_row(std::uint32_t turn, std::uint32_t rows) { return turn % rows; }
+/// So each operation clears the `row` words from this one on, where they exist and it does not use them.
+/// `mask` is one less than a power of two: the rows below it come up in turn.
+SWIFTGS_HD constexpr std::uint32_t swept_word(std::uint32_t turn, std::uint32_t row, std::uint32_t mask) {
+  return turn * row & mask;
+}
 
 /// Counters of the last operation, for kernels that come after it.
 template <class Counters>
@@ -63,6 +66,7 @@ struct TurnsView {
   TurnCounters<Counters>* counters = nullptr;
   std::uint64_t* words = nullptr;  ///< of running sums
   std::uint32_t capacity = 0;      ///< words
+  std::uint32_t mask = 0;          ///< not below `capacity - 1`; of `swept_word`
 
   SWIFTGS_HD Counters& copy(std::uint32_t turn) const { return counters->copies[copy_of(turn)]; }
   SWIFTGS_HD Counters& next_copy(std::uint32_t turn) const { return counters->copies[copy_of(turn + 1)]; }
