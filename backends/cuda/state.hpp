@@ -35,7 +35,7 @@ struct Mailbox {
 /// How many keys have each digit, in each pass of a sort.
 struct RadixCounts {
   static constexpr unsigned digits = 256;
-  std::uint32_t of_pass[most_passes][digits];
+  std::uint32_t of_pass[kernels::most_passes][digits];
 };
 
 /// What a backend keeps from frame to frame.

@@ -275,7 +275,7 @@ TEST_CASE("cuda: counters of the last operation are those of the turn before the
   if (without_device()) return;
   const Cuda cuda;
   const DeviceBuffer<FrameCounts> copies = to_device(std::vector<FrameCounts>{{1, 2}, {3, 4}});
-  for (const std::uint32_t next : {0u, 1u, 2u, 3u, turns_in_all - 1}) {
+  for (const std::uint32_t next : {0u, 1u, 2u, 3u, kernels::turns_in_all - 1}) {
     CAPTURE(next);
     const DeviceBuffer<std::uint32_t> turn = to_device(std::vector<std::uint32_t>{next});
     CHECK(cuda.read({copies.data(), turn.data()}).visible == (next % 2 ? 1 : 3));

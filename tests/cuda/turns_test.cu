@@ -167,9 +167,9 @@ TEST_CASE_TEMPLATE("cuda turns: operations are counted on the device and begin a
   CHECK(operations.small(2));
   CHECK(turn_of(operations.cuda, operations.turns) == 2);
   CHECK(operations.large(3));
-  set_turn(operations.cuda, operations.turns, turns_in_all - 3);  // odd, as the number it replaces
+  set_turn(operations.cuda, operations.turns, kernels::turns_in_all - 3);  // odd, as the number it replaces
   std::uint64_t seed = 4;
-  for (const std::uint32_t next : {turns_in_all - 2, turns_in_all - 1, 0u, 1u, 2u}) {
+  for (const std::uint32_t next : {kernels::turns_in_all - 2, kernels::turns_in_all - 1, 0u, 1u, 2u}) {
     CAPTURE(next);
     const bool right = seed % 2 ? operations.large(seed) : operations.small(seed);
     CHECK(right);

@@ -164,8 +164,8 @@ inline void check_ready(const Cuda& cuda) { cuda.check_not_captured("a frame"); 
 template <class Counters>
 class Turns {
  public:
-  /// For one operation whose running sums take so many words. Clears everything unless the kernels of the
-  /// operation before were all started and had as much memory.
+  /// For one operation whose running sums take so many words. Clears everything if memory grows or the
+  /// kernels of the operation before were not all started.
   TurnsView<Counters> begin(const Cuda& cuda, std::size_t words) {
     const bool keeps = started_ && words <= words_.capacity();
     started_ = false;

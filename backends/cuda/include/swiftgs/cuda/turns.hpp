@@ -12,6 +12,8 @@
 
 namespace swiftgs {
 
+namespace kernels {
+
 /// An operation's number. It ends at an even one, so that copies alternate where it begins again, and early
 /// enough for a tag to fit the 30 bits that a word has for it.
 inline constexpr std::uint32_t turns_in_all = (1u << 27) - 2;
@@ -37,6 +39,8 @@ SWIFTGS_HD constexpr std::uint32_t swept_word(std::uint32_t turn, std::uint32_t 
   return turn * row & mask;
 }
 
+}  // namespace kernels
+
 /// Counters of the last operation, for kernels that come after it.
 template <class Counters>
 struct LastCounters {
@@ -49,7 +53,7 @@ struct LastCounters {
   SWIFTGS_HD Counters get() const {
     const Counters even = copies[0], odd = copies[turn ? 1 : 0];
     const std::uint32_t next = turn ? *turn : 0;
-    return copy_of(next + 1) == 0 ? even : odd;
+    return kernels::copy_of(next + 1) == 0 ? even : odd;
   }
 };
 
@@ -68,8 +72,8 @@ struct TurnsView {
   std::uint32_t capacity = 0;      ///< words
   std::uint32_t mask = 0;          ///< not below `capacity - 1`; of `swept_word`
 
-  SWIFTGS_HD Counters& copy(std::uint32_t turn) const { return counters->copies[copy_of(turn)]; }
-  SWIFTGS_HD Counters& next_copy(std::uint32_t turn) const { return counters->copies[copy_of(turn + 1)]; }
+  SWIFTGS_HD Counters& copy(std::uint32_t turn) const { return counters->copies[kernels::copy_of(turn)]; }
+  SWIFTGS_HD Counters& next_copy(std::uint32_t turn) const { return copy(turn + 1); }
   LastCounters<Counters> last() const { return {counters->copies, &counters->turn}; }
 };
 
