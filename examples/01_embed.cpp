@@ -28,6 +28,7 @@ int main() {
   RenderSettings settings;
   settings.conventions = Conventions::gsplat();
   settings.background = vec3(0.10f, 0.12f, 0.15f);
+  settings.time = true;
 
   // Render each view into its quarter: a pointer to its first pixel, and the distance from row to row, in
   // bytes.

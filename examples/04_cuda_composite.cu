@@ -119,8 +119,10 @@ int main(int argc, char** argv) try {
     draw<<<blocks, threads, 0, stream.get>>>(analytic::view_of(camera), target->plane, surfaces.plane);
     check_cuda(cudaGetLastError(), "draw");
   }
+  RenderSettings settings;
+  settings.time = true;
   renderer.render_into(
-      uploaded.view(), camera, {},
+      uploaded.view(), camera, settings,
       composed(image.plane, {surfaces.plane.data, surfaces.plane.pitch}, alpha.plane, depth.plane));
 
   const std::vector<Rgba8> frame = image.download(stream.get), host = alone.download(stream.get);

@@ -135,9 +135,11 @@ int main(int argc, char** argv) try {
   // One renderer for all: its memory serves each view in turn.
   Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(stream.get())};
   const Region regions[] = {{eye(-1), 0, 0}, {eye(1), eye_width + gap, 0}, {overview(), 0, eye_height + gap}};
+  RenderSettings settings;
+  settings.time = true;
   for (const Region& region : regions) {
     const Plane<Sheet::Pixel> sheet{static_cast<Sheet::Pixel*>(memory), pitch};
-    renderer.render_into(gaussians.view, region.camera, {},
+    renderer.render_into(gaussians.view, region.camera, settings,
                          {.width = region.camera.width,
                           .height = region.camera.height,
                           .colour = {sheet.row(region.y) + region.x, pitch},

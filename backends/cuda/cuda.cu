@@ -89,16 +89,16 @@ void Cuda::State::check_not_captured(const char* call) const {
   if (asked == cudaSuccess)
     throw DeviceError(call,
                       "the stream is being captured into a CUDA graph, expected a stream that is not, "
-                      "since a replay would repeat numbers that the host counts up");
+                      "since the host waits for what the device counts in a frame");
   // Any other error is that of whichever call comes next.
 }
 
 namespace kernels {
 /// Writes what the host waits for to its own memory: it sees that sooner than the end of a copy.
-__global__ void post(const FrameCounts* counts, Mailbox* mailbox, std::uint32_t reading) {
-  mailbox->counts = *counts;
-  cuda::atomic_ref<std::uint32_t, cuda::thread_scope_system>(mailbox->reading)
-      .store(reading, cuda::memory_order_release);
+__global__ void post(const LastCounters<FrameCounts> counts, Mailbox* mailbox) {
+  mailbox->counts = counts.get();
+  cuda::atomic_ref<std::uint32_t, cuda::thread_scope_system>(mailbox->posted)
+      .store(1, cuda::memory_order_release);
 }
 }  // namespace kernels
 
@@ -150,7 +150,18 @@ void Cuda::clear(void* memory, std::size_t bytes) const {
   if (bytes != 0) check_cuda(cudaMemsetAsync(memory, 0, bytes, stream()), "cudaMemsetAsync");
 }
 
-FrameCounts Cuda::read(const FrameCounts* counts) const {
+int Cuda::multiprocessors() const {
+  int& count = state_->multiprocessors;
+  if (count == 0) {
+    int device = 0;
+    check_cuda(cudaGetDevice(&device), "cudaGetDevice");
+    check_cuda(cudaDeviceGetAttribute(&count, cudaDevAttrMultiProcessorCount, device),
+               "cudaDeviceGetAttribute");
+  }
+  return count;
+}
+
+FrameCounts Cuda::read(LastCounters<FrameCounts> counts) const {
   check_not_captured("read");
   if (!state_->mailbox) {
     void* memory = nullptr;
@@ -158,10 +169,13 @@ FrameCounts Cuda::read(const FrameCounts* counts) const {
     state_->mailbox.reset(new (memory) Mailbox{});
   }
   Mailbox& mailbox = *state_->mailbox;
-  const std::uint32_t reading = ++state_->readings;
-  launch("post", kernels::post, 1, 1, stream(), counts, &mailbox, reading);
-  const std::atomic_ref<std::uint32_t> posted(mailbox.reading);
-  for (unsigned looks = 1; posted.load(std::memory_order_acquire) != reading; ++looks) {
+  // If an error ended the wait before, its answer must not be taken for this one's.
+  if (state_->awaited) state_->wait();
+  const std::atomic_ref<std::uint32_t> posted(mailbox.posted);
+  posted.store(0, std::memory_order_relaxed);
+  launch("post", kernels::post, 1, 1, stream(), counts, &mailbox);
+  state_->awaited = true;
+  for (unsigned looks = 1; posted.load(std::memory_order_acquire) == 0; ++looks) {
     if (looks % 1024 != 0) continue;
     const cudaError_t done = cudaStreamQuery(stream());
     if (done == cudaErrorNotReady) {
@@ -172,6 +186,7 @@ FrameCounts Cuda::read(const FrameCounts* counts) const {
     check_cuda(done, "post");
     break;
   }
+  state_->awaited = false;
   return mailbox.counts;
 }
 
@@ -204,21 +219,6 @@ std::optional<double> Cuda::milliseconds(TimePoint from, TimePoint to) const {
   check_cuda(cudaEventElapsedTime(&ms, events[from.serial % events.size()].get(), last),
              "cudaEventElapsedTime");
   return ms;
-}
-
-RunningSums::View RunningSums::next(const Cuda& cuda, std::size_t blocks) {
-  // States carry the epoch that wrote them, so that older ones need not be cleared. Epochs alternate between
-  // even and odd without exception: kernels keep counters of this one and of the next.
-  constexpr std::uint32_t last_epoch = (1u << 30) - 1;
-  const bool over = epoch_ == last_epoch;
-  if (states_.size() < blocks || over || !cleared_) {
-    cleared_ = false;  // until it is, in case that something throws
-    states_.reset(std::max(blocks, states_.size()));
-    cuda.clear(states_.data(), states_.size() * sizeof(std::uint64_t));
-    cleared_ = true;
-  }
-  epoch_ = over ? 2 : epoch_ + 1;
-  return {states_.data(), epoch_};
 }
 
 // Loops of the sorts.

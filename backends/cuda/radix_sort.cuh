@@ -13,11 +13,14 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <utility>
 
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
 #include <swiftgs/cuda/warp.cuh>
+#include <swiftgs/error.hpp>
 
 #include "state.hpp"
 
@@ -37,6 +40,12 @@ struct Digit {
   }
 };
 
+struct Pass {
+  Digit digit;
+  unsigned number;
+  bool last;  ///< of its sort
+};
+
 /// The passes of a sort by so many bits, each by about as many.
 struct Digits {
   unsigned bits, count;
@@ -46,6 +55,7 @@ struct Digits {
     const unsigned begin = bits * pass / count;
     return {begin, bits * (pass + 1) / count - begin};
   }
+  Pass pass(unsigned number) const { return {digit(number), number, number + 1 == count}; }
 };
 
 inline constexpr unsigned histogram_threads = digits;
@@ -58,15 +68,14 @@ inline unsigned histogram_blocks(std::size_t n) {
 /// Adds up how often each digit occurs in each pass, and clears the counts of the next sort.
 template <class Key>
 __global__ void __launch_bounds__(histogram_threads)
-    radix_histogram(const Key* keys, std::uint32_t n, const Digits passes, RadixCounts* counts,
-                    RadixCounts* next_counts) {
+    radix_histogram(const Key* keys, std::uint32_t n, const Digits passes,
+                    const TurnsView<RadixCounts> turns) {
+  const std::uint32_t turn = read_turn(turns);
   // Four times over: neighbouring keys often have the same high digits, and would wait for each other.
   constexpr unsigned copies = 4;
-  __shared__ std::uint32_t shared[RadixCounts::most_passes][digits][copies];
+  __shared__ std::uint32_t shared[most_passes][digits][copies];
   for (unsigned p = 0; p < passes.count; ++p)
     for (unsigned c = 0; c < copies; ++c) shared[p][threadIdx.x][c] = 0;
-  if (blockIdx.x == 0)
-    for (unsigned p = 0; p < RadixCounts::most_passes; ++p) next_counts->of_pass[p][threadIdx.x] = 0;
   __syncthreads();
 
   constexpr unsigned block_items = histogram_threads * histogram_items;
@@ -91,15 +100,17 @@ __global__ void __launch_bounds__(histogram_threads)
   for (unsigned p = 0; p < passes.count; ++p) {
     std::uint32_t count = 0;
     for (unsigned c = 0; c < copies; ++c) count += shared[p][threadIdx.x][c];
-    if (count != 0) atomicAdd(&counts->of_pass[p][threadIdx.x], count);
+    if (count != 0) atomicAdd(&turns.copy(turn).of_pass[p][threadIdx.x], count);
   }
+  if (blockIdx.x == 0)
+    for (unsigned p = 0; p < most_passes; ++p) turns.next_copy(turn).of_pass[p][threadIdx.x] = 0;
 }
 
 /// Tiles whose counts are added up directly: what lies before them is looked for a group at a time.
 inline constexpr unsigned group_tiles = 8;
 
 /// Words of a pass of so many tiles: one a tile and one a group, for each digit.
-inline std::size_t radix_states(std::size_t tiles) {
+__host__ __device__ constexpr std::uint32_t radix_words(std::uint32_t tiles) {
   return (tiles + (tiles + group_tiles - 1) / group_tiles) * digits;
 }
 
@@ -108,8 +119,8 @@ inline std::size_t radix_states(std::size_t tiles) {
 /// by. Blocks start in the order of their indices, as there.
 class DigitSum {
  public:
-  __device__ DigitSum(RunningSums::View sums, std::uint32_t tiles)
-      : tiles_{sums.states, sums.epoch}, groups_{sums.states + std::size_t(tiles) * digits, sums.epoch} {}
+  __device__ DigitSum(std::uint64_t* words, std::uint32_t tag)
+      : tiles_{words, tag}, groups_{words + std::size_t(gridDim.x) * digits, tag} {}
 
   /// Tells later tiles how many lie in this one.
   __device__ void add(std::uint32_t count) const { tiles_.publish(blockIdx.x, SumWord::partial, count); }
@@ -129,8 +140,8 @@ class DigitSum {
  private:
   /// The words of all tiles, or of all groups.
   struct Row {
-    std::uint64_t* states;
-    std::uint32_t epoch;
+    std::uint64_t* words;
+    std::uint32_t tag;
 
     /// Sum of the `count` values before that at `end`, or of those after the nearest complete sum, and that.
     __device__ std::uint32_t look_back(std::uint32_t end, std::uint32_t count) const {
@@ -138,25 +149,25 @@ class DigitSum {
       std::uint32_t sum = 0;
       bool found = false;
       for (std::uint32_t back = 0; back < count && !found; back += window) {
-        SumWord words[window];
+        SumWord seen[window];
 #pragma unroll
         for (unsigned k = 0; k < window; ++k)
-          if (back + k < count) words[k] = SumWord::read(state(end - 1 - back - k));
+          if (back + k < count) seen[k] = SumWord::read(word(end - 1 - back - k));
 #pragma unroll
         for (unsigned k = 0; k < window; ++k) {
           if (found || back + k >= count) continue;
-          while (words[k].epoch() != epoch) words[k] = SumWord::read(state(end - 1 - back - k));
-          sum += words[k].value();
-          found = words[k].known() == SumWord::complete;
+          while (seen[k].tag() != tag) seen[k] = SumWord::read(word(end - 1 - back - k));
+          sum += seen[k].value();
+          found = seen[k].known() == SumWord::complete;
         }
       }
       return sum;
     }
     __device__ void publish(std::uint32_t at, std::uint32_t known, std::uint32_t value) const {
-      SumWord(epoch, known, value).write(state(at));
+      SumWord(tag, known, value).write(word(at));
     }
-    __device__ std::uint64_t& state(std::uint32_t at) const {
-      return states[std::size_t(at) * digits + threadIdx.x];
+    __device__ std::uint64_t& word(std::uint32_t at) const {
+      return words[std::size_t(at) * digits + threadIdx.x];
     }
   };
 
@@ -210,13 +221,13 @@ __device__ inline unsigned lanes_with(unsigned digit) {
   return lanes;
 }
 
-/// Sorts by one digit: a block a tile, and a thread a digit of it. `counts` are those of the digit in all
-/// keys.
+/// Sorts by one digit: a block a tile, and a thread a digit of it.
 template <class Key>
 __global__ void __launch_bounds__(radix_threads)
     radix_pass(const Key* keys, const std::uint32_t* values, Key* sorted_keys, std::uint32_t* sorted_values,
-               std::uint32_t n, const Digit digit, const std::uint32_t* counts,
-               const RunningSums::View sums) {
+               std::uint32_t n, const Pass pass, const TurnsView<RadixCounts> turns) {
+  const std::uint32_t turn = read_turn(turns);
+  const Digit digit = pass.digit;
   constexpr unsigned items = radix_items<Key>;
   __shared__ RadixShared<Key> shared;
   const unsigned thread = threadIdx.x, warp = thread / warp_size;
@@ -237,7 +248,7 @@ __global__ void __launch_bounds__(radix_threads)
     const unsigned item = first_item + k * warp_size;
     value[k] = item < size ? values[tile_first + item] : 0;
   }
-  const std::uint32_t of_digit = counts[thread];
+  const std::uint32_t of_digit = turns.copy(turn).of_pass[pass.number][thread];
 
   // Count the warp's digits. A pair's place is, for now, how many of its digit come before it in the warp.
   for (unsigned d = lane_index(); d < digits; d += warp_size) shared.counts[warp][d] = 0;
@@ -256,7 +267,7 @@ __global__ void __launch_bounds__(radix_threads)
   __syncthreads();
 
   // Add up the tile's, and tell later tiles.
-  const DigitSum sum(sums, gridDim.x);
+  const DigitSum sum(turns.words, tag_of(turn, pass.number));
   std::uint32_t count = 0;
 #pragma unroll
   for (unsigned w = 0; w < radix_warps; ++w) {
@@ -283,6 +294,11 @@ __global__ void __launch_bounds__(radix_threads)
   // Move them to where those of earlier tiles end.
   shared.moved[thread] = first_of_all + sum.before(added) - first;
   __syncthreads();
+  if (pass.last && blockIdx.x + 1 == gridDim.x) {
+    const std::uint32_t swept = swept_word(turn, digits, turns.mask);
+    if (swept >= radix_words(gridDim.x) && swept + digits <= turns.capacity) turns.words[swept + thread] = 0;
+    if (thread == 0) turns.counters->turn = turn_after(turn);
+  }
 #pragma unroll
   for (unsigned k = 0; k < items; ++k) {
     const unsigned item = k * radix_threads + thread;
@@ -292,6 +308,27 @@ __global__ void __launch_bounds__(radix_threads)
     sorted_keys[to] = moving;
     sorted_values[to] = shared.pairs.values[item];
   }
+}
+
+/// Starts the kernels of a sort. @see Cuda::sort_pairs
+template <class Key>
+void run_radix_sort(Cuda& cuda, Pairs<Cuda, Key>& pairs, std::size_t n, int bits, Turns<RadixCounts>& turns) {
+  if (n == 0 || bits == 0) return;
+  cuda.check_not_captured("sort_pairs");
+  const std::size_t most = std::numeric_limits<std::uint32_t>::max();
+  if (n > most) throw CapacityError("pairs in one sort", n, most);
+  const Digits passes{unsigned(bits)};
+  const unsigned tiles = blocks_for(n, radix_tile<Key>);
+  const TurnsView<RadixCounts> view = turns.begin(cuda, radix_words(tiles));
+  launch("radix_histogram", radix_histogram<Key>, histogram_blocks(n), histogram_threads, cuda.stream(),
+         pairs.keys.data(), std::uint32_t(n), passes, view);
+  for (unsigned p = 0; p < passes.count; ++p) {
+    launch("radix_pass", radix_pass<Key>, tiles, radix_threads, cuda.stream(), pairs.keys.data(),
+           pairs.values.data(), pairs.spare_keys.data(), pairs.spare_values.data(), std::uint32_t(n),
+           passes.pass(p), view);
+    std::swap(pairs.keys, pairs.spare_keys), std::swap(pairs.values, pairs.spare_values);
+  }
+  turns.end();
 }
 
 }  // namespace swiftgs::kernels

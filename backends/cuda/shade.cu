@@ -87,22 +87,16 @@ __device__ inline vec3 colour_of(int degree, vec3 sh0, const float4* rest, vec3 
   }
 }
 
-/// How many splats there are: as the device knows, or else the host.
-struct Count {
-  const std::uint64_t* known_here;
-  std::uint64_t known_there;
-
-  __device__ std::size_t get() const { return std::size_t(known_here ? *known_here : known_there); }
-};
-
-/// Evaluates the colours of all splats, a warp 32 at a time and a lane one of them.
+/// Evaluates the colours of all splats, a warp 32 at a time and a lane one of them. Where the device has not
+/// counted them there are as many as there may be, `most`.
 __global__ void __launch_bounds__(shade_threads)
     shade(const __grid_constant__ ViewConstants camera, const __grid_constant__ SceneView scene,
-          const Count count, const std::uint32_t* gaussians, const float* depths, SplatColour* colours,
-          std::uint32_t* hidden) {
+          const LastCounters<FrameCounts> counts, std::size_t most, const std::uint32_t* gaussians,
+          const float* depths, SplatColour* colours, std::uint32_t* hidden) {
   __shared__ float4 shared[shade_warps][warp_size * rest_pitch(max_sh_degree)];
   float4* const rest = shared[threadIdx.x / warp_size];
-  const std::size_t splats = count.get(), step = std::size_t(gridDim.x) * shade_threads;
+  const std::size_t splats = counts.copies ? std::size_t(counts.get().visible) : most;
+  const std::size_t step = std::size_t(gridDim.x) * shade_threads;
   for (std::size_t first = blockIdx.x * shade_threads + threadIdx.x - lane_index(); first < splats;
        first += step) {
     const std::size_t at = first + lane_index();
@@ -126,25 +120,17 @@ Shading<Cuda> shade(Cuda& cuda, const FrameInput& input, const Splats<Cuda>& spl
   cuda.check_not_captured("shade");
   const View& view = only_view(input.views);
   const SceneView& scene = only_scene(input.scenes);
-  int device = 0, multiprocessors = 0;
-  check_cuda(cudaGetDevice(&device), "cudaGetDevice");
-  check_cuda(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device),
-             "cudaDeviceGetAttribute");
-  FrameControl* const control = splats.pending.control;
-  const std::size_t most = control ? splats.shapes.size() : splats.count;
-  colours.each.reset(most);
-  std::uint32_t* hidden = control ? &control->hidden : nullptr;
-  if (!hidden) {
-    colours.hidden.reset(1), hidden = colours.hidden.data();
-    cuda.clear(hidden, sizeof *hidden);
-  }
+  const std::size_t most = splats.pending ? splats.shapes.size() : splats.count;
+  colours.each.reset(most), colours.hidden.reset(1);
+  std::uint32_t* const hidden = colours.hidden.data();
+  const unsigned blocks = std::min(blocks_for(most, kernels::shade_threads),
+                                   unsigned(cuda.multiprocessors() * kernels::shade_blocks));
   Cuda::Fork fork = cuda.fork();
-  const unsigned blocks =
-      std::min(blocks_for(most, kernels::shade_threads), unsigned(multiprocessors * kernels::shade_blocks));
+  check_cuda(cudaMemsetAsync(hidden, 0, sizeof *hidden, fork.stream()), "cudaMemsetAsync");
   if (blocks != 0)
     launch("shade", kernels::shade, blocks, kernels::shade_threads, fork.stream(), view.camera, scene,
-           kernels::Count{control ? &control->counts.visible : nullptr, most}, splats.gaussians.data(),
-           splats.depths.data(), colours.each.data(), hidden);
+           splats.pending.counts, most, splats.gaussians.data(), splats.depths.data(), colours.each.data(),
+           hidden);
   return Shading<Cuda>(std::move(fork), splats, colours.each.data(), hidden);
 }
 

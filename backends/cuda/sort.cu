@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <utility>
 
 #include <cub/device/device_reduce.cuh>
 #include <cub/device/device_scan.cuh>
@@ -54,38 +52,14 @@ std::uint64_t Cuda::exclusive_scan(Span<std::uint32_t> counts) {
   return total;
 }
 
-template <class Key>
-void Cuda::radix_sort(Pairs<Cuda, Key>& pairs, std::size_t n, int bits) {
-  if (n == 0 || bits == 0) return;
-  check_not_captured("sort_pairs");
-  const std::size_t most = std::numeric_limits<std::uint32_t>::max();
-  if (n > most) throw CapacityError("pairs in one sort", n, most);
-  const kernels::Digits passes{unsigned(bits)};
-  const unsigned tiles = blocks_for(n, kernels::radix_tile<Key>);
-  RadixCounts* const both = state_->digit_counts.begin(*this);
-  RadixCounts* const counts = both + state_->sorts % 2;
-  RadixCounts* const next_counts = both + (state_->sorts + 1) % 2;
-  ++state_->sorts;
-  launch("radix_histogram", kernels::radix_histogram<Key>, kernels::histogram_blocks(n),
-         kernels::histogram_threads, stream(), pairs.keys.data(), std::uint32_t(n), passes, counts,
-         next_counts);
-  for (unsigned p = 0; p < passes.count; ++p) {
-    launch("radix_pass", kernels::radix_pass<Key>, tiles, kernels::radix_threads, stream(), pairs.keys.data(),
-           pairs.values.data(), pairs.spare_keys.data(), pairs.spare_values.data(), std::uint32_t(n),
-           passes.digit(p), counts->of_pass[p], state_->digit_sums.next(*this, kernels::radix_states(tiles)));
-    std::swap(pairs.keys, pairs.spare_keys), std::swap(pairs.values, pairs.spare_values);
-  }
-  state_->digit_counts.end();
-}
-
 void Cuda::sort_pairs(Pairs<Cuda, std::uint16_t>& pairs, std::size_t n, int bits) {
-  radix_sort(pairs, n, bits);
+  kernels::run_radix_sort(*this, pairs, n, bits, state_->sorts);
 }
 void Cuda::sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, std::size_t n, int bits) {
-  radix_sort(pairs, n, bits);
+  kernels::run_radix_sort(*this, pairs, n, bits, state_->sorts);
 }
 void Cuda::sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, std::size_t n, int bits) {
-  radix_sort(pairs, n, bits);
+  kernels::run_radix_sort(*this, pairs, n, bits, state_->sorts);
 }
 
 }  // namespace swiftgs

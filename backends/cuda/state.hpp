@@ -26,16 +26,16 @@ struct FreeHost {
 using OwnedEvent = std::unique_ptr<CUevent_st, detail::DestroyEvent>;
 using OwnedStream = std::unique_ptr<CUstream_st, detail::DestroyStream>;
 
-/// Host memory in which a kernel leaves counts, and which reading they answer.
+/// Host memory in which a kernel leaves counts.
 struct Mailbox {
   FrameCounts counts;
-  std::uint32_t reading = 0;
+  std::uint32_t posted = 0;  ///< not 0 once they are there
 };
 
 /// How many keys have each digit, in each pass of a sort.
 struct RadixCounts {
-  static constexpr unsigned most_passes = 8, digits = 256;
-  std::uint32_t of_pass[most_passes][digits];
+  static constexpr unsigned digits = 256;
+  std::uint32_t of_pass[kernels::most_passes][digits];
 };
 
 /// What a backend keeps from frame to frame.
@@ -59,14 +59,13 @@ struct Cuda::State {
   std::array<OwnedEvent, 256> events;                  ///< a ring, made as they are needed
   std::uint64_t points = 0;                            ///< taken so far
   std::unique_ptr<Mailbox, detail::FreeHost> mailbox;  ///< made when it is needed
-  std::uint32_t readings = 0;                          ///< asked for so far
+  bool awaited = false;                                ///< whether a kernel may still post to it
+  int multiprocessors = 0;                             ///< 0: not yet asked for
 
   DeviceBuffer<std::byte> temporary;  ///< of CUB
   DeviceBuffer<std::uint64_t> total;  ///< of a scan
 
-  AlternatingCounters<RadixCounts> digit_counts;  ///< of sorts
-  RunningSums digit_sums;                         ///< of their passes
-  std::uint32_t sorts = 0;                        ///< so far
+  Turns<RadixCounts> sorts;
 };
 
 }  // namespace swiftgs

@@ -55,12 +55,12 @@ double median(std::vector<double> values) {
 }
 
 /// Renders one view `repeats` times after a frame that is not timed; each stage's median.
-StageTimes timed(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings, int repeats,
-                 Frame& frame) {
+StageTimes times_of(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings, int repeats,
+                    Frame& frame) {
   std::vector<double> project, sort, raster, total;
   renderer.render(camera, settings, frame);
   for (int i = 0; i < repeats; ++i) {
-    renderer.render(camera, settings, frame);
+    renderer.render(camera, timed(settings), frame);
     const StageTimes ms = renderer.times();
     project.push_back(ms.project), sort.push_back(ms.sort);
     raster.push_back(ms.raster), total.push_back(ms.total);
@@ -75,7 +75,7 @@ CheckResult judge(const Task& task, std::size_t view, AnyRenderer& renderer, Fra
                      .view = task.views[view].name,
                      .width = camera.width,
                      .height = camera.height,
-                     .ms = timed(renderer, camera, task.settings, task.repeats, frame),
+                     .ms = times_of(renderer, camera, task.settings, task.repeats, frame),
                      .psnr_db = psnr(frame.colour, task.references[view]),
                      .max_abs = max_abs_difference(frame.colour, task.references[view]),
                      .photo_psnr_db = std::nullopt};

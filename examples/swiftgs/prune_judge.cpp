@@ -11,10 +11,10 @@ namespace swiftgs::cli {
 namespace {
 
 /// Median time of three frames after one that is not timed. @units{milliseconds}
-double timed(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings, Frame& frame) {
+double time_of(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings, Frame& frame) {
   std::array<double, 3> ms;
   renderer.render(camera, settings, frame);
-  for (double& time : ms) renderer.render(camera, settings, frame), time = renderer.times().total;
+  for (double& time : ms) renderer.render(camera, timed(settings), frame), time = renderer.times().total;
   std::sort(ms.begin(), ms.end());
   return ms[1];
 }
@@ -35,7 +35,7 @@ PruneSide judge(const HeldOut& held_out, const std::shared_ptr<const Scene>& sce
   std::size_t photos = 0;
   for (std::size_t i = 0; i < held_out.views.size(); ++i) {
     progress.start(held_out.views[i].name);
-    add_to(side.ms, timed(*renderer, held_out.views[i].camera, held_out.settings, frame));
+    add_to(side.ms, time_of(*renderer, held_out.views[i].camera, held_out.settings, frame));
     for (float& value : frame.colour) value = std::clamp(value, 0.0f, 1.0f);  // what a photograph can hold
     if (first)
       unpruned.push_back(frame.colour);

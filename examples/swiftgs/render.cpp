@@ -86,7 +86,7 @@ void render(const RenderOptions& options) {
   renderer->render(views.front().camera, settings, frame);
   for (const View& view : views) {
     progress.start(view.name);
-    renderer->render(view.camera, settings, frame);
+    renderer->render(view.camera, timed(settings), frame);
     const StageTimes ms = renderer->times();
     totals.push_back(ms.total);
     const std::filesystem::path file =

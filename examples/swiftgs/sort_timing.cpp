@@ -119,7 +119,7 @@ std::vector<FrameTimes> time_in_turn(const std::vector<AnyRenderer*>& renderers,
       const std::size_t i = order[place];
       if (last != renderers[i]) renderers[i]->render_resident(view.camera, settings);
       last = renderers[i];
-      renderers[i]->render_resident(view.camera, settings);
+      renderers[i]->render_resident(view.camera, timed(settings));
       const StageTimes ms = renderers[i]->times();
       of_turns[i].sort.push_back(ms.sort), of_turns[i].total.push_back(ms.total);
     }

@@ -57,4 +57,10 @@ RenderSettings settings_of(const ViewOptions& options);
 /// The same for `scene`: anti-aliased if it was trained so.
 RenderSettings settings_for(RenderSettings settings, const Scene& scene);
 
+/// The same, with the times of stages.
+inline RenderSettings timed(RenderSettings settings) {
+  settings.time = true;
+  return settings;
+}
+
 }  // namespace swiftgs::cli

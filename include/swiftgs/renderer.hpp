@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -32,6 +33,7 @@ struct RenderSettings {
   vec3 background{0};
   Outputs outputs;     ///< of `render`; `render_into` computes what its frame points to
   bool count = false;  ///< fill the raster part of `Statistics`, which costs some time
+  bool time = false;   ///< take the `times` of the frame, which costs a device some microseconds
 };
 
 /// Throws `std::invalid_argument` where nothing can be rendered with `settings`.
@@ -78,29 +80,32 @@ class Renderer {
                    const FrameView& frame) {
     check_arguments(scene, camera, settings, frame);
     check_ready(backend_);
-    counted_ = false;
+    counted_ = timed_ = false;
+    const auto take_time = [&](std::size_t point) {
+      if (settings.time) points_[point] = backend_.now();
+    };
     SquareCounts* counts = nullptr;
     if (settings.count) square_counts_.reset(Squares(frame).size()), counts = square_counts_.data();
 
     const View view = make_view(camera, settings.conventions, frame, settings.background);
     const SceneInstance instance{scene};
     const FrameInput input{{&view, 1}, {&instance, 1}};
-    const auto start = backend_.now();
+    take_time(0);
     project(backend_, input, Bounds{}, project_scratch_, splats_, footprints_);
     Shading<B> shading = shade(backend_, input, splats_, colours_);
     bin(backend_, input.views, Bounds{}, splats_, footprints_);
+    take_time(1);
 
-    const auto projected = backend_.now();
     const FrameKey key{scene.identity, scene.size(), frame.width, frame.height};
     sort_.build(backend_, SortJob<Bounds>{splats_.view(), footprints_.view(), key}, Bounds{}, sort_scratch_,
                 lists_);
+    take_time(2);
 
-    const auto sorted = backend_.now();
     rasterize(backend_, Raster{},
               RasterJob{splats_.view(), shading.finish(), lists_.view(), input.views, counts});
+    take_time(3);
 
-    points_ = {start, projected, sorted, backend_.now()};
-    counted_ = settings.count;
+    counted_ = settings.count, timed_ = settings.time;
     gaussians_ = scene.size();
   }
 
@@ -146,12 +151,13 @@ class Renderer {
     return frame;
   }
 
-  /// Durations of the last frame's stages. Does not wait: they are not a number until the frame is finished.
-  /// @units{milliseconds}
+  /// Durations of the last frame's stages. Not a number unless the settings asked for them and the frame is
+  /// finished: this does not wait. @units{milliseconds}
   StageTimes times() {
-    const auto ms = [&](int from, int to) {
-      return backend_.milliseconds(points_[from], points_[to])
-          .value_or(std::numeric_limits<double>::quiet_NaN());
+    const auto ms = [&](std::size_t from, std::size_t to) {
+      const std::optional<double> taken =
+          timed_ ? backend_.milliseconds(points_[from], points_[to]) : std::nullopt;
+      return taken.value_or(std::numeric_limits<double>::quiet_NaN());
     };
     return {ms(0, 1), ms(1, 2), ms(2, 3), ms(0, 3)};
   }
@@ -234,7 +240,7 @@ class Renderer {
     typename B::template Buffer<float> colour, alpha, depth;
   } frame_;  ///< of `render_resident`
   std::array<typename B::TimePoint, 4> points_{};
-  bool counted_ = false;
+  bool counted_ = false, timed_ = false;
   std::size_t gaussians_ = 0;
 };
 

@@ -23,7 +23,7 @@ std::vector<std::string> frames_and_marks(const std::string& renderer) {
   ScriptedRenderer scripted(
       renderer, [](int) { return 1.0; }, &calls);
   Session session;
-  session.views.assign(3, View{builtin_camera(), "front"});
+  session.views.assign(3, cli::View{builtin_camera(), "front"});
   draw_marked(scripted, session, [&](bool on) { calls.emplace_back(on ? "begin" : "end"); });
   return calls;
 }

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <vector>
 
 #include <doctest/doctest.h>
 
 #include <swiftgs/cuda/find_bit.hpp>
+#include <swiftgs/cuda/turns.hpp>
 
 #include "blending.hpp"
 #include "box_touched.hpp"
@@ -183,4 +185,56 @@ TEST_CASE("cuda arithmetic: harmonics fit their words and lanes read them from d
     for (unsigned lane = 0; lane < 8; ++lane) banks.insert(lane * rest_pitch(degree) % 8);
     CHECK(banks.size() == 8);
   }
+}
+
+TEST_CASE("cuda arithmetic: operations in a row have other tags and alternate between copies") {
+  const std::uint32_t begins[] = {0, 12'345, turns_in_all - 5};
+  for (std::uint32_t turn : begins) {
+    std::set<std::uint32_t> tags;
+    for (int i = 0; i < 10; ++i) {
+      CAPTURE(turn);
+      for (std::uint32_t pass = 0; pass < most_passes; ++pass) {
+        const std::uint32_t tag = tag_of(turn, pass);
+        CHECK(tag != 0);  // as cleared memory
+        CHECK(tag < 1u << 30);
+        CHECK(tags.insert(tag).second);
+      }
+      const std::uint32_t next = turn_after(turn);
+      CHECK(next < turns_in_all);
+      CHECK(copy_of(next) != copy_of(turn));
+      const int copies[] = {0, 1};
+      CHECK(LastCounters<int>{copies, &next}.get() == int(copy_of(turn)));
+      turn = next;
+    }
+    CHECK(tags.size() == 10 * most_passes);
+  }
+  const int alone = 7;
+  CHECK(LastCounters<int>{&alone}.get() == 7);
+}
+
+TEST_CASE("cuda arithmetic: no word is older than a few rounds of sweeping") {
+  struct Words {
+    std::uint32_t row, capacity, mask;
+  };
+  for (const Words& words : {Words{1, 37, 63}, Words{1, 64, 63}, Words{4, 150, 255}})
+    for (std::uint32_t turn : {0u, turns_in_all - 100}) {
+      CAPTURE(words.capacity);
+      Random random(turn);
+      const std::uint32_t rows = words.capacity / words.row;
+      std::vector<int> written(words.capacity);  // in which operation; 0: cleared
+      int oldest = 0;
+      for (int operation = 1; operation < 1000; ++operation) {
+        const std::uint32_t used =
+            words.row * (operation % 50 == 1 ? rows : 1 + std::uint32_t(random.bits() % 5));
+        std::fill_n(written.begin(), used, operation);
+        const std::uint32_t swept = swept_word(turn, words.row, words.mask);
+        if (swept >= used && swept + words.row <= words.capacity)
+          std::fill_n(written.begin() + swept, words.row, 0);
+        for (const int age : written)
+          if (age != 0) oldest = std::max(oldest, operation - age);
+        turn = turn_after(turn);
+      }
+      CHECK(oldest > 10);
+      CHECK(oldest <= 2 * 64);
+    }
 }

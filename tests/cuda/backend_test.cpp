@@ -258,6 +258,41 @@ TEST_CASE("cuda: a point in time can be read until 255 later ones have been take
   CHECK(cuda.milliseconds(late, late) == 0.0);
 }
 
+TEST_CASE("cuda: each reading gives what the counts were when it was asked for") {
+  if (without_device()) return;
+  const Cuda cuda;
+  DeviceBuffer<FrameCounts> counts;
+  for (std::uint64_t i = 1; i < 200; ++i) {
+    const FrameCounts written{i, i << 33};
+    copy_to_device(Span<const FrameCounts>{&written, 1}, counts);
+    const FrameCounts found = cuda.read({counts.data()});
+    CHECK(found.visible == written.visible);
+    CHECK(found.instances == written.instances);
+  }
+}
+
+TEST_CASE("cuda: counters of the last operation are those of the turn before the next") {
+  if (without_device()) return;
+  const Cuda cuda;
+  const DeviceBuffer<FrameCounts> copies = to_device(std::vector<FrameCounts>{{1, 2}, {3, 4}});
+  for (const std::uint32_t next : {0u, 1u, 2u, 3u, kernels::turns_in_all - 1}) {
+    CAPTURE(next);
+    const DeviceBuffer<std::uint32_t> turn = to_device(std::vector<std::uint32_t>{next});
+    CHECK(cuda.read({copies.data(), turn.data()}).visible == (next % 2 ? 1 : 3));
+  }
+}
+
+TEST_CASE("cuda: a backend has as many multiprocessors as its device") {
+  if (without_device()) return;
+  const Cuda cuda;
+  int device = 0, count = 0;
+  check_cuda(cudaGetDevice(&device), "cudaGetDevice");
+  check_cuda(cudaDeviceGetAttribute(&count, cudaDevAttrMultiProcessorCount, device),
+             "cudaDeviceGetAttribute");
+  CHECK(cuda.multiprocessors() == count);
+  CHECK(cuda.multiprocessors() == count);
+}
+
 TEST_CASE("cuda: a buffer grows and keeps its memory when less is asked for") {
   if (without_device()) return;
   DeviceBuffer<float> buffer;

@@ -98,12 +98,12 @@ TEST_CASE("cuda capture: no function of the backend that cannot be captured touc
       refused("sort_pairs", [&] { cuda.sort_pairs(pairs64, 100, 40); });
       refused("now", [&] { (void)cuda.now(); });
       refused("milliseconds", [&] { (void)cuda.milliseconds(first, second); });
-      refused("read", [&] { (void)cuda.read(counts.data()); });
+      refused("read", [&] { (void)cuda.read({counts.data()}); });
       refused("fork", [&] { (void)cuda.fork(); });
     });
     CHECK(nodes_of(graph) == 0);
   }
-  CHECK(cuda.read(counts.data()).instances == 4);
+  CHECK(cuda.read({counts.data()}).instances == 4);
   CHECK(cuda.exclusive_scan(words.span()) == 100);
   CHECK(cuda.milliseconds(first, second));
   CHECK(cudaPeekAtLastError() == cudaSuccess);
@@ -159,9 +159,9 @@ TEST_CASE_TEMPLATE("cuda capture: a renderer refuses frames and draws as before 
   Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(stream.get())};
   const Camera camera = forward_camera(150, 90), larger = forward_camera(400, 300);
   const DeviceScene scene = renderer.backend().upload(random_scene(4000, 2, 3));
-  const Frame expected = renderer.render(scene, camera);
-  RenderSettings counting;
-  counting.count = true;
+  RenderSettings counting, timing;
+  counting.count = timing.time = true;
+  const Frame expected = renderer.render(scene, camera, timing);
   DeviceFrame image(400, 300);
   stream.wait();
   for (const cudaStreamCaptureMode mode : modes)

@@ -199,7 +199,7 @@ TEST_CASE_TEMPLATE("cuda embedding: a frame is drawn while its host polls a stre
   const Scene scene = random_scene(4000, 1, 9);
   const Camera camera = forward_camera(150, 90);
   RenderSettings settings = with_planes();
-  settings.count = true;
+  settings.count = settings.time = true;
   const Stream stream, polled;
   Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(stream.get())};
   const auto uploaded = renderer.backend().upload(scene);

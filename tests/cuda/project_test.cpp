@@ -9,6 +9,7 @@
 #include <swiftgs/builtin_scene.hpp>
 
 #include "cuda/device.hpp"
+#include "policies/contribution_sums.hpp"
 #include "support/one_view.hpp"
 
 using namespace swiftgs;
@@ -291,6 +292,28 @@ TEST_CASE("cuda project: colours of a frame that is given up do not get into the
     CHECK(
         same_bits(stage.run(scene.view(), near, Conventions::gsplat(), Ellipse{}).colours, expected.colours));
   }
+}
+
+TEST_CASE("cuda project: whether a splat is hidden is said of each frame anew") {
+  if (without_device()) return;
+  Stage stage;
+  const DeviceScene usual = stage.cuda.upload(random_scene(3000, 3, 10));
+  const DeviceScene hiding = stage.cuda.upload(scene_with_hidden(3000, 10));
+  const Camera camera = forward_camera(320, 200);
+  const auto hides = [&](const DeviceScene& scene) {
+    const OneView frame(camera, Conventions::gsplat(), scene.view());
+    Footprints<Cuda, Ellipse>& footprints = stage.footprints(Ellipse{});
+    project(stage.cuda, frame.input(), Ellipse{}, stage.scratch, stage.splats, footprints);
+    const auto word = [&](Shading<Cuda> shading) {
+      return to_host(stage.cuda, Span<const std::uint32_t>{shading.finish().hidden, 1}).at(0);
+    };
+    const std::uint32_t counted_there = word(shade(stage.cuda, frame.input(), stage.splats, stage.colours));
+    bin(stage.cuda, frame.views(), Ellipse{}, stage.splats, footprints);
+    REQUIRE(stage.splats.count > 100);
+    CHECK(word(shade(stage.cuda, frame.input(), stage.splats, stage.colours)) == counted_there);
+    return counted_there != 0;
+  };
+  for (const bool hidden : {false, true, true, false, false}) CHECK(hides(hidden ? hiding : usual) == hidden);
 }
 
 TEST_CASE("cuda project: every run gives the same bits") {

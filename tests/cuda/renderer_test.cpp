@@ -163,7 +163,7 @@ TEST_CASE("cuda renderer: counts what it did and says how long it took") {
   Renderer<Serial, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> serial;
   const Scene scene = random_scene(3000, 0, 2);
   RenderSettings settings;
-  settings.count = true;
+  settings.count = settings.time = true;
   renderer.render(renderer.backend().upload(scene), forward_camera(180, 160), settings);
   serial.render(serial.backend().upload(scene), forward_camera(180, 160), settings);
   const Statistics statistics = renderer.statistics(), expected = serial.statistics();

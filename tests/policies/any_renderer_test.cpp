@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 
@@ -46,9 +47,10 @@ TEST_CASE("any renderer: a resident frame is finished and counted as any other")
   renderer->set_scene(small_scene());
   Frame frame;
   renderer->render(small_camera(), {}, frame);
+  CHECK(std::isnan(renderer->times().total));
   const std::size_t instances = renderer->statistics().instances;
   RenderSettings counting;
-  counting.count = true;
+  counting.count = counting.time = true;
   renderer->render_resident(small_camera(), counting);
   CHECK(renderer->times().total > 0);
   CHECK(renderer->statistics().instances == instances);

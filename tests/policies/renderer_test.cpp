@@ -65,7 +65,7 @@ TEST_CASE_TEMPLATE("renderer: counts what it did", B, SWIFTGS_TEST_BACKENDS) {
   AnyOf<B> renderer(make_backend<B>());
   const Scene scene = random_scene(300, 0, 2);
   RenderSettings settings;
-  settings.count = true;
+  settings.count = settings.time = true;
   renderer.render(renderer.backend().upload(scene), forward_camera(80, 60), settings);
   const Statistics statistics = renderer.statistics();
   CHECK(statistics.gaussians == 300);
@@ -166,4 +166,39 @@ TEST_CASE_TEMPLATE("renderer: its memory is that of its stages and grows only wi
   CHECK(renderer.memory().total() == memory.total());
   renderer.render_resident(scene.view(), large, {});
   CHECK(renderer.memory().raster >= 3 * sizeof(float) * 200 * 160);
+}
+
+namespace {
+/// Counts how often it is asked for the time.
+struct Watched : Serial {
+  int asked = 0;
+
+  TimePoint now() {
+    ++asked;
+    return Serial::now();
+  }
+  template <class Key>
+  void sort_pairs(Pairs<Watched, Key>& pairs, std::size_t n, int bits) const {
+    Pairs<Serial, Key> same{std::move(pairs.keys), std::move(pairs.spare_keys), std::move(pairs.values),
+                            std::move(pairs.spare_values)};
+    Serial::sort_pairs(same, n, bits);
+    pairs = {std::move(same.keys), std::move(same.spare_keys), std::move(same.values),
+             std::move(same.spare_values)};
+  }
+};
+}  // namespace
+
+TEST_CASE("renderer: a frame asks for no time unless its settings do") {
+  Renderer<Watched, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer;
+  const auto scene = renderer.backend().upload(random_scene(100, 0, 3));
+  const Camera camera = forward_camera(30, 20);
+  RenderSettings timing;
+  timing.time = true;
+  CHECK(std::isnan(renderer.times().total));
+  renderer.render(scene, camera, timing);
+  CHECK(renderer.backend().asked == 4);
+  CHECK(renderer.times().total >= 0);
+  renderer.render(scene, camera);
+  CHECK(renderer.backend().asked == 4);
+  CHECK(std::isnan(renderer.times().total));  // not those of the frame before
 }

@@ -12,6 +12,7 @@
 #include <swiftgs/sort/adaptive.hpp>
 
 #include "renderer_words.hpp"
+#include "views.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -31,8 +32,9 @@ double percentile(const std::vector<double>& values, double part) {
 void add_frame(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings,
                Samples& samples) {
   using Clock = std::chrono::steady_clock;
+  const RenderSettings with_times = timed(settings);
   const auto start = Clock::now();
-  renderer.render_resident(camera, settings);
+  renderer.render_resident(camera, with_times);
   const double wall = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   const StageTimes ms = renderer.times();
   samples.project.push_back(ms.project), samples.sort.push_back(ms.sort);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -15,6 +16,7 @@
 #include <swiftgs/bin_stage.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/cuda/memory.hpp>
+#include <swiftgs/cuda/turns.hpp>
 #include <swiftgs/footprint.hpp>
 #include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
@@ -33,12 +35,6 @@ struct FrameCounts {
   std::uint64_t instances = 0;
 };
 
-/// What the kernels of a frame tell each other and the host, in device memory.
-struct FrameControl {
-  FrameCounts counts;
-  std::uint32_t hidden = 0;  ///< not 0 if a splat is hidden
-};
-
 /// One NVIDIA GPU: everything runs in the order of one stream, and what a frame computes has the same bits
 /// from run to run. This header compiles without CUDA; policies of your own also need `<swiftgs/cuda.cuh>`
 /// and nvcc.
@@ -47,11 +43,10 @@ struct FrameControl {
 /// is used. Its functions return when their work is in stream order, unless they say that they wait.
 /// All of them throw `DeviceError`, and `CapacityError` where the device's memory does not suffice.
 ///
-/// Frames cannot be captured into a CUDA graph: the host waits for counts of theirs, and kernels tell their
-/// words from older ones by numbers that the host counts up, which a replay would repeat. While the stream is
-/// being captured, all but `for_each`, `clear` and rasterizing finished splats throw `DeviceError` before
-/// they call CUDA, and the capture stays valid. What was allocated must not be destroyed then either: CUDA
-/// does not allow to free memory.
+/// Frames cannot be captured into a CUDA graph: the host reads counts of theirs, and allocates memory for as
+/// many splats and instances as there are. While the stream is being captured, all but `for_each`, `clear`
+/// and rasterizing finished splats throw `DeviceError` before they call CUDA, and the capture stays valid.
+/// What was allocated must not be destroyed then either: CUDA does not allow to free memory.
 class SWIFTGS_API Cuda {
   struct State;
 
@@ -127,6 +122,9 @@ class SWIFTGS_API Cuda {
   /// Memory of the current device, whoever uses it.
   static MemoryUse memory_use();
 
+  /// Of the backend's device, which is asked once.
+  int multiprocessors() const;
+
   /// f(i) for every i in [0, n), a thread each. `f` is copied to the device, and its call is `SWIFTGS_HD`.
   /// Defined in `<swiftgs/cuda.cuh>`.
   template <class F>
@@ -151,59 +149,42 @@ class SWIFTGS_API Cuda {
   void clear(void* memory, std::size_t bytes) const;
 
   /// What `counts` on the device holds: the one place where a frame waits for its device.
-  FrameCounts read(const FrameCounts* counts) const;
+  FrameCounts read(LastCounters<FrameCounts> counts) const;
 
  private:
   void download_bytes(const void* from, void* to, std::size_t bytes) const;
-  template <class Key>
-  void radix_sort(Pairs<Cuda, Key>& pairs, std::size_t n, int bits);
 
   std::unique_ptr<State> state_;
 };
 
 inline void check_ready(const Cuda& cuda) { cuda.check_not_captured("a frame"); }
 
-/// Memory of a running sum that blocks of one kernel hand on to each other, from kernel to kernel. Kernels
-/// that use it cannot be captured.
-class SWIFTGS_API RunningSums {
+/// Memory that operations of one kind hand on to each other: running sums of their kernels' blocks, and
+/// counters, of which there are two copies. An operation adds to one and clears the other for the next.
+template <class Counters>
+class Turns {
  public:
-  /// What a kernel needs of it.
-  struct View {
-    std::uint64_t* states = nullptr;  ///< @shape{blocks}
-    std::uint32_t epoch = 0;
-  };
-
-  /// For one kernel of `blocks` blocks.
-  View next(const Cuda& cuda, std::size_t blocks);
-
-  std::size_t bytes() const { return states_.bytes(); }
-
- private:
-  DeviceBuffer<std::uint64_t> states_;
-  std::uint32_t epoch_ = 0;
-  bool cleared_ = false;
-};
-
-/// Two counters in turn: of kernels that follow each other, one adds to the one and clears the other.
-template <class T>
-class AlternatingCounters {
- public:
-  /// Both, cleared unless the kernels that used them last were all started.
-  T* begin(const Cuda& cuda) {
-    if (!started_) {
-      counters_.reset(2);
-      cuda.clear(counters_.data(), 2 * sizeof(T));
-    }
+  /// For one operation whose running sums take so many words. Clears everything if memory grows or the
+  /// kernels of the operation before were not all started.
+  TurnsView<Counters> begin(const Cuda& cuda, std::size_t words) {
+    const bool keeps = started_ && words <= words_.capacity();
     started_ = false;
-    return counters_.data();
+    counters_.reset(1), words_.reset(words);
+    if (!keeps) {
+      cuda.clear(counters_.data(), sizeof(TurnCounters<Counters>));
+      cuda.clear(words_.data(), words_.capacity() * sizeof(std::uint64_t));
+    }
+    const auto capacity = std::uint32_t(words_.capacity());
+    return {counters_.data(), words_.data(), capacity, std::bit_ceil(capacity) - 1};
   }
-  /// After the last kernel that uses them has been started.
+  /// After the last kernel of an operation has been started. It ends the turn on the device.
   void end() { started_ = true; }
 
-  std::size_t bytes() const { return counters_.bytes(); }
+  std::size_t bytes() const { return bytes_of(counters_, words_); }
 
  private:
-  DeviceBuffer<T> counters_;
+  DeviceBuffer<TurnCounters<Counters>> counters_;
+  DeviceBuffer<std::uint64_t> words_;
   bool started_ = false;
 };
 
@@ -211,17 +192,18 @@ class AlternatingCounters {
 /// before.
 template <>
 struct ProjectScratch<Cuda> {
-  RunningSums sums;
-  AlternatingCounters<FrameControl> controls;
+  Turns<FrameCounts> turns;
+  std::uint64_t projections = 0;  ///< so far
 
-  std::size_t bytes() const { return bytes_of(sums, controls); }
+  std::size_t bytes() const { return turns.bytes(); }
 };
 
 /// A projection whose numbers the host has not read.
 struct PendingProjection {
-  FrameControl* control = nullptr;  ///< null: none
-  std::uint32_t epoch = 0;
+  LastCounters<FrameCounts> counts;
+  std::uint64_t projection = 0;  ///< of the scratch memory's; 0: none
 
+  explicit operator bool() const { return projection != 0; }
   bool operator==(const PendingProjection&) const = default;
 };
 
@@ -305,11 +287,10 @@ struct EmittedSplat {
 /// Memory of emission.
 template <>
 struct InstanceScratch<Cuda> {
-  RunningSums sums;
   DeviceBuffer<EmittedSplat> large;  ///< splats without a mask
-  AlternatingCounters<std::uint32_t> large_counts;
+  Turns<std::uint32_t> turns;        ///< count them
 
-  std::size_t bytes() const { return bytes_of(sums, large, large_counts); }
+  std::size_t bytes() const { return bytes_of(large, turns); }
 };
 
 /// `emit_instances` with the tiles of 32 splats spread over the lanes of a warp.

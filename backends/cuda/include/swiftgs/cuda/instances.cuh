@@ -65,15 +65,10 @@ __device__ void emit_masks(const EmittedSplat& mine, TileGrid grid, const Instan
 }
 
 /// Splats too large for a mask, which a second kernel emits: near the camera, and in depth order next to each
-/// other, they would keep a few warps busy long after all others. Two counters, of this frame and of the
-/// next.
+/// other, they would keep a few warps busy long after all others.
 struct LargeSplats {
-  EmittedSplat* splats;
-  std::uint32_t* counts;
-  std::uint32_t epoch;
-
-  __device__ std::uint32_t& count() const { return counts[epoch % 2]; }
-  __device__ std::uint32_t& next_count() const { return counts[(epoch + 1) % 2]; }
+  const EmittedSplat* splats;
+  LastCounters<std::uint32_t> counts;
 };
 
 /// Writes one pair for each tile of the splats of a block, after those of the blocks before it. A warp writes
@@ -82,14 +77,13 @@ struct LargeSplats {
 template <class Key>
 __global__ void __launch_bounds__(emit_threads)
     emit_instances(const Span<const Footprint> footprints, const float* depths, const TileGrid grid,
-                   const std::uint32_t* order, const Instances<Key> out, const LargeSplats large,
-                   const RunningSums::View sums) {
+                   const std::uint32_t* order, const Instances<Key> out, EmittedSplat* large,
+                   const TurnsView<std::uint32_t> turns) {
   // Apart, or the words around `tiles_of` are loaded with it while one of them is written.
   __shared__ alignas(16) std::uint32_t tiles_of[emit_warps];
-  __shared__ std::uint32_t before_block;
+  __shared__ std::uint32_t before_block, turn_of_block;
   const unsigned warp = threadIdx.x / warp_size;
-  RunningSum sum(sums);
-  if (blockIdx.x == 0 && threadIdx.x == 0) large.next_count() = 0;
+  const std::uint32_t loaded_turn = threadIdx.x == 0 ? read_turn(turns) : 0;
 
   // Load a splat a lane.
   const std::size_t i = std::size_t(blockIdx.x) * emit_threads + threadIdx.x;
@@ -101,15 +95,21 @@ __global__ void __launch_bounds__(emit_threads)
   }
   mine.at = sum_below(mine.footprint.count);
   if (lane_index() == warp_size - 1) tiles_of[warp] = mine.at + mine.footprint.count;
+  if (threadIdx.x == 0) turn_of_block = loaded_turn;
   __syncthreads();
 
   // Find where the block's instances begin, and in them the warp's.
   if (warp == 0) {
     std::uint32_t all = 0;
     for (unsigned w = 0; w < emit_warps; ++w) all += tiles_of[w];
+    const RunningSum sum(turns.words, turn_of_block);
     if (lane_index() == 0) sum.add(all);
     const std::uint32_t before = sum.before(all);
-    if (lane_index() == 0) before_block = before;
+    if (lane_index() == 0) {
+      before_block = before;
+      if (blockIdx.x == 0) turns.next_copy(turn_of_block) = 0;
+      if (blockIdx.x + 1 == gridDim.x) end_turn(turns, turn_of_block);
+    }
   }
   __syncthreads();
   mine.at += before_block;
@@ -117,7 +117,7 @@ __global__ void __launch_bounds__(emit_threads)
 
   emit_masks(mine, grid, out);
   if (mine.footprint.mask == 0 && mine.footprint.count != 0)
-    large.splats[atomicAdd(&large.count(), 1u)] = mine;
+    large[atomicAdd(&turns.copy(turn_of_block), 1u)] = mine;
 }
 
 /// Warps that share a splat of more than `shared_from` tiles; smaller ones are one warp's.
@@ -149,10 +149,11 @@ __global__ void __launch_bounds__(emit_threads)
   const std::uint32_t warp = (blockIdx.x * emit_threads + threadIdx.x) / warp_size,
                       part = warp % warps_of_splat;
   const std::uint32_t step = gridDim.x * emit_warps / warps_of_splat;
-  for (std::uint32_t s = warp / warps_of_splat, turn = 0; s < large.count(); s += step, ++turn) {
+  const std::uint32_t splats = large.counts.get();
+  for (std::uint32_t s = warp / warps_of_splat, round = 0; s < splats; s += step, ++round) {
     const EmittedSplat splat = large.splats[s];
     const bool shared = splat.footprint.count > shared_from;
-    if (!shared && part != turn % warps_of_splat) continue;
+    if (!shared && part != round % warps_of_splat) continue;
     const SplatShape shape = shapes[splat.id];
     const TilesWithin<Bounds> tiles = bounds.tiles(shape, grid);
     const TileRect& rect = tiles.rect;
@@ -192,14 +193,13 @@ std::size_t run_emission(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& b
   if (total == 0) return 0;
   scratch.large.reset(splats);
   const unsigned blocks = blocks_for(splats, emit_threads);
-  const RunningSums::View sums = scratch.sums.next(cuda, blocks);
-  const LargeSplats large{scratch.large.data(), scratch.large_counts.begin(cuda), sums.epoch};
+  const TurnsView<std::uint32_t> turns = scratch.turns.begin(cuda, blocks);
   const Instances<Key> out{instances.keys.data(), instances.values.data(), std::uint32_t(total)};
   launch("emit_instances", emit_instances<Key>, blocks, emit_threads, cuda.stream(), job.footprints.each,
-         job.splats.depths.data, job.grid(), order, out, large, sums);
+         job.splats.depths.data, job.grid(), order, out, scratch.large.data(), turns);
   launch("emit_large", emit_large<Bounds, Key>, emit_large_blocks, emit_threads, cuda.stream(),
-         job.splats.shapes.data, job.grid(), bounds, out, large);
-  scratch.large_counts.end();
+         job.splats.shapes.data, job.grid(), bounds, out, LargeSplats{scratch.large.data(), turns.last()});
+  scratch.turns.end();
   return std::size_t(total);
 }
 

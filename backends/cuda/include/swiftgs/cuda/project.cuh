@@ -16,19 +16,18 @@ namespace swiftgs::kernels {
 inline constexpr unsigned project_threads = 128;
 inline constexpr unsigned project_warps = project_threads / warp_size;
 
-/// Where projection writes to. `controls` are two, of this frame and of the next.
+/// Where projection writes to.
 struct ProjectOutput {
   SplatShape* shapes;
   float* depths;
   std::uint32_t* gaussians;
   Footprint* footprints;
-  FrameControl* controls;
 };
 
 /// What the threads of a block tell each other.
 template <class Bounds>
 struct ProjectShared {
-  std::uint32_t before;
+  std::uint32_t turn, before;
   std::uint32_t visible[project_warps], tiles[project_warps];  ///< of each warp
   FootprintShared<Bounds> footprints[project_warps];
 };
@@ -46,12 +45,10 @@ template <class Bounds>
 __global__ void __launch_bounds__(project_threads)
     project(const __grid_constant__ ViewConstants camera, const __grid_constant__ SceneView scene,
             const TileGrid grid, const Bounds bounds, const ProjectOutput output,
-            const RunningSums::View sums) {
+            const TurnsView<FrameCounts> turns) {
   __shared__ ProjectShared<Bounds> shared;
   const unsigned warp = threadIdx.x / warp_size;
-  RunningSum sum(sums);
-  FrameCounts& counts = output.controls[sums.epoch % 2].counts;
-  if (blockIdx.x == 0 && threadIdx.x == 0) output.controls[(sums.epoch + 1) % 2] = {};
+  const std::uint32_t loaded_turn = threadIdx.x == 0 ? read_turn(turns) : 0;
 
   // Project, and count the visible splats of the block.
   const std::size_t i = std::size_t(blockIdx.x) * project_threads + threadIdx.x;
@@ -59,13 +56,17 @@ __global__ void __launch_bounds__(project_threads)
   if (i < scene.size()) splat = project_shape(camera, load_gaussian(scene, i));
   const unsigned visible_lanes = __ballot_sync(whole_warp, splat.visible);
   if (lane_index() == 0) shared.visible[warp] = std::uint32_t(__popc(visible_lanes));
+  if (threadIdx.x == 0) shared.turn = loaded_turn;
   __syncthreads();
   std::uint32_t slot = std::uint32_t(__popc(visible_lanes & lanes_below())), visible = 0;
   for (unsigned w = 0; w < project_warps; ++w) {
     if (w < warp) slot += shared.visible[w];
     visible += shared.visible[w];
   }
-  if (threadIdx.x == 0) sum.add(visible);
+  if (threadIdx.x == 0) {
+    RunningSum(turns.words, loaded_turn).add(visible);
+    if (blockIdx.x == 0) turns.next_copy(loaded_turn) = {};
+  }
 
   // Find their tiles.
   const Footprint footprint =
@@ -76,13 +77,16 @@ __global__ void __launch_bounds__(project_threads)
 
   // Find where the block's splats begin.
   if (warp == 0) {
-    const std::uint32_t before = sum.before(visible);
+    const std::uint32_t turn = shared.turn, before = RunningSum(turns.words, turn).before(visible);
     std::uint32_t tiles = 0;
     for (const std::uint32_t of_warp : shared.tiles) tiles += of_warp;
     if (lane_index() == 0) {
       shared.before = before;
-      add_instances(counts, tiles);
-      if (blockIdx.x + 1 == gridDim.x) counts.visible = before + visible;
+      add_instances(turns.copy(turn), tiles);
+      if (blockIdx.x + 1 == gridDim.x) {
+        turns.copy(turn).visible = before + visible;
+        end_turn(turns, turn);
+      }
     }
   }
   __syncthreads();
@@ -108,15 +112,14 @@ void run_project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, Proj
   splats.reset(n), footprints.each.reset(n);
   if (n == 0) return;
   const unsigned blocks = blocks_for(n, project_threads);
-  const RunningSums::View sums = scratch.sums.next(cuda, blocks);
-  FrameControl* const controls = scratch.controls.begin(cuda);
+  const TurnsView<FrameCounts> turns = scratch.turns.begin(cuda, blocks);
   launch("project", project<Bounds>, blocks, project_threads, cuda.stream(), view.camera, scene, view.grid,
          bounds,
          ProjectOutput{splats.shapes.data(), splats.depths.data(), splats.gaussians.data(),
-                       footprints.each.data(), controls},
-         sums);
-  scratch.controls.end();
-  splats.pending = footprints.found_by = {controls + sums.epoch % 2, sums.epoch};
+                       footprints.each.data()},
+         turns);
+  scratch.turns.end();
+  splats.pending = footprints.found_by = {turns.last(), ++scratch.projections};
   footprints.grid = view.grid;
 }
 
@@ -125,11 +128,10 @@ void run_bin(Cuda& cuda, Span<const View> views, const Bounds& bounds, Splats<Cu
              Footprints<Cuda, Bounds>& footprints) {
   cuda.check_not_captured("bin");
   const TileGrid grid = only_view(views).grid;
-  const bool found =
-      splats.pending.control && footprints.found_by == splats.pending && footprints.grid == grid;
+  const bool found = splats.pending && footprints.found_by == splats.pending && footprints.grid == grid;
   footprints.found_by = {};
   FrameCounts counts{.visible = splats.count};
-  if (splats.pending.control) counts = cuda.read(&splats.pending.control->counts), splats.pending = {};
+  if (splats.pending) counts = cuda.read(splats.pending.counts), splats.pending = {};
   splats.count = footprints.count = std::size_t(counts.visible);
   if (!found) {
     footprints.each.reset(splats.count), footprints.counts.reset(1);
@@ -138,7 +140,7 @@ void run_bin(Cuda& cuda, Span<const View> views, const Bounds& bounds, Splats<Cu
       launch("find_footprints", find_footprints<Bounds>, blocks_for(splats.count, bin_threads), bin_threads,
              cuda.stream(), splats.view().shapes, grid, bounds, footprints.each.data(),
              footprints.counts.data());
-    counts = cuda.read(footprints.counts.data());
+    counts = cuda.read({footprints.counts.data()});
   }
   footprints.instances = counts.instances, footprints.grid = grid;
 }

@@ -5,32 +5,49 @@
 
 #include <cuda/atomic>
 
-#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/turns.hpp>
 #include <swiftgs/cuda/warp.cuh>
 
 namespace swiftgs::kernels {
 
-/// One word of a running sum: its epoch, how much is known, and the sum, so that nothing beside it has to be
-/// ordered. Words of earlier epochs are there to be overwritten.
+/// The number of the operation that this kernel belongs to. A thread that reads it hands it to the word that
+/// its block publishes, and nobody reads it after that: the block that ends the turn has waited for all
+/// words.
+template <class Counters>
+__device__ std::uint32_t read_turn(const TurnsView<Counters>& turns) {
+  // Not to be moved to where it is needed, and from the multiprocessor's cache where another block asked.
+  std::uint32_t turn;
+  asm volatile("ld.global.ca.u32 %0, [%1];" : "=r"(turn) : "l"(&turns.counters->turn));
+  return turn;
+}
+
+/// Ends the turn of an operation with a word a block. For one thread of the last block, after its look-back.
+template <class Counters>
+__device__ void end_turn(const TurnsView<Counters>& turns, std::uint32_t turn) {
+  const std::uint32_t swept = swept_word(turn, 1, turns.mask);
+  if (swept >= gridDim.x && swept < turns.capacity) turns.words[swept] = 0;
+  turns.counters->turn = turn_after(turn);
+}
+
+/// One word of a running sum: its tag, how much is known, and the sum, so that nothing beside it has to be
+/// ordered. Words with other tags are there to be overwritten.
 class SumWord {
  public:
   /// A block's own value; the sum up to and with it.
   static constexpr std::uint32_t partial = 1, complete = 2;
 
   __device__ SumWord() : bits_(0) {}
-  __device__ SumWord(std::uint32_t epoch, std::uint32_t known, std::uint32_t value)
-      : bits_(std::uint64_t(epoch << 2 | known) << 32 | value) {}
+  __device__ SumWord(std::uint32_t tag, std::uint32_t known, std::uint32_t value)
+      : bits_(std::uint64_t(tag << 2 | known) << 32 | value) {}
 
-  __device__ std::uint32_t epoch() const { return std::uint32_t(bits_ >> 34); }
+  __device__ std::uint32_t tag() const { return std::uint32_t(bits_ >> 34); }
   __device__ std::uint32_t known() const { return std::uint32_t(bits_ >> 32 & 3); }
   __device__ std::uint32_t value() const { return std::uint32_t(bits_); }
 
-  __device__ void write(std::uint64_t& state) const {
-    Atomic(state).store(bits_, cuda::memory_order_relaxed);
-  }
-  __device__ static SumWord read(std::uint64_t& state) {
+  __device__ void write(std::uint64_t& word) const { Atomic(word).store(bits_, cuda::memory_order_relaxed); }
+  __device__ static SumWord read(std::uint64_t& from) {
     SumWord word;
-    word.bits_ = Atomic(state).load(cuda::memory_order_relaxed);
+    word.bits_ = Atomic(from).load(cuda::memory_order_relaxed);
     return word;
   }
 
@@ -44,15 +61,15 @@ class SumWord {
 /// devices start blocks in the order of their indices, on which CUB's scan relies too.
 class RunningSum {
  public:
-  __device__ explicit RunningSum(RunningSums::View sums) : sums_(sums) {}
+  __device__ RunningSum(std::uint64_t* words, std::uint32_t turn) : words_(words), tag_(tag_of(turn)) {}
 
   /// Tells later blocks what this one adds. For one thread.
-  __device__ void add(std::uint32_t value) {
+  __device__ void add(std::uint32_t value) const {
     publish(blockIdx.x == 0 ? SumWord::complete : SumWord::partial, value);
   }
 
   /// Sum of all blocks before this one, which adds `value`. For one whole warp.
-  __device__ std::uint32_t before(std::uint32_t value) {
+  __device__ std::uint32_t before(std::uint32_t value) const {
     std::uint32_t sum = 0;
     for (std::uint32_t end = blockIdx.x; end != 0; end -= min(end, window)) {
       // Look at a window of blocks, the nearest on lane 0. Those before the first block add nothing.
@@ -60,7 +77,7 @@ class RunningSum {
 #pragma unroll
       for (unsigned k = 0; k < words_of_lane; ++k) {
         const unsigned back = lane_index() * words_of_lane + k;
-        words[k] = back < end ? read(end - 1 - back) : SumWord(sums_.epoch, SumWord::complete, 0);
+        words[k] = back < end ? read(end - 1 - back) : SumWord(tag_, SumWord::complete, 0);
       }
       // Add up what lies after the nearest complete sum, and that.
       std::uint32_t of_lane = 0;
@@ -68,7 +85,7 @@ class RunningSum {
 #pragma unroll
       for (unsigned k = 0; k < words_of_lane; ++k) {
         const unsigned back = lane_index() * words_of_lane + k;
-        while (words[k].epoch() != sums_.epoch) words[k] = read(end - 1 - back);
+        while (words[k].tag() != tag_) words[k] = read(end - 1 - back);
         if (!found) of_lane += words[k].value();
         found = found || words[k].known() == SumWord::complete;
       }
@@ -86,12 +103,13 @@ class RunningSum {
   /// has.
   static constexpr unsigned words_of_lane = 4, window = words_of_lane * warp_size;
 
-  __device__ void publish(std::uint32_t known, std::uint32_t value) {
-    SumWord(sums_.epoch, known, value).write(sums_.states[blockIdx.x]);
+  __device__ void publish(std::uint32_t known, std::uint32_t value) const {
+    SumWord(tag_, known, value).write(words_[blockIdx.x]);
   }
-  __device__ SumWord read(std::uint32_t block) const { return SumWord::read(sums_.states[block]); }
+  __device__ SumWord read(std::uint32_t block) const { return SumWord::read(words_[block]); }
 
-  RunningSums::View sums_;
+  std::uint64_t* words_;
+  std::uint32_t tag_;
 };
 
 }  // namespace swiftgs::kernels

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Memory that the kernels of one operation (a projection, an emission, a sort) share with those of the next
+/// operation of its kind. The device counts the operations itself, so that a launch says nothing of what ran
+/// before it.
+
+#include <cstdint>
+
+#include <swiftgs/math.hpp>
+
+namespace swiftgs {
+
+namespace kernels {
+
+/// An operation's number. It ends at an even one, so that copies alternate where it begins again, and early
+/// enough for a tag to fit the 30 bits that a word has for it.
+inline constexpr std::uint32_t turns_in_all = (1u << 27) - 2;
+/// Kernels of one operation that write the same words.
+inline constexpr std::uint32_t most_passes = 8;
+
+SWIFTGS_HD constexpr std::uint32_t turn_after(std::uint32_t turn) {
+  return turn + 1 == turns_in_all ? 0 : turn + 1;
+}
+
+/// What an operation writes beside its sums: words with another tag are older. Never 0, as cleared memory is.
+SWIFTGS_HD constexpr std::uint32_t tag_of(std::uint32_t turn, std::uint32_t pass = 0) {
+  return turn * most_passes + pass + 1;
+}
+
+/// The copy of the counters to which an operation adds; it clears the other one.
+SWIFTGS_HD constexpr unsigned copy_of(std::uint32_t turn) { return turn % 2; }
+
+/// Tags begin again after days, and a word that no operation has used since would then pass for a new one.
+/// So each operation clears the `row` words from this one on, where they exist and it does not use them.
+/// `mask` is one less than a power of two: the rows below it come up in turn.
+SWIFTGS_HD constexpr std::uint32_t swept_word(std::uint32_t turn, std::uint32_t row, std::uint32_t mask) {
+  return turn * row & mask;
+}
+
+}  // namespace kernels
+
+/// Counters of the last operation, for kernels that come after it.
+template <class Counters>
+struct LastCounters {
+  const Counters* copies = nullptr;     ///< null: none
+  const std::uint32_t* turn = nullptr;  ///< of the operation that comes next; null: there is one copy
+
+  bool operator==(const LastCounters&) const = default;
+
+  /// Loads all at once: a load that waits for `turn` would take twice as long.
+  SWIFTGS_HD Counters get() const {
+    const Counters even = copies[0], odd = copies[turn ? 1 : 0];
+    const std::uint32_t next = turn ? *turn : 0;
+    return kernels::copy_of(next + 1) == 0 ? even : odd;
+  }
+};
+
+/// In device memory.
+template <class Counters>
+struct TurnCounters {
+  Counters copies[2];
+  std::uint32_t turn;  ///< of the operation that runs, or else of the next
+};
+
+/// What a kernel needs of `Turns`.
+template <class Counters>
+struct TurnsView {
+  TurnCounters<Counters>* counters = nullptr;
+  std::uint64_t* words = nullptr;  ///< of running sums
+  std::uint32_t capacity = 0;      ///< words
+  std::uint32_t mask = 0;          ///< not below `capacity - 1`; of `swept_word`
+
+  SWIFTGS_HD Counters& copy(std::uint32_t turn) const { return counters->copies[kernels::copy_of(turn)]; }
+  SWIFTGS_HD Counters& next_copy(std::uint32_t turn) const { return copy(turn + 1); }
+  LastCounters<Counters> last() const { return {counters->copies, &counters->turn}; }
+};
+
+}  // namespace swiftgs
