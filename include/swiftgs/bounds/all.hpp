@@ -2,6 +2,7 @@
 #pragma once
 
 #include <swiftgs/bounds/ellipse.hpp>
+#include <swiftgs/bounds/obb.hpp>
 #include <swiftgs/bounds/opacity_box.hpp>
 #include <swiftgs/bounds/three_sigma_square.hpp>
 #include <swiftgs/type_list.hpp>
@@ -9,6 +10,6 @@
 namespace swiftgs {
 
 /// The bounds of the library: every backend, and the table of renderers, has what stands here.
-using AllBounds = TypeList<ThreeSigmaSquare, OpacityBox, Ellipse>;
+using AllBounds = TypeList<ThreeSigmaSquare, OpacityBox, Obb, Ellipse>;
 
 }  // namespace swiftgs
