@@ -27,7 +27,8 @@ inline constexpr float rows_between = 4;
 /// `FloatCholesky` in registers: u = l0 x + l1 y + c and v = l2 y + d at pixel (x, y) of the part, s = u^2 +
 /// v^2. From one pixel of a lane to the next, u and v grow by what depends on the splat alone.
 struct CholeskyForm {
-  using Rest = float2;  ///< c, d; the quadruple is l0, l1, l2, log2(opacity)
+  static constexpr unsigned blocks = 9;  ///< of a multiprocessor at once: 56 registers a thread
+  using Rest = float2;                   ///< c, d; the quadruple is l0, l1, l2, log2(opacity)
 
   SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float log2_alpha_min, float4& terms,
                                  Rest& rest) {
@@ -51,6 +52,7 @@ struct CholeskyForm {
 /// `FloatSplit` in registers, measured from the part's first pixel: s = a x^2 + b x y + c y^2 + d x + e y +
 /// g. What depends on the column alone is computed once for both pixels of a lane.
 struct SplitForm {
+  static constexpr unsigned blocks = 8;
   using Rest = float4;  ///< d, e, log2(opacity), unused; the quadruple is a, b, c, log2(opacity) - g
 
   SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float log2_alpha_min, float4& terms,

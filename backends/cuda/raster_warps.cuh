@@ -201,7 +201,7 @@ struct ColourBlender {
 
 /// Blends the list of one square: a block a square, a warp a part of it.
 template <class Form, bool threshold, bool extras>
-__global__ void __launch_bounds__(raster_threads)
+__global__ void __launch_bounds__(raster_threads, Form::blocks)
     raster_warps(const __grid_constant__ RasterJob job, const __grid_constant__ View view,
                  const __grid_constant__ RasterLimits limits) {
   __shared__ Queue<Form> queues[parts_of_square];
@@ -221,9 +221,11 @@ __global__ void __launch_bounds__(raster_threads)
   const TileRange range = job.lists.ranges[view.grid.tile_at(part.x, part.y)];
   const Walked walked = walk_list<Form>(job, range, part.first_centre(), limits, queue, blender);
 
+  // Found again: kept in registers during the walk, places would cost a block in nine.
+  const PartPlace same(view.frame);
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p) {
-    const PixelPlace pixel = part.pixel(view.frame, p, extras);
+    const PixelPlace pixel = same.pixel(view.frame, p, extras);
     if (pixel.inside)
       store_pixel(view.frame, std::size_t(pixel.x), std::size_t(pixel.y), blender.pixels[p].blended(),
                   view.background);

@@ -121,12 +121,15 @@ Shading<Cuda> shade(Cuda& cuda, const FrameInput& input, const Splats<Cuda>& spl
   const View& view = only_view(input.views);
   const SceneView& scene = only_scene(input.scenes);
   const std::size_t most = splats.pending ? splats.shapes.size() : splats.count;
-  colours.each.reset(most), colours.hidden.reset(1);
-  std::uint32_t* const hidden = colours.hidden.data();
+  colours.each.reset(most);
+  std::uint32_t* hidden = splats.pending.hidden;
+  if (!hidden) {
+    colours.hidden.reset(1), hidden = colours.hidden.data();
+    cuda.clear(hidden, sizeof *hidden);
+  }
   const unsigned blocks = std::min(blocks_for(most, kernels::shade_threads),
                                    unsigned(cuda.multiprocessors() * kernels::shade_blocks));
   Cuda::Fork fork = cuda.fork();
-  check_cuda(cudaMemsetAsync(hidden, 0, sizeof *hidden, fork.stream()), "cudaMemsetAsync");
   if (blocks != 0)
     launch("shade", kernels::shade, blocks, kernels::shade_threads, fork.stream(), view.camera, scene,
            splats.pending.counts, most, splats.gaussians.data(), splats.depths.data(), colours.each.data(),

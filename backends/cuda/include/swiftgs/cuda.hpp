@@ -193,14 +193,16 @@ class Turns {
 template <>
 struct ProjectScratch<Cuda> {
   Turns<FrameCounts> turns;
-  std::uint64_t projections = 0;  ///< so far
+  DeviceBuffer<std::uint32_t> hidden;  ///< a word that `project` clears and `shade` sets
+  std::uint64_t projections = 0;       ///< so far
 
-  std::size_t bytes() const { return turns.bytes(); }
+  std::size_t bytes() const { return bytes_of(turns, hidden); }
 };
 
 /// A projection whose numbers the host has not read.
 struct PendingProjection {
   LastCounters<FrameCounts> counts;
+  std::uint32_t* hidden = nullptr;
   std::uint64_t projection = 0;  ///< of the scratch memory's; 0: none
 
   explicit operator bool() const { return projection != 0; }

@@ -22,6 +22,7 @@ struct ProjectOutput {
   float* depths;
   std::uint32_t* gaussians;
   Footprint* footprints;
+  std::uint32_t* hidden;  ///< is cleared
 };
 
 /// What the threads of a block tell each other.
@@ -65,7 +66,7 @@ __global__ void __launch_bounds__(project_threads)
   }
   if (threadIdx.x == 0) {
     RunningSum(turns.words, loaded_turn).add(visible);
-    if (blockIdx.x == 0) turns.next_copy(loaded_turn) = {};
+    if (blockIdx.x == 0) turns.next_copy(loaded_turn) = {}, *output.hidden = 0;
   }
 
   // Find their tiles.
@@ -109,17 +110,17 @@ void run_project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, Proj
   const std::size_t n = scene.size();
   splats.count = footprints.count = 0, footprints.instances = 0;
   splats.pending = footprints.found_by = {};
-  splats.reset(n), footprints.each.reset(n);
+  splats.reset(n), footprints.each.reset(n), scratch.hidden.reset(1);
   if (n == 0) return;
   const unsigned blocks = blocks_for(n, project_threads);
   const TurnsView<FrameCounts> turns = scratch.turns.begin(cuda, blocks);
   launch("project", project<Bounds>, blocks, project_threads, cuda.stream(), view.camera, scene, view.grid,
          bounds,
          ProjectOutput{splats.shapes.data(), splats.depths.data(), splats.gaussians.data(),
-                       footprints.each.data()},
+                       footprints.each.data(), scratch.hidden.data()},
          turns);
   scratch.turns.end();
-  splats.pending = footprints.found_by = {turns.last(), ++scratch.projections};
+  splats.pending = footprints.found_by = {turns.last(), scratch.hidden.data(), ++scratch.projections};
   footprints.grid = view.grid;
 }
 
