@@ -117,18 +117,30 @@ def fitted(values, measured):
     return "-" if whole is None else f"{rounded(whole.exponent)} ({rounded(end.exponent)})"
 
 
-def exponents(source, machine, *axes):
-    """The exponents of every stage along the axes."""
+def exponents_of(names, source, machine, axes):
+    """The exponents of every stage of these renderers along the axes."""
     rows = []
     for axis_name in axes:
         axis = axis_named(axis_name)
         for (scene, name), points in series(source, machine, axis).items():
+            if name not in names:
+                continue
             values = [axis.value(row) for row in points]
             rows.append([f"{axis.text(values[0])} to {axis.text(values[-1])} {axis.unit}", scene, f"`{name}`",
                          *(fitted(values, [row.ms[part].median for row in points]) for part in (*PARTS, "total")),
                          fitted(values, [held(row) for row in points])])
     return device_of(source, machine, axes) + table(
         ["axis", "scene", "sort/raster/bounds", *PARTS, "total", "memory"], rows, words=3)
+
+
+def exponents(source, machine, *axes):
+    """The exponents of every stage along the axes."""
+    return exponents_of(RENDERERS, source, machine, axes)
+
+
+def best_exponents(source, machine, *axes):
+    """The rows of `exponents` that are of the best renderer."""
+    return exponents_of((BEST,), source, machine, axes)
 
 
 def memory_exponents(source, machine, *axes):
@@ -185,5 +197,5 @@ def sort_growth(source, machine, axis_name):
         table(["scene", axis.unit, "instances", "standard", "early", "early against standard", "of the frame"], rows)
 
 
-TABLES = {"growth": growth, "sort-growth": sort_growth, "exponents": exponents,
+TABLES = {"growth": growth, "sort-growth": sort_growth, "exponents": exponents, "best-exponents": best_exponents,
           "memory-exponents": memory_exponents, "dominates": dominates}

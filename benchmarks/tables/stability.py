@@ -46,14 +46,21 @@ def cell(rows):
     return f"{'**' + text + '**' if ratio > GATE else text}{open_pixels} ({number(worst(rows, 'max_abs'))})"
 
 
-def stability(source, machine, size=""):
-    """The worst ratio and the largest error over severities and seeds, family by family."""
-    if size not in FILES:
-        raise InputError(f"no frames '{size}'; expected 'large' or nothing")
+def stability(source, machine, *words):
+    """The worst ratio and the largest error over severities and seeds, family by family. The words: 'large', for large
+    images, and families, if not all."""
+    size = "large" if "large" in words else ""
+    families = [word for word in words if word != "large"]
     found, name = read_stress(source, machine, FILES[size]), backend(machine)
     rows = [row for row in found["rows"] if row["backend"] == name]
     if not rows:
         raise InputError(f"{source.path(machine, FILES[size])}: no rows of the backend '{name}'")
+    known = list(dict.fromkeys(row["family"] for row in rows))
+    for family in families:
+        if family not in known:
+            raise InputError(f"{source.path(machine, FILES[size])}: no family '{family}'; expected 'large' or one of "
+                             f"{', '.join(known)}")
+    rows = [row for row in rows if row["family"] in (families or known)]
     sizes = list(dict.fromkeys((row["width"], row["height"]) for row in rows))
     lines = []
     for width, height in sizes:

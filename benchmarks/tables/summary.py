@@ -114,13 +114,6 @@ def commit_of(found):
     return f"`{commit[:12]}`{' with changes' if commit.endswith('+') else ''}"
 
 
-def of_machine(source, machine):
-    """Where and when the results of `swiftgs bench` come from."""
-    folder = source.folders.get(machine)
-    return prose(f"{machine_words(source, machine)}. Files: [benchmarks/results/{folder}]"
-                 f"(../benchmarks/results/{folder}).")
-
-
 def files(source, machine):
     """The machine, and the commands that made the files in its folder, of those that tell it."""
     rows = []
@@ -131,4 +124,4 @@ def files(source, machine):
     return prose(machine_words(source, machine) + ".") + "\n\n" + table(["file", "commit", "command"], rows, words=3)
 
 
-TABLES = {"summary": summary, "headline": headline, "machine": of_machine, "files": files}
+TABLES = {"summary": summary, "headline": headline, "files": files}

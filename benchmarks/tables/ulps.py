@@ -5,11 +5,8 @@ from tables.results import InputError, check_rows
 from tables.source import processor
 
 # What a page shows of them; the folder of the machine shows all.
-SHOWN = ("mean", "depth", "rows of `image_axes`", "cross product of `image_axes`", "determinant without blur", "`l0`",
-         "`l1`", "`l2`", "reach", "half width", "colour of degree 3", "`Exp2`", "alpha `per-pixel`",
-         "alpha `axis-shared-threshold-float-split`", "alpha `axis-shared-threshold-float-cholesky`",
-         "alpha `axis-shared-threshold-half-split`", "transmittance after 4 nearly opaque layers", "transmittance after 1000 equal layers",
-         "transmittance after 10000 equal layers", "transmittance after 10000 unequal layers")
+SHOWN = ("mean", "depth", "determinant without blur", "`l0`", "`l1`", "reach", "colour of degree 3", "`Exp2`",
+         "alpha `axis-shared-threshold-float-cholesky`", "transmittance after 10000 unequal layers")
 
 
 def rows_of(source, machine):

@@ -10,6 +10,7 @@ RASTERS = {"per-pixel": 2.0, "axis-shared-half-split": 1.6, "axis-shared-float-s
 SORTS = {"standard": 1.0, "early": 0.8, "adaptive": 0.8}
 BOUNDS = {"three-sigma-square": 6e6, "opacity-box": 3e6, "ellipse": 2e6}  # instances
 GAUSSIANS = {"garden": 1500000, "fox": 200000, "builtin": 200000}
+FAMILIES = ("needles", "ridges", "little-blur", "scales", "distant-means", "wide-angles", "deep-stacks", "mixtures")
 BEST = ("early", "axis-shared-threshold-float-cholesky", "ellipse")
 SCALING = (BEST, ("standard", *BEST[1:]), ("standard", "per-pixel", "three-sigma-square"))
 
@@ -55,7 +56,7 @@ def stress(backend, sizes):
     """A file of `swiftgs stress`: ratios of 1 at severity 1 and of 2 at infinity, twice that with the threshold."""
     rows = []
     for width, height in sizes:
-        for family in ("needles", "ridges"):
+        for family in FAMILIES:
             for severity, ratio in ((1, 1.0), (None, 2.0)):
                 for raster in RASTERS:
                     for name in {backend, "cuda" if backend == "cuda" else "serial"}:

@@ -25,7 +25,7 @@ ROOT = HERE.parent.parent
 
 
 def pages():
-    return (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+    return (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted(pathlib.Path(RESULTS).glob("*/*.md")))
 
 
 def blocks_of_pages():
@@ -61,11 +61,12 @@ class Tables(unittest.TestCase):
         cls.results = cls.place / "results"
         for machine, backend in (("gpu", "cuda"), ("cpu", "cpu"), ("cpu2", "cpu")):
             synthetic_folder.write(cls.results / FOLDERS[machine], backend, older=machine == "cpu")
-        for name in ("instructions-garden.csv", "kernels-garden.csv"):
-            shutil.copy(pathlib.Path(RESULTS) / FOLDERS["gpu"] / name, cls.results / FOLDERS["gpu"])
+        for path in (pathlib.Path(RESULTS) / FOLDERS["gpu"]).glob("*.csv"):
+            shutil.copy(path, cls.results / FOLDERS["gpu"])
         synthetic_folder.write(cls.results / FOLDERS["amd"], "cpu")
         synthetic_folder.write(cls.results / FOLDERS["h200"], "cuda")
-        shutil.copy(pathlib.Path(RESULTS) / FOLDERS["amd"] / "ulps.json", cls.results / FOLDERS["amd"])
+        for machine in ("amd", "h200"):
+            shutil.copy(pathlib.Path(RESULTS) / FOLDERS[machine] / "ulps.json", cls.results / FOLDERS[machine])
 
     @classmethod
     def tearDownClass(cls):
@@ -311,6 +312,9 @@ class Tables(unittest.TestCase):
         self.assertEqual(exponents("million Gaussians"), ["1.00 (1.00)", "0.00 (0.00)", "0.00 (0.00)"])
         self.assertEqual(exponents("million pixels"), ["0.00 (0.00)", "0.00 (0.00)", "1.00 (1.00)"])
         self.assertEqual(exponents("instances a tile"), ["0.00 (0.00)", "1.00 (1.00)", "0.00 (0.00)"])
+        alone = self.table("best-exponents gpu gaussians pixels occupancy")
+        self.assertEqual([line for line in alone.splitlines() if "0.00 (0.00)" in line],
+                         [line for line in text.splitlines() if best in line])
         # Projection takes 0.5 ms a million, rasterization 1 ms.
         self.assertIn(f"{best} | raster; from 2 project |", self.table("dominates gpu gaussians"))
 
@@ -358,7 +362,17 @@ class Tables(unittest.TestCase):
             self.assertEqual(cells(text, "`needles`")[1:], ["2.00 (2.0e-06)"] + 3 * ["4.00 (4.0e-06)"])
         text = self.table("stability gpu large")
         self.assertEqual(cells(text, "`ridges`, 1920x1080")[1], "2.00 (2.0e-06)")
-        self.assertEqual(len([line for line in text.splitlines() if line.startswith("| `")]), 4)
+        self.assertEqual(len([line for line in text.splitlines() if line.startswith("| `")]),
+                         2 * len(synthetic_folder.FAMILIES))
+
+    def test_hard_frames_of_some_families_alone(self):
+        every = self.table("stability gpu")
+        some = self.table("stability gpu mixtures needles")
+        self.assertEqual([line for line in some.splitlines() if line.startswith("| `")],
+                         [line for line in every.splitlines() if line.startswith(("| `needles`", "| `mixtures`"))])
+        self.assertIn("`ridges`, 960x540", self.table("stability gpu large ridges"))
+        error = self.update("<!-- table: stability gpu needle -->\n<!-- end -->\n")[3]
+        self.assertIn("/stress.json: no family 'needle'; expected 'large' or one of needles, ", error)
 
     def test_hard_frames_above_the_gate_or_without_a_number_stand_out(self):
         folder = self.place / "hard" / FOLDERS["gpu"]
