@@ -33,9 +33,6 @@ struct SquarePixel {
   __device__ static int row() { return int(threadIdx.x / square_side); }
   __device__ vec2 first_centre() const { return vec2(float(left()) + 0.5f, float(top()) + 0.5f); }
 
-  /// Where the square's list is.
-  __device__ TileRange range() const { return job.lists.ranges[view.grid.tile_at(left(), top())]; }
-
   /// Whether no pixel of the square is left that could show another splat. A barrier of the block.
   __device__ bool all_stopped() const { return __syncthreads_and(!pixel.live()) != 0; }
 

@@ -75,7 +75,7 @@ __global__ void __launch_bounds__(raster_threads)
   for (unsigned p = 0; p < pixels_of_lane; ++p)
     if (part.pixel(view.frame, p, false).inside) blender.pixels[p].start(limits.stop_below);
 
-  const TileRange range = job.raster.lists.ranges[view.grid.tile_at(part.x, part.y)];
+  const TileRange range = range_of_block(job.raster, view);
   walk_list<CholeskyForm>(job.raster, range, part.first_centre(), limits, queue, blender);
 }
 }  // namespace kernels

@@ -96,7 +96,7 @@ void Cuda::State::check_not_captured(const char* call) const {
 namespace kernels {
 /// Writes what the host waits for to its own memory: it sees that sooner than the end of a copy.
 __global__ void post(const LastCounters<FrameCounts> counts, Mailbox* mailbox) {
-  mailbox->counts = counts.get();
+  mailbox->counts = counts.load();  // the host chooses
   cuda::atomic_ref<std::uint32_t, cuda::thread_scope_system>(mailbox->posted)
       .store(1, cuda::memory_order_release);
 }
@@ -187,7 +187,7 @@ FrameCounts Cuda::read(LastCounters<FrameCounts> counts) const {
     break;
   }
   state_->awaited = false;
-  return mailbox.counts;
+  return mailbox.counts.last();
 }
 
 Cuda::TimePoint Cuda::now() {

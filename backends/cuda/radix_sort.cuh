@@ -248,7 +248,9 @@ __global__ void __launch_bounds__(radix_threads)
     const unsigned item = first_item + k * warp_size;
     value[k] = item < size ? values[tile_first + item] : 0;
   }
-  const std::uint32_t of_digit = turns.copy(turn).of_pass[pass.number][thread];
+  // Of both copies, since a load that waits for the turn would take twice as long.
+  const std::uint32_t of_even = turns.counters->copies[0].of_pass[pass.number][thread],
+                      of_odd = turns.counters->copies[1].of_pass[pass.number][thread];
 
   // Count the warp's digits. A pair's place is, for now, how many of its digit come before it in the warp.
   for (unsigned d = lane_index(); d < digits; d += warp_size) shared.counts[warp][d] = 0;
@@ -278,6 +280,7 @@ __global__ void __launch_bounds__(radix_threads)
   const std::uint32_t added = thread == digit.highest() ? count - (radix_tile<Key> - size) : count;
   sum.add(added);
   const std::uint32_t first = sum_below_in_block(count, shared.sums_of_warps[0]);
+  const std::uint32_t of_digit = copy_of(turn) == 0 ? of_even : of_odd;
   const std::uint32_t first_of_all = sum_below_in_block(of_digit, shared.sums_of_warps[1]);
   shared.first[thread] = first;
   __syncthreads();

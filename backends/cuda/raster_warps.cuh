@@ -139,21 +139,23 @@ struct ColourBlender {
     __pipeline_memcpy_async(&queue.colours[slot], job.colours.each.data + id, sizeof(float4));
   }
 
-  /// Alphas of the lane's pixels for the splat at `at`.
-  __device__ void evaluate(unsigned at, float (&alphas)[pixels_of_lane]) const {
+  /// Alphas of the lane's pixels for a splat.
+  __device__ void evaluate(const float4& terms, const typename Form::Rest& rest,
+                           float (&alphas)[pixels_of_lane]) const {
     float exponents[pixels_of_lane];
-    Form::evaluate(queue.terms[at], queue.rests[at], x, y, exponents);
+    Form::evaluate(terms, rest, x, y, exponents);
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p) alphas[p] = alpha_of<threshold>(exponents[p], limits);
   }
 
-  /// Blends `group_size` splats from `first` on.
-  __device__ void blend_group(unsigned first) {
+  /// Blends `group_size` splats. Pointers, which a loop over groups advances: an index would be multiplied in
+  /// each round.
+  __device__ void blend_group(const float4* terms, const typename Form::Rest* rests, const float4* colours) {
     float alphas[pixels_of_lane][group_size], weights[pixels_of_lane][group_size];
 #pragma unroll
     for (unsigned k = 0; k < group_size; ++k) {
       float of_splat[pixels_of_lane];
-      evaluate(first + k, of_splat);
+      evaluate(terms[k], rests[k], of_splat);
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p) alphas[p][k] = of_splat[p];
     }
@@ -162,7 +164,7 @@ struct ColourBlender {
 
 #pragma unroll
     for (unsigned k = 0; k < group_size; ++k) {
-      const float4 colour = queue.colours[first + k];
+      const float4 colour = colours[k];
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p)
         pixels[p].add(weights[p][k], colour.x, colour.y, colour.z);
@@ -177,7 +179,7 @@ struct ColourBlender {
     if constexpr (extras) {
       for (unsigned k = first; k < first + count; ++k) {
         float alphas[pixels_of_lane];
-        evaluate(k, alphas);
+        evaluate(queue.terms[k], queue.rests[k], alphas);
 #pragma unroll
         for (unsigned p = 0; p < pixels_of_lane; ++p)
           blend<true>(pixels[p], alphas[p], queue.colours[k], occluders[p], counts);
@@ -190,8 +192,13 @@ struct ColourBlender {
         queue.colours[at] = make_float4(0, 0, 0, 0);
       }
       __syncwarp();
+      const float4 *terms = queue.terms + first, *colours = queue.colours + first;
+      const typename Form::Rest* rests = queue.rests + first;
 #pragma unroll 1
-      for (unsigned k = 0; k < count; k += group_size) blend_group(first + k);
+      for (unsigned k = 0; k < count; k += group_size) {
+        blend_group(terms, rests, colours);
+        terms += group_size, rests += group_size, colours += group_size;
+      }
     }
     __syncwarp();
   }
@@ -218,7 +225,7 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
     if constexpr (extras) blender.occluders[p] = at.occluder;
   }
 
-  const TileRange range = job.lists.ranges[view.grid.tile_at(part.x, part.y)];
+  const TileRange range = range_of_block(job, view);
   const Walked walked = walk_list<Form>(job, range, part.first_centre(), limits, queue, blender);
 
   // Found again: kept in registers during the walk, places would cost a block in nine.

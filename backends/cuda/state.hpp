@@ -28,7 +28,7 @@ using OwnedStream = std::unique_ptr<CUstream_st, detail::DestroyStream>;
 
 /// Host memory in which a kernel leaves counts.
 struct Mailbox {
-  FrameCounts counts;
+  LoadedCounters<FrameCounts> counts;
   std::uint32_t posted = 0;  ///< not 0 once they are there
 };
 
