@@ -22,16 +22,15 @@ struct SquarePixel {
   std::uint32_t evaluated = 0;
 
   __device__ SquarePixel(const RasterJob& of, const View& in)
-      : job(of),
-        view(in),
-        place(in.frame, Squares(in.frame).x(blockIdx.x) + column(), Squares(in.frame).y(blockIdx.x) + row(),
-              extras) {
+      : job(of), view(in), place(in.frame, BlockSquare::x() + column(), BlockSquare::y() + row(), extras) {
     if (place.inside) pixel.start(view.rules.stop_below);
   }
 
   __device__ static int column() { return int(threadIdx.x % square_side); }
   __device__ static int row() { return int(threadIdx.x / square_side); }
-  __device__ vec2 first_centre() const { return vec2(float(left()) + 0.5f, float(top()) + 0.5f); }
+  __device__ vec2 first_centre() const {
+    return vec2(float(BlockSquare::x()) + 0.5f, float(BlockSquare::y()) + 0.5f);
+  }
 
   /// Whether no pixel of the square is left that could show another splat. A barrier of the block.
   __device__ bool all_stopped() const { return __syncthreads_and(!pixel.live()) != 0; }
@@ -46,13 +45,8 @@ struct SquarePixel {
     if (place.inside)
       store_pixel(view.frame, std::size_t(place.x), std::size_t(place.y), pixel.blended(), view.background);
     if constexpr (extras)
-      if (job.counts) add_counts(job.counts, blockIdx.x, counts, instances, warp_sum(evaluated));
+      if (job.counts) add_counts(job.counts, counts, instances, warp_sum(evaluated));
   }
-
- private:
-  /// First pixel of the square.
-  __device__ int left() const { return place.x - column(); }
-  __device__ int top() const { return place.y - row(); }
 };
 }  // namespace kernels
 
@@ -60,9 +54,8 @@ struct SquarePixel {
 inline void rasterize_blocks(Cuda& cuda, const char* name, void (*lean)(RasterJob, View),
                              void (*full)(RasterJob, View), const RasterJob& job) {
   const View& view = only_view(job.views);
-  const std::size_t squares = Squares(view.frame).size();
-  if (job.counts) cuda.clear(job.counts, squares * sizeof(SquareCounts));
-  launch(name, kernels::wants_extras(job, view.frame) ? full : lean, unsigned(squares),
+  if (job.counts) cuda.clear(job.counts, Squares(view.frame).size() * sizeof(SquareCounts));
+  launch(name, kernels::wants_extras(job, view.frame) ? full : lean, kernels::blocks_for(view.frame),
          kernels::block_threads, cuda.stream(), job, view);
 }
 

@@ -67,7 +67,7 @@ __global__ void __launch_bounds__(raster_threads)
                       const __grid_constant__ RasterLimits limits) {
   __shared__ IdQueue queues[parts_of_square];
   IdQueue& queue = queues[threadIdx.x / warp_size];
-  const PartPlace part(view.frame);
+  const PartPlace part;
   if (part.outside(view.frame)) return;
 
   WeightBlender blender{job, limits, queue, float(part.column), float(part.row), {}};
@@ -75,14 +75,14 @@ __global__ void __launch_bounds__(raster_threads)
   for (unsigned p = 0; p < pixels_of_lane; ++p)
     if (part.pixel(view.frame, p, false).inside) blender.pixels[p].start(limits.stop_below);
 
-  const TileRange range = range_of_block(job.raster, view);
+  const TileRange range = BlockSquare::list(job.raster, view);
   walk_list<CholeskyForm>(job.raster, range, part.first_centre(), limits, queue, blender);
 }
 }  // namespace kernels
 
 void add_contributions(Cuda& cuda, const ContributionJob& job) {
   const View& view = only_view(job.raster.views);
-  launch("add_contributions", kernels::add_contributions, unsigned(Squares(view.frame).size()),
+  launch("add_contributions", kernels::add_contributions, kernels::blocks_for(view.frame),
          kernels::raster_threads, cuda.stream(), job, view, kernels::RasterLimits(view.rules));
 }
 

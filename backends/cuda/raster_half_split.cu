@@ -50,7 +50,7 @@ __global__ void __launch_bounds__(block_threads)
     raster_half_split(const __grid_constant__ RasterJob job, const __grid_constant__ View view) {
   __shared__ HalfBatch batch;
   SquarePixel<extras> mine(job, view);
-  const TileRange range = range_of_block(job, view);
+  const TileRange range = BlockSquare::list(job, view);
   const unsigned column = threadIdx.x % square_side, row = threadIdx.x / square_side;
 
   std::uint32_t at = range.begin;

@@ -25,7 +25,7 @@ __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
   __shared__ FactorBatch batch;
   SquarePixel<extras> mine(job, view);
   const bool some_hidden = job.colours.some_hidden();
-  const TileRange range = range_of_block(job, view);
+  const TileRange range = BlockSquare::list(job, view);
   const float x = float(mine.place.x) + 0.5f, y = float(mine.place.y) + 0.5f;
 
   std::uint32_t at = range.begin;

@@ -37,11 +37,10 @@ struct PartPlace {
   int x, y;         ///< first pixel
   int column, row;  ///< of the lane's first pixel within the part
 
-  __device__ explicit PartPlace(const FrameView& frame) {
+  __device__ PartPlace() {
     const unsigned warp = threadIdx.x / warp_size;
-    const Squares squares(frame);
-    x = squares.x(blockIdx.x) + int(warp % 2 * part_side);
-    y = squares.y(blockIdx.x) + int(warp / 2 * part_side);
+    x = BlockSquare::x() + int(warp % 2 * part_side);
+    y = BlockSquare::y() + int(warp / 2 * part_side);
     column = int(lane_index() % part_side), row = int(lane_index() / part_side);
   }
   __device__ bool outside(const FrameView& frame) const { return x >= frame.width || y >= frame.height; }
@@ -213,7 +212,7 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
                  const __grid_constant__ RasterLimits limits) {
   __shared__ Queue<Form> queues[parts_of_square];
   Queue<Form>& queue = queues[threadIdx.x / warp_size];
-  const PartPlace part(view.frame);
+  const PartPlace part;
   if (part.outside(view.frame)) return;
 
   ColourBlender<Form, threshold, extras> blender{job, limits, queue, float(part.column), float(part.row),
@@ -225,11 +224,11 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
     if constexpr (extras) blender.occluders[p] = at.occluder;
   }
 
-  const TileRange range = range_of_block(job, view);
+  const TileRange range = BlockSquare::list(job, view);
   const Walked walked = walk_list<Form>(job, range, part.first_centre(), limits, queue, blender);
 
   // Found again: kept in registers during the walk, places would cost a block in nine.
-  const PartPlace same(view.frame);
+  const PartPlace same;
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p) {
     const PixelPlace pixel = same.pixel(view.frame, p, extras);
@@ -239,8 +238,7 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
   }
   if constexpr (extras)
     if (job.counts)
-      add_counts(job.counts, blockIdx.x, blender.counts, walked.visited,
-                 walked.blended * part_side * part_side);
+      add_counts(job.counts, blender.counts, walked.visited, walked.blended * part_side * part_side);
 }
 }  // namespace kernels
 
@@ -248,11 +246,10 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
 template <class Form, bool threshold>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   const View& view = only_view(job.views);
-  const std::size_t squares = Squares(view.frame).size();
-  if (job.counts) cuda.clear(job.counts, squares * sizeof(SquareCounts));
+  if (job.counts) cuda.clear(job.counts, Squares(view.frame).size() * sizeof(SquareCounts));
   const auto kernel = kernels::wants_extras(job, view.frame) ? kernels::raster_warps<Form, threshold, true>
                                                              : kernels::raster_warps<Form, threshold, false>;
-  launch(name, kernel, unsigned(squares), kernels::raster_threads, cuda.stream(), job, view,
+  launch(name, kernel, kernels::blocks_for(view.frame), kernels::raster_threads, cuda.stream(), job, view,
          kernels::RasterLimits(view.rules));
 }
 
