@@ -11,7 +11,6 @@ BOX, SQUARE, ELLIPSE = "opacity-box", "three-sigma-square", "ellipse"
 BASELINE = f"standard/per-pixel/{BOX}"
 VANILLA = f"standard/per-pixel/{SQUARE}"
 OURS = f"adaptive/{CHOLESKY}/{ELLIPSE}"
-BOUNDS = (SQUARE, BOX, ELLIPSE)
 RASTERS = ("per-pixel",) + tuple(prefix + form for prefix in (SHARED, THRESHOLD)
                                  for form in ("half-split", "float-split", "float-cholesky"))
 # Those of the paper's Table 2 and all of them together, with the baseline's bounds; then what is ours.
@@ -46,6 +45,12 @@ class Frames:
             raise InputError(f"{self.results.path}: no row of {name} on {scene.name} with {scene.gaussians} Gaussians; "
                              "expected one for each view")
         return self.of[scene, name]
+
+    def bounds(self, scene, sort_raster):
+        """Those measured with SORT/RASTER, the widest first."""
+        found = {name.rpartition("/")[2]: rows for (of, name), rows in self.of.items()
+                 if of == scene and name.rpartition("/")[0] == sort_raster}
+        return sorted(found, key=lambda bounds: -sum(row.instances or 0 for row in found[bounds]))
 
     def mean(self, scene, name, stage="total"):
         """Milliseconds, mean over the views' medians."""

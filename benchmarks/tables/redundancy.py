@@ -3,7 +3,7 @@
 from statistics import mean
 
 from tables import paper
-from tables.frames import BOUNDS, CHOLESKY, Frames, gaussians
+from tables.frames import CHOLESKY, Frames, gaussians
 from tables.markdown import count, percent, table
 from tables.results import InputError
 from tables.source import machine_name
@@ -16,7 +16,7 @@ def redundancy(source, machine):
     rows = [["paper, seven scenes", "box", "-", "-", "-", f"{paper.RATIO_MEAN:.2f}", f"{paper.RATIO_MOST:.2f}",
              percent(paper.saved(paper.RATIO_MEAN))]]
     for scene in frames.scenes:
-        for bounds in BOUNDS:
+        for bounds in frames.bounds(scene, f"early/{CHOLESKY}"):
             views = frames.rows(scene, f"early/{CHOLESKY}/{bounds}")
             views = [row for row in views if row.visible != 0]  # a view of nothing has no ratio
             ratios = [frames.needed(row, "instances") / frames.needed(row, "visible") for row in views]

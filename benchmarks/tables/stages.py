@@ -3,7 +3,7 @@
 from statistics import mean
 
 from tables import paper
-from tables.frames import BASELINE, BOUNDS, BOX, CHOLESKY, OURS, SHARED, THRESHOLD, Frames, label
+from tables.frames import BASELINE, BOX, CHOLESKY, OURS, SHARED, THRESHOLD, Frames, label
 from tables.markdown import ms, percent, table, times
 from tables.source import machine_name
 
@@ -65,7 +65,7 @@ def sort_stage(source, machine):
     frames = Frames(results)
     rows = []
     for scene in frames.scenes:
-        for bounds in BOUNDS:
+        for bounds in frames.bounds(scene, "standard/per-pixel"):
             standard, early, adaptive = (by_view(frames, scene, sort, bounds) for sort in SORTS)
             views = [view for view in standard if view in early]
             changes = [early[view] / standard[view] for view in views]

@@ -85,6 +85,7 @@ def write(folder, backend, older=False):
 
     bench("matrix.json", matrix(backend))
     bench("all-views.json", matrix(backend))
+    bench("bounds.json", matrix(backend))
     bench("vanilla.json", matrix(backend, conventions="inria"))
     bench("pruned.json", matrix(backend, ("garden", "fox"), "-pruned", conventions="inria"))
     gaussians = [({"gaussians": n}, {"project": n / 1e6}) for n in (100000, 1000000, 10000000)]

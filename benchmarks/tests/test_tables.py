@@ -266,6 +266,13 @@ class Tables(unittest.TestCase):
         self.assertEqual(cells(text, "garden, 1.5 M, 2 views")[1:],
                          ["three-sigma-square", "500,000", "6,000,000", "6,000,000", "12.00", "12.00", "45.8 %"])
 
+    def test_bounds_stand_from_the_widest_to_the_tightest(self):
+        text = self.table("bounds gpu")
+        kinds = [line.split("|")[2].strip() for line in text.splitlines() if line.startswith("| garden, 1.5 M")]
+        self.assertEqual(kinds, ["three-sigma-square", "opacity-box", "ellipse"])
+        self.assertEqual(cells(text, "garden, 1.5 M")[1:],
+                         ["three-sigma-square", "6,000,000", "0.500", "0.800", "1.00", "2.30", "102.0"])
+
     def test_pruned_scenes_stand_below_whole_ones(self):
         text = self.table("pruned gpu")
         self.assertEqual(cells(text, "garden-pruned")[1:],
