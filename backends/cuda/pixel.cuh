@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include <swiftgs/cuda/square_counts.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/raster/raster.hpp>
 
@@ -28,19 +29,11 @@ struct PixelPlace {
   }
 };
 
-/// Adds what a warp counted to its square.
+/// Adds what the threads of a warp counted to their square: instances that the warp visited, and pixels that
+/// were evaluated.
 __device__ inline void add_counts(SquareCounts* counts, std::uint32_t square, const ThreadCounts& mine,
                                   std::uint32_t instances, std::uint32_t pixels) {
-  using Word = unsigned long long;
-  const auto field = [&](std::uint64_t SquareCounts::*member) {
-    return reinterpret_cast<Word*>(&(counts[square].*member));
-  };
-  const std::uint32_t pairs = warp_sum(mine.pairs), stopped = warp_sum(mine.stopped);
-  if (lane_index() != 0) return;
-  atomicMax(field(&SquareCounts::instances_visited), Word(instances));
-  atomicAdd(field(&SquareCounts::rows_visited), Word(pixels / square_side));
-  atomicAdd(field(&SquareCounts::contributing_pairs), Word(pairs));
-  atomicAdd(field(&SquareCounts::pixels_stopped), Word(stopped));
+  add_counts(counts[square], {instances, pixels / square_side, warp_sum(mine.pairs), warp_sum(mine.stopped)});
 }
 
 /// 32 bytes in two loads.

@@ -51,7 +51,8 @@ struct Fickle {
   }
 };
 
-/// A rasterizer of the caller with a kernel of its own: how many splats are listed for a pixel's tile.
+/// A rasterizer of the caller with an overload of its own and no scalar form: how many splats are listed for
+/// a pixel's tile.
 struct ListLengths {
   static constexpr std::string_view name = "list-lengths";
 };
@@ -71,22 +72,6 @@ void rasterize(Cuda& cuda, ListLengths, const RasterJob& job) {
   cuda.for_each(std::size_t(view.frame.width) * std::size_t(view.frame.height), WriteLength{job, view});
 }
 static_assert(RastersOn<ListLengths, Cuda> && !RastersOn<ListLengths, Serial>);
-
-/// One without, which hosts alone can run.
-struct HalfAsOpaque {
-  static constexpr std::string_view name = "half-as-opaque";
-  class Kernel {
-   public:
-    SWIFTGS_HD Kernel(const SplatShape& shape, vec2 first_centre, BlendRules rules)
-        : whole_(shape, first_centre, rules) {}
-    SWIFTGS_HD void start_row(float y) { whole_.start_row(y); }
-    SWIFTGS_HD float alpha(int column) const { return 0.5f * whole_.alpha(column); }
-
-   private:
-    PerPixel::Kernel whole_;
-  };
-};
-static_assert(RastersOn<HalfAsOpaque, Serial> && !RastersOn<HalfAsOpaque, Cuda>);
 
 }  // namespace swiftgs::test
 
