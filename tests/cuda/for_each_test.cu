@@ -73,6 +73,14 @@ void rasterize(Cuda& cuda, ListLengths, const RasterJob& job) {
 }
 static_assert(RastersOn<ListLengths, Cuda> && !RastersOn<ListLengths, Serial>);
 
+/// The same with a scalar form, to which a device prefers the overload.
+struct ListLengthsOrAlphas {
+  static constexpr std::string_view name = "list-lengths-or-alphas";
+  using Kernel = PerPixel::Kernel;
+};
+void rasterize(Cuda& cuda, ListLengthsOrAlphas, const RasterJob& job) { rasterize(cuda, ListLengths(), job); }
+static_assert(RastersOn<ListLengthsOrAlphas, Cuda> && RastersOn<ListLengthsOrAlphas, Serial>);
+
 }  // namespace swiftgs::test
 
 using namespace swiftgs;
@@ -161,9 +169,10 @@ TEST_CASE("cuda: projection takes bounds of the caller") {
   CHECK(footprints.instances == tiles);
 }
 
-TEST_CASE("cuda: a renderer takes a rasterizer of the caller") {
+TEST_CASE_TEMPLATE("cuda: a renderer takes the overload of a rasterizer of the caller", Raster, ListLengths,
+                   ListLengthsOrAlphas) {
   if (without_device()) return;
-  Renderer<Cuda, EarlySort, ListLengths, Ellipse> renderer;
+  Renderer<Cuda, EarlySort, Raster, Ellipse> renderer;
   const Camera camera = forward_camera(70, 50);
   const Frame frame = renderer.render(renderer.backend().upload(random_scene(400, 1, 10)), camera);
   const std::vector<TileRange> ranges = to_host(renderer.backend(), renderer.lists().view().ranges);
