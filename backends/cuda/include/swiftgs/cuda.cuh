@@ -41,7 +41,8 @@ std::size_t emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds&
   return kernels::run_emission(cuda, job, bounds, order, scratch, instances);
 }
 
-/// Rasterizers that the library does not instantiate. One with an overload of `rasterize` for `Cuda` keeps it.
+/// Rasterizers that the library does not instantiate. One with an overload of `rasterize` for `Cuda` keeps
+/// it.
 template <class R>
 concept OwnRaster = RasterPolicy<R> && !AllRasters::contains<R>;
 

@@ -336,8 +336,8 @@ SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<FloatCholesky>, const
 template <class R>
 concept LibraryRaster = RasterPolicy<R> && AllRasters::contains<R>;
 
-/// A thread a pixel, by `R::Kernel`: the form of every rasterizer without an overload for it, because overload
-/// resolution prefers those. In the library for `AllRasters`; for others in `<swiftgs/cuda.cuh>`.
+/// A thread a pixel, by `R::Kernel`: the form of every rasterizer without an overload for it, because
+/// overload resolution prefers those. In the library for `AllRasters`; for others in `<swiftgs/cuda.cuh>`.
 template <LibraryRaster R>
 SWIFTGS_API void rasterize(Cuda& cuda, R, const RasterJob& job);
 
