@@ -36,6 +36,18 @@ HWY_INLINE hn::Vec<U16> ToHalf(Vec v) {
 #endif
 }
 
+/// Values of halves that are numbers, as `to_float` has them.
+HWY_INLINE Vec ToFloat(hn::Vec<F16> halves) {
+  const F32 d;
+  const Vec v = hn::PromoteTo(d, halves);
+#if HWY_ARCH_X86 && HWY_TARGET >= HWY_SSE4
+  // Highway's form for such processors takes infinity for 65,536.
+  return hn::IfThenElse(hn::Ge(hn::Abs(v), hn::Set(d, 65536.0f)), hn::CopySign(hn::Inf(d), v), v);
+#else
+  return v;
+#endif
+}
+
 }  // namespace swiftgs::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif

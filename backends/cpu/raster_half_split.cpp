@@ -17,11 +17,9 @@ namespace swiftgs::HWY_NAMESPACE {
 /// `swiftgs::HalfSplit`: measured from the mean, terms as IEEE half; one that is too large is infinite.
 struct HalfSplitTerms {
   using Cell = hwy::float16_t;
-  static HWY_INLINE Vec Row(const Cell* HWY_RESTRICT terms) {
-    return hn::PromoteTo(F32(), hn::Load(F16(), terms));
-  }
+  static HWY_INLINE Vec Row(const Cell* HWY_RESTRICT terms) { return ToFloat(hn::Load(F16(), terms)); }
   static HWY_INLINE Vec All(const Cell& term) {
-    return hn::PromoteTo(F32(), hn::BitCast(F16(), hn::Set(U16(), term.bits)));
+    return ToFloat(hn::BitCast(F16(), hn::Set(U16(), term.bits)));
   }
   static HWY_INLINE Vec Joined(Vec s) { return s; }
   static HWY_INLINE Mask Valid(Vec s) { return hn::Ge(s, hn::Zero(F32())); }

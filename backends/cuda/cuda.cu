@@ -8,13 +8,14 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 #include <cuda/atomic>
 #include <cuda_runtime_api.h>
 
 #include <swiftgs/cuda.cuh>
-#include <swiftgs/sort/early.hpp>
+#include <swiftgs/sort/all.hpp>
 
 #include "state.hpp"
 
@@ -221,11 +222,23 @@ std::optional<double> Cuda::milliseconds(TimePoint from, TimePoint to) const {
   return ms;
 }
 
-// Loops of the sorts.
-template void Cuda::for_each(std::size_t, const DepthPair&) const;
-template void Cuda::for_each(std::size_t, const ClearRanges&) const;
-template void Cuda::for_each(std::size_t, const FindRanges<std::uint16_t>&) const;
-template void Cuda::for_each(std::size_t, const FindRanges<std::uint32_t>&) const;
-template void Cuda::for_each(std::size_t, const FindRanges<std::uint64_t>&) const;
+namespace {
 
+template <class F>
+using Loop = void (Cuda::*)(std::size_t, const F&) const;
+
+template <class... F>
+std::tuple<Loop<F>...> loops_of(TypeList<F...>) {
+  return {&Cuda::for_each<F>...};
+}
+
+template <class... Sorts>
+auto loops_of_sorts(TypeList<Sorts...>) {
+  return std::tuple_cat(loops_of(FinishLoops{}), loops_of(typename Sorts::Loops{})...);
+}
+
+/// An explicit instantiation cannot follow a list; taking addresses can.
+[[gnu::used]] const auto instantiated = loops_of_sorts(AllSorts{});
+
+}  // namespace
 }  // namespace swiftgs

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include <swiftgs/cuda/block_square.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/raster/raster.hpp>
 
@@ -28,38 +29,12 @@ struct PixelPlace {
   }
 };
 
-/// A block for each square of a frame, in columns and rows as they lie in the image: no thread divides.
-inline dim3 blocks_for(const FrameView& frame) {
-  const Squares squares(frame);
-  return dim3(unsigned(squares.columns), unsigned(squares.rows));
-}
-
-/// The square of this block: its number and its first pixel.
-struct BlockSquare {
-  __device__ static std::uint32_t number() { return blockIdx.y * gridDim.x + blockIdx.x; }
-  __device__ static int x() { return int(blockIdx.x) * square_side; }
-  __device__ static int y() { return int(blockIdx.y) * square_side; }
-
-  /// Where its list is. From the block's index alone: a compiler that sees the same range for all threads
-  /// spares loops over it the code for diverged warps, which is 3 % of a long list.
-  __device__ static TileRange list(const RasterJob& job, const View& view) {
-    return job.lists.ranges[view.grid.tile_at(x(), y())];
-  }
-};
-
-/// Adds what a warp counted to its square.
+/// Adds what the threads of a warp counted to their square: instances that the warp visited, and pixels that
+/// were evaluated.
 __device__ inline void add_counts(SquareCounts* counts, const ThreadCounts& mine, std::uint32_t instances,
                                   std::uint32_t pixels) {
-  using Word = unsigned long long;
-  const auto field = [&](std::uint64_t SquareCounts::*member) {
-    return reinterpret_cast<Word*>(&(counts[BlockSquare::number()].*member));
-  };
-  const std::uint32_t pairs = warp_sum(mine.pairs), stopped = warp_sum(mine.stopped);
-  if (lane_index() != 0) return;
-  atomicMax(field(&SquareCounts::instances_visited), Word(instances));
-  atomicAdd(field(&SquareCounts::rows_visited), Word(pixels / square_side));
-  atomicAdd(field(&SquareCounts::contributing_pairs), Word(pairs));
-  atomicAdd(field(&SquareCounts::pixels_stopped), Word(stopped));
+  add_counts(counts[BlockSquare::number()],
+             {instances, pixels / square_side, warp_sum(mine.pairs), warp_sum(mine.stopped)});
 }
 
 /// 32 bytes in two loads.

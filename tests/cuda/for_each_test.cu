@@ -51,7 +51,8 @@ struct Fickle {
   }
 };
 
-/// A rasterizer of the caller with a kernel of its own: how many splats are listed for a pixel's tile.
+/// A rasterizer of the caller with an overload of its own and no scalar form: how many splats are listed for
+/// a pixel's tile.
 struct ListLengths {
   static constexpr std::string_view name = "list-lengths";
 };
@@ -72,21 +73,13 @@ void rasterize(Cuda& cuda, ListLengths, const RasterJob& job) {
 }
 static_assert(RastersOn<ListLengths, Cuda> && !RastersOn<ListLengths, Serial>);
 
-/// One without, which hosts alone can run.
-struct HalfAsOpaque {
-  static constexpr std::string_view name = "half-as-opaque";
-  class Kernel {
-   public:
-    SWIFTGS_HD Kernel(const SplatShape& shape, vec2 first_centre, BlendRules rules)
-        : whole_(shape, first_centre, rules) {}
-    SWIFTGS_HD void start_row(float y) { whole_.start_row(y); }
-    SWIFTGS_HD float alpha(int column) const { return 0.5f * whole_.alpha(column); }
-
-   private:
-    PerPixel::Kernel whole_;
-  };
+/// The same with a scalar form, to which a device prefers the overload.
+struct ListLengthsOrAlphas {
+  static constexpr std::string_view name = "list-lengths-or-alphas";
+  using Kernel = PerPixel::Kernel;
 };
-static_assert(RastersOn<HalfAsOpaque, Serial> && !RastersOn<HalfAsOpaque, Cuda>);
+void rasterize(Cuda& cuda, ListLengthsOrAlphas, const RasterJob& job) { rasterize(cuda, ListLengths(), job); }
+static_assert(RastersOn<ListLengthsOrAlphas, Cuda> && RastersOn<ListLengthsOrAlphas, Serial>);
 
 }  // namespace swiftgs::test
 
@@ -176,9 +169,10 @@ TEST_CASE("cuda: projection takes bounds of the caller") {
   CHECK(footprints.instances == tiles);
 }
 
-TEST_CASE("cuda: a renderer takes a rasterizer of the caller") {
+TEST_CASE_TEMPLATE("cuda: a renderer takes the overload of a rasterizer of the caller", Raster, ListLengths,
+                   ListLengthsOrAlphas) {
   if (without_device()) return;
-  Renderer<Cuda, EarlySort, ListLengths, Ellipse> renderer;
+  Renderer<Cuda, EarlySort, Raster, Ellipse> renderer;
   const Camera camera = forward_camera(70, 50);
   const Frame frame = renderer.render(renderer.backend().upload(random_scene(400, 1, 10)), camera);
   const std::vector<TileRange> ranges = to_host(renderer.backend(), renderer.lists().view().ranges);

@@ -17,8 +17,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/bounds/all.hpp>
-#include <swiftgs/raster/axis_shared.hpp>
-#include <swiftgs/raster/per_pixel.hpp>
+#include <swiftgs/raster/all.hpp>
 #include <swiftgs/renderer.hpp>
 #include <swiftgs/sort/early.hpp>
 #include <swiftgs/sort/standard.hpp>
@@ -110,7 +109,7 @@ class Sweep {
   void check(CaseJudge& judge, Extent extent, Limits limits = {}) {
     std::apply([&](auto&... pair) { (check_pair(pair, judge, extent, limits), ...); }, pairs_);
     if (extent != Extent::all) return;
-    const Frame first = draw_(std::get<0>(pairs_).first, judge.drawn());
+    const Frame first = draw_(std::get<Pair<Usual>>(pairs_).first, judge.drawn());
     CHECK(same_frame(draw_(standard_ellipse_, judge.drawn()), first));
     check_within(judge.drawn(), first);
   }
@@ -123,7 +122,8 @@ class Sweep {
       CHECK(same_frame(draw_(pair.second, drawn), expected));
       return expected;
     };
-    check_within(drawn, check(std::get<0>(pairs_), whole_)), check(std::get<1>(pairs_), whole_per_pixel_);
+    check_within(drawn, check(std::get<Pair<Usual>>(pairs_), whole_));
+    check(std::get<Pair<PerPixel>>(pairs_), whole_per_pixel_);
   }
 
   /// f(name, frame) for each rasterizer whose exponent is 0 at the mean of a splat, with both pairs of sort
@@ -133,12 +133,13 @@ class Sweep {
     const auto give = [&](auto& pair) {
       f(pair.first.name, draw_(pair.first, drawn)), f(pair.second.name, draw_(pair.second, drawn));
     };
-    give(std::get<0>(pairs_)), give(std::get<1>(pairs_)), give(std::get<2>(pairs_));
+    give(std::get<Pair<Usual>>(pairs_)), give(std::get<Pair<PerPixel>>(pairs_));
+    give(std::get<Pair<AxisShared<FloatCholesky>>>(pairs_));
   }
 
   /// Splats of the case as they are projected.
   std::vector<SplatShape> shapes(const StressCase& drawn) {
-    auto& renderer = std::get<0>(pairs_).first;
+    auto& renderer = std::get<Pair<Usual>>(pairs_).first;
     draw_(renderer, drawn);
     const Span<const SplatShape> projected = renderer.splats().view().shapes;
     std::vector<SplatShape> out(projected.size);
@@ -161,6 +162,9 @@ class Sweep {
     Renderer<B, EarlySort, Raster, Ellipse> first;
     Renderer<B, StandardSort, Raster, OpacityBox> second;
   };
+
+  template <class... Rasters>
+  static std::tuple<Pair<Rasters>...> pairs_of(TypeList<Rasters...>);
 
   /// A renderer within each of the library's bounds.
   template <class... Bounds>
@@ -203,10 +207,7 @@ class Sweep {
   }
 
   Draw draw_;
-  std::tuple<Pair<Usual>, Pair<PerPixel>, Pair<AxisShared<FloatCholesky>>, Pair<AxisShared<FloatSplit>>,
-             Pair<AxisSharedThreshold<FloatSplit>>, Pair<AxisShared<HalfSplit>>,
-             Pair<AxisSharedThreshold<HalfSplit>>>
-      pairs_;
+  decltype(pairs_of(AllRasters())) pairs_;
   Renderer<B, StandardSort, Usual, Ellipse> standard_ellipse_;
   Within within_;
   // Devices run bounds of the caller's only where nvcc compiles them.

@@ -7,9 +7,16 @@
 
 namespace swiftgs {
 
+/// The terms of the library: `AllRasters` has both axis-shared rasterizers of each.
+using AllTerms = TypeList<HalfSplit, FloatSplit, FloatCholesky>;
+
+namespace detail {
+template <class... Others, class... Terms>
+TypeList<Others..., AxisShared<Terms>..., AxisSharedThreshold<Terms>...> with_axis_shared(TypeList<Others...>,
+                                                                                          TypeList<Terms...>);
+}
+
 /// The rasterizers of the library: every backend, and the table of renderers, has what stands here.
-using AllRasters = TypeList<PerPixel, AxisShared<HalfSplit>, AxisShared<FloatSplit>,
-                            AxisShared<FloatCholesky>, AxisSharedThreshold<HalfSplit>,
-                            AxisSharedThreshold<FloatSplit>, AxisSharedThreshold<FloatCholesky>>;
+using AllRasters = decltype(detail::with_axis_shared(TypeList<PerPixel>(), AllTerms()));
 
 }  // namespace swiftgs

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/composed_name.hpp>
 #include <swiftgs/raster/raster.hpp>
 #include <swiftgs/raster/terms.hpp>
@@ -33,7 +34,7 @@ class SharedTerms {
 /// Axis-shared rasterization (SwiftGS, section 5.1): the terms of a column and of a row are computed once and
 /// joined at each pixel, which then evaluates the exponential and looks at alpha.
 template <TermsPolicy Terms>
-struct AxisShared {
+struct SWIFTGS_API AxisShared {
   static constexpr ComposedName name_storage{"axis-shared-", Terms::name};
   static constexpr std::string_view name = name_storage.view();
 
@@ -59,7 +60,7 @@ struct AxisShared {
 /// Axis-shared rasterization with the dynamic threshold (SwiftGS, section 5.2): a pixel compares its exponent
 /// with the splat's own ln(255 o), here in base 2, and evaluates the exponential only where the splat shows.
 template <TermsPolicy Terms>
-struct AxisSharedThreshold {
+struct SWIFTGS_API AxisSharedThreshold {
   static constexpr ComposedName name_storage{"axis-shared-threshold-", Terms::name};
   static constexpr std::string_view name = name_storage.view();
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/raster/raster.hpp>
 
 namespace swiftgs {
@@ -10,7 +11,7 @@ namespace swiftgs {
 /// Every pixel evaluates the whole exponent and exponential before it looks at alpha, as INRIA's rasterizer
 /// and gsplat do: the baseline of the paper. The exponent is that of the stored factor, a sum of squares; the
 /// textbook's conic loses all digits on a long oblique splat.
-struct PerPixel {
+struct SWIFTGS_API PerPixel {
   static constexpr std::string_view name = "per-pixel";
 
   class Kernel {

@@ -50,7 +50,7 @@ concept AlphaKernel = requires(K kernel, const SplatShape& shape, vec2 first_cen
   { kernel.alpha(column) } -> std::same_as<float>;
 };
 
-/// Policy `R` rasterizes on any host backend through its `Kernel`, and on backend `B` through an overload of
+/// Policy `R` rasterizes on any backend through its `Kernel`, and on backend `B` through an overload of
 /// `rasterize(B&, R, const RasterJob&)` where that backend has one.
 template <class R>
 concept RasterPolicy = AlphaKernel<typename R::Kernel> && requires {
@@ -152,7 +152,7 @@ struct RasterizeSquare {
 };
 
 /// Renders every square of `job` with the arithmetic of `R::Kernel`, on hosts. Backends overload this for
-/// policies that they have kernels for; a device, where a thread a square would be of no use, runs no others.
+/// policies that they have kernels for; a device, where a thread a square would be of no use, for all others.
 /// Throws as `only_view`.
 template <BackendPolicy B, RasterPolicy R>
 requires(bool(B::reaches_host_memory)) void rasterize(B& b, R, const RasterJob& job) {

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <string_view>
 
+#include <swiftgs/api.hpp>
 #include <swiftgs/half.hpp>
 #include <swiftgs/splats.hpp>
 
@@ -28,7 +29,7 @@ concept TermsPolicy = requires(const T& terms, const SplatShape& shape, vec2 cen
 /// rounding makes s negative it is 0. With u = l0 dx + l1 dy and v = l2 dy at a pixel, the error of s is at
 /// most 2^-18 ((|u| + 16 l0 + 16 |l1|)^2 + (|v| + 16 l2)^2), beside what the rounding of u and v at the
 /// square's centre makes of it, as in every form.
-struct FloatSplit {
+struct SWIFTGS_API FloatSplit {
   static constexpr std::string_view name = "float-split";
   struct X {
     float square, mixed;  ///< a x^2 + d x, b x
@@ -84,7 +85,7 @@ struct MeanSplit {
 /// measured from the splat's mean, which may lie far outside the square. Rounding costs accuracy on every
 /// splat that is large, and beyond 65,504 a term is infinite; where two infinite terms cancel, the sum is not
 /// a number and the pixel skips the splat.
-struct HalfSplit {
+struct SWIFTGS_API HalfSplit {
   static constexpr std::string_view name = "half-split";
   struct X {
     Half square, mixed;
@@ -112,7 +113,7 @@ struct HalfSplit {
 
 /// s = (p[x] + q[y])^2 + r[y]: a sum of squares by the Cholesky factor, so nothing cancels and s is never
 /// negative.
-struct FloatCholesky {
+struct SWIFTGS_API FloatCholesky {
   static constexpr std::string_view name = "float-cholesky";
   struct X {
     float p;  ///< l0 dx

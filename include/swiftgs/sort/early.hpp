@@ -22,6 +22,7 @@ struct SWIFTGS_API DepthPair {
 /// order, and sort those by tile alone. Depth is looked at once a splat instead of once an instance.
 struct EarlySort {
   static constexpr std::string_view name = "early";
+  using Loops = TypeList<DepthPair>;
 
   template <class B>
   struct Scratch {

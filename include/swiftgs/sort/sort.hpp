@@ -16,6 +16,7 @@
 #include <swiftgs/footprint.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/tiles.hpp>
+#include <swiftgs/type_list.hpp>
 
 namespace swiftgs {
 
@@ -125,6 +126,10 @@ struct SWIFTGS_API ClearRanges {
   TileRange* ranges;
   SWIFTGS_HD void operator()(std::size_t i) const { ranges[i] = {}; }
 };
+
+/// Loops of `finish_lists`, for keys of every width.
+using FinishLoops =
+    TypeList<ClearRanges, FindRanges<std::uint16_t>, FindRanges<std::uint32_t>, FindRanges<std::uint64_t>>;
 
 /// Throws `CapacityError` where a frame has more instances than a tile list can index.
 inline void check_instances(std::uint64_t total) {

@@ -9,6 +9,7 @@ namespace swiftgs {
 /// gsplat.
 struct StandardSort {
   static constexpr std::string_view name = "standard";
+  using Loops = TypeList<>;
 
   template <class B>
   struct Scratch {

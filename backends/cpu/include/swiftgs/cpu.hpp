@@ -184,9 +184,16 @@ struct LargeTiles {
       : bounds(&of),
         walk([](const void* known, const Footprint& footprint, const SplatShape& shape, TileGrid grid, F f,
                 void* context) {
-          for_each_tile(footprint, *static_cast<const Bounds*>(known), shape, grid,
-                        [&](std::uint32_t tile) { f(context, tile); });
+          for_each_tile(footprint, *static_cast<const Bounds*>(known), shape, grid, Call{f, context});
         }) {}
+
+ private:
+  /// No lambda: nvcc would warn that `for_each_tile` is for devices too.
+  struct Call {
+    F f;
+    void* context;
+    SWIFTGS_HD void operator()(std::uint32_t tile) const { f(context, tile); }
+  };
 };
 
 /// What instances are emitted from, whatever the bounds.

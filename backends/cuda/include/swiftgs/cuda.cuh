@@ -3,14 +3,17 @@
 
 /// @file
 /// Definitions behind `<swiftgs/cuda.hpp>` for code that nvcc compiles: loops over functors, bounds and
-/// rasterizers of your own. Compile with `-fmad=false` what uses bounds of your own: tiles are counted by one
-/// kernel and emitted by another, and both must round alike.
+/// rasterizers of your own, whose functions are `SWIFTGS_HD`. Compile with `-fmad=false` what uses bounds of
+/// your own: tiles are counted by one kernel and emitted by another, and both must round alike. With that
+/// option, rasterizers of your own decide as on hosts.
 
 #include <swiftgs/bounds/all.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/for_each.cuh>
 #include <swiftgs/cuda/instances.cuh>
 #include <swiftgs/cuda/project.cuh>
+#include <swiftgs/cuda/raster_pixels.cuh>
+#include <swiftgs/raster/all.hpp>
 
 namespace swiftgs {
 
@@ -36,6 +39,16 @@ std::size_t emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds&
                            const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
                            Pairs<Cuda, Key>& instances) {
   return kernels::run_emission(cuda, job, bounds, order, scratch, instances);
+}
+
+/// Rasterizers that the library does not instantiate. One with an overload of `rasterize` for `Cuda` keeps
+/// it.
+template <class R>
+concept OwnRaster = RasterPolicy<R> && !AllRasters::contains<R>;
+
+template <OwnRaster R>
+void rasterize(Cuda& cuda, R, const RasterJob& job) {
+  kernels::run_raster_pixels<R>(cuda, job);
 }
 
 }  // namespace swiftgs

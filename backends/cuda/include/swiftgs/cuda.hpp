@@ -19,8 +19,7 @@
 #include <swiftgs/cuda/turns.hpp>
 #include <swiftgs/footprint.hpp>
 #include <swiftgs/project_stage.hpp>
-#include <swiftgs/raster/axis_shared.hpp>
-#include <swiftgs/raster/per_pixel.hpp>
+#include <swiftgs/raster/all.hpp>
 #include <swiftgs/shade_stage.hpp>
 #include <swiftgs/sort/sort.hpp>
 
@@ -334,6 +333,15 @@ SWIFTGS_API void rasterize(Cuda& cuda, AxisShared<FloatSplit>, const RasterJob& 
 SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<FloatSplit>, const RasterJob& job);
 SWIFTGS_API void rasterize(Cuda& cuda, AxisShared<FloatCholesky>, const RasterJob& job);
 SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<FloatCholesky>, const RasterJob& job);
+
+/// A rasterizer of the library.
+template <class R>
+concept LibraryRaster = RasterPolicy<R> && AllRasters::contains<R>;
+
+/// A thread a pixel, by `R::Kernel`: the form of every rasterizer without an overload for it, because
+/// overload resolution prefers those. In the library for `AllRasters`; for others in `<swiftgs/cuda.cuh>`.
+template <LibraryRaster R>
+SWIFTGS_API void rasterize(Cuda& cuda, R, const RasterJob& job);
 
 struct ContributionJob;
 /// A warp on 8x8 pixels, as the last of these, with the same bits of every weight.

@@ -13,8 +13,8 @@ inline unsigned blocks_for(std::size_t n, unsigned threads) { return unsigned((n
 /// Starts `kernel` on `stream`. Throws `DeviceError` with its name. Errors that the caller's own calls left
 /// behind are none of a frame: the launch is judged by its own result.
 template <class... Parameters, class... Arguments>
-void launch(const char* name, void (*kernel)(Parameters...), dim3 blocks, dim3 threads,
-            cudaStream_t stream, const Arguments&... arguments) {
+void launch(const char* name, void (*kernel)(Parameters...), dim3 blocks, dim3 threads, cudaStream_t stream,
+            const Arguments&... arguments) {
   cudaLaunchConfig_t config{};
   config.gridDim = blocks, config.blockDim = threads, config.stream = stream;
   check_cuda(cudaLaunchKernelEx(&config, kernel, arguments...), name);

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <swiftgs/composed_name.hpp>
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/block_square.cuh>
+#include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/warp.cuh>
+#include <swiftgs/raster/raster.hpp>
+#include <swiftgs/store_pixel.hpp>
+
+namespace swiftgs::kernels {
+
+inline constexpr unsigned raster_pixels_threads = square_side * square_side;
+static_assert(warp_size == 2 * square_side, "a warp counts two rows");
+
+/// `RasterizeSquare` on a device, with its decisions and its counts: a block a square, a thread a pixel. A
+/// warp walks the list by itself until its pixels have stopped.
+template <RasterPolicy R>
+__global__ void __launch_bounds__(raster_pixels_threads)
+    raster_pixels(const __grid_constant__ RasterJob job, const __grid_constant__ View view) {
+  const FrameView& frame = view.frame;
+  const int x0 = BlockSquare::x(), y0 = BlockSquare::y();
+  const int column = int(threadIdx.x) % square_side, row = int(threadIdx.x) / square_side;
+  const int x = x0 + column, y = y0 + row;
+  const bool inside = x < frame.width && y < frame.height;
+  const float* const occluder =
+      inside && frame.occluder.data ? frame.occluder.row(std::size_t(y)) + x : nullptr;
+
+  BlendedPixel pixel;
+  bool live = inside;
+  std::uint32_t pairs = 0, visited = 0, rows = 0;
+
+  const vec2 first_centre(float(x0) + 0.5f, float(y0) + 0.5f);
+  const float centre_y = first_centre.y + float(row);
+  const TileRange range = BlockSquare::list(job, view);
+  for (std::uint32_t at = range.begin; at < range.end && __any_sync(whole_warp, live); ++at) {
+    const std::uint32_t id = job.lists.ids[at];
+    const SplatColour colour = job.colours.each[id];
+    if (is_hidden(colour)) continue;
+    const SplatShape shape = job.splats.shapes[id];
+    const bool visits = live && row_touched(shape, first_centre.x, centre_y);
+    const unsigned visiting = __ballot_sync(whole_warp, visits);
+    ++visited, rows += unsigned((visiting & 0xffff) != 0) + unsigned(visiting >> 16 != 0);
+    if (!visits) continue;
+    typename R::Kernel kernel(shape, first_centre, view.rules);
+    kernel.start_row(centre_y);
+    const float alpha = kernel.alpha(column);
+    if (alpha == 0) continue;
+    const float next = dimmed(pixel.transmittance, alpha);
+    if (next < view.rules.stop_below || (occluder && colour.depth >= *occluder)) {
+      live = false;
+      continue;
+    }
+    const float weight = alpha * pixel.transmittance;
+    pixel.colour += weight * colour.rgb;
+    pixel.depth += weight * colour.depth;
+    pixel.transmittance = next;
+    ++pairs;
+  }
+
+  if (inside) store_pixel(frame, std::size_t(x), std::size_t(y), pixel, view.background);
+  if (job.counts)
+    add_counts(job.counts[BlockSquare::number()],
+               {visited, rows, warp_sum(pairs), warp_sum(inside && !live)});
+}
+
+template <RasterPolicy R>
+void run_raster_pixels(Cuda& cuda, const RasterJob& job) {
+  static constexpr ComposedName name{"rasterize ", R::name};
+  const View& view = only_view(job.views);
+  if (job.counts) cuda.clear(job.counts, Squares(view.frame).size() * sizeof(SquareCounts));
+  launch(name.view().data(), raster_pixels<R>, blocks_for(view.frame), raster_pixels_threads, cuda.stream(),
+         job, view);
+}
+
+}  // namespace swiftgs::kernels

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The form of rasterizers without kernels of their own: every test of raster_test.cpp with the scalar kernels
+// of the library, and a rasterizer that the library does not know.
+#include <swiftgs/cuda.cuh>
+#include <swiftgs/metrics.hpp>
+#include <swiftgs/renderer.hpp>
+
+#define SWIFTGS_TEST_RASTER_PIXELS
+#include "cuda/raster_test.cpp"
+
+namespace {
+
+/// A rasterizer of the caller, of which no backend knows more than the scalar form.
+struct HalfAsOpaque {
+  static constexpr std::string_view name = "half-as-opaque";
+  class Kernel {
+   public:
+    SWIFTGS_HD Kernel(const SplatShape& shape, vec2 first_centre, BlendRules rules)
+        : whole_(shape, first_centre, rules) {}
+    SWIFTGS_HD void start_row(float y) { whole_.start_row(y); }
+    SWIFTGS_HD float alpha(int column) const { return 0.5f * whole_.alpha(column); }
+
+   private:
+    PerPixel::Kernel whole_;
+  };
+};
+static_assert(RastersOn<HalfAsOpaque, Serial> && RastersOn<HalfAsOpaque, Cpu> &&
+              RastersOn<HalfAsOpaque, Cuda>);
+
+/// Terms of the caller: circles.
+struct Round {
+  static constexpr std::string_view name = "round";
+  struct X {
+    float square;
+  };
+  struct Y {
+    float square;
+  };
+  SWIFTGS_HD Round(const SplatShape& s, vec2) : mean_(s.mean), factor_(s.l0 * s.l2) {}
+  SWIFTGS_HD X x_term(float at) const { return {factor_ * (at - mean_.x) * (at - mean_.x)}; }
+  SWIFTGS_HD Y y_term(float at) const { return {factor_ * (at - mean_.y) * (at - mean_.y)}; }
+  SWIFTGS_HD static float exponent(X x, Y y) { return x.square + y.square; }
+
+ private:
+  vec2 mean_;
+  float factor_;
+};
+static_assert(RastersOn<AxisShared<Round>, Serial> && RastersOn<AxisSharedThreshold<Round>, Cpu> &&
+              RastersOn<AxisSharedThreshold<Round>, Cuda>);
+
+template <class Raster>
+void check_on_all_backends(const Picture& picture) {
+  CAPTURE(Raster::name);
+  Cuda cuda;
+  check_drawing<Raster>(cuda, picture);
+  Cpu cpu(2);
+  const Drawing serial = draw_on_host<Raster>(picture);
+  REQUIRE(serial.counts.contributing_pairs > 1000);
+  const Drawing on_cpu = draw<Raster>(cpu, picture.splats, picture.width, picture.height, picture.settings);
+  CHECK(on_cpu.frame.colour == serial.frame.colour);
+  CHECK(on_cpu.counts.contributing_pairs == serial.counts.contributing_pairs);
+}
+
+template <class B>
+Frame frame_on(const Scene& scene, const Camera& camera) {
+  Renderer<B, EarlySort, HalfAsOpaque, Ellipse> renderer;
+  return renderer.render(renderer.backend().upload(scene), camera);
+}
+
+}  // namespace
+
+TEST_CASE("cuda raster pixels: rasterizers and terms of the caller draw what hosts draw") {
+  if (without_device()) return;
+  for (const int width : {40, 200}) {
+    const Picture picture(usual_splats(1000, width, 60, 21), width, 60);
+    check_on_all_backends<HalfAsOpaque>(picture);
+    check_on_all_backends<AxisShared<Round>>(picture);
+    check_on_all_backends<AxisSharedThreshold<Round>>(picture);
+  }
+}
+
+TEST_CASE("cuda raster pixels: a renderer takes a rasterizer of the caller on every backend") {
+  if (without_device()) return;
+  const Scene scene = random_scene(2000, 1, 22);
+  const Camera camera = forward_camera(170, 90);
+  const Frame serial = frame_on<Serial>(scene, camera);
+  CHECK(psnr(frame_on<Cpu>(scene, camera).colour, serial.colour) > 60);
+  CHECK(psnr(frame_on<Cuda>(scene, camera).colour, serial.colour) > 60);
+}
+
+TEST_CASE("cuda raster pixels: counts are the host's where no threshold is near") {
+  if (without_device()) return;
+  // Each leaves a fifth, so that the sixth that shows ends every pixel. Two are hidden.
+  SplatSet splats;
+  for (int i = 0; i < 20; ++i) splats.add(make_splat(10, 5, 3000, 3000, 0, 0.8), float(1 + i));
+  splats.colours[0] = splats.colours[3] = SplatColour{};
+  const Picture picture(splats, 20, 9);
+  Cuda cuda;
+  const SquareCounts counts = draw_on_device<HalfAsOpaque>(cuda, picture).counts,
+                     whole = draw_on_device<WithoutKernel<PerPixel>>(cuda, picture).counts;
+  CHECK(whole.instances_visited == 2 * 6);
+  CHECK(whole.rows_visited == 2 * 6 * 9);
+  CHECK(whole.contributing_pairs == 5 * 20 * 9);
+  CHECK(whole.pixels_stopped == 20 * 9);
+  const SquareCounts expected = draw_on_host<HalfAsOpaque>(picture).counts;
+  CHECK(counts.instances_visited == expected.instances_visited);
+  CHECK(counts.rows_visited == expected.rows_visited);
+  CHECK(counts.contributing_pairs == expected.contributing_pairs);
+  CHECK(counts.pixels_stopped == expected.pixels_stopped);
+}
+
+TEST_CASE("cuda raster pixels: a splat behind the caller's surface ends the pixel") {
+  if (without_device()) return;
+  Picture picture(usual_splats(2000, 90, 50, 23), 90, 50);
+  Random random(24);
+  for (int i = 0; i < 90 * 50; ++i) picture.occluder.push_back(random.f(0, 30));
+  REQUIRE(draw_on_host<HalfAsOpaque>(picture).counts.pixels_stopped > 1000);
+  Cuda cuda;
+  DevicePicture device(picture);
+  DeviceFrame frame(90, 50);
+  rasterize(cuda, HalfAsOpaque(), device.job(frame.view(), true));
+  const Drawing expected = draw_on_host<HalfAsOpaque>(picture);
+  CHECK(difference(frame.pixels(cuda, frame.colour, 12), expected.frame.colour, 2e-5).part_above <= 0.001);
+  CHECK(difference(frame.pixels(cuda, frame.alpha, 4), expected.frame.alpha, 2e-5).part_above <= 0.001);
+}
