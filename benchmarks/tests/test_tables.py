@@ -266,6 +266,12 @@ class Tables(unittest.TestCase):
         self.assertEqual(cells(text, "garden, 1.5 M, 2 views")[1:],
                          ["three-sigma-square", "500,000", "6,000,000", "6,000,000", "12.00", "12.00", "45.8 %"])
 
+    def test_a_change_of_each_stage_is_a_part_of_what_it_was(self):
+        text = self.table("change gpu frame cuda")
+        self.assertEqual(cells(text, "garden, 1.5 M")[2:],
+                         ["0.500 → 0.500 (+0.0 %)", "0.800 → 0.720 (-10.0 %)", "1.00 → 1.00 (+0.0 %)",
+                          "2.30 → 2.22 (-3.5 %)"])
+
     def test_bounds_stand_from_the_widest_to_the_tightest(self):
         text = self.table("bounds gpu")
         kinds = [line.split("|")[2].strip() for line in text.splitlines() if line.startswith("| garden, 1.5 M")]
