@@ -77,9 +77,8 @@ void group_by_tile(Cpu& cpu, const EmissionJob& job, GroupScratch<Cpu>& scratch,
   const std::size_t splats = job.splats.size(), tiles = job.grid.size();
   // A table of positions a part must not outgrow the splats that it is for.
   const std::size_t parts = std::min(part_count(cpu, splats, 4096), 1 + 16 * splats / tiles);
-  lists.instances = std::size_t(job.instances);
-  lists.tiles = tiles;
-  lists.ids.reset(lists.instances), lists.ranges.reset(tiles);
+  lists.instances = lists.tiles = 0;
+  lists.ids.reset(std::size_t(job.instances)), lists.ranges.reset(tiles);
 
   // Count the instances of each tile in each part, turn the counts into first positions, and write every id
   // to its own.
@@ -97,6 +96,7 @@ void group_by_tile(Cpu& cpu, const EmissionJob& job, GroupScratch<Cpu>& scratch,
     lists.ranges.data()[tile] = sum > begin ? TileRange{begin, sum} : TileRange{};
   }
   check_sum(job.instances, sum);
+  lists.instances = sum, lists.tiles = tiles;
   for_each_part(cpu, splats, parts, [&](std::size_t part, Part range) {
     std::uint32_t* positions = positions_of(part);
     std::uint32_t* ids = lists.ids.data();

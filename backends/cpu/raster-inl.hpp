@@ -128,9 +128,8 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
     alpha = hn::IfThenElseZero(kept, hn::Min(alpha, alpha_max));
     const Vec next = Dimmed(transmittance, alpha);
 
-    // Pixels that this splat would bring below the limit, or in which the caller's surface hides it, end
-    // without it. Masks see to them, since a branch
-    // would be taken once for most pixels and never where it was last time.
+    // A pixel ends without this splat if the splat would bring it below the limit, or if the caller's surface
+    // hides the splat. A mask, not a branch: most pixels take it once, and no processor predicts when.
     Mask stops = hn::Lt(next, stop_below);
     const float* HWY_RESTRICT colour = batch.colours[k];
     if constexpr (kOccluder) stops = hn::Or(stops, hn::And(kept, hn::Ge(hn::Set(d, colour[3]), occluder)));

@@ -61,7 +61,7 @@ namespace {
 HWY_EXPORT(HalfSplitSquares);
 
 void run(Cpu& cpu, const RasterJob& job, bool threshold) {
-  cpu.for_parts(Squares(only_view(job.views).frame).size(), 4, [&](std::size_t begin, std::size_t end) {
+  cpu.for_parts(Squares(view_of(job).frame).size(), 4, [&](std::size_t begin, std::size_t end) {
     HWY_DYNAMIC_DISPATCH(HalfSplitSquares)(job, threshold, begin, end);
   });
 }

@@ -65,7 +65,7 @@ HWY_EXPORT(PerPixelSquares);
 }  // namespace
 
 void rasterize(Cpu& cpu, PerPixel, const RasterJob& job) {
-  cpu.for_parts(Squares(only_view(job.views).frame).size(), 4, [&](std::size_t begin, std::size_t end) {
+  cpu.for_parts(Squares(view_of(job).frame).size(), 4, [&](std::size_t begin, std::size_t end) {
     HWY_DYNAMIC_DISPATCH(PerPixelSquares)(job, begin, end);
   });
 }

@@ -53,7 +53,7 @@ struct SquarePixel {
 /// Starts `lean`, or `full` where the frame wants more than colour and alpha: a block a square.
 inline void rasterize_blocks(Cuda& cuda, const char* name, void (*lean)(RasterJob, View),
                              void (*full)(RasterJob, View), const RasterJob& job) {
-  const View& view = only_view(job.views);
+  const View& view = view_of(job);
   if (job.counts) cuda.clear(job.counts, Squares(view.frame).size() * sizeof(SquareCounts));
   launch(name, kernels::wants_extras(job, view.frame) ? full : lean, kernels::blocks_for(view.frame),
          kernels::block_threads, cuda.stream(), job, view);

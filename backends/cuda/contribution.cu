@@ -81,7 +81,7 @@ __global__ void __launch_bounds__(raster_threads)
 }  // namespace kernels
 
 void add_contributions(Cuda& cuda, const ContributionJob& job) {
-  const View& view = only_view(job.raster.views);
+  const View& view = view_of(job.raster);
   launch("add_contributions", kernels::add_contributions, kernels::blocks_for(view.frame),
          kernels::raster_threads, cuda.stream(), job, view, kernels::RasterLimits(view.rules));
 }

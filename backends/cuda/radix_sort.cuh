@@ -109,9 +109,9 @@ __global__ void __launch_bounds__(histogram_threads)
 /// Tiles whose counts are added up directly: what lies before them is looked for a group at a time.
 inline constexpr unsigned group_tiles = 8;
 
-/// Words of a pass of so many tiles: one a tile and one a group, for each digit.
+/// Words of a pass of so many tiles, for each digit: one a tile, and one a group of tiles that is full.
 __host__ __device__ constexpr std::uint32_t radix_words(std::uint32_t tiles) {
-  return (tiles + (tiles + group_tiles - 1) / group_tiles) * digits;
+  return (tiles + tiles / group_tiles) * digits;
 }
 
 /// How many pairs of one digit lie in the tiles before a block's, by a thread a digit. As `RunningSum`, in

@@ -66,8 +66,8 @@ __device__ Walked walk_list(const RasterJob& job, TileRange range, vec2 first_ce
   const auto load_id = [&](std::uint32_t at) {
     return at + lane_index() < range.end ? job.lists.ids[at + lane_index()] : 0;
   };
-  std::uint32_t begun = 0, waiting = 0,
-                blended = 0;  // splats put into the queue: `begun` halves, and `waiting` more
+  // Splats put into the queue are `begun` halves, and `waiting` more.
+  std::uint32_t begun = 0, waiting = 0, blended = 0;
   std::uint32_t at = range.begin;
   if (at < range.end) {
     // Shapes are asked for a step ahead, and their ids two.
@@ -245,7 +245,7 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
 /// Rasterizes with terms of `Form` in registers.
 template <class Form, bool threshold>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
-  const View& view = only_view(job.views);
+  const View& view = view_of(job);
   if (job.counts) cuda.clear(job.counts, Squares(view.frame).size() * sizeof(SquareCounts));
   const auto kernel = kernels::wants_extras(job, view.frame) ? kernels::raster_warps<Form, threshold, true>
                                                              : kernels::raster_warps<Form, threshold, false>;

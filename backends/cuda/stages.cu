@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// The stages that know of bounds, for all bounds of the library.
+// The stages that know of bounds, for all bounds of the library. <swiftgs/cuda.cuh> has the same three for
+// bounds of the caller.
 #include <cstdint>
 #include <tuple>
 

@@ -152,10 +152,10 @@ struct AddSquareContributions {
   };
 };
 
-/// Adds the weights of all squares, on hosts. A device overloads this. Throws as `only_view`.
+/// Adds the weights of all squares, on hosts. A device overloads this. Throws as `view_of`.
 template <BackendPolicy B>
 requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const ContributionJob& job) {
-  const View& view = only_view(job.raster.views);
+  const View& view = view_of(job.raster);
   b.for_each(Squares(view.frame).size(), AddSquareContributions{job, view});
 }
 
@@ -189,7 +189,7 @@ class Contributions {
       throw CapacityError("pixels of all views", pixels, max_contribution_pixels);
 
     check_ready(backend_);
-    const SceneInstance instance{scene_.view()};
+    const PlacedScene instance{scene_.view()};
     const FrameInput input{{&view, 1}, {&instance, 1}};
     project(backend_, input, Ellipse{}, project_scratch_, splats_, footprints_);
     std::optional<Shading<B>> shading;

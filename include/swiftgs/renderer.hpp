@@ -88,7 +88,7 @@ class Renderer {
     if (settings.count) square_counts_.reset(Squares(frame).size()), counts = square_counts_.data();
 
     const View view = make_view(camera, settings.conventions, frame, settings.background);
-    const SceneInstance instance{scene};
+    const PlacedScene instance{scene};
     const FrameInput input{{&view, 1}, {&instance, 1}};
     take_time(0);
     project(backend_, input, Bounds{}, project_scratch_, splats_, footprints_);

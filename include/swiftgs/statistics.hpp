@@ -19,15 +19,15 @@ struct Statistics {
 
 /// Memory that a renderer keeps for its stages, the scene excluded. @units{bytes}
 struct StageMemory {
-  std::size_t project = 0;  ///< splats included
+  std::size_t project = 0;  ///< splats, footprints and colours included
   std::size_t sort = 0;     ///< tile lists included
   std::size_t raster = 0;   ///< frames that the renderer keeps
 
   std::size_t total() const { return project + sort + raster; }
 };
 
-/// Durations of one frame's stages. A backend may evaluate colours beside the sort; if they take longer than
-/// the sort, the rest counts in `raster`.
+/// Durations of one frame's stages. `project` includes `bin`, and `shade` on hosts. A device evaluates
+/// colours beside the sort; if they take longer than the sort, the rest counts in `raster`.
 /// @units{milliseconds}
 struct StageTimes {
   double project = 0, sort = 0, raster = 0, total = 0;

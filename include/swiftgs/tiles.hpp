@@ -9,13 +9,18 @@
 
 namespace swiftgs {
 
-/// Side of the tiles that a renderer lists splats for @units{pixels}.
-inline constexpr int default_tile_side = 16;
+/// Side of the squares of pixels that rasterizers blend at a time @units{pixels}. Tiles are as large or
+/// larger: the squares of a tile share its list.
+inline constexpr int square_side = 16;
 
-/// Tiles that cover an image, numbered by rows. The side changes how long lists are, and no bit of an image.
+/// Side of the tiles that a renderer lists splats for @units{pixels}.
+inline constexpr int default_tile_side = square_side;
+
+/// Tiles that cover an image, numbered by rows. The side changes how long lists are. It changes no bit of an
+/// image within lossless bounds; others cut splats at the borders of tiles.
 struct TileGrid {
   int columns = 0, rows = 0;
-  int side = default_tile_side;  ///< a power of two @units{pixels}
+  int side = default_tile_side;  ///< a power of two, `square_side` or more @units{pixels}
 
   SWIFTGS_HD static constexpr TileGrid covering(int width, int height, int side = default_tile_side) {
     return {(width + side - 1) / side, (height + side - 1) / side, side};

@@ -44,19 +44,15 @@ inline View make_view(const Camera& camera, const Conventions& conventions, cons
 }
 
 /// A scene as it appears in a frame.
-struct SceneInstance {
+struct PlacedScene {
   SceneView scene;
 };
 
 /// What is projected and shaded. Stages read both spans before they return.
 struct FrameInput {
   Span<const View> views;
-  Span<const SceneInstance> scenes;
+  Span<const PlacedScene> scenes;
 };
-
-/// Side of the squares of pixels that rasterizers blend at a time @units{pixels}. Tiles are as large or
-/// larger: the squares of a tile share its list.
-inline constexpr int square_side = 16;
 
 /// The squares that cover an image, numbered by rows.
 struct Squares {
@@ -83,10 +79,15 @@ namespace detail {
 }  // namespace detail
 
 /// The one view of a frame. Throws `std::invalid_argument` if there is another number of views, or if the
-/// view's tiles do not cover its frame.
+/// frame has no pixels or too many, or if the view's tiles do not cover it.
 inline const View& only_view(Span<const View> views) {
   if (views.size != 1) detail::refuse("frame: the number of views", views.size, "1");
   const View& view = views[0];
+  const auto side_fits = [](int side) { return side > 0 && side <= max_image_side; };
+  if (!side_fits(view.frame.width) || !side_fits(view.frame.height))
+    throw std::invalid_argument("frame: " + std::to_string(view.frame.width) + " x " +
+                                std::to_string(view.frame.height) + " pixels, expected 1 to " +
+                                std::to_string(max_image_side) + " a side");
   const TileGrid& grid = view.grid;
   if (grid.side < square_side || (grid.side & (grid.side - 1)) != 0)
     detail::refuse("tiles: the side", std::size_t(grid.side),
@@ -100,7 +101,7 @@ inline const View& only_view(Span<const View> views) {
 }
 
 /// The one scene of a frame. Throws `std::invalid_argument` if there is another number of scenes.
-inline const SceneView& only_scene(Span<const SceneInstance> scenes) {
+inline const SceneView& only_scene(Span<const PlacedScene> scenes) {
   if (scenes.size != 1) detail::refuse("frame: the number of scenes", scenes.size, "1");
   return scenes[0].scene;
 }

@@ -114,7 +114,10 @@ struct Stage {
     std::uint64_t sum = 0;
     bool same = found.size() == set.shapes.size() && footprints(bounds).grid == grid;
     for (std::size_t i = 0; same && i < found.size(); ++i) {
-      same = found[i].count == find_footprint(bounds, set.shapes[i], grid).count;
+      const Footprint expected = find_footprint(bounds, set.shapes[i], grid);
+      same = found[i].count == expected.count &&
+             (expected.count == 0 || (found[i].mask == expected.mask && found[i].column == expected.column &&
+                                      found[i].row == expected.row));
       sum += found[i].count;
     }
     return same && sum == footprints(bounds).instances;

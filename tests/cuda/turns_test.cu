@@ -46,7 +46,7 @@ std::vector<std::uint64_t> words_of(const Cuda& cuda, Turns<Counters>& turns) {
 
 /// Sorts, and whether each is exactly a stable sort.
 struct Sorting {
-  static constexpr std::size_t row = RadixCounts::digits, small_rows = 2;
+  static constexpr std::size_t row = RadixCounts::digits, small_rows = 1;
 
   Cuda cuda;
   Turns<RadixCounts> turns;

@@ -277,3 +277,34 @@ TEST_CASE("bounds: the radius of a round splat of standard deviation 5 is 16") {
   // From 184 to 216 + 15: columns 11 to 13; with its centre at 208.5 the left border is column 12 exactly.
   CHECK(tiles_of<ThreeSigmaSquare>(make_splat(208.5, 152.5, 5, 5, 0, 1)).begin()->second == 12);
 }
+
+TEST_CASE("bounds: lossless ones list the larger tiles of every square that a rasterizer visits a row of") {
+  for_each_lossless([&]<class Bounds>(Bounds) {
+    CAPTURE(Bounds::name);
+    for (const int side : {32, 128}) {
+      CAPTURE(side);
+      const TileGrid large = TileGrid::covering(width, height, side);
+      std::size_t missed = 0, visited = 0;
+      for_each_splat([&](const SplatShape& shape) {
+        Tiles needed;
+        for (int y = 0; y < height; ++y)
+          for (int x = 0; x < width; x += square_side)
+            if (row_touched(shape, float(x) + 0.5f, float(y) + 0.5f)) needed.insert({y / side, x / side});
+        visited += needed.size();
+        missed += !contains(tiles_of<Bounds>(shape, large), needed);
+      });
+      CHECK(missed == 0);
+      CHECK(visited > 5000);
+    }
+  });
+}
+
+TEST_CASE("bounds: a square of three sigmas shows more of a splat on larger tiles") {
+  // It ends at a border of tiles: what lies between its own border and theirs is drawn.
+  const SplatShape shape = make_splat(100, 100, 5, 5, 0, 1);
+  const auto pixels = [&](int side) {
+    return tiles_of<ThreeSigmaSquare>(shape, TileGrid::covering(width, height, side)).size() *
+           std::size_t(side * side);
+  };
+  CHECK(pixels(64) > pixels(16));
+}

@@ -1,38 +1,61 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Footprints: which tiles a splat may touch, found once and walked where instances are emitted.
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <hwy/targets.h>
 
 #include "policies/backends.hpp"
+#include "policies/only_targets.hpp"
 #include "policies/tile_lists.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
 
+namespace {
+
+/// Whether `backend` finds the footprints of the scalar bounds, on tiles of every kind of side.
+template <class B>
+void check_footprints_on(B& backend) {
+  const SplatSet splats = random_splats(3001, 700, 500, 3);
+  for (const int side : {16, 32, 64, 512})
+    for_each_type(AllBounds(), [&]<class Bounds>(Bounds bounds) {
+      CAPTURE(side);
+      CAPTURE(Bounds::name);
+      const TileGrid grid = TileGrid::covering(700, 500, side);
+      const Binned<B, Bounds> binned(backend, splats.job(700, 500, side), bounds);
+      const FootprintsView<Bounds> found = binned.footprints.view();
+      REQUIRE(found.each.size == splats.shapes.size());
+      CHECK(found.grid == grid);
+      std::uint64_t instances = 0, other = 0;
+      for (std::size_t i = 0; i < found.each.size; ++i) {
+        const Footprint expected = find_footprint(bounds, splats.shapes[i], grid);
+        other += found.each[i].mask != expected.mask || found.each[i].count != expected.count;
+        instances += expected.count;
+      }
+      CHECK(other == 0);
+      CHECK(found.instances == instances);
+    });
+}
+
+}  // namespace
+
 TEST_CASE_TEMPLATE("footprints: every backend finds those of the scalar bounds", B, SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
-  const SplatSet splats = random_splats(3001, 700, 500, 3);
-  const TileGrid grid = TileGrid::covering(700, 500);
-  const auto check = [&]<class Bounds>(Bounds bounds) {
-    CAPTURE(Bounds::name);
-    const Binned<B, Bounds> binned(backend, splats.job(700, 500), bounds);
-    const FootprintsView<Bounds> found = binned.footprints.view();
-    REQUIRE(found.each.size == splats.shapes.size());
-    CHECK(found.grid == grid);
-    std::uint64_t instances = 0, other = 0;
-    for (std::size_t i = 0; i < found.each.size; ++i) {
-      const Footprint expected = find_footprint(bounds, splats.shapes[i], grid);
-      other += found.each[i].mask != expected.mask || found.each[i].count != expected.count;
-      instances += expected.count;
-    }
-    CHECK(other == 0);
-    CHECK(found.instances == instances);
-  };
-  for_each_type(AllBounds(), check);
+  check_footprints_on(backend);
+}
+
+TEST_CASE("footprints: every vector target finds those of the scalar bounds") {
+  Cpu cpu(1);
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    CAPTURE(hwy::TargetName(target));
+    const OnlyTargets only(target);
+    check_footprints_on(cpu);
+  }
 }
 
 TEST_CASE("footprints: a walk names the tiles of the bounds once each and in order") {

@@ -139,7 +139,7 @@ struct Projected {
 template <class B>
 Projected project_to_host(B& backend, const View& view, const Scene& scene) {
   const auto uploaded = backend.upload(scene);
-  const SceneInstance instance{uploaded.view()};
+  const PlacedScene instance{uploaded.view()};
   const FrameInput input{{&view, 1}, {&instance, 1}};
   ProjectScratch<B> scratch;
   Splats<B> splats;

@@ -13,7 +13,7 @@ namespace swiftgs::test {
 /// One view of one scene.
 struct OneView {
   View view;
-  SceneInstance scene;
+  PlacedScene scene;
 
   OneView(const Camera& camera, const Conventions& conventions, const SceneView& of)
       : view(make_view(camera, conventions, {.width = camera.width, .height = camera.height})), scene{of} {}

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include <swiftgs/backend.hpp>
@@ -40,6 +41,16 @@ struct RasterJob {
   SquareCounts* counts = nullptr;  ///< @shape{squares} filled where not null
 };
 
+/// The one view of `job`. Throws `std::invalid_argument` as `only_view`, and if the lists are not of as many
+/// tiles as the view has.
+inline const View& view_of(const RasterJob& job) {
+  const View& view = only_view(job.views);
+  if (job.lists.ranges.size != view.grid.size())
+    detail::refuse("rasterize: the number of lists", job.lists.ranges.size,
+                   "a list for each of the view's " + std::to_string(view.grid.size()) + " tiles");
+  return view;
+}
+
 /// Arithmetic of a rasterizer for one splat in one square: constructed once from a shape that outlives it,
 /// told each row, asked for each pixel. `alpha` is 0 where the pixel skips the splat.
 template <class K>
@@ -57,8 +68,8 @@ concept RasterPolicy = AlphaKernel<typename R::Kernel> && requires {
   { R::name } -> std::convertible_to<std::string_view>;
 };
 
-/// Whether `shape` keeps any pixel of the row of a square whose centres run from `first_x` to first_x + 15 at
-/// height y.
+/// Whether `shape` keeps any pixel of the row of a square whose centres run from `first_x` to first_x +
+/// `square_side` - 1 at height y.
 ///
 /// Host rasterizers visit exactly the rows that this accepts, so that what is drawn does not depend on how
 /// wide the bounds were that listed the splat. Rounding is monotone along a row, hence no pixel of a refused
@@ -153,10 +164,10 @@ struct RasterizeSquare {
 
 /// Renders every square of `job` with the arithmetic of `R::Kernel`, on hosts. Backends overload this for
 /// policies that they have kernels for; a device, where a thread a square would be of no use, for all others.
-/// Throws as `only_view`.
+/// Throws as `view_of`.
 template <BackendPolicy B, RasterPolicy R>
 requires(bool(B::reaches_host_memory)) void rasterize(B& b, R, const RasterJob& job) {
-  const View& view = only_view(job.views);
+  const View& view = view_of(job);
   b.for_each(Squares(view.frame).size(), RasterizeSquare<R>{job, view});
 }
 

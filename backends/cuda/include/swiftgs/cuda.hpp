@@ -147,7 +147,7 @@ class SWIFTGS_API Cuda {
   /// Fills `bytes` bytes of device memory with zero.
   void clear(void* memory, std::size_t bytes) const;
 
-  /// What `counts` on the device holds: the one place where a frame waits for its device.
+  /// What `counts` on the device holds: the one place where a renderer's frame waits for its device.
   FrameCounts read(LastCounters<FrameCounts> counts) const;
 
  private:
@@ -176,7 +176,7 @@ class Turns {
     const auto capacity = std::uint32_t(words_.capacity());
     return {counters_.data(), words_.data(), capacity, std::bit_ceil(capacity) - 1};
   }
-  /// After the last kernel of an operation has been started. It ends the turn on the device.
+  /// After the last kernel of an operation has been started. That kernel ends the turn on the device.
   void end() { started_ = true; }
 
   std::size_t bytes() const { return bytes_of(counters_, words_); }
@@ -187,8 +187,8 @@ class Turns {
   bool started_ = false;
 };
 
-/// Memory of projection. Holds the numbers of one projection, which the next one clears: `bin` reads them
-/// before.
+/// Memory of projection. The next projection clears what this one left: the numbers that `bin` reads, and the
+/// word by which rasterizers know of hidden splats. Rasterize a frame before you project the next.
 template <>
 struct ProjectScratch<Cuda> {
   Turns<FrameCounts> turns;
@@ -294,7 +294,8 @@ struct InstanceScratch<Cuda> {
   std::size_t bytes() const { return bytes_of(large, turns); }
 };
 
-/// `emit_instances` with the tiles of 32 splats spread over the lanes of a warp.
+/// `emit_instances` with the tiles of 32 splats spread over the lanes of a warp. The footprints must hold as
+/// many instances as they say: to check would be to wait.
 /// In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds, class Key>
 SWIFTGS_API std::size_t emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,

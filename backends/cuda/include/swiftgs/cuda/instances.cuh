@@ -14,8 +14,8 @@ namespace swiftgs::kernels {
 
 inline constexpr unsigned emit_threads = 256;
 inline constexpr unsigned emit_warps = emit_threads / warp_size;
-inline constexpr unsigned emit_large_blocks =
-    512;  ///< enough to fill a device; they share the splats there are
+/// Enough to fill a device; they share the splats.
+inline constexpr unsigned emit_large_blocks = 512;
 
 /// Where instances are written to.
 template <class Key>

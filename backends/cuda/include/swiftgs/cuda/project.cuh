@@ -111,6 +111,7 @@ void run_project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, Proj
   splats.count = footprints.count = 0, footprints.instances = 0;
   splats.pending = footprints.found_by = {};
   splats.reset(n), footprints.each.reset(n), scratch.hidden.reset(1);
+  footprints.grid = view.grid;
   if (n == 0) return;
   const unsigned blocks = blocks_for(n, project_threads);
   const TurnsView<FrameCounts> turns = scratch.turns.begin(cuda, blocks);
@@ -121,7 +122,6 @@ void run_project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, Proj
          turns);
   scratch.turns.end();
   splats.pending = footprints.found_by = {turns.last(), scratch.hidden.data(), ++scratch.projections};
-  footprints.grid = view.grid;
 }
 
 template <BoundsPolicy Bounds>

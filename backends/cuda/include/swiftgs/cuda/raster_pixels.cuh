@@ -71,7 +71,7 @@ __global__ void __launch_bounds__(raster_pixels_threads)
 template <RasterPolicy R>
 void run_raster_pixels(Cuda& cuda, const RasterJob& job) {
   static constexpr ComposedName name{"rasterize ", R::name};
-  const View& view = only_view(job.views);
+  const View& view = view_of(job);
   if (job.counts) cuda.clear(job.counts, Squares(view.frame).size() * sizeof(SquareCounts));
   launch(name.view().data(), raster_pixels<R>, blocks_for(view.frame), raster_pixels_threads, cuda.stream(),
          job, view);

@@ -32,7 +32,7 @@ SWIFTGS_HD constexpr std::uint32_t tag_of(std::uint32_t turn, std::uint32_t pass
 /// The copy of the counters to which an operation adds; it clears the other one.
 SWIFTGS_HD constexpr unsigned copy_of(std::uint32_t turn) { return turn % 2; }
 
-/// Tags begin again after days, and a word that no operation has used since would then pass for a new one.
+/// Tags begin again after hours, and a word that no operation has used since would then pass for a new one.
 /// So each operation clears the `row` words from this one on, where they exist and it does not use them.
 /// `mask` is one less than a power of two: the rows below it come up in turn.
 SWIFTGS_HD constexpr std::uint32_t swept_word(std::uint32_t turn, std::uint32_t row, std::uint32_t mask) {
