@@ -25,7 +25,7 @@ SWIFTGS_HD inline bool box_touched(const SplatShape& s, vec2 first, float side) 
   const bool across = u_left <= 0 && u_right >= 0;
   const float y = across ? nearest_y : fminf(fmaxf(along, top), bottom);
   const float u = across ? 0.0f : fmaf(s.l0, edge, s.l1 * y), v = s.l2 * y;
-  // Pixels round differently from this: what is that close to the edge is left to them.
+  // Pixels round differently from this, so they decide so close to the edge.
   return fmaf(u, u, v * v) <= s.reach * 1.0001f;
 }
 

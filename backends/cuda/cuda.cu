@@ -95,7 +95,7 @@ void Cuda::State::check_not_captured(const char* call) const {
 }
 
 namespace kernels {
-/// Writes what the host waits for to its own memory: it sees that sooner than the end of a copy.
+/// Writes the counts to host memory: the host sees them sooner than the end of a copy.
 __global__ void post(const LastCounters<FrameCounts> counts, Mailbox* mailbox) {
   mailbox->counts = counts.load();  // the host chooses
   cuda::atomic_ref<std::uint32_t, cuda::thread_scope_system>(mailbox->posted)

@@ -106,7 +106,7 @@ __global__ void __launch_bounds__(histogram_threads)
     for (unsigned p = 0; p < most_passes; ++p) turns.next_copy(turn).of_pass[p][threadIdx.x] = 0;
 }
 
-/// Tiles whose counts are added up directly: what lies before them is looked for a group at a time.
+/// Tiles of a group. A tile adds up the counts of its group directly, and those before it a group at a time.
 inline constexpr unsigned group_tiles = 8;
 
 /// Words of a pass of so many tiles, for each digit: one a tile, and one a group of tiles that is full.

@@ -30,7 +30,7 @@ SWIFTGS_HD inline SplatColour splat_colour(vec3 rgb, float depth) {
   return colour;
 }
 
-/// Finished colours of a frame's splats: what rasterizing takes, and only finished shading gives.
+/// Finished colours of a frame's splats. `Shading::finish` gives them; rasterizers take them.
 struct ColoursView {
   Span<const SplatColour> each;           ///< @shape{splats}
   const std::uint32_t* hidden = nullptr;  ///< not 0 if a splat is hidden; null: none is

@@ -52,16 +52,12 @@ struct SWIFTGS_API CompactSplats {
   }
 };
 
-/// Projects a scene: one splat for each visible Gaussian, in the order of the Gaussians. Reads no spherical
-/// harmonics. Throws as `only_view` and `only_scene`.
-///
-/// Backends overload this. An overload may also find `footprints` within `bounds`, if that costs little while
-/// the shapes are at hand; the backend's `bin` then only reads their number.
-template <BackendPolicy B, BoundsPolicy Bounds>
-void project(B& b, const FrameInput& input, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
-             Footprints<B, Bounds>&) {
-  const ViewConstants& camera = only_view(input.views).camera;
-  const SceneView& scene = only_scene(input.scenes);
+namespace detail {
+/// The loops of `project`. Not inlined: a compiler that fuses multiplications and additions may do so
+/// differently in each copy, and lossless bounds must draw the same bits.
+template <BackendPolicy B>
+[[gnu::noinline]] void project_splats(B& b, const ViewConstants& camera, const SceneView& scene,
+                                      ProjectScratch<B>& scratch, Splats<B>& splats) {
   const std::size_t n = scene.size();
   scratch.projected.reset(n), scratch.slots.reset(n);
   b.for_each(n, ProjectShapes{camera, scene, scratch.projected.data(), scratch.slots.data()});
@@ -71,6 +67,18 @@ void project(B& b, const FrameInput& input, const Bounds&, ProjectScratch<B>& sc
   b.for_each(n, CompactSplats{scratch.projected.data(), scratch.slots.data(), splats.shapes.data(),
                               splats.depths.data(), splats.gaussians.data()});
   splats.count = visible;
+}
+}  // namespace detail
+
+/// Projects a scene: one splat for each visible Gaussian, in the order of the Gaussians. Reads no spherical
+/// harmonics. Throws as `only_view` and `only_scene`.
+///
+/// Backends overload this. An overload may also find `footprints` within `bounds`, if that costs little while
+/// the shapes are at hand; the backend's `bin` then only reads their number.
+template <BackendPolicy B, BoundsPolicy Bounds>
+void project(B& b, const FrameInput& input, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
+             Footprints<B, Bounds>&) {
+  detail::project_splats(b, only_view(input.views).camera, only_scene(input.scenes), scratch, splats);
 }
 
 }  // namespace swiftgs

@@ -109,7 +109,7 @@ class Renderer {
     gaussians_ = scene.size();
   }
 
-  /// Renders into memory of the backend that the renderer keeps: what it returns holds until the next frame.
+  /// Renders into memory of the backend that the renderer keeps: the frame holds until the next one.
   /// Returns and throws as `render_into`.
   FrameView render_resident(const SceneView& scene, const Camera& camera, const RenderSettings& settings) {
     validate(camera);

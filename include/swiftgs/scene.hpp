@@ -21,7 +21,7 @@ inline constexpr int max_sh_degree = 3;
 SWIFTGS_HD constexpr int sh_rest_count(int degree) { return (degree + 1) * (degree + 1) - 1; }
 
 /// Gaussians on the host, structure of arrays, activated: nothing is left to exponentiate or normalise.
-/// World axes are those of the cameras; a reader converts what it reads.
+/// World axes are those of the cameras; readers convert.
 struct Scene {
   std::vector<vec3> means;            ///< @shape{N} world position
   std::vector<vec3> scales;           ///< @shape{N} standard deviation along each local axis, >= 0

@@ -38,7 +38,7 @@ struct TileGrid {
 #endif
   }
 
-  /// Bits that tell all tiles apart: what a sort by tile has to look at.
+  /// Bits that tell all tiles apart. A sort by tile looks at these.
   SWIFTGS_HD constexpr int key_bits() const {
     int bits = 0;
     while ((std::size_t(1) << bits) < size()) ++bits;

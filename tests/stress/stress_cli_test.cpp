@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include <swiftgs/bounds/all.hpp>
 #include <swiftgs/version.hpp>
 
 #include "cli/command.hpp"
@@ -97,14 +98,14 @@ TEST_CASE("stress: bounds that cut splats end with exit code 1 after table and r
   CAPTURE(outcome.err);
   CHECK(outcome.code == 1);
   CHECK(lines_in(outcome.err) == 1);
-  CHECK(outcome.err.starts_with(
-      "swiftgs: stress: expected an excess up to 10; 1 of 3 rows are above, the worst "));
+  CHECK(outcome.err.starts_with("swiftgs: stress: expected an excess up to 10; 1 of " +
+                                std::to_string(swiftgs::AllBounds::size) + " rows are above, the worst "));
   CHECK(outcome.err.find("serial/early/per-pixel/three-sigma-square on pancakes at 1e4") !=
         std::string::npos);
   CHECK(outcome.out.find("serial/early/per-pixel/three-sigma-square: loses digits from pancakes 1e4;") !=
         std::string::npos);
   CHECK(outcome.out.find("serial/early/per-pixel/ellipse: exact in 1 family;") != std::string::npos);
-  CHECK(json_in(place / "r.json").at("rows").size() == 3);
+  CHECK(json_in(place / "r.json").at("rows").size() == swiftgs::AllBounds::size);
 }
 
 TEST_CASE("stress: options that make no sense are one line with what was typed and expected") {

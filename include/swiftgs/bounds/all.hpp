@@ -9,7 +9,7 @@
 
 namespace swiftgs {
 
-/// The bounds of the library: every backend, and the table of renderers, has what stands here.
+/// The bounds of the library. Every backend and the table of renderers have these.
 using AllBounds = TypeList<ThreeSigmaSquare, OpacityBox, Obb, Ellipse>;
 
 }  // namespace swiftgs

@@ -71,7 +71,7 @@ SWIFTGS_HD inline TileRun tiles_meeting(float low, float high, int side, int cou
   return {clamped_floor(first, 0, count), clamped_floor(last + 1, 0, count)};
 }
 
-/// How much a lossless bound is widened, so that rounding in it never cuts what a rasterizer keeps.
+/// How much a lossless bound is widened, so that rounding never cuts a pixel that a rasterizer keeps.
 /// @units{pixels}
 SWIFTGS_HD inline float bounds_slack(float half_width, float half_height) {
   return 1e-2f + 1e-4f * (half_width + half_height);

@@ -16,7 +16,7 @@ TypeList<Others..., AxisShared<Terms>..., AxisSharedThreshold<Terms>...> with_ax
                                                                                           TypeList<Terms...>);
 }
 
-/// The rasterizers of the library: every backend, and the table of renderers, has what stands here.
+/// The rasterizers of the library. Every backend and the table of renderers have these.
 using AllRasters = decltype(detail::with_axis_shared(TypeList<PerPixel>(), AllTerms()));
 
 }  // namespace swiftgs

@@ -8,7 +8,7 @@
 
 namespace swiftgs {
 
-/// The sorts of the library: the table of renderers has what stands here. Each names in `Loops` the functors
+/// The sorts of the library. The table of renderers has these. Each names in `Loops` the functors
 /// that it runs by `for_each` itself: a device's compiler must see them.
 using AllSorts = TypeList<StandardSort, EarlySort, AdaptiveSort>;
 

@@ -20,7 +20,7 @@
 
 namespace swiftgs {
 
-/// Which scene at which image size: what a choice of sort strategy holds for.
+/// A scene at an image size. A choice of sort strategy holds for one key.
 struct FrameKey {
   std::uint64_t scene = 0;  ///< `SceneView::identity`
   std::size_t gaussians = 0;

@@ -27,7 +27,7 @@ struct BlockSquare {
   }
 };
 
-/// Adds what a warp counted to its square, which has visited as many instances as the warp that came
+/// Adds the counts of a warp to its square. A square has visited as many instances as its warp that came
 /// furthest. For a whole warp, all lanes of which have the same counts.
 __device__ inline void add_counts(SquareCounts& square, const SquareCounts& of_warp) {
   using Word = unsigned long long;

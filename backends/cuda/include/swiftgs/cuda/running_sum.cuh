@@ -63,7 +63,7 @@ class RunningSum {
  public:
   __device__ RunningSum(std::uint64_t* words, std::uint32_t turn) : words_(words), tag_(tag_of(turn)) {}
 
-  /// Tells later blocks what this one adds. For one thread.
+  /// Tells later blocks the value of this one. For one thread.
   __device__ void add(std::uint32_t value) const {
     publish(blockIdx.x == 0 ? SumWord::complete : SumWord::partial, value);
   }
@@ -79,7 +79,7 @@ class RunningSum {
         const unsigned back = lane_index() * words_of_lane + k;
         words[k] = back < end ? read(end - 1 - back) : SumWord(tag_, SumWord::complete, 0);
       }
-      // Add up what lies after the nearest complete sum, and that.
+      // Add the nearest complete sum and the values after it.
       std::uint32_t of_lane = 0;
       bool found = false;
 #pragma unroll

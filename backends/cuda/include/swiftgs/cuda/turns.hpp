@@ -3,8 +3,7 @@
 
 /// @file
 /// Memory that the kernels of one operation (a projection, an emission, a sort) share with those of the next
-/// operation of its kind. The device counts the operations itself, so that a launch says nothing of what ran
-/// before it.
+/// operation of its kind. The device counts the operations itself, so that no launch depends on earlier ones.
 
 #include <cstdint>
 

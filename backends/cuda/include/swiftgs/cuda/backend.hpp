@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <swiftgs/api.hpp>
+#include <swiftgs/backend.hpp>
+#include <swiftgs/cuda/memory.hpp>
+#include <swiftgs/cuda/turns.hpp>
+
+/// A stream as `<cuda_runtime_api.h>` declares it, so that this header needs no toolkit.
+using cudaStream_t = struct CUstream_st*;
+
+namespace swiftgs {
+
+/// Counts of a frame that the host reads.
+struct FrameCounts {
+  std::uint64_t visible = 0;
+  std::uint64_t instances = 0;
+};
+
+/// One NVIDIA GPU: everything runs in the order of one stream, and what a frame computes has the same bits
+/// from run to run. This header compiles without CUDA; policies of your own also need `<swiftgs/cuda.cuh>`
+/// and nvcc.
+///
+/// A backend belongs to the device that was current when it was made; that device must be current wherever it
+/// is used. Its functions return when their work is in stream order, unless they say that they wait.
+/// All of them throw `DeviceError`, and `CapacityError` where the device's memory does not suffice.
+///
+/// Frames cannot be captured into a CUDA graph: the host reads counts of theirs, and allocates memory for as
+/// many splats and instances as there are. While the stream is being captured, all but `for_each`, `clear`
+/// and rasterizing finished splats throw `DeviceError` before they call CUDA, and the capture stays valid.
+/// What was allocated must not be destroyed then either: CUDA does not allow to free memory.
+class SWIFTGS_API Cuda {
+  struct State;
+
+ public:
+  static constexpr std::string_view name = "cuda";
+  template <class T>
+  using Buffer = DeviceBuffer<T>;
+  using SceneOn = DeviceScene;
+  static constexpr bool reaches_host_memory = false;
+
+  /// A point in stream order. It can be read until 255 later points have been taken.
+  struct TimePoint {
+    std::uint64_t serial = 0;
+  };
+
+  /// Whether kernels of this build run on the device that is current when this is first asked.
+  static bool usable();
+
+  /// Of the current device.
+  std::string device_name() const;
+
+  /// Works on the caller's `stream`, which outlives it; by default on the default stream of the device.
+  explicit Cuda(cudaStream_t stream = nullptr);
+  ~Cuda();
+  /// A moved-from backend may only be assigned or destroyed.
+  Cuda(Cuda&&) noexcept;
+  Cuda& operator=(Cuda&&) noexcept;
+
+  /// Stream that orders all work except that of a fork not yet joined.
+  cudaStream_t stream() const;
+
+  /// Work beside that of the backend. Its stream begins behind all work submitted before the fork; whatever
+  /// is submitted to the backend after `join` comes after the fork's. The destructor joins.
+  class SWIFTGS_API Fork {
+   public:
+    Fork(Fork&& other) noexcept : state_(std::exchange(other.state_, nullptr)) {}
+    Fork& operator=(Fork&&) = delete;
+    ~Fork();
+
+    cudaStream_t stream() const;
+    /// Does nothing the second time. Throws `DeviceError` while the backend's stream is being captured; the
+    /// destructor joins nothing then.
+    void join();
+
+   private:
+    friend Cuda;
+    explicit Fork(State* state) : state_(state) {}
+    State* state_;  ///< null once joined
+  };
+
+  /// Starts a fork. A backend outlives it and has one at a time: throws `std::logic_error` where the one
+  /// before is not joined.
+  [[nodiscard]] Fork fork();
+
+  /// Throws `DeviceError` for `call` while the stream is being captured into a CUDA graph.
+  void check_not_captured(const char* call) const;
+
+  /// Copies `scene` to the device, without the SH bands that are zero throughout, in stream order. Waits for
+  /// the stream, so that other streams may read the scene too.
+  /// Throws `std::invalid_argument` as `validate` does.
+  SceneOn upload(const Scene& scene) const;
+  SceneOn upload(std::shared_ptr<const Scene> scene) const;
+
+  /// Copies after all work submitted before, and waits for the copy.
+  template <class T>
+  void download(Span<const T> from, T* to) const {
+    download_bytes(from.data, to, from.size * sizeof(T));
+  }
+
+  /// Returns when the stream has done all work submitted before.
+  void wait() const;
+
+  /// Memory of the current device, whoever uses it.
+  static MemoryUse memory_use();
+
+  /// Of the backend's device, which is asked once.
+  int multiprocessors() const;
+
+  /// f(i) for every i in [0, n), a thread each. `f` is copied to the device, and its call is `SWIFTGS_HD`.
+  /// Defined in `<swiftgs/cuda.cuh>`.
+  template <class F>
+  void for_each(std::size_t n, const F& f) const;
+
+  /// Replaces each count by the sum before it and returns the sum of all, for which it waits.
+  std::uint64_t exclusive_scan(Span<std::uint32_t> counts);
+
+  /// Sorts the first `n` pairs by the low `bits` bits of their keys, ascending and stably, into `keys` and
+  /// `values`, by way of the spare arrays. Throws `CapacityError` beyond 2^32 - 1 pairs.
+  void sort_pairs(Pairs<Cuda, std::uint16_t>& pairs, std::size_t n, int bits);
+  void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, std::size_t n, int bits);
+  void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, std::size_t n, int bits);
+
+  /// A point after all work submitted so far, forked work excluded.
+  TimePoint now();
+  /// From one point to a later one; nothing where `to` has not been reached or `from` is too old. Does not
+  /// wait. @units{milliseconds}
+  std::optional<double> milliseconds(TimePoint from, TimePoint to) const;
+
+  /// Fills `bytes` bytes of device memory with zero.
+  void clear(void* memory, std::size_t bytes) const;
+
+  /// What `counts` on the device holds: the one place where a renderer's frame waits for its device.
+  FrameCounts read(LastCounters<FrameCounts> counts) const;
+
+ private:
+  void download_bytes(const void* from, void* to, std::size_t bytes) const;
+
+  std::unique_ptr<State> state_;
+};
+
+inline void check_ready(const Cuda& cuda) { cuda.check_not_captured("a frame"); }
+
+static_assert(BackendPolicy<Cuda>);
+
+}  // namespace swiftgs
