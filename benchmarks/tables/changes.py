@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a change of the code does to each stage: files of one run before and after it."""
-from tables.frames import Frames, gaussians
-from tables.markdown import ms, prose, table
+from tables.frames import FRAME_STAGES, Frames, gaussians
+from tables.markdown import ms, prose, signed, table
 from tables.source import machine_name
-
-STAGES = ("project", "sort", "raster", "total")
 
 
 def change(source, machine, what, backend):
@@ -14,12 +12,12 @@ def change(source, machine, what, backend):
     for scene in after.scenes:
         for name in (name for of, name in after.of if of == scene):
             cells = []
-            for stage in STAGES:
+            for stage in FRAME_STAGES:
                 times = [frames.mean(scene, name, stage) for frames in (before, after)]
-                cells.append(f"{ms(times[0])} → {ms(times[1])} ({100 * (times[1] / times[0] - 1):+.1f} %)")
+                cells.append(f"{ms(times[0])} → {ms(times[1])} ({signed(times[1] / times[0])})")
             rows.append([f"{scene.name}, {gaussians(scene.gaussians)}", f"`{name}`", *cells])
     return prose(f"{machine_name(after.results)}, `{backend}`: milliseconds of each stage, means over views, before and "
-                 f"after.") + "\n\n" + table(["scene", "renderer", *STAGES], rows, words=2)
+                 f"after.") + "\n\n" + table(["scene", "renderer", *FRAME_STAGES], rows, words=2)
 
 
 TABLES = {"change": change}

@@ -3,7 +3,7 @@
 import collections
 from statistics import geometric_mean, mean
 
-from tables.results import InputError, above_zero
+from tables.results import STAGES, InputError, above_zero
 
 THRESHOLD, SHARED = "axis-shared-threshold-", "axis-shared-"
 CHOLESKY = THRESHOLD + "float-cholesky"
@@ -13,6 +13,7 @@ VANILLA = f"standard/per-pixel/{SQUARE}"
 OURS = f"adaptive/{CHOLESKY}/{ELLIPSE}"
 RASTERS = ("per-pixel",) + tuple(prefix + form for prefix in (SHARED, THRESHOLD)
                                  for form in ("half-split", "float-split", "float-cholesky"))
+FRAME_STAGES = STAGES[:-1]  # without the host's wall time
 # Those of the paper's Table 2 and all of them together, with the baseline's bounds; then what is ours.
 STEPS = (("baseline", BASELINE), ("AR", f"standard/{SHARED}half-split/{BOX}"),
          ("AR + AT", f"standard/{THRESHOLD}half-split/{BOX}"), ("ES", f"early/per-pixel/{BOX}"),

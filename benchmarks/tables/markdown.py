@@ -39,6 +39,11 @@ def percent(value, digits=1):
     return "-" if value is None else f"{100 * value:.{digits}f} %"
 
 
+def signed(ratio):
+    """A ratio as a change."""
+    return f"{100 * (ratio - 1):+.1f} %"
+
+
 def count(value):
     """A number of things."""
     return "-" if value is None else f"{value:,.0f}"

@@ -4,7 +4,7 @@ from statistics import mean
 
 from tables import paper
 from tables.frames import BASELINE, BOX, CHOLESKY, OURS, SHARED, THRESHOLD, Frames, label
-from tables.markdown import ms, percent, table, times
+from tables.markdown import ms, percent, signed, table, times
 from tables.source import machine_name
 
 SORTS = ("standard", "early", "adaptive")
@@ -53,10 +53,6 @@ def raster_stage(source, machine):
 def by_view(frames, scene, sort, bounds):
     """{view: milliseconds of the sort stage}, with the per-pixel rasterizer, as in the paper."""
     return {row.view: frames.needed(row, "sort") for row in frames.rows(scene, f"{sort}/per-pixel/{bounds}")}
-
-
-def signed(ratio):
-    return f"{100 * (ratio - 1):+.1f} %"
 
 
 def sort_stage(source, machine):
