@@ -42,8 +42,8 @@ struct alignas(64) Batch {
   std::size_t list_sizes[square_side];
 };
 
-/// A splat's factor applied to the offsets of a square's columns and rows from its mean: what rows are
-/// refused by, and what the Cholesky form is made of.
+/// A splat's factor applied to the offsets of a square's columns and rows from its mean. Rows are refused by
+/// these, and the Cholesky form is made of them.
 struct alignas(64) CholeskyTerms {
   float p[square_side], q[square_side], c[square_side];  ///< l0 dx, l1 dy, log2(opacity) - (l2 dy)^2
 };

@@ -27,7 +27,7 @@ struct alignas(64) Below {
   float channels[4][square_side];
 };
 
-/// Of the whole square, unless the frame is rendered over what it holds.
+/// Of the whole square. A frame rendered over an image takes `LoadRow` instead.
 HWY_INLINE void LoadBackground(vec3 background, Below& below) {
   for (std::size_t c = 0; c < 4; ++c)
     for (std::size_t i = 0; i < square_side; ++i) below.channels[c][i] = c < 3 ? background[int(c)] : 0.0f;

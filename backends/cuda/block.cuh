@@ -54,9 +54,8 @@ struct SquarePixel {
 inline void rasterize_blocks(Cuda& cuda, const char* name, void (*lean)(RasterJob, View),
                              void (*full)(RasterJob, View), const RasterJob& job) {
   const View& view = view_of(job);
-  if (job.counts) cuda.clear(job.counts, Squares(view.frame).size() * sizeof(SquareCounts));
-  launch(name, kernels::wants_extras(job, view.frame) ? full : lean, kernels::blocks_for(view.frame),
-         kernels::block_threads, cuda.stream(), job, view);
+  kernels::launch_squares(cuda, name, kernels::wants_extras(job, view.frame) ? full : lean,
+                          kernels::block_threads, job, view);
 }
 
 }  // namespace swiftgs

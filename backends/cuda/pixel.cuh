@@ -29,8 +29,8 @@ struct PixelPlace {
   }
 };
 
-/// Adds what the threads of a warp counted to their square: instances that the warp visited, and pixels that
-/// were evaluated.
+/// Adds the counts of a warp's threads to their square, with the warp's visited instances and evaluated
+/// pixels.
 __device__ inline void add_counts(SquareCounts* counts, const ThreadCounts& mine, std::uint32_t instances,
                                   std::uint32_t pixels) {
   add_counts(counts[BlockSquare::number()],

@@ -57,8 +57,8 @@ struct Walked {
 };
 
 /// Walks a tile's list for one part: queues the splats that touch it, and lets `blender` blend them front to
-/// back, half a queue at a time, until all its pixels have stopped. The blender adds to a slot of the queue
-/// what it needs beside the terms.
+/// back, half a queue at a time, until all its pixels have stopped. The blender fills the rest of a slot,
+/// beside the terms.
 template <class Form, class Blender>
 __device__ Walked walk_list(const RasterJob& job, TileRange range, vec2 first_centre,
                             const RasterLimits& limits, TermsQueue<Form>& queue, Blender& blender) {
@@ -246,11 +246,10 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
 template <class Form, bool threshold>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   const View& view = view_of(job);
-  if (job.counts) cuda.clear(job.counts, Squares(view.frame).size() * sizeof(SquareCounts));
   const auto kernel = kernels::wants_extras(job, view.frame) ? kernels::raster_warps<Form, threshold, true>
                                                              : kernels::raster_warps<Form, threshold, false>;
-  launch(name, kernel, kernels::blocks_for(view.frame), kernels::raster_threads, cuda.stream(), job, view,
-         kernels::RasterLimits(view.rules));
+  kernels::launch_squares(cuda, name, kernel, kernels::raster_threads, job, view,
+                          kernels::RasterLimits(view.rules));
 }
 
 }  // namespace swiftgs

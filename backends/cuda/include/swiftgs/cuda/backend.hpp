@@ -25,9 +25,8 @@ struct FrameCounts {
   std::uint64_t instances = 0;
 };
 
-/// One NVIDIA GPU: everything runs in the order of one stream, and what a frame computes has the same bits
-/// from run to run. This header compiles without CUDA; policies of your own also need `<swiftgs/cuda.cuh>`
-/// and nvcc.
+/// One NVIDIA GPU. Everything runs in the order of one stream, and frames have the same bits from run to run.
+/// This header compiles without CUDA; policies of your own also need `<swiftgs/cuda.cuh>` and nvcc.
 ///
 /// A backend belongs to the device that was current when it was made; that device must be current wherever it
 /// is used. Its functions return when their work is in stream order, unless they say that they wait.

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/raster/raster.hpp>
 
@@ -12,6 +14,14 @@ namespace swiftgs::kernels {
 inline dim3 blocks_for(const FrameView& frame) {
   const Squares squares(frame);
   return dim3(unsigned(squares.columns), unsigned(squares.rows));
+}
+
+/// Starts a rasterizer's kernel on all squares of the view of `job`, with its counts cleared.
+template <class... Parameters, class... More>
+void launch_squares(Cuda& cuda, const char* name, void (*kernel)(RasterJob, View, Parameters...),
+                    unsigned threads, const RasterJob& job, const View& view, const More&... more) {
+  if (job.counts) cuda.clear(job.counts, Squares(view.frame).size() * sizeof(SquareCounts));
+  launch(name, kernel, blocks_for(view.frame), threads, cuda.stream(), job, view, more...);
 }
 
 /// The square of this block: its number and its first pixel.
@@ -27,8 +37,8 @@ struct BlockSquare {
   }
 };
 
-/// Adds the counts of a warp to its square. A square has visited as many instances as its warp that came
-/// furthest. For a whole warp, all lanes of which have the same counts.
+/// Adds the counts of a warp to its square. The square has visited as many instances as the furthest of its
+/// warps. Call it on a whole warp, with the same counts on all lanes.
 __device__ inline void add_counts(SquareCounts& square, const SquareCounts& of_warp) {
   using Word = unsigned long long;
   const auto field = [&](std::uint64_t SquareCounts::*member) {

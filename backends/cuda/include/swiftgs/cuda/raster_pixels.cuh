@@ -72,9 +72,7 @@ template <RasterPolicy R>
 void run_raster_pixels(Cuda& cuda, const RasterJob& job) {
   static constexpr ComposedName name{"rasterize ", R::name};
   const View& view = view_of(job);
-  if (job.counts) cuda.clear(job.counts, Squares(view.frame).size() * sizeof(SquareCounts));
-  launch(name.view().data(), raster_pixels<R>, blocks_for(view.frame), raster_pixels_threads, cuda.stream(),
-         job, view);
+  launch_squares(cuda, name.view().data(), raster_pixels<R>, raster_pixels_threads, job, view);
 }
 
 }  // namespace swiftgs::kernels
