@@ -24,22 +24,22 @@ __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
     raster_per_pixel(const __grid_constant__ RasterJob job, const __grid_constant__ View view) {
   __shared__ FactorBatch batch;
   SquarePixel<extras> mine(job, view);
-  const bool some_hidden = job.colours.some_hidden();
   const TileRange range = BlockSquare::list(job, view);
   const float x = float(mine.place.x) + 0.5f, y = float(mine.place.y) + 0.5f;
 
   std::uint32_t at = range.begin;
   for (; at < range.end && !mine.all_stopped(); at += block_threads) {
-    const std::uint32_t count = min(range.end - at, block_threads);
+    std::uint32_t count = min(range.end - at, block_threads);
+    asm volatile("" : "+r"(count));  // the compiler would find the minimum again for each splat
     if (threadIdx.x < count) {
       const std::uint32_t id = job.lists.ids[at + threadIdx.x];
       const SplatShape s = load_shape(job, id);
       batch.means[threadIdx.x] = make_float2(s.mean.x, s.mean.y);
+      const float4 colour = load_colour(job, id);
       float4 factor = FactorForm::prepare(s);
-      if (!box_touched(s, mine.first_centre(), square_side)) factor.w = 0;
+      if (!box_touched(s, mine.first_centre(), square_side) || is_hidden(colour)) factor.w = 0;
       batch.factors[threadIdx.x] = factor;
-      batch.colours[threadIdx.x] = load_colour(job, id);
-      if (some_hidden && is_hidden(job.colours.each[id])) batch.factors[threadIdx.x].w = 0;
+      batch.colours[threadIdx.x] = colour;
     }
     __syncthreads();
     for (std::uint32_t k = 0; k < count && mine.pixel.live(); ++k) {
