@@ -2,12 +2,15 @@
 """What a change of the code does to each stage: files of one run before and after it."""
 from tables.frames import FRAME_STAGES, Frames, gaussians
 from tables.markdown import ms, prose, signed, table
+from tables.results import InputError
 from tables.source import machine_name
 
 
 def change(source, machine, what, backend):
     """Stages of each renderer on each scene in WHAT-before-BACKEND.json and WHAT-after-BACKEND.json."""
     before, after = (Frames(source.results(machine, f"{what}-{when}-{backend}.json")) for when in ("before", "after"))
+    if before.of.keys() != after.of.keys():
+        raise InputError(f"{before.results.path}, {after.results.path}: expected the same scenes and renderers in both")
     rows = []
     for scene in after.scenes:
         for name in (name for of, name in after.of if of == scene):
