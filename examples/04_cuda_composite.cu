@@ -42,7 +42,9 @@ struct Stream {
 template <class T>
 struct DeviceImage {
   DeviceImage() {
-    check_cuda(cudaMallocPitch(&plane.data, &plane.pitch, width * sizeof(T), height), "cudaMallocPitch");
+    std::size_t pitch = 0;
+    check_cuda(cudaMallocPitch(&plane.data, &pitch, width * sizeof(T), height), "cudaMallocPitch");
+    plane.pitch = std::ptrdiff_t(pitch);
   }
   ~DeviceImage() { cudaFree(plane.data); }
   DeviceImage(const DeviceImage&) = delete;
@@ -51,8 +53,8 @@ struct DeviceImage {
   /// On the CPU, after all that `stream` was given before. Waits.
   std::vector<T> download(cudaStream_t stream) const {
     std::vector<T> to(std::size_t(width) * height);
-    check_cuda(cudaMemcpy2DAsync(to.data(), width * sizeof(T), plane.data, plane.pitch, width * sizeof(T),
-                                 height, cudaMemcpyDeviceToHost, stream),
+    check_cuda(cudaMemcpy2DAsync(to.data(), width * sizeof(T), plane.data, std::size_t(plane.pitch),
+                                 width * sizeof(T), height, cudaMemcpyDeviceToHost, stream),
                "cudaMemcpy2DAsync");
     check_cuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
     return to;

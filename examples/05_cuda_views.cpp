@@ -138,11 +138,11 @@ int main(int argc, char** argv) try {
   RenderSettings settings;
   settings.time = true;
   for (const Region& region : regions) {
-    const Plane<Sheet::Pixel> sheet{static_cast<Sheet::Pixel*>(memory), pitch};
+    const Plane<Sheet::Pixel> sheet{static_cast<Sheet::Pixel*>(memory), std::ptrdiff_t(pitch)};
     renderer.render_into(gaussians.view, region.camera, settings,
                          {.width = region.camera.width,
                           .height = region.camera.height,
-                          .colour = {sheet.row(region.y) + region.x, pitch},
+                          .colour = {sheet.row(region.y) + region.x, sheet.pitch},
                           .format = PixelFormat::rgba_half});
   }
 

@@ -54,20 +54,27 @@ SWIFTGS_HD constexpr std::size_t bytes_per_pixel(PixelFormat format) {
 }
 
 /// One plane of a frame in the caller's memory. Null means absent.
+///
+/// A negative pitch is for memory that begins with the bottom row, as a texture of OpenGL does. `data` still
+/// points to the top row of the image, which lies last in such memory:
+/// ```
+/// std::vector<float> depth(width * height);  // bottom row first
+/// Plane<float> plane{&depth[width * (height - 1)], -std::ptrdiff_t(width * sizeof(float))};
+/// ```
 template <class T>
 struct Plane {
-  T* data = nullptr;
-  std::size_t pitch = 0;  ///< distance between rows @units{bytes}
+  T* data = nullptr;         ///< first pixel of the image's top row
+  std::ptrdiff_t pitch = 0;  ///< from a row to the one below it in the image @units{bytes}
 
-  /// Row y from the top.
+  /// Row y from the top of the image.
   SWIFTGS_HD T* row(std::size_t y) const {
     using Byte = std::conditional_t<std::is_const_v<T>, const unsigned char, unsigned char>;
-    return reinterpret_cast<T*>(reinterpret_cast<Byte*>(data) + y * pitch);
+    return reinterpret_cast<T*>(reinterpret_cast<Byte*>(data) + std::ptrdiff_t(y) * pitch);
   }
 };
 
-/// Destination of a frame: the caller's memory, reachable by the backend, rows from top to bottom. Absent
-/// planes are not computed.
+/// Destination of a frame: the caller's memory, reachable by the backend. Each plane has a pitch of its own,
+/// and so a direction: rows go down in memory or up. Absent planes are not computed.
 struct FrameView {
   int width = 0, height = 0;
   Plane<void> colour{};  ///< of `format`
@@ -96,11 +103,12 @@ inline FrameView prepare(Frame& frame, int width, int height, Outputs outputs) {
   frame.colour.resize(3 * frame.pixels());
   frame.alpha.resize(outputs.alpha ? frame.pixels() : 0);
   frame.depth.resize(outputs.depth ? frame.pixels() : 0);
+  const std::ptrdiff_t row = std::ptrdiff_t(sizeof(float)) * width;
   return {.width = width,
           .height = height,
-          .colour = {frame.colour.data(), 3 * sizeof(float) * std::size_t(width)},
-          .alpha = {outputs.alpha ? frame.alpha.data() : nullptr, sizeof(float) * std::size_t(width)},
-          .depth = {outputs.depth ? frame.depth.data() : nullptr, sizeof(float) * std::size_t(width)}};
+          .colour = {frame.colour.data(), 3 * row},
+          .alpha = {outputs.alpha ? frame.alpha.data() : nullptr, row},
+          .depth = {outputs.depth ? frame.depth.data() : nullptr, row}};
 }
 
 }  // namespace swiftgs

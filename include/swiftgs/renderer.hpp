@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -117,7 +118,7 @@ class Renderer {
     const std::size_t width = std::size_t(camera.width), pixels = width * std::size_t(camera.height);
     const auto plane = [&](auto& buffer, std::size_t channels) {
       buffer.reset(channels * pixels);
-      return Plane<float>{buffer.data(), channels * width * sizeof(float)};
+      return Plane<float>{buffer.data(), std::ptrdiff_t(channels * width * sizeof(float))};
     };
     FrameView frame{.width = camera.width, .height = camera.height};
     const Plane<float> colour = plane(frame_.colour, 3);
@@ -196,9 +197,16 @@ class Renderer {
     const auto require_plane = [&](const auto& plane, std::size_t pixel, std::size_t channel,
                                    const char* name) {
       const std::size_t row = pixel * std::size_t(frame.width);
-      if (plane.data && (plane.pitch < row || plane.pitch % channel != 0))
-        throw std::invalid_argument("render: expected a pitch of " + std::string(name) + " of at least " +
-                                    std::to_string(row) + " bytes, a multiple of " + std::to_string(channel));
+      const std::size_t most =
+          std::size_t(std::numeric_limits<std::ptrdiff_t>::max()) / std::size_t(frame.height);
+      // Unsigned, as the least pitch has no positive counterpart.
+      const std::size_t pitch = plane.pitch < 0 ? 0 - std::size_t(plane.pitch) : std::size_t(plane.pitch);
+      if (plane.data && (pitch < row || pitch > most || pitch % channel != 0))
+        throw std::invalid_argument(
+            "render: the pitch of " + std::string(name) + " is " + std::to_string(plane.pitch) +
+            " bytes, expected " +
+            (pitch > most ? "at most " + std::to_string(most) : "at least " + std::to_string(row)) +
+            " up or down, a multiple of " + std::to_string(channel));
       if (reinterpret_cast<std::uintptr_t>(plane.data) % channel != 0)
         throw std::invalid_argument("render: expected " + std::string(name) + " aligned to " +
                                     std::to_string(channel) + " bytes");

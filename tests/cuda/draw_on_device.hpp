@@ -30,7 +30,7 @@ struct DrawOnDevice {
     prepare(frame, drawn.camera.width, drawn.camera.height, {true, with_depth});
     DeviceBuffer<float> colour, alpha, depth, occluder;
     colour.reset(frame.colour.size()), alpha.reset(frame.alpha.size()), depth.reset(frame.depth.size());
-    const std::size_t row = sizeof(float) * std::size_t(frame.width);
+    const std::ptrdiff_t row = std::ptrdiff_t(sizeof(float)) * frame.width;
     FrameView view{.width = frame.width,
                    .height = frame.height,
                    .colour = {colour.data(), 3 * row},

@@ -23,12 +23,14 @@ struct DeviceFrame {
   /// Distance between rows of pixels of so many bytes.
   std::size_t pitch(std::size_t pixel) const { return pixel * std::size_t(width) + padding; }
   FrameView view() {
+    const std::ptrdiff_t colour_pitch = std::ptrdiff_t(pitch(bytes_per_pixel(format))),
+                         float_pitch = std::ptrdiff_t(pitch(sizeof(float)));
     return {.width = width,
             .height = height,
-            .colour = {colour.data(), pitch(bytes_per_pixel(format))},
+            .colour = {colour.data(), colour_pitch},
             .format = format,
-            .alpha = {reinterpret_cast<float*>(alpha.data()), pitch(sizeof(float))},
-            .depth = {reinterpret_cast<float*>(depth.data()), pitch(sizeof(float))}};
+            .alpha = {reinterpret_cast<float*>(alpha.data()), float_pitch},
+            .depth = {reinterpret_cast<float*>(depth.data()), float_pitch}};
   }
   /// Rows without what lies between them, as `T`.
   template <class T = float>
@@ -96,7 +98,7 @@ Drawing draw_on_host(const Picture& picture) {
   Drawing out;
   View view = picture.view(prepare(out.frame, picture.width, picture.height, picture.settings.outputs));
   if (!picture.occluder.empty())
-    view.frame.occluder = {picture.occluder.data(), sizeof(float) * std::size_t(picture.width)};
+    view.frame.occluder = {picture.occluder.data(), std::ptrdiff_t(sizeof(float)) * picture.width};
   std::vector<SquareCounts> counts(Squares(view.frame).size());
   rasterize(serial, Raster{},
             RasterJob{picture.splats.view(),
@@ -122,7 +124,7 @@ struct DevicePicture {
   /// The job that draws it into `frame`, before the surface that hides it. Holds until the next.
   RasterJob job(FrameView frame, bool count) {
     if (!picture.occluder.empty())
-      frame.occluder = {occluder.data(), sizeof(float) * std::size_t(picture.width)};
+      frame.occluder = {occluder.data(), std::ptrdiff_t(sizeof(float)) * picture.width};
     view = picture.view(frame);
     return {splats.view(),
             splats.colours_view(),

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "cuda/drawings.hpp"
+#include "policies/directions.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -130,6 +131,29 @@ TEST_CASE("cuda embedding: frames are drawn from the caller's arrays into its me
   CHECK(same_bits(image.pixels(Cuda(), image.alpha, 4), expected.alpha));
   CHECK(same_bits(image.pixels(Cuda(), image.depth, 4), expected.depth));
   CHECK(image.kept_to_its_rows(Cuda(), image.colour, 12));
+}
+
+TEST_CASE("cuda embedding: rows of each plane may go up in memory") {
+  if (without_device()) return;
+  const DeviceArrays arrays(random_scene(300, 1, 12));
+  const int width = 37, height = 21;
+  RenderSettings settings;
+  settings.background = vec3(0.3f, 1.7f, -0.4f);
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    Renderer<Cuda, EarlySort, Raster, Ellipse> renderer;
+    check_directions(width, height, [&](PlanesMemory& memory, bool over) {
+      std::array<DeviceBuffer<unsigned char>, PlanesMemory::planes> planes;
+      for (std::size_t i = 0; i < planes.size(); ++i)
+        copy_to_device({memory.bytes[i].data(), memory.bytes[i].size()}, planes[i]);
+      FrameView frame =
+          memory.frame({planes[0].data(), planes[1].data(), planes[2].data(), planes[3].data()});
+      frame.over = over;
+      renderer.render_into(arrays.view(), forward_camera(width, height), settings, frame);
+      for (std::size_t i = 0; i < planes.size(); ++i)
+        memory.bytes[i] = to_host(renderer.backend(), std::as_const(planes[i]).span());
+    });
+  });
 }
 
 TEST_CASE("cuda embedding: a frame waits for what its stream was given before and not for other streams") {
@@ -300,7 +324,9 @@ TEST_CASE("cuda embedding: what nothing can be rendered with is refused and the 
   CHECK(refusal([](auto&) {}) == "accepted");
   CHECK(refusal([](auto& a) { a.frame.width = 39; }) == "render: expected a frame of the camera's size");
   CHECK(refusal([](auto& a) { a.frame.colour.pitch = 476; }) ==
-        "render: expected a pitch of colour of at least 480 bytes, a multiple of 4");
+        "render: the pitch of colour is 476 bytes, expected at least 480 up or down, a multiple of 4");
+  CHECK(refusal([](auto& a) { a.frame.colour.pitch = -476; }) ==
+        "render: the pitch of colour is -476 bytes, expected at least 480 up or down, a multiple of 4");
   CHECK(refusal([](auto& a) { a.scene.opacities.size = 9; }) ==
         "render: expected arrays of one length in the scene");
   CHECK(refusal([](auto& a) { a.scene.sh_degree = 4; }) == "render: expected an SH degree of 0 to 3");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
 
+#include "policies/directions.hpp"
 #include "policies/images.hpp"
 #include "policies/rasterizers.hpp"
 
@@ -47,10 +49,10 @@ void check_near(const Frame& frame, const ReferenceFrame& reference) {
 /// A frame behind whose splats the caller's surface stands.
 template <class R, class SceneOn>
 Frame render_before(R& renderer, const SceneOn& scene, const Camera& camera,
-                    const std::vector<float>& occluder, std::size_t pitch) {
+                    const std::vector<float>& occluder, std::ptrdiff_t pitch) {
   Frame frame;
   FrameView view = prepare(frame, camera.width, camera.height, {true, true});
-  view.occluder = {occluder.data(), pitch * sizeof(float)};
+  view.occluder = {occluder.data(), pitch * std::ptrdiff_t(sizeof(float))};
   renderer.render_into(scene.view(), camera, settings_with(vec3(0.1f, 0.2f, 0.3f)), view);
   return frame;
 }
@@ -59,7 +61,7 @@ Frame render_before(R& renderer, const SceneOn& scene, const Camera& camera,
 template <class R, class SceneOn>
 Frame render_before(R& renderer, const SceneOn& scene, const Camera& camera, float depth) {
   const std::vector<float> occluder(std::size_t(camera.width) * std::size_t(camera.height), depth);
-  return render_before(renderer, scene, camera, occluder, std::size_t(camera.width));
+  return render_before(renderer, scene, camera, occluder, camera.width);
 }
 
 bool same_bits(const Frame& a, const Frame& b) {
@@ -272,6 +274,22 @@ TEST_CASE_TEMPLATE("frame: a tile ends when the surface has hidden all its pixel
   });
 }
 
+TEST_CASE_TEMPLATE("frame: rows of each plane may go up in memory", B, SWIFTGS_TEST_BACKENDS) {
+  const int width = 37, height = 21;
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    RendererWith<B, Raster> renderer(make_backend<B>());
+    const auto scene = renderer.backend().upload(random_scene(300, 1, 12));
+    const RenderSettings settings = settings_with(vec3(0.3f, 1.7f, -0.4f));
+    check_directions(width, height, [&](PlanesMemory& memory, bool over) {
+      auto& bytes = memory.bytes;
+      FrameView frame = memory.frame({bytes[0].data(), bytes[1].data(), bytes[2].data(), bytes[3].data()});
+      frame.over = over;
+      renderer.render_into(scene.view(), forward_camera(width, height), settings, frame);
+    });
+  });
+}
+
 TEST_CASE("frame: planes that cannot be written are refused in words") {
   RendererWith<Serial, PerPixel> renderer;
   const Scene scene = random_scene(10, 0, 11);
@@ -285,23 +303,40 @@ TEST_CASE("frame: planes that cannot be written are refused in words") {
     }
     return std::string("accepted");
   };
-  const auto colour = [&](PixelFormat format, std::size_t pitch) {
-    return refusal({.colour = {memory.data(), pitch}, .format = format});
+  const auto colour = [&](PixelFormat format, std::ptrdiff_t pitch) {
+    float* const top = pitch == -480 ? memory.data() + 29 * 120 : memory.data();
+    return refusal({.colour = {top, pitch}, .format = format});
   };
   CHECK(colour(PixelFormat::rgb_float, 480) == "accepted");
   CHECK(colour(PixelFormat::rgb_float, 479) ==
-        "render: expected a pitch of colour of at least 480 bytes, a multiple of 4");
+        "render: the pitch of colour is 479 bytes, expected at least 480 up or down, a multiple of 4");
+  CHECK(colour(PixelFormat::rgb_float, -480) == "accepted");
+  CHECK(colour(PixelFormat::rgb_float, -476) ==
+        "render: the pitch of colour is -476 bytes, expected at least 480 up or down, a multiple of 4");
+  CHECK(colour(PixelFormat::rgb_float, -482) ==
+        "render: the pitch of colour is -482 bytes, expected at least 480 up or down, a multiple of 4");
   CHECK(colour(PixelFormat::rgba_float, 642) ==
-        "render: expected a pitch of colour of at least 640 bytes, a multiple of 4");
+        "render: the pitch of colour is 642 bytes, expected at least 640 up or down, a multiple of 4");
   CHECK(colour(PixelFormat::rgba_half, 322) == "accepted");
   CHECK(colour(PixelFormat::rgba_half, 323) ==
-        "render: expected a pitch of colour of at least 320 bytes, a multiple of 2");
+        "render: the pitch of colour is 323 bytes, expected at least 320 up or down, a multiple of 2");
   CHECK(colour(PixelFormat::rgba_8, 161) == "accepted");
   CHECK(colour(PixelFormat::rgba_8, 159) ==
-        "render: expected a pitch of colour of at least 160 bytes, a multiple of 1");
+        "render: the pitch of colour is 159 bytes, expected at least 160 up or down, a multiple of 1");
   CHECK(refusal({.occluder = {memory.data(), 156}}) ==
-        "render: expected a pitch of occluder of at least 160 bytes, a multiple of 4");
+        "render: the pitch of occluder is 156 bytes, expected at least 160 up or down, a multiple of 4");
+  CHECK(refusal({.occluder = {memory.data(), -1}}) ==
+        "render: the pitch of occluder is -1 bytes, expected at least 160 up or down, a multiple of 4");
+  CHECK(refusal({.depth = {memory.data(), -162}}) ==
+        "render: the pitch of depth is -162 bytes, expected at least 160 up or down, a multiple of 4");
   CHECK(refusal({.alpha = {memory.data(), 162}}) ==
-        "render: expected a pitch of alpha of at least 160 bytes, a multiple of 4");
+        "render: the pitch of alpha is 162 bytes, expected at least 160 up or down, a multiple of 4");
+  // No memory is so large that 30 rows may lie as far apart; the least number has no magnitude of its type.
+  const std::ptrdiff_t most = std::numeric_limits<std::ptrdiff_t>::max() / 30;
+  for (const std::ptrdiff_t pitch : {-most - 1, most + 1, std::numeric_limits<std::ptrdiff_t>::min(),
+                                     std::numeric_limits<std::ptrdiff_t>::max()})
+    CHECK(refusal({.alpha = {memory.data(), pitch}}) ==
+          "render: the pitch of alpha is " + std::to_string(pitch) + " bytes, expected at most " +
+              std::to_string(most) + " up or down, a multiple of 4");
   CHECK(refusal({.over = true}) == "render: expected colour to render over");
 }

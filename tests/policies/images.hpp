@@ -26,7 +26,8 @@ struct Image {
         bytes(pitch * std::size_t(height_), nobodys) {}
 
   FrameView frame() {
-    return {.width = width, .height = height, .colour = {bytes.data(), pitch}, .format = format};
+    return {
+        .width = width, .height = height, .colour = {bytes.data(), std::ptrdiff_t(pitch)}, .format = format};
   }
   vec4 at(int x, int y) { return detail::load_colour(frame(), std::size_t(x), std::size_t(y)); }
   void set(int x, int y, vec4 colour) {

@@ -119,13 +119,13 @@ TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
   CHECK(refusal([](Arguments&) {}) == "accepted");
   CHECK(refusal([](Arguments& a) { a.frame.width = 39; }) == "render: expected a frame of the camera's size");
   CHECK(refusal([](Arguments& a) { a.frame.colour.pitch = 476; }) ==
-        "render: expected a pitch of colour of at least 480 bytes, a multiple of 4");
+        "render: the pitch of colour is 476 bytes, expected at least 480 up or down, a multiple of 4");
   CHECK(refusal([&](Arguments& a) {
           a.frame.alpha = {memory.data(), 159};
-        }) == "render: expected a pitch of alpha of at least 160 bytes, a multiple of 4");
+        }) == "render: the pitch of alpha is 159 bytes, expected at least 160 up or down, a multiple of 4");
   CHECK(refusal([&](Arguments& a) {
           a.frame.depth = {memory.data(), 0};
-        }) == "render: expected a pitch of depth of at least 160 bytes, a multiple of 4");
+        }) == "render: the pitch of depth is 0 bytes, expected at least 160 up or down, a multiple of 4");
   CHECK(refusal([](Arguments& a) { a.camera.width = a.frame.width = -100, a.settings.count = true; }) ==
         "camera: expected a width and a height above 0");
   CHECK(refusal([](Arguments& a) { a.camera.fx = std::nan(""); }) ==

@@ -41,7 +41,7 @@ struct DrawOnHost {
     Frame frame;
     FrameView view = prepare(frame, drawn.camera.width, drawn.camera.height, {true, true});
     if (!drawn.occluder.empty())
-      view.occluder = {drawn.occluder.data(), sizeof(float) * std::size_t(frame.width)};
+      view.occluder = {drawn.occluder.data(), std::ptrdiff_t(sizeof(float)) * frame.width};
     // As a caller's own arrays, which nothing looks at before.
     renderer.render_into(swiftgs::view(drawn.scene), drawn.camera, settings_of(drawn), view);
     return frame;

@@ -59,7 +59,7 @@ class ReachableFrame {
   FrameView view() {
     return {.width = width_,
             .height = height_,
-            .colour = {device_.data(), 3 * sizeof(float) * std::size_t(width_)}};
+            .colour = {device_.data(), std::ptrdiff_t(3 * sizeof(float)) * width_}};
   }
   /// What was drawn, on the host.
   const std::vector<float>& colours(const Cuda& cuda) {

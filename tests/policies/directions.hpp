@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Frames whose rows go down or up in memory.
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "policies/images.hpp"
+
+namespace swiftgs::test {
+
+/// Memory of a frame with an image to be drawn over, alpha, depth and an occluder. It holds more than their
+/// rows: bytes behind each row, a row before the first and one behind the last, which belong to nobody.
+class PlanesMemory {
+ public:
+  static constexpr unsigned char nobodys = Image::nobodys;
+  static constexpr std::size_t planes = 4;
+
+  /// Rows of all planes go down.
+  PlanesMemory(int width, int height, PixelFormat format)
+      : width_(width),
+        height_(height),
+        format_(format),
+        pixel_{bytes_per_pixel(format), sizeof(float), sizeof(float), sizeof(float)} {
+    for (std::size_t plane = 0; plane < planes; ++plane)
+      bytes[plane].assign(row(plane) * (std::size_t(height) + 2), nobodys);
+    const float depths[] = {3, std::numeric_limits<float>::infinity(), 1.5f, 0, 7, 4, 5};
+    const Image below = pattern(width, height, format);
+    for (std::size_t y = 0; y < std::size_t(height); ++y) {
+      std::memcpy(&bytes[0][(y + 1) * row(0)], &below.bytes[y * below.pitch], pixel_[0] * std::size_t(width));
+      for (std::size_t x = 0; x < std::size_t(width); ++x)
+        std::memcpy(&bytes[3][(y + 1) * row(3) + x * sizeof(float)], &depths[(x + y * y) % std::size(depths)],
+                    sizeof(float));
+    }
+  }
+
+  /// Lets the rows of a plane go the other way.
+  void turn(std::size_t plane) {
+    upward_[plane] = !upward_[plane];
+    const std::vector<unsigned char> from = bytes[plane];
+    const std::ptrdiff_t length = std::ptrdiff_t(row(plane));
+    for (auto at = from.begin(); at != from.end(); at += length)
+      std::copy(at, at + length, bytes[plane].end() - (at - from.begin()) - length);
+  }
+
+  /// The frame in copies of `bytes`, which begin at `memory`.
+  FrameView frame(const std::array<unsigned char*, planes>& memory) const {
+    const auto top = [&](std::size_t plane) {
+      return memory[plane] + (upward_[plane] ? std::size_t(height_) : 1) * row(plane);
+    };
+    const auto pitch = [&](std::size_t plane) {
+      return upward_[plane] ? -std::ptrdiff_t(row(plane)) : std::ptrdiff_t(row(plane));
+    };
+    return {.width = width_,
+            .height = height_,
+            .colour = {top(0), pitch(0)},
+            .format = format_,
+            .alpha = {reinterpret_cast<float*>(top(1)), pitch(1)},
+            .depth = {reinterpret_cast<float*>(top(2)), pitch(2)},
+            .occluder = {reinterpret_cast<const float*>(top(3)), pitch(3)}};
+  }
+
+  /// Whether nothing was written but the rows.
+  bool kept_to_its_rows() const {
+    for (std::size_t plane = 0; plane < planes; ++plane)
+      for (std::size_t i = 0; i < bytes[plane].size(); ++i) {
+        const std::size_t y = i / row(plane), at = i % row(plane);
+        const bool inside = y >= 1 && y <= std::size_t(height_) && at < pixel_[plane] * std::size_t(width_);
+        if (!inside && bytes[plane][i] != nobodys) return false;
+      }
+    return true;
+  }
+
+  std::array<std::vector<unsigned char>, planes> bytes;  ///< of colour, alpha, depth and occluder
+
+ private:
+  /// Bytes of a row and of those behind it.
+  std::size_t row(std::size_t plane) const { return pixel_[plane] * std::size_t(width_) + 24; }
+
+  int width_, height_;
+  PixelFormat format_;
+  std::array<std::size_t, planes> pixel_;  ///< @units{bytes}
+  std::array<bool, planes> upward_{};
+};
+
+/// Checks that planes hold the same rows whichever way they go, each plane turned alone and all together.
+/// `draw(memory, over)` draws a frame of so many pixels into `memory`.
+template <class Draw>
+void check_directions(int width, int height, const Draw& draw) {
+  for (const PixelFormat format : pixel_formats)
+    for (const bool over : {false, true}) {
+      CAPTURE(int(format));
+      CAPTURE(over);
+      const PlanesMemory before(width, height, format);
+      PlanesMemory down = before;
+      draw(down, over);
+      CHECK(down.kept_to_its_rows());
+      for (std::size_t plane = 0; plane < PlanesMemory::planes; ++plane)
+        CHECK((down.bytes[plane] == before.bytes[plane]) == (plane == 3));
+      for (const unsigned turned : {1u, 2u, 4u, 8u, 15u}) {
+        CAPTURE(turned);
+        PlanesMemory planes = before;
+        const auto turn = [&] {
+          for (std::size_t plane = 0; plane < PlanesMemory::planes; ++plane)
+            if (turned >> plane & 1) planes.turn(plane);
+        };
+        turn();
+        draw(planes, over);
+        CHECK(planes.kept_to_its_rows());
+        for (std::size_t plane = 0; plane < PlanesMemory::planes; ++plane)
+          CHECK((planes.bytes[plane] != down.bytes[plane]) == bool(turned >> plane & 1));
+        turn();
+        for (std::size_t plane = 0; plane < PlanesMemory::planes; ++plane)
+          CHECK((planes.bytes[plane] == down.bytes[plane]));
+      }
+    }
+}
+
+}  // namespace swiftgs::test
