@@ -47,27 +47,27 @@ HWY_INLINE Shapes LoadShapes(const SplatShape* HWY_RESTRICT shapes) {
           member(&shapes->l2),     member(&shapes->reach),  member(&shapes->half_width)};
 }
 
-/// `clamped_floor` for values that count from zero.
-HWY_INLINE VecI ClampedFloor(Vec v, int high) {
-  return hn::ConvertTo(I32(), hn::Min(hn::Max(v, hn::Zero(F32())), All(float(high))));
+/// `clamped_floor` within `among`, whose ends are not negative.
+HWY_INLINE VecI ClampedFloor(Vec v, TileRun among) {
+  return hn::ConvertTo(I32(), hn::Min(hn::Max(v, All(float(among.begin))), All(float(among.end))));
 }
 
 /// `tiles_between`.
-HWY_INLINE Runs TilesBetween(Vec low, Vec high, int side, int count) {
+HWY_INLINE Runs TilesBetween(Vec low, Vec high, int side, TileRun among) {
   const F32 d;
   const Vec first = hn::Ceil(hn::Sub(low, All(0.5f))), last = hn::Floor(hn::Sub(high, All(0.5f)));
   const Vec inverse_side = All(inverse_of(side));
   const auto some = hn::RebindMask(I32(), hn::And(hn::Le(first, last), hn::Ge(last, hn::Zero(d))));
-  return {hn::IfThenElseZero(some, ClampedFloor(hn::Mul(first, inverse_side), count)),
-          hn::IfThenElseZero(some, ClampedFloor(hn::Add(hn::Mul(last, inverse_side), All(1.0f)), count))};
+  return {hn::IfThenElseZero(some, ClampedFloor(hn::Mul(first, inverse_side), among)),
+          hn::IfThenElseZero(some, ClampedFloor(hn::Add(hn::Mul(last, inverse_side), All(1.0f)), among))};
 }
 
 /// `tiles_meeting`.
-HWY_INLINE Runs TilesMeeting(Vec low, Vec high, int side, int count) {
+HWY_INLINE Runs TilesMeeting(Vec low, Vec high, int side, TileRun among) {
   const Vec inverse_side = All(inverse_of(side));
   const Vec first = hn::Ceil(hn::Mul(hn::Sub(low, All(float(side) - 0.5f)), inverse_side));
   const Vec last = hn::Floor(hn::Mul(hn::Sub(high, All(0.5f)), inverse_side));
-  return {ClampedFloor(first, count), ClampedFloor(hn::Add(last, All(1.0f)), count)};
+  return {ClampedFloor(first, among), ClampedFloor(hn::Add(last, All(1.0f)), among)};
 }
 
 HWY_INLINE Vec HalfHeight(const Shapes& s) { return hn::Div(hn::Sqrt(s.reach), s.l2); }
@@ -109,10 +109,10 @@ struct VectorThreeSigmaSquare : BoxRows {
   }
 
  private:
-  static HWY_INLINE Runs Side(Vec centre, Vec radius, TileGrid grid, int count) {
+  static HWY_INLINE Runs Side(Vec centre, Vec radius, TileGrid grid, TileRun among) {
     const Vec inverse_side = All(inverse_of(grid.side)), whole = All(float(grid.side - 1));
-    return {ClampedFloor(hn::Mul(hn::Sub(centre, radius), inverse_side), count),
-            ClampedFloor(hn::Mul(hn::Add(hn::Add(centre, radius), whole), inverse_side), count)};
+    return {ClampedFloor(hn::Mul(hn::Sub(centre, radius), inverse_side), among),
+            ClampedFloor(hn::Mul(hn::Add(hn::Add(centre, radius), whole), inverse_side), among)};
   }
 };
 
@@ -139,8 +139,8 @@ class VectorEllipse {
         hn::Add(hn::Add(shapes_.mean_x, Edge(Within(hn::Neg(steepest_), top, bottom), All(1.0f))), slack_);
     const Vec left =
         hn::Sub(hn::Add(shapes_.mean_x, Edge(Within(steepest_, top, bottom), All(-1.0f))), slack_);
-    const Runs run = TilesUpTo(left, right, rects.columns.end);
-    return {hn::Max(run.begin, rects.columns.begin), run.end};
+    const Runs run = TilesMeeting(left, right, side_, {0, max_image_side});
+    return {Within(run.begin, rects.columns), Within(run.end, rects.columns)};
   }
 
  private:
@@ -153,10 +153,8 @@ class VectorEllipse {
     const Vec rest = hn::Max(hn::Sub(shapes_.reach, hn::Mul(v, v)), hn::Zero(F32()));
     return hn::Div(hn::Sub(hn::Mul(sign, hn::Sqrt(rest)), hn::Mul(shapes_.l1, y)), shapes_.l0);
   }
-  /// `tiles_meeting` with a limit a lane.
-  HWY_INLINE Runs TilesUpTo(Vec low, Vec high, VecI count) const {
-    Runs runs = TilesMeeting(low, high, side_, max_image_side);
-    return {hn::Min(runs.begin, count), hn::Min(runs.end, count)};
+  HWY_INLINE VecI Within(VecI tile, const Runs& runs) const {
+    return hn::Min(hn::Max(tile, runs.begin), runs.end);
   }
 
   Shapes shapes_;
@@ -194,16 +192,17 @@ HWY_INLINE void GroupFootprints(const SplatShape* HWY_RESTRICT shapes, TileGrid 
     r < 4 ? low = hn::Or(low, bits) : high = hn::Or(high, bits);
   }
 
-  alignas(64) std::int32_t counts[lanes], first_columns[lanes], first_rows[lanes];
-  alignas(64) std::uint32_t lows[lanes], highs[lanes];
+  alignas(64) std::int32_t counts[lanes];
+  alignas(64) std::uint32_t lows[lanes], highs[lanes], firsts[lanes];
   hn::Store(count, di, counts);
-  hn::Store(rects.columns.begin, di, first_columns);
-  hn::Store(rects.rows.begin, di, first_rows);
+  const VecU below = hn::BitCast(du, hn::Sub(rects.rows.begin, hn::Set(di, grid.rows.begin)));
+  const VecU right = hn::BitCast(du, hn::Sub(rects.columns.begin, hn::Set(di, grid.columns.begin)));
+  const VecU number = hn::Add(hn::Mul(below, hn::Set(du, grid.stride)), right);
+  hn::Store(hn::Add(number, hn::Set(du, grid.first)), du, firsts);
   hn::Store(low, du, lows);
   hn::Store(high, du, highs);
   for (std::size_t i = 0; i < lanes; ++i)
-    footprints[i] = {std::uint64_t(highs[i]) << 32 | lows[i], std::uint32_t(counts[i]),
-                     std::uint16_t(first_columns[i]), std::uint16_t(first_rows[i])};
+    footprints[i] = {std::uint64_t(highs[i]) << 32 | lows[i], std::uint32_t(counts[i]), firsts[i]};
   if (hn::AllFalse(di, large)) return;
   std::uint8_t large_bits[8] = {};
   hn::StoreMaskBits(di, large, large_bits);

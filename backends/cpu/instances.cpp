@@ -38,14 +38,14 @@ void visit_instances(const EmissionJob& job, Part part, F f) {
         std::uint32_t id;
       } context{f, id};
       job.large.walk(
-          job.large.bounds, footprint, job.splats.shapes[id], job.grid,
+          job.large.bounds, footprint, job.splats.shapes[id], job.views.each[job.splats.view(id)].grid,
           [](void* to, std::uint32_t tile) {
             static_cast<Context*>(to)->f(tile, static_cast<Context*>(to)->id);
           },
           &context);
       continue;
     }
-    detail::for_each_masked_tile(footprint, job.grid, [&](std::uint32_t tile) { f(tile, id); });
+    detail::for_each_masked_tile(footprint, job.tiles.columns, [&](std::uint32_t tile) { f(tile, id); });
   }
 }
 
@@ -74,7 +74,7 @@ std::size_t emit_instances(Cpu& cpu, const EmissionJob& job, Pairs<Cpu, std::uin
 
 void group_by_tile(Cpu& cpu, const EmissionJob& job, GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists) {
   check_instances(job.instances);
-  const std::size_t splats = job.splats.size(), tiles = job.grid.size();
+  const std::size_t splats = job.splats.size(), tiles = job.tiles.size();
   // A table of positions a part must not outgrow the splats that it is for.
   const std::size_t parts = std::min(part_count(cpu, splats, 4096), 1 + 16 * splats / tiles);
   lists.instances = lists.tiles = 0;

@@ -196,11 +196,10 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   const Vec reach = hn::Max(hn::CallLog2(d, hn::Div(opacity, alpha_min)), hn::Zero(d));
   const Vec extent = hn::Mul(hn::Sqrt(reach), hn::Set(d, 1 / to_base_2));
   const Vec half_width = hn::Mul(extent, hn::Sqrt(var_x)), half_height = hn::Mul(extent, hn::Sqrt(var_y));
-  const Vec first = hn::Set(d, 0.5f);
-  visible = hn::And(visible, hn::And(hn::Ge(hn::Add(mean_x, half_width), first),
-                                     hn::Ge(hn::Add(mean_y, half_height), first)));
-  visible = hn::And(visible, hn::And(hn::Le(hn::Sub(mean_x, half_width), hn::Set(d, v.width - 0.5f)),
-                                     hn::Le(hn::Sub(mean_y, half_height), hn::Set(d, v.height - 0.5f))));
+  visible = hn::And(visible, hn::And(hn::Ge(hn::Add(mean_x, half_width), hn::Set(d, v.left + 0.5f)),
+                                     hn::Ge(hn::Add(mean_y, half_height), hn::Set(d, v.top + 0.5f))));
+  visible = hn::And(visible, hn::And(hn::Le(hn::Sub(mean_x, half_width), hn::Set(d, v.right - 0.5f)),
+                                     hn::Le(hn::Sub(mean_y, half_height), hn::Set(d, v.bottom - 0.5f))));
   if (hn::AllFalse(d, visible)) return;
 
   // Move visible lanes to the front, and from arrays of members to an array of structures.
@@ -256,11 +255,10 @@ HWY_EXPORT(ProjectChunk);
 /// Gaussians that one task projects; fixed, so that the order of the splats does not depend on the threads.
 constexpr std::size_t chunk_size = 4096;
 
-}  // namespace
-
-void project(Cpu& cpu, const FrameInput& input, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
-  const ViewConstants& camera = only_view(input.views).camera;
-  const SceneView& scene = only_scene(input.scenes);
+/// Appends the splats of one view.
+void project_view(Cpu& cpu, const Views& views, std::size_t view, const SceneView& scene,
+                  ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
+  const ViewConstants& camera = views.each[view].camera;
   // Project each chunk to a place of its own.
   const std::size_t n = scene.size(), chunks = (n + chunk_size - 1) / chunk_size;
   scratch.shapes.reset(n), scratch.depths.reset(n), scratch.gaussians.reset(n), scratch.counts.reset(chunks);
@@ -275,19 +273,30 @@ void project(Cpu& cpu, const FrameInput& input, ProjectScratch<Cpu>& scratch, Sp
 
   // Move the chunks together.
   std::size_t* offsets = scratch.counts.data();
-  splats.count = 0;
+  std::size_t end_of_view = splats.count;
   for (std::size_t chunk = 0; chunk < chunks; ++chunk)
-    splats.count += std::exchange(offsets[chunk], splats.count);
-  splats.reset(splats.count);
+    end_of_view += std::exchange(offsets[chunk], end_of_view);
+  splats.resize(end_of_view, views.size());
   cpu.for_parts(chunks, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t chunk = first; chunk < last; ++chunk) {
       const std::size_t begin = chunk * chunk_size, to = offsets[chunk];
-      const std::size_t count = (chunk + 1 < chunks ? offsets[chunk + 1] : splats.count) - to;
+      const std::size_t count = (chunk + 1 < chunks ? offsets[chunk + 1] : end_of_view) - to;
       std::copy_n(scratch.shapes.data() + begin, count, splats.shapes.data() + to);
       std::copy_n(scratch.depths.data() + begin, count, splats.depths.data() + to);
       std::copy_n(scratch.gaussians.data() + begin, count, splats.gaussians.data() + to);
+      if (views.size() > 1) std::fill_n(splats.of_view.data() + to, count, std::uint16_t(view));
     }
   });
+  splats.count = end_of_view;
+}
+
+}  // namespace
+
+void project(Cpu& cpu, const FrameInput& input, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
+  frame_tiles(input.views);
+  splats.count = 0;
+  for (std::size_t view = 0; view < input.views.size(); ++view)
+    project_view(cpu, input.views, view, only_scene(input.scenes), scratch, splats);
 }
 
 }  // namespace swiftgs

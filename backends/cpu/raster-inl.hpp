@@ -154,23 +154,21 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
 
 /// Renders squares [begin, end): the list of each is walked in batches, and each batch row by row.
 template <class Form, bool kDepth, bool kCount, bool kOccluder>
-void RenderSquares(const RasterJob& job, std::size_t begin, std::size_t end) {
-  const View& view = job.views[0];
-  const Squares squares(view.frame);
+void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t begin, std::size_t end) {
   SquareState state;
   Batch batch;
-  Form form(view.rules);
-  const float log2_alpha_min = std::log2(view.rules.alpha_min);
   const bool some_hidden = job.colours.some_hidden();
 
   for (std::size_t square = begin; square < end; ++square) {
-    const int x0 = squares.x(square), y0 = squares.y(square);
-    const SquareFrame place{vec2(float(x0) + 0.5f, float(y0) + 0.5f), std::size_t(x0), std::size_t(y0),
-                            std::min(square_side, view.frame.width - x0),
-                            std::min(square_side, view.frame.height - y0)};
-    Clear<kDepth, kOccluder>(view.frame, place, state);
+    const PlacedSquare place(job.views, squares, square);
     SquareCounts counts;
-    const TileRange range = job.lists.ranges[view.grid.tile_at(x0, y0)];
+    if (job.counts) job.counts[square] = counts;
+    if (place.empty()) continue;
+    const View& view = place.view;
+    Form form(view.rules);
+    const float log2_alpha_min = std::log2(view.rules.alpha_min);
+    Clear<kDepth, kOccluder>(view.frame, place, state);
+    const TileRange range = place.list(job);
     const std::uint32_t* ids = job.lists.ids.data;
     std::uint32_t live_rows = range.begin < range.end ? LiveRows(place, state) : 0;
     for (std::size_t at = range.begin; at < range.end && live_rows != 0; at += batch_size) {
@@ -209,15 +207,18 @@ void RenderSquares(const RasterJob& job, std::size_t begin, std::size_t end) {
 /// others ask for; of the rest there is one kind with counts and one without, since each kind takes long to
 /// compile.
 template <class Form>
-void RenderSquaresOf(const RasterJob& job, std::size_t begin, std::size_t end) {
+void RenderSquaresOf(const RasterJob& job, const Squares& squares, std::size_t begin, std::size_t end) {
+  const auto some_view = [&](const auto& wants) {
+    return std::any_of(job.views.begin(), job.views.end(), wants);
+  };
   if (job.counts)
-    RenderSquares<Form, true, true, true>(job, begin, end);
-  else if (job.views[0].frame.occluder.data)
-    RenderSquares<Form, true, false, true>(job, begin, end);
-  else if (job.views[0].frame.depth.data)
-    RenderSquares<Form, true, false, false>(job, begin, end);
+    RenderSquares<Form, true, true, true>(job, squares, begin, end);
+  else if (some_view([](const View& view) { return view.frame.occluder.data != nullptr; }))
+    RenderSquares<Form, true, false, true>(job, squares, begin, end);
+  else if (some_view([](const View& view) { return view.frame.depth.data != nullptr; }))
+    RenderSquares<Form, true, false, false>(job, squares, begin, end);
   else
-    RenderSquares<Form, false, false, false>(job, begin, end);
+    RenderSquares<Form, false, false, false>(job, squares, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

@@ -44,9 +44,10 @@ class FloatCholeskyForm {
   CholeskyTerms terms_[batch_size];
 };
 
-void FloatCholeskySquares(const RasterJob& job, bool threshold, std::size_t begin, std::size_t end) {
-  threshold ? RenderSquaresOf<FloatCholeskyForm<true>>(job, begin, end)
-            : RenderSquaresOf<FloatCholeskyForm<false>>(job, begin, end);
+void FloatCholeskySquares(const RasterJob& job, const Squares& squares, bool threshold, std::size_t begin,
+                          std::size_t end) {
+  threshold ? RenderSquaresOf<FloatCholeskyForm<true>>(job, squares, begin, end)
+            : RenderSquaresOf<FloatCholeskyForm<false>>(job, squares, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
@@ -58,8 +59,9 @@ namespace {
 HWY_EXPORT(FloatCholeskySquares);
 
 void run(Cpu& cpu, const RasterJob& job, bool threshold) {
-  cpu.for_parts(Squares(view_of(job).frame).size(), 4, [&](std::size_t begin, std::size_t end) {
-    HWY_DYNAMIC_DISPATCH(FloatCholeskySquares)(job, threshold, begin, end);
+  const Squares squares = squares_of(job);
+  cpu.for_parts(squares.size(), 4, [&](std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(FloatCholeskySquares)(job, squares, threshold, begin, end);
   });
 }
 }  // namespace

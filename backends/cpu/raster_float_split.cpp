@@ -43,9 +43,10 @@ struct FloatSplitTerms {
   }
 };
 
-void FloatSplitSquares(const RasterJob& job, bool threshold, std::size_t begin, std::size_t end) {
-  threshold ? RenderSquaresOf<SplitForm<FloatSplitTerms, true>>(job, begin, end)
-            : RenderSquaresOf<SplitForm<FloatSplitTerms, false>>(job, begin, end);
+void FloatSplitSquares(const RasterJob& job, const Squares& squares, bool threshold, std::size_t begin,
+                       std::size_t end) {
+  threshold ? RenderSquaresOf<SplitForm<FloatSplitTerms, true>>(job, squares, begin, end)
+            : RenderSquaresOf<SplitForm<FloatSplitTerms, false>>(job, squares, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
@@ -57,8 +58,9 @@ namespace {
 HWY_EXPORT(FloatSplitSquares);
 
 void run(Cpu& cpu, const RasterJob& job, bool threshold) {
-  cpu.for_parts(Squares(view_of(job).frame).size(), 4, [&](std::size_t begin, std::size_t end) {
-    HWY_DYNAMIC_DISPATCH(FloatSplitSquares)(job, threshold, begin, end);
+  const Squares squares = squares_of(job);
+  cpu.for_parts(squares.size(), 4, [&](std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(FloatSplitSquares)(job, squares, threshold, begin, end);
   });
 }
 }  // namespace

@@ -47,9 +47,10 @@ struct HalfSplitTerms {
   }
 };
 
-void HalfSplitSquares(const RasterJob& job, bool threshold, std::size_t begin, std::size_t end) {
-  threshold ? RenderSquaresOf<SplitForm<HalfSplitTerms, true>>(job, begin, end)
-            : RenderSquaresOf<SplitForm<HalfSplitTerms, false>>(job, begin, end);
+void HalfSplitSquares(const RasterJob& job, const Squares& squares, bool threshold, std::size_t begin,
+                      std::size_t end) {
+  threshold ? RenderSquaresOf<SplitForm<HalfSplitTerms, true>>(job, squares, begin, end)
+            : RenderSquaresOf<SplitForm<HalfSplitTerms, false>>(job, squares, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
@@ -61,8 +62,9 @@ namespace {
 HWY_EXPORT(HalfSplitSquares);
 
 void run(Cpu& cpu, const RasterJob& job, bool threshold) {
-  cpu.for_parts(Squares(view_of(job).frame).size(), 4, [&](std::size_t begin, std::size_t end) {
-    HWY_DYNAMIC_DISPATCH(HalfSplitSquares)(job, threshold, begin, end);
+  const Squares squares = squares_of(job);
+  cpu.for_parts(squares.size(), 4, [&](std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(HalfSplitSquares)(job, squares, threshold, begin, end);
   });
 }
 }  // namespace

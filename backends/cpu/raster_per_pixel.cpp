@@ -51,8 +51,8 @@ class PerPixelForm {
   Splat splats_[batch_size];
 };
 
-void PerPixelSquares(const RasterJob& job, std::size_t begin, std::size_t end) {
-  RenderSquaresOf<PerPixelForm>(job, begin, end);
+void PerPixelSquares(const RasterJob& job, const Squares& squares, std::size_t begin, std::size_t end) {
+  RenderSquaresOf<PerPixelForm>(job, squares, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
@@ -65,8 +65,9 @@ HWY_EXPORT(PerPixelSquares);
 }  // namespace
 
 void rasterize(Cpu& cpu, PerPixel, const RasterJob& job) {
-  cpu.for_parts(Squares(view_of(job).frame).size(), 4, [&](std::size_t begin, std::size_t end) {
-    HWY_DYNAMIC_DISPATCH(PerPixelSquares)(job, begin, end);
+  const Squares squares = squares_of(job);
+  cpu.for_parts(squares.size(), 4, [&](std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(PerPixelSquares)(job, squares, begin, end);
   });
 }
 

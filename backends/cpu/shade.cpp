@@ -128,16 +128,16 @@ HWY_EXPORT(ShadeRange);
 }
 
 Shading<Cpu> shade(Cpu& cpu, const FrameInput& input, const Splats<Cpu>& splats, Colours<Cpu>& colours) {
-  const ViewConstants& camera = only_view(input.views).camera;
+  frame_tiles(input.views);
   const SceneView& scene = only_scene(input.scenes);
   constexpr std::size_t grain = 1024;
   colours.each.reset(splats.count), colours.hidden.reset(1);
   std::uint32_t* const hidden = colours.hidden.data();
   *hidden = 0;
-  cpu.for_parts(splats.count, grain, [&](std::size_t begin, std::size_t end) {
-    if (HWY_DYNAMIC_DISPATCH(ShadeRange)(camera, scene, splats.gaussians.data() + begin,
-                                         splats.depths.data() + begin, end - begin,
-                                         colours.each.data() + begin))
+  for_parts_of_views(cpu, splats.view(), grain, [&](std::size_t view, std::size_t begin, std::size_t end) {
+    if (HWY_DYNAMIC_DISPATCH(ShadeRange)(input.views.each[view].camera, scene,
+                                         splats.gaussians.data() + begin, splats.depths.data() + begin,
+                                         end - begin, colours.each.data() + begin))
       std::atomic_ref(*hidden).store(1, std::memory_order_relaxed);
   });
   return Shading<Cpu>({{colours.each.data(), splats.count}, hidden});

@@ -14,8 +14,7 @@
 #include <hwy/highway.h>
 
 #include <swiftgs/frame.hpp>
-#include <swiftgs/math.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/raster/raster.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
@@ -37,16 +36,9 @@ struct alignas(64) SquareState {
   float occluder[square_side][square_side];
 };
 
-/// Places of one square in the image.
-struct SquareFrame {
-  vec2 first_centre;
-  std::size_t x0, y0;  ///< its first pixel
-  int columns, rows;
-};
-
 /// Transparent black, with the pixels beyond the image's right border already stopped.
 template <bool kDepth, bool kOccluder>
-HWY_INLINE void Clear(const FrameView& frame, const SquareFrame& square, SquareState& state) {
+HWY_INLINE void Clear(const FrameView& frame, const PlacedSquare& square, SquareState& state) {
   const F32 d;
   for (std::size_t row = 0; row < square_side; ++row)
     for (std::size_t part = 0; part < parts; ++part) {
@@ -62,12 +54,12 @@ HWY_INLINE void Clear(const FrameView& frame, const SquareFrame& square, SquareS
     }
   if (kOccluder && frame.occluder.data)
     for (std::size_t row = 0; row < std::size_t(square.rows); ++row)
-      std::memcpy(state.occluder[row], frame.occluder.row(square.y0 + row) + square.x0,
+      std::memcpy(state.occluder[row], frame.occluder.row(std::size_t(square.y0) + row) + square.x0,
                   std::size_t(square.columns) * sizeof(float));
 }
 
 /// Bits of the rows that still have a live pixel.
-HWY_INLINE std::uint32_t LiveRows(const SquareFrame& square, const SquareState& state) {
+HWY_INLINE std::uint32_t LiveRows(const PlacedSquare& square, const SquareState& state) {
   const F32 d;
   std::uint32_t rows = 0;
   for (int row = 0; row < square.rows; ++row)

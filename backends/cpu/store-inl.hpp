@@ -34,9 +34,9 @@ HWY_INLINE void LoadBackground(vec3 background, Below& below) {
 }
 
 /// Of row `y`.
-HWY_INLINE void LoadRow(const FrameView& frame, const SquareFrame& square, std::size_t y, Below& below) {
+HWY_INLINE void LoadRow(const FrameView& frame, const PlacedSquare& square, std::size_t y, Below& below) {
   for (std::size_t i = 0; i < std::size_t(square.columns); ++i) {
-    const vec4 colour = detail::load_colour(frame, square.x0 + i, y);
+    const vec4 colour = detail::load_colour(frame, std::size_t(square.x0) + i, y);
     for (std::size_t c = 0; c < 4; ++c) below.channels[c][i] = colour[int(c)];
   }
 }
@@ -72,7 +72,7 @@ HWY_INLINE void StoreColours(PixelFormat format, Vec red, Vec green, Vec blue, V
 }
 
 /// Writes the outputs that are asked for, as `store_pixel` does.
-HWY_INLINE void StoreSquare(const View& view, const SquareFrame& square, SquareState& state) {
+HWY_INLINE void StoreSquare(const View& view, const PlacedSquare& square, SquareState& state) {
   const F32 d;
   const FrameView& frame = view.frame;
   const std::size_t pixel = bytes_per_pixel(frame.format), columns = std::size_t(square.columns);
@@ -81,7 +81,7 @@ HWY_INLINE void StoreSquare(const View& view, const SquareFrame& square, SquareS
   for (std::size_t row = 0; row < std::size_t(square.rows); ++row) {
     alignas(64) unsigned char colours[4 * sizeof(float) * square_side];
     alignas(64) float alphas[square_side], depths[square_side];
-    const std::size_t y = square.y0 + row;
+    const std::size_t y = std::size_t(square.y0) + row;
     if (frame.over) LoadRow(frame, square, y, below);
     for (std::size_t column = 0; column < square_side; column += lanes) {
       const Vec transmittance = hn::Abs(hn::Load(d, state.transmittance[row] + column));
@@ -99,7 +99,7 @@ HWY_INLINE void StoreSquare(const View& view, const SquareFrame& square, SquareS
       }
     }
     if (frame.colour.data)
-      std::memcpy(static_cast<unsigned char*>(frame.colour.row(y)) + square.x0 * pixel, colours,
+      std::memcpy(static_cast<unsigned char*>(frame.colour.row(y)) + std::size_t(square.x0) * pixel, colours,
                   columns * pixel);
     if (frame.alpha.data) std::memcpy(frame.alpha.row(y) + square.x0, alphas, columns * sizeof(float));
     if (frame.depth.data) std::memcpy(frame.depth.row(y) + square.x0, depths, columns * sizeof(float));

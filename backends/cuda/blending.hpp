@@ -17,28 +17,17 @@
 
 namespace swiftgs::kernels {
 
-/// Numbers that all pixels share.
-struct RasterLimits {
-  float alpha_min, log2_alpha_min, alpha_max, stop_below;
-
-  explicit RasterLimits(const BlendRules& rules)
-      : alpha_min(rules.alpha_min),
-        log2_alpha_min(std::log2(rules.alpha_min)),
-        alpha_max(rules.alpha_max),
-        stop_below(rules.stop_below) {}
-};
-
 /// Alpha of a pixel from its exponent log2(alpha), 0 where it skips the splat. With the dynamic threshold
 /// (SwiftGS, section 5.2) the exponent decides, before the exponential. A lane that skips cannot leave its
 /// warp: its exponential is that of minus infinity, and nothing after it asks again.
 template <bool threshold>
-SWIFTGS_HD float alpha_of(float exponent, const RasterLimits& limits) {
+SWIFTGS_HD float alpha_of(float exponent, const BlendRules& rules) {
   if constexpr (threshold) {
-    const bool kept = exponent >= limits.log2_alpha_min;
-    return fminf(exp2_approx(kept ? exponent : -INFINITY), limits.alpha_max);
+    const bool kept = exponent >= rules.log2_alpha_min;
+    return fminf(exp2_approx(kept ? exponent : -INFINITY), rules.alpha_max);
   } else {
     const float alpha = exp2_approx(exponent);
-    return alpha >= limits.alpha_min ? fminf(alpha, limits.alpha_max) : 0.0f;
+    return alpha >= rules.alpha_min ? fminf(alpha, rules.alpha_max) : 0.0f;
   }
 }
 

@@ -25,14 +25,15 @@ __device__ inline std::uint64_t wide_warp_sum(std::uint64_t value) {
 
 /// Blends as `ColourBlender` does and adds up the weights: one atomic addition for a splat and part.
 struct WeightBlender {
-  const ContributionJob& job;
-  const RasterLimits& limits;
+  const RasterJob& job;
+  std::uint64_t* sums;
+  const BlendRules& rules;
   IdQueue& queue;
   float x, y;  ///< of the lane's first pixel within the part
   Pixel pixels[pixels_of_lane];
 
   __device__ void fill(unsigned slot, std::uint32_t id) const {
-    queue.gaussians[slot] = job.raster.splats.gaussians[id];
+    queue.gaussians[slot] = job.splats.gaussians[id];
   }
 
   /// Blends up to 32 splats from `first` on. Lane k keeps the sum of the k-th.
@@ -46,14 +47,14 @@ struct WeightBlender {
       std::uint64_t parts = 0;
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p)
-        parts += weight_parts(weigh(pixels[p], alpha_of<true>(exponents[p], limits)));
+        parts += weight_parts(weigh(pixels[p], alpha_of<true>(exponents[p], rules)));
       if (!__any_sync(whole_warp, parts != 0)) continue;
       const std::uint64_t of_part = wide_warp_sum(parts);
       if (lane_index() == k) sum = of_part;
     }
     if (sum != 0) {
       static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
-      atomicAdd(reinterpret_cast<unsigned long long*>(job.sums + queue.gaussians[first + lane_index()]), sum);
+      atomicAdd(reinterpret_cast<unsigned long long*>(sums + queue.gaussians[first + lane_index()]), sum);
     }
     __syncwarp();  // before the queue is overwritten
   }
@@ -62,28 +63,33 @@ struct WeightBlender {
 };
 
 /// Adds up the weights of one square's list: a block a square, a warp a part of it.
+template <class ViewSource>
 __global__ void __launch_bounds__(raster_threads)
-    add_contributions(const __grid_constant__ ContributionJob job, const __grid_constant__ View view,
-                      const __grid_constant__ RasterLimits limits) {
+    add_contributions(const __grid_constant__ RasterInput<ViewSource> input, std::uint64_t* sums) {
   __shared__ IdQueue queues[parts_of_square];
   IdQueue& queue = queues[threadIdx.x / warp_size];
-  const PartPlace part;
+  const BlockSquare square(input);
+  const View& view = input.views[square.view];
+  const BlendRules rules = view.rules;
+  const PartPlace part(square);
   if (part.outside(view.frame)) return;
 
-  WeightBlender blender{job, limits, queue, float(part.column), float(part.row), {}};
+  WeightBlender blender{input.job, sums, rules, queue, float(part.column), float(part.row), {}};
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p)
-    if (part.pixel(view.frame, p, false).inside) blender.pixels[p].start(limits.stop_below);
+    if (part.pixel(view.frame, p, false).inside) blender.pixels[p].start(rules.stop_below);
 
-  const TileRange range = BlockSquare::list(job.raster, view);
-  walk_list<CholeskyForm>(job.raster, range, part.first_centre(), limits, queue, blender);
+  walk_list<CholeskyForm>(input.job, square.list(input), part.first_centre(view), rules, queue, blender);
 }
 }  // namespace kernels
 
 void add_contributions(Cuda& cuda, const ContributionJob& job) {
-  const View& view = view_of(job.raster);
-  launch("add_contributions", kernels::add_contributions, kernels::blocks_for(view.frame),
-         kernels::raster_threads, cuda.stream(), job, view, kernels::RasterLimits(view.rules));
+  const Squares squares = squares_of(job.raster);
+  kernels::with_views(job.raster.views, [&]<class ViewSource>(const ViewSource& views) {
+    launch("add_contributions", kernels::add_contributions<ViewSource>, kernels::blocks_of(squares),
+           kernels::raster_threads, cuda.stream(),
+           kernels::RasterInput<ViewSource>{job.raster, views, squares}, job.sums);
+  });
 }
 
 template void Cuda::for_each(std::size_t, const ClearSums&) const;

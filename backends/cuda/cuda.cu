@@ -103,6 +103,19 @@ __global__ void post(const LastCounters<FrameCounts> counts, Mailbox* mailbox) {
 }
 }  // namespace kernels
 
+Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage) {
+  storage.each.assign(views.begin(), views.end());
+  number_tiles({storage.each.data(), storage.each.size()});
+  const Span<const View> each{storage.each.data(), storage.each.size()};
+  if (each.size <= 1) return each;
+  storage.stored.reset(each.size);
+  // The host's memory may change again as soon as this returns, since it is not pinned.
+  check_cuda(cudaMemcpyAsync(storage.stored.data(), each.data, each.size * sizeof(View),
+                             cudaMemcpyHostToDevice, cuda.stream()),
+             "cudaMemcpyAsync of views");
+  return {each, storage.stored.data()};
+}
+
 Cuda::Fork Cuda::fork() {
   check_not_captured("fork");
   State::Side& side = state_->side;

@@ -12,12 +12,7 @@
 
 namespace swiftgs::kernels {
 
-/// What a frame wants beside colour and alpha. Kernels that know of neither are compiled apart.
-inline bool wants_extras(const RasterJob& job, const FrameView& frame) {
-  return frame.depth.data || frame.occluder.data || job.counts;
-}
-
-/// Where a pixel lies, and what a frame asks of it beside colour.
+/// Where a pixel lies in a frame, and what the frame asks of it beside colour.
 struct PixelPlace {
   int x, y;
   bool inside;

@@ -45,12 +45,13 @@ __device__ inline void compute_term(HalfBatch& batch, unsigned buffer, unsigned 
 
 /// A block a square, a thread a pixel. Each mini-batch has its terms computed by all threads, and is then
 /// blended by all.
-template <bool threshold, bool extras>
+template <bool threshold, bool extras, class ViewSource>
 __global__ void __launch_bounds__(block_threads)
-    raster_half_split(const __grid_constant__ RasterJob job, const __grid_constant__ View view) {
+    raster_half_split(const __grid_constant__ RasterInput<ViewSource> input) {
   __shared__ HalfBatch batch;
-  SquarePixel<extras> mine(job, view);
-  const TileRange range = BlockSquare::list(job, view);
+  const RasterJob& job = input.job;
+  SquarePixel<extras, ViewSource> mine(input);
+  const TileRange range = mine.square.list(input);
   const unsigned column = threadIdx.x % square_side, row = threadIdx.x / square_side;
 
   std::uint32_t at = range.begin;
@@ -80,22 +81,28 @@ __global__ void __launch_bounds__(block_threads)
                      y = __half22float2(batch.y[buffer][k][row]);
         const float s = x.x + y.x + x.y * y.y;
         const float2 reach = batch.reaches[first + k];
-        const float alpha = alpha_of_square<threshold>(s, reach.x, reach.y, view.rules);
+        const float alpha = alpha_of_square<threshold>(s, reach.x, reach.y, mine.view().rules);
         if (alpha > 0) mine.blend(alpha, batch.colours[first + k]);
       }
     }
   }
   mine.store(min(at, range.end) - range.begin);
 }
+
+template <bool threshold>
+struct HalfSplitKernel {
+  static constexpr unsigned threads = block_threads;
+  template <bool extras, class ViewSource>
+  static constexpr auto of = &raster_half_split<threshold, extras, ViewSource>;
+};
 }  // namespace kernels
 
 void rasterize(Cuda& cuda, AxisShared<HalfSplit>, const RasterJob& job) {
-  rasterize_blocks(cuda, "rasterize axis-shared-half-split", kernels::raster_half_split<false, false>,
-                   kernels::raster_half_split<false, true>, job);
+  kernels::launch_squares<kernels::HalfSplitKernel<false>>(cuda, "rasterize axis-shared-half-split", job);
 }
 void rasterize(Cuda& cuda, AxisSharedThreshold<HalfSplit>, const RasterJob& job) {
-  rasterize_blocks(cuda, "rasterize axis-shared-threshold-half-split",
-                   kernels::raster_half_split<true, false>, kernels::raster_half_split<true, true>, job);
+  kernels::launch_squares<kernels::HalfSplitKernel<true>>(cuda, "rasterize axis-shared-threshold-half-split",
+                                                          job);
 }
 
 }  // namespace swiftgs

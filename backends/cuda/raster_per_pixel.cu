@@ -19,13 +19,14 @@ struct FactorBatch {
 
 /// A block a square, a thread a pixel: the whole exponent and exponential of every listed splat, as gsplat
 /// has it.
-template <bool extras>
+template <bool extras, class ViewSource>
 __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
-    raster_per_pixel(const __grid_constant__ RasterJob job, const __grid_constant__ View view) {
+    raster_per_pixel(const __grid_constant__ RasterInput<ViewSource> input) {
   __shared__ FactorBatch batch;
-  SquarePixel<extras> mine(job, view);
-  const TileRange range = BlockSquare::list(job, view);
-  const float x = float(mine.place.x) + 0.5f, y = float(mine.place.y) + 0.5f;
+  const RasterJob& job = input.job;
+  SquarePixel<extras, ViewSource> mine(input);
+  const TileRange range = mine.square.list(input);
+  const float x = mine.centre().x, y = mine.centre().y;
 
   std::uint32_t at = range.begin;
   for (; at < range.end && !mine.all_stopped(); at += block_threads) {
@@ -46,16 +47,21 @@ __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
       const float2 mean = batch.means[k];
       const float4 factor = batch.factors[k];
       const float dx = x - mean.x, dy = y - mean.y;
-      mine.blend(FactorForm::alpha(factor, dx, dy, view.rules), batch.colours[k]);
+      mine.blend(FactorForm::alpha(factor, dx, dy, mine.view().rules), batch.colours[k]);
     }
   }
   mine.store(min(at, range.end) - range.begin);
 }
+
+struct PerPixelKernel {
+  static constexpr unsigned threads = block_threads;
+  template <bool extras, class ViewSource>
+  static constexpr auto of = &raster_per_pixel<extras, ViewSource>;
+};
 }  // namespace kernels
 
 void rasterize(Cuda& cuda, PerPixel, const RasterJob& job) {
-  rasterize_blocks(cuda, "rasterize per-pixel", kernels::raster_per_pixel<false>,
-                   kernels::raster_per_pixel<true>, job);
+  kernels::launch_squares<kernels::PerPixelKernel>(cuda, "rasterize per-pixel", job);
 }
 
 }  // namespace swiftgs

@@ -32,19 +32,22 @@ struct TermsQueue {
   typename Form::Rest rests[queue_size];
 };
 
-/// Where a warp's part lies in the image, and this lane's pixels in it.
+/// Where a warp's part lies in its frame, and this lane's pixels in it.
 struct PartPlace {
   int x, y;         ///< first pixel
   int column, row;  ///< of the lane's first pixel within the part
 
-  __device__ PartPlace() {
+  __device__ explicit PartPlace(const BlockSquare& square) {
     const unsigned warp = threadIdx.x / warp_size;
-    x = BlockSquare::x() + int(warp % 2 * part_side);
-    y = BlockSquare::y() + int(warp / 2 * part_side);
+    x = square.x + int(warp % 2 * part_side);
+    y = square.y + int(warp / 2 * part_side);
     column = int(lane_index() % part_side), row = int(lane_index() / part_side);
   }
   __device__ bool outside(const FrameView& frame) const { return x >= frame.width || y >= frame.height; }
-  __device__ vec2 first_centre() const { return vec2(float(x) + 0.5f, float(y) + 0.5f); }
+  /// In the image.
+  __device__ vec2 first_centre(const View& view) const {
+    return vec2(float(view.left() + x) + 0.5f, float(view.top() + y) + 0.5f);
+  }
   /// The lane's p-th pixel.
   __device__ PixelPlace pixel(const FrameView& frame, unsigned p, bool extras) const {
     return PixelPlace(frame, x + column, y + row + int(p) * int(rows_between), extras);
@@ -60,8 +63,8 @@ struct Walked {
 /// back, half a queue at a time, until all its pixels have stopped. The blender fills the rest of a slot,
 /// beside the terms.
 template <class Form, class Blender>
-__device__ Walked walk_list(const RasterJob& job, TileRange range, vec2 first_centre,
-                            const RasterLimits& limits, TermsQueue<Form>& queue, Blender& blender) {
+__device__ Walked walk_list(const RasterJob& job, TileRange range, vec2 first_centre, const BlendRules& rules,
+                            TermsQueue<Form>& queue, Blender& blender) {
   const bool some_hidden = job.colours.some_hidden();
   const auto load_id = [&](std::uint32_t at) {
     return at + lane_index() < range.end ? job.lists.ids[at + lane_index()] : 0;
@@ -90,7 +93,7 @@ __device__ Walked walk_list(const RasterJob& job, TileRange range, vec2 first_ce
         const unsigned slot =
             (begun * queue_half + waiting + unsigned(__popc(lanes & lanes_below()))) % queue_size;
         blender.fill(slot, id);
-        Form::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min, queue.terms[slot],
+        Form::prepare(shape, shape.mean - first_centre, rules.log2_alpha_min, queue.terms[slot],
                       queue.rests[slot]);
       }
       waiting += unsigned(__popc(lanes));
@@ -127,7 +130,7 @@ struct Queue : TermsQueue<Form> {
 template <class Form, bool threshold, bool extras>
 struct ColourBlender {
   const RasterJob& job;
-  const RasterLimits& limits;
+  const BlendRules& rules;
   Queue<Form>& queue;
   float x, y;  ///< of the lane's first pixel within the part
   Pixel pixels[pixels_of_lane];
@@ -144,7 +147,7 @@ struct ColourBlender {
     float exponents[pixels_of_lane];
     Form::evaluate(terms, rest, x, y, exponents);
 #pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) alphas[p] = alpha_of<threshold>(exponents[p], limits);
+    for (unsigned p = 0; p < pixels_of_lane; ++p) alphas[p] = alpha_of<threshold>(exponents[p], rules);
   }
 
   /// Blends `group_size` splats. Pointers, which a loop over groups advances: an index would be multiplied in
@@ -206,29 +209,32 @@ struct ColourBlender {
 };
 
 /// Blends the list of one square: a block a square, a warp a part of it.
-template <class Form, bool threshold, bool extras>
+template <class Form, bool threshold, bool extras, class ViewSource>
 __global__ void __launch_bounds__(raster_threads, Form::blocks)
-    raster_warps(const __grid_constant__ RasterJob job, const __grid_constant__ View view,
-                 const __grid_constant__ RasterLimits limits) {
+    raster_warps(const __grid_constant__ RasterInput<ViewSource> input) {
   __shared__ Queue<Form> queues[parts_of_square];
   Queue<Form>& queue = queues[threadIdx.x / warp_size];
-  const PartPlace part;
+  const RasterJob& job = input.job;
+  const BlockSquare square(input);
+  const View& view = input.views[square.view];
+  const BlendRules rules = view.rules;
+  const PartPlace part(square);
   if (part.outside(view.frame)) return;
 
-  ColourBlender<Form, threshold, extras> blender{job, limits, queue, float(part.column), float(part.row),
-                                                 {},  {},     {}};
+  ColourBlender<Form, threshold, extras> blender{job, rules, queue, float(part.column), float(part.row),
+                                                 {},  {},    {}};
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p) {
     const PixelPlace at = part.pixel(view.frame, p, extras);
-    if (at.inside) blender.pixels[p].start(limits.stop_below);
+    if (at.inside) blender.pixels[p].start(rules.stop_below);
     if constexpr (extras) blender.occluders[p] = at.occluder;
   }
 
-  const TileRange range = BlockSquare::list(job, view);
-  const Walked walked = walk_list<Form>(job, range, part.first_centre(), limits, queue, blender);
+  const TileRange range = square.list(input);
+  const Walked walked = walk_list<Form>(job, range, part.first_centre(view), rules, queue, blender);
 
   // Found again: kept in registers during the walk, places would cost a block in nine.
-  const PartPlace same;
+  const PartPlace same{BlockSquare(input)};
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p) {
     const PixelPlace pixel = same.pixel(view.frame, p, extras);
@@ -240,16 +246,19 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
     if (job.counts)
       add_counts(job.counts, blender.counts, walked.visited, walked.blended * part_side * part_side);
 }
+
+template <class Form, bool threshold>
+struct WarpsKernel {
+  static constexpr unsigned threads = raster_threads;
+  template <bool extras, class ViewSource>
+  static constexpr auto of = &raster_warps<Form, threshold, extras, ViewSource>;
+};
 }  // namespace kernels
 
 /// Rasterizes with terms of `Form` in registers.
 template <class Form, bool threshold>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
-  const View& view = view_of(job);
-  const auto kernel = kernels::wants_extras(job, view.frame) ? kernels::raster_warps<Form, threshold, true>
-                                                             : kernels::raster_warps<Form, threshold, false>;
-  kernels::launch_squares(cuda, name, kernel, kernels::raster_threads, job, view,
-                          kernels::RasterLimits(view.rules));
+  kernels::launch_squares<kernels::WarpsKernel<Form, threshold>>(cuda, name, job);
 }
 
 }  // namespace swiftgs

@@ -10,6 +10,7 @@
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/project.hpp>
 
@@ -88,26 +89,28 @@ __device__ inline vec3 colour_of(int degree, vec3 sh0, const float4* rest, vec3 
 }
 
 /// Evaluates the colours of all splats, a warp 32 at a time and a lane one of them. Where the device has not
-/// counted them there are as many as there may be, `most`.
+/// counted them there are as many as there may be.
+template <class ViewSource>
 __global__ void __launch_bounds__(shade_threads)
-    shade(const __grid_constant__ ViewConstants camera, const __grid_constant__ SceneView scene,
-          const LastCounters<FrameCounts> counts, std::size_t most, const std::uint32_t* gaussians,
-          const float* depths, SplatColour* colours, std::uint32_t* hidden) {
+    shade(const __grid_constant__ ViewSource views, const __grid_constant__ SceneView scene,
+          const LastCounters<FrameCounts> counts, const __grid_constant__ SplatsView all,
+          SplatColour* colours, std::uint32_t* hidden) {
   __shared__ float4 shared[shade_warps][warp_size * rest_pitch(max_sh_degree)];
   float4* const rest = shared[threadIdx.x / warp_size];
-  const std::size_t splats = counts.copies ? std::size_t(counts.get().visible) : most;
+  const std::size_t splats = counts.copies ? std::size_t(counts.get().visible) : all.size();
   const std::size_t step = std::size_t(gridDim.x) * shade_threads;
   for (std::size_t first = blockIdx.x * shade_threads + threadIdx.x - lane_index(); first < splats;
        first += step) {
     const std::size_t at = first + lane_index();
-    const std::uint32_t id = at < splats ? gaussians[at] : 0;
+    const std::uint32_t id = at < splats ? all.gaussians[at] : 0;
     if (scene.sh_degree > 0)
       stage_rest(scene, id, unsigned(min(splats - first, std::size_t(warp_size))), rest);
     if (at < splats) {
+      const ViewConstants& camera = views[ViewSource::only ? 0 : all.view(at)].camera;
       const vec3 rgb =
           colour_of(scene.sh_degree, scene.sh0[id], rest + lane_index() * rest_pitch(scene.sh_degree),
                     view_direction(camera, scene.means[id]));
-      const SplatColour colour = splat_colour(rgb, depths[at]);
+      const SplatColour colour = splat_colour(rgb, all.depths[at]);
       colours[at] = colour;
       if (is_hidden(colour)) *hidden = 1;
     }
@@ -118,9 +121,11 @@ __global__ void __launch_bounds__(shade_threads)
 
 Shading<Cuda> shade(Cuda& cuda, const FrameInput& input, const Splats<Cuda>& splats, Colours<Cuda>& colours) {
   cuda.check_not_captured("shade");
-  const View& view = only_view(input.views);
+  frame_tiles(input.views);
   const SceneView& scene = only_scene(input.scenes);
   const std::size_t most = splats.pending ? splats.shapes.size() : splats.count;
+  SplatsView all = splats.view();
+  all.shapes.size = most;
   colours.each.reset(most);
   std::uint32_t* hidden = splats.pending.hidden;
   if (!hidden) {
@@ -131,9 +136,10 @@ Shading<Cuda> shade(Cuda& cuda, const FrameInput& input, const Splats<Cuda>& spl
                                    unsigned(cuda.multiprocessors() * kernels::shade_blocks));
   Cuda::Fork fork = cuda.fork();
   if (blocks != 0)
-    launch("shade", kernels::shade, blocks, kernels::shade_threads, fork.stream(), view.camera, scene,
-           splats.pending.counts, most, splats.gaussians.data(), splats.depths.data(), colours.each.data(),
-           hidden);
+    kernels::with_views(input.views, [&]<class ViewSource>(const ViewSource& views) {
+      launch("shade", kernels::shade<ViewSource>, blocks, kernels::shade_threads, fork.stream(), views, scene,
+             splats.pending.counts, all, colours.each.data(), hidden);
+    });
   return Shading<Cuda>(std::move(fork), splats, colours.each.data(), hidden);
 }
 

@@ -16,7 +16,7 @@ void project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, ProjectS
 }
 
 template <BoundsPolicy Bounds>
-void bin(Cuda& cuda, Span<const View> views, const Bounds& bounds, Splats<Cuda>& splats,
+void bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>& splats,
          Footprints<Cuda, Bounds>& footprints) {
   kernels::run_bin(cuda, views, bounds, splats, footprints);
 }
@@ -38,8 +38,7 @@ template <class Bounds>
 struct Stages {
   void (*project)(Cuda&, const FrameInput&, const Bounds&, ProjectScratch<Cuda>&, Splats<Cuda>&,
                   Footprints<Cuda, Bounds>&) = &swiftgs::project;
-  void (*bin)(Cuda&, Span<const View>, const Bounds&, Splats<Cuda>&,
-              Footprints<Cuda, Bounds>&) = &swiftgs::bin;
+  void (*bin)(Cuda&, const Views&, const Bounds&, Splats<Cuda>&, Footprints<Cuda, Bounds>&) = &swiftgs::bin;
   Emission<Bounds, std::uint16_t> emit_narrow = &emit_instances;
   Emission<Bounds, std::uint32_t> emit_wide = &emit_instances;
   Emission<Bounds, std::uint64_t> emit_with_depth = &emit_instances;

@@ -87,20 +87,20 @@ struct SWIFTGS_API ClearSums {
 /// addition for each splat and square.
 struct AddSquareContributions {
   ContributionJob job;
-  const View& view;
+  Squares squares;
 
   void operator()(std::size_t square) const {
     const RasterJob& raster = job.raster;
-    const Squares squares(view.frame);
-    const int x0 = squares.x(square), y0 = squares.y(square);
-    const TileRange range = raster.lists.ranges[view.grid.tile_at(x0, y0)];
+    const PlacedSquare place(raster.views, squares, square);
+    if (place.empty()) return;
+    const TileRange range = place.list(raster);
     if (range.begin == range.end) return;
-    Pixels pixels(view.frame, x0, y0);
+    Pixels pixels(place);
     const bool some_hidden = raster.colours.some_hidden();
     for (std::uint32_t at = range.begin; at < range.end && pixels.live > 0; ++at) {
       const std::uint32_t id = raster.lists.ids[at];
       if (some_hidden && is_hidden(raster.colours.each[id])) continue;
-      const std::uint64_t parts = pixels.blend(raster.splats.shapes[id], view.rules);
+      const std::uint64_t parts = pixels.blend(raster.splats.shapes[id], place.view.rules);
       if (parts == 0) continue;
       std::atomic_ref<std::uint64_t> sum(job.sums[raster.splats.gaussians[id]]);
       sum.fetch_add(parts, std::memory_order_relaxed);
@@ -116,11 +116,8 @@ struct AddSquareContributions {
     float transmittances[square_side * square_side];
     bool stopped[square_side * square_side] = {};
 
-    Pixels(const FrameView& frame, int x0, int y0) {
-      first_centre = vec2(float(x0) + 0.5f, float(y0) + 0.5f);
-      columns = frame.width - x0 < square_side ? frame.width - x0 : square_side;
-      rows = frame.height - y0 < square_side ? frame.height - y0 : square_side;
-      live = columns * rows;
+    explicit Pixels(const PlacedSquare& place)
+        : first_centre(place.first_centre), columns(place.columns), rows(place.rows), live(columns * rows) {
       for (float& transmittance : transmittances) transmittance = 1;
     }
 
@@ -152,11 +149,11 @@ struct AddSquareContributions {
   };
 };
 
-/// Adds the weights of all squares, on hosts. A device overloads this. Throws as `view_of`.
+/// Adds the weights of all squares, on hosts. A device overloads this. Throws as `squares_of`.
 template <BackendPolicy B>
 requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const ContributionJob& job) {
-  const View& view = view_of(job.raster);
-  b.for_each(Squares(view.frame).size(), AddSquareContributions{job, view});
+  const Squares squares = squares_of(job.raster);
+  b.for_each(squares.size(), AddSquareContributions{job, squares});
 }
 
 /// Sums the weights of a scene's Gaussians over views that are added one by one. It uses exact float terms,
@@ -190,15 +187,16 @@ class Contributions {
 
     check_ready(backend_);
     const PlacedScene instance{scene_.view()};
-    const FrameInput input{{&view, 1}, {&instance, 1}};
+    const FrameInput input{Span{&view, 1}, {&instance, 1}};
     project(backend_, input, Ellipse{}, project_scratch_, splats_, footprints_);
     std::optional<Shading<B>> shading;
     if (colours_may_overflow_ || centre_is_extreme(view.camera))
       shading.emplace(shade(backend_, input, splats_, colours_));
     bin(backend_, input.views, Ellipse{}, splats_, footprints_);
-    const FrameKey key{instance.scene.identity, instance.scene.size(), camera.width, camera.height};
-    EarlySort().build(backend_, SortJob<Ellipse>{splats_.view(), footprints_.view(), key}, Ellipse{},
-                      sort_scratch_, lists_);
+    EarlySort().build(
+        backend_,
+        SortJob<Ellipse>{splats_.view(), footprints_.view(), FrameKey::of(instance.scene, input.views)},
+        Ellipse{}, sort_scratch_, lists_);
 
     const RasterJob raster{.splats = splats_.view(),
                            .colours = shading ? shading->finish() : ColoursView{},

@@ -8,6 +8,7 @@
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/tiles.hpp>
+#include <swiftgs/view.hpp>
 
 namespace swiftgs {
 
@@ -19,17 +20,17 @@ struct alignas(16) Footprint {
   std::uint64_t mask = 0;   ///< bit 8 r + c: the tile r rows below and c columns right of the first; zero
                             ///< where the splat spans more than 8 tiles a side, or touches none
   std::uint32_t count = 0;  ///< of tiles
-  std::uint16_t column = 0, row = 0;  ///< of the first tile
+  std::uint32_t first = 0;  ///< number of the first tile
 };
 static_assert(sizeof(Footprint) == 16);
 
-/// The tiles of each splat of a frame within `Bounds`, on one grid. Holds for these bounds and this grid
-/// alone.
+/// The tiles of each splat of a frame within `Bounds`. Holds for these bounds and these views alone.
 template <BoundsPolicy Bounds>
 struct FootprintsView {
   Span<const Footprint> each{};  ///< @shape{splats}
   std::uint64_t instances = 0;   ///< sum of their counts
-  TileGrid grid;
+  FrameTiles tiles;              ///< of all views
+  Views views;
 };
 
 /// Storage of one frame's footprints on backend `B`.
@@ -38,9 +39,10 @@ struct Footprints {
   typename B::template Buffer<Footprint> each;
   std::size_t count = 0;  ///< splats
   std::uint64_t instances = 0;
-  TileGrid grid;
+  FrameTiles tiles;
+  Views views;
 
-  FootprintsView<Bounds> view() const { return {{each.data(), count}, instances, grid}; }
+  FootprintsView<Bounds> view() const { return {{each.data(), count}, instances, tiles, views}; }
   std::size_t bytes() const { return each.bytes(); }
 };
 
@@ -53,14 +55,12 @@ SWIFTGS_HD inline unsigned lowest_bit(std::uint64_t mask) {
 #endif
 }
 
-/// Calls f(tile) for the tiles of a footprint's mask.
+/// Calls f(tile) for the tiles of a footprint's mask, in rows of `stride` tiles.
 template <class F>
-SWIFTGS_HD void for_each_masked_tile(const Footprint& footprint, TileGrid grid, const F& f) {
-  const std::uint32_t columns = std::uint32_t(grid.columns);
-  const std::uint32_t first = footprint.row * columns + footprint.column;
+SWIFTGS_HD void for_each_masked_tile(const Footprint& footprint, std::uint32_t stride, const F& f) {
   for (std::uint64_t mask = footprint.mask; mask != 0; mask &= mask - 1) {
     const unsigned bit = lowest_bit(mask);
-    f(first + bit / Footprint::side * columns + bit % Footprint::side);
+    f(footprint.first + bit / Footprint::side * stride + bit % Footprint::side);
   }
 }
 
@@ -73,14 +73,14 @@ SWIFTGS_HD TileRun row_within(const Tiles& tiles, int row) {
 }
 }  // namespace detail
 
-/// Footprint of `shape` within `bounds`.
+/// Footprint of `shape` within `bounds`, on the grid of its view.
 template <BoundsPolicy Bounds>
 SWIFTGS_HD Footprint find_footprint(const Bounds& bounds, const SplatShape& shape, TileGrid grid) {
   const auto tiles = bounds.tiles(shape, grid);
   const TileRect& rect = tiles.rect;
   if (rect.columns.size() == 0 || rect.rows.size() == 0) return {};
   Footprint footprint;
-  footprint.column = std::uint16_t(rect.columns.begin), footprint.row = std::uint16_t(rect.rows.begin);
+  footprint.first = grid.number(rect.columns.begin, rect.rows.begin);
   const bool fits = rect.columns.size() <= Footprint::side && rect.rows.size() <= Footprint::side;
   for (int row = rect.rows.begin; row < rect.rows.end; ++row) {
     const TileRun run = detail::row_within(tiles, row);
@@ -101,22 +101,20 @@ SWIFTGS_HD Footprint find_footprint(const Bounds& bounds, const SplatShape& shap
 template <BoundsPolicy Bounds, class F>
 SWIFTGS_HD void for_each_tile(const Footprint& footprint, const Bounds& bounds, const SplatShape& shape,
                               TileGrid grid, const F& f) {
-  detail::for_each_masked_tile(footprint, grid, f);
+  detail::for_each_masked_tile(footprint, grid.stride, f);
   if (footprint.mask != 0 || footprint.count == 0) return;
 
-  const std::uint32_t columns = std::uint32_t(grid.columns);
   std::uint32_t left = footprint.count;
   const auto tiles = bounds.tiles(shape, grid);
   const TileRect& rect = tiles.rect;
   for (const bool inside : {true, false}) {
-    const TileRun rows = inside ? rect.rows : TileRun{0, grid.rows};
+    const TileRun rows = inside ? rect.rows : grid.rows;
     for (int row = rows.begin; row < rows.end && left != 0; ++row) {
       TileRun run;
       if (row >= rect.rows.begin && row < rect.rows.end) run = detail::row_within(tiles, row);
-      const TileRun walked = inside ? run : TileRun{0, grid.columns};
+      const TileRun walked = inside ? run : grid.columns;
       for (int column = walked.begin; column < walked.end && left != 0; ++column)
-        if (inside || column < run.begin || column >= run.end)
-          f(std::uint32_t(row) * columns + std::uint32_t(column)), --left;
+        if (inside || column < run.begin || column >= run.end) f(grid.number(column, row)), --left;
     }
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstring>
 #include <memory>
 #include <new>
 #include <type_traits>
@@ -39,6 +40,17 @@ class GrowingBuffer {
   /// afterwards.
   void reset(std::size_t count) {
     if (count > capacity_) allocate(count + count / 8);
+    size_ = count;
+  }
+
+  /// As `reset`, but keeps the contents, as many as there is room for. For memory that a host reaches.
+  void resize(std::size_t count) {
+    if (count > capacity_) {
+      GrowingBuffer larger;
+      larger.reset(count);
+      if (size_ != 0) std::memcpy(larger.data(), data(), size_ * sizeof(T));
+      *this = std::move(larger);
+    }
     size_ = count;
   }
 

@@ -81,7 +81,7 @@ SWIFTGS_HD inline ImageAxes image_axes(const ViewConstants& v, float tx, float t
   return image;
 }
 
-/// Projects a Gaussian. `visible` is false where no pixel of the image can keep it: too near or far, too
+/// Projects a Gaussian. `visible` is false where no shown pixel can keep it: too near or far, too
 /// faint, or the box of its ellipse s <= reach holds no pixel centre. Spherical harmonics are not looked at.
 SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gaussian& g) {
   ProjectedShape out;
@@ -137,8 +137,8 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gau
   const float half_height = extent * std::sqrt(var_y);
 
   out.depth = z;
-  out.visible = s.mean.x + s.half_width >= 0.5f && s.mean.x - s.half_width <= v.width - 0.5f &&
-                s.mean.y + half_height >= 0.5f && s.mean.y - half_height <= v.height - 0.5f;
+  out.visible = s.mean.x + s.half_width >= v.left + 0.5f && s.mean.x - s.half_width <= v.right - 0.5f &&
+                s.mean.y + half_height >= v.top + 0.5f && s.mean.y - half_height <= v.bottom - 0.5f;
   return out;
 }
 

@@ -40,45 +40,55 @@ struct SWIFTGS_API ProjectShapes {
 struct SWIFTGS_API CompactSplats {
   const ProjectedShape* projected;
   const std::uint32_t* slots;
+  std::uint16_t view;
   SplatShape* shapes;
   float* depths;
   std::uint32_t* gaussians;
+  std::uint16_t* of_view;  ///< null if there is one view
 
   SWIFTGS_HD void operator()(std::size_t i) const {
     if (!projected[i].visible) return;
     const std::uint32_t slot = slots[i];
     shapes[slot] = projected[i].shape, depths[slot] = projected[i].depth;
     gaussians[slot] = std::uint32_t(i);
+    if (of_view) of_view[slot] = view;
   }
 };
 
 namespace detail {
-/// The loops of `project`. Not inlined: a compiler that fuses multiplications and additions may do so
-/// differently in each copy, and lossless bounds must draw the same bits.
+/// The loops of `project`, which appends the splats of one view after the other. Not inlined: a compiler that
+/// fuses multiplications and additions may do so differently in each copy, and lossless bounds must draw the
+/// same bits.
 template <BackendPolicy B>
-[[gnu::noinline]] void project_splats(B& b, const ViewConstants& camera, const SceneView& scene,
+[[gnu::noinline]] void project_splats(B& b, const Views& views, const SceneView& scene,
                                       ProjectScratch<B>& scratch, Splats<B>& splats) {
   const std::size_t n = scene.size();
   scratch.projected.reset(n), scratch.slots.reset(n);
-  b.for_each(n, ProjectShapes{camera, scene, scratch.projected.data(), scratch.slots.data()});
   splats.count = 0;
-  const std::size_t visible = std::size_t(b.exclusive_scan(Span{scratch.slots.data(), n}));
-  splats.reset(visible);
-  b.for_each(n, CompactSplats{scratch.projected.data(), scratch.slots.data(), splats.shapes.data(),
-                              splats.depths.data(), splats.gaussians.data()});
-  splats.count = visible;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    b.for_each(n, ProjectShapes{views.each[v].camera, scene, scratch.projected.data(), scratch.slots.data()});
+    const std::size_t visible = std::size_t(b.exclusive_scan(Span{scratch.slots.data(), n}));
+    const std::size_t before = splats.count;
+    splats.resize(before + visible, views.size());
+    b.for_each(n, CompactSplats{scratch.projected.data(), scratch.slots.data(), std::uint16_t(v),
+                                splats.shapes.data() + before, splats.depths.data() + before,
+                                splats.gaussians.data() + before,
+                                views.size() > 1 ? splats.of_view.data() + before : nullptr});
+    splats.count = before + visible;
+  }
 }
 }  // namespace detail
 
-/// Projects a scene: one splat for each visible Gaussian, in the order of the Gaussians. Reads no spherical
-/// harmonics. Throws as `only_view` and `only_scene`.
+/// Projects a scene: one splat for each Gaussian that is visible in a view. Reads no spherical harmonics.
+/// Throws as `frame_tiles` and `only_scene`.
 ///
 /// Backends overload this. An overload may also find `footprints` within `bounds`, if that costs little while
 /// the shapes are at hand; the backend's `bin` then only reads their number.
 template <BackendPolicy B, BoundsPolicy Bounds>
 void project(B& b, const FrameInput& input, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
              Footprints<B, Bounds>&) {
-  detail::project_splats(b, only_view(input.views).camera, only_scene(input.scenes), scratch, splats);
+  frame_tiles(input.views);
+  detail::project_splats(b, input.views, only_scene(input.scenes), scratch, splats);
 }
 
 }  // namespace swiftgs

@@ -37,6 +37,12 @@ struct RenderSettings {
   bool time = false;   ///< take the `times` of the frame, which costs a device some microseconds
 };
 
+/// What is learnt of a frame beside its images.
+struct Measures {
+  bool count = false;  ///< as `RenderSettings::count`
+  bool time = false;   ///< as `RenderSettings::time`
+};
+
 /// Throws `std::invalid_argument` where nothing can be rendered with `settings`.
 inline void validate(const RenderSettings& settings) {
   validate(settings.conventions);
@@ -79,72 +85,113 @@ class Renderer {
   /// that nothing can be rendered with, `CapacityError`, and `DeviceError` on a device.
   void render_into(const SceneView& scene, const Camera& camera, const RenderSettings& settings,
                    const FrameView& frame) {
-    check_arguments(scene, camera, settings, frame);
+    validate(camera);
+    validate(settings);
+    check_size(camera, frame);
+    const View view = make_view(camera, settings.conventions, frame, settings.background);
+    render_into(scene, Span{&view, 1}, {settings.count, settings.time});
+  }
+
+  /// Renders any number of views of a scene in one frame: one projection, one sort, one rasterization. The
+  /// images have the bits of frames of one view each. Cameras, sizes, conventions, backgrounds and formats
+  /// may differ from view to view; `make_view` makes them. Returns and throws as above.
+  void render_into(const SceneView& scene, Span<const View> views, Measures measures = {}) {
+    check_scene(scene);
+    for (const View& view : views) check_frame(view);
     check_ready(backend_);
     counted_ = timed_ = false;
     const auto take_time = [&](std::size_t point) {
-      if (settings.time) points_[point] = backend_.now();
+      if (measures.time) points_[point] = backend_.now();
     };
-    SquareCounts* counts = nullptr;
-    if (settings.count) square_counts_.reset(Squares(frame).size()), counts = square_counts_.data();
 
-    const View view = make_view(camera, settings.conventions, frame, settings.background);
-    const PlacedScene instance{scene};
-    const FrameInput input{{&view, 1}, {&instance, 1}};
     take_time(0);
+    const PlacedScene instance{scene};
+    const FrameInput input{store_views(backend_, views, view_storage_), {&instance, 1}};
+    const FrameTiles tiles = frame_tiles(input.views);
+    SquareCounts* counts = nullptr;
+    if (measures.count) square_counts_.reset(Squares(tiles).size()), counts = square_counts_.data();
     project(backend_, input, Bounds{}, project_scratch_, splats_, footprints_);
     Shading<B> shading = shade(backend_, input, splats_, colours_);
     bin(backend_, input.views, Bounds{}, splats_, footprints_);
     take_time(1);
 
-    const FrameKey key{scene.identity, scene.size(), frame.width, frame.height};
-    sort_.build(backend_, SortJob<Bounds>{splats_.view(), footprints_.view(), key}, Bounds{}, sort_scratch_,
-                lists_);
+    sort_.build(backend_,
+                SortJob<Bounds>{splats_.view(), footprints_.view(), FrameKey::of(scene, input.views)},
+                Bounds{}, sort_scratch_, lists_);
     take_time(2);
 
     rasterize(backend_, Raster{},
               RasterJob{splats_.view(), shading.finish(), lists_.view(), input.views, counts});
     take_time(3);
 
-    counted_ = settings.count, timed_ = settings.time;
+    counted_ = measures.count, timed_ = measures.time;
     gaussians_ = scene.size();
   }
 
-  /// Renders into memory of the backend that the renderer keeps: the frame holds until the next one.
-  /// Returns and throws as `render_into`.
-  FrameView render_resident(const SceneView& scene, const Camera& camera, const RenderSettings& settings) {
-    validate(camera);
+  /// Renders into memory of the backend that the renderer keeps: the frames, one a camera, hold until the
+  /// next call. Returns and throws as `render_into`.
+  Span<const FrameView> render_resident(const SceneView& scene, Span<const Camera> cameras,
+                                        const RenderSettings& settings) {
+    for (const Camera& camera : cameras) validate(camera);
+    validate(settings);
     check_ready(backend_);
-    const std::size_t width = std::size_t(camera.width), pixels = width * std::size_t(camera.height);
-    const auto plane = [&](auto& buffer, std::size_t channels) {
-      buffer.reset(channels * pixels);
-      return Plane<float>{buffer.data(), std::ptrdiff_t(channels * width * sizeof(float))};
-    };
-    FrameView frame{.width = camera.width, .height = camera.height};
-    const Plane<float> colour = plane(frame_.colour, 3);
-    frame.colour = {colour.data, colour.pitch};
-    if (settings.outputs.alpha) frame.alpha = plane(frame_.alpha, 1);
-    if (settings.outputs.depth) frame.depth = plane(frame_.depth, 1);
-    render_into(scene, camera, settings, frame);
-    return frame;
+    std::size_t pixels = 0;
+    for (const Camera& camera : cameras) pixels += std::size_t(camera.width) * std::size_t(camera.height);
+    frame_.colour.reset(3 * pixels);
+    frame_.alpha.reset(settings.outputs.alpha ? pixels : 0);
+    frame_.depth.reset(settings.outputs.depth ? pixels : 0);
+    frames_.clear(), views_.clear();
+    std::size_t before = 0;
+    for (const Camera& camera : cameras) {
+      const auto width = std::ptrdiff_t(camera.width), size = std::ptrdiff_t(sizeof(float));
+      FrameView frame{.width = camera.width, .height = camera.height};
+      frame.colour = {frame_.colour.data() + 3 * before, 3 * width * size};
+      if (settings.outputs.alpha) frame.alpha = {frame_.alpha.data() + before, width * size};
+      if (settings.outputs.depth) frame.depth = {frame_.depth.data() + before, width * size};
+      before += std::size_t(camera.width) * std::size_t(camera.height);
+      frames_.push_back(frame);
+      views_.push_back(make_view(camera, settings.conventions, frame, settings.background));
+    }
+    render_into(scene, {views_.data(), views_.size()}, {settings.count, settings.time});
+    return {frames_.data(), frames_.size()};
+  }
+  FrameView render_resident(const SceneView& scene, const Camera& camera, const RenderSettings& settings) {
+    return render_resident(scene, {&camera, 1}, settings)[0];
   }
 
-  /// Renders a frame on the host; complete when it returns.
+  /// Renders a frame a camera on the host; complete when it returns.
+  void render(const typename B::SceneOn& scene, Span<const Camera> cameras, const RenderSettings& settings,
+              Span<Frame> frames) {
+    if (frames.size != cameras.size)
+      detail::refuse("render: the number of frames", frames.size,
+                     std::to_string(cameras.size) + ", one a camera");
+    for (const Camera& camera : cameras) validate(camera);
+    validate(settings);
+    views_.clear();
+    for (std::size_t i = 0; i < cameras.size; ++i) {
+      const FrameView host = prepare(frames[i], cameras[i].width, cameras[i].height, settings.outputs);
+      views_.push_back(make_view(cameras[i], settings.conventions, host, settings.background));
+    }
+    if constexpr (B::reaches_host_memory) {
+      render_into(scene.view(), {views_.data(), views_.size()}, {settings.count, settings.time});
+    } else {
+      render_resident(scene.view(), cameras, settings);
+      std::size_t before = 0;
+      for (Frame& frame : frames) {
+        const auto download = [&](const auto& buffer, std::size_t channels, std::vector<float>& to) {
+          if (!to.empty())
+            backend_.download(Span<const float>{buffer.data() + channels * before, to.size()}, to.data());
+        };
+        download(frame_.colour, 3, frame.colour);
+        download(frame_.alpha, 1, frame.alpha);
+        download(frame_.depth, 1, frame.depth);
+        before += frame.pixels();
+      }
+    }
+  }
   void render(const typename B::SceneOn& scene, const Camera& camera, const RenderSettings& settings,
               Frame& frame) {
-    validate(camera);
-    const FrameView host = prepare(frame, camera.width, camera.height, settings.outputs);
-    if constexpr (B::reaches_host_memory) {
-      render_into(scene.view(), camera, settings, host);
-    } else {
-      render_resident(scene.view(), camera, settings);
-      const auto download = [&](const auto& buffer, std::vector<float>& to) {
-        if (!to.empty()) backend_.download(buffer.span(), to.data());
-      };
-      download(frame_.colour, frame.colour);
-      download(frame_.alpha, frame.alpha);
-      download(frame_.depth, frame.depth);
-    }
+    render(scene, {&camera, 1}, settings, {&frame, 1});
   }
   Frame render(const typename B::SceneOn& scene, const Camera& camera, const RenderSettings& settings = {}) {
     Frame frame;
@@ -177,7 +224,8 @@ class Renderer {
 
   /// What the buffers of each stage hold, in the backend's memory. They grow with the largest frame so far.
   StageMemory memory() const {
-    return {bytes_of(project_scratch_, splats_, footprints_, colours_), bytes_of(sort_scratch_, lists_),
+    return {bytes_of(view_storage_, project_scratch_, splats_, footprints_, colours_),
+            bytes_of(sort_scratch_, lists_),
             bytes_of(frame_.colour, frame_.alpha, frame_.depth, square_counts_)};
   }
 
@@ -186,14 +234,17 @@ class Renderer {
   const TileLists<B>& lists() const { return lists_; }
 
  private:
-  static void check_arguments(const SceneView& scene, const Camera& camera, const RenderSettings& settings,
-                              const FrameView& frame) {
-    validate(camera);
-    validate(settings);
-    const auto require = [](bool holds, const char* expected) {
-      if (!holds) throw std::invalid_argument(std::string("render: expected ") + expected);
-    };
+  static void require(bool holds, const char* expected) {
+    if (!holds) throw std::invalid_argument(std::string("render: expected ") + expected);
+  }
+
+  static void check_size(const Camera& camera, const FrameView& frame) {
     require(frame.width == camera.width && frame.height == camera.height, "a frame of the camera's size");
+  }
+
+  static void check_frame(const View& view) {
+    const FrameView& frame = view.frame;
+    require(frame.width > 0 && frame.height > 0, "a frame with pixels");
     const auto require_plane = [&](const auto& plane, std::size_t pixel, std::size_t channel,
                                    const char* name) {
       const std::size_t row = pixel * std::size_t(frame.width);
@@ -218,7 +269,9 @@ class Renderer {
     require_plane(frame.depth, sizeof(float), sizeof(float), "depth");
     require_plane(frame.occluder, sizeof(float), sizeof(float), "occluder");
     require(frame.colour.data || !frame.over, "colour to render over");
+  }
 
+  static void check_scene(const SceneView& scene) {
     const std::size_t n = scene.size();
     require(n <= std::numeric_limits<std::uint32_t>::max(), "fewer than 2^32 Gaussians");
     require(n == 0 || (scene.means.data && scene.scales.data && scene.rotations.data &&
@@ -244,9 +297,12 @@ class Renderer {
   typename Sort::template Scratch<B> sort_scratch_;
   TileLists<B> lists_;
   typename B::template Buffer<SquareCounts> square_counts_;
+  ViewStorage<B> view_storage_;
   struct {
     typename B::template Buffer<float> colour, alpha, depth;
-  } frame_;  ///< of `render_resident`
+  } frame_;                        ///< of `render_resident`, a frame behind the other
+  std::vector<FrameView> frames_;  ///< in it
+  std::vector<View> views_;        ///< of `render_resident` and `render`
   std::array<typename B::TimePoint, 4> points_{};
   bool counted_ = false, timed_ = false;
   std::size_t gaussians_ = 0;

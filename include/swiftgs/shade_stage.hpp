@@ -16,14 +16,14 @@ namespace swiftgs {
 
 /// Evaluates the colour of splat i: the only place that reads spherical harmonics.
 struct SWIFTGS_API ShadeSplats {
-  ViewConstants camera;
+  const View* views;
   SceneView scene;
   SplatsView splats;
   SplatColour* colours;
   std::uint32_t* hidden;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
-    const vec3 rgb = project_colour(camera, scene, splats.gaussians[i]);
+    const vec3 rgb = project_colour(views[splats.view(i)].camera, scene, splats.gaussians[i]);
     colours[i] = splat_colour(rgb, splats.depths[i]);
     if (is_hidden(colours[i])) note_hidden();
   }
@@ -59,15 +59,15 @@ class [[nodiscard]] Shading {
 };
 
 /// Evaluates the colours of `splats`, which were projected from `input`. The sort does not read them: a
-/// backend may run this beside it. Throws as `only_view` and `only_scene`.
+/// backend may run this beside it. Throws as `frame_tiles` and `only_scene`.
 template <BackendPolicy B>
 Shading<B> shade(B& b, const FrameInput& input, const Splats<B>& splats, Colours<B>& colours) {
-  const ViewConstants& camera = only_view(input.views).camera;
+  frame_tiles(input.views);
   const SceneView& scene = only_scene(input.scenes);
   colours.each.reset(splats.count), colours.hidden.reset(1);
   b.for_each(1, ClearWord{colours.hidden.data()});
-  b.for_each(splats.count,
-             ShadeSplats{camera, scene, splats.view(), colours.each.data(), colours.hidden.data()});
+  b.for_each(splats.count, ShadeSplats{input.views.reachable(), scene, splats.view(), colours.each.data(),
+                                       colours.hidden.data()});
   return Shading<B>({{colours.each.data(), splats.count}, colours.hidden.data()});
 }
 

@@ -30,13 +30,16 @@ struct alignas(32) SplatShape {
 /// product of projection leaves the range of float. @units{pixels^2}
 inline constexpr float largest_variance = 1e36f;
 
-/// Visible splats in the order of their Gaussians, an element a splat in each array.
+/// Visible splats of all views, an element a splat in each array: those of one view in the order of their
+/// Gaussians.
 struct SplatsView {
   Span<const SplatShape> shapes;
-  Span<const float> depths;             ///< camera-space z, > 0
-  Span<const std::uint32_t> gaussians;  ///< index of each splat's Gaussian in the scene
+  Span<const float> depths;                ///< camera-space z, > 0
+  Span<const std::uint32_t> gaussians;     ///< index of each splat's Gaussian in the scene
+  const std::uint16_t* of_view = nullptr;  ///< index of each splat's view; null: all are of the first
 
   SWIFTGS_HD std::size_t size() const { return shapes.size; }
+  SWIFTGS_HD std::uint32_t view(std::size_t i) const { return of_view ? of_view[i] : 0; }
 };
 
 /// Storage of one frame's splats on backend `B`.
@@ -45,13 +48,21 @@ struct Splats {
   typename B::template Buffer<SplatShape> shapes;
   typename B::template Buffer<float> depths;
   typename B::template Buffer<std::uint32_t> gaussians;
+  typename B::template Buffer<std::uint16_t> of_view;  ///< empty if there is one view
   std::size_t count = 0;
 
-  void reset(std::size_t splats) { shapes.reset(splats), depths.reset(splats), gaussians.reset(splats); }
-  SplatsView view() const {
-    return {{shapes.data(), count}, {depths.data(), count}, {gaussians.data(), count}};
+  /// Makes room for splats of so many views, and keeps those there are.
+  void resize(std::size_t splats, std::size_t views) {
+    shapes.resize(splats), depths.resize(splats), gaussians.resize(splats);
+    of_view.resize(views > 1 ? splats : 0);
   }
-  std::size_t bytes() const { return bytes_of(shapes, depths, gaussians); }
+  SplatsView view() const {
+    return {{shapes.data(), count},
+            {depths.data(), count},
+            {gaussians.data(), count},
+            of_view.size() != 0 ? of_view.data() : nullptr};
+  }
+  std::size_t bytes() const { return bytes_of(shapes, depths, gaussians, of_view); }
 };
 
 /// Key that orders depths as integers: the bits of a positive float ascend with its value, and its sign bit

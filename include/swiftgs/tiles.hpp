@@ -16,27 +16,57 @@ inline constexpr int square_side = 16;
 /// Side of the tiles that a renderer lists splats for @units{pixels}.
 inline constexpr int default_tile_side = square_side;
 
-/// Tiles that cover an image, numbered by rows. The side changes how long lists are. It changes no bit of an
-/// image within lossless bounds; others cut splats at the borders of tiles.
-struct TileGrid {
-  int columns = 0, rows = 0;
-  int side = default_tile_side;  ///< a power of two, `square_side` or more @units{pixels}
+/// Half-open range of tile columns or rows.
+struct TileRun {
+  int begin = 0, end = 0;
 
+  SWIFTGS_HD constexpr int size() const { return end > begin ? end - begin : 0; }
+  bool operator==(const TileRun&) const = default;
+};
+
+/// Columns and rows of tiles of an image, counted from its top left corner, and their numbers in a frame. The
+/// side changes how long lists are. It changes no bit of an image within lossless bounds; others cut splats
+/// at the borders of tiles.
+struct TileGrid {
+  TileRun columns, rows;         ///< not negative
+  int side = default_tile_side;  ///< a power of two, `square_side` or more @units{pixels}
+  std::uint32_t first = 0;       ///< number of the first tile of the first row
+  std::uint32_t stride = 0;      ///< from a tile's number to that of the tile below
+
+  /// A whole image, numbered by rows.
   SWIFTGS_HD static constexpr TileGrid covering(int width, int height, int side = default_tile_side) {
-    return {(width + side - 1) / side, (height + side - 1) / side, side};
+    const int columns = (width + side - 1) / side;
+    return {{0, columns}, {0, (height + side - 1) / side}, side, 0, std::uint32_t(columns)};
   }
-  SWIFTGS_HD constexpr std::size_t size() const { return std::size_t(columns) * std::size_t(rows); }
+  SWIFTGS_HD constexpr std::size_t size() const {
+    return std::size_t(columns.size()) * std::size_t(rows.size());
+  }
   bool operator==(const TileGrid&) const = default;
 
-  /// Number of the tile that holds pixel (x, y).
+  /// Of a tile of the grid.
+  SWIFTGS_HD constexpr std::uint32_t number(int column, int row) const {
+    return first + std::uint32_t(row - rows.begin) * stride + std::uint32_t(column - columns.begin);
+  }
+
+  /// Number of the tile that holds pixel (x, y) of the image.
   SWIFTGS_HD std::uint32_t tile_at(int x, int y) const {
 #if defined(__CUDA_ARCH__)
     const int shift = 31 - __clz(side);  // a division costs twenty instructions
-    return std::uint32_t((y >> shift) * columns + (x >> shift));
+    return number(x >> shift, y >> shift);
 #else
-    return std::uint32_t(y / side * columns + x / side);
+    return number(x / side, y / side);
 #endif
   }
+};
+
+/// The tiles of all views of a frame in one numbering: the grids lie one below the other, in rows as wide as
+/// the widest. Where a grid is narrower, numbers are left over whose lists stay empty.
+struct FrameTiles {
+  std::uint32_t columns = 0, rows = 0;
+  int side = default_tile_side;  ///< of all grids @units{pixels}
+
+  SWIFTGS_HD constexpr std::size_t size() const { return std::size_t(columns) * rows; }
+  bool operator==(const FrameTiles&) const = default;
 
   /// Bits that tell all tiles apart. A sort by tile looks at these.
   SWIFTGS_HD constexpr int key_bits() const {
@@ -46,12 +76,8 @@ struct TileGrid {
   }
 };
 
-/// Half-open range of tile columns or rows.
-struct TileRun {
-  int begin = 0, end = 0;
-
-  SWIFTGS_HD constexpr int size() const { return end > begin ? end - begin : 0; }
-};
+/// Most tiles that one frame may have.
+inline constexpr std::size_t max_frame_tiles = std::size_t(1) << 31;
 
 /// Half-open range of positions in `TileListsView::ids`.
 struct TileRange {

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
@@ -21,26 +26,167 @@ struct BlendRules {
   float alpha_min = 0;   ///< less alpha is skipped
   float alpha_max = 0;   ///< more is cut
   float stop_below = 0;  ///< a pixel ends before the splat that would bring its transmittance below this
+  float log2_alpha_min = 0;
 
   static BlendRules from(const Conventions& c) {
-    return {c.alpha_min, c.alpha_max, c.stop_at_equal ? std::nextafter(c.stop, 1.0f) : c.stop};
+    return {c.alpha_min, c.alpha_max, c.stop_at_equal ? std::nextafter(c.stop, 1.0f) : c.stop,
+            std::log2(c.alpha_min)};
   }
 };
 
-/// One image of a frame: from where, by which rules, and where to.
+/// One image of a frame, or a rectangle of one: from where, by which rules, and where to.
 struct View {
   ViewConstants camera{};
   BlendRules rules{};
   vec3 background{0};  ///< RGB in the scene's own values
   TileGrid grid{};     ///< covers `frame`
   FrameView frame{};
+
+  /// Pixel of the image that is the first of `frame`.
+  SWIFTGS_HD int left() const { return grid.columns.begin * grid.side; }
+  SWIFTGS_HD int top() const { return grid.rows.begin * grid.side; }
 };
 
-/// A view through `camera` into `frame`, with tiles of the usual side. Throws as `view_constants`.
+namespace detail {
+[[noreturn]] inline void refuse(const char* what, std::size_t found, const std::string& expected) {
+  throw std::invalid_argument(std::string(what) + " is " + std::to_string(found) + ", expected " + expected);
+}
+}  // namespace detail
+
+/// Where a frame that shows a part of an image begins in it. A multiple of `default_tile_side`, so that the
+/// part has the bits of the whole image. @units{pixels}
+struct FirstPixel {
+  int x = 0, y = 0;
+};
+
+/// A view through `camera` into `frame`, with tiles of the usual side. A frame smaller than the camera's
+/// image shows the part of it that begins at `first`; the parts of several views make up one image, bit for
+/// bit. Throws as `view_constants`, and `std::invalid_argument` if the frame does not lie within the image.
 inline View make_view(const Camera& camera, const Conventions& conventions, const FrameView& frame,
-                      vec3 background = vec3(0)) {
-  return {view_constants(camera, conventions), BlendRules::from(conventions), background,
-          TileGrid::covering(frame.width, frame.height), frame};
+                      vec3 background = vec3(0), FirstPixel first = {}) {
+  View view{view_constants(camera, conventions), BlendRules::from(conventions), background, {}, frame};
+  const auto run = [](const char* name, int begin, int size, int whole) {
+    const int side = default_tile_side;
+    if (begin < 0 || begin % side != 0)
+      throw std::invalid_argument("view: the first pixel's " + std::string(name) + " is " +
+                                  std::to_string(begin) + ", expected a multiple of " + std::to_string(side));
+    if (size < 1 || size > whole - begin)
+      throw std::invalid_argument("view: the frame has " + std::to_string(size) + " pixels along " + name +
+                                  " from " + std::to_string(begin) +
+                                  " on, expected 1 or more within the camera's " + std::to_string(whole));
+    return TileRun{begin / side, (begin + size + side - 1) / side};
+  };
+  view.grid.columns = run("x", first.x, frame.width, camera.width);
+  view.grid.rows = run("y", first.y, frame.height, camera.height);
+  view.grid.stride = std::uint32_t(view.grid.columns.size());
+  view.camera.left = float(first.x), view.camera.right = float(first.x + frame.width);
+  view.camera.top = float(first.y), view.camera.bottom = float(first.y + frame.height);
+  return view;
+}
+
+/// Most views that one frame may have.
+inline constexpr std::size_t max_views = std::size_t(1) << 16;
+
+/// The views of a frame.
+struct Views {
+  Span<const View> each;         ///< in the host's memory, their tiles numbered by `number_tiles`
+  const View* stored = nullptr;  ///< the same where a device's loops read them; null: handed to each loop
+
+  Views() = default;
+  Views(Span<const View> views, const View* stored_views = nullptr) : each(views), stored(stored_views) {}
+  Views(const View* first, std::size_t count) : each{first, count} {}
+
+  const View& operator[](std::size_t i) const { return each[i]; }
+
+  /// Where loops of the backend read them.
+  SWIFTGS_HD const View* reachable() const { return stored ? stored : each.data; }
+
+  const View* begin() const { return each.begin(); }
+  const View* end() const { return each.end(); }
+  std::size_t size() const { return each.size; }
+};
+
+/// Numbers the tiles of all views, one grid below the other.
+inline void number_tiles(Span<View> views) {
+  std::uint32_t columns = 0, rows = 0;
+  for (const View& view : views) columns = std::max(columns, std::uint32_t(view.grid.columns.size()));
+  for (View& view : views) {
+    view.grid.first = rows * columns, view.grid.stride = columns;
+    rows += std::uint32_t(view.grid.rows.size());
+  }
+}
+
+/// The tiles of all views. Throws `std::invalid_argument` if there are no or too many views, if a frame has
+/// no pixels or too many, if a view's tiles do not cover it, or if they are not numbered; and `CapacityError`
+/// beyond `max_frame_tiles`.
+inline FrameTiles frame_tiles(const Views& views) {
+  if (views.size() < 1 || views.size() > max_views)
+    detail::refuse("frame: the number of views", views.size(), "1 to " + std::to_string(max_views));
+  FrameTiles tiles{.columns = views.each[0].grid.stride, .rows = 0, .side = views.each[0].grid.side};
+  std::uint64_t rows = 0;
+  for (const View& view : views) {
+    const auto side_fits = [](int side) { return side > 0 && side <= max_image_side; };
+    if (!side_fits(view.frame.width) || !side_fits(view.frame.height))
+      throw std::invalid_argument("frame: " + std::to_string(view.frame.width) + " x " +
+                                  std::to_string(view.frame.height) + " pixels, expected 1 to " +
+                                  std::to_string(max_image_side) + " a side");
+    const TileGrid& grid = view.grid;
+    if (grid.side < square_side || (grid.side & (grid.side - 1)) != 0)
+      detail::refuse("tiles: the side", std::size_t(grid.side),
+                     "a power of two of at least " + std::to_string(square_side) + " pixels");
+    if (grid.side != tiles.side)
+      detail::refuse("tiles: the side", std::size_t(grid.side),
+                     "that of the first view, " + std::to_string(tiles.side));
+    const TileGrid needed = TileGrid::covering(view.frame.width, view.frame.height, grid.side);
+    if (grid.columns.size() != needed.columns.size())
+      detail::refuse("tiles: the number of columns", std::size_t(grid.columns.size()),
+                     std::to_string(needed.columns.size()));
+    if (grid.rows.size() != needed.rows.size())
+      detail::refuse("tiles: the number of rows", std::size_t(grid.rows.size()),
+                     std::to_string(needed.rows.size()));
+    const std::uint64_t first = rows * tiles.columns;
+    if (grid.stride != tiles.columns || grid.stride < std::uint32_t(grid.columns.size()) ||
+        grid.first != first)
+      throw std::invalid_argument("tiles: those of a view are numbered from " + std::to_string(grid.first) +
+                                  " on in rows of " + std::to_string(grid.stride) + ", expected " +
+                                  std::to_string(first) + " and " + std::to_string(tiles.columns) +
+                                  "; number_tiles numbers them");
+    rows += std::uint64_t(grid.rows.size());
+    if (rows * tiles.columns > max_frame_tiles)
+      throw CapacityError("tiles in one frame", rows * tiles.columns, max_frame_tiles);
+  }
+  tiles.rows = std::uint32_t(rows);
+  return tiles;
+}
+
+/// Index of the view that tile number `tile` belongs to.
+SWIFTGS_HD inline std::uint32_t view_of_tile(const View* views, std::uint32_t count, std::uint32_t tile) {
+  std::uint32_t low = 0;
+  for (std::uint32_t high = count; high - low > 1;) {
+    const std::uint32_t middle = (low + high) / 2;
+    if (views[middle].grid.first <= tile)
+      low = middle;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+/// A renderer's own copy of the views of a frame.
+template <class B>
+struct ViewStorage {
+  std::vector<View> each;
+
+  static constexpr std::size_t bytes() { return 0; }  ///< in the backend's own memory
+};
+
+/// Copies `views` and numbers their tiles. What it returns holds until the next call. Backends overload this
+/// that do not reach the host's memory.
+template <class B>
+Views store_views(B&, Span<const View> views, ViewStorage<B>& storage) {
+  storage.each.assign(views.begin(), views.end());
+  number_tiles({storage.each.data(), storage.each.size()});
+  return Span<const View>{storage.each.data(), storage.each.size()};
 }
 
 /// A scene as it appears in a frame.
@@ -50,55 +196,36 @@ struct PlacedScene {
 
 /// What is projected and shaded. Stages read both spans before they return.
 struct FrameInput {
-  Span<const View> views;
+  Views views;
   Span<const PlacedScene> scenes;
 };
 
-/// The squares that cover an image, numbered by rows.
-struct Squares {
-  int columns, rows;
-
-  SWIFTGS_HD explicit Squares(const FrameView& frame)
-      : columns((frame.width + square_side - 1) / square_side),
-        rows((frame.height + square_side - 1) / square_side) {}
-  SWIFTGS_HD std::size_t size() const { return std::size_t(columns) * std::size_t(rows); }
-
-  /// First pixel of a square.
-  SWIFTGS_HD int x(std::size_t square) const {
-    return int(std::uint32_t(square) % std::uint32_t(columns)) * square_side;
-  }
-  SWIFTGS_HD int y(std::size_t square) const {
-    return int(std::uint32_t(square) / std::uint32_t(columns)) * square_side;
-  }
+/// A square of a view.
+struct SquarePlace {
+  std::uint32_t view;  ///< index
+  int x, y;            ///< its first pixel in the view's frame
 };
 
-namespace detail {
-[[noreturn]] inline void refuse(const char* what, std::size_t found, const std::string& expected) {
-  throw std::invalid_argument(std::string(what) + " is " + std::to_string(found) + ", expected " + expected);
-}
-}  // namespace detail
+/// The squares of all views. They are numbered as tiles are, but are smaller where tiles are larger.
+struct Squares {
+  std::uint32_t columns, rows;
+  std::uint32_t of_tile;  ///< a side
 
-/// The one view of a frame. Throws `std::invalid_argument` if there is another number of views, or if the
-/// frame has no pixels or too many, or if the view's tiles do not cover it.
-inline const View& only_view(Span<const View> views) {
-  if (views.size != 1) detail::refuse("frame: the number of views", views.size, "1");
-  const View& view = views[0];
-  const auto side_fits = [](int side) { return side > 0 && side <= max_image_side; };
-  if (!side_fits(view.frame.width) || !side_fits(view.frame.height))
-    throw std::invalid_argument("frame: " + std::to_string(view.frame.width) + " x " +
-                                std::to_string(view.frame.height) + " pixels, expected 1 to " +
-                                std::to_string(max_image_side) + " a side");
-  const TileGrid& grid = view.grid;
-  if (grid.side < square_side || (grid.side & (grid.side - 1)) != 0)
-    detail::refuse("tiles: the side", std::size_t(grid.side),
-                   "a power of two of at least " + std::to_string(square_side) + " pixels");
-  const TileGrid needed = TileGrid::covering(view.frame.width, view.frame.height, grid.side);
-  if (grid.columns != needed.columns)
-    detail::refuse("tiles: the number of columns", std::size_t(grid.columns), std::to_string(needed.columns));
-  if (grid.rows != needed.rows)
-    detail::refuse("tiles: the number of rows", std::size_t(grid.rows), std::to_string(needed.rows));
-  return view;
-}
+  SWIFTGS_HD explicit Squares(const FrameTiles& tiles)
+      : columns(tiles.columns * std::uint32_t(tiles.side / square_side)),
+        rows(tiles.rows * std::uint32_t(tiles.side / square_side)),
+        of_tile(std::uint32_t(tiles.side / square_side)) {}
+  SWIFTGS_HD std::size_t size() const { return std::size_t(columns) * rows; }
+
+  /// Where the square in this column and row lies. It may lie outside of the view's frame.
+  SWIFTGS_HD SquarePlace place(const View* views, std::uint32_t count, std::uint32_t column,
+                               std::uint32_t row) const {
+    const std::uint32_t tiles = columns / of_tile;
+    const std::uint32_t view = count == 1 ? 0 : view_of_tile(views, count, row / of_tile * tiles);
+    const std::uint32_t first_row = count == 1 ? 0 : views[view].grid.first / tiles * of_tile;
+    return {view, int(column) * square_side, int(row - first_row) * square_side};
+  }
+};
 
 /// The one scene of a frame. Throws `std::invalid_argument` if there is another number of scenes.
 inline const SceneView& only_scene(Span<const PlacedScene> scenes) {

@@ -51,24 +51,25 @@ SWIFTGS_HD inline float inverse_of(int side) {
   return __builtin_bit_cast(float, 0x7f000000u - __builtin_bit_cast(std::uint32_t, float(side)));
 }
 
-/// Tiles of [0, count) that hold a pixel centre in [low, high] @units{pixels}.
-SWIFTGS_HD inline TileRun tiles_between(float low, float high, int side, int count) {
+/// Tiles of `among` that hold a pixel centre in [low, high] @units{pixels}.
+SWIFTGS_HD inline TileRun tiles_between(float low, float high, int side, TileRun among) {
   const float inverse_side = inverse_of(side);
   // The first centre at or above `low` is ceil(low - 0.5) + 0.5, the last at or below `high` is floor(high -
   // 0.5) + 0.5.
   const float first = std::ceil(low - 0.5f), last = std::floor(high - 0.5f);
   if (!(first <= last && last >= 0)) return {};
-  return {clamped_floor(first * inverse_side, 0, count), clamped_floor(last * inverse_side + 1, 0, count)};
+  return {clamped_floor(first * inverse_side, among.begin, among.end),
+          clamped_floor(last * inverse_side + 1, among.begin, among.end)};
 }
 
-/// Tiles of [0, count) whose span from first to last pixel centre meets [low, high] @units{pixels}.
+/// Tiles of `among` whose span from first to last pixel centre meets [low, high] @units{pixels}.
 /// Columns are found so: a rasterizer visits the rows of pixels in which the span meets the ellipse, and
 /// rounded terms may keep a centre there although the ellipse passes between two.
-SWIFTGS_HD inline TileRun tiles_meeting(float low, float high, int side, int count) {
+SWIFTGS_HD inline TileRun tiles_meeting(float low, float high, int side, TileRun among) {
   const float inverse_side = inverse_of(side);
   const float first = std::ceil((low - (float(side) - 0.5f)) * inverse_side);
   const float last = std::floor((high - 0.5f) * inverse_side);
-  return {clamped_floor(first, 0, count), clamped_floor(last + 1, 0, count)};
+  return {clamped_floor(first, among.begin, among.end), clamped_floor(last + 1, among.begin, among.end)};
 }
 
 /// How much a lossless bound is widened, so that rounding never cuts a pixel that a rasterizer keeps.

@@ -37,8 +37,7 @@ struct SWIFTGS_API Ellipse {
       const float bottom = top + float(side_ - 1) + 2 * slack_;
       const float right = mean_.x + edge(clamp(-steepest_, top, bottom), 1.0f) + slack_;
       const float left = mean_.x + edge(clamp(steepest_, top, bottom), -1.0f) - slack_;
-      const TileRun run = tiles_meeting(left, right, side_, rect.columns.end);
-      return {run.begin > rect.columns.begin ? run.begin : rect.columns.begin, run.end};
+      return tiles_meeting(left, right, side_, rect.columns);
     }
 
    private:

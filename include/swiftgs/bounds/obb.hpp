@@ -34,8 +34,7 @@ struct SWIFTGS_API Obb {
       const float bottom = top + float(side_ - 1) + 2 * slack_;
       const float right = mean_.x + right_end(top, bottom) + slack_;
       const float left = mean_.x - right_end(-bottom, -top) - slack_;  // the box is its own mirror image
-      const TileRun run = tiles_meeting(left, right, side_, rect.columns.end);
-      return {run.begin > rect.columns.begin ? run.begin : rect.columns.begin, run.end};
+      return tiles_meeting(left, right, side_, rect.columns);
     }
 
    private:

@@ -28,10 +28,10 @@ struct SWIFTGS_API ThreeSigmaSquare {
 
  private:
   /// `centre` counts from the first pixel's centre, as INRIA's coordinates do.
-  SWIFTGS_HD static TileRun span(float centre, float radius, TileGrid grid, int count) {
+  SWIFTGS_HD static TileRun span(float centre, float radius, TileGrid grid, TileRun among) {
     const float inverse_side = inverse_of(grid.side);
-    return {clamped_floor((centre - radius) * inverse_side, 0, count),
-            clamped_floor((centre + radius + float(grid.side - 1)) * inverse_side, 0, count)};
+    return {clamped_floor((centre - radius) * inverse_side, among.begin, among.end),
+            clamped_floor((centre + radius + float(grid.side - 1)) * inverse_side, among.begin, among.end)};
   }
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
@@ -37,19 +38,46 @@ struct RasterJob {
   SplatsView splats;
   ColoursView colours;
   TileListsView lists;
-  Span<const View> views;
+  Views views;
   SquareCounts* counts = nullptr;  ///< @shape{squares} filled where not null
 };
 
-/// The one view of `job`. Throws `std::invalid_argument` as `only_view`, and if the lists are not of as many
-/// tiles as the view has.
-inline const View& view_of(const RasterJob& job) {
-  const View& view = only_view(job.views);
-  if (job.lists.ranges.size != view.grid.size())
+/// The squares of `job`. Throws as `frame_tiles`, and `std::invalid_argument` if the lists are not of as many
+/// tiles as the views have.
+inline Squares squares_of(const RasterJob& job) {
+  const FrameTiles tiles = frame_tiles(job.views);
+  if (job.lists.ranges.size != tiles.size())
     detail::refuse("rasterize: the number of lists", job.lists.ranges.size,
-                   "a list for each of the view's " + std::to_string(view.grid.size()) + " tiles");
-  return view;
+                   "a list for each of the frame's " + std::to_string(tiles.size()) + " tiles");
+  return Squares(tiles);
 }
+
+/// A square within its view.
+struct PlacedSquare {
+  const View& view;
+  int x0, y0;         ///< its first pixel in the frame
+  int columns, rows;  ///< of pixels within the frame; 0 or less where the square lies outside of it
+  vec2 first_centre;  ///< of its first pixel in the image
+
+  PlacedSquare(const Views& views, const Squares& squares, std::size_t square)
+      : PlacedSquare(views, squares.place(views.each.data, std::uint32_t(views.size()),
+                                          std::uint32_t(square) % squares.columns,
+                                          std::uint32_t(square) / squares.columns)) {}
+
+  bool empty() const { return columns <= 0 || rows <= 0; }
+  TileRange list(const RasterJob& job) const {
+    return job.lists.ranges[view.grid.tile_at(view.left() + x0, view.top() + y0)];
+  }
+
+ private:
+  PlacedSquare(const Views& views, const SquarePlace& place)
+      : view(views.each[place.view]),
+        x0(place.x),
+        y0(place.y),
+        columns(std::min(square_side, view.frame.width - place.x)),
+        rows(std::min(square_side, view.frame.height - place.y)),
+        first_centre(float(view.left() + place.x) + 0.5f, float(view.top() + place.y) + 0.5f) {}
+};
 
 /// Arithmetic of a rasterizer for one splat in one square: constructed once from a shape that outlives it,
 /// told each row, asked for each pixel. `alpha` is 0 where the pixel skips the splat.
@@ -97,13 +125,15 @@ SWIFTGS_HD inline float dimmed(float transmittance, float alpha) {
 template <RasterPolicy R>
 struct RasterizeSquare {
   RasterJob job;
-  const View& view;
+  Squares squares;
 
   void operator()(std::size_t square) const {
-    const Squares squares(view.frame);
-    const int x0 = squares.x(square), y0 = squares.y(square);
-    const int columns = view.frame.width - x0 < square_side ? view.frame.width - x0 : square_side;
-    const int rows = view.frame.height - y0 < square_side ? view.frame.height - y0 : square_side;
+    const PlacedSquare place(job.views, squares, square);
+    if (job.counts) job.counts[square] = {};
+    if (place.empty()) return;
+    const View& view = place.view;
+    const int x0 = place.x0, y0 = place.y0, columns = place.columns, rows = place.rows;
+    const vec2 first_centre = place.first_centre;
 
     BlendedPixel pixels[square_side][square_side];
     bool stopped[square_side][square_side] = {};
@@ -113,8 +143,7 @@ struct RasterizeSquare {
     SquareCounts counts;
 
     // Blend its tile's splats front to back, until no pixel is left that could show another.
-    const vec2 first_centre(float(x0) + 0.5f, float(y0) + 0.5f);
-    const TileRange range = job.lists.ranges[view.grid.tile_at(x0, y0)];
+    const TileRange range = place.list(job);
     for (std::uint32_t at = range.begin; at < range.end && live > 0; ++at) {
       const std::uint32_t id = job.lists.ids[at];
       const SplatShape& shape = job.splats.shapes[id];
@@ -133,7 +162,7 @@ struct RasterizeSquare {
           const float alpha = kernel.alpha(column);
           if (alpha == 0) continue;
           const float next = dimmed(pixel.transmittance, alpha);
-          if (next < view.rules.stop_below || occluded(x0 + column, y0 + row, colour.depth)) {
+          if (next < view.rules.stop_below || occluded(view, x0 + column, y0 + row, colour.depth)) {
             stopped[row][column] = true;
             --live_in_row[row], --live, ++counts.pixels_stopped;
             continue;
@@ -156,7 +185,7 @@ struct RasterizeSquare {
 
  private:
   /// Lists run front to back, so a pixel ends at the first splat that the caller's surface hides.
-  bool occluded(int x, int y, float depth) const {
+  static bool occluded(const View& view, int x, int y, float depth) {
     const Plane<const float>& occluder = view.frame.occluder;
     return occluder.data && depth >= occluder.row(std::size_t(y))[x];
   }
@@ -164,11 +193,11 @@ struct RasterizeSquare {
 
 /// Renders every square of `job` with the arithmetic of `R::Kernel`, on hosts. Backends overload this for
 /// policies that they have kernels for; a device, where a thread a square would be of no use, for all others.
-/// Throws as `view_of`.
+/// Throws as `squares_of`.
 template <BackendPolicy B, RasterPolicy R>
 requires(bool(B::reaches_host_memory)) void rasterize(B& b, R, const RasterJob& job) {
-  const View& view = view_of(job);
-  b.for_each(Squares(view.frame).size(), RasterizeSquare<R>{job, view});
+  const Squares squares = squares_of(job);
+  b.for_each(squares.size(), RasterizeSquare<R>{job, squares});
 }
 
 }  // namespace swiftgs

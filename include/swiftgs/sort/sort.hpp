@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -24,19 +25,29 @@ namespace swiftgs {
 struct FrameKey {
   std::uint64_t scene = 0;  ///< `SceneView::identity`
   std::size_t gaussians = 0;
-  int width = 0, height = 0;
+  int width = 0, height = 0;  ///< of all views, one below the other @units{pixels}
+
+  static FrameKey of(const SceneView& scene, const Views& views) {
+    FrameKey key{scene.identity, scene.size()};
+    for (const View& view : views)
+      key.width = std::max(key.width, view.frame.width), key.height += view.frame.height;
+    return key;
+  }
 
   bool operator==(const FrameKey&) const = default;
 };
 
-/// What a sort turns into tile lists within `Bounds`, on the grid of the footprints.
+/// What a sort turns into tile lists within `Bounds`, of the views of the footprints.
 template <BoundsPolicy Bounds>
 struct SortJob {
   SplatsView splats;
   FootprintsView<Bounds> footprints;  ///< of these splats
   FrameKey key;
 
-  SWIFTGS_HD TileGrid grid() const { return footprints.grid; }
+  /// Of the view that splat i is of.
+  SWIFTGS_HD const TileGrid& grid(std::size_t i) const {
+    return footprints.views.reachable()[splats.view(i)].grid;
+  }
 };
 
 /// Throws `std::invalid_argument` if the footprints of `job` are of another number of splats.
@@ -81,7 +92,7 @@ struct EmitInstances {
   SWIFTGS_HD void operator()(std::size_t i) const {
     const std::uint32_t id = order ? order[i] : std::uint32_t(i);
     std::size_t at = offsets[i];
-    for_each_tile(job.footprints.each[id], bounds, job.splats.shapes[id], job.grid(),
+    for_each_tile(job.footprints.each[id], bounds, job.splats.shapes[id], job.grid(id),
                   [&](std::uint32_t tile) {
                     if constexpr (sizeof(Key) == 8)
                       keys[at] = Key(tile) << depth_key_bits | depth_key(job.splats.depths[id]);
@@ -174,9 +185,9 @@ std::size_t emit_instances(B& b, const SortJob<Bounds>& job, const Bounds& bound
 /// Hands the sorted instances over to `lists`; the old ids become room for the next frame, which allocates
 /// nothing if it is no larger.
 template <class B, class Key>
-void finish_lists(B& b, TileGrid grid, std::size_t count, int tile_shift, Pairs<B, Key>& instances,
+void finish_lists(B& b, const FrameTiles& frame, std::size_t count, int tile_shift, Pairs<B, Key>& instances,
                   TileLists<B>& lists) {
-  const std::size_t tiles = grid.size();
+  const std::size_t tiles = frame.size();
   lists.tiles = lists.instances = 0;
   lists.ranges.reset(tiles);
   b.for_each(tiles, ClearRanges{lists.ranges.data()});
@@ -198,13 +209,13 @@ struct GroupScratch {
 };
 
 /// Lists for every tile the splats that may touch it, in the given order: emits the instances in that order
-/// and sorts them by tile alone, stably and by as few bits as the grid needs. Backends overload this.
+/// and sorts them by tile alone, stably and by as few bits as the tiles need. Backends overload this.
 template <class B, class Bounds>
 void group_by_tile(B& b, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<B>& scratch, TileLists<B>& lists) {
   const std::size_t count = emit_instances(b, job, bounds, order, scratch.emission, scratch.instances);
-  b.sort_pairs(scratch.instances, count, job.grid().key_bits());
-  finish_lists(b, job.grid(), count, 0, scratch.instances, lists);
+  b.sort_pairs(scratch.instances, count, job.footprints.tiles.key_bits());
+  finish_lists(b, job.footprints.tiles, count, 0, scratch.instances, lists);
 }
 
 }  // namespace swiftgs

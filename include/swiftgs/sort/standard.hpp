@@ -23,8 +23,8 @@ struct StandardSort {
   void build(B& b, const SortJob<Bounds>& job, const Bounds& bounds, Scratch<B>& scratch,
              TileLists<B>& lists) {
     const std::size_t count = emit_instances(b, job, bounds, nullptr, scratch.emission, scratch.instances);
-    b.sort_pairs(scratch.instances, count, job.grid().key_bits() + depth_key_bits);
-    finish_lists(b, job.grid(), count, depth_key_bits, scratch.instances, lists);
+    b.sort_pairs(scratch.instances, count, job.footprints.tiles.key_bits() + depth_key_bits);
+    finish_lists(b, job.footprints.tiles, count, depth_key_bits, scratch.instances, lists);
   }
 };
 

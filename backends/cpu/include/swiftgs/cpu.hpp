@@ -139,7 +139,21 @@ void project(Cpu& cpu, const FrameInput& input, const Bounds&, ProjectScratch<Cp
 SWIFTGS_API Shading<Cpu> shade(Cpu& cpu, const FrameInput& input, const Splats<Cpu>& splats,
                                Colours<Cpu>& colours);
 
-/// Footprints of `count` consecutive splats.
+/// f(view, begin, end) for consecutive splats of one view each, in parallel.
+template <class F>
+void for_parts_of_views(const Cpu& cpu, const SplatsView& splats, std::size_t grain, const F& f) {
+  cpu.for_parts(splats.size(), grain, [&](std::size_t begin, std::size_t end) {
+    while (begin < end) {
+      const std::uint32_t view = splats.view(begin);
+      std::size_t until = splats.of_view ? begin + 1 : end;
+      while (until < end && splats.view(until) == view) ++until;
+      f(std::size_t(view), begin, until);
+      begin = until;
+    }
+  });
+}
+
+/// Footprints of `count` consecutive splats of one view.
 template <BoundsPolicy Bounds>
 void find_footprints(const Bounds& bounds, const SplatShape* shapes, std::size_t count, TileGrid grid,
                      Footprint* out) {
@@ -156,16 +170,16 @@ SWIFTGS_API void find_footprints(const Ellipse& bounds, const SplatShape* shapes
 /// Footprints in the order in which the splats lie in memory: emission in depth order then jumps among 16
 /// bytes a splat.
 template <BoundsPolicy Bounds>
-void bin(Cpu& cpu, Span<const View> views, const Bounds& bounds, Splats<Cpu>& splats,
+void bin(Cpu& cpu, const Views& views, const Bounds& bounds, Splats<Cpu>& splats,
          Footprints<Cpu, Bounds>& footprints) {
-  const TileGrid grid = only_view(views).grid;
+  footprints.tiles = frame_tiles(views), footprints.views = views;
   constexpr std::size_t grain = 1024;
   footprints.each.reset(splats.count);
-  footprints.count = splats.count, footprints.grid = grid, footprints.instances = 0;
+  footprints.count = splats.count, footprints.instances = 0;
   const SplatShape* const shapes = splats.shapes.data();
   Footprint* const out = footprints.each.data();
-  cpu.for_parts(splats.count, grain, [&](std::size_t begin, std::size_t end) {
-    find_footprints(bounds, shapes + begin, end - begin, grid, out + begin);
+  for_parts_of_views(cpu, splats.view(), grain, [&](std::size_t view, std::size_t begin, std::size_t end) {
+    find_footprints(bounds, shapes + begin, end - begin, views.each[view].grid, out + begin);
     std::uint64_t instances = 0;
     for (std::size_t i = begin; i < end; ++i) instances += out[i].count;
     std::atomic_ref(footprints.instances).fetch_add(instances, std::memory_order_relaxed);
@@ -201,7 +215,8 @@ struct EmissionJob {
   SplatsView splats;
   Span<const Footprint> footprints;
   std::uint64_t instances;
-  TileGrid grid;
+  FrameTiles tiles;
+  Views views;
   LargeTiles large;
   const std::uint32_t* order;  ///< of the splats; null: index order
 
@@ -210,7 +225,8 @@ struct EmissionJob {
       : splats(job.splats),
         footprints(job.footprints.each),
         instances(job.footprints.instances),
-        grid(job.grid()),
+        tiles(job.footprints.tiles),
+        views(job.footprints.views),
         large(bounds),
         order(order_) {
     check_footprints(job);

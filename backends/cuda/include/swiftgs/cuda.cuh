@@ -29,7 +29,7 @@ void project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, ProjectS
 }
 
 template <OwnBounds Bounds>
-void bin(Cuda& cuda, Span<const View> views, const Bounds& bounds, Splats<Cuda>& splats,
+void bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>& splats,
          Footprints<Cuda, Bounds>& footprints) {
   kernels::run_bin(cuda, views, bounds, splats, footprints);
 }

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/bin_stage.hpp>
@@ -50,6 +51,17 @@ class Turns {
   bool started_ = false;
 };
 
+/// Copies of the views of a frame, on the device where there is more than one.
+template <>
+struct ViewStorage<Cuda> {
+  std::vector<View> each;
+  DeviceBuffer<View> stored;
+
+  std::size_t bytes() const { return stored.bytes(); }
+};
+
+SWIFTGS_API Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage);
+
 /// Memory of projection. The next projection clears what this one left: the numbers that `bin` reads, and the
 /// word by which rasterizers know of hidden splats. Rasterize a frame before you project the next.
 template <>
@@ -71,34 +83,42 @@ struct PendingProjection {
   bool operator==(const PendingProjection&) const = default;
 };
 
-/// The buffers have room for all Gaussians. The device learns how many are visible from `project`, the host
-/// from `bin`; until then `count` is 0.
+/// The buffers have room for all Gaussians in all views. The device learns how many are visible from
+/// `project`, the host from `bin`; until then `count` is 0.
 template <>
 struct Splats<Cuda> {
   DeviceBuffer<SplatShape> shapes;
   DeviceBuffer<float> depths;
   DeviceBuffer<std::uint32_t> gaussians;
+  DeviceBuffer<std::uint16_t> of_view;  ///< empty if there is one view
   std::size_t count = 0;
   PendingProjection pending;  ///< from `project` to `bin`; none where `count` is known
 
-  void reset(std::size_t splats) { shapes.reset(splats), depths.reset(splats), gaussians.reset(splats); }
-  SplatsView view() const {
-    return {{shapes.data(), count}, {depths.data(), count}, {gaussians.data(), count}};
+  void reset(std::size_t splats, std::size_t views) {
+    shapes.reset(splats), depths.reset(splats), gaussians.reset(splats);
+    of_view.reset(views > 1 ? splats : 0);
   }
-  std::size_t bytes() const { return bytes_of(shapes, depths, gaussians); }
+  SplatsView view() const {
+    return {{shapes.data(), count},
+            {depths.data(), count},
+            {gaussians.data(), count},
+            of_view.size() != 0 ? of_view.data() : nullptr};
+  }
+  std::size_t bytes() const { return bytes_of(shapes, depths, gaussians, of_view); }
 };
 
-/// Footprints, which projection finds. The buffer has room for all Gaussians.
+/// Footprints, which projection finds. The buffer has room for as many as those of the splats.
 template <BoundsPolicy Bounds>
 struct Footprints<Cuda, Bounds> {
   DeviceBuffer<Footprint> each;
   DeviceBuffer<FrameCounts> counts;  ///< of splats of your own
   std::size_t count = 0;             ///< splats
   std::uint64_t instances = 0;
-  TileGrid grid;
+  FrameTiles tiles;
+  Views views;
   PendingProjection found_by;
 
-  FootprintsView<Bounds> view() const { return {{each.data(), count}, instances, grid}; }
+  FootprintsView<Bounds> view() const { return {{each.data(), count}, instances, tiles, views}; }
   std::size_t bytes() const { return bytes_of(each, counts); }
 };
 
@@ -139,7 +159,7 @@ SWIFTGS_API Shading<Cuda> shade(Cuda& cuda, const FrameInput& input, const Splat
 /// footprints of splats that `project` has not found them of.
 /// In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
-SWIFTGS_API void bin(Cuda& cuda, Span<const View> views, const Bounds& bounds, Splats<Cuda>& splats,
+SWIFTGS_API void bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>& splats,
                      Footprints<Cuda, Bounds>& footprints);
 
 /// A splat, its depth key where the keys of instances hold one, and the place of its first instance.
@@ -175,16 +195,16 @@ struct GroupScratch<Cuda> {
   std::size_t bytes() const { return bytes_of(emission, narrow, wide); }
 };
 
-/// `group_by_tile` with keys no wider than the grid needs.
+/// `group_by_tile` with keys no wider than the tiles need.
 template <BoundsPolicy Bounds>
 void group_by_tile(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<Cuda>& scratch, TileLists<Cuda>& lists) {
   const auto group = [&](auto& instances) {
     const std::size_t count = emit_instances(cuda, job, bounds, order, scratch.emission, instances);
-    cuda.sort_pairs(instances, count, job.grid().key_bits());
-    finish_lists(cuda, job.grid(), count, 0, instances, lists);
+    cuda.sort_pairs(instances, count, job.footprints.tiles.key_bits());
+    finish_lists(cuda, job.footprints.tiles, count, 0, instances, lists);
   };
-  job.grid().key_bits() <= 16 ? group(scratch.narrow) : group(scratch.wide);
+  job.footprints.tiles.key_bits() <= 16 ? group(scratch.narrow) : group(scratch.wide);
 }
 
 /// A thread a pixel, splats in shared memory.

@@ -1,41 +1,74 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/raster/raster.hpp>
 
 namespace swiftgs::kernels {
 
-/// A block for each square of a frame, in columns and rows as they lie in the image: no thread divides.
-inline dim3 blocks_for(const FrameView& frame) {
-  const Squares squares(frame);
-  return dim3(unsigned(squares.columns), unsigned(squares.rows));
+/// What the blocks of a rasterizer share: a block a square.
+template <class ViewSource>
+struct RasterInput {
+  RasterJob job;
+  ViewSource views;
+  Squares squares;
+};
+
+/// A block for each square, in columns and rows as they lie in the images: no thread divides. A grid has room
+/// for 65,535 rows, and further ones are slices of it.
+inline dim3 blocks_of(const Squares& squares) {
+  const std::uint32_t rows = std::min(squares.rows, 32768u);
+  return dim3(squares.columns, rows, (squares.rows + rows - 1) / rows);
 }
 
-/// Starts a rasterizer's kernel on all squares of the view of `job`, with its counts cleared.
-template <class... Parameters, class... More>
-void launch_squares(Cuda& cuda, const char* name, void (*kernel)(RasterJob, View, Parameters...),
-                    unsigned threads, const RasterJob& job, const View& view, const More&... more) {
-  if (job.counts) cuda.clear(job.counts, Squares(view.frame).size() * sizeof(SquareCounts));
-  launch(name, kernel, blocks_for(view.frame), threads, cuda.stream(), job, view, more...);
-}
-
-/// The square of this block: its number and its first pixel.
+/// The square of this block.
 struct BlockSquare {
-  __device__ static std::uint32_t number() { return blockIdx.y * gridDim.x + blockIdx.x; }
-  __device__ static int x() { return int(blockIdx.x) * square_side; }
-  __device__ static int y() { return int(blockIdx.y) * square_side; }
+  std::uint32_t view;  ///< index
+  int x, y;            ///< its first pixel in the view's frame
+
+  template <class ViewSource>
+  __device__ explicit BlockSquare(const RasterInput<ViewSource>& input) {
+    const SquarePlace place = input.views.place(input.squares, blockIdx.x, row());
+    view = place.view, x = place.x, y = place.y;
+  }
+
+  __device__ static std::uint32_t row() { return blockIdx.z * gridDim.y + blockIdx.y; }
+  __device__ static std::uint32_t number() { return row() * gridDim.x + blockIdx.x; }
 
   /// Where its list is. From the block's index alone: a compiler that sees the same range for all threads
   /// spares loops over it the code for diverged warps, which is 3 % of a long list.
-  __device__ static TileRange list(const RasterJob& job, const View& view) {
-    return job.lists.ranges[view.grid.tile_at(x(), y())];
+  template <class ViewSource>
+  __device__ TileRange list(const RasterInput<ViewSource>& input) const {
+    const View& of = input.views[view];
+    return input.job.lists.ranges[of.grid.tile_at(of.left() + x, of.top() + y)];
   }
 };
+
+/// What a frame wants beside colour and alpha. Kernels that know of neither are compiled apart.
+inline bool wants_extras(const RasterJob& job) {
+  const auto wants = [](const View& view) { return view.frame.depth.data || view.frame.occluder.data; };
+  return job.counts || std::any_of(job.views.begin(), job.views.end(), wants);
+}
+
+/// Starts the kernel `Kernel::of<extras, ViewSource>` of a rasterizer on all squares of `job`, with its
+/// counts cleared. Throws as `squares_of`.
+template <class Kernel>
+void launch_squares(Cuda& cuda, const char* name, const RasterJob& job) {
+  const Squares squares = squares_of(job);
+  if (job.counts) cuda.clear(job.counts, squares.size() * sizeof(SquareCounts));
+  with_views(job.views, [&]<class ViewSource>(const ViewSource& views) {
+    const auto kernel =
+        wants_extras(job) ? Kernel::template of<true, ViewSource> : Kernel::template of<false, ViewSource>;
+    launch(name, kernel, blocks_of(squares), Kernel::threads, cuda.stream(),
+           RasterInput<ViewSource>{job, views, squares});
+  });
+}
 
 /// Adds the counts of a warp to its square. The square has visited as many instances as the furthest of its
 /// warps. Call it on a whole warp, with the same counts on all lanes.

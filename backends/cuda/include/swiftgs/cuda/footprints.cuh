@@ -5,6 +5,7 @@
 
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
 
 namespace swiftgs::kernels {
@@ -38,8 +39,8 @@ struct FootprintShared {
 
 /// Footprint of each lane's splat, where it has one.
 template <class Bounds>
-__device__ Footprint find_footprint(const Bounds& bounds, TileGrid grid, const SplatShape& shape, bool exists,
-                                    FootprintShared<Bounds>& shared) {
+__device__ Footprint find_footprint(const Bounds& bounds, const TileGrid& grid, const SplatShape& shape,
+                                    bool exists, FootprintShared<Bounds>& shared) {
   const unsigned lane = lane_index();
   TileRect rect;
   if (exists) {
@@ -60,7 +61,7 @@ __device__ Footprint find_footprint(const Bounds& bounds, TileGrid grid, const S
   __syncwarp();
   const bool fits = rect.columns.size() <= Footprint::side && rect.rows.size() <= Footprint::side;
   return {fits ? std::uint64_t(shared.masks[1][lane]) << 32 | shared.masks[0][lane] : 0, shared.counts[lane],
-          std::uint16_t(rect.columns.begin), std::uint16_t(rect.rows.begin)};
+          grid.number(rect.columns.begin, rect.rows.begin)};
 }
 
 /// Adds to the tiles of a frame's splats. For one thread.
@@ -74,15 +75,16 @@ __device__ inline void add_instances(FrameCounts& counts, std::uint32_t tiles) {
 inline constexpr unsigned bin_threads = 256;
 
 /// Finds footprints outside of projection.
-template <class Bounds>
+template <class Bounds, class ViewSource>
 __global__ void __launch_bounds__(bin_threads)
-    find_footprints(const Span<const SplatShape> shapes, const TileGrid grid, const Bounds bounds,
-                    Footprint* footprints, FrameCounts* counts) {
+    find_footprints(const __grid_constant__ SplatsView splats, const __grid_constant__ ViewSource views,
+                    const Bounds bounds, Footprint* footprints, FrameCounts* counts) {
   __shared__ FootprintShared<Bounds> shared[bin_threads / warp_size];
   const std::size_t i = std::size_t(blockIdx.x) * bin_threads + threadIdx.x;
-  const bool exists = i < shapes.size;
+  const bool exists = i < splats.size();
   SplatShape shape;
-  if (exists) shape = shapes[i];
+  if (exists) shape = splats.shapes[i];
+  const TileGrid& grid = views[exists ? splats.view(i) : 0].grid;
   const Footprint found = find_footprint(bounds, grid, shape, exists, shared[threadIdx.x / warp_size]);
   if (exists) footprints[i] = found;
   const std::uint32_t tiles = warp_sum(found.count);

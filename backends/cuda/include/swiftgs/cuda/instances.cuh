@@ -39,16 +39,12 @@ struct Instances {
 __device__ inline EmittedSplat of_lane(const EmittedSplat& splat, unsigned lane) {
   const auto get = [&](auto value) { return __shfl_sync(whole_warp, value, int(lane)); };
   const Footprint& f = splat.footprint;
-  return {get(splat.id),
-          get(splat.depth),
-          get(splat.at),
-          {get(f.mask), get(f.count), std::uint16_t(get(unsigned(f.column))),
-           std::uint16_t(get(unsigned(f.row)))}};
+  return {get(splat.id), get(splat.depth), get(splat.at), {get(f.mask), get(f.count), get(f.first)}};
 }
 
 /// Emits the splats of a warp whose footprints have masks: an instance a lane.
 template <class Key>
-__device__ void emit_masks(const EmittedSplat& mine, TileGrid grid, const Instances<Key>& out) {
+__device__ void emit_masks(const EmittedSplat& mine, std::uint32_t stride, const Instances<Key>& out) {
   const std::uint32_t count = mine.footprint.mask ? mine.footprint.count : 0, first = sum_below(count);
   const std::uint32_t total = __shfl_sync(whole_warp, first + count, warp_size - 1);
   for (std::uint32_t begin = 0; begin < total; begin += warp_size) {
@@ -58,9 +54,8 @@ __device__ void emit_masks(const EmittedSplat& mine, TileGrid grid, const Instan
     const std::uint32_t nth = position - __shfl_sync(whole_warp, first, int(owner));
     if (position >= total) continue;
     const unsigned bit = find_bit(splat.footprint.mask, nth);
-    const unsigned row = splat.footprint.row + bit / Footprint::side;
-    const unsigned column = splat.footprint.column + bit % Footprint::side;
-    out.write(splat.at + nth, row * unsigned(grid.columns) + column, splat.depth, splat.id);
+    const std::uint32_t tile = splat.footprint.first + bit / Footprint::side * stride + bit % Footprint::side;
+    out.write(splat.at + nth, tile, splat.depth, splat.id);
   }
 }
 
@@ -76,7 +71,7 @@ struct LargeSplats {
 /// splats are.
 template <class Key>
 __global__ void __launch_bounds__(emit_threads)
-    emit_instances(const Span<const Footprint> footprints, const float* depths, const TileGrid grid,
+    emit_instances(const Span<const Footprint> footprints, const float* depths, const std::uint32_t stride,
                    const std::uint32_t* order, const Instances<Key> out, EmittedSplat* large,
                    const TurnsView<std::uint32_t> turns) {
   // Apart, or the words around `tiles_of` are loaded with it while one of them is written.
@@ -115,7 +110,7 @@ __global__ void __launch_bounds__(emit_threads)
   mine.at += before_block;
   for (unsigned w = 0; w < warp; ++w) mine.at += tiles_of[w];
 
-  emit_masks(mine, grid, out);
+  emit_masks(mine, stride, out);
   if (mine.footprint.mask == 0 && mine.footprint.count != 0)
     large[atomicAdd(&turns.copy(turn_of_block), 1u)] = mine;
 }
@@ -126,26 +121,26 @@ inline constexpr std::uint32_t shared_from = 256;
 
 /// Writes instances `at` to `end` of a splat, in tiles outside of its bounds. For one thread.
 template <class Bounds, class Key>
-__device__ __noinline__ void emit_outside(const Bounds bounds, const SplatShape shape, const TileGrid grid,
+__device__ __noinline__ void emit_outside(const Bounds bounds, const SplatShape shape, const TileGrid& grid,
                                           const EmittedSplat splat, std::uint32_t at, std::uint32_t end,
                                           const Instances<Key> out) {
   const TilesWithin<Bounds> tiles = bounds.tiles(shape, grid);
   const TileRect& rect = tiles.rect;
-  for (int row = 0; row < grid.rows && at < end; ++row) {
+  for (int row = grid.rows.begin; row < grid.rows.end && at < end; ++row) {
     TileRun run;
     if (row >= rect.rows.begin && row < rect.rows.end) run = tiles.row(row);
-    for (int column = 0; column < grid.columns && at < end; ++column)
+    for (int column = grid.columns.begin; column < grid.columns.end && at < end; ++column)
       if (column < run.begin || column >= run.end)
-        out.write(at++, std::uint32_t(row * grid.columns + column), splat.depth, splat.id);
+        out.write(at++, grid.number(column, row), splat.depth, splat.id);
   }
 }
 
 /// Emits the splats that were set aside: a lane a row of tiles, and then a lane a tile. Should the bounds
 /// find other tiles here than were counted, a splat still has as many, each once.
-template <class Bounds, class Key>
+template <class Bounds, class Key, class ViewSource>
 __global__ void __launch_bounds__(emit_threads)
-    emit_large(const SplatShape* shapes, const TileGrid grid, const Bounds bounds, const Instances<Key> out,
-               const LargeSplats large) {
+    emit_large(const __grid_constant__ SplatsView all, const __grid_constant__ ViewSource views,
+               const Bounds bounds, const Instances<Key> out, const LargeSplats large) {
   const std::uint32_t warp = (blockIdx.x * emit_threads + threadIdx.x) / warp_size,
                       part = warp % warps_of_splat;
   const std::uint32_t step = gridDim.x * emit_warps / warps_of_splat;
@@ -154,7 +149,8 @@ __global__ void __launch_bounds__(emit_threads)
     const EmittedSplat splat = large.splats[s];
     const bool shared = splat.footprint.count > shared_from;
     if (!shared && part != round % warps_of_splat) continue;
-    const SplatShape shape = shapes[splat.id];
+    const SplatShape shape = all.shapes[splat.id];
+    const TileGrid& grid = views[ViewSource::only ? 0 : all.view(splat.id)].grid;
     const TilesWithin<Bounds> tiles = bounds.tiles(shape, grid);
     const TileRect& rect = tiles.rect;
     std::uint32_t at = splat.at;
@@ -164,13 +160,13 @@ __global__ void __launch_bounds__(emit_threads)
       const TileRun run = row < rect.rows.end ? tiles.row(row) : TileRun{};
       const std::uint32_t size = std::uint32_t(run.size()), first = sum_below(size);
       const std::uint32_t total = __shfl_sync(whole_warp, first + size, warp_size - 1);
-      const int first_tile = row * grid.columns + run.begin;
+      const std::uint32_t first_tile = grid.number(run.begin, row);
       for (std::uint32_t begin = shared ? part * warp_size : 0; begin < total;
            begin += shared ? warps_of_splat * warp_size : warp_size) {
         const std::uint32_t position = begin + lane_index();
         const int lane = int(owner_of(position, first));
-        const std::uint32_t tile = std::uint32_t(__shfl_sync(whole_warp, first_tile, lane)) + position -
-                                   __shfl_sync(whole_warp, first, lane);
+        const std::uint32_t tile =
+            __shfl_sync(whole_warp, first_tile, lane) + position - __shfl_sync(whole_warp, first, lane);
         if (position < total && at + position < end) out.write(at + position, tile, splat.depth, splat.id);
       }
       at += total;
@@ -196,9 +192,11 @@ std::size_t run_emission(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& b
   const TurnsView<std::uint32_t> turns = scratch.turns.begin(cuda, blocks);
   const Instances<Key> out{instances.keys.data(), instances.values.data(), std::uint32_t(total)};
   launch("emit_instances", emit_instances<Key>, blocks, emit_threads, cuda.stream(), job.footprints.each,
-         job.splats.depths.data, job.grid(), order, out, scratch.large.data(), turns);
-  launch("emit_large", emit_large<Bounds, Key>, emit_large_blocks, emit_threads, cuda.stream(),
-         job.splats.shapes.data, job.grid(), bounds, out, LargeSplats{scratch.large.data(), turns.last()});
+         job.splats.depths.data, job.footprints.tiles.columns, order, out, scratch.large.data(), turns);
+  with_views(job.footprints.views, [&]<class ViewSource>(const ViewSource& views) {
+    launch("emit_large", emit_large<Bounds, Key, ViewSource>, emit_large_blocks, emit_threads, cuda.stream(),
+           job.splats, views, bounds, out, LargeSplats{scratch.large.data(), turns.last()});
+  });
   scratch.turns.end();
   return std::size_t(total);
 }

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/footprints.cuh>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
+#include <swiftgs/cuda/view_source.cuh>
+#include <swiftgs/error.hpp>
 #include <swiftgs/project.hpp>
 
 namespace swiftgs::kernels {
@@ -21,6 +25,7 @@ struct ProjectOutput {
   SplatShape* shapes;
   float* depths;
   std::uint32_t* gaussians;
+  std::uint16_t* of_view;  ///< null if there is one view
   Footprint* footprints;
   std::uint32_t* hidden;  ///< is cleared
 };
@@ -41,20 +46,44 @@ __device__ inline Gaussian load_gaussian(const SceneView& scene, std::size_t i) 
   return g;
 }
 
-/// Projects the Gaussians of one block and appends the visible ones to those of the blocks before it.
-template <class Bounds>
+/// Constants of stored views in shared memory, where they cost fewer registers than from device memory.
+struct SharedCamera {
+  static constexpr unsigned words = sizeof(ViewConstants) / sizeof(std::uint32_t);
+  static_assert(sizeof(ViewConstants) % sizeof(std::uint32_t) == 0 && words <= project_threads);
+  alignas(ViewConstants) std::uint32_t of_camera[words];
+
+  __device__ void load(const ViewConstants& camera) {
+    if (threadIdx.x < words)
+      of_camera[threadIdx.x] = reinterpret_cast<const std::uint32_t*>(&camera)[threadIdx.x];
+  }
+  __device__ const ViewConstants& camera() const { return reinterpret_cast<const ViewConstants&>(of_camera); }
+};
+
+/// Projects the Gaussians of one block in one view and appends the visible ones to those of the blocks before
+/// it. The blocks of some Gaussians for all views follow each other: they find them in the cache.
+template <class Bounds, class ViewSource>
 __global__ void __launch_bounds__(project_threads)
-    project(const __grid_constant__ ViewConstants camera, const __grid_constant__ SceneView scene,
-            const TileGrid grid, const Bounds bounds, const ProjectOutput output,
-            const TurnsView<FrameCounts> turns) {
+    project(const __grid_constant__ ViewSource views, const __grid_constant__ SceneView scene,
+            const Bounds bounds, const ProjectOutput output, const TurnsView<FrameCounts> turns) {
   __shared__ ProjectShared<Bounds> shared;
   const unsigned warp = threadIdx.x / warp_size;
   const std::uint32_t loaded_turn = threadIdx.x == 0 ? read_turn(turns) : 0;
+  const std::uint32_t view_index = blockIdx.x % views.size(), group = blockIdx.x / views.size();
+  const View& view = views[view_index];
 
   // Project, and count the visible splats of the block.
-  const std::size_t i = std::size_t(blockIdx.x) * project_threads + threadIdx.x;
+  const std::size_t i = std::size_t(group) * project_threads + threadIdx.x;
   ProjectedShape splat;
-  if (i < scene.size()) splat = project_shape(camera, load_gaussian(scene, i));
+  if constexpr (ViewSource::only) {
+    if (i < scene.size()) splat = project_shape(view.camera, load_gaussian(scene, i));
+  } else {
+    __shared__ SharedCamera staged;
+    staged.load(view.camera);
+    Gaussian gaussian;
+    if (i < scene.size()) gaussian = load_gaussian(scene, i);
+    __syncthreads();
+    if (i < scene.size()) splat = project_shape(staged.camera(), gaussian);
+  }
   const unsigned visible_lanes = __ballot_sync(whole_warp, splat.visible);
   if (lane_index() == 0) shared.visible[warp] = std::uint32_t(__popc(visible_lanes));
   if (threadIdx.x == 0) shared.turn = loaded_turn;
@@ -71,7 +100,7 @@ __global__ void __launch_bounds__(project_threads)
 
   // Find their tiles.
   const Footprint footprint =
-      find_footprint(bounds, grid, splat.shape, splat.visible, shared.footprints[warp]);
+      find_footprint(bounds, view.grid, splat.shape, splat.visible, shared.footprints[warp]);
   const std::uint32_t tiles_of_warp = warp_sum(footprint.count);
   if (lane_index() == 0) shared.tiles[warp] = tiles_of_warp;
   __syncthreads();
@@ -99,37 +128,50 @@ __global__ void __launch_bounds__(project_threads)
   output.footprints[at] = footprint;
   output.depths[at] = splat.depth;
   output.gaussians[at] = std::uint32_t(i);
+  if constexpr (!ViewSource::only)
+    if (output.of_view) output.of_view[at] = std::uint16_t(view_index);
 }
 
 template <BoundsPolicy Bounds>
 void run_project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
                  Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints) {
   cuda.check_not_captured("project");
-  const View& view = only_view(input.views);
+  footprints.tiles = frame_tiles(input.views), footprints.views = input.views;
   const SceneView& scene = only_scene(input.scenes);
-  const std::size_t n = scene.size();
+  const std::size_t n = scene.size() * input.views.size();
+  const std::size_t most_splats = std::numeric_limits<std::uint32_t>::max();
+  if (n > most_splats) throw CapacityError("Gaussians in all views", n, most_splats);
   splats.count = footprints.count = 0, footprints.instances = 0;
   splats.pending = footprints.found_by = {};
-  splats.reset(n), footprints.each.reset(n), scratch.hidden.reset(1);
-  footprints.grid = view.grid;
+  splats.reset(n, input.views.size()), footprints.each.reset(n), scratch.hidden.reset(1);
   if (n == 0) return;
-  const unsigned blocks = blocks_for(n, project_threads);
+  const unsigned blocks = blocks_for(scene.size(), project_threads) * unsigned(input.views.size());
   const TurnsView<FrameCounts> turns = scratch.turns.begin(cuda, blocks);
-  launch("project", project<Bounds>, blocks, project_threads, cuda.stream(), view.camera, scene, view.grid,
-         bounds,
-         ProjectOutput{splats.shapes.data(), splats.depths.data(), splats.gaussians.data(),
-                       footprints.each.data(), scratch.hidden.data()},
-         turns);
+  const ProjectOutput output{
+      splats.shapes.data(),    splats.depths.data(),
+      splats.gaussians.data(), input.views.size() > 1 ? splats.of_view.data() : nullptr,
+      footprints.each.data(),  scratch.hidden.data()};
+  with_views(input.views, [&]<class ViewSource>(const ViewSource& views) {
+    launch("project", project<Bounds, ViewSource>, blocks, project_threads, cuda.stream(), views, scene,
+           bounds, output, turns);
+  });
   scratch.turns.end();
   splats.pending = footprints.found_by = {turns.last(), scratch.hidden.data(), ++scratch.projections};
 }
 
+/// Whether footprints of one are footprints of the other.
+inline bool same_grids(const Views& a, const Views& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const View& one, const View& other) { return one.grid == other.grid; });
+}
+
 template <BoundsPolicy Bounds>
-void run_bin(Cuda& cuda, Span<const View> views, const Bounds& bounds, Splats<Cuda>& splats,
+void run_bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>& splats,
              Footprints<Cuda, Bounds>& footprints) {
   cuda.check_not_captured("bin");
-  const TileGrid grid = only_view(views).grid;
-  const bool found = splats.pending && footprints.found_by == splats.pending && footprints.grid == grid;
+  const FrameTiles tiles = frame_tiles(views);
+  const bool found =
+      splats.pending && footprints.found_by == splats.pending && same_grids(views, footprints.views);
   footprints.found_by = {};
   FrameCounts counts{.visible = splats.count};
   if (splats.pending) counts = cuda.read(splats.pending.counts), splats.pending = {};
@@ -138,12 +180,14 @@ void run_bin(Cuda& cuda, Span<const View> views, const Bounds& bounds, Splats<Cu
     footprints.each.reset(splats.count), footprints.counts.reset(1);
     cuda.clear(footprints.counts.data(), sizeof(FrameCounts));
     if (splats.count != 0)
-      launch("find_footprints", find_footprints<Bounds>, blocks_for(splats.count, bin_threads), bin_threads,
-             cuda.stream(), splats.view().shapes, grid, bounds, footprints.each.data(),
-             footprints.counts.data());
+      with_views(views, [&]<class ViewSource>(const ViewSource& source) {
+        launch("find_footprints", find_footprints<Bounds, ViewSource>, blocks_for(splats.count, bin_threads),
+               bin_threads, cuda.stream(), splats.view(), source, bounds, footprints.each.data(),
+               footprints.counts.data());
+      });
     counts = cuda.read({footprints.counts.data()});
   }
-  footprints.instances = counts.instances, footprints.grid = grid;
+  footprints.instances = counts.instances, footprints.tiles = tiles, footprints.views = views;
 }
 
 }  // namespace swiftgs::kernels

@@ -19,11 +19,14 @@ static_assert(warp_size == 2 * square_side, "a warp counts two rows");
 
 /// `RasterizeSquare` on a device, with its decisions and its counts: a block a square, a thread a pixel. A
 /// warp walks the list by itself until its pixels have stopped.
-template <RasterPolicy R>
+template <RasterPolicy R, class ViewSource>
 __global__ void __launch_bounds__(raster_pixels_threads)
-    raster_pixels(const __grid_constant__ RasterJob job, const __grid_constant__ View view) {
+    raster_pixels(const __grid_constant__ RasterInput<ViewSource> input) {
+  const RasterJob& job = input.job;
+  const BlockSquare square(input);
+  const View& view = input.views[square.view];
   const FrameView& frame = view.frame;
-  const int x0 = BlockSquare::x(), y0 = BlockSquare::y();
+  const int x0 = square.x, y0 = square.y;
   const int column = int(threadIdx.x) % square_side, row = int(threadIdx.x) / square_side;
   const int x = x0 + column, y = y0 + row;
   const bool inside = x < frame.width && y < frame.height;
@@ -34,9 +37,9 @@ __global__ void __launch_bounds__(raster_pixels_threads)
   bool live = inside;
   std::uint32_t pairs = 0, visited = 0, rows = 0;
 
-  const vec2 first_centre(float(x0) + 0.5f, float(y0) + 0.5f);
+  const vec2 first_centre(float(view.left() + x0) + 0.5f, float(view.top() + y0) + 0.5f);
   const float centre_y = first_centre.y + float(row);
-  const TileRange range = BlockSquare::list(job, view);
+  const TileRange range = square.list(input);
   for (std::uint32_t at = range.begin; at < range.end && __any_sync(whole_warp, live); ++at) {
     const std::uint32_t id = job.lists.ids[at];
     const SplatColour colour = job.colours.each[id];
@@ -69,10 +72,16 @@ __global__ void __launch_bounds__(raster_pixels_threads)
 }
 
 template <RasterPolicy R>
+struct RasterPixelsKernel {
+  static constexpr unsigned threads = raster_pixels_threads;
+  template <bool extras, class ViewSource>
+  static constexpr auto of = &raster_pixels<R, ViewSource>;
+};
+
+template <RasterPolicy R>
 void run_raster_pixels(Cuda& cuda, const RasterJob& job) {
   static constexpr ComposedName name{"rasterize ", R::name};
-  const View& view = view_of(job);
-  launch_squares(cuda, name.view().data(), raster_pixels<R>, raster_pixels_threads, job, view);
+  launch_squares<RasterPixelsKernel<R>>(cuda, name.view().data(), job);
 }
 
 }  // namespace swiftgs::kernels

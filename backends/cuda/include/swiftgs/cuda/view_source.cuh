@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include <swiftgs/view.hpp>
+
+namespace swiftgs::kernels {
+
+/// The only view of a frame, handed to a kernel: what it reads of the view costs neither a load nor a
+/// register.
+struct OneView {
+  static constexpr bool only = true;
+  View view;
+
+  __device__ const View& operator[](std::uint32_t) const { return view; }
+  __device__ std::uint32_t size() const { return 1; }
+
+  /// Where the square in this column and row of a frame lies.
+  __device__ SquarePlace place(const Squares&, std::uint32_t column, std::uint32_t row) const {
+    return {0, int(column) * square_side, int(row) * square_side};
+  }
+};
+
+/// Views in device memory.
+struct StoredViews {
+  static constexpr bool only = false;
+  const View* views;
+  std::uint32_t count;
+
+  __device__ const View& operator[](std::uint32_t view) const { return views[view]; }
+  __device__ std::uint32_t size() const { return count; }
+  __device__ SquarePlace place(const Squares& squares, std::uint32_t column, std::uint32_t row) const {
+    return squares.place(views, count, column, row);
+  }
+};
+
+/// f(source) with the views as kernels take them.
+template <class F>
+void with_views(const Views& views, const F& f) {
+  if (views.stored)
+    f(StoredViews{views.stored, std::uint32_t(views.size())});
+  else
+    f(OneView{views.each[0]});
+}
+
+}  // namespace swiftgs::kernels
