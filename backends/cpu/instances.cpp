@@ -51,7 +51,7 @@ void visit_instances(const EmissionJob& job, Part part, F f) {
 
 }  // namespace
 
-std::size_t emit_instances(Cpu& cpu, const EmissionJob& job, Pairs<Cpu, std::uint64_t>& out) {
+Count emit_instances(Cpu& cpu, const EmissionJob& job, Pairs<Cpu, std::uint64_t>& out) {
   check_instances(job.instances);
   const std::size_t splats = job.splats.size(), parts = part_count(cpu, splats, 4096);
   std::array<std::uint64_t, max_parts> before;

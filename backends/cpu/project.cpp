@@ -255,9 +255,9 @@ HWY_EXPORT(ProjectChunk);
 /// Gaussians that one task projects; fixed, so that the order of the splats does not depend on the threads.
 constexpr std::size_t chunk_size = 4096;
 
-/// Appends the splats of one view.
+/// Appends the splats of one view, if there is room for them.
 void project_view(Cpu& cpu, const Views& views, std::size_t view, const SceneView& scene,
-                  ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
+                  std::size_t capacity, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
   const ViewConstants& camera = views.each[view].camera;
   // Project each chunk to a place of its own.
   const std::size_t n = scene.size(), chunks = (n + chunk_size - 1) / chunk_size;
@@ -276,6 +276,8 @@ void project_view(Cpu& cpu, const Views& views, std::size_t view, const SceneVie
   std::size_t end_of_view = splats.count;
   for (std::size_t chunk = 0; chunk < chunks; ++chunk)
     end_of_view += std::exchange(offsets[chunk], end_of_view);
+  splats.visible += end_of_view - splats.count;
+  if (capacity != 0 && splats.visible > capacity) return;
   splats.resize(end_of_view, views.size());
   cpu.for_parts(chunks, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t chunk = first; chunk < last; ++chunk) {
@@ -294,9 +296,10 @@ void project_view(Cpu& cpu, const Views& views, std::size_t view, const SceneVie
 
 void project(Cpu& cpu, const FrameInput& input, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
   frame_tiles(input.views);
-  splats.count = 0;
+  splats.count = splats.visible = 0;
   for (std::size_t view = 0; view < input.views.size(); ++view)
-    project_view(cpu, input.views, view, only_scene(input.scenes), scratch, splats);
+    project_view(cpu, input.views, view, only_scene(input.scenes), input.limits.capacity.splats, scratch,
+                 splats);
 }
 
 }  // namespace swiftgs

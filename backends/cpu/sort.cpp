@@ -172,11 +172,13 @@ class BucketSort {
 
 }  // namespace
 
-void Cpu::sort_pairs(Pairs<Cpu, std::uint32_t>& pairs, std::size_t n, int bits) {
+void Cpu::sort_pairs(Pairs<Cpu, std::uint32_t>& pairs, Count count, int bits) {
+  const std::size_t n = count.get();
   if (n > 1 && bits > 0) BucketSort(*this, histograms_, pairs, n, bits).run();
 }
 
-void Cpu::sort_pairs(Pairs<Cpu, std::uint64_t>& pairs, std::size_t n, int bits) {
+void Cpu::sort_pairs(Pairs<Cpu, std::uint64_t>& pairs, Count count, int bits) {
+  const std::size_t n = count.get();
   if (n > 1 && bits > 0) BucketSort(*this, histograms_, pairs, n, bits).run();
 }
 

@@ -92,6 +92,6 @@ void add_contributions(Cuda& cuda, const ContributionJob& job) {
   });
 }
 
-template void Cuda::for_each(std::size_t, const ClearSums&) const;
+template void Cuda::for_each(Count, const ClearSums&) const;
 
 }  // namespace swiftgs

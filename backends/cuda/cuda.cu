@@ -90,24 +90,33 @@ void Cuda::State::check_not_captured(const char* call) const {
   if (asked == cudaSuccess)
     throw DeviceError(call,
                       "the stream is being captured into a CUDA graph, expected a stream that is not, "
-                      "since the host waits for what the device counts in a frame");
+                      "since the host would wait for it");
   // Any other error is that of whichever call comes next.
 }
 
 namespace kernels {
-/// Writes the counts to host memory: the host sees them sooner than the end of a copy.
-__global__ void post(const LastCounters<FrameCounts> counts, Mailbox* mailbox) {
-  mailbox->counts = counts.load();  // the host chooses
+/// See `Cuda::settle`. A report in host memory is seen there sooner than the end of a copy would be.
+__global__ void settle(const LastCounters<FrameCounts> counts, const Limits limits, FrameTotals* totals,
+                       Mailbox* mailbox) {
+  const FrameCounts found = counts.get();
+  FrameReport report{found.visible, found.instances, 0};
+  report.overflowed = !limits.fit(report) || found.instances > max_instances;
+  const bool fits = report.overflowed == 0;
+  *totals = {report, fits ? std::uint32_t(found.visible) : 0, fits ? std::uint32_t(found.instances) : 0};
+  if (limits.report) *limits.report = report;
+  if (!mailbox) return;
+  mailbox->report = report;
   cuda::atomic_ref<std::uint32_t, cuda::thread_scope_system>(mailbox->posted)
       .store(1, cuda::memory_order_release);
 }
 }  // namespace kernels
 
-Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage) {
+Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage, ViewAccess access) {
   storage.each.assign(views.begin(), views.end());
   number_tiles({storage.each.data(), storage.each.size()});
   const Span<const View> each{storage.each.data(), storage.each.size()};
-  if (each.size <= 1) return each;
+  if (each.size == 0 || (each.size == 1 && access == ViewAccess::any)) return each;
+  cuda.check_not_captured("store_views");
   storage.stored.reset(each.size);
   // The host's memory may change again as soon as this returns, since it is not pinned.
   check_cuda(cudaMemcpyAsync(storage.stored.data(), each.data, each.size * sizeof(View),
@@ -117,7 +126,6 @@ Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage
 }
 
 Cuda::Fork Cuda::fork() {
-  check_not_captured("fork");
   State::Side& side = state_->side;
   if (side.forked) throw std::logic_error("fork: expected the fork before to be joined");
   if (!side.stream) side.make();
@@ -131,7 +139,6 @@ cudaStream_t Cuda::Fork::stream() const { return state_->side.stream.get(); }
 
 void Cuda::Fork::join() {
   if (!state_) return;
-  state_->check_not_captured("join");
   std::exchange(state_, nullptr)->join();
 }
 
@@ -175,20 +182,29 @@ int Cuda::multiprocessors() const {
   return count;
 }
 
-FrameCounts Cuda::read(LastCounters<FrameCounts> counts) const {
-  check_not_captured("read");
-  if (!state_->mailbox) {
-    void* memory = nullptr;
-    check_cuda(cudaMallocHost(&memory, sizeof(Mailbox)), "cudaMallocHost");
-    state_->mailbox.reset(new (memory) Mailbox{});
+void Cuda::settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameTotals* totals) const {
+  Mailbox* mailbox = nullptr;
+  if (!limits.report) {
+    check_not_captured("settle");
+    if (!state_->mailbox) {
+      void* memory = nullptr;
+      check_cuda(cudaMallocHost(&memory, sizeof(Mailbox)), "cudaMallocHost");
+      state_->mailbox.reset(new (memory) Mailbox{});
+    }
+    mailbox = state_->mailbox.get();
+    // If nobody took the answer before, it must not be taken for this one's.
+    if (state_->awaited) state_->wait();
+    std::atomic_ref<std::uint32_t>(mailbox->posted).store(0, std::memory_order_relaxed);
+    state_->awaited = true;
   }
+  launch("settle", kernels::settle, 1, 1, stream(), counts, limits, totals, mailbox);
+}
+
+FrameReport Cuda::await_report() const {
+  check_not_captured("await_report");
+  if (!state_->awaited) throw std::logic_error("await_report: expected a frame to be settled before");
   Mailbox& mailbox = *state_->mailbox;
-  // If an error ended the wait before, its answer must not be taken for this one's.
-  if (state_->awaited) state_->wait();
   const std::atomic_ref<std::uint32_t> posted(mailbox.posted);
-  posted.store(0, std::memory_order_relaxed);
-  launch("post", kernels::post, 1, 1, stream(), counts, &mailbox);
-  state_->awaited = true;
   for (unsigned looks = 1; posted.load(std::memory_order_acquire) == 0; ++looks) {
     if (looks % 1024 != 0) continue;
     const cudaError_t done = cudaStreamQuery(stream());
@@ -197,11 +213,11 @@ FrameCounts Cuda::read(LastCounters<FrameCounts> counts) const {
       std::this_thread::yield();
       continue;
     }
-    check_cuda(done, "post");
+    check_cuda(done, "settle");
     break;
   }
   state_->awaited = false;
-  return mailbox.counts.last();
+  return mailbox.report;
 }
 
 Cuda::TimePoint Cuda::now() {
@@ -238,7 +254,7 @@ std::optional<double> Cuda::milliseconds(TimePoint from, TimePoint to) const {
 namespace {
 
 template <class F>
-using Loop = void (Cuda::*)(std::size_t, const F&) const;
+using Loop = void (Cuda::*)(Count, const F&) const;
 
 template <class... F>
 std::tuple<Loop<F>...> loops_of(TypeList<F...>) {

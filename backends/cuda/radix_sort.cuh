@@ -68,8 +68,9 @@ inline unsigned histogram_blocks(std::size_t n) {
 /// Adds up how often each digit occurs in each pass, and clears the counts of the next sort.
 template <class Key>
 __global__ void __launch_bounds__(histogram_threads)
-    radix_histogram(const Key* keys, std::uint32_t n, const Digits passes,
+    radix_histogram(const Key* keys, const Count count, const Digits passes,
                     const TurnsView<RadixCounts> turns) {
+  const std::uint64_t n = count.get();
   const std::uint32_t turn = read_turn(turns);
   // Four times over: neighbouring keys often have the same high digits, and would wait for each other.
   constexpr unsigned copies = 4;
@@ -221,18 +222,32 @@ __device__ inline unsigned lanes_with(unsigned digit) {
   return lanes;
 }
 
-/// Sorts by one digit: a block a tile, and a thread a digit of it.
+/// Ends the turn of a sort whose last pass has so many tiles. For all threads of a block.
+__device__ inline void end_sort(const TurnsView<RadixCounts>& turns, std::uint32_t turn) {
+  const std::uint32_t swept = swept_word(turn, digits, turns.mask);
+  if (swept >= radix_words(gridDim.x) && swept + digits <= turns.capacity)
+    turns.words[swept + threadIdx.x] = 0;
+  if (threadIdx.x == 0) turns.counters->turn = turn_after(turn);
+}
+
+/// Sorts by one digit: a block a tile, and a thread a digit of it. Blocks without a tile have nothing to do.
 template <class Key>
 __global__ void __launch_bounds__(radix_threads)
     radix_pass(const Key* keys, const std::uint32_t* values, Key* sorted_keys, std::uint32_t* sorted_values,
-               std::uint32_t n, const Pass pass, const TurnsView<RadixCounts> turns) {
+               const Count all, const Pass pass, const TurnsView<RadixCounts> turns) {
   const std::uint32_t turn = read_turn(turns);
+  const std::uint64_t n = all.get();
+  const std::uint32_t tiles = std::uint32_t((n + radix_tile<Key> - 1) / radix_tile<Key>);
+  if (blockIdx.x >= tiles) {
+    if (tiles == 0 && pass.last && blockIdx.x == 0) end_sort(turns, turn);
+    return;
+  }
   const Digit digit = pass.digit;
   constexpr unsigned items = radix_items<Key>;
   __shared__ RadixShared<Key> shared;
   const unsigned thread = threadIdx.x, warp = thread / warp_size;
   const std::uint64_t tile_first = std::uint64_t(blockIdx.x) * radix_tile<Key>;
-  const unsigned size = unsigned(min(std::uint64_t(n) - tile_first, std::uint64_t(radix_tile<Key>)));
+  const unsigned size = unsigned(min(n - tile_first, std::uint64_t(radix_tile<Key>)));
 
   // Load: a warp from neighbouring places. What lies behind the end gets the highest digit, to come last.
   Key key[items];
@@ -297,11 +312,7 @@ __global__ void __launch_bounds__(radix_threads)
   // Move them to where those of earlier tiles end.
   shared.moved[thread] = first_of_all + sum.before(added) - first;
   __syncthreads();
-  if (pass.last && blockIdx.x + 1 == gridDim.x) {
-    const std::uint32_t swept = swept_word(turn, digits, turns.mask);
-    if (swept >= radix_words(gridDim.x) && swept + digits <= turns.capacity) turns.words[swept + thread] = 0;
-    if (thread == 0) turns.counters->turn = turn_after(turn);
-  }
+  if (pass.last && blockIdx.x + 1 == tiles) end_sort(turns, turn);
 #pragma unroll
   for (unsigned k = 0; k < items; ++k) {
     const unsigned item = k * radix_threads + thread;
@@ -315,20 +326,18 @@ __global__ void __launch_bounds__(radix_threads)
 
 /// Starts the kernels of a sort. @see Cuda::sort_pairs
 template <class Key>
-void run_radix_sort(Cuda& cuda, Pairs<Cuda, Key>& pairs, std::size_t n, int bits, Turns<RadixCounts>& turns) {
-  if (n == 0 || bits == 0) return;
-  cuda.check_not_captured("sort_pairs");
+void run_radix_sort(Cuda& cuda, Pairs<Cuda, Key>& pairs, Count n, int bits, Turns<RadixCounts>& turns) {
+  if (n.most == 0 || bits == 0) return;
   const std::size_t most = std::numeric_limits<std::uint32_t>::max();
-  if (n > most) throw CapacityError("pairs in one sort", n, most);
+  if (n.most > most) throw CapacityError("pairs in one sort", n.most, most);
   const Digits passes{unsigned(bits)};
-  const unsigned tiles = blocks_for(n, radix_tile<Key>);
+  const unsigned tiles = blocks_for(n.most, radix_tile<Key>);
   const TurnsView<RadixCounts> view = turns.begin(cuda, radix_words(tiles));
-  launch("radix_histogram", radix_histogram<Key>, histogram_blocks(n), histogram_threads, cuda.stream(),
-         pairs.keys.data(), std::uint32_t(n), passes, view);
+  launch("radix_histogram", radix_histogram<Key>, histogram_blocks(n.most), histogram_threads, cuda.stream(),
+         pairs.keys.data(), n, passes, view);
   for (unsigned p = 0; p < passes.count; ++p) {
     launch("radix_pass", radix_pass<Key>, tiles, radix_threads, cuda.stream(), pairs.keys.data(),
-           pairs.values.data(), pairs.spare_keys.data(), pairs.spare_values.data(), std::uint32_t(n),
-           passes.pass(p), view);
+           pairs.values.data(), pairs.spare_keys.data(), pairs.spare_values.data(), n, passes.pass(p), view);
     std::swap(pairs.keys, pairs.spare_keys), std::swap(pairs.values, pairs.spare_values);
   }
   turns.end();

@@ -52,6 +52,7 @@ __global__ void __launch_bounds__(block_threads)
   const RasterJob& job = input.job;
   SquarePixel<extras, ViewSource> mine(input);
   const TileRange range = mine.square.list(input);
+  if (!range.drawn()) return;
   const unsigned column = threadIdx.x % square_side, row = threadIdx.x / square_side;
 
   std::uint32_t at = range.begin;

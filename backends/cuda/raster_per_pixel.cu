@@ -26,6 +26,7 @@ __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
   const RasterJob& job = input.job;
   SquarePixel<extras, ViewSource> mine(input);
   const TileRange range = mine.square.list(input);
+  if (!range.drawn()) return;
   const float x = mine.centre().x, y = mine.centre().y;
 
   std::uint32_t at = range.begin;

@@ -231,6 +231,7 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
   }
 
   const TileRange range = square.list(input);
+  if (!range.drawn()) return;
   const Walked walked = walk_list<Form>(job, range, part.first_centre(view), rules, queue, blender);
 
   // Found again: kept in registers during the walk, places would cost a block in nine.

@@ -97,7 +97,8 @@ __global__ void __launch_bounds__(shade_threads)
           SplatColour* colours, std::uint32_t* hidden) {
   __shared__ float4 shared[shade_warps][warp_size * rest_pitch(max_sh_degree)];
   float4* const rest = shared[threadIdx.x / warp_size];
-  const std::size_t splats = counts.copies ? std::size_t(counts.get().visible) : all.size();
+  const std::size_t splats =
+      counts.copies ? min(std::size_t(counts.get().visible), all.size()) : all.count().get();
   const std::size_t step = std::size_t(gridDim.x) * shade_threads;
   for (std::size_t first = blockIdx.x * shade_threads + threadIdx.x - lane_index(); first < splats;
        first += step) {
@@ -120,7 +121,6 @@ __global__ void __launch_bounds__(shade_threads)
 }  // namespace kernels
 
 Shading<Cuda> shade(Cuda& cuda, const FrameInput& input, const Splats<Cuda>& splats, Colours<Cuda>& colours) {
-  cuda.check_not_captured("shade");
   frame_tiles(input.views);
   const SceneView& scene = only_scene(input.scenes);
   const std::size_t most = splats.pending ? splats.shapes.size() : splats.count;

@@ -52,13 +52,13 @@ std::uint64_t Cuda::exclusive_scan(Span<std::uint32_t> counts) {
   return total;
 }
 
-void Cuda::sort_pairs(Pairs<Cuda, std::uint16_t>& pairs, std::size_t n, int bits) {
+void Cuda::sort_pairs(Pairs<Cuda, std::uint16_t>& pairs, Count n, int bits) {
   kernels::run_radix_sort(*this, pairs, n, bits, state_->sorts);
 }
-void Cuda::sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, std::size_t n, int bits) {
+void Cuda::sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, Count n, int bits) {
   kernels::run_radix_sort(*this, pairs, n, bits, state_->sorts);
 }
-void Cuda::sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, std::size_t n, int bits) {
+void Cuda::sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, Count n, int bits) {
   kernels::run_radix_sort(*this, pairs, n, bits, state_->sorts);
 }
 

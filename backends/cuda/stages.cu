@@ -17,28 +17,28 @@ void project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, ProjectS
 
 template <BoundsPolicy Bounds>
 void bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>& splats,
-         Footprints<Cuda, Bounds>& footprints) {
-  kernels::run_bin(cuda, views, bounds, splats, footprints);
+         Footprints<Cuda, Bounds>& footprints, const Limits& limits) {
+  kernels::run_bin(cuda, views, bounds, splats, footprints, limits);
 }
 
 template <BoundsPolicy Bounds, class Key>
-std::size_t emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
-                           const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
-                           Pairs<Cuda, Key>& instances) {
+Count emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
+                     InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances) {
   return kernels::run_emission(cuda, job, bounds, order, scratch, instances);
 }
 
 namespace {
 
 template <class Bounds, class Key>
-using Emission = std::size_t (*)(Cuda&, const SortJob<Bounds>&, const Bounds&, const std::uint32_t*,
-                                 InstanceScratch<Cuda>&, Pairs<Cuda, Key>&);
+using Emission = Count (*)(Cuda&, const SortJob<Bounds>&, const Bounds&, const std::uint32_t*,
+                           InstanceScratch<Cuda>&, Pairs<Cuda, Key>&);
 
 template <class Bounds>
 struct Stages {
   void (*project)(Cuda&, const FrameInput&, const Bounds&, ProjectScratch<Cuda>&, Splats<Cuda>&,
                   Footprints<Cuda, Bounds>&) = &swiftgs::project;
-  void (*bin)(Cuda&, const Views&, const Bounds&, Splats<Cuda>&, Footprints<Cuda, Bounds>&) = &swiftgs::bin;
+  void (*bin)(Cuda&, const Views&, const Bounds&, Splats<Cuda>&, Footprints<Cuda, Bounds>&,
+              const Limits&) = &swiftgs::bin;
   Emission<Bounds, std::uint16_t> emit_narrow = &emit_instances;
   Emission<Bounds, std::uint32_t> emit_wide = &emit_instances;
   Emission<Bounds, std::uint64_t> emit_with_depth = &emit_instances;

@@ -26,10 +26,10 @@ struct FreeHost {
 using OwnedEvent = std::unique_ptr<CUevent_st, detail::DestroyEvent>;
 using OwnedStream = std::unique_ptr<CUstream_st, detail::DestroyStream>;
 
-/// Host memory in which a kernel leaves counts.
+/// Host memory in which a kernel leaves a report.
 struct Mailbox {
-  LoadedCounters<FrameCounts> counts;
-  std::uint32_t posted = 0;  ///< not 0 once they are there
+  FrameReport report;
+  std::uint32_t posted = 0;  ///< not 0 once it is there
 };
 
 /// How many keys have each digit, in each pass of a sort.

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include <swiftgs/count.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/span.hpp>
 
@@ -58,7 +59,7 @@ struct AnyIndexed {
 /// - `memory_use()`: of the backend's own memory; only for a backend that does not reach the host's memory.
 /// - `wait()`: returns when all work submitted so far is done.
 /// - `for_each(n, f)`: f(i) for every i in [0, n), in any order. Complete when it returns, or in stream
-/// order.
+/// order. `n` is a `Count`, as is that of `sort_pairs`.
 /// - `exclusive_scan(counts)`: sums in place, returns the total.
 /// - `sort_pairs(pairs, n, bits)`: stable ascending sort by the low `bits` bits; the result is in `keys` and
 /// `values`.
@@ -75,10 +76,10 @@ concept BackendPolicy = requires(B b, const Scene& scene, Span<std::uint32_t> co
   { b.upload(scene).view() } -> std::same_as<SceneView>;
   b.download(from, static_cast<std::uint32_t*>(nullptr));
   b.wait();
-  b.for_each(std::size_t{}, detail::AnyIndexed{});
+  b.for_each(Count(), detail::AnyIndexed{});
   { b.exclusive_scan(counts) } -> std::same_as<std::uint64_t>;
-  b.sort_pairs(narrow, std::size_t{}, int{});
-  b.sort_pairs(wide, std::size_t{}, int{});
+  b.sort_pairs(narrow, Count(), int{});
+  b.sort_pairs(wide, Count(), int{});
   { b.now() } -> std::same_as<typename B::TimePoint>;
   { b.milliseconds(time, time) } -> std::same_as<std::optional<double>>;
 };

@@ -25,20 +25,33 @@ struct FindFootprint {
   }
 };
 
+/// What the last `project` and `bin` found. The numbers of a host's frame without room for its splats are
+/// those of the splats that it has room for. Backends overload this.
+template <BackendPolicy B, BoundsPolicy Bounds>
+requires(bool(B::reaches_host_memory)) FrameReport
+    await_report(B&, const Splats<B>& splats, const Footprints<B, Bounds>& footprints, const Limits& limits) {
+  FrameReport report{splats.visible, footprints.instances, 0};
+  report.overflowed = !limits.fit(report);
+  return report;
+}
+
 /// Finds the tiles of its view that each splat may touch within `bounds`, and how many there are in all:
 /// after this stage the host knows the numbers of splats and of instances. Throws as `frame_tiles`.
 ///
 /// Backends overload this. One whose projection has found the footprints on the way only learns their numbers
-/// here.
+/// here. One whose host would have to wait for them does so only if `limits` have no capacity of instances:
+/// otherwise `await_report` tells the numbers.
 template <BackendPolicy B, BoundsPolicy Bounds>
 requires(bool(B::reaches_host_memory)) void bin(B& b, const Views& views, const Bounds& bounds,
-                                                Splats<B>& splats, Footprints<B, Bounds>& footprints) {
+                                                Splats<B>& splats, Footprints<B, Bounds>& footprints,
+                                                const Limits& limits = {}) {
   footprints.tiles = frame_tiles(views), footprints.views = views;
   const std::size_t n = splats.count;
   footprints.each.reset(n);
   footprints.count = n, footprints.instances = 0;
   b.for_each(n, FindFootprint<Bounds>{splats.view(), views.reachable(), bounds, footprints.each.data()});
   for (const Footprint& footprint : footprints.view().each) footprints.instances += footprint.count;
+  if (limits.report) *limits.report = await_report(b, splats, footprints, limits);
 }
 
 }  // namespace swiftgs

@@ -28,9 +28,10 @@ static_assert(sizeof(Footprint) == 16);
 template <BoundsPolicy Bounds>
 struct FootprintsView {
   Span<const Footprint> each{};  ///< @shape{splats}
-  std::uint64_t instances = 0;   ///< sum of their counts
+  Count instances;               ///< sum of their counts
   FrameTiles tiles;              ///< of all views
   Views views;
+  const std::uint32_t* overflowed = nullptr;  ///< not 0: the frame has no room for them; null: it has
 };
 
 /// Storage of one frame's footprints on backend `B`.
@@ -42,7 +43,7 @@ struct Footprints {
   FrameTiles tiles;
   Views views;
 
-  FootprintsView<Bounds> view() const { return {{each.data(), count}, instances, tiles, views}; }
+  FootprintsView<Bounds> view() const { return {{each.data(), count}, std::size_t(instances), tiles, views}; }
   std::size_t bytes() const { return each.bytes(); }
 };
 

@@ -60,15 +60,17 @@ namespace detail {
 /// fuses multiplications and additions may do so differently in each copy, and lossless bounds must draw the
 /// same bits.
 template <BackendPolicy B>
-[[gnu::noinline]] void project_splats(B& b, const Views& views, const SceneView& scene,
+[[gnu::noinline]] void project_splats(B& b, const Views& views, const SceneView& scene, std::size_t capacity,
                                       ProjectScratch<B>& scratch, Splats<B>& splats) {
   const std::size_t n = scene.size();
   scratch.projected.reset(n), scratch.slots.reset(n);
-  splats.count = 0;
+  splats.count = splats.visible = 0;
   for (std::size_t v = 0; v < views.size(); ++v) {
     b.for_each(n, ProjectShapes{views.each[v].camera, scene, scratch.projected.data(), scratch.slots.data()});
     const std::size_t visible = std::size_t(b.exclusive_scan(Span{scratch.slots.data(), n}));
     const std::size_t before = splats.count;
+    splats.visible += visible;
+    if (capacity != 0 && splats.visible > capacity) continue;
     splats.resize(before + visible, views.size());
     b.for_each(n, CompactSplats{scratch.projected.data(), scratch.slots.data(), std::uint16_t(v),
                                 splats.shapes.data() + before, splats.depths.data() + before,
@@ -80,7 +82,8 @@ template <BackendPolicy B>
 }  // namespace detail
 
 /// Projects a scene: one splat for each Gaussian that is visible in a view. Reads no spherical harmonics.
-/// Throws as `frame_tiles` and `only_scene`.
+/// Counts the splats that the limits have no room for, and leaves them out. Throws as `frame_tiles` and
+/// `only_scene`.
 ///
 /// Backends overload this. An overload may also find `footprints` within `bounds`, if that costs little while
 /// the shapes are at hand; the backend's `bin` then only reads their number.
@@ -88,7 +91,8 @@ template <BackendPolicy B, BoundsPolicy Bounds>
 void project(B& b, const FrameInput& input, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
              Footprints<B, Bounds>&) {
   frame_tiles(input.views);
-  detail::project_splats(b, input.views, only_scene(input.scenes), scratch, splats);
+  detail::project_splats(b, input.views, only_scene(input.scenes), input.limits.capacity.splats, scratch,
+                         splats);
 }
 
 }  // namespace swiftgs

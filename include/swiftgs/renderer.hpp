@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -17,6 +18,7 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/composed_name.hpp>
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/count.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/raster.hpp>
@@ -99,33 +101,69 @@ class Renderer {
     check_scene(scene);
     for (const View& view : views) check_frame(view);
     check_ready(backend_);
+    const Views stored = store_views(backend_, views, view_storage_);
     counted_ = timed_ = false;
-    const auto take_time = [&](std::size_t point) {
-      if (measures.time) points_[point] = backend_.now();
-    };
-
-    take_time(0);
-    const PlacedScene instance{scene};
-    const FrameInput input{store_views(backend_, views, view_storage_), {&instance, 1}};
-    const FrameTiles tiles = frame_tiles(input.views);
-    SquareCounts* counts = nullptr;
-    if (measures.count) square_counts_.reset(Squares(tiles).size()), counts = square_counts_.data();
-    project(backend_, input, Bounds{}, project_scratch_, splats_, footprints_);
-    Shading<B> shading = shade(backend_, input, splats_, colours_);
-    bin(backend_, input.views, Bounds{}, splats_, footprints_);
-    take_time(1);
-
-    sort_.build(backend_,
-                SortJob<Bounds>{splats_.view(), footprints_.view(), FrameKey::of(scene, input.views)},
-                Bounds{}, sort_scratch_, lists_);
-    take_time(2);
-
-    rasterize(backend_, Raster{},
-              RasterJob{splats_.view(), shading.finish(), lists_.view(), input.views, counts});
-    take_time(3);
-
+    if constexpr (B::reaches_host_memory) {
+      enqueue(scene, stored, measures, {});
+      report_ = await_report(backend_, splats_, footprints_, Limits{});
+    } else {
+      // Render within the room there is; where it did not suffice, nothing was drawn.
+      for (;;) {
+        const Limits limits{capacity_};
+        enqueue(scene, stored, measures, limits);
+        report_ = await_report(backend_, splats_, footprints_, limits);
+        if (report_.overflowed == 0) break;
+        make_room(report_);
+      }
+      lists_.instances = std::size_t(report_.instances);
+    }
     counted_ = measures.count, timed_ = measures.time;
     gaussians_ = scene.size();
+  }
+
+  /// Takes all memory that `record` needs for frames of `views` and `scene`: `set_views` may replace the
+  /// views by others whose frames have the same sizes, and `scene` may change. Without a `capacity`, room for
+  /// what the views show now and an eighth more. Draws nothing and waits.
+  void reserve(const SceneView& scene, Span<const View> views, Capacity capacity = {}) {
+    check_scene(scene);
+    set_views(views);
+    const auto measure = [&](const Limits& limits) {
+      enqueue(scene, recorded_, {.count = true}, limits);
+      return await_report(backend_, splats_, footprints_, limits);
+    };
+    if (capacity.splats == 0 || capacity.instances == 0) {
+      const FrameReport report = measure({.capacity = {1, 1}, .draw = false});
+      check_instances(report.instances);
+      if (capacity.splats == 0) capacity.splats = with_room(report.visible);
+      if (capacity.instances == 0) capacity.instances = with_room(report.instances);
+    }
+    capacity_ = capacity;
+    // Twice, because buffers change places.
+    for (int k = 0; k < 2; ++k) measure({.capacity = capacity_, .draw = false});
+    reserved_gaussians_ = scene.size();
+  }
+
+  /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders these:
+  /// frames may then differ from those recorded in cameras and backgrounds alone. Throws
+  /// `std::invalid_argument` if they differ in more after `reserve`.
+  void set_views(Span<const View> views) {
+    for (const View& view : views) check_frame(view);
+    check_ready(backend_);
+    recorded_ = store_views(backend_, views, view_storage_, ViewAccess::stored);
+    frame_tiles(recorded_);
+  }
+
+  /// Renders the views that were set, and neither waits, allocates nor asks a device for anything, so that it
+  /// may be captured into a CUDA graph. Writes what the frame took to `report`, in memory that the backend
+  /// reaches. A frame without enough room draws nothing. Call `reserve` before. On hosts the frame is
+  /// complete when it returns. Throws `std::invalid_argument` where nothing can be rendered, and
+  /// `CapacityError` where `reserve` was called for fewer Gaussians.
+  void record(const SceneView& scene, FrameReport* report) {
+    check_scene(scene);
+    require(recorded_.size() != 0 && capacity_.splats != 0, "reserve before record");
+    if (scene.size() > reserved_gaussians_)
+      throw CapacityError("Gaussians in a recorded frame", scene.size(), reserved_gaussians_);
+    enqueue(scene, recorded_, {}, Limits{capacity_, true, report});
   }
 
   /// Renders into memory of the backend that the renderer keeps: the frames, one a camera, hold until the
@@ -212,8 +250,10 @@ class Renderer {
 
   /// What the last frame took; the raster part only where the settings asked to count, which is waited for.
   Statistics statistics() const {
-    Statistics s{
-        .gaussians = gaussians_, .visible = splats_.count, .instances = lists_.instances, .raster = {}};
+    Statistics s{.gaussians = gaussians_,
+                 .visible = std::size_t(report_.visible),
+                 .instances = std::size_t(report_.instances),
+                 .raster = {}};
     if (counted_) {
       std::vector<SquareCounts> squares(square_counts_.size());
       backend_.download(square_counts_.span(), squares.data());
@@ -234,6 +274,42 @@ class Renderer {
   const TileLists<B>& lists() const { return lists_; }
 
  private:
+  static std::size_t with_room(std::uint64_t count) { return std::size_t(count + count / 8 + 1); }
+
+  void make_room(const FrameReport& report) {
+    check_instances(report.instances);
+    capacity_.splats = std::max(capacity_.splats, with_room(report.visible));
+    capacity_.instances = std::max(capacity_.instances, with_room(report.instances));
+  }
+
+  /// Starts all stages of a frame. A host leaves the last out where the frame does not fit the limits.
+  void enqueue(const SceneView& scene, const Views& views, const Measures& measures, const Limits& limits) {
+    const auto take_time = [&](std::size_t point) {
+      if (measures.time) points_[point] = backend_.now();
+    };
+    const Squares squares(frame_tiles(views));
+    SquareCounts* counts = nullptr;
+    if (measures.count) square_counts_.reset(squares.size()), counts = square_counts_.data();
+
+    take_time(0);
+    const PlacedScene instance{scene};
+    const FrameInput input{views, {&instance, 1}, limits};
+    project(backend_, input, Bounds{}, project_scratch_, splats_, footprints_);
+    Shading<B> shading = shade(backend_, input, splats_, colours_);
+    bin(backend_, views, Bounds{}, splats_, footprints_, limits);
+    take_time(1);
+    if constexpr (B::reaches_host_memory)
+      if (await_report(backend_, splats_, footprints_, limits).overflowed != 0) return;
+
+    SortJob<Bounds> sorted{splats_.view(), footprints_.view(), FrameKey::of(scene, views)};
+    sorted.measure = limits.draw && !limits.report;
+    sort_.build(backend_, sorted, Bounds{}, sort_scratch_, lists_);
+    take_time(2);
+
+    rasterize(backend_, Raster{}, RasterJob{splats_.view(), shading.finish(), lists_.view(), views, counts});
+    take_time(3);
+  }
+
   static void require(bool holds, const char* expected) {
     if (!holds) throw std::invalid_argument(std::string("render: expected ") + expected);
   }
@@ -306,6 +382,10 @@ class Renderer {
   std::array<typename B::TimePoint, 4> points_{};
   bool counted_ = false, timed_ = false;
   std::size_t gaussians_ = 0;
+  FrameReport report_;       ///< of the last frame that was not recorded
+  Capacity capacity_{1, 1};  ///< of a device's frames; grows with them
+  Views recorded_;           ///< in `view_storage_`
+  std::size_t reserved_gaussians_ = 0;
 };
 
 }  // namespace swiftgs

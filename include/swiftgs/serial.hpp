@@ -44,8 +44,8 @@ class Serial {
   void wait() const {}  // loops are complete when they return
 
   template <class F>
-  void for_each(std::size_t n, const F& f) const {
-    for (std::size_t i = 0; i < n; ++i) f(i);
+  void for_each(Count n, const F& f) const {
+    for (std::size_t i = 0; i < n.get(); ++i) f(i);
   }
 
   std::uint64_t exclusive_scan(Span<std::uint32_t> counts) const {
@@ -60,7 +60,8 @@ class Serial {
 
   /// Least-significant-digit radix sort, a byte a pass.
   template <class Key>
-  void sort_pairs(Pairs<Serial, Key>& pairs, std::size_t n, int bits) const {
+  void sort_pairs(Pairs<Serial, Key>& pairs, Count count, int bits) const {
+    const std::size_t n = count.get();
     for (int shift = 0; shift < bits; shift += 8) {
       // Count the digits, turn counts into first positions, and move every pair to its own.
       const Key mask = Key((1u << (bits - shift < 8 ? bits - shift : 8)) - 1);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <swiftgs/count.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/span.hpp>
 
@@ -37,8 +38,10 @@ struct SplatsView {
   Span<const float> depths;                ///< camera-space z, > 0
   Span<const std::uint32_t> gaussians;     ///< index of each splat's Gaussian in the scene
   const std::uint16_t* of_view = nullptr;  ///< index of each splat's view; null: all are of the first
+  const std::uint32_t* exact = nullptr;    ///< as `Count::exact`; null: the arrays hold splats alone
 
-  SWIFTGS_HD std::size_t size() const { return shapes.size; }
+  SWIFTGS_HD std::size_t size() const { return shapes.size; }  ///< at most
+  SWIFTGS_HD Count count() const { return {shapes.size, exact}; }
   SWIFTGS_HD std::uint32_t view(std::size_t i) const { return of_view ? of_view[i] : 0; }
 };
 
@@ -50,6 +53,7 @@ struct Splats {
   typename B::template Buffer<std::uint32_t> gaussians;
   typename B::template Buffer<std::uint16_t> of_view;  ///< empty if there is one view
   std::size_t count = 0;
+  std::size_t visible = 0;  ///< more than `count` where the capacity did not suffice
 
   /// Makes room for splats of so many views, and keeps those there are.
   void resize(std::size_t splats, std::size_t views) {

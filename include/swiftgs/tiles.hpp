@@ -82,6 +82,10 @@ inline constexpr std::size_t max_frame_tiles = std::size_t(1) << 31;
 /// Half-open range of positions in `TileListsView::ids`.
 struct TileRange {
   std::uint32_t begin = 0, end = 0;
+
+  /// Of a tile whose pixels rasterizers leave alone. Only frames that a host cannot stop have such tiles.
+  SWIFTGS_HD static constexpr TileRange undrawn() { return {1, 0}; }
+  SWIFTGS_HD constexpr bool drawn() const { return begin <= end; }
 };
 
 /// For each tile the splats that may touch it, front to back.
@@ -95,7 +99,7 @@ template <class B>
 struct TileLists {
   typename B::template Buffer<std::uint32_t> ids;
   typename B::template Buffer<TileRange> ranges;
-  std::size_t instances = 0;
+  std::size_t instances = 0;  ///< at most
   std::size_t tiles = 0;
 
   std::size_t bytes() const { return ids.bytes() + ranges.bytes(); }

@@ -11,6 +11,7 @@
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/count.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/math.hpp>
@@ -180,10 +181,16 @@ struct ViewStorage {
   static constexpr std::size_t bytes() { return 0; }  ///< in the backend's own memory
 };
 
+/// How loops of a device read views.
+enum class ViewAccess {
+  any,     ///< as is quickest
+  stored,  ///< from memory of the device, which recorded frames read again
+};
+
 /// Copies `views` and numbers their tiles. What it returns holds until the next call. Backends overload this
 /// that do not reach the host's memory.
 template <class B>
-Views store_views(B&, Span<const View> views, ViewStorage<B>& storage) {
+Views store_views(B&, Span<const View> views, ViewStorage<B>& storage, ViewAccess = ViewAccess::any) {
   storage.each.assign(views.begin(), views.end());
   number_tiles({storage.each.data(), storage.each.size()});
   return Span<const View>{storage.each.data(), storage.each.size()};
@@ -198,6 +205,7 @@ struct PlacedScene {
 struct FrameInput {
   Views views;
   Span<const PlacedScene> scenes;
+  Limits limits{};
 };
 
 /// A square of a view.

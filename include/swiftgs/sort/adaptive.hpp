@@ -74,6 +74,13 @@ class AdaptiveSort {
       EarlySort{}.build(b, job, bounds, scratch.early, lists);
       return;
     }
+    if (!job.measure) {
+      if (decided_ && !early_)
+        StandardSort{}.build(b, job, bounds, scratch.standard, lists);
+      else
+        EarlySort{}.build(b, job, bounds, scratch.early, lists);
+      return;
+    }
     collect(b, scratch);
     const bool measure = !decided_ && !scratch.to;
     const bool early =

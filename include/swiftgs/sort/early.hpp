@@ -8,7 +8,7 @@ namespace swiftgs {
 
 /// Key and index of splat i before the depth sort.
 struct SWIFTGS_API DepthPair {
-  Span<const float> depths;
+  const float* depths;
   std::uint32_t* keys;
   std::uint32_t* ids;
 
@@ -36,10 +36,10 @@ struct EarlySort {
   void build(B& b, const SortJob<Bounds>& job, const Bounds& bounds, Scratch<B>& scratch,
              TileLists<B>& lists) {
     check_ready(b);
-    const std::size_t splats = job.splats.size();
-    scratch.depths.reset(splats);
+    const Count splats = job.splats.count();
+    scratch.depths.reset(splats.most);
     b.for_each(splats,
-               DepthPair{job.splats.depths, scratch.depths.keys.data(), scratch.depths.values.data()});
+               DepthPair{job.splats.depths.data, scratch.depths.keys.data(), scratch.depths.values.data()});
     b.sort_pairs(scratch.depths, splats, depth_key_bits);
 
     group_by_tile(b, job, bounds, scratch.depths.values.data(), scratch.group, lists);

@@ -43,6 +43,7 @@ struct SortJob {
   SplatsView splats;
   FootprintsView<Bounds> footprints;  ///< of these splats
   FrameKey key;
+  bool measure = true;  ///< a sort that measures its frames may measure this one
 
   /// Of the view that splat i is of.
   SWIFTGS_HD const TileGrid& grid(std::size_t i) const {
@@ -110,12 +111,14 @@ struct SWIFTGS_API FindRanges {
   static constexpr std::size_t keys_each = 8;
 
   const Key* keys;
-  std::size_t count;
+  Count instances;
   int tile_shift;
   Span<TileRange> ranges;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
-    const std::size_t begin = i * keys_each, end = count - begin < keys_each ? count : begin + keys_each;
+    const std::size_t begin = i * keys_each, count = instances.get();
+    if (begin >= count) return;
+    const std::size_t end = count - begin < keys_each ? count : begin + keys_each;
     std::size_t before = begin == 0 ? ranges.size : tile(begin - 1);
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t here = tile(k);
@@ -132,10 +135,13 @@ struct SWIFTGS_API FindRanges {
   SWIFTGS_HD std::size_t tile(std::size_t k) const { return std::size_t(keys[k] >> tile_shift); }
 };
 
-/// Empties a range.
+/// Empties a range. In a frame that overflowed it becomes one that rasterizers draw nothing for.
 struct SWIFTGS_API ClearRanges {
   TileRange* ranges;
-  SWIFTGS_HD void operator()(std::size_t i) const { ranges[i] = {}; }
+  const std::uint32_t* overflowed;  ///< null: the frame has not
+  SWIFTGS_HD void operator()(std::size_t i) const {
+    ranges[i] = overflowed && *overflowed != 0 ? TileRange::undrawn() : TileRange{};
+  }
 };
 
 /// Loops of `finish_lists`, for keys of every width.
@@ -162,20 +168,20 @@ struct InstanceScratch {
   std::size_t bytes() const { return offsets.bytes(); }
 };
 
-/// Emits the instances of all splats in the given order (index order when `order` is null) and returns their
-/// number. Keys of 64 bits hold tile above depth, narrower ones the tile alone. Throws `CapacityError`
-/// beyond `max_instances`. Backends overload this.
+/// Emits the instances of all splats in the given order (index order when `order` is null) and returns how
+/// many there are. Keys of 64 bits hold tile above depth, narrower ones the tile alone. Throws
+/// `CapacityError` beyond `max_instances`. Backends overload this.
 template <class B, class Bounds, class Key>
-std::size_t emit_instances(B& b, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
-                           InstanceScratch<B>& scratch, Pairs<B, Key>& instances) {
+Count emit_instances(B& b, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
+                     InstanceScratch<B>& scratch, Pairs<B, Key>& instances) {
   check_footprints(job);
   const std::size_t splats = job.splats.size();
-  check_instances(job.footprints.instances);
+  check_instances(job.footprints.instances.most);
   scratch.offsets.reset(splats);
   std::uint32_t* const offsets = scratch.offsets.data();
   b.for_each(splats, CountTiles{job.footprints.each, order, offsets});
   const std::uint64_t total = b.exclusive_scan(Span{offsets, splats});
-  check_sum(job.footprints.instances, total);
+  check_sum(job.footprints.instances.most, total);
   instances.reset(std::size_t(total));
   b.for_each(splats, EmitInstances<Bounds, Key>{job, bounds, order, offsets, instances.keys.data(),
                                                 instances.values.data()});
@@ -184,19 +190,19 @@ std::size_t emit_instances(B& b, const SortJob<Bounds>& job, const Bounds& bound
 
 /// Hands the sorted instances over to `lists`; the old ids become room for the next frame, which allocates
 /// nothing if it is no larger.
-template <class B, class Key>
-void finish_lists(B& b, const FrameTiles& frame, std::size_t count, int tile_shift, Pairs<B, Key>& instances,
-                  TileLists<B>& lists) {
-  const std::size_t tiles = frame.size();
+template <class B, BoundsPolicy Bounds, class Key>
+void finish_lists(B& b, const FootprintsView<Bounds>& footprints, Count count, int tile_shift,
+                  Pairs<B, Key>& instances, TileLists<B>& lists) {
+  const std::size_t tiles = footprints.tiles.size();
   lists.tiles = lists.instances = 0;
   lists.ranges.reset(tiles);
-  b.for_each(tiles, ClearRanges{lists.ranges.data()});
+  b.for_each(tiles, ClearRanges{lists.ranges.data(), footprints.overflowed});
   using Find = FindRanges<Key>;
-  b.for_each((count + Find::keys_each - 1) / Find::keys_each,
+  b.for_each((count.most + Find::keys_each - 1) / Find::keys_each,
              Find{instances.keys.data(), count, tile_shift, lists.ranges.span()});
   std::swap(lists.ids, instances.values);
-  lists.tiles = tiles, lists.instances = count;
-  instances.values.reset(count);
+  lists.tiles = tiles, lists.instances = count.most;
+  instances.values.reset(count.most);
 }
 
 /// Memory that grouping works in.
@@ -213,9 +219,9 @@ struct GroupScratch {
 template <class B, class Bounds>
 void group_by_tile(B& b, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<B>& scratch, TileLists<B>& lists) {
-  const std::size_t count = emit_instances(b, job, bounds, order, scratch.emission, scratch.instances);
+  const Count count = emit_instances(b, job, bounds, order, scratch.emission, scratch.instances);
   b.sort_pairs(scratch.instances, count, job.footprints.tiles.key_bits());
-  finish_lists(b, job.footprints.tiles, count, 0, scratch.instances, lists);
+  finish_lists(b, job.footprints, count, 0, scratch.instances, lists);
 }
 
 }  // namespace swiftgs

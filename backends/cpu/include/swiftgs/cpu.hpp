@@ -81,8 +81,8 @@ class SWIFTGS_API Cpu {
   }
 
   template <class F>
-  void for_each(std::size_t n, const F& f) const {
-    for_parts(n, 1, [&](std::size_t begin, std::size_t end) {
+  void for_each(Count n, const F& f) const {
+    for_parts(n.get(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) f(i);
     });
   }
@@ -90,8 +90,8 @@ class SWIFTGS_API Cpu {
   std::uint64_t exclusive_scan(Span<std::uint32_t> counts);
 
   /// Radix sort, leading digit first; bits that all keys share are not sorted by.
-  void sort_pairs(Pairs<Cpu, std::uint32_t>& pairs, std::size_t n, int bits);
-  void sort_pairs(Pairs<Cpu, std::uint64_t>& pairs, std::size_t n, int bits);
+  void sort_pairs(Pairs<Cpu, std::uint32_t>& pairs, Count count, int bits);
+  void sort_pairs(Pairs<Cpu, std::uint64_t>& pairs, Count count, int bits);
 
   TimePoint now() const { return std::chrono::steady_clock::now(); }
   std::optional<double> milliseconds(TimePoint from, TimePoint to) const {
@@ -171,7 +171,7 @@ SWIFTGS_API void find_footprints(const Ellipse& bounds, const SplatShape* shapes
 /// bytes a splat.
 template <BoundsPolicy Bounds>
 void bin(Cpu& cpu, const Views& views, const Bounds& bounds, Splats<Cpu>& splats,
-         Footprints<Cpu, Bounds>& footprints) {
+         Footprints<Cpu, Bounds>& footprints, const Limits& limits = {}) {
   footprints.tiles = frame_tiles(views), footprints.views = views;
   constexpr std::size_t grain = 1024;
   footprints.each.reset(splats.count);
@@ -184,6 +184,7 @@ void bin(Cpu& cpu, const Views& views, const Bounds& bounds, Splats<Cpu>& splats
     for (std::size_t i = begin; i < end; ++i) instances += out[i].count;
     std::atomic_ref(footprints.instances).fetch_add(instances, std::memory_order_relaxed);
   });
+  if (limits.report) *limits.report = await_report(cpu, splats, footprints, limits);
 }
 
 /// Tiles of one large splat by bounds of any type: calls f(context, tile) as `for_each_tile` does.
@@ -224,7 +225,7 @@ struct EmissionJob {
   EmissionJob(const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order_)
       : splats(job.splats),
         footprints(job.footprints.each),
-        instances(job.footprints.instances),
+        instances(job.footprints.instances.most),
         tiles(job.footprints.tiles),
         views(job.footprints.views),
         large(bounds),
@@ -234,12 +235,10 @@ struct EmissionJob {
 };
 
 /// Emission in parallel. Throws as the generic one.
-SWIFTGS_API std::size_t emit_instances(Cpu& cpu, const EmissionJob& job,
-                                       Pairs<Cpu, std::uint64_t>& instances);
+SWIFTGS_API Count emit_instances(Cpu& cpu, const EmissionJob& job, Pairs<Cpu, std::uint64_t>& instances);
 template <BoundsPolicy Bounds>
-std::size_t emit_instances(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds,
-                           const std::uint32_t* order, InstanceScratch<Cpu>&,
-                           Pairs<Cpu, std::uint64_t>& instances) {
+Count emit_instances(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
+                     InstanceScratch<Cpu>&, Pairs<Cpu, std::uint64_t>& instances) {
   return emit_instances(cpu, EmissionJob(job, bounds, order), instances);
 }
 

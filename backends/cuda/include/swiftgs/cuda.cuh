@@ -30,14 +30,13 @@ void project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, ProjectS
 
 template <OwnBounds Bounds>
 void bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>& splats,
-         Footprints<Cuda, Bounds>& footprints) {
-  kernels::run_bin(cuda, views, bounds, splats, footprints);
+         Footprints<Cuda, Bounds>& footprints, const Limits& limits = {}) {
+  kernels::run_bin(cuda, views, bounds, splats, footprints, limits);
 }
 
 template <OwnBounds Bounds, class Key>
-std::size_t emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
-                           const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
-                           Pairs<Cuda, Key>& instances) {
+Count emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
+                     InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances) {
   return kernels::run_emission(cuda, job, bounds, order, scratch, instances);
 }
 

@@ -60,7 +60,8 @@ struct ViewStorage<Cuda> {
   std::size_t bytes() const { return stored.bytes(); }
 };
 
-SWIFTGS_API Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage);
+SWIFTGS_API Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage,
+                              ViewAccess access = ViewAccess::any);
 
 /// Memory of projection. The next projection clears what this one left: the numbers that `bin` reads, and the
 /// word by which rasterizers know of hidden splats. Rasterize a frame before you project the next.
@@ -68,31 +69,34 @@ template <>
 struct ProjectScratch<Cuda> {
   Turns<FrameCounts> turns;
   DeviceBuffer<std::uint32_t> hidden;  ///< a word that `project` clears and `shade` sets
+  DeviceBuffer<FrameTotals> totals;    ///< one, which `bin` fills
   std::uint64_t projections = 0;       ///< so far
 
-  std::size_t bytes() const { return bytes_of(turns, hidden); }
+  std::size_t bytes() const { return bytes_of(turns, hidden, totals); }
 };
 
 /// A projection whose numbers the host has not read.
 struct PendingProjection {
   LastCounters<FrameCounts> counts;
   std::uint32_t* hidden = nullptr;
+  FrameTotals* totals = nullptr;
   std::uint64_t projection = 0;  ///< of the scratch memory's; 0: none
 
   explicit operator bool() const { return projection != 0; }
   bool operator==(const PendingProjection&) const = default;
 };
 
-/// The buffers have room for all Gaussians in all views. The device learns how many are visible from
-/// `project`, the host from `bin`; until then `count` is 0.
+/// The buffers have room for as many as the frame's limits say, or for all Gaussians in all views. The device
+/// learns how many are visible from `project`, the host from `bin`; until then `count` is 0.
 template <>
 struct Splats<Cuda> {
   DeviceBuffer<SplatShape> shapes;
   DeviceBuffer<float> depths;
   DeviceBuffer<std::uint32_t> gaussians;
-  DeviceBuffer<std::uint16_t> of_view;  ///< empty if there is one view
-  std::size_t count = 0;
-  PendingProjection pending;  ///< from `project` to `bin`; none where `count` is known
+  DeviceBuffer<std::uint16_t> of_view;   ///< empty if there is one view
+  std::size_t count = 0;                 ///< at most
+  const std::uint32_t* exact = nullptr;  ///< as `Count::exact`
+  PendingProjection pending;             ///< from `project` to `bin`; none where the count is known
 
   void reset(std::size_t splats, std::size_t views) {
     shapes.reset(splats), depths.reset(splats), gaussians.reset(splats);
@@ -102,7 +106,8 @@ struct Splats<Cuda> {
     return {{shapes.data(), count},
             {depths.data(), count},
             {gaussians.data(), count},
-            of_view.size() != 0 ? of_view.data() : nullptr};
+            of_view.size() != 0 ? of_view.data() : nullptr,
+            exact};
   }
   std::size_t bytes() const { return bytes_of(shapes, depths, gaussians, of_view); }
 };
@@ -112,14 +117,16 @@ template <BoundsPolicy Bounds>
 struct Footprints<Cuda, Bounds> {
   DeviceBuffer<Footprint> each;
   DeviceBuffer<FrameCounts> counts;  ///< of splats of your own
-  std::size_t count = 0;             ///< splats
-  std::uint64_t instances = 0;
+  std::size_t count = 0;             ///< splats, at most
+  Count instances;
   FrameTiles tiles;
   Views views;
+  const std::uint32_t* overflowed = nullptr;
+  DeviceBuffer<FrameTotals> totals;  ///< of splats of your own
   PendingProjection found_by;
 
-  FootprintsView<Bounds> view() const { return {{each.data(), count}, instances, tiles, views}; }
-  std::size_t bytes() const { return bytes_of(each, counts); }
+  FootprintsView<Bounds> view() const { return {{each.data(), count}, instances, tiles, views, overflowed}; }
+  std::size_t bytes() const { return bytes_of(each, counts, totals); }
 };
 
 /// One kernel: projects, compacts in the order of the Gaussians and finds tiles. Does not wait.
@@ -155,12 +162,23 @@ class [[nodiscard]] Shading<Cuda> {
 SWIFTGS_API Shading<Cuda> shade(Cuda& cuda, const FrameInput& input, const Splats<Cuda>& splats,
                                 Colours<Cuda>& colours);
 
-/// Waits for the numbers of splats and of instances: the only wait of the host in a frame. Finds the
-/// footprints of splats that `project` has not found them of.
-/// In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
+/// Has the device compare the numbers of splats and of instances with `limits`. If those have no capacity of
+/// instances, it waits for the numbers. Finds the footprints of splats that `project` has not found them of,
+/// and waits then too. In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
 SWIFTGS_API void bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>& splats,
-                     Footprints<Cuda, Bounds>& footprints);
+                     Footprints<Cuda, Bounds>& footprints, const Limits& limits = {});
+
+/// Waits for the device to have compared them. The counts of `splats` and `footprints` are exact then.
+template <BoundsPolicy Bounds>
+FrameReport await_report(Cuda& cuda, Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints,
+                         const Limits&) {
+  const FrameReport report = cuda.await_report();
+  if (report.overflowed) return report;
+  splats.count = footprints.count = std::size_t(report.visible), splats.exact = nullptr;
+  footprints.instances = std::size_t(report.instances), footprints.overflowed = nullptr;
+  return report;
+}
 
 /// A splat, its depth key where the keys of instances hold one, and the place of its first instance.
 struct EmittedSplat {
@@ -181,9 +199,9 @@ struct InstanceScratch<Cuda> {
 /// many instances as they say: to check would be to wait.
 /// In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds, class Key>
-SWIFTGS_API std::size_t emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
-                                       const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
-                                       Pairs<Cuda, Key>& instances);
+SWIFTGS_API Count emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
+                                 const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
+                                 Pairs<Cuda, Key>& instances);
 
 /// Memory of grouping by tile.
 template <>
@@ -200,9 +218,9 @@ template <BoundsPolicy Bounds>
 void group_by_tile(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<Cuda>& scratch, TileLists<Cuda>& lists) {
   const auto group = [&](auto& instances) {
-    const std::size_t count = emit_instances(cuda, job, bounds, order, scratch.emission, instances);
+    const Count count = emit_instances(cuda, job, bounds, order, scratch.emission, instances);
     cuda.sort_pairs(instances, count, job.footprints.tiles.key_bits());
-    finish_lists(cuda, job.footprints.tiles, count, 0, instances, lists);
+    finish_lists(cuda, job.footprints, count, 0, instances, lists);
   };
   job.footprints.tiles.key_bits() <= 16 ? group(scratch.narrow) : group(scratch.wide);
 }

@@ -19,10 +19,16 @@ using cudaStream_t = struct CUstream_st*;
 
 namespace swiftgs {
 
-/// Counts of a frame that the host reads.
+/// Counts of a frame that projection adds up.
 struct FrameCounts {
   std::uint64_t visible = 0;
   std::uint64_t instances = 0;
+};
+
+/// What later stages go by, in device memory.
+struct FrameTotals {
+  FrameReport report;
+  std::uint32_t splats = 0, instances = 0;  ///< 0 where the frame overflowed
 };
 
 /// One NVIDIA GPU. Everything runs in the order of one stream, and frames have the same bits from run to run.
@@ -117,16 +123,16 @@ class SWIFTGS_API Cuda {
   /// f(i) for every i in [0, n), a thread each. `f` is copied to the device, and its call is `SWIFTGS_HD`.
   /// Defined in `<swiftgs/cuda.cuh>`.
   template <class F>
-  void for_each(std::size_t n, const F& f) const;
+  void for_each(Count n, const F& f) const;
 
   /// Replaces each count by the sum before it and returns the sum of all, for which it waits.
   std::uint64_t exclusive_scan(Span<std::uint32_t> counts);
 
   /// Sorts the first `n` pairs by the low `bits` bits of their keys, ascending and stably, into `keys` and
   /// `values`, by way of the spare arrays. Throws `CapacityError` beyond 2^32 - 1 pairs.
-  void sort_pairs(Pairs<Cuda, std::uint16_t>& pairs, std::size_t n, int bits);
-  void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, std::size_t n, int bits);
-  void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, std::size_t n, int bits);
+  void sort_pairs(Pairs<Cuda, std::uint16_t>& pairs, Count n, int bits);
+  void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, Count n, int bits);
+  void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, Count n, int bits);
 
   /// A point after all work submitted so far, forked work excluded.
   TimePoint now();
@@ -137,8 +143,13 @@ class SWIFTGS_API Cuda {
   /// Fills `bytes` bytes of device memory with zero.
   void clear(void* memory, std::size_t bytes) const;
 
-  /// What `counts` on the device holds: the one place where a renderer's frame waits for its device.
-  FrameCounts read(LastCounters<FrameCounts> counts) const;
+  /// Has the device decide whether a frame of so many splats and instances fits `limits`, keep the numbers in
+  /// `totals` and report them. Does not wait.
+  void settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameTotals* totals) const;
+
+  /// The report of the last `settle` whose limits name no memory for it: the one place where a renderer waits
+  /// for its device.
+  FrameReport await_report() const;
 
  private:
   void download_bytes(const void* from, void* to, std::size_t bytes) const;

@@ -71,9 +71,9 @@ struct LargeSplats {
 /// splats are.
 template <class Key>
 __global__ void __launch_bounds__(emit_threads)
-    emit_instances(const Span<const Footprint> footprints, const float* depths, const std::uint32_t stride,
-                   const std::uint32_t* order, const Instances<Key> out, EmittedSplat* large,
-                   const TurnsView<std::uint32_t> turns) {
+    emit_instances(const Footprint* footprints, const Count splats, const float* depths,
+                   const std::uint32_t stride, const std::uint32_t* order, const Instances<Key> out,
+                   EmittedSplat* large, const TurnsView<std::uint32_t> turns) {
   // Apart, or the words around `tiles_of` are loaded with it while one of them is written.
   __shared__ alignas(16) std::uint32_t tiles_of[emit_warps];
   __shared__ std::uint32_t before_block, turn_of_block;
@@ -83,7 +83,7 @@ __global__ void __launch_bounds__(emit_threads)
   // Load a splat a lane.
   const std::size_t i = std::size_t(blockIdx.x) * emit_threads + threadIdx.x;
   EmittedSplat mine;
-  if (i < footprints.size) {
+  if (i < splats.get()) {
     mine.id = order ? order[i] : std::uint32_t(i);
     mine.footprint = footprints[mine.id];
     if constexpr (sizeof(Key) == 8) mine.depth = depth_key(depths[mine.id]);
@@ -177,28 +177,26 @@ __global__ void __launch_bounds__(emit_threads)
 }
 
 template <BoundsPolicy Bounds, class Key>
-std::size_t run_emission(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
-                         const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
-                         Pairs<Cuda, Key>& instances) {
+Count run_emission(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
+                   InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances) {
   check_footprints(job);
-  cuda.check_not_captured("emit_instances");
-  const std::size_t splats = job.splats.size();
-  const std::uint64_t total = job.footprints.instances;
-  check_instances(total);
-  instances.reset(std::size_t(total));
-  if (total == 0) return 0;
-  scratch.large.reset(splats);
-  const unsigned blocks = blocks_for(splats, emit_threads);
+  const Count splats = job.splats.count(), total = job.footprints.instances;
+  check_instances(total.most);
+  instances.reset(total.most);
+  if (total.most == 0 || splats.most == 0) return total;
+  scratch.large.reset(splats.most);
+  const unsigned blocks = blocks_for(splats.most, emit_threads);
   const TurnsView<std::uint32_t> turns = scratch.turns.begin(cuda, blocks);
-  const Instances<Key> out{instances.keys.data(), instances.values.data(), std::uint32_t(total)};
-  launch("emit_instances", emit_instances<Key>, blocks, emit_threads, cuda.stream(), job.footprints.each,
-         job.splats.depths.data, job.footprints.tiles.columns, order, out, scratch.large.data(), turns);
+  const Instances<Key> out{instances.keys.data(), instances.values.data(), std::uint32_t(total.most)};
+  launch("emit_instances", emit_instances<Key>, blocks, emit_threads, cuda.stream(), job.footprints.each.data,
+         splats, job.splats.depths.data, job.footprints.tiles.columns, order, out, scratch.large.data(),
+         turns);
   with_views(job.footprints.views, [&]<class ViewSource>(const ViewSource& views) {
     launch("emit_large", emit_large<Bounds, Key, ViewSource>, emit_large_blocks, emit_threads, cuda.stream(),
            job.splats, views, bounds, out, LargeSplats{scratch.large.data(), turns.last()});
   });
   scratch.turns.end();
-  return std::size_t(total);
+  return total;
 }
 
 }  // namespace swiftgs::kernels

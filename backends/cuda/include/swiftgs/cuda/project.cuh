@@ -27,7 +27,8 @@ struct ProjectOutput {
   std::uint32_t* gaussians;
   std::uint16_t* of_view;  ///< null if there is one view
   Footprint* footprints;
-  std::uint32_t* hidden;  ///< is cleared
+  std::uint32_t* hidden;   ///< is cleared
+  std::uint32_t capacity;  ///< splats beyond it are counted and left out
 };
 
 /// What the threads of a block tell each other.
@@ -124,6 +125,7 @@ __global__ void __launch_bounds__(project_threads)
   // Append them.
   if (!splat.visible) return;
   const std::size_t at = std::size_t(shared.before) + slot;
+  if (at >= output.capacity) return;
   output.shapes[at] = splat.shape;
   output.footprints[at] = footprint;
   output.depths[at] = splat.depth;
@@ -135,28 +137,32 @@ __global__ void __launch_bounds__(project_threads)
 template <BoundsPolicy Bounds>
 void run_project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
                  Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints) {
-  cuda.check_not_captured("project");
   footprints.tiles = frame_tiles(input.views), footprints.views = input.views;
   const SceneView& scene = only_scene(input.scenes);
   const std::size_t n = scene.size() * input.views.size();
   const std::size_t most_splats = std::numeric_limits<std::uint32_t>::max();
   if (n > most_splats) throw CapacityError("Gaussians in all views", n, most_splats);
+  const std::size_t limit = input.limits.capacity.splats, capacity = limit == 0 ? n : std::min(limit, n);
   splats.count = footprints.count = 0, footprints.instances = 0;
+  splats.exact = nullptr, footprints.overflowed = nullptr;
   splats.pending = footprints.found_by = {};
-  splats.reset(n, input.views.size()), footprints.each.reset(n), scratch.hidden.reset(1);
+  splats.reset(capacity, input.views.size()), footprints.each.reset(capacity);
+  scratch.hidden.reset(1), scratch.totals.reset(1);
   if (n == 0) return;
   const unsigned blocks = blocks_for(scene.size(), project_threads) * unsigned(input.views.size());
   const TurnsView<FrameCounts> turns = scratch.turns.begin(cuda, blocks);
   const ProjectOutput output{
       splats.shapes.data(),    splats.depths.data(),
       splats.gaussians.data(), input.views.size() > 1 ? splats.of_view.data() : nullptr,
-      footprints.each.data(),  scratch.hidden.data()};
+      footprints.each.data(),  scratch.hidden.data(),
+      std::uint32_t(capacity)};
   with_views(input.views, [&]<class ViewSource>(const ViewSource& views) {
     launch("project", project<Bounds, ViewSource>, blocks, project_threads, cuda.stream(), views, scene,
            bounds, output, turns);
   });
   scratch.turns.end();
-  splats.pending = footprints.found_by = {turns.last(), scratch.hidden.data(), ++scratch.projections};
+  splats.pending = footprints.found_by = {turns.last(), scratch.hidden.data(), scratch.totals.data(),
+                                          ++scratch.projections};
 }
 
 /// Whether footprints of one are footprints of the other.
@@ -167,17 +173,36 @@ inline bool same_grids(const Views& a, const Views& b) {
 
 template <BoundsPolicy Bounds>
 void run_bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>& splats,
-             Footprints<Cuda, Bounds>& footprints) {
-  cuda.check_not_captured("bin");
+             Footprints<Cuda, Bounds>& footprints, const Limits& limits) {
   const FrameTiles tiles = frame_tiles(views);
-  const bool found =
-      splats.pending && footprints.found_by == splats.pending && same_grids(views, footprints.views);
-  footprints.found_by = {};
-  FrameCounts counts{.visible = splats.count};
-  if (splats.pending) counts = cuda.read(splats.pending.counts), splats.pending = {};
-  splats.count = footprints.count = std::size_t(counts.visible);
+  const PendingProjection pending = std::exchange(splats.pending, {});
+  const PendingProjection found_by = std::exchange(footprints.found_by, {});
+  const bool found = pending && found_by == pending && same_grids(views, footprints.views);
+  footprints.tiles = tiles, footprints.views = views;
+
+  const bool none = !pending && splats.count == 0;  // as of an empty scene
+  if ((found || none) && limits.capacity.instances != 0) {
+    LastCounters<FrameCounts> counts = pending.counts;
+    FrameTotals* totals = pending.totals;
+    if (none) {
+      footprints.counts.reset(1), footprints.totals.reset(1);
+      cuda.clear(footprints.counts.data(), sizeof(FrameCounts));
+      counts = {footprints.counts.data()}, totals = footprints.totals.data();
+    }
+    cuda.settle(counts, limits, totals);
+    splats.count = footprints.count = splats.shapes.size(), splats.exact = &totals->splats;
+    footprints.instances = {limits.capacity.instances, &totals->instances};
+    footprints.overflowed = &totals->report.overflowed;
+    return;
+  }
+  FrameReport report{.visible = splats.count};
+  if (pending) {
+    cuda.settle(pending.counts, {}, pending.totals);
+    report = cuda.await_report();
+  }
+  splats.count = footprints.count = std::size_t(report.visible), splats.exact = nullptr;
   if (!found) {
-    footprints.each.reset(splats.count), footprints.counts.reset(1);
+    footprints.each.reset(splats.count), footprints.counts.reset(1), footprints.totals.reset(1);
     cuda.clear(footprints.counts.data(), sizeof(FrameCounts));
     if (splats.count != 0)
       with_views(views, [&]<class ViewSource>(const ViewSource& source) {
@@ -185,9 +210,10 @@ void run_bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>&
                bin_threads, cuda.stream(), splats.view(), source, bounds, footprints.each.data(),
                footprints.counts.data());
       });
-    counts = cuda.read({footprints.counts.data()});
+    cuda.settle({footprints.counts.data()}, {}, footprints.totals.data());
+    report.instances = cuda.await_report().instances;
   }
-  footprints.instances = counts.instances, footprints.tiles = tiles, footprints.views = views;
+  footprints.instances = std::size_t(report.instances), footprints.overflowed = nullptr;
 }
 
 }  // namespace swiftgs::kernels

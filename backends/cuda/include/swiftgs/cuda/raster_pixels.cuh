@@ -40,6 +40,7 @@ __global__ void __launch_bounds__(raster_pixels_threads)
   const vec2 first_centre(float(view.left() + x0) + 0.5f, float(view.top() + y0) + 0.5f);
   const float centre_y = first_centre.y + float(row);
   const TileRange range = square.list(input);
+  if (!range.drawn()) return;
   for (std::uint32_t at = range.begin; at < range.end && __any_sync(whole_warp, live); ++at) {
     const std::uint32_t id = job.lists.ids[at];
     const SplatColour colour = job.colours.each[id];
