@@ -222,11 +222,12 @@ __device__ inline unsigned lanes_with(unsigned digit) {
   return lanes;
 }
 
-/// Ends the turn of a sort whose last pass has so many tiles. For all threads of a block.
-__device__ inline void end_sort(const TurnsView<RadixCounts>& turns, std::uint32_t turn) {
-  const std::uint32_t swept = swept_word(turn, digits, turns.mask);
-  if (swept >= radix_words(gridDim.x) && swept + digits <= turns.capacity)
-    turns.words[swept + threadIdx.x] = 0;
+/// Ends the turn of a sort of so many tiles. For all threads of a block.
+__device__ inline void end_sort(const TurnsView<RadixCounts>& turns, std::uint32_t turn,
+                                std::uint32_t tiles) {
+  const std::uint32_t swept = swept_word(turn, digits, turns.mask), row = swept / digits;
+  const bool used = row < tiles || (row >= gridDim.x && row - gridDim.x < tiles / group_tiles);
+  if (!used && swept + digits <= turns.capacity) turns.words[swept + threadIdx.x] = 0;
   if (threadIdx.x == 0) turns.counters->turn = turn_after(turn);
 }
 
@@ -239,7 +240,7 @@ __global__ void __launch_bounds__(radix_threads)
   const std::uint64_t n = all.get();
   const std::uint32_t tiles = std::uint32_t((n + radix_tile<Key> - 1) / radix_tile<Key>);
   if (blockIdx.x >= tiles) {
-    if (tiles == 0 && pass.last && blockIdx.x == 0) end_sort(turns, turn);
+    if (tiles == 0 && pass.last && blockIdx.x == 0) end_sort(turns, turn, tiles);
     return;
   }
   const Digit digit = pass.digit;
@@ -312,7 +313,7 @@ __global__ void __launch_bounds__(radix_threads)
   // Move them to where those of earlier tiles end.
   shared.moved[thread] = first_of_all + sum.before(added) - first;
   __syncthreads();
-  if (pass.last && blockIdx.x + 1 == tiles) end_sort(turns, turn);
+  if (pass.last && blockIdx.x + 1 == tiles) end_sort(turns, turn, tiles);
 #pragma unroll
   for (unsigned k = 0; k < items; ++k) {
     const unsigned item = k * radix_threads + thread;

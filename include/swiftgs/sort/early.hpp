@@ -35,7 +35,6 @@ struct EarlySort {
   template <class B, class Bounds>
   void build(B& b, const SortJob<Bounds>& job, const Bounds& bounds, Scratch<B>& scratch,
              TileLists<B>& lists) {
-    check_ready(b);
     const Count splats = job.splats.count();
     scratch.depths.reset(splats.most);
     b.for_each(splats,

@@ -68,7 +68,7 @@ struct LargeSplats {
 
 /// Writes one pair for each tile of the splats of a block, after those of the blocks before it. A warp writes
 /// the instances of its 32 splats together: neighbouring lanes write neighbouring words, however unlike the
-/// splats are.
+/// splats are. Blocks without a splat have nothing to do, but the first.
 template <class Key>
 __global__ void __launch_bounds__(emit_threads)
     emit_instances(const Footprint* footprints, const Count splats, const float* depths,
@@ -79,12 +79,15 @@ __global__ void __launch_bounds__(emit_threads)
   __shared__ std::uint32_t before_block, turn_of_block;
   const unsigned warp = threadIdx.x / warp_size;
   const std::uint32_t loaded_turn = threadIdx.x == 0 ? read_turn(turns) : 0;
+  const std::uint32_t n = std::uint32_t(splats.get()),
+                      blocks = max((n + emit_threads - 1) / emit_threads, 1u);
+  if (blockIdx.x >= blocks) return;
 
   // Load a splat a lane.
-  const std::size_t i = std::size_t(blockIdx.x) * emit_threads + threadIdx.x;
+  const std::uint32_t i = blockIdx.x * emit_threads + threadIdx.x;
   EmittedSplat mine;
-  if (i < splats.get()) {
-    mine.id = order ? order[i] : std::uint32_t(i);
+  if (i < n) {
+    mine.id = order ? order[i] : i;
     mine.footprint = footprints[mine.id];
     if constexpr (sizeof(Key) == 8) mine.depth = depth_key(depths[mine.id]);
   }
@@ -103,7 +106,7 @@ __global__ void __launch_bounds__(emit_threads)
     if (lane_index() == 0) {
       before_block = before;
       if (blockIdx.x == 0) turns.next_copy(turn_of_block) = 0;
-      if (blockIdx.x + 1 == gridDim.x) end_turn(turns, turn_of_block);
+      if (blockIdx.x + 1 == blocks) end_turn(turns, turn_of_block, blocks);
     }
   }
   __syncthreads();

@@ -116,7 +116,7 @@ __global__ void __launch_bounds__(project_threads)
       add_instances(turns.copy(turn), tiles);
       if (blockIdx.x + 1 == gridDim.x) {
         turns.copy(turn).visible = before + visible;
-        end_turn(turns, turn);
+        end_turn(turns, turn, gridDim.x);
       }
     }
   }

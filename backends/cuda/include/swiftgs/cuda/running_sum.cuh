@@ -21,11 +21,12 @@ __device__ std::uint32_t read_turn(const TurnsView<Counters>& turns) {
   return turn;
 }
 
-/// Ends the turn of an operation with a word a block. For one thread of the last block, after its look-back.
+/// Ends the turn of an operation with a word for each of `blocks`. For one thread of the last of them, after
+/// its look-back.
 template <class Counters>
-__device__ void end_turn(const TurnsView<Counters>& turns, std::uint32_t turn) {
+__device__ void end_turn(const TurnsView<Counters>& turns, std::uint32_t turn, std::uint32_t blocks) {
   const std::uint32_t swept = swept_word(turn, 1, turns.mask);
-  if (swept >= gridDim.x && swept < turns.capacity) turns.words[swept] = 0;
+  if (swept >= blocks && swept < turns.capacity) turns.words[swept] = 0;
   turns.counters->turn = turn_after(turn);
 }
 
