@@ -98,6 +98,7 @@ namespace kernels {
 /// See `Cuda::settle`. A report in host memory is seen there sooner than the end of a copy would be.
 __global__ void settle(const LastCounters<FrameCounts> counts, const Limits limits, FrameTotals* totals,
                        Mailbox* mailbox) {
+  await_earlier();
   const FrameCounts found = counts.get();
   FrameReport report{found.visible, found.instances, 0};
   report.overflowed = !limits.fit(report) || found.instances > max_instances;
@@ -197,7 +198,7 @@ void Cuda::settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameT
     std::atomic_ref<std::uint32_t>(mailbox->posted).store(0, std::memory_order_relaxed);
     state_->awaited = true;
   }
-  launch("settle", kernels::settle, 1, 1, stream(), counts, limits, totals, mailbox);
+  launch_early("settle", kernels::settle, 1, 1, stream(), counts, limits, totals, mailbox);
 }
 
 FrameReport Cuda::await_report() const {

@@ -70,6 +70,7 @@ template <class Key>
 __global__ void __launch_bounds__(histogram_threads)
     radix_histogram(const Key* keys, const Count count, const Digits passes,
                     const TurnsView<RadixCounts> turns) {
+  await_earlier();
   const std::uint64_t n = count.get();
   const std::uint32_t turn = read_turn(turns);
   // Four times over: neighbouring keys often have the same high digits, and would wait for each other.
@@ -236,6 +237,7 @@ template <class Key>
 __global__ void __launch_bounds__(radix_threads)
     radix_pass(const Key* keys, const std::uint32_t* values, Key* sorted_keys, std::uint32_t* sorted_values,
                const Count all, const Pass pass, const TurnsView<RadixCounts> turns) {
+  await_earlier();
   const std::uint32_t turn = read_turn(turns);
   const std::uint64_t n = all.get();
   const std::uint32_t tiles = std::uint32_t((n + radix_tile<Key> - 1) / radix_tile<Key>);
@@ -334,11 +336,12 @@ void run_radix_sort(Cuda& cuda, Pairs<Cuda, Key>& pairs, Count n, int bits, Turn
   const Digits passes{unsigned(bits)};
   const unsigned tiles = blocks_for(n.most, radix_tile<Key>);
   const TurnsView<RadixCounts> view = turns.begin(cuda, radix_words(tiles));
-  launch("radix_histogram", radix_histogram<Key>, histogram_blocks(n.most), histogram_threads, cuda.stream(),
-         pairs.keys.data(), n, passes, view);
+  launch_early("radix_histogram", radix_histogram<Key>, histogram_blocks(n.most), histogram_threads,
+               cuda.stream(), pairs.keys.data(), n, passes, view);
   for (unsigned p = 0; p < passes.count; ++p) {
-    launch("radix_pass", radix_pass<Key>, tiles, radix_threads, cuda.stream(), pairs.keys.data(),
-           pairs.values.data(), pairs.spare_keys.data(), pairs.spare_values.data(), n, passes.pass(p), view);
+    launch_early("radix_pass", radix_pass<Key>, tiles, radix_threads, cuda.stream(), pairs.keys.data(),
+                 pairs.values.data(), pairs.spare_keys.data(), pairs.spare_values.data(), n, passes.pass(p),
+                 view);
     std::swap(pairs.keys, pairs.spare_keys), std::swap(pairs.values, pairs.spare_values);
   }
   turns.end();

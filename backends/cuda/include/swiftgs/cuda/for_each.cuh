@@ -13,6 +13,7 @@ inline constexpr unsigned for_each_threads = 256;
 
 template <class F>
 __global__ void __launch_bounds__(for_each_threads) for_each(const Count n, const F f) {
+  await_earlier();
   const std::size_t i = std::size_t(blockIdx.x) * for_each_threads + threadIdx.x;
   if (i < n.get()) f(i);
 }
@@ -21,8 +22,8 @@ __global__ void __launch_bounds__(for_each_threads) for_each(const Count n, cons
 template <class F>
 void Cuda::for_each(Count n, const F& f) const {
   if (n.most == 0) return;
-  launch("for_each", kernels::for_each<F>, blocks_for(n.most, kernels::for_each_threads),
-         kernels::for_each_threads, stream(), n, f);
+  launch_early("for_each", kernels::for_each<F>, blocks_for(n.most, kernels::for_each_threads),
+               kernels::for_each_threads, stream(), n, f);
 }
 
 }  // namespace swiftgs

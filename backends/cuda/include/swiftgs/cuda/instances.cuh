@@ -74,6 +74,7 @@ __global__ void __launch_bounds__(emit_threads)
     emit_instances(const Footprint* footprints, const Count splats, const float* depths,
                    const std::uint32_t stride, const std::uint32_t* order, const Instances<Key> out,
                    EmittedSplat* large, const TurnsView<std::uint32_t> turns) {
+  await_earlier();
   // Apart, or the words around `tiles_of` are loaded with it while one of them is written.
   __shared__ alignas(16) std::uint32_t tiles_of[emit_warps];
   __shared__ std::uint32_t before_block, turn_of_block;
@@ -144,6 +145,7 @@ template <class Bounds, class Key, class ViewSource>
 __global__ void __launch_bounds__(emit_threads)
     emit_large(const __grid_constant__ SplatsView all, const __grid_constant__ ViewSource views,
                const Bounds bounds, const Instances<Key> out, const LargeSplats large) {
+  await_earlier();
   const std::uint32_t warp = (blockIdx.x * emit_threads + threadIdx.x) / warp_size,
                       part = warp % warps_of_splat;
   const std::uint32_t step = gridDim.x * emit_warps / warps_of_splat;
@@ -191,12 +193,13 @@ Count run_emission(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
   const unsigned blocks = blocks_for(splats.most, emit_threads);
   const TurnsView<std::uint32_t> turns = scratch.turns.begin(cuda, blocks);
   const Instances<Key> out{instances.keys.data(), instances.values.data(), std::uint32_t(total.most)};
-  launch("emit_instances", emit_instances<Key>, blocks, emit_threads, cuda.stream(), job.footprints.each.data,
-         splats, job.splats.depths.data, job.footprints.tiles.columns, order, out, scratch.large.data(),
-         turns);
+  launch_early("emit_instances", emit_instances<Key>, blocks, emit_threads, cuda.stream(),
+               job.footprints.each.data, splats, job.splats.depths.data, job.footprints.tiles.columns, order,
+               out, scratch.large.data(), turns);
   with_views(job.footprints.views, [&]<class ViewSource>(const ViewSource& views) {
-    launch("emit_large", emit_large<Bounds, Key, ViewSource>, emit_large_blocks, emit_threads, cuda.stream(),
-           job.splats, views, bounds, out, LargeSplats{scratch.large.data(), turns.last()});
+    launch_early("emit_large", emit_large<Bounds, Key, ViewSource>, emit_large_blocks, emit_threads,
+                 cuda.stream(), job.splats, views, bounds, out,
+                 LargeSplats{scratch.large.data(), turns.last()});
   });
   scratch.turns.end();
   return total;

@@ -10,6 +10,19 @@ namespace swiftgs {
 /// Blocks of `threads` that hold `n` elements.
 inline unsigned blocks_for(std::size_t n, unsigned threads) { return unsigned((n + threads - 1) / threads); }
 
+namespace kernels {
+/// Waits for the kernels before this one, which `launch_early` may have started behind. Every thread calls it
+/// before it touches memory or returns.
+///
+/// No kernel lets its successor start before its own blocks end: blocks that wait would take the room of work
+/// on other streams, such as colours that are evaluated beside the sort, which cost 3 % of a frame.
+__device__ inline void await_earlier() {
+#if __CUDA_ARCH__ >= 900
+  cudaGridDependencySynchronize();
+#endif
+}
+}  // namespace kernels
+
 /// Starts `kernel` on `stream`. Throws `DeviceError` with its name. Errors that the caller's own calls left
 /// behind are none of a frame: the launch is judged by its own result.
 template <class... Parameters, class... Arguments>
@@ -17,6 +30,21 @@ void launch(const char* name, void (*kernel)(Parameters...), dim3 blocks, dim3 t
             const Arguments&... arguments) {
   cudaLaunchConfig_t config{};
   config.gridDim = blocks, config.blockDim = threads, config.stream = stream;
+  check_cuda(cudaLaunchKernelEx(&config, kernel, arguments...), name);
+}
+
+/// As `launch`, but the device may start blocks of `kernel` as those of the kernel before end. This hides the
+/// time that a kernel takes to start: 12 of a frame's 380 microseconds. The kernel begins with
+/// `await_earlier`.
+template <class... Parameters, class... Arguments>
+void launch_early(const char* name, void (*kernel)(Parameters...), dim3 blocks, dim3 threads,
+                  cudaStream_t stream, const Arguments&... arguments) {
+  cudaLaunchAttribute early{};
+  early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+  early.val.programmaticStreamSerializationAllowed = 1;
+  cudaLaunchConfig_t config{};
+  config.gridDim = blocks, config.blockDim = threads, config.stream = stream;
+  config.attrs = &early, config.numAttrs = 1;
   check_cuda(cudaLaunchKernelEx(&config, kernel, arguments...), name);
 }
 
