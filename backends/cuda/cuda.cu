@@ -198,7 +198,7 @@ void Cuda::settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameT
     std::atomic_ref<std::uint32_t>(mailbox->posted).store(0, std::memory_order_relaxed);
     state_->awaited = true;
   }
-  launch_early("settle", kernels::settle, 1, 1, stream(), counts, limits, totals, mailbox);
+  launch_early(*this, "settle", kernels::settle, 1, 1, counts, limits, totals, mailbox);
 }
 
 FrameReport Cuda::await_report() const {

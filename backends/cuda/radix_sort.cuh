@@ -336,10 +336,10 @@ void run_radix_sort(Cuda& cuda, Pairs<Cuda, Key>& pairs, Count n, int bits, Turn
   const Digits passes{unsigned(bits)};
   const unsigned tiles = blocks_for(n.most, radix_tile<Key>);
   const TurnsView<RadixCounts> view = turns.begin(cuda, radix_words(tiles));
-  launch_early("radix_histogram", radix_histogram<Key>, histogram_blocks(n.most), histogram_threads,
-               cuda.stream(), pairs.keys.data(), n, passes, view);
+  launch_early(cuda, "radix_histogram", radix_histogram<Key>, histogram_blocks(n.most), histogram_threads,
+               pairs.keys.data(), n, passes, view);
   for (unsigned p = 0; p < passes.count; ++p) {
-    launch_early("radix_pass", radix_pass<Key>, tiles, radix_threads, cuda.stream(), pairs.keys.data(),
+    launch_early(cuda, "radix_pass", radix_pass<Key>, tiles, radix_threads, pairs.keys.data(),
                  pairs.values.data(), pairs.spare_keys.data(), pairs.spare_values.data(), n, passes.pass(p),
                  view);
     std::swap(pairs.keys, pairs.spare_keys), std::swap(pairs.values, pairs.spare_values);

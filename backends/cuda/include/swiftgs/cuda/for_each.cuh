@@ -22,8 +22,8 @@ __global__ void __launch_bounds__(for_each_threads) for_each(const Count n, cons
 template <class F>
 void Cuda::for_each(Count n, const F& f) const {
   if (n.most == 0) return;
-  launch_early("for_each", kernels::for_each<F>, blocks_for(n.most, kernels::for_each_threads),
-               kernels::for_each_threads, stream(), n, f);
+  launch_early(*this, "for_each", kernels::for_each<F>, blocks_for(n.most, kernels::for_each_threads),
+               kernels::for_each_threads, n, f);
 }
 
 }  // namespace swiftgs

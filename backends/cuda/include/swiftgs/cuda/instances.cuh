@@ -193,13 +193,12 @@ Count run_emission(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
   const unsigned blocks = blocks_for(splats.most, emit_threads);
   const TurnsView<std::uint32_t> turns = scratch.turns.begin(cuda, blocks);
   const Instances<Key> out{instances.keys.data(), instances.values.data(), std::uint32_t(total.most)};
-  launch_early("emit_instances", emit_instances<Key>, blocks, emit_threads, cuda.stream(),
-               job.footprints.each.data, splats, job.splats.depths.data, job.footprints.tiles.columns, order,
-               out, scratch.large.data(), turns);
+  launch_early(cuda, "emit_instances", emit_instances<Key>, blocks, emit_threads, job.footprints.each.data,
+               splats, job.splats.depths.data, job.footprints.tiles.columns, order, out, scratch.large.data(),
+               turns);
   with_views(job.footprints.views, [&]<class ViewSource>(const ViewSource& views) {
-    launch_early("emit_large", emit_large<Bounds, Key, ViewSource>, emit_large_blocks, emit_threads,
-                 cuda.stream(), job.splats, views, bounds, out,
-                 LargeSplats{scratch.large.data(), turns.last()});
+    launch_early(cuda, "emit_large", emit_large<Bounds, Key, ViewSource>, emit_large_blocks, emit_threads,
+                 job.splats, views, bounds, out, LargeSplats{scratch.large.data(), turns.last()});
   });
   scratch.turns.end();
   return total;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
+#include <swiftgs/cuda/backend.hpp>
 #include <swiftgs/cuda/check.hpp>
 
 namespace swiftgs {
@@ -33,18 +35,21 @@ void launch(const char* name, void (*kernel)(Parameters...), dim3 blocks, dim3 t
   check_cuda(cudaLaunchKernelEx(&config, kernel, arguments...), name);
 }
 
-/// As `launch`, but the device may start blocks of `kernel` as those of the kernel before end. This hides the
-/// time that a kernel takes to start: 12 of a frame's 380 microseconds. The kernel begins with
-/// `await_earlier`.
-template <class... Parameters, class... Arguments>
-void launch_early(const char* name, void (*kernel)(Parameters...), dim3 blocks, dim3 threads,
-                  cudaStream_t stream, const Arguments&... arguments) {
-  cudaLaunchAttribute early{};
-  early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
-  early.val.programmaticStreamSerializationAllowed = 1;
+/// Whether all code of this translation unit is for devices on which kernels can wait for earlier ones.
+inline constexpr bool kernels_await_earlier = std::min({__CUDA_ARCH_LIST__}) >= 900;
+
+/// As `launch` on the stream of `cuda`, but the device may start blocks of `kernel` as those of the kernel
+/// before end. This hides the time that a kernel takes to start: 12 of a frame's 380 microseconds. The kernel
+/// begins with `await_earlier`.
+template <bool early = kernels_await_earlier, class... Parameters, class... Arguments>
+void launch_early(const Cuda& cuda, const char* name, void (*kernel)(Parameters...), dim3 blocks,
+                  dim3 threads, const Arguments&... arguments) {
+  cudaLaunchAttribute attribute{};
+  attribute.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+  attribute.val.programmaticStreamSerializationAllowed = 1;
   cudaLaunchConfig_t config{};
-  config.gridDim = blocks, config.blockDim = threads, config.stream = stream;
-  config.attrs = &early, config.numAttrs = 1;
+  config.gridDim = blocks, config.blockDim = threads, config.stream = cuda.stream();
+  config.attrs = &attribute, config.numAttrs = early ? 1 : 0;
   check_cuda(cudaLaunchKernelEx(&config, kernel, arguments...), name);
 }
 
