@@ -121,14 +121,14 @@ class Renderer {
     gaussians_ = scene.size();
   }
 
-  /// Takes all memory that `record` needs for frames of `views` and `scene`: `set_views` may replace the
-  /// views by others whose frames have the same sizes, and `scene` may change. Without a `capacity`, room for
-  /// what the views show now and an eighth more. Draws nothing and waits.
+  /// Takes all memory that `record` needs for frames of `scene` and `views`. Without a `capacity`, room for
+  /// what the views show now and an eighth more. Draws nothing and waits. Throws as `render_into`.
   void reserve(const SceneView& scene, Span<const View> views, Capacity capacity = {}) {
     check_scene(scene);
+    recorded_ = {};
     set_views(views);
     const auto measure = [&](const Limits& limits) {
-      enqueue(scene, recorded_, {.count = true}, limits);
+      enqueue(scene, recorded_, {}, limits);
       return await_report(backend_, splats_, footprints_, limits);
     };
     if (capacity.splats == 0 || capacity.instances == 0) {
@@ -143,26 +143,35 @@ class Renderer {
     reserved_gaussians_ = scene.size();
   }
 
-  /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders these:
-  /// frames may then differ from those recorded in cameras and backgrounds alone. Throws
-  /// `std::invalid_argument` if they differ in more after `reserve`.
+  /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders them too.
+  /// Between `reserve` calls, cameras, conventions, backgrounds, formats and the places of planes may change.
+  /// Throws `std::invalid_argument` if the number of views, a size, or which planes there are changes.
   void set_views(Span<const View> views) {
     for (const View& view : views) check_frame(view);
+    if (recorded_.size() != 0) {
+      if (views.size != recorded_.size())
+        detail::refuse("set_views: the number of views", views.size,
+                       std::to_string(recorded_.size()) + " as reserved");
+      for (std::size_t i = 0; i < views.size; ++i)
+        if (!same_shape(views[i], recorded_[i]))
+          throw std::invalid_argument("set_views: the size or the planes of view " + std::to_string(i) +
+                                      " changed, expected those that were reserved");
+    }
     check_ready(backend_);
-    recorded_ = store_views(backend_, views, view_storage_, ViewAccess::stored);
+    recorded_ = store_views(backend_, views, recorded_storage_, ViewAccess::stored);
     frame_tiles(recorded_);
   }
 
-  /// Renders the views that were set, and neither waits, allocates nor asks a device for anything, so that it
-  /// may be captured into a CUDA graph. Writes what the frame took to `report`, in memory that the backend
-  /// reaches. A frame without enough room draws nothing. Call `reserve` before. On hosts the frame is
-  /// complete when it returns. Throws `std::invalid_argument` where nothing can be rendered, and
-  /// `CapacityError` where `reserve` was called for fewer Gaussians.
+  /// Renders the views that were set, and neither waits, allocates nor asks a device for anything: it may be
+  /// captured into a CUDA graph. Writes what the frame took to `report`, in memory that the backend reaches.
+  /// A frame without enough room draws nothing. On hosts it is complete when it returns. Throws
+  /// `std::invalid_argument` before `reserve`, and `CapacityError` if it was called for fewer Gaussians.
   void record(const SceneView& scene, FrameReport* report) {
     check_scene(scene);
-    require(recorded_.size() != 0 && capacity_.splats != 0, "reserve before record");
-    if (scene.size() > reserved_gaussians_)
-      throw CapacityError("Gaussians in a recorded frame", scene.size(), reserved_gaussians_);
+    require(reserved_gaussians_.has_value(), "reserve before record");
+    require(report != nullptr, "memory for the report");
+    if (scene.size() > *reserved_gaussians_)
+      throw CapacityError("Gaussians in a recorded frame", scene.size(), *reserved_gaussians_);
     enqueue(scene, recorded_, {}, Limits{capacity_, true, report});
   }
 
@@ -264,7 +273,7 @@ class Renderer {
 
   /// What the buffers of each stage hold, in the backend's memory. They grow with the largest frame so far.
   StageMemory memory() const {
-    return {bytes_of(view_storage_, project_scratch_, splats_, footprints_, colours_),
+    return {bytes_of(view_storage_, recorded_storage_, project_scratch_, splats_, footprints_, colours_),
             bytes_of(sort_scratch_, lists_),
             bytes_of(frame_.colour, frame_.alpha, frame_.depth, square_counts_)};
   }
@@ -274,6 +283,16 @@ class Renderer {
   const TileLists<B>& lists() const { return lists_; }
 
  private:
+  /// Whether frames of both have the same size, and planes for the same outputs.
+  static bool same_shape(const View& a, const View& b) {
+    const auto planes = [](const FrameView& frame) {
+      return std::array{frame.colour.data != nullptr, frame.alpha.data != nullptr,
+                        frame.depth.data != nullptr, frame.occluder.data != nullptr};
+    };
+    return a.frame.width == b.frame.width && a.frame.height == b.frame.height && a.grid.side == b.grid.side &&
+           planes(a.frame) == planes(b.frame);
+  }
+
   static std::size_t with_room(std::uint64_t count) { return std::size_t(count + count / 8 + 1); }
 
   void make_room(const FrameReport& report) {
@@ -384,8 +403,9 @@ class Renderer {
   std::size_t gaussians_ = 0;
   FrameReport report_;       ///< of the last frame that was not recorded
   Capacity capacity_{1, 1};  ///< of a device's frames; grows with them
-  Views recorded_;           ///< in `view_storage_`
-  std::size_t reserved_gaussians_ = 0;
+  ViewStorage<B> recorded_storage_;
+  Views recorded_;  ///< in it
+  std::optional<std::size_t> reserved_gaussians_;
 };
 
 }  // namespace swiftgs
