@@ -196,10 +196,17 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   const Vec reach = hn::Max(hn::CallLog2(d, hn::Div(opacity, alpha_min)), hn::Zero(d));
   const Vec extent = hn::Mul(hn::Sqrt(reach), hn::Set(d, 1 / to_base_2));
   const Vec half_width = hn::Mul(extent, hn::Sqrt(var_x)), half_height = hn::Mul(extent, hn::Sqrt(var_y));
-  visible = hn::And(visible, hn::And(hn::Ge(hn::Add(mean_x, half_width), hn::Set(d, v.left + 0.5f)),
-                                     hn::Ge(hn::Add(mean_y, half_height), hn::Set(d, v.top + 0.5f))));
-  visible = hn::And(visible, hn::And(hn::Le(hn::Sub(mean_x, half_width), hn::Set(d, v.right - 0.5f)),
-                                     hn::Le(hn::Sub(mean_y, half_height), hn::Set(d, v.bottom - 0.5f))));
+  const auto reaches = [&](Vec x, Vec y, float left, float top, float right, float bottom) HWY_ATTR {
+    return hn::And(hn::And(hn::Ge(hn::Add(mean_x, x), hn::Set(d, left + 0.5f)),
+                           hn::Ge(hn::Add(mean_y, y), hn::Set(d, top + 0.5f))),
+                   hn::And(hn::Le(hn::Sub(mean_x, x), hn::Set(d, right - 0.5f)),
+                           hn::Le(hn::Sub(mean_y, y), hn::Set(d, bottom - 0.5f))));
+  };
+  visible = hn::And(visible, reaches(half_width, half_height, 0, 0, v.width, v.height));
+  const Vec slack =  // `part_slack`
+      hn::Add(hn::Set(d, 2e-2f), hn::Mul(hn::Set(d, 2e-4f), hn::Add(half_width, half_height)));
+  visible = hn::And(visible, reaches(hn::Add(half_width, slack), hn::Add(half_height, slack), v.left, v.top,
+                                     v.right, v.bottom));
   if (hn::AllFalse(d, visible)) return;
 
   // Move visible lanes to the front, and from arrays of members to an array of structures.

@@ -51,6 +51,7 @@ __global__ void __launch_bounds__(block_threads)
   __shared__ HalfBatch batch;
   const RasterJob& job = input.job;
   SquarePixel<extras, ViewSource> mine(input);
+  if (mine.square.outside(input)) return;
   const TileRange range = mine.square.list(input);
   if (!range.drawn()) return;
   const unsigned column = threadIdx.x % square_side, row = threadIdx.x / square_side;

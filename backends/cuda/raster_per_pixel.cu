@@ -25,6 +25,7 @@ __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
   __shared__ FactorBatch batch;
   const RasterJob& job = input.job;
   SquarePixel<extras, ViewSource> mine(input);
+  if (mine.square.outside(input)) return;
   const TileRange range = mine.square.list(input);
   if (!range.drawn()) return;
   const float x = mine.centre().x, y = mine.centre().y;

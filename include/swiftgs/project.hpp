@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 
+#include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/sh.hpp>
@@ -81,6 +82,13 @@ SWIFTGS_HD inline ImageAxes image_axes(const ViewConstants& v, float tx, float t
   return image;
 }
 
+/// How far beyond its box a splat is visible in a part of an image. Rounding may keep a pixel outside of the
+/// box; the image shows it, so its parts must. Twice the slack of bounds, and thus visible wherever they list
+/// the splat for such a pixel. @units{pixels}
+SWIFTGS_HD inline float part_slack(float half_width, float half_height) {
+  return 2 * bounds_slack(half_width, half_height);
+}
+
 /// Projects a Gaussian. `visible` is false where no shown pixel can keep it: too near or far, too
 /// faint, or the box of its ellipse s <= reach holds no pixel centre. Spherical harmonics are not looked at.
 SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gaussian& g) {
@@ -137,8 +145,12 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gau
   const float half_height = extent * std::sqrt(var_y);
 
   out.depth = z;
-  out.visible = s.mean.x + s.half_width >= v.left + 0.5f && s.mean.x - s.half_width <= v.right - 0.5f &&
-                s.mean.y + half_height >= v.top + 0.5f && s.mean.y - half_height <= v.bottom - 0.5f;
+  out.visible = s.mean.x + s.half_width >= 0.5f && s.mean.x - s.half_width <= v.width - 0.5f &&
+                s.mean.y + half_height >= 0.5f && s.mean.y - half_height <= v.height - 0.5f;
+  const float slack = part_slack(s.half_width, half_height);
+  const float x = s.half_width + slack, y = half_height + slack;
+  out.visible = out.visible && s.mean.x + x >= v.left + 0.5f && s.mean.x - x <= v.right - 0.5f &&
+                s.mean.y + y >= v.top + 0.5f && s.mean.y - y <= v.bottom - 0.5f;
   return out;
 }
 

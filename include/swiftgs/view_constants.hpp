@@ -17,7 +17,8 @@ struct ViewConstants {
   float cofactors[3][3];           ///< of the rotation as it is given, by rows; computed in double
   double centre[3];                ///< camera centre in the world
   double fx, fy, cx, cy;           ///< @units{pixels}
-  float left, top, right, bottom;  ///< part of the image that is shown @units{pixels}
+  float width, height;             ///< of the image @units{pixels}
+  float left, top, right, bottom;  ///< part of it that is shown @units{pixels}
   float tan_x_min, tan_x_max;      ///< limits of x/z where the projection is linearised
   float tan_y_min, tan_y_max;
   float near_plane, far_plane;  ///< kept where near_plane < z <= far_plane
@@ -44,7 +45,8 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
     for (int column = 0; column < 3; ++column) v.cofactors[row][column] = float(cofactors[column]);
   }
   v.fx = camera.fx, v.fy = camera.fy, v.cx = camera.cx, v.cy = camera.cy;
-  v.left = v.top = 0, v.right = float(camera.width), v.bottom = float(camera.height);
+  v.width = float(camera.width), v.height = float(camera.height);
+  v.left = v.top = 0, v.right = v.width, v.bottom = v.height;
 
   const double half_x = 0.5 * camera.width / camera.fx, half_y = 0.5 * camera.height / camera.fy;
   if (conventions.clamp == Conventions::JacobianClamp::around_image) {

@@ -12,7 +12,7 @@ struct WholeImage {
 #endif
   };
   Tiles tiles(const swiftgs::SplatShape&, swiftgs::TileGrid grid) const {
-    return {{{0, grid.columns}, {0, grid.rows}}};
+    return {{grid.columns, grid.rows}};
   }
 };
 

@@ -30,7 +30,7 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
 /// A power of two as threshold, so that the exponential meets it exactly.
-constexpr BlendRules rules{1.0f / 256, 0.75f, 0.25f};
+constexpr BlendRules rules{1.0f / 256, 0.75f, 0.25f, -8};
 
 float above(float x) { return std::nextafter(x, infinity); }
 float below(float x) { return std::nextafter(x, -infinity); }
@@ -38,20 +38,19 @@ float below(float x) { return std::nextafter(x, -infinity); }
 }  // namespace
 
 TEST_CASE("cuda arithmetic: alpha is kept from its least on and cut at its largest") {
-  const RasterLimits limits(rules);
-  CHECK(alpha_of<false>(-8, limits) == rules.alpha_min);
-  CHECK(alpha_of<true>(-8, limits) == rules.alpha_min);
-  CHECK(alpha_of<false>(-8.00001f, limits) == 0);
-  CHECK(alpha_of<true>(below(-8), limits) == 0);
-  CHECK(alpha_of<false>(-1, limits) == 0.5f);
-  CHECK(alpha_of<true>(-1, limits) == 0.5f);
+  CHECK(alpha_of<false>(-8, rules) == rules.alpha_min);
+  CHECK(alpha_of<true>(-8, rules) == rules.alpha_min);
+  CHECK(alpha_of<false>(-8.00001f, rules) == 0);
+  CHECK(alpha_of<true>(below(-8), rules) == 0);
+  CHECK(alpha_of<false>(-1, rules) == 0.5f);
+  CHECK(alpha_of<true>(-1, rules) == 0.5f);
   for (const float large : {-0.4f, 0.0f, 3.0f, infinity}) {
-    CHECK(alpha_of<false>(large, limits) == rules.alpha_max);
-    CHECK(alpha_of<true>(large, limits) == rules.alpha_max);
+    CHECK(alpha_of<false>(large, rules) == rules.alpha_max);
+    CHECK(alpha_of<true>(large, rules) == rules.alpha_max);
   }
   for (const float nothing : {-infinity, -1000.0f, not_a_number}) {
-    CHECK(alpha_of<false>(nothing, limits) == 0);
-    CHECK(alpha_of<true>(nothing, limits) == 0);
+    CHECK(alpha_of<false>(nothing, rules) == 0);
+    CHECK(alpha_of<true>(nothing, rules) == 0);
   }
 }
 
@@ -78,7 +77,6 @@ TEST_CASE("cuda arithmetic: alpha of a square is kept up to the reach and cut at
 }
 
 TEST_CASE("cuda arithmetic: splats that fill a group up show nothing") {
-  const RasterLimits limits(rules);
   const auto check = [&]<class Form>(Form) {
     float4 terms;
     typename Form::Rest rest;
@@ -86,8 +84,8 @@ TEST_CASE("cuda arithmetic: splats that fill a group up show nothing") {
     float exponents[pixels_of_lane];
     Form::evaluate(terms, rest, 7, 3, exponents);
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
-      CHECK(alpha_of<false>(exponents[p], limits) == 0);
-      CHECK(alpha_of<true>(exponents[p], limits) == 0);
+      CHECK(alpha_of<false>(exponents[p], rules) == 0);
+      CHECK(alpha_of<true>(exponents[p], rules) == 0);
     }
   };
   check(CholeskyForm());

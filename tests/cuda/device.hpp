@@ -119,7 +119,7 @@ struct CopySplats<Cuda> {
         check_cuda(cudaMemcpy(memory, span.data, span.size * sizeof *span.data, cudaMemcpyDeviceToDevice),
                    "cudaMemcpy");
     };
-    to.reset(from.size());
+    to.reset(from.size(), 1);
     array(from.shapes, to.shapes.data());
     array(from.depths, to.depths.data());
     array(from.gaussians, to.gaussians.data());

@@ -99,7 +99,7 @@ Drawing draw_on_host(const Picture& picture) {
   View view = picture.view(prepare(out.frame, picture.width, picture.height, picture.settings.outputs));
   if (!picture.occluder.empty())
     view.frame.occluder = {picture.occluder.data(), std::ptrdiff_t(sizeof(float)) * picture.width};
-  std::vector<SquareCounts> counts(Squares(view.frame).size());
+  std::vector<SquareCounts> counts(Squares(tiles_of_frame(view)).size());
   rasterize(serial, Raster{},
             RasterJob{picture.splats.view(),
                       picture.splats.colours_view(),
@@ -118,8 +118,8 @@ struct DevicePicture {
         ids(to_device(of.lists.ids)),
         ranges(to_device(of.lists.ranges)),
         occluder(to_device(of.occluder)),
-        counts(
-            to_device(std::vector<SquareCounts>(Squares({.width = of.width, .height = of.height}).size()))) {}
+        counts(to_device(std::vector<SquareCounts>(
+            Squares(tiles_of_frame(of.view({.width = of.width, .height = of.height}))).size()))) {}
 
   /// The job that draws it into `frame`, before the surface that hides it. Holds until the next.
   RasterJob job(FrameView frame, bool count) {

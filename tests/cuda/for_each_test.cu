@@ -47,7 +47,7 @@ struct Fickle {
     }
   };
   SWIFTGS_HD Tiles tiles(const SplatShape&, TileGrid grid) const {
-    return {{{0, grid.columns}, {0, grid.rows}}, counted, emitted};
+    return {{grid.columns, grid.rows}, counted, emitted};
   }
 };
 
@@ -68,7 +68,8 @@ struct WriteLength {
   }
 };
 void rasterize(Cuda& cuda, ListLengths, const RasterJob& job) {
-  const View& view = only_view(job.views);
+  squares_of(job);
+  const View& view = job.views[0];
   cuda.for_each(std::size_t(view.frame.width) * std::size_t(view.frame.height), WriteLength{job, view});
 }
 static_assert(RastersOn<ListLengths, Cuda> && !RastersOn<ListLengths, Serial>);
@@ -128,14 +129,14 @@ TEST_CASE_TEMPLATE("cuda: a large splat has as many instances as were counted an
         for (int i = 0; i < splats; ++i) set.add(make_splat(250, 200, 90, 90, 0, 0.5), float(1 + i % 5));
         const DeviceSplats uploaded(set);
         const SortInput job = uploaded.job(512, 400);
-        REQUIRE(job.grid.columns == 32);
+        REQUIRE(job.grid.columns.size() == 32);
         const Fickle bounds{counted, emitted};
         typename Sort::template Scratch<Cuda> scratch;
         TileLists<Cuda> lists;
         const Binned<Cuda, Fickle> binned(cuda, job, bounds);
         Sort().build(cuda, binned.job(), bounds, scratch, lists);
         const HostLists found = host_lists(cuda, lists);
-        const auto each = std::size_t(counted * job.grid.rows);
+        const auto each = std::size_t(counted * job.grid.rows.size());
         REQUIRE(found.ids.size() == std::size_t(splats) * each);
         std::vector<std::size_t> seen(std::size_t(splats), 0);
         for (std::vector<std::uint32_t> list : to_vectors(found.view())) {

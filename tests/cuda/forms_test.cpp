@@ -55,13 +55,12 @@ void for_each_splat_and_part(const F& f) {
 /// Compares the exponents and the alphas of a form with double at all pixels of parts. `error_of` bounds it.
 template <class Form, class ErrorOf>
 void check_form(const ErrorOf& error_of) {
-  const RasterLimits limits(rules);
   Worst worst, worst_usual;
   int kept = 0, wrong_alphas = 0;
   for_each_splat_and_part([&](const SplatShape& shape, vec2 first, bool usual) {
     float4 terms;
     typename Form::Rest rest;
-    Form::prepare(shape, shape.mean - first, limits.log2_alpha_min, terms, rest);
+    Form::prepare(shape, shape.mean - first, rules.log2_alpha_min, terms, rest);
     for (int lane = 0; lane < 32; ++lane) {
       const int x = lane % part, y = lane / part;
       float exponents[pixels_of_lane];
@@ -73,8 +72,8 @@ void check_form(const ErrorOf& error_of) {
         worst.add(double(exponents[p]) - exponent, error);
         if (usual && exact.s <= double(shape.reach))
           worst_usual.add(double(exponents[p]) - exponent, 1e-4), ++kept;
-        wrong_alphas += !alpha_allowed(alpha_of<false>(exponents[p], limits), exponent, error);
-        wrong_alphas += !alpha_allowed(alpha_of<true>(exponents[p], limits), exponent, error);
+        wrong_alphas += !alpha_allowed(alpha_of<false>(exponents[p], rules), exponent, error);
+        wrong_alphas += !alpha_allowed(alpha_of<true>(exponents[p], rules), exponent, error);
       }
     }
   });

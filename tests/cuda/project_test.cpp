@@ -112,12 +112,12 @@ struct Stage {
     const TileGrid grid = TileGrid::covering(camera.width, camera.height);
     const std::vector<Footprint> found = to_host(cuda, footprints(bounds).view().each);
     std::uint64_t sum = 0;
-    bool same = found.size() == set.shapes.size() && footprints(bounds).grid == grid;
+    bool same = found.size() == set.shapes.size() &&
+                footprints(bounds).tiles == tiles_of_frame(view_without_camera(camera.width, camera.height));
     for (std::size_t i = 0; same && i < found.size(); ++i) {
       const Footprint expected = find_footprint(bounds, set.shapes[i], grid);
       same = found[i].count == expected.count &&
-             (expected.count == 0 || (found[i].mask == expected.mask && found[i].column == expected.column &&
-                                      found[i].row == expected.row));
+             (expected.count == 0 || (found[i].mask == expected.mask && found[i].first == expected.first));
       sum += found[i].count;
     }
     return same && sum == footprints(bounds).instances;

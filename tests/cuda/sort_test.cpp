@@ -106,7 +106,6 @@ TEST_CASE("cuda sort: footprints are found again where projection found those of
   if (without_device()) return;
   Cuda cuda;
   const DeviceScene scene = cuda.upload(random_scene(3000, 0, 11));
-  const TileGrid grid = TileGrid::covering(700, 500), other = TileGrid::covering(500, 700);
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
   Footprints<Cuda, OpacityBox> boxes;
@@ -116,24 +115,25 @@ TEST_CASE("cuda sort: footprints are found again where projection found those of
   project(cuda, frame.input(), OpacityBox{}, scratch, splats, boxes);
   bin(cuda, frame.views(), Ellipse{}, splats, ellipses);
   const SplatSet set = to_host(cuda, splats.view());
-  const auto found_by = [&]<class Bounds>(const Footprints<Cuda, Bounds>& footprints, TileGrid of) {
+  const auto found_by = [&]<class Bounds>(const Footprints<Cuda, Bounds>& footprints, const View& of) {
     std::uint64_t tiles = 0;
-    for (const SplatShape& shape : set.shapes) tiles += find_footprint(Bounds{}, shape, of).count;
-    return footprints.instances == tiles && footprints.count == set.shapes.size() && footprints.grid == of;
+    for (const SplatShape& shape : set.shapes) tiles += find_footprint(Bounds{}, shape, of.grid).count;
+    return footprints.instances == tiles && footprints.count == set.shapes.size() &&
+           footprints.tiles == tiles_of_frame(of) && footprints.views[0].grid == of.grid;
   };
   REQUIRE(set.shapes.size() > 100);
-  CHECK(found_by(ellipses, grid));
+  CHECK(found_by(ellipses, frame.view));
   bin(cuda, frame.views(), OpacityBox{}, splats, boxes);
-  CHECK(found_by(boxes, grid));
+  CHECK(found_by(boxes, frame.view));
   bin(cuda, {&turned, 1}, OpacityBox{}, splats, boxes);
-  CHECK(found_by(boxes, other));
+  CHECK(found_by(boxes, turned));
 
   // Footprints that are left over from a projection are not those of other splats.
   project(cuda, frame.input(), OpacityBox{}, scratch, splats, boxes);
   Splats<Cuda> own;
   CopySplats<Cuda>::copy(DeviceSplats(set).view(), own);
   bin(cuda, frame.views(), OpacityBox{}, own, boxes);
-  CHECK(found_by(boxes, grid));
+  CHECK(found_by(boxes, frame.view));
 }
 
 TEST_CASE("cuda sort: giants among dots are listed where they lie") {

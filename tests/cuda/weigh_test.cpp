@@ -27,21 +27,21 @@ namespace {
 
 /// Weight of each splat in a part of 8x8 pixels, as the kernel finds it.
 std::vector<std::uint64_t> weights_in_part(const SplatSet& splats, Span<const std::uint32_t> ids,
-                                           vec2 first_centre, const RasterLimits& limits) {
+                                           vec2 first_centre, const BlendRules& rules) {
   std::vector<std::uint64_t> parts(splats.shapes.size());
   for (int lane = 0; lane < 32; ++lane) {
     Pixel pixels[pixels_of_lane];
-    for (Pixel& pixel : pixels) pixel.start(limits.stop_below);
+    for (Pixel& pixel : pixels) pixel.start(rules.stop_below);
     for (const std::uint32_t id : ids) {
       const SplatShape& shape = splats.shapes[id];
       if (!box_touched(shape, first_centre, 8)) continue;
       float4 terms;
       CholeskyForm::Rest rest;
-      CholeskyForm::prepare(shape, shape.mean - first_centre, limits.log2_alpha_min, terms, rest);
+      CholeskyForm::prepare(shape, shape.mean - first_centre, rules.log2_alpha_min, terms, rest);
       float exponents[pixels_of_lane];
       CholeskyForm::evaluate(terms, rest, float(lane % 8), float(lane / 8), exponents);
       for (unsigned p = 0; p < pixels_of_lane; ++p)
-        parts[id] += weight_parts(weigh(pixels[p], alpha_of<true>(exponents[p], limits)));
+        parts[id] += weight_parts(weigh(pixels[p], alpha_of<true>(exponents[p], rules)));
     }
   }
   return parts;
@@ -85,7 +85,7 @@ TEST_CASE("cuda arithmetic: weights in the parts of a square are those of the se
     add_contributions(serial, ContributionJob{raster, expected.data()});
     for (int part = 0; part < 4; ++part) {
       const vec2 first_centre(float(part % 2) * 8 + 0.5f, float(part / 2) * 8 + 0.5f);
-      const auto of_part = weights_in_part(splats, lists.view().ids, first_centre, RasterLimits(rules));
+      const auto of_part = weights_in_part(splats, lists.view().ids, first_centre, rules);
       for (std::size_t i = 0; i < parts.size(); ++i) parts[i] += of_part[i];
     }
     for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -51,8 +51,8 @@ double least_exponent(const SplatShape& shape, double first_x, double y) {
 /// The tiles in which a pixel centre passes s <= reach in double: what no lossless bounds may miss.
 Tiles touched_tiles(const SplatShape& shape) {
   Tiles out;
-  for (int row = 0; row < grid.rows; ++row)
-    for (int column = 0; column < grid.columns; ++column)
+  for (int row = 0; row < grid.rows.end; ++row)
+    for (int column = 0; column < grid.columns.end; ++column)
       for (int y = 0; y < square_side && !out.count({row, column}); ++y)
         if (least_exponent(shape, column * square_side + 0.5, row * square_side + y + 0.5) <=
             double(shape.reach))
@@ -110,8 +110,8 @@ TEST_CASE("bounds: lossless ones keep a tile of which one pixel keeps the splat 
     int tried = 0, missed = 0;
     for (int i = 0; i < 40'000; ++i) {
       SplatShape shape = i % 2 ? usual_splat(random, width, height) : random_splat(random, width, height);
-      const int row = int(random.bits() % std::uint64_t(grid.rows));
-      const int column = int(random.bits() % std::uint64_t(grid.columns));
+      const int row = int(random.bits() % std::uint64_t(grid.rows.end));
+      const int column = int(random.bits() % std::uint64_t(grid.columns.end));
       double least = INFINITY;
       for (int y = 0; y < square_side; ++y)
         least =
@@ -136,8 +136,8 @@ TEST_CASE("bounds: lossless ones list every tile of which a rasterizer visits a 
     std::size_t missed = 0, visited = 0;
     for_each_splat([&](const SplatShape& shape) {
       Tiles rows;
-      for (int row = 0; row < grid.rows; ++row)
-        for (int column = 0; column < grid.columns; ++column)
+      for (int row = 0; row < grid.rows.end; ++row)
+        for (int column = 0; column < grid.columns.end; ++column)
           for (int y = 0; y < square_side && !rows.count({row, column}); ++y)
             if (row_touched(shape, float(column * square_side) + 0.5f, float(row * square_side + y) + 0.5f))
               rows.insert({row, column});
@@ -181,7 +181,7 @@ TEST_CASE("bounds: an ellipse in one row of tiles is as wide as it is") {
 TEST_CASE("bounds: an ellipse of which the image shows the tip is as wide as the tip") {
   // It ends 6 pixels below the image's upper border, where it is 112 pixels wide; at its centre it is 666.
   const SplatShape shape = make_splat(200, -416, 100, 126.76, 0, 1);
-  CHECK(tiles_of<OpacityBox>(shape).size() == std::size_t(grid.columns));
+  CHECK(tiles_of<OpacityBox>(shape).size() == std::size_t(grid.columns.size()));
   CHECK(tiles_of<Ellipse>(shape).size() <= 9);
 }
 
@@ -217,9 +217,9 @@ TEST_CASE("bounds: numbers that are not finite stay inside the grid") {
         *members[member] = wild;
         for (const auto& [row, column] : tiles_of<Bounds>(shape)) {
           CHECK(row >= 0);
-          CHECK(row < grid.rows);
+          CHECK(row < grid.rows.end);
           CHECK(column >= 0);
-          CHECK(column < grid.columns);
+          CHECK(column < grid.columns.end);
         }
       }
   });
@@ -240,10 +240,10 @@ Tiles inria_tiles(double x, double y, double xx, double xy, double yy) {
   const double lambda = mid + std::sqrt(std::max(0.1, mid * mid - (xx * yy - xy * xy)));
   const double radius = std::ceil(3 * std::sqrt(lambda));
   const auto clamp = [](double v, int count) { return int(std::min(std::max(v, 0.0), double(count))); };
-  const int left = clamp(std::floor((x - 0.5 - radius) / 16), grid.columns);
-  const int top = clamp(std::floor((y - 0.5 - radius) / 16), grid.rows);
-  const int right = clamp(std::floor((x - 0.5 + radius + 15) / 16), grid.columns);
-  const int bottom = clamp(std::floor((y - 0.5 + radius + 15) / 16), grid.rows);
+  const int left = clamp(std::floor((x - 0.5 - radius) / 16), grid.columns.end);
+  const int top = clamp(std::floor((y - 0.5 - radius) / 16), grid.rows.end);
+  const int right = clamp(std::floor((x - 0.5 + radius + 15) / 16), grid.columns.end);
+  const int bottom = clamp(std::floor((y - 0.5 + radius + 15) / 16), grid.rows.end);
   Tiles out;
   for (int row = top; row < bottom; ++row)
     for (int column = left; column < right; ++column) out.insert({row, column});

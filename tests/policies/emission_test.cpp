@@ -30,7 +30,7 @@ struct Fickle {
       return {0, width < rect.columns.end ? width : rect.columns.end};
     }
   };
-  Tiles tiles(const SplatShape&, TileGrid grid) const { return {{{0, grid.columns}, {0, grid.rows}}}; }
+  Tiles tiles(const SplatShape&, TileGrid grid) const { return {{grid.columns, grid.rows}}; }
 };
 
 }  // namespace
@@ -47,13 +47,13 @@ TEST_CASE_TEMPLATE(
     CAPTURE(counted);
     CAPTURE(emitted);
     Fickle::when_counted = counted, Fickle::when_emitted = emitted;
-    Fickle::rows_to_count = 20 * std::size_t(job.grid.rows);
+    Fickle::rows_to_count = 20 * std::size_t(job.grid.rows.size());
     B backend;
     if constexpr (std::is_same_v<B, Cpu>) backend = Cpu(1);  // `Fickle` counts calls
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;
     build_again<Fickle>(backend, sort, job, scratch, lists);
-    CHECK(lists.instances == std::size_t(20 * counted * job.grid.rows));
+    CHECK(lists.instances == std::size_t(20 * counted * job.grid.rows.size()));
 
     // Every list holds splats that there are, none of them twice, and each is listed as often as it was
     // counted.
@@ -72,7 +72,7 @@ TEST_CASE_TEMPLATE(
       for (std::size_t id = 0; id < seen.size(); ++id) CHECK(seen[id] <= before[id] + 1);
     }
     CHECK(listed == lists.instances);
-    for (const std::size_t times : seen) CHECK(times == std::size_t(counted * job.grid.rows));
+    for (const std::size_t times : seen) CHECK(times == std::size_t(counted * job.grid.rows.size()));
   };
   for (const int counted : {0, 1, 3, 10})
     for (const int emitted : {0, 1, 3, 10})

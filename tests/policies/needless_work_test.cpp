@@ -188,7 +188,7 @@ TEST_CASE_TEMPLATE("no needless work: tiles without splats cost nothing but the 
     CAPTURE(Raster::name);
     Frame frame;
     const View view = view_into(prepare(frame, 96, 64, {}), {.background = vec3(2)});
-    std::vector<SquareCounts> counts(Squares(view.frame).size(), {9, 9, 9, 9});
+    std::vector<SquareCounts> counts(Squares(tiles_of_frame(view)).size(), {9, 9, 9, 9});
     rasterize(backend, Raster{},
               RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts.data()});
     for (std::size_t square = 0; square < counts.size(); ++square) {

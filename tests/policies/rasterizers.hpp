@@ -63,7 +63,7 @@ Drawing draw(B& backend, const SplatSet& splats, int width, int height, const Dr
   const TileLists<B> lists = build_lists<StandardSort, OpacityBox>(backend, job);
   Drawing drawing;
   const View view = view_into(prepare(drawing.frame, width, height, settings.outputs), settings, tile_side);
-  std::vector<SquareCounts> counts(Squares(view.frame).size());
+  std::vector<SquareCounts> counts(Squares(tiles_of_frame(view)).size());
   rasterize(backend, Raster{},
             RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts.data()});
   for (const SquareCounts& tile : counts) drawing.counts += tile;

@@ -24,11 +24,11 @@ struct SortInput {
   FrameKey key;
 };
 
-/// Copies splats within a host's memory. Other backends specialise this.
+/// Copies splats of one view within a host's memory. Other backends specialise this.
 template <class B>
 struct CopySplats {
   static void copy(const SplatsView& from, Splats<B>& to) {
-    to.reset(from.size());
+    to.resize(from.size(), 1);
     std::copy(from.shapes.begin(), from.shapes.end(), to.shapes.data());
     std::copy(from.depths.begin(), from.depths.end(), to.depths.data());
     std::copy(from.gaussians.begin(), from.gaussians.end(), to.gaussians.data());
@@ -39,16 +39,20 @@ struct CopySplats {
 /// Splats with their footprints: what is sorted.
 template <class B, class Bounds>
 struct Binned {
-  Binned(B& backend, const SortInput& input, const Bounds& bounds) : key(input.key) {
+  Binned(B& backend, const SortInput& input, const Bounds& bounds)
+      : key(input.key), view(view_without_camera(input.key.width, input.key.height, input.grid.side)) {
     CopySplats<B>::copy(input.splats, splats);
-    View view = view_without_camera(input.key.width, input.key.height, input.grid.side);
     bin(backend, {&view, 1}, bounds, splats, footprints);
   }
+  Binned(const Binned&) = delete;
+  Binned& operator=(const Binned&) = delete;
+
   SortJob<Bounds> job() const { return {splats.view(), footprints.view(), key}; }
 
   Splats<B> splats;
   Footprints<B, Bounds> footprints;
   FrameKey key;
+  View view;  ///< the footprints refer to it
 };
 
 /// Splats on the host, and what sorts them for an image.
@@ -104,9 +108,9 @@ template <class Bounds>
 Lists brute_force_lists(const SortInput& job) {
   Lists lists(job.grid.size());
   const Bounds bounds;
-  for (int row = 0; row < job.grid.rows; ++row)
-    for (int column = 0; column < job.grid.columns; ++column) {
-      std::vector<std::uint32_t>& list = lists[std::size_t(row * job.grid.columns + column)];
+  for (int row = job.grid.rows.begin; row < job.grid.rows.end; ++row)
+    for (int column = job.grid.columns.begin; column < job.grid.columns.end; ++column) {
+      std::vector<std::uint32_t>& list = lists[job.grid.number(column, row)];
       for (std::uint32_t id = 0; id < job.splats.size(); ++id) {
         const auto tiles = bounds.tiles(job.splats.shapes[id], job.grid);
         const TileRect& rect = tiles.rect;

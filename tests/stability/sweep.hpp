@@ -67,7 +67,7 @@ struct WholeImage {
   static constexpr std::string_view name = "whole-image";
   static constexpr bool lossless = true;
 
-  BoxTiles tiles(const SplatShape&, TileGrid grid) const { return {{{0, grid.columns}, {0, grid.rows}}}; }
+  BoxTiles tiles(const SplatShape&, TileGrid grid) const { return {{grid.columns, grid.rows}}; }
 };
 
 /// Which renderers draw a case.

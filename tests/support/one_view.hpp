@@ -27,4 +27,7 @@ inline View view_without_camera(int width, int height, int tile_side = default_t
   return {.grid = TileGrid::covering(width, height, tile_side), .frame = {.width = width, .height = height}};
 }
 
+/// The tiles of a frame of one view.
+inline FrameTiles tiles_of_frame(const View& view) { return frame_tiles({&view, 1}); }
+
 }  // namespace swiftgs::test

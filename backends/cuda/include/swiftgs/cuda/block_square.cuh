@@ -38,6 +38,18 @@ struct BlockSquare {
     view = place.view, x = place.x, y = place.y;
   }
 
+  /// Whether it has no pixel of its view, as where a view is narrower than another or slices overlap the last
+  /// row. The frame of a single view has no such square.
+  template <class ViewSource>
+  __device__ bool outside(const RasterInput<ViewSource>& input) const {
+    if constexpr (ViewSource::only) {
+      return false;
+    } else {
+      const FrameView& frame = input.views[view].frame;
+      return x >= frame.width || y >= frame.height;
+    }
+  }
+
   __device__ static std::uint32_t row() { return blockIdx.z * gridDim.y + blockIdx.y; }
   __device__ static std::uint32_t number() { return row() * gridDim.x + blockIdx.x; }
 

@@ -24,6 +24,7 @@ __global__ void __launch_bounds__(raster_pixels_threads)
     raster_pixels(const __grid_constant__ RasterInput<ViewSource> input) {
   const RasterJob& job = input.job;
   const BlockSquare square(input);
+  if (square.outside(input)) return;
   const View& view = input.views[square.view];
   const FrameView& frame = view.frame;
   const int x0 = square.x, y0 = square.y;
