@@ -86,7 +86,7 @@ template <BackendPolicy B>
 /// `only_scene`.
 ///
 /// Backends overload this. An overload may also find `footprints` within `bounds`, if that costs little while
-/// the shapes are at hand; the backend's `bin` then only reads their number.
+/// the shapes are at hand; the backend's `bin` then only settles their number.
 template <BackendPolicy B, BoundsPolicy Bounds>
 void project(B& b, const FrameInput& input, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
              Footprints<B, Bounds>&) {

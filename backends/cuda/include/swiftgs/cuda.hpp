@@ -63,8 +63,8 @@ struct ViewStorage<Cuda> {
 SWIFTGS_API Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage,
                               ViewAccess access = ViewAccess::any);
 
-/// Memory of projection. The next projection clears what this one left: the numbers that `bin` reads, and the
-/// word by which rasterizers know of hidden splats. Rasterize a frame before you project the next.
+/// Memory of projection. The next projection clears what this one left: the numbers that `bin` has compared,
+/// and the word by which rasterizers know of hidden splats. Rasterize a frame before you project the next.
 template <>
 struct ProjectScratch<Cuda> {
   Turns<FrameCounts> turns;
@@ -87,7 +87,8 @@ struct PendingProjection {
 };
 
 /// The buffers have room for as many as the frame's limits say, or for all Gaussians in all views. The device
-/// learns how many are visible from `project`, the host from `bin`; until then `count` is 0.
+/// learns from `project` how many are visible; until `bin`, `count` is 0. After `bin` within limits, `count`
+/// is the most that there may be and `exact` says how many there are, until `await_report` tells the host.
 template <>
 struct Splats<Cuda> {
   DeviceBuffer<SplatShape> shapes;
@@ -144,7 +145,7 @@ class [[nodiscard]] Shading<Cuda> {
           const std::uint32_t* hidden)
       : fork_(std::move(fork)), splats_(&splats), colours_(colours), hidden_(hidden) {}
 
-  /// Call it after `bin`, which learns the number of splats.
+  /// Call it after `bin`, which sets the number of splats.
   ColoursView finish() {
     fork_.join();
     return {{colours_, splats_->count}, hidden_};

@@ -38,10 +38,11 @@ struct FrameTotals {
 /// is used. Its functions return when their work is in stream order, unless they say that they wait.
 /// All of them throw `DeviceError`, and `CapacityError` where the device's memory does not suffice.
 ///
-/// Frames cannot be captured into a CUDA graph: the host reads counts of theirs, and allocates memory for as
-/// many splats and instances as there are. While the stream is being captured, all but `for_each`, `clear`
-/// and rasterizing finished splats throw `DeviceError` before they call CUDA, and the capture stays valid.
-/// What was allocated must not be destroyed then either: CUDA does not allow to free memory.
+/// A recorded frame (`Renderer::record`) may be captured into a CUDA graph, as may `for_each`, `clear`, and
+/// `sort_pairs` of no more pairs than before. What waits, takes the time or copies from the host's memory
+/// throws `DeviceError` while the stream is being captured, before it calls CUDA, and the capture stays
+/// valid. CUDA does not allow to free memory then, so do not destroy or grow a buffer either. A graph holds
+/// addresses of the backend's memory: do not replay it once the backend is gone or its memory has grown.
 class SWIFTGS_API Cuda {
   struct State;
 
@@ -82,8 +83,7 @@ class SWIFTGS_API Cuda {
     ~Fork();
 
     cudaStream_t stream() const;
-    /// Does nothing the second time. Throws `DeviceError` while the backend's stream is being captured; the
-    /// destructor joins nothing then.
+    /// Does nothing the second time. A fork and its join become part of a graph that captures the stream.
     void join();
 
    private:
@@ -129,7 +129,8 @@ class SWIFTGS_API Cuda {
   std::uint64_t exclusive_scan(Span<std::uint32_t> counts);
 
   /// Sorts the first `n` pairs by the low `bits` bits of their keys, ascending and stably, into `keys` and
-  /// `values`, by way of the spare arrays. Throws `CapacityError` beyond 2^32 - 1 pairs.
+  /// `values`, by way of the spare arrays. The host need not know how many there are, only the most. Throws
+  /// `CapacityError` beyond 2^32 - 1 pairs.
   void sort_pairs(Pairs<Cuda, std::uint16_t>& pairs, Count n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, Count n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, Count n, int bits);
