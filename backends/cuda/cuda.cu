@@ -76,10 +76,10 @@ cudaStream_t Cuda::stream() const { return state_->stream; }
 
 void Cuda::check_not_captured(const char* call) const { state_->check_not_captured(call); }
 
-void Cuda::State::check_not_captured(const char* call) const {
+bool Cuda::State::being_captured(const char* call) const {
   cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
   const cudaError_t asked = cudaStreamIsCapturing(stream, &status);
-  if (asked == cudaSuccess && status == cudaStreamCaptureStatusNone) return;
+  if (asked == cudaSuccess) return status != cudaStreamCaptureStatusNone;
   cudaGetLastError();
   // The default stream is never captured itself, but using it breaks the capture of streams that it waits
   // for.
@@ -87,11 +87,14 @@ void Cuda::State::check_not_captured(const char* call) const {
     throw DeviceError(call,
                       "a stream that waits for the default stream is being captured into a CUDA graph, "
                       "expected none while the default stream is used");
-  if (asked == cudaSuccess)
+  return false;  // any other error is that of whichever call comes next
+}
+
+void Cuda::State::check_not_captured(const char* call) const {
+  if (being_captured(call))
     throw DeviceError(call,
                       "the stream is being captured into a CUDA graph, expected a stream that is not, "
                       "since the host would wait for it");
-  // Any other error is that of whichever call comes next.
 }
 
 namespace kernels {
@@ -129,6 +132,7 @@ Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage
 Cuda::Fork Cuda::fork() {
   State::Side& side = state_->side;
   if (side.forked) throw std::logic_error("fork: expected the fork before to be joined");
+  side.captured = state_->being_captured("fork");
   if (!side.stream) side.make();
   check_cuda(cudaEventRecord(side.begun.get(), stream()), "cudaEventRecord");
   check_cuda(cudaStreamWaitEvent(side.stream.get(), side.begun.get()), "cudaStreamWaitEvent");
@@ -140,6 +144,8 @@ cudaStream_t Cuda::Fork::stream() const { return state_->side.stream.get(); }
 
 void Cuda::Fork::join() {
   if (!state_) return;
+  // Events of before a capture do not belong into it.
+  if (!state_->side.captured) state_->check_not_captured("join");
   std::exchange(state_, nullptr)->join();
 }
 

@@ -45,10 +45,12 @@ struct Cuda::State {
     OwnedStream stream;       ///< made when it is needed
     OwnedEvent begun, ended;  ///< made with it
     bool forked = false;      ///< whether the backend's stream has not been told to wait for it
+    bool captured = false;    ///< whether it forked while the backend's stream was being captured
 
     void make();
   };
 
+  bool being_captured(const char* call) const;
   void check_not_captured(const char* call) const;
   void join();
   void wait() const;

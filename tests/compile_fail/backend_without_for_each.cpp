@@ -8,7 +8,7 @@
 class Still : public swiftgs::Serial {
  public:
   template <class Key>
-  void sort_pairs(swiftgs::Pairs<Still, Key>&, std::size_t, int) const {}
+  void sort_pairs(swiftgs::Pairs<Still, Key>&, swiftgs::Count, int) const {}
 #ifndef SWIFTGS_EXPECT_COMPILE
  private:
   using swiftgs::Serial::for_each;

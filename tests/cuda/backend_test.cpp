@@ -258,27 +258,66 @@ TEST_CASE("cuda: a point in time can be read until 255 later ones have been take
   CHECK(cuda.milliseconds(late, late) == 0.0);
 }
 
-TEST_CASE("cuda: each reading gives what the counts were when it was asked for") {
+TEST_CASE("cuda: each report is of what the counts were when they were settled") {
   if (without_device()) return;
   const Cuda cuda;
   DeviceBuffer<FrameCounts> counts;
+  DeviceBuffer<FrameTotals> totals;
+  totals.reset(1);
   for (std::uint64_t i = 1; i < 200; ++i) {
     const FrameCounts written{i, i << 33};
     copy_to_device(Span<const FrameCounts>{&written, 1}, counts);
-    const FrameCounts found = cuda.read({counts.data()});
+    cuda.settle({counts.data()}, {}, totals.data());
+    const FrameReport found = cuda.await_report();
     CHECK(found.visible == written.visible);
     CHECK(found.instances == written.instances);
   }
+}
+
+TEST_CASE("cuda: later stages go by totals that are zero where a frame does not fit its limits") {
+  if (without_device()) return;
+  const Cuda cuda;
+  const DeviceBuffer<FrameCounts> counts = to_device(std::vector<FrameCounts>{{100, 2000}});
+  DeviceBuffer<FrameTotals> totals;
+  totals.reset(1);
+  DeviceBuffer<FrameReport> report;
+  report.reset(1);
+  const auto settled = [&](const Limits& limits) {
+    cuda.settle({counts.data()}, limits, totals.data());
+    return to_host(cuda, std::as_const(totals).span())[0];
+  };
+  for (const Capacity& enough : {Capacity{}, Capacity{100, 2000}, Capacity{100, 0}, Capacity{0, 2000}}) {
+    const FrameTotals found = settled({.capacity = enough, .report = report.data()});
+    CHECK(found.splats == 100);
+    CHECK(found.instances == 2000);
+    CHECK(to_host(cuda, std::as_const(report).span())[0].overflowed == 0);
+  }
+  for (const Limits& none :
+       {Limits{.capacity = {99, 2000}}, Limits{.capacity = {100, 1999}}, Limits{.capacity = {}, .draw = false}}) {
+    Limits limits = none;
+    limits.report = report.data();
+    const FrameTotals found = settled(limits);
+    CHECK(found.splats == 0);
+    CHECK(found.instances == 0);
+    const FrameReport told = to_host(cuda, std::as_const(report).span())[0];
+    CHECK(told.overflowed == 1);
+    CHECK(told.visible == 100);
+    CHECK(told.instances == 2000);
+  }
+  CHECK_THROWS_AS((void)cuda.await_report(), std::logic_error);
 }
 
 TEST_CASE("cuda: counters of the last operation are those of the turn before the next") {
   if (without_device()) return;
   const Cuda cuda;
   const DeviceBuffer<FrameCounts> copies = to_device(std::vector<FrameCounts>{{1, 2}, {3, 4}});
+  DeviceBuffer<FrameTotals> totals;
+  totals.reset(1);
   for (const std::uint32_t next : {0u, 1u, 2u, 3u, kernels::turns_in_all - 1}) {
     CAPTURE(next);
     const DeviceBuffer<std::uint32_t> turn = to_device(std::vector<std::uint32_t>{next});
-    CHECK(cuda.read({copies.data(), turn.data()}).visible == (next % 2 ? 1 : 3));
+    cuda.settle({copies.data(), turn.data()}, {}, totals.data());
+    CHECK(cuda.await_report().visible == (next % 2 ? 1 : 3));
   }
 }
 

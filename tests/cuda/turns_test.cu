@@ -84,7 +84,7 @@ struct Projecting {
     Footprints<Cuda, Ellipse> footprints;
     project(cuda, frame.input(), Ellipse{}, memory, splats, footprints);
     bin(cuda, frame.views(), Ellipse{}, splats, footprints);
-    return {to_host(cuda, splats.view()), footprints.instances, to_host(cuda, footprints.view().each)};
+    return {to_host(cuda, splats.view()), footprints.instances.most, to_host(cuda, footprints.view().each)};
   }
   bool projects(std::size_t n, std::uint64_t seed) {
     const DeviceScene scene = cuda.upload(random_scene(n, 0, seed));
@@ -110,7 +110,7 @@ struct Emitting {
   std::pair<std::vector<std::uint64_t>, std::vector<std::uint32_t>> emitted(const SortJob<Ellipse>& job,
                                                                             InstanceScratch<Cuda>& memory) {
     Pairs<Cuda, std::uint64_t> instances;
-    const std::size_t count = emit_instances(cuda, job, Ellipse{}, nullptr, memory, instances);
+    const std::size_t count = emit_instances(cuda, job, Ellipse{}, nullptr, memory, instances).most;
     return {to_host(cuda, Span<const std::uint64_t>{instances.keys.data(), count}),
             to_host(cuda, Span<const std::uint32_t>{instances.values.data(), count})};
   }

@@ -25,7 +25,7 @@ class ScriptedBackend : public Serial {
   static bool usable() { return true; }
 
   template <class Key>
-  void sort_pairs(Pairs<ScriptedBackend, Key>& pairs, std::size_t n, int bits) {
+  void sort_pairs(Pairs<ScriptedBackend, Key>& pairs, Count n, int bits) {
     if (sizeof(Key) == 8)
       time += standard_ms, last = "standard";
     else

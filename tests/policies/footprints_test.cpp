@@ -39,7 +39,7 @@ void check_footprints_on(B& backend) {
         instances += expected.count;
       }
       CHECK(other == 0);
-      CHECK(found.instances == instances);
+      CHECK(found.instances.most == instances);
     });
 }
 
@@ -86,7 +86,7 @@ TEST_CASE_TEMPLATE("footprints: those that say another number of instances are r
   const SplatSet splats = random_splats(20, 64, 48, 1);
   const Binned<B, Ellipse> binned(backend, splats.job(64, 48), Ellipse{});
   SortJob<Ellipse> job = binned.job();
-  const std::string sum = std::to_string(job.footprints.instances);
+  const std::string sum = std::to_string(job.footprints.instances.most);
   job.footprints.instances = 1;
   const std::string expected =
       "sort: the footprints hold " + sum + " instances, expected those that they say, 1";

@@ -74,8 +74,8 @@ void add_visible(Scene& scene) {
 class RecordingBackend : public Serial {
  public:
   template <class Key>
-  void sort_pairs(Pairs<RecordingBackend, Key>&, std::size_t n, int bits) {
-    calls.push_back(std::to_string(8 * sizeof(Key)) + "-bit keys, " + std::to_string(n) + " pairs, " +
+  void sort_pairs(Pairs<RecordingBackend, Key>&, Count n, int bits) {
+    calls.push_back(std::to_string(8 * sizeof(Key)) + "-bit keys, " + std::to_string(n.get()) + " pairs, " +
                     std::to_string(bits) + " bits");
   }
   std::vector<std::string> calls;

@@ -178,7 +178,7 @@ struct Watched : Serial {
     return Serial::now();
   }
   template <class Key>
-  void sort_pairs(Pairs<Watched, Key>& pairs, std::size_t n, int bits) const {
+  void sort_pairs(Pairs<Watched, Key>& pairs, Count n, int bits) const {
     Pairs<Serial, Key> same{std::move(pairs.keys), std::move(pairs.spare_keys), std::move(pairs.values),
                             std::move(pairs.spare_values)};
     Serial::sort_pairs(same, n, bits);

@@ -175,6 +175,7 @@ template <BoundsPolicy Bounds>
 void run_bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>& splats,
              Footprints<Cuda, Bounds>& footprints, const Limits& limits) {
   const FrameTiles tiles = frame_tiles(views);
+  if (limits.capacity.instances == 0) cuda.check_not_captured("bin");
   const PendingProjection pending = std::exchange(splats.pending, {});
   const PendingProjection found_by = std::exchange(footprints.found_by, {});
   const bool found = pending && found_by == pending && same_grids(views, footprints.views);
