@@ -30,7 +30,8 @@ struct RenderResult {
   std::string renderer, scene, view, conventions;
   int width = 0, height = 0;
   double scale = 1;
-  std::string image;  ///< the file's name as the command prints it
+  std::size_t batch = 1;  ///< views of the frame that it is of; `ms` are its durations over their number
+  std::string image;      ///< the file's name as the command prints it
   StageTimes ms;
   std::optional<Statistics> counts;  ///< where they were asked for
 };

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "options.hpp"
 
+#include <cstddef>
+#include <stdexcept>
+
 #include <CLI/CLI.hpp>
+
+#include <swiftgs/view.hpp>
 
 namespace swiftgs::cli {
 
@@ -45,6 +50,16 @@ void add_views(CLI::App& command, ViewOptions& options, const std::string& defau
 void add_json(CLI::App& command, std::string& file, const std::string& what) {
   command.add_option("--json", file,
                      "File for " + what + ";\n- writes to standard output in place of the text");
+}
+
+void add_batch(CLI::App& command, int& batch) {
+  command.add_option("--batch", batch, "Views that are rendered in one frame")->capture_default_str();
+}
+
+void require_batch(int batch) {
+  if (batch < 1 || std::size_t(batch) > max_views)
+    throw std::invalid_argument("--batch " + std::to_string(batch) + ": expected 1 to " +
+                                std::to_string(max_views));
 }
 
 void add_calibration(CLI::App& command, std::string& file) {

@@ -41,6 +41,12 @@ void add_views(CLI::App& command, ViewOptions& options, const std::string& defau
 /// Adds the option that names a file for `what`.
 void add_json(CLI::App& command, std::string& file, const std::string& what = "the results");
 
+/// Adds the option that says how many views are rendered in one frame.
+void add_batch(CLI::App& command, int& batch);
+
+/// Throws `std::invalid_argument` for a number of views that no frame has.
+void require_batch(int batch);
+
 /// Adds the option that names a file with what `calibrate` measured.
 void add_calibration(CLI::App& command, std::string& file);
 

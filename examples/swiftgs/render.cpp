@@ -33,6 +33,7 @@ struct RenderOptions {
   std::string format = "png";
   std::string calibration;  ///< file, or empty for the one beside the scene
   std::string json;         ///< file for the results, or empty
+  int batch = 1;
   bool stats = false;
 };
 
@@ -59,6 +60,7 @@ void print_statistics(const Statistics& s) {
 
 void render(const RenderOptions& options) {
   const Writer write = writer_of(options.format);
+  require_batch(options.batch);
   const Capture capture = capture_of(options.scene);
   require_distinct({{"--json", options.json}},
                    {{"SCENE", capture.scene.string()},
@@ -79,15 +81,24 @@ void render(const RenderOptions& options) {
   renderer->set_scene(scene);
   Calibrations(options.scene, options.view, scene, options.calibration).hand_to(*renderer, views);
 
-  Frame frame;
+  const std::size_t batch = std::min(std::size_t(options.batch), views.size());
+  std::vector<Camera> cameras;
+  for (const View& view : views) cameras.push_back(view.camera);
+  std::vector<Frame> frames;
+  const auto draw = [&](std::size_t first, const RenderSettings& with) {
+    frames.resize(std::min(batch, views.size() - first));
+    renderer->render({cameras.data() + first, frames.size()}, with, {frames.data(), frames.size()});
+  };
   Progress progress(views.size());
   std::vector<double> totals;
   // The first frame allocates what later ones use again: it is rendered once more, so that no time has it.
-  renderer->render(views.front().camera, settings, frame);
-  for (const View& view : views) {
+  draw(0, settings);
+  StageTimes ms;
+  for (std::size_t at = 0; at < views.size(); ++at) {
+    const View& view = views[at];
     progress.start(view.name);
-    renderer->render(view.camera, timed(settings), frame);
-    const StageTimes ms = renderer->times();
+    if (at % batch == 0) draw(at, timed(settings)), ms = a_view(renderer->times(), frames.size());
+    const Frame& frame = frames[at % batch];
     totals.push_back(ms.total);
     const std::filesystem::path file =
         std::filesystem::path(options.out) / (view.name + "." + options.format);
@@ -99,6 +110,7 @@ void render(const RenderOptions& options) {
                        .width = frame.width,
                        .height = frame.height,
                        .scale = options.view.scale,
+                       .batch = frames.size(),
                        .image = file.string(),
                        .ms = ms,
                        .counts = std::nullopt});
@@ -108,7 +120,8 @@ void render(const RenderOptions& options) {
     if (options.stats) {
       // Counting costs time, so it has a frame of its own.
       settings.count = true;
-      renderer->render(view.camera, settings, frame);
+      Frame counted;
+      renderer->render(view.camera, settings, counted);
       settings.count = false;
       results.back().counts = renderer->statistics();
       print_statistics(*results.back().counts);
@@ -116,9 +129,9 @@ void render(const RenderOptions& options) {
     progress.step();
   }
   std::nth_element(totals.begin(), totals.begin() + std::ptrdiff_t(totals.size() / 2), totals.end());
-  std::printf("%zu %s with %s, median %.2f ms a frame\n", views.size(),
-              views.size() == 1 ? "image" : "images", std::string(renderer->name()).c_str(),
-              totals[totals.size() / 2]);
+  std::printf("%zu %s with %s, median %.2f ms a %s\n", views.size(), views.size() == 1 ? "image" : "images",
+              std::string(renderer->name()).c_str(), totals[totals.size() / 2],
+              batch == 1 ? "frame" : "view");
   if (json.is_wanted()) json.write(to_json(head, results));
   json.finish();
 }
@@ -128,6 +141,8 @@ constexpr const char* more =
 A scene without cameras gets one view, which is found for it; 'builtin' has a front view,
 number 0, and an orbit, 1 to 24. Images are called as the cameras are, or by number.
 A scene that was trained with anti-aliasing is rendered with it.
+With --batch N a frame has N views, the last frame what is left. The time of an image is then
+that of its frame, divided by the views of the frame.
 
 Examples:
   swiftgs render builtin:1000000 --scale 2 --out big
@@ -148,6 +163,7 @@ void add_render(CLI::App& app) {
   command->add_option("--out", options->out, "Folder for the images")->capture_default_str();
   command->add_option("--format", options->format, "Format of the images: png, pfm or exr")
       ->capture_default_str();
+  add_batch(*command, options->batch);
   add_calibration(*command, options->calibration);
   add_json(*command, options->json);
   command->add_flag("--stats", options->stats, "Print what each frame had to do");

@@ -63,4 +63,10 @@ inline RenderSettings timed(RenderSettings settings) {
   return settings;
 }
 
+/// The share of one view in the times of a frame of so many.
+inline StageTimes a_view(const StageTimes& frame, std::size_t views) {
+  const double n = double(views);
+  return {frame.project / n, frame.sort / n, frame.raster / n, frame.total / n};
+}
+
 }  // namespace swiftgs::cli

@@ -35,11 +35,17 @@ class SWIFTGS_API AnyRenderer {
   virtual bool share_scene(const AnyRenderer& other) = 0;
 
   /// As `Renderer::render`. Throws `std::logic_error` before a scene is set.
-  virtual void render(const Camera& camera, const RenderSettings& settings, Frame& frame) = 0;
+  virtual void render(Span<const Camera> cameras, const RenderSettings& settings, Span<Frame> frames) = 0;
+  void render(const Camera& camera, const RenderSettings& settings, Frame& frame) {
+    render(Span<const Camera>{&camera, 1}, settings, Span<Frame>{&frame, 1});
+  }
 
-  /// Renders a frame that stays in the backend's memory, for a program that shows or composes it there. The
-  /// frame is finished when it returns. Throws as `render`.
-  virtual void render_resident(const Camera& camera, const RenderSettings& settings) = 0;
+  /// Renders a frame a camera that stays in the backend's memory, for a program that shows or composes it
+  /// there. The frames are finished when it returns. Throws as `render`.
+  virtual void render_resident(Span<const Camera> cameras, const RenderSettings& settings) = 0;
+  void render_resident(const Camera& camera, const RenderSettings& settings) {
+    render_resident(Span<const Camera>{&camera, 1}, settings);
+  }
 
   /// As `Renderer::times`. @units{milliseconds}
   virtual StageTimes times() = 0;
@@ -101,11 +107,11 @@ class RendererOf final : public RendererOn<B> {
   void set_scene(std::shared_ptr<const Scene> scene) override {
     this->scene_.emplace(renderer_.backend().upload(std::move(scene)));
   }
-  void render(const Camera& camera, const RenderSettings& settings, Frame& frame) override {
-    renderer_.render(this->scene(), camera, settings, frame);
+  void render(Span<const Camera> cameras, const RenderSettings& settings, Span<Frame> frames) override {
+    renderer_.render(this->scene(), cameras, settings, frames);
   }
-  void render_resident(const Camera& camera, const RenderSettings& settings) override {
-    renderer_.render_resident(this->scene().view(), camera, settings);
+  void render_resident(Span<const Camera> cameras, const RenderSettings& settings) override {
+    renderer_.render_resident(this->scene().view(), cameras, settings);
     renderer_.backend().wait();
   }
   StageTimes times() override { return renderer_.times(); }

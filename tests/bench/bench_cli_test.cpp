@@ -67,6 +67,7 @@ TEST_CASE("bench: every combination has a row and every row what the schema says
     }
     CHECK(row.at("ms").at("total").at("median") <= row.at("ms").at("wall").at("high"));
     CHECK(row.at("frames").get<int>() >= 2);
+    CHECK(row.at("batch") == 1);
     const bool cut = row.at("bounds") == "three-sigma-square";
     CHECK(row.at("cut_psnr_db").is_number() == cut);
     CHECK(row.at(cut ? "cut_psnr_db" : "psnr_db").get<double>() > 90);
@@ -77,6 +78,25 @@ TEST_CASE("bench: every combination has a row and every row what the schema says
     CHECK(row.at("contributing_pairs") > 0);
     CHECK(row.at("device_bytes") == 0);
     CHECK(row.at("image").is_null());
+  }
+}
+
+TEST_CASE("bench: a batch changes nothing of a row but its times") {
+  const TemporaryFolder place;
+  const std::string bench = "bench builtin:500 --renderers 'serial/early/per-pixel/ellipse' --views 0,2,5";
+  const std::string timing = " --scales 0.1 --min-frames 2 --max-frames 2 --json ";
+  REQUIRE(swiftgs::test::swiftgs(place, bench + timing + "one.json").code == 0);
+  REQUIRE(swiftgs::test::swiftgs(place, bench + " --batch 4" + timing + "four.json").code == 0);
+  const Json one = json_in(place / "one.json").at("rows"), four = json_in(place / "four.json").at("rows");
+  REQUIRE(four.size() == 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(four[i].at("batch") == 4);
+    for (const char* member :
+         {"view", "renderer", "frames", "psnr_db", "ssim", "visible", "instances", "contributing_pairs"})
+      CHECK(four[i].at(member) == one[i].at(member));
+    CHECK(four[i].at("ms").at("total").at("median") > 0);
+    // The frame holds four views.
+    CHECK(four[i].at("bytes").at("raster").get<double>() > 3 * one[i].at("bytes").at("raster").get<double>());
   }
 }
 

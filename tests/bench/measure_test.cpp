@@ -23,7 +23,8 @@ const auto steady = [](int) { return 2.0; };
 std::vector<Samples> measure_scripted(std::vector<ScriptedRenderer>& renderers, const Plan& plan) {
   std::vector<AnyRenderer*> pointers;
   for (ScriptedRenderer& renderer : renderers) pointers.push_back(&renderer);
-  return measure(pointers, builtin_camera(), {}, plan);
+  const Camera camera = builtin_camera();
+  return measure(pointers, {&camera, 1}, {}, plan);
 }
 
 }  // namespace
@@ -33,6 +34,17 @@ TEST_CASE("bench summary: the median of an even number is between the middle two
   CHECK(d.median == 2.5);
   CHECK(d.low == 1);
   CHECK(d.high == 4);
+}
+
+TEST_CASE("bench measure: a frame of several views counts for each with its share") {
+  ScriptedRenderer renderer(
+      "a", [](int) { return 6.0; }, nullptr);
+  const std::vector<Camera> cameras(3, builtin_camera());
+  const Samples samples =
+      measure({&renderer}, {cameras.data(), cameras.size()}, {}, Plan{.min_frames = 2, .max_frames = 2})[0];
+  for (const double total : samples.total) CHECK(total == 2);
+  for (const double sort : samples.sort) CHECK(sort == doctest::Approx(0.4));
+  CHECK(samples.frames() == 2);
 }
 
 TEST_CASE("bench summary: a single value is its own interval") {

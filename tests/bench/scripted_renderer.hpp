@@ -19,8 +19,8 @@ class ScriptedRenderer final : public AnyRenderer {
   std::string_view name() const override { return name_; }
   void set_scene(std::shared_ptr<const Scene>) override {}
   bool share_scene(const AnyRenderer&) override { return true; }
-  void render(const Camera&, const RenderSettings&, Frame&) override {}
-  void render_resident(const Camera&, const RenderSettings&) override {
+  void render(Span<const Camera>, const RenderSettings&, Span<Frame>) override {}
+  void render_resident(Span<const Camera>, const RenderSettings&) override {
     ++frames;
     if (calls_) calls_->push_back(name_);
   }

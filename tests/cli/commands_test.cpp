@@ -16,6 +16,7 @@
 
 using nlohmann::json;
 using swiftgs::test::contains;
+using swiftgs::test::content_of;
 using swiftgs::test::json_in;
 using swiftgs::test::Outcome;
 using swiftgs::test::run;
@@ -131,6 +132,39 @@ TEST_CASE("cli: render takes ranges of views") {
   const TemporaryFolder place;
   run(place, "render builtin:10 --scale 0.02 --views 3-5,8");
   CHECK(files_in(place / "renders").size() == 4);
+}
+
+TEST_CASE("cli: render draws several views in a frame as it draws each alone") {
+  const TemporaryFolder place;
+  const std::string frame = "render builtin:2000 --scale 0.05 --views 0-6 --format pfm ";
+  run(place, frame + "--out alone --json alone.json");
+  const std::string text = run(place, frame + "--out batch --batch 3 --stats --json batch.json").out;
+  CHECK(contains(text, "7 images with "));
+  CHECK(contains(text, " ms a view\n"));
+  const json alone = json_in(place / "alone.json")["rows"], rows = json_in(place / "batch.json")["rows"];
+  REQUIRE(rows.size() == 7);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    CHECK(alone[i]["batch"] == 1);
+    CHECK(rows[i]["batch"] == (i < 6 ? 3 : 1));
+    CHECK(rows[i]["view"] == alone[i]["view"]);
+    CHECK(rows[i]["ms"] == rows[i / 3 * 3]["ms"]);
+    CHECK(rows[i]["ms"]["total"] > 0);
+    CHECK(rows[i]["visible"] > 0);
+    CHECK(content_of(place / rows[i]["image"].get<std::string>()) ==
+          content_of(place / alone[i]["image"].get<std::string>()));
+  }
+  run(place, "render builtin:100 --scale 0.02 --views 0-2 --batch 50 --out all");
+  CHECK(files_in(place / "all").size() == 3);
+}
+
+TEST_CASE("cli: a batch of no views or of more than a frame has is refused") {
+  const TemporaryFolder place;
+  for (const std::string command : {"render", "bench"})
+    for (const std::string batch : {"0", "-3", "65537"}) {
+      const Outcome outcome = swiftgs::test::swiftgs(place, command + " builtin:50 --batch=" + batch);
+      CHECK(outcome.code == 1);
+      CHECK(outcome.err == "swiftgs: --batch " + batch + ": expected 1 to 65536\n");
+    }
 }
 
 TEST_CASE("cli: render shows the background where nothing else is") {

@@ -22,12 +22,14 @@ class ScriptedRenderer final : public AnyRenderer {
   std::string device_name() const override { return "none"; }
   void set_scene(std::shared_ptr<const Scene>) override {}
   bool share_scene(const AnyRenderer&) override { return true; }
-  void render(const Camera& camera, const RenderSettings&, Frame&) override { width_ = camera.width; }
-  void render_resident(const Camera& camera, const RenderSettings&) override {
+  void render(Span<const Camera> cameras, const RenderSettings&, Span<Frame>) override {
+    width_ = cameras[0].width;
+  }
+  void render_resident(Span<const Camera> cameras, const RenderSettings&) override {
     // The first frame after another renderer's is dear.
     first_ = last != this;
     last = this;
-    width_ = camera.width, ++frames;
+    width_ = cameras[0].width, ++frames;
   }
   StageTimes times() override {
     turns.push_back(this);

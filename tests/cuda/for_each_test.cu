@@ -6,7 +6,7 @@
 #include <swiftgs/cuda.cuh>
 #include <swiftgs/renderer.hpp>
 
-#include "cuda/device.hpp"
+#include "cuda/views.hpp"
 #include "support/one_view.hpp"
 
 namespace swiftgs::test {
@@ -168,6 +168,14 @@ TEST_CASE("cuda: projection takes bounds of the caller") {
   for (const SplatShape& shape : set.shapes)
     tiles += find_footprint(EvenRows{}, shape, frame.view.grid).count;
   CHECK(footprints.instances.most == tiles);
+}
+
+TEST_CASE_TEMPLATE("cuda: bounds of the caller list several views as they list each alone", Sort,
+                   StandardSort, EarlySort) {
+  if (without_device()) return;
+  Renderer<Cuda, Sort, PerPixel, EvenRows> together, alone;
+  const DeviceScene scene = together.backend().upload(random_scene(20'000, 0, 11));
+  check_lists(together, alone, scene.view());
 }
 
 TEST_CASE_TEMPLATE("cuda: a renderer takes the overload of a rasterizer of the caller", Raster, ListLengths,

@@ -6,6 +6,8 @@
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/renderer.hpp>
 
+#include "cuda/views.hpp"
+
 #define SWIFTGS_TEST_RASTER_PIXELS
 #include "cuda/raster_test.cpp"
 
@@ -87,6 +89,15 @@ TEST_CASE("cuda raster pixels: a renderer takes a rasterizer of the caller on ev
   const Frame serial = frame_on<Serial>(scene, camera);
   CHECK(psnr(frame_on<Cpu>(scene, camera).colour, serial.colour) > 60);
   CHECK(psnr(frame_on<Cuda>(scene, camera).colour, serial.colour) > 60);
+}
+
+TEST_CASE("cuda raster pixels: a rasterizer of the caller draws several views as it draws each alone") {
+  if (without_device()) return;
+  Renderer<Cuda, EarlySort, HalfAsOpaque, Ellipse> together, alone;
+  const DeviceScene scene = together.backend().upload(random_scene(400, 1, 25));
+  check_lists_of_views<OnDevice>(together, alone, scene.view());
+  check_bands<OnDevice>(together, scene.view());
+  check_many_rows(together, scene);
 }
 
 TEST_CASE("cuda raster pixels: counts are the host's where no threshold is near") {

@@ -13,6 +13,7 @@
 #include <swiftgs/reference.hpp>
 
 #include "cuda/drawings.hpp"
+#include "policies/cameras.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -121,6 +122,19 @@ TEST_CASE("cuda renderer: all draw the reference's image with a principal point 
 TEST_CASE("cuda renderer: all draw the reference's image of the built-in scene") {
   if (without_device()) return;
   check_all(make_builtin_scene(8000), builtin_camera(192, 108), Conventions::gsplat());
+}
+
+TEST_CASE("cuda renderer: every combination draws several views as it draws each alone") {
+  if (without_device()) return;
+  const auto scene = std::make_shared<const Scene>(make_builtin_scene(8000));
+  const std::vector<Camera> cameras = builtin_cameras(5, 192, 108);
+  RenderSettings settings;
+  settings.outputs = {true, true}, settings.background = vec3(0.2f, 0.3f, 0.4f);
+  for (const RendererEntry& entry : renderers()) {
+    if (!has(entry.name, "cuda/")) continue;
+    CAPTURE(entry.name);
+    check_cameras(*entry.make(), scene, {cameras.data(), cameras.size()}, settings);
+  }
 }
 
 TEST_CASE("cuda renderer: is usable after a frame that needs too many instances") {

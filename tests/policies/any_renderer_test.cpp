@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <stdexcept>
 
@@ -7,8 +8,12 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/swiftgs.hpp>
+
+#include "policies/cameras.hpp"
 
 using namespace swiftgs;
+using namespace swiftgs::test;
 
 namespace {
 
@@ -56,6 +61,22 @@ TEST_CASE("any renderer: a resident frame is finished and counted as any other")
   CHECK(renderer->statistics().instances == instances);
   CHECK(renderer->statistics().raster.contributing_pairs > 0);
   CHECK_FALSE(renderer->device_memory().has_value());
+}
+
+TEST_CASE("any renderer: every combination of the host draws several views as it draws each alone") {
+  const auto scene = small_scene();
+  Camera other = small_camera(), third = scaled(builtin_camera(), 0.03);
+  other.translation = dvec3(0.3, -0.1, 0.2), third.height -= 3;
+  const Camera cameras[] = {small_camera(), other, third, other};
+  RenderSettings settings;
+  settings.outputs = {true, true}, settings.background = vec3(0.2f, 0.3f, 0.4f);
+  std::size_t tried = 0;
+  for (const RendererEntry& entry : renderers()) {
+    if (!entry.name.starts_with("serial/") && !entry.name.starts_with("cpu/")) continue;
+    CAPTURE(entry.name);
+    check_cameras(*entry.make(), scene, {cameras, std::size(cameras)}, settings), ++tried;
+  }
+  CHECK(tried == 2 * AllSorts::size * AllRasters::size * AllBounds::size);
 }
 
 TEST_CASE("any renderer: measurements reach an adaptive sort and change nothing of another") {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -111,6 +112,29 @@ TEST_CASE("cpu stages: every vector target projects to the scalar splats within 
         CHECK(alone <= 1);  // at the border of the image; none was measured
       }
     }
+}
+
+TEST_CASE(
+    "cpu stages: every vector target finds the splats of a part of an image that the scalar form finds") {
+  const Scene scene = random_scene(40000, 0, 64);
+  Targets targets;
+  for (const Camera& camera : {forward_camera(640, 480), turned_camera()}) {
+    const View view = make_view(camera, Conventions(), {.width = 300, .height = 201}, vec3(0), {160, 112});
+    Projected scalar;
+    targets.on(0, [&](auto& backend) { scalar = project_to_host(backend, view, scene); });
+    REQUIRE(scalar.gaussians.size() > 1000);
+    REQUIRE(scalar.gaussians.size() < 30000);
+    for (std::size_t t = 1; t < targets.size(); ++t) {
+      const std::string name = targets.name(t);
+      CAPTURE(name);
+      Projected found;
+      targets.on(t, [&](auto& backend) { found = project_to_host(backend, view, scene); });
+      std::vector<std::uint32_t> alone;
+      std::set_symmetric_difference(scalar.gaussians.begin(), scalar.gaussians.end(), found.gaussians.begin(),
+                                    found.gaussians.end(), std::back_inserter(alone));
+      CHECK(alone.size() <= 1);  // at the border of the part
+    }
+  }
 }
 
 TEST_CASE("cpu stages: every vector target shades to the scalar colours within a few ulps") {

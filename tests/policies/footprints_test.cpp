@@ -43,11 +43,45 @@ void check_footprints_on(B& backend) {
     });
 }
 
+/// The same for two views whose splats take turns, of which the second shows a part of its image.
+template <class B>
+void check_footprints_of_views_on(B& backend) {
+  const SplatSet set = random_splats(3001, 700, 500, 5);
+  for (const int side : {16, 64})
+    for_each_type(AllBounds(), [&]<class Bounds>(Bounds bounds) {
+      CAPTURE(side);
+      CAPTURE(Bounds::name);
+      View views[] = {view_without_camera(700, 500, side), view_without_camera(300, 250, side)};
+      views[1].grid.columns.begin += 2, views[1].grid.columns.end += 2;
+      views[1].grid.rows.begin += 1, views[1].grid.rows.end += 1;
+      number_tiles({views, 2});
+      Splats<B> splats;
+      CopySplats<B>::copy(set.view(), splats);
+      splats.resize(splats.count, 2);
+      for (std::size_t i = 0; i < splats.count; ++i) splats.of_view.data()[i] = i / 7 % 2;
+      Footprints<B, Bounds> footprints;
+      bin(backend, {views, 2}, bounds, splats, footprints);
+      const FootprintsView<Bounds> found = footprints.view();
+      REQUIRE(found.each.size == set.shapes.size());
+      std::uint64_t instances = 0, other = 0, in_part = 0;
+      for (std::size_t i = 0; i < found.each.size; ++i) {
+        const Footprint expected = find_footprint(bounds, set.shapes[i], views[i / 7 % 2].grid);
+        other += found.each[i].mask != expected.mask || found.each[i].count != expected.count ||
+                 (expected.count != 0 && found.each[i].first != expected.first);
+        instances += expected.count, in_part += i / 7 % 2 != 0 && expected.count != 0;
+      }
+      CHECK(other == 0);
+      CHECK(found.instances == instances);
+      CHECK(in_part > 300);
+    });
+}
+
 }  // namespace
 
 TEST_CASE_TEMPLATE("footprints: every backend finds those of the scalar bounds", B, SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
   check_footprints_on(backend);
+  check_footprints_of_views_on(backend);
 }
 
 TEST_CASE("footprints: every vector target finds those of the scalar bounds") {
@@ -56,6 +90,7 @@ TEST_CASE("footprints: every vector target finds those of the scalar bounds") {
     CAPTURE(hwy::TargetName(target));
     const OnlyTargets only(target);
     check_footprints_on(cpu);
+    check_footprints_of_views_on(cpu);
   }
 }
 

@@ -34,6 +34,7 @@ struct BenchOptions {
   std::string errors = "all";
   std::string json, images;
   Plan plan;
+  int batch = 1;
   bool profile = false;
 };
 
@@ -44,6 +45,8 @@ commas; every combination is measured. Frames are not copied from the GPU. Rende
 in a random order. Each is timed until its median is as certain as --precision asks, or until
 --max-frames are drawn.
 --gaussians splits or thins a scene, --enlarge multiplies the scales of its Gaussians.
+With --batch N a frame has N views, the one that a row is of and those after it, and the row's
+times are those of the frame divided by N.
 --errors is all, none, or how many views of each scene are compared with float64.
 The columns are means over views; docs/results.md describes the JSON.
 With --profile nothing is timed or compared: after frames that warm up, each renderer draws each
@@ -200,7 +203,8 @@ class Matrix {
 
 /// Throws if an option was given that says how to measure.
 void require_nothing_measured(const CLI::App& command) {
-  for (const char* option : {"--errors", "--precision", "--min-frames", "--max-frames", "--json", "--images"})
+  for (const char* option :
+       {"--errors", "--precision", "--min-frames", "--max-frames", "--batch", "--json", "--images"})
     if (command.count(option) > 0)
       throw std::invalid_argument(std::string(option) +
                                   ": expected no --profile with it, which measures nothing");
@@ -208,6 +212,7 @@ void require_nothing_measured(const CLI::App& command) {
 
 void bench(const BenchOptions& options) {
   validate(options.plan);
+  require_batch(options.batch);
   if (!options.images.empty() && options.json.empty())
     throw std::invalid_argument("--images " + options.images + ": expected --json too, which names them");
   const std::vector<RendererEntry> entries = renderers_matching(options.renderers);
@@ -224,8 +229,10 @@ void bench(const BenchOptions& options) {
   if (options.profile)
     return matrix.for_each_session(results,
                                    [&](const Session& session) { profile(entries, session, progress); });
-  Runner runner(entries, {options.plan, judged_views(options.errors), options.images, options.json}, results,
-                json, progress);
+  Runner runner(
+      entries,
+      {options.plan, judged_views(options.errors), options.images, options.json, std::size_t(options.batch)},
+      results, json, progress);
   matrix.for_each_session(results, [&](const Session& session) { runner.run(session); });
   progress.clear();
   print_tables(results.rows);
@@ -259,6 +266,7 @@ void add_bench(CLI::App& app) {
   command->add_option("--min-frames", options->plan.min_frames, "Fewest frames to time")
       ->capture_default_str();
   command->add_option("--max-frames", options->plan.max_frames, "Most frames to time")->capture_default_str();
+  add_batch(*command, options->batch);
   command->add_option("--seed", options->plan.seed, "Seed of the renderers' order and of thinned scenes")
       ->capture_default_str();
   add_json(*command, options->json);

@@ -29,17 +29,17 @@ double percentile(const std::vector<double>& values, double part) {
   return values[below] + (at - double(below)) * (values[above] - values[below]);
 }
 
-void add_frame(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings,
+void add_frame(AnyRenderer& renderer, Span<const Camera> cameras, const RenderSettings& settings,
                Samples& samples) {
   using Clock = std::chrono::steady_clock;
   const RenderSettings with_times = timed(settings);
   const auto start = Clock::now();
-  renderer.render_resident(camera, with_times);
+  renderer.render_resident(cameras, with_times);
   const double wall = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-  const StageTimes ms = renderer.times();
+  const StageTimes ms = a_view(renderer.times(), cameras.size);
   samples.project.push_back(ms.project), samples.sort.push_back(ms.sort);
   samples.raster.push_back(ms.raster), samples.total.push_back(ms.total);
-  samples.wall.push_back(wall);
+  samples.wall.push_back(wall / double(cameras.size));
 }
 
 bool precise(const Samples& samples, const Plan& plan) {
@@ -76,14 +76,14 @@ Durations Samples::summary() const {
   return {summary_of(project), summary_of(sort), summary_of(raster), summary_of(total), summary_of(wall)};
 }
 
-void adapt(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings) {
+void adapt(AnyRenderer& renderer, Span<const Camera> cameras, const RenderSettings& settings) {
   const bool adaptive = RendererWords(renderer.name()).sort == AdaptiveSort::name;
   int frames = 0;
-  do renderer.render_resident(camera, settings), ++frames;
+  do renderer.render_resident(cameras, settings), ++frames;
   while (adaptive && !renderer.calibration() && frames < most_frames_to_adapt);
 }
 
-std::vector<Samples> measure(const std::vector<AnyRenderer*>& renderers, const Camera& camera,
+std::vector<Samples> measure(const std::vector<AnyRenderer*>& renderers, Span<const Camera> cameras,
                              const RenderSettings& settings, const Plan& plan,
                              const std::function<void(const AnyRenderer&)>& finished) {
   std::vector<Samples> samples(renderers.size());
@@ -93,9 +93,9 @@ std::vector<Samples> measure(const std::vector<AnyRenderer*>& renderers, const C
   while (!order.empty()) {
     std::shuffle(order.begin(), order.end(), random);
     for (const std::size_t i : order) {
-      renderers[i]->render_resident(camera, settings);
+      renderers[i]->render_resident(cameras, settings);
       for (int frame = 0; frame < frames_a_turn && samples[i].frames() < plan.max_frames; ++frame)
-        add_frame(*renderers[i], camera, settings, samples[i]);
+        add_frame(*renderers[i], cameras, settings, samples[i]);
       if (finished && precise(samples[i], plan)) finished(*renderers[i]);
     }
     std::erase_if(order, [&](std::size_t i) { return precise(samples[i], plan); });

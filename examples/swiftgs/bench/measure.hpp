@@ -26,7 +26,7 @@ void validate(const Plan& plan);
 /// the interval is all of them: no narrower one holds the median with 95 %.
 Duration summary_of(std::vector<double> values);
 
-/// Durations of the frames of one renderer. @units{milliseconds}
+/// Durations of the frames of one renderer, over their number of views. @units{milliseconds}
 struct Samples {
   std::vector<double> project, sort, raster, total, wall;
 
@@ -34,14 +34,15 @@ struct Samples {
   Durations summary() const;
 };
 
-/// Draws a view until an adaptive sort has decided for its size, or once.
-void adapt(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings);
+/// Draws a frame for `cameras` until an adaptive sort has decided for its size, or once.
+void adapt(AnyRenderer& renderer, Span<const Camera> cameras, const RenderSettings& settings);
 
-/// Times frames that stay with the backends. In each round every renderer has its turn, in a new order each
-/// time, so a machine that drifts is no one's advantage; a turn begins with a frame that is not timed, since
-/// the caches are the previous renderer's. A renderer whose median is precise enough has no further turns.
-/// `finished` is called with each that is.
-std::vector<Samples> measure(const std::vector<AnyRenderer*>& renderers, const Camera& camera,
+/// Times frames for `cameras`, a view each, by their duration over the number of views. They stay with the
+/// backends. In each round every renderer has its turn, in a new order each time, so a machine that drifts is
+/// no one's advantage; a turn begins with a frame that is not timed, since the caches are the previous
+/// renderer's. A renderer whose median is precise enough has no further turns. `finished` is called with each
+/// that is.
+std::vector<Samples> measure(const std::vector<AnyRenderer*>& renderers, Span<const Camera> cameras,
                              const RenderSettings& settings, const Plan& plan,
                              const std::function<void(const AnyRenderer&)>& finished = {});
 

@@ -43,7 +43,7 @@ void print_frames(const AnyRenderer& renderer, const Session& session) {
 }  // namespace
 
 void draw_marked(AnyRenderer& renderer, const Session& session, const Mark& mark) {
-  for (const View& view : session.views) adapt(renderer, view.camera, session.settings);
+  for (const View& view : session.views) adapt(renderer, {&view.camera, 1}, session.settings);
   mark(true);
   for (const View& view : session.views) renderer.render_resident(view.camera, session.settings);
   mark(false);

@@ -50,6 +50,7 @@ Json json_of(const RowResult& r) {
   json["backend"] = words.backend, json["sort"] = words.sort;
   json["raster"] = words.raster, json["bounds"] = words.bounds;
   json["frames"] = r.frames;
+  json["batch"] = r.batch;
   json["calibrated"] = r.calibrated;
   json["ms"] = {{"project", json_of(r.ms.project)},
                 {"sort", json_of(r.ms.sort)},

@@ -69,6 +69,7 @@ struct RowResult {
   int threads = 0;
   std::string renderer;
   int frames = 0;
+  std::size_t batch = 1;    ///< views of each frame; `ms` are its durations over their number
   bool calibrated = false;  ///< an adaptive sort had saved measurements for all views
   Durations ms;
   std::optional<Errors> errors;

@@ -51,6 +51,13 @@ void Runner::run(const Session& session) {
   }
 }
 
+std::vector<Camera> Runner::batch_of(const Session& session, std::size_t view) const {
+  std::vector<Camera> cameras;
+  for (std::size_t i = 0; i < options_.batch; ++i)
+    cameras.push_back(session.views[(view + i) % session.views.size()].camera);
+  return cameras;
+}
+
 std::vector<Runner::Subject> Runner::prepare(const Session& session, std::size_t first) {
   std::vector<Subject> subjects;
   std::uint64_t largest = 0;
@@ -65,8 +72,11 @@ std::vector<Runner::Subject> Runner::prepare(const Session& session, std::size_t
     subject.calibrated = session.calibrations && session.calibrations->hand_to(renderer, session.views);
     release_free_memory();
     const std::uint64_t device = device_bytes(renderer), host = resident_memory();
-    // Every view once, so that nothing grows later.
-    for (const View& view : session.views) renderer.render_resident(view.camera, session.settings);
+    // Every frame once, so that nothing grows later.
+    for (std::size_t view = 0; view < session.views.size(); ++view) {
+      const std::vector<Camera> cameras = batch_of(session, view);
+      renderer.render_resident({cameras.data(), cameras.size()}, session.settings);
+    }
     subject.device_bytes = grown(device, device_bytes(renderer));
     subject.host_bytes = grown(host, resident_memory());
     largest = std::max({largest, subject.device_bytes, subject.host_bytes});
@@ -94,11 +104,12 @@ void Runner::measure_view(const Session& session, std::size_t view, std::vector<
                           Judge& judge) {
   std::vector<AnyRenderer*> renderers;
   for (const Subject& subject : subjects) renderers.push_back(subject.renderer.get());
-  const Camera& camera = session.views[view].camera;
+  const std::vector<Camera> batch = batch_of(session, view);
+  const Span<const Camera> cameras{batch.data(), batch.size()};
   progress_.start(session.scene.scene + " " + session.views[view].name);
-  for (AnyRenderer* renderer : renderers) adapt(*renderer, camera, session.settings);
+  for (AnyRenderer* renderer : renderers) adapt(*renderer, cameras, session.settings);
   const std::vector<Samples> samples = measure(
-      renderers, camera, session.settings, options_.plan,
+      renderers, cameras, session.settings, options_.plan,
       [&](const AnyRenderer& renderer) { progress_.step(), progress_.start(std::string(renderer.name())); });
   for (std::size_t i = 0; i < subjects.size(); ++i)
     results_.rows.push_back(row_of(session, view, subjects[i], samples[i], judge));
@@ -112,6 +123,7 @@ RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subj
   row.threads = session.threads;
   row.renderer = renderer.name();
   row.frames = samples.frames();
+  row.batch = options_.batch;
   row.ms = samples.summary();
   row.calibrated = subject.calibrated;
   row.bytes = renderer.memory();

@@ -41,6 +41,7 @@ class Runner {
     std::size_t judged = 0;        ///< how many of a session's views are compared with a reference
     std::filesystem::path images;  ///< folder for those of a session's first view; empty for none
     std::filesystem::path file;    ///< of the results, which image files are named from; empty for none
+    std::size_t batch = 1;         ///< views of a frame that is timed
   };
 
   /// `file` is written after every view.
@@ -61,6 +62,8 @@ class Runner {
     bool calibrated = false;
   };
 
+  /// Of the frame that is timed for a view: the view and those after it, and the first ones after the last.
+  std::vector<Camera> batch_of(const Session& session, std::size_t view) const;
   std::vector<Subject> prepare(const Session& session, std::size_t first);
   void add_view(const Session& session, std::size_t view, Judge& judge);
   void measure_view(const Session& session, std::size_t view, std::vector<Subject>& subjects, Judge& judge);

@@ -1,0 +1,422 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Frames of several views, and of parts of an image, against frames of one view.
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/project.hpp>
+#include <swiftgs/renderer.hpp>
+
+#include "policies/directions.hpp"
+#include "policies/random_splats.hpp"
+#include "policies/tile_lists.hpp"
+
+namespace swiftgs::test {
+
+/// A view and what is asked of it.
+struct AskedView {
+  Camera camera;
+  Conventions conventions = Conventions::gsplat();
+  vec3 background{0};
+  PixelFormat format = PixelFormat::rgb_float;
+  bool colour = true, alpha = true, depth = true, occluder = false, over = false;
+
+  PlanesMemory memory() const { return {camera.width, camera.height, format}; }
+  /// `planes` without those that are not asked for.
+  FrameView frame(FrameView planes) const {
+    if (!colour) planes.colour = {};
+    if (!alpha) planes.alpha = {};
+    if (!depth) planes.depth = {};
+    if (!occluder) planes.occluder = {};
+    planes.over = over;
+    return planes;
+  }
+  RenderSettings settings() const {
+    RenderSettings settings;
+    settings.conventions = conventions, settings.background = background;
+    return settings;
+  }
+};
+
+/// Memory of the host where a renderer of the host writes it. A device has a type of its own.
+class OnHost {
+ public:
+  explicit OnHost(PlanesMemory& memory) : memory_(&memory) {}
+
+  FrameView frame() const {
+    auto& bytes = memory_->bytes;
+    return memory_->frame({bytes[0].data(), bytes[1].data(), bytes[2].data(), bytes[3].data()});
+  }
+  /// Brings what was drawn back to the host.
+  template <class B>
+  void finish(const B&) const {}
+
+ private:
+  PlanesMemory* memory_;
+};
+
+/// A camera beside the one of `forward_camera`, turned about the vertical by `angle`.
+inline Camera turned_camera(int width, int height, double angle, double aside = 0) {
+  Camera camera = forward_camera(width, height);
+  const double c = std::cos(angle), s = std::sin(angle);
+  camera.rotation[0] = dvec3(c, 0, s), camera.rotation[1] = dvec3(0, 1, 0),
+  camera.rotation[2] = dvec3(-s, 0, c);
+  camera.translation = dvec3(aside, -0.3 * aside, 0);
+  return camera;
+}
+
+/// Looks away from every Gaussian of `random_scene` that lies ahead.
+inline AskedView empty_view(int width, int height) {
+  AskedView view{turned_camera(width, height, 3.14159265)};
+  view.camera.translation = dvec3(0, 0, -20);
+  view.background = vec3(0.4f, 0.1f, 0.7f);
+  return view;
+}
+
+/// Five views that have nothing in common. The third shows nothing, the fourth is the second again.
+inline std::vector<AskedView> different_views() {
+  AskedView plain{forward_camera(37, 21)};
+  plain.background = vec3(0.3f, 1.7f, -0.4f);
+  AskedView over{turned_camera(64, 48, 0.2, 0.4), Conventions::inria(), vec3(9), PixelFormat::rgba_8};
+  over.over = true, over.depth = false;
+  AskedView empty = empty_view(16, 16);
+  empty.format = PixelFormat::rgba_half, empty.alpha = false;
+  AskedView hidden{turned_camera(100, 75, -0.3, -0.5)};
+  hidden.conventions.antialiased = true, hidden.conventions.alpha_min = 1.0f / 100;
+  hidden.background = vec3(0.5f, 0.2f, 0), hidden.format = PixelFormat::rgba_float, hidden.occluder = true;
+  return {plain, over, empty, over, hidden};
+}
+
+inline bool same_counts(const SquareCounts& a, const SquareCounts& b) {
+  return a.instances_visited == b.instances_visited && a.rows_visited == b.rows_visited &&
+         a.contributing_pairs == b.contributing_pairs && a.pixels_stopped == b.pixels_stopped;
+}
+
+/// What frames of one view each draw, and what they took together.
+struct DrawnAlone {
+  std::vector<PlanesMemory> memories;
+  Statistics sum;
+};
+
+/// Draws each view in a frame of its own, by the call that takes a camera.
+template <class Place, class R>
+DrawnAlone draw_alone(R& renderer, const SceneView& scene, const std::vector<AskedView>& asked) {
+  DrawnAlone out;
+  out.sum.gaussians = scene.size();
+  for (const AskedView& view : asked) {
+    PlanesMemory memory = view.memory();
+    Place place(memory);
+    RenderSettings settings = view.settings();
+    renderer.render_into(scene, view.camera, settings, view.frame(place.frame()));
+    place.finish(renderer.backend());
+    out.memories.push_back(memory);
+    settings.count = true;
+    PlanesMemory counted = view.memory();
+    Place other(counted);
+    renderer.render_into(scene, view.camera, settings, view.frame(other.frame()));
+    const Statistics statistics = renderer.statistics();
+    out.sum.visible += statistics.visible, out.sum.instances += statistics.instances;
+    out.sum.raster += statistics.raster;
+  }
+  return out;
+}
+
+/// Checks that one frame of all views draws what frames of one view draw, byte by byte, and takes as much.
+/// `alone` draws the latter, so that `together` may go from frame to frame of many views.
+template <class Place, class R>
+void check_views(R& together, R& alone, const SceneView& scene, const std::vector<AskedView>& asked) {
+  const DrawnAlone expected = draw_alone<Place>(alone, scene, asked);
+  for (const bool count : {false, true}) {
+    CAPTURE(count);
+    std::vector<PlanesMemory> memories;
+    for (const AskedView& view : asked) memories.push_back(view.memory());
+    std::vector<Place> places;
+    std::vector<View> views;
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      places.emplace_back(memories[i]);
+      views.push_back(make_view(asked[i].camera, asked[i].conventions, asked[i].frame(places[i].frame()),
+                                asked[i].background));
+    }
+    together.render_into(scene, Span<const View>{views.data(), views.size()}, Measures{.count = count});
+    std::size_t different = 0, outside = 0;
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      places[i].finish(together.backend());
+      different += memories[i].bytes != expected.memories[i].bytes;
+      outside += !memories[i].kept_to_its_rows();
+    }
+    CHECK(different == 0);
+    CHECK(outside == 0);
+    const Statistics statistics = together.statistics();
+    CHECK(statistics.gaussians == expected.sum.gaussians);
+    CHECK(statistics.visible == expected.sum.visible);
+    CHECK(statistics.instances == expected.sum.instances);
+    CHECK(same_counts(statistics.raster, count ? expected.sum.raster : SquareCounts()));
+  }
+}
+
+/// `check_views` with one, two and five views, the same ones in other orders, views that show nothing and the
+/// same view twice. One renderer draws all these frames.
+template <class Place, class R>
+void check_lists_of_views(R& together, R& alone, const SceneView& scene) {
+  const std::vector<AskedView> all = different_views();
+  AskedView unseen = all[4];
+  unseen.colour = unseen.alpha = unseen.depth = false;
+  const std::pair<const char*, std::vector<AskedView>> lists[] = {
+      {"one", {all[1]}},
+      {"two", {all[0], all[4]}},
+      {"five", all},
+      {"five in another order", {all[4], all[3], all[0], all[1], all[2]}},
+      {"the same twice", {all[4], all[4]}},
+      {"one that shows nothing among others", {all[2], all[0], all[2], all[1], all[2]}},
+      {"none that shows anything", {empty_view(40, 30), empty_view(5, 70)}},
+      {"one of which nothing is asked", {all[0], unseen, all[1]}},
+      {"one after many", {all[0]}}};
+  for (const auto& [name, asked] : lists) {
+    CAPTURE(std::string(name));
+    check_views<Place>(together, alone, scene, asked);
+    const bool shows_nothing = asked[0].camera.width == 40;
+    CHECK((together.statistics().raster.contributing_pairs < 1000) == shows_nothing);
+  }
+}
+
+/// The Gaussians of each tile's list, nearest first.
+template <class R>
+Lists gaussians_of_lists(R& renderer) {
+  const auto to_host = [&]<class T>(Span<const T> from) {
+    std::vector<T> to(from.size);
+    renderer.backend().download(from, to.data());
+    return to;
+  };
+  const TileListsView lists = renderer.lists().view();
+  const auto ids = to_host(lists.ids), gaussians = to_host(renderer.splats().view().gaussians);
+  const auto ranges = to_host(lists.ranges);
+  Lists out = to_vectors({{ids.data(), ids.size()}, {ranges.data(), ranges.size()}});
+  for (std::vector<std::uint32_t>& list : out)
+    for (std::uint32_t& id : list) id = gaussians.at(id);
+  return out;
+}
+
+/// Checks that each tile of views of any size, one of them a part of an image, lists the Gaussians that it
+/// lists in a frame of its view alone, and that other numbers list none.
+template <class R>
+void check_lists(R& together, R& alone, const SceneView& scene) {
+  std::vector<AskedView> asked = different_views();
+  asked.push_back({forward_camera(300, 200)});
+  std::vector<View> views;
+  for (const AskedView& view : asked)
+    views.push_back(
+        make_view(view.camera, view.conventions, {.width = view.camera.width, .height = view.camera.height}));
+  views.push_back(make_view(asked[5].camera, asked[5].conventions, {.width = 268, .height = 150}, vec3(0),
+                            {.x = 32, .y = 16}));
+  together.render_into(scene, Span<const View>{views.data(), views.size()});
+  const Lists lists = gaussians_of_lists(together);
+  std::vector<View> numbered = views;
+  number_tiles({numbered.data(), numbered.size()});
+  REQUIRE(lists.size() == frame_tiles({numbered.data(), numbered.size()}).size());
+  std::size_t instances = 0, listed = 0, different = 0;
+  for (const std::vector<std::uint32_t>& list : lists) listed += list.size();
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    alone.render_into(scene, Span<const View>{&views[v], 1});
+    const Lists expected = gaussians_of_lists(alone);
+    const TileGrid& grid = numbered[v].grid;
+    REQUIRE(expected.size() == grid.size());
+    std::size_t tile = 0;
+    for (int row = grid.rows.begin; row < grid.rows.end; ++row)
+      for (int column = grid.columns.begin; column < grid.columns.end; ++column, ++tile) {
+        different += lists[grid.number(column, row)] != expected[tile];
+        instances += expected[tile].size();
+      }
+  }
+  CHECK(different == 0);
+  CHECK(listed == instances);
+  CHECK(instances > 5000);
+}
+
+/// Checks that a frame of more rows of squares than a device's grid has room for is drawn whole.
+template <class R, class SceneOn>
+void check_many_rows(R& renderer, const SceneOn& scene) {
+  const Camera kinds[] = {forward_camera(1, 1), forward_camera(17, 2), turned_camera(3, 1, 0.1)};
+  RenderSettings settings;
+  settings.outputs = {true, true}, settings.background = vec3(0.1f, 0.2f, 0.3f), settings.count = true;
+  std::vector<Frame> expected;
+  std::vector<std::uint64_t> pairs;
+  for (const Camera& camera : kinds) {
+    expected.push_back(renderer.render(scene, camera, settings));
+    pairs.push_back(renderer.statistics().raster.contributing_pairs);
+  }
+  std::vector<Camera> cameras;
+  for (std::size_t i = 0; i < 33'001; ++i) cameras.push_back(kinds[i % 3]);
+  std::vector<Frame> frames(cameras.size());
+  renderer.render(scene, Span<const Camera>{cameras.data(), cameras.size()}, settings,
+                  Span<Frame>{frames.data(), frames.size()});
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    different += frames[i].colour != expected[i % 3].colour || frames[i].alpha != expected[i % 3].alpha ||
+                 frames[i].depth != expected[i % 3].depth;
+  CHECK(different == 0);
+  CHECK(renderer.statistics().raster.contributing_pairs ==
+        11'000 * (pairs[0] + pairs[1] + pairs[2]) + pairs[0]);
+}
+
+/// One image of 4096 x 16 pixels among fifty of 16 x 16: most tile numbers belong to no view.
+inline std::vector<AskedView> one_wide_among_small() {
+  std::vector<AskedView> views;
+  for (int i = 0; i < 51; ++i)
+    views.push_back({i == 20 ? forward_camera(4096, 16, 60) : turned_camera(16, 16, 0.01 * i, 0.05 * i)});
+  return views;
+}
+
+/// Three hundred views of 1 to 20 pixels a side.
+inline std::vector<AskedView> tiny_views() {
+  std::vector<AskedView> views;
+  for (int i = 0; i < 300; ++i) {
+    AskedView view{turned_camera(1 + i % 20, 1 + i * 7 % 20, 0.002 * i, 0.003 * i)};
+    view.format = pixel_formats[std::size_t(i) % std::size(pixel_formats)];
+    view.occluder = i % 3 == 0, view.over = i % 5 == 0, view.depth = i % 2 == 0;
+    views.push_back(view);
+  }
+  return views;
+}
+
+/// A rectangle of an image. @units{pixels}
+struct Part {
+  FirstPixel first;
+  int width, height;
+};
+
+/// The rectangles that an image is cut into at these columns and rows.
+inline std::vector<Part> cut(int width, int height, std::vector<int> columns, std::vector<int> rows) {
+  columns.push_back(width), rows.push_back(height);
+  std::vector<Part> parts;
+  for (std::size_t row = 0; row + 1 < rows.size(); ++row)
+    for (std::size_t column = 0; column + 1 < columns.size(); ++column)
+      parts.push_back(
+          {{columns[column], rows[row]}, columns[column + 1] - columns[column], rows[row + 1] - rows[row]});
+  return parts;
+}
+
+/// The planes of `frame` from the first pixel of `part` on.
+inline FrameView part_of(FrameView frame, const Part& part) {
+  const auto move = [&]<class T>(Plane<T>& plane, std::size_t pixel) {
+    using Byte = std::conditional_t<std::is_const_v<T>, const unsigned char, unsigned char>;
+    if (!plane.data) return;
+    auto* const row = reinterpret_cast<Byte*>(plane.row(std::size_t(part.first.y)));
+    plane.data = reinterpret_cast<T*>(row + pixel * std::size_t(part.first.x));
+  };
+  move(frame.colour, bytes_per_pixel(frame.format));
+  move(frame.alpha, sizeof(float)), move(frame.depth, sizeof(float)), move(frame.occluder, sizeof(float));
+  frame.width = part.width, frame.height = part.height;
+  return frame;
+}
+
+/// Checks that the parts of an image make up the image, byte by byte: in one frame and in frames of their
+/// own.
+template <class Place, class R>
+void check_parts(R& renderer, const SceneView& scene, const AskedView& asked,
+                 const std::vector<Part>& parts) {
+  PlanesMemory whole = asked.memory();
+  Place place(whole);
+  RenderSettings settings = asked.settings();
+  settings.count = true;
+  renderer.render_into(scene, asked.camera, settings, asked.frame(place.frame()));
+  place.finish(renderer.backend());
+  const SquareCounts counts = renderer.statistics().raster;
+
+  for (const bool together : {true, false}) {
+    CAPTURE(together);
+    PlanesMemory memory = asked.memory();
+    Place cut_place(memory);
+    std::vector<View> views;
+    for (const Part& part : parts)
+      views.push_back(make_view(asked.camera, asked.conventions,
+                                part_of(asked.frame(cut_place.frame()), part), asked.background, part.first));
+    SquareCounts sum;
+    const auto render = [&](Span<const View> some) {
+      renderer.render_into(scene, some, Measures{.count = true});
+      sum += renderer.statistics().raster;
+    };
+    if (together) {
+      render({views.data(), views.size()});
+    } else {
+      for (const View& view : views) render({&view, 1});
+    }
+    cut_place.finish(renderer.backend());
+    CHECK((memory.bytes == whole.bytes));
+    CHECK(memory.kept_to_its_rows());
+    CHECK(sum.rows_visited == counts.rows_visited);
+    CHECK(sum.contributing_pairs == counts.contributing_pairs);
+    CHECK(sum.pixels_stopped == counts.pixels_stopped);
+  }
+}
+
+/// A Gaussian whose splat ends near the left or the upper border of the second tile.
+inline Gaussian ends_near_a_border(Random& random, const ViewConstants& v) {
+  Gaussian g;
+  const double z = random.in(1, 5), angle = random.in(0, 6.2831853);
+  const double size = random.scale(0.05, 30), thin = random.scale(1e-4, 1);
+  g.scale = vec3(float(size), float(size * thin), float(size * thin));
+  g.rotation = {float(std::cos(angle / 2)), 0, 0, float(std::sin(angle / 2))};
+  g.opacity = float(random.scale(1.0 / 250, 0.1));
+  g.mean = vec3(0, 0, float(z));
+  // Its right or its lower end lies at the first centre of a tile, but for a part of a pixel.
+  const bool right = random.bits() % 2;
+  const double beside = random.scale(1e-6, 1e-2) * (random.bits() % 2 ? 1 : -1);
+  const double end = 16.5 + beside, across = std::floor(random.in(0, 32)) + 0.5;
+  for (int step = 0; step < 5; ++step) {  // its shape changes as it moves
+    const SplatShape shape = project_shape(v, g).shape;
+    const double tilt = -double(shape.l1) / double(shape.l0), height = double(half_height(shape));
+    const double below = tilt * height * height / double(shape.half_width);  // y of the rightmost point
+    const double x = right ? end - double(shape.half_width) : across - tilt * height;
+    const double y = right ? across - below : end - height;
+    g.mean = vec3(float((x - v.cx) / v.fx * z), float((y - v.cy) / v.fy * z), float(z));
+  }
+  return g;
+}
+
+/// Of the Gaussians that end near a border.
+inline Camera bordered_camera() { return forward_camera(48, 48); }
+
+/// Faint Gaussians that all end near a border, where rounding decides whether a pixel shows them.
+inline Scene bordered_scene(std::size_t count, std::uint64_t seed) {
+  Random random(seed);
+  const ViewConstants constants = view_constants(bordered_camera(), Conventions::gsplat());
+  Scene scene;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Gaussian g = ends_near_a_border(random, constants);
+    scene.means.push_back(g.mean), scene.scales.push_back(g.scale), scene.rotations.push_back(g.rotation);
+    scene.opacities.push_back(g.opacity), scene.sh0.push_back(vec3(1));
+  }
+  return scene;
+}
+
+/// `check_parts` of images cut in several ways.
+template <class Place, class R>
+void check_bands(R& renderer, const SceneView& scene) {
+  for (const AskedView& asked : different_views()) {
+    const int width = asked.camera.width, height = asked.camera.height;
+    CAPTURE(width);
+    const auto every = [](int size) {
+      std::vector<int> begins;
+      for (int begin = 0; begin < size; begin += default_tile_side) begins.push_back(begin);
+      return begins;
+    };
+    check_parts<Place>(renderer, scene, asked, cut(width, height, {0}, every(height)));
+    check_parts<Place>(renderer, scene, asked, cut(width, height, every(width), {0}));
+    if (width < 64) continue;
+    check_parts<Place>(renderer, scene, asked, cut(width, height, {0, 16, 48}, {0, 32}));
+    check_parts<Place>(renderer, scene, asked, cut(width, height, every(width), every(height)));
+  }
+}
+
+}  // namespace swiftgs::test
