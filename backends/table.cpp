@@ -52,12 +52,12 @@ const std::vector<RendererEntry>& renderers() {
   return table;
 }
 
-std::unique_ptr<AnyRenderer> make_renderer(std::string_view name) {
+std::unique_ptr<AnyRenderer> make_renderer(std::string_view name, const BackendOptions& options) {
   for (const RendererEntry& entry : renderers()) {
     if (entry.name != name) continue;
     if (!entry.usable)
       throw std::runtime_error("renderer '" + std::string(name) + "' cannot run on this machine");
-    return entry.make();
+    return entry.make(options);
   }
 #if !defined(SWIFTGS_HAS_CUDA)
   if (name.starts_with("cuda/"))

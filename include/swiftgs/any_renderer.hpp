@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -47,6 +48,17 @@ class SWIFTGS_API AnyRenderer {
     render_resident(Span<const Camera>{&camera, 1}, settings);
   }
 
+  /// As `Renderer::render_into`, with all that a `View` may ask for. Throws as `render`.
+  virtual void render_into(Span<const View> views, Measures measures = {}) = 0;
+
+  /// As `Renderer::reserve`, `set_views` and `record`, of the scene that was set. Throws as `render`.
+  virtual void reserve(Span<const View> views, Capacity capacity = {}) = 0;
+  virtual void set_views(Span<const View> views) = 0;
+  virtual void record(FrameReport* report) = 0;
+
+  /// Returns when all work submitted so far is done.
+  virtual void wait() = 0;
+
   /// As `Renderer::times`. @units{milliseconds}
   virtual StageTimes times() = 0;
 
@@ -71,7 +83,9 @@ class SWIFTGS_API AnyRenderer {
 struct RendererEntry {
   std::string_view name;  ///< BACKEND/SORT/RASTER/BOUNDS
   bool usable = false;    ///< whether it can run on this machine
-  std::unique_ptr<AnyRenderer> (*make)() = nullptr;
+  std::unique_ptr<AnyRenderer> (*make_with)(const BackendOptions& options) = nullptr;
+
+  std::unique_ptr<AnyRenderer> make(const BackendOptions& options = {}) const { return make_with(options); }
 };
 
 /// Common part of the renderers on backend `B`.
@@ -103,6 +117,9 @@ class SWIFTGS_API RendererOn : public AnyRenderer {
 template <class R, class B>
 class RendererOf final : public RendererOn<B> {
  public:
+  explicit RendererOf(const BackendOptions& options)
+      : renderer_(make_backend(std::type_identity<B>(), options)) {}
+
   std::string_view name() const override { return R::name; }
   void set_scene(std::shared_ptr<const Scene> scene) override {
     this->scene_.emplace(renderer_.backend().upload(std::move(scene)));
@@ -114,6 +131,15 @@ class RendererOf final : public RendererOn<B> {
     renderer_.render_resident(this->scene().view(), cameras, settings);
     renderer_.backend().wait();
   }
+  void render_into(Span<const View> views, Measures measures) override {
+    renderer_.render_into(this->scene().view(), views, measures);
+  }
+  void reserve(Span<const View> views, Capacity capacity) override {
+    renderer_.reserve(this->scene().view(), views, capacity);
+  }
+  void set_views(Span<const View> views) override { renderer_.set_views(views); }
+  void record(FrameReport* report) override { renderer_.record(this->scene().view(), report); }
+  void wait() override { renderer_.backend().wait(); }
   StageTimes times() override { return renderer_.times(); }
   Statistics statistics() const override { return renderer_.statistics(); }
   StageMemory memory() const override { return renderer_.memory(); }
@@ -143,9 +169,10 @@ void append_renderers(std::vector<RendererEntry>& table, TypeList<Sorts...>, Typ
                       TypeList<Bounds...>) {
   const auto add = [&]<class S, class R, class Bd>() {
     using Combination = Renderer<B, S, R, Bd>;
-    table.push_back({Combination::name, B::usable(), []() -> std::unique_ptr<AnyRenderer> {
-                       return std::make_unique<RendererOf<Combination, B>>();
-                     }});
+    table.push_back(
+        {Combination::name, B::usable(), [](const BackendOptions& options) -> std::unique_ptr<AnyRenderer> {
+           return std::make_unique<RendererOf<Combination, B>>(options);
+         }});
   };
   const auto each_bounds = [&]<class S, class R>() { (add.template operator()<S, R, Bounds>(), ...); };
   const auto each_raster = [&]<class S>() { (each_bounds.template operator()<S, Rasters>(), ...); };
@@ -158,6 +185,7 @@ SWIFTGS_API const std::vector<RendererEntry>& renderers();
 
 /// Makes the renderer called `name`. Throws `std::invalid_argument` with the valid words if the name is not
 /// known, and `std::runtime_error` if the renderer cannot run here.
-SWIFTGS_API std::unique_ptr<AnyRenderer> make_renderer(std::string_view name);
+SWIFTGS_API std::unique_ptr<AnyRenderer> make_renderer(std::string_view name,
+                                                       const BackendOptions& options = {});
 
 }  // namespace swiftgs

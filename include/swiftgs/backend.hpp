@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include <swiftgs/count.hpp>
 #include <swiftgs/scene.hpp>
@@ -41,6 +42,18 @@ void check_ready(const B&) {}
 struct MemoryUse {
   std::size_t in_use = 0, total = 0;
 };
+
+/// What a program gives to the backend of a renderer. Backends ignore what they have no use for.
+struct BackendOptions {
+  int threads = 0;                       ///< as for `Cpu`
+  struct CUstream_st* stream = nullptr;  ///< as for `Cuda`
+};
+
+/// Makes a backend. Backends with options overload this, by their type.
+template <class B>
+B make_backend(std::type_identity<B>, const BackendOptions&) {
+  return B();
+}
 
 namespace detail {
 struct AnyIndexed {

@@ -111,6 +111,10 @@ class SWIFTGS_API Cpu {
   Buffer<std::uint32_t> histograms_;  ///< of `sort_pairs`, kept from frame to frame
 };
 
+inline Cpu make_backend(std::type_identity<Cpu>, const BackendOptions& options) {
+  return Cpu(options.threads);
+}
+
 static_assert(BackendPolicy<Cpu>);
 
 /// Visible splats of each chunk of Gaussians, before the chunks are moved together.

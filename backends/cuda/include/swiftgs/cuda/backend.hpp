@@ -160,6 +160,10 @@ class SWIFTGS_API Cuda {
 
 inline void check_ready(const Cuda& cuda) { cuda.check_not_captured("a frame"); }
 
+inline Cuda make_backend(std::type_identity<Cuda>, const BackendOptions& options) {
+  return Cuda(options.stream);
+}
+
 static_assert(BackendPolicy<Cuda>);
 
 }  // namespace swiftgs

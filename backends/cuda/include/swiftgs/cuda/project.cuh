@@ -31,11 +31,16 @@ struct ProjectOutput {
   std::uint32_t capacity;  ///< splats beyond it are counted and left out
 };
 
+/// Views that a block projects its Gaussians for. Two of many: a Gaussian is loaded once for both, and one is
+/// computed while the other waits.
+template <class ViewSource>
+inline constexpr unsigned views_of_block = ViewSource::only ? 1 : 2;
+
 /// What the threads of a block tell each other.
-template <class Bounds>
+template <class Bounds, unsigned views>
 struct ProjectShared {
   std::uint32_t turn, before;
-  std::uint32_t visible[project_warps], tiles[project_warps];  ///< of each warp
+  std::uint32_t visible[views][project_warps], tiles[project_warps];  ///< of each warp
   FootprintShared<Bounds> footprints[project_warps];
 };
 
@@ -60,39 +65,53 @@ struct SharedCamera {
   __device__ const ViewConstants& camera() const { return reinterpret_cast<const ViewConstants&>(of_camera); }
 };
 
-/// Projects the Gaussians of one block in one view and appends the visible ones to those of the blocks before
-/// it. The blocks of some Gaussians for all views follow each other: they find them in the cache.
+/// Projects the Gaussians of one block in its views and appends the visible ones to those of the blocks
+/// before it. The blocks of some Gaussians for all views follow each other: they find them in the cache.
 template <class Bounds, class ViewSource>
 __global__ void __launch_bounds__(project_threads)
     project(const __grid_constant__ ViewSource views, const __grid_constant__ SceneView scene,
             const Bounds bounds, const ProjectOutput output, const TurnsView<FrameCounts> turns) {
-  __shared__ ProjectShared<Bounds> shared;
+  constexpr unsigned most = views_of_block<ViewSource>;
+  __shared__ ProjectShared<Bounds, most> shared;
   const unsigned warp = threadIdx.x / warp_size;
   const std::uint32_t loaded_turn = threadIdx.x == 0 ? read_turn(turns) : 0;
-  const std::uint32_t view_index = blockIdx.x % views.size(), group = blockIdx.x / views.size();
-  const View& view = views[view_index];
+  const std::uint32_t parts = (views.size() + most - 1) / most;
+  const std::uint32_t first_view = blockIdx.x % parts * most, group = blockIdx.x / parts;
+  const auto exists = [&](unsigned v) { return v == 0 || first_view + v < views.size(); };
 
   // Project, and count the visible splats of the block.
   const std::size_t i = std::size_t(group) * project_threads + threadIdx.x;
-  ProjectedShape splat;
+  ProjectedShape splats[most];
   if constexpr (ViewSource::only) {
-    if (i < scene.size()) splat = project_shape(view.camera, load_gaussian(scene, i));
+    if (i < scene.size()) splats[0] = project_shape(views[0].camera, load_gaussian(scene, i));
   } else {
-    __shared__ SharedCamera staged;
-    staged.load(view.camera);
+    __shared__ SharedCamera cameras[most];
+#pragma unroll
+    for (unsigned v = 0; v < most; ++v)
+      if (exists(v)) cameras[v].load(views[first_view + v].camera);
     Gaussian gaussian;
     if (i < scene.size()) gaussian = load_gaussian(scene, i);
     __syncthreads();
-    if (i < scene.size()) splat = project_shape(staged.camera(), gaussian);
+#pragma unroll
+    for (unsigned v = 0; v < most; ++v)
+      if (i < scene.size() && exists(v)) splats[v] = project_shape(cameras[v].camera(), gaussian);
   }
-  const unsigned visible_lanes = __ballot_sync(whole_warp, splat.visible);
-  if (lane_index() == 0) shared.visible[warp] = std::uint32_t(__popc(visible_lanes));
+  unsigned visible_lanes[most];
+#pragma unroll
+  for (unsigned v = 0; v < most; ++v) {
+    visible_lanes[v] = __ballot_sync(whole_warp, splats[v].visible);
+    if (lane_index() == 0) shared.visible[v][warp] = std::uint32_t(__popc(visible_lanes[v]));
+  }
   if (threadIdx.x == 0) shared.turn = loaded_turn;
   __syncthreads();
-  std::uint32_t slot = std::uint32_t(__popc(visible_lanes & lanes_below())), visible = 0;
-  for (unsigned w = 0; w < project_warps; ++w) {
-    if (w < warp) slot += shared.visible[w];
-    visible += shared.visible[w];
+  std::uint32_t slots[most], visible = 0;
+#pragma unroll
+  for (unsigned v = 0; v < most; ++v) {
+    slots[v] = visible + std::uint32_t(__popc(visible_lanes[v] & lanes_below()));
+    for (unsigned w = 0; w < project_warps; ++w) {
+      if (w < warp) slots[v] += shared.visible[v][w];
+      visible += shared.visible[v][w];
+    }
   }
   if (threadIdx.x == 0) {
     RunningSum(turns.words, loaded_turn).add(visible);
@@ -100,9 +119,15 @@ __global__ void __launch_bounds__(project_threads)
   }
 
   // Find their tiles.
-  const Footprint footprint =
-      find_footprint(bounds, view.grid, splat.shape, splat.visible, shared.footprints[warp]);
-  const std::uint32_t tiles_of_warp = warp_sum(footprint.count);
+  Footprint footprints[most];
+  std::uint32_t tiles_of_lane = 0;
+#pragma unroll
+  for (unsigned v = 0; v < most; ++v) {
+    const TileGrid& grid = views[exists(v) ? first_view + v : first_view].grid;
+    footprints[v] = find_footprint(bounds, grid, splats[v].shape, splats[v].visible, shared.footprints[warp]);
+    tiles_of_lane += footprints[v].count;
+  }
+  const std::uint32_t tiles_of_warp = warp_sum(tiles_of_lane);
   if (lane_index() == 0) shared.tiles[warp] = tiles_of_warp;
   __syncthreads();
 
@@ -123,15 +148,17 @@ __global__ void __launch_bounds__(project_threads)
   __syncthreads();
 
   // Append them.
-  if (!splat.visible) return;
-  const std::size_t at = std::size_t(shared.before) + slot;
-  if (at >= output.capacity) return;
-  output.shapes[at] = splat.shape;
-  output.footprints[at] = footprint;
-  output.depths[at] = splat.depth;
-  output.gaussians[at] = std::uint32_t(i);
-  if constexpr (!ViewSource::only)
-    if (output.of_view) output.of_view[at] = std::uint16_t(view_index);
+#pragma unroll
+  for (unsigned v = 0; v < most; ++v) {
+    const std::size_t at = std::size_t(shared.before) + slots[v];
+    if (!splats[v].visible || at >= output.capacity) continue;
+    output.shapes[at] = splats[v].shape;
+    output.footprints[at] = footprints[v];
+    output.depths[at] = splats[v].depth;
+    output.gaussians[at] = std::uint32_t(i);
+    if constexpr (!ViewSource::only)
+      if (output.of_view) output.of_view[at] = std::uint16_t(first_view + v);
+  }
 }
 
 template <BoundsPolicy Bounds>
@@ -149,20 +176,24 @@ void run_project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, Proj
   splats.reset(capacity, input.views.size()), footprints.each.reset(capacity);
   scratch.hidden.reset(1), scratch.totals.reset(1);
   if (n == 0) return;
-  const unsigned blocks = blocks_for(scene.size(), project_threads) * unsigned(input.views.size());
-  const TurnsView<FrameCounts> turns = scratch.turns.begin(cuda, blocks);
   const ProjectOutput output{
       splats.shapes.data(),    splats.depths.data(),
       splats.gaussians.data(), input.views.size() > 1 ? splats.of_view.data() : nullptr,
       footprints.each.data(),  scratch.hidden.data(),
       std::uint32_t(capacity)};
+  LastCounters<FrameCounts> counts;
   with_views(input.views, [&]<class ViewSource>(const ViewSource& views) {
+    constexpr unsigned most = views_of_block<ViewSource>;
+    const unsigned parts = (unsigned(input.views.size()) + most - 1) / most;
+    const unsigned blocks = blocks_for(scene.size(), project_threads) * parts;
+    const TurnsView<FrameCounts> turns = scratch.turns.begin(cuda, blocks);
     launch("project", project<Bounds, ViewSource>, blocks, project_threads, cuda.stream(), views, scene,
            bounds, output, turns);
+    counts = turns.last();
   });
   scratch.turns.end();
-  splats.pending = footprints.found_by = {turns.last(), scratch.hidden.data(), scratch.totals.data(),
-                                          ++scratch.projections};
+  splats.pending =
+      footprints.found_by = {counts, scratch.hidden.data(), scratch.totals.data(), ++scratch.projections};
 }
 
 /// Whether footprints of one are footprints of the other.
