@@ -13,6 +13,9 @@
 #include <swiftgs/scene.hpp>
 #include <swiftgs/span.hpp>
 
+/// As `<cuda_runtime_api.h>` declares it: this header needs no toolkit.
+struct CUstream_st;
+
 namespace swiftgs {
 
 /// Memory of all `parts`: buffers, and structs of buffers with a member `bytes`. @units{bytes}
@@ -45,8 +48,8 @@ struct MemoryUse {
 
 /// What a program gives to the backend of a renderer. Backends ignore what they have no use for.
 struct BackendOptions {
-  int threads = 0;                       ///< as for `Cpu`
-  struct CUstream_st* stream = nullptr;  ///< as for `Cuda`
+  int threads = 0;                  ///< as for `Cpu`
+  ::CUstream_st* stream = nullptr;  ///< as for `Cuda`
 };
 
 /// Makes a backend. Backends with options overload this, by their type.

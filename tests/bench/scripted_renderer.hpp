@@ -24,6 +24,11 @@ class ScriptedRenderer final : public AnyRenderer {
     ++frames;
     if (calls_) calls_->push_back(name_);
   }
+  void render_into(Span<const View>, Measures) override {}
+  void reserve(Span<const View>, Capacity) override {}
+  void set_views(Span<const View>) override {}
+  void record(FrameReport*) override {}
+  void wait() override {}
   StageTimes times() override {
     const double ms = total_(frames);
     return {0.1 * ms, 0.2 * ms, 0.7 * ms, ms};

@@ -31,6 +31,11 @@ class ScriptedRenderer final : public AnyRenderer {
     last = this;
     width_ = cameras[0].width, ++frames;
   }
+  void render_into(Span<const swiftgs::View>, Measures) override {}
+  void reserve(Span<const swiftgs::View>, Capacity) override {}
+  void set_views(Span<const swiftgs::View>) override {}
+  void record(FrameReport*) override {}
+  void wait() override {}
   StageTimes times() override {
     turns.push_back(this);
     const double sort = (first_ ? 1000 : 1) * factor_ * width_;
