@@ -89,8 +89,7 @@ __global__ void __launch_bounds__(project_threads)
 #pragma unroll
     for (unsigned v = 0; v < most; ++v)
       if (exists(v)) cameras[v].load(views[first_view + v].camera);
-    Gaussian gaussian;
-    if (i < scene.size()) gaussian = load_gaussian(scene, i);
+    const Gaussian gaussian = load_gaussian(scene, i < scene.size() ? i : 0);
     __syncthreads();
 #pragma unroll
     for (unsigned v = 0; v < most; ++v)
