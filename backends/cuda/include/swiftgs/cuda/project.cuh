@@ -148,6 +148,8 @@ void run_project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, Proj
   splats.pending = footprints.found_by = {};
   splats.reset(capacity, input.views.size()), footprints.each.reset(capacity);
   scratch.hidden.reset(1), scratch.totals.reset(1);
+  // An empty scene needs these, and a recorded frame of one must not allocate.
+  footprints.counts.reset(1), footprints.totals.reset(1);
   if (n == 0) return;
   const unsigned blocks = blocks_for(scene.size(), project_threads) * unsigned(input.views.size());
   const TurnsView<FrameCounts> turns = scratch.turns.begin(cuda, blocks);
