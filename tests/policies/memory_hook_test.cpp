@@ -289,6 +289,20 @@ TEST_CASE("trim: gives back the memory of a sort of the program's own") {
   CHECK(same_bits(renderer.render(scene, camera).colour, expected.colour));
 }
 
+TEST_CASE("trim: the adaptive sort does not count frames that take memory again") {
+  const auto frames_until_decided = [](int trimmed_before) {
+    Renderer<Serial, AdaptiveSort, Usual, Ellipse> renderer(Serial(), AdaptiveSort(1));
+    const auto scene = renderer.backend().upload(random_scene(500, 0, 12));
+    for (int frame = 0;; ++frame) {
+      if (renderer.sort().calibration()) return frame;
+      if (frame == trimmed_before) renderer.trim();
+      renderer.render(scene, forward_camera(64, 48));
+    }
+  };
+  CHECK(frames_until_decided(-1) == 4);  // one to warm up and one to measure, of either strategy
+  CHECK(frames_until_decided(2) == 6);
+}
+
 TEST_CASE("trim: of a renderer that was chosen at run time keeps the scene") {
   RendererOf<Renderer<Cpu, EarlySort, Usual, Ellipse>, Cpu> renderer;
   renderer.set_scene(std::make_shared<const Scene>(random_scene(500, 1, 5)));
