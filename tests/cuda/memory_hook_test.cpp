@@ -339,7 +339,7 @@ TEST_CASE("cuda record: a graph is captured and launched with memory of a pool")
   Images images(cameras_of(0, 2));
   DeviceBuffer<FrameReport> report;
   report.reset(1);
-  renderer.reserve(scene.view(), images.span(), {40000, 2'000'000});
+  renderer.reserve(scene.view(), images.span(), {40000, 3'400'000});
   renderer.record(scene.view(), report.data());
   stream.wait();
   const std::size_t calls = pool.calls();
