@@ -49,6 +49,12 @@ void visit_instances(const EmissionJob& job, Part part, F f) {
   }
 }
 
+/// Parts that splats are grouped in, more for more splats. A table of positions a part must not outgrow the
+/// splats that it is for.
+std::size_t group_parts(const Cpu& cpu, std::size_t splats, std::size_t tiles) {
+  return std::min(part_count(cpu, splats, 4096), 1 + 16 * splats / tiles);
+}
+
 }  // namespace
 
 Count emit_instances(Cpu& cpu, const EmissionJob& job, Pairs<Cpu, std::uint64_t>& out) {
@@ -72,11 +78,15 @@ Count emit_instances(Cpu& cpu, const EmissionJob& job, Pairs<Cpu, std::uint64_t>
   return std::size_t(total);
 }
 
+void GroupScratch<Cpu>::reserve(Cpu& cpu, const FrameRoom& room) {
+  const std::size_t tiles = room.tiles.size();
+  positions.reset_exactly(group_parts(cpu, room.capacity.splats, tiles) * tiles);
+}
+
 void group_by_tile(Cpu& cpu, const EmissionJob& job, GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists) {
   check_instances(job.instances);
   const std::size_t splats = job.splats.size(), tiles = job.tiles.size();
-  // A table of positions a part must not outgrow the splats that it is for.
-  const std::size_t parts = std::min(part_count(cpu, splats, 4096), 1 + 16 * splats / tiles);
+  const std::size_t parts = group_parts(cpu, splats, tiles);
   lists.instances = lists.tiles = 0;
   lists.ids.reset(std::size_t(job.instances)), lists.ranges.reset(tiles);
 

@@ -262,12 +262,14 @@ HWY_EXPORT(ProjectChunk);
 /// Gaussians that one task projects; fixed, so that the order of the splats does not depend on the threads.
 constexpr std::size_t chunk_size = 4096;
 
+constexpr std::size_t chunk_count(std::size_t gaussians) { return (gaussians + chunk_size - 1) / chunk_size; }
+
 /// Appends the splats of one view, if there is room for them.
 void project_view(Cpu& cpu, const Views& views, std::size_t view, const SceneView& scene,
                   std::size_t capacity, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
   const ViewConstants& camera = views.each[view].camera;
   // Project each chunk to a place of its own.
-  const std::size_t n = scene.size(), chunks = (n + chunk_size - 1) / chunk_size;
+  const std::size_t n = scene.size(), chunks = chunk_count(n);
   scratch.shapes.reset(n), scratch.depths.reset(n), scratch.gaussians.reset(n), scratch.counts.reset(chunks);
   cpu.for_parts(chunks, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t chunk = first; chunk < last; ++chunk) {
@@ -300,6 +302,12 @@ void project_view(Cpu& cpu, const Views& views, std::size_t view, const SceneVie
 }
 
 }  // namespace
+
+void ProjectScratch<Cpu>::reserve(Cpu&, const FrameRoom& room) {
+  const std::size_t n = room.gaussians;
+  shapes.reset_exactly(n), depths.reset_exactly(n), gaussians.reset_exactly(n);
+  counts.reset_exactly(chunk_count(n));
+}
 
 void project(Cpu& cpu, const FrameInput& input, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
   frame_tiles(input.views);

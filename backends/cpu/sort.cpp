@@ -31,6 +31,12 @@ struct Digit {
   std::size_t operator()(Key key) const { return std::size_t(((key & mask) - least) >> shift) & limit; }
 };
 
+/// Parts that n pairs are sorted in, more for more pairs.
+std::size_t sort_parts(const Cpu& cpu, std::size_t n) { return part_count(cpu, n, 8192); }
+
+/// Most bits of the leading digit of n pairs, more for more pairs.
+int leading_bits(std::size_t n) { return std::clamp(int(std::bit_width(n / 512)), 4, 13); }
+
 /// Stable sort of a few pairs: moves each in front of the larger ones before it.
 template <class Key>
 void insertion_sort(PairSpan<Key> from, PairSpan<Key> to, std::size_t n, Key mask) {
@@ -75,7 +81,7 @@ class BucketSort {
  public:
   BucketSort(const Cpu& cpu, Cpu::Buffer<std::uint32_t>& histograms, Pairs<Cpu, Key>& pairs, std::size_t n,
              int bits)
-      : cpu_(cpu), histograms_(histograms), pairs_(pairs), n_(n), parts_(part_count(cpu, n, 8192)) {
+      : cpu_(cpu), histograms_(histograms), pairs_(pairs), n_(n), parts_(sort_parts(cpu, n)) {
     mask_ = bits >= std::numeric_limits<Key>::digits ? Key(-1) : Key((Key(1) << bits) - 1);
   }
 
@@ -115,7 +121,7 @@ class BucketSort {
       all.least = std::min(all.least, extremes[part].least),
       all.most = std::max(all.most, extremes[part].most);
     const int bits = int(std::bit_width(Key(all.most - all.least)));
-    const int width = std::min(bits, std::clamp(int(std::bit_width(n_ / 512)), 4, 13));
+    const int width = std::min(bits, leading_bits(n_));
     return {mask_, all.least, bits - width, (std::size_t(1) << width) - 1};
   }
 
@@ -171,6 +177,10 @@ class BucketSort {
 };
 
 }  // namespace
+
+void Cpu::reserve_sort(std::size_t pairs) {
+  histograms_.reset_exactly(sort_parts(*this, pairs) << leading_bits(pairs));
+}
 
 void Cpu::sort_pairs(Pairs<Cpu, std::uint32_t>& pairs, Count count, int bits) {
   const std::size_t n = count.get();

@@ -67,12 +67,19 @@ std::string Cuda::device_name() const {
   return properties.name;
 }
 
-Cuda::Cuda(cudaStream_t stream) : state_(std::make_unique<State>()) { state_->stream = stream; }
+Cuda::Cuda(cudaStream_t stream, const MemoryHook& memory) : state_(std::make_unique<State>(stream, memory)) {}
 Cuda::~Cuda() = default;
 Cuda::Cuda(Cuda&&) noexcept = default;
 Cuda& Cuda::operator=(Cuda&&) noexcept = default;
 
 cudaStream_t Cuda::stream() const { return state_->stream; }
+
+const MemoryHook& Cuda::memory_hook() const { return state_->memory; }
+
+void Cuda::trim() {
+  wait();
+  trim_parts(*this, state_->temporary, state_->total, state_->sorts);
+}
 
 void Cuda::check_not_captured(const char* call) const { state_->check_not_captured(call); }
 

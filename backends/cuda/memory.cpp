@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <memory>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,10 @@ struct DeviceScene::Arrays {
   DeviceBuffer<vec3> means, scales, sh0;
   DeviceBuffer<Quaternion> rotations;
   DeviceBuffer<float> opacities, sh_rest;
+
+  static auto buffers(auto& self) {
+    return std::tie(self.means, self.scales, self.sh0, self.rotations, self.opacities, self.sh_rest);
+  }
 };
 
 namespace {
@@ -52,6 +57,7 @@ DeviceScene Cuda::upload(const Scene& scene) const {
   validate_numbers(scene);
   check_not_captured("upload");
   const auto arrays = std::make_shared<DeviceScene::Arrays>();
+  use_memory_of(*this, *arrays);
   // Only the bands that are used, and a multiple of 16 bytes a Gaussian, which kernels copy by.
   const std::size_t used = 3 * std::size_t(sh_rest_count(host.sh_degree)), stride = (used + 3) / 4 * 4;
   std::vector<float> rest(stride * scene.size());

@@ -126,10 +126,10 @@ Shading<Cuda> shade(Cuda& cuda, const FrameInput& input, const Splats<Cuda>& spl
   const std::size_t most = splats.pending ? splats.shapes.size() : splats.count;
   SplatsView all = splats.view();
   all.shapes.size = most;
-  colours.each.reset(most);
+  colours.each.reset(most), colours.hidden.reset(1);
   std::uint32_t* hidden = splats.pending.hidden;
   if (!hidden) {
-    colours.hidden.reset(1), hidden = colours.hidden.data();
+    hidden = colours.hidden.data();
     cuda.clear(hidden, sizeof *hidden);
   }
   const unsigned blocks = std::min(blocks_for(most, kernels::shade_threads),

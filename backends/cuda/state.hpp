@@ -50,13 +50,18 @@ struct Cuda::State {
     void make();
   };
 
+  State(cudaStream_t of, const MemoryHook& hook) : stream(of), memory(hook) {
+    use_memory(memory, temporary, total, sorts);
+  }
+
   bool being_captured(const char* call) const;
   void check_not_captured(const char* call) const;
   void join();
   void wait() const;
   void copy_to_host(const void* from, void* to, std::size_t bytes) const;
 
-  cudaStream_t stream = nullptr;
+  cudaStream_t stream;
+  MemoryHook memory;
   Side side;
   std::array<OwnedEvent, 256> events;                  ///< a ring, made as they are needed
   std::uint64_t points = 0;                            ///< taken so far

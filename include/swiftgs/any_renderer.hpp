@@ -68,6 +68,9 @@ class SWIFTGS_API AnyRenderer {
   /// As `Renderer::memory`.
   virtual StageMemory memory() const = 0;
 
+  /// As `Renderer::trim`. The scene stays.
+  virtual void trim() = 0;
+
   /// Hands measurements of the scene's sort, on this device and with these bounds, to `AdaptiveSort::use`.
   /// Other sorts ignore them.
   virtual void use_calibrations(std::vector<SortCalibration> saved) = 0;
@@ -117,7 +120,7 @@ class SWIFTGS_API RendererOn : public AnyRenderer {
 template <class R, class B>
 class RendererOf final : public RendererOn<B> {
  public:
-  explicit RendererOf(const BackendOptions& options)
+  explicit RendererOf(const BackendOptions& options = {})
       : renderer_(make_backend(std::type_identity<B>(), options)) {}
 
   std::string_view name() const override { return R::name; }
@@ -143,6 +146,7 @@ class RendererOf final : public RendererOn<B> {
   StageTimes times() override { return renderer_.times(); }
   Statistics statistics() const override { return renderer_.statistics(); }
   StageMemory memory() const override { return renderer_.memory(); }
+  void trim() override { renderer_.trim(); }
   std::string device_name() const override { return renderer_.backend().device_name(); }
   void use_calibrations(std::vector<SortCalibration> saved) override {
     if constexpr (takes_calibrations) renderer_.sort().use(std::move(saved));

@@ -7,9 +7,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
 
 #include <swiftgs/count.hpp>
+#include <swiftgs/memory_hook.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/span.hpp>
 
@@ -18,10 +20,48 @@ struct CUstream_st;
 
 namespace swiftgs {
 
-/// Memory of all `parts`: buffers, and structs of buffers with a member `bytes`. @units{bytes}
+namespace detail {
+/// f(buffer) for every buffer of `part`: a buffer itself, or a struct whose static member `buffers` lists
+/// buffers and such structs. A struct without that member passes for a buffer.
+template <class Part, class F>
+void for_each_buffer(Part& part, const F& f) {
+  if constexpr (requires { Part::buffers(part); })
+    std::apply([&](auto&... parts) { (for_each_buffer(parts, f), ...); }, Part::buffers(part));
+  else
+    f(part);
+}
+}  // namespace detail
+
+/// Memory of all `parts`: buffers, structs that list their `buffers`, and structs with a member `bytes`.
+/// @units{bytes}
 template <class... Parts>
 std::size_t bytes_of(const Parts&... parts) {
-  return (std::size_t{0} + ... + parts.bytes());
+  std::size_t bytes = 0;
+  (detail::for_each_buffer(parts, [&](const auto& buffer) { bytes += buffer.bytes(); }), ...);
+  return bytes;
+}
+
+/// Has the buffers of all `parts` take memory from `hook`. Structs that do not list their `buffers` keep to
+/// the backend's own memory.
+template <class... Parts>
+void use_memory(const MemoryHook& hook, Parts&... parts) {
+  const auto use = [&](auto& buffer) {
+    if constexpr (requires { buffer.use(hook); }) buffer.use(hook);
+  };
+  (detail::for_each_buffer(parts, use), ...);
+}
+
+/// As above, with the hook of backend `b`, if backends of its type have one.
+template <class B, class... Parts>
+void use_memory_of(const B& b, Parts&... parts) {
+  if constexpr (requires { b.memory_hook(); }) use_memory(b.memory_hook(), parts...);
+}
+
+/// Makes all `parts` new and empty: their memory is given back, and the next taken from the hook of `b`.
+template <class B, class... Parts>
+void trim_parts(const B& b, Parts&... parts) {
+  ((parts = Parts()), ...);
+  use_memory_of(b, parts...);
 }
 
 /// Keys with their values, and as much spare room for a sort that moves them back and forth.
@@ -34,12 +74,24 @@ struct Pairs {
     keys.reset(count), spare_keys.reset(count);
     values.reset(count), spare_values.reset(count);
   }
-  std::size_t bytes() const { return bytes_of(keys, spare_keys, values, spare_values); }
+  void reset_exactly(std::size_t count) {
+    keys.reset_exactly(count), spare_keys.reset_exactly(count);
+    values.reset_exactly(count), spare_values.reset_exactly(count);
+  }
+  static auto buffers(auto& self) {
+    return std::tie(self.keys, self.spare_keys, self.values, self.spare_values);
+  }
 };
 
 /// Throws if `b` cannot be given work now, before any memory is taken for it. Backends overload this.
 template <class B>
 void check_ready(const B&) {}
+
+/// Takes the memory that `b` itself needs to sort up to `pairs` pairs, whatever their keys.
+template <class B>
+void reserve_sort(B& b, std::size_t pairs) {
+  if constexpr (requires { b.reserve_sort(pairs); }) b.reserve_sort(pairs);
+}
 
 /// Used part of a memory, by all programs, and its size. @units{bytes}
 struct MemoryUse {
@@ -48,8 +100,9 @@ struct MemoryUse {
 
 /// What a program gives to the backend of a renderer. Backends ignore what they have no use for.
 struct BackendOptions {
-  int threads = 0;                  ///< as for `Cpu`
-  ::CUstream_st* stream = nullptr;  ///< as for `Cuda`
+  int threads = 0;                   ///< as for `Cpu`
+  ::CUstream_st* stream = nullptr;   ///< as for `Cuda`
+  std::optional<MemoryHook> memory;  ///< none: the backend's own
 };
 
 /// Makes a backend. Backends with options overload this, by their type.
@@ -68,12 +121,15 @@ struct AnyIndexed {
 /// number of threads.
 /// - `device_name()`: model of the processor or device, with the number of threads if that is a choice. Times
 /// measured on one name are not used on another.
-/// - `Buffer<T>`: grow-only memory that the backend's loops can reach (`GrowingBuffer`).
+/// - `Buffer<T>`: memory that grows and that the backend's loops can reach (`GrowingBuffer`).
 /// - `SceneOn`: an uploaded scene, with `view()`.
 /// - `reaches_host_memory`: whether its loops can write to the host's own arrays.
 /// - `download(from, to)`: copies to the host, after all work submitted so far; complete when it returns.
 /// - `memory_use()`: of the backend's own memory; only for a backend that does not reach the host's memory.
 /// - `wait()`: returns when all work submitted so far is done.
+/// - `memory_hook()`: where renderers take memory from; only for a backend that has a choice.
+/// - `trim()`, `reserve_sort(pairs)`: gives back the memory that it keeps for later calls, and takes what
+/// sorts of so many pairs need of it; only for a backend that keeps any.
 /// - `for_each(n, f)`: f(i) for every i in [0, n), in any order. Complete when it returns, or in stream
 /// order. `n` is a `Count`, as is that of `sort_pairs`.
 /// - `exclusive_scan(counts)`: sums in place, returns the total.

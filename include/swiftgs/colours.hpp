@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 
 #include <swiftgs/backend.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/span.hpp>
+#include <swiftgs/tiles.hpp>
 
 namespace swiftgs {
 
@@ -44,7 +46,10 @@ struct Colours {
   typename B::template Buffer<SplatColour> each;
   typename B::template Buffer<std::uint32_t> hidden;  ///< one word
 
-  std::size_t bytes() const { return bytes_of(each, hidden); }
+  void reserve(B&, const FrameRoom& room) {
+    each.reset_exactly(room.capacity.splats), hidden.reset_exactly(1);
+  }
+  static auto buffers(auto& self) { return std::tie(self.each, self.hidden); }
 };
 
 }  // namespace swiftgs

@@ -160,8 +160,9 @@ requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const Contri
 /// exact bounds, and the conventions' rules of alpha and stop, so the weights are those that
 /// `AxisSharedThreshold<FloatCholesky>` blends with.
 ///
-/// The stages are those of a renderer. It evaluates colours only in scenes with numbers beyond 1e36, to leave
-/// out the Gaussians that frames do not draw because their colour is not finite.
+/// The stages are those of a renderer, and so is where memory comes from. It evaluates colours only in scenes
+/// with numbers beyond 1e36, to leave out the Gaussians that frames do not draw because their colour is not
+/// finite.
 template <BackendPolicy B>
 class Contributions {
  public:
@@ -170,6 +171,7 @@ class Contributions {
       : backend_(std::move(backend)),
         scene_(backend_.upload(scene)),
         colours_may_overflow_(colours_may_overflow(*scene)) {
+    use_memory_of(backend_, sums_, project_scratch_, splats_, footprints_, colours_, sort_scratch_, lists_);
     const std::size_t n = scene_.view().size(), most = std::numeric_limits<std::uint32_t>::max();
     if (n > most) throw CapacityError("Gaussians", n, most);
     sums_.reset(n);

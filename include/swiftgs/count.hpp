@@ -31,7 +31,7 @@ struct Capacity {
 /// What a frame took. If it overflowed it drew nothing; a frame needs room for these numbers.
 struct FrameReport {
   std::uint64_t visible = 0;     ///< Gaussians, of all views
-  std::uint64_t instances = 0;   ///< pairs of splat and tile, of all splats
+  std::uint64_t instances = 0;   ///< pairs of splat and tile; on hosts, of splats that fit
   std::uint32_t overflowed = 0;  ///< 1: they were more than the frame had room for
 };
 

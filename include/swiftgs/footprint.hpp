@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/span.hpp>
@@ -44,7 +45,8 @@ struct Footprints {
   Views views;
 
   FootprintsView<Bounds> view() const { return {{each.data(), count}, std::size_t(instances), tiles, views}; }
-  std::size_t bytes() const { return each.bytes(); }
+  void reserve(B&, const FrameRoom& room) { each.reset_exactly(room.capacity.splats); }
+  static auto buffers(auto& self) { return std::tie(self.each); }
 };
 
 namespace detail {

@@ -3,11 +3,12 @@
 
 #include <cstddef>
 #include <cstring>
-#include <memory>
+#include <limits>
 #include <new>
 #include <type_traits>
 #include <utility>
 
+#include <swiftgs/memory_hook.hpp>
 #include <swiftgs/span.hpp>
 
 namespace swiftgs {
@@ -18,22 +19,42 @@ struct CacheLineMemory {
   static void release(void* memory) { ::operator delete (memory, std::align_val_t{64}); }
 };
 
-/// Uninitialised memory that grows and never shrinks, so that a steady frame allocates nothing. `Memory`
-/// allocates it, by default on the host. Vector code may read and write 64 bytes beyond its end.
+/// Uninitialised memory that grows, and shrinks by `trim` alone, so that a steady frame allocates nothing. It
+/// comes from `Memory` unless a hook was given. Vector code may read and write 64 bytes beyond its end.
 template <class T, class Memory = CacheLineMemory>
 class GrowingBuffer {
   static_assert(std::is_trivially_copyable_v<T>, "GrowingBuffer holds plain data only");
 
  public:
   GrowingBuffer() = default;
+  explicit GrowingBuffer(const MemoryHook& hook) : hook_(hook) {}
+  ~GrowingBuffer() { trim(); }
+  /// Takes over memory and hook. A moved-from buffer is empty and keeps its hook.
   GrowingBuffer(GrowingBuffer&& other) noexcept
-      : memory_(std::move(other.memory_)),
+      : hook_(other.hook_),
+        memory_(std::exchange(other.memory_, nullptr)),
         size_(std::exchange(other.size_, 0)),
         capacity_(std::exchange(other.capacity_, 0)) {}
   GrowingBuffer& operator=(GrowingBuffer&& other) noexcept {
-    memory_ = std::move(other.memory_);
+    if (this == &other) return *this;
+    trim();
+    hook_ = other.hook_;
+    memory_ = std::exchange(other.memory_, nullptr);
     size_ = std::exchange(other.size_, 0), capacity_ = std::exchange(other.capacity_, 0);
     return *this;
+  }
+
+  /// Gives its memory back and takes memory from `hook` from now on.
+  void use(const MemoryHook& hook) {
+    trim();
+    hook_ = hook;
+  }
+
+  /// Gives its memory back.
+  void trim() {
+    if (memory_) hook_.release(hook_.context, memory_, bytes());
+    memory_ = nullptr;
+    capacity_ = size_ = 0;
   }
 
   /// Makes room for `count` elements; if the buffer grows, for an eighth more. Its contents are undefined
@@ -46,7 +67,7 @@ class GrowingBuffer {
   /// As `reset`, but keeps the contents, as many as there is room for. For memory that a host reaches.
   void resize(std::size_t count) {
     if (count > capacity_) {
-      GrowingBuffer larger;
+      GrowingBuffer larger(hook_);
       larger.reset(count);
       if (size_ != 0) std::memcpy(larger.data(), data(), size_ * sizeof(T));
       *this = std::move(larger);
@@ -60,8 +81,8 @@ class GrowingBuffer {
     size_ = count;
   }
 
-  T* data() { return memory_.get(); }
-  const T* data() const { return memory_.get(); }
+  T* data() { return memory_; }
+  const T* data() const { return memory_; }
   std::size_t size() const { return size_; }
   std::size_t capacity() const { return capacity_; }
   std::size_t bytes() const { return capacity_ ? capacity_ * sizeof(T) + padding : 0; }
@@ -73,16 +94,16 @@ class GrowingBuffer {
 
   void allocate(std::size_t room) {
     // Empty while the allocation may throw. The old memory is freed first, because its contents are not kept.
-    memory_.reset();
-    capacity_ = size_ = 0;
-    memory_.reset(static_cast<T*>(Memory::allocate(room * sizeof(T) + padding)));
+    trim();
+    if (room > (std::numeric_limits<std::size_t>::max() - padding) / sizeof(T)) throw std::bad_alloc();
+    void* const memory = hook_.allocate(hook_.context, room * sizeof(T) + padding);
+    if (!memory) throw std::bad_alloc();
+    memory_ = static_cast<T*>(memory);
     capacity_ = room;
   }
 
-  struct Free {
-    void operator()(T* memory) const { Memory::release(memory); }
-  };
-  std::unique_ptr<T, Free> memory_;
+  MemoryHook hook_ = hook_of<Memory>();
+  T* memory_ = nullptr;
   std::size_t size_ = 0;
   std::size_t capacity_ = 0;
 };

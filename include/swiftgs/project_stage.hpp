@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
@@ -20,7 +21,10 @@ struct ProjectScratch {
   typename B::template Buffer<ProjectedShape> projected;
   typename B::template Buffer<std::uint32_t> slots;
 
-  std::size_t bytes() const { return bytes_of(projected, slots); }
+  void reserve(B&, const FrameRoom& room) {
+    projected.reset_exactly(room.gaussians), slots.reset_exactly(room.gaussians);
+  }
+  static auto buffers(auto& self) { return std::tie(self.projected, self.slots); }
 };
 
 /// Projects Gaussian i and marks it with 1 where it is visible.

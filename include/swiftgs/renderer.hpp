@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -63,8 +64,9 @@ concept RastersOn = BackendPolicy<B> && requires(B& b, R raster, const RasterJob
 
 /// Renders frames: project, shade, bin, sort, rasterize. Every combination of policies is one type.
 ///
-/// A renderer keeps the memory of its stages, so a frame no larger than an earlier one allocates nothing. It
-/// is not safe to use from two threads at once; two renderers are.
+/// A renderer keeps the memory of its stages, so a frame no larger than an earlier one allocates nothing. All
+/// of it is from the hook of the backend that the renderer was made with. It is not safe to use from two
+/// threads at once; two renderers are.
 template <class B, class Sort, class Raster, class Bounds>
 requires SortsOn<Sort, B, Bounds> && RastersOn<Raster, B>
 class Renderer {
@@ -75,7 +77,9 @@ class Renderer {
   static constexpr std::string_view name = name_storage.view();
 
   explicit Renderer(B backend = B(), Sort sort = Sort())
-      : backend_(std::move(backend)), sort_(std::move(sort)) {}
+      : backend_(std::move(backend)), sort_(std::move(sort)) {
+    std::apply([&](auto&... parts) { use_memory_of(backend_, parts...); }, parts());
+  }
 
   B& backend() { return backend_; }
   const B& backend() const { return backend_; }
@@ -121,34 +125,47 @@ class Renderer {
     gaussians_ = scene.size();
   }
 
-  /// Takes all memory that `record` needs for frames of `scene` and `views`. Without a `capacity`, room for
-  /// what the views show now and an eighth more. Draws nothing and waits. Throws as `render_into`.
+  /// Takes all memory that `record` needs for frames of `views` and `scene`: `set_views` may replace the
+  /// views by others whose frames have the same sizes, and `scene` may change. Without a `capacity`, room for
+  /// what the views show now and an eighth more; never for more splats than Gaussians in all views, nor for
+  /// more than `max_instances`. Draws nothing and waits. If it throws, `record` is refused until it succeeds.
   void reserve(const SceneView& scene, Span<const View> views, Capacity capacity = {}) {
     check_scene(scene);
-    recorded_ = {};
+    reserved_.reset();
     set_views(views);
-    const auto measure = [&](const Limits& limits) {
+    const auto rehearse = [&](const Capacity& within) {
+      const Limits limits{within, false};
       enqueue(scene, recorded_, {}, limits);
       return await_report(backend_, splats_, footprints_, limits);
     };
     if (capacity.splats == 0 || capacity.instances == 0) {
-      const FrameReport report = measure({.capacity = {1, 1}, .draw = false});
+      // A host counts the instances of those splats alone that it has room for.
+      const FrameReport report = rehearse(B::reaches_host_memory ? Capacity{} : Capacity{1, 1});
       check_instances(report.instances);
       if (capacity.splats == 0) capacity.splats = with_room(report.visible);
       if (capacity.instances == 0) capacity.instances = with_room(report.instances);
     }
-    capacity_ = capacity;
-    // Twice, because buffers change places.
-    for (int k = 0; k < 2; ++k) measure({.capacity = capacity_, .draw = false});
-    reserved_gaussians_ = scene.size();
+    capacity.splats = std::min(capacity.splats, std::max<std::size_t>(scene.size() * views.size, 1));
+    capacity.instances = std::min(capacity.instances, std::size_t(max_instances));
+    const FrameRoom room{scene.size(), views.size, frame_tiles(recorded_), capacity};
+    if constexpr (B::reaches_host_memory) {
+      reserve_parts(backend_, room, project_scratch_, splats_, footprints_, colours_, sort_scratch_, lists_);
+    } else {
+      // Twice, because buffers change places.
+      for (int k = 0; k < 2; ++k) rehearse(capacity);
+      capacity_.splats = std::max(capacity_.splats, capacity.splats);
+      capacity_.instances = std::max(capacity_.instances, capacity.instances);
+    }
+    reserved_ = room;
   }
 
   /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders them too.
   /// Between `reserve` calls, cameras, conventions, backgrounds, formats and the places of planes may change.
-  /// Throws `std::invalid_argument` if the number of views, a size, or which planes there are changes.
+  /// Throws `std::invalid_argument`, and changes nothing, if the number of views, a size, or which planes
+  /// there are changes.
   void set_views(Span<const View> views) {
     for (const View& view : views) check_frame(view);
-    if (recorded_.size() != 0) {
+    if (reserved_) {
       if (views.size != recorded_.size())
         detail::refuse("set_views: the number of views", views.size,
                        std::to_string(recorded_.size()) + " as reserved");
@@ -158,21 +175,42 @@ class Renderer {
                                       " changed, expected those that were reserved");
     }
     check_ready(backend_);
-    recorded_ = store_views(backend_, views, recorded_storage_, ViewAccess::stored);
-    frame_tiles(recorded_);
+    recorded_ = {};
+    const Views stored = store_views(backend_, views, recorded_storage_, ViewAccess::stored);
+    frame_tiles(stored);
+    recorded_ = stored;
   }
 
-  /// Renders the views that were set, and neither waits, allocates nor asks a device for anything: it may be
-  /// captured into a CUDA graph. Writes what the frame took to `report`, in memory that the backend reaches.
-  /// A frame without enough room draws nothing. On hosts it is complete when it returns. Throws
-  /// `std::invalid_argument` before `reserve`, and `CapacityError` if it was called for fewer Gaussians.
+  /// Renders the views that were set, and neither waits, allocates nor asks a device for anything, so that it
+  /// may be captured into a CUDA graph. Writes what the frame took to `report`, in memory that the backend
+  /// reaches. A frame without enough room draws nothing. Call `reserve` before. On hosts the frame is
+  /// complete when it returns. Throws `std::invalid_argument` where nothing can be rendered, and
+  /// `CapacityError` where `reserve` was called for fewer Gaussians.
+  ///
+  /// A captured graph works in the renderer's memory. It must not be launched again after `reserve`, `trim`
+  /// or a larger frame of `render_into`, which move that memory.
   void record(const SceneView& scene, FrameReport* report) {
     check_scene(scene);
-    require(reserved_gaussians_.has_value(), "reserve before record");
+    require(reserved_ && recorded_.size() != 0, "reserve before record");
     require(report != nullptr, "memory for the report");
-    if (scene.size() > *reserved_gaussians_)
-      throw CapacityError("Gaussians in a recorded frame", scene.size(), *reserved_gaussians_);
-    enqueue(scene, recorded_, {}, Limits{capacity_, true, report});
+    if (scene.size() > reserved_->gaussians)
+      throw CapacityError("Gaussians in a recorded frame", scene.size(), reserved_->gaussians);
+    enqueue(scene, recorded_, {}, Limits{reserved_->capacity, true, report});
+  }
+
+  /// Gives back all memory that the renderer and its backend keep, uploaded scenes excluded, after waiting
+  /// for all work submitted so far. The next frame takes it again. Views that were set and what was reserved
+  /// are forgotten, so `record` is refused until the next `reserve`. Frames of `render_resident`, `splats`,
+  /// `lists` and the raster part of `statistics` are gone.
+  void trim() {
+    backend_.wait();
+    std::apply([&](auto&... parts) { trim_parts(backend_, parts...); }, parts());
+    if constexpr (requires { backend_.trim(); }) backend_.trim();
+    frames_ = {}, views_ = {};
+    counted_ = false;
+    capacity_ = {1, 1};
+    recorded_ = {};
+    reserved_.reset();
   }
 
   /// Renders into memory of the backend that the renderer keeps: the frames, one a camera, hold until the
@@ -271,7 +309,8 @@ class Renderer {
     return s;
   }
 
-  /// What the buffers of each stage hold, in the backend's memory. They grow with the largest frame so far.
+  /// What the buffers of each stage hold, in the backend's memory. They grow with the largest frame so far,
+  /// and are empty after `trim`.
   StageMemory memory() const {
     return {bytes_of(view_storage_, recorded_storage_, project_scratch_, splats_, footprints_, colours_),
             bytes_of(sort_scratch_, lists_),
@@ -291,6 +330,12 @@ class Renderer {
     };
     return a.frame.width == b.frame.width && a.frame.height == b.frame.height && a.grid.side == b.grid.side &&
            planes(a.frame) == planes(b.frame);
+  }
+
+  /// All that holds memory of the backend.
+  auto parts() {
+    return std::tie(project_scratch_, splats_, footprints_, colours_, sort_scratch_, lists_, square_counts_,
+                    view_storage_, recorded_storage_, frame_.colour, frame_.alpha, frame_.depth);
   }
 
   static std::size_t with_room(std::uint64_t count) { return std::size_t(count + count / 8 + 1); }
@@ -322,6 +367,7 @@ class Renderer {
 
     SortJob<Bounds> sorted{splats_.view(), footprints_.view(), FrameKey::of(scene, views)};
     sorted.measure = limits.draw && !limits.report;
+    sorted.rehearse = !limits.draw;
     sort_.build(backend_, sorted, Bounds{}, sort_scratch_, lists_);
     take_time(2);
 
@@ -392,7 +438,7 @@ class Renderer {
   typename Sort::template Scratch<B> sort_scratch_;
   TileLists<B> lists_;
   typename B::template Buffer<SquareCounts> square_counts_;
-  ViewStorage<B> view_storage_;
+  ViewStorage<B> view_storage_, recorded_storage_;  ///< of `render_into` and of `record`
   struct {
     typename B::template Buffer<float> colour, alpha, depth;
   } frame_;                        ///< of `render_resident`, a frame behind the other
@@ -403,9 +449,8 @@ class Renderer {
   std::size_t gaussians_ = 0;
   FrameReport report_;       ///< of the last frame that was not recorded
   Capacity capacity_{1, 1};  ///< of a device's frames; grows with them
-  ViewStorage<B> recorded_storage_;
-  Views recorded_;  ///< in it
-  std::optional<std::size_t> reserved_gaussians_;
+  Views recorded_;           ///< in `recorded_storage_`
+  std::optional<FrameRoom> reserved_;
 };
 
 }  // namespace swiftgs

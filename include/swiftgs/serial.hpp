@@ -15,6 +15,7 @@
 #include <swiftgs/backend.hpp>
 #include <swiftgs/growing_buffer.hpp>
 #include <swiftgs/host_scene.hpp>
+#include <swiftgs/memory_hook.hpp>
 #include <swiftgs/processor_name.hpp>
 
 namespace swiftgs {
@@ -29,6 +30,10 @@ class Serial {
   using TimePoint = std::chrono::steady_clock::time_point;
 
   static constexpr bool reaches_host_memory = true;
+
+  Serial() = default;
+  explicit Serial(const MemoryHook& memory) : memory_(memory) {}
+  const MemoryHook& memory_hook() const { return memory_; }
 
   static bool usable() { return true; }
   std::string device_name() const { return processor_name(); }
@@ -85,7 +90,14 @@ class Serial {
   std::optional<double> milliseconds(TimePoint from, TimePoint to) const {
     return std::chrono::duration<double, std::milli>(to - from).count();
   }
+
+ private:
+  MemoryHook memory_ = hook_of<CacheLineMemory>();
 };
+
+inline Serial make_backend(std::type_identity<Serial>, const BackendOptions& options) {
+  return options.memory ? Serial(*options.memory) : Serial();
+}
 
 static_assert(BackendPolicy<Serial>);
 

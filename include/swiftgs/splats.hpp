@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 
 #include <swiftgs/count.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/span.hpp>
+#include <swiftgs/tiles.hpp>
 
 namespace swiftgs {
 
@@ -66,7 +68,12 @@ struct Splats {
             {gaussians.data(), count},
             of_view.size() != 0 ? of_view.data() : nullptr};
   }
-  std::size_t bytes() const { return bytes_of(shapes, depths, gaussians, of_view); }
+  void reserve(B&, const FrameRoom& room) {
+    const std::size_t splats = room.capacity.splats;
+    shapes.reset_exactly(splats), depths.reset_exactly(splats), gaussians.reset_exactly(splats);
+    of_view.reset_exactly(room.views > 1 ? splats : 0);
+  }
+  static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.of_view); }
 };
 
 /// Key that orders depths as integers: the bits of a positive float ascend with its value, and its sign bit

@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 
+#include <swiftgs/count.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/span.hpp>
 
@@ -76,6 +78,24 @@ struct FrameTiles {
   }
 };
 
+/// What recorded frames have room for: their parts `reserve` memory for it.
+struct FrameRoom {
+  std::size_t gaussians = 0;  ///< of the scene
+  std::size_t views = 0;
+  FrameTiles tiles;   ///< of all views
+  Capacity capacity;  ///< neither is 0
+};
+
+/// Has all `parts` take the memory of frames with such `room`. A part without a member `reserve` takes it
+/// when it is used.
+template <class B, class... Parts>
+void reserve_parts(B& b, const FrameRoom& room, Parts&... parts) {
+  const auto reserve = [&](auto& part) {
+    if constexpr (requires { part.reserve(b, room); }) part.reserve(b, room);
+  };
+  (reserve(parts), ...);
+}
+
 /// Most tiles that one frame may have.
 inline constexpr std::size_t max_frame_tiles = std::size_t(1) << 31;
 
@@ -102,7 +122,10 @@ struct TileLists {
   std::size_t instances = 0;  ///< at most
   std::size_t tiles = 0;
 
-  std::size_t bytes() const { return ids.bytes() + ranges.bytes(); }
+  void reserve(B&, const FrameRoom& room) {
+    ids.reset_exactly(room.capacity.instances), ranges.reset_exactly(room.tiles.size());
+  }
+  static auto buffers(auto& self) { return std::tie(self.ids, self.ranges); }
 
   TileListsView view() const { return {{ids.data(), instances}, {ranges.data(), tiles}}; }
 };

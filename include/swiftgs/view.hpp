@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <swiftgs/camera.hpp>
@@ -178,7 +179,7 @@ template <class B>
 struct ViewStorage {
   std::vector<View> each;
 
-  static constexpr std::size_t bytes() { return 0; }  ///< in the backend's own memory
+  static std::tuple<> buffers(auto&) { return {}; }  ///< none in the backend's own memory
 };
 
 /// How loops of a device read views.

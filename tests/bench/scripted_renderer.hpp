@@ -35,6 +35,7 @@ class ScriptedRenderer final : public AnyRenderer {
   }
   Statistics statistics() const override { return {}; }
   StageMemory memory() const override { return {}; }
+  void trim() override {}
   std::string device_name() const override { return "a script"; }
   void use_calibrations(std::vector<SortCalibration>) override {}
   std::optional<SortCalibration> calibration() const override { return std::nullopt; }

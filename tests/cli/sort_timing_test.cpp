@@ -43,6 +43,7 @@ class ScriptedRenderer final : public AnyRenderer {
   }
   Statistics statistics() const override { return {0, 0, std::size_t(width_), {}}; }
   StageMemory memory() const override { return {}; }
+  void trim() override {}
   void use_calibrations(std::vector<SortCalibration>) override {}
   std::optional<SortCalibration> calibration() const override { return std::nullopt; }
   std::optional<MemoryUse> device_memory() const override { return std::nullopt; }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -63,12 +64,18 @@ class AdaptiveSort {
     bool pending_early = false;
     int waited = 0;  ///< frames for that end
 
-    std::size_t bytes() const { return bytes_of(standard, early); }
+    void reserve(B& b, const FrameRoom& room) { standard.reserve(b, room), early.reserve(b, room); }
+    static auto buffers(auto& self) { return std::tie(self.standard, self.early); }
   };
 
   template <class B, class Bounds>
   void build(B& b, const SortJob<Bounds>& job, const Bounds& bounds, Scratch<B>& scratch,
              TileLists<B>& lists) {
+    if (job.rehearse) {
+      StandardSort{}.build(b, job, bounds, scratch.standard, lists);
+      EarlySort{}.build(b, job, bounds, scratch.early, lists);
+      return;
+    }
     start_over_where_stale(job.key, scratch);
     if (job.key.scene == 0) {
       EarlySort{}.build(b, job, bounds, scratch.early, lists);
@@ -87,14 +94,15 @@ class AdaptiveSort {
         decided_ ? early_
                  : measured_[1].frames + measured_[1].warm_ups < measured_[0].frames + measured_[0].warm_ups;
     // Buffers change places between the scratch and the lists. Lists that come empty may be new in every
-    // frame, and are no reason to measure none.
-    const std::size_t held = lists.bytes() == 0 ? 0 : bytes_of(scratch, lists);
+    // frame, and are no reason to measure none, unless the scratch is empty too, as after `Renderer::trim`.
+    const std::size_t held = bytes_of(scratch, lists);
+    const bool compare = held == 0 || bytes_of(lists) != 0;
     if (measure) scratch.from = b.now();
     if (early)
       EarlySort{}.build(b, job, bounds, scratch.early, lists);
     else
       StandardSort{}.build(b, job, bounds, scratch.standard, lists);
-    const bool grew = held != 0 && bytes_of(scratch, lists) != held;
+    const bool grew = compare && bytes_of(scratch, lists) != held;
     if (measure && grew)
       scratch.from.reset(), measured_[early].warm_ups = 1;
     else if (measure)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <tuple>
+
 #include <swiftgs/api.hpp>
 #include <swiftgs/sort/sort.hpp>
 
@@ -29,7 +31,12 @@ struct EarlySort {
     Pairs<B, std::uint32_t> depths;
     GroupScratch<B> group;
 
-    std::size_t bytes() const { return bytes_of(depths, group); }
+    void reserve(B& b, const FrameRoom& room) {
+      depths.reset_exactly(room.capacity.splats);
+      reserve_sort(b, room.capacity.splats);
+      reserve_parts(b, room, group);
+    }
+    static auto buffers(auto& self) { return std::tie(self.depths, self.group); }
   };
 
   template <class B, class Bounds>

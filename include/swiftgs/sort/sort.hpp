@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include <swiftgs/api.hpp>
@@ -43,7 +44,8 @@ struct SortJob {
   SplatsView splats;
   FootprintsView<Bounds> footprints;  ///< of these splats
   FrameKey key;
-  bool measure = true;  ///< a sort that measures its frames may measure this one
+  bool measure = true;    ///< a sort that measures its frames may measure this one
+  bool rehearse = false;  ///< draws nothing: take memory for every strategy that a later frame may choose
 
   /// Of the view that splat i is of.
   SWIFTGS_HD const TileGrid& grid(std::size_t i) const {
@@ -61,13 +63,15 @@ void check_footprints(const SortJob<Bounds>& job) {
 
 /// Policy `S` builds tile lists on backend `B` within bounds `Bounds`: for every tile the ids of the splats
 /// that may touch it, nearest first, equal depths by ascending index. An object of `S` may keep what it
-/// learnt from earlier frames; `Scratch<B>` is the memory that it works in, `bytes()` of it.
+/// learnt from earlier frames. `Scratch<B>` is the memory that it works in: `bytes_of` it must compile, so it
+/// lists its `buffers` or has a member `bytes`. Its member `reserve(b, room)` takes the memory of frames with
+/// such room on hosts; without it, recorded frames there may allocate.
 template <class S, class B, class Bounds>
 concept SortsOn = BackendPolicy<B> && BoundsPolicy<Bounds> &&
     requires(S sort, B& b, const SortJob<Bounds>& job, const Bounds& bounds,
              typename S::template Scratch<B>& scratch, TileLists<B>& lists) {
   { S::name } -> std::convertible_to<std::string_view>;
-  { scratch.bytes() } -> std::same_as<std::size_t>;
+  { bytes_of(scratch) } -> std::same_as<std::size_t>;
   sort.build(b, job, bounds, scratch, lists);
 };
 
@@ -165,7 +169,8 @@ template <class B>
 struct InstanceScratch {
   typename B::template Buffer<std::uint32_t> offsets;
 
-  std::size_t bytes() const { return offsets.bytes(); }
+  void reserve(B&, const FrameRoom& room) { offsets.reset_exactly(room.capacity.splats); }
+  static auto buffers(auto& self) { return std::tie(self.offsets); }
 };
 
 /// Emits the instances of all splats in the given order (index order when `order` is null) and returns how
@@ -211,7 +216,12 @@ struct GroupScratch {
   InstanceScratch<B> emission;
   Pairs<B, std::uint32_t> instances;
 
-  std::size_t bytes() const { return bytes_of(emission, instances); }
+  void reserve(B& b, const FrameRoom& room) {
+    reserve_parts(b, room, emission);
+    instances.reset_exactly(room.capacity.instances);
+    reserve_sort(b, room.capacity.instances);
+  }
+  static auto buffers(auto& self) { return std::tie(self.emission, self.instances); }
 };
 
 /// Lists for every tile the splats that may touch it, in the given order: emits the instances in that order

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <tuple>
+
 #include <swiftgs/sort/sort.hpp>
 
 namespace swiftgs {
@@ -16,7 +18,12 @@ struct StandardSort {
     InstanceScratch<B> emission;
     Pairs<B, std::uint64_t> instances;
 
-    std::size_t bytes() const { return bytes_of(emission, instances); }
+    void reserve(B& b, const FrameRoom& room) {
+      reserve_parts(b, room, emission);
+      instances.reset_exactly(room.capacity.instances);
+      reserve_sort(b, room.capacity.instances);
+    }
+    static auto buffers(auto& self) { return std::tie(self.emission, self.instances); }
   };
 
   template <class B, class Bounds>

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include <swiftgs/api.hpp>
@@ -22,6 +23,7 @@
 #include <swiftgs/footprint.hpp>
 #include <swiftgs/growing_buffer.hpp>
 #include <swiftgs/host_scene.hpp>
+#include <swiftgs/memory_hook.hpp>
 #include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
 #include <swiftgs/raster/per_pixel.hpp>
@@ -49,8 +51,8 @@ class SWIFTGS_API Cpu {
 
   /// `threads`: how many run at once, at most what oneTBB lets the process use; 0 for all of those. Each
   /// backend has its own arena, so renderers neither wait for nor change the settings of other users of
-  /// oneTBB.
-  explicit Cpu(int threads = 0);
+  /// oneTBB. What oneTBB takes for its tasks is not from `memory`.
+  explicit Cpu(int threads = 0, const MemoryHook& memory = hook_of<LargePageMemory>());
   ~Cpu();
   Cpu(Cpu&&) noexcept;
   Cpu& operator=(Cpu&&) noexcept;
@@ -58,6 +60,7 @@ class SWIFTGS_API Cpu {
   static constexpr bool reaches_host_memory = true;
 
   static bool usable() { return true; }
+  const MemoryHook& memory_hook() const { return memory_; }
   int threads() const;
   std::string device_name() const;
 
@@ -93,6 +96,11 @@ class SWIFTGS_API Cpu {
   void sort_pairs(Pairs<Cpu, std::uint32_t>& pairs, Count count, int bits);
   void sort_pairs(Pairs<Cpu, std::uint64_t>& pairs, Count count, int bits);
 
+  /// As `swiftgs::reserve_sort`.
+  void reserve_sort(std::size_t pairs);
+  /// Gives back the memory that sorts keep.
+  void trim() { histograms_.trim(); }
+
   TimePoint now() const { return std::chrono::steady_clock::now(); }
   std::optional<double> milliseconds(TimePoint from, TimePoint to) const {
     return std::chrono::duration<double, std::milli>(to - from).count();
@@ -108,11 +116,12 @@ class SWIFTGS_API Cpu {
 
   struct Arena;
   std::unique_ptr<Arena> arena_;
+  MemoryHook memory_;
   Buffer<std::uint32_t> histograms_;  ///< of `sort_pairs`, kept from frame to frame
 };
 
 inline Cpu make_backend(std::type_identity<Cpu>, const BackendOptions& options) {
-  return Cpu(options.threads);
+  return options.memory ? Cpu(options.threads, *options.memory) : Cpu(options.threads);
 }
 
 static_assert(BackendPolicy<Cpu>);
@@ -125,7 +134,8 @@ struct ProjectScratch<Cpu> {
   Cpu::Buffer<std::uint32_t> gaussians;
   Cpu::Buffer<std::size_t> counts;
 
-  std::size_t bytes() const { return bytes_of(shapes, depths, gaussians, counts); }
+  SWIFTGS_API void reserve(Cpu&, const FrameRoom& room);
+  static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.counts); }
 };
 
 /// Vector kernel of the projection: a lane a Gaussian.
@@ -250,7 +260,8 @@ template <>
 struct GroupScratch<Cpu> {
   Cpu::Buffer<std::uint32_t> positions;  ///< @shape{parts, tiles}
 
-  std::size_t bytes() const { return positions.bytes(); }
+  SWIFTGS_API void reserve(Cpu& cpu, const FrameRoom& room);
+  static auto buffers(auto& self) { return std::tie(self.positions); }
 };
 
 /// `group_by_tile` without keys: a counting sort that moves each id straight to its tile.

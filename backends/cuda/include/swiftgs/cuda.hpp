@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -43,7 +44,7 @@ class Turns {
   /// After the last kernel of an operation has been started. That kernel ends the turn on the device.
   void end() { started_ = true; }
 
-  std::size_t bytes() const { return bytes_of(counters_, words_); }
+  static auto buffers(auto& self) { return std::tie(self.counters_, self.words_); }
 
  private:
   DeviceBuffer<TurnCounters<Counters>> counters_;
@@ -57,7 +58,7 @@ struct ViewStorage<Cuda> {
   std::vector<View> each;
   DeviceBuffer<View> stored;
 
-  std::size_t bytes() const { return stored.bytes(); }
+  static auto buffers(auto& self) { return std::tie(self.stored); }
 };
 
 SWIFTGS_API Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage,
@@ -72,7 +73,7 @@ struct ProjectScratch<Cuda> {
   DeviceBuffer<FrameTotals> totals;    ///< one, which `bin` fills
   std::uint64_t projections = 0;       ///< so far
 
-  std::size_t bytes() const { return bytes_of(turns, hidden, totals); }
+  static auto buffers(auto& self) { return std::tie(self.turns, self.hidden, self.totals); }
 };
 
 /// A projection whose numbers the host has not read.
@@ -110,7 +111,7 @@ struct Splats<Cuda> {
             of_view.size() != 0 ? of_view.data() : nullptr,
             exact};
   }
-  std::size_t bytes() const { return bytes_of(shapes, depths, gaussians, of_view); }
+  static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.of_view); }
 };
 
 /// Footprints, which projection finds. The buffer has room for as many as those of the splats.
@@ -127,7 +128,7 @@ struct Footprints<Cuda, Bounds> {
   PendingProjection found_by;
 
   FootprintsView<Bounds> view() const { return {{each.data(), count}, instances, tiles, views, overflowed}; }
-  std::size_t bytes() const { return bytes_of(each, counts, totals); }
+  static auto buffers(auto& self) { return std::tie(self.each, self.counts, self.totals); }
 };
 
 /// One kernel: projects, compacts in the order of the Gaussians and finds tiles. Does not wait.
@@ -193,7 +194,7 @@ struct InstanceScratch<Cuda> {
   DeviceBuffer<EmittedSplat> large;  ///< splats without a mask
   Turns<std::uint32_t> turns;        ///< count them
 
-  std::size_t bytes() const { return bytes_of(large, turns); }
+  static auto buffers(auto& self) { return std::tie(self.large, self.turns); }
 };
 
 /// `emit_instances` with the tiles of 32 splats spread over the lanes of a warp. The footprints must hold as
@@ -211,7 +212,7 @@ struct GroupScratch<Cuda> {
   Pairs<Cuda, std::uint16_t> narrow;  ///< where 16 bits tell the tiles apart
   Pairs<Cuda, std::uint32_t> wide;
 
-  std::size_t bytes() const { return bytes_of(emission, narrow, wide); }
+  static auto buffers(auto& self) { return std::tie(self.emission, self.narrow, self.wide); }
 };
 
 /// `group_by_tile` with keys no wider than the tiles need.

@@ -13,6 +13,7 @@
 #include <swiftgs/backend.hpp>
 #include <swiftgs/cuda/memory.hpp>
 #include <swiftgs/cuda/turns.hpp>
+#include <swiftgs/memory_hook.hpp>
 
 /// A stream as `<cuda_runtime_api.h>` declares it, so that this header needs no toolkit.
 using cudaStream_t = struct CUstream_st*;
@@ -65,11 +66,20 @@ class SWIFTGS_API Cuda {
   std::string device_name() const;
 
   /// Works on the caller's `stream`, which outlives it; by default on the default stream of the device.
-  explicit Cuda(cudaStream_t stream = nullptr);
+  ///
+  /// `memory` may work in the order of that stream, as `cudaMallocFromPoolAsync` does: memory is used by work
+  /// that is submitted to the stream, or to a fork of it, between the calls of `allocate` and of `release`,
+  /// and forks are joined before `release`. So `release` may be called while work that uses the memory is
+  /// still under way. It must not hand the memory out again before that work is done. A scene is released
+  /// with its last copy: streams other than this one must have drawn it by then. A few bytes of pinned host
+  /// memory are not from `memory`.
+  explicit Cuda(cudaStream_t stream = nullptr, const MemoryHook& memory = hook_of<DeviceMemory>());
   ~Cuda();
   /// A moved-from backend may only be assigned or destroyed.
   Cuda(Cuda&&) noexcept;
   Cuda& operator=(Cuda&&) noexcept;
+
+  const MemoryHook& memory_hook() const;
 
   /// Stream that orders all work except that of a fork not yet joined.
   cudaStream_t stream() const;
@@ -135,6 +145,9 @@ class SWIFTGS_API Cuda {
   void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, Count n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, Count n, int bits);
 
+  /// Waits, and gives back the memory that scans and sorts keep.
+  void trim();
+
   /// A point after all work submitted so far, forked work excluded.
   TimePoint now();
   /// From one point to a later one; nothing where `to` has not been reached or `from` is too old. Does not
@@ -161,7 +174,7 @@ class SWIFTGS_API Cuda {
 inline void check_ready(const Cuda& cuda) { cuda.check_not_captured("a frame"); }
 
 inline Cuda make_backend(std::type_identity<Cuda>, const BackendOptions& options) {
-  return Cuda(options.stream);
+  return options.memory ? Cuda(options.stream, *options.memory) : Cuda(options.stream);
 }
 
 static_assert(BackendPolicy<Cuda>);

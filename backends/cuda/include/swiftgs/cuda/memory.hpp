@@ -6,6 +6,7 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/growing_buffer.hpp>
+#include <swiftgs/memory_hook.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {
@@ -16,7 +17,8 @@ struct SWIFTGS_API DeviceMemory {
   static void release(void* memory);
 };
 
-/// Uninitialised device memory that grows and never shrinks. To grow waits for the device.
+/// Uninitialised device memory that grows, and shrinks by `trim` alone. Both wait for the device, unless the
+/// buffer has a hook that does not.
 template <class T>
 using DeviceBuffer = GrowingBuffer<T, DeviceMemory>;
 

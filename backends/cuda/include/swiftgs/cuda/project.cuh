@@ -174,6 +174,8 @@ void run_project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, Proj
   splats.pending = footprints.found_by = {};
   splats.reset(capacity, input.views.size()), footprints.each.reset(capacity);
   scratch.hidden.reset(1), scratch.totals.reset(1);
+  // An empty scene needs these, and a recorded frame of one must not allocate.
+  footprints.counts.reset(1), footprints.totals.reset(1);
   if (n == 0) return;
   const ProjectOutput output{
       splats.shapes.data(),    splats.depths.data(),

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+
+namespace swiftgs {
+
+/// Functions that a backend takes its memory from, in place of its own. Give one to the backend's
+/// constructor.
+///
+/// A renderer calls them from the thread that calls the renderer. What `context` points to outlives the
+/// backend, its renderers and the scenes that it uploaded.
+struct MemoryHook {
+  /// Memory of `bytes` bytes, aligned to 64 bytes on a host and to 256 on a device. If there is none it
+  /// throws or returns null: an exception reaches the caller of the renderer, null becomes `std::bad_alloc`.
+  /// The renderer stays usable.
+  void* (*allocate)(void* context, std::size_t bytes) = nullptr;
+  /// Takes back what `allocate` returned for as many bytes. Does not throw.
+  void (*release)(void* context, void* memory, std::size_t bytes) = nullptr;
+  void* context = nullptr;
+};
+
+/// The functions of `Memory`, which has no state.
+template <class Memory>
+constexpr MemoryHook hook_of() {
+  return {[](void*, std::size_t bytes) -> void* { return Memory::allocate(bytes); },
+          [](void*, void* memory, std::size_t) { Memory::release(memory); }, nullptr};
+}
+
+}  // namespace swiftgs

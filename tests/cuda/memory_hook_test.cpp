@@ -1,0 +1,447 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Where the device memory of `Cuda` comes from, when it is taken and when it is given back. The hook is a
+// pool that works in the order of the renderer's stream: memory that is released too early is overwritten.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <vector>
+
+#include <cuda_runtime_api.h>
+#include <doctest/doctest.h>
+
+#include <swiftgs/contribution.hpp>
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/check.hpp>
+#include <swiftgs/swiftgs.hpp>
+
+#include "policies/random_splats.hpp"
+#include "support/skip.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+using Usual = AxisSharedThreshold<FloatCholesky>;
+
+bool without_device() {
+  if (Cuda::usable()) return false;
+  skip("no CUDA device that the kernels of this build run on");
+  return true;
+}
+
+/// A stream that does not wait for the default one.
+class OwnStream {
+ public:
+  OwnStream() { check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "stream"); }
+  OwnStream(const OwnStream&) = delete;
+  OwnStream& operator=(const OwnStream&) = delete;
+  ~OwnStream() { cudaStreamDestroy(stream_); }
+  cudaStream_t get() const { return stream_; }
+  void wait() const { check_cuda(cudaStreamSynchronize(stream_), "cudaStreamSynchronize"); }
+
+ private:
+  cudaStream_t stream_ = nullptr;
+};
+
+/// A pool of memory in the order of a stream, which it outlives. What it gives and what it takes back is
+/// filled with garbage in that order.
+class StreamPool {
+ public:
+  enum class Refusal { null, exception };
+
+  explicit StreamPool(cudaStream_t stream) : stream_(stream) {
+    int device = 0;
+    check_cuda(cudaGetDevice(&device), "cudaGetDevice");
+    cudaMemPoolProps properties{};
+    properties.allocType = cudaMemAllocationTypePinned;
+    properties.location = {cudaMemLocationTypeDevice, device};
+    check_cuda(cudaMemPoolCreate(&pool_, &properties), "cudaMemPoolCreate");
+    std::uint64_t keep = std::numeric_limits<std::uint64_t>::max();
+    check_cuda(cudaMemPoolSetAttribute(pool_, cudaMemPoolAttrReleaseThreshold, &keep),
+               "cudaMemPoolSetAttribute");
+  }
+  StreamPool(const StreamPool&) = delete;
+  StreamPool& operator=(const StreamPool&) = delete;
+  ~StreamPool() {
+    CHECK(in_use() == 0);
+    cudaStreamSynchronize(stream_);
+    cudaMemPoolDestroy(pool_);
+  }
+
+  MemoryHook hook() { return {&StreamPool::allocate, &StreamPool::release, this}; }
+
+  std::size_t calls() const { return allocations_ + releases_; }
+  std::size_t allocations() const { return allocations_; }
+  /// @units{bytes}
+  std::size_t in_use() const {
+    std::size_t bytes = 0;
+    for (const auto& [memory, size] : blocks_) bytes += size;
+    return bytes;
+  }
+  /// Refuses the allocation after `count` more; 0: the next.
+  void refuse_after(std::size_t count, Refusal by) { refused_ = allocations_ + count, by_ = by; }
+  void refuse_none() { refused_ = none; }
+
+ private:
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+
+  static void* allocate(void* context, std::size_t bytes) {
+    auto& self = *static_cast<StreamPool*>(context);
+    if (self.allocations_++ == self.refused_) {
+      if (self.by_ == Refusal::null) return nullptr;
+      throw CapacityError("bytes of a test", bytes, 0);
+    }
+    void* memory = nullptr;
+    if (cudaMallocFromPoolAsync(&memory, bytes, self.pool_, self.stream_) != cudaSuccess) {
+      cudaGetLastError();
+      return nullptr;
+    }
+    check_cuda(cudaMemsetAsync(memory, 0xa5, bytes, self.stream_), "cudaMemsetAsync");
+    self.blocks_[memory] = bytes;
+    return memory;
+  }
+  static void release(void* context, void* memory, std::size_t bytes) {
+    auto& self = *static_cast<StreamPool*>(context);
+    ++self.releases_;
+    const auto found = self.blocks_.find(memory);
+    CHECK((found != self.blocks_.end() && found->second == bytes));
+    self.blocks_.erase(memory);
+    cudaMemsetAsync(memory, 0x5a, bytes, self.stream_);
+    cudaFreeAsync(memory, self.stream_);
+  }
+
+  cudaStream_t stream_;
+  cudaMemPool_t pool_ = nullptr;
+  std::map<void*, std::size_t> blocks_;
+  std::size_t allocations_ = 0, releases_ = 0, refused_ = none;
+  Refusal by_ = Refusal::null;
+};
+
+/// Images of views on the device.
+struct Images {
+  DeviceBuffer<float> pixels;  ///< RGB of one view behind the other
+  std::vector<View> views;
+
+  explicit Images(const std::vector<Camera>& cameras) {
+    std::size_t count = 0;
+    for (const Camera& camera : cameras) count += 3 * std::size_t(camera.width) * std::size_t(camera.height);
+    pixels.reset(count);
+    check_cuda(cudaMemset(pixels.data(), 0xff, count * sizeof(float)), "cudaMemset");
+    check_cuda(cudaDeviceSynchronize(), "cudaDeviceSynchronize");
+    float* at = pixels.data();
+    for (const Camera& camera : cameras) {
+      FrameView frame{.width = camera.width, .height = camera.height};
+      frame.colour = {at, std::ptrdiff_t(3 * sizeof(float)) * camera.width};
+      at += 3 * std::size_t(camera.width) * std::size_t(camera.height);
+      views.push_back(make_view(camera, Conventions::gsplat(), frame, vec3(0.25f)));
+    }
+  }
+  Span<const View> span() const { return {views.data(), views.size()}; }
+  /// After all work of the device.
+  std::vector<std::uint32_t> bits() const {
+    std::vector<std::uint32_t> host(pixels.size());
+    check_cuda(cudaDeviceSynchronize(), "cudaDeviceSynchronize");
+    check_cuda(cudaMemcpy(host.data(), pixels.data(), host.size() * sizeof(float), cudaMemcpyDeviceToHost),
+               "cudaMemcpy");
+    return host;
+  }
+  bool untouched() const {
+    const std::vector<std::uint32_t> host = bits();
+    return std::all_of(host.begin(), host.end(), [](std::uint32_t word) { return word == 0xffffffffu; });
+  }
+};
+
+std::vector<Camera> cameras_of(int frame, int views, double scale = 1) {
+  std::vector<Camera> cameras;
+  for (int v = 0; v < views; ++v) {
+    const int width = int(scale * (160 + 16 * v)), height = int(scale * 120);
+    Camera camera = forward_camera(width, height, scale * (80 + 50 * std::cos(0.13 * frame)));
+    camera.cx += 2.0 * v + 0.3 * frame;
+    cameras.push_back(camera);
+  }
+  return cameras;
+}
+
+FrameReport report_in(const DeviceBuffer<FrameReport>& memory) {
+  FrameReport report;
+  check_cuda(cudaDeviceSynchronize(), "cudaDeviceSynchronize");
+  check_cuda(cudaMemcpy(&report, memory.data(), sizeof report, cudaMemcpyDeviceToHost), "cudaMemcpy");
+  return report;
+}
+
+std::size_t all_of(const StageMemory& memory) { return memory.project + memory.sort + memory.raster; }
+
+template <class Sort>
+using Rendering = Renderer<Cuda, Sort, Usual, Ellipse>;
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("cuda memory hook: growth and destruction keep the order of the stream", Sort,
+                   StandardSort, EarlySort, AdaptiveSort) {
+  if (without_device()) return;
+  const Scene scene = random_scene(40000, 3, 1);
+  const OwnStream stream;
+  Rendering<Sort> plain;
+  const DeviceScene uploaded = plain.backend().upload(scene);
+  constexpr int rounds = 12;
+  std::vector<Images> expected, images;
+  for (int i = 0; i < rounds; ++i) {
+    // Sizes that go up and down, so that memory of one renderer soon becomes that of the next.
+    const std::vector<Camera> cameras = cameras_of(i, 1 + i % 3, 1 + 0.4 * (i % 4));
+    expected.emplace_back(cameras), images.emplace_back(cameras);
+    plain.render_into(uploaded.view(), expected.back().span());
+  }
+  plain.backend().wait();
+
+  StreamPool pool(stream.get());
+  {
+    // Nothing here waits for the last kernels of a frame.
+    Rendering<Sort> kept(Cuda(stream.get(), pool.hook()));
+    for (int i = 0; i < rounds; ++i) {
+      kept.render_into(uploaded.view(), images[std::size_t(i)].span());
+      Rendering<Sort> gone(Cuda(stream.get(), pool.hook()));
+      gone.render_into(uploaded.view(), images[std::size_t(i)].span());
+    }
+  }
+  CHECK(pool.in_use() == 0);
+  CHECK(pool.allocations() > 100);
+  for (std::size_t i = 0; i < rounds; ++i) CHECK(images[i].bits() == expected[i].bits());
+}
+
+TEST_CASE("cuda memory hook: a scene is taken from it and released with its last copy") {
+  if (without_device()) return;
+  const Scene scene = random_scene(5000, 2, 2);
+  const OwnStream stream;
+  StreamPool pool(stream.get());
+  Rendering<EarlySort> renderer(Cuda(stream.get(), pool.hook())), plain;
+  const DeviceScene ordinary = plain.backend().upload(scene);
+  Images images(cameras_of(0, 1)), expected(cameras_of(0, 1));
+  plain.render_into(ordinary.view(), expected.span());
+  CHECK(pool.in_use() == 0);
+  {
+    const DeviceScene uploaded = renderer.backend().upload(scene);
+    const std::size_t bytes = pool.in_use();
+    CHECK(bytes >= 5000 * (56 + 96));
+    const DeviceScene copy = uploaded;
+    CHECK(pool.in_use() == bytes);
+    renderer.render_into(copy.view(), images.span());
+  }  // while the frame may still be under way
+  CHECK(pool.in_use() >= all_of(renderer.memory()));
+  CHECK(all_of(renderer.memory()) > 0);
+  CHECK(images.bits() == expected.bits());
+  renderer.trim();
+  CHECK(pool.in_use() == 0);
+}
+
+TEST_CASE("cuda memory hook: contributions are the same from a pool") {
+  if (without_device()) return;
+  const auto scene = std::make_shared<const Scene>(random_scene(5000, 1, 3));
+  const OwnStream stream;
+  StreamPool pool(stream.get());
+  Contributions<Cuda> expected(scene), contributions(scene, Cuda(stream.get(), pool.hook()));
+  for (const Camera& camera : {forward_camera(60, 40), forward_camera(300, 200), forward_camera(90, 80)})
+    contributions.add(camera, Conventions::gsplat()), expected.add(camera, Conventions::gsplat());
+  CHECK(contributions.sums() == expected.sums());
+  CHECK(pool.in_use() > 5000 * sizeof(std::uint64_t));
+}
+
+TEST_CASE_TEMPLATE("cuda trim: gives all memory back and the next frame has the same bits", Sort,
+                   StandardSort, EarlySort, AdaptiveSort) {
+  if (without_device()) return;
+  const OwnStream stream;
+  StreamPool pool(stream.get());
+  Rendering<Sort> renderer(Cuda(stream.get(), pool.hook())), plain;
+  const DeviceScene scene = plain.backend().upload(random_scene(5000, 1, 4));
+  Images expected(cameras_of(0, 2)), images(cameras_of(0, 2));
+  plain.render_into(scene.view(), expected.span());
+  DeviceBuffer<FrameReport> report;
+  report.reset(1);
+  for (int round = 0; round < 6; ++round) {
+    renderer.render_into(scene.view(), images.span(), {.count = true});
+    CHECK(images.bits() == expected.bits());
+    DeviceBuffer<std::uint32_t> words;
+    words.reset(100);
+    renderer.backend().clear(words.data(), 400);
+    CHECK(renderer.backend().exclusive_scan(words.span()) == 0);  // takes memory too
+    CHECK(pool.in_use() > all_of(renderer.memory()));
+    renderer.trim();
+    CHECK(pool.in_use() == 0);
+    CHECK(all_of(renderer.memory()) == 0);
+    CHECK_THROWS_AS(renderer.record(scene.view(), report.data()), std::invalid_argument);
+  }
+}
+
+TEST_CASE_TEMPLATE("cuda record: never calls the hook after reserve", Sort, StandardSort, EarlySort,
+                   AdaptiveSort) {
+  if (without_device()) return;
+  for (const int views : {1, 2}) {
+    CAPTURE(views);
+    constexpr int frames = 50;
+    const OwnStream stream;
+    StreamPool pool(stream.get());
+    Rendering<Sort> renderer(Cuda(stream.get(), pool.hook())), other;
+    const DeviceScene scene = other.backend().upload(random_scene(20000, 1, 5));
+    const DeviceScene empty = other.backend().upload(Scene());
+    Capacity most;
+    Images images(cameras_of(0, views));
+    for (int i = frames; i-- != 0;) {
+      const Images shown(cameras_of(i, views));
+      other.render_into(scene.view(), shown.span());
+      most.splats = std::max(most.splats, other.statistics().visible);
+      most.instances = std::max(most.instances, other.statistics().instances);
+    }
+    CHECK(other.statistics().instances + 1000 < most.instances);  // later frames take more
+    DeviceBuffer<FrameReport> report;
+    report.reset(1);
+    renderer.reserve(scene.view(), images.span(), {most.splats + 10, most.instances + 10});
+    const std::size_t calls = pool.calls();
+    for (int i = 0; i < frames; ++i) {
+      CAPTURE(i);
+      Images drawn(cameras_of(i, views)), wanted(cameras_of(i, views));
+      renderer.set_views(drawn.span());
+      renderer.record(scene.view(), report.data());
+      other.render_into(scene.view(), wanted.span());
+      CHECK(drawn.bits() == wanted.bits());
+      CHECK(report_in(report).overflowed == 0);
+      CHECK(report_in(report).instances == other.statistics().instances);
+    }
+    renderer.set_views(images.span());
+    renderer.record(empty.view(), report.data());
+    CHECK(report_in(report).visible == 0);
+    CHECK(pool.calls() == calls);
+    if constexpr (std::is_same_v<Sort, AdaptiveSort>) {
+      const int width = views == 1 ? 160 : 176;  // the other strategy, that a stored measurement asks for
+      renderer.sort().use({{scene.view().size(), width, 120 * views, 1.0, 2.0}});
+      Images wanted(cameras_of(0, views));
+      renderer.record(scene.view(), report.data());
+      other.render_into(scene.view(), wanted.span());
+      CHECK(images.bits() == wanted.bits());
+      CHECK(pool.calls() == calls);
+    }
+  }
+}
+
+TEST_CASE("cuda record: a graph is captured and launched with memory of a pool") {
+  if (without_device()) return;
+  const OwnStream stream;
+  StreamPool pool(stream.get());
+  Rendering<EarlySort> renderer(Cuda(stream.get(), pool.hook())), other;
+  const DeviceScene scene = other.backend().upload(random_scene(20000, 1, 6));
+  Images images(cameras_of(0, 2));
+  DeviceBuffer<FrameReport> report;
+  report.reset(1);
+  renderer.reserve(scene.view(), images.span(), {40000, 3'400'000});
+  renderer.record(scene.view(), report.data());
+  stream.wait();
+  const std::size_t calls = pool.calls();
+  cudaGraph_t graph = nullptr;
+  check_cuda(cudaStreamBeginCapture(stream.get(), cudaStreamCaptureModeGlobal), "cudaStreamBeginCapture");
+  renderer.record(scene.view(), report.data());
+  check_cuda(cudaStreamEndCapture(stream.get(), &graph), "cudaStreamEndCapture");
+  cudaGraphExec_t made = nullptr;
+  check_cuda(cudaGraphInstantiate(&made, graph, 0), "cudaGraphInstantiate");
+  for (const int frame : {0, 7, 24}) {
+    Images views(cameras_of(frame, 2)), wanted(cameras_of(frame, 2));
+    for (std::size_t v = 0; v < 2; ++v) views.views[v].frame = images.views[v].frame;
+    renderer.set_views(views.span());
+    check_cuda(cudaGraphLaunch(made, stream.get()), "cudaGraphLaunch");
+    other.render_into(scene.view(), wanted.span());
+    CHECK(images.bits() == wanted.bits());
+    CHECK(report_in(report).overflowed == 0);
+  }
+  CHECK(pool.calls() == calls);
+  check_cuda(cudaGraphExecDestroy(made), "cudaGraphExecDestroy");
+  check_cuda(cudaGraphDestroy(graph), "cudaGraphDestroy");
+}
+
+TEST_CASE_TEMPLATE("cuda record: a frame without enough room draws nothing and one with just enough is drawn",
+                   Sort, StandardSort, EarlySort) {
+  if (without_device()) return;
+  const OwnStream stream;
+  StreamPool pool(stream.get());
+  Rendering<Sort> renderer(Cuda(stream.get(), pool.hook())), other;
+  const DeviceScene scene = other.backend().upload(random_scene(5000, 1, 7));
+  DeviceBuffer<FrameReport> memory;
+  memory.reset(1);
+  for (const int views : {1, 2}) {
+    Images expected(cameras_of(24, views));
+    other.render_into(scene.view(), expected.span());
+    const Statistics taken = other.statistics();
+    const auto record = [&](Capacity capacity, bool fits) {
+      Images images(cameras_of(24, views));
+      renderer.reserve(scene.view(), images.span(), capacity);
+      renderer.record(scene.view(), memory.data());
+      const FrameReport report = report_in(memory);
+      CHECK(report.visible == taken.visible);
+      CHECK(report.instances == taken.instances);
+      CHECK(report.overflowed == !fits);
+      CHECK((fits ? images.bits() == expected.bits() : images.untouched()));
+    };
+    record({taken.visible - 1, taken.instances}, false);
+    record({taken.visible, taken.instances - 1}, false);
+    record({taken.visible, taken.instances}, true);
+    record({1, 1}, false);
+    record({}, true);
+  }
+}
+
+TEST_CASE_TEMPLATE("cuda memory hook: a renderer works on after any of its allocations was refused", Sort,
+                   StandardSort, EarlySort, AdaptiveSort) {
+  if (without_device()) return;
+  const Scene scene = random_scene(3000, 1, 8);
+  const OwnStream stream;
+  Rendering<Sort> plain;
+  const DeviceScene ordinary = plain.backend().upload(scene);
+  Images expected(cameras_of(5, 2));
+  plain.render_into(ordinary.view(), expected.span());
+  const std::vector<std::uint32_t> bits = expected.bits();
+  DeviceBuffer<FrameReport> report;
+  report.reset(1);
+  for (const auto by : {StreamPool::Refusal::null, StreamPool::Refusal::exception}) {
+    StreamPool pool(stream.get());
+    Rendering<Sort> renderer(Cuda(stream.get(), pool.hook()));
+    Images images(cameras_of(5, 2));
+    const auto frame = [&] { renderer.render_into(ordinary.view(), images.span(), {.count = true}); };
+    const auto recorded = [&] {
+      renderer.reserve(ordinary.view(), images.span());
+      renderer.record(ordinary.view(), report.data());
+    };
+    const auto uploaded = [&] { (void)renderer.backend().upload(scene); };
+    const auto refuse_each = [&](const auto& work, std::size_t least) {
+      for (std::size_t k = 0;; ++k) {
+        CAPTURE(k);
+        renderer.trim();
+        CHECK(pool.in_use() == 0);
+        pool.refuse_after(k, by);
+        bool refused = true;
+        try {
+          work();
+          refused = false;
+        } catch (const std::bad_alloc&) {
+          CHECK(by == StreamPool::Refusal::null);
+        } catch (const CapacityError&) {
+          CHECK(by == StreamPool::Refusal::exception);
+        }
+        pool.refuse_none();
+        work();
+        frame();
+        CHECK(images.bits() == bits);
+        if (!refused) {
+          CHECK(k >= least);
+          return;
+        }
+      }
+    };
+    refuse_each(frame, 12), refuse_each(recorded, 12), refuse_each(uploaded, 6);
+  }
+  CHECK(cudaPeekAtLastError() == cudaSuccess);
+}
