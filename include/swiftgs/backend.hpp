@@ -100,9 +100,9 @@ struct MemoryUse {
 
 /// What a program gives to the backend of a renderer. Backends ignore what they have no use for.
 struct BackendOptions {
-  int threads = 0;                   ///< as for `Cpu`
-  ::CUstream_st* stream = nullptr;   ///< as for `Cuda`
-  std::optional<MemoryHook> memory;  ///< none: the backend's own
+  int threads = 0;                     ///< as for `Cpu`
+  ::CUstream_st* stream = nullptr;     ///< as for `Cuda`
+  std::optional<MemoryHook> memory{};  ///< none: the backend's own
 };
 
 /// Makes a backend. Backends with options overload this, by their type.
