@@ -117,6 +117,7 @@ class Renderer {
         enqueue(scene, stored, measures, limits);
         report_ = await_report(backend_, splats_, footprints_, limits);
         if (report_.overflowed == 0) break;
+        if constexpr (requires { sort_.discard(sort_scratch_); }) sort_.discard(sort_scratch_);
         make_room(report_);
       }
       lists_.instances = std::size_t(report_.instances);

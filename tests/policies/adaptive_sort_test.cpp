@@ -98,6 +98,18 @@ TEST_CASE("adaptive sort: measures both strategies in turn and keeps the faster 
   CHECK(other.correct);
 }
 
+TEST_CASE("adaptive sort: a frame that its renderer discards does not count") {
+  Session session(AdaptiveSort(1));
+  CHECK(session.frames(2) == "se");
+  session.backend.late = true, session.backend.standard_ms = 1000;
+  CHECK(session.frames(1) == "s");
+  session.sort.discard(session.scratch);
+  session.backend.late = false, session.backend.standard_ms = 5;
+  CHECK(session.frames(2) == "se");
+  REQUIRE(session.sort.calibration());
+  CHECK(session.sort.calibration()->standard_ms == 5);
+}
+
 TEST_CASE("adaptive sort: the first frame of either strategy does not count") {
   Session session(AdaptiveSort(1));
   session.backend.standard_ms = 100, session.backend.early_ms = 1;

@@ -107,7 +107,14 @@ class AdaptiveSort {
       scratch.from.reset(), measured_[early].warm_ups = 1;
     else if (measure)
       scratch.to = b.now(), scratch.pending_early = early;
-    collect(b, scratch);
+    // A device's frame may turn out to have had no room: its renderer discards it before the next.
+    if (!job.footprints.instances.exact) collect(b, scratch);
+  }
+
+  /// Does not count the last frame, which overflowed.
+  template <class B>
+  void discard(Scratch<B>& scratch) {
+    scratch.from.reset(), scratch.to.reset(), scratch.waited = 0;
   }
 
  private:
