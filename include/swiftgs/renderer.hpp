@@ -112,13 +112,19 @@ class Renderer {
       report_ = await_report(backend_, splats_, footprints_, Limits{});
     } else {
       // Render within the room there is; where it did not suffice, nothing was drawn.
-      for (;;) {
-        const Limits limits{capacity_};
-        enqueue(scene, stored, measures, limits);
-        report_ = await_report(backend_, splats_, footprints_, limits);
-        if (report_.overflowed == 0) break;
-        if constexpr (requires { sort_.discard(sort_scratch_); }) sort_.discard(sort_scratch_);
-        make_room(report_);
+      const Capacity before = capacity_;
+      try {
+        for (;;) {
+          const Limits limits{capacity_};
+          enqueue(scene, stored, measures, limits);
+          report_ = await_report(backend_, splats_, footprints_, limits);
+          if (report_.overflowed == 0) break;
+          if constexpr (requires { sort_.discard(sort_scratch_); }) sort_.discard(sort_scratch_);
+          make_room(report_);
+        }
+      } catch (...) {
+        capacity_ = before;  // or the next frame would ask for the memory that this one did not get
+        throw;
       }
       lists_.instances = std::size_t(report_.instances);
     }
