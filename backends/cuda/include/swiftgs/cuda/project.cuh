@@ -31,10 +31,9 @@ struct ProjectOutput {
   std::uint32_t capacity;  ///< splats beyond it are counted and left out
 };
 
-/// Views that a block projects its Gaussians for. Two of many: a Gaussian is loaded once for both, and one is
-/// computed while the other waits.
-template <class ViewSource>
-inline constexpr unsigned views_of_block = ViewSource::only ? 1 : 2;
+/// Most views that a block projects its Gaussians for. Two of many: a Gaussian is loaded once for both, and
+/// one is computed while the other waits.
+inline constexpr unsigned most_views_of_block = 2;
 
 /// What the threads of a block tell each other.
 template <class Bounds, unsigned views>
@@ -67,11 +66,10 @@ struct SharedCamera {
 
 /// Projects the Gaussians of one block in its views and appends the visible ones to those of the blocks
 /// before it. The blocks of some Gaussians for all views follow each other: they find them in the cache.
-template <class Bounds, class ViewSource>
+template <class Bounds, class ViewSource, unsigned most>
 __global__ void __launch_bounds__(project_threads)
     project(const __grid_constant__ ViewSource views, const __grid_constant__ SceneView scene,
             const Bounds bounds, const ProjectOutput output, const TurnsView<FrameCounts> turns) {
-  constexpr unsigned most = views_of_block<ViewSource>;
   __shared__ ProjectShared<Bounds, most> shared;
   const unsigned warp = threadIdx.x / warp_size;
   const std::uint32_t loaded_turn = threadIdx.x == 0 ? read_turn(turns) : 0;
@@ -182,15 +180,21 @@ void run_project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, Proj
       splats.gaussians.data(), input.views.size() > 1 ? splats.of_view.data() : nullptr,
       footprints.each.data(),  scratch.hidden.data(),
       std::uint32_t(capacity)};
-  LastCounters<FrameCounts> counts;
-  with_views(input.views, [&]<class ViewSource>(const ViewSource& views) {
-    constexpr unsigned most = views_of_block<ViewSource>;
+  const auto start = [&]<unsigned most, class ViewSource>(const ViewSource& views) {
     const unsigned parts = (unsigned(input.views.size()) + most - 1) / most;
     const unsigned blocks = blocks_for(scene.size(), project_threads) * parts;
     const TurnsView<FrameCounts> turns = scratch.turns.begin(cuda, blocks);
-    launch("project", project<Bounds, ViewSource>, blocks, project_threads, cuda.stream(), views, scene,
+    launch("project", project<Bounds, ViewSource, most>, blocks, project_threads, cuda.stream(), views, scene,
            bounds, output, turns);
-    counts = turns.last();
+    return turns.last();
+  };
+  LastCounters<FrameCounts> counts;
+  with_views(input.views, [&]<class ViewSource>(const ViewSource& views) {
+    if constexpr (ViewSource::only)
+      counts = start.template operator()<1>(views);
+    else
+      counts = input.views.size() == 1 ? start.template operator()<1>(views)
+                                       : start.template operator()<most_views_of_block>(views);
   });
   scratch.turns.end();
   splats.pending =
