@@ -43,7 +43,7 @@ class GraphStand {
     // Room for all frames, which one renderer learns and another one records with.
     Capacity most;
     for (std::size_t k = 0; k < cameras_.size(); ++k) {
-      render(k);
+      batch(k);
       const Statistics counts = renderer_->statistics();
       most.splats = std::max(most.splats, counts.visible);
       most.instances = std::max(most.instances, counts.instances);
