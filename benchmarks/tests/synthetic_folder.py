@@ -87,7 +87,9 @@ def write(folder, backend, older=False):
     bench("all-views.json", matrix(backend))
     bench("bounds.json", matrix(backend))
     for when, sort in (("before", 1.0), ("after", 0.9)):
-        bench(f"frame-{when}-{backend}.json", [row(backend, BEST, scene, grow={"sort": sort}) for scene in GAUSSIANS])
+        for what in ("frame", "views"):
+            bench(f"{what}-{when}-{backend}.json",
+                  [row(backend, BEST, scene, grow={"sort": sort}) for scene in GAUSSIANS])
     bench("vanilla.json", matrix(backend, conventions="inria"))
     bench("pruned.json", matrix(backend, ("garden", "fox"), "-pruned", conventions="inria"))
     gaussians = [({"gaussians": n}, {"project": n / 1e6}) for n in (100000, 1000000, 10000000)]

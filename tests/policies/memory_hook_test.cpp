@@ -373,7 +373,8 @@ void record_without_calls(int threads, std::size_t gaussians, int views, std::si
       height += view.frame.height, width = std::max(width, view.frame.width);
     renderer.sort().use({{gaussians, width, height, 1.0, 2.0}});
     renderer.set_views(images.span());
-    renderer.record(scene.view(), nullptr);
+    FrameReport report;
+    renderer.record(scene.view(), &report);
     REQUIRE(renderer.sort().calibration());
     CHECK(!renderer.sort().calibration()->prefers_early());
     CHECK((images == expected));
