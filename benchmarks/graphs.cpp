@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Frames of one and more views on a CUDA stream: `rendered` one by one, `batched` in one frame, `recorded`
-// without the host, and as a `graph` that runs again after `set_views`. Times are those of a view; `host_us`
-// is what the host spends on it, and `device_us` is the time between the first and the last kernel of a run
-// of frames.
+// without the host, and as a `graph` that runs again after `set_views`. Times are those of a view: `host_us`
+// of the host, `device_us` from the first to the last kernel of a run of frames.
 #include <array>
 #include <chrono>
 #include <memory>

@@ -12,7 +12,7 @@
 
 namespace swiftgs::kernels {
 
-/// Where a pixel lies in a frame, and what the frame asks of it beside colour.
+/// Place of a pixel in a frame, and the depth at which the frame's occluder hides splats.
 struct PixelPlace {
   int x, y;
   bool inside;

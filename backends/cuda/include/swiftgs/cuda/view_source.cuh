@@ -7,8 +7,7 @@
 
 namespace swiftgs::kernels {
 
-/// The only view of a frame, handed to a kernel: what it reads of the view costs neither a load nor a
-/// register.
+/// The only view of a frame, as an argument of a kernel. Reading it costs neither a load nor a register.
 struct OneView {
   static constexpr bool only = true;
   View view;
