@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <map>
 #include <memory>
 #include <new>
 #include <stdexcept>
@@ -22,8 +21,9 @@
 #include <swiftgs/cuda/check.hpp>
 #include <swiftgs/swiftgs.hpp>
 
+#include "cuda/device.hpp"
+#include "policies/counted_memory.hpp"
 #include "policies/random_splats.hpp"
-#include "support/skip.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -32,32 +32,10 @@ namespace {
 
 using Usual = AxisSharedThreshold<FloatCholesky>;
 
-bool without_device() {
-  if (Cuda::usable()) return false;
-  skip("no CUDA device that the kernels of this build run on");
-  return true;
-}
-
-/// A stream that does not wait for the default one.
-class OwnStream {
- public:
-  OwnStream() { check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "stream"); }
-  OwnStream(const OwnStream&) = delete;
-  OwnStream& operator=(const OwnStream&) = delete;
-  ~OwnStream() { cudaStreamDestroy(stream_); }
-  cudaStream_t get() const { return stream_; }
-  void wait() const { check_cuda(cudaStreamSynchronize(stream_), "cudaStreamSynchronize"); }
-
- private:
-  cudaStream_t stream_ = nullptr;
-};
-
 /// A pool of memory in the order of a stream, which it outlives. What it gives and what it takes back is
 /// filled with garbage in that order.
-class StreamPool {
+class StreamPool : public CountedBlocks {
  public:
-  enum class Refusal { null, exception };
-
   explicit StreamPool(cudaStream_t stream) : stream_(stream) {
     int device = 0;
     check_cuda(cudaGetDevice(&device), "cudaGetDevice");
@@ -69,61 +47,35 @@ class StreamPool {
     check_cuda(cudaMemPoolSetAttribute(pool_, cudaMemPoolAttrReleaseThreshold, &keep),
                "cudaMemPoolSetAttribute");
   }
-  StreamPool(const StreamPool&) = delete;
-  StreamPool& operator=(const StreamPool&) = delete;
   ~StreamPool() {
-    CHECK(in_use() == 0);
     cudaStreamSynchronize(stream_);
     cudaMemPoolDestroy(pool_);
   }
 
   MemoryHook hook() { return {&StreamPool::allocate, &StreamPool::release, this}; }
 
-  std::size_t calls() const { return allocations_ + releases_; }
-  std::size_t allocations() const { return allocations_; }
-  /// @units{bytes}
-  std::size_t in_use() const {
-    std::size_t bytes = 0;
-    for (const auto& [memory, size] : blocks_) bytes += size;
-    return bytes;
-  }
-  /// Refuses the allocation after `count` more; 0: the next.
-  void refuse_after(std::size_t count, Refusal by) { refused_ = allocations_ + count, by_ = by; }
-  void refuse_none() { refused_ = none; }
-
  private:
-  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-
   static void* allocate(void* context, std::size_t bytes) {
     auto& self = *static_cast<StreamPool*>(context);
-    if (self.allocations_++ == self.refused_) {
-      if (self.by_ == Refusal::null) return nullptr;
-      throw CapacityError("bytes of a test", bytes, 0);
-    }
+    if (self.refuses(bytes)) return nullptr;
     void* memory = nullptr;
     if (cudaMallocFromPoolAsync(&memory, bytes, self.pool_, self.stream_) != cudaSuccess) {
       cudaGetLastError();
       return nullptr;
     }
     check_cuda(cudaMemsetAsync(memory, 0xa5, bytes, self.stream_), "cudaMemsetAsync");
-    self.blocks_[memory] = bytes;
+    self.add(memory, bytes);
     return memory;
   }
   static void release(void* context, void* memory, std::size_t bytes) {
     auto& self = *static_cast<StreamPool*>(context);
-    ++self.releases_;
-    const auto found = self.blocks_.find(memory);
-    CHECK((found != self.blocks_.end() && found->second == bytes));
-    self.blocks_.erase(memory);
+    self.remove(memory, bytes);
     cudaMemsetAsync(memory, 0x5a, bytes, self.stream_);
     cudaFreeAsync(memory, self.stream_);
   }
 
   cudaStream_t stream_;
   cudaMemPool_t pool_ = nullptr;
-  std::map<void*, std::size_t> blocks_;
-  std::size_t allocations_ = 0, releases_ = 0, refused_ = none;
-  Refusal by_ = Refusal::null;
 };
 
 /// Images of views on the device.
@@ -189,7 +141,7 @@ TEST_CASE_TEMPLATE("cuda memory hook: growth and destruction keep the order of t
                    StandardSort, EarlySort, AdaptiveSort) {
   if (without_device()) return;
   const Scene scene = random_scene(40000, 3, 1);
-  const OwnStream stream;
+  const Stream stream;
   Rendering<Sort> plain;
   const DeviceScene uploaded = plain.backend().upload(scene);
   constexpr int rounds = 12;
@@ -220,7 +172,7 @@ TEST_CASE_TEMPLATE("cuda memory hook: growth and destruction keep the order of t
 TEST_CASE("cuda memory hook: a scene is taken from it and released with its last copy") {
   if (without_device()) return;
   const Scene scene = random_scene(5000, 2, 2);
-  const OwnStream stream;
+  const Stream stream;
   StreamPool pool(stream.get());
   Rendering<EarlySort> renderer(Cuda(stream.get(), pool.hook())), plain;
   const DeviceScene ordinary = plain.backend().upload(scene);
@@ -245,7 +197,7 @@ TEST_CASE("cuda memory hook: a scene is taken from it and released with its last
 TEST_CASE("cuda memory hook: contributions are the same from a pool") {
   if (without_device()) return;
   const auto scene = std::make_shared<const Scene>(random_scene(5000, 1, 3));
-  const OwnStream stream;
+  const Stream stream;
   StreamPool pool(stream.get());
   Contributions<Cuda> expected(scene), contributions(scene, Cuda(stream.get(), pool.hook()));
   for (const Camera& camera : {forward_camera(60, 40), forward_camera(300, 200), forward_camera(90, 80)})
@@ -257,7 +209,7 @@ TEST_CASE("cuda memory hook: contributions are the same from a pool") {
 TEST_CASE_TEMPLATE("cuda trim: gives all memory back and the next frame has the same bits", Sort,
                    StandardSort, EarlySort, AdaptiveSort) {
   if (without_device()) return;
-  const OwnStream stream;
+  const Stream stream;
   StreamPool pool(stream.get());
   Rendering<Sort> renderer(Cuda(stream.get(), pool.hook())), plain;
   const DeviceScene scene = plain.backend().upload(random_scene(5000, 1, 4));
@@ -286,7 +238,7 @@ TEST_CASE_TEMPLATE("cuda record: never calls the hook after reserve", Sort, Stan
   for (const int views : {1, 2}) {
     CAPTURE(views);
     constexpr int frames = 50;
-    const OwnStream stream;
+    const Stream stream;
     StreamPool pool(stream.get());
     Rendering<Sort> renderer(Cuda(stream.get(), pool.hook())), other;
     const DeviceScene scene = other.backend().upload(random_scene(20000, 1, 5));
@@ -332,7 +284,7 @@ TEST_CASE_TEMPLATE("cuda record: never calls the hook after reserve", Sort, Stan
 
 TEST_CASE("cuda record: a graph is captured and launched with memory of a pool") {
   if (without_device()) return;
-  const OwnStream stream;
+  const Stream stream;
   StreamPool pool(stream.get());
   Rendering<EarlySort> renderer(Cuda(stream.get(), pool.hook())), other;
   const DeviceScene scene = other.backend().upload(random_scene(20000, 1, 6));
@@ -366,7 +318,7 @@ TEST_CASE("cuda record: a graph is captured and launched with memory of a pool")
 TEST_CASE_TEMPLATE("cuda record: a frame without enough room draws nothing and one with just enough is drawn",
                    Sort, StandardSort, EarlySort) {
   if (without_device()) return;
-  const OwnStream stream;
+  const Stream stream;
   StreamPool pool(stream.get());
   Rendering<Sort> renderer(Cuda(stream.get(), pool.hook())), other;
   const DeviceScene scene = other.backend().upload(random_scene(5000, 1, 7));
@@ -398,7 +350,7 @@ TEST_CASE_TEMPLATE("cuda memory hook: a renderer works on after any of its alloc
                    StandardSort, EarlySort, AdaptiveSort) {
   if (without_device()) return;
   const Scene scene = random_scene(3000, 1, 8);
-  const OwnStream stream;
+  const Stream stream;
   Rendering<Sort> plain;
   const DeviceScene ordinary = plain.backend().upload(scene);
   Images expected(cameras_of(5, 2));

@@ -18,17 +18,15 @@
 
 namespace swiftgs::test {
 
-/// Memory of the host, aligned to 64 bytes and no more, and filled with garbage.
-class CountedMemory {
+/// Blocks that a hook has given out, and which allocation it refuses.
+class CountedBlocks {
  public:
   enum class Refusal { null, exception };
 
-  CountedMemory() = default;
-  CountedMemory(const CountedMemory&) = delete;
-  CountedMemory& operator=(const CountedMemory&) = delete;
-  ~CountedMemory() { CHECK(in_use() == 0); }
-
-  MemoryHook hook() { return {&CountedMemory::allocate, &CountedMemory::release, this}; }
+  CountedBlocks() = default;
+  CountedBlocks(const CountedBlocks&) = delete;
+  CountedBlocks& operator=(const CountedBlocks&) = delete;
+  ~CountedBlocks() { CHECK(in_use() == 0); }
 
   std::size_t allocations() const { return allocations_; }
   std::size_t calls() const { return allocations_ + releases_; }
@@ -43,33 +41,48 @@ class CountedMemory {
   void refuse_after(std::size_t count, Refusal by) { refused_ = allocations_ + count, by_ = by; }
   void refuse_none() { refused_ = none; }
 
+ protected:
+  /// Counts an allocation. Whether it must return null; throws if it is refused so.
+  bool refuses(std::size_t bytes) {
+    if (allocations_++ != refused_) return false;
+    if (by_ == Refusal::exception) throw CapacityError("bytes of a test", bytes, 0);
+    return true;
+  }
+  void add(void* memory, std::size_t bytes) { blocks_[memory] = bytes; }
+  void remove(void* memory, std::size_t bytes) {
+    ++releases_;
+    const auto found = blocks_.find(memory);
+    REQUIRE(found != blocks_.end());
+    CHECK(found->second == bytes);
+    blocks_.erase(found);
+  }
+
  private:
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-
-  static void* allocate(void* context, std::size_t bytes) {
-    auto& self = *static_cast<CountedMemory*>(context);
-    if (self.allocations_++ == self.refused_) {
-      if (self.by_ == Refusal::null) return nullptr;
-      throw CapacityError("bytes of a test", bytes, 0);
-    }
-    auto* const memory = static_cast<unsigned char*>(::operator new (bytes + 64, std::align_val_t{128})) + 64;
-    std::memset(memory, 0xa5, bytes);
-    self.blocks_[memory] = bytes;
-    return memory;
-  }
-  static void release(void* context, void* memory, std::size_t bytes) {
-    auto& self = *static_cast<CountedMemory*>(context);
-    ++self.releases_;
-    const auto found = self.blocks_.find(memory);
-    REQUIRE(found != self.blocks_.end());
-    CHECK(found->second == bytes);
-    self.blocks_.erase(found);
-    ::operator delete (static_cast<unsigned char*>(memory) - 64, std::align_val_t{128});
-  }
 
   std::map<void*, std::size_t> blocks_;
   std::size_t allocations_ = 0, releases_ = 0, refused_ = none;
   Refusal by_ = Refusal::null;
+};
+
+/// Memory of the host, aligned to 64 bytes and no more, and filled with garbage.
+class CountedMemory : public CountedBlocks {
+ public:
+  MemoryHook hook() { return {&CountedMemory::allocate, &CountedMemory::release, this}; }
+
+ private:
+  static void* allocate(void* context, std::size_t bytes) {
+    auto& self = *static_cast<CountedMemory*>(context);
+    if (self.refuses(bytes)) return nullptr;
+    auto* const memory = static_cast<unsigned char*>(::operator new (bytes + 64, std::align_val_t{128})) + 64;
+    std::memset(memory, 0xa5, bytes);
+    self.add(memory, bytes);
+    return memory;
+  }
+  static void release(void* context, void* memory, std::size_t bytes) {
+    static_cast<CountedMemory*>(context)->remove(memory, bytes);
+    ::operator delete (static_cast<unsigned char*>(memory) - 64, std::align_val_t{128});
+  }
 };
 
 }  // namespace swiftgs::test
