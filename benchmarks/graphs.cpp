@@ -3,6 +3,7 @@
 // Frames of one and more views on a CUDA stream: `rendered` one by one, `batched` in one frame, `recorded`
 // without the host, and as a `graph` that runs again after `set_views`. Times are those of a view: `host_us`
 // of the host, `device_us` from the first to the last kernel of a run of frames.
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <memory>

@@ -62,6 +62,7 @@ void Cpu::run(std::size_t n, std::size_t grain, PartLoop part) const {
 }
 
 Cpu::Cpu(int threads, const MemoryHook& memory) : memory_(memory), histograms_(memory) {
+  validate(memory);
   // Asked for more than it may use, oneTBB would print a warning.
   const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   const int most = int(std::min<std::size_t>(allowed, 1 << 15));

@@ -67,7 +67,10 @@ std::string Cuda::device_name() const {
   return properties.name;
 }
 
-Cuda::Cuda(cudaStream_t stream, const MemoryHook& memory) : state_(std::make_unique<State>(stream, memory)) {}
+Cuda::Cuda(cudaStream_t stream, const MemoryHook& memory) {
+  validate(memory);
+  state_ = std::make_unique<State>(stream, memory);
+}
 Cuda::~Cuda() = default;
 Cuda::Cuda(Cuda&&) noexcept = default;
 Cuda& Cuda::operator=(Cuda&&) noexcept = default;

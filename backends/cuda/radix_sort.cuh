@@ -242,7 +242,10 @@ __global__ void __launch_bounds__(radix_threads)
   const std::uint64_t n = all.get();
   const std::uint32_t tiles = std::uint32_t((n + radix_tile<Key> - 1) / radix_tile<Key>);
   if (blockIdx.x >= tiles) {
-    if (tiles == 0 && pass.last && blockIdx.x == 0) end_sort(turns, turn, tiles);
+    if (tiles == 0 && pass.last && blockIdx.x == 0) {
+      __syncthreads();  // all threads have read the turn
+      end_sort(turns, turn, tiles);
+    }
     return;
   }
   const Digit digit = pass.digit;

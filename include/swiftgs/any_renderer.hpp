@@ -28,7 +28,8 @@ class SWIFTGS_API AnyRenderer {
   /// The backend's `device_name`.
   virtual std::string device_name() const = 0;
 
-  /// Uploads `scene` for the frames that follow; host backends share it.
+  /// Uploads `scene` for the frames that follow; host backends share it. A graph of frames that were recorded
+  /// before reads the scene of then: destroy the graph first, unless another renderer shares that scene.
   virtual void set_scene(std::shared_ptr<const Scene> scene) = 0;
 
   /// Shares the scene that `other` has uploaded, without another copy. Returns false, and changes nothing, if
@@ -41,11 +42,13 @@ class SWIFTGS_API AnyRenderer {
     render(Span<const Camera>{&camera, 1}, settings, Span<Frame>{&frame, 1});
   }
 
-  /// Renders a frame a camera that stays in the backend's memory, for a program that shows or composes it
-  /// there. The frames are finished when it returns. Throws as `render`.
-  virtual void render_resident(Span<const Camera> cameras, const RenderSettings& settings) = 0;
-  void render_resident(const Camera& camera, const RenderSettings& settings) {
-    render_resident(Span<const Camera>{&camera, 1}, settings);
+  /// Renders a frame a camera that stays in the backend's memory until the next call, for a program that
+  /// shows or composes it there. The frames are finished when it returns. Throws as `render`.
+  virtual Span<const FrameView> render_resident(Span<const Camera> cameras,
+                                                const RenderSettings& settings) = 0;
+  FrameView render_resident(const Camera& camera, const RenderSettings& settings) {
+    const Span<const FrameView> frames = render_resident(Span<const Camera>{&camera, 1}, settings);
+    return frames.size == 0 ? FrameView{} : frames[0];
   }
 
   /// As `Renderer::render_into`, with all that a `View` may ask for. Throws as `render`.
@@ -130,9 +133,10 @@ class RendererOf final : public RendererOn<B> {
   void render(Span<const Camera> cameras, const RenderSettings& settings, Span<Frame> frames) override {
     renderer_.render(this->scene(), cameras, settings, frames);
   }
-  void render_resident(Span<const Camera> cameras, const RenderSettings& settings) override {
-    renderer_.render_resident(this->scene().view(), cameras, settings);
+  Span<const FrameView> render_resident(Span<const Camera> cameras, const RenderSettings& settings) override {
+    const Span<const FrameView> frames = renderer_.render_resident(this->scene().view(), cameras, settings);
     renderer_.backend().wait();
+    return frames;
   }
   void render_into(Span<const View> views, Measures measures) override {
     renderer_.render_into(this->scene().view(), views, measures);

@@ -25,8 +25,8 @@ struct FindFootprint {
   }
 };
 
-/// What the last `project` and `bin` found. The numbers of a host's frame without room for its splats are
-/// those of the splats that it has room for. Backends overload this.
+/// What the last `project` and `bin` found. On a host, splats without room count as visible, but their
+/// instances do not count. Backends overload this.
 template <BackendPolicy B, BoundsPolicy Bounds>
 requires(bool(B::reaches_host_memory)) FrameReport
     await_report(B&, const Splats<B>& splats, const Footprints<B, Bounds>& footprints, const Limits& limits) {

@@ -32,7 +32,7 @@ struct Capacity {
 struct FrameReport {
   std::uint64_t visible = 0;     ///< Gaussians, of all views
   std::uint64_t instances = 0;   ///< pairs of splat and tile; on hosts, of splats that fit
-  std::uint32_t overflowed = 0;  ///< 1: they were more than the frame had room for
+  std::uint64_t overflowed = 0;  ///< 1: they were more than the frame had room for
 };
 
 /// Limits of a frame, and who learns of what it took.

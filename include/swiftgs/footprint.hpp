@@ -32,7 +32,7 @@ struct FootprintsView {
   Count instances;               ///< sum of their counts
   FrameTiles tiles;              ///< of all views
   Views views;
-  const std::uint32_t* overflowed = nullptr;  ///< not 0: the frame has no room for them; null: it has
+  const std::uint64_t* overflowed = nullptr;  ///< not 0: the frame has no room for them; null: it has
 };
 
 /// Storage of one frame's footprints on backend `B`.

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <stdexcept>
+#include <string>
 
 namespace swiftgs {
 
@@ -19,6 +21,13 @@ struct MemoryHook {
   void (*release)(void* context, void* memory, std::size_t bytes) = nullptr;
   void* context = nullptr;
 };
+
+/// Throws `std::invalid_argument` if a function is missing.
+inline void validate(const MemoryHook& hook) {
+  if (!hook.allocate || !hook.release)
+    throw std::invalid_argument(std::string("memory hook: no function to ") +
+                                (hook.allocate ? "release" : "allocate") + ", expected both functions");
+}
 
 /// The functions of `Memory`, which has no state.
 template <class Memory>

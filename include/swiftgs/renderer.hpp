@@ -18,42 +18,17 @@
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/camera.hpp>
 #include <swiftgs/composed_name.hpp>
-#include <swiftgs/conventions.hpp>
 #include <swiftgs/count.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/raster.hpp>
+#include <swiftgs/render_input.hpp>
 #include <swiftgs/shade_stage.hpp>
 #include <swiftgs/sort/sort.hpp>
 #include <swiftgs/statistics.hpp>
 #include <swiftgs/view.hpp>
 
 namespace swiftgs {
-
-/// What a frame is rendered with, beside scene and camera.
-struct RenderSettings {
-  Conventions conventions;
-  /// RGB in the scene's own values, shown where transmittance is left; has no part in alpha.
-  vec3 background{0};
-  Outputs outputs;     ///< of `render`; `render_into` computes what its frame points to
-  bool count = false;  ///< fill the raster part of `Statistics`, which costs some time
-  bool time = false;   ///< take the `times` of the frame, which costs a device some microseconds
-};
-
-/// What is learnt of a frame beside its images.
-struct Measures {
-  bool count = false;  ///< as `RenderSettings::count`
-  bool time = false;   ///< as `RenderSettings::time`
-};
-
-/// Throws `std::invalid_argument` where nothing can be rendered with `settings`.
-inline void validate(const RenderSettings& settings) {
-  validate(settings.conventions);
-  for (int c = 0; c < 3; ++c)
-    if (detail::is_not_finite(settings.background[c]))
-      throw std::invalid_argument("render: the background is " + std::to_string(settings.background[c]) +
-                                  " in channel " + std::to_string(c) + ", expected finite numbers");
-}
 
 /// Policy `R` rasterizes on backend `B`, by its own kernel or by an overload that the backend offers.
 template <class R, class B>
@@ -102,14 +77,15 @@ class Renderer {
   /// images have the bits of frames of one view each. Cameras, sizes, conventions, backgrounds and formats
   /// may differ from view to view; `make_view` makes them. Returns and throws as above.
   void render_into(const SceneView& scene, Span<const View> views, Measures measures = {}) {
-    check_scene(scene);
-    for (const View& view : views) check_frame(view);
+    validate(scene);
+    for (const View& view : views) validate(view);
     check_ready(backend_);
     const Views stored = store_views(backend_, views, view_storage_);
     counted_ = timed_ = false;
+    FrameReport report;
     if constexpr (B::reaches_host_memory) {
       enqueue(scene, stored, measures, {});
-      report_ = await_report(backend_, splats_, footprints_, Limits{});
+      report = await_report(backend_, splats_, footprints_, Limits{});
     } else {
       // Render within the room there is; where it did not suffice, nothing was drawn.
       const Capacity before = capacity_;
@@ -117,17 +93,18 @@ class Renderer {
         for (;;) {
           const Limits limits{capacity_};
           enqueue(scene, stored, measures, limits);
-          report_ = await_report(backend_, splats_, footprints_, limits);
-          if (report_.overflowed == 0) break;
+          report = await_report(backend_, splats_, footprints_, limits);
+          if (report.overflowed == 0) break;
           if constexpr (requires { sort_.discard(sort_scratch_); }) sort_.discard(sort_scratch_);
-          make_room(report_);
+          make_room(report);
         }
       } catch (...) {
         capacity_ = before;  // or the next frame would ask for the memory that this one did not get
         throw;
       }
-      lists_.instances = std::size_t(report_.instances);
+      lists_.instances = std::size_t(report.instances);
     }
+    report_ = report;
     counted_ = measures.count, timed_ = measures.time;
     gaussians_ = scene.size();
   }
@@ -137,7 +114,7 @@ class Renderer {
   /// what the views show now and an eighth more; never for more splats than Gaussians in all views, nor for
   /// more than `max_instances`. Draws nothing and waits. If it throws, `record` is refused until it succeeds.
   void reserve(const SceneView& scene, Span<const View> views, Capacity capacity = {}) {
-    check_scene(scene);
+    validate(scene);
     reserved_.reset();
     set_views(views);
     const auto rehearse = [&](const Capacity& within) {
@@ -171,7 +148,7 @@ class Renderer {
   /// Throws `std::invalid_argument`, and changes nothing, if the number of views, a size, or which planes
   /// there are changes.
   void set_views(Span<const View> views) {
-    for (const View& view : views) check_frame(view);
+    for (const View& view : views) validate(view);
     if (reserved_) {
       if (views.size != recorded_.size())
         detail::refuse("set_views: the number of views", views.size,
@@ -197,9 +174,9 @@ class Renderer {
   /// A captured graph works in the renderer's memory. It must not be launched again after `reserve`, `trim`
   /// or a larger frame of `render_into`, which move that memory.
   void record(const SceneView& scene, FrameReport* report) {
-    check_scene(scene);
-    require(reserved_ && recorded_.size() != 0, "reserve before record");
-    require(report != nullptr, "memory for the report");
+    validate(scene);
+    detail::require_for_render(reserved_ && recorded_.size() != 0, "reserve before record");
+    detail::require_for_render(report != nullptr, "memory for the report");
     if (scene.size() > reserved_->gaussians)
       throw CapacityError("Gaussians in a recorded frame", scene.size(), reserved_->gaussians);
     enqueue(scene, recorded_, {}, Limits{reserved_->capacity, true, report});
@@ -259,14 +236,16 @@ class Renderer {
                      std::to_string(cameras.size) + ", one a camera");
     for (const Camera& camera : cameras) validate(camera);
     validate(settings);
-    views_.clear();
-    for (std::size_t i = 0; i < cameras.size; ++i) {
-      const FrameView host = prepare(frames[i], cameras[i].width, cameras[i].height, settings.outputs);
-      views_.push_back(make_view(cameras[i], settings.conventions, host, settings.background));
-    }
+    const auto prepare_frame = [&](std::size_t i) {
+      return prepare(frames[i], cameras[i].width, cameras[i].height, settings.outputs);
+    };
     if constexpr (B::reaches_host_memory) {
+      views_.clear();
+      for (std::size_t i = 0; i < cameras.size; ++i)
+        views_.push_back(make_view(cameras[i], settings.conventions, prepare_frame(i), settings.background));
       render_into(scene.view(), {views_.data(), views_.size()}, {settings.count, settings.time});
     } else {
+      for (std::size_t i = 0; i < cameras.size; ++i) prepare_frame(i);
       render_resident(scene.view(), cameras, settings);
       std::size_t before = 0;
       for (Frame& frame : frames) {
@@ -350,7 +329,8 @@ class Renderer {
   void make_room(const FrameReport& report) {
     check_instances(report.instances);
     capacity_.splats = std::max(capacity_.splats, with_room(report.visible));
-    capacity_.instances = std::max(capacity_.instances, with_room(report.instances));
+    const std::size_t instances = std::min(with_room(report.instances), std::size_t(max_instances));
+    capacity_.instances = std::max(capacity_.instances, instances);
   }
 
   /// Starts all stages of a frame. A host leaves the last out where the frame does not fit the limits.
@@ -382,58 +362,9 @@ class Renderer {
     take_time(3);
   }
 
-  static void require(bool holds, const char* expected) {
-    if (!holds) throw std::invalid_argument(std::string("render: expected ") + expected);
-  }
-
   static void check_size(const Camera& camera, const FrameView& frame) {
-    require(frame.width == camera.width && frame.height == camera.height, "a frame of the camera's size");
-  }
-
-  static void check_frame(const View& view) {
-    const FrameView& frame = view.frame;
-    require(frame.width > 0 && frame.height > 0, "a frame with pixels");
-    const auto require_plane = [&](const auto& plane, std::size_t pixel, std::size_t channel,
-                                   const char* name) {
-      const std::size_t row = pixel * std::size_t(frame.width);
-      const std::size_t most =
-          std::size_t(std::numeric_limits<std::ptrdiff_t>::max()) / std::size_t(frame.height);
-      // Unsigned, as the least pitch has no positive counterpart.
-      const std::size_t pitch = plane.pitch < 0 ? 0 - std::size_t(plane.pitch) : std::size_t(plane.pitch);
-      if (plane.data && (pitch < row || pitch > most || pitch % channel != 0))
-        throw std::invalid_argument(
-            "render: the pitch of " + std::string(name) + " is " + std::to_string(plane.pitch) +
-            " bytes, expected " +
-            (pitch > most ? "at most " + std::to_string(most) : "at least " + std::to_string(row)) +
-            " up or down, a multiple of " + std::to_string(channel));
-      if (reinterpret_cast<std::uintptr_t>(plane.data) % channel != 0)
-        throw std::invalid_argument("render: expected " + std::string(name) + " aligned to " +
-                                    std::to_string(channel) + " bytes");
-    };
-    const std::size_t pixel = bytes_per_pixel(frame.format);
-    const std::size_t channels = frame.format == PixelFormat::rgb_float ? 3 : 4;
-    require_plane(frame.colour, pixel, pixel / channels, "colour");
-    require_plane(frame.alpha, sizeof(float), sizeof(float), "alpha");
-    require_plane(frame.depth, sizeof(float), sizeof(float), "depth");
-    require_plane(frame.occluder, sizeof(float), sizeof(float), "occluder");
-    require(frame.colour.data || !frame.over, "colour to render over");
-  }
-
-  static void check_scene(const SceneView& scene) {
-    const std::size_t n = scene.size();
-    require(n <= std::numeric_limits<std::uint32_t>::max(), "fewer than 2^32 Gaussians");
-    require(n == 0 || (scene.means.data && scene.scales.data && scene.rotations.data &&
-                       scene.opacities.data && scene.sh0.data),
-            "the arrays of the scene");
-    require(scene.scales.size == n && scene.rotations.size == n && scene.opacities.size == n &&
-                scene.sh0.size == n,
-            "arrays of one length in the scene");
-    require(scene.sh_degree >= 0 && scene.sh_degree <= max_sh_degree, "an SH degree of 0 to 3");
-    const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
-    require(n == 0 || rest == 0 ||
-                (scene.sh_stride >= int(rest) &&
-                 scene.sh_rest.size >= (n - 1) * std::size_t(scene.sh_stride) + rest),
-            "SH coefficients of the view's degree for every Gaussian");
+    detail::require_for_render(frame.width == camera.width && frame.height == camera.height,
+                               "a frame of the camera's size");
   }
 
   B backend_;

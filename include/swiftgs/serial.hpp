@@ -32,7 +32,7 @@ class Serial {
   static constexpr bool reaches_host_memory = true;
 
   Serial() = default;
-  explicit Serial(const MemoryHook& memory) : memory_(memory) {}
+  explicit Serial(const MemoryHook& memory) : memory_(memory) { validate(memory); }
   const MemoryHook& memory_hook() const { return memory_; }
 
   static bool usable() { return true; }

@@ -118,34 +118,45 @@ inline void number_tiles(Span<View> views) {
   }
 }
 
-/// The tiles of all views. Throws `std::invalid_argument` if there are no or too many views, if a frame has
-/// no pixels or too many, if a view's tiles do not cover it, or if they are not numbered; and `CapacityError`
-/// beyond `max_frame_tiles`.
+/// Throws `std::invalid_argument` if the frame of `view` has no pixels or too many, or if its tiles do not
+/// cover it.
+inline void check_tiles(const View& view) {
+  const auto side_fits = [](int side) { return side > 0 && side <= max_image_side; };
+  if (!side_fits(view.frame.width) || !side_fits(view.frame.height))
+    throw std::invalid_argument("frame: " + std::to_string(view.frame.width) + " x " +
+                                std::to_string(view.frame.height) + " pixels, expected 1 to " +
+                                std::to_string(max_image_side) + " a side");
+  const TileGrid& grid = view.grid;
+  if (grid.side < square_side || (grid.side & (grid.side - 1)) != 0)
+    detail::refuse("tiles: the side", std::size_t(grid.side),
+                   "a power of two of at least " + std::to_string(square_side) + " pixels");
+  const TileGrid needed = TileGrid::covering(view.frame.width, view.frame.height, grid.side);
+  const auto check_run = [](const char* name, TileRun found, TileRun expected) {
+    const std::string of = std::string("tiles: the ");
+    if (found.size() != expected.size())
+      detail::refuse((of + "number of " + name).c_str(), std::size_t(found.size()),
+                     std::to_string(expected.size()));
+    if (found.begin < 0)
+      throw std::invalid_argument(of + "first of the " + name + " is " + std::to_string(found.begin) +
+                                  ", expected 0 or more");
+  };
+  check_run("columns", grid.columns, needed.columns);
+  check_run("rows", grid.rows, needed.rows);
+}
+
+/// The tiles of all views. Throws `std::invalid_argument` if there are no or too many views, as
+/// `check_tiles`, or if tiles are not numbered; and `CapacityError` beyond `max_frame_tiles`.
 inline FrameTiles frame_tiles(const Views& views) {
   if (views.size() < 1 || views.size() > max_views)
     detail::refuse("frame: the number of views", views.size(), "1 to " + std::to_string(max_views));
   FrameTiles tiles{.columns = views.each[0].grid.stride, .rows = 0, .side = views.each[0].grid.side};
   std::uint64_t rows = 0;
   for (const View& view : views) {
-    const auto side_fits = [](int side) { return side > 0 && side <= max_image_side; };
-    if (!side_fits(view.frame.width) || !side_fits(view.frame.height))
-      throw std::invalid_argument("frame: " + std::to_string(view.frame.width) + " x " +
-                                  std::to_string(view.frame.height) + " pixels, expected 1 to " +
-                                  std::to_string(max_image_side) + " a side");
+    check_tiles(view);
     const TileGrid& grid = view.grid;
-    if (grid.side < square_side || (grid.side & (grid.side - 1)) != 0)
-      detail::refuse("tiles: the side", std::size_t(grid.side),
-                     "a power of two of at least " + std::to_string(square_side) + " pixels");
     if (grid.side != tiles.side)
       detail::refuse("tiles: the side", std::size_t(grid.side),
                      "that of the first view, " + std::to_string(tiles.side));
-    const TileGrid needed = TileGrid::covering(view.frame.width, view.frame.height, grid.side);
-    if (grid.columns.size() != needed.columns.size())
-      detail::refuse("tiles: the number of columns", std::size_t(grid.columns.size()),
-                     std::to_string(needed.columns.size()));
-    if (grid.rows.size() != needed.rows.size())
-      detail::refuse("tiles: the number of rows", std::size_t(grid.rows.size()),
-                     std::to_string(needed.rows.size()));
     const std::uint64_t first = rows * tiles.columns;
     if (grid.stride != tiles.columns || grid.stride < std::uint32_t(grid.columns.size()) ||
         grid.first != first)
@@ -188,8 +199,8 @@ enum class ViewAccess {
   stored,  ///< from memory of the device, which recorded frames read again
 };
 
-/// Copies `views` and numbers their tiles. What it returns holds until the next call. Backends overload this
-/// that do not reach the host's memory.
+/// Copies `views` and numbers their tiles. What it returns holds until the next call. Backends that do not
+/// reach the host's memory overload this.
 template <class B>
 Views store_views(B&, Span<const View> views, ViewStorage<B>& storage, ViewAccess = ViewAccess::any) {
   storage.each.assign(views.begin(), views.end());

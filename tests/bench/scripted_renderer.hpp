@@ -20,9 +20,10 @@ class ScriptedRenderer final : public AnyRenderer {
   void set_scene(std::shared_ptr<const Scene>) override {}
   bool share_scene(const AnyRenderer&) override { return true; }
   void render(Span<const Camera>, const RenderSettings&, Span<Frame>) override {}
-  void render_resident(Span<const Camera>, const RenderSettings&) override {
+  Span<const FrameView> render_resident(Span<const Camera>, const RenderSettings&) override {
     ++frames;
     if (calls_) calls_->push_back(name_);
+    return {};
   }
   void render_into(Span<const View>, Measures) override {}
   void reserve(Span<const View>, Capacity) override {}

@@ -25,11 +25,12 @@ class ScriptedRenderer final : public AnyRenderer {
   void render(Span<const Camera> cameras, const RenderSettings&, Span<Frame>) override {
     width_ = cameras[0].width;
   }
-  void render_resident(Span<const Camera> cameras, const RenderSettings&) override {
+  Span<const FrameView> render_resident(Span<const Camera> cameras, const RenderSettings&) override {
     // The first frame after another renderer's is dear.
     first_ = last != this;
     last = this;
     width_ = cameras[0].width, ++frames;
+    return {};
   }
   void render_into(Span<const swiftgs::View>, Measures) override {}
   void reserve(Span<const swiftgs::View>, Capacity) override {}

@@ -40,7 +40,8 @@ struct CopySplats {
 template <class B, class Bounds>
 struct Binned {
   Binned(B& backend, const SortInput& input, const Bounds& bounds)
-      : key(input.key), view(view_without_camera(input.key.width, input.key.height, input.grid.side)) {
+      : key(input.key),
+        view(view_without_camera(int(input.key.width), int(input.key.height), input.grid.side)) {
     CopySplats<B>::copy(input.splats, splats);
     bin(backend, {&view, 1}, bounds, splats, footprints);
   }

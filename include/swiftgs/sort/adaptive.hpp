@@ -50,10 +50,12 @@ class AdaptiveSort {
     decided_ = false;
   }
 
-  /// What is known of the last frame's scene and size, or nothing while frames are still being measured.
+  /// What is known of the last frame's scene and size, or nothing while frames are still being measured or if
+  /// the frame had several views.
   std::optional<SortCalibration> calibration() const {
-    if (!decided_) return std::nullopt;
-    return SortCalibration{key_.gaussians, key_.width, key_.height, measured_[0].mean(), measured_[1].mean()};
+    if (!decided_ || key_.views != 1) return std::nullopt;
+    return SortCalibration{key_.gaussians, int(key_.width), int(key_.height), measured_[0].mean(),
+                           measured_[1].mean()};
   }
 
   template <class B>
@@ -143,7 +145,8 @@ class AdaptiveSort {
   const SortCalibration* saved_for(const FrameKey& key) {
     if (key.scene == 0 || (saved_scene_ != 0 && saved_scene_ != key.scene)) return nullptr;
     const auto found = std::find_if(saved_.begin(), saved_.end(), [&](const SortCalibration& saved) {
-      return saved.gaussians == key.gaussians && saved.width == key.width && saved.height == key.height;
+      return saved.gaussians == key.gaussians && saved.width == key.width && saved.height == key.height &&
+             key.views == 1;
     });
     if (found == saved_.end()) return nullptr;
     saved_scene_ = key.scene;

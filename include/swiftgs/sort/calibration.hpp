@@ -5,7 +5,7 @@
 
 namespace swiftgs {
 
-/// What was measured of the sort of one scene at one image size: mean time of either strategy.
+/// What was measured of the sort of one view of a scene at one image size: mean time of either strategy.
 struct SortCalibration {
   std::size_t gaussians = 0;
   int width = 0, height = 0;

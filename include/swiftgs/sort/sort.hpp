@@ -22,16 +22,18 @@
 
 namespace swiftgs {
 
-/// A scene at an image size. A choice of sort strategy holds for one key.
+/// A scene and the sizes of the images that show it. A choice of sort strategy holds for one key.
 struct FrameKey {
   std::uint64_t scene = 0;  ///< `SceneView::identity`
   std::size_t gaussians = 0;
-  int width = 0, height = 0;  ///< of all views, one below the other @units{pixels}
+  /// Of all views, one below the other. @units{pixels}
+  std::int64_t width = 0, height = 0;
+  std::size_t views = 1;
 
   static FrameKey of(const SceneView& scene, const Views& views) {
-    FrameKey key{scene.identity, scene.size()};
+    FrameKey key{.scene = scene.identity, .gaussians = scene.size(), .views = views.size()};
     for (const View& view : views)
-      key.width = std::max(key.width, view.frame.width), key.height += view.frame.height;
+      key.width = std::max<std::int64_t>(key.width, view.frame.width), key.height += view.frame.height;
     return key;
   }
 
@@ -142,7 +144,7 @@ struct SWIFTGS_API FindRanges {
 /// Empties a range. In a frame that overflowed it becomes one that rasterizers draw nothing for.
 struct SWIFTGS_API ClearRanges {
   TileRange* ranges;
-  const std::uint32_t* overflowed;  ///< null: the frame has not
+  const std::uint64_t* overflowed;  ///< null: the frame has not
   SWIFTGS_HD void operator()(std::size_t i) const {
     ranges[i] = overflowed && *overflowed != 0 ? TileRange::undrawn() : TileRange{};
   }

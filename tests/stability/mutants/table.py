@@ -358,13 +358,13 @@ MUTANTS = [
            "s.mean = vec2(std::round(s.mean.x * 1024) / 1024, std::round(s.mean.y * 1024) / 1024);\n  s.l0 = to_base_2",
            "cuda", STAGES),
     Mutant("cuda project: blur times 1.001", CUDA + "include/swiftgs/cuda/project.cuh",
-           "splats[0] = project_shape(views[0].camera, load_gaussian(scene, i));",
+           "splat = project_shape(views[0].camera, load_gaussian(scene, i));",
            "{\n    ViewConstants blurred = views[0].camera;\n    blurred.blur *= 1.001f;\n"
-           "    splats[0] = project_shape(blurred, load_gaussian(scene, i));\n  }", sources=STAGES),
+           "    splat = project_shape(blurred, load_gaussian(scene, i));\n  }", sources=STAGES),
     Mutant("cuda project: blur times 1.0001", CUDA + "include/swiftgs/cuda/project.cuh",
-           "splats[0] = project_shape(views[0].camera, load_gaussian(scene, i));",
+           "splat = project_shape(views[0].camera, load_gaussian(scene, i));",
            "{\n    ViewConstants blurred = views[0].camera;\n    blurred.blur *= 1.0001f;\n"
-           "    splats[0] = project_shape(blurred, load_gaussian(scene, i));\n  }", sources=STAGES),
+           "    splat = project_shape(blurred, load_gaussian(scene, i));\n  }", sources=STAGES),
     Mutant("cuda shade: c0 off by 2e-4", I + "sh.hpp", "inline constexpr float c0 = 0.28209479177387814f;",
            "inline constexpr float c0 = 0.28209479177387814f + 2e-4f;", "cuda", ("shade.cu",)),
     Mutant("cuda sort: depth key of one bit less", I + "splats.hpp",

@@ -123,7 +123,7 @@ struct Footprints<Cuda, Bounds> {
   Count instances;
   FrameTiles tiles;
   Views views;
-  const std::uint32_t* overflowed = nullptr;
+  const std::uint64_t* overflowed = nullptr;
   DeviceBuffer<FrameTotals> totals;  ///< of splats of your own
   PendingProjection found_by;
 

@@ -40,15 +40,6 @@ SWIFTGS_HD constexpr std::uint32_t swept_word(std::uint32_t turn, std::uint32_t 
 
 }  // namespace kernels
 
-/// Both copies of an operation's counters, and which is meant.
-template <class Counters>
-struct LoadedCounters {
-  Counters even{}, odd{};
-  std::uint32_t next = 0;  ///< turn
-
-  SWIFTGS_HD const Counters& last() const { return kernels::copy_of(next + 1) == 0 ? even : odd; }
-};
-
 /// Counters of the last operation, for kernels that come after it.
 template <class Counters>
 struct LastCounters {
@@ -57,11 +48,11 @@ struct LastCounters {
 
   bool operator==(const LastCounters&) const = default;
 
-  /// Loads all at once: a load that waits for `turn` would take twice as long.
-  SWIFTGS_HD LoadedCounters<Counters> load() const {
-    return {copies[0], copies[turn ? 1 : 0], turn ? *turn : 0};
+  /// Loads both copies with `turn`: a load that waits for it would take twice as long.
+  SWIFTGS_HD Counters get() const {
+    const Counters even = copies[0], odd = copies[turn ? 1 : 0];
+    return kernels::copy_of((turn ? *turn : 0) + 1) == 0 ? even : odd;
   }
-  SWIFTGS_HD Counters get() const { return load().last(); }
 };
 
 /// In device memory.

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Settings of a frame, and checks of its scene and views.
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include <swiftgs/conventions.hpp>
+#include <swiftgs/frame.hpp>
+#include <swiftgs/math.hpp>
+#include <swiftgs/scene.hpp>
+#include <swiftgs/sh.hpp>
+#include <swiftgs/view.hpp>
+
+namespace swiftgs {
+
+/// What a frame is rendered with, beside scene and camera.
+struct RenderSettings {
+  Conventions conventions;
+  /// RGB in the scene's own values, shown where transmittance is left; has no part in alpha.
+  vec3 background{0};
+  Outputs outputs;     ///< of `render`; `render_into` computes what its frame points to
+  bool count = false;  ///< fill the raster part of `Statistics`, which costs some time
+  bool time = false;   ///< take the `times` of the frame, which costs a device some microseconds
+};
+
+/// What a frame tells beside its images.
+struct Measures {
+  bool count = false;  ///< as `RenderSettings::count`
+  bool time = false;   ///< as `RenderSettings::time`
+};
+
+namespace detail {
+inline void require_for_render(bool holds, const char* expected) {
+  if (!holds) throw std::invalid_argument(std::string("render: expected ") + expected);
+}
+
+inline void require_finite_background(vec3 background) {
+  for (int c = 0; c < 3; ++c)
+    if (is_not_finite(background[c]))
+      throw std::invalid_argument("render: the background is " + std::to_string(background[c]) +
+                                  " in channel " + std::to_string(c) + ", expected finite numbers");
+}
+}  // namespace detail
+
+/// Throws `std::invalid_argument` where nothing can be rendered with `settings`.
+inline void validate(const RenderSettings& settings) {
+  validate(settings.conventions);
+  detail::require_finite_background(settings.background);
+}
+
+/// Throws `std::invalid_argument` where nothing can be rendered into `frame`.
+inline void validate(const FrameView& frame) {
+  detail::require_for_render(frame.width > 0 && frame.height > 0, "a frame with pixels");
+  const auto require_plane = [&](const auto& plane, std::size_t pixel, std::size_t channel,
+                                 const char* name) {
+    const std::size_t row = pixel * std::size_t(frame.width);
+    const std::size_t most =
+        std::size_t(std::numeric_limits<std::ptrdiff_t>::max()) / std::size_t(frame.height);
+    // Unsigned, as the least pitch has no positive counterpart.
+    const std::size_t pitch = plane.pitch < 0 ? 0 - std::size_t(plane.pitch) : std::size_t(plane.pitch);
+    if (plane.data && (pitch < row || pitch > most || pitch % channel != 0))
+      throw std::invalid_argument(
+          "render: the pitch of " + std::string(name) + " is " + std::to_string(plane.pitch) +
+          " bytes, expected " +
+          (pitch > most ? "at most " + std::to_string(most) : "at least " + std::to_string(row)) +
+          " up or down, a multiple of " + std::to_string(channel));
+    if (reinterpret_cast<std::uintptr_t>(plane.data) % channel != 0)
+      throw std::invalid_argument("render: expected " + std::string(name) + " aligned to " +
+                                  std::to_string(channel) + " bytes");
+  };
+  const std::size_t pixel = bytes_per_pixel(frame.format);
+  const std::size_t channels = frame.format == PixelFormat::rgb_float ? 3 : 4;
+  require_plane(frame.colour, pixel, pixel / channels, "colour");
+  require_plane(frame.alpha, sizeof(float), sizeof(float), "alpha");
+  require_plane(frame.depth, sizeof(float), sizeof(float), "depth");
+  require_plane(frame.occluder, sizeof(float), sizeof(float), "occluder");
+  detail::require_for_render(frame.colour.data || !frame.over, "colour to render over");
+}
+
+/// Throws `std::invalid_argument` where nothing can be rendered of `view`, however its tiles are numbered.
+inline void validate(const View& view) {
+  validate(view.frame);
+  check_tiles(view);
+  detail::require_finite_background(view.background);
+}
+
+/// Throws `std::invalid_argument` where nothing can be rendered from `scene`. Reads no Gaussian.
+inline void validate(const SceneView& scene) {
+  const std::size_t n = scene.size();
+  detail::require_for_render(n <= std::numeric_limits<std::uint32_t>::max(), "fewer than 2^32 Gaussians");
+  detail::require_for_render(n == 0 || (scene.means.data && scene.scales.data && scene.rotations.data &&
+                                        scene.opacities.data && scene.sh0.data),
+                             "the arrays of the scene");
+  detail::require_for_render(
+      scene.scales.size == n && scene.rotations.size == n && scene.opacities.size == n && scene.sh0.size == n,
+      "arrays of one length in the scene");
+  detail::require_for_render(scene.sh_degree >= 0 && scene.sh_degree <= max_sh_degree,
+                             "an SH degree of 0 to 3");
+  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  detail::require_for_render(n == 0 || rest == 0 ||
+                                 (scene.sh_stride >= int(rest) &&
+                                  scene.sh_rest.size >= (n - 1) * std::size_t(scene.sh_stride) + rest),
+                             "SH coefficients of the view's degree for every Gaussian");
+}
+
+}  // namespace swiftgs
