@@ -24,10 +24,11 @@ class PlanesMemory {
   static constexpr unsigned char nobodys = Image::nobodys;
   static constexpr std::size_t planes = 4;
 
-  /// Rows of all planes go down.
-  PlanesMemory(int width, int height, PixelFormat format)
+  /// Rows of all planes go down. Behind each are bytes `beside` it, a multiple of 8.
+  PlanesMemory(int width, int height, PixelFormat format, std::size_t beside = 24)
       : width_(width),
         height_(height),
+        beside_(beside),
         format_(format),
         pixel_{bytes_per_pixel(format), sizeof(float), sizeof(float), sizeof(float)} {
     for (std::size_t plane = 0; plane < planes; ++plane)
@@ -83,9 +84,10 @@ class PlanesMemory {
 
  private:
   /// Bytes of a row and of those behind it.
-  std::size_t row(std::size_t plane) const { return pixel_[plane] * std::size_t(width_) + 24; }
+  std::size_t row(std::size_t plane) const { return pixel_[plane] * std::size_t(width_) + beside_; }
 
   int width_, height_;
+  std::size_t beside_;
   PixelFormat format_;
   std::array<std::size_t, planes> pixel_;  ///< @units{bytes}
   std::array<bool, planes> upward_{};

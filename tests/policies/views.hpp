@@ -4,12 +4,15 @@
 /// @file
 /// Frames of several views, and of parts of an image, against frames of one view.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -31,8 +34,17 @@ struct AskedView {
   vec3 background{0};
   PixelFormat format = PixelFormat::rgb_float;
   bool colour = true, alpha = true, depth = true, occluder = false, over = false;
+  unsigned upward = 0;                               ///< a bit for each plane whose rows go up in memory
+  FirstPixel first{};                                ///< of the part of the image that is shown
+  int width = camera.width, height = camera.height;  ///< of this part
+  std::size_t beside = 24;                           ///< bytes behind each row, as of `PlanesMemory`
 
-  PlanesMemory memory() const { return {camera.width, camera.height, format}; }
+  PlanesMemory memory() const {
+    PlanesMemory memory(width, height, format, beside);
+    for (std::size_t plane = 0; plane < PlanesMemory::planes; ++plane)
+      if (upward >> plane & 1) memory.turn(plane);
+    return memory;
+  }
   /// `planes` without those that are not asked for.
   FrameView frame(FrameView planes) const {
     if (!colour) planes.colour = {};
@@ -41,6 +53,9 @@ struct AskedView {
     if (!occluder) planes.occluder = {};
     planes.over = over;
     return planes;
+  }
+  View view(const FrameView& planes) const {
+    return make_view(camera, conventions, frame(planes), background, first);
   }
   RenderSettings settings() const {
     RenderSettings settings;
@@ -65,6 +80,47 @@ class OnHost {
  private:
   PlanesMemory* memory_;
 };
+
+/// Views into memory of their own, where a renderer of `Place` writes it.
+template <class Place>
+class PlacedViews {
+ public:
+  explicit PlacedViews(const std::vector<AskedView>& asked) {
+    for (const AskedView& view : asked) memories_.push_back(view.memory());
+    places_.reserve(asked.size());
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      places_.emplace_back(memories_[i]);
+      views.push_back(asked[i].view(places_[i].frame()));
+    }
+  }
+  PlacedViews(const PlacedViews&) = delete;
+  PlacedViews& operator=(const PlacedViews&) = delete;
+
+  Span<const View> span() const { return {views.data(), views.size()}; }
+
+  /// The memory of each view after all work of `b`.
+  template <class B>
+  const std::vector<PlanesMemory>& finish(const B& b) {
+    for (Place& place : places_) place.finish(b);
+    return memories_;
+  }
+
+  std::vector<View> views;
+
+ private:
+  std::vector<PlanesMemory> memories_;
+  std::vector<Place> places_;
+};
+
+/// How many of the views differ in a byte, or have bytes beside their rows that were written.
+inline std::size_t differing(const std::vector<PlanesMemory>& drawn,
+                             const std::vector<PlanesMemory>& expected) {
+  REQUIRE(drawn.size() == expected.size());
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < drawn.size(); ++i)
+    count += drawn[i].bytes != expected[i].bytes || !drawn[i].kept_to_its_rows();
+  return count;
+}
 
 /// A camera beside the one of `forward_camera`, turned about the vertical by `angle`.
 inline Camera turned_camera(int width, int height, double angle, double aside = 0) {
@@ -96,6 +152,25 @@ inline std::vector<AskedView> different_views() {
   hidden.conventions.antialiased = true, hidden.conventions.alpha_min = 1.0f / 100;
   hidden.background = vec3(0.5f, 0.2f, 0), hidden.format = PixelFormat::rgba_float, hidden.occluder = true;
   return {plain, over, empty, over, hidden};
+}
+
+/// A view of each format over an image and over a background, behind a surface and without one. Of each
+/// plane some have rows that go up; alpha and depth are asked of most.
+inline std::vector<AskedView> views_of_every_kind() {
+  std::vector<AskedView> views;
+  for (const PixelFormat format : pixel_formats)
+    for (const bool over : {false, true})
+      for (const bool occluder : {false, true})
+        for (const unsigned upward : {0b0101u, 0b1010u}) {
+          const int i = int(views.size());
+          AskedView view{turned_camera(20 + i, 40 - i, 0.01 * i, 0.02 * i),
+                         i % 3 == 0 ? Conventions::inria() : Conventions::gsplat(),
+                         vec3(0.3f, 1.7f, -0.4f + 0.1f * float(i)), format};
+          view.over = over, view.occluder = occluder, view.upward = upward;
+          view.alpha = i % 5 != 0, view.depth = i % 7 != 0;
+          views.push_back(view);
+        }
+  return views;
 }
 
 inline bool same_counts(const SquareCounts& a, const SquareCounts& b) {
@@ -139,24 +214,9 @@ void check_views(R& together, R& alone, const SceneView& scene, const std::vecto
   const DrawnAlone expected = draw_alone<Place>(alone, scene, asked);
   for (const bool count : {false, true}) {
     CAPTURE(count);
-    std::vector<PlanesMemory> memories;
-    for (const AskedView& view : asked) memories.push_back(view.memory());
-    std::vector<Place> places;
-    std::vector<View> views;
-    for (std::size_t i = 0; i < asked.size(); ++i) {
-      places.emplace_back(memories[i]);
-      views.push_back(make_view(asked[i].camera, asked[i].conventions, asked[i].frame(places[i].frame()),
-                                asked[i].background));
-    }
-    together.render_into(scene, Span<const View>{views.data(), views.size()}, Measures{.count = count});
-    std::size_t different = 0, outside = 0;
-    for (std::size_t i = 0; i < asked.size(); ++i) {
-      places[i].finish(together.backend());
-      different += memories[i].bytes != expected.memories[i].bytes;
-      outside += !memories[i].kept_to_its_rows();
-    }
-    CHECK(different == 0);
-    CHECK(outside == 0);
+    PlacedViews<Place> placed(asked);
+    together.render_into(scene, placed.span(), Measures{.count = count});
+    CHECK(differing(placed.finish(together.backend()), expected.memories) == 0);
     const Statistics statistics = together.statistics();
     CHECK(statistics.gaussians == expected.sum.gaussians);
     CHECK(statistics.visible == expected.sum.visible);
@@ -182,8 +242,9 @@ void check_lists_of_views(R& together, R& alone, const SceneView& scene) {
       {"none that shows anything", {empty_view(40, 30), empty_view(5, 70)}},
       {"one of which nothing is asked", {all[0], unseen, all[1]}},
       {"one after many", {all[0]}}};
-  for (const auto& [name, asked] : lists) {
-    CAPTURE(std::string(name));
+  for (const auto& list : lists) {
+    CAPTURE(std::string(list.first));
+    const std::vector<AskedView>& asked = list.second;
     check_views<Place>(together, alone, scene, asked);
     const bool shows_nothing = asked[0].camera.width == 40;
     CHECK((together.statistics().raster.contributing_pairs < 1000) == shows_nothing);
@@ -287,6 +348,112 @@ inline std::vector<AskedView> tiny_views() {
     views.push_back(view);
   }
   return views;
+}
+
+/// Checks that views which nothing can be rendered of are refused, and that those which were set are recorded
+/// all the same, as are good ones afterwards.
+template <class Place, class R>
+void check_bad_views(R& renderer, R& other, const SceneView& scene) {
+  const std::vector<AskedView> asked = different_views();
+  std::vector<AskedView> moved = asked;
+  for (AskedView& view : moved) view.camera.translation.x += 0.1, view.background = vec3(0.5f);
+  PlacedViews<Place> first(asked), second(moved);
+  other.render_into(scene, first.span()), other.render_into(scene, second.span());
+  const auto& expected_first = first.finish(other.backend());
+  const auto& expected_second = second.finish(other.backend());
+  REQUIRE(differing(expected_first, expected_second) == asked.size());
+  typename std::remove_cvref_t<decltype(other.backend())>::template Buffer<FrameReport> report;
+  report.reset(1);
+
+  struct Spoilt {
+    const char* message;
+    void (*spoil)(View&);
+  };
+  const Spoilt all[] = {
+      {"render: the background is nan in channel 1, expected finite numbers",
+       [](View& view) { view.background.y = std::nanf(""); }},
+      {"render: the background is inf in channel 0, expected finite numbers",
+       [](View& view) { view.background.x = std::numeric_limits<float>::infinity(); }},
+      {"render: the background is -inf in channel 2, expected finite numbers",
+       [](View& view) { view.background.z = -std::numeric_limits<float>::infinity(); }},
+      {"tiles: the number of rows is 4, expected 3", [](View& view) { view.grid.rows.end += 1; }},
+      {"tiles: the number of columns is 5, expected 4", [](View& view) { view.grid.columns.begin = -1; }},
+      {"tiles: the first of the columns is -1, expected 0 or more",
+       [](View& view) { --view.grid.columns.begin, --view.grid.columns.end; }},
+      {"tiles: the side is 24, expected a power of two of at least 16 pixels",
+       [](View& view) { view.grid.side = 24; }}};
+  for (const Spoilt& spoilt : all) {
+    CAPTURE(std::string(spoilt.message));
+    PlacedViews<Place> before(asked), after(moved);
+    renderer.reserve(scene, before.span());
+    std::vector<View> bad = after.views;
+    spoilt.spoil(bad[3]);
+    const Span<const View> views{bad.data(), bad.size()};
+    CHECK_THROWS_WITH_AS(renderer.render_into(scene, views), spoilt.message, std::invalid_argument);
+    CHECK_THROWS_WITH_AS(renderer.set_views(views), spoilt.message, std::invalid_argument);
+    renderer.record(scene, report.data());
+    CHECK(differing(before.finish(renderer.backend()), expected_first) == 0);
+    renderer.set_views(after.span());
+    renderer.record(scene, report.data());
+    CHECK(differing(after.finish(renderer.backend()), expected_second) == 0);
+    CHECK_THROWS_WITH_AS(renderer.reserve(scene, views), spoilt.message, std::invalid_argument);
+    CHECK_THROWS_WITH_AS(renderer.record(scene, report.data()), "render: expected reserve before record",
+                         std::invalid_argument);
+  }
+}
+
+/// A part of an image with all planes. From `k` to `k` everything changes that `set_views` may change.
+inline AskedView changing_view(int k) {
+  AskedView view{turned_camera(148, 134, 0.03 * k, 0.05 * k)};
+  view.width = 100, view.height = 70, view.first = {16 * (k % 4), 16 * (k % 5)};
+  if (k % 3 == 1) view.conventions = Conventions::inria();
+  if (k % 3 == 2) view.conventions.antialiased = true, view.conventions.alpha_min = 1.0f / 100;
+  view.background = vec3(0.3f, 1.7f, -0.1f * float(k)), view.format = pixel_formats[k % 4];
+  view.over = k / 4 % 2, view.upward = unsigned(7 * k) % 16, view.beside = std::size_t(24 + 8 * (k % 3));
+  view.occluder = true;
+  return view;
+}
+
+/// The same with colour alone, of another size.
+inline AskedView changing_lean_view(int k) {
+  AskedView view = changing_view(k + 5);
+  view.width = 77, view.height = 61;
+  view.alpha = view.depth = view.occluder = false;
+  return view;
+}
+
+/// Checks that frames which are recorded of changing views, in new memory each, are those that `other`
+/// renders. `capture(report)` returns what draws the recorded frame.
+template <class Place, class R, class Capture>
+void check_changing_views(R& renderer, R& other, const SceneView& scene, const Capture& capture) {
+  const auto& backend = renderer.backend();
+  typename std::remove_cvref_t<decltype(backend)>::template Buffer<FrameReport> report;
+  report.reset(1);
+  using List = std::vector<AskedView> (*)(int k);
+  for (const List asked : {List([](int k) { return std::vector{changing_view(k)}; }),
+                           List([](int k) { return std::vector{changing_lean_view(k)}; }), List([](int k) {
+                             return std::vector{changing_lean_view(k), changing_view(k)};
+                           })}) {
+    CAPTURE(asked(0).size());
+    const PlacedViews<Place> reserved(asked(0));
+    renderer.reserve(scene, reserved.span(), {8000, 200'000});
+    const auto draw = capture(report.data());
+    std::size_t wrong = 0, least = scene.size();
+    for (int k = 16; k-- != 0;) {
+      PlacedViews<Place> drawn(asked(k)), expected(asked(k));
+      renderer.set_views(drawn.span());
+      draw();
+      other.render_into(scene, expected.span());
+      wrong += differing(drawn.finish(backend), expected.finish(backend));
+      FrameReport found;
+      backend.download(Span{std::as_const(report).data(), 1}, &found);
+      const Statistics taken = other.statistics();
+      wrong += found.overflowed != 0 || found.visible != taken.visible || found.instances != taken.instances;
+      least = std::min(least, taken.visible);
+    }
+    CHECK(wrong == 0);
+    CHECK(least > 100);
+  }
 }
 
 /// A rectangle of an image. @units{pixels}

@@ -103,18 +103,11 @@ TEST_CASE("views: frames of several have the same bits with one thread and two")
     const auto drawn_by = [&](int threads) {
       Renderer<Cpu, EarlySort, Raster, Ellipse> renderer{Cpu(threads)};
       const auto uploaded = renderer.backend().upload(scene);
-      std::vector<PlanesMemory> memories;
-      std::vector<View> views;
-      const std::vector<AskedView> asked = different_views();
-      for (const AskedView& view : asked) memories.push_back(view.memory());
-      for (std::size_t i = 0; i < asked.size(); ++i)
-        views.push_back(make_view(asked[i].camera, asked[i].conventions,
-                                  asked[i].frame(OnHost(memories[i]).frame()), asked[i].background));
-      renderer.render_into(uploaded.view(), Span<const View>{views.data(), views.size()});
-      return memories;
+      PlacedViews<OnHost> placed(different_views());
+      renderer.render_into(uploaded.view(), placed.span());
+      return placed.finish(renderer.backend());
     };
-    const std::vector<PlanesMemory> one = drawn_by(1), two = drawn_by(2);
-    for (std::size_t i = 0; i < one.size(); ++i) CHECK((one[i].bytes == two[i].bytes));
+    CHECK(differing(drawn_by(1), drawn_by(2)) == 0);
   });
 }
 
@@ -165,4 +158,20 @@ TEST_CASE_TEMPLATE("views: a frame that fills tiles beyond measure is refused an
   CHECK_THROWS_WITH_AS(together.render_into(scene.view(), Span<const View>{views.data(), views.size()}),
                        "tiles in one frame: 2164260864 needed, the limit is 2147483648", CapacityError);
   check_views<OnHost>(together, alone, scene.view(), different_views());
+}
+
+TEST_CASE_TEMPLATE("views: bad ones are refused by all calls and those that were set are recorded", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  Usual<B> renderer(make_backend<B>()), other(make_backend<B>());
+  const auto scene = renderer.backend().upload(random_scene(400, 1, 9));
+  check_bad_views<OnHost>(renderer, other, scene.view());
+}
+
+TEST_CASE_TEMPLATE("views: recorded frames follow formats and planes and places that change", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  Usual<B> renderer(make_backend<B>()), other(make_backend<B>());
+  const auto scene = renderer.backend().upload(random_scene(2000, 1, 10));
+  check_changing_views<OnHost>(renderer, other, scene.view(), [&](FrameReport* report) {
+    return [&, report] { renderer.record(scene.view(), report); };
+  });
 }
