@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -60,7 +61,7 @@ struct Session {
   /// Builds the lists of one frame; returns the strategy that ran.
   std::string frame(int width = 64, int height = 48) {
     SortInput job = splats.job(width, height);
-    job.key.scene = scene;
+    job.key.scene = scene, job.key.views = views;
     build_again<Ellipse>(backend, sort, job, scratch, lists);
     correct = correct && to_vectors(lists.view()) == brute_force_lists<Ellipse>(job);
     return backend.last;
@@ -77,6 +78,7 @@ struct Session {
   TileLists<ScriptedBackend> lists;
   SplatSet splats = random_splats(20, 64, 48, 1);
   std::uint64_t scene = 1;
+  std::size_t views = 1;
   bool correct = true;
 };
 
@@ -274,6 +276,16 @@ TEST_CASE("adaptive sort: saved measurements hold for the first scene that match
   CHECK_FALSE(session.sort.calibration());
   session.scene = first;
   session.frame(80, 48);
+  CHECK(session.sort.calibration());
+}
+
+TEST_CASE("adaptive sort: a saved measurement of one view is not taken for two that are as tall together") {
+  Session session(AdaptiveSort({{20, 64, 48, 1, 2}}, 1));
+  session.views = 2;
+  CHECK(session.frames(6) == "seseee");
+  CHECK_FALSE(session.sort.calibration());
+  session.views = 1;
+  CHECK(session.frames(3) == "sss");
   CHECK(session.sort.calibration());
 }
 

@@ -271,3 +271,19 @@ TEST_CASE("grid: key bits are as few as tell all tiles apart") {
   CHECK(FrameTiles{4096, 4096}.key_bits() == 24);
   CHECK(TileGrid::covering(1, 17).size() == 2);
 }
+
+TEST_CASE("sort: the key of a frame holds the height of all views and their number") {
+  const Scene scene = random_scene(10, 0, 1);
+  const auto key = [&](std::size_t count, int width, int height) {
+    const std::vector<View> views(count, view_without_camera(width, height));
+    return FrameKey::of(view(scene), {views.data(), views.size()});
+  };
+  const FrameKey tall = key(max_views, 3, max_image_side);
+  CHECK(tall.height == std::int64_t(1) << 32);
+  CHECK(tall.width == 3);
+  CHECK(tall.views == max_views);
+  CHECK(tall.gaussians == 10);
+  CHECK(key(max_views / 2, 3, max_image_side).height == std::int64_t(1) << 31);
+  CHECK_FALSE(key(2, 40, 30) == key(1, 40, 60));
+  CHECK(key(2, 40, 30) == key(2, 40, 30));
+}
