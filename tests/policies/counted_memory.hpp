@@ -10,10 +10,12 @@
 #include <limits>
 #include <map>
 #include <new>
+#include <stdexcept>
 
 #include <doctest/doctest.h>
 
 #include <swiftgs/error.hpp>
+#include <swiftgs/growing_buffer.hpp>
 #include <swiftgs/memory_hook.hpp>
 
 namespace swiftgs::test {
@@ -84,5 +86,18 @@ class CountedMemory : public CountedBlocks {
     ::operator delete (static_cast<unsigned char*>(memory) - 64, std::align_val_t{128});
   }
 };
+
+/// Checks that `make(hook)` refuses hooks without both functions, and names the one that is missing.
+template <class Make>
+void check_missing_functions(const Make& make) {
+  const MemoryHook whole = hook_of<CacheLineMemory>();
+  CHECK_THROWS_WITH_AS(make(MemoryHook{}), "memory hook: no function to allocate, expected both functions",
+                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(make(MemoryHook{.allocate = nullptr, .release = whole.release}),
+                       "memory hook: no function to allocate, expected both functions",
+                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(make(MemoryHook{.allocate = whole.allocate, .release = nullptr}),
+                       "memory hook: no function to release, expected both functions", std::invalid_argument);
+}
 
 }  // namespace swiftgs::test

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -367,11 +368,10 @@ void record_without_calls(int threads, std::size_t gaussians, int views, std::si
   }
   CHECK(memory.calls() == calls);
   if constexpr (std::is_same_v<Sort, AdaptiveSort>) {
+    if (views != 1) return;
     // The other strategy, that a stored measurement asks for.
-    int height = 0, width = 0;
-    for (const View& view : images.views)
-      height += view.frame.height, width = std::max(width, view.frame.width);
-    renderer.sort().use({{gaussians, width, height, 1.0, 2.0}});
+    const FrameView& image = images.views[0].frame;
+    renderer.sort().use({{gaussians, image.width, image.height, 1.0, 2.0}});
     renderer.set_views(images.span());
     FrameReport report;
     renderer.record(scene.view(), &report);
@@ -576,4 +576,40 @@ TEST_CASE_TEMPLATE("memory hook: contributions add nothing where an allocation w
     }
     CHECK(refused > 8);
   }
+}
+
+TEST_CASE_TEMPLATE("memory hook: one without both functions is refused", B, Serial, Cpu) {
+  check_missing_functions([](const MemoryHook& hook) { (void)make<B>(hook, 2); });
+  check_missing_functions(
+      [](const MemoryHook& hook) { (void)make_backend(std::type_identity<B>(), {.memory = hook}); });
+}
+
+TEST_CASE_TEMPLATE("memory hook: statistics tell of the last frame that no refusal ended", B, Serial, Cpu) {
+  CountedMemory memory;
+  Renderer<B, EarlySort, Usual, Ellipse> renderer(make<B>(memory.hook(), 2));
+  const auto few = renderer.backend().upload(random_scene(200, 1, 13));
+  const auto many = renderer.backend().upload(random_scene(3000, 1, 14));
+  Images images(cameras_of(5, 2));
+  std::size_t k = 0;
+  for (bool refused = true; refused; ++k) {
+    CAPTURE(k);
+    renderer.render_into(few.view(), images.span(), {.count = true, .time = true});
+    const Statistics before = renderer.statistics();
+    REQUIRE(before.raster.contributing_pairs > 0);
+    memory.refuse_after(k, CountedMemory::Refusal::null);
+    try {
+      renderer.trim();
+      renderer.render_into(many.view(), images.span(), {.count = true, .time = true});
+      refused = false;
+    } catch (const std::bad_alloc&) {
+    }
+    memory.refuse_none();
+    const Statistics after = renderer.statistics();
+    CHECK((after.gaussians == before.gaussians) == refused);
+    CHECK((after.visible == before.visible) == refused);
+    CHECK((after.instances == before.instances) == refused);
+    CHECK((after.raster.contributing_pairs == 0) == refused);  // their memory may be gone
+    CHECK(std::isnan(renderer.times().total) == refused);
+  }
+  CHECK(k > 8);
 }
