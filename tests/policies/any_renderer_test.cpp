@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
+#include "policies/any_renderer.hpp"
+
 #include <cmath>
 #include <iterator>
 #include <memory>
 #include <stdexcept>
+#include <string>
 
 #include <doctest/doctest.h>
 
@@ -12,7 +14,7 @@
 #include <swiftgs/swiftgs.hpp>
 
 #include "policies/cameras.hpp"
-#include "policies/random_splats.hpp"
+#include "policies/rasterizers.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -109,49 +111,19 @@ TEST_CASE("any renderer: every backend that runs here says on what") {
   }
 }
 
-TEST_CASE("any renderer: all that a view asks for, on the caller's threads") {
-  const auto scene = std::make_shared<const Scene>(random_scene(2000, 1, 7));
-  const Camera camera = forward_camera(90, 60);
-  for (const RendererEntry& entry : renderers()) {
-    if (!entry.usable || entry.name.starts_with("cuda/") || !entry.name.ends_with("/ellipse")) continue;
-    CAPTURE(entry.name);
-    const auto renderer = entry.make({.threads = 1}), other = entry.make();
-    renderer->set_scene(scene), other->set_scene(scene);
-    Frame expected;
-    RenderSettings settings;
-    settings.outputs = {true, true};
-    settings.background = vec3(0.1f, 0.2f, 0.3f);
-    other->render(camera, settings, expected);
-
-    // Rows that go up in memory, into a larger image.
-    std::vector<float> colour(3 * 100 * 60, -1.0f), alpha(90 * 60), depth(90 * 60);
-    const std::ptrdiff_t pitch = 3 * 100 * std::ptrdiff_t(sizeof(float));
-    const FrameView frame{.width = 90,
-                          .height = 60,
-                          .colour = {colour.data() + 3 * 100 * 59, -pitch},
-                          .alpha = {alpha.data(), 90 * std::ptrdiff_t(sizeof(float))},
-                          .depth = {depth.data(), 90 * std::ptrdiff_t(sizeof(float))}};
-    const View view = make_view(camera, settings.conventions, frame, settings.background);
-    renderer->render_into({&view, 1}, {.count = true});
-    CHECK(renderer->statistics().raster.contributing_pairs > 0);
-    const auto same = [&] {
-      bool equal = alpha == expected.alpha && depth == expected.depth;
-      for (std::size_t y = 0; y < 60; ++y)
-        equal = equal && std::equal(&expected.colour[3 * 90 * y], &expected.colour[3 * 90 * y] + 3 * 90,
-                                    &colour[3 * 100 * (59 - y)]);
-      return equal;
-    };
-    CHECK(same());
-    for (std::vector<float>* plane : {&colour, &alpha, &depth})
-      std::fill(plane->begin(), plane->end(), -1.0f);
-    renderer->reserve({&view, 1});
-    CHECK(alpha[0] == -1);
-    renderer->set_views({&view, 1});
-    FrameReport report;
-    renderer->record(&report);
-    renderer->wait();
-    CHECK(report.overflowed == 0);
-    CHECK(report.visible == renderer->statistics().visible);
-    CHECK(same());
-  }
+TEST_CASE_TEMPLATE("any renderer: draws and records all that a view asks for as the renderer of its type", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  const auto scene = std::make_shared<const Scene>(random_scene(300, 1, 7));
+  for_each_raster([&]<class Raster>(Raster) {
+    Renderer<B, EarlySort, Raster, Ellipse> typed(make_backend<B>());
+    const auto uploaded = typed.backend().upload(scene);
+    for_each_type(AllSorts(), [&]<class Sort>(Sort) {
+      const auto any = make_renderer(Renderer<B, Sort, Raster, Ellipse>::name, {.threads = 1});
+      CAPTURE(std::string(any->name()));
+      any->set_scene(scene);
+      check_drawn_frames<OnHost>(*any, typed, uploaded.view());
+      check_recorded_frames<OnHost>(*any, typed, uploaded.view(),
+                                    [&](FrameReport* report) { any->record(report); });
+    });
+  });
 }

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Renderers that are chosen at run time against those of their types.
+
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/swiftgs.hpp>
+
+#include "policies/views.hpp"
+
+namespace swiftgs::test {
+
+/// The floats of a plane whose rows lie close together, in memory that `b` reaches.
+template <class B>
+std::vector<float> floats_of(const B& b, const void* plane, std::size_t count) {
+  std::vector<float> out(count);
+  b.download(Span{static_cast<const float*>(plane), count}, out.data());
+  return out;
+}
+
+/// Checks that `any`, whose scene is set, draws views of every kind and frames that stay with it as `typed`
+/// does.
+template <class Place, class R>
+void check_drawn_frames(AnyRenderer& any, R& typed, const SceneView& scene) {
+  const auto& backend = typed.backend();
+  PlacedViews<Place> expected(views_of_every_kind()), drawn(views_of_every_kind());
+  typed.render_into(scene, expected.span(), {.count = true});
+  any.render_into(drawn.span(), {.count = true});
+  any.wait();
+  CHECK(differing(drawn.finish(backend), expected.finish(backend)) == 0);
+  const Statistics found = any.statistics(), taken = typed.statistics();
+  CHECK(taken.raster.contributing_pairs > 1000);
+  CHECK(found.visible == taken.visible);
+  CHECK(found.instances == taken.instances);
+  CHECK(same_counts(found.raster, taken.raster));
+
+  const Camera cameras[] = {forward_camera(50, 40), turned_camera(33, 17, 0.2, 0.3)};
+  RenderSettings settings;
+  settings.outputs = {true, true}, settings.background = vec3(0.1f, 0.2f, 0.3f);
+  const Span<const FrameView> resident = any.render_resident({cameras, 2}, settings);
+  const Span<const FrameView> kept = typed.render_resident(scene, {cameras, 2}, settings);
+  REQUIRE(resident.size == kept.size);
+  for (std::size_t i = 0; i < kept.size; ++i) {
+    const std::size_t pixels = std::size_t(cameras[i].width) * std::size_t(cameras[i].height);
+    CHECK(resident[i].width == cameras[i].width);
+    CHECK(resident[i].height == cameras[i].height);
+    const auto same = [&](const auto& a, const auto& b, std::size_t channels) {
+      return a.pitch == b.pitch && a.data != b.data &&
+             floats_of(backend, a.data, channels * pixels) == floats_of(backend, b.data, channels * pixels);
+    };
+    CHECK(same(resident[i].colour, kept[i].colour, 3));
+    CHECK(same(resident[i].alpha, kept[i].alpha, 1));
+    CHECK(same(resident[i].depth, kept[i].depth, 1));
+  }
+}
+
+/// Checks that `any`, whose scene is set, records views of every kind as `typed` renders them.
+/// `record(report)` has `any` record a frame.
+template <class Place, class R, class Record>
+void check_recorded_frames(AnyRenderer& any, R& typed, const SceneView& scene, const Record& record) {
+  using B = std::remove_cvref_t<decltype(typed.backend())>;
+  const B& backend = typed.backend();
+  const std::vector<AskedView> asked = views_of_every_kind();
+  std::vector<AskedView> moved = asked;
+  for (AskedView& view : moved) view.camera.translation.x += 0.1;
+  PlacedViews<Place> reserved(asked), set(moved), expected(moved);
+  typed.render_into(scene, expected.span());
+  typename B::template Buffer<FrameReport> report;
+  report.reset(1);
+  const Statistics taken = typed.statistics();
+  any.reserve(reserved.span(), {2 * taken.visible, 2 * taken.instances});
+  any.set_views(set.span());
+  record(report.data());
+  any.wait();
+  FrameReport found;
+  backend.download(Span{std::as_const(report).data(), 1}, &found);
+  CHECK(found.overflowed == 0);
+  CHECK(found.visible == taken.visible);
+  CHECK(found.instances == taken.instances);
+  CHECK(differing(set.finish(backend), expected.finish(backend)) == 0);
+  PlacedViews<Place> untouched(asked);
+  CHECK(differing(reserved.finish(backend), untouched.finish(backend)) == 0);
+}
+
+}  // namespace swiftgs::test
