@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <memory>
 #include <new>
 #include <stdexcept>
@@ -22,7 +21,8 @@
 #include <swiftgs/swiftgs.hpp>
 
 #include "cuda/device.hpp"
-#include "policies/counted_memory.hpp"
+#include "cuda/graph.hpp"
+#include "cuda/stream_pool.hpp"
 #include "policies/random_splats.hpp"
 
 using namespace swiftgs;
@@ -31,52 +31,6 @@ using namespace swiftgs::test;
 namespace {
 
 using Usual = AxisSharedThreshold<FloatCholesky>;
-
-/// A pool of memory in the order of a stream, which it outlives. What it gives and what it takes back is
-/// filled with garbage in that order.
-class StreamPool : public CountedBlocks {
- public:
-  explicit StreamPool(cudaStream_t stream) : stream_(stream) {
-    int device = 0;
-    check_cuda(cudaGetDevice(&device), "cudaGetDevice");
-    cudaMemPoolProps properties{};
-    properties.allocType = cudaMemAllocationTypePinned;
-    properties.location = {cudaMemLocationTypeDevice, device};
-    check_cuda(cudaMemPoolCreate(&pool_, &properties), "cudaMemPoolCreate");
-    std::uint64_t keep = std::numeric_limits<std::uint64_t>::max();
-    check_cuda(cudaMemPoolSetAttribute(pool_, cudaMemPoolAttrReleaseThreshold, &keep),
-               "cudaMemPoolSetAttribute");
-  }
-  ~StreamPool() {
-    cudaStreamSynchronize(stream_);
-    cudaMemPoolDestroy(pool_);
-  }
-
-  MemoryHook hook() { return {&StreamPool::allocate, &StreamPool::release, this}; }
-
- private:
-  static void* allocate(void* context, std::size_t bytes) {
-    auto& self = *static_cast<StreamPool*>(context);
-    if (self.refuses(bytes)) return nullptr;
-    void* memory = nullptr;
-    if (cudaMallocFromPoolAsync(&memory, bytes, self.pool_, self.stream_) != cudaSuccess) {
-      cudaGetLastError();
-      return nullptr;
-    }
-    check_cuda(cudaMemsetAsync(memory, 0xa5, bytes, self.stream_), "cudaMemsetAsync");
-    self.add(memory, bytes);
-    return memory;
-  }
-  static void release(void* context, void* memory, std::size_t bytes) {
-    auto& self = *static_cast<StreamPool*>(context);
-    self.remove(memory, bytes);
-    cudaMemsetAsync(memory, 0x5a, bytes, self.stream_);
-    cudaFreeAsync(memory, self.stream_);
-  }
-
-  cudaStream_t stream_;
-  cudaMemPool_t pool_ = nullptr;
-};
 
 /// Images of views on the device.
 struct Images {
@@ -271,11 +225,13 @@ TEST_CASE_TEMPLATE("cuda record: never calls the hook after reserve", Sort, Stan
     CHECK(report_in(report).visible == 0);
     CHECK(pool.calls() == calls);
     if constexpr (std::is_same_v<Sort, AdaptiveSort>) {
-      const int width = views == 1 ? 160 : 176;  // the other strategy, that a stored measurement asks for
-      renderer.sort().use({{scene.view().size(), width, 120 * views, 1.0, 2.0}});
+      if (views != 1) continue;
+      // The other strategy, that a stored measurement asks for.
+      renderer.sort().use({{scene.view().size(), 160, 120, 1.0, 2.0}});
       Images wanted(cameras_of(0, views));
       renderer.record(scene.view(), report.data());
       other.render_into(scene.view(), wanted.span());
+      REQUIRE(renderer.sort().calibration());
       CHECK(images.bits() == wanted.bits());
       CHECK(pool.calls() == calls);
     }
@@ -295,24 +251,17 @@ TEST_CASE("cuda record: a graph is captured and launched with memory of a pool")
   renderer.record(scene.view(), report.data());
   stream.wait();
   const std::size_t calls = pool.calls();
-  cudaGraph_t graph = nullptr;
-  check_cuda(cudaStreamBeginCapture(stream.get(), cudaStreamCaptureModeGlobal), "cudaStreamBeginCapture");
-  renderer.record(scene.view(), report.data());
-  check_cuda(cudaStreamEndCapture(stream.get(), &graph), "cudaStreamEndCapture");
-  cudaGraphExec_t made = nullptr;
-  check_cuda(cudaGraphInstantiate(&made, graph, 0), "cudaGraphInstantiate");
+  const Graph graph(stream, [&] { renderer.record(scene.view(), report.data()); });
   for (const int frame : {0, 7, 24}) {
     Images views(cameras_of(frame, 2)), wanted(cameras_of(frame, 2));
     for (std::size_t v = 0; v < 2; ++v) views.views[v].frame = images.views[v].frame;
     renderer.set_views(views.span());
-    check_cuda(cudaGraphLaunch(made, stream.get()), "cudaGraphLaunch");
+    graph.run();
     other.render_into(scene.view(), wanted.span());
     CHECK(images.bits() == wanted.bits());
     CHECK(report_in(report).overflowed == 0);
   }
   CHECK(pool.calls() == calls);
-  check_cuda(cudaGraphExecDestroy(made), "cudaGraphExecDestroy");
-  check_cuda(cudaGraphDestroy(graph), "cudaGraphDestroy");
 }
 
 TEST_CASE_TEMPLATE("cuda record: a frame without enough room draws nothing and one with just enough is drawn",
@@ -396,4 +345,8 @@ TEST_CASE_TEMPLATE("cuda memory hook: a renderer works on after any of its alloc
     refuse_each(frame, 12), refuse_each(recorded, 12), refuse_each(uploaded, 6);
   }
   CHECK(cudaPeekAtLastError() == cudaSuccess);
+}
+
+TEST_CASE("cuda memory hook: one without both functions is refused") {
+  check_missing_functions([](const MemoryHook& hook) { (void)Cuda(nullptr, hook); });
 }

@@ -1,47 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Frames that are recorded into a CUDA graph and run again: the same bits as frames that the host renders.
-#include <cstring>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
-#include <string>
-#include <type_traits>
+#include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include <swiftgs/builtin_scene.hpp>
 
-#include "cuda/device.hpp"
+#include "cuda/graph.hpp"
+#include "cuda/views.hpp"
+#include "policies/rasterizers.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
 
 namespace {
 
-template <class Sort, class Raster, class Bounds = Ellipse>
-using OnDevice = Renderer<Cuda, Sort, Raster, Bounds>;
-using Usual = OnDevice<EarlySort, AxisSharedThreshold<FloatCholesky>>;
-
-/// What `f` gives to a stream, ready to run.
-class Graph {
- public:
-  template <class F>
-  Graph(const Stream& stream, const F& f) : stream_(stream) {
-    check_cuda(cudaStreamBeginCapture(stream.get(), cudaStreamCaptureModeGlobal), "cudaStreamBeginCapture");
-    f();
-    cudaGraph_t graph = nullptr;
-    check_cuda(cudaStreamEndCapture(stream.get(), &graph), "cudaStreamEndCapture");
-    check_cuda(cudaGraphInstantiate(&made_, graph, 0), "cudaGraphInstantiate");
-    check_cuda(cudaGraphDestroy(graph), "cudaGraphDestroy");
-  }
-  ~Graph() { cudaGraphExecDestroy(made_); }
-  Graph(const Graph&) = delete;
-  Graph& operator=(const Graph&) = delete;
-
-  void run() const { check_cuda(cudaGraphLaunch(made_, stream_.get()), "cudaGraphLaunch"); }
-
- private:
-  const Stream& stream_;
-  cudaGraphExec_t made_ = nullptr;
-};
+template <class Sort, class Raster = AxisSharedThreshold<FloatCholesky>, class Bounds = Ellipse>
+using With = Renderer<Cuda, Sort, Raster, Bounds>;
+using Usual = With<EarlySort>;
 
 /// Two views in memory of their own: one as floats with depth, one of another size as bytes.
 struct Pair {
@@ -90,41 +70,60 @@ struct Pair {
 
 Span<const View> span(const std::vector<View>& views) { return {views.data(), views.size()}; }
 
-FrameReport report_in(const Cuda& cuda, const DeviceBuffer<FrameReport>& from) {
-  return to_host(cuda, from.span())[0];
-}
-
 std::size_t differing(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < a.size(); ++i) count += a[i] != b[i];
   return count;
 }
 
+/// A renderer whose frames are recorded and one that renders the same views, on one stream.
+template <class R = Usual>
+struct Recording {
+  Stream stream;
+  R renderer{Cuda(stream.get())}, other{Cuda(stream.get())};
+  Cuda& cuda = renderer.backend();
+  DeviceScene scene;
+  Pair images, expected;
+  DeviceBuffer<FrameReport> memory;  ///< of the report
+
+  explicit Recording(const Scene& of = make_builtin_scene(4000)) : scene(cuda.upload(of)) { memory.reset(1); }
+
+  void reserve(Span<const View> views, const Capacity& capacity = {8000, 200'000}) {
+    renderer.reserve(scene.view(), views, capacity);
+  }
+  void record() { renderer.record(scene.view(), memory.data()); }
+  Graph capture() {
+    return Graph(stream, [&] { record(); });
+  }
+  FrameReport report() const { return to_host(cuda, memory.span())[0]; }
+
+  /// The words of `images` that differ from those of frame `k`, whose first views the other one renders.
+  std::size_t wrong_words(int k, std::size_t views = 2) {
+    other.render_into(scene.view(), {expected.views(k).data(), views});
+    return differing(images.words(cuda), expected.words(cuda));
+  }
+  /// Whether the last report is of the frame that the other one rendered last.
+  bool reported() const {
+    const FrameReport found = report();
+    const Statistics taken = other.statistics();
+    return found.overflowed == 0 && found.visible == taken.visible && found.instances == taken.instances;
+  }
+};
+
 /// Runs one recorded frame again and again with other views. Returns the words that differ from those of
 /// frames that the host renders, and the frames whose report does.
 template <class R>
-std::size_t differing_replays(int replays) {
-  const Stream stream;
-  R rendering{Cuda(stream.get())}, recording{Cuda(stream.get())};
-  Cuda& cuda = recording.backend();
-  const auto scene = cuda.upload(make_builtin_scene(4000));
-  Pair rendered, recorded;
-  DeviceBuffer<FrameReport> report;
-  report.reset(1);
-  recording.reserve(scene.view(), span(recorded.views(0)), {8000, 200'000});
-  const Graph graph(stream, [&] { recording.record(scene.view(), report.data()); });
-
+std::size_t wrong_in_replays(int replays, std::size_t views) {
+  Recording<R> r;
+  const auto first = [&](const std::vector<View>& all) { return Span<const View>{all.data(), views}; };
+  r.reserve(first(r.images.views(0)));
+  const Graph graph = r.capture();
   std::size_t wrong = 0;
   for (int k = 0; k < replays; ++k) {
-    recorded.poison();
-    recording.set_views(span(recorded.views(k)));
+    r.images.poison();
+    r.renderer.set_views(first(r.images.views(k)));
     graph.run();
-    const FrameReport found = report_in(cuda, report);
-    rendering.render_into(scene.view(), span(rendered.views(k)));
-    wrong += differing(recorded.words(cuda), rendered.words(cuda));
-    const Statistics statistics = rendering.statistics();
-    wrong += found.overflowed != 0 || found.visible != statistics.visible ||
-             found.instances != statistics.instances;
+    wrong += r.wrong_words(k, views) + !r.reported();
   }
   return wrong;
 }
@@ -134,199 +133,201 @@ std::size_t differing_replays(int replays) {
 TEST_CASE(
     "cuda record: a graph that runs a thousand times with other cameras has the bits of rendered frames") {
   if (without_device()) return;
-  CHECK(differing_replays<Usual>(1000) == 0);
+  CHECK(wrong_in_replays<Usual>(1000, 2) == 0);
 }
 
-TEST_CASE_TEMPLATE("cuda record: every sort and every rasterizer can be captured", R, Usual,
-                   OnDevice<StandardSort, AxisSharedThreshold<FloatCholesky>>,
-                   OnDevice<AdaptiveSort, AxisSharedThreshold<FloatCholesky>>, OnDevice<EarlySort, PerPixel>,
-                   OnDevice<StandardSort, AxisShared<HalfSplit>, Obb>,
-                   OnDevice<EarlySort, AxisSharedThreshold<HalfSplit>, OpacityBox>,
-                   OnDevice<AdaptiveSort, AxisShared<FloatSplit>, ThreeSigmaSquare>,
-                   OnDevice<EarlySort, AxisSharedThreshold<FloatSplit>>,
-                   OnDevice<EarlySort, AxisShared<FloatCholesky>>) {
+TEST_CASE("cuda record: a graph of one view that runs with other cameras has the bits of rendered frames") {
   if (without_device()) return;
-  CHECK(differing_replays<R>(30) == 0);
+  CHECK(wrong_in_replays<Usual>(300, 1) == 0);
+}
+
+TEST_CASE("cuda record: every sort with every bounds can be captured") {
+  if (without_device()) return;
+  for_each_type(AllSorts(), [&]<class Sort>(Sort) {
+    for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
+      CAPTURE(Sort::name);
+      CAPTURE(Bounds::name);
+      using R = With<Sort, AxisSharedThreshold<FloatCholesky>, Bounds>;
+      CHECK(wrong_in_replays<R>(20, 1) == 0);
+      CHECK(wrong_in_replays<R>(20, 2) == 0);
+    });
+  });
+}
+
+TEST_CASE(
+    "cuda record: every rasterizer can be captured and replays formats and planes and places that change") {
+  if (without_device()) return;
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    Recording<With<EarlySort, Raster>> r(random_scene(2000, 1, 10));
+    check_changing_views<OnDevice>(r.renderer, r.other, r.scene.view(), [&](FrameReport* report) {
+      const auto graph =
+          std::make_shared<Graph>(r.stream, [&] { r.renderer.record(r.scene.view(), report); });
+      return [graph] { graph->run(); };
+    });
+  });
+}
+
+TEST_CASE("cuda record: views that are set between launches without a wait are drawn by the next one alone") {
+  if (without_device()) return;
+  for (const std::size_t views : {1, 2}) {
+    CAPTURE(views);
+    Recording r;
+    Pair second;
+    r.reserve({r.images.views(0).data(), views});
+    const Graph graph = r.capture();
+    const auto launch = [&](Pair& into, int k) {
+      r.renderer.set_views({into.views(k).data(), views});
+      graph.run();
+    };
+    for (int k = 0; k < 50; ++k) {
+      r.images.poison(), second.poison();
+      launch(r.images, k), launch(second, k + 7);
+      CHECK(r.wrong_words(k, views) == 0);
+      r.other.render_into(r.scene.view(), {r.expected.views(k + 7).data(), views});
+      CHECK(second.words(r.cuda) == r.expected.words(r.cuda));
+    }
+  }
 }
 
 TEST_CASE("cuda record: the adaptive sort records what it has decided") {
   if (without_device()) return;
-  using Adaptive = OnDevice<AdaptiveSort, AxisSharedThreshold<FloatCholesky>>;
-  const Stream stream;
-  Pair images;
-  const auto keys_of = [&](double standard_ms, double early_ms) {
-    Adaptive renderer{Cuda(stream.get())};
-    const auto scene = renderer.backend().upload(make_builtin_scene(2000));
-    const std::vector<View> views = images.views(0);
-    renderer.sort().use(
-        {SortCalibration{2000, Pair::width, Pair::height + Pair::other_height, standard_ms, early_ms}});
-    renderer.reserve(scene.view(), span(views));
-    DeviceBuffer<FrameReport> report;
-    report.reset(1);
-    check_cuda(cudaStreamBeginCapture(stream.get(), cudaStreamCaptureModeGlobal), "cudaStreamBeginCapture");
-    renderer.record(scene.view(), report.data());
-    cudaGraph_t graph = nullptr;
-    check_cuda(cudaStreamEndCapture(stream.get(), &graph), "cudaStreamEndCapture");
-    std::size_t nodes = 0;
-    check_cuda(cudaGraphGetNodes(graph, nullptr, &nodes), "cudaGraphGetNodes");
-    check_cuda(cudaGraphDestroy(graph), "cudaGraphDestroy");
-    return nodes;
+  const auto nodes_of = [](double standard_ms, double early_ms) {
+    Recording<With<AdaptiveSort>> r;
+    r.renderer.sort().use({SortCalibration{4000, Pair::width, Pair::height, standard_ms, early_ms}});
+    r.reserve({r.images.views(0).data(), 1});
+    return r.capture().nodes();
   };
-  CHECK(keys_of(1, 2) != keys_of(2, 1));  // the early sort has one sort more
+  CHECK(nodes_of(1, 2) != nodes_of(2, 1));  // the early sort has one sort more
 }
 
-TEST_CASE("cuda record: a frame without room draws nothing, tells what it needs and recovers") {
+TEST_CASE("cuda record: a frame without room draws nothing and tells what it needs and recovers") {
   if (without_device()) return;
-  const Stream stream;
-  Usual renderer{Cuda(stream.get())}, other{Cuda(stream.get())};
-  Cuda& cuda = renderer.backend();
-  const auto scene = cuda.upload(make_builtin_scene(4000));
-  Pair images, expected;
-  other.render_into(scene.view(), span(expected.views(2)));
-  const std::size_t visible = other.statistics().visible, instances = other.statistics().instances;
-  const std::vector<std::uint32_t> untouched = images.words(cuda);
-  DeviceBuffer<FrameReport> report;
-  report.reset(1);
-
+  Recording r;
+  const std::vector<View> views = r.images.views(2);
+  r.other.render_into(r.scene.view(), span(r.expected.views(2)));
+  const std::size_t visible = r.other.statistics().visible, instances = r.other.statistics().instances;
+  const std::vector<std::uint32_t> untouched = r.images.words(r.cuda);
   for (const Capacity& capacity :
        {Capacity{visible - 1, instances}, Capacity{visible, instances - 1}, Capacity{1, 1}}) {
-    renderer.reserve(scene.view(), span(images.views(2)), capacity);
-    CHECK(images.words(cuda) == untouched);
-    const Graph graph(stream, [&] { renderer.record(scene.view(), report.data()); });
+    r.reserve(span(views), capacity);
+    CHECK(r.images.words(r.cuda) == untouched);
+    const Graph graph = r.capture();
     for (int k = 0; k < 3; ++k) graph.run();
-    const FrameReport found = report_in(cuda, report);
+    const FrameReport found = r.report();
     CHECK(found.overflowed == 1);
     CHECK(found.visible == visible);
     CHECK(found.instances == instances);
-    CHECK(images.words(cuda) == untouched);
+    CHECK(r.images.words(r.cuda) == untouched);
   }
-  renderer.reserve(scene.view(), span(images.views(2)), {visible, instances});
-  const Graph graph(stream, [&] { renderer.record(scene.view(), report.data()); });
+  r.reserve(span(views), {visible, instances});
+  const Graph graph = r.capture();
   graph.run();
-  CHECK(report_in(cuda, report).overflowed == 0);
-  CHECK(images.words(cuda) == expected.words(cuda));
+  CHECK(r.wrong_words(2) == 0);
+  CHECK(r.reported());
 }
 
 TEST_CASE("cuda record: an overflow between two frames of a graph leaves both as they are") {
   if (without_device()) return;
-  const Stream stream;
-  Usual renderer{Cuda(stream.get())}, other{Cuda(stream.get())};
-  Cuda& cuda = renderer.backend();
-  const auto scene = cuda.upload(make_builtin_scene(4000));
-  Pair images, expected;
+  Recording r;
   std::size_t least = 0, most = 0;
   int small = 0, large = 0;
   for (int k = 0; k < 24; ++k) {
-    other.render_into(scene.view(), span(expected.views(k)));
-    const std::size_t here = other.statistics().instances;
+    r.other.render_into(r.scene.view(), span(r.expected.views(k)));
+    const std::size_t here = r.other.statistics().instances;
     if (least == 0 || here < least) least = here, small = k;
     if (here > most) most = here, large = k;
   }
   REQUIRE(least < most);
-  DeviceBuffer<FrameReport> report;
-  report.reset(1);
-  renderer.reserve(scene.view(), span(images.views(small)), {8000, least});
-  const Graph graph(stream, [&] { renderer.record(scene.view(), report.data()); });
+  r.reserve(span(r.images.views(small)), {8000, least});
+  const Graph graph = r.capture();
   for (int round = 0; round < 20; ++round)
     for (const int k : {small, large}) {
-      images.poison();
-      renderer.set_views(span(images.views(k)));
+      r.images.poison();
+      r.renderer.set_views(span(r.images.views(k)));
       graph.run();
-      CHECK(report_in(cuda, report).overflowed == (k == large ? 1u : 0u));
-      other.render_into(scene.view(), span(expected.views(k)));
-      const bool same = images.words(cuda) == expected.words(cuda);
-      CHECK(same == (k == small));
+      CHECK(r.report().overflowed == (k == large ? 1u : 0u));
+      CHECK((r.wrong_words(k) == 0) == (k == small));
     }
 }
 
 TEST_CASE("cuda record: two graphs run at once on two streams") {
   if (without_device()) return;
-  struct Part {
-    Stream stream;
-    Usual renderer{Cuda(stream.get())};
-    DeviceScene scene = renderer.backend().upload(make_builtin_scene(4000));
-    Pair images;
-    DeviceBuffer<FrameReport> report;
-    std::unique_ptr<Graph> graph;
-  } parts[2];
-  for (Part& part : parts) {
-    part.report.reset(1);
-    part.renderer.reserve(part.scene.view(), span(part.images.views(0)), {8000, 200'000});
-    part.graph = std::make_unique<Graph>(
-        part.stream, [&] { part.renderer.record(part.scene.view(), part.report.data()); });
+  Recording<> parts[2];
+  std::optional<Graph> graphs[2];
+  for (int p = 0; p < 2; ++p) {
+    parts[p].reserve(span(parts[p].images.views(0)));
+    graphs[p].emplace(parts[p].stream, [&] { parts[p].record(); });
   }
-  Usual other;
-  Pair expected;
   for (int k = 0; k < 50; ++k) {
     for (int p = 0; p < 2; ++p) {
       parts[p].renderer.set_views(span(parts[p].images.views(k + 11 * p)));
-      for (int again = 0; again < 3; ++again) parts[p].graph->run();
+      for (int again = 0; again < 3; ++again) graphs[p]->run();
     }
-    for (int p = 0; p < 2; ++p) {
-      other.render_into(parts[p].scene.view(), span(expected.views(k + 11 * p)));
-      CHECK(parts[p].images.words(parts[p].renderer.backend()) == expected.words(other.backend()));
-    }
+    for (int p = 0; p < 2; ++p) CHECK(parts[p].wrong_words(k + 11 * p) == 0);
   }
 }
 
-TEST_CASE("cuda record: frames that are recorded without a capture are drawn, and allocate nothing") {
+TEST_CASE("cuda record: frames that are recorded without a capture are drawn and allocate nothing") {
   if (without_device()) return;
-  const Stream stream;
-  Usual renderer{Cuda(stream.get())}, other{Cuda(stream.get())};
-  Cuda& cuda = renderer.backend();
-  const auto scene = cuda.upload(make_builtin_scene(4000));
-  Pair images, expected;
-  DeviceBuffer<FrameReport> report;
-  report.reset(1);
-  renderer.reserve(scene.view(), span(images.views(0)), {8000, 200'000});
-  for (int k = 0; k < 24; ++k) other.render_into(scene.view(), span(expected.views(k)));
-  const std::size_t held = renderer.memory().total(), warm = free_memory();
+  Recording r;
+  r.reserve(span(r.images.views(0)));
+  for (int k = 0; k < 24; ++k) r.other.render_into(r.scene.view(), span(r.expected.views(k)));
+  const std::size_t held = r.renderer.memory().total(), warm = free_memory();
   for (int k = 0; k < 24; ++k) {
-    renderer.set_views(span(images.views(k)));
-    renderer.record(scene.view(), report.data());
-    other.render_into(scene.view(), span(expected.views(k)));
-    CHECK(images.words(cuda) == expected.words(cuda));
+    r.renderer.set_views(span(r.images.views(k)));
+    r.record();
+    CHECK(r.wrong_words(k) == 0);
   }
-  CHECK(renderer.memory().total() == held);
+  CHECK(r.renderer.memory().total() == held);
   CHECK(free_memory() == warm);
 }
 
 TEST_CASE("cuda record: an empty scene is drawn as its background") {
   if (without_device()) return;
-  const Stream stream;
-  Usual renderer{Cuda(stream.get())}, other{Cuda(stream.get())};
-  Cuda& cuda = renderer.backend();
-  const auto scene = cuda.upload(Scene());
-  Pair images, expected;
-  DeviceBuffer<FrameReport> report;
-  report.reset(1);
-  renderer.reserve(scene.view(), span(images.views(1)), {10, 10});
-  const Graph graph(stream, [&] { renderer.record(scene.view(), report.data()); });
+  Recording r{Scene()};
+  r.reserve(span(r.images.views(1)), {10, 10});
+  const Graph graph = r.capture();
   graph.run();
-  CHECK(report_in(cuda, report).overflowed == 0);
-  other.render_into(scene.view(), span(expected.views(1)));
-  CHECK(images.words(cuda) == expected.words(cuda));
+  CHECK(r.wrong_words(1) == 0);
+  CHECK(r.report().overflowed == 0);
 }
 
 TEST_CASE("cuda record: what was not reserved is refused") {
   if (without_device()) return;
-  Usual renderer;
-  const auto scene = renderer.backend().upload(make_builtin_scene(1000));
-  const auto larger = renderer.backend().upload(make_builtin_scene(1001));
-  Pair images;
-  DeviceBuffer<FrameReport> report;
-  report.reset(1);
-  CHECK_THROWS_WITH_AS(renderer.record(scene.view(), report.data()), "render: expected reserve before record",
-                       std::invalid_argument);
-  std::vector<View> views = images.views(0);
-  renderer.reserve(scene.view(), span(views));
-  CHECK_THROWS_AS(renderer.record(larger.view(), report.data()), CapacityError);
-  CHECK_THROWS_AS(renderer.record(scene.view(), nullptr), std::invalid_argument);
-  CHECK_THROWS_WITH_AS(renderer.set_views({views.data(), 1}),
+  Recording r;
+  const DeviceScene larger = r.cuda.upload(make_builtin_scene(4001));
+  CHECK_THROWS_WITH_AS(r.record(), "render: expected reserve before record", std::invalid_argument);
+  std::vector<View> views = r.images.views(0);
+  r.reserve(span(views), {});
+  CHECK_THROWS_AS(r.renderer.record(larger.view(), r.memory.data()), CapacityError);
+  CHECK_THROWS_AS(r.renderer.record(r.scene.view(), nullptr), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(r.renderer.set_views({views.data(), 1}),
                        "set_views: the number of views is 1, expected 2 as reserved", std::invalid_argument);
   views[1].frame.colour.data = nullptr;
   CHECK_THROWS_WITH_AS(
-      renderer.set_views(span(views)),
+      r.renderer.set_views(span(views)),
       "set_views: the size or the planes of view 1 changed, expected those that were reserved",
       std::invalid_argument);
+}
+
+TEST_CASE("cuda record: bad views are refused by all calls and those that were set are recorded") {
+  if (without_device()) return;
+  Recording r(random_scene(400, 1, 9));
+  check_bad_views<OnDevice>(r.renderer, r.other, r.scene.view());
+}
+
+TEST_CASE("cuda record: a graph draws the views of before after others were refused") {
+  if (without_device()) return;
+  Recording r;
+  r.reserve(span(r.images.views(0)));
+  const Graph graph = r.capture();
+  for (int k = 0; k < 5; ++k) {
+    r.renderer.set_views(span(r.images.views(k)));
+    std::vector<View> bad = r.images.views(k + 1);
+    bad[1].grid.rows.end += 1;
+    CHECK_THROWS_AS(r.renderer.set_views(span(bad)), std::invalid_argument);
+    graph.run();
+    CHECK(r.wrong_words(k) == 0);
+  }
 }
