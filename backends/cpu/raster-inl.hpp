@@ -199,6 +199,7 @@ void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t beg
       counts.instances_visited += splats;
     }
     StoreSquare(view, place, state);
+    counts.longest_item = counts.instances_visited;
     if (job.counts) job.counts[square] = counts;
   }
 }

@@ -54,7 +54,7 @@ struct Pixel {
   float transmittance = 0, last = 1;
   float stop_below = -1;
 
-  SWIFTGS_HD void start(float stop) { transmittance = 1, stop_below = stop; }
+  SWIFTGS_HD void start(float stop, float from = 1) { transmittance = from, stop_below = stop; }
   SWIFTGS_HD bool live() const { return stop_below >= 0; }
   SWIFTGS_HD void stop() { stop_with(transmittance); }
   SWIFTGS_HD void stop_with(float left) { last = left, transmittance = 0, stop_below = -1; }
@@ -71,6 +71,44 @@ struct Pixel {
   SWIFTGS_HD BlendedPixel blended() const {
     return {vec3(red, green, blue), live() ? transmittance : last, depth};
   }
+};
+
+/// Splats of a piece. Each piece of a list is blended by itself and joined with the pieces in front of it. So
+/// many warps may blend the pieces of one list, with the bits of one warp that blends them all.
+inline constexpr unsigned piece_size = 128;
+
+/// A piece begins with the transmittance 1 / `scale_of_piece(k)`, between 1/2 and 1, and not with 1: equal
+/// pieces would round alike, and their errors add up. The first begins with 1.
+SWIFTGS_HD inline float scale_of_piece(std::uint32_t k) {
+  return __builtin_bit_cast(float, 0x3f800000u | (k * 0x9e3779b9u) >> 9);  // one and a fraction
+}
+
+/// Transmittance at which a pixel stops within a piece. `before` is that in front of the piece, scaled.
+SWIFTGS_HD inline float stop_of_piece(float stop_below, float before) {
+  return before > 0 ? stop_below / before : 0.0f;
+}
+
+/// Starts a pixel of piece k that has transmittance `before` in front of it.
+SWIFTGS_HD inline void start_piece(Pixel& pixel, float stop_below, float before, std::uint32_t k) {
+  const float scale = scale_of_piece(k);
+  pixel.start(stop_of_piece(stop_below, before * scale), 1 / scale);
+}
+
+/// A pixel behind some pieces.
+struct JoinedPixel {
+  float4 total{0, 0, 0, 1};  ///< RGB, transmittance
+  float depth = 0;
+
+  /// Joins piece k, the next.
+  SWIFTGS_HD void join(const BlendedPixel& piece, std::uint32_t k) {
+    const float before = total.w * scale_of_piece(k);
+    total.x = fmaf(before, piece.colour.x, total.x);
+    total.y = fmaf(before, piece.colour.y, total.y);
+    total.z = fmaf(before, piece.colour.z, total.z);
+    depth = fmaf(before, piece.depth, depth);
+    total.w = before * piece.transmittance;
+  }
+  SWIFTGS_HD BlendedPixel blended() const { return {vec3(total.x, total.y, total.z), total.w, depth}; }
 };
 
 /// Counts of one thread.

@@ -49,7 +49,9 @@ struct SquarePixel {
       store_pixel(view().frame, std::size_t(place.x), std::size_t(place.y), pixel.blended(),
                   view().background);
     if constexpr (extras)
-      if (input.job.counts) add_counts(input.job.counts, counts, instances, warp_sum(evaluated));
+      if (input.job.counts)
+        add_counts(input.job.counts[BlockSquare::number()],
+                   counts_of_warp(counts, instances, warp_sum(evaluated)));
   }
 };
 }  // namespace kernels

@@ -25,6 +25,7 @@ __device__ inline std::uint64_t wide_warp_sum(std::uint64_t value) {
 
 /// Blends as `ColourBlender` does and adds up the weights: one atomic addition for a splat and part.
 struct WeightBlender {
+  static constexpr bool in_pieces = false;
   const RasterJob& job;
   std::uint64_t* sums;
   const BlendRules& rules;
@@ -36,10 +37,11 @@ struct WeightBlender {
     queue.gaussians[slot] = job.splats.gaussians[id];
   }
 
+  __device__ void await_queued() const { __syncwarp(); }
+
   /// Blends up to 32 splats from `first` on. Lane k keeps the sum of the k-th.
   __device__ void blend_queued(unsigned first, unsigned count) {
     static_assert(queue_half == warp_size);
-    __syncwarp();
     std::uint64_t sum = 0;
     for (unsigned k = 0; k < count; ++k) {
       float exponents[pixels_of_lane];
@@ -71,7 +73,7 @@ __global__ void __launch_bounds__(raster_threads)
   const BlockSquare square(input);
   const View& view = input.views[square.view];
   const BlendRules rules = view.rules;
-  const PartPlace part(square);
+  const PartPlace part(square, threadIdx.x / warp_size);
   if (part.outside(view.frame)) return;
 
   WeightBlender blender{input.job, sums, rules, queue, float(part.column), float(part.row), {}};

@@ -81,7 +81,7 @@ const MemoryHook& Cuda::memory_hook() const { return state_->memory; }
 
 void Cuda::trim() {
   wait();
-  trim_parts(*this, state_->temporary, state_->total, state_->sorts);
+  trim_parts(*this, state_->temporary, state_->total, state_->raster, state_->sorts);
 }
 
 void Cuda::check_not_captured(const char* call) const { state_->check_not_captured(call); }
@@ -197,6 +197,15 @@ int Cuda::multiprocessors() const {
                "cudaDeviceGetAttribute");
   }
   return count;
+}
+
+std::byte* Cuda::raster_scratch(std::size_t bytes) {
+  DeviceBuffer<std::byte>& memory = state_->raster;
+  if (memory.size() < bytes) {
+    memory.reset(bytes);
+    clear(memory.data(), memory.size());
+  }
+  return memory.data();
 }
 
 void Cuda::settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameTotals* totals) const {

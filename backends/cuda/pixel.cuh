@@ -24,12 +24,11 @@ struct PixelPlace {
   }
 };
 
-/// Adds the counts of a warp's threads to their square, with the warp's visited instances and evaluated
-/// pixels.
-__device__ inline void add_counts(SquareCounts* counts, const ThreadCounts& mine, std::uint32_t instances,
-                                  std::uint32_t pixels) {
-  add_counts(counts[BlockSquare::number()],
-             {instances, pixels / square_side, warp_sum(mine.pairs), warp_sum(mine.stopped)});
+/// Counts of a warp that has visited `instances` of a list alone, by those of its threads and the pixels that
+/// it has evaluated.
+__device__ inline SquareCounts counts_of_warp(const ThreadCounts& mine, std::uint32_t instances,
+                                              std::uint32_t pixels) {
+  return {instances, pixels / square_side, warp_sum(mine.pairs), warp_sum(mine.stopped), 0, 0, instances};
 }
 
 /// 32 bytes in two loads.

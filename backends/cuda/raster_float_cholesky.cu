@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "raster_warps.cuh"
+#include "raster_pieces.cuh"
 
 namespace swiftgs {
 

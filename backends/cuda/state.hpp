@@ -51,7 +51,7 @@ struct Cuda::State {
   };
 
   State(cudaStream_t of, const MemoryHook& hook) : stream(of), memory(hook) {
-    use_memory(memory, temporary, total, sorts);
+    use_memory(memory, temporary, total, raster, sorts);
   }
 
   bool being_captured(const char* call) const;
@@ -71,6 +71,7 @@ struct Cuda::State {
 
   DeviceBuffer<std::byte> temporary;  ///< of CUB
   DeviceBuffer<std::uint64_t> total;  ///< of a scan
+  DeviceBuffer<std::byte> raster;     ///< of `raster_scratch`
 
   Turns<RadixCounts> sorts;
 };

@@ -35,6 +35,9 @@ Json object_of(const RenderResult& result) {
   json["instances"] = result.counts->instances;
   json["contributing_pairs"] = result.counts->raster.contributing_pairs;
   json["pixels_stopped"] = result.counts->raster.pixels_stopped;
+  json["pieces"] = result.counts->raster.pieces;
+  json["pixels_joined"] = result.counts->raster.pixels_joined;
+  json["longest_item"] = result.counts->raster.longest_item;
   return json;
 }
 

@@ -56,6 +56,8 @@ void print_statistics(const Statistics& s) {
   std::printf("  %-32s %.2f\n", "instances a visible Gaussian", s.instances_a_visible());
   line("contributing pairs", s.raster.contributing_pairs);
   line("pixels stopped early", s.raster.pixels_stopped);
+  line("pieces of long lists", s.raster.pieces);
+  line("longest item", s.raster.longest_item);
 }
 
 void render(const RenderOptions& options) {

@@ -228,3 +228,110 @@ TEST_CASE("cuda arithmetic: a pixel outside of the image takes nothing") {
   CHECK(counts.pairs == 0);
   CHECK(counts.stopped == 0);
 }
+
+namespace {
+
+/// Piece k of a pixel's layers, with transmittance `before` in front of it.
+BlendedPixel blend_piece(const std::vector<Layer>& layers, std::uint32_t k, float stop_below, float before,
+                         bool& live) {
+  Pixel pixel;
+  start_piece(pixel, stop_below, before, k);
+  for (std::size_t i = k * piece_size; i < (k + 1) * piece_size; i += group_size)
+    blend_together(pixel, &layers[i]);
+  live = pixel.live();
+  return pixel.blended();
+}
+
+/// One piece behind the other.
+JoinedPixel blend_in_turn(const std::vector<Layer>& layers, float stop_below) {
+  JoinedPixel all;
+  bool live = true;
+  for (std::uint32_t k = 0; k < layers.size() / piece_size && live; ++k)
+    all.join(blend_piece(layers, k, stop_below, all.total.w, live), k);
+  return all;
+}
+
+/// Each piece as if nothing lay in front of it. The one in which the pixel stops is blended again.
+JoinedPixel blend_apart(const std::vector<Layer>& layers, float stop_below, int& again) {
+  JoinedPixel all;
+  bool live = true;
+  for (std::uint32_t k = 0; k < layers.size() / piece_size && live; ++k) {
+    BlendedPixel piece = blend_piece(layers, k, stop_below, 1, live);
+    if (!live || piece.transmittance < stop_of_piece(stop_below, all.total.w * scale_of_piece(k)))
+      piece = blend_piece(layers, k, stop_below, all.total.w, live), ++again;
+    all.join(piece, k);
+  }
+  return all;
+}
+
+std::vector<Layer> faint_layers(Random& random, std::size_t pieces, double largest) {
+  std::vector<Layer> layers = random_layers(random, pieces * piece_size, 0.02);
+  for (Layer& layer : layers) layer.alpha = std::min(layer.alpha, float(largest));
+  return layers;
+}
+
+}  // namespace
+
+TEST_CASE("cuda arithmetic: pieces that are blended apart have the bits of pieces that are blended in turn") {
+  Random random(5);
+  int again = 0, differences = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const std::vector<Layer> layers =
+        faint_layers(random, 1 + std::size_t(i) % 20, random.scale(1.0 / 255, 0.9));
+    const JoinedPixel in_turn = blend_in_turn(layers, 1e-4f), apart = blend_apart(layers, 1e-4f, again);
+    differences += std::memcmp(&in_turn.total, &apart.total, sizeof in_turn.total) != 0;
+  }
+  CHECK(differences == 0);
+  CHECK(again > 300);
+}
+
+TEST_CASE("cuda arithmetic: a pixel in pieces is as exact as a pixel at once") {
+  Random random(6);
+  for (int i = 0; i < 300; ++i) {
+    const std::vector<Layer> layers = faint_layers(random, 16, random.scale(1.0 / 255, 0.02));
+    double transmittance = 1, red = 0;
+    for (const Layer& layer : layers) {
+      const double next = transmittance * (1 - double(layer.alpha));
+      if (next < 1e-4) break;
+      red += double(layer.alpha) * transmittance * double(layer.rgb.x), transmittance = next;
+    }
+    const JoinedPixel joined = blend_in_turn(layers, 1e-4f);
+    CHECK(double(joined.total.x) == doctest::Approx(red).epsilon(4e-6));
+    CHECK(double(joined.total.w) ==
+          doctest::Approx(transmittance).epsilon(0.03));  // may stop a splat earlier
+  }
+}
+
+TEST_CASE("cuda arithmetic: errors of equal pieces do not add up") {
+  double sum = 0;
+  int judged = 0;
+  for (int i = 0; i < 500; ++i) {
+    const float alpha = float(std::exp(-6.0 - 4.0 * i / 500));
+    const std::vector<Layer> layers(78 * piece_size, Layer{alpha, {1, 1, 1}, 1});
+    const double exact = std::pow(1 - double(alpha), double(layers.size()));
+    if (exact < 1e-4) continue;
+    const double error = (double(blend_in_turn(layers, 0).total.w) / exact - 1) * 0x1p23;
+    sum += error * error, ++judged;
+  }
+  CHECK(judged > 200);
+  CHECK(std::sqrt(sum / judged) < 30);  // 18 ulps; pieces that all begin with 1 have 109
+}
+
+TEST_CASE("cuda arithmetic: a piece stops where the limit is reached by all pieces") {
+  CHECK(scale_of_piece(0) == 1);
+  for (std::uint32_t k = 0; k < 10'000; ++k) {
+    REQUIRE(scale_of_piece(k) >= 1);
+    REQUIRE(scale_of_piece(k) < 2);
+  }
+  CHECK(stop_of_piece(1e-4f, 1) == 1e-4f);
+  CHECK(stop_of_piece(0.25f, 0.5f) == 0.5f);
+  CHECK(stop_of_piece(0, 0.5f) == 0);
+  CHECK(stop_of_piece(0, 0) == 0);
+  std::vector<Layer> layers(2 * piece_size, Layer{0, {1, 1, 1}, 3});
+  layers[3].alpha = layers[piece_size + 7].alpha = 0.5f;
+  for (const float limit : {0.24f, 0.26f}) {
+    const JoinedPixel joined = blend_in_turn(layers, limit);
+    CHECK(joined.total.w == doctest::Approx(limit < 0.25f ? 0.25 : 0.5).epsilon(3e-7));
+    CHECK(joined.total.x == doctest::Approx(1 - double(joined.total.w)).epsilon(3e-7));
+  }
+}

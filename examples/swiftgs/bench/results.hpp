@@ -75,6 +75,7 @@ struct RowResult {
   std::optional<Errors> errors;
   std::optional<PhotoErrors> photo;
   std::uint64_t visible = 0, instances = 0, contributing_pairs = 0;
+  std::uint64_t pieces = 0, pixels_joined = 0, longest_item = 0;
   StageMemory bytes;
   std::uint64_t device_bytes = 0, host_bytes = 0;
   std::string image, error_image;

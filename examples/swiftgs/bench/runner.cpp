@@ -136,6 +136,8 @@ RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subj
   const Statistics counts = renderer.statistics();
   row.visible = counts.visible, row.instances = counts.instances;
   row.contributing_pairs = counts.raster.contributing_pairs;
+  row.pieces = counts.raster.pieces, row.pixels_joined = counts.raster.pixels_joined;
+  row.longest_item = counts.raster.longest_item;
 
   const bool judged = view < options_.judged, photographed = !session.photos.empty() && session.photos[view];
   if (!judged && !photographed) return row;

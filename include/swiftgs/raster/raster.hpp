@@ -24,10 +24,15 @@ struct SquareCounts {
   std::uint64_t rows_visited = 0;        ///< rows of pixels on which an instance was evaluated
   std::uint64_t contributing_pairs = 0;  ///< (pixel, splat) pairs that were blended
   std::uint64_t pixels_stopped = 0;      ///< pixels that ended before their list
+  std::uint64_t pieces = 0;              ///< of long lists, blended apart from each other
+  std::uint64_t pixels_joined = 0;       ///< pixels of those pieces that were joined with what lies in front
+  std::uint64_t longest_item = 0;        ///< most instances that one core, warp or block worked off alone
 
   SWIFTGS_HD SquareCounts& operator+=(const SquareCounts& o) {
     instances_visited += o.instances_visited, rows_visited += o.rows_visited;
     contributing_pairs += o.contributing_pairs, pixels_stopped += o.pixels_stopped;
+    pieces += o.pieces, pixels_joined += o.pixels_joined;
+    if (longest_item < o.longest_item) longest_item = o.longest_item;
     return *this;
   }
 };
@@ -180,6 +185,7 @@ struct RasterizeSquare {
       for (int column = 0; column < columns; ++column)
         store_pixel(view.frame, std::size_t(x0 + column), std::size_t(y0 + row), pixels[row][column],
                     view.background);
+    counts.longest_item = counts.instances_visited;
     if (job.counts) job.counts[square] = counts;
   }
 

@@ -145,7 +145,7 @@ class SWIFTGS_API Cuda {
   void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, Count n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, Count n, int bits);
 
-  /// Waits, and gives back the memory that scans and sorts keep.
+  /// Waits, and gives back the memory that scans, sorts and rasterizers keep.
   void trim();
 
   /// A point after all work submitted so far, forked work excluded.
@@ -153,6 +153,10 @@ class SWIFTGS_API Cuda {
   /// From one point to a later one; nothing where `to` has not been reached or `from` is too old. Does not
   /// wait. @units{milliseconds}
   std::optional<double> milliseconds(TimePoint from, TimePoint to) const;
+
+  /// Memory for the kernels of a rasterizer, zero when it is taken. It is the same from call to call, until
+  /// more bytes are asked for or `trim`.
+  std::byte* raster_scratch(std::size_t bytes);
 
   /// Fills `bytes` bytes of device memory with zero.
   void clear(void* memory, std::size_t bytes) const;

@@ -33,8 +33,12 @@ struct BlockSquare {
   int x, y;            ///< its first pixel in the view's frame
 
   template <class ViewSource>
-  __device__ explicit BlockSquare(const RasterInput<ViewSource>& input) {
-    const SquarePlace place = input.views.place(input.squares, blockIdx.x, row());
+  __device__ explicit BlockSquare(const RasterInput<ViewSource>& input)
+      : BlockSquare(input, blockIdx.x, row()) {}
+  /// The square in this column and row of the frame.
+  template <class ViewSource>
+  __device__ BlockSquare(const RasterInput<ViewSource>& input, std::uint32_t column, std::uint32_t row) {
+    const SquarePlace place = input.views.place(input.squares, column, row);
     view = place.view, x = place.x, y = place.y;
   }
 
@@ -68,17 +72,26 @@ inline bool wants_extras(const RasterJob& job) {
   return job.counts || std::any_of(job.views.begin(), job.views.end(), wants);
 }
 
-/// Starts the kernel `Kernel::of<extras, ViewSource>` of a rasterizer on all squares of `job`, with its
-/// counts cleared. Throws as `squares_of`.
-template <class Kernel>
-void launch_squares(Cuda& cuda, const char* name, const RasterJob& job) {
+/// Clears the counts of `job` and calls f.operator()<extras>(input). Throws as `squares_of`.
+template <class F>
+void with_squares(Cuda& cuda, const RasterJob& job, const F& f) {
   const Squares squares = squares_of(job);
   if (job.counts) cuda.clear(job.counts, squares.size() * sizeof(SquareCounts));
   with_views(job.views, [&]<class ViewSource>(const ViewSource& views) {
-    const auto kernel =
-        wants_extras(job) ? Kernel::template of<true, ViewSource> : Kernel::template of<false, ViewSource>;
-    launch(name, kernel, blocks_of(squares), Kernel::threads, cuda.stream(),
-           RasterInput<ViewSource>{job, views, squares});
+    const RasterInput<ViewSource> input{job, views, squares};
+    if (wants_extras(job))
+      f.template operator()<true>(input);
+    else
+      f.template operator()<false>(input);
+  });
+}
+
+/// Starts the kernel `Kernel::of<extras, ViewSource>` of a rasterizer on all squares of `job`.
+template <class Kernel>
+void launch_squares(Cuda& cuda, const char* name, const RasterJob& job) {
+  with_squares(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
+    launch(name, Kernel::template of<extras, ViewSource>, blocks_of(input.squares), Kernel::threads,
+           cuda.stream(), input);
   });
 }
 
@@ -91,9 +104,13 @@ __device__ inline void add_counts(SquareCounts& square, const SquareCounts& of_w
   };
   if (lane_index() != 0) return;
   atomicMax(field(&SquareCounts::instances_visited), Word(of_warp.instances_visited));
+  atomicMax(field(&SquareCounts::longest_item), Word(of_warp.longest_item));
   atomicAdd(field(&SquareCounts::rows_visited), Word(of_warp.rows_visited));
   atomicAdd(field(&SquareCounts::contributing_pairs), Word(of_warp.contributing_pairs));
   atomicAdd(field(&SquareCounts::pixels_stopped), Word(of_warp.pixels_stopped));
+  if (of_warp.pieces == 0) return;
+  atomicAdd(field(&SquareCounts::pieces), Word(of_warp.pieces));
+  atomicAdd(field(&SquareCounts::pixels_joined), Word(of_warp.pixels_joined));
 }
 
 }  // namespace swiftgs::kernels

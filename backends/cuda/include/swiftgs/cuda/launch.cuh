@@ -38,19 +38,29 @@ void launch(const char* name, void (*kernel)(Parameters...), dim3 blocks, dim3 t
 /// Whether all code of this translation unit is for devices on which kernels can wait for earlier ones.
 inline constexpr bool kernels_await_earlier = std::min({__CUDA_ARCH_LIST__}) >= 900;
 
+/// As `launch_early`, with blocks in clusters of so many, where `early`.
+template <bool early = kernels_await_earlier, class... Parameters, class... Arguments>
+void launch_clusters(const Cuda& cuda, const char* name, void (*kernel)(Parameters...), dim3 blocks,
+                     dim3 threads, unsigned blocks_of_cluster, const Arguments&... arguments) {
+  cudaLaunchAttribute attributes[2]{};
+  attributes[0].id = cudaLaunchAttributeProgrammaticStreamSerialization;
+  attributes[0].val.programmaticStreamSerializationAllowed = 1;
+  attributes[1].id = cudaLaunchAttributeClusterDimension;
+  attributes[1].val.clusterDim.x = blocks_of_cluster;
+  attributes[1].val.clusterDim.y = attributes[1].val.clusterDim.z = 1;
+  cudaLaunchConfig_t config{};
+  config.gridDim = blocks, config.blockDim = threads, config.stream = cuda.stream();
+  config.attrs = attributes, config.numAttrs = !early ? 0 : blocks_of_cluster == 1 ? 1 : 2;
+  check_cuda(cudaLaunchKernelEx(&config, kernel, arguments...), name);
+}
+
 /// As `launch` on the stream of `cuda`, but the device may start blocks of `kernel` as those of the kernel
 /// before end. This hides the time that a kernel takes to start: 12 of a frame's 380 microseconds. The kernel
 /// begins with `await_earlier`.
 template <bool early = kernels_await_earlier, class... Parameters, class... Arguments>
 void launch_early(const Cuda& cuda, const char* name, void (*kernel)(Parameters...), dim3 blocks,
                   dim3 threads, const Arguments&... arguments) {
-  cudaLaunchAttribute attribute{};
-  attribute.id = cudaLaunchAttributeProgrammaticStreamSerialization;
-  attribute.val.programmaticStreamSerializationAllowed = 1;
-  cudaLaunchConfig_t config{};
-  config.gridDim = blocks, config.blockDim = threads, config.stream = cuda.stream();
-  config.attrs = &attribute, config.numAttrs = early ? 1 : 0;
-  check_cuda(cudaLaunchKernelEx(&config, kernel, arguments...), name);
+  launch_clusters<early>(cuda, name, kernel, blocks, threads, 1, arguments...);
 }
 
 }  // namespace swiftgs
