@@ -73,9 +73,10 @@ struct Pixel {
   }
 };
 
-/// Splats of a piece. Each piece of a list is blended by itself and joined with the pieces in front of it. So
-/// many warps may blend the pieces of one list, with the bits of one warp that blends them all.
-inline constexpr unsigned piece_size = 128;
+/// Splats of the first piece of a list, and of each further one. Each piece is blended by itself and joined
+/// with the pieces in front of it. So many warps may blend the pieces of one list, with the bits of one warp
+/// that blends them all. Most lists end within the first piece and are never cut.
+inline constexpr unsigned first_piece_size = 512, piece_size = 128;
 
 /// A piece begins with the transmittance 1 / `scale_of_piece(k)`, between 1/2 and 1, and not with 1: equal
 /// pieces would round alike, and their errors add up. The first begins with 1.

@@ -77,10 +77,9 @@ struct LongParts {
   }
 };
 
-/// A walk is long that has blended so many splats or visited so many instances, if enough instances are left
-/// for other blocks to gain on it: one block, or a cluster of blocks.
-inline constexpr std::uint32_t long_blended = 1024, long_visited = 4096, left_for_block = 1024,
-                               left_for_cluster = 16384;
+/// A walk is long that has blended so many splats, if enough instances are left for other blocks to gain on
+/// it: one block, or a cluster of blocks.
+inline constexpr std::uint32_t long_blended = 1024, left_for_block = 1024, left_for_cluster = 16384;
 
 /// More long parts than this keep a device busy without help.
 inline constexpr std::size_t most_block_parts = 7168, most_cluster_parts = 1024;
@@ -102,8 +101,8 @@ struct LongWork {
   }
 
   /// Room for a part whose walk is long, for a warp; null: it is not, or there is none.
-  __device__ LongPart* take(std::uint32_t blended, std::uint32_t visited, std::uint32_t left) const {
-    if ((blended < long_blended && visited < long_visited) || left < left_for_block) return nullptr;
+  __device__ LongPart* take(std::uint32_t blended, std::uint32_t left) const {
+    if (blended < long_blended || left < left_for_block) return nullptr;
     LongPart* part = nullptr;
     if (left >= left_for_cluster && of_clusters.capacity != 0) part = of_clusters.take();
     return part ? part : of_blocks.take();

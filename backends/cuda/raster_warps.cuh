@@ -25,7 +25,9 @@ inline constexpr unsigned raster_threads = parts_of_square * warp_size;
 /// Splats that touch a part wait here until there are enough to blend: a ring of two halves, so that one can
 /// be filled while the other is blended.
 inline constexpr unsigned queue_half = 32, queue_size = 2 * queue_half;
+inline constexpr unsigned halves_of_first_piece = first_piece_size / queue_half;
 inline constexpr unsigned halves_of_piece = piece_size / queue_half;
+static_assert(halves_of_first_piece % halves_of_piece == 0);
 
 /// Terms of splats, as their part sees them.
 template <class Form>
@@ -110,7 +112,7 @@ __device__ Walked walk_list(const RasterJob& job, TileRange range, vec2 first_ce
           break;
         }
         if constexpr (Blender::in_pieces)
-          if (begun % halves_of_piece == 0) {
+          if (begun >= halves_of_first_piece && begun % halves_of_piece == 0) {
             blender.end_piece();
             // The next splat to blend is among those of this step.
             const std::uint32_t step = at - warp_size;
@@ -199,7 +201,7 @@ struct ColourBlender {
 
   /// Leaves the rest of a long list to other blocks, where they have room for it.
   __device__ bool hand_over(ResumeAt at, TileRange list, std::uint32_t blended) {
-    LongPart* const part = others.take(blended, at.position - list.begin, list.end - at.position);
+    LongPart* const part = others.take(blended, list.end - at.position);
     if (!part) return false;
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p) {

@@ -231,12 +231,15 @@ TEST_CASE("cuda arithmetic: a pixel outside of the image takes nothing") {
 
 namespace {
 
+/// Layers before piece k.
+std::size_t begin_of_piece(std::uint32_t k) { return k == 0 ? 0 : first_piece_size + (k - 1) * piece_size; }
+
 /// Piece k of a pixel's layers, with transmittance `before` in front of it.
 BlendedPixel blend_piece(const std::vector<Layer>& layers, std::uint32_t k, float stop_below, float before,
                          bool& live) {
   Pixel pixel;
   start_piece(pixel, stop_below, before, k);
-  for (std::size_t i = k * piece_size; i < (k + 1) * piece_size; i += group_size)
+  for (std::size_t i = begin_of_piece(k); i < begin_of_piece(k + 1); i += group_size)
     blend_together(pixel, &layers[i]);
   live = pixel.live();
   return pixel.blended();
@@ -246,7 +249,7 @@ BlendedPixel blend_piece(const std::vector<Layer>& layers, std::uint32_t k, floa
 JoinedPixel blend_in_turn(const std::vector<Layer>& layers, float stop_below) {
   JoinedPixel all;
   bool live = true;
-  for (std::uint32_t k = 0; k < layers.size() / piece_size && live; ++k)
+  for (std::uint32_t k = 0; begin_of_piece(k) < layers.size() && live; ++k)
     all.join(blend_piece(layers, k, stop_below, all.total.w, live), k);
   return all;
 }
@@ -255,7 +258,7 @@ JoinedPixel blend_in_turn(const std::vector<Layer>& layers, float stop_below) {
 JoinedPixel blend_apart(const std::vector<Layer>& layers, float stop_below, int& again) {
   JoinedPixel all;
   bool live = true;
-  for (std::uint32_t k = 0; k < layers.size() / piece_size && live; ++k) {
+  for (std::uint32_t k = 0; begin_of_piece(k) < layers.size() && live; ++k) {
     BlendedPixel piece = blend_piece(layers, k, stop_below, 1, live);
     if (!live || piece.transmittance < stop_of_piece(stop_below, all.total.w * scale_of_piece(k)))
       piece = blend_piece(layers, k, stop_below, all.total.w, live), ++again;
@@ -264,8 +267,8 @@ JoinedPixel blend_apart(const std::vector<Layer>& layers, float stop_below, int&
   return all;
 }
 
-std::vector<Layer> faint_layers(Random& random, std::size_t pieces, double largest) {
-  std::vector<Layer> layers = random_layers(random, pieces * piece_size, 0.02);
+std::vector<Layer> faint_layers(Random& random, std::uint32_t pieces, double largest) {
+  std::vector<Layer> layers = random_layers(random, begin_of_piece(pieces), 0.02);
   for (Layer& layer : layers) layer.alpha = std::min(layer.alpha, float(largest));
   return layers;
 }
@@ -277,7 +280,7 @@ TEST_CASE("cuda arithmetic: pieces that are blended apart have the bits of piece
   int again = 0, differences = 0;
   for (int i = 0; i < 2000; ++i) {
     const std::vector<Layer> layers =
-        faint_layers(random, 1 + std::size_t(i) % 20, random.scale(1.0 / 255, 0.9));
+        faint_layers(random, 1 + std::uint32_t(i) % 20, random.scale(1.0 / 255, 0.9));
     const JoinedPixel in_turn = blend_in_turn(layers, 1e-4f), apart = blend_apart(layers, 1e-4f, again);
     differences += std::memcmp(&in_turn.total, &apart.total, sizeof in_turn.total) != 0;
   }
@@ -307,7 +310,7 @@ TEST_CASE("cuda arithmetic: errors of equal pieces do not add up") {
   int judged = 0;
   for (int i = 0; i < 500; ++i) {
     const float alpha = float(std::exp(-6.0 - 4.0 * i / 500));
-    const std::vector<Layer> layers(78 * piece_size, Layer{alpha, {1, 1, 1}, 1});
+    const std::vector<Layer> layers(begin_of_piece(78), Layer{alpha, {1, 1, 1}, 1});
     const double exact = std::pow(1 - double(alpha), double(layers.size()));
     if (exact < 1e-4) continue;
     const double error = (double(blend_in_turn(layers, 0).total.w) / exact - 1) * 0x1p23;
@@ -327,8 +330,8 @@ TEST_CASE("cuda arithmetic: a piece stops where the limit is reached by all piec
   CHECK(stop_of_piece(0.25f, 0.5f) == 0.5f);
   CHECK(stop_of_piece(0, 0.5f) == 0);
   CHECK(stop_of_piece(0, 0) == 0);
-  std::vector<Layer> layers(2 * piece_size, Layer{0, {1, 1, 1}, 3});
-  layers[3].alpha = layers[piece_size + 7].alpha = 0.5f;
+  std::vector<Layer> layers(begin_of_piece(2), Layer{0, {1, 1, 1}, 3});
+  layers[3].alpha = layers[first_piece_size + 7].alpha = 0.5f;
   for (const float limit : {0.24f, 0.26f}) {
     const JoinedPixel joined = blend_in_turn(layers, limit);
     CHECK(joined.total.w == doctest::Approx(limit < 0.25f ? 0.25 : 0.5).epsilon(3e-7));
