@@ -78,22 +78,46 @@ struct Pixel {
 /// that blends them all. Most lists end within the first piece and are never cut.
 inline constexpr unsigned first_piece_size = 512, piece_size = 128;
 
+/// Splats before piece k.
+SWIFTGS_HD constexpr std::uint32_t begin_of_piece(std::uint32_t k) {
+  return k == 0 ? 0 : first_piece_size + (k - 1) * piece_size;
+}
+
 /// A piece begins with the transmittance 1 / `scale_of_piece(k)`, between 1/2 and 1, and not with 1: equal
 /// pieces would round alike, and their errors add up. The first begins with 1.
 SWIFTGS_HD inline float scale_of_piece(std::uint32_t k) {
   return __builtin_bit_cast(float, 0x3f800000u | (k * 0x9e3779b9u) >> 9);  // one and a fraction
 }
 
-/// Transmittance at which a pixel stops within a piece. `before` is that in front of the piece, scaled.
-SWIFTGS_HD inline float stop_of_piece(float stop_below, float before) {
-  return before > 0 ? stop_below / before : 0.0f;
+/// Transmittance within piece k below which a pixel stops that has `before` in front of the piece. At most
+/// what the piece begins with, so that no pixel stops before a splat dims it.
+SWIFTGS_HD inline float stop_of_piece(float stop_below, float before, std::uint32_t k) {
+  const float scale = scale_of_piece(k), scaled = before * scale;
+  return fminf(scaled > 0 ? stop_below / scaled : 0.0f, 1 / scale);
 }
 
 /// Starts a pixel of piece k that has transmittance `before` in front of it.
 SWIFTGS_HD inline void start_piece(Pixel& pixel, float stop_below, float before, std::uint32_t k) {
-  const float scale = scale_of_piece(k);
-  pixel.start(stop_of_piece(stop_below, before * scale), 1 / scale);
+  pixel.start(stop_of_piece(stop_below, before, k), 1 / scale_of_piece(k));
 }
+
+/// Transmittance behind a piece, with its sign set where the pixel stops within the piece.
+SWIFTGS_HD inline float mark_stopped(float transmittance, bool stopped) {
+  return stopped ? -transmittance : transmittance;
+}
+
+/// Whether a pixel stops in piece k that has `before` in front of it, by the marked transmittance `left`
+/// behind the piece. The piece may have been blended with more in front of it.
+SWIFTGS_HD inline bool stops_in_piece(float left, float stop_below, float before, std::uint32_t k) {
+  if (std::signbit(left)) return true;
+  // Divide only where rounding may matter.
+  return !(before * scale_of_piece(k) * left > 1.00001f * stop_below) &&
+         left < stop_of_piece(stop_below, before, k);
+}
+
+/// At least the transmittance before each piece of a round, by that before the round: a piece that hides
+/// nothing may raise it by a rounding.
+SWIFTGS_HD inline float most_before(float before_round) { return before_round * 1.0001f; }
 
 /// A pixel behind some pieces.
 struct JoinedPixel {

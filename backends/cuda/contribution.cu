@@ -23,7 +23,8 @@ __device__ inline std::uint64_t wide_warp_sum(std::uint64_t value) {
   return (std::uint64_t(warp_sum(std::uint32_t(value >> 24))) << 24) + low;
 }
 
-/// Blends as `ColourBlender` does and adds up the weights: one atomic addition for a splat and part.
+/// Blends as `ColourBlender` does, but each list in one piece, and adds up the weights: one atomic addition
+/// for a splat and part.
 struct WeightBlender {
   static constexpr bool in_pieces = false;
   const RasterJob& job;

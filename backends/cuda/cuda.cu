@@ -202,8 +202,14 @@ int Cuda::multiprocessors() const {
 std::byte* Cuda::raster_scratch(std::size_t bytes) {
   DeviceBuffer<std::byte>& memory = state_->raster;
   if (memory.size() < bytes) {
+    check_not_captured("rasterize");
     memory.reset(bytes);
-    clear(memory.data(), memory.size());
+    try {
+      clear(memory.data(), memory.size());
+    } catch (const DeviceError&) {
+      memory.trim();
+      throw;
+    }
   }
   return memory.data();
 }

@@ -100,6 +100,9 @@ struct LongWork {
     return {{slots, counts, std::uint32_t(blocks)}, {slots + blocks, counts + 1, std::uint32_t(clusters)}};
   }
 
+  /// Has the next frame begin without parts.
+  void forget(Cuda& cuda) const { cuda.clear(of_blocks.counts, 2 * sizeof(LongPartCounts)); }
+
   /// Room for a part whose walk is long, for a warp; null: it is not, or there is none.
   __device__ LongPart* take(std::uint32_t blended, std::uint32_t left) const {
     if (blended < long_blended || left < left_for_block) return nullptr;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include <cooperative_groups.h>
@@ -47,7 +49,7 @@ struct Group {
     __syncthreads();
   }
 
-  /// What `mine` is in shared memory of the block of that rank.
+  /// `mine` in the shared memory of block `block`.
   template <class T>
   __device__ T& in(unsigned block, T& mine) const {
 #if __CUDA_ARCH__ >= 900
@@ -57,7 +59,7 @@ struct Group {
   }
 };
 
-/// What the threads of a group tell each other, in shared memory of each block.
+/// Shared memory of a block.
 template <class Form, bool extras>
 struct PieceShared {
   Queue<Form> queues[piece_warps];
@@ -70,11 +72,6 @@ struct PieceShared {
   JoinedPart<extras> joined;
   unsigned live[pixels_of_lane];
 };
-
-/// Transmittance behind a piece, with its sign set where the pixel stops within the piece.
-__device__ inline float mark_stopped(float transmittance, bool stopped) {
-  return stopped ? -transmittance : transmittance;
-}
 
 /// Finds the splats that touch a part, by all threads of a group, in the order of the list.
 struct TouchedSplats {
@@ -219,7 +216,7 @@ struct LongPartBlender {
       if (input.job.counts) {
         SquareCounts of_warp = counts_of_warp(counts, splats.at - range.begin, blended * pixels_of_part);
         of_warp.pieces = blended_pieces, of_warp.pixels_joined = warp_sum(pixels_joined);
-        of_warp.longest_item = min(blended, piece_size);
+        of_warp.longest_item = (splats.at - part.at.position) / group.blocks;
         add_counts(input.job.counts[part.row * input.squares.columns + part.column], of_warp);
       }
   }
@@ -231,11 +228,12 @@ struct LongPartBlender {
     const unsigned pieces = (count + piece_size - 1) / piece_size;
     const std::uint32_t mine = piece() < pieces ? min(count - piece() * piece_size, piece_size) : 0;
 
-    // By the transmittance before the round: a pixel that stops by it stops in its piece or before.
+    // By the transmittance before the round: a pixel that stops by it stops in this piece or an earlier one.
     float befores[pixels_of_lane];
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p)
-      befores[p] = shared.live[p] >> lane_index() & 1 ? shared.joined.totals[pixel_of_part(p)].w : -1;
+      befores[p] =
+          shared.live[p] >> lane_index() & 1 ? first_before(shared.joined.totals[pixel_of_part(p)].w) : -1;
     if (mine != 0) blend_piece(blender, ids, mine, befores, base);
     group.sync();
 
@@ -254,6 +252,12 @@ struct LongPartBlender {
     group.sync();
     join(pieces, base);
     group.sync();
+  }
+
+  /// What the first blending takes for the transmittance before this warp's piece. Of the first piece it is
+  /// known.
+  __device__ float first_before(float before_round) const {
+    return piece() == 0 ? before_round : most_before(before_round);
   }
 
   /// Blends this warp's piece of pixels that have the transmittances `befores` in front of it; negative: they
@@ -325,23 +329,19 @@ struct LongPartBlender {
     if (!any || piece() == 0) return false;
 
     bool again = false;
-    const float surely = 1.00001f * rules.stop_below;  // beyond rounding
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
       float before = shared.joined.totals[pixel_of_part(p)].w;
       bool live = befores[p] >= 0;
-      const auto stops = [&](float left, float scaled) {
-        return signbit(left) || (!(scaled * left > surely) && left < stop_of_piece(rules.stop_below, scaled));
-      };
 #pragma unroll 4
       for (unsigned k = 0; k < piece(); ++k) {
-        const float left = lefts[k][pixel_of_part(p)], scaled = before * scale_of_piece(base + k);
-        live = live && !stops(left, scaled);
-        before = scaled * fabsf(left);
+        const float left = lefts[k][pixel_of_part(p)];
+        live = live && !stops_in_piece(left, rules.stop_below, before, base + k);
+        before = before * scale_of_piece(base + k) * fabsf(left);
       }
       befores[p] = live ? before : -1;
-      again =
-          again || (live && stops(lefts[piece()][pixel_of_part(p)], before * scale_of_piece(base + piece())));
+      again = again || (live && stops_in_piece(lefts[piece()][pixel_of_part(p)], rules.stop_below, before,
+                                               base + piece()));
     }
     return __any_sync(whole_warp, again);
   }
@@ -435,8 +435,13 @@ void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
     launch(name, raster_warps<Form, threshold, extras, ViewSource>, blocks_of(input.squares), raster_threads,
            cuda.stream(), input, work);
     const unsigned clusters = unsigned(cuda.multiprocessors()) * piece_occupancy<extras> / piece_blocks;
-    launch_clusters(cuda, name, raster_pieces<Form, threshold, extras, ViewSource>,
-                    std::max(clusters, 1u) * piece_blocks, piece_threads, piece_blocks, input, work);
+    try {
+      launch_clusters(cuda, name, raster_pieces<Form, threshold, extras, ViewSource>,
+                      std::max(clusters, 1u) * piece_blocks, piece_threads, piece_blocks, input, work);
+    } catch (const DeviceError&) {
+      work.forget(cuda);  // or the next frame would go on with this one's parts
+      throw;
+    }
   });
 }
 

@@ -312,7 +312,7 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
   if (!blender.handed_over) {
     // Found again: kept in registers during the walk, places would cost a block in nine.
     const PartPlace same(BlockSquare(input), threadIdx.x / warp_size);
-    if (blender.pieces != 0) blender.end_piece();
+    if (blender.pieces != 0 && walked.blended != begin_of_piece(blender.pieces)) blender.end_piece();
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
       const PixelPlace pixel = same.pixel(view.frame, p, extras);

@@ -231,9 +231,6 @@ TEST_CASE("cuda arithmetic: a pixel outside of the image takes nothing") {
 
 namespace {
 
-/// Layers before piece k.
-std::size_t begin_of_piece(std::uint32_t k) { return k == 0 ? 0 : first_piece_size + (k - 1) * piece_size; }
-
 /// Piece k of a pixel's layers, with transmittance `before` in front of it.
 BlendedPixel blend_piece(const std::vector<Layer>& layers, std::uint32_t k, float stop_below, float before,
                          bool& live) {
@@ -254,15 +251,18 @@ JoinedPixel blend_in_turn(const std::vector<Layer>& layers, float stop_below) {
   return all;
 }
 
-/// Each piece as if nothing lay in front of it. The one in which the pixel stops is blended again.
+/// All pieces as if little lay in front of them. The one in which the pixel stops is blended again.
 JoinedPixel blend_apart(const std::vector<Layer>& layers, float stop_below, int& again) {
   JoinedPixel all;
-  bool live = true;
-  for (std::uint32_t k = 0; begin_of_piece(k) < layers.size() && live; ++k) {
-    BlendedPixel piece = blend_piece(layers, k, stop_below, 1, live);
-    if (!live || piece.transmittance < stop_of_piece(stop_below, all.total.w * scale_of_piece(k)))
-      piece = blend_piece(layers, k, stop_below, all.total.w, live), ++again;
+  for (std::uint32_t k = 0; begin_of_piece(k) < layers.size(); ++k) {
+    bool live = true;
+    BlendedPixel piece = blend_piece(layers, k, stop_below, most_before(1), live);
+    const float left = mark_stopped(piece.transmittance, !live);
+    const bool stops = stops_in_piece(left, stop_below, all.total.w, k);
+    if (stops) piece = blend_piece(layers, k, stop_below, all.total.w, live), ++again;
+    CHECK(live == !stops);
     all.join(piece, k);
+    if (stops) break;
   }
   return all;
 }
@@ -326,10 +326,20 @@ TEST_CASE("cuda arithmetic: a piece stops where the limit is reached by all piec
     REQUIRE(scale_of_piece(k) >= 1);
     REQUIRE(scale_of_piece(k) < 2);
   }
-  CHECK(stop_of_piece(1e-4f, 1) == 1e-4f);
-  CHECK(stop_of_piece(0.25f, 0.5f) == 0.5f);
-  CHECK(stop_of_piece(0, 0.5f) == 0);
-  CHECK(stop_of_piece(0, 0) == 0);
+  CHECK(stop_of_piece(1e-4f, 1, 0) == 1e-4f);
+  CHECK(stop_of_piece(0.25f, 0.5f, 0) == 0.5f);
+  CHECK(stop_of_piece(0.25f, 0.2f, 0) == 1);
+  CHECK(stop_of_piece(0, 0.5f, 3) == 0);
+  CHECK(stop_of_piece(0, 0, 3) == 0);
+  for (std::uint32_t k = 0; k < 100; ++k) {
+    Pixel pixel;
+    start_piece(pixel, 0.25f, 0.2f, k);  // below the limit, but not yet dimmed in the piece
+    blend_together(pixel, std::vector<Layer>(group_size, Layer{0, {1, 1, 1}, 3}).data());
+    REQUIRE(pixel.live());
+    blend_together(pixel, std::vector<Layer>(group_size, Layer{0.01f, {1, 1, 1}, 3}).data());
+    REQUIRE(!pixel.live());
+    REQUIRE(pixel.red == 0);
+  }
   std::vector<Layer> layers(begin_of_piece(2), Layer{0, {1, 1, 1}, 3});
   layers[3].alpha = layers[first_piece_size + 7].alpha = 0.5f;
   for (const float limit : {0.24f, 0.26f}) {

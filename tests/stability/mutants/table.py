@@ -386,7 +386,7 @@ MUTANTS = [
     Mutant("cuda pieces: the transmittance before a piece is forgotten", CUDA + "blending.hpp",
            "total.w = before * piece.transmittance;", "total.w = piece.transmittance;", sources=WARPS),
     Mutant("cuda pieces: pixels stop at the limit itself", CUDA + "blending.hpp",
-           "return before > 0 ? stop_below / before : 0.0f;", "return before > 0 ? stop_below : 0.0f;", sources=WARPS),
+           "scaled > 0 ? stop_below / scaled : 0.0f", "scaled > 0 ? stop_below : 0.0f", sources=WARPS),
     Mutant("cuda pieces: all begin with the same transmittance", CUDA + "blending.hpp", "(k * 0x9e3779b9u) >> 9",
            "(k * 0u) >> 9", sources=WARPS),
     Mutant("cuda raster: an occluder hides only what is behind it", CUDA + "blending.hpp", "colour.w >= occluder",

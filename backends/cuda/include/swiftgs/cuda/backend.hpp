@@ -154,8 +154,9 @@ class SWIFTGS_API Cuda {
   /// wait. @units{milliseconds}
   std::optional<double> milliseconds(TimePoint from, TimePoint to) const;
 
-  /// Memory for the kernels of a rasterizer, zero when it is taken. It is the same from call to call, until
-  /// more bytes are asked for or `trim`.
+  /// Memory for the kernels of a rasterizer: the same from call to call, until more bytes are asked for or
+  /// `trim`. Zeroed when it is allocated, and not again. Throws while the stream is being captured if it must
+  /// grow.
   std::byte* raster_scratch(std::size_t bytes);
 
   /// Fills `bytes` bytes of device memory with zero.
