@@ -89,8 +89,9 @@ SWIFTGS_HD inline float scale_of_piece(std::uint32_t k) {
   return __builtin_bit_cast(float, 0x3f800000u | (k * 0x9e3779b9u) >> 9);  // one and a fraction
 }
 
-/// Transmittance within piece k below which a pixel stops that has `before` in front of the piece. At most
-/// what the piece begins with, so that no pixel stops before a splat dims it.
+/// Transmittance within piece k below which a pixel stops. The pixel has `before` in front of the piece. The
+/// limit is never above the transmittance that the piece begins with: a pixel stops only when a splat dims
+/// it.
 SWIFTGS_HD inline float stop_of_piece(float stop_below, float before, std::uint32_t k) {
   const float scale = scale_of_piece(k), scaled = before * scale;
   return fminf(scaled > 0 ? stop_below / scaled : 0.0f, 1 / scale);

@@ -222,7 +222,7 @@ struct LongPartBlender {
   }
 
  private:
-  /// Blends `count` splats, of which this warp's begin at `ids`. The first of all is of piece `base`.
+  /// Blends the `count` splats of a round, which begins with piece `base`. `ids` are this warp's splats.
   __device__ void blend_round(Blender& blender, const std::uint32_t* ids, std::uint32_t count,
                               std::uint32_t base) {
     const unsigned pieces = (count + piece_size - 1) / piece_size;

@@ -55,7 +55,7 @@ TEST_CASE("cuda any renderer: works on the stream and in the memory that its opt
     check_drawn_frames<OnDevice>(*any, typed, uploaded.view());
     CHECK(any->memory().total() > 0);
     CHECK(pool.in_use() >= of_scene + any->memory().total());
-    // Only what is submitted to the stream is captured.
+    // A capture records work on this stream alone, so the graph draws only if the renderer uses it.
     check_recorded_frames<OnDevice>(*any, typed, uploaded.view(), [&](FrameReport* report) {
       const Graph graph(stream, [&] { any->record(report); });
       CHECK(graph.nodes() > 5);

@@ -16,8 +16,8 @@
 
 namespace swiftgs::test {
 
-/// A pool of memory in the order of a stream, which it outlives. What it gives and what it takes back is
-/// filled with garbage in that order.
+/// A pool of memory that works in the order of a stream. The stream outlives it. It fills memory with
+/// garbage, in that order, when it hands it out and when it takes it back.
 class StreamPool : public CountedBlocks {
  public:
   explicit StreamPool(cudaStream_t stream) : stream_(stream) {
