@@ -74,6 +74,13 @@ TEST_CASE(SWIFTGS_STABILITY ": stacks of layers are drawn as exactly as floats a
   sweep(stacks, {11, 12}, {});
 }
 
+TEST_CASE(SWIFTGS_STABILITY ": pixels stop before a bright layer behind many faint ones") {
+  for (const double layers : {10, 100, 600, 3000, 9000}) {
+    CAPTURE(layers);
+    check_one(stress::deep_stops(layers, 48, {16, 16}));
+  }
+}
+
 TEST_CASE(SWIFTGS_STABILITY ": extreme values are drawn as exactly as floats allow") {
   sweep(values, {13, 16, 44, 45, 46, 47}, {});
 }
