@@ -292,8 +292,8 @@ TEST_CASE("cuda: later stages go by totals that are zero where a frame does not 
     CHECK(found.instances == 2000);
     CHECK(to_host(cuda, std::as_const(report).span())[0].overflowed == 0);
   }
-  for (const Limits& none :
-       {Limits{.capacity = {99, 2000}}, Limits{.capacity = {100, 1999}}, Limits{.capacity = {}, .draw = false}}) {
+  for (const Limits& none : {Limits{.capacity = {99, 2000}}, Limits{.capacity = {100, 1999}},
+                             Limits{.capacity = {}, .draw = false}}) {
     Limits limits = none;
     limits.report = report.data();
     const FrameTotals found = settled(limits);
