@@ -26,7 +26,6 @@ __device__ inline std::uint64_t wide_warp_sum(std::uint64_t value) {
 /// Blends as `ColourBlender` does, but each list in one piece, and adds up the weights: one atomic addition
 /// for a splat and part.
 struct WeightBlender {
-  static constexpr bool in_pieces = false;
   const RasterJob& job;
   std::uint64_t* sums;
   const BlendRules& rules;
@@ -82,7 +81,10 @@ __global__ void __launch_bounds__(raster_threads)
   for (unsigned p = 0; p < pixels_of_lane; ++p)
     if (part.pixel(view.frame, p, false).inside) blender.pixels[p].start(rules.stop_below);
 
-  walk_list<CholeskyForm>(input.job, square.list(input), part.first_centre(view), rules, queue, blender);
+  const TileRange range = square.list(input);
+  ListWalk<CholeskyForm> walk(input.job, range, part.first_centre(view), rules, queue);
+  walk.go_on(blender, ~0u, range.end);
+  walk.blend_rest(blender);
 }
 }  // namespace kernels
 

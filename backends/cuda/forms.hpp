@@ -4,10 +4,11 @@
 /// @file
 /// Forms of the exponent. For hosts too, which test it.
 ///
-/// Those of a lane's pixels have two functions. `prepare` finds the terms of a splat as a part of a tile sees
-/// it, its mean relative to the part's first pixel; `evaluate` finds log2(alpha) of the lane's pixels from
-/// the place of the first within the part. Terms are a quadruple and a `Rest`, apart because shared memory is
-/// read by words of 16 bytes; cleared, they show nothing.
+/// Those of a lane's pixels have three functions. `prepare` finds the terms of a splat as a part of a tile
+/// sees it, its mean relative to the part's first pixel; `evaluate` finds log2(alpha) of the lane's pixels
+/// from the place of the first within the part. `evaluate_one` finds the same bits of one pixel, `below` rows
+/// under that place. Terms are a quadruple and a `Rest`, apart because shared memory is read by words of 16
+/// bytes; cleared, they show nothing.
 
 #include <cmath>
 
@@ -47,6 +48,11 @@ struct CholeskyForm {
     exponents[0] = fmaf(-u, u, fmaf(-v, v, terms.w));
     exponents[1] = fmaf(-lower_u, lower_u, fmaf(-lower_v, lower_v, terms.w));
   }
+  SWIFTGS_HD static float evaluate_one(const float4& terms, const Rest& rest, float x, float y, float below) {
+    const float u = fmaf(terms.y, below, fmaf(terms.x, x, fmaf(terms.y, y, rest.x)));
+    const float v = fmaf(terms.z, below, fmaf(terms.z, y, rest.y));
+    return fmaf(-u, u, fmaf(-v, v, terms.w));
+  }
 };
 
 /// `FloatSplit` in registers, measured from the part's first pixel: s = a x^2 + b x y + c y^2 + d x + e y +
@@ -72,12 +78,14 @@ struct SplitForm {
 
   SWIFTGS_HD static void evaluate(const float4& terms, const Rest& rest, float x, float y,
                                   float (&exponents)[pixels_of_lane]) {
+    for (int p = 0; p < int(pixels_of_lane); ++p)
+      exponents[p] = evaluate_one(terms, rest, x, y, float(p) * rows_between);
+  }
+  SWIFTGS_HD static float evaluate_one(const float4& terms, const Rest& rest, float x, float y, float below) {
     const float mixed = fmaf(terms.y, x, rest.y), column = fmaf(-x, fmaf(terms.x, x, rest.x), terms.w);
-    for (int p = 0; p < int(pixels_of_lane); ++p) {
-      const float at = y + float(p) * rows_between;
-      // Rounding may make s negative where it is nearly zero.
-      exponents[p] = fminf(fmaf(-at, fmaf(terms.z, at, mixed), column), rest.z);
-    }
+    const float at = y + below;
+    // Rounding may make s negative where it is nearly zero.
+    return fminf(fmaf(-at, fmaf(terms.z, at, mixed), column), rest.z);
   }
 };
 

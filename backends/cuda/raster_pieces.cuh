@@ -6,164 +6,83 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <cooperative_groups.h>
-
+#include "group.cuh"
 #include "raster_warps.cuh"
+#include "touched_splats.cuh"
 
 namespace swiftgs {
 
 namespace kernels {
 
-/// Warps of a block that share a long part, each a piece of its list at a time.
+/// Warps of a block that shares out the rest of a long part.
 inline constexpr unsigned piece_warps = 8, piece_threads = piece_warps * warp_size;
-/// Blocks of a cluster, which share a longer one.
-inline constexpr unsigned piece_blocks = 8;
-/// Blocks that a multiprocessor holds: 64 registers a thread.
+/// Blocks that a multiprocessor holds.
 template <bool extras>
-inline constexpr unsigned piece_occupancy = extras ? 2 : 4;
-/// Splats that a block blends in a round.
-inline constexpr std::uint32_t round_of_block = piece_warps * piece_size;
-/// Instances that a thread tests at once, and a block.
-inline constexpr unsigned tests_of_thread = 4, tests_of_block = tests_of_thread * piece_threads;
-static_assert(tests_of_block <= round_of_block, "what a round leaves over fits the next");
-static_assert(tests_of_thread * piece_warps == warp_size, "a warp adds up what all have found");
+inline constexpr unsigned piece_occupancy = extras ? 2 : 3;
+/// Pieces that a warp blends at once, where few pixels are left.
+inline constexpr unsigned most_pieces_of_warp = 2;
+/// Pixels of pieces that a block blends in a round.
+inline constexpr unsigned pixels_of_round = piece_warps * pixels_of_part;
 
-/// The blocks that share a long part: one, or those of a cluster.
-struct Group {
-  unsigned rank = 0, blocks = 1;
-
-#if __CUDA_ARCH__ >= 900
-  __device__ static Group cluster() {
-    const auto all = cooperative_groups::this_cluster();
-    return {all.block_rank(), all.num_blocks()};
-  }
-#endif
-
-  __device__ void sync() const {
-#if __CUDA_ARCH__ >= 900
-    if (blocks != 1) {
-      cooperative_groups::this_cluster().sync();
-      return;
-    }
-#endif
-    __syncthreads();
-  }
-
-  /// `mine` in the shared memory of block `block`.
-  template <class T>
-  __device__ T& in(unsigned block, T& mine) const {
-#if __CUDA_ARCH__ >= 900
-    if (blocks != 1) return *cooperative_groups::this_cluster().map_shared_rank(&mine, block);
-#endif
-    return mine;
-  }
-};
+using PieceSplats =
+    TouchedSplats<piece_warps, piece_warps * piece_size, piece_warps * most_pieces_of_warp * piece_size>;
 
 /// Shared memory of a block.
 template <class Form, bool extras>
 struct PieceShared {
   Queue<Form> queues[piece_warps];
-  std::uint32_t ticket;
-  std::uint32_t ids[2][round_of_block];    ///< splats of this block's pieces, in this round and the next
-  std::uint32_t touched[warp_size];        ///< splats that touch the part, of each 32 that the block tests
-  std::uint32_t touched_of[piece_blocks];  ///< of those that each block tests
-  float4 pieces[piece_warps][pixels_of_part];  ///< RGB and `mark_stopped` transmittance of each piece
-  float depths[extras ? piece_warps : 1][pixels_of_part];
+  PieceSplats::Shared splats;
+  float4 pieces[pixels_of_round];  ///< RGB and `mark_stopped` transmittance, of each piece the slots
+  float depths[extras ? pixels_of_round : 1];
   JoinedPart<extras> joined;
-  unsigned live[pixels_of_lane];
+  unsigned live[pixels_of_lane];  ///< pixels that have not stopped
+  std::uint32_t pixel_of_slot[pixels_of_part];
+  const LongPart* part;
 };
 
-/// Finds the splats that touch a part, by all threads of a group, in the order of the list.
-struct TouchedSplats {
-  std::uint32_t at, end;    ///< instances that are not tested yet
-  std::uint32_t skip;       ///< of the next that touch
-  std::uint32_t count = 0;  ///< found, and not blended yet
-  unsigned parity = 0;      ///< of this round's ids
+/// A round of a long part, in which each warp blends one piece, or some at once. Where more than half of the
+/// part's pixels are left, each pixel has a slot, and a lane two of them. Else those that are left have the
+/// first slots, and a lane one of them. Where they are few, lanes that this frees blend further pieces.
+struct Round {
+  unsigned blocks;          ///< of the group
+  unsigned live;            ///< pixels left
+  unsigned slots;           ///< 64, 32 or 16
+  unsigned pieces_of_warp;  ///< at once
+  std::uint32_t first;      ///< piece, of those of the part
+  std::uint32_t splats = 0;
 
-  /// Finds splats until there are enough for a round, or the list ends. Every block gets those of its pieces.
-  template <class Shared>
-  __device__ void fill(const RasterJob& job, vec2 first_centre, const Group& group, Shared& shared) {
-    const bool some_hidden = job.colours.some_hidden();
-    const unsigned warp = threadIdx.x / warp_size;
-    const std::uint32_t round = group.blocks * round_of_block;
-    while (count < round && at < end) {
-      // Test.
-      const std::uint32_t first =
-          at + (group.rank * piece_warps + warp) * tests_of_thread * warp_size + lane_index();
-      std::uint32_t ids[tests_of_thread];
-      unsigned lanes[tests_of_thread];
-#pragma unroll
-      for (unsigned k = 0; k < tests_of_thread; ++k) {
-        const std::uint32_t position = first + k * warp_size;
-        ids[k] = position < end ? job.lists.ids[position] : 0;
-      }
-#pragma unroll
-      for (unsigned k = 0; k < tests_of_thread; ++k) {
-        const SplatShape shape = load_shape(job, ids[k]);
-        bool touched = first + k * warp_size < end && box_touched(shape, first_centre, float(part_side));
-        if (some_hidden) touched = touched && !is_hidden(job.colours.each[ids[k]]);
-        lanes[k] = __ballot_sync(whole_warp, touched);
-        if (lane_index() == 0) shared.touched[warp * tests_of_thread + k] = std::uint32_t(__popc(lanes[k]));
-      }
-      __syncthreads();
-
-      // Count those before each 32.
-      const std::uint32_t mine = shared.touched[lane_index()], before = sum_below(mine);
-      std::uint32_t found = __shfl_sync(whole_warp, before + mine, warp_size - 1), before_block = 0;
-      if (group.blocks != 1) {
-        if (threadIdx.x < group.blocks) group.in(threadIdx.x, shared).touched_of[group.rank] = found;
-        group.sync();
-        found = 0;
-        for (unsigned b = 0; b < group.blocks; ++b) {
-          if (b == group.rank) before_block = found;
-          found += shared.touched_of[b];
-        }
-      }
-
-      // Give each to the block that blends it.
-#pragma unroll
-      for (unsigned k = 0; k < tests_of_thread; ++k) {
-        const std::uint32_t before_warp = __shfl_sync(whole_warp, before, int(warp * tests_of_thread + k));
-        const std::uint32_t nth =
-            before_block + before_warp + std::uint32_t(__popc(lanes[k] & lanes_below()));
-        if (!(lanes[k] >> lane_index() & 1) || nth < skip) continue;
-        std::uint32_t place = count + nth - skip;
-        const unsigned next = place >= round;
-        if (next) place -= round;
-        group.in(place / round_of_block, shared).ids[parity ^ next][place % round_of_block] = ids[k];
-      }
-      count += found - min(skip, found), skip -= min(skip, found);
-      at += min(group.blocks * tests_of_block, end - at);
-      group.sync();
-    }
+  __device__ Round(unsigned blocks_, unsigned live_, std::uint32_t first_)
+      : blocks(blocks_), live(live_), first(first_) {
+    slots = live > 32 ? 64 : live > 16 || blocks != 1 ? 32 : 16;
+    pieces_of_warp = slots == 16 ? most_pieces_of_warp : 1;
   }
 
-  /// Leaves the round behind. Whether there may be another.
-  __device__ bool next_round(const Group& group) {
-    count -= min(group.blocks * round_of_block, count), parity ^= 1;
-    return count != 0 || at < end;
+  __device__ unsigned pieces_of_block() const { return piece_warps * pieces_of_warp; }
+  __device__ std::uint32_t most_splats() const { return blocks * pieces_of_block() * piece_size; }
+  __device__ unsigned pieces() const { return (splats + piece_size - 1) / piece_size; }
+  __device__ std::uint32_t splats_of(unsigned piece) const {
+    const std::uint32_t before = piece * piece_size;
+    return before < splats ? min(splats - before, piece_size) : 0;
   }
 };
 
-/// The rest of a long part, blended by a group of blocks in rounds: a warp a piece of the list.
+/// The rest of a long part, blended by a block in rounds.
 template <class Form, bool threshold, bool extras, class ViewSource>
 struct LongPartBlender {
-  using Shared = PieceShared<Form, extras>;
-  using Blender = ColourBlender<Form, threshold, extras>;
   const RasterInput<ViewSource>& input;
   const Group group;
-  Shared& shared;
+  PieceShared<Form, extras>& shared;
   const BlockSquare square;
   const View& view;
   const BlendRules rules;
   const PartPlace place;
   const vec2 first_centre;
-  std::uint32_t blended = 0, blended_pieces = 0;  ///< splats and pieces of this warp
-  std::uint32_t pixels_joined = 0;                ///< of this lane
+  std::uint32_t evaluated = 0;                         ///< pixels, by this warp
+  std::uint32_t pieces_joined = 0, pixels_joined = 0;  ///< of this lane
   ThreadCounts counts;
 
   __device__ LongPartBlender(const RasterInput<ViewSource>& of, const LongPart& part, const Group& by,
-                             Shared& in)
+                             PieceShared<Form, extras>& in)
       : input(of),
         group(by),
         shared(in),
@@ -174,37 +93,32 @@ struct LongPartBlender {
         first_centre(place.first_centre(view)) {}
 
   __device__ static unsigned warp() { return threadIdx.x / warp_size; }
-  /// Of all warps of the group.
-  __device__ unsigned piece() const { return group.rank * piece_warps + warp(); }
 
-  __device__ void run(const LongPart& part, const LongWork& work) {
+  __device__ void run(const LongPart& part) {
     const TileRange range = square.list(input);
     if (threadIdx.x < pixels_of_part) shared.joined.store(threadIdx.x, part.joined.load(threadIdx.x));
     if (threadIdx.x < pixels_of_lane) shared.live[threadIdx.x] = part.live[threadIdx.x];
-    Blender blender{input.job,
-                    rules,
-                    shared.queues[warp()],
-                    shared.joined,
-                    work,
-                    float(place.column),
-                    float(place.row),
-                    {},
-                    {},
-                    {}};
-    if constexpr (extras)
-      for (unsigned p = 0; p < pixels_of_lane; ++p)
-        blender.occluders[p] = place.pixel(view.frame, p, true).occluder;
     __syncthreads();
 
-    TouchedSplats splats{part.at.position, range.end, part.at.skipped};
-    std::uint32_t first_piece = part.pieces;
-    do {
-      splats.fill(input.job, first_centre, group, shared);
-      const std::uint32_t count = min(splats.count, group.blocks * round_of_block);
-      if (count == 0) break;
-      blend_round(blender, shared.ids[splats.parity] + warp() * piece_size, count, first_piece);
-      first_piece += group.blocks * piece_warps;
-    } while ((shared.live[0] | shared.live[1]) != 0 && splats.next_round(group));
+    ResumeAt next = part.at;
+    if (part.pieces == 0) next = end_first_piece(next, range.end, first_piece_size - part.blended);
+    group.sync();
+
+    PieceSplats splats(shared.splats, input.job, group, next, range.end);
+    std::uint32_t piece = max(part.pieces, 1u);
+    for (;;) {
+      Round round(group.blocks, unsigned(__popc(shared.live[0]) + __popc(shared.live[1])), piece);
+      if (round.live == 0) break;
+      give_slots();
+      splats.find(first_centre, round.most_splats());
+      round.splats = min(splats.count(), round.most_splats());
+      if (round.splats == 0) break;
+      if (round.slots == pixels_of_part)
+        blend_round<pixels_of_lane>(splats, round);
+      else
+        blend_round<1>(splats, round);
+      splats.drop(round.splats), piece += round.pieces();
+    }
 
     if (group.rank == 0 && warp() < pixels_of_lane) {
       const PixelPlace pixel = place.pixel(view.frame, warp(), false);
@@ -214,215 +128,313 @@ struct LongPartBlender {
     }
     if constexpr (extras)
       if (input.job.counts) {
-        SquareCounts of_warp = counts_of_warp(counts, splats.at - range.begin, blended * pixels_of_part);
-        of_warp.pieces = blended_pieces, of_warp.pixels_joined = warp_sum(pixels_joined);
-        of_warp.longest_item = (splats.at - part.at.position) / group.blocks;
+        SquareCounts of_warp = counts_of_warp(counts, splats.position() - range.begin, evaluated);
+        of_warp.pieces = warp_sum(pieces_joined), of_warp.pixels_joined = warp_sum(pixels_joined);
+        of_warp.longest_item = (splats.position() - part.at.position) / group.blocks;
         add_counts(input.job.counts[part.row * input.squares.columns + part.column], of_warp);
       }
   }
 
  private:
-  /// Blends the `count` splats of a round, which begins with piece `base`. `ids` are this warp's splats.
-  __device__ void blend_round(Blender& blender, const std::uint32_t* ids, std::uint32_t count,
-                              std::uint32_t base) {
-    const unsigned pieces = (count + piece_size - 1) / piece_size;
-    const std::uint32_t mine = piece() < pieces ? min(count - piece() * piece_size, piece_size) : 0;
-
-    // By the transmittance before the round: a pixel that stops by it stops in this piece or an earlier one.
-    float befores[pixels_of_lane];
+  /// Ends the first piece of the part, of which `most` splats are left, with one warp; every block does it.
+  /// Where the next piece begins.
+  __device__ ResumeAt end_first_piece(ResumeAt from, std::uint32_t end, std::uint32_t most) {
+    PieceSplats splats(shared.splats, input.job, Group(), from, end);
+    splats.find(first_centre, most);
+    const std::uint32_t count = min(splats.count(), most);
+    if (warp() == 0) {
+      const Share share(Round(1, pixels_of_part, 0), 0);
+      LaneBlender<Form, threshold, extras, pixels_of_lane> lane{
+          rules, float(place.column), float(place.row), 0, {}, {}, {}};
 #pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p)
-      befores[p] =
-          shared.live[p] >> lane_index() & 1 ? first_before(shared.joined.totals[pixel_of_part(p)].w) : -1;
-    if (mine != 0) blend_piece(blender, ids, mine, befores, base);
+      for (unsigned p = 0; p < pixels_of_lane; ++p) {
+        const JoinedPixel from = shared.joined.load(pixel_of_part(p));
+        Pixel& pixel = lane.pixels[p];
+        pixel.red = from.total.x, pixel.green = from.total.y, pixel.blue = from.total.z;
+        pixel.depth = from.depth;
+        if (shared.live[p] >> lane_index() & 1)
+          pixel.start(rules.stop_below, from.total.w);
+        else
+          pixel.stop_with(from.total.w);
+        if constexpr (extras) lane.occluders[p] = place.pixel(view.frame, p, true).occluder;
+      }
+      __syncwarp();
+      blend_splats(lane, splats, 0, count, count, share);
+      if (group.rank != 0) evaluated = 0;  // the first block counts for all
+#pragma unroll
+      for (unsigned p = 0; p < pixels_of_lane; ++p) {
+        JoinedPixel all;
+        all.join(lane.pixels[p].blended(), 0);
+        shared.joined.store(pixel_of_part(p), all);
+        const unsigned live = __ballot_sync(whole_warp, lane.pixels[p].live());
+        if (lane_index() == 0) shared.live[p] = live;
+        if constexpr (extras)
+          if (group.rank == 0) counts.pairs += lane.counts[p].pairs, counts.stopped += lane.counts[p].stopped;
+      }
+    }
+    splats.drop(count);
+    __syncthreads();
+    return splats.next();
+  }
+
+  /// Gives the first slots to the pixels that are left. The block synchronises before it reads them.
+  __device__ void give_slots() {
+    if (threadIdx.x >= pixels_of_part) return;
+    const unsigned p = threadIdx.x / warp_size;
+    if (!(shared.live[p] >> lane_index() & 1)) return;
+    const int slot = __popc(shared.live[p] & lanes_below()) + (p == 1 ? __popc(shared.live[0]) : 0);
+    shared.pixel_of_slot[slot] = threadIdx.x;
+  }
+
+  /// What a lane blends in a round: slot `slot` of a piece and, if it has two pixels, `slot` + 32.
+  struct Share {
+    unsigned lanes;        ///< of a piece; each queues one of its splats at a time
+    unsigned piece, slot;  ///< the piece of those of the group
+    unsigned own;          ///< the piece of those of the block
+
+    __device__ Share(const Round& round, unsigned rank)
+        : lanes(warp_size / round.pieces_of_warp), slot(lane_index() % lanes) {
+      own = warp() * round.pieces_of_warp + lane_index() / lanes;
+      piece = rank * round.pieces_of_block() + own;
+    }
+  };
+
+  /// Whether the pixel in a slot is left.
+  template <unsigned pixel_count>
+  __device__ bool is_live(const Round& round, unsigned slot) const {
+    return pixel_count == 1 ? slot < round.live : shared.live[slot / warp_size] >> slot % warp_size & 1;
+  }
+  /// The pixel in a slot, if it is left.
+  template <unsigned pixel_count>
+  __device__ unsigned pixel_in(unsigned slot, bool live) const {
+    return pixel_count == 1 && live ? shared.pixel_of_slot[slot] : slot;
+  }
+
+  template <unsigned pixel_count>
+  __device__ void blend_round(const PieceSplats& splats, const Round& round) {
+    const Share share(round, group.rank);
+    LaneBlender<Form, threshold, extras, pixel_count> lane{rules, 0, 0, 0, {}, {}, {}};
+    float befores[pixel_count];  // transmittances in front of the piece; negative: no pixel, or stopped
+#pragma unroll
+    for (unsigned p = 0; p < pixel_count; ++p) {
+      const unsigned slot = share.slot + p * warp_size;
+      const bool live = is_live<pixel_count>(round, slot);
+      const unsigned pixel = pixel_in<pixel_count>(slot, live);
+      const unsigned column = pixel % part_side, row = pixel / part_side, half = unsigned(rows_between);
+      if (p == 0) lane.x = float(column), lane.y = float(row % half), lane.below = float(row / half * half);
+      // A pixel that stops by the transmittance before the round stops in this piece or an earlier one.
+      const float before = shared.joined.totals[pixel].w;
+      befores[p] = !live ? -1 : share.piece == 0 ? before : most_before(before);
+      if constexpr (extras)
+        lane.occluders[p] = PixelPlace(view.frame, place.x + int(column), place.y + int(row), true).occluder;
+    }
+    const unsigned first_of_warp = group.rank * round.pieces_of_block() + warp() * round.pieces_of_warp;
+    const std::uint32_t most = round.splats_of(first_of_warp);
+    if (most != 0) blend_pieces(lane, splats, round, share, most, befores);
     group.sync();
 
     // By the true transmittance before the piece: blend again where a pixel stops in it.
-    const bool again = find_befores(pieces, mine != 0, befores, base);
-    group.sync();
-    if (again) blend_piece(blender, ids, mine, befores, base);
-    if constexpr (extras) {
-      blended_pieces += mine != 0;
-      for (unsigned p = 0; p < pixels_of_lane; ++p) {
-        if (mine == 0 || befores[p] < 0) continue;
-        counts.pairs += blender.counts[p].pairs, counts.stopped += blender.counts[p].stopped;
-        ++pixels_joined;
+    gather_transmittances(round);
+    const bool again = find_befores(round, share, befores);
+    if (__syncthreads_or(again)) {
+      if (again) blend_pieces(lane, splats, round, share, most, befores);
+      if (group.blocks == 1) __syncthreads();
+    }
+    if (group.blocks != 1) group.sync();
+    if constexpr (extras)
+      if (share.piece < round.pieces()) {
+        pieces_joined += share.slot == 0;
+        for (unsigned p = 0; p < pixel_count; ++p) {
+          if (befores[p] < 0) continue;
+          counts.pairs += lane.counts[p].pairs, counts.stopped += lane.counts[p].stopped;
+          ++pixels_joined;
+        }
       }
-    }
-    group.sync();
-    join(pieces, base);
+    join<pixel_count>(round);
     group.sync();
   }
 
-  /// What the first blending takes for the transmittance before this warp's piece. Of the first piece it is
-  /// known.
-  __device__ float first_before(float before_round) const {
-    return piece() == 0 ? before_round : most_before(before_round);
-  }
-
-  /// Blends this warp's piece of pixels that have the transmittances `befores` in front of it; negative: they
-  /// have stopped.
-  __device__ void blend_piece(Blender& blender, const std::uint32_t* ids, std::uint32_t count,
-                              const float (&befores)[pixels_of_lane], std::uint32_t base) {
-    Queue<Form>& queue = blender.queue;
+  /// Blends this warp's pieces, of pixels that have the transmittances `befores` in front of them.
+  template <unsigned pixel_count>
+  __device__ void blend_pieces(LaneBlender<Form, threshold, extras, pixel_count>& lane,
+                               const PieceSplats& splats, const Round& round, const Share& share,
+                               std::uint32_t most, const float (&befores)[pixel_count]) {
 #pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) {
-      blender.pixels[p] = {}, blender.counts[p] = {};
-      if (befores[p] >= 0) start_piece(blender.pixels[p], rules.stop_below, befores[p], base + piece());
+    for (unsigned p = 0; p < pixel_count; ++p) {
+      lane.pixels[p] = {}, lane.counts[p] = {};
+      if (befores[p] >= 0)
+        start_piece(lane.pixels[p], rules.stop_below, befores[p], round.first + share.piece);
     }
 
-    // Queue a half while the other is blended, and load the shapes of the next.
-    std::uint32_t id = lane_index() < count ? ids[lane_index()] : 0;
+    blend_splats(lane, splats, share.own * piece_size, round.splats_of(share.piece), most, share);
+
+#pragma unroll
+    for (unsigned p = 0; p < pixel_count; ++p) {
+      const BlendedPixel pixel = lane.pixels[p].blended();
+      const bool stopped = befores[p] >= 0 && !lane.pixels[p].live();
+      const unsigned at = share.own * round.slots + share.slot + p * warp_size;
+      shared.pieces[at] = make_float4(pixel.colour.x, pixel.colour.y, pixel.colour.z,
+                                      mark_stopped(pixel.transmittance, stopped));
+      if constexpr (extras) shared.depths[at] = pixel.depth;
+    }
+  }
+
+  /// Blends the `count` splats of a lane's piece, from the first-th on that were found. No piece of the warp
+  /// has more than `most`.
+  template <unsigned pixel_count>
+  __device__ void blend_splats(LaneBlender<Form, threshold, extras, pixel_count>& lane,
+                               const PieceSplats& splats, std::uint32_t first, std::uint32_t count,
+                               std::uint32_t most, const Share& share) {
+    // Queue a half while the other is blended, and load the shapes of the next. Each lane queues for its own
+    // piece; behind the end of a piece, splats that show nothing.
+    Queue<Form>& queue = shared.queues[warp()];
+    std::uint32_t id = share.slot < count ? splats.id(first + share.slot) : 0;
     SplatShape shape = load_shape(input.job, id);
+    unsigned half = 0;
     const auto queue_from = [&](std::uint32_t k) {
-      if (k + lane_index() < count) {
-        const unsigned slot = k % queue_size + lane_index();
-        blender.fill(slot, id);
+      const unsigned slot = half + lane_index();
+      if (k + share.slot < count) {
+        fetch_colour(input.job, queue, slot, id);
         Form::prepare(shape, shape.mean - first_centre, rules.log2_alpha_min, queue.terms[slot],
                       queue.rests[slot]);
+      } else {
+        Form::clear(queue.terms[slot], queue.rests[slot]);
+        queue.colours[slot] = make_float4(0, 0, 0, 0);
       }
       __pipeline_commit();
-      const std::uint32_t next = k + queue_half + lane_index();
-      id = next < count ? ids[next] : 0;
+      k += share.lanes;
+      id = k + share.slot < count ? splats.id(first + k + share.slot) : 0;
       shape = load_shape(input.job, id);
+      half ^= queue_half;
     };
     queue_from(0);
 #pragma unroll 1
-    for (std::uint32_t k = 0; k < count; k += queue_half) {
-      if (k + queue_half < count) {
-        queue_from(k + queue_half);
+    for (std::uint32_t k = 0; k < most; k += share.lanes) {
+      const unsigned queued = (half ^ queue_half) + lane_index() - share.slot;
+      if (k + share.lanes < most) {
+        queue_from(k + share.lanes);
         __pipeline_wait_prior(1);
       } else {
         __pipeline_wait_prior(0);
       }
       __syncwarp();
-      const std::uint32_t size = min(count - k, queue_half);
-      blender.blend_queued(k % queue_size, size);
-      if constexpr (extras) blended += size;
-      if (blender.all_stopped()) break;
+      const std::uint32_t size = min(most - k, share.lanes);
+      lane.blend_queued(queue, queued, (size + group_size - 1) / group_size * group_size);
+      if constexpr (extras) evaluated += size * pixel_count * warp_size;
+      __syncwarp();
+      if (lane.all_stopped()) break;
     }
     __pipeline_wait_prior(0);
-
-#pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) {
-      const BlendedPixel pixel = blender.pixels[p].blended();
-      const bool stopped = befores[p] >= 0 && !blender.pixels[p].live();
-      shared.pieces[warp()][pixel_of_part(p)] = make_float4(pixel.colour.x, pixel.colour.y, pixel.colour.z,
-                                                            mark_stopped(pixel.transmittance, stopped));
-      if constexpr (extras) shared.depths[warp()][pixel_of_part(p)] = pixel.depth;
-    }
   }
 
-  /// Replaces `befores` by the true transmittances before this warp's piece, if there is one. Whether a pixel
-  /// stops in the piece that its warp has blended with others.
-  __device__ bool find_befores(unsigned pieces, bool any, float (&befores)[pixels_of_lane],
-                               std::uint32_t base) {
-    // Nothing is queued now, and the queues have room for the transmittances of all pieces.
-    float(*const lefts)[pixels_of_part] = reinterpret_cast<float(*)[pixels_of_part]>(shared.queues);
-    static_assert(piece_blocks * piece_warps * sizeof *lefts <= sizeof shared.queues);
+  /// Transmittances of all pieces of a round in one place. A block alone has them there.
+  __device__ void gather_transmittances(const Round& round) {
+    if (group.blocks == 1) return;
+    // Nothing is queued now, and the queues have room for them.
+    static_assert(blocks_of_group * pixels_of_round * sizeof(float) <= sizeof shared.queues);
+    const unsigned of_block = round.pieces_of_block() * round.slots;
 #pragma unroll 4
-    for (unsigned i = threadIdx.x; i < pieces * pixels_of_part; i += piece_threads) {
-      const unsigned k = i / pixels_of_part, pixel = i % pixels_of_part;
-      lefts[k][pixel] = group.in(k / piece_warps, shared).pieces[k % piece_warps][pixel].w;
-    }
-    __syncthreads();
-    if (!any || piece() == 0) return false;
+    for (unsigned i = threadIdx.x; i < round.pieces() * round.slots; i += piece_threads)
+      gathered()[i] = group.in(i / of_block, shared).pieces[i % of_block].w;
+    group.sync();
+  }
+  __device__ float* gathered() const { return reinterpret_cast<float*>(shared.queues); }
 
+  /// Replaces `befores` by the true transmittances. Whether a pixel stops in a piece that its warp has
+  /// blended with others.
+  template <unsigned pixel_count>
+  __device__ bool find_befores(const Round& round, const Share& share, float (&befores)[pixel_count]) {
     bool again = false;
+    if (share.piece != 0 && share.piece < round.pieces()) {
 #pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) {
-      float before = shared.joined.totals[pixel_of_part(p)].w;
-      bool live = befores[p] >= 0;
+      for (unsigned p = 0; p < pixel_count; ++p) {
+        bool live = befores[p] >= 0;
+        const unsigned slot = share.slot + p * warp_size;
+        float before = shared.joined.totals[pixel_in<pixel_count>(slot, live)].w;
+        const auto transmittance = [&](unsigned k) {
+          const unsigned at = k * round.slots + slot;
+          return group.blocks == 1 ? shared.pieces[at].w : gathered()[at];
+        };
+        const auto stops = [&](unsigned k, float left) {
+          return stops_in_piece(left, rules.stop_below, before, round.first + k);
+        };
 #pragma unroll 4
-      for (unsigned k = 0; k < piece(); ++k) {
-        const float left = lefts[k][pixel_of_part(p)];
-        live = live && !stops_in_piece(left, rules.stop_below, before, base + k);
-        before = before * scale_of_piece(base + k) * fabsf(left);
+        for (unsigned k = 0; k < share.piece; ++k) {
+          const float left = transmittance(k);
+          live = live && !stops(k, left);
+          before = before * scale_of_piece(round.first + k) * fabsf(left);
+        }
+        befores[p] = live ? before : -1;
+        again = again || (live && stops(share.piece, transmittance(share.piece)));
       }
-      befores[p] = live ? before : -1;
-      again = again || (live && stops_in_piece(lefts[piece()][pixel_of_part(p)], rules.stop_below, before,
-                                               base + piece()));
     }
     return __any_sync(whole_warp, again);
   }
 
-  /// Joins the pieces of a round in order. Each block joins some pixels for all, a thread a channel of one.
-  __device__ void join(unsigned pieces, std::uint32_t base) {
+  /// Joins the pieces of a round in order, a thread a channel of a pixel. Each block joins some pixels for
+  /// all.
+  template <unsigned pixel_count>
+  __device__ void join(const Round& round) {
     constexpr unsigned channels = 4;
-    const unsigned of_block = channels * pixels_of_part / group.blocks;
-    if (threadIdx.x >= of_block) return;
-    const unsigned at = group.rank * of_block + threadIdx.x, pixel = at / channels, channel = at % channels;
-    const unsigned p = pixel / warp_size, lane = pixel % warp_size;
-    const bool was_live = shared.live[p] >> lane & 1;
+    const unsigned pixels = round.slots / group.blocks, of_block = round.pieces_of_block();
+    const unsigned own = threadIdx.x / channels, channel = threadIdx.x % channels;
+    if (warp() * warp_size >= channels * pixels) return;
+    const unsigned slot = group.rank * pixels + own % pixels;
+    const bool was_live = own < pixels && is_live<pixel_count>(round, slot);
+    const unsigned pixel = pixel_in<pixel_count>(slot, was_live);
     bool live = was_live;
     float before = shared.joined.totals[pixel].w;
     float all = (&shared.joined.totals[pixel].x)[channel];
     float depth = extras ? shared.joined.depths[pixel] : 0;
 #pragma unroll 4
-    for (unsigned k = 0; k < pieces; ++k) {
-      const Shared& of = group.in(k / piece_warps, shared);
-      const float4& piece = of.pieces[k % piece_warps][pixel];
-      const float left = piece.w, value = (&piece.x)[channel];
-      const float of_depth = extras ? of.depths[k % piece_warps][pixel] : 0;
+    for (unsigned k = 0; k < round.pieces(); ++k) {
+      const PieceShared<Form, extras>& of = group.in(k / of_block, shared);
+      const unsigned at = k % of_block * round.slots + slot;
+      const float left = of.pieces[at].w, value = (&of.pieces[at].x)[channel];
+      const float of_depth = extras ? of.depths[at] : 0;
       if (!live) continue;
       // As `JoinedPixel::join`.
-      const float scaled = before * scale_of_piece(base + k);
+      const float scaled = before * scale_of_piece(round.first + k);
       all = fmaf(scaled, value, all), depth = fmaf(scaled, of_depth, depth);
       before = scaled * fabsf(left), live = !signbit(left);
     }
     __syncwarp();  // all have read what is overwritten
-    for (unsigned b = 0; was_live && b < group.blocks; ++b) {
-      Shared& of = group.in(b, shared);
+    if (!was_live) return;
+    for (unsigned b = 0; b < group.blocks; ++b) {
+      PieceShared<Form, extras>& of = group.in(b, shared);
       (&of.joined.totals[pixel].x)[channel] = channel + 1 == channels ? before : all;
       if (extras && channel == 0) of.joined.depths[pixel] = depth;
-      if (channel == 0 && !live) atomicAnd(&of.live[p], ~(1u << lane));
+      if (channel == 0 && !live) atomicAnd(&of.live[pixel / warp_size], ~(1u << pixel % warp_size));
     }
   }
 };
 
-/// Goes on with long parts: clusters with the longest, and then each block by itself. Parts are taken up as
-/// blocks become free.
+/// Goes on with long parts while `raster_warps` still finds some, in blocks for which it leaves room:
+/// clusters with the longest, and each block with others.
 template <class Form, bool threshold, bool extras, class ViewSource>
 __global__ void __launch_bounds__(piece_threads, piece_occupancy<extras>)
     raster_pieces(const __grid_constant__ RasterInput<ViewSource> input,
-                  const __grid_constant__ LongWork work) {
-  await_earlier();
+                  const __grid_constant__ LongParts long_parts) {
+  if (threadIdx.x == 0) long_parts.begin();
   __shared__ PieceShared<Form, extras> shared;
-  using Blender = LongPartBlender<Form, threshold, extras, ViewSource>;
-  const std::uint32_t of_clusters = work.of_clusters.capacity ? work.of_clusters.size() : 0;
-  const std::uint32_t of_blocks = work.of_blocks.size();
-  if (of_clusters == 0 && of_blocks == 0) return;
-#if __CUDA_ARCH__ >= 900
   const Group cluster = Group::cluster();
-  while (of_clusters != 0) {
-    cluster.sync();  // all have started, and read the ticket before
-    if (cluster.rank == 0 && threadIdx.x == 0) {
-      const std::uint32_t ticket = atomicAdd(&work.of_clusters.counts->taken, 1u);
-      for (unsigned b = 0; b < cluster.blocks; ++b) cluster.in(b, shared).ticket = ticket;
-    }
-    cluster.sync();
-    const std::uint32_t ticket = shared.ticket;
-    if (ticket >= of_clusters) break;
-    const LongPart& part = work.of_clusters.parts[ticket];
-    Blender(input, part, cluster, shared).run(part, work);
-  }
-#endif
-  for (;;) {
-    __syncthreads();
-    if (threadIdx.x == 0) shared.ticket = atomicAdd(&work.of_blocks.counts->taken, 1u);
-    __syncthreads();
-    const std::uint32_t ticket = shared.ticket;
-    if (ticket >= of_blocks) {
-      // The last block leaves zeros for the next frame: all others have read the counts.
-      if (threadIdx.x == 0 && ticket == of_blocks + gridDim.x - 1) {
-        *work.of_blocks.counts = {};
-        if (work.of_clusters.capacity) *work.of_clusters.counts = {};
+  // Half of the clusters begin with the longest, and the others with what is left to blocks alone.
+  bool longest = cluster.blocks != 1 && blockIdx.x / cluster.blocks % 2 == 1;
+  for (unsigned turn = 0; turn < (cluster.blocks == 1 ? 1 : 2); ++turn, longest = !longest) {
+    const Group group = longest ? cluster : Group();
+    for (;;) {
+      group.sync();
+      if (group.rank == 0 && threadIdx.x == 0) {
+        const LongPart* const next = long_parts.await_next(longest);
+        for (unsigned b = 0; b < group.blocks; ++b) group.in(b, shared).part = next;
       }
-      return;
+      group.sync();
+      const LongPart* const part = shared.part;
+      if (!part) break;
+      LongPartBlender<Form, threshold, extras, ViewSource>(input, *part, group, shared).run(*part);
     }
-    const LongPart& part = work.of_blocks.parts[ticket];
-    Blender(input, part, Group{}, shared).run(part, work);
   }
+  if (threadIdx.x == 0) long_parts.leave();
 }
 }  // namespace kernels
 
@@ -431,15 +443,15 @@ template <class Form, bool threshold>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   using namespace kernels;
   with_squares(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
-    const LongWork work = LongWork::of(cuda, input.squares.size() * parts_of_square);
+    const LongParts long_parts = LongParts::of(cuda, input.squares.size() * parts_of_square);
     launch(name, raster_warps<Form, threshold, extras, ViewSource>, blocks_of(input.squares), raster_threads,
-           cuda.stream(), input, work);
-    const unsigned clusters = unsigned(cuda.multiprocessors()) * piece_occupancy<extras> / piece_blocks;
+           cuda.stream(), input, long_parts);
+    const unsigned groups = unsigned(cuda.multiprocessors()) * piece_occupancy<extras> / blocks_of_group;
     try {
-      launch_clusters(cuda, name, raster_pieces<Form, threshold, extras, ViewSource>,
-                      std::max(clusters, 1u) * piece_blocks, piece_threads, piece_blocks, input, work);
+      launch_early<blocks_of_group>(cuda, name, raster_pieces<Form, threshold, extras, ViewSource>,
+                                    std::max(groups, 1u) * blocks_of_group, piece_threads, input, long_parts);
     } catch (const DeviceError&) {
-      work.forget(cuda);  // or the next frame would go on with this one's parts
+      long_parts.forget(cuda);  // or the next frame would go on with this one's
       throw;
     }
   });

@@ -57,80 +57,107 @@ struct PartPlace {
   }
 };
 
-/// How far a part's walk came: instances of the list, and splats that were blended.
-struct Walked {
-  std::uint32_t visited = 0, blended = 0;
-};
-
-/// Walks a tile's list for one part: queues the splats that touch it, and lets `blender` blend them front to
-/// back, half a queue at a time, until all its pixels have stopped. The blender fills the rest of a slot,
-/// beside the terms. One that blends in pieces is told where a piece ends, and may hand the rest of the list
-/// over to others.
-template <class Form, class Blender>
-__device__ Walked walk_list(const RasterJob& job, TileRange range, vec2 first_centre, const BlendRules& rules,
-                            TermsQueue<Form>& queue, Blender& blender) {
-  const bool some_hidden = job.colours.some_hidden();
-  const auto load_id = [&](std::uint32_t at) {
-    return at + lane_index() < range.end ? job.lists.ids[at + lane_index()] : 0;
-  };
-  // Splats put into the queue are `begun` halves, and `waiting` more.
-  std::uint32_t begun = 0, waiting = 0, blended = 0;
-  std::uint32_t at = range.begin;
-  if (at < range.end) {
+/// A walk along a tile's list for one part: queues the splats that touch it, and lets a blender blend them
+/// front to back, half a queue at a time, until all its pixels have stopped. The blender fills the rest of a
+/// slot, beside the terms.
+template <class Form>
+class ListWalk {
+ public:
+  __device__ ListWalk(const RasterJob& job, TileRange range, vec2 first_centre, const BlendRules& rules,
+                      TermsQueue<Form>& queue)
+      : job_(&job),
+        range_(range),
+        first_centre_(first_centre),
+        log2_alpha_min_(rules.log2_alpha_min),
+        queue_(&queue),
+        at_(range.begin) {
     // Shapes are asked for a step ahead, and their ids two.
-    std::uint32_t next_id = load_id(at), later_id = load_id(at + warp_size);
-    SplatShape next_shape = load_shape(job, next_id);
-    while (at < range.end) {
-      const std::uint32_t id = next_id;
-      const SplatShape shape = next_shape;
-      const bool listed = at + lane_index() < range.end;
-      at += warp_size;
-      next_id = later_id;
-      if (at < range.end) next_shape = load_shape(job, next_id);
-      later_id = load_id(at + warp_size);
+    next_id_ = load_id(at_), later_id_ = load_id(at_ + warp_size);
+    if (at_ < range.end) next_shape_ = load_shape(job, next_id_);
+  }
+
+  /// Goes on until `halves` of a queue are blended in all, the list is visited up to position `limit`, or all
+  /// pixels have stopped. Whether more may be left to blend, behind `halves` or `limit`.
+  template <class Blender>
+  __device__ bool go_on(Blender& blender, std::uint32_t halves, std::uint32_t limit) {
+    const bool some_hidden = job_->colours.some_hidden();
+    while (at_ < limit) {
+      const std::uint32_t id = next_id_;
+      const SplatShape shape = next_shape_;
+      const bool listed = at_ + lane_index() < range_.end;
+      at_ += warp_size;
+      next_id_ = later_id_;
+      if (at_ < range_.end) next_shape_ = load_shape(*job_, next_id_);
+      later_id_ = load_id(at_ + warp_size);
 
       // Queue those that touch the part.
-      bool touched = listed && box_touched(shape, first_centre, float(part_side));
-      if (some_hidden) touched = touched && !is_hidden(job.colours.each[id]);
+      bool touched = listed && box_touched(shape, first_centre_, float(part_side));
+      if (some_hidden) touched = touched && !is_hidden(job_->colours.each[id]);
       const unsigned lanes = __ballot_sync(whole_warp, touched);
       if (touched) {
         const unsigned slot =
-            (begun * queue_half + waiting + unsigned(__popc(lanes & lanes_below()))) % queue_size;
+            (begun_ * queue_half + waiting_ + unsigned(__popc(lanes & lanes_below()))) % queue_size;
         blender.fill(slot, id);
-        Form::prepare(shape, shape.mean - first_centre, rules.log2_alpha_min, queue.terms[slot],
-                      queue.rests[slot]);
+        Form::prepare(shape, shape.mean - first_centre_, log2_alpha_min_, queue_->terms[slot],
+                      queue_->rests[slot]);
       }
-      waiting += unsigned(__popc(lanes));
+      found_ = unsigned(__popc(lanes));
+      waiting_ += found_;
 
       // Blend half a queue at a time.
-      if (waiting >= queue_half) {
+      if (waiting_ >= queue_half) {
         blender.await_queued();
-        blender.blend_queued(begun % 2 * queue_half, queue_half);
-        ++begun, waiting -= queue_half, blended += queue_half;
+        blender.blend_queued(begun_ % 2 * queue_half, queue_half);
+        ++begun_, waiting_ -= queue_half;
         if (blender.all_stopped()) {
-          waiting = 0;
-          break;
+          drop_rest();
+          return false;
         }
-        if constexpr (Blender::in_pieces)
-          if (begun >= halves_of_first_piece && begun % halves_of_piece == 0) {
-            blender.end_piece();
-            // The next splat to blend is among those of this step.
-            const std::uint32_t step = at - warp_size;
-            if (blender.hand_over({step, unsigned(__popc(lanes)) - waiting}, range, blended)) {
-              waiting = 0;
-              break;
-            }
-          }
+        if (begun_ == halves) return at_ < range_.end || waiting_ != 0;
       }
     }
-    if (waiting != 0) {
-      blender.await_queued();
-      blender.blend_queued(begun % 2 * queue_half, waiting);
-      blended += waiting;
-    }
+    return at_ < range_.end;
   }
-  return {min(at, range.end) - range.begin, blended};
-}
+
+  /// Blends what waits. The walk cannot go on.
+  template <class Blender>
+  __device__ void blend_rest(Blender& blender) const {
+    if (waiting_ == 0) return;
+    blender.await_queued();
+    blender.blend_queued(begun_ % 2 * queue_half, waiting_);
+  }
+
+  /// Leaves alone what waits. The walk cannot go on.
+  __device__ void drop_rest() { waiting_ = 0; }
+
+  /// Halves of a queue that are blended.
+  __device__ std::uint32_t halves() const { return begun_; }
+  /// Splats that are blended, with those that wait.
+  __device__ std::uint32_t blended() const { return begun_ * queue_half + waiting_; }
+  /// Instances that were visited.
+  __device__ std::uint32_t visited() const { return min(at_, range_.end) - range_.begin; }
+  /// Instances that were not.
+  __device__ std::uint32_t left() const { return range_.end - min(at_, range_.end); }
+  /// The next splat to blend, if the last step has blended some: those that wait are of that step.
+  __device__ ResumeAt next() const { return {at_ - warp_size, found_ - waiting_}; }
+  /// The next splat to visit.
+  __device__ ResumeAt here() const { return {at_, 0}; }
+
+ private:
+  __device__ std::uint32_t load_id(std::uint32_t at) const {
+    return at + lane_index() < range_.end ? job_->lists.ids[at + lane_index()] : 0;
+  }
+
+  const RasterJob* job_;
+  TileRange range_;
+  vec2 first_centre_;
+  float log2_alpha_min_;
+  TermsQueue<Form>* queue_;
+  std::uint32_t at_, next_id_, later_id_;
+  SplatShape next_shape_;
+  // Splats put into the queue are `begun_` halves, and `waiting_` more; by the last step, `found_`.
+  std::uint32_t begun_ = 0, waiting_ = 0, found_ = 0;
+};
 
 __device__ inline ThreadCounts sum(const ThreadCounts (&of_pixels)[pixels_of_lane]) {
   ThreadCounts all;
@@ -138,8 +165,9 @@ __device__ inline ThreadCounts sum(const ThreadCounts (&of_pixels)[pixels_of_lan
   return all;
 }
 
-/// Whether no pixel of the part is left that could show another splat.
-__device__ inline bool all_stopped(const Pixel (&pixels)[pixels_of_lane]) {
+/// Whether none of the warp's pixels is left that could show another splat.
+template <unsigned count>
+__device__ bool all_stopped(const Pixel (&pixels)[count]) {
   bool stopped = true;
   for (const Pixel& pixel : pixels) stopped = stopped && !pixel.live();
   return __all_sync(whole_warp, stopped);
@@ -151,122 +179,27 @@ struct Queue : TermsQueue<Form> {
   float4 colours[queue_size];  ///< RGB, depth
 };
 
-/// Blends colours into a part, and holds the pixels of this lane in it.
-template <class Form, bool threshold, bool extras>
-struct ColourBlender {
-  static constexpr bool in_pieces = true;
-  const RasterJob& job;
-  const BlendRules& rules;
-  Queue<Form>& queue;
-  JoinedPart<extras>& joined;  ///< of the pieces before this one
-  const LongWork& others;
-  float x, y;  ///< of the lane's first pixel within the part
-  Pixel pixels[pixels_of_lane];
-  float occluders[pixels_of_lane];
-  ThreadCounts counts[pixels_of_lane];
-  std::uint32_t pieces = 0;  ///< joined
-  bool handed_over = false;
+/// Blends splats of a queue into pixels of a lane: into both, or into one.
+template <class Form, bool threshold, bool extras, unsigned pixel_count>
+struct LaneBlender {
+  BlendRules rules;
+  float x, y, below;  ///< the first pixel within the part; one pixel lies `below` rows under it
+  Pixel pixels[pixel_count];
+  float occluders[pixel_count];
+  ThreadCounts counts[pixel_count];
 
-  __device__ void fill(unsigned slot, std::uint32_t id) const {
-    __pipeline_memcpy_async(&queue.colours[slot], job.colours.each.data + id, sizeof(float4));
-  }
-
-  /// Waits for the splats that were queued.
-  __device__ void await_queued() const {
-    __pipeline_commit();
-    __pipeline_wait_prior(0);
-    __syncwarp();
-  }
-
-  __device__ JoinedPixel joined_pixel(unsigned p) const { return joined.load(pixel_of_part(p)); }
-
-  /// Joins a piece with those in front of it, and begins the next.
-  __device__ void end_piece() {
-#pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) {
-      JoinedPixel all;
-      if (pieces != 0) all = joined_pixel(p);
-      // One that had stopped before has no part in the piece.
-      if (pixels[p].last >= 0) all.join(pixels[p].blended(), pieces);
-      joined.store(pixel_of_part(p), all);
-      const bool live = pixels[p].live();
-      pixels[p] = {};
-      if (live)
-        start_piece(pixels[p], rules.stop_below, all.total.w, pieces + 1);
-      else
-        pixels[p].last = -1;
-    }
-    ++pieces;
-  }
-
-  /// Leaves the rest of a long list to other blocks, where they have room for it.
-  __device__ bool hand_over(ResumeAt at, TileRange list, std::uint32_t blended) {
-    LongPart* const part = others.take(blended, list.end - at.position);
-    if (!part) return false;
-#pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) {
-      part->joined.store(pixel_of_part(p), joined_pixel(p));
-      const unsigned live = __ballot_sync(whole_warp, pixels[p].live());
-      if (lane_index() == 0) part->live[p] = live;
-    }
-    if (lane_index() == 0) {
-      part->pieces = pieces;
-      part->column = blockIdx.x, part->row = BlockSquare::row(), part->part = threadIdx.x / warp_size;
-      part->at = at;
-    }
-    return handed_over = true;
-  }
-
-  /// Alphas of the lane's pixels for a splat.
-  __device__ void evaluate(const float4& terms, const typename Form::Rest& rest,
-                           float (&alphas)[pixels_of_lane]) const {
-    float exponents[pixels_of_lane];
-    Form::evaluate(terms, rest, x, y, exponents);
-#pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) alphas[p] = alpha_of<threshold>(exponents[p], rules);
-  }
-
-  /// Blends `group_size` splats. Pointers, which a loop over groups advances: an index would be multiplied in
-  /// each round.
-  __device__ void blend_group(const float4* terms, const typename Form::Rest* rests, const float4* colours) {
-    float alphas[pixels_of_lane][group_size], weights[pixels_of_lane][group_size];
-#pragma unroll
-    for (unsigned k = 0; k < group_size; ++k) {
-      float of_splat[pixels_of_lane];
-      evaluate(terms[k], rests[k], of_splat);
-#pragma unroll
-      for (unsigned p = 0; p < pixels_of_lane; ++p) alphas[p][k] = of_splat[p];
-    }
-#pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) weigh_group(pixels[p], alphas[p], weights[p]);
-
-#pragma unroll
-    for (unsigned k = 0; k < group_size; ++k) {
-      const float4 colour = colours[k];
-#pragma unroll
-      for (unsigned p = 0; p < pixels_of_lane; ++p)
-        pixels[p].add(weights[p][k], colour.x, colour.y, colour.z);
-    }
-  }
-
-  /// Blends `count` splats from `first` on; room after them is there to be overwritten.
-  __device__ void blend_queued(unsigned first, unsigned count) {
+  /// Blends `count` splats from `first` on: whole groups, but with `extras` any number.
+  __device__ void blend_queued(const Queue<Form>& queue, unsigned first, unsigned count) {
     if constexpr (extras) {
       for (unsigned k = first; k < first + count; ++k) {
-        float alphas[pixels_of_lane];
+        float alphas[pixel_count];
         evaluate(queue.terms[k], queue.rests[k], alphas);
 #pragma unroll
-        for (unsigned p = 0; p < pixels_of_lane; ++p)
+        for (unsigned p = 0; p < pixel_count; ++p)
           blend<true>(pixels[p], alphas[p], queue.colours[k], occluders[p], counts[p]);
       }
     } else {
-      // Fill the last group up with splats that show nothing.
-      if (lane_index() < (group_size - count % group_size) % group_size) {
-        const unsigned at = first + count + lane_index();
-        Form::clear(queue.terms[at], queue.rests[at]);
-        queue.colours[at] = make_float4(0, 0, 0, 0);
-      }
-      __syncwarp();
+      // Pointers, which the loop advances: an index would be multiplied in each round.
       const float4 *terms = queue.terms + first, *colours = queue.colours + first;
       const typename Form::Rest* rests = queue.rests + first;
 #pragma unroll 1
@@ -275,19 +208,183 @@ struct ColourBlender {
         terms += group_size, rests += group_size, colours += group_size;
       }
     }
-    __syncwarp();
   }
 
   __device__ bool all_stopped() const { return kernels::all_stopped(pixels); }
+
+ private:
+  /// Alphas of the pixels for a splat.
+  __device__ void evaluate(const float4& terms, const typename Form::Rest& rest,
+                           float (&alphas)[pixel_count]) const {
+    float exponents[pixel_count];
+    if constexpr (pixel_count == 1)
+      exponents[0] = Form::evaluate_one(terms, rest, x, y, below);
+    else
+      Form::evaluate(terms, rest, x, y, exponents);
+#pragma unroll
+    for (unsigned p = 0; p < pixel_count; ++p) alphas[p] = alpha_of<threshold>(exponents[p], rules);
+  }
+
+  __device__ void blend_group(const float4* terms, const typename Form::Rest* rests, const float4* colours) {
+    float alphas[pixel_count][group_size], weights[pixel_count][group_size];
+#pragma unroll
+    for (unsigned k = 0; k < group_size; ++k) {
+      float of_splat[pixel_count];
+      evaluate(terms[k], rests[k], of_splat);
+#pragma unroll
+      for (unsigned p = 0; p < pixel_count; ++p) alphas[p][k] = of_splat[p];
+    }
+#pragma unroll
+    for (unsigned p = 0; p < pixel_count; ++p) weigh_group(pixels[p], alphas[p], weights[p]);
+
+#pragma unroll
+    for (unsigned k = 0; k < group_size; ++k) {
+      const float4 colour = colours[k];
+#pragma unroll
+      for (unsigned p = 0; p < pixel_count; ++p) pixels[p].add(weights[p][k], colour.x, colour.y, colour.z);
+    }
+  }
 };
+
+/// Asks for the colour of a splat that is put into a queue.
+template <class Form>
+__device__ void fetch_colour(const RasterJob& job, Queue<Form>& queue, unsigned slot, std::uint32_t id) {
+  __pipeline_memcpy_async(&queue.colours[slot], job.colours.each.data + id, sizeof(float4));
+}
+
+/// Blends colours into a part, and holds the pixels of this lane in it.
+template <class Form, bool threshold, bool extras>
+struct ColourBlender {
+  const RasterJob& job;
+  Queue<Form>& queue;
+  LaneBlender<Form, threshold, extras, pixels_of_lane> lane;
+
+  __device__ void fill(unsigned slot, std::uint32_t id) const { fetch_colour(job, queue, slot, id); }
+
+  /// Waits for the splats that were queued.
+  __device__ void await_queued() const {
+    __pipeline_commit();
+    __pipeline_wait_prior(0);
+    __syncwarp();
+  }
+
+  /// Blends `count` splats from `first` on; room after them is there to be overwritten.
+  __device__ void blend_queued(unsigned first, unsigned count) {
+    // Fill the last group up with splats that show nothing.
+    if constexpr (!extras) {
+      if (lane_index() < (group_size - count % group_size) % group_size) {
+        const unsigned at = first + count + lane_index();
+        Form::clear(queue.terms[at], queue.rests[at]);
+        queue.colours[at] = make_float4(0, 0, 0, 0);
+      }
+      __syncwarp();
+    }
+    lane.blend_queued(queue, first, count);
+    __syncwarp();
+  }
+
+  __device__ bool all_stopped() const { return lane.all_stopped(); }
+};
+
+/// A walk and what it blends.
+template <class Form, bool threshold, bool extras>
+struct ColourWalk {
+  ListWalk<Form> walk;
+  ColourBlender<Form, threshold, extras> blender;
+};
+
+/// Joins the pieces of a walk.
+template <class Form, bool threshold, bool extras>
+struct PieceJoiner {
+  LaneBlender<Form, threshold, extras, pixels_of_lane>& lane;
+  JoinedPixel joined[pixels_of_lane];
+  std::uint32_t pieces = 0;
+
+  /// Joins a piece with those in front of it, and begins the next.
+  __device__ void end_piece() {
+#pragma unroll
+    for (unsigned p = 0; p < pixels_of_lane; ++p) {
+      Pixel& pixel = lane.pixels[p];
+      // One that had stopped before has no part in the piece.
+      if (pixel.last >= 0) joined[p].join(pixel.blended(), pieces);
+      const bool live = pixel.live();
+      pixel = {};
+      if (live)
+        start_piece(pixel, lane.rules.stop_below, joined[p].total.w, pieces + 1);
+      else
+        pixel.last = -1;
+    }
+    ++pieces;
+  }
+
+  /// Joins what there is of the last piece, and has the pixels show all pieces. So many splats are blended.
+  __device__ void end(std::uint32_t blended) {
+    if (pieces == 0) return;
+    if (blended != begin_of_piece(pieces)) end_piece();
+#pragma unroll
+    for (unsigned p = 0; p < pixels_of_lane; ++p) {
+      Pixel& pixel = lane.pixels[p];
+      const float4& total = joined[p].total;
+      pixel.red = total.x, pixel.green = total.y, pixel.blue = total.z, pixel.depth = joined[p].depth;
+      pixel.stop_with(total.w);
+    }
+  }
+
+  /// Leaves the rest of a list to another block. So many splats are blended.
+  __device__ void hand_over(LongPart& part, ResumeAt at, std::uint32_t blended) {
+#pragma unroll
+    for (unsigned p = 0; p < pixels_of_lane; ++p) {
+      if (pieces == 0) joined[p].join(lane.pixels[p].blended(), 0);
+      part.joined.store(pixel_of_part(p), joined[p]);
+      const unsigned live = __ballot_sync(whole_warp, lane.pixels[p].live());
+      if (lane_index() == 0) part.live[p] = live;
+    }
+    if (lane_index() == 0) {
+      part.pieces = pieces, part.blended = blended;
+      part.column = blockIdx.x, part.row = BlockSquare::row(), part.part = threadIdx.x / warp_size;
+      part.at = at;
+    }
+  }
+};
+
+/// Ends a walk that has come to the end of its first piece, or has visited many instances before. Whether it
+/// leaves the rest to another block, as a long one does. A call of its own: within the kernel it would slow
+/// short lists down.
+template <class Form, bool threshold, bool extras>
+__device__ __noinline__ bool end_in_pieces(ColourWalk<Form, threshold, extras>& part, TileRange range,
+                                           const LongParts& others) {
+  auto [walk, blender] = part;
+  PieceJoiner<Form, threshold, extras> joiner{blender.lane, {}};
+  std::uint32_t halves = halves_of_first_piece;
+  bool handed_over = false;
+  do {
+    const bool piece_ends = walk.halves() == halves;
+    if (piece_ends) joiner.end_piece(), halves += halves_of_piece;
+    if (walk.blended() >= long_blended || walk.visited() >= long_visited)
+      if (LongPart* const room = others.take_room(walk.left())) {
+        const ResumeAt next = piece_ends ? walk.next() : walk.here();
+        if (piece_ends)
+          walk.drop_rest();
+        else
+          walk.blend_rest(blender);
+        joiner.hand_over(*room, next, walk.blended());
+        others.hand_over(room);
+        handed_over = true;
+        break;
+      }
+  } while (walk.go_on(blender, halves, range.end));
+  if (!handed_over) walk.blend_rest(blender), joiner.end(walk.blended());
+  part.walk = walk, part.blender.lane = blender.lane;
+  return handed_over;
+}
 
 /// Blends the list of one square: a block a square, a warp a part of it. Long parts are left to `others`.
 template <class Form, bool threshold, bool extras, class ViewSource>
 __global__ void __launch_bounds__(raster_threads, Form::blocks)
     raster_warps(const __grid_constant__ RasterInput<ViewSource> input,
-                 const __grid_constant__ LongWork others) {
+                 const __grid_constant__ LongParts others) {
+  let_next_start();
   __shared__ Queue<Form> queues[parts_of_square];
-  __shared__ JoinedPart<extras> joined[parts_of_square];
   const unsigned warp = threadIdx.x / warp_size;
   const RasterJob& job = input.job;
   const BlockSquare square(input);
@@ -297,35 +394,41 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
   if (part.outside(view.frame)) return;
 
   ColourBlender<Form, threshold, extras> blender{
-      job, rules, queues[warp], joined[warp], others, float(part.column), float(part.row), {}, {}, {}};
+      job, queues[warp], {rules, float(part.column), float(part.row), 0, {}, {}, {}}};
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p) {
     const PixelPlace at = part.pixel(view.frame, p, extras);
-    if (at.inside) blender.pixels[p].start(rules.stop_below);
-    if constexpr (extras) blender.occluders[p] = at.occluder;
+    if (at.inside) blender.lane.pixels[p].start(rules.stop_below);
+    if constexpr (extras) blender.lane.occluders[p] = at.occluder;
   }
 
   const TileRange range = square.list(input);
   if (!range.drawn()) return;
-  const Walked walked = walk_list<Form>(job, range, part.first_centre(view), rules, queues[warp], blender);
+  ListWalk<Form> walk(job, range, part.first_centre(view), rules, queues[warp]);
+  bool handed_over = false;
+  if (walk.go_on(blender, halves_of_first_piece, min(range.end, range.begin + long_visited))) {
+    ColourWalk<Form, threshold, extras> copy{walk, blender};  // or both would leave their registers
+    handed_over = end_in_pieces(copy, range, others);
+    walk = copy.walk, blender.lane = copy.blender.lane;
+  } else {
+    walk.blend_rest(blender);
+  }
 
-  if (!blender.handed_over) {
+  if (!handed_over) {
     // Found again: kept in registers during the walk, places would cost a block in nine.
     const PartPlace same(BlockSquare(input), threadIdx.x / warp_size);
-    if (blender.pieces != 0 && walked.blended != begin_of_piece(blender.pieces)) blender.end_piece();
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
       const PixelPlace pixel = same.pixel(view.frame, p, extras);
       if (pixel.inside)
-        store_pixel(view.frame, std::size_t(pixel.x), std::size_t(pixel.y),
-                    blender.pieces != 0 ? blender.joined_pixel(p).blended() : blender.pixels[p].blended(),
+        store_pixel(view.frame, std::size_t(pixel.x), std::size_t(pixel.y), blender.lane.pixels[p].blended(),
                     view.background);
     }
   }
   if constexpr (extras)
     if (job.counts)
       add_counts(job.counts[BlockSquare::number()],
-                 counts_of_warp(sum(blender.counts), walked.visited, walked.blended * pixels_of_part));
+                 counts_of_warp(sum(blender.lane.counts), walk.visited(), walk.blended() * pixels_of_part));
 }
 }  // namespace kernels
 

@@ -56,7 +56,7 @@ void for_each_splat_and_part(const F& f) {
 template <class Form, class ErrorOf>
 void check_form(const ErrorOf& error_of) {
   Worst worst, worst_usual;
-  int kept = 0, wrong_alphas = 0;
+  int kept = 0, wrong_alphas = 0, unlike = 0;
   for_each_splat_and_part([&](const SplatShape& shape, vec2 first, bool usual) {
     float4 terms;
     typename Form::Rest rest;
@@ -66,6 +66,8 @@ void check_form(const ErrorOf& error_of) {
       float exponents[pixels_of_lane];
       Form::evaluate(terms, rest, float(x), float(y), exponents);
       for (unsigned p = 0; p < pixels_of_lane; ++p) {
+        const float one = Form::evaluate_one(terms, rest, float(x), float(y), float(p) * rows_between);
+        unlike += !(one == exponents[p]);
         const double at_x = double(first.x) + x, at_y = double(first.y) + y + p * 4.0;
         const ExactSquare exact(shape, at_x, at_y);
         const double exponent = std::log2(double(shape.opacity)) - exact.s, error = error_of(exact, shape);
@@ -81,6 +83,7 @@ void check_form(const ErrorOf& error_of) {
   CHECK(kept > 10'000);
   CHECK(worst_usual.ratio <= 1);
   CHECK(wrong_alphas == 0);
+  CHECK(unlike == 0);
 }
 
 }  // namespace

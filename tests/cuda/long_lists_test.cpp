@@ -7,8 +7,10 @@
 #include <vector>
 
 #include <swiftgs/cpu.hpp>
+#include <swiftgs/type_list.hpp>
 
 #include "cuda/device.hpp"
+#include "cuda/drawings.hpp"
 #include "policies/random_splats.hpp"
 #include "policies/rasterizers.hpp"
 
@@ -31,6 +33,46 @@ Scene layers(std::size_t count, double faintest, double densest) {
     scene.opacities[i] = float(random.scale(faintest, densest));
   }
   return scene;
+}
+
+/// Makes the first Gaussians opaque dots in front of the others, of about two pixels in an image so wide:
+/// most pixels of a part stop early, and few go on.
+void put_dots(Scene& scene, std::size_t dots, int side) {
+  Random random(dots);
+  const float size = 0.9f / float(side);
+  for (std::size_t i = 0; i < dots; ++i) {
+    const float x = random.f(-0.5, 0.5), y = random.f(-0.5, 0.5);
+    for (std::size_t k = 3 * i; k < 3 * i + 3; ++k)  // one leaves a hundredth
+      scene.means[k] = vec3(x, y, 1), scene.scales[k] = vec3(size), scene.opacities[k] = 1;
+  }
+}
+
+/// So many faint dots for every tile of 16x16 pixels: in the first quarter of it, but of the first 4,300 a
+/// twentieth lies anywhere, and of the others so many in a hundred.
+Scene corners(std::size_t of_tile, int side, std::size_t anywhere = 5) {
+  Random random(of_tile);
+  const std::size_t across = std::size_t(side) / 16;
+  Scene scene = random_scene(of_tile * across * across, 0, of_tile);
+  const float pixel = 1 / float(side);
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const std::size_t tile = i % (across * across);
+    const std::size_t nth = i / (across * across);
+    const double width = nth % 100 < (nth < 4300 ? 5 : anywhere) ? 14 : 4;
+    const float x = float(16 * (tile % across)) + random.f(2, 2 + width);
+    const float y = float(16 * (tile / across)) + random.f(2, 2 + width);
+    const float z = 1 + float(i) / float(scene.size());
+    scene.means[i] = vec3(x * pixel - 0.5f, y * pixel - 0.5f, 1) * z;
+    scene.scales[i] = vec3(0.5f * pixel * z), scene.opacities[i] = random.f(0.005, 0.03);
+  }
+  return scene;
+}
+
+/// Keeps Gaussians that are much fainter than those that frames usually show, so that lists of ten thousands
+/// are needed to stop a pixel.
+Conventions faint() {
+  Conventions conventions;
+  conventions.alpha_min = 1e-5f;
+  return conventions;
 }
 
 Camera square_camera(int side) {
@@ -87,18 +129,20 @@ void check_parts(R& renderer, const SceneView& scene, int side, int size, bool e
 template <class Raster>
 using With = Renderer<Cuda, EarlySort, Raster, Ellipse>;
 
-/// Calls f(renderer) for each rasterizer that cuts lists into pieces.
+/// Rasterizers that cut lists into pieces.
+using Piecewise = TypeList<AxisSharedThreshold<FloatCholesky>, AxisShared<FloatCholesky>,
+                           AxisSharedThreshold<FloatSplit>, AxisShared<FloatSplit>>;
+
+/// Calls f(renderer) for each of them.
 template <class F>
 void for_each_piecewise(const F& f) {
-  f(With<AxisSharedThreshold<FloatCholesky>>());
-  f(With<AxisShared<FloatCholesky>>());
-  f(With<AxisSharedThreshold<FloatSplit>>());
-  f(With<AxisShared<FloatSplit>>());
+  for_each_type(Piecewise(), [&]<class Raster>(Raster) { f(With<Raster>()); });
 }
 
-SquareCounts counts_of(auto& renderer, const DeviceScene& scene, const Camera& camera) {
+SquareCounts counts_of(auto& renderer, const DeviceScene& scene, const Camera& camera,
+                       const Conventions& conventions = {}) {
   RenderSettings settings;
-  settings.count = true;
+  settings.conventions = conventions, settings.count = true;
   Frame frame;
   renderer.render(scene, camera, settings, frame);
   return renderer.statistics().raster;
@@ -109,71 +153,142 @@ SquareCounts counts_of(auto& renderer, const DeviceScene& scene, const Camera& c
 TEST_CASE("cuda long lists: parts that blocks share have the bits of parts that a warp walks") {
   if (without_device()) return;
   // The whole image has more long parts than there is room for, so warps walk the rest of them alone.
-  const Scene scene = layers(3500, 0.004, 0.05);
+  const int side = 1024;
+  Scene scene = layers(486'000, 0.0003, 0.03);
+  put_dots(scene, 160'000, side);
   for_each_piecewise([&](auto&& renderer) {
     const DeviceScene uploaded = renderer.backend().upload(scene);
-    for (const bool extras : {false, true}) check_parts(renderer, uploaded.view(), 1024, 256, extras);
+    CHECK(counts_of(renderer, uploaded, square_camera(side), faint()).pieces > 10'000);
+    for (const bool extras : {false, true})
+      check_parts(renderer, uploaded.view(), side, 256, extras, faint());
   });
 }
 
 TEST_CASE("cuda long lists: parts that clusters share have the bits of parts that blocks share") {
   if (without_device()) return;
-  const Scene scene = layers(40'000, 0.004, 0.0055);
+  // Of the whole image most wait until so little is left that blocks take them up, or are walked alone.
+  const int side = 384;
+  Scene scene = layers(148'000, 0.0001, 0.004);
+  put_dots(scene, 36'000, side);
   for_each_piecewise([&](auto&& renderer) {
     const DeviceScene uploaded = renderer.backend().upload(scene);
-    for (const bool extras : {false, true}) check_parts(renderer, uploaded.view(), 384, 128, extras);
+    CHECK(counts_of(renderer, uploaded, square_camera(side), faint()).pieces > 10'000);
+    for (const bool extras : {false, true})
+      check_parts(renderer, uploaded.view(), side, 128, extras, faint());
   });
 }
 
 TEST_CASE("cuda long lists: lists that end with a piece have the same bits too") {
   if (without_device()) return;
   // Black before white, so that a pixel is its transmittance. None stops, and each part keeps every splat.
-  Scene scene = layers(1024 + 16 * 128, 0.004, 0.0045);
-  for (std::size_t i = 0; i < scene.size(); ++i) {
-    scene.means[i].x = scene.means[i].y = 0;
-    scene.scales[i] = vec3(50, 50, 0.01f);
-    scene.sh0[i] = vec3(-10);
+  // The second list ends with a round, too.
+  for (const std::size_t pieces : {32, 36}) {
+    Scene scene = layers(512 + pieces * 128, 0.004, 0.0045);
+    for (std::size_t i = 0; i < scene.size(); ++i) {
+      scene.means[i].x = scene.means[i].y = 0;
+      scene.scales[i] = vec3(50, 50, 0.01f);
+      scene.sh0[i] = vec3(-10);
+    }
+    Conventions conventions;
+    conventions.stop = 0;
+    for_each_piecewise([&](auto&& renderer) {
+      const DeviceScene uploaded = renderer.backend().upload(scene);
+      CHECK(counts_of(renderer, uploaded, square_camera(1024), conventions).pieces > 10'000);
+      for (const bool extras : {false, true})
+        check_parts(renderer, uploaded.view(), 1024, 256, extras, conventions);
+    });
   }
-  Conventions conventions;
-  conventions.stop = 0;
-  for_each_piecewise([&](auto&& renderer) {
-    const DeviceScene uploaded = renderer.backend().upload(scene);
-    for (const bool extras : {false, true})
-      check_parts(renderer, uploaded.view(), 1024, 256, extras, conventions);
-  });
 }
 
 TEST_CASE("cuda long lists: every sort and every lossless bounds give the same bits, run after run") {
   if (without_device()) return;
-  const Scene scene = layers(30'000, 0.004, 0.02);
   const Camera camera = square_camera(96);
-  std::vector<float> expected;
-  for_each_type(AllSorts(), [&]<class Sort>(Sort) {
-    for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
-      if constexpr (Bounds::lossless) {
-        CAPTURE(Sort::name);
-        CAPTURE(Bounds::name);
-        Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Bounds> renderer;
-        const DeviceScene uploaded = renderer.backend().upload(scene);
-        for (int run = 0; run < 5; ++run) {
-          const std::vector<float> drawn = renderer.render(uploaded, camera).colour;
-          if (expected.empty()) expected = drawn;
-          CHECK((drawn == expected));
+  RenderSettings faintly, usually;
+  faintly.conventions = faint();
+  // Blocks share the lists of the first, clusters those of the second.
+  const std::pair<Scene, RenderSettings> drawn[] = {{layers(30'000, 0.004, 0.008), usually},
+                                                    {layers(30'000, 0.0003, 0.006), faintly}};
+  for (const auto& [scene, settings] : drawn) {
+    CAPTURE(settings.conventions.alpha_min);
+    std::vector<float> expected;
+    for_each_type(AllSorts(), [&]<class Sort>(Sort) {
+      for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
+        if constexpr (Bounds::lossless) {
+          CAPTURE(Sort::name);
+          CAPTURE(Bounds::name);
+          Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Bounds> renderer;
+          const DeviceScene uploaded = renderer.backend().upload(scene);
+          CHECK(counts_of(renderer, uploaded, camera, settings.conventions).pieces > 100);
+          Frame frame;
+          for (int run = 0; run < 5; ++run) {
+            renderer.render(uploaded, camera, settings, frame);
+            if (expected.empty()) expected = frame.colour;
+            CHECK((frame.colour == expected));
+          }
         }
-      }
+      });
     });
+  }
+}
+
+TEST_CASE("cuda long lists: lists of larger tiles have the same bits") {
+  if (without_device()) return;
+  // Small splats, of which each part shows few hundred: of tiles of 16 pixels a warp walks each list alone,
+  // of larger tiles it visits too many. The further to the right, the earlier pixels stop, or never.
+  Cuda cuda;
+  Random random(9);
+  SplatSet splats;
+  for (int i = 0; i < 120'000; ++i) {
+    const double x = random.in(0, 128);
+    splats.add(make_splat(x, random.in(0, 128), 0.8, 0.7, random.in(0, 3), 0.01 + 0.9 * x / 128),
+               float(i + 1), vec3(random.f(0, 1), random.f(0, 1), random.f(0, 1)));
+  }
+  Picture picture(std::move(splats), 128, 128);
+  for_each_type(Piecewise(), [&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    picture.tile_side = 16;
+    picture.use_bounds(Ellipse());
+    const Drawing usual = draw_on_device<Raster>(cuda, picture);
+    CHECK(usual.counts.pieces == 0);
+    for (const int side : {32, 64, 128}) {
+      CAPTURE(side);
+      picture.tile_side = side;
+      picture.use_bounds(Ellipse());
+      const Drawing drawn = draw_on_device<Raster>(cuda, picture);
+      CHECK(drawn.counts.pieces > 100);
+      CHECK(same_bits(drawn.frame.colour, usual.frame.colour));
+      CHECK(same_bits(drawn.frame.alpha, usual.frame.alpha));
+      CHECK(same_bits(drawn.frame.depth, usual.frame.depth));
+      CHECK(drawn.counts.contributing_pairs == usual.counts.contributing_pairs);
+      CHECK(drawn.counts.pixels_stopped == usual.counts.pixels_stopped);
+      const Drawing lean = draw_on_device<Raster>(cuda, picture, true);
+      CHECK(same_bits(lean.frame.colour, usual.frame.colour));
+      CHECK(same_bits(lean.frame.alpha, usual.frame.alpha));
+    }
   });
 }
 
 TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
   if (without_device()) return;
   const Camera camera = square_camera(64);
-  for (const auto& [count, densest] : {std::pair(3000, 0.05), {30'000, 0.006}, {30'000, 0.3}}) {
-    CAPTURE(count);
-    CAPTURE(densest);
-    const Scene scene = layers(std::size_t(count), 0.004, densest);
+  struct Drawn {
+    const char* name;
+    Scene scene;
+    Conventions conventions;
+    bool in_pieces;
+  };
+  // Lists of which each part shows much, and lists of which most parts show little; for warps, blocks and
+  // clusters.
+  const Drawn all[] = {{"warps", layers(3000, 0.004, 0.05), {}, false},
+                       {"blocks", layers(30'000, 0.004, 0.006), {}, true},
+                       {"clusters", layers(40'000, 0.0003, 0.003), faint(), true},
+                       {"little, for blocks", corners(12'000, 64, 50), {}, true},
+                       {"little, for clusters", corners(24'000, 64, 50), {}, true}};
+  for (const auto& [name, scene, conventions, in_pieces] : all) {
+    CAPTURE(name);
     Renderer<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> host;
     RenderSettings settings;
+    settings.conventions = conventions;
     settings.count = true, settings.outputs = {true, true};
     Frame expected, drawn;
     host.render(host.backend().upload(scene), camera, settings, expected);
@@ -194,6 +309,7 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
       CHECK(alpha < 0.001);
       CHECK(depth < 0.05);
       const SquareCounts counts = renderer.statistics().raster;
+      CHECK((counts.pieces > 0) == in_pieces);
       CHECK(double(counts.contributing_pairs) ==
             doctest::Approx(double(counted.contributing_pairs)).epsilon(2e-3));
       CHECK(double(counts.pixels_stopped) == doctest::Approx(double(counted.pixels_stopped)).epsilon(1e-2));
@@ -210,11 +326,16 @@ TEST_CASE("cuda long lists: counts tell of pieces where lists are long alone") {
   CHECK(usual.pixels_joined == 0);
   CHECK(usual.longest_item > 100);
   CHECK(usual.longest_item <= 500);
-  const SquareCounts longer =
-      counts_of(renderer, renderer.backend().upload(layers(9000, 0.004, 0.0055)), camera);
+  Scene scene = layers(14'700, 0.0003, 0.012);
+  put_dots(scene, 900, 64);
+  const SquareCounts longer = counts_of(renderer, renderer.backend().upload(scene), camera, faint());
   CHECK(longer.pieces > 64);
-  CHECK(longer.pixels_joined > 32 * longer.pieces);
+  CHECK(longer.pixels_joined > 4 * longer.pieces);
   CHECK(longer.pixels_joined <= 64 * longer.pieces);
-  CHECK(longer.longest_item >= 1024);
-  CHECK(longer.longest_item < 8500);  // what one walk leaves, another block takes up
+  CHECK(longer.longest_item >= 2048);
+  CHECK(longer.longest_item < 9000);  // what one walk leaves, another block takes up
+  // Where parts show little of a list, a walk is long too.
+  const SquareCounts visited = counts_of(renderer, renderer.backend().upload(corners(7000, 64)), camera);
+  CHECK(visited.longest_item >= 4096);
+  CHECK(visited.longest_item < 6500);
 }

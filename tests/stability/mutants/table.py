@@ -404,7 +404,7 @@ MUTANTS = [
                   "make_float4(mean.x, mean.y, log2_opacity, 0)"),
                  ("mixed = fmaf(terms.y, x, rest.y), column = fmaf(-x, fmaf(terms.x, x, rest.x), terms.w);",
                   "dx = x - rest.x, mixed = terms.y * dx, column = fmaf(-dx, terms.x * dx, terms.w);"),
-                 ("at = y + float(p) * rows_between;", "at = y + float(p) * rows_between - rest.y;"))),
+                 ("const float at = y + below;", "const float at = y + below - rest.y;"))),
     # The reference.
     Mutant("reference: trials leave the factor as it is", I + "reference/variation.hpp",
            "nudge(factor.l0), nudge(factor.l1), nudge(factor.l2);", "", "reference"),

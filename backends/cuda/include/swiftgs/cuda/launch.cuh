@@ -14,13 +14,20 @@ inline unsigned blocks_for(std::size_t n, unsigned threads) { return unsigned((n
 
 namespace kernels {
 /// Waits for the kernels before this one, which `launch_early` may have started behind. Every thread calls it
-/// before it touches memory or returns.
-///
-/// No kernel lets its successor start before its own blocks end: blocks that wait would take the room of work
-/// on other streams, such as colours that are evaluated beside the sort, which cost 3 % of a frame.
+/// before it touches memory or returns. A kernel that works beside the one before does without, if it reads
+/// of it only what it has acquired, and if none of its blocks ends before one of its threads has called this.
 __device__ inline void await_earlier() {
 #if __CUDA_ARCH__ >= 900
   cudaGridDependencySynchronize();
+#endif
+}
+
+/// Lets the next kernel start behind this one, as soon as all blocks of this one have started. Few kernels
+/// do: blocks that wait take the room of work on other streams, such as colours that are evaluated beside the
+/// sort, which cost 3 % of a frame.
+__device__ inline void let_next_start() {
+#if __CUDA_ARCH__ >= 900
+  cudaTriggerProgrammaticLaunchCompletion();
 #endif
 }
 }  // namespace kernels
@@ -38,10 +45,13 @@ void launch(const char* name, void (*kernel)(Parameters...), dim3 blocks, dim3 t
 /// Whether all code of this translation unit is for devices on which kernels can wait for earlier ones.
 inline constexpr bool kernels_await_earlier = std::min({__CUDA_ARCH_LIST__}) >= 900;
 
-/// As `launch_early`, with blocks in clusters of so many, where `early`.
-template <bool early = kernels_await_earlier, class... Parameters, class... Arguments>
-void launch_clusters(const Cuda& cuda, const char* name, void (*kernel)(Parameters...), dim3 blocks,
-                     dim3 threads, unsigned blocks_of_cluster, const Arguments&... arguments) {
+/// As `launch` on the stream of `cuda`, but the device may start blocks of `kernel` as those of the kernel
+/// before end. This hides the time that a kernel takes to start: 12 of a frame's 380 microseconds. The kernel
+/// begins with `await_earlier`. Where `early`, blocks come in clusters of so many.
+template <unsigned blocks_of_cluster = 1, bool early = kernels_await_earlier, class... Parameters,
+          class... Arguments>
+void launch_early(const Cuda& cuda, const char* name, void (*kernel)(Parameters...), dim3 blocks,
+                  dim3 threads, const Arguments&... arguments) {
   cudaLaunchAttribute attributes[2]{};
   attributes[0].id = cudaLaunchAttributeProgrammaticStreamSerialization;
   attributes[0].val.programmaticStreamSerializationAllowed = 1;
@@ -52,15 +62,6 @@ void launch_clusters(const Cuda& cuda, const char* name, void (*kernel)(Paramete
   config.gridDim = blocks, config.blockDim = threads, config.stream = cuda.stream();
   config.attrs = attributes, config.numAttrs = !early ? 0 : blocks_of_cluster == 1 ? 1 : 2;
   check_cuda(cudaLaunchKernelEx(&config, kernel, arguments...), name);
-}
-
-/// As `launch` on the stream of `cuda`, but the device may start blocks of `kernel` as those of the kernel
-/// before end. This hides the time that a kernel takes to start: 12 of a frame's 380 microseconds. The kernel
-/// begins with `await_earlier`.
-template <bool early = kernels_await_earlier, class... Parameters, class... Arguments>
-void launch_early(const Cuda& cuda, const char* name, void (*kernel)(Parameters...), dim3 blocks,
-                  dim3 threads, const Arguments&... arguments) {
-  launch_clusters<early>(cuda, name, kernel, blocks, threads, 1, arguments...);
 }
 
 }  // namespace swiftgs
