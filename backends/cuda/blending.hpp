@@ -135,6 +135,14 @@ struct JoinedPixel {
     total.w = before * piece.transmittance;
   }
   SWIFTGS_HD BlendedPixel blended() const { return {vec3(total.x, total.y, total.z), total.w, depth}; }
+
+  /// The same as a pixel that has stopped.
+  SWIFTGS_HD Pixel stopped() const {
+    Pixel pixel;
+    pixel.red = total.x, pixel.green = total.y, pixel.blue = total.z, pixel.depth = depth;
+    pixel.stop_with(total.w);
+    return pixel;
+  }
 };
 
 /// Counts of one thread.

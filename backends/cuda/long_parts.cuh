@@ -50,7 +50,7 @@ struct ResumeAt {
 
 /// A part at the end of a piece, or within the first.
 struct LongPart {
-  JoinedPart<true> joined;        ///< of the pieces, and of what is blended of the first
+  JoinedPart<true> joined;        ///< pixels behind all splats that are blended
   unsigned live[pixels_of_lane];  ///< lanes whose pixel has not stopped
   std::uint32_t pieces;           ///< so far
   std::uint32_t blended;          ///< splats
@@ -114,7 +114,7 @@ struct LongParts {
     return parts + (of_longest ? 0 : most_longest) + slot;
   }
 
-  /// Lets a block take what a warp has written.
+  /// Publishes a part that this warp has written: from now on a block may take it.
   __device__ void hand_over(const LongPart* part) const {
     __syncwarp();
     if (lane_index() == 0) word(ready[part - parts]).store(1, cuda::memory_order_release);

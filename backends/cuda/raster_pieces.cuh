@@ -136,8 +136,8 @@ struct LongPartBlender {
   }
 
  private:
-  /// Ends the first piece of the part, of which `most` splats are left, with one warp; every block does it.
-  /// Where the next piece begins.
+  /// Blends the rest of the first piece, `most` splats or fewer, with one warp. Every block of the group does
+  /// the same. Returns where the next piece begins.
   __device__ ResumeAt end_first_piece(ResumeAt from, std::uint32_t end, std::uint32_t most) {
     PieceSplats splats(shared.splats, input.job, Group(), from, end);
     splats.find(first_centre, most);
@@ -149,13 +149,8 @@ struct LongPartBlender {
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p) {
         const JoinedPixel from = shared.joined.load(pixel_of_part(p));
-        Pixel& pixel = lane.pixels[p];
-        pixel.red = from.total.x, pixel.green = from.total.y, pixel.blue = from.total.z;
-        pixel.depth = from.depth;
-        if (shared.live[p] >> lane_index() & 1)
-          pixel.start(rules.stop_below, from.total.w);
-        else
-          pixel.stop_with(from.total.w);
+        lane.pixels[p] = from.stopped();
+        if (shared.live[p] >> lane_index() & 1) lane.pixels[p].start(rules.stop_below, from.total.w);
         if constexpr (extras) lane.occluders[p] = place.pixel(view.frame, p, true).occluder;
       }
       __syncwarp();
@@ -418,7 +413,7 @@ __global__ void __launch_bounds__(piece_threads, piece_occupancy<extras>)
   if (threadIdx.x == 0) long_parts.begin();
   __shared__ PieceShared<Form, extras> shared;
   const Group cluster = Group::cluster();
-  // Half of the clusters begin with the longest, and the others with what is left to blocks alone.
+  // Every other cluster takes the longest parts first. The rest take parts for single blocks first.
   bool longest = cluster.blocks != 1 && blockIdx.x / cluster.blocks % 2 == 1;
   for (unsigned turn = 0; turn < (cluster.blocks == 1 ? 1 : 2); ++turn, longest = !longest) {
     const Group group = longest ? cluster : Group();

@@ -286,7 +286,7 @@ struct ColourBlender {
   __device__ bool all_stopped() const { return lane.all_stopped(); }
 };
 
-/// A walk and what it blends.
+/// A walk, and the blender that blends its splats.
 template <class Form, bool threshold, bool extras>
 struct ColourWalk {
   ListWalk<Form> walk;
@@ -322,12 +322,7 @@ struct PieceJoiner {
     if (pieces == 0) return;
     if (blended != begin_of_piece(pieces)) end_piece();
 #pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) {
-      Pixel& pixel = lane.pixels[p];
-      const float4& total = joined[p].total;
-      pixel.red = total.x, pixel.green = total.y, pixel.blue = total.z, pixel.depth = joined[p].depth;
-      pixel.stop_with(total.w);
-    }
+    for (unsigned p = 0; p < pixels_of_lane; ++p) lane.pixels[p] = joined[p].stopped();
   }
 
   /// Leaves the rest of a list to another block. So many splats are blended.

@@ -47,8 +47,8 @@ void put_dots(Scene& scene, std::size_t dots, int side) {
   }
 }
 
-/// So many faint dots for every tile of 16x16 pixels: in the first quarter of it, but of the first 4,300 a
-/// twentieth lies anywhere, and of the others so many in a hundred.
+/// `of_tile` faint dots for every tile of 16x16 pixels, most of them in its first quarter. Anywhere in the
+/// tile lie 5 in 100 of the first 4,300, and `anywhere` in 100 of the rest.
 Scene corners(std::size_t of_tile, int side, std::size_t anywhere = 5) {
   Random random(of_tile);
   const std::size_t across = std::size_t(side) / 16;
@@ -233,8 +233,9 @@ TEST_CASE("cuda long lists: every sort and every lossless bounds give the same b
 
 TEST_CASE("cuda long lists: lists of larger tiles have the same bits") {
   if (without_device()) return;
-  // Small splats, of which each part shows few hundred: of tiles of 16 pixels a warp walks each list alone,
-  // of larger tiles it visits too many. The further to the right, the earlier pixels stop, or never.
+  // Small splats: each part shows about a thousand. Lists of 16-pixel tiles are short enough for a warp
+  // alone. Lists of larger tiles are long, and a part refuses most of them. Pixels stop earlier towards the
+  // right.
   Cuda cuda;
   Random random(9);
   SplatSet splats;
@@ -277,8 +278,8 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
     Conventions conventions;
     bool in_pieces;
   };
-  // Lists of which each part shows much, and lists of which most parts show little; for warps, blocks and
-  // clusters.
+  // Parts show most of the lists of layers, and little of the lists of corners. Each scene names who blends
+  // it.
   const Drawn all[] = {{"warps", layers(3000, 0.004, 0.05), {}, false},
                        {"blocks", layers(30'000, 0.004, 0.006), {}, true},
                        {"clusters", layers(40'000, 0.0003, 0.003), faint(), true},
