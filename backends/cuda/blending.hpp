@@ -46,18 +46,17 @@ SWIFTGS_HD float alpha_of_square(float s, float reach, float opacity, const Blen
   return alpha;
 }
 
-/// A pixel while splats are blended into it. When it stops, its transmittance moves to `last` and becomes
-/// zero, so that whatever follows adds nothing, and `stop_below` becomes negative, so that it does not stop
-/// again.
+/// A pixel while splats are blended into it. When it stops, its transmittance becomes zero, so that whatever
+/// follows adds nothing. `stop_below` holds it from then on, negated: the pixel does not stop again.
 struct Pixel {
   float red = 0, green = 0, blue = 0, depth = 0;
-  float transmittance = 0, last = 1;
+  float transmittance = 0;
   float stop_below = -1;
 
   SWIFTGS_HD void start(float stop, float from = 1) { transmittance = from, stop_below = stop; }
-  SWIFTGS_HD bool live() const { return stop_below >= 0; }
+  SWIFTGS_HD bool live() const { return !std::signbit(stop_below); }
   SWIFTGS_HD void stop() { stop_with(transmittance); }
-  SWIFTGS_HD void stop_with(float left) { last = left, transmittance = 0, stop_below = -1; }
+  SWIFTGS_HD void stop_with(float left) { transmittance = 0, stop_below = -left; }
 
   SWIFTGS_HD void add(float weight, float r, float g, float b) {
     red = fmaf(weight, r, red), green = fmaf(weight, g, green), blue = fmaf(weight, b, blue);
@@ -69,7 +68,7 @@ struct Pixel {
   }
 
   SWIFTGS_HD BlendedPixel blended() const {
-    return {vec3(red, green, blue), live() ? transmittance : last, depth};
+    return {vec3(red, green, blue), live() ? transmittance : -stop_below, depth};
   }
 };
 

@@ -26,6 +26,7 @@ __device__ inline std::uint64_t wide_warp_sum(std::uint64_t value) {
 /// Blends as `ColourBlender` does, but each list in one piece, and adds up the weights: one atomic addition
 /// for a splat and part.
 struct WeightBlender {
+  static constexpr bool in_pieces = false;
   const RasterJob& job;
   std::uint64_t* sums;
   const BlendRules& rules;
@@ -83,7 +84,7 @@ __global__ void __launch_bounds__(raster_threads)
 
   const TileRange range = square.list(input);
   ListWalk<CholeskyForm> walk(input.job, range, part.first_centre(view), rules, queue);
-  walk.go_on(blender, ~0u, range.end);
+  walk.go_on(blender, range.end);
   walk.blend_rest(blender);
 }
 }  // namespace kernels

@@ -27,11 +27,11 @@ inline constexpr unsigned part_side = 8, pixels_of_part = part_side * part_side;
 /// The p-th pixel of this lane.
 __device__ inline unsigned pixel_of_part(unsigned p) { return p * warp_size + lane_index(); }
 
-/// The pixels of a part behind some pieces.
-template <bool with_depth>
-struct JoinedPart {
-  float4 totals[pixels_of_part];
-  float depths[with_depth ? pixels_of_part : 1];
+/// Pixels behind some pieces.
+template <bool with_depth, unsigned count>
+struct JoinedPixels {
+  float4 totals[count];
+  float depths[with_depth ? count : 1];
 
   __device__ JoinedPixel load(unsigned pixel) const {
     return {totals[pixel], with_depth ? depths[pixel] : 0};
@@ -41,6 +41,8 @@ struct JoinedPart {
     if constexpr (with_depth) depths[pixel] = from.depth;
   }
 };
+template <bool with_depth>
+using JoinedPart = JoinedPixels<with_depth, pixels_of_part>;
 
 /// Where the walk of a list goes on: at a position, but behind the first splats from there on that touch the
 /// part.
@@ -59,91 +61,117 @@ struct LongPart {
   ResumeAt at;
 };
 
-/// A walk is long that has blended so many splats, or visited so many instances; if enough instances are left
-/// for others to gain on it.
-inline constexpr std::uint32_t long_blended = 2048, long_visited = 4096, left_for_block = 2048;
-/// Clusters of blocks take up the longest.
-inline constexpr std::uint32_t left_of_longest = 16384;
+/// A walk is long that has blended so many splats, or visited so many instances, and is handed over. A
+/// shorter one is as soon as others wait for work.
+inline constexpr std::uint32_t long_blended = 4096, long_visited = 8192;
+/// Within its first piece, a walk asks after so many instances whether others wait.
+inline constexpr std::uint32_t visits_between_checks = 1024;
+/// If fewer instances are left, others would not gain.
+inline constexpr std::uint32_t least_left = 2048;
 
-/// More long parts than this keep a device busy without help.
-inline constexpr std::size_t most_long_parts = 7168, most_longest_parts = 1024;
+/// Queues of long parts, by the instances that are left. Clusters of blocks take those of the first two, the
+/// first before the second. Single blocks take the others.
+enum : unsigned { longest, longer, others, queue_count };
+inline constexpr std::uint32_t least_left_of_longest = 65536, least_left_of_longer = 32768;
 
-/// The long parts of a frame: two queues, which warps fill while blocks empty them.
+/// Parts of each queue at most. More of them keep a device busy without help.
+inline constexpr std::size_t most_longest = 256, most_longer = 1024, most_others = 7168;
+
+/// The long parts of a frame, in queues that warps fill while groups of blocks empty them: clusters, or
+/// single blocks.
 struct LongParts {
-  struct Counts {
-    std::uint32_t found;  ///< handed over
+  struct Queue {
+    std::uint32_t found;  ///< handed over, or refused for want of room
     std::uint32_t taken;
+  };
+  /// Groups that are single blocks, and clusters.
+  struct Groups {
+    std::uint32_t begun;
+    std::uint32_t parts;  ///< that they are done with
   };
   /// Zero between frames.
   struct State {
-    Counts longest, others;
-    std::uint32_t complete;  ///< not 0: no more will be handed over
-    std::uint32_t begun;     ///< blocks
-    std::uint32_t left;      ///< blocks that are done
+    std::uint32_t open;  ///< parts that wait, and `complete`
+    std::uint32_t left;  ///< blocks that are done
+    Groups groups[2];    ///< single blocks, clusters
+    Queue queues[queue_count];
   };
-  LongPart* parts;       ///< the longest, then the others
+  /// A bit of `open`: no more will be handed over.
+  static constexpr std::uint32_t complete = 1u << 31;
+
+  LongPart* parts;       ///< of all queues, one behind the other
   std::uint32_t* ready;  ///< of each part: not 0 after it is written and until it is taken
   State* state;
-  std::uint32_t most_longest, most_others;
+  std::uint32_t first[queue_count + 1];  ///< part of each queue, and behind the last
 
   /// Bytes before the parts. The same for all frames, which leave zeros in them.
-  static constexpr std::size_t head = 32 + (most_longest_parts + most_long_parts) * sizeof(std::uint32_t);
-  static_assert(sizeof(State) <= 32 && head % 16 == 0 && sizeof(LongPart) % 16 == 0);
+  static constexpr std::size_t head =
+      sizeof(State) + (most_longest + most_longer + most_others) * sizeof(std::uint32_t);
+  static_assert(head % 16 == 0 && sizeof(LongPart) % 16 == 0);
 
   /// In memory of `cuda`, for a frame of so many parts.
   static LongParts of(Cuda& cuda, std::size_t parts) {
-    const std::size_t longest = kernels_await_earlier ? std::min(parts, most_longest_parts) : 0;
-    const std::size_t others = std::min(parts, most_long_parts);
-    std::byte* const memory = cuda.raster_scratch(head + (longest + others) * sizeof(LongPart));
-    return {reinterpret_cast<LongPart*>(memory + head), reinterpret_cast<std::uint32_t*>(memory + 32),
-            reinterpret_cast<State*>(memory), std::uint32_t(longest), std::uint32_t(others)};
+    LongParts all{};
+    const auto add = [&](unsigned queue, std::size_t most) {
+      all.first[queue + 1] = all.first[queue] + std::uint32_t(std::min(parts, most));
+    };
+    add(longest, kernels_await_earlier ? most_longest : 0);
+    add(longer, kernels_await_earlier ? most_longer : 0);
+    add(others, most_others);
+    std::byte* const memory = cuda.raster_scratch(head + all.first[queue_count] * sizeof(LongPart));
+    all.parts = reinterpret_cast<LongPart*>(memory + head);
+    all.ready = reinterpret_cast<std::uint32_t*>(memory + sizeof(State));
+    all.state = reinterpret_cast<State*>(memory);
+    return all;
   }
 
   /// Has the next frame begin without parts.
   void forget(Cuda& cuda) const { cuda.clear(state, head); }
 
-  /// Room for a part of whose list so many instances are left, for a warp; null: others would not gain on it,
-  /// or there is none.
-  __device__ LongPart* take_room(std::uint32_t instances_left) const {
-    if (instances_left < left_for_block) return nullptr;
-    const bool of_longest = instances_left >= left_of_longest && most_longest != 0;
-    std::uint32_t slot = 0;
-    if (lane_index() == 0) slot = atomicAdd(&(of_longest ? state->longest : state->others).found, 1u);
+  /// Room for a part of whose list so many instances are left, for a warp; null: its walk is not long and
+  /// nobody waits for it, others would not gain, or there is no room.
+  __device__ LongPart* take_room(std::uint32_t instances_left, bool is_long) const {
+    if (instances_left < least_left) return nullptr;
+    const unsigned q = queue_of(instances_left);
+    std::uint32_t slot = ~0u;
+    if (lane_index() == 0 && (is_long || is_awaited(q))) slot = atomicAdd(&state->queues[q].found, 1u);
     slot = __shfl_sync(whole_warp, slot, 0);
-    if (slot >= (of_longest ? most_longest : most_others)) return nullptr;
-    return parts + (of_longest ? 0 : most_longest) + slot;
+    return slot < most(q) ? parts + first[q] + slot : nullptr;
   }
 
-  /// Publishes a part that this warp has written: from now on a block may take it.
+  /// Publishes a part that this warp has written: from now on others may take it.
   __device__ void hand_over(const LongPart* part) const {
     __syncwarp();
-    if (lane_index() == 0) word(ready[part - parts]).store(1, cuda::memory_order_release);
+    if (lane_index() != 0) return;
+    word(state->open).fetch_add(1, cuda::memory_order_relaxed);  // before it can be taken
+    word(ready[part - parts]).store(1, cuda::memory_order_release);
   }
 
-  /// For one thread of each block, before it asks for parts. That of the first block waits for the end of the
-  /// kernel that fills the queues, and so no block ends before.
-  __device__ void begin() const {
-    if (word(state->begun).fetch_add(1, cuda::memory_order_relaxed) != 0) return;
+  /// For one thread of each group, before it asks for parts. The first waits for the end of the kernel that
+  /// fills the queues, and so no block ends before.
+  __device__ void begin(bool as_cluster) const {
+    if (word(state->groups[as_cluster].begun).fetch_add(1, cuda::memory_order_relaxed) != 0) return;
     await_earlier();
-    word(state->complete).store(1, cuda::memory_order_release);
+    word(state->open).fetch_or(complete, cuda::memory_order_release);
   }
 
-  /// Waits for the next part of a queue, for one thread; null: there will be none.
-  __device__ const LongPart* await_next(bool of_longest) const {
-    Counts& counts = of_longest ? state->longest : state->others;
-    const std::uint32_t first = of_longest ? 0 : most_longest, most = of_longest ? most_longest : most_others;
+  /// Waits for the next part for a group, in one of its threads; null: there will be none.
+  __device__ const LongPart* await_next(bool as_cluster) const {
     for (;;) {
-      const bool last = word(state->complete).load(cuda::memory_order_acquire) != 0;
-      std::uint32_t next = word(counts.taken).load(cuda::memory_order_relaxed);
-      if (next >= min(word(counts.found).load(cuda::memory_order_relaxed), most)) {
-        if (last) return nullptr;
-      } else if (word(ready[first + next]).load(cuda::memory_order_acquire) != 0) {
-        if (!word(counts.taken).compare_exchange_strong(next, next + 1, cuda::memory_order_relaxed)) continue;
-        ready[first + next] = 0;
-        return parts + first + next;
+      const std::uint32_t open = word(state->open).load(cuda::memory_order_acquire);
+      const LongPart* part = nullptr;
+      if (open != 0 && open != complete) {
+        if (as_cluster) part = take(longest);
+        if (!part) part = take(as_cluster ? longer : others);
       }
+      if (part || (open & complete) != 0) return part;
       __nanosleep(100);
     }
+  }
+
+  /// After a group is done with a part, for one of its threads.
+  __device__ void end_part(bool as_cluster) const {
+    word(state->groups[as_cluster].parts).fetch_add(1, cuda::memory_order_relaxed);
   }
 
   /// For one thread of each block, which asks for nothing more. The last leaves zeros for the next frame.
@@ -154,6 +182,38 @@ struct LongParts {
  private:
   using Word = cuda::atomic_ref<std::uint32_t, cuda::thread_scope_device>;
   __device__ static Word word(std::uint32_t& value) { return Word(value); }
+  __device__ static std::uint32_t value(std::uint32_t& of) {
+    return word(of).load(cuda::memory_order_relaxed);
+  }
+
+  __device__ static unsigned queue_of(std::uint32_t instances_left) {
+    if (!kernels_await_earlier || instances_left < least_left_of_longer) return others;
+    return instances_left < least_left_of_longest ? longer : longest;
+  }
+  __device__ std::uint32_t most(unsigned q) const { return first[q + 1] - first[q]; }
+
+  /// Whether more groups have nothing to do than parts wait for them.
+  __device__ bool is_awaited(unsigned q) const {
+    const bool as_cluster = q != others;
+    Groups& groups = state->groups[as_cluster];
+    std::uint32_t found = value(state->queues[as_cluster ? longer : others].found);
+    if (as_cluster) found += value(state->queues[longest].found);
+    return value(groups.begun) + value(groups.parts) > found;
+  }
+
+  /// Takes the next part of a queue; null: there is none, or it is not written yet.
+  __device__ const LongPart* take(unsigned q) const {
+    Queue& queue = state->queues[q];
+    std::uint32_t next = value(queue.taken);
+    const std::uint32_t found = min(value(queue.found), most(q));
+    while (next < found && word(ready[first[q] + next]).load(cuda::memory_order_acquire) != 0) {
+      if (!word(queue.taken).compare_exchange_strong(next, next + 1, cuda::memory_order_relaxed)) continue;
+      ready[first[q] + next] = 0;
+      word(state->open).fetch_sub(1, cuda::memory_order_relaxed);
+      return parts + first[q] + next;
+    }
+    return nullptr;
+  }
 };
 
 }  // namespace swiftgs::kernels

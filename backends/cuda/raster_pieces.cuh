@@ -16,9 +16,12 @@ namespace kernels {
 
 /// Warps of a block that shares out the rest of a long part.
 inline constexpr unsigned piece_warps = 8, piece_threads = piece_warps * warp_size;
-/// Blocks that a multiprocessor holds.
+/// Blocks that a multiprocessor can hold.
 template <bool extras>
 inline constexpr unsigned piece_occupancy = extras ? 2 : 3;
+/// Blocks for each multiprocessor: one more is no faster where lists are long, and starts later where they
+/// are not.
+inline constexpr unsigned blocks_of_multiprocessor = 2;
 /// Pieces that a warp blends at once, where few pixels are left.
 inline constexpr unsigned most_pieces_of_warp = 2;
 /// Pixels of pieces that a block blends in a round.
@@ -410,23 +413,24 @@ template <class Form, bool threshold, bool extras, class ViewSource>
 __global__ void __launch_bounds__(piece_threads, piece_occupancy<extras>)
     raster_pieces(const __grid_constant__ RasterInput<ViewSource> input,
                   const __grid_constant__ LongParts long_parts) {
-  if (threadIdx.x == 0) long_parts.begin();
   __shared__ PieceShared<Form, extras> shared;
   const Group cluster = Group::cluster();
   // Every other cluster takes the longest parts first. The rest take parts for single blocks first.
-  bool longest = cluster.blocks != 1 && blockIdx.x / cluster.blocks % 2 == 1;
-  for (unsigned turn = 0; turn < (cluster.blocks == 1 ? 1 : 2); ++turn, longest = !longest) {
-    const Group group = longest ? cluster : Group();
+  bool as_cluster = cluster.blocks != 1 && blockIdx.x / cluster.blocks % 2 == 1;
+  if (threadIdx.x == 0 && !(as_cluster && cluster.rank != 0)) long_parts.begin(as_cluster);
+  for (unsigned turn = 0; turn < (cluster.blocks == 1 ? 1 : 2); ++turn, as_cluster = !as_cluster) {
+    const Group group = as_cluster ? cluster : Group();
     for (;;) {
       group.sync();
       if (group.rank == 0 && threadIdx.x == 0) {
-        const LongPart* const next = long_parts.await_next(longest);
+        const LongPart* const next = long_parts.await_next(as_cluster);
         for (unsigned b = 0; b < group.blocks; ++b) group.in(b, shared).part = next;
       }
       group.sync();
       const LongPart* const part = shared.part;
       if (!part) break;
       LongPartBlender<Form, threshold, extras, ViewSource>(input, *part, group, shared).run(*part);
+      if (group.rank == 0 && threadIdx.x == 0) long_parts.end_part(as_cluster);
     }
   }
   if (threadIdx.x == 0) long_parts.leave();
@@ -441,10 +445,11 @@ void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
     const LongParts long_parts = LongParts::of(cuda, input.squares.size() * parts_of_square);
     launch(name, raster_warps<Form, threshold, extras, ViewSource>, blocks_of(input.squares), raster_threads,
            cuda.stream(), input, long_parts);
-    const unsigned groups = unsigned(cuda.multiprocessors()) * piece_occupancy<extras> / blocks_of_group;
+    const unsigned clusters = unsigned(cuda.multiprocessors()) * blocks_of_multiprocessor / blocks_of_group;
     try {
       launch_early<blocks_of_group>(cuda, name, raster_pieces<Form, threshold, extras, ViewSource>,
-                                    std::max(groups, 1u) * blocks_of_group, piece_threads, input, long_parts);
+                                    std::max(clusters, 1u) * blocks_of_group, piece_threads, input,
+                                    long_parts);
     } catch (const DeviceError&) {
       long_parts.forget(cuda);  // or the next frame would go on with this one's
       throw;

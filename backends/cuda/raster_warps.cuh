@@ -57,6 +57,13 @@ struct PartPlace {
   }
 };
 
+/// Why a walk does not go on.
+enum class Pause {
+  at_piece,  ///< a piece has ended
+  at_limit,  ///< the list is visited so far; splats may wait
+  stopped,   ///< all pixels have stopped
+};
+
 /// A walk along a tile's list for one part: queues the splats that touch it, and lets a blender blend them
 /// front to back, half a queue at a time, until all its pixels have stopped. The blender fills the rest of a
 /// slot, beside the terms.
@@ -70,17 +77,16 @@ class ListWalk {
         first_centre_(first_centre),
         log2_alpha_min_(rules.log2_alpha_min),
         queue_(&queue),
+        some_hidden_(job.colours.some_hidden()),
         at_(range.begin) {
     // Shapes are asked for a step ahead, and their ids two.
     next_id_ = load_id(at_), later_id_ = load_id(at_ + warp_size);
     if (at_ < range.end) next_shape_ = load_shape(job, next_id_);
   }
 
-  /// Goes on until `halves` of a queue are blended in all, the list is visited up to position `limit`, or all
-  /// pixels have stopped. Whether more may be left to blend, behind `halves` or `limit`.
+  /// Goes on until a pause: at pieces, if the blender wants them, and at position `limit` of the list.
   template <class Blender>
-  __device__ bool go_on(Blender& blender, std::uint32_t halves, std::uint32_t limit) {
-    const bool some_hidden = job_->colours.some_hidden();
+  __device__ Pause go_on(Blender& blender, std::uint32_t limit) {
     while (at_ < limit) {
       const std::uint32_t id = next_id_;
       const SplatShape shape = next_shape_;
@@ -91,32 +97,30 @@ class ListWalk {
       later_id_ = load_id(at_ + warp_size);
 
       // Queue those that touch the part.
-      bool touched = listed && box_touched(shape, first_centre_, float(part_side));
-      if (some_hidden) touched = touched && !is_hidden(job_->colours.each[id]);
-      const unsigned lanes = __ballot_sync(whole_warp, touched);
-      if (touched) {
+      const bool touches = listed && this->touches(id, shape);
+      const unsigned lanes = __ballot_sync(whole_warp, touches);
+      if (touches) {
         const unsigned slot =
             (begun_ * queue_half + waiting_ + unsigned(__popc(lanes & lanes_below()))) % queue_size;
         blender.fill(slot, id);
         Form::prepare(shape, shape.mean - first_centre_, log2_alpha_min_, queue_->terms[slot],
                       queue_->rests[slot]);
       }
-      found_ = unsigned(__popc(lanes));
-      waiting_ += found_;
+      waiting_ += unsigned(__popc(lanes));
 
       // Blend half a queue at a time.
       if (waiting_ >= queue_half) {
         blender.await_queued();
         blender.blend_queued(begun_ % 2 * queue_half, queue_half);
         ++begun_, waiting_ -= queue_half;
+        if (Blender::in_pieces && piece_has_ended()) return Pause::at_piece;
         if (blender.all_stopped()) {
           drop_rest();
-          return false;
+          return Pause::stopped;
         }
-        if (begun_ == halves) return at_ < range_.end || waiting_ != 0;
       }
     }
-    return at_ < range_.end;
+    return Pause::at_limit;
   }
 
   /// Blends what waits. The walk cannot go on.
@@ -130,22 +134,35 @@ class ListWalk {
   /// Leaves alone what waits. The walk cannot go on.
   __device__ void drop_rest() { waiting_ = 0; }
 
-  /// Halves of a queue that are blended.
-  __device__ std::uint32_t halves() const { return begun_; }
+  /// Pieces that have ended.
+  __device__ std::uint32_t pieces() const {
+    return begun_ < halves_of_first_piece ? 0 : 1 + (begun_ - halves_of_first_piece) / halves_of_piece;
+  }
   /// Splats that are blended, with those that wait.
   __device__ std::uint32_t blended() const { return begun_ * queue_half + waiting_; }
   /// Instances that were visited.
   __device__ std::uint32_t visited() const { return min(at_, range_.end) - range_.begin; }
   /// Instances that were not.
   __device__ std::uint32_t left() const { return range_.end - min(at_, range_.end); }
-  /// The next splat to blend, if the last step has blended some: those that wait are of that step.
-  __device__ ResumeAt next() const { return {at_ - warp_size, found_ - waiting_}; }
   /// The next splat to visit.
   __device__ ResumeAt here() const { return {at_, 0}; }
+  /// The first splat that waits, or the next to visit. All that wait are of the last step.
+  __device__ ResumeAt next() const {
+    const std::uint32_t last = at_ - warp_size, id = load_id(last);
+    const bool touches = last + lane_index() < range_.end && this->touches(id, load_shape(*job_, id));
+    return {last, unsigned(__popc(__ballot_sync(whole_warp, touches))) - waiting_};
+  }
 
  private:
   __device__ std::uint32_t load_id(std::uint32_t at) const {
     return at + lane_index() < range_.end ? job_->lists.ids[at + lane_index()] : 0;
+  }
+  __device__ bool touches(std::uint32_t id, const SplatShape& shape) const {
+    return box_touched(shape, first_centre_, float(part_side)) &&
+           !(some_hidden_ && is_hidden(job_->colours.each[id]));
+  }
+  __device__ bool piece_has_ended() const {
+    return begun_ >= halves_of_first_piece && begun_ % halves_of_piece == 0;
   }
 
   const RasterJob* job_;
@@ -153,10 +170,11 @@ class ListWalk {
   vec2 first_centre_;
   float log2_alpha_min_;
   TermsQueue<Form>* queue_;
+  bool some_hidden_;
   std::uint32_t at_, next_id_, later_id_;
   SplatShape next_shape_;
-  // Splats put into the queue are `begun_` halves, and `waiting_` more; by the last step, `found_`.
-  std::uint32_t begun_ = 0, waiting_ = 0, found_ = 0;
+  // Splats put into the queue are `begun_` halves, and `waiting_` more.
+  std::uint32_t begun_ = 0, waiting_ = 0;
 };
 
 __device__ inline ThreadCounts sum(const ThreadCounts (&of_pixels)[pixels_of_lane]) {
@@ -255,6 +273,7 @@ __device__ void fetch_colour(const RasterJob& job, Queue<Form>& queue, unsigned 
 /// Blends colours into a part, and holds the pixels of this lane in it.
 template <class Form, bool threshold, bool extras>
 struct ColourBlender {
+  static constexpr bool in_pieces = true;
   const RasterJob& job;
   Queue<Form>& queue;
   LaneBlender<Form, threshold, extras, pixels_of_lane> lane;
@@ -286,51 +305,56 @@ struct ColourBlender {
   __device__ bool all_stopped() const { return lane.all_stopped(); }
 };
 
-/// A walk, and the blender that blends its splats.
-template <class Form, bool threshold, bool extras>
-struct ColourWalk {
-  ListWalk<Form> walk;
-  ColourBlender<Form, threshold, extras> blender;
-};
+/// Where `variable` lies in memory: the compiler keeps it out of registers, which those who seldom need it
+/// leave to others.
+template <class T>
+__device__ T& in_memory(T& variable) {
+  T* at = &variable;
+  asm volatile("" : "+l"(at));
+  return *at;
+}
 
 /// Joins the pieces of a walk.
 template <class Form, bool threshold, bool extras>
 struct PieceJoiner {
   LaneBlender<Form, threshold, extras, pixels_of_lane>& lane;
-  JoinedPixel joined[pixels_of_lane];
-  std::uint32_t pieces = 0;
+  JoinedPixels<extras, pixels_of_lane>& joined;  ///< behind the pieces that have ended
 
-  /// Joins a piece with those in front of it, and begins the next.
-  __device__ void end_piece() {
+  /// Joins piece k with those in front of it, and begins the next.
+  __device__ void end_piece(std::uint32_t k) const {
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
       Pixel& pixel = lane.pixels[p];
-      // One that had stopped before has no part in the piece.
-      if (pixel.last >= 0) joined[p].join(pixel.blended(), pieces);
+      JoinedPixel all = k == 0 ? JoinedPixel() : joined.load(p);
       const bool live = pixel.live();
+      if (pixel.stop_below != had_stopped) all.join(pixel.blended(), k);
+      joined.store(p, all);
       pixel = {};
       if (live)
-        start_piece(pixel, lane.rules.stop_below, joined[p].total.w, pieces + 1);
+        start_piece(pixel, lane.rules.stop_below, all.total.w, k + 1);
       else
-        pixel.last = -1;
+        pixel.stop_below = had_stopped;
     }
-    ++pieces;
   }
 
-  /// Joins what there is of the last piece, and has the pixels show all pieces. So many splats are blended.
-  __device__ void end(std::uint32_t blended) {
-    if (pieces == 0) return;
-    if (blended != begin_of_piece(pieces)) end_piece();
+  /// Joins what there is of piece k, the last, and has the pixels show all pieces.
+  __device__ void end(std::uint32_t k, bool is_empty) const {
+    if (k == 0) return;
+    if (!is_empty) end_piece(k);
 #pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) lane.pixels[p] = joined[p].stopped();
+    for (unsigned p = 0; p < pixels_of_lane; ++p) lane.pixels[p] = joined.load(p).stopped();
   }
 
-  /// Leaves the rest of a list to another block. So many splats are blended.
-  __device__ void hand_over(LongPart& part, ResumeAt at, std::uint32_t blended) {
+  /// Leaves the rest of a list to another block, after so many pieces and splats.
+  __device__ void hand_over(LongPart& part, ResumeAt at, std::uint32_t pieces, std::uint32_t blended) const {
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
-      if (pieces == 0) joined[p].join(lane.pixels[p].blended(), 0);
-      part.joined.store(pixel_of_part(p), joined[p]);
+      JoinedPixel all;
+      if (pieces == 0)
+        all.join(lane.pixels[p].blended(), 0);
+      else
+        all = joined.load(p);
+      part.joined.store(pixel_of_part(p), all);
       const unsigned live = __ballot_sync(whole_warp, lane.pixels[p].live());
       if (lane_index() == 0) part.live[p] = live;
     }
@@ -340,44 +364,18 @@ struct PieceJoiner {
       part.at = at;
     }
   }
+
+ private:
+  /// `stop_below` of a pixel that had stopped before the piece, and has no part in it.
+  static constexpr float had_stopped = -INFINITY;
 };
 
-/// Ends a walk that has come to the end of its first piece, or has visited many instances before. Whether it
-/// leaves the rest to another block, as a long one does. A call of its own: within the kernel it would slow
-/// short lists down.
-template <class Form, bool threshold, bool extras>
-__device__ __noinline__ bool end_in_pieces(ColourWalk<Form, threshold, extras>& part, TileRange range,
-                                           const LongParts& others) {
-  auto [walk, blender] = part;
-  PieceJoiner<Form, threshold, extras> joiner{blender.lane, {}};
-  std::uint32_t halves = halves_of_first_piece;
-  bool handed_over = false;
-  do {
-    const bool piece_ends = walk.halves() == halves;
-    if (piece_ends) joiner.end_piece(), halves += halves_of_piece;
-    if (walk.blended() >= long_blended || walk.visited() >= long_visited)
-      if (LongPart* const room = others.take_room(walk.left())) {
-        const ResumeAt next = piece_ends ? walk.next() : walk.here();
-        if (piece_ends)
-          walk.drop_rest();
-        else
-          walk.blend_rest(blender);
-        joiner.hand_over(*room, next, walk.blended());
-        others.hand_over(room);
-        handed_over = true;
-        break;
-      }
-  } while (walk.go_on(blender, halves, range.end));
-  if (!handed_over) walk.blend_rest(blender), joiner.end(walk.blended());
-  part.walk = walk, part.blender.lane = blender.lane;
-  return handed_over;
-}
-
-/// Blends the list of one square: a block a square, a warp a part of it. Long parts are left to `others`.
+/// Blends the list of one square: a block a square, a warp a part of it. Rests of long lists are left to
+/// others.
 template <class Form, bool threshold, bool extras, class ViewSource>
 __global__ void __launch_bounds__(raster_threads, Form::blocks)
     raster_warps(const __grid_constant__ RasterInput<ViewSource> input,
-                 const __grid_constant__ LongParts others) {
+                 const __grid_constant__ LongParts long_parts) {
   let_next_start();
   __shared__ Queue<Form> queues[parts_of_square];
   const unsigned warp = threadIdx.x / warp_size;
@@ -400,16 +398,36 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
   const TileRange range = square.list(input);
   if (!range.drawn()) return;
   ListWalk<Form> walk(job, range, part.first_centre(view), rules, queues[warp]);
-  bool handed_over = false;
-  if (walk.go_on(blender, halves_of_first_piece, min(range.end, range.begin + long_visited))) {
-    ColourWalk<Form, threshold, extras> copy{walk, blender};  // or both would leave their registers
-    handed_over = end_in_pieces(copy, range, others);
-    walk = copy.walk, blender.lane = copy.blender.lane;
-  } else {
-    walk.blend_rest(blender);
+  JoinedPixels<extras, pixels_of_lane> joined;
+  const PieceJoiner<Form, threshold, extras> joiner{blender.lane, in_memory(joined)};
+  LongPart* handed_over = nullptr;
+  ResumeAt next{};
+  for (std::uint32_t limit = range.begin; !handed_over;) {
+    if (walk.here().position >= limit) limit += min(range.end - limit, visits_between_checks);
+    const Pause pause = walk.go_on(blender, limit);
+    if (pause == Pause::stopped || (pause == Pause::at_limit && walk.left() == 0)) break;
+    if (pause == Pause::at_piece) {
+      joiner.end_piece(walk.pieces() - 1);
+      if (blender.all_stopped()) {
+        walk.drop_rest();
+        break;
+      }
+    }
+    // Others take the rest at the end of a piece, or from within the first.
+    if (pause == Pause::at_limit && walk.pieces() != 0) continue;
+    const bool is_long = walk.blended() >= long_blended || walk.visited() >= long_visited;
+    handed_over = long_parts.take_room(walk.left(), is_long);
+    if (!handed_over) continue;
+    next = walk.here();
+    if (pause == Pause::at_piece) next = walk.next(), walk.drop_rest();
   }
+  walk.blend_rest(blender);
 
-  if (!handed_over) {
+  if (handed_over) {
+    joiner.hand_over(*handed_over, next, walk.pieces(), walk.blended());
+    long_parts.hand_over(handed_over);
+  } else {
+    joiner.end(walk.pieces(), walk.blended() == begin_of_piece(walk.pieces()));
     // Found again: kept in registers during the walk, places would cost a block in nine.
     const PartPlace same(BlockSquare(input), threadIdx.x / warp_size);
 #pragma unroll

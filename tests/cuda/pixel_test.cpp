@@ -94,7 +94,7 @@ Blended blend_by_kernels(const std::vector<Layer>& layers, float stop_below, con
 }
 
 bool same_bits(const Pixel& a, const Pixel& b) {
-  static_assert(sizeof(Pixel) == 7 * sizeof(float));
+  static_assert(sizeof(Pixel) == 6 * sizeof(float));
   return std::memcmp(&a, &b, sizeof(Pixel)) == 0;
 }
 
