@@ -381,9 +381,11 @@ struct LongPartBlender {
     const bool was_live = own < pixels && is_live<pixel_count>(round, slot);
     const unsigned pixel = pixel_in<pixel_count>(slot, was_live);
     bool live = was_live;
-    float before = shared.joined.totals[pixel].w;
-    float all = (&shared.joined.totals[pixel].x)[channel];
-    float depth = extras ? shared.joined.depths[pixel] : 0;
+    float before = 0, all = 0, depth = 0;
+    if (was_live) {  // other warps write the rest
+      before = shared.joined.totals[pixel].w, all = (&shared.joined.totals[pixel].x)[channel];
+      if constexpr (extras) depth = shared.joined.depths[pixel];
+    }
 #pragma unroll 4
     for (unsigned k = 0; k < round.pieces(); ++k) {
       const PieceShared<Form, extras>& of = group.in(k / of_block, shared);
