@@ -18,7 +18,8 @@
 
 namespace swiftgs {
 
-/// What rasterizing one square of pixels took.
+/// What rasterizing one square of pixels took. With `Cuda`, who works off a long list differs from run to
+/// run. So all but pairs and stopped pixels may.
 struct SquareCounts {
   std::uint64_t instances_visited = 0;   ///< of its tile's list, before all its pixels had stopped
   std::uint64_t rows_visited = 0;        ///< rows of pixels on which an instance was evaluated
