@@ -70,33 +70,33 @@ inline constexpr std::uint32_t visits_between_checks = 1024;
 inline constexpr std::uint32_t least_left = 2048;
 
 /// Queues of long parts, by the instances that are left. Clusters of blocks take those of the first two, the
-/// first before the second. Single blocks take the others.
-enum : unsigned { longest, longer, others, queue_count };
+/// first before the second. Single blocks take the rest.
+enum : unsigned { longest, longer, shorter, queue_count };
 inline constexpr std::uint32_t least_left_of_longest = 65536, least_left_of_longer = 32768;
 
 /// Parts of each queue at most. More of them keep a device busy without help.
-inline constexpr std::size_t most_longest = 256, most_longer = 1024, most_others = 7168;
+inline constexpr std::size_t most_longest = 256, most_longer = 1024, most_shorter = 7168;
 
 /// The long parts of a frame, in queues that warps fill while groups of blocks empty them: clusters, or
 /// single blocks.
 struct LongParts {
   struct Queue {
-    std::uint32_t found;  ///< handed over, or refused for want of room
+    std::uint32_t found;  ///< handed over; more than there is room for, if some were refused
     std::uint32_t taken;
   };
   /// Groups that are single blocks, and clusters.
   struct Groups {
     std::uint32_t begun;
-    std::uint32_t parts;  ///< that they are done with
+    std::uint32_t done;  ///< parts
   };
   /// Zero between frames.
   struct State {
-    std::uint32_t open;  ///< parts that wait, and `complete`
-    std::uint32_t left;  ///< blocks that are done
-    Groups groups[2];    ///< single blocks, clusters
+    std::uint32_t waiting;  ///< parts, and `complete`
+    std::uint32_t left;     ///< blocks that are done
+    Groups groups[2];       ///< single blocks, clusters
     Queue queues[queue_count];
   };
-  /// A bit of `open`: no more will be handed over.
+  /// A bit of `waiting`: no more will be handed over.
   static constexpr std::uint32_t complete = 1u << 31;
 
   LongPart* parts;       ///< of all queues, one behind the other
@@ -106,7 +106,7 @@ struct LongParts {
 
   /// Bytes before the parts. The same for all frames, which leave zeros in them.
   static constexpr std::size_t head =
-      sizeof(State) + (most_longest + most_longer + most_others) * sizeof(std::uint32_t);
+      sizeof(State) + (most_longest + most_longer + most_shorter) * sizeof(std::uint32_t);
   static_assert(head % 16 == 0 && sizeof(LongPart) % 16 == 0);
 
   /// In memory of `cuda`, for a frame of so many parts.
@@ -117,7 +117,7 @@ struct LongParts {
     };
     add(longest, kernels_await_earlier ? most_longest : 0);
     add(longer, kernels_await_earlier ? most_longer : 0);
-    add(others, most_others);
+    add(shorter, most_shorter);
     std::byte* const memory = cuda.raster_scratch(head + all.first[queue_count] * sizeof(LongPart));
     all.parts = reinterpret_cast<LongPart*>(memory + head);
     all.ready = reinterpret_cast<std::uint32_t*>(memory + sizeof(State));
@@ -132,46 +132,53 @@ struct LongParts {
   /// nobody waits for it, others would not gain, or there is no room.
   __device__ LongPart* take_room(std::uint32_t instances_left, bool is_long) const {
     if (instances_left < least_left) return nullptr;
-    const unsigned q = queue_of(instances_left);
-    std::uint32_t slot = ~0u;
-    if (lane_index() == 0 && (is_long || is_awaited(q))) slot = atomicAdd(&state->queues[q].found, 1u);
+    std::uint32_t slot = none;
+    if (lane_index() == 0) {
+      // A shorter queue, if one is full.
+      unsigned q = queue_of(instances_left);
+      while (q != shorter && found(q) == most(q)) ++q;
+      if (found(q) != most(q) && (is_long || is_awaited(q))) {
+        slot = first[q] + atomicAdd(&state->queues[q].found, 1u);
+        if (slot >= first[q + 1]) slot = none;
+      }
+    }
     slot = __shfl_sync(whole_warp, slot, 0);
-    return slot < most(q) ? parts + first[q] + slot : nullptr;
+    return slot == none ? nullptr : parts + slot;
   }
 
   /// Publishes a part that this warp has written: from now on others may take it.
   __device__ void hand_over(const LongPart* part) const {
     __syncwarp();
     if (lane_index() != 0) return;
-    word(state->open).fetch_add(1, cuda::memory_order_relaxed);  // before it can be taken
+    word(state->waiting).fetch_add(1, cuda::memory_order_relaxed);  // before it can be taken
     word(ready[part - parts]).store(1, cuda::memory_order_release);
   }
 
-  /// For one thread of each group, before it asks for parts. The first waits for the end of the kernel that
-  /// fills the queues, and so no block ends before.
+  /// For one thread of each group, before it asks for parts. The first single block and the first cluster
+  /// wait for the end of the kernel that fills the queues, and so no block ends before.
   __device__ void begin(bool as_cluster) const {
     if (word(state->groups[as_cluster].begun).fetch_add(1, cuda::memory_order_relaxed) != 0) return;
     await_earlier();
-    word(state->open).fetch_or(complete, cuda::memory_order_release);
+    word(state->waiting).fetch_or(complete, cuda::memory_order_release);
   }
 
   /// Waits for the next part for a group, in one of its threads; null: there will be none.
   __device__ const LongPart* await_next(bool as_cluster) const {
     for (;;) {
-      const std::uint32_t open = word(state->open).load(cuda::memory_order_acquire);
+      const std::uint32_t waiting = word(state->waiting).load(cuda::memory_order_acquire);
       const LongPart* part = nullptr;
-      if (open != 0 && open != complete) {
+      if (waiting != 0 && waiting != complete) {
         if (as_cluster) part = take(longest);
-        if (!part) part = take(as_cluster ? longer : others);
+        if (!part) part = take(as_cluster ? longer : shorter);
       }
-      if (part || (open & complete) != 0) return part;
+      if (part || (waiting & complete) != 0) return part;
       __nanosleep(100);
     }
   }
 
   /// After a group is done with a part, for one of its threads.
   __device__ void end_part(bool as_cluster) const {
-    word(state->groups[as_cluster].parts).fetch_add(1, cuda::memory_order_relaxed);
+    word(state->groups[as_cluster].done).fetch_add(1, cuda::memory_order_relaxed);
   }
 
   /// For one thread of each block, which asks for nothing more. The last leaves zeros for the next frame.
@@ -186,31 +193,39 @@ struct LongParts {
     return word(of).load(cuda::memory_order_relaxed);
   }
 
+  static constexpr std::uint32_t none = ~0u;
+
   __device__ static unsigned queue_of(std::uint32_t instances_left) {
-    if (!kernels_await_earlier || instances_left < least_left_of_longer) return others;
+    if (!kernels_await_earlier || instances_left < least_left_of_longer) return shorter;
     return instances_left < least_left_of_longest ? longer : longest;
   }
   __device__ std::uint32_t most(unsigned q) const { return first[q + 1] - first[q]; }
+  __device__ std::uint32_t found(unsigned q) const { return min(value(state->queues[q].found), most(q)); }
 
-  /// Whether more groups have nothing to do than parts wait for them.
+  /// Whether more groups have nothing to do than parts wait for them. One waits for the kernel's end instead.
   __device__ bool is_awaited(unsigned q) const {
-    const bool as_cluster = q != others;
+    const bool as_cluster = q != shorter;
     Groups& groups = state->groups[as_cluster];
-    std::uint32_t found = value(state->queues[as_cluster ? longer : others].found);
-    if (as_cluster) found += value(state->queues[longest].found);
-    return value(groups.begun) + value(groups.parts) > found;
+    const std::uint32_t of_groups = as_cluster ? found(longest) + found(longer) : found(shorter);
+    return value(groups.begun) + value(groups.done) > of_groups + 1;
   }
 
   /// Takes the next part of a queue; null: there is none, or it is not written yet.
   __device__ const LongPart* take(unsigned q) const {
     Queue& queue = state->queues[q];
     std::uint32_t next = value(queue.taken);
-    const std::uint32_t found = min(value(queue.found), most(q));
-    while (next < found && word(ready[first[q] + next]).load(cuda::memory_order_acquire) != 0) {
-      if (!word(queue.taken).compare_exchange_strong(next, next + 1, cuda::memory_order_relaxed)) continue;
-      ready[first[q] + next] = 0;
-      word(state->open).fetch_sub(1, cuda::memory_order_relaxed);
-      return parts + first[q] + next;
+    const std::uint32_t end = found(q);
+    while (next < end) {
+      const Word written = word(ready[first[q] + next]);
+      if (written.load(cuda::memory_order_acquire) == 0) {
+        const std::uint32_t before = next;
+        next = value(queue.taken);
+        if (next == before) return nullptr;  // not written; else others have taken it
+      } else if (word(queue.taken).compare_exchange_strong(next, next + 1, cuda::memory_order_relaxed)) {
+        written.store(0, cuda::memory_order_release);
+        word(state->waiting).fetch_sub(1, cuda::memory_order_relaxed);
+        return parts + first[q] + next;
+      }
     }
     return nullptr;
   }

@@ -409,15 +409,15 @@ struct LongPartBlender {
   }
 };
 
-/// Goes on with long parts while `raster_warps` still finds some, in blocks for which it leaves room:
-/// clusters with the longest, and each block with others.
+/// Goes on with parts that `raster_warps` hands over, while it still runs, in blocks for which it leaves
+/// room: clusters with those that have most left, single blocks with the rest.
 template <class Form, bool threshold, bool extras, class ViewSource>
 __global__ void __launch_bounds__(piece_threads, piece_occupancy<extras>)
     raster_pieces(const __grid_constant__ RasterInput<ViewSource> input,
                   const __grid_constant__ LongParts long_parts) {
   __shared__ PieceShared<Form, extras> shared;
   const Group cluster = Group::cluster();
-  // Every other cluster takes the longest parts first. The rest take parts for single blocks first.
+  // Every other cluster takes parts for clusters first. The others take parts for single blocks first.
   bool as_cluster = cluster.blocks != 1 && blockIdx.x / cluster.blocks % 2 == 1;
   if (threadIdx.x == 0 && !(as_cluster && cluster.rank != 0)) long_parts.begin(as_cluster);
   for (unsigned turn = 0; turn < (cluster.blocks == 1 ? 1 : 2); ++turn, as_cluster = !as_cluster) {

@@ -60,7 +60,7 @@ struct PartPlace {
 /// Why a walk does not go on.
 enum class Pause {
   at_piece,  ///< a piece has ended
-  at_limit,  ///< the list is visited so far; splats may wait
+  at_limit,  ///< the list is visited up to the limit; splats may wait
   stopped,   ///< all pixels have stopped
 };
 
@@ -146,7 +146,8 @@ class ListWalk {
   __device__ std::uint32_t left() const { return range_.end - min(at_, range_.end); }
   /// The next splat to visit.
   __device__ ResumeAt here() const { return {at_, 0}; }
-  /// The first splat that waits, or the next to visit. All that wait are of the last step.
+  /// The first splat that waits, or the next to visit; after a pause at a piece, where all that wait are of
+  /// the last step.
   __device__ ResumeAt next() const {
     const std::uint32_t last = at_ - warp_size, id = load_id(last);
     const bool touches = last + lane_index() < range_.end && this->touches(id, load_shape(*job_, id));

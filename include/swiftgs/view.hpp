@@ -31,7 +31,8 @@ struct BlendRules {
   float log2_alpha_min = 0;
 
   static BlendRules from(const Conventions& c) {
-    return {c.alpha_min, c.alpha_max, c.stop_at_equal ? std::nextafter(c.stop, 1.0f) : c.stop,
+    const float stop = c.stop + 0.0f;  // never -0: backends look at its sign
+    return {c.alpha_min, c.alpha_max, c.stop_at_equal ? std::nextafter(stop, 1.0f) : stop,
             std::log2(c.alpha_min)};
   }
 };

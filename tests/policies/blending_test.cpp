@@ -82,6 +82,21 @@ TEST_CASE_TEMPLATE("blend: a pixel ends before the splat that brings it to the l
   });
 }
 
+TEST_CASE_TEMPLATE("blend: no pixel ends where the limit is zero, of either sign", B, SWIFTGS_TEST_BACKENDS) {
+  B backend = make_backend<B>();
+  SplatSet splats;
+  for (int i = 0; i < 5; ++i) add_half_clear(splats, 1.0f + float(i));
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    for (const float stop : {0.0f, -0.0f}) {
+      CAPTURE(std::signbit(stop));
+      const Drawing drawing = draw<Raster>(backend, splats, 17, 17, exact_settings(stop, false));
+      CHECK(drawing.alpha(8, 8) == 1 - 1.0f / 32);
+      CHECK(drawing.counts.pixels_stopped == 0);
+    }
+  });
+}
+
 TEST_CASE_TEMPLATE("blend: a stopped pixel stays stopped though fainter splats follow", B,
                    SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
