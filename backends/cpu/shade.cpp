@@ -20,8 +20,8 @@ namespace swiftgs::HWY_NAMESPACE {
 /// Bands 1 to `degree` in directions `d`: element k is the basis function with index k + 1.
 HWY_INLINE void ShBasis(int degree, const Vec3& v, float (*HWY_RESTRICT basis)[lanes]) {
   const F32 d;
-  const auto put = [&](int k, float constant, Vec value)
-                       HWY_ATTR { hn::StoreU(hn::Mul(hn::Set(d, constant), value), d, basis[k]); };
+  const auto put = [&](int k, double constant, Vec value)
+                       HWY_ATTR { hn::StoreU(hn::Mul(hn::Set(d, float(constant)), value), d, basis[k]); };
   put(0, -sh::c1, v.y), put(1, sh::c1, v.z), put(2, -sh::c1, v.x);
   if (degree < 2) return;
   const Vec xx = hn::Mul(v.x, v.x), yy = hn::Mul(v.y, v.y), zz = hn::Mul(v.z, v.z), xy = hn::Mul(v.x, v.y);
@@ -109,7 +109,7 @@ bool ShadeRange(const ViewConstants& v, const SceneView& scene, const std::uint3
       const float* HWY_RESTRICT rest = scene.sh_rest.data + id * stride;
       float rgb[4];
       hn::StoreU(SumBands(rest, basis, k, coefficients), F32x4(), rgb);
-      const auto channel = [&](int c) { return 0.5f + sh::c0 * sh0[c] + rgb[c]; };
+      const auto channel = [&](int c) { return 0.5f + float(sh::c0) * sh0[c] + rgb[c]; };
       const vec3 colour(channel(0), channel(1), channel(2));
       colours[first + k] = splat_colour(colour, depths[first + k]);
       some_hidden = some_hidden || is_hidden(colours[first + k]);

@@ -40,14 +40,14 @@ WARPS = ("raster_float_cholesky.cu",)
 
 def harmonics():
     """Each constant of the harmonics, larger by 2e-4."""
-    text = {"c0": "0.28209479177387814f", "c1": "0.4886025119029199f", "c20": "1.0925484305920792f",
-            "c21": "-1.0925484305920792f", "c22": "0.31539156525252005f", "c23": "-1.0925484305920792f",
-            "c24": "0.5462742152960396f", "c30": "-0.5900435899266435f", "c31": "2.890611442640554f",
-            "c32": "-0.4570457994644658f", "c33": "0.3731763325901154f", "c34": "-0.4570457994644658f",
-            "c35": "1.445305721320277f", "c36": "-0.5900435899266435f"}
+    text = {"c0": "0.28209479177387814", "c1": "0.4886025119029199", "c20": "1.0925484305920792",
+            "c21": "-1.0925484305920792", "c22": "0.31539156525252005", "c23": "-1.0925484305920792",
+            "c24": "0.5462742152960396", "c30": "-0.5900435899266435", "c31": "2.890611442640554",
+            "c32": "-0.4570457994644658", "c33": "0.3731763325901154", "c34": "-0.4570457994644658",
+            "c35": "1.445305721320277", "c36": "-0.5900435899266435"}
     for name, value in text.items():
-        line = f"inline constexpr float {name} = {value};"
-        off = f"inline constexpr float {name} = {value} + 2e-4f;"
+        line = f"inline constexpr double {name} = {value};"
+        off = f"inline constexpr double {name} = {value} + 2e-4;"
         yield Mutant(f"harmonics: {name} off by 2e-4", I + "sh.hpp", line, off, quick=name == "c0")
         if name in ("c0", "c1", "c22", "c33"):
             yield Mutant(f"cpu harmonics: {name} off by 2e-4", I + "sh.hpp", line, off, "cpu", ("shade.cpp",))
@@ -195,7 +195,7 @@ MUTANTS = [
     Mutant("raster: the stop compares with <=", I + "raster/raster.hpp", "next < view.rules.stop_below",
            "next <= view.rules.stop_below"),
     Mutant("raster: stop_at_equal ignored", I + "view.hpp",
-           "c.stop_at_equal ? std::nextafter(c.stop, 1.0f) : c.stop", "c.stop", quick=True),
+           "c.stop_at_equal ? std::nextafter(stop, 1.0f) : stop", "c.stop", quick=True),
     Mutant("raster: alpha_max 0.9901", I + "view.hpp", "return {c.alpha_min, c.alpha_max,",
            "return {c.alpha_min, c.alpha_max == 0.99f ? 0.9901f : c.alpha_max,"),
     Mutant("raster: alpha_max not cut", I + "raster/axis_shared.hpp", "return alpha < alpha_max_ ? alpha : alpha_max_;",
@@ -365,8 +365,8 @@ MUTANTS = [
            "splat = project_shape(views[0].camera, load_gaussian(scene, i));",
            "{\n    ViewConstants blurred = views[0].camera;\n    blurred.blur *= 1.0001f;\n"
            "    splat = project_shape(blurred, load_gaussian(scene, i));\n  }", sources=STAGES),
-    Mutant("cuda shade: c0 off by 2e-4", I + "sh.hpp", "inline constexpr float c0 = 0.28209479177387814f;",
-           "inline constexpr float c0 = 0.28209479177387814f + 2e-4f;", "cuda", ("shade.cu",)),
+    Mutant("cuda shade: c0 off by 2e-4", I + "sh.hpp", "inline constexpr double c0 = 0.28209479177387814;",
+           "inline constexpr double c0 = 0.28209479177387814 + 2e-4;", "cuda", ("shade.cu",)),
     Mutant("cuda sort: depth key of one bit less", I + "splats.hpp",
            "return __builtin_bit_cast(std::uint32_t, depth);", "return __builtin_bit_cast(std::uint32_t, depth) & ~1u;",
            "cuda", STAGES + ("cuda.cu",)),
