@@ -2,7 +2,7 @@
 #pragma once
 
 /// @file
-/// A smaller scene from the Gaussians that score highest.
+/// Which Gaussians score highest. `subset` makes a smaller scene of them.
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include <swiftgs/edit/select.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/scene.hpp>
 
@@ -59,28 +60,6 @@ std::vector<std::uint32_t> highest(const std::vector<Score>& scores, std::size_t
   order.resize(count);
   std::sort(order.begin(), order.end());
   return order;
-}
-
-/// The Gaussians `kept` of `scene`, in that order. Throws `std::invalid_argument` as `validate` does, and if
-/// an index in `kept` is not below the number of Gaussians.
-inline Scene subset(const Scene& scene, const std::vector<std::uint32_t>& kept) {
-  validate(scene);
-  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
-  Scene out;
-  out.sh_degree = scene.sh_degree, out.antialiased = scene.antialiased;
-  out.means.reserve(kept.size()), out.scales.reserve(kept.size()), out.rotations.reserve(kept.size());
-  out.opacities.reserve(kept.size()), out.sh0.reserve(kept.size()), out.sh_rest.reserve(rest * kept.size());
-  for (const std::uint32_t i : kept) {
-    if (i >= scene.size())
-      throw std::invalid_argument("pruning: expected Gaussians below " + std::to_string(scene.size()) +
-                                  ", got " + std::to_string(i));
-    out.means.push_back(scene.means[i]), out.scales.push_back(scene.scales[i]);
-    out.rotations.push_back(scene.rotations[i]), out.opacities.push_back(scene.opacities[i]);
-    out.sh0.push_back(scene.sh0[i]);
-    const auto first = scene.sh_rest.begin() + std::ptrdiff_t(rest * i);
-    out.sh_rest.insert(out.sh_rest.end(), first, first + std::ptrdiff_t(rest));
-  }
-  return out;
 }
 
 }  // namespace swiftgs

@@ -46,26 +46,6 @@ TEST_CASE("pruning: a fraction is rounded to at least one Gaussian") {
     CHECK_THROWS_AS(kept_count(fraction, 10), std::invalid_argument);
 }
 
-TEST_CASE("pruning: a subset has all that its Gaussians had") {
-  Scene scene = random_scene(10, 2, 3);
-  scene.antialiased = true;
-  const Scene part = subset(scene, {2, 7});
-  validate(part);
-  CHECK(part.size() == 2);
-  CHECK(part.sh_degree == 2);
-  CHECK(part.antialiased);
-  CHECK(part.means[1] == scene.means[7]);
-  CHECK(part.scales[0] == scene.scales[2]);
-  CHECK(part.rotations[1] == scene.rotations[7]);
-  CHECK(part.opacities[0] == scene.opacities[2]);
-  CHECK(part.sh0[1] == scene.sh0[7]);
-  CHECK(part.sh_rest.size() == 48);
-  CHECK(part.sh_rest[24] == scene.sh_rest[7 * 24]);
-  CHECK(part.sh_rest[23] == scene.sh_rest[2 * 24 + 23]);
-  CHECK(subset(scene, {}).size() == 0);
-  CHECK_THROWS_AS(subset(scene, {10}), std::invalid_argument);
-}
-
 TEST_CASE("pruning: opacity times volume") {
   Scene scene = random_scene(1, 0, 3);
   scene.opacities[0] = 0.5f, scene.scales[0] = vec3(2, 4, 0.25f);

@@ -10,6 +10,7 @@
 #include <functional>
 
 #include <swiftgs/builtin/light.hpp>
+#include <swiftgs/rotation.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs::builtin {
@@ -31,21 +32,7 @@ inline Axes turned(const Axes& axes, double turns) {
   return {axes.x * c + axes.y * s, axes.y * c - axes.x * s, axes.z};
 }
 
-inline Quaternion quaternion(const Axes& a) {
-  const double trace = a.x.x + a.y.y + a.z.z;
-  double w, x, y, z;
-  if (trace > 0) {
-    w = 1 + trace, x = a.y.z - a.z.y, y = a.z.x - a.x.z, z = a.x.y - a.y.x;
-  } else if (a.x.x >= a.y.y && a.x.x >= a.z.z) {
-    w = a.y.z - a.z.y, x = 1 + a.x.x - a.y.y - a.z.z, y = a.x.y + a.y.x, z = a.x.z + a.z.x;
-  } else if (a.y.y >= a.z.z) {
-    w = a.z.x - a.x.z, x = a.x.y + a.y.x, y = 1 + a.y.y - a.x.x - a.z.z, z = a.y.z + a.z.y;
-  } else {
-    w = a.x.y - a.y.x, x = a.x.z + a.z.x, y = a.y.z + a.z.y, z = 1 + a.z.z - a.x.x - a.y.y;
-  }
-  const double scale = 1 / std::sqrt(w * w + x * x + y * y + z * z);
-  return {float(w * scale), float(x * scale), float(y * scale), float(z * scale)};
-}
+inline Quaternion quaternion(const Axes& a) { return rounded(quaternion_of(dmat3(a.x, a.y, a.z))); }
 
 /// One Gaussian before it is stored.
 struct Blob {

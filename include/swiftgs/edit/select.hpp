@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+#include <swiftgs/error.hpp>
+#include <swiftgs/math.hpp>
+#include <swiftgs/scene.hpp>
+
+namespace swiftgs {
+
+/// The Gaussians `kept` of `scene`, in that order. Linear in their number. Throws `std::invalid_argument` as
+/// `validate` does, and if an index in `kept` is not below the number of Gaussians.
+inline Scene subset(const Scene& scene, const std::vector<std::uint32_t>& kept) {
+  validate(scene);
+  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  Scene out;
+  out.sh_degree = scene.sh_degree, out.antialiased = scene.antialiased;
+  out.means.reserve(kept.size()), out.scales.reserve(kept.size()), out.rotations.reserve(kept.size());
+  out.opacities.reserve(kept.size()), out.sh0.reserve(kept.size()), out.sh_rest.reserve(rest * kept.size());
+  for (const std::uint32_t i : kept) {
+    if (i >= scene.size())
+      throw std::invalid_argument("subset: expected Gaussians below " + std::to_string(scene.size()) +
+                                  ", got " + std::to_string(i));
+    out.means.push_back(scene.means[i]), out.scales.push_back(scene.scales[i]);
+    out.rotations.push_back(scene.rotations[i]), out.opacities.push_back(scene.opacities[i]);
+    out.sh0.push_back(scene.sh0[i]);
+    const auto first = scene.sh_rest.begin() + std::ptrdiff_t(rest * i);
+    out.sh_rest.insert(out.sh_rest.end(), first, first + std::ptrdiff_t(rest));
+  }
+  return out;
+}
+
+/// Indices of the Gaussians for which `keep(i)` is true, ascending. Throws `std::invalid_argument` as
+/// `validate` does, and `CapacityError` beyond 2^32 - 1 Gaussians.
+template <class Predicate>
+std::vector<std::uint32_t> select(const Scene& scene, const Predicate& keep) {
+  validate(scene);
+  const std::size_t most = std::numeric_limits<std::uint32_t>::max();
+  if (scene.size() > most) throw CapacityError("Gaussians", scene.size(), most);
+  std::vector<std::uint32_t> kept;
+  for (std::size_t i = 0; i < scene.size(); ++i)
+    if (keep(i)) kept.push_back(std::uint32_t(i));
+  return kept;
+}
+
+/// Positions between two corners, both included.
+struct Box {
+  dvec3 low{0.0}, high{0.0};
+
+  bool contains(const dvec3& p) const {
+    return p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y && p.z >= low.z && p.z <= high.z;
+  }
+};
+
+/// Positions at most `radius` from the centre.
+struct Sphere {
+  dvec3 centre{0.0};
+  double radius = 0;
+
+  bool contains(const dvec3& p) const { return glm::length(p - centre) <= radius; }
+};
+
+/// Positions p with dot(normal, p) of `offset` or more.
+struct HalfSpace {
+  dvec3 normal{0.0, 0.0, 1.0};  ///< of any length but 0
+  double offset = 0;
+
+  bool contains(const dvec3& p) const { return glm::dot(normal, p) >= offset; }
+};
+
+namespace detail {
+inline bool is_finite(const dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+inline void require_region(bool holds, const char* expected) {
+  if (!holds) throw std::invalid_argument(std::string("crop: expected ") + expected);
+}
+}  // namespace detail
+
+/// Throws `std::invalid_argument` unless the region is one. A side of a box may be infinite.
+inline void validate(const Box& box) {
+  for (int axis = 0; axis < 3; ++axis)
+    detail::require_region(box.low[axis] <= box.high[axis], "a box whose first corner is the lower one");
+}
+inline void validate(const Sphere& sphere) {
+  detail::require_region(detail::is_finite(sphere.centre), "a sphere with a finite centre");
+  detail::require_region(sphere.radius >= 0, "a sphere with a radius of 0 or more");
+}
+inline void validate(const HalfSpace& half) {
+  detail::require_region(detail::is_finite(half.normal) && glm::dot(half.normal, half.normal) > 0,
+                         "a half-space with a finite normal other than 0");
+  detail::require_region(!std::isnan(half.offset), "a half-space with a number for its offset");
+}
+
+/// The Gaussians whose means lie in a `Box`, `Sphere` or `HalfSpace`, in their order. Throws
+/// `std::invalid_argument` as `validate` does of the scene and the region.
+template <class Region>
+Scene crop(const Scene& scene, const Region& region) {
+  validate(region);
+  return subset(scene, select(scene, [&](std::size_t i) { return region.contains(dvec3(scene.means[i])); }));
+}
+
+/// The scene with harmonics of another degree, 0 to 3: bands above it are left out, bands that are missing
+/// are zero. Throws `std::invalid_argument` as `validate` does, and for any other degree.
+inline Scene with_degree(Scene scene, int degree) {
+  validate(scene);
+  if (degree < 0 || degree > max_sh_degree)
+    throw std::invalid_argument("with_degree: expected 0 to 3, got " + std::to_string(degree));
+  const std::size_t from = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  const std::size_t to = 3 * std::size_t(sh_rest_count(degree)), shared = from < to ? from : to;
+  if (from == to) return scene;
+  std::vector<float> rest(to * scene.size());
+  for (std::size_t i = 0; i < scene.size(); ++i)
+    for (std::size_t k = 0; k < shared; ++k) rest[to * i + k] = scene.sh_rest[from * i + k];
+  scene.sh_rest = std::move(rest), scene.sh_degree = degree;
+  return scene;
+}
+
+/// Adds the Gaussians of `more` behind those of `scene`, which comes to have the higher degree of both.
+/// Throws `std::invalid_argument` as `validate` does, and if only one of both was trained with the opacity
+/// compensation that `antialiased` names; a scene without Gaussians takes over that of `more`.
+inline void append(Scene& scene, const Scene& more) {
+  validate(scene), validate(more);
+  if (more.size() == 0) return;
+  if (&scene == &more) return append(scene, Scene(more));
+  if (scene.size() == 0) scene.antialiased = more.antialiased;
+  if (scene.antialiased != more.antialiased)
+    throw std::invalid_argument("append: expected both scenes antialiased or neither, got one of each");
+  const int degree = scene.sh_degree > more.sh_degree ? scene.sh_degree : more.sh_degree;
+  if (scene.sh_degree != degree) scene = with_degree(std::move(scene), degree);
+  // With room for all, nothing is added if memory runs out.
+  const std::size_t all = scene.size() + more.size();
+  scene.means.reserve(all), scene.scales.reserve(all), scene.rotations.reserve(all);
+  scene.opacities.reserve(all), scene.sh0.reserve(all);
+  scene.sh_rest.reserve(all * 3 * std::size_t(sh_rest_count(degree)));
+  const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  if (more.sh_degree == degree)
+    add(scene.sh_rest, more.sh_rest);
+  else
+    add(scene.sh_rest, with_degree(more, degree).sh_rest);
+  add(scene.means, more.means), add(scene.scales, more.scales), add(scene.rotations, more.rotations);
+  add(scene.opacities, more.opacities), add(scene.sh0, more.sh0);
+}
+
+}  // namespace swiftgs

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+#include <glm/matrix.hpp>
+
+#include <swiftgs/camera.hpp>
+#include <swiftgs/edit/sh_rotation.hpp>
+#include <swiftgs/math.hpp>
+#include <swiftgs/rotation.hpp>
+#include <swiftgs/scene.hpp>
+
+namespace swiftgs {
+
+/// A movement that keeps shapes: p becomes scale * rotation p + translation.
+struct Similarity {
+  dmat3 rotation{1.0};  ///< orthonormal, of determinant 1; GLM stores it by columns: rotation[column][row]
+  double scale = 1;     ///< above 0
+  dvec3 translation{0.0};
+
+  dvec3 operator()(const dvec3& p) const { return scale * (rotation * p) + translation; }
+};
+
+/// Throws `std::invalid_argument` that names the first invalid member.
+inline void validate(const Similarity& by) {
+  const auto require = [](bool holds, const char* expected) {
+    if (!holds) throw std::invalid_argument(std::string("transform: expected ") + expected);
+  };
+  require(by.scale > 0 && std::isfinite(by.scale), "a finite scale above 0");
+  for (int i = 0; i < 3; ++i) {
+    require(std::isfinite(by.translation[i]), "a finite translation");
+    for (int j = 0; j < 3; ++j)
+      require(std::abs(detail::dot(by.rotation[i], by.rotation[j]) - (i == j ? 1.0 : 0.0)) < 1e-6,
+              "a rotation with orthonormal columns");
+  }
+  require(detail::dot(detail::cross(by.rotation[0], by.rotation[1]), by.rotation[2]) > 0,
+          "a rotation, not a mirror");
+}
+
+/// What leads back.
+inline Similarity inverse(const Similarity& by) {
+  Similarity back;
+  back.rotation = glm::transpose(by.rotation), back.scale = 1 / by.scale;
+  back.translation = -back.scale * (back.rotation * by.translation);
+  return back;
+}
+
+/// Moves all Gaussians: means, scales, rotations, and harmonics in all bands. Computed in double and rounded
+/// to float once. Linear in the number of Gaussians.
+/// Throws `std::invalid_argument` as `validate` does of the scene and the movement, and `std::range_error` if
+/// a Gaussian would leave the range of float; then nothing has moved.
+inline void transform(Scene& scene, const Similarity& by) {
+  validate(scene), validate(by);
+  const auto moved = [&](std::size_t i) { return vec3(by(dvec3(scene.means[i]))); };
+  const auto grown = [&](std::size_t i) { return vec3(by.scale * dvec3(scene.scales[i])); };
+  const auto is_finite = [](const vec3& v) {
+    return !detail::is_not_finite(v.x) && !detail::is_not_finite(v.y) && !detail::is_not_finite(v.z);
+  };
+  for (std::size_t i = 0; i < scene.size(); ++i)
+    if ((is_finite(scene.means[i]) && !is_finite(moved(i))) ||
+        (is_finite(scene.scales[i]) && !is_finite(grown(i))))
+      throw std::range_error("transform: Gaussian " + std::to_string(i) +
+                             " would leave the range of float; expected a movement that keeps it finite");
+
+  const DQuaternion turn = quaternion_of(by.rotation);
+  const ShRotation harmonics(by.rotation, scene.sh_degree);
+  const std::size_t stride = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    scene.means[i] = moved(i), scene.scales[i] = grown(i);
+    const Quaternion& q = scene.rotations[i];
+    scene.rotations[i] = rounded(unit(turn * DQuaternion{q.w, q.x, q.y, q.z}));
+    if (stride != 0) harmonics.apply(scene.sh_rest.data() + i * stride);
+  }
+}
+
+/// The camera that sees a transformed scene as `camera` sees the scene. Depths grow by the scale; the near
+/// plane stays where it is.
+inline Camera transformed(Camera camera, const Similarity& by) {
+  validate(by);
+  camera.rotation = camera.rotation * glm::transpose(by.rotation);
+  camera.translation = by.scale * camera.translation - camera.rotation * by.translation;
+  return camera;
+}
+
+}  // namespace swiftgs

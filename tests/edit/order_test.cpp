@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/edit.hpp>
+
+#include "policies/random_splats.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+using Indices = std::vector<std::uint32_t>;
+
+Indices sorted(Indices indices) {
+  std::sort(indices.begin(), indices.end());
+  return indices;
+}
+Indices all(std::size_t count) {
+  Indices indices(count);
+  std::iota(indices.begin(), indices.end(), 0u);
+  return indices;
+}
+
+/// Median diagonal of the boxes around 128 Gaussians each.
+double chunk_size(const Scene& scene) {
+  std::vector<double> diagonals;
+  for (std::size_t begin = 0; begin + 128 <= scene.size(); begin += 128) {
+    vec3 low = scene.means[begin], high = low;
+    for (std::size_t i = begin; i < begin + 128; ++i)
+      low = glm::min(low, scene.means[i]), high = glm::max(high, scene.means[i]);
+    diagonals.push_back(double(glm::length(high - low)));
+  }
+  std::nth_element(diagonals.begin(), diagonals.begin() + std::ptrdiff_t(diagonals.size() / 2),
+                   diagonals.end());
+  return diagonals[diagonals.size() / 2];
+}
+}  // namespace
+
+TEST_CASE("edit: spatial order follows Morton's curve, x first") {
+  Scene scene = random_scene(8, 0, 1);
+  // The corners of a cube, in reverse.
+  for (std::uint32_t i = 0; i < 8; ++i)
+    scene.means[7 - i] = vec3(float(i >> 2 & 1), float(i >> 1 & 1), float(i & 1));
+  CHECK(spatial_order(scene) == Indices{7, 6, 5, 4, 3, 2, 1, 0});
+}
+
+TEST_CASE("edit: spatial order has every Gaussian once, and keeps neighbours together") {
+  const Scene scene = make_builtin_scene(50'000);
+  CHECK(sorted(spatial_order(scene)) == all(scene.size()));
+  Indices shuffled = all(scene.size());
+  Random random(1);
+  for (std::size_t i = shuffled.size(); i-- > 1;) std::swap(shuffled[i], shuffled[random.bits() % (i + 1)]);
+  const Scene mixed = subset(scene, shuffled);
+  CHECK(chunk_size(order_spatially(mixed)) < 0.05 * chunk_size(mixed));
+}
+
+TEST_CASE("edit: a few Gaussians far away leave the others in order") {
+  Scene scene = make_builtin_scene(20'000);
+  const double usual = chunk_size(order_spatially(scene));
+  scene.means[77] = vec3(1e30f, 0, 0), scene.means[78] = vec3(0, -3e38f, 1);
+  CHECK(chunk_size(order_spatially(scene)) < 1.05 * usual);
+}
+
+TEST_CASE("edit: equal means keep their order, and means that are not finite come last") {
+  Scene scene = random_scene(6, 0, 2);
+  std::fill(scene.means.begin(), scene.means.end(), vec3(1, 2, 3));
+  CHECK(spatial_order(scene) == all(6));
+  scene.means[0].x = std::numeric_limits<float>::quiet_NaN();
+  scene.means[3].z = std::numeric_limits<float>::infinity();
+  CHECK(spatial_order(scene) == Indices{1, 2, 4, 5, 0, 3});
+  for (vec3& mean : scene.means) mean.y = std::numeric_limits<float>::infinity();
+  CHECK(spatial_order(scene) == all(6));
+  CHECK(spatial_order(Scene()).empty());
+}

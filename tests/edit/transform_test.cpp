@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/edit.hpp>
+#include <swiftgs/metrics.hpp>
+#include <swiftgs/reference/colour.hpp>
+#include <swiftgs/swiftgs.hpp>
+
+#include "policies/random_splats.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+dmat3 random_matrix(Random& random) {
+  const Quaternion q = random_rotation(random);
+  return matrix_of(unit(DQuaternion{q.w, q.x, q.y, q.z}));
+}
+
+dvec3 random_direction(Random& random) {
+  const double z = random.in(-1, 1), turn = random.in(0, 2 * std::numbers::pi), radius = std::sqrt(1 - z * z);
+  return dvec3(radius * std::cos(turn), radius * std::sin(turn), z);
+}
+
+double largest(const dmat3& m) {
+  double most = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) most = std::max(most, std::abs(m[i][j]));
+  return most;
+}
+
+dmat3 covariance(const Scene& scene, std::size_t i) {
+  const Quaternion& q = scene.rotations[i];
+  const dmat3 axes = matrix_of(DQuaternion{q.w, q.x, q.y, q.z});
+  const dvec3 s = dvec3(scene.scales[i]);
+  return dmat3(axes[0] * s.x, axes[1] * s.y, axes[2] * s.z) *
+         glm::transpose(dmat3(axes[0] * s.x, axes[1] * s.y, axes[2] * s.z));
+}
+
+Similarity random_similarity(Random& random, double scale) {
+  Similarity by;
+  by.rotation = random_matrix(random), by.scale = scale;
+  by.translation = dvec3(random.in(-3, 3), random.in(-3, 3), random.in(-3, 3));
+  return by;
+}
+
+std::vector<float> image(const Scene& scene, const Camera& camera) {
+  Renderer<Serial, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer;
+  Frame frame;
+  renderer.render(renderer.backend().upload(scene), camera, {}, frame);
+  return frame.colour;
+}
+
+}  // namespace
+
+TEST_CASE("edit: a quaternion and its matrix are the same rotation") {
+  Random random(1);
+  for (int i = 0; i < 1000; ++i) {
+    const dmat3 m = random_matrix(random);
+    CHECK(largest(matrix_of(quaternion_of(m)) - m) < 1e-14);
+    const dmat3 other = random_matrix(random);
+    CHECK(largest(matrix_of(quaternion_of(m) * quaternion_of(other)) - m * other) < 1e-14);
+  }
+  // Half turns, where a quaternion's scalar part is zero.
+  for (int axis = 0; axis < 3; ++axis) {
+    dmat3 half(-1.0);
+    half[axis][axis] = 1;
+    CHECK(largest(matrix_of(quaternion_of(half)) - half) == 0);
+  }
+}
+
+TEST_CASE("edit: rotated harmonics show along rotated directions what they showed along the directions") {
+  for (const bool mirror : {false, true})
+    for (int degree = 0; degree <= max_sh_degree; ++degree) {
+      CAPTURE(mirror);
+      CAPTURE(degree);
+      Random random(std::uint64_t(degree) + 5);
+      for (int i = 0; i < 50; ++i) {
+        const Scene before = random_scene(1, degree, random.bits());
+        const dmat3 rotation = random_matrix(random) * (mirror ? dmat3(-1.0) : dmat3(1.0));
+        Scene after = before;
+        ShRotation(rotation, degree).apply(after.sh_rest.data());
+        for (int j = 0; j < 20; ++j) {
+          const dvec3 d = random_direction(random), turned = rotation * d;
+          const Eigen::Vector3d expected = reference::colour(before, 0, {d.x, d.y, d.z});
+          const Eigen::Vector3d got = reference::colour(after, 0, {turned.x, turned.y, turned.z});
+          CHECK((expected - got).cwiseAbs().maxCoeff() < 4e-7);
+        }
+      }
+    }
+}
+
+TEST_CASE("edit: a movement takes along means, shapes and nothing else") {
+  Random random(7);
+  Scene before = random_scene(200, 3, 11);
+  before.antialiased = true;
+  const Similarity by = random_similarity(random, 2.5);
+  Scene after = before;
+  transform(after, by);
+  validate(after);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    CHECK(glm::length(dvec3(after.means[i]) - by(dvec3(before.means[i]))) < 1e-5);
+    const dmat3 expected =
+        by.scale * by.scale * by.rotation * covariance(before, i) * glm::transpose(by.rotation);
+    CHECK(largest(covariance(after, i) - expected) < 2e-6 * largest(expected));
+  }
+  CHECK(after.opacities == before.opacities);
+  CHECK((after.sh0 == before.sh0));
+  CHECK(after.antialiased);
+
+  transform(after, inverse(by));
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    CHECK(glm::length(dvec3(after.means[i]) - dvec3(before.means[i])) < 1e-5);
+    CHECK(largest(covariance(after, i) - covariance(before, i)) < 4e-6 * largest(covariance(before, i)));
+  }
+  for (std::size_t k = 0; k < before.sh_rest.size(); ++k)
+    CHECK(after.sh_rest[k] == doctest::Approx(before.sh_rest[k]).epsilon(1e-6));
+}
+
+TEST_CASE("edit: no movement changes nothing") {
+  const Scene before = random_scene(50, 3, 3);
+  Scene after = before;
+  transform(after, {});
+  CHECK((after.means == before.means));
+  CHECK((after.scales == before.scales));
+  for (std::size_t k = 0; k < before.sh_rest.size(); ++k)
+    CHECK(after.sh_rest[k] == doctest::Approx(before.sh_rest[k]).epsilon(1e-6));
+}
+
+TEST_CASE("edit: a moved scene seen by a moved camera is the same image") {
+  const Scene scene = make_builtin_scene(20'000);
+  const Camera camera = builtin_cameras(1, 320, 180).front();
+  const std::vector<float> expected = image(scene, camera);
+  Random random(3);
+  for (const double scale : {1.0, 0.4, 7.0}) {
+    CAPTURE(scale);
+    const Similarity by = random_similarity(random, scale);
+    Scene moved = scene;
+    transform(moved, by);
+    CHECK(psnr(image(moved, transformed(camera, by)), expected) >= 100);
+    // Harmonics that stay behind are another image.
+    moved.sh_rest = scene.sh_rest;
+    CHECK(psnr(image(moved, transformed(camera, by)), expected) < 60);
+  }
+}
+
+TEST_CASE("edit: a movement that is none is refused, and one out of the range of float moves nothing") {
+  Scene scene = random_scene(3, 1, 2);
+  const Scene before = scene;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double scale : {0.0, -1.0, nan, double(INFINITY)})
+    CHECK_THROWS_AS(transform(scene, Similarity{.scale = scale}), std::invalid_argument);
+  CHECK_THROWS_AS(transform(scene, Similarity{.rotation = dmat3(1.1)}), std::invalid_argument);
+  CHECK_THROWS_AS(transform(scene, Similarity{.rotation = dmat3(-1.0)}), std::invalid_argument);
+  CHECK_THROWS_AS(transform(scene, Similarity{.translation = dvec3(0, nan, 0)}), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(transform(scene, Similarity{.translation = dvec3(1e39, 0, 0)}),
+                       doctest::Contains("Gaussian 0"), std::range_error);
+  CHECK((scene.means == before.means));
+  CHECK((scene.rotations == before.rotations));
+  // What is not drawn may move.
+  scene.means[1].x = std::numeric_limits<float>::quiet_NaN();
+  transform(scene, Similarity{.translation = dvec3(1, 0, 0)});
+  CHECK(scene.means[0].x == doctest::Approx(before.means[0].x + 1));
+}
