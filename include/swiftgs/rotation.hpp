@@ -15,9 +15,11 @@ struct DQuaternion {
   double w = 1, x = 0, y = 0, z = 0;
 };
 
+/// The nearest quaternion in float.
 inline Quaternion rounded(const DQuaternion& q) { return {float(q.w), float(q.x), float(q.y), float(q.z)}; }
 
-/// The same direction with length 1. A quaternion of zeros stays what it is.
+/// The same rotation with length 1. Squares of the parts must be in the range of double; a quaternion of
+/// zeros stays what it is.
 inline DQuaternion unit(const DQuaternion& q) {
   const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
   const double scale = length > 0 ? 1 / length : 1;
@@ -32,7 +34,7 @@ inline DQuaternion operator*(const DQuaternion& a, const DQuaternion& b) {
 
 /// Unit quaternion of an orthonormal matrix of determinant 1. GLM stores it by columns: m[column][row].
 inline DQuaternion quaternion_of(const dmat3& m) {
-  // Of four ways the one with the largest sum, so that nothing cancels.
+  // Four ways, which differ in the part that they divide by: take one where it is not small.
   const double trace = m[0][0] + m[1][1] + m[2][2];
   if (trace > 0) return unit({1 + trace, m[1][2] - m[2][1], m[2][0] - m[0][2], m[0][1] - m[1][0]});
   if (m[0][0] >= m[1][1] && m[0][0] >= m[2][2])

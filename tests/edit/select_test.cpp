@@ -77,6 +77,8 @@ TEST_CASE("edit: regions that are none are refused") {
   CHECK_THROWS_AS(crop(scene, Sphere{dvec3(nan), 1}), std::invalid_argument);
   CHECK_THROWS_AS(crop(scene, HalfSpace{dvec3(0), 1}), std::invalid_argument);
   CHECK_THROWS_AS(crop(scene, HalfSpace{dvec3(1), nan}), std::invalid_argument);
+  CHECK(crop(scene, HalfSpace{dvec3(1e-170, 0, 0), 0}).size() == 2);
+  CHECK(crop(scene, Sphere{dvec3(0, 0, 1e200), 1e201}).size() == 2);
 }
 
 TEST_CASE("edit: another degree keeps what both have, and adds zeros") {
@@ -103,7 +105,16 @@ TEST_CASE("edit: scenes are joined in order, with the higher degree") {
     validate(all);
     CHECK(all.sh_degree == 3);
     CHECK(all.size() == 5);
-    CHECK(all.means[before] == more.means[0]);
+    const Scene& first = low_first ? low : high;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Scene& of = i < before ? first : more;
+      const std::size_t k = i < before ? i : i - before;
+      CHECK(all.means[i] == of.means[k]);
+      CHECK(all.scales[i] == of.scales[k]);
+      CHECK(all.rotations[i] == of.rotations[k]);
+      CHECK(all.opacities[i] == of.opacities[k]);
+      CHECK(all.sh0[i] == of.sh0[k]);
+    }
     const std::size_t of_high = low_first ? 3 : 0, of_low = low_first ? 0 : 2;
     CHECK(all.sh_rest[45 * of_high + 44] == high.sh_rest[44]);
     CHECK(all.sh_rest[45 * of_low + 8] == low.sh_rest[8]);

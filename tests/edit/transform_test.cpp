@@ -125,12 +125,14 @@ TEST_CASE("edit: a movement takes along means, shapes and nothing else") {
     CHECK(after.sh_rest[k] == doctest::Approx(before.sh_rest[k]).epsilon(1e-6));
 }
 
-TEST_CASE("edit: no movement changes nothing") {
-  const Scene before = random_scene(50, 3, 3);
+TEST_CASE("edit: no movement changes nothing, not even rotations that are not of unit length") {
+  Scene before = random_scene(50, 3, 3);
+  before.rotations[4] = {2, 0, -1, 0};
   Scene after = before;
   transform(after, {});
   CHECK((after.means == before.means));
   CHECK((after.scales == before.scales));
+  CHECK((after.rotations == before.rotations));
   for (std::size_t k = 0; k < before.sh_rest.size(); ++k)
     CHECK(after.sh_rest[k] == doctest::Approx(before.sh_rest[k]).epsilon(1e-6));
 }
@@ -152,8 +154,9 @@ TEST_CASE("edit: a moved scene seen by a moved camera is the same image") {
   }
 }
 
-TEST_CASE("edit: a movement that is none is refused, and one out of the range of float moves nothing") {
+TEST_CASE("edit: bad movements are refused, and one out of the range of float moves nothing") {
   Scene scene = random_scene(3, 1, 2);
+  scene.means[2].x = 3e38f;
   const Scene before = scene;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double scale : {0.0, -1.0, nan, double(INFINITY)})
@@ -161,12 +164,22 @@ TEST_CASE("edit: a movement that is none is refused, and one out of the range of
   CHECK_THROWS_AS(transform(scene, Similarity{.rotation = dmat3(1.1)}), std::invalid_argument);
   CHECK_THROWS_AS(transform(scene, Similarity{.rotation = dmat3(-1.0)}), std::invalid_argument);
   CHECK_THROWS_AS(transform(scene, Similarity{.translation = dvec3(0, nan, 0)}), std::invalid_argument);
-  CHECK_THROWS_WITH_AS(transform(scene, Similarity{.translation = dvec3(1e39, 0, 0)}),
-                       doctest::Contains("Gaussian 0"), std::range_error);
+  CHECK_THROWS_WITH_AS(transform(scene, Similarity{.scale = 2}), doctest::Contains("Gaussian 2"),
+                       std::range_error);
+  CHECK_THROWS_AS(transform(scene, Similarity{.scale = 1e-60}), std::range_error);
+  scene.means[2].x = 0, scene.scales[2].y = 3e38f;
+  CHECK_THROWS_WITH_AS(transform(scene, Similarity{.scale = 2}), doctest::Contains("Gaussian 2"),
+                       std::range_error);
+  scene.scales[2].y = before.scales[2].y, scene.sh_rest.back() = -3e38f;
+  CHECK_THROWS_WITH_AS(transform(scene, {}), doctest::Contains("Gaussian 2"), std::range_error);
+  scene.means[2].x = before.means[2].x, scene.sh_rest.back() = before.sh_rest.back();
   CHECK((scene.means == before.means));
+  CHECK((scene.scales == before.scales));
   CHECK((scene.rotations == before.rotations));
+  CHECK((scene.sh_rest == before.sh_rest));
+  CHECK_THROWS_AS(ShRotation(dmat3(1.0), 4), std::invalid_argument);
   // What is not drawn may move.
-  scene.means[1].x = std::numeric_limits<float>::quiet_NaN();
+  scene.means[2].x = 0, scene.means[1].x = std::numeric_limits<float>::quiet_NaN();
   transform(scene, Similarity{.translation = dvec3(1, 0, 0)});
   CHECK(scene.means[0].x == doctest::Approx(before.means[0].x + 1));
 }

@@ -26,14 +26,14 @@ inline std::uint64_t spread_bits(std::uint64_t v) {
 }
 }  // namespace detail
 
-/// Indices of all Gaussians in Morton order of their means: neighbours in it are mostly neighbours in space.
-/// Cells are cubes, 2^21 along the longest side of a box with 99.8 % of the means in each direction; the few
-/// beyond it count as at its border. Equal cells keep their order. Means that are not finite come last. Takes
-/// O(n log n). Throws `std::invalid_argument` as `validate` does, and `CapacityError` beyond 2^32 - 1
-/// Gaussians.
+/// Indices of all Gaussians in Morton order of their means; @shape{N}. Neighbours in it are mostly neighbours
+/// in space. Cells are cubes, 2^21 along the longest side of a box with 99.8 % of the means in each
+/// direction; the few beyond it count as at its border. Equal cells keep their order. Means that are not
+/// finite come last. Takes O(n log n). Throws `std::invalid_argument` as `validate` does, and `CapacityError`
+/// beyond 2^32 - 1 Gaussians.
 inline std::vector<std::uint32_t> spatial_order(const Scene& scene) {
   std::vector<std::uint32_t> order =
-      select(scene, [&](std::size_t i) { return detail::is_finite(dvec3(scene.means[i])); });
+      select(scene, [&](std::size_t i) { return detail::is_finite(scene.means[i]); });
   if (order.empty()) return select(scene, [](std::size_t) { return true; });
   const std::size_t count = order.size(), beyond = count / 1000;
 
@@ -65,12 +65,13 @@ inline std::vector<std::uint32_t> spatial_order(const Scene& scene) {
   std::transform(keys.begin(), keys.end(), order.begin(), [](const auto& key) { return key.second; });
   if (count != scene.size())
     for (std::size_t i = 0; i < scene.size(); ++i)
-      if (!detail::is_finite(dvec3(scene.means[i]))) order.push_back(std::uint32_t(i));
+      if (!detail::is_finite(scene.means[i])) order.push_back(std::uint32_t(i));
   return order;
 }
 
 /// The scene in `spatial_order`, for stages that gain where neighbours in memory are neighbours in space. The
-/// numbers of its Gaussians are new, and with them the order of Gaussians at equal depths.
+/// numbers of its Gaussians are new, and with them the order of Gaussians at equal depths. Throws and takes
+/// time as `spatial_order`.
 inline Scene order_spatially(const Scene& scene) { return subset(scene, spatial_order(scene)); }
 
 }  // namespace swiftgs

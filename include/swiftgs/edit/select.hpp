@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -12,14 +13,16 @@
 
 #include <glm/geometric.hpp>
 
+#include <swiftgs/edit/finite.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {
 
-/// The Gaussians `kept` of `scene`, in that order. Linear in their number. Throws `std::invalid_argument` as
-/// `validate` does, and if an index in `kept` is not below the number of Gaussians.
+/// The Gaussians `kept` of `scene`, in that order; @shape{any number}. Linear in their number. Throws
+/// `std::invalid_argument` as `validate` does, and if an index in `kept` is not below the number of
+/// Gaussians.
 inline Scene subset(const Scene& scene, const std::vector<std::uint32_t>& kept) {
   validate(scene);
   const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
@@ -40,10 +43,10 @@ inline Scene subset(const Scene& scene, const std::vector<std::uint32_t>& kept) 
   return out;
 }
 
-/// Indices of the Gaussians for which `keep(i)` is true, ascending. Throws `std::invalid_argument` as
-/// `validate` does, and `CapacityError` beyond 2^32 - 1 Gaussians.
+/// Indices of the Gaussians for which `keep(i)` is true, ascending; @shape{any number}. Asks once for each.
+/// Throws `std::invalid_argument` as `validate` does, and `CapacityError` beyond 2^32 - 1 Gaussians.
 template <class Predicate>
-std::vector<std::uint32_t> select(const Scene& scene, const Predicate& keep) {
+std::vector<std::uint32_t> select(const Scene& scene, Predicate&& keep) {
   validate(scene);
   const std::size_t most = std::numeric_limits<std::uint32_t>::max();
   if (scene.size() > most) throw CapacityError("Gaussians", scene.size(), most);
@@ -67,7 +70,9 @@ struct Sphere {
   dvec3 centre{0.0};
   double radius = 0;
 
-  bool contains(const dvec3& p) const { return glm::length(p - centre) <= radius; }
+  bool contains(const dvec3& p) const {
+    return std::hypot(p.x - centre.x, p.y - centre.y, p.z - centre.z) <= radius;
+  }
 };
 
 /// Positions p with dot(normal, p) of `offset` or more.
@@ -79,30 +84,31 @@ struct HalfSpace {
 };
 
 namespace detail {
-inline bool is_finite(const dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 inline void require_region(bool holds, const char* expected) {
   if (!holds) throw std::invalid_argument(std::string("crop: expected ") + expected);
 }
 }  // namespace detail
 
-/// Throws `std::invalid_argument` unless the region is one. A side of a box may be infinite.
+/// Throws `std::invalid_argument` that says what is expected of a region. A side of a box may be infinite.
 inline void validate(const Box& box) {
   for (int axis = 0; axis < 3; ++axis)
-    detail::require_region(box.low[axis] <= box.high[axis], "a box whose first corner is the lower one");
+    detail::require_region(
+        !detail::is_nan(box.low[axis]) && !detail::is_nan(box.high[axis]) && box.low[axis] <= box.high[axis],
+        "a box whose first corner is the lower one");
 }
 inline void validate(const Sphere& sphere) {
   detail::require_region(detail::is_finite(sphere.centre), "a sphere with a finite centre");
-  detail::require_region(sphere.radius >= 0, "a sphere with a radius of 0 or more");
+  detail::require_region(detail::is_finite(sphere.radius) && sphere.radius >= 0,
+                         "a sphere with a finite radius of 0 or more");
 }
 inline void validate(const HalfSpace& half) {
-  detail::require_region(detail::is_finite(half.normal) && glm::dot(half.normal, half.normal) > 0,
+  detail::require_region(detail::is_finite(half.normal) && half.normal != dvec3(0.0),
                          "a half-space with a finite normal other than 0");
-  detail::require_region(!std::isnan(half.offset), "a half-space with a number for its offset");
+  detail::require_region(!detail::is_nan(half.offset), "a half-space with a number for its offset");
 }
 
-/// The Gaussians whose means lie in a `Box`, `Sphere` or `HalfSpace`, in their order. Throws
+/// The Gaussians whose means lie in a `Box`, `Sphere` or `HalfSpace`, in their order. Linear in the number of
+/// Gaussians. Throws
 /// `std::invalid_argument` as `validate` does of the scene and the region.
 template <class Region>
 Scene crop(const Scene& scene, const Region& region) {
@@ -110,46 +116,62 @@ Scene crop(const Scene& scene, const Region& region) {
   return subset(scene, select(scene, [&](std::size_t i) { return region.contains(dvec3(scene.means[i])); }));
 }
 
+namespace detail {
+/// The coefficients of a scene for another degree. @shape{N, sh_rest_count(degree), 3}
+inline std::vector<float> rest_of_degree(const Scene& scene, int degree) {
+  const std::size_t from = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  const std::size_t to = 3 * std::size_t(sh_rest_count(degree)), shared = from < to ? from : to;
+  std::vector<float> rest(to * scene.size());
+  for (std::size_t i = 0; i < scene.size(); ++i)
+    for (std::size_t k = 0; k < shared; ++k) rest[to * i + k] = scene.sh_rest[from * i + k];
+  return rest;
+}
+}  // namespace detail
+
 /// The scene with harmonics of another degree, 0 to 3: bands above it are left out, bands that are missing
-/// are zero. Throws `std::invalid_argument` as `validate` does, and for any other degree.
+/// are zero. Linear in the number of Gaussians. Throws `std::invalid_argument` as `validate` does, and for
+/// any other degree.
 inline Scene with_degree(Scene scene, int degree) {
   validate(scene);
   if (degree < 0 || degree > max_sh_degree)
     throw std::invalid_argument("with_degree: expected 0 to 3, got " + std::to_string(degree));
-  const std::size_t from = 3 * std::size_t(sh_rest_count(scene.sh_degree));
-  const std::size_t to = 3 * std::size_t(sh_rest_count(degree)), shared = from < to ? from : to;
-  if (from == to) return scene;
-  std::vector<float> rest(to * scene.size());
-  for (std::size_t i = 0; i < scene.size(); ++i)
-    for (std::size_t k = 0; k < shared; ++k) rest[to * i + k] = scene.sh_rest[from * i + k];
-  scene.sh_rest = std::move(rest), scene.sh_degree = degree;
+  if (degree != scene.sh_degree)
+    scene.sh_rest = detail::rest_of_degree(scene, degree), scene.sh_degree = degree;
   return scene;
 }
 
-/// Adds the Gaussians of `more` behind those of `scene`, which comes to have the higher degree of both.
+/// Adds the Gaussians of `more` behind those of `scene`, which comes to have the higher degree of both. A
+/// `more` without Gaussians changes nothing, a `scene` without any takes over whether `more` is antialiased.
+/// Linear in the number of added Gaussians, on average, if the degree stays.
 /// Throws `std::invalid_argument` as `validate` does, and if only one of both was trained with the opacity
-/// compensation that `antialiased` names; a scene without Gaussians takes over that of `more`.
+/// compensation that `antialiased` names. If it throws, `scene` is as before.
 inline void append(Scene& scene, const Scene& more) {
   validate(scene), validate(more);
   if (more.size() == 0) return;
   if (&scene == &more) return append(scene, Scene(more));
-  if (scene.size() == 0) scene.antialiased = more.antialiased;
-  if (scene.antialiased != more.antialiased)
+  if (scene.size() != 0 && scene.antialiased != more.antialiased)
     throw std::invalid_argument("append: expected both scenes antialiased or neither, got one of each");
   const int degree = scene.sh_degree > more.sh_degree ? scene.sh_degree : more.sh_degree;
-  if (scene.sh_degree != degree) scene = with_degree(std::move(scene), degree);
-  // With room for all, nothing is added if memory runs out.
-  const std::size_t all = scene.size() + more.size();
-  scene.means.reserve(all), scene.scales.reserve(all), scene.rotations.reserve(all);
-  scene.opacities.reserve(all), scene.sh0.reserve(all);
-  scene.sh_rest.reserve(all * 3 * std::size_t(sh_rest_count(degree)));
+
+  // All that may throw comes first.
+  std::vector<float> raised, added;
+  if (scene.sh_degree != degree) raised = detail::rest_of_degree(scene, degree);
+  if (more.sh_degree != degree) added = detail::rest_of_degree(more, degree);
+  std::vector<float>& rest = scene.sh_degree != degree ? raised : scene.sh_rest;
+  const std::vector<float>& more_rest = more.sh_degree != degree ? added : more.sh_rest;
+  const auto make_room = [](auto& array, std::size_t count) {
+    const std::size_t needed = array.size() + count;
+    if (array.capacity() < needed) array.reserve(std::max(needed, 2 * array.capacity()));
+  };
+  make_room(scene.means, more.size()), make_room(scene.scales, more.size());
+  make_room(scene.rotations, more.size()), make_room(scene.opacities, more.size());
+  make_room(scene.sh0, more.size()), make_room(rest, more_rest.size());
+
   const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-  if (more.sh_degree == degree)
-    add(scene.sh_rest, more.sh_rest);
-  else
-    add(scene.sh_rest, with_degree(more, degree).sh_rest);
   add(scene.means, more.means), add(scene.scales, more.scales), add(scene.rotations, more.rotations);
-  add(scene.opacities, more.opacities), add(scene.sh0, more.sh0);
+  add(scene.opacities, more.opacities), add(scene.sh0, more.sh0), add(rest, more_rest);
+  if (scene.sh_degree != degree) scene.sh_rest = std::move(raised), scene.sh_degree = degree;
+  scene.antialiased = more.antialiased;
 }
 
 }  // namespace swiftgs

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <stdexcept>
+#include <string>
 
 #include <swiftgs/math.hpp>
 #include <swiftgs/sh.hpp>
@@ -14,8 +16,11 @@ namespace swiftgs {
 /// it did along the direction itself. Exact in all bands, up to the rounding of coefficients to float.
 class ShRotation {
  public:
-  /// For bands 1 to `degree` and an orthonormal matrix, which may be a mirror.
+  /// For bands 1 to `degree`, 0 to 3, and an orthonormal matrix, which may be a mirror. Throws
+  /// `std::invalid_argument` for any other degree.
   ShRotation(const dmat3& rotation, int degree) : degree_(degree) {
+    if (degree < 0 || degree > max_sh_degree)
+      throw std::invalid_argument("ShRotation: degree is " + std::to_string(degree) + ", expected 0 to 3");
     // Entry (m, n) of a band's matrix is the integral of Y_m(R d) Y_n(d) over all directions d. A product of
     // two functions of band 3 is a polynomial of degree 6, and this rule is exact up to degree 7: Gauss and
     // Legendre's four heights, with eight directions at each.

@@ -9,6 +9,7 @@
 #include <glm/matrix.hpp>
 
 #include <swiftgs/camera.hpp>
+#include <swiftgs/edit/finite.hpp>
 #include <swiftgs/edit/sh_rotation.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/rotation.hpp>
@@ -30,9 +31,9 @@ inline void validate(const Similarity& by) {
   const auto require = [](bool holds, const char* expected) {
     if (!holds) throw std::invalid_argument(std::string("transform: expected ") + expected);
   };
-  require(by.scale > 0 && std::isfinite(by.scale), "a finite scale above 0");
+  require(detail::is_finite(by.scale) && by.scale > 0, "a finite scale above 0");
   for (int i = 0; i < 3; ++i) {
-    require(std::isfinite(by.translation[i]), "a finite translation");
+    require(detail::is_finite(by.translation[i]), "a finite translation");
     for (int j = 0; j < 3; ++j)
       require(std::abs(detail::dot(by.rotation[i], by.rotation[j]) - (i == j ? 1.0 : 0.0)) < 1e-6,
               "a rotation with orthonormal columns");
@@ -41,8 +42,9 @@ inline void validate(const Similarity& by) {
           "a rotation, not a mirror");
 }
 
-/// What leads back.
+/// The movement that undoes `by`. Throws as `validate` does.
 inline Similarity inverse(const Similarity& by) {
+  validate(by);
   Similarity back;
   back.rotation = glm::transpose(by.rotation), back.scale = 1 / by.scale;
   back.translation = -back.scale * (back.rotation * by.translation);
@@ -50,35 +52,46 @@ inline Similarity inverse(const Similarity& by) {
 }
 
 /// Moves all Gaussians: means, scales, rotations, and harmonics in all bands. Computed in double and rounded
-/// to float once. Linear in the number of Gaussians.
+/// to float once, so the farther from the origin, the coarser. Linear in the number of Gaussians.
 /// Throws `std::invalid_argument` as `validate` does of the scene and the movement, and `std::range_error` if
-/// a Gaussian would leave the range of float; then nothing has moved.
+/// a mean, scale or coefficient would leave the range of float, or a scale become 0; then nothing has moved.
+/// Numbers that are NaN or infinite stay so.
 inline void transform(Scene& scene, const Similarity& by) {
   validate(scene), validate(by);
   const auto moved = [&](std::size_t i) { return vec3(by(dvec3(scene.means[i]))); };
   const auto grown = [&](std::size_t i) { return vec3(by.scale * dvec3(scene.scales[i])); };
-  const auto is_finite = [](const vec3& v) {
-    return !detail::is_not_finite(v.x) && !detail::is_not_finite(v.y) && !detail::is_not_finite(v.z);
-  };
-  for (std::size_t i = 0; i < scene.size(); ++i)
-    if ((is_finite(scene.means[i]) && !is_finite(moved(i))) ||
-        (is_finite(scene.scales[i]) && !is_finite(grown(i))))
+  const auto is_finite = [](float v) { return !detail::is_not_finite(v); };
+  const std::size_t stride = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const vec3 mean = moved(i), scale = grown(i);
+    bool fits = true;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float before = scene.scales[i][axis];
+      fits = fits && (is_finite(mean[axis]) || !detail::is_finite(scene.means[i]));
+      fits = fits && (is_finite(scale[axis]) || !is_finite(before)) && (scale[axis] != 0 || before == 0);
+    }
+    // A rotation makes no coefficient of band 3 more than sqrt(7) times as large as the largest was.
+    for (std::size_t k = 0; k < stride; ++k) {
+      const float coefficient = std::abs(scene.sh_rest[i * stride + k]);
+      fits = fits && (!is_finite(coefficient) || coefficient < 1e38f);
+    }
+    if (!fits)
       throw std::range_error("transform: Gaussian " + std::to_string(i) +
-                             " would leave the range of float; expected a movement that keeps it finite");
+                             " would leave the range of float; expected a movement that keeps it there");
+  }
 
   const DQuaternion turn = quaternion_of(by.rotation);
   const ShRotation harmonics(by.rotation, scene.sh_degree);
-  const std::size_t stride = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   for (std::size_t i = 0; i < scene.size(); ++i) {
     scene.means[i] = moved(i), scene.scales[i] = grown(i);
     const Quaternion& q = scene.rotations[i];
-    scene.rotations[i] = rounded(unit(turn * DQuaternion{q.w, q.x, q.y, q.z}));
+    scene.rotations[i] = rounded(turn * DQuaternion{q.w, q.x, q.y, q.z});
     if (stride != 0) harmonics.apply(scene.sh_rest.data() + i * stride);
   }
 }
 
 /// The camera that sees a transformed scene as `camera` sees the scene. Depths grow by the scale; the near
-/// plane stays where it is.
+/// plane stays where it is. Throws as `validate` does of the movement.
 inline Camera transformed(Camera camera, const Similarity& by) {
   validate(by);
   camera.rotation = camera.rotation * glm::transpose(by.rotation);
