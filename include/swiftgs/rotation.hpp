@@ -18,8 +18,8 @@ struct DQuaternion {
 /// The nearest quaternion in float.
 inline Quaternion rounded(const DQuaternion& q) { return {float(q.w), float(q.x), float(q.y), float(q.z)}; }
 
-/// The same rotation with length 1. Squares of the parts must be in the range of double; a quaternion of
-/// zeros stays what it is.
+/// The same rotation with length 1. A quaternion of zeros stays zero. Squares of the parts must be in the
+/// range of double.
 inline DQuaternion unit(const DQuaternion& q) {
   const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
   const double scale = length > 0 ? 1 / length : 1;

@@ -126,7 +126,7 @@ TEST_CASE("edit: scenes are joined in order, with the higher degree") {
   CHECK(twice.means[5] == low.means[2]);
 }
 
-TEST_CASE("edit: scenes of which one is antialiased are not joined") {
+TEST_CASE("edit: an antialiased scene is not joined with another") {
   Scene plain = random_scene(2, 0, 1), antialiased = random_scene(2, 0, 2), none;
   antialiased.antialiased = true;
   CHECK_THROWS_AS(append(plain, antialiased), std::invalid_argument);

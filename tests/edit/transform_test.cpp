@@ -77,7 +77,7 @@ TEST_CASE("edit: a quaternion and its matrix are the same rotation") {
   }
 }
 
-TEST_CASE("edit: rotated harmonics show along rotated directions what they showed along the directions") {
+TEST_CASE("edit: rotating harmonics and direction together keeps the colour") {
   for (const bool mirror : {false, true})
     for (int degree = 0; degree <= max_sh_degree; ++degree) {
       CAPTURE(mirror);

@@ -63,9 +63,8 @@ inline std::vector<std::uint32_t> spatial_order(const Scene& scene) {
   }
   std::sort(keys.begin(), keys.end());
   std::transform(keys.begin(), keys.end(), order.begin(), [](const auto& key) { return key.second; });
-  if (count != scene.size())
-    for (std::size_t i = 0; i < scene.size(); ++i)
-      if (!detail::is_finite(scene.means[i])) order.push_back(std::uint32_t(i));
+  const auto last = select(scene, [&](std::size_t i) { return !detail::is_finite(scene.means[i]); });
+  order.insert(order.end(), last.begin(), last.end());
   return order;
 }
 

@@ -89,7 +89,8 @@ inline void require_region(bool holds, const char* expected) {
 }
 }  // namespace detail
 
-/// Throws `std::invalid_argument` that says what is expected of a region. A side of a box may be infinite.
+/// Throws `std::invalid_argument` for a bad region and names what was expected. Boxes may have infinite
+/// sides.
 inline void validate(const Box& box) {
   for (int axis = 0; axis < 3; ++axis)
     detail::require_region(
@@ -108,8 +109,7 @@ inline void validate(const HalfSpace& half) {
 }
 
 /// The Gaussians whose means lie in a `Box`, `Sphere` or `HalfSpace`, in their order. Linear in the number of
-/// Gaussians. Throws
-/// `std::invalid_argument` as `validate` does of the scene and the region.
+/// Gaussians. Throws `std::invalid_argument` as `validate` does of the scene and the region.
 template <class Region>
 Scene crop(const Scene& scene, const Region& region) {
   validate(region);

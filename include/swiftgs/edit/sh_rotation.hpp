@@ -37,15 +37,16 @@ class ShRotation {
         double before[sh_rest_count(max_sh_degree)], after[sh_rest_count(max_sh_degree)];
         sh_basis(degree, from, before);
         sh_basis(degree, rotation * from, after);
-        for_each_entry(
-            [&](double& entry, int m, int n) { entry += weights[i] * turn * after[m] * before[n]; });
+        for_each_entry(entries_, [&](double& entry, int m, int n) {
+          entry += weights[i] * turn * after[m] * before[n];
+        });
       }
   }
 
   /// Rotates the coefficients of a Gaussian in place. @shape{sh_rest_count(degree), 3}
   void apply(float* rest) const {
     std::array<double, 3 * sh_rest_count(max_sh_degree)> rotated{};
-    for_each_entry([&](const double& entry, int m, int n) {
+    for_each_entry(entries_, [&](double entry, int m, int n) {
       for (int channel = 0; channel < 3; ++channel)
         rotated[std::size_t(3 * m + channel)] += entry * double(rest[3 * n + channel]);
     });
@@ -54,16 +55,8 @@ class ShRotation {
 
  private:
   /// f(entry, m, n) for each entry of each band's matrix; m and n count from the first function of band 1.
-  template <class F>
-  void for_each_entry(const F& f) {
-    visit(entries_, f);
-  }
-  template <class F>
-  void for_each_entry(const F& f) const {
-    visit(entries_, f);
-  }
   template <class Entries, class F>
-  void visit(Entries& entries, const F& f) const {
+  void for_each_entry(Entries& entries, const F& f) const {
     std::size_t k = 0;
     for (int band = 1; band <= degree_; ++band)
       for (int m = sh_rest_count(band - 1); m < sh_rest_count(band); ++m)

@@ -60,20 +60,17 @@ inline void transform(Scene& scene, const Similarity& by) {
   validate(scene), validate(by);
   const auto moved = [&](std::size_t i) { return vec3(by(dvec3(scene.means[i]))); };
   const auto grown = [&](std::size_t i) { return vec3(by.scale * dvec3(scene.scales[i])); };
-  const auto is_finite = [](float v) { return !detail::is_not_finite(v); };
   const std::size_t stride = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   for (std::size_t i = 0; i < scene.size(); ++i) {
-    const vec3 mean = moved(i), scale = grown(i);
-    bool fits = true;
+    bool fits = detail::is_finite(moved(i)) || !detail::is_finite(scene.means[i]);
     for (int axis = 0; axis < 3; ++axis) {
-      const float before = scene.scales[i][axis];
-      fits = fits && (is_finite(mean[axis]) || !detail::is_finite(scene.means[i]));
-      fits = fits && (is_finite(scale[axis]) || !is_finite(before)) && (scale[axis] != 0 || before == 0);
+      const float before = scene.scales[i][axis], after = grown(i)[axis];
+      fits = fits && (detail::is_finite(after) || !detail::is_finite(before)) && (after != 0 || before == 0);
     }
     // A rotation makes no coefficient of band 3 more than sqrt(7) times as large as the largest was.
     for (std::size_t k = 0; k < stride; ++k) {
       const float coefficient = std::abs(scene.sh_rest[i * stride + k]);
-      fits = fits && (!is_finite(coefficient) || coefficient < 1e38f);
+      fits = fits && (!detail::is_finite(coefficient) || coefficient < 1e38f);
     }
     if (!fits)
       throw std::range_error("transform: Gaussian " + std::to_string(i) +

@@ -14,9 +14,9 @@ inline unsigned blocks_for(std::size_t n, unsigned threads) { return unsigned((n
 
 namespace kernels {
 /// Waits for the kernels before this one, which `launch_early` may have started behind. Every thread calls it
-/// before it touches memory or returns. A kernel that runs beside its predecessor calls it in few threads:
-/// then no block may end before one of these calls returns, and what it reads of its predecessor it has to
-/// acquire.
+/// before it touches memory or returns. A kernel that runs beside its predecessor calls it in few threads.
+/// None of its blocks may end before one of these calls returns. It acquires what it reads of its
+/// predecessor.
 __device__ inline void await_earlier() {
 #if __CUDA_ARCH__ >= 900
   cudaGridDependencySynchronize();
