@@ -10,6 +10,20 @@
 namespace swiftgs {
 namespace io {
 
+namespace {
+
+bool is_png(const Source& source) { return source.text().starts_with("\x89PNG\r\n\x1a\n"); }
+bool is_jpeg(const Source& source) { return source.text().starts_with("\xff\xd8\xff"); }
+
+}  // namespace
+
+ImageSize image_size(const Source& source) {
+  if (is_png(source)) return png_size(source);
+  if (is_jpeg(source)) return jpeg_size(source);
+  const Image image = read_image(source.bytes, source.name);
+  return {image.width, image.height};
+}
+
 void expect_plausible_size(const Source& source, std::uint64_t offset, std::uint64_t width,
                            std::uint64_t height, std::uint64_t most_pixels_per_byte) {
   if (width < 1 || height < 1 || width > max_image_side || height > max_image_side)
@@ -29,8 +43,8 @@ void expect_colour(const Frame& frame) {
 Image read_image(std::span<const std::byte> bytes, const std::string& name) {
   const io::Source source{bytes, name};
   const std::string_view text = source.text();
-  if (text.starts_with("\x89PNG\r\n\x1a\n")) return io::parse_png(source);
-  if (text.starts_with("\xff\xd8\xff")) return io::parse_jpeg(source);
+  if (io::is_png(source)) return io::parse_png(source);
+  if (io::is_jpeg(source)) return io::parse_jpeg(source);
   if (text.starts_with("PF") || text.starts_with("Pf")) return io::parse_pfm(source);
   if (text.starts_with("\x76\x2f\x31\x01")) return io::parse_exr(source);
   source.fail(0, "an image: PNG, JPEG, PFM or EXR");

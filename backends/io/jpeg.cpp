@@ -93,10 +93,8 @@ bool finish(JpegDecode& decode) {
   decode.source.fail(size - std::min(left, size), "a valid JPEG (" + std::string(decode.message) + ")");
 }
 
-}  // namespace
-
-Image parse_jpeg(const Source& source) {
-  JpegDecode decode(source);
+/// Reads the header, and checks the size that it states.
+ImageSize start_decode(JpegDecode& decode) {
   decode.info.err = jpeg_std_error(&decode.errors);
   decode.errors.error_exit = on_error;
   decode.errors.emit_message = on_message;
@@ -105,7 +103,20 @@ Image parse_jpeg(const Source& source) {
   if (!read_header(decode)) fail(decode);
 
   // A block of 64 pixels takes a bit in the densest file.
-  expect_plausible_size(source, 0, decode.info.image_width, decode.info.image_height, 512);
+  expect_plausible_size(decode.source, 0, decode.info.image_width, decode.info.image_height, 512);
+  return {int(decode.info.image_width), int(decode.info.image_height)};
+}
+
+}  // namespace
+
+ImageSize jpeg_size(const Source& source) {
+  JpegDecode decode(source);
+  return start_decode(decode);
+}
+
+Image parse_jpeg(const Source& source) {
+  JpegDecode decode(source);
+  start_decode(decode);
   if (!start(decode)) fail(decode);
   Image& image = decode.image;
   image.width = int(decode.info.output_width), image.height = int(decode.info.output_height);

@@ -72,10 +72,8 @@ bool start_pixels(PngDecode& decode) {
   decode.source.fail(decode.position, "a valid PNG (" + decode.error + ")");
 }
 
-}  // namespace
-
-Image parse_png(const Source& source) {
-  PngDecode decode{source};
+/// Reads the header, and checks the size that it states.
+ImageSize start_decode(PngDecode& decode) {
   decode.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decode, on_error, on_warning);
   if (decode.png) decode.info = png_create_info_struct(decode.png);
   if (!decode.info) throw std::bad_alloc();
@@ -85,7 +83,21 @@ Image parse_png(const Source& source) {
   // A pixel may take a bit, and deflate packs 1032 to 1.
   const std::size_t width = png_get_image_width(decode.png, decode.info);
   const std::size_t height = png_get_image_height(decode.png, decode.info);
-  expect_plausible_size(source, 16, width, height, 8 * 1032);
+  expect_plausible_size(decode.source, 16, width, height, 8 * 1032);
+  return {int(width), int(height)};
+}
+
+}  // namespace
+
+ImageSize png_size(const Source& source) {
+  PngDecode decode{source};
+  return start_decode(decode);
+}
+
+Image parse_png(const Source& source) {
+  PngDecode decode{source};
+  const ImageSize size = start_decode(decode);
+  const std::size_t width = size.width, height = size.height;
   if (!start_pixels(decode)) fail(decode);
   const std::size_t row_samples = width * png_get_channels(decode.png, decode.info);
   decode.samples.resize(height * row_samples);

@@ -9,6 +9,7 @@
 #include <swiftgs/io/image.hpp>
 
 #include "files.hpp"
+#include "image_parsing.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -92,4 +93,16 @@ TEST_CASE("jpeg: a size that the file cannot hold is refused before memory is ta
   REQUIRE(frame != std::string::npos);
   for (std::size_t i = 5; i < 9; ++i) file[frame + i] = '\xfa';
   CHECK(contains(complaint([&] { read(file); }), "a file that can hold 64250x64250 pixels"));
+}
+
+TEST_CASE("jpeg: the size is read from the header alone") {
+  const std::string content = jpeg({});
+  const std::size_t scan = content.find("\xff\xda");
+  REQUIRE(scan != std::string::npos);
+  const auto size = [](const std::string& start) { return io::image_size({as_bytes(start), "test.jpg"}); };
+  for (const std::size_t length : {content.size(), scan + 20}) {
+    CHECK(size(content.substr(0, length)).width == 40);
+    CHECK(size(content.substr(0, length)).height == 24);
+  }
+  CHECK(contains(complaint([&] { size(content.substr(0, 20)); }), "expected a valid JPEG"));
 }
