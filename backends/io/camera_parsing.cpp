@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include <glm/matrix.hpp>
+
 namespace swiftgs::io {
 
 void set_intrinsics(Camera& camera, const double* parameters, int count) {
@@ -13,6 +15,12 @@ void set_intrinsics(Camera& camera, const double* parameters, int count) {
   camera.fy = parameters[simple ? 0 : 1];
   camera.cx = parameters[simple ? 1 : 2];
   camera.cy = parameters[simple ? 2 : 3];
+}
+
+void set_pose(Camera& camera, const dmat3& axes, dvec3 centre) {
+  camera.rotation = glm::transpose(axes);
+  camera.translation = dvec3(0.0);
+  for (int column = 0; column < 3; ++column) camera.translation -= camera.rotation[column] * centre[column];
 }
 
 int to_side(const Source& source, std::uint64_t offset, double pixels) {

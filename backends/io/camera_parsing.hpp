@@ -37,6 +37,10 @@ struct ColmapPose {
 /// Sets size and intrinsics of `camera` from a PINHOLE (fx, fy, cx, cy) or a SIMPLE_PINHOLE (f, cx, cy).
 void set_intrinsics(Camera& camera, const double* parameters, int count);
 
+/// Sets the pose of `camera` from its place in the world: the columns of `axes` are the directions of its own
+/// axes there.
+void set_pose(Camera& camera, const dmat3& axes, dvec3 centre);
+
 /// Width or height from a file's number. Throws `FormatError` at `offset` if no image has that many pixels.
 int to_side(const Source& source, std::uint64_t offset, double pixels);
 

@@ -16,12 +16,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::vector<Camera> sorted_by_name(std::vector<Camera> cameras) {
+  std::stable_sort(cameras.begin(), cameras.end(),
+                   [](const Camera& a, const Camera& b) { return a.name < b.name; });
+  return cameras;
+}
+
 std::vector<Camera> read_colmap(const fs::path& folder, const char* ending,
                                 std::vector<Camera> (*parse)(const Source&, const Source&)) {
   const fs::path cameras_path = folder / (std::string("cameras") + ending);
   const fs::path images_path = folder / (std::string("images") + ending);
   const MappedFile cameras(cameras_path), images(images_path);
-  return parse({cameras.bytes(), cameras_path.string()}, {images.bytes(), images_path.string()});
+  return sorted_by_name(
+      parse({cameras.bytes(), cameras_path.string()}, {images.bytes(), images_path.string()}));
 }
 
 std::vector<Camera> read_model(const fs::path& folder) {
@@ -32,12 +39,14 @@ std::vector<Camera> read_model(const fs::path& folder) {
 std::vector<Camera> read_json(const fs::path& path) {
   const MappedFile file(path);
   const Source source{file.bytes(), path.string()};
+  if (is_transforms_json(source.text()))
+    return read_transforms_json(source, path.has_parent_path() ? path.parent_path() : ".");
   const std::size_t first = source.text().find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos || source.text()[first] != '[')
     source.fail(0,
-                std::string("cameras: INRIA's cameras.json (a JSON array), or the folder of a COLMAP model") +
-                    (is_transforms_json(source.text(), source.name) ? ", found a transforms.json" : ""));
-  return parse_cameras_json(source);
+                "cameras: INRIA's cameras.json (a JSON array), a transforms.json (a JSON object with "
+                "'frames'), or the folder of a COLMAP model");
+  return sorted_by_name(parse_cameras_json(source));
 }
 
 }  // namespace
@@ -47,14 +56,11 @@ std::vector<Camera> read_cameras(const std::filesystem::path& path) {
   const bool is_folder = std::filesystem::is_directory(path);
   const std::filesystem::path found = is_folder ? io::cameras_in(path) : path;
   if (found.empty())
-    throw std::invalid_argument(path.string() +
-                                ": expected cameras.json, or a COLMAP model (cameras.bin and images.bin, or "
-                                ".txt), here or in sparse/0 or sparse");
-  std::vector<Camera> cameras =
-      std::filesystem::is_directory(found) ? io::read_model(found) : io::read_json(found);
-  std::stable_sort(cameras.begin(), cameras.end(),
-                   [](const Camera& a, const Camera& b) { return a.name < b.name; });
-  return cameras;
+    throw std::invalid_argument(
+        path.string() +
+        ": expected cameras.json, transforms.json, or a COLMAP model (cameras.bin and "
+        "images.bin, or .txt), here or in sparse/0 or sparse");
+  return std::filesystem::is_directory(found) ? io::read_model(found) : io::read_json(found);
 }
 
 }  // namespace swiftgs

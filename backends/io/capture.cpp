@@ -79,6 +79,7 @@ fs::path cameras_in(const fs::path& folder) {
   if (fs::path json = folder / "cameras.json"; fs::exists(json)) return json;
   for (const fs::path& place : {folder / "sparse" / "0", folder / "sparse", folder / "0"})
     if (holds_model(place)) return place;
+  if (fs::path json = folder / "transforms.json"; fs::exists(json)) return json;
   return {};
 }
 

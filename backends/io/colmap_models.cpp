@@ -37,8 +37,12 @@ ColmapModel colmap_model(const Source& source, std::uint64_t offset, std::int32_
 ColmapModel colmap_model(const Source& source, std::uint64_t offset, std::string_view name) {
   if (name == "SIMPLE_PINHOLE") return {.parameters = 3};
   if (name == "PINHOLE") return {.parameters = 4};
+  refuse_model(source, offset, name);
+}
+
+void refuse_model(const Source& source, std::uint64_t offset, std::string_view found) {
   source.fail(offset,
-              "camera model PINHOLE or SIMPLE_PINHOLE (undistorted images), found " + std::string(name));
+              "camera model PINHOLE or SIMPLE_PINHOLE (undistorted images), found " + std::string(found));
 }
 
 }  // namespace swiftgs::io

@@ -19,4 +19,7 @@ ColmapModel colmap_model(const Source& source, std::uint64_t offset, std::int32_
 /// The model called `name`, likewise.
 ColmapModel colmap_model(const Source& source, std::uint64_t offset, std::string_view name);
 
+/// Throws `FormatError` that names what was found in place of such a model.
+[[noreturn]] void refuse_model(const Source& source, std::uint64_t offset, std::string_view found);
+
 }  // namespace swiftgs::io

@@ -34,7 +34,7 @@ std::string_view what_it_is(std::string_view text, std::string_view name) {
     if (holds("\"img_name\"")) return "JSON of cameras (cameras.json)";
     if (holds("\"means\"") && holds(".webp")) return "JSON that describes a SOG folder";
     if (holds("\"asset\"")) return gaussians ? "a glTF of Gaussians" : "a glTF without Gaussians";
-    return is_transforms_json(beginning, name) ? "JSON of cameras (transforms.json)" : "JSON";
+    return is_transforms_json(beginning) ? "JSON of cameras (transforms.json)" : "JSON";
   }
   if (name.ends_with(".ksplat")) return "a .ksplat scene";
   return name.ends_with(".splat") && text.size() % 32 == 0 ? "a .splat scene" : "something else";

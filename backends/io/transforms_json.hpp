@@ -1,14 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <string_view>
+#include <vector>
+
+#include <swiftgs/camera.hpp>
+
+#include "bytes.hpp"
+
+/// @file
+/// `transforms.json` of nerfstudio and instant-ngp, and `transforms_train.json` of Blender's scenes.
 
 namespace swiftgs::io {
 
-/// Whether JSON of this `name` is a transforms.json of cameras, as NeRF's tools write it.
-inline bool is_transforms_json(std::string_view text, std::string_view name) {
-  const auto holds = [&](std::string_view word) { return text.find(word) != text.npos; };
-  return name.ends_with("transforms.json") || holds("\"frames\"") || holds("\"transform_matrix\"");
-}
+/// Whether `text`, the beginning of a file or all of it, has the keys of such a file.
+bool is_transforms_json(std::string_view text);
+
+/// Its cameras in the order of the file, with the size of the images in `folder` where the file has none; an
+/// empty folder has no images. `dataparser` is nerfstudio's `dataparser_transforms.json`, which takes cameras
+/// to the world of the model that it trained, or null.
+std::vector<Camera> parse_transforms_json(const Source& source, const std::filesystem::path& folder = {},
+                                          const Source* dataparser = nullptr);
+
+/// The same with the `dataparser_transforms.json` that is in `folder`, if there is one.
+std::vector<Camera> read_transforms_json(const Source& source, const std::filesystem::path& folder);
 
 }  // namespace swiftgs::io

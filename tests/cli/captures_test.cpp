@@ -110,8 +110,8 @@ TEST_CASE("cli captures: cameras are found in a folder whatever they are") {
   run(place, "render builtin:50 --cameras colmap/ --out images");
   run(place, "render builtin:50 --cameras colmap/sparse --out images");
   CHECK(files_in(place / "images") == std::set<std::string>{"of-json.png", "of-colmap.png"});
-  CHECK(
-      contains(refusal(place, "render builtin:50 --cameras ."), "expected cameras.json, or a COLMAP model"));
+  CHECK(contains(refusal(place, "render builtin:50 --cameras ."),
+                 "expected cameras.json, transforms.json, or a COLMAP model"));
 }
 
 TEST_CASE("cli captures: a folder that is none says what is in it") {

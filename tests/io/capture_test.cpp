@@ -21,6 +21,10 @@ constexpr const char* cameras_json =
     R"([{"id": 0, "img_name": "a.jpg", "width": 32, "height": 16, "fx": 30, "fy": 30, "position": [0, 0, -5],
          "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}])";
 
+constexpr const char* transforms_json =
+    R"({"w": 32, "h": 16, "fl_x": 30, "frames": [{"file_path": "of-transforms",
+        "transform_matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 5], [0, 0, 0, 1]]}]})";
+
 void write_colmap(const TemporaryFolder& place, const std::string& folder, const std::string& image) {
   place.write(folder + "/cameras.txt", "1 PINHOLE 32 16 30 30 16 8\n");
   place.write(folder + "/images.txt", "1 1 0 0 0 0 0 5 1 " + image + "\n\n");
@@ -80,12 +84,15 @@ TEST_CASE("capture: a scene's file has the cameras and photographs beside it") {
 TEST_CASE("capture: cameras are found in a folder in one order") {
   const TemporaryFolder place;
   CHECK_THROWS_WITH_AS(read_cameras(place.path()),
-                       doctest::Contains("expected cameras.json, or a COLMAP model"), std::invalid_argument);
-  place.write("nerf/transforms.json", R"({"frames": [{"transform_matrix": []}]})");
+                       doctest::Contains("expected cameras.json, transforms.json, or a COLMAP model"),
+                       std::invalid_argument);
+  place.write("nerf/transforms.json", transforms_json);
   CHECK_THROWS_WITH_AS(find_capture(place / "nerf"), doctest::Contains("found transforms.json"),
                        std::invalid_argument);
-  CHECK_THROWS_WITH(read_cameras(place / "nerf/transforms.json"),
-                    doctest::Contains("found a transforms.json"));
+  CHECK(camera_in(place / "nerf") == "of-transforms");
+  place.write("transforms.json", transforms_json);
+  CHECK(camera_in(place.path()) == "of-transforms");
+  CHECK(find_capture(place / "missing.ply").cameras == place / "transforms.json");
   write_colmap(place, "0", "of-0");
   CHECK(camera_in(place.path()) == "of-0");
   write_colmap(place, "sparse", "of-sparse");

@@ -67,7 +67,7 @@ TEST_CASE("scene file: formats without a beginning of their own are named by the
   CHECK(contains(complaint_about("a.splat", 64), "found a .splat scene"));
   CHECK(contains(complaint_about("a.splat", 65), "found something else"));
   CHECK(contains(complaint_about("a.ksplat", 65), "found a .ksplat scene"));
-  CHECK(contains(complaint([&] { read_scene(as_bytes(std::string("{}")), "nerf/transforms.json"); }),
+  CHECK(contains(complaint([&] { read_scene(as_bytes(std::string("{\"fl_x\": 1}")), "a.json"); }),
                  "found JSON of cameras (transforms.json)"));
   const TemporaryFolder place;
   place.write("sog/meta.json", "{}");

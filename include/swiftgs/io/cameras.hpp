@@ -9,15 +9,21 @@
 
 namespace swiftgs {
 
-/// Reads cameras, sorted by image name. `path` is one of
+/// Reads cameras. `path` is one of
 /// - an INRIA `cameras.json`; its principal points are the image centres,
+/// - a `transforms.json` of nerfstudio or instant-ngp, or Blender's `transforms_train.json`. Where it has no
+///   `w` and `h`, the header of the frame's image beside it tells the size (`file_path`, with `.png` if it
+///   has no extension). Cameras stay in the world of the file, unless nerfstudio's
+///   `dataparser_transforms.json` lies beside it: then they are in the world of the splats that nerfstudio
+///   exports,
 /// - the folder of a COLMAP sparse model, with `cameras` and `images`. The binary files are read if both are
 ///   there, the text files otherwise. Points are not needed,
 /// - the folder of a capture that holds one of these, as `find_capture` says.
 ///
-/// COLMAP's camera models PINHOLE and SIMPLE_PINHOLE are read; any other is refused by name. `Camera::name`
-/// is the image's name as the file has it. Throws `FormatError`, `std::system_error` if something cannot be
-/// read, and `std::invalid_argument` for a folder without cameras.
+/// Camera models PINHOLE and SIMPLE_PINHOLE are read, and OPENCV in a transforms.json without distortion; any
+/// other is refused by name. `Camera::name` is the image's name as the file has it. Cameras of a
+/// transforms.json keep the order of the file, others are sorted by name. Throws `FormatError`,
+/// `std::system_error` if something cannot be read, and `std::invalid_argument` for a folder without cameras.
 SWIFTGS_API std::vector<Camera> read_cameras(const std::filesystem::path& path);
 
 }  // namespace swiftgs

@@ -24,8 +24,8 @@ struct Capture {
 ///   name of the folder,
 /// - `NAME.spz`, or else `NAME.ply`,
 /// - the only `.spz` or `.ply`, where `input.ply` does not count: INRIA's training keeps its points there.
-/// Cameras are a COLMAP model in the folder itself, `cameras.json`, or a COLMAP model in `sparse/0`, `sparse`
-/// or `0`, the first that is there. Photographs are in `photos`.
+/// Cameras are a COLMAP model in the folder itself, `cameras.json`, a COLMAP model in `sparse/0`, `sparse` or
+/// `0`, or `transforms.json`, the first that is there. Photographs are in `photos`.
 ///
 /// Throws `std::invalid_argument` where a folder holds no scene, or several of which none is called NAME.
 SWIFTGS_API Capture find_capture(const std::filesystem::path& path);

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "json_entry.hpp"
+
+#include <cmath>
+
+#include <glm/matrix.hpp>
+
+namespace swiftgs::io {
+
+using nlohmann::json;
+
+json parse_json(const Source& source) {
+  try {
+    return json::parse(source.text());
+  } catch (const json::parse_error& error) {
+    // The parser counts from 1, and counts the end as a byte.
+    source.fail(error.byte - (error.byte > 0), "valid JSON");
+  } catch (const json::exception&) {
+    source.fail(0, "JSON with numbers that a double can hold");
+  }
+}
+
+std::vector<std::uint64_t> offsets_in(std::string_view text, std::uint64_t start) {
+  std::vector<std::uint64_t> offsets;
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = start; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      in_string = c != '"';
+      continue;
+    }
+    in_string = c == '"';
+    const bool opens = c == '[' || c == '{';
+    if (opens) ++depth;
+    if (depth == 1 && (opens || c == ',')) offsets.push_back(text.find_first_not_of(" \t\r\n", i + 1));
+    if ((c == ']' || c == '}') && --depth == 0) break;
+  }
+  return offsets;
+}
+
+std::uint64_t offset_of_member(std::string_view text, std::uint64_t start, std::string_view key) {
+  std::uint64_t value = start;
+  for (const std::uint64_t member : offsets_in(text, start)) {
+    std::size_t end = member + 1;
+    while (text[end] != '"') end += text[end] == '\\' ? 2 : 1;
+    // A key may be written with escapes, and of members with the same key the last counts.
+    if (json::parse(text.substr(member, end + 1 - member)).get_ref<const std::string&>() == key)
+      value = text.find_first_not_of(" \t\r\n", text.find(':', end) + 1);
+  }
+  return value;
+}
+
+const json& JsonEntry::member(const char* key) const {
+  const auto found = value_.find(key);
+  if (found == value_.end()) fail(std::string(what_) + " with '" + key + "'");
+  return *found;
+}
+
+std::string JsonEntry::string(const char* key) const {
+  const json& value = member(key);
+  if (!value.is_string()) fail(std::string("'") + key + "' to be a string");
+  return value.get<std::string>();
+}
+
+dmat3 JsonEntry::matrix(const char* key) const {
+  const json& rows = member(key);
+  if (!rows.is_array() || rows.size() != 3) fail(std::string("'") + key + "' to be three rows");
+  return glm::transpose(dmat3(to_vector(rows[0], key), to_vector(rows[1], key), to_vector(rows[2], key)));
+}
+
+JsonEntry::Affine JsonEntry::affine(const char* key) const {
+  const json& rows = member(key);
+  if (!rows.is_array() || rows.size() < 3 || rows.size() > 4)
+    fail(std::string("'") + key + "' to be three or four rows");
+  Affine affine;
+  for (int row = 0; row < int(rows.size()); ++row) {
+    const json& values = rows[row];
+    if (!values.is_array() || values.size() != 4) fail(std::string("rows of four numbers in '") + key + "'");
+    for (int column = 0; column < 4; ++column) {
+      const double value = to_number(values[column], key);
+      if (row == 3 && std::abs(value - (column == 3)) > 1e-6)
+        fail(std::string("a last row of 0, 0, 0, 1 in '") + key + "'");
+      if (row < 3) (column < 3 ? affine.linear[column] : affine.offset)[row] = value;
+    }
+  }
+  return affine;
+}
+
+double JsonEntry::to_number(const json& value, const char* key) const {
+  if (!value.is_number()) fail(std::string("a number in '") + key + "'");
+  return value.get<double>();
+}
+
+dvec3 JsonEntry::to_vector(const json& value, const char* key) const {
+  if (!value.is_array() || value.size() != 3) fail(std::string("three numbers in '") + key + "'");
+  return {to_number(value[0], key), to_number(value[1], key), to_number(value[2], key)};
+}
+
+}  // namespace swiftgs::io

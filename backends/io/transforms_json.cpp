@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "transforms_json.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <system_error>
+
+#include <glm/matrix.hpp>
+
+#include "camera_parsing.hpp"
+#include "colmap_models.hpp"
+#include "image_parsing.hpp"
+#include "json_entry.hpp"
+#include "mapped_file.hpp"
+
+namespace swiftgs::io {
+namespace {
+
+using nlohmann::json;
+
+/// A frame, and the object around all frames, whose members count where the frame has none of its own.
+struct Frame {
+  JsonEntry own, shared;
+
+  /// Whichever has `key`; null if neither has.
+  const JsonEntry* with(const char* key) const {
+    return own.has(key) ? &own : shared.has(key) ? &shared : nullptr;
+  }
+};
+
+bool is_zero(const json& value) {
+  const auto zero = [](const json& number) { return number.is_number() && number.get<double>() == 0; };
+  return value.is_array() ? std::all_of(value.begin(), value.end(), zero) : zero(value);
+}
+
+/// Throws `FormatError` that names the camera model or the distortion, unless the images have none.
+void expect_undistorted(const Frame& frame) {
+  // OPENCV is a pinhole where all of its coefficients are zero.
+  if (const JsonEntry* entry = frame.with("camera_model"))
+    if (const std::string model = entry->string("camera_model"); model != "OPENCV")
+      colmap_model(entry->source(), entry->offset(), model);
+  for (const char* key : {"k1", "k2", "k3", "k4", "p1", "p2", "distortion_params"})
+    if (const JsonEntry* entry = frame.with(key); entry && !is_zero(entry->member(key)))
+      refuse_model(entry->source(), entry->offset(), std::string("'") + key + "' that is not 0");
+  // How instant-ngp marks its other lenses.
+  for (const char* key : {"is_fisheye", "ftheta_p0", "latlong", "equirectangular"})
+    if (const JsonEntry* entry = frame.with(key); entry && entry->member(key) != json(false))
+      refuse_model(entry->source(), entry->offset(), std::string("'") + key + "'");
+}
+
+/// Sets the size from the file, or else from the header of the frame's image in `folder`.
+void set_size(Camera& camera, const Frame& frame, const std::filesystem::path& folder) {
+  const JsonEntry *width = frame.with("w"), *height = frame.with("h");
+  if (width && height) {
+    camera.width = to_side(width->source(), width->offset(), width->number("w"));
+    camera.height = to_side(height->source(), height->offset(), height->number("h"));
+    return;
+  }
+  if (folder.empty()) frame.own.fail("a frame with 'w' and 'h', or a file with its images beside it");
+  std::filesystem::path image = folder / camera.name;
+  if (!image.has_extension()) image += ".png";
+  try {
+    const MappedFile file(image);
+    const ImageSize size = image_size({file.bytes(), image.string()});
+    camera.width = size.width, camera.height = size.height;
+  } catch (const std::system_error& error) {
+    frame.own.fail(std::string("a frame with 'w' and 'h', or its image (") + error.what() + ")");
+  }
+}
+
+/// The focal length along an image side, stored as pixels or as an angle of view; 0 if there is none.
+double focal_length(const Frame& frame, const char* pixels, const char* angle, int side) {
+  for (const JsonEntry* entry : {&frame.own, &frame.shared}) {
+    if (entry->has(pixels)) return entry->number(pixels);
+    if (!entry->has(angle)) continue;
+    const double radians = entry->number(angle);
+    if (!(radians > 0 && radians < std::numbers::pi))
+      entry->fail(std::string("an angle above 0 and below pi in '") + angle + "'");
+    return 0.5 * side / std::tan(0.5 * radians);
+  }
+  return 0;
+}
+
+void set_intrinsics(Camera& camera, const Frame& frame) {
+  camera.fx = focal_length(frame, "fl_x", "camera_angle_x", camera.width);
+  camera.fy = focal_length(frame, "fl_y", "camera_angle_y", camera.height);
+  if (camera.fx == 0) frame.own.fail("a focal length above 0 in 'fl_x', or 'camera_angle_x'");
+  if (camera.fy == 0) camera.fy = camera.fx;
+  const JsonEntry *cx = frame.with("cx"), *cy = frame.with("cy");
+  camera.cx = cx ? cx->number("cx") : 0.5 * camera.width;
+  camera.cy = cy ? cy->number("cy") : 0.5 * camera.height;
+}
+
+/// p -> scale (rotation p + translation), from the file's world to that of the model.
+struct WorldChange {
+  dmat3 rotation{1.0};
+  dvec3 translation{0.0};
+  double scale = 1;
+};
+
+JsonEntry::Affine rigid(const JsonEntry& entry, const char* key) {
+  const JsonEntry::Affine affine = entry.affine(key);
+  const dmat3 product = glm::transpose(affine.linear) * affine.linear;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (!(std::abs(product[i][j] - (i == j)) < 1e-3))
+        entry.fail(std::string("a rotation and a translation in '") + key + "'");
+  return affine;
+}
+
+double scale_in(const JsonEntry& entry, const char* key) {
+  const double scale = entry.number(key);
+  if (!(scale > 0)) entry.fail(std::string("a scale above 0 in '") + key + "'");
+  return scale;
+}
+
+/// nerfstudio's `dataparser_transforms.json` starts at the world before `root` applied what it says.
+WorldChange world_change(const JsonEntry& root, const Source& dataparser) {
+  const json value = parse_json(dataparser);
+  const JsonEntry entry(dataparser, value, 0, "nerfstudio's dataparser_transforms.json");
+  const auto [transform, offset] = rigid(entry, "transform");
+  WorldChange change{transform, offset, scale_in(entry, "scale")};
+  if (root.has("applied_transform")) {
+    const auto [applied, applied_offset] = rigid(root, "applied_transform");
+    change.rotation = transform * glm::inverse(applied);
+    change.translation = offset - change.rotation * applied_offset;
+  }
+  if (root.has("applied_scale")) change.scale /= scale_in(root, "applied_scale");
+  return change;
+}
+
+Camera camera_of(const Frame& frame, const std::filesystem::path& folder, const WorldChange& change) {
+  expect_undistorted(frame);
+  Camera camera;
+  camera.name = frame.own.string("file_path");
+  // The file has camera to world with OpenGL's axes: y up, z backwards.
+  auto [axes, centre] = frame.own.affine("transform_matrix");
+  axes[1] = -axes[1], axes[2] = -axes[2];
+  set_pose(camera, change.rotation * axes, change.scale * (change.rotation * centre + change.translation));
+  set_size(camera, frame, folder);
+  set_intrinsics(camera, frame);
+  expect_valid(frame.own.source(), frame.own.offset(), camera);
+  return camera;
+}
+
+}  // namespace
+
+bool is_transforms_json(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == text.npos || text[first] != '{') return false;
+  const auto holds = [&](std::string_view key) { return text.find(key) != text.npos; };
+  // In a long file only the beginning may be at hand, and the frames may follow later.
+  return holds("\"frames\"") || holds("\"transform_matrix\"") || holds("\"camera_angle_x\"") ||
+         holds("\"fl_x\"");
+}
+
+std::vector<Camera> parse_transforms_json(const Source& source, const std::filesystem::path& folder,
+                                          const Source* dataparser) {
+  const json value = parse_json(source);
+  const JsonEntry root(source, value, 0, "a transforms.json");
+  const json& frames = root.member("frames");
+  if (!frames.is_array()) root.fail("'frames' to be an array");
+  const WorldChange change = dataparser ? world_change(root, *dataparser) : WorldChange{};
+  const std::string_view text = source.text();
+  const std::vector<std::uint64_t> offsets =
+      offsets_in(text, offset_of_member(text, text.find('{'), "frames"));
+  std::vector<Camera> cameras;
+  cameras.reserve(frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    cameras.push_back(camera_of({JsonEntry(source, frames[i], offsets[i], "a frame"), root}, folder, change));
+  return cameras;
+}
+
+std::vector<Camera> read_transforms_json(const Source& source, const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / "dataparser_transforms.json";
+  if (!std::filesystem::exists(path)) return parse_transforms_json(source, folder);
+  const MappedFile file(path);
+  const Source dataparser{file.bytes(), path.string()};
+  return parse_transforms_json(source, folder, &dataparser);
+}
+
+}  // namespace swiftgs::io

@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "transforms_json.hpp"
+
+#include <cmath>
+#include <system_error>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <swiftgs/io/cameras.hpp>
+
+#include "camera_parsing.hpp"
+#include "png_encoder.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+using nlohmann::json;
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+/// Camera to world with OpenGL's axes, as these files have it.
+json matrix_of(const Camera& camera) {
+  json rows = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 1}};
+  const dvec3 centre = camera.centre();
+  for (int row = 0; row < 3; ++row) {
+    rows[row][0] = camera.rotation[row][0];
+    rows[row][1] = -camera.rotation[row][1];
+    rows[row][2] = -camera.rotation[row][2];
+    rows[row][3] = centre[row];
+  }
+  return rows;
+}
+
+const Camera camera_looking = look_at({1, 2, 3}, {-2, 0.5, 0.25}, {0.1, -0.2, 1}, 0.8, 640, 480);
+
+json frame(const std::string& path, const Camera& camera = camera_looking) {
+  return {{"file_path", path}, {"transform_matrix", matrix_of(camera)}};
+}
+
+/// A file of two frames with the same intrinsics.
+json some_file() {
+  return {{"w", 640},
+          {"h", 480.0},
+          {"fl_x", 500},
+          {"fl_y", 510.5},
+          {"cx", 321},
+          {"cy", 239.25},
+          {"frames", {frame("images/b.jpg"), frame("./images/a.jpg")}}};
+}
+
+std::vector<Camera> parse(const json& file) {
+  const std::string content = file.dump();
+  return io::parse_transforms_json({as_bytes(content), "transforms.json"});
+}
+
+std::string complaint_about(const json& file) {
+  return complaint([&] { parse(file); });
+}
+
+void check_pose(const Camera& found, const Camera& expected) {
+  for (int i = 0; i < 3; ++i) {
+    CHECK(found.translation[i] == doctest::Approx(expected.translation[i]).epsilon(1e-12));
+    for (int j = 0; j < 3; ++j)
+      CHECK(found.rotation[i][j] == doctest::Approx(expected.rotation[i][j]).epsilon(1e-12));
+  }
+}
+
+/// nerfstudio's: the rows of a turn and a move, and a scale.
+const json turn = {{0, -1, 0, 10}, {1, 0, 0, 20}, {0, 0, 1, 30}};
+
+std::vector<Camera> parse_in_model(const json& file, const json& dataparser) {
+  const std::string content = file.dump(), change = dataparser.dump();
+  const io::Source source{as_bytes(change), "dataparser_transforms.json"};
+  return io::parse_transforms_json({as_bytes(content), "transforms.json"}, {}, &source);
+}
+
+}  // namespace
+
+TEST_CASE("transforms.json: a camera of COLMAP comes back as it was") {
+  const std::string cameras = "1 PINHOLE 640 480 500 510.5 321 239.25\n";
+  const std::string images = "1 0.5 -0.3 0.7 0.1 1 -2 3.5 1 images/a.jpg\n\n";
+  const Camera colmap =
+      io::parse_colmap_text({as_bytes(cameras), "cameras.txt"}, {as_bytes(images), "images.txt"}).at(0);
+  json file = some_file();
+  file["frames"] = {frame(colmap.name, colmap)};
+  const auto found = parse(file);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].name == colmap.name);
+  CHECK(found[0].width == colmap.width);
+  CHECK(found[0].height == colmap.height);
+  CHECK(found[0].fx == colmap.fx);
+  CHECK(found[0].fy == colmap.fy);
+  CHECK(found[0].cx == colmap.cx);
+  CHECK(found[0].cy == colmap.cy);
+  check_pose(found[0], colmap);
+}
+
+TEST_CASE("transforms.json: a camera looks along its negative z axis with y up") {
+  json file = some_file();
+  file["frames"][0]["transform_matrix"] = {{1, 0, 0, 5}, {0, 1, 0, 6}, {0, 0, 1, 7}, {0, 0, 0, 1}};
+  const Camera camera = parse(file).at(0);
+  CHECK(camera.rotation * dvec3(5, 6, 6) + camera.translation == dvec3(0, 0, 1));
+  CHECK(camera.rotation * dvec3(5, 7, 7) + camera.translation == dvec3(0, -1, 0));
+  CHECK(camera.rotation * dvec3(6, 6, 7) + camera.translation == dvec3(1, 0, 0));
+  file["frames"][0]["transform_matrix"].erase(3);
+  CHECK(parse(file).at(0).translation == camera.translation);
+}
+
+TEST_CASE("transforms.json: content decides and cameras keep the order and the names of the file") {
+  const TemporaryFolder folder;
+  const auto cameras = read_cameras(folder.write("anything", std::string("\n").append(some_file().dump())));
+  REQUIRE(cameras.size() == 2);
+  CHECK(cameras[0].name == "images/b.jpg");
+  CHECK(cameras[1].name == "./images/a.jpg");
+  CHECK(cameras[1].height == 480);
+  CHECK(cameras[1].fy == 510.5);
+  check_pose(cameras[1], camera_looking);
+  CHECK(read_cameras(folder.write("none.json", R"({"frames": []})")).empty());
+}
+
+TEST_CASE("transforms.json: what a frame has itself wins") {
+  json file = some_file();
+  file["frames"][1].update({{"w", 64}, {"h", 48}, {"fl_x", 50}, {"cx", 31}});
+  auto cameras = parse(file);
+  CHECK(cameras[0].width == 640);
+  CHECK(cameras[0].fx == 500);
+  CHECK(cameras[0].cx == 321);
+  CHECK(cameras[1].width == 64);
+  CHECK(cameras[1].height == 48);
+  CHECK(cameras[1].fx == 50);
+  CHECK(cameras[1].fy == 510.5);
+  CHECK(cameras[1].cx == 31);
+  CHECK(cameras[1].cy == 239.25);
+
+  file["frames"][1]["fl_x"] = nullptr;
+  CHECK(contains(complaint_about(file), "a number in 'fl_x'"));
+  file["frames"][1].erase("fl_x");
+  file["frames"][1]["camera_angle_x"] = 0.5 * pi;
+  CHECK(parse(file)[1].fx == doctest::Approx(32));
+}
+
+TEST_CASE("transforms.json: angles of view stand for focal lengths and centres for principal points") {
+  json file = some_file();
+  for (const char* key : {"fl_x", "fl_y", "cx", "cy"}) file.erase(key);
+  file["camera_angle_x"] = 2 * std::atan(0.5);
+  Camera camera = parse(file).at(0);
+  CHECK(camera.fx == doctest::Approx(640));
+  CHECK(camera.fy == camera.fx);
+  CHECK(camera.cx == 320);
+  CHECK(camera.cy == 240);
+  file["camera_angle_y"] = 0.5 * pi;
+  camera = parse(file).at(0);
+  CHECK(camera.fx == doctest::Approx(640));
+  CHECK(camera.fy == doctest::Approx(240));
+  for (const double angle : {0.0, -1.0, pi, 7.0}) {
+    file["camera_angle_x"] = angle;
+    CHECK(contains(complaint_about(file), "an angle above 0 and below pi in 'camera_angle_x'"));
+  }
+  file.erase("camera_angle_x");
+  CHECK(contains(complaint_about(file), "in 'fl_x', or 'camera_angle_x'"));
+}
+
+TEST_CASE("transforms.json: distortion and other camera models are refused by name") {
+  json zero = some_file();
+  zero["camera_model"] = "OPENCV", zero["is_fisheye"] = false;
+  for (const char* key : {"k1", "k2", "k3", "k4", "p1", "p2"}) zero[key] = 0.0;
+  zero["distortion_params"] = {0, 0.0, 0, 0, 0, 0};
+  CHECK(parse(zero).size() == 2);
+  const std::string expected = "expected camera model PINHOLE or SIMPLE_PINHOLE (undistorted images), found ";
+  const std::string place = "transforms.json: byte 0: " + expected;
+  for (const char* key : {"k1", "k2", "k3", "k4", "p1", "p2"}) {
+    json file = zero;
+    file[key] = -1e-9;
+    CHECK(complaint_about(file) == place + "'" + key + "' that is not 0");
+    file["frames"][0][key] = file["frames"][1][key] = 0;
+    CHECK(complaint_about(file) == "");
+    file["frames"][1][key] = "0";
+    CHECK(contains(complaint_about(file), expected + "'" + key + "' that is not 0"));
+  }
+  zero["frames"][1]["distortion_params"] = {0, 0.1};
+  CHECK(contains(complaint_about(zero), expected + "'distortion_params' that is not 0"));
+  for (const char* model : {"PINHOLE", "SIMPLE_PINHOLE"}) {
+    json file = some_file();
+    file["camera_model"] = model;
+    CHECK(parse(file).size() == 2);
+  }
+  for (const char* model : {"OPENCV_FISHEYE", "EQUIRECTANGULAR", "SIMPLE_RADIAL", "anything", ""}) {
+    json file = some_file();
+    file["camera_model"] = model;
+    CHECK(complaint_about(file) == place + model);
+  }
+  for (const char* key : {"is_fisheye", "ftheta_p0", "latlong", "equirectangular"}) {
+    json file = some_file();
+    file[key] = true;
+    CHECK(complaint_about(file) == place + "'" + key + "'");
+  }
+}
+
+TEST_CASE("transforms.json: the size is taken from the header of the image beside the file") {
+  const TemporaryFolder folder;
+  const std::string ihdr =
+      png_chunk("IHDR", big_endian(80) + big_endian(60) + std::string("\x8\x6\0\0\0", 5));
+  // A header, and no pixels: enough bytes that they could follow.
+  const std::string image = "\x89PNG\r\n\x1a\n" + ihdr + png_chunk("IDAT", std::string(100, 'x'));
+  folder.write("nerf/train/r_0.png", image);
+  json file = {{"camera_angle_x", 0.5 * pi}, {"frames", {frame("./train/r_0")}}};
+  const auto path = folder.write("nerf/transforms_train.json", file.dump());
+  Camera camera = read_cameras(path).at(0);
+  CHECK(camera.name == "./train/r_0");
+  CHECK(camera.width == 80);
+  CHECK(camera.height == 60);
+  CHECK(camera.fx == doctest::Approx(40));
+  CHECK(camera.cy == 30);
+
+  CHECK(contains(complaint_about(file), "expected a frame with 'w' and 'h', or a file with its images"));
+  file["w"] = 640;
+  CHECK(contains(complaint_about(file), "expected a frame with 'w' and 'h'"));
+  file["frames"][0]["file_path"] = "train/r_1.jpg";
+  folder.write("nerf/transforms_train.json", file.dump());
+  const std::string missing = complaint([&] { read_cameras(path); });
+  CHECK(contains(missing, path.string() + ": byte "));
+  CHECK(contains(missing, "expected a frame with 'w' and 'h', or its image ("));
+  CHECK(contains(missing, "r_1.jpg: No such file"));
+  folder.write("nerf/train/r_1.jpg", "no image");
+  CHECK(contains(complaint([&] { read_cameras(path); }), "r_1.jpg: byte 0: expected an image"));
+  folder.write("nerf/train/r_1.jpg", image.substr(0, 20));
+  CHECK(contains(complaint([&] { read_cameras(path); }), "expected a valid PNG"));
+}
+
+TEST_CASE("transforms.json: cameras follow the model that nerfstudio trained") {
+  json file = some_file();
+  // p_json = applied p, so that p_model = scale (turn p) with applied undone.
+  file["applied_transform"] = {{1, 0, 0, 0.5}, {0, 0, 1, 0}, {0, -1, 0, 0}};
+  file["applied_scale"] = 4;
+  const dvec3 point(0.3, -0.4, 1.5);                     // in the world before
+  const dvec3 in_file(0.8, 1.5, 0.4);                    // applied
+  const dvec3 in_model = 0.5 * dvec3(10.4, 20.3, 31.5);  // 2 / 4 of the turned one
+  const json dataparser = {{"transform", turn}, {"scale", 2}};
+  const Camera plain = parse(file).at(0), moved = parse_in_model(file, dataparser).at(0);
+  const dvec3 before = plain.rotation * in_file + plain.translation;
+  const dvec3 after = moved.rotation * in_model + moved.translation;
+  for (int i = 0; i < 3; ++i) CHECK(after[i] == doctest::Approx(0.5 * before[i]).epsilon(1e-12));
+  CHECK(plain.translation == parse(some_file()).at(0).translation);
+  CHECK_NOTHROW(validate(moved));
+
+  // Without what was applied, the file's world is where the model's starts.
+  const Camera turned = parse_in_model(some_file(), dataparser).at(0);
+  const dvec3 from = plain.rotation * point + plain.translation;
+  const dvec3 to = turned.rotation * (2.0 * dvec3(10.4, 20.3, 31.5)) + turned.translation;
+  for (int i = 0; i < 3; ++i) CHECK(to[i] == doctest::Approx(2 * from[i]).epsilon(1e-12));
+
+  const TemporaryFolder folder;
+  const auto path = folder.write("transforms.json", file.dump());
+  check_pose(read_cameras(path).at(0), plain);
+  folder.write("dataparser_transforms.json", dataparser.dump());
+  check_pose(read_cameras(path).at(0), moved);
+  check_pose(read_cameras(folder.path()).at(0), moved);
+}
+
+TEST_CASE("transforms.json: a world that cannot be changed is placed") {
+  const json good = {{"transform", turn}, {"scale", 2}};
+  const auto refused = [&](const json& file, const json& dataparser) {
+    return complaint([&] { parse_in_model(file, dataparser); });
+  };
+  CHECK(refused(some_file(), good) == "");
+  const std::string place = "dataparser_transforms.json: byte 0: expected ";
+  const auto with = [&](const char* key, const json& value) {
+    json changed = good;
+    changed[key] = value;
+    return refused(some_file(), changed);
+  };
+  CHECK(refused(some_file(), json::array()) ==
+        place + "nerfstudio's dataparser_transforms.json (a JSON object)");
+  CHECK(refused(some_file(), {{"scale", 1}}) ==
+        place + "nerfstudio's dataparser_transforms.json with 'transform'");
+  CHECK(with("scale", 0) == place + "a scale above 0 in 'scale'");
+  CHECK(with("scale", -1) == place + "a scale above 0 in 'scale'");
+  CHECK(contains(with("scale", 1e308), "a finite translation"));
+  CHECK(with("transform", {{2, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}) ==
+        place + "a rotation and a translation in 'transform'");
+  CHECK(with("transform", {{1, 0, 0, 0}, {0, 1, 0, 0}}) == place + "'transform' to be three or four rows");
+  json file = some_file();
+  file["applied_transform"] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
+  CHECK(refused(file, good) ==
+        "transforms.json: byte 0: expected a rotation and a translation in 'applied_transform'");
+  CHECK(complaint_about(file) == "");
+  file.erase("applied_transform"), file["applied_scale"] = 0;
+  CHECK(refused(file, good) == "transforms.json: byte 0: expected a scale above 0 in 'applied_scale'");
+}
+
+TEST_CASE("transforms.json: the frame that is wrong is placed") {
+  json file = some_file();
+  // A name that misleads who counts brackets, behind a member of the same kind.
+  file["before"] = {{"frames", {1, 2}}};
+  file["frames"][0]["file_path"] = "x,[{\\\"]";
+  const auto second_with = [&](const char* key, const json& value) {
+    json changed = file;
+    changed["frames"][1][key] = value;
+    return complaint_about(changed);
+  };
+  const std::string place =
+      "transforms.json: byte " + std::to_string(file.dump().rfind("{\"file_path\"")) + ": expected ";
+  CHECK(complaint_about(file) == "");
+  CHECK(second_with("file_path", 7) == place + "'file_path' to be a string");
+  CHECK(second_with("transform_matrix", 7) == place + "'transform_matrix' to be three or four rows");
+  CHECK(second_with("transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1}}) ==
+        place + "rows of four numbers in 'transform_matrix'");
+  CHECK(second_with("transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, nullptr}}) ==
+        place + "a number in 'transform_matrix'");
+  CHECK(second_with("transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 1, 1}}) ==
+        place + "a last row of 0, 0, 0, 1 in 'transform_matrix'");
+  const std::string skewed = second_with("transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1.01, 0}});
+  CHECK(contains(skewed, "expected a camera that can be rendered with"));
+  CHECK(contains(skewed, "orthonormal rows"));
+  for (const char* key : {"file_path", "transform_matrix"}) {
+    json changed = file;
+    changed["frames"][1].erase(key);
+    const std::string message = complaint_about(changed);
+    CHECK(contains(message, std::string("expected a frame with '") + key + "'"));
+    CHECK(contains(message, std::to_string(changed.dump().rfind(key[0] == 'f' ? "{\"transform_matrix\""
+                                                                              : "{\"file_path\""))));
+  }
+  json number = file;
+  number["frames"][1] = 7;
+  CHECK(contains(complaint_about(number), "expected a frame (a JSON object)"));
+  for (const double width : {0.0, -640.0, 65537.0, 640.5, 1e300}) {
+    json changed = file;
+    changed["w"] = width;
+    CHECK(contains(complaint_about(changed), "transforms.json: byte 0: expected a width"));
+  }
+  CHECK(contains(second_with("fl_x", -500), "focal lengths of 1e-6 to 1e12 pixels"));
+  CHECK(contains(second_with("cx", 1e10), "a principal point"));
+}
+
+TEST_CASE("transforms.json: a frame is found among keys that are written twice or with escapes") {
+  const std::string good = frame("a").dump();
+  const auto place_of = [&](const std::string& before) {
+    const std::string content = before + good + ", 7], \"w\": 4, \"h\": 3, \"fl_x\": 5}";
+    return complaint([&] { io::parse_transforms_json({as_bytes(content), "t"}); });
+  };
+  for (const std::string before :
+       {R"({"frames": [)", R"({"frames": {}, "frames" : [ )", R"({"\u0066rames": [)",
+        R"({"frames":[1,2,3],"a\":[":"frames","x":{"frames":[4]},"frames":[)"}) {
+    CAPTURE(before);
+    CHECK(place_of(before) == "t: byte " + std::to_string(before.size() + good.size() + 2) +
+                                  ": expected a frame (a JSON object)");
+  }
+}
+
+TEST_CASE("transforms.json: a file that ends early is refused wherever it ends") {
+  check_every_truncation(some_file().dump(), [](const std::string& content) {
+    io::parse_transforms_json({as_bytes(content), "transforms.json"});
+  });
+}
+
+TEST_CASE("transforms.json: JSON that is something else is refused") {
+  CHECK(contains(complaint_about(json::array()), "expected a transforms.json (a JSON object)"));
+  CHECK(contains(complaint_about(json::object()), "expected a transforms.json with 'frames'"));
+  CHECK(contains(complaint_about({{"frames", 7}}), "'frames' to be an array"));
+  const auto refused = [](const std::string& content) {
+    return complaint([&] { io::parse_transforms_json({as_bytes(content), "t"}); });
+  };
+  CHECK(contains(refused(R"({"frames": [NaN]})"), "t: byte 12: expected valid JSON"));
+  CHECK(contains(refused(R"({"frames": [1e999]})"), "numbers that a double can hold"));
+  std::string deep = R"({"k1": )" + std::string(100'000, '[') + std::string(100'000, ']') +
+                     R"(, "w": 4, "h": 3, "fl_x": 5, "frames": [)" + frame("a").dump() + "]}";
+  CHECK(contains(refused(deep), "found 'k1' that is not 0"));
+  const TemporaryFolder folder;
+  for (const char* content : {R"({"transform": [], "scale": 1})", R"({"asset": {}})", "{}"})
+    CHECK(contains(complaint([&] { read_cameras(folder.write("transforms.json", content)); }),
+                   "a transforms.json (a JSON object with 'frames')"));
+}
