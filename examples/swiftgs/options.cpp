@@ -22,9 +22,9 @@ void add_scene(CLI::App& command, SceneOptions& options) {
 }
 
 void add_cameras(CLI::App& command, ViewOptions& options) {
-  command.add_option(
-      "--cameras", options.cameras,
-      "A cameras.json or a COLMAP model, or a folder that holds one\n[those of SCENE where it is a folder]");
+  command.add_option("--cameras", options.cameras,
+                     "A cameras.json, a transforms.json or a COLMAP model, or a folder\nthat holds one "
+                     "[those of SCENE where it is a folder]");
   command
       .add_option("--conventions", options.conventions,
                   "Conventions that the scene was trained with: gsplat or inria")
