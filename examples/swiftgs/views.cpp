@@ -47,7 +47,10 @@ std::string_view without_extension(std::string_view name) {
 
 /// The name under which an image of `camera` is stored: folders become part of it, the extension goes.
 std::string file_name(const Camera& camera, std::size_t number) {
-  std::string name(without_extension(camera.name));
+  std::string_view path = without_extension(camera.name);
+  // Without these, which lead to the image, the file would be hidden.
+  while (path.starts_with("./") || path.starts_with("../")) path.remove_prefix(path.find('/') + 1);
+  std::string name(path);
   for (char& c : name)
     if (c == '/' || c == '\\' || static_cast<unsigned char>(c) < ' ') c = '_';
   return name.empty() ? std::to_string(number) : name;

@@ -155,6 +155,10 @@ TEST_CASE("cli views: images are chosen by name with or without extension") {
   CHECK(drawn("3.png") == Names{"3.png"});
   CHECK(drawn("03") == Names{"b.png"});
   CHECK(drawn("0-1,b") == Names{"0003.png", "3.png", "b.png"});
+
+  place.write("cameras.json", cameras_json({"./train/r_0", ".././c.jpg", ".hidden"}));
+  CHECK(drawn("all") == Names{"train_r_0.png", "c.png", ".hidden.png"});
+  CHECK(drawn("train_r_0") == Names{"train_r_0.png"});
 }
 
 TEST_CASE("cli views: a name that no image has brings up the nearest") {
