@@ -168,24 +168,31 @@ SWIFTGS_HD void blend(Pixel& pixel, float alpha, const float4& colour, float occ
 /// Splats that are blended together, and looked at for pixels that stop.
 inline constexpr unsigned group_size = 4;
 
-/// Dims a pixel by the alphas of a group, and finds the weights of its colours. Whether the pixel stops is
-/// looked at once for the whole group, since transmittance only falls; where it does, the splats from the one
-/// on that would have stopped it are taken back.
-SWIFTGS_HD inline void weigh_group(Pixel& pixel, const float (&alphas)[group_size],
-                                   float (&weights)[group_size]) {
-  float left[group_size + 1];
-  left[0] = pixel.transmittance;
-  for (unsigned k = 0; k < group_size; ++k) {
-    weights[k] = alphas[k] * left[k];
-    left[k + 1] = Pixel::dimmed(left[k], alphas[k]);
+/// Dims pixels by the alphas of a group and finds the weights of its colours. Tests once, for all pixels and
+/// the whole group, whether one stops, since transmittance only falls; if so, undoes the weights of that
+/// pixel from the stopping splat on. One test lets the compiler evaluate all alphas before it branches.
+template <unsigned count>
+SWIFTGS_HD void weigh_group(Pixel (&pixels)[count], const float (&alphas)[count][group_size],
+                            float (&weights)[count][group_size]) {
+  float left[count][group_size + 1];
+  bool some_stop = false;
+  for (unsigned p = 0; p < count; ++p) {
+    left[p][0] = pixels[p].transmittance;
+    for (unsigned k = 0; k < group_size; ++k) {
+      weights[p][k] = alphas[p][k] * left[p][k];
+      left[p][k + 1] = Pixel::dimmed(left[p][k], alphas[p][k]);
+    }
+    pixels[p].transmittance = left[p][group_size];
+    some_stop = some_stop || left[p][group_size] < pixels[p].stop_below;
   }
-  pixel.transmittance = left[group_size];
-  if (left[group_size] < pixel.stop_below) {
-    float last = left[group_size - 1];
-    weights[group_size - 1] = 0;
+  if (!some_stop) return;
+  for (unsigned p = 0; p < count; ++p) {
+    if (!(left[p][group_size] < pixels[p].stop_below)) continue;
+    float last = left[p][group_size - 1];
+    weights[p][group_size - 1] = 0;
     for (unsigned k = group_size - 1; k-- > 0;)
-      if (left[k + 1] < pixel.stop_below) last = left[k], weights[k] = 0;
-    pixel.stop_with(last);
+      if (left[p][k + 1] < pixels[p].stop_below) last = left[p][k], weights[p][k] = 0;
+    pixels[p].stop_with(last);
   }
 }
 

@@ -253,8 +253,7 @@ struct LaneBlender {
 #pragma unroll
       for (unsigned p = 0; p < pixel_count; ++p) alphas[p][k] = of_splat[p];
     }
-#pragma unroll
-    for (unsigned p = 0; p < pixel_count; ++p) weigh_group(pixels[p], alphas[p], weights[p]);
+    weigh_group(pixels, alphas, weights);
 
 #pragma unroll
     for (unsigned k = 0; k < group_size; ++k) {

@@ -100,11 +100,13 @@ bool same_bits(const Pixel& a, const Pixel& b) {
 
 /// Blends four layers from `first` on as kernels do without extras.
 void blend_together(Pixel& pixel, const Layer* first) {
-  float alphas[group_size], weights[group_size];
-  for (unsigned k = 0; k < group_size; ++k) alphas[k] = first[k].alpha;
-  weigh_group(pixel, alphas, weights);
+  Pixel pixels[] = {pixel};
+  float alphas[1][group_size], weights[1][group_size];
+  for (unsigned k = 0; k < group_size; ++k) alphas[0][k] = first[k].alpha;
+  weigh_group(pixels, alphas, weights);
+  pixel = pixels[0];
   for (unsigned k = 0; k < group_size; ++k)
-    pixel.add(weights[k], first[k].rgb.x, first[k].rgb.y, first[k].rgb.z);
+    pixel.add(weights[0][k], first[k].rgb.x, first[k].rgb.y, first[k].rgb.z);
 }
 
 }  // namespace
