@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,6 +20,7 @@ namespace swiftgs::io {
 struct Source {
   std::span<const std::byte> bytes;
   std::string name;
+  std::filesystem::path folder{};  ///< of other files that this one names; empty if it was given from memory
 
   std::string_view text() const { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 

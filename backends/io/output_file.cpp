@@ -18,6 +18,7 @@ OutputFile::~OutputFile() {
 
 void OutputFile::write(const void* data, std::size_t size) {
   if (std::fwrite(data, 1, size, file_) != size) fail();
+  size_ += size;
 }
 
 void OutputFile::close() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 
@@ -20,6 +21,8 @@ class OutputFile {
 
   void write(const void* data, std::size_t size);
 
+  std::uint64_t size() const { return size_; }  ///< bytes written so far
+
   /// Must be called last: a full disk may show only here.
   void close();
 
@@ -29,6 +32,7 @@ class OutputFile {
   std::filesystem::path path_;
   UnfinishedFile unfinished_;
   std::FILE* file_ = nullptr;
+  std::uint64_t size_ = 0;
 };
 
 }  // namespace swiftgs::io

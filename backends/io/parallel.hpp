@@ -6,6 +6,8 @@
 #include <thread>
 #include <vector>
 
+#include "progress_meter.hpp"
+
 namespace swiftgs::io {
 
 /// Calls `body(begin, end)` on parts of [0, count) from as many threads as there are cores. `body` must not
@@ -20,6 +22,18 @@ void for_parts(std::size_t count, const Body& body) {
   for (std::size_t part = 1; part < parts; ++part)
     threads.emplace_back([&body, begin = bound(part), end = bound(part + 1)] { body(begin, end); });
   body(0, bound(1));
+}
+
+/// The same in steps, which `progress` is told of.
+template <class Body>
+void for_parts(std::size_t count, const ProgressMeter& progress, const Body& body) {
+  constexpr std::size_t step = 1 << 19;
+  progress.report(0);
+  for (std::size_t begin = 0; begin < count; begin += step) {
+    const std::size_t size = std::min(step, count - begin);
+    for_parts(size, [&](std::size_t first, std::size_t end) { body(begin + first, begin + end); });
+    progress.report(double(begin + size) / double(count));
+  }
 }
 
 }  // namespace swiftgs::io

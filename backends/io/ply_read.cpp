@@ -2,16 +2,14 @@
 #include <cmath>
 #include <string>
 
-#include <swiftgs/io/scene_file.hpp>
-
 #include "parallel.hpp"
 #include "ply_layout.hpp"
 #include "ply_rows.hpp"
 #include "scene_building.hpp"
+#include "scene_readers.hpp"
 #include "tokens.hpp"
 
-namespace swiftgs {
-namespace io {
+namespace swiftgs::io {
 namespace {
 
 /// A field of a row in which every one is a little-endian float.
@@ -65,8 +63,9 @@ void decode_row(const PlyLayout& layout, const std::byte* row, const Field& fiel
 }
 
 template <class Field>
-void decode_rows(const PlyLayout& layout, const std::byte* rows, const Field& field, Scene& scene) {
-  for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
+void decode_rows(const PlyLayout& layout, const std::byte* rows, const Field& field,
+                 const ProgressMeter& progress, Scene& scene) {
+  for_parts(scene.size(), progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       decode_row(layout, rows + i * layout.row_bytes, field, scene, i);
   });
@@ -74,22 +73,24 @@ void decode_rows(const PlyLayout& layout, const std::byte* rows, const Field& fi
 
 /// Decodes all vertices, which start at `position`.
 void decode_vertices(const Source& source, const PlyHeader& header, const PlyElement& vertex,
-                     const PlyLayout& layout, std::uint64_t position, Scene& scene) {
+                     const PlyLayout& layout, std::uint64_t position, const ProgressMeter& progress,
+                     Scene& scene) {
   if (header.encoding == PlyEncoding::ascii) {
     std::vector<double> row;
     for (std::size_t i = 0; i < scene.size(); ++i) {
       position = parse_text_row(source, vertex, position, row);
       const auto* bytes = reinterpret_cast<const std::byte*>(row.data());
       decode_row(layout, bytes, AnyScalar{std::endian::native}, scene, i);
+      if (i % (1 << 16) == 0) progress.report(double(i) / double(scene.size()));
     }
     return;
   }
   const std::byte* rows = source.bytes.data() + position;
   const bool little = header.encoding == PlyEncoding::little_endian;
   if (little && layout.all_floats)
-    decode_rows(layout, rows, LittleFloat{}, scene);
+    decode_rows(layout, rows, LittleFloat{}, progress, scene);
   else
-    decode_rows(layout, rows, AnyScalar{little ? std::endian::little : std::endian::big}, scene);
+    decode_rows(layout, rows, AnyScalar{little ? std::endian::little : std::endian::big}, progress, scene);
 }
 
 /// Whether the trainer's comments say that the Gaussians are 2D; the last one counts.
@@ -141,26 +142,25 @@ const PlyElement& find_vertex_element(const Source& source, const PlyHeader& hea
 }
 
 }  // namespace
-}  // namespace io
 
-SceneFile read_ply(std::span<const std::byte> bytes, const std::string& name) {
-  const io::Source source{bytes, name};
-  const io::PlyHeader header = io::parse_ply_header(source);
-  const io::PlyElement& vertex = io::find_vertex_element(source, header);
-  io::PlyLayout layout = io::find_layout(source, vertex, header.encoding);
-  layout.flat = !layout.has_third_scale || io::says_flat(header);
-  const std::uint64_t vertices = io::locate_vertices(source, header, vertex);
+SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
+  const PlyHeader header = parse_ply_header(source);
+  const PlyElement& vertex = find_vertex_element(source, header);
+  PlyLayout layout = find_layout(source, vertex, header.encoding);
+  layout.flat = !layout.has_third_scale || says_flat(header);
+  const std::uint64_t vertices = locate_vertices(source, header, vertex);
 
   SceneFile file;
   file.format = std::string("INRIA PLY (") + header.encoding_name() + ")";
   file.stored = vertex.count;
-  io::allocate(file.scene, vertex.count, layout.sh_degree);
-  io::decode_vertices(source, header, vertex, layout, vertices, file.scene);
-  file.dropped_nonfinite = io::drop_nonfinite(file.scene);
-  io::apply_comments(header, layout, file);
+  allocate(file.scene, vertex.count, layout.sh_degree);
+  decode_vertices(source, header, vertex, layout, vertices, ProgressMeter(options.progress, source.name),
+                  file.scene);
+  file.dropped_nonfinite = drop_nonfinite(file.scene);
+  apply_comments(header, layout, file);
   if (layout.stored_sh_degree > layout.sh_degree)
     file.notes.push_back("SH coefficients of degree 4 are stored; degree 3 and below are kept.");
   return file;
 }
 
-}  // namespace swiftgs
+}  // namespace swiftgs::io

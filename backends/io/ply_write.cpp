@@ -5,12 +5,11 @@
 #include <cmath>
 #include <string>
 
-#include <swiftgs/io/scene_file.hpp>
-
 #include "output_file.hpp"
+#include "progress_meter.hpp"
+#include "scene_writers.hpp"
 
-namespace swiftgs {
-namespace io {
+namespace swiftgs::io {
 namespace {
 
 std::string ply_header_of(const Scene& scene) {
@@ -54,21 +53,24 @@ void append_row(const Scene& scene, std::size_t i, std::string& out) {
 }
 
 }  // namespace
-}  // namespace io
 
-void write_ply(const std::filesystem::path& path, const Scene& scene) {
-  validate(scene);
-  io::OutputFile file(path);
-  std::string buffer = io::ply_header_of(scene);
+WrittenScene write_ply(const std::filesystem::path& path, const Scene& scene,
+                       const SceneWriteOptions& options) {
+  const ProgressMeter progress(options.progress, path.string());
+  OutputFile file(path);
+  std::string buffer = ply_header_of(scene);
   constexpr std::size_t flush_at = 1 << 20;
   for (std::size_t i = 0; i < scene.size(); ++i) {
-    io::append_row(scene, i, buffer);
+    append_row(scene, i, buffer);
     if (buffer.size() < flush_at) continue;
     file.write(buffer.data(), buffer.size());
     buffer.clear();
+    progress.report(double(i) / double(scene.size()));
   }
   file.write(buffer.data(), buffer.size());
   file.close();
+  progress.report(1);
+  return {.format = "INRIA PLY (binary_little_endian)", .bytes = file.size()};
 }
 
-}  // namespace swiftgs
+}  // namespace swiftgs::io

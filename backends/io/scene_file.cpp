@@ -6,6 +6,7 @@
 
 #include "bytes.hpp"
 #include "mapped_file.hpp"
+#include "scene_readers.hpp"
 #include "transforms_json.hpp"
 
 namespace swiftgs {
@@ -40,25 +41,44 @@ std::string_view what_it_is(std::string_view text, std::string_view name) {
   return name.ends_with(".splat") && text.size() % 32 == 0 ? "a .splat scene" : "something else";
 }
 
+/// A format that is told by its content, or by the name's ending.
+struct Reader {
+  bool (*reads)(std::string_view text, std::string_view name);
+  SceneFile (*read)(const Source& source, const SceneReadOptions& options);
+};
+
+/// The first that reads a file is taken.
+constexpr Reader readers[] = {
+    {[](std::string_view text, std::string_view) {
+       return text.starts_with("ply\n") || text.starts_with("ply\r\n");
+     },
+     read_ply},
+    {[](std::string_view text, std::string_view) {
+       return text.starts_with("NGSP") || text.starts_with("\x1f\x8b");
+     },
+     read_spz},
+};
+
+SceneFile read(const Source& source, const SceneReadOptions& options) {
+  const std::string_view text = source.text();
+  for (const Reader& reader : readers)
+    if (reader.reads(text, source.name)) return reader.read(source, options);
+  source.fail(0, "a scene of Gaussians, found " + std::string(what_it_is(text, source.name)));
+}
+
 }  // namespace
 }  // namespace io
 
 SceneFile read_scene(std::span<const std::byte> bytes, const std::string& name,
                      const SceneReadOptions& options) {
-  const io::Source source{bytes, name};
-  const std::string_view text = source.text();
-  const auto starts_with = [&](std::string_view start) { return text.substr(0, start.size()) == start; };
-  if (starts_with("ply\n") || starts_with("ply\r\n")) return read_ply(bytes, name);
-  if (starts_with("NGSP") || starts_with("\x1f\x8b")) return read_spz(bytes, name, options);
-
-  const std::string found(io::what_it_is(text, name));
-  source.fail(0, "an INRIA PLY or an SPZ scene, found " + found);
+  return io::read({bytes, name}, options);
 }
 
 SceneFile read_scene(const std::filesystem::path& path, const SceneReadOptions& options) {
   const std::filesystem::path scene = find_capture(path).scene;
   const io::MappedFile file(scene);
-  return read_scene(file.bytes(), scene.string(), options);
+  const std::filesystem::path folder = scene.has_parent_path() ? scene.parent_path() : ".";
+  return io::read({file.bytes(), scene.string(), folder}, options);
 }
 
 Scene load_scene(const std::filesystem::path& path, const SceneReadOptions& options) {

@@ -2,16 +2,14 @@
 #include <algorithm>
 #include <string>
 
-#include <swiftgs/io/scene_file.hpp>
-
 #include "axis_flip.hpp"
 #include "parallel.hpp"
 #include "scene_building.hpp"
+#include "scene_readers.hpp"
 #include "spz_content.hpp"
 #include "spz_values.hpp"
 
-namespace swiftgs {
-namespace io {
+namespace swiftgs::io {
 namespace {
 
 SpzContent unpack(const Source& source) {
@@ -70,28 +68,26 @@ void decode(const SpzContent& content, const SpzTables& tables, const AxisFlip& 
 }
 
 }  // namespace
-}  // namespace io
 
-SceneFile read_spz(std::span<const std::byte> bytes, const std::string& name,
-                   const SceneReadOptions& options) {
-  const io::Source source{bytes, name};
-  const io::SpzContent content = io::unpack(source);
-  const io::SpzHeader& header = content.header;
+SceneFile read_spz(const Source& source, const SceneReadOptions& options) {
+  const ProgressMeter progress(options.progress, source.name);
+  const SpzContent content = unpack(source);
+  const SpzHeader& header = content.header;
 
   SceneFile file;
   file.format = "SPZ version " + std::to_string(header.version);
   file.stored = header.count;
-  const io::AxisFlip flip = io::choose_flip(source, content, options.spz_frame, file.notes);
-  io::allocate(file.scene, header.count, std::min(header.sh_degree, max_sh_degree));
-  const io::SpzTables tables;
-  io::for_parts(file.scene.size(), [&](std::size_t begin, std::size_t end) {
-    io::decode(content, tables, flip, file.scene, begin, end);
+  const AxisFlip flip = choose_flip(source, content, options.spz_frame, file.notes);
+  allocate(file.scene, header.count, std::min(header.sh_degree, max_sh_degree));
+  const SpzTables tables;
+  for_parts(file.scene.size(), progress.step(0.5, 1), [&](std::size_t begin, std::size_t end) {
+    decode(content, tables, flip, file.scene, begin, end);
   });
   file.scene.antialiased = header.antialiased;
-  file.dropped_nonfinite = io::drop_nonfinite(file.scene);
+  file.dropped_nonfinite = drop_nonfinite(file.scene);
   if (header.sh_degree > max_sh_degree)
     file.notes.push_back("SH coefficients of degree 4 are stored; degree 3 and below are kept.");
   return file;
 }
 
-}  // namespace swiftgs
+}  // namespace swiftgs::io

@@ -101,7 +101,7 @@ TEST_CASE("cli calibrate: the same seed chooses the same views") {
 
 TEST_CASE("cli calibrate: a renderer finds the file beside the scene and draws the same image") {
   const TemporaryFolder place;
-  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(300));
+  write_scene(place / "scene.ply", swiftgs::make_builtin_scene(300));
   run(place, "render scene.ply --out without" + small + adaptive);
   run(place, "calibrate scene.ply --renderers 'serial/adaptive/*/ellipse'" + small);
   CHECK(swiftgs::read_sort_calibrations(place / "scene.ply.sort.json").size() == 1);
@@ -112,7 +112,7 @@ TEST_CASE("cli calibrate: a renderer finds the file beside the scene and draws t
   // The name of a file and when it was written say nothing about its content.
   std::filesystem::copy_file(place / "scene.ply", place / "copy.ply");
   run(place, "render copy.ply --calibration scene.ply.sort.json" + small + adaptive);
-  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(301));
+  write_scene(place / "scene.ply", swiftgs::make_builtin_scene(301));
   run_with_notice(
       place, "render scene.ply" + small + adaptive,
       {"scene.ply.sort.json was calibrated for other content of the scene",
@@ -121,7 +121,7 @@ TEST_CASE("cli calibrate: a renderer finds the file beside the scene and draws t
 
 TEST_CASE("cli calibrate: a place that cannot be written is replaced by the cache where renderers look too") {
   const TemporaryFolder place;
-  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(300));
+  write_scene(place / "scene.ply", swiftgs::make_builtin_scene(300));
   std::filesystem::create_directory(place / "scene.ply.sort.json");
   const std::string text =
       run(place, "calibrate scene.ply --renderers 'serial/adaptive/*/ellipse'" + small).out;
@@ -144,7 +144,7 @@ TEST_CASE("cli calibrate: a place that cannot be written is replaced by the cach
 
 TEST_CASE("cli calibrate: without any place it says so before it measures") {
   const TemporaryFolder place;
-  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(300));
+  write_scene(place / "scene.ply", swiftgs::make_builtin_scene(300));
   std::filesystem::create_directory(place / "scene.ply.sort.json");
   place.write("cache", "no folder");
   const Outcome outcome =
@@ -231,7 +231,7 @@ TEST_CASE("cli calibrate: check compares the choice with both strategies and wri
 
 TEST_CASE("cli calibrate: a size without a view to check is said") {
   const TemporaryFolder place;
-  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(20));
+  write_scene(place / "scene.ply", swiftgs::make_builtin_scene(20));
   json cameras = json::array();
   for (const int width : {32, 48})
     cameras.push_back({{"id", 0},
@@ -256,7 +256,7 @@ TEST_CASE("cli calibrate: a size without a view to check is said") {
 TEST_CASE("cli calibrate: the command that a message says runs as it is in a shell") {
   const TemporaryFolder place;
   const std::string name = "a `scene`'s \"$HOME\" & more.ply";
-  write_ply(place / name, swiftgs::make_builtin_scene(100));
+  write_scene(place / name, swiftgs::make_builtin_scene(100));
   place.write(name + ".sort.json", "");
   const std::string quoted = "'a `scene`'\\''s \"$HOME\" & more.ply'";
   const Outcome outcome = swiftgs::test::swiftgs(place, "render " + quoted + small + adaptive);

@@ -43,7 +43,7 @@ std::string refusal(const TemporaryFolder& place, const std::string& arguments) 
 
 void write_capture(const TemporaryFolder& place, const std::string& folder) {
   place.write(folder + "/cameras.json", cameras_json({"a.jpg", "b.jpg"}));
-  write_ply(place / (folder + "/scene.ply"), swiftgs::make_builtin_scene(100));
+  write_scene(place / (folder + "/scene.ply"), swiftgs::make_builtin_scene(100));
 }
 
 const std::string serial = " --renderers serial/early/per-pixel/ellipse";

@@ -43,7 +43,7 @@ TEST_CASE("cli: info tells format and count and percentiles") {
 
   swiftgs::Scene scene = swiftgs::make_builtin_scene(100);
   std::fill(scene.sh_rest.begin(), scene.sh_rest.end(), 0.0f);
-  write_ply(place / "scene.ply", scene);
+  write_scene(place / "scene.ply", scene);
   const std::string of_file = run(place, "info scene.ply").out;
   CHECK(contains(of_file, "INRIA PLY"));
   CHECK(contains(of_file, "Gaussians       100\n"));
@@ -54,7 +54,7 @@ TEST_CASE("cli: info counts what was dropped") {
   const TemporaryFolder place;
   swiftgs::Scene scene = swiftgs::make_builtin_scene(10);
   scene.means[3].x = std::numeric_limits<float>::quiet_NaN();
-  write_ply(place / "scene.ply", scene);
+  write_scene(place / "scene.ply", scene);
   const std::string text = run(place, "info scene.ply").out;
   CHECK(contains(text, "Gaussians       9\n"));
   CHECK(contains(text, "dropped         1 of 10"));
@@ -178,7 +178,7 @@ TEST_CASE("cli: render shows the background where nothing else is") {
 
 TEST_CASE("cli: a scene without cameras is seen from where it fills the image") {
   const TemporaryFolder place;
-  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(5000));
+  write_scene(place / "scene.ply", swiftgs::make_builtin_scene(5000));
   const auto pixels_before = [&](const std::string& background) {
     run(place, "render scene.ply --scale 0.1 --format pfm --background " + background);
     return swiftgs::read_image(place / "renders/view.pfm").pixels;
@@ -191,7 +191,7 @@ TEST_CASE("cli: a scene without cameras is seen from where it fills the image") 
 
 TEST_CASE("cli: a scene of no Gaussians is background") {
   const TemporaryFolder place;
-  write_ply(place / "scene.ply", swiftgs::Scene());
+  write_scene(place / "scene.ply", swiftgs::Scene());
   CHECK(contains(run(place, "info scene.ply").out, "Gaussians       0\n"));
   run(place, "render scene.ply --scale 0.05 --format pfm --background 0.5,0.5,0.5");
   const swiftgs::Image image = swiftgs::read_image(place / "renders/view.pfm");

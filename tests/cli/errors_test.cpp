@@ -43,7 +43,7 @@ TEST_CASE("cli errors: a missing file is named") {
 
 TEST_CASE("cli errors: a truncated scene is named with the offset and what was expected") {
   const TemporaryFolder place;
-  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(20));
+  write_scene(place / "scene.ply", swiftgs::make_builtin_scene(20));
   std::filesystem::resize_file(place / "scene.ply", std::filesystem::file_size(place / "scene.ply") - 100);
   for (const std::string command : {"info", "render", "check"})
     fails(place, command + " scene.ply", {"scene.ply: byte ", "expected"});

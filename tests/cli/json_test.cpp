@@ -95,7 +95,7 @@ TEST_CASE("cli json: info says what it prints") {
   const TemporaryFolder place;
   swiftgs::Scene scene = swiftgs::make_builtin_scene(10);
   scene.means[3].x = std::numeric_limits<float>::quiet_NaN();
-  write_ply(place / "scene.ply", scene);
+  write_scene(place / "scene.ply", scene);
   const json info = json::parse(run(place, "info scene.ply --json -").out);
   CHECK(members_of(info) == std::set<std::string>{"format", "version", "machine", "command", "scene",
                                                   "cameras", "photos", "file_format", "gaussians", "stored",
@@ -151,7 +151,7 @@ TEST_CASE("cli json: render has a row for each image with what it prints of it")
 
 TEST_CASE("cli json: results are not written over the scene") {
   const TemporaryFolder place;
-  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(10));
+  write_scene(place / "scene.ply", swiftgs::make_builtin_scene(10));
   for (const std::string command : {"info", "render"}) {
     const Outcome outcome = swiftgs::test::swiftgs(place, command + " scene.ply --json ./scene.ply");
     CHECK(outcome.code == 1);

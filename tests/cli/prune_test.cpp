@@ -56,7 +56,7 @@ TEST_CASE("cli prune: writes as many Gaussians as asked for and says what they w
 TEST_CASE("cli prune: keeping all writes the same scene") {
   const TemporaryFolder place;
   const swiftgs::Scene scene = swiftgs::make_builtin_scene(300);
-  write_ply(place / "whole.ply", scene);
+  write_scene(place / "whole.ply", scene);
   for (const std::string score : {"contribution", "opacity-volume"}) {
     run(place, "prune builtin:300 --keep 1 --out small.ply --score " + score + small_views);
     CHECK(content_of(place / "small.ply") == content_of(place / "whole.ply"));
@@ -133,7 +133,7 @@ TEST_CASE("cli prune: views that are left out are compared with their photograph
 
 TEST_CASE("cli prune: a scene of one Gaussian and a scene of none stay what they are") {
   const TemporaryFolder place;
-  write_ply(place / "none.ply", swiftgs::Scene());
+  write_scene(place / "none.ply", swiftgs::Scene());
   run(place, "prune none.ply --keep 0.5 --score opacity-volume --out small.ply");
   CHECK(swiftgs::load_scene(place / "small.ply").size() == 0);
   run(place, "prune builtin:1 --keep 0.1 --score opacity-volume --out small.ply" + small_views);
@@ -144,14 +144,14 @@ TEST_CASE("cli prune: a scene that was trained with anti-aliasing stays one") {
   const TemporaryFolder place;
   swiftgs::Scene scene = swiftgs::make_builtin_scene(50);
   scene.antialiased = true;
-  write_ply(place / "scene.ply", scene);
+  write_scene(place / "scene.ply", scene);
   run(place, "prune scene.ply --keep 0.5 --score opacity-volume --out small.ply");
   CHECK(swiftgs::load_scene(place / "small.ply").antialiased);
 }
 
 TEST_CASE("cli prune: nothing is written in the place of what is read or of another result") {
   const TemporaryFolder place;
-  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(100));
+  write_scene(place / "scene.ply", swiftgs::make_builtin_scene(100));
   place.write("cameras.ply", "[]");
   const std::string before = content_of(place / "scene.ply");
   const std::string by_volume = "scene.ply --keep 0.5 --score opacity-volume ";
@@ -166,7 +166,7 @@ TEST_CASE("cli prune: nothing is written in the place of what is read or of anot
 
 TEST_CASE("cli prune: what cannot be done is one line and writes nothing") {
   const TemporaryFolder place;
-  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(20));
+  write_scene(place / "scene.ply", swiftgs::make_builtin_scene(20));
   place.write("photos/none.png", "");
   const std::string out = " --out small.ply ";
   for (const std::string keep : {"0", "1.5", "nan", "inf", "-0.1"})
@@ -190,7 +190,7 @@ TEST_CASE("cli prune: what cannot be done is one line and writes nothing") {
 
 TEST_CASE("cli prune: views that show nothing of the scene are an error") {
   const TemporaryFolder place;
-  write_ply(place / "scene.ply", swiftgs::make_builtin_scene(20));
+  write_scene(place / "scene.ply", swiftgs::make_builtin_scene(20));
   const json camera = {{"id", 0},
                        {"img_name", "away"},
                        {"width", 32},

@@ -108,7 +108,7 @@ TEST_CASE("capture: cameras are found in a folder in one order") {
 TEST_CASE("capture: a scene is read from its folder") {
   const TemporaryFolder place;
   place.write("fox/cameras.json", cameras_json);
-  write_ply(place / "fox/fox.ply", some_scene(5, 1));
+  write_scene(place / "fox/fox.ply", some_scene(5, 1));
   CHECK(read_scene(place / "fox").scene.size() == 5);
   CHECK(load_scene(place / "fox/").size() == 5);
   CHECK_THROWS_AS(load_scene(place.path()), std::invalid_argument);

@@ -9,7 +9,7 @@ using namespace swiftgs::test;
 namespace {
 
 std::string complaint_about(const std::string& content) {
-  return complaint([&] { read_ply(as_bytes(content), "test.ply"); });
+  return complaint([&] { read_scene(as_bytes(content), "test.ply"); });
 }
 
 /// `content` with its first `from` replaced.
@@ -20,7 +20,7 @@ std::string with(std::string content, const std::string& from, const std::string
 }  // namespace
 
 TEST_CASE("ply: a file that ends early is refused wherever it ends") {
-  const auto read = [](const std::string& content) { read_ply(as_bytes(content), "test.ply"); };
+  const auto read = [](const std::string& content) { read_scene(as_bytes(content), "test.ply"); };
   check_every_truncation(ply(plain_gaussian(), {.repeat = 2}), read);
   check_every_truncation(ply(plain_gaussian(), {.format = "binary_big_endian", .line_break = "\r\n"}), read);
   std::string list;

@@ -12,7 +12,7 @@ using namespace swiftgs::test;
 
 namespace {
 
-SceneFile read(const std::string& content) { return read_ply(as_bytes(content), "test.ply"); }
+SceneFile read(const std::string& content) { return read_scene(as_bytes(content), "test.ply"); }
 
 /// Checks the one Gaussian of `plain_gaussian`.
 void check_plain(const SceneFile& file) {

@@ -12,7 +12,7 @@ using namespace swiftgs::test;
 
 namespace {
 
-SceneFile read(const std::string& content) { return read_ply(as_bytes(content), "test.ply"); }
+SceneFile read(const std::string& content) { return read_scene(as_bytes(content), "test.ply"); }
 
 }  // namespace
 
@@ -48,7 +48,7 @@ TEST_CASE("ply: dropping keeps the order and all arrays of the others") {
   scene.means[1].y = std::numeric_limits<float>::quiet_NaN();
   scene.sh_rest[3 * 24 + 7] = std::numeric_limits<float>::infinity();
   const TemporaryFolder folder;
-  write_ply(folder / "a.ply", scene);
+  write_scene(folder / "a.ply", scene);
   const SceneFile file = read_scene(folder / "a.ply");
   CHECK(file.dropped_nonfinite == 2);
   REQUIRE(file.scene.size() == 3);

@@ -15,7 +15,7 @@ TEST_CASE("ply: what is written is read back for every degree") {
   for (int degree = 0; degree <= 3; ++degree) {
     Scene scene = some_scene(300, degree);
     scene.antialiased = degree % 2 == 1;
-    write_ply(folder / "a.ply", scene);
+    write_scene(folder / "a.ply", scene);
     const SceneFile file = read_scene(folder / "a.ply");
     CHECK(file.dropped_nonfinite == 0);
     CHECK(file.notes.empty());
@@ -41,7 +41,7 @@ TEST_CASE("ply: extreme opacities and flat Gaussians survive being written") {
   scene.opacities = {0, 1};
   scene.scales[0] = vec3(1, 2, 0);
   const TemporaryFolder folder;
-  write_ply(folder / "a.ply", scene);
+  write_scene(folder / "a.ply", scene);
   const SceneFile file = read_scene(folder / "a.ply");
   CHECK(file.dropped_nonfinite == 0);
   CHECK(file.scene.opacities[0] == doctest::Approx(1e-6).epsilon(1e-3));
@@ -51,7 +51,7 @@ TEST_CASE("ply: extreme opacities and flat Gaussians survive being written") {
 
 TEST_CASE("ply: the layout that is written is INRIA's") {
   const TemporaryFolder folder;
-  write_ply(folder / "a.ply", some_scene(2, 3));
+  write_scene(folder / "a.ply", some_scene(2, 3));
   const std::string file = content_of(folder / "a.ply");
   std::size_t properties = 0;
   for (std::size_t at = 0; (at = file.find("property float ", at)) != std::string::npos; ++at) ++properties;
@@ -65,7 +65,7 @@ TEST_CASE("ply: the layout that is written is INRIA's") {
 TEST_CASE("ply: a scene that is not valid or a path that cannot be written is an error") {
   const TemporaryFolder folder;
   Scene scene = some_scene(2, 1);
-  CHECK_THROWS_AS(write_ply(folder / "missing" / "a.ply", scene), std::system_error);
+  CHECK_THROWS_AS(write_scene(folder / "missing" / "a.ply", scene), std::system_error);
   scene.opacities.pop_back();
-  CHECK_THROWS_AS(write_ply(folder / "a.ply", scene), std::invalid_argument);
+  CHECK_THROWS_AS(write_scene(folder / "a.ply", scene), std::invalid_argument);
 }

@@ -44,7 +44,7 @@ TEST_CASE("real files: a PLY of another program is read and written unchanged") 
   CHECK(file.dropped_nonfinite == 0);
   CHECK(file.scene.sh_degree == 3);
   const TemporaryFolder temporary;
-  write_ply(temporary / "again.ply", file.scene);
+  write_scene(temporary / "again.ply", file.scene);
   const Scene again = load_scene(temporary / "again.ply");
   CHECK(again.means == file.scene.means);
   CHECK(again.sh0 == file.scene.sh0);

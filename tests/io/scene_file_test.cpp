@@ -33,7 +33,7 @@ TEST_CASE("scene file: foreign files are refused at byte 0 and named where they 
   const auto complaint_about = [](const std::string& content) {
     return complaint([&] { read_scene(as_bytes(content), "a file"); });
   };
-  const std::string start = "a file: byte 0: expected an INRIA PLY or an SPZ scene, found ";
+  const std::string start = "a file: byte 0: expected a scene of Gaussians, found ";
   CHECK(complaint_about("") == start + "an empty file");
   CHECK(complaint_about("PK\3\4") == start + "a ZIP archive");
   CHECK(complaint_about("PK\3\4 meta.json means_l.webp") == start + "a SOG bundle");
@@ -97,12 +97,12 @@ TEST_CASE("scene file: what cannot be opened is an error with its path and reaso
 TEST_CASE("scene file: more Gaussians than one thread decodes keep their order") {
   const TemporaryFolder folder;
   const Scene scene = some_scene(200'000, 0);
-  write_ply(folder / "a.ply", scene);
+  write_scene(folder / "a.ply", scene);
   const SceneFile ply_file = read_scene(folder / "a.ply");
   CHECK(ply_file.scene.means == scene.means);
   CHECK(ply_file.scene.sh0 == scene.sh0);
   SpzParts parts = encode_spz(scene, 4);
-  const Scene spz = read_spz(as_bytes(stream_spz(parts)), "spz", {.spz_frame = SpzFrame::raw}).scene;
+  const Scene spz = read_scene(as_bytes(stream_spz(parts)), "spz", {.spz_frame = SpzFrame::raw}).scene;
   float worst = 0;
   for (std::size_t i = 0; i < scene.size(); ++i)
     for (int axis = 0; axis < 3; ++axis)

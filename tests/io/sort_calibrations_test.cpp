@@ -260,7 +260,7 @@ TEST_CASE("sort calibrations: the checksum is the CRC-32 of the content and not 
   CHECK(scene_checksum(scene) == expected);
 
   const TemporaryFolder place;
-  write_ply(place / "a.ply", make_builtin_scene(100));
+  write_scene(place / "a.ply", make_builtin_scene(100));
   fs::copy_file(place / "a.ply", place / "b.ply");
   CHECK(scene_checksum(load_scene(place / "a.ply")) == scene_checksum(load_scene(place / "b.ply")));
 }

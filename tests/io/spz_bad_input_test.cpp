@@ -9,7 +9,7 @@ using namespace swiftgs::test;
 
 namespace {
 
-void read_file(const std::string& content) { read_spz(as_bytes(content), "test.spz"); }
+void read_file(const std::string& content) { read_scene(as_bytes(content), "test.spz"); }
 
 std::string complaint_about(const std::string& content) {
   return complaint([&] { read_file(content); });

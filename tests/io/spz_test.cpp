@@ -14,7 +14,7 @@ using namespace swiftgs::test;
 namespace {
 
 SceneFile read(const std::string& content, SpzFrame frame = SpzFrame::raw) {
-  return read_spz(as_bytes(content), "test.spz", {.spz_frame = frame});
+  return read_scene(as_bytes(content), "test.spz", {.spz_frame = frame});
 }
 
 /// A scene whose numbers every version stores without loss, rotations and scales aside.

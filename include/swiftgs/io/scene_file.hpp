@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <swiftgs/api.hpp>
+#include <swiftgs/io/progress.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {
@@ -25,6 +26,8 @@ enum class SpzFrame {
 
 struct SceneReadOptions {
   SpzFrame spz_frame = SpzFrame::specified;
+  int level = 0;  ///< of detail, in a streamed SOG: 0 is the finest
+  Progress progress{};
 };
 
 /// A scene and what reading it brought up.
@@ -36,32 +39,48 @@ struct SceneFile {
   std::vector<std::string> notes;       ///< what of the file the scene does not carry, a sentence each
 };
 
-/// Reads an INRIA PLY or an SPZ file (versions 1 to 4). The content decides which, never the name. `path` may
-/// also be the folder of a capture, in which `find_capture` finds the file.
+/// Reads a scene of any format that docs/formats.md lists. The content decides which; `.splat` and `.ksplat`
+/// files begin with nothing of their own and go by their name's ending. `path` may also be the folder of a
+/// capture, in which `find_capture` finds the file.
 ///
 /// A Gaussian with a NaN, or with an infinite mean, rotation, SH coefficient or scale, is counted and left
-/// out. A scale of 0 and an opacity of 0 or 1 are legal, whatever infinity the file writes them as. The file
-/// must not change while it is read. Throws `FormatError`, `std::system_error` if it cannot be read, and what
-/// `find_capture` throws.
+/// out. A scale of 0 and an opacity of 0 or 1 are legal, whatever infinity the file writes them as. SH
+/// coefficients above degree 3 are left out and noted. The file must not change while it is read.
+///
+/// Throws `FormatError`, `Cancelled`, `std::system_error` if a file cannot be read, and what `find_capture`
+/// throws.
 SWIFTGS_API SceneFile read_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
 
 /// `read_scene(path, options).scene`.
 SWIFTGS_API Scene load_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
 
-/// The same from memory; `name` stands for the file in error messages.
+/// The same from memory; `name` stands for the file in error messages. A file that names other files cannot
+/// be read so.
 SWIFTGS_API SceneFile read_scene(std::span<const std::byte> bytes, const std::string& name,
                                  const SceneReadOptions& options = {});
 
-/// An INRIA PLY from memory. Throws `FormatError`.
-SWIFTGS_API SceneFile read_ply(std::span<const std::byte> bytes, const std::string& name);
+struct SceneWriteOptions {
+  Progress progress{};
+};
 
-/// An SPZ file from memory. Throws `FormatError`.
-SWIFTGS_API SceneFile read_spz(std::span<const std::byte> bytes, const std::string& name,
-                               const SceneReadOptions& options = {});
+/// What a writer made of a scene.
+struct WrittenScene {
+  std::string format;                ///< as `SceneFile::format`
+  std::uint64_t bytes = 0;           ///< of the file
+  std::vector<std::string> notes{};  ///< what of the scene the file does not carry, a sentence each
+};
 
-/// Writes an INRIA PLY, little-endian floats, with as many `f_rest` properties as the scene has bands.
-/// Opacities are clamped to [1e-6, 1 - 1e-6], because the file holds logits; a scale of 0 becomes -infinity.
-/// Throws `std::invalid_argument` as `validate` does, or `std::system_error` if the file cannot be written.
-SWIFTGS_API void write_ply(const std::filesystem::path& path, const Scene& scene);
+/// Writes a scene in the format that the ending of `path` names:
+///
+/// | ending | format | what it loses |
+/// | --- | --- | --- |
+/// | `.ply` | INRIA PLY, little-endian floats | opacities are clamped to [1e-6, 1 - 1e-6], as it holds logits
+/// |
+///
+/// The new file takes the place of an old one when it is whole. Throws `std::invalid_argument` as `validate`
+/// does and for an ending that it does not know, `Cancelled`, or `std::system_error` if the file cannot be
+/// written.
+SWIFTGS_API WrittenScene write_scene(const std::filesystem::path& path, const Scene& scene,
+                                     const SceneWriteOptions& options = {});
 
 }  // namespace swiftgs

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include <swiftgs/io/scene_file.hpp>
+
+#include "scene_writers.hpp"
+
+namespace swiftgs {
+namespace io {
+namespace {
+
+struct Writer {
+  std::string_view ending;
+  WrittenScene (*write)(const std::filesystem::path&, const Scene&, const SceneWriteOptions&);
+};
+
+/// The first whose ending fits is taken.
+constexpr Writer writers[] = {{".ply", write_ply}};
+
+const Writer& writer_for(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  std::string endings;
+  for (const Writer& writer : writers) {
+    if (name.ends_with(writer.ending)) return writer;
+    endings += (endings.empty() ? "" : ", ") + std::string(writer.ending);
+  }
+  throw std::invalid_argument(path.string() + ": expected a name that ends in one of " + endings);
+}
+
+}  // namespace
+}  // namespace io
+
+WrittenScene write_scene(const std::filesystem::path& path, const Scene& scene,
+                         const SceneWriteOptions& options) {
+  const io::Writer& writer = io::writer_for(path);
+  validate(scene);
+  return writer.write(path, scene, options);
+}
+
+}  // namespace swiftgs

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include <swiftgs/io/scene_file.hpp>
+
+/// @file
+/// A writer for each format. All take a valid scene, and throw `Cancelled` and `std::system_error`.
+
+namespace swiftgs::io {
+
+WrittenScene write_ply(const std::filesystem::path& path, const Scene& scene,
+                       const SceneWriteOptions& options);
+
+}  // namespace swiftgs::io
