@@ -19,14 +19,15 @@ struct Writer {
 /// The first whose ending fits is taken.
 constexpr Writer writers[] = {{".ply", write_ply}};
 
-const Writer& writer_for(const std::filesystem::path& path) {
-  const std::string name = path.filename().string();
+const Writer& writer_for(const std::filesystem::path& path, const std::string& ending) {
+  const std::string name = ending.empty() ? path.filename().string() : ending;
   std::string endings;
   for (const Writer& writer : writers) {
     if (name.ends_with(writer.ending)) return writer;
     endings += (endings.empty() ? "" : ", ") + std::string(writer.ending);
   }
-  throw std::invalid_argument(path.string() + ": expected a name that ends in one of " + endings);
+  throw std::invalid_argument((ending.empty() ? path.string() : ending) +
+                              ": expected a scene's name that ends in one of " + endings);
 }
 
 }  // namespace
@@ -34,7 +35,7 @@ const Writer& writer_for(const std::filesystem::path& path) {
 
 WrittenScene write_scene(const std::filesystem::path& path, const Scene& scene,
                          const SceneWriteOptions& options) {
-  const io::Writer& writer = io::writer_for(path);
+  const io::Writer& writer = io::writer_for(path, options.ending);
   validate(scene);
   return writer.write(path, scene, options);
 }

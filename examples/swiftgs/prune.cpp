@@ -135,7 +135,7 @@ void prune(const PruneOptions& options) {
                    options.keep, result.kept_weight)
           : choose(opacity_volumes(*scene), options.keep, result.kept_weight);
   const auto pruned = std::make_shared<const Scene>(subset(*scene, kept));
-  write_scene(options.out, *pruned);
+  write_scene(options.out, *pruned, {.ending = ".ply"});
   progress.clear();
   std::printf("%s: kept %zu of %zu Gaussians, with %.2f %% of the %s\n", options.out.c_str(), kept.size(),
               scene->size(), 100 * result.kept_weight,

@@ -84,6 +84,6 @@ TEST_CASE("real files: formats that are not read are refused") {
   if (skipped()) return;
   const auto about = [](const char* name) { return complaint([&] { read_scene(folder / name); }); };
   CHECK(contains(about("guitar.compressed.ply"), "compressed PLY"));
-  CHECK(contains(about("luma_seal.splat"), "expected an INRIA PLY or an SPZ scene"));
+  CHECK(contains(about("luma_seal.splat"), "expected a scene of Gaussians"));
   CHECK(contains(about("massa.sog"), "a SOG bundle"));
 }

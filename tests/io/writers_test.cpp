@@ -66,7 +66,7 @@ std::map<std::string, Writer> writers() {
   std::map<std::string, Writer> all{
       {"png", [](const fs::path& path) { write_png(path, noise()); }},
       {"pfm", [](const fs::path& path) { write_pfm(path, noise()); }},
-      {"ply", [](const fs::path& path) { write_scene(path, make_builtin_scene(1000)); }},
+      {"ply", [](const fs::path& path) { write_scene(path, make_builtin_scene(1000), {.ending = ".ply"}); }},
   };
   const TemporaryFolder place;
   const Writer exr = [](const fs::path& path) { write_exr(path, noise()); };

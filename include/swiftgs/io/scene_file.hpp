@@ -60,6 +60,7 @@ SWIFTGS_API SceneFile read_scene(std::span<const std::byte> bytes, const std::st
                                  const SceneReadOptions& options = {});
 
 struct SceneWriteOptions {
+  std::string ending{};  ///< names the format, as `.ply` does; empty: the file's own name does
   Progress progress{};
 };
 
@@ -70,7 +71,7 @@ struct WrittenScene {
   std::vector<std::string> notes{};  ///< what of the scene the file does not carry, a sentence each
 };
 
-/// Writes a scene in the format that the ending of `path` names:
+/// Writes a scene in the format that an ending names:
 ///
 /// | ending | format | what it loses |
 /// | --- | --- | --- |
