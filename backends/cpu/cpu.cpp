@@ -70,10 +70,14 @@ Cpu::Cpu(int threads, const MemoryHook& memory) : memory_(memory), histograms_(m
       new Arena{tbb::task_arena(threads > 0 ? std::min(threads, most) : int(tbb::task_arena::automatic))});
 }
 
-std::string Cpu::device_name() const {
-  // The arena may have places for more threads than oneTBB lets run at the moment.
+int Cpu::threads_at_once() const {
+  // The arena may have places for more.
   const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  const std::size_t running = std::min(std::size_t(threads()), allowed);
+  return int(std::min(std::size_t(threads()), allowed));
+}
+
+std::string Cpu::device_name() const {
+  const int running = threads_at_once();
   return processor_name() + ", " + std::to_string(running) + (running == 1 ? " thread" : " threads");
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include <swiftgs/cpu.hpp>
+#include <swiftgs/raster/raster.hpp>
 
 namespace swiftgs {
 
@@ -33,6 +34,14 @@ void for_each_part(const Cpu& cpu, std::size_t n, std::size_t parts, const F& f)
   cpu.for_parts(parts, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t part = first; part < last; ++part) f(part, part_of(n, parts, part));
   });
+}
+
+/// Has `blend(squares, begin, end)` blend all squares of `job`, in parallel. Throws as `squares_of`.
+template <class F>
+void for_squares(const Cpu& cpu, const RasterJob& job, const F& blend) {
+  const Squares squares = squares_of(job);
+  const auto blend_some = [&](std::size_t begin, std::size_t end) { blend(squares, begin, end); };
+  cpu.for_parts(squares.size(), 4, BlendOnHost<decltype(blend_some)>{job, cpu.threads_at_once(), blend_some});
 }
 
 }  // namespace swiftgs

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <swiftgs/cpu.hpp>
 
+#include "parts.hpp"
+
 // Compile the rest of this file for every target; the order of these lines matters.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -58,8 +60,7 @@ namespace {
 HWY_EXPORT(FloatSplitSquares);
 
 void run(Cpu& cpu, const RasterJob& job, bool threshold) {
-  const Squares squares = squares_of(job);
-  cpu.for_parts(squares.size(), 4, [&](std::size_t begin, std::size_t end) {
+  for_squares(cpu, job, [&](const Squares& squares, std::size_t begin, std::size_t end) {
     HWY_DYNAMIC_DISPATCH(FloatSplitSquares)(job, squares, threshold, begin, end);
   });
 }

@@ -11,6 +11,7 @@ inline constexpr unsigned block_threads = square_side * square_side;
 /// The pixel of this thread, where a block blends a square and all its threads load splats for all.
 template <bool extras, class ViewSource>
 struct SquarePixel {
+  const WarpTimer timer;
   const RasterInput<ViewSource>& input;
   BlockSquare square;
   PixelPlace place;
@@ -18,8 +19,11 @@ struct SquarePixel {
   ThreadCounts counts;
   std::uint32_t evaluated = 0;
 
-  __device__ explicit SquarePixel(const RasterInput<ViewSource>& of)
-      : input(of), square(of), place(view().frame, square.x + column(), square.y + row(), extras) {
+  __device__ SquarePixel(const RasterInput<ViewSource>& of, std::uint32_t warps_at_once)
+      : timer(extras && of.job.counts, warps_at_once),
+        input(of),
+        square(of),
+        place(view().frame, square.x + column(), square.y + row(), extras) {
     if (place.inside) pixel.start(view().rules.stop_below);
   }
 
@@ -51,7 +55,7 @@ struct SquarePixel {
     if constexpr (extras)
       if (input.job.counts)
         add_counts(input.job.counts[BlockSquare::number()],
-                   counts_of_warp(counts, instances, warp_sum(evaluated)));
+                   counts_of_warp(counts, instances, warp_sum(evaluated), timer));
   }
 };
 }  // namespace kernels

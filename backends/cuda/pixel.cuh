@@ -27,8 +27,10 @@ struct PixelPlace {
 /// Counts of a warp that has visited `instances` of a list alone, by those of its threads and the pixels that
 /// it has evaluated.
 __device__ inline SquareCounts counts_of_warp(const ThreadCounts& mine, std::uint32_t instances,
-                                              std::uint32_t pixels) {
-  return {instances, pixels / square_side, warp_sum(mine.pairs), warp_sum(mine.stopped), 0, 0, instances};
+                                              std::uint32_t pixels, const WarpTimer& timer) {
+  const std::uint64_t balanced_ps = timer.balanced_ps();
+  return {instances, pixels / square_side, warp_sum(mine.pairs), warp_sum(mine.stopped), 0, 0,
+          instances, balanced_ps};
 }
 
 /// 32 bytes in two loads.

@@ -47,10 +47,10 @@ __device__ inline void compute_term(HalfBatch& batch, unsigned buffer, unsigned 
 /// blended by all.
 template <bool threshold, bool extras, class ViewSource>
 __global__ void __launch_bounds__(block_threads)
-    raster_half_split(const __grid_constant__ RasterInput<ViewSource> input) {
+    raster_half_split(const __grid_constant__ RasterInput<ViewSource> input, std::uint32_t warps_at_once) {
   __shared__ HalfBatch batch;
   const RasterJob& job = input.job;
-  SquarePixel<extras, ViewSource> mine(input);
+  SquarePixel<extras, ViewSource> mine(input, warps_at_once);
   if (mine.square.outside(input)) return;
   const TileRange range = mine.square.list(input);
   if (!range.drawn()) return;

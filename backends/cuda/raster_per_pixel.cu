@@ -21,10 +21,10 @@ struct FactorBatch {
 /// has it.
 template <bool extras, class ViewSource>
 __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
-    raster_per_pixel(const __grid_constant__ RasterInput<ViewSource> input) {
+    raster_per_pixel(const __grid_constant__ RasterInput<ViewSource> input, std::uint32_t warps_at_once) {
   __shared__ FactorBatch batch;
   const RasterJob& job = input.job;
-  SquarePixel<extras, ViewSource> mine(input);
+  SquarePixel<extras, ViewSource> mine(input, warps_at_once);
   if (mine.square.outside(input)) return;
   const TileRange range = mine.square.list(input);
   if (!range.drawn()) return;

@@ -97,7 +97,8 @@ struct LongPartBlender {
 
   __device__ static unsigned warp() { return threadIdx.x / warp_size; }
 
-  __device__ void run(const LongPart& part) {
+  /// `timer`: began with the work on the part.
+  __device__ void run(const LongPart& part, const WarpTimer& timer) {
     const TileRange range = square.list(input);
     if (threadIdx.x < pixels_of_part) shared.joined.store(threadIdx.x, part.joined.load(threadIdx.x));
     if (threadIdx.x < pixels_of_lane) shared.live[threadIdx.x] = part.live[threadIdx.x];
@@ -131,7 +132,7 @@ struct LongPartBlender {
     }
     if constexpr (extras)
       if (input.job.counts) {
-        SquareCounts of_warp = counts_of_warp(counts, splats.position() - range.begin, evaluated);
+        SquareCounts of_warp = counts_of_warp(counts, splats.position() - range.begin, evaluated, timer);
         of_warp.pieces = warp_sum(pieces_joined), of_warp.pixels_joined = warp_sum(pixels_joined);
         of_warp.longest_item = (splats.position() - part.at.position) / group.blocks;
         add_counts(input.job.counts[part.row * input.squares.columns + part.column], of_warp);
@@ -414,7 +415,7 @@ struct LongPartBlender {
 template <class Form, bool threshold, bool extras, class ViewSource>
 __global__ void __launch_bounds__(piece_threads, piece_occupancy<extras>)
     raster_pieces(const __grid_constant__ RasterInput<ViewSource> input,
-                  const __grid_constant__ LongParts long_parts) {
+                  const __grid_constant__ LongParts long_parts, std::uint32_t warps_at_once) {
   __shared__ PieceShared<Form, extras> shared;
   const Group cluster = Group::cluster();
   // Every other cluster takes parts for clusters first. The others take parts for single blocks first.
@@ -431,7 +432,8 @@ __global__ void __launch_bounds__(piece_threads, piece_occupancy<extras>)
       group.sync();
       const LongPart* const part = shared.part;
       if (!part) break;
-      LongPartBlender<Form, threshold, extras, ViewSource>(input, *part, group, shared).run(*part);
+      const WarpTimer timer(extras && input.job.counts, warps_at_once);
+      LongPartBlender<Form, threshold, extras, ViewSource>(input, *part, group, shared).run(*part, timer);
       if (group.rank == 0 && threadIdx.x == 0) long_parts.end_part(as_cluster);
     }
   }
@@ -445,13 +447,15 @@ void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   using namespace kernels;
   with_squares(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
     const LongParts long_parts = LongParts::of(cuda, input.squares.size() * parts_of_square);
-    launch(name, raster_warps<Form, threshold, extras, ViewSource>, blocks_of(input.squares), raster_threads,
-           cuda.stream(), input, long_parts);
+    const auto warps = raster_warps<Form, threshold, extras, ViewSource>;
+    const auto pieces = raster_pieces<Form, threshold, extras, ViewSource>;
+    launch(name, warps, blocks_of(input.squares), raster_threads, cuda.stream(), input, long_parts,
+           warps_at_once(cuda, job, warps, raster_threads));
     const unsigned clusters = unsigned(cuda.multiprocessors()) * blocks_of_multiprocessor / blocks_of_group;
     try {
-      launch_early<blocks_of_group>(cuda, name, raster_pieces<Form, threshold, extras, ViewSource>,
-                                    std::max(clusters, 1u) * blocks_of_group, piece_threads, input,
-                                    long_parts);
+      launch_early<blocks_of_group>(cuda, name, pieces, std::max(clusters, 1u) * blocks_of_group,
+                                    piece_threads, input, long_parts,
+                                    warps_at_once(cuda, job, pieces, piece_threads));
     } catch (const DeviceError&) {
       long_parts.forget(cuda);  // or the next frame would go on with this one's
       throw;

@@ -375,11 +375,12 @@ struct PieceJoiner {
 template <class Form, bool threshold, bool extras, class ViewSource>
 __global__ void __launch_bounds__(raster_threads, Form::blocks)
     raster_warps(const __grid_constant__ RasterInput<ViewSource> input,
-                 const __grid_constant__ LongParts long_parts) {
+                 const __grid_constant__ LongParts long_parts, std::uint32_t warps_at_once) {
   let_next_start();
   __shared__ Queue<Form> queues[parts_of_square];
   const unsigned warp = threadIdx.x / warp_size;
   const RasterJob& job = input.job;
+  const WarpTimer timer(extras && job.counts, warps_at_once);
   const BlockSquare square(input);
   const View& view = input.views[square.view];
   const BlendRules rules = view.rules;
@@ -440,8 +441,8 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
   }
   if constexpr (extras)
     if (job.counts)
-      add_counts(job.counts[BlockSquare::number()],
-                 counts_of_warp(sum(blender.lane.counts), walk.visited(), walk.blended() * pixels_of_part));
+      add_counts(job.counts[BlockSquare::number()], counts_of_warp(sum(blender.lane.counts), walk.visited(),
+                                                                   walk.blended() * pixels_of_part, timer));
 }
 }  // namespace kernels
 

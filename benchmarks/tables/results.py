@@ -10,7 +10,7 @@ KEY = ("scene", "gaussians", "enlarge", "view", "scale", "conventions", "threads
 WORDS = ("scene", "view", "conventions", "renderer", "backend", "sort", "raster", "bounds")
 NUMBERS = ("gaussians", "enlarge", "width", "height", "scale", "threads", "frames")
 OPTIONAL = ("psnr_db", "ssim", "max_abs", "cut_psnr_db", "photo_psnr_db", "photo_ssim", "visible", "instances",
-            "contributing_pairs", "device_bytes", "host_bytes")
+            "contributing_pairs", "pieces", "longest_item", "device_bytes", "host_bytes")
 
 
 class InputError(Exception):
@@ -53,9 +53,12 @@ class Row:
     visible: float = None
     instances: float = None
     contributing_pairs: float = None
+    pieces: float = None
+    longest_item: float = None
     device_bytes: float = None
     host_bytes: float = None
     bytes: dict = None
+    counted_ms: dict = None
 
     @property
     def key(self):
@@ -176,7 +179,8 @@ def read_row(path, n, row):
     # Of equal images the file has null, as it has where errors were not asked for; but then no difference either.
     if values["max_abs"] == 0 and values["psnr_db"] is None:
         values["psnr_db"] = math.inf
-    return Row(**values, ms=read_durations(row.get("ms"), wrong), bytes=read_bytes(row.get("bytes"), wrong))
+    return Row(**values, ms=read_durations(row.get("ms"), wrong), bytes=read_bytes(row.get("bytes"), wrong),
+               counted_ms=read_counted(row.get("counted_ms"), wrong))
 
 
 def read_bytes(found, wrong):
@@ -188,6 +192,18 @@ def read_bytes(found, wrong):
     for stage in ("project", "sort", "raster"):
         if not is_number(found.get(stage)) or found[stage] < 0:
             raise wrong(f"bytes.{stage}", "a number that is not negative")
+    return found
+
+
+def read_counted(found, wrong):
+    """{"raster", "balanced": milliseconds of a counted frame}; None where the file is older than these numbers."""
+    if found is None:
+        return None
+    if not isinstance(found, dict):
+        raise wrong("counted_ms", "an object")
+    for name in ("raster", "balanced"):
+        if not is_number(found.get(name)) or found[name] < 0:
+            raise wrong(f"counted_ms.{name}", "a number that is not negative")
     return found
 
 

@@ -468,6 +468,38 @@ class Tables(unittest.TestCase):
         self.assertIn("The largest gap is that of `project` in fox, 0.2 M: 500 us are 91 times what its memory would "
                       "take. Most time is to be gained from `raster` in garden, 1.5 M: 987 of 1,000 us.", text)
 
+    def test_balanced_times_are_of_the_first_views_that_have_them(self):
+        text = self.table("balance gpu pieces-after-cuda")
+        self.assertEqual(cells(text, "garden, 1.5 M")[1:], ["1,000", "2,000", "400", "5.00", "2,048", "1,500"])
+        found = json.loads((self.results / FOLDERS["gpu"] / "matrix.json").read_text(encoding="utf-8"))
+        for row in found["rows"]:
+            if row["scene"] == "fox":
+                row["counted_ms"]["balanced"] = 0
+            if row["scene"] == "builtin" or row["view"] == "0":
+                del row["counted_ms"]
+            elif row["scene"] == "garden":
+                row["counted_ms"] = {"raster": 3, "balanced": 2}
+        folder = self.place / "balance" / FOLDERS["gpu"]
+        folder.mkdir(parents=True)
+        page = "<!-- table: balance gpu matrix -->\n<!-- end -->\n"
+        synthetic_folder.synthetic.write(folder / "matrix.json", found)
+        text = self.update(page, results=folder.parent)[1]
+        self.assertEqual(cells(text, "garden, 1.5 M")[1:5], ["1,000", "3,000", "2,000", "1.50"])
+        self.assertEqual(cells(text, "fox, 0.2 M")[1:5], ["1,000", "2,000", "0", "-"])
+        self.assertNotIn("builtin", text)
+        for row in found["rows"]:
+            row.pop("counted_ms", None)
+        synthetic_folder.synthetic.write(folder / "matrix.json", found)
+        code, text, _, _ = self.update(page, results=folder.parent)
+        self.assertEqual(code, 0)
+        self.assertIn("No row of `matrix.json` has a balanced time", text)
+        self.assertNotIn("|", text)
+        found["rows"][-1]["counted_ms"] = {"raster": 3, "balanced": -1}
+        synthetic_folder.synthetic.write(folder / "matrix.json", found)
+        code, _, _, error = self.update(page, results=folder.parent)
+        self.assertEqual(code, 2)
+        self.assertIn(f"rows[{len(found['rows']) - 1}].counted_ms.balanced: expected a number that is not", error)
+
     def test_a_sort_stands_beside_its_memory_and_beside_cub(self):
         rows = [line for line in self.table("gaps gpu").splitlines() if line.startswith("| garden, 1.5 M | sort |")]
         self.assertEqual([row.strip("| ").split(" | ")[2] for row in rows], ["memory", "CUB's sorts"])

@@ -38,6 +38,7 @@ Json object_of(const RenderResult& result) {
   json["pieces"] = result.counts->raster.pieces;
   json["pixels_joined"] = result.counts->raster.pixels_joined;
   json["longest_item"] = result.counts->raster.longest_item;
+  json["counted_ms"] = json_of(result.counted_ms);
   return json;
 }
 

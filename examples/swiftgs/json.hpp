@@ -7,6 +7,7 @@
 
 #include <swiftgs/statistics.hpp>
 
+#include "counted_times.hpp"
 #include "result_head.hpp"
 
 namespace swiftgs::cli {
@@ -34,6 +35,7 @@ struct RenderResult {
   std::string image;      ///< the file's name as the command prints it
   StageTimes ms;
   std::optional<Statistics> counts;  ///< where they were asked for
+  CountedTimes counted_ms;           ///< where `counts` are there
 };
 
 std::string to_json(const Comparison& comparison);

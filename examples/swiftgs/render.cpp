@@ -46,7 +46,7 @@ Writer writer_of(const std::string& format) {
   throw std::invalid_argument("--format '" + format + "': expected png, pfm or exr");
 }
 
-void print_statistics(const Statistics& s) {
+void print_statistics(const Statistics& s, const CountedTimes& times) {
   const auto line = [](const char* label, std::uint64_t count) {
     std::printf("  %-32s %llu\n", label, static_cast<unsigned long long>(count));
   };
@@ -58,6 +58,8 @@ void print_statistics(const Statistics& s) {
   line("pixels stopped early", s.raster.pixels_stopped);
   line("pieces of long lists", s.raster.pieces);
   line("longest item", s.raster.longest_item);
+  std::printf("  %-32s %.3f\n", "raster while counting, ms", times.raster);
+  std::printf("  %-32s %.3f\n", "balanced, ms", times.balanced);
 }
 
 void render(const RenderOptions& options) {
@@ -91,10 +93,18 @@ void render(const RenderOptions& options) {
     frames.resize(std::min(batch, views.size() - first));
     renderer->render({cameras.data() + first, frames.size()}, with, {frames.data(), frames.size()});
   };
+  // Counting costs time, so it has a frame of its own.
+  const auto count = [&](const Camera& camera) {
+    RenderSettings counting = timed(settings);
+    counting.count = true;
+    Frame counted;
+    renderer->render(camera, counting, counted);
+  };
   Progress progress(views.size());
   std::vector<double> totals;
-  // The first frame allocates what later ones use again: it is rendered once more, so that no time has it.
+  // The first frames allocate what later ones use again: they are rendered once more, so that no time has it.
   draw(0, settings);
+  if (options.stats) count(cameras[0]);
   StageTimes ms;
   for (std::size_t at = 0; at < views.size(); ++at) {
     const View& view = views[at];
@@ -115,18 +125,16 @@ void render(const RenderOptions& options) {
                        .batch = frames.size(),
                        .image = file.string(),
                        .ms = ms,
-                       .counts = std::nullopt});
+                       .counts = std::nullopt,
+                       .counted_ms = {}});
     progress.clear();
     std::printf("%s  %dx%d  %.2f ms (project %.2f, sort %.2f, raster %.2f)\n", file.string().c_str(),
                 frame.width, frame.height, ms.total, ms.project, ms.sort, ms.raster);
     if (options.stats) {
-      // Counting costs time, so it has a frame of its own.
-      settings.count = true;
-      Frame counted;
-      renderer->render(view.camera, settings, counted);
-      settings.count = false;
+      count(view.camera);
       results.back().counts = renderer->statistics();
-      print_statistics(*results.back().counts);
+      results.back().counted_ms = {renderer->times(), *results.back().counts};
+      print_statistics(*results.back().counts, results.back().counted_ms);
     }
     progress.step();
   }

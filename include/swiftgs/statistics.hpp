@@ -15,6 +15,8 @@ struct Statistics {
   SquareCounts raster;        ///< summed over squares; zero unless requested
 
   double instances_a_visible() const { return visible ? double(instances) / double(visible) : 0.0; }
+  /// Time of the raster stage if its work were shared out evenly. @units{milliseconds}
+  double balanced_ms() const { return 1e-9 * double(raster.balanced_ps); }
 };
 
 /// Memory that a renderer keeps for its stages, the scene excluded. @units{bytes}

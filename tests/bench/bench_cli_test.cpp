@@ -76,6 +76,8 @@ TEST_CASE("bench: every combination has a row and every row what the schema says
     CHECK(row.at("visible") > 0);
     CHECK(row.at("instances") >= row.at("visible"));
     CHECK(row.at("contributing_pairs") > 0);
+    CHECK(row.at("counted_ms").at("balanced") > 0);
+    CHECK(row.at("counted_ms").at("balanced") <= row.at("counted_ms").at("raster"));
     CHECK(row.at("device_bytes") == 0);
     CHECK(row.at("image").is_null());
   }

@@ -95,8 +95,9 @@ TEST_CASE("cli: render writes an image and says where it is and how long it took
 TEST_CASE("cli: render --stats prints what a frame had to do") {
   const TemporaryFolder place;
   const std::string text = run(place, "render builtin:2000 --scale 0.1 --stats").out;
-  for (const char* part : {"Gaussians  ", "visible  ", "instances  ", "instances a visible Gaussian  ",
-                           "contributing pairs  ", "pixels stopped early  "})
+  for (const char* part :
+       {"Gaussians  ", "visible  ", "instances  ", "instances a visible Gaussian  ", "contributing pairs  ",
+        "pixels stopped early  ", "raster while counting, ms  ", "balanced, ms  "})
     CHECK(contains(text, part));
   CHECK_FALSE(contains(text, "contributing pairs               0\n"));
 }

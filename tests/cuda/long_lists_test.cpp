@@ -317,6 +317,26 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
   }
 }
 
+TEST_CASE("cuda long lists: those who share a part are at work at most while the frame is rasterized") {
+  if (without_device()) return;
+  const int side = 384;
+  const Scene scene = layers(228'000, 0.0001, 0.002);
+  for_each_piecewise([&](auto&& renderer) {
+    CAPTURE(std::decay_t<decltype(renderer)>::name);
+    const DeviceScene uploaded = renderer.backend().upload(scene);
+    RenderSettings settings;
+    settings.conventions = faint(), settings.count = settings.time = true;
+    Frame frame;
+    for (int i = 0; i < 2; ++i)  // the first frame has kernels loaded
+      renderer.render(uploaded, square_camera(side), settings, frame);
+    const Statistics statistics = renderer.statistics();
+    CHECK(statistics.raster.pieces > 10'000);
+    const double evenness = statistics.balanced_ms() / renderer.times().raster;
+    CHECK(evenness > 0.05);
+    CHECK(evenness < 1);
+  });
+}
+
 TEST_CASE("cuda long lists: counts tell of pieces where lists are long alone") {
   if (without_device()) return;
   With<AxisSharedThreshold<FloatCholesky>> renderer;

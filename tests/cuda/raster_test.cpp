@@ -4,6 +4,7 @@
 // kernels, or the form of rasterizers without any where SWIFTGS_TEST_RASTER_PIXELS is defined.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cuda/drawings.hpp"
 
@@ -330,5 +331,42 @@ TEST_CASE(SWIFTGS_RASTERS ": tiles of any side give the same bits") {
       CHECK(same_bits(drawn.frame.depth, usual.frame.depth));
       CHECK(same_bits(draw_on_device<Raster>(cuda, picture, true).frame.colour, usual.frame.colour));
     }
+  });
+}
+
+namespace {
+
+/// Balanced time over raster time of a counted frame.
+template <class Raster>
+double evenness(Cuda& cuda, const Picture& picture) {
+  DevicePicture device(picture);
+  DeviceFrame frame(picture.width, picture.height);
+  double raster = 0;
+  for (int i = 0; i < 2; ++i) {  // the first frame has kernels loaded
+    const Cuda::TimePoint begin = cuda.now();
+    rasterize(cuda, Raster{}, device.job(frame.view(), true));
+    const Cuda::TimePoint end = cuda.now();
+    cuda.wait();
+    raster = cuda.milliseconds(begin, end).value();
+  }
+  Statistics statistics;
+  for (const SquareCounts& square : to_host(cuda, std::as_const(device.counts).span()))
+    statistics.raster += square;
+  return statistics.balanced_ms() / raster;
+}
+
+}  // namespace
+
+TEST_CASE(SWIFTGS_RASTERS ": the balanced time is what warps are at work of the raster time") {
+  if (without_device()) return;
+  Cuda cuda;
+  const Picture many(faint_splats(200'000, 1280, 720), 1280, 720), one(faint_splats(400, 16, 16), 16, 16);
+  for_each_tested([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    const double of_many = evenness<Raster>(cuda, many), of_one = evenness<Raster>(cuda, one);
+    CHECK(of_many > 0.05);
+    CHECK(of_many < 1);
+    CHECK(of_one > 0);
+    CHECK(of_one < 0.05);  // eight warps at most, on devices that run hundreds
   });
 }

@@ -46,6 +46,17 @@ struct Drawing {
   }
 };
 
+/// Faint splats all over an image: no pixel stops, and every square takes long.
+inline SplatSet faint_splats(std::size_t count, int width, int height) {
+  Random random(count);
+  SplatSet splats;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = random.in(0, width), y = random.in(0, height);
+    splats.add(make_splat(x, y, 20, 10, random.in(0, 3), 0.006), float(1 + i));
+  }
+  return splats;
+}
+
 /// A view that draws into `frame`.
 inline View view_into(const FrameView& frame, const DrawSettings& settings = {},
                       int tile_side = default_tile_side) {

@@ -66,7 +66,8 @@ TEST_CASE_TEMPLATE("renderer: counts what it did", B, SWIFTGS_TEST_BACKENDS) {
   const Scene scene = random_scene(300, 0, 2);
   RenderSettings settings;
   settings.count = settings.time = true;
-  renderer.render(renderer.backend().upload(scene), forward_camera(80, 60), settings);
+  const auto uploaded = renderer.backend().upload(scene);
+  renderer.render(uploaded, forward_camera(80, 60), settings);
   const Statistics statistics = renderer.statistics();
   CHECK(statistics.gaussians == 300);
   CHECK(statistics.visible > 50);
@@ -79,6 +80,11 @@ TEST_CASE_TEMPLATE("renderer: counts what it did", B, SWIFTGS_TEST_BACKENDS) {
   const StageTimes times = renderer.times();
   CHECK(times.project >= 0);
   CHECK(times.total == doctest::Approx(times.project + times.sort + times.raster));
+  CHECK(statistics.balanced_ms() > 0);
+  CHECK(statistics.balanced_ms() <= times.raster);
+  settings.count = false;
+  renderer.render(uploaded, forward_camera(80, 60), settings);
+  CHECK(renderer.statistics().balanced_ms() == 0);
 }
 
 TEST_CASE("renderer: one frame may be written into a part of a larger image") {

@@ -9,6 +9,7 @@
 
 #include <swiftgs/statistics.hpp>
 
+#include "counted_times.hpp"
 #include "result_head.hpp"
 
 /// What `bench` measures, as docs/results.md describes its file, member by member.
@@ -76,6 +77,7 @@ struct RowResult {
   std::optional<PhotoErrors> photo;
   std::uint64_t visible = 0, instances = 0, contributing_pairs = 0;
   std::uint64_t pieces = 0, pixels_joined = 0, longest_item = 0;
+  CountedTimes counted_ms;
   StageMemory bytes;
   std::uint64_t device_bytes = 0, host_bytes = 0;
   std::string image, error_image;

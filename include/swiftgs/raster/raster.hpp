@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
@@ -19,7 +20,7 @@
 namespace swiftgs {
 
 /// What rasterizing one square of pixels took. With `Cuda`, who works off a long list differs from run to
-/// run. So all but pairs and stopped pixels may.
+/// run. So all but pairs and stopped pixels may. The balanced time does on every backend.
 struct SquareCounts {
   std::uint64_t instances_visited = 0;   ///< of its tile's list, before all its pixels had stopped
   std::uint64_t rows_visited = 0;        ///< rows of pixels on which an instance was evaluated
@@ -28,11 +29,14 @@ struct SquareCounts {
   std::uint64_t pieces = 0;              ///< of long lists, blended apart from each other
   std::uint64_t pixels_joined = 0;       ///< pixels of those pieces that were joined with what lies in front
   std::uint64_t longest_item = 0;        ///< most instances that one core, warp or block worked off alone
+  /// Time that all threads of the host, or all warps that the device runs at once, would be at work on the
+  /// square if its work were shared out evenly. @units{picoseconds}
+  std::uint64_t balanced_ps = 0;
 
   SWIFTGS_HD SquareCounts& operator+=(const SquareCounts& o) {
     instances_visited += o.instances_visited, rows_visited += o.rows_visited;
     contributing_pairs += o.contributing_pairs, pixels_stopped += o.pixels_stopped;
-    pieces += o.pieces, pixels_joined += o.pixels_joined;
+    pieces += o.pieces, pixels_joined += o.pixels_joined, balanced_ps += o.balanced_ps;
     if (longest_item < o.longest_item) longest_item = o.longest_item;
     return *this;
   }
@@ -198,13 +202,49 @@ struct RasterizeSquare {
   }
 };
 
+/// Blends squares of `job` on a host, by `blend(begin, end)`. Counted squares are blended one at a time, to
+/// measure how long each takes.
+template <class Blend>
+struct BlendOnHost {
+  const RasterJob& job;
+  int threads;  ///< that run at once
+  Blend blend;
+
+  void operator()(std::size_t square) const { (*this)(square, square + 1); }
+  void operator()(std::size_t begin, std::size_t end) const {
+    if (!job.counts) {
+      blend(begin, end);
+      return;
+    }
+    for (std::size_t square = begin; square < end; ++square) {
+      const auto start = std::chrono::steady_clock::now();
+      blend(square, square + 1);
+      const std::chrono::nanoseconds busy = std::chrono::steady_clock::now() - start;
+      job.counts[square].balanced_ps = 1000 * std::uint64_t(busy.count()) / std::uint64_t(threads);
+    }
+  }
+};
+
+/// Threads of `b` that run at once: one, unless the backend says otherwise.
+template <class B>
+int threads_at_once(const B& b) {
+  if constexpr (requires { b.threads_at_once(); })
+    return b.threads_at_once();
+  else
+    return 1;
+}
+
 /// Renders every square of `job` with the arithmetic of `R::Kernel`, on hosts. Backends overload this for
 /// policies that they have kernels for; a device, where a thread a square would be of no use, for all others.
 /// Throws as `squares_of`.
 template <BackendPolicy B, RasterPolicy R>
 requires(bool(B::reaches_host_memory)) void rasterize(B& b, R, const RasterJob& job) {
   const Squares squares = squares_of(job);
-  b.for_each(squares.size(), RasterizeSquare<R>{job, squares});
+  const RasterizeSquare<R> square_by_square{job, squares};
+  const auto blend = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t square = begin; square < end; ++square) square_by_square(square);
+  };
+  b.for_each(squares.size(), BlendOnHost<decltype(blend)>{job, threads_at_once(b), blend});
 }
 
 }  // namespace swiftgs

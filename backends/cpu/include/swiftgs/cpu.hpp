@@ -62,6 +62,8 @@ class SWIFTGS_API Cpu {
   static bool usable() { return true; }
   const MemoryHook& memory_hook() const { return memory_; }
   int threads() const;
+  /// Of `threads`, those that oneTBB lets run at the moment.
+  int threads_at_once() const;
   std::string device_name() const;
 
   /// Shares `scene` without copying it, and asks for its arrays to be moved to large pages.

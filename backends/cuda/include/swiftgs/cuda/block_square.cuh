@@ -86,14 +86,49 @@ void with_squares(Cuda& cuda, const RasterJob& job, const F& f) {
   });
 }
 
+/// Warps that the device runs at once of a kernel in blocks of so many threads, if it runs nothing else; 0
+/// unless `job` is counted.
+template <class... Parameters>
+std::uint32_t warps_at_once(const Cuda& cuda, const RasterJob& job, void (*kernel)(Parameters...),
+                            unsigned threads) {
+  if (!job.counts) return 0;
+  int blocks = 0;
+  check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, int(threads), 0),
+             "cudaOccupancyMaxActiveBlocksPerMultiprocessor");
+  return std::uint32_t(blocks * cuda.multiprocessors()) * (threads / warp_size);
+}
+
 /// Starts the kernel `Kernel::of<extras, ViewSource>` of a rasterizer on all squares of `job`.
 template <class Kernel>
 void launch_squares(Cuda& cuda, const char* name, const RasterJob& job) {
   with_squares(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
-    launch(name, Kernel::template of<extras, ViewSource>, blocks_of(input.squares), Kernel::threads,
-           cuda.stream(), input);
+    const auto kernel = Kernel::template of<extras, ViewSource>;
+    launch(name, kernel, blocks_of(input.squares), Kernel::threads, cuda.stream(), input,
+           warps_at_once(cuda, job, kernel, Kernel::threads));
   });
 }
+
+/// Measures from its making on how long a warp works, if it is counted.
+class WarpTimer {
+ public:
+  /// `at_once`: warps of this kernel that the device runs at once.
+  __device__ WarpTimer(bool counted, std::uint32_t at_once) : at_once_(at_once) {
+    if (counted) begun_ = nanoseconds();
+  }
+
+  /// This warp's part of the balanced time.
+  __device__ std::uint64_t balanced_ps() const { return 1000 * (nanoseconds() - begun_) / at_once_; }
+
+ private:
+  __device__ static std::uint64_t nanoseconds() {
+    std::uint64_t now;
+    asm volatile("mov.u64 %0, %%globaltimer;" : "=l"(now)::"memory");
+    return now;
+  }
+
+  std::uint64_t begun_ = 0;
+  std::uint32_t at_once_;
+};
 
 /// Adds the counts of a warp to its square. The square has visited as many instances as the furthest of its
 /// warps. Call it on a whole warp, with the same counts on all lanes.
@@ -108,6 +143,7 @@ __device__ inline void add_counts(SquareCounts& square, const SquareCounts& of_w
   atomicAdd(field(&SquareCounts::rows_visited), Word(of_warp.rows_visited));
   atomicAdd(field(&SquareCounts::contributing_pairs), Word(of_warp.contributing_pairs));
   atomicAdd(field(&SquareCounts::pixels_stopped), Word(of_warp.pixels_stopped));
+  atomicAdd(field(&SquareCounts::balanced_ps), Word(of_warp.balanced_ps));
   if (of_warp.pieces == 0) return;
   atomicAdd(field(&SquareCounts::pieces), Word(of_warp.pieces));
   atomicAdd(field(&SquareCounts::pixels_joined), Word(of_warp.pixels_joined));

@@ -21,8 +21,9 @@ static_assert(warp_size == 2 * square_side, "a warp counts two rows");
 /// warp walks the list by itself until its pixels have stopped.
 template <RasterPolicy R, class ViewSource>
 __global__ void __launch_bounds__(raster_pixels_threads)
-    raster_pixels(const __grid_constant__ RasterInput<ViewSource> input) {
+    raster_pixels(const __grid_constant__ RasterInput<ViewSource> input, std::uint32_t warps_at_once) {
   const RasterJob& job = input.job;
+  const WarpTimer timer(job.counts, warps_at_once);
   const BlockSquare square(input);
   if (square.outside(input)) return;
   const View& view = input.views[square.view];
@@ -69,8 +70,8 @@ __global__ void __launch_bounds__(raster_pixels_threads)
 
   if (inside) store_pixel(frame, std::size_t(x), std::size_t(y), pixel, view.background);
   if (job.counts)
-    add_counts(job.counts[BlockSquare::number()],
-               {visited, rows, warp_sum(pairs), warp_sum(inside && !live), 0, 0, visited});
+    add_counts(job.counts[BlockSquare::number()], {visited, rows, warp_sum(pairs), warp_sum(inside && !live),
+                                                   0, 0, visited, timer.balanced_ps()});
 }
 
 template <RasterPolicy R>
