@@ -33,6 +33,10 @@ const Writer& writer_for(const std::filesystem::path& path, const std::string& e
 }  // namespace
 }  // namespace io
 
+void require_scene_ending(const std::filesystem::path& path, const SceneWriteOptions& options) {
+  io::writer_for(path, options.ending);
+}
+
 WrittenScene write_scene(const std::filesystem::path& path, const Scene& scene,
                          const SceneWriteOptions& options) {
   const io::Writer& writer = io::writer_for(path, options.ending);

@@ -13,6 +13,7 @@ void add_bench(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_check(CLI::App& app);
 void add_compare(CLI::App& app);
+void add_convert(CLI::App& app);
 void add_info(CLI::App& app);
 void add_list(CLI::App& app);
 void add_prune(CLI::App& app);

@@ -135,6 +135,7 @@ int run(int argc, char** argv) {
   add_compare(app);
   add_check(app);
   add_calibrate(app);
+  add_convert(app);
   add_prune(app);
   add_bench(app);
   add_report(app);

@@ -12,12 +12,20 @@ namespace swiftgs::cli {
 
 void add_scene(CLI::App& command, SceneOptions& options) {
   command
-      .add_option("SCENE", options.scene,
-                  "A .ply or .spz file, the folder of a capture, builtin, or builtin:N for N Gaussians")
+      .add_option(
+          "SCENE", options.scene,
+          "A file of Gaussians (see docs/formats.md), the folder of a capture, builtin, or\nbuiltin:N for "
+          "N Gaussians")
       ->required();
+  add_scene_reading(command, options);
+}
+
+void add_scene_reading(CLI::App& command, SceneOptions& options) {
   command
       .add_option("--spz-frame", options.spz_frame,
                   "Axes of an .spz file: specified (what the file says), rub, rdf, luf or raw")
+      ->capture_default_str();
+  command.add_option("--level", options.level, "Level of detail of a streamed SOG; 0 is the finest")
       ->capture_default_str();
 }
 

@@ -14,6 +14,7 @@ namespace swiftgs::cli {
 struct SceneOptions {
   std::string scene;                    ///< a file, the folder of a capture, `builtin`, or `builtin:N`
   std::string spz_frame = "specified";  ///< as `SpzFrame` names them
+  int level = 0;                        ///< of detail, in a streamed SOG
 };
 
 /// What says which images to make of it.
@@ -27,6 +28,9 @@ struct ViewOptions {
 
 /// Adds the options of a scene, of which the name is required.
 void add_scene(CLI::App& command, SceneOptions& options);
+
+/// Adds those of them that say how to read it.
+void add_scene_reading(CLI::App& command, SceneOptions& options);
 
 /// Adds those options of views that say what there is to see: cameras and conventions.
 void add_cameras(CLI::App& command, ViewOptions& options);

@@ -20,6 +20,8 @@ class Progress {
   void start(const std::string& what);
   /// One more of the total is done.
   void step() { ++done_; }
+  /// So much of the total is done.
+  void advance_to(std::size_t done) { done_ = done; }
   /// Removes the bar, so that a line can be printed.
   void clear();
 

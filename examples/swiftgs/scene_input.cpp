@@ -48,8 +48,9 @@ Capture capture_of(const SceneOptions& options) {
   return find_capture(options.scene);
 }
 
-SceneFile load(const SceneOptions& options) {
-  const SceneReadOptions read{.spz_frame = spz_frame_named(options.spz_frame)};
+SceneFile load(const SceneOptions& options, const swiftgs::Progress& progress) {
+  const SceneReadOptions read{
+      .spz_frame = spz_frame_named(options.spz_frame), .level = options.level, .progress = progress};
   const std::optional<std::size_t> size = builtin_size(options.scene);
   if (!size) return read_scene(capture_of(options).scene, read);
   SceneFile file;

@@ -22,7 +22,7 @@ std::optional<std::size_t> builtin_size(std::string_view scene);
 Capture capture_of(const SceneOptions& options);
 
 /// Loads the file or makes the built-in scene.
-SceneFile load(const SceneOptions& options);
+SceneFile load(const SceneOptions& options, const swiftgs::Progress& progress = {});
 
 /// The cameras of `scene`: those that `--cameras` names, or else those in its folder where `scene` is the
 /// folder of a capture. Empty where there are none.

@@ -2,7 +2,6 @@
 #include "views.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -18,25 +17,6 @@
 
 namespace swiftgs::cli {
 namespace {
-
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (std::size_t at = 0; at != std::string_view::npos;) {
-    const std::size_t next = text.find(separator);
-    parts.push_back(text.substr(0, next));
-    at = next;
-    if (next != std::string_view::npos) text.remove_prefix(next + 1);
-  }
-  return parts;
-}
-
-template <class Number>
-std::optional<Number> parse(std::string_view text) {
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
 
 /// `name` without the extension of a file.
 std::string_view without_extension(std::string_view name) {

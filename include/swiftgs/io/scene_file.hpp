@@ -84,4 +84,9 @@ struct WrittenScene {
 SWIFTGS_API WrittenScene write_scene(const std::filesystem::path& path, const Scene& scene,
                                      const SceneWriteOptions& options = {});
 
+/// Throws `std::invalid_argument` as `write_scene` does for an ending that it does not know, before hours are
+/// spent on the scene.
+SWIFTGS_API void require_scene_ending(const std::filesystem::path& path,
+                                      const SceneWriteOptions& options = {});
+
 }  // namespace swiftgs

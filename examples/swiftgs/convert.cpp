@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <swiftgs/edit.hpp>
+#include <swiftgs/io/replace_file.hpp>
+#include <swiftgs/pruning.hpp>
+
+#include "commands.hpp"
+#include "convert_result.hpp"
+#include "distinct_files.hpp"
+#include "number_text.hpp"
+#include "options.hpp"
+#include "progress.hpp"
+#include "result_file.hpp"
+#include "scene_edits.hpp"
+#include "scene_input.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+struct ConvertOptions {
+  std::vector<std::string> files;  ///< the last is written
+  SceneOptions scene;              ///< how to read each
+  std::vector<std::string> transforms, crops;
+  int degree = max_sh_degree;
+  double keep = 1;
+  bool order = false;
+  std::string format, json;
+};
+
+/// The edits that the options ask for, checked before anything is read.
+struct Edits {
+  std::vector<std::pair<std::string, Similarity>> transforms;
+  std::vector<std::pair<std::string, Region>> crops;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// Has Ctrl-C stop readers and writers, so that no part of a file stays behind, while it lives.
+class Interruptible {
+ public:
+  Interruptible() : before_(std::signal(SIGINT, [](int) { interrupted = 1; })) {}
+  ~Interruptible() { std::signal(SIGINT, before_); }
+  Interruptible(const Interruptible&) = delete;
+  Interruptible& operator=(const Interruptible&) = delete;
+
+ private:
+  void (*before_)(int);
+};
+
+/// A bar that readers and writers move, each by a hundred.
+class ConvertProgress {
+ public:
+  explicit ConvertProgress(std::size_t files) : bar_(100 * files) {}
+
+  swiftgs::Progress of_next(const std::string& what) {
+    return [this, what, first = 100 * files_++](double part) {
+      bar_.advance_to(first + std::size_t(100 * part));
+      bar_.start(what);
+      return interrupted == 0;
+    };
+  }
+  void clear() { bar_.clear(); }
+
+ private:
+  Progress bar_;
+  std::size_t files_ = 0;
+};
+
+/// Whether what is written to `path` goes where text would be printed.
+bool is_standard_output(const std::string& path) {
+  struct stat file {
+  }, output{};
+  return stat(path.c_str(), &file) == 0 && fstat(STDOUT_FILENO, &output) == 0 &&
+         file.st_dev == output.st_dev && file.st_ino == output.st_ino;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+Edits edits_of(const ConvertOptions& options) {
+  if (options.degree < 0 || options.degree > max_sh_degree)
+    throw std::invalid_argument("--degree " + std::to_string(options.degree) + ": expected 0 to 3");
+  if (!(options.keep > 0 && options.keep <= 1))
+    throw std::invalid_argument("--keep " + text_of_number(options.keep) +
+                                ": expected a part of the Gaussians above 0 and at most 1");
+  Edits edits;
+  for (const std::string& text : options.transforms)
+    edits.transforms.emplace_back("--transform " + text, similarity_named(text));
+  for (const std::string& text : options.crops)
+    edits.crops.emplace_back("--crop " + text, region_named(text));
+  return edits;
+}
+
+/// What one input holds, and the row for it.
+Scene read(SceneOptions from, const std::string& name, ConvertProgress& progress, ConvertResult& result) {
+  from.scene = name;
+  const auto begin = std::chrono::steady_clock::now();
+  SceneFile file = load(from, progress.of_next("read " + name));
+  ConvertedFile row{.name = name,
+                    .format = file.format,
+                    .stored = file.stored,
+                    .gaussians = file.scene.size(),
+                    .sh_degree = file.scene.sh_degree,
+                    .antialiased = file.scene.antialiased,
+                    .seconds = seconds_since(begin),
+                    .notes = std::move(file.notes)};
+  if (!builtin_size(name)) row.bytes = std::filesystem::file_size(capture_of(from).scene);
+  if (file.dropped_nonfinite != 0)
+    row.notes.push_back(std::to_string(file.dropped_nonfinite) +
+                        " Gaussians with numbers that are not finite were left out.");
+  result.inputs.push_back(std::move(row));
+  return std::move(file.scene);
+}
+
+void edit(Scene& scene, const ConvertOptions& options, const Edits& edits, ConvertResult& result) {
+  const auto done = [&](const std::string& what) {
+    result.steps.push_back({what, scene.size(), scene.sh_degree});
+  };
+  if (options.degree < scene.sh_degree) {
+    scene = with_degree(std::move(scene), options.degree);
+    done("--degree " + std::to_string(options.degree));
+  }
+  for (const auto& [what, by] : edits.transforms) transform(scene, by), done(what);
+  for (const auto& [what, region] : edits.crops) {
+    scene = std::visit([&](const auto& r) { return crop(scene, r); }, region);
+    done(what);
+  }
+  if (options.keep < 1) {
+    scene = subset(scene, highest(opacity_volumes(scene), kept_count(options.keep, scene.size())));
+    done("--keep " + text_of_number(options.keep));
+  }
+  if (options.order) scene = order_spatially(scene), done("--order");
+}
+
+void convert(const ConvertOptions& options) {
+  if (options.files.size() < 2)
+    throw std::invalid_argument("convert: expected one or more scenes to read and a file to write, found " +
+                                std::to_string(options.files.size()) + " names");
+  const Edits edits = edits_of(options);
+  const std::vector<std::string> inputs(options.files.begin(), options.files.end() - 1);
+  const std::string& out = options.files.back();
+  std::vector<NamedFile> read_files;
+  for (const std::string& name : inputs) {
+    SceneOptions from = options.scene;
+    from.scene = name;
+    read_files.push_back({"FILE", capture_of(from).scene.string()});
+  }
+  require_distinct({{"FILE", out}, {"--json", options.json}}, read_files);
+  SceneWriteOptions write{.ending = options.format.empty() ? "" : "." + options.format};
+  require_scene_ending(out, write);
+  require_replaceable(out);
+  const bool to_standard_output = is_standard_output(out);
+  ResultFile json(options.json);
+
+  const Interruptible interruptible;
+  ConvertResult result;
+  if (json.is_wanted()) result.head = head_of("swiftgs-convert");
+  ConvertProgress progress(options.files.size());
+  Scene scene = read(options.scene, inputs[0], progress, result);
+  for (std::size_t i = 1; i < inputs.size(); ++i)
+    append(scene, read(options.scene, inputs[i], progress, result));
+  edit(scene, options, edits, result);
+
+  const auto begin = std::chrono::steady_clock::now();
+  write.progress = progress.of_next("write " + out);
+  WrittenScene written = write_scene(out, scene, write);
+  progress.clear();
+  result.output = {.name = out,
+                   .format = std::move(written.format),
+                   .bytes = written.bytes,
+                   .stored = scene.size(),
+                   .gaussians = scene.size(),
+                   .sh_degree = scene.sh_degree,
+                   .antialiased = scene.antialiased,
+                   .seconds = seconds_since(begin),
+                   .notes = std::move(written.notes)};
+  if (!json.is_standard_output() && !to_standard_output) print_table(result);
+  if (json.is_wanted()) json.write(to_json(result));
+  json.finish();
+}
+
+constexpr const char* more =
+    R"(Reads every format of docs/formats.md; the ending of OUT says what is written: .ply, .compressed.ply,
+.spz, .sog or .splat. Several scenes become one. Then, in this order: --degree, --transform, --crop,
+--keep and --order. --transform and --crop may be given several times and act one after another.
+Prints what was read, left out and written.
+
+--transform scale:S, move:X,Y,Z, rotate:X,Y,Z,DEGREES about an axis through the origin, or matrix: and
+            three rows of four numbers, a rotation times a scale beside a translation
+--crop      box:X,Y,Z,X,Y,Z (lower and upper corner), sphere:X,Y,Z,RADIUS, or half-space:X,Y,Z,OFFSET
+            (positions whose product with X,Y,Z is OFFSET or more)
+
+Examples:
+  swiftgs convert garden.spz garden.ply
+  swiftgs convert lod-meta.json --level 1 --degree 1 --order small.sog
+  swiftgs convert room.ply chair.splat both.spz --crop sphere:0,0,0,5
+  swiftgs convert fox.ply upright.ply --transform rotate:1,0,0,-90 --transform scale:0.5)";
+
+}  // namespace
+
+void add_convert(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("convert", "Writes scenes in another format, joined and edited");
+  command->footer(more);
+  const auto options = std::make_shared<ConvertOptions>();
+  command->add_option("FILE", options->files, "Scenes to read, and last the file to write")->required();
+  add_scene_reading(*command, options->scene);
+  command->add_option("--format", options->format, "Ending that says what is written [that of OUT]");
+  command->add_option("--degree", options->degree, "Highest degree of harmonics to keep")
+      ->capture_default_str();
+  command->add_option("--transform", options->transforms, "Moves the scene")->allow_extra_args(false);
+  command->add_option("--crop", options->crops, "Region whose Gaussians are kept")->allow_extra_args(false);
+  command
+      ->add_option("--keep", options->keep,
+                   "Part of the Gaussians to keep, those of most opacity times volume")
+      ->capture_default_str();
+  command->add_flag("--order", options->order, "Put neighbours in space next to each other");
+  add_json(*command, options->json);
+  command->callback([options] { convert(*options); });
+}
+
+}  // namespace swiftgs::cli

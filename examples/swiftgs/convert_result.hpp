@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "result_head.hpp"
+
+namespace swiftgs::cli {
+
+/// A file that was read or written.
+struct ConvertedFile {
+  std::string name, format;
+  std::uint64_t bytes = 0;    ///< 0 of the built-in scene
+  std::uint64_t stored = 0;   ///< Gaussians in the file
+  std::size_t gaussians = 0;  ///< of them taken over
+  int sh_degree = 0;
+  bool antialiased = false;
+  double seconds = 0;
+  std::vector<std::string> notes;  ///< what was left out
+};
+
+/// What was done to the scene between reading and writing.
+struct ConvertStep {
+  std::string what;           ///< the option
+  std::size_t gaussians = 0;  ///< after it
+  int sh_degree = 0;          ///< after it
+};
+
+struct ConvertResult {
+  ResultHead head;
+  std::vector<ConvertedFile> inputs;
+  std::vector<ConvertStep> steps;
+  ConvertedFile output;
+};
+
+std::string to_json(const ConvertResult& result);
+void print_table(const ConvertResult& result);
+
+}  // namespace swiftgs::cli

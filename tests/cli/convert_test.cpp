@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <set>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/edit.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
+#include "cli/command.hpp"
+#include "cli/json_in.hpp"
+
+using nlohmann::json;
+using swiftgs::load_scene;
+using swiftgs::Scene;
+using swiftgs::test::contains;
+using swiftgs::test::content_of;
+using swiftgs::test::json_in;
+using swiftgs::test::Outcome;
+using swiftgs::test::run;
+using swiftgs::test::TemporaryFolder;
+
+namespace {
+
+/// A folder with the built-in scene of 300 Gaussians in `a.ply`, as a file holds it.
+struct Place : TemporaryFolder {
+  Place() {
+    write_scene(*this / "a.ply", swiftgs::make_builtin_scene(300));
+    a = load_scene(*this / "a.ply");
+  }
+  Scene a;
+};
+
+/// What `a.ply` becomes with `options`.
+Scene converted(const Place& place, const std::string& options) {
+  run(place, "convert a.ply b.ply " + options);
+  return load_scene(place / "b.ply");
+}
+
+std::set<std::string> members_of(const json& object) {
+  std::set<std::string> names;
+  for (const auto& item : object.items()) names.insert(item.key());
+  return names;
+}
+
+/// Expects one line of error that holds `part`, and no file `b.ply`.
+void fails(const Place& place, const std::string& arguments, const std::string& part) {
+  const Outcome outcome = swiftgs::test::swiftgs(place, "convert " + arguments);
+  CAPTURE(arguments);
+  CAPTURE(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(swiftgs::test::lines_in(outcome.err) == 1);
+  CHECK(contains(outcome.err, part));
+  CHECK_FALSE(std::filesystem::exists(place / "b.ply"));
+}
+
+}  // namespace
+
+TEST_CASE("cli convert: a scene without edits is written as it is") {
+  const Place place;
+  const std::string text = run(place, "convert a.ply b.ply").out;
+  CHECK(contains(text, "\nread              300          0      3 "));
+  CHECK(contains(text, "\nwritten           300          0      3 "));
+  const Scene b = load_scene(place / "b.ply");
+  CHECK(b.means == place.a.means);
+  CHECK(b.sh_rest == place.a.sh_rest);
+}
+
+TEST_CASE("cli convert: several scenes become one, in their order") {
+  const Place place;
+  run(place, "convert a.ply builtin:50 a.ply b.ply");
+  const Scene b = load_scene(place / "b.ply");
+  CHECK(b.size() == 650);
+  CHECK(b.means[0] == place.a.means[0]);
+  CHECK(b.means[350] == place.a.means[0]);
+  CHECK(b.means[649] == place.a.means[299]);
+}
+
+TEST_CASE("cli convert: edits are those of the library") {
+  const Place place;
+  CHECK(converted(place, "--degree 1").sh_rest == with_degree(place.a, 1).sh_rest);
+  CHECK(converted(place, "--degree 3").sh_degree == 3);
+
+  Scene moved = place.a;
+  swiftgs::Similarity by;
+  by.scale = 2;
+  transform(moved, by);
+  by.scale = 1, by.translation = {1, -2, 3.5};
+  transform(moved, by);
+  CHECK(converted(place, "--transform scale:2 --transform move:1,-2,3.5").means == moved.means);
+  CHECK(converted(place, "--transform matrix:2,0,0,1,0,2,0,-2,0,0,2,3.5").means == moved.means);
+  CHECK(converted(place, "--transform move:1,-2,3.5 --transform scale:2").means != moved.means);
+
+  // A quarter turn about z: x becomes y.
+  const Scene turned = converted(place, "--transform rotate:0,0,2,90");
+  for (std::size_t i = 0; i < 300; i += 37) {
+    CHECK(turned.means[i].y == doctest::Approx(double(place.a.means[i].x)).epsilon(1e-6));
+    CHECK(turned.means[i].x == doctest::Approx(-double(place.a.means[i].y)).epsilon(1e-6));
+  }
+
+  CHECK(converted(place, "--crop sphere:0,0,0,1.5").means ==
+        crop(place.a, swiftgs::Sphere{{0, 0, 0}, 1.5}).means);
+  CHECK(converted(place, "--crop box:-1,-1,-1,1,1,1 --crop half-space:1,0,0,0").means ==
+        crop(crop(place.a, swiftgs::Box{{-1, -1, -1}, {1, 1, 1}}), swiftgs::HalfSpace{{1, 0, 0}, 0}).means);
+  CHECK(converted(place, "--order").means == order_spatially(place.a).means);
+  CHECK(converted(place, "--keep 0.1").size() == 30);
+}
+
+TEST_CASE("cli convert: the text and the results tell what was read, left out and written") {
+  const Place place;
+  const std::string text =
+      run(place, "convert a.ply b.ply --degree 1 --crop half-space:1,0,0,0 --json b.json").out;
+  const json result = json_in(place / "b.json");
+  CHECK(members_of(result) ==
+        std::set<std::string>{"format", "version", "machine", "command", "inputs", "steps", "output"});
+  CHECK(members_of(result["output"]) == std::set<std::string>{"file", "file_format", "bytes", "stored",
+                                                              "gaussians", "sh_degree", "antialiased",
+                                                              "seconds", "notes"});
+  CHECK(result["format"] == "swiftgs-convert");
+  const std::size_t left = load_scene(place / "b.ply").size();
+  CHECK(left > 0);
+  CHECK(left < 300);
+  CHECK(result["inputs"].size() == 1);
+  CHECK(result["inputs"][0]["gaussians"] == 300);
+  CHECK(result["inputs"][0]["bytes"] == std::filesystem::file_size(place / "a.ply"));
+  CHECK(result["steps"].size() == 2);
+  CHECK(result["steps"][0]["what"] == "--degree 1");
+  CHECK(result["steps"][0]["gaussians"] == 300);
+  CHECK(result["steps"][1]["what"] == "--crop half-space:1,0,0,0");
+  CHECK(result["steps"][1]["gaussians"] == left);
+  CHECK(result["output"]["gaussians"] == left);
+  CHECK(result["output"]["sh_degree"] == 1);
+  CHECK(result["output"]["bytes"] == std::filesystem::file_size(place / "b.ply"));
+  CHECK(contains(text, "\nedited "));
+  CHECK(contains(text, " --crop half-space:1,0,0,0\n"));
+}
+
+TEST_CASE("cli convert: a pipe takes the scene alone, in the format that --format names") {
+  const Place place;
+  run(place, "convert a.ply b.ply");
+  const bool through_pipe =
+      run(place, "convert a.ply /dev/stdout --format ply | cat").out == content_of(place / "b.ply");
+  const bool to_file =
+      run(place, "convert a.ply /dev/stdout --format ply").out == content_of(place / "b.ply");
+  CHECK(through_pipe);
+  CHECK(to_file);
+}
+
+TEST_CASE("cli convert: bad arguments are one line, and nothing is written") {
+  const Place place;
+  fails(place, "a.ply", "expected one or more scenes to read and a file to write");
+  fails(place, "a.ply b.xyz", "b.xyz: expected a scene's name that ends in one of");
+  fails(place, "a.ply b.ply --format xyz", ".xyz: expected a scene's name");
+  fails(place, "missing.ply b.ply", "missing.ply: No such file");
+  fails(place, "a.ply missing/b.ply", "missing");
+  fails(place, "a.ply b.ply --degree 4", "--degree 4: expected 0 to 3");
+  fails(place, "a.ply b.ply --keep 0", "--keep 0: expected a part of the Gaussians");
+  fails(place, "a.ply b.ply --crop cube:1", "--crop 'cube:1': expected box:");
+  fails(place, "a.ply b.ply --crop box:1,1,1,0,0,x", "--crop 'box:1,1,1,0,0,x': expected box:");
+  fails(place, "a.ply b.ply --crop box:1,1,1,0,0,0", "expected a box whose first corner is the lower one");
+  fails(place, "a.ply b.ply --transform scale:-1", "--transform 'scale:-1': expected a finite scale above 0");
+  fails(place, "a.ply b.ply --transform rotate:0,0,0,90", "expected an axis other than 0,0,0");
+  fails(place, "a.ply b.ply --transform matrix:-1,0,0,0,0,1,0,0,0,0,1,0", "--transform 'matrix:");
+  fails(place, "a.ply b.ply --transform matrix:1,0,0,0,0,1,0,0,0,0,2,0", "orthonormal columns");
+  fails(place, "a.ply a.ply", "expected another file than that of FILE");
+  CHECK(content_of(place / "a.ply").size() > 1000);
+}
