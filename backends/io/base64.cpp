@@ -44,10 +44,10 @@ std::size_t base64_size(std::string_view text) {
   return length % 4 == 1 ? 0 : length / 4 * 3 + (length % 4) * 3 / 4;
 }
 
-std::size_t decode_base64(std::string_view text, std::byte* to) {
+std::size_t decode_base64(std::string_view text, std::byte* to, const ProgressMeter& progress) {
   text = without_padding(text);
   std::atomic<std::size_t> bad = text.npos;
-  for_parts((text.size() + 3) / 4, [&](std::size_t begin, std::size_t end) {
+  for_parts((text.size() + 3) / 4, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       if (!decode_group(text.substr(4 * i, 4), to + 3 * i)) return bad.store(4 * i);
   });

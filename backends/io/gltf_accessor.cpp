@@ -31,7 +31,7 @@ GltfAccessor find_accessor(const GltfDocument& document, GltfBuffers& buffers, s
   if (entry.has("sparse")) entry.fail(attribute + " without 'sparse', which is not supported");
   if (!entry.has("bufferView")) entry.fail(attribute + " with a 'bufferView'");
 
-  GltfAccessor accessor{.components = components, .offset = entry.offset()};
+  GltfAccessor accessor{.offset = entry.offset()};
   const std::uint64_t component = whole_number(entry, "componentType");
   const std::uint64_t size = component_size(entry, component) * std::uint64_t(components);
   accessor.type = GltfAccessor::Type(component);

@@ -16,7 +16,6 @@ struct GltfAccessor {
   const std::byte* data = nullptr;
   std::uint64_t count = 0;
   std::uint64_t stride = 0;
-  int components = 0;
   Type type = f32;
   bool normalised = false;
   std::uint64_t span = 0;    ///< bytes from the first to the last; other accessors may share them
@@ -28,14 +27,15 @@ struct GltfAccessor {
 GltfAccessor find_accessor(const GltfDocument& document, GltfBuffers& buffers, std::uint64_t index,
                            const JsonEntry& user, const std::string& attribute, int components);
 
-/// Calls `store(i, numbers)` for vectors [begin, end), integers as glTF converts them to floats.
-template <class Store>
+/// Calls `store(i, numbers)` for vectors [begin, end), integers as glTF converts them to floats. The accessor
+/// has `Components` components.
+template <int Components, class Store>
 void for_vectors(const GltfAccessor& accessor, std::size_t begin, std::size_t end, const Store& store) {
   const auto all = [&]<class T>(T, float unit) {
-    float numbers[4] = {};
+    float numbers[Components];
     for (std::size_t i = begin; i < end; ++i) {
       const std::byte* at = accessor.data + i * accessor.stride;
-      for (int c = 0; c < accessor.components; ++c) {
+      for (int c = 0; c < Components; ++c) {
         numbers[c] = float(load<T>(at + std::size_t(c) * sizeof(T)));
         // Division, as the reciprocal of the largest integer would not make it 1. The least is below -1.
         if (unit != 0) numbers[c] = std::max(numbers[c] / unit, -1.0f);

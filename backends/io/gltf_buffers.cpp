@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gltf_buffers.hpp"
 
+#include <algorithm>
 #include <charconv>
 
 #include "base64.hpp"
@@ -40,7 +41,11 @@ std::span<const std::byte> GltfBuffers::decode(const GltfDocument::DataUri& uri)
     document_.source().fail(uri.offset + first,
                             "whole bytes in base64, found " + std::to_string(text.size()) + " characters");
   decoded_.push_back(std::make_unique_for_overwrite<std::byte[]>(size));
-  if (const std::size_t bad = decode_base64(text, decoded_.back().get()); bad != text.npos)
+  const auto whole = double(document_.source().bytes.size());
+  const double begin = double(characters_) / whole;
+  characters_ += text.size();
+  const auto progress = progress_.step(std::min(begin, 1.0), std::min(double(characters_) / whole, 1.0));
+  if (const std::size_t bad = decode_base64(text, decoded_.back().get(), progress); bad != text.npos)
     document_.source().fail(uri.offset + first + bad, "a character of base64");
   return counted({decoded_.back().get(), size});
 }

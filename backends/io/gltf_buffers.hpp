@@ -10,6 +10,7 @@
 
 #include "gltf_document.hpp"
 #include "mapped_file.hpp"
+#include "progress_meter.hpp"
 
 namespace swiftgs::io {
 
@@ -22,12 +23,16 @@ class GltfBuffers {
     std::uint64_t stride;  ///< 0: elements lie back to back
   };
 
-  explicit GltfBuffers(const GltfDocument& document) : document_(document) {}
+  /// `progress` is told of the part of the file that was decoded.
+  GltfBuffers(const GltfDocument& document, const ProgressMeter& progress)
+      : document_(document), progress_(progress) {}
 
   View view(std::uint64_t index, const JsonEntry& user);
 
   /// Bytes of all buffers that were asked for; those of a file that several name count once.
   std::uint64_t size() const { return size_; }
+
+  bool has_decoded() const { return !decoded_.empty(); }
 
  private:
   std::span<const std::byte> buffer(std::uint64_t index, const JsonEntry& user);
@@ -39,10 +44,11 @@ class GltfBuffers {
   }
 
   const GltfDocument& document_;
+  const ProgressMeter progress_;
   std::map<std::uint64_t, std::span<const std::byte>> buffers_{};
   std::map<std::filesystem::path, std::unique_ptr<MappedFile>> files_{};
   std::vector<std::unique_ptr<std::byte[]>> decoded_{};
-  std::uint64_t size_ = 0;
+  std::uint64_t size_ = 0, characters_ = 0;  ///< the latter of what was decoded
 };
 
 /// The path that a relative URI names, percent-decoded; empty unless it stays in the folder that it is

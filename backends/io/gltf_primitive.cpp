@@ -113,23 +113,23 @@ GltfPrimitive find_accessors(Attributes attributes) {
 
 void decode_block(const GltfPrimitive& from, const AxisFlip& flip, Scene& scene, std::size_t begin,
                   std::size_t end) {
-  for_vectors(from.mean, begin, end, [&](std::size_t i, const float* v) {
+  for_vectors<3>(from.mean, begin, end, [&](std::size_t i, const float* v) {
     scene.means[i] = flip.position({v[0], v[1], v[2]});
   });
-  for_vectors(from.rotation, begin, end, [&](std::size_t i, const float* v) {
+  for_vectors<4>(from.rotation, begin, end, [&](std::size_t i, const float* v) {
     scene.rotations[i] = flip.rotation(normalised(v[3], v[0], v[1], v[2]));
   });
-  for_vectors(from.scale, begin, end, [&](std::size_t i, const float* v) {
+  for_vectors<3>(from.scale, begin, end, [&](std::size_t i, const float* v) {
     scene.scales[i] = {v[0], v[1], v[2]};
   });
-  for_vectors(from.opacity, begin, end, [&](std::size_t i, const float* v) { scene.opacities[i] = v[0]; });
-  for_vectors(from.sh0, begin, end, [&](std::size_t i, const float* v) {
+  for_vectors<1>(from.opacity, begin, end, [&](std::size_t i, const float* v) { scene.opacities[i] = v[0]; });
+  for_vectors<3>(from.sh0, begin, end, [&](std::size_t i, const float* v) {
     scene.sh0[i] = {v[0], v[1], v[2]};
   });
   const auto signs = flip.sh_signs();
   const std::size_t stride = 3 * from.sh_rest.size();
   for (std::size_t k = 0; k < from.sh_rest.size(); ++k)
-    for_vectors(from.sh_rest[k], begin, end, [&](std::size_t i, const float* v) {
+    for_vectors<3>(from.sh_rest[k], begin, end, [&](std::size_t i, const float* v) {
       float* to = &scene.sh_rest[i * stride + 3 * k];
       for (int c = 0; c < 3; ++c) to[c] = signs[k] * v[c];
     });

@@ -59,12 +59,19 @@ void decode_harmonics(int degree, const Value& value, float* to) {
         to[3 * k + channel] = value(index++);
 }
 
+std::array<float, 256> colours_of_bytes() {
+  std::array<float, 256> colours;
+  for (int byte = 0; byte < 256; ++byte) colours[std::size_t(byte)] = float((byte / 255.0 - 0.5) / sh_c0);
+  return colours;
+}
+
 /// Decodes Gaussians [begin, end) of a section, the first of which is number 0.
 template <int Level>
 void decode(const KsplatLayout& layout, const KsplatSection& section, Scene& scene, std::uint64_t begin,
             std::uint64_t end) {
   constexpr std::size_t size = Level == 0 ? 4 : 2, colour_at = Level == 0 ? 40 : 20;
   const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  static const std::array<float, 256> colours = colours_of_bytes();
   BucketWalk buckets(section, begin);
   for (std::uint64_t local = begin; local < end; ++local) {
     const std::byte* record = section.records + local * section.record_bytes;
@@ -77,10 +84,9 @@ void decode(const KsplatLayout& layout, const KsplatSection& section, Scene& sce
     scene.scales[i] = {number<Level>(scale, 0), number<Level>(scale, 1), number<Level>(scale, 2)};
     scene.rotations[i] = normalised(number<Level>(rotation, 0), number<Level>(rotation, 1),
                                     number<Level>(rotation, 2), number<Level>(rotation, 3));
-    const auto byte = [&](std::size_t k) { return float(std::to_integer<int>(colour[k])) / 255; };
     for (int channel = 0; channel < 3; ++channel)
-      scene.sh0[i][channel] = (byte(std::size_t(channel)) - 0.5f) / float(sh_c0);
-    scene.opacities[i] = byte(3);
+      scene.sh0[i][channel] = colours[std::to_integer<std::size_t>(colour[channel])];
+    scene.opacities[i] = float(std::to_integer<int>(colour[3])) / 255;
     const std::byte* sh = record + ksplat_base_bytes[Level];
     decode_harmonics(
         section.sh_degree,
