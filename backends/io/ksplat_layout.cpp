@@ -35,8 +35,9 @@ double range_end(const Header& header, std::uint64_t place, double otherwise) {
   return value == 0 ? otherwise : value;
 }
 
-/// Reads where the buckets of a section are, from `reader` at its start.
-void parse_buckets(const Header& header, ByteReader& reader, KsplatSection& section) {
+/// Reads where the buckets of a section are, from `reader` at its start. At level 0 there are none, or they
+/// are of no use.
+void parse_buckets(const Header& header, ByteReader& reader, int level, KsplatSection& section) {
   const std::uint64_t room = header.count(4);
   const std::uint64_t buckets = header.count(12), partial = header.count(36);
   section.bucket_size = header.count(8), section.full_buckets = header.count(32);
@@ -54,7 +55,7 @@ void parse_buckets(const Header& header, ByteReader& reader, KsplatSection& sect
   section.partial_ends.reserve(partial);
   for (std::uint64_t i = 0; i < partial; ++i)
     section.partial_ends.push_back(end += reader.read<std::uint32_t>("the count of a bucket"));
-  if (end < section.count)
+  if (level > 0 && end < section.count)
     header.fail(32,
                 "buckets for " + std::to_string(section.count) + " Gaussians, found " + std::to_string(end));
   reader.expect(buckets, centre_bytes, "centres of buckets");
@@ -77,7 +78,7 @@ KsplatSection parse_section(const Header& header, ByteReader& reader, int level)
     header.fail(40, "SH degree 0 to 3, found " + std::to_string(section.sh_degree));
   const auto harmonics = 3 * std::size_t(sh_rest_count(section.sh_degree));
   section.record_bytes = ksplat_base_bytes[level] + ksplat_sh_bytes[level] * harmonics;
-  if (level > 0) parse_buckets(header, reader, section);
+  parse_buckets(header, reader, level, section);
   reader.expect(room, section.record_bytes, "Gaussians");
   section.records = reader.take(room * section.record_bytes, "Gaussians");
   return section;

@@ -192,6 +192,14 @@ TEST_CASE("ksplat: buckets that are partly filled have counts of their own") {
   check_read(read(ksplat({section}, 1)), scene, 1);
 }
 
+TEST_CASE("ksplat: buckets of level 0 are stepped over") {
+  const Scene scene = exact_scene(9, 1);
+  Section section = encode_section(scene, 0, 9, 0, 8);
+  set(section.header, 12, std::uint32_t(2)), set(section.header, 20, std::uint16_t(12));
+  section.buckets = std::string(24, 'x');
+  check_read(read(ksplat({section}, 0)), scene, 0);
+}
+
 TEST_CASE("ksplat: a range in the header is what bytes of harmonics stand for") {
   std::string file = ksplat({encode_section(exact_scene(5, 1), 0, 5, 2, 8)}, 2);
   set(file, 36, -2.0f), set(file, 40, 6.0f);
