@@ -5,6 +5,7 @@
 #include <swiftgs/io/scene_file.hpp>
 
 #include "bytes.hpp"
+#include "ksplat_layout.hpp"
 #include "mapped_file.hpp"
 #include "scene_readers.hpp"
 #include "transforms_json.hpp"
@@ -19,7 +20,6 @@ std::string_view what_it_is(std::string_view text, std::string_view name) {
   const std::string_view beginning = text.substr(0, 1 << 16);
   const auto starts_with = [&](std::string_view start) { return text.starts_with(start); };
   const auto holds = [&](std::string_view word) { return beginning.find(word) != std::string_view::npos; };
-  const bool gaussians = holds("KHR_gaussian_splatting") || holds("KHR_spz_gaussian");
   if (text.empty()) return "an empty file";
   if (starts_with("PK")) {
     const bool bundle = text.find("meta.json") != text.npos && text.find(".webp") != text.npos;
@@ -27,18 +27,24 @@ std::string_view what_it_is(std::string_view text, std::string_view name) {
     return holds(".usdc") || holds(".usda") ? "a USD archive" : "a ZIP archive";
   }
   if (starts_with("PXR-USDC") || starts_with("#usda")) return "a USD scene";
-  if (starts_with("glTF"))
-    return gaussians ? "a binary glTF of Gaussians" : "a binary glTF without Gaussians";
   if (starts_with("\x89PNG")) return "a PNG image";
   if (starts_with("\xff\xd8\xff")) return "a JPEG image";
   if (starts_with("{") || starts_with("[")) {
     if (holds("\"img_name\"")) return "JSON of cameras (cameras.json)";
     if (holds("\"means\"") && holds(".webp")) return "JSON that describes a SOG folder";
-    if (holds("\"asset\"")) return gaussians ? "a glTF of Gaussians" : "a glTF without Gaussians";
     return is_transforms_json(beginning) ? "JSON of cameras (transforms.json)" : "JSON";
   }
-  if (name.ends_with(".ksplat")) return "a .ksplat scene";
   return name.ends_with(".splat") && text.size() % 32 == 0 ? "a .splat scene" : "something else";
+}
+
+/// Whether JSON is a glTF; a SOG folder's, too, may have a member "asset".
+bool is_gltf(std::string_view text, std::string_view name) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == text.npos || text[first] != '{') return false;
+  const std::string_view beginning = text.substr(first, 1 << 16);
+  const auto holds = [&](std::string_view word) { return beginning.find(word) != beginning.npos; };
+  return name.ends_with(".gltf") || holds("\"KHR_gaussian_splatting") || holds("\"KHR_spz_gaussian") ||
+         (holds("\"asset\"") && (holds("\"buffers\"") || holds("\"accessors\"") || holds("\"meshes\"")));
 }
 
 /// A format that is told by its content, or by the name's ending.
@@ -57,6 +63,14 @@ constexpr Reader readers[] = {
        return text.starts_with("NGSP") || text.starts_with("\x1f\x8b");
      },
      read_spz},
+    {[](std::string_view text, std::string_view name) {
+       return text.starts_with("glTF") || is_gltf(text, name);
+     },
+     read_gltf},
+    {[](std::string_view text, std::string_view name) {
+       return name.ends_with(".ksplat") || looks_like_ksplat(text);
+     },
+     read_ksplat},
 };
 
 SceneFile read(const Source& source, const SceneReadOptions& options) {

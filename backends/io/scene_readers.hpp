@@ -10,6 +10,8 @@
 
 namespace swiftgs::io {
 
+SceneFile read_gltf(const Source& source, const SceneReadOptions& options);
+SceneFile read_ksplat(const Source& source, const SceneReadOptions& options);
 SceneFile read_ply(const Source& source, const SceneReadOptions& options);
 SceneFile read_spz(const Source& source, const SceneReadOptions& options);
 

@@ -3,20 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "half_float.hpp"
 #include "scene_building.hpp"
 
 namespace swiftgs::io {
 namespace {
-
-float half_to_float(std::uint16_t half) {
-  const int exponent = half >> 10 & 31, mantissa = half & 1023;
-  const float sign = half & 0x8000 ? -1.0f : 1.0f;
-  if (exponent == 0) return sign * std::ldexp(float(mantissa), -24);
-  if (exponent < 31) return sign * std::ldexp(float(mantissa + 1024), exponent - 25);
-  return mantissa ? std::numeric_limits<float>::quiet_NaN() : sign * std::numeric_limits<float>::infinity();
-}
 
 /// Little-endian two's complement; exact in a float.
 float int24_to_float(const std::byte* at) {

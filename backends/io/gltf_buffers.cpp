@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gltf_buffers.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "base64.hpp"
+
+namespace swiftgs::io {
+
+std::filesystem::path path_of_uri(std::string_view uri) {
+  std::string decoded;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    unsigned char c = static_cast<unsigned char>(uri[i]);
+    if (c == '%') {
+      const std::string_view digits = uri.substr(i + 1, 2);
+      const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), c, 16);
+      if (error != std::errc() || digits.size() != 2 || stop != digits.data() + 2) return {};
+      i += 2;
+    }
+    decoded += char(c);
+  }
+  // A colon would be of another scheme or of a drive, and some systems take a backslash for a slash.
+  if (decoded.find_first_of(std::string_view(":\\\0", 3)) != decoded.npos) return {};
+  const std::filesystem::path path(decoded);
+  if (!path.has_filename() || path.is_absolute()) return {};
+  for (const auto& part : path)
+    if (part == "..") return {};
+  return path.lexically_normal();
+}
+
+std::span<const std::byte> GltfBuffers::decode(const GltfDocument::DataUri& uri) {
+  constexpr std::string_view marker = ";base64,";
+  const std::size_t comma = uri.text.find(',');
+  const std::size_t first = comma + 1;
+  if (comma == uri.text.npos || !uri.text.substr(0, first).ends_with(marker))
+    document_.source().fail(uri.offset, "a data URI in base64");
+  const std::string_view text = uri.text.substr(first);
+  const std::size_t size = base64_size(text);
+  if (size == 0)
+    document_.source().fail(uri.offset + first,
+                            "whole bytes in base64, found " + std::to_string(text.size()) + " characters");
+  decoded_.push_back(std::make_unique_for_overwrite<std::byte[]>(size));
+  const auto whole = double(document_.source().bytes.size());
+  const double begin = double(characters_) / whole;
+  characters_ += text.size();
+  const auto progress = progress_.step(std::min(begin, 1.0), std::min(double(characters_) / whole, 1.0));
+  if (const std::size_t bad = decode_base64(text, decoded_.back().get(), progress); bad != text.npos)
+    document_.source().fail(uri.offset + first + bad, "a character of base64");
+  return counted({decoded_.back().get(), size});
+}
+
+std::span<const std::byte> GltfBuffers::open(std::uint64_t index, const JsonEntry& entry) {
+  if (!entry.has("uri")) {
+    if (index == 0 && document_.chunk()) return counted(*document_.chunk());
+    entry.fail("a buffer with 'uri'" + std::string(document_.binary() ? ", or a second chunk" : ""));
+  }
+  if (const auto uri = document_.data_uri(entry)) return decode(*uri);
+  const std::string uri = shown(entry.member("uri"));
+  const std::filesystem::path path = path_of_uri(entry.string("uri"));
+  if (path.empty()) entry.fail("a 'uri' of a file in the folder of this one, found " + uri);
+  const std::filesystem::path& folder = document_.source().folder;
+  if (folder.empty()) entry.fail("a glTF with all buffers inside, as it is read from memory, found " + uri);
+  std::unique_ptr<MappedFile>& file = files_[path];
+  if (file) return file->bytes();
+  file = std::make_unique<MappedFile>(folder / path);
+  return counted(file->bytes());
+}
+
+std::span<const std::byte> GltfBuffers::buffer(std::uint64_t index, const JsonEntry& user) {
+  if (const auto found = buffers_.find(index); found != buffers_.end()) return found->second;
+  const JsonEntry entry = document_.item("buffers", index, user);
+  const std::uint64_t length = whole_number(entry, "byteLength");
+  const std::span<const std::byte> bytes = open(index, entry);
+  if (length > bytes.size())
+    entry.fail("a buffer of " + std::to_string(length) + " bytes ('byteLength'), found " +
+               std::to_string(bytes.size()));
+  return buffers_[index] = bytes.first(length);
+}
+
+GltfBuffers::View GltfBuffers::view(std::uint64_t index, const JsonEntry& user) {
+  const JsonEntry entry = document_.item("bufferViews", index, user);
+  const std::span<const std::byte> bytes = buffer(whole_number(entry, "buffer"), entry);
+  const std::uint64_t offset = whole_number(entry, "byteOffset", 0);
+  const std::uint64_t length = whole_number(entry, "byteLength");
+  if (offset > bytes.size() || length > bytes.size() - offset)
+    entry.fail("a buffer view inside its buffer of " + std::to_string(bytes.size()) + " bytes, found " +
+               std::to_string(length) + " bytes from byte " + std::to_string(offset));
+  return {bytes.subspan(offset, length), whole_number(entry, "byteStride", 0)};
+}
+
+}  // namespace swiftgs::io

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gltf_primitive.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <string_view>
+
+#include "parallel.hpp"
+#include "scene_building.hpp"
+
+namespace swiftgs::io {
+namespace {
+
+using nlohmann::json;
+
+const std::string prefix = "KHR_gaussian_splatting:";
+
+/// The object `key` of `object`; an empty one if it is absent.
+const json& object_in(const JsonEntry& mesh, const json& object, const char* key) {
+  static const json empty = json::object();
+  const auto found = object.find(key);
+  if (found == object.end()) return empty;
+  if (!found->is_object()) mesh.fail(std::string("'") + key + "' of a primitive to be an object");
+  return *found;
+}
+
+std::string sh_name(int degree, int coefficient) {
+  return prefix + "SH_DEGREE_" + std::to_string(degree) + "_COEF_" + std::to_string(coefficient);
+}
+
+/// The attributes of one primitive.
+struct Attributes {
+  const GltfDocument& document;
+  GltfBuffers& buffers;
+  const JsonEntry& mesh;
+  const json& values;
+  std::uint64_t count = 0;  ///< of Gaussians, once one accessor was found
+
+  GltfAccessor find(const std::string& name, int components) {
+    const auto found = values.find(name);
+    if (found == values.end()) mesh.fail("Gaussians with the attribute '" + name + "'");
+    if (!found->is_number_unsigned()) mesh.fail("'" + name + "' to be an index");
+    const auto accessor =
+        find_accessor(document, buffers, found->get<std::uint64_t>(), mesh, "'" + name + "'", components);
+    if (count == 0) count = accessor.count;
+    if (accessor.count != count)
+      document.source().fail(accessor.offset, "'" + name + "' of " + std::to_string(count) +
+                                                  " Gaussians, as 'POSITION' has, found " +
+                                                  std::to_string(accessor.count));
+    return accessor;
+  }
+};
+
+/// Tells of attributes that are not read. Beside SPZ, attributes only say what it holds.
+void note_attributes(const json& values, bool beside_spz, std::vector<std::string>& notes) {
+  for (const auto& [name, value] : values.items()) {
+    // COLOR_0 is what sh0 and the opacity say, for programs that draw points.
+    bool read = name == "POSITION" || name == "COLOR_0" || name == prefix + "ROTATION" ||
+                name == prefix + "SCALE" || name == prefix + "OPACITY";
+    if (beside_spz) read = read || name == "_ROTATION" || name == "_SCALE";
+    const std::string band = prefix + "SH_DEGREE_";
+    for (int degree = 0; degree <= max_sh_degree; ++degree)
+      read = read || name.starts_with(band + std::to_string(degree) + "_");
+    if (read) continue;
+    if (name.starts_with(band))
+      notes.push_back("SH coefficients above degree 3 are stored; degree 3 and below are kept.");
+    else
+      notes.push_back("The attribute " + shown(name) + " is stored and not kept.");
+  }
+}
+
+/// Tells of rendering models that a scene cannot carry.
+void note_models(const json& extension, std::vector<std::string>& notes) {
+  const auto value = [&](const char* key, const char* usual) {
+    const auto found = extension.find(key);
+    return found != extension.end() && found->is_string() && *found != usual ? shown(*found) : "";
+  };
+  if (const auto space = value("colorSpace", "srgb_rec709_display"); !space.empty())
+    notes.push_back("The colours are of the space " + space + "; their numbers are kept as they are.");
+  if (const auto kernel = value("kernel", "ellipse"); !kernel.empty())
+    notes.push_back("The Gaussians have the kernel " + kernel + " and are kept as ellipsoids.");
+  if (const auto projection = value("projection", "perspective"); !projection.empty())
+    notes.push_back("The Gaussians were trained with the projection " + projection + ", which is not kept.");
+  if (const auto sorting = value("sortingMethod", "cameraDistance"); !sorting.empty())
+    notes.push_back("The Gaussians were trained with the sorting " + sorting + ", which is not kept.");
+}
+
+void expect_points(const JsonEntry& mesh, const json& primitive) {
+  const auto mode = primitive.find("mode");
+  if (mode == primitive.end() || *mode != 0) mesh.fail("Gaussians in a primitive of points ('mode': 0)");
+  if (primitive.contains("indices")) mesh.fail("Gaussians without 'indices', which are not supported");
+}
+
+GltfPrimitive find_accessors(Attributes attributes) {
+  const json& values = attributes.values;
+  GltfPrimitive gaussians;
+  gaussians.mean = attributes.find("POSITION", 3);
+  gaussians.rotation = attributes.find(prefix + "ROTATION", 4);
+  gaussians.scale = attributes.find(prefix + "SCALE", 3);
+  gaussians.opacity = attributes.find(prefix + "OPACITY", 1);
+  if (gaussians.opacity.type != GltfAccessor::f32 && !gaussians.opacity.normalised)
+    attributes.document.source().fail(gaussians.opacity.offset, "opacities of integers to be 'normalized'");
+  gaussians.sh0 = attributes.find(sh_name(0, 0), 3);
+  // A band with one coefficient must have all, and so must those below.
+  for (int degree = 1; degree <= max_sh_degree; ++degree)
+    for (int k = 0; k <= 2 * degree; ++k)
+      if (values.contains(sh_name(degree, k))) gaussians.sh_degree = degree;
+  for (int degree = 1; degree <= gaussians.sh_degree; ++degree)
+    for (int k = 0; k <= 2 * degree; ++k) gaussians.sh_rest.push_back(attributes.find(sh_name(degree, k), 3));
+  return gaussians;
+}
+
+void decode_block(const GltfPrimitive& from, const AxisFlip& flip, Scene& scene, std::size_t begin,
+                  std::size_t end) {
+  for_vectors<3>(from.mean, begin, end, [&](std::size_t i, const float* v) {
+    scene.means[i] = flip.position({v[0], v[1], v[2]});
+  });
+  for_vectors<4>(from.rotation, begin, end, [&](std::size_t i, const float* v) {
+    scene.rotations[i] = flip.rotation(normalised(v[3], v[0], v[1], v[2]));
+  });
+  for_vectors<3>(from.scale, begin, end, [&](std::size_t i, const float* v) {
+    scene.scales[i] = {v[0], v[1], v[2]};
+  });
+  for_vectors<1>(from.opacity, begin, end, [&](std::size_t i, const float* v) { scene.opacities[i] = v[0]; });
+  for_vectors<3>(from.sh0, begin, end, [&](std::size_t i, const float* v) {
+    scene.sh0[i] = {v[0], v[1], v[2]};
+  });
+  const auto signs = flip.sh_signs();
+  const std::size_t stride = 3 * from.sh_rest.size();
+  for (std::size_t k = 0; k < from.sh_rest.size(); ++k)
+    for_vectors<3>(from.sh_rest[k], begin, end, [&](std::size_t i, const float* v) {
+      float* to = &scene.sh_rest[i * stride + 3 * k];
+      for (int c = 0; c < 3; ++c) to[c] = signs[k] * v[c];
+    });
+}
+
+}  // namespace
+
+std::optional<GltfPrimitive> find_gaussians(const GltfDocument& document, GltfBuffers& buffers,
+                                            const JsonEntry& mesh, const json& primitive,
+                                            std::vector<std::string>& notes) {
+  if (!primitive.is_object()) mesh.fail("primitives that are objects");
+  const json& extensions = object_in(mesh, primitive, "extensions");
+  const json& own = object_in(mesh, extensions, "KHR_gaussian_splatting");
+  const json& nested = object_in(mesh, own, "extensions");
+  const json& values = object_in(mesh, primitive, "attributes");
+  for (const char* name : gltf_spz_extensions)
+    for (const json* place : {&nested, &extensions}) {
+      if (!place->contains(name)) continue;
+      expect_points(mesh, primitive);
+      note_models(own, notes);
+      note_attributes(values, true, notes);
+      const json& compressed = object_in(mesh, *place, name);
+      const auto view = compressed.find("bufferView");
+      if (view == compressed.end() || !view->is_number_unsigned())
+        mesh.fail(std::string("'") + name + "' with the index 'bufferView'");
+      GltfPrimitive gaussians{.spz_view = view->get<std::uint64_t>()};
+      gaussians.spz = buffers.view(*gaussians.spz_view, mesh).bytes;
+      return gaussians;
+    }
+  if (!extensions.contains("KHR_gaussian_splatting")) return std::nullopt;
+  expect_points(mesh, primitive);
+  note_models(own, notes);
+  note_attributes(values, false, notes);
+  return find_accessors({document, buffers, mesh, values});
+}
+
+Scene decode(const GltfPrimitive& primitive, const AxisFlip& flip, const ProgressMeter& progress,
+             bool& logarithmic) {
+  Scene scene;
+  allocate(scene, primitive.mean.count, primitive.sh_degree);
+  std::atomic<bool> below_zero = false;
+  for_parts(scene.size(), progress, [&](std::size_t begin, std::size_t end) {
+    // Attributes lie apart, and what a block of them fills stays in the cache.
+    constexpr std::size_t block = 128;
+    for (std::size_t first = begin; first < end; first += block) {
+      const std::size_t last = std::min(end, first + block);
+      decode_block(primitive, flip, scene, first, last);
+      for (std::size_t i = first; i < last; ++i)
+        if (std::min({scene.scales[i].x, scene.scales[i].y, scene.scales[i].z}) < 0) below_zero = true;
+    }
+  });
+  logarithmic = logarithmic || below_zero;
+  if (logarithmic)
+    for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        for (int axis = 0; axis < 3; ++axis) scene.scales[i][axis] = std::exp(scene.scales[i][axis]);
+    });
+  return scene;
+}
+
+}  // namespace swiftgs::io

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "half_float.hpp"
+#include "ksplat_layout.hpp"
+#include "parallel.hpp"
+#include "scene_building.hpp"
+#include "scene_readers.hpp"
+
+namespace swiftgs::io {
+namespace {
+
+/// Number `index` of those at `at`: floats at level 0, halves at levels 1 and 2.
+template <int Level>
+float number(const std::byte* at, std::size_t index) {
+  if constexpr (Level == 0)
+    return load<float>(at + 4 * index);
+  else
+    return half_to_float(load<std::uint16_t>(at + 2 * index));
+}
+
+/// Tells the bucket of Gaussians that are asked for in order.
+class BucketWalk {
+ public:
+  BucketWalk(const KsplatSection& section, std::uint64_t begin)
+      : section_(section),
+        partial_(std::upper_bound(section.partial_ends.begin(), section.partial_ends.end(), begin)) {}
+
+  std::uint64_t bucket_of(std::uint64_t i) {
+    if (i < section_.bucket_size * section_.full_buckets) return i / section_.bucket_size;
+    while (*partial_ <= i) ++partial_;
+    return section_.full_buckets + std::uint64_t(partial_ - section_.partial_ends.begin());
+  }
+
+ private:
+  const KsplatSection& section_;
+  std::vector<std::uint64_t>::const_iterator partial_;
+};
+
+vec3 quantised_mean(const KsplatSection& section, const std::byte* record, std::uint64_t bucket) {
+  vec3 mean;
+  const std::byte* centre = section.centres + 12 * bucket;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double stored = load<std::uint16_t>(record + 2 * axis);
+    mean[axis] = float((stored - section.middle) * section.unit + double(load<float>(centre + 4 * axis)));
+  }
+  return mean;
+}
+
+/// Each band has its coefficients of red, then of green, then of blue.
+template <class Value>
+void decode_harmonics(int degree, const Value& value, float* to) {
+  std::size_t index = 0;
+  for (int band = 1; band <= degree; ++band)
+    for (int channel = 0; channel < 3; ++channel)
+      for (int k = sh_rest_count(band - 1); k < sh_rest_count(band); ++k)
+        to[3 * k + channel] = value(index++);
+}
+
+std::array<float, 256> colours_of_bytes() {
+  std::array<float, 256> colours;
+  for (int byte = 0; byte < 256; ++byte) colours[std::size_t(byte)] = float((byte / 255.0 - 0.5) / sh_c0);
+  return colours;
+}
+
+/// Decodes Gaussians [begin, end) of a section, the first of which is number 0.
+template <int Level>
+void decode(const KsplatLayout& layout, const KsplatSection& section, Scene& scene, std::uint64_t begin,
+            std::uint64_t end) {
+  constexpr std::size_t size = Level == 0 ? 4 : 2, colour_at = Level == 0 ? 40 : 20;
+  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  static const std::array<float, 256> colours = colours_of_bytes();
+  BucketWalk buckets(section, begin);
+  for (std::uint64_t local = begin; local < end; ++local) {
+    const std::byte* record = section.records + local * section.record_bytes;
+    const std::size_t i = section.first + local;
+    if constexpr (Level == 0)
+      scene.means[i] = {number<0>(record, 0), number<0>(record, 1), number<0>(record, 2)};
+    else
+      scene.means[i] = quantised_mean(section, record, buckets.bucket_of(local));
+    const std::byte *scale = record + 3 * size, *rotation = record + 6 * size, *colour = record + colour_at;
+    scene.scales[i] = {number<Level>(scale, 0), number<Level>(scale, 1), number<Level>(scale, 2)};
+    scene.rotations[i] = normalised(number<Level>(rotation, 0), number<Level>(rotation, 1),
+                                    number<Level>(rotation, 2), number<Level>(rotation, 3));
+    for (int channel = 0; channel < 3; ++channel)
+      scene.sh0[i][channel] = colours[std::to_integer<std::size_t>(colour[channel])];
+    scene.opacities[i] = float(std::to_integer<int>(colour[3])) / 255;
+    const std::byte* sh = record + ksplat_base_bytes[Level];
+    decode_harmonics(
+        section.sh_degree,
+        [&](std::size_t k) {
+          if constexpr (Level == 2)
+            return layout.sh_of_byte[std::to_integer<std::size_t>(sh[k])];
+          else
+            return number<Level>(sh, k);
+        },
+        scene.sh_rest.data() + i * rest);
+  }
+}
+
+}  // namespace
+
+SceneFile read_ksplat(const Source& source, const SceneReadOptions& options) {
+  const ProgressMeter progress(options.progress, source.name);
+  const KsplatLayout layout = parse_ksplat(source);
+  SceneFile file;
+  file.format = ".ksplat (level " + std::to_string(layout.level) + ")";
+  file.stored = layout.count;
+  allocate(file.scene, layout.count, layout.sh_degree);
+  constexpr auto decoders = std::array{decode<0>, decode<1>, decode<2>};
+  const auto count = double(layout.count);
+  for (const KsplatSection& section : layout.sections) {
+    const auto part =
+        progress.step(double(section.first) / count, double(section.first + section.count) / count);
+    for_parts(section.count, part, [&](std::size_t begin, std::size_t end) {
+      decoders[std::size_t(layout.level)](layout, section, file.scene, begin, end);
+    });
+  }
+  file.dropped_nonfinite = drop_nonfinite(file.scene);
+  return file;
+}
+
+}  // namespace swiftgs::io

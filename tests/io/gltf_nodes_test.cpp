@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/rotation.hpp>
+#include <swiftgs/sh.hpp>
+
+#include "gltf_encoder.hpp"
+#include "scenes.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+using nlohmann::json;
+
+namespace {
+
+SceneFile read(const GltfParts& parts) { return read_scene(as_bytes(glb(parts)), "test.glb"); }
+
+std::string complaint_about(const GltfParts& parts) {
+  return complaint([&] { read(parts); });
+}
+
+/// A map of glTF's axes on a scene's: x and y point the other way.
+dvec3 flipped(const dvec3& p) { return {-p.x, -p.y, p.z}; }
+
+/// Checks that each Gaussian of `moved` is that of `scene` after p -> linear p + offset in glTF's axes, where
+/// `linear` is `scale` times a rotation.
+void check_moved(const Scene& moved, const Scene& scene, const dmat3& linear, double scale,
+                 const dvec3& offset) {
+  const auto map = [&](const dvec3& p) { return flipped(linear * flipped(p)); };
+  REQUIRE(moved.size() == scene.size());
+  const dvec3 direction(0.48, -0.6, 0.64);
+  const dvec3 turned = map(direction) / scale;
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const dvec3 mean = map(dvec3(scene.means[i])) + flipped(offset);
+    for (int c = 0; c < 3; ++c) CHECK(double(moved.means[i][c]) == doctest::Approx(mean[c]).epsilon(1e-5));
+    const auto before = covariance(scene, i), after = covariance(moved, i);
+    const dmat3 sigma(before[0], before[1], before[2], before[1], before[3], before[4], before[2], before[4],
+                      before[5]);
+    dmat3 m;
+    for (int column = 0; column < 3; ++column) {
+      dvec3 unit(0.0);
+      unit[column] = 1;
+      m[column] = map(unit);
+    }
+    const dmat3 expected = m * sigma * glm::transpose(m);
+    const double size = expected[0][0] + expected[1][1] + expected[2][2];
+    for (int a = 0, k = 0; a < 3; ++a)
+      for (int b = a; b < 3; ++b, ++k) CHECK(std::abs(after[std::size_t(k)] - expected[a][b]) < 1e-6 * size);
+    const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+    const vec3 was = sh_colour(scene.sh_degree, scene.sh0[i], &scene.sh_rest[i * rest], vec3(direction));
+    const vec3 is = sh_colour(moved.sh_degree, moved.sh0[i], &moved.sh_rest[i * rest], vec3(turned));
+    for (int c = 0; c < 3; ++c) CHECK(is[c] == doctest::Approx(was[c]).epsilon(1e-4));
+  }
+}
+
+/// A node's members as one matrix, by columns.
+json matrix_json(const dmat3& m, const dvec3& t) {
+  json values;
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) values.push_back(m[column][row]);
+    values.push_back(0);
+  }
+  for (int row = 0; row < 3; ++row) values.push_back(t[row]);
+  values.push_back(1);
+  return values;
+}
+
+const DQuaternion tilt = unit({0.7, -0.2, 0.5, 0.4});
+const json tilt_json = {tilt.x, tilt.y, tilt.z, tilt.w};
+
+}  // namespace
+
+TEST_CASE("gltf: a node moves Gaussians with their shapes and colours") {
+  const Scene scene = some_scene(12, 3);
+  GltfParts parts = encode_gltf(scene);
+  const dmat3 linear = 2.5 * matrix_of(tilt);
+  parts.root["nodes"][0].update(
+      {{"rotation", tilt_json}, {"scale", {2.5, 2.5, 2.5}}, {"translation", {1, -2, 3}}});
+  check_moved(read(parts).scene, scene, linear, 2.5, {1, -2, 3});
+  parts.root["nodes"][0] = {{"mesh", 0}, {"matrix", matrix_json(linear, {1, -2, 3})}};
+  check_moved(read(parts).scene, scene, linear, 2.5, {1, -2, 3});
+}
+
+TEST_CASE("gltf: nodes move what is below them and stretches that cancel are none") {
+  const Scene scene = some_scene(12, 2);
+  GltfParts parts = encode_gltf(scene);
+  parts.root["nodes"] =
+      json::array({{{"children", json::array({2})}, {"translation", {1, 2, 3}}, {"scale", {1, 2, 4}}},
+                   {{"mesh", 0}},
+                   {{"children", json::array({1})}, {"scale", {2, 1, 0.5}}, {"translation", {1, 1, 1}}}});
+  check_moved(read(parts).scene, scene, dmat3(2.0), 2, {2, 4, 7});
+  parts.root["nodes"][0] = {{"children", json::array({2})}, {"rotation", tilt_json}};
+  parts.root["nodes"][2] = {{"children", json::array({1})}, {"translation", {1, 1, 1}}};
+  check_moved(read(parts).scene, scene, matrix_of(tilt), 1, matrix_of(tilt) * dvec3(1, 1, 1));
+}
+
+TEST_CASE("gltf: meshes and primitives of several nodes follow one another") {
+  const Scene scene = some_scene(6, 2), other = some_scene(3, 0);
+  GltfParts parts = encode_gltf(scene);
+  // The second primitive has the first three Gaussians without harmonics.
+  json& primitives = parts.root["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  const json attributes = primitives[0]["attributes"];
+  for (const auto& [name, value] : attributes.items()) {
+    json accessor = parts.root["accessors"][value.get<std::size_t>()];
+    accessor["count"] = 3;
+    primitives[1]["attributes"][name] = parts.root["accessors"].size();
+    parts.root["accessors"].push_back(accessor);
+    if (contains(name, "SH_DEGREE_1") || contains(name, "SH_DEGREE_2"))
+      primitives[1]["attributes"].erase(name);
+  }
+  parts.root["nodes"] = json::array({{{"mesh", 0}}, {{"mesh", 0}, {"translation", {10, 0, 0}}}});
+  parts.root["scenes"][0]["nodes"] = {1, 0};
+  const Scene got = read(parts).scene;
+  CHECK_NOTHROW(validate(got));
+  REQUIRE(got.size() == 18);
+  CHECK(got.sh_degree == 2);
+  for (std::size_t i = 0; i < 9; ++i) {
+    CHECK(got.means[i].x == doctest::Approx(scene.means[i % 6].x - 10));
+    CHECK(got.means[9 + i] == scene.means[i % 6]);
+    CHECK(got.opacities[i] == scene.opacities[i % 6]);
+    CHECK(got.sh0[9 + i] == scene.sh0[i % 6]);
+    CHECK(got.scales[9 + i] == scene.scales[i % 6]);
+    for (std::size_t k = 0; k < 24; ++k)
+      CHECK(got.sh_rest[(9 + i) * 24 + k] == (i < 6 ? scene.sh_rest[i * 24 + k] : 0));
+  }
+}
+
+TEST_CASE("gltf: the scene that the file names is read, else the first, else all roots") {
+  GltfParts parts = encode_gltf(some_scene(4, 0));
+  parts.root["nodes"] = json::array(
+      {{{"mesh", 0}}, {{"mesh", 0}, {"translation", {1, 0, 0}}}, {{"children", json::array({0})}}});
+  parts.root["scenes"] = json::array({{{"nodes", json::array({0})}}, {{"nodes", {0, 1}}}});
+  parts.root["scene"] = 1;
+  CHECK(read(parts).scene.size() == 8);
+  parts.root.erase("scene");
+  CHECK(read(parts).scene.size() == 4);
+  parts.root.erase("scenes");
+  const SceneFile file = read(parts);
+  CHECK(file.scene.size() == 8);
+  CHECK(file.notes.empty());
+}
+
+TEST_CASE("gltf: places that Gaussians cannot take are refused by the node's offset") {
+  GltfParts parts = encode_gltf(some_scene(3, 1));
+  const dmat3 turn = matrix_of(tilt);
+  dmat3 sheared = turn, mirrored = turn;
+  sheared[0] += 0.01 * turn[1], mirrored[2] = -turn[2];
+  for (const json& node :
+       {json{{"scale", {1, 1, 2}}}, json{{"scale", {1, 1, -1}}}, json{{"scale", {-1, -1, -1}}},
+        json{{"scale", {0, 0, 0}}}, json{{"matrix", matrix_json(sheared, {})}},
+        json{{"matrix", matrix_json(mirrored, {})}}, json{{"scale", {1e200, 1e200, 1e200}}},
+        json{{"matrix", matrix_json(dmat3(0.0), {})}}}) {
+    CAPTURE(node.dump());
+    parts.root["nodes"][0] = node;
+    parts.root["nodes"][0]["mesh"] = 0;
+    const std::string message = complaint_about(parts);
+    CHECK(contains(message, "a node that moves, rotates and scales Gaussians alike"));
+    const std::string offset = std::to_string(glb(parts).find(parts.root["nodes"][0].dump()));
+    CHECK(contains(message, "test.glb: byte " + offset + ": "));
+  }
+  parts.root["nodes"][0] = {{"mesh", 0}, {"scale", {1e38, 1e38, 1e38}}};
+  CHECK(contains(complaint_about(parts), "within the range of float"));
+  // A node without Gaussians may be of any shape.
+  parts.root["nodes"] = json::array({{{"mesh", 0}}, {{"scale", {1, 2, 3}}}});
+  parts.root["scenes"][0]["nodes"] = {0, 1};
+  CHECK(complaint_about(parts) == "");
+}
+
+TEST_CASE("gltf: nodes that are reached twice are refused") {
+  GltfParts parts = encode_gltf(some_scene(3, 0));
+  const auto children = [&](const json& of_first, const json& of_second) {
+    parts.root["nodes"] = json::array({{{"mesh", 0}, {"children", of_first}}, {{"children", of_second}}});
+    return complaint_about(parts);
+  };
+  CHECK(children(json::array({1}), json::array()) == "");
+  CHECK(contains(children(json::array({1}), json::array({0})), "reached twice"));
+  CHECK(contains(children(json::array({0}), json::array()), "reached twice"));
+  CHECK(contains(children(json::array({1, 1}), json::array()), "reached twice"));
+  CHECK(contains(children(json::array({2}), json::array()), "an index below 2 into 'nodes', found 2"));
+}
+
+TEST_CASE("gltf: a long chain of nodes is no deeper a recursion") {
+  GltfParts parts = encode_gltf(some_scene(3, 0));
+  json nodes;
+  for (int i = 1; i <= 100'000; ++i)
+    nodes.push_back({{"children", json::array({i})}, {"translation", {0, 0, 1}}});
+  nodes.push_back({{"mesh", 0}});
+  parts.root["nodes"] = nodes;
+  CHECK(read(parts).scene.means[0].z > 90'000);
+}
+
+TEST_CASE("gltf: a small file cannot ask for many instances") {
+  GltfParts parts = encode_gltf(some_scene(1000, 0));
+  json nodes, indices;
+  for (int i = 0; i < 200; ++i) nodes.push_back({{"mesh", 0}}), indices.push_back(i);
+  parts.root["nodes"] = nodes;
+  parts.root["scenes"][0]["nodes"] = indices;
+  CHECK(contains(complaint_about(parts), "at most 16 times"));
+  parts.root["scenes"][0]["nodes"] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  CHECK(read(parts).scene.size() == 10'000);
+}
