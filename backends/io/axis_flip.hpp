@@ -2,8 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
-#include <optional>
 
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
@@ -29,12 +27,5 @@ struct AxisFlip {
 
 inline constexpr AxisFlip rub_to_rdf{1, -1, -1};
 inline constexpr AxisFlip luf_to_rdf{-1, -1, 1};
-
-/// The flip for SPZ's coordinate system 1 to 8: LDB, RDB, LUB, RUB, LDF, RDF, LUF, RUF. None for any other.
-inline std::optional<AxisFlip> flip_of_coordinate_system(std::uint32_t system) {
-  if (system < 1 || system > 8) return std::nullopt;
-  const std::uint32_t bits = system - 1;
-  return AxisFlip{bits & 1 ? 1.0f : -1.0f, bits & 2 ? -1.0f : 1.0f, bits & 4 ? 1.0f : -1.0f};
-}
 
 }  // namespace swiftgs::io

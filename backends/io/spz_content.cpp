@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "spz_content.hpp"
 
+#include <array>
+#include <charconv>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -8,6 +10,15 @@
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs::io {
+namespace {
+
+std::string hexadecimal(std::uint32_t value) {
+  std::array<char, 8> digits{};
+  char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), value, 16).ptr;
+  return "0x" + std::string(digits.data(), std::size_t(end - digits.data()));
+}
+
+}  // namespace
 
 SpzHeader parse_spz_header(const Source& source, const std::byte* first) {
   const auto byte = [&](int i) { return std::to_integer<int>(first[i]); };
@@ -24,8 +35,7 @@ SpzHeader parse_spz_header(const Source& source, const std::byte* first) {
   expect(header.version >= 1 && header.version <= 4, 4, "SPZ version 1 to 4", header.version);
   expect(header.count >= 1 && header.count <= std::uint32_t(std::numeric_limits<std::int32_t>::max()), 8,
          "1 to 2147483647 Gaussians", header.count);
-  const int max_degree = header.version < 3 ? 3 : 4;
-  expect(header.sh_degree <= max_degree, 12, "SH degree 0 to " + std::to_string(max_degree), byte(12));
+  expect(header.sh_degree <= 4, 12, "SH degree 0 to 4", byte(12));
   expect(header.fractional_bits <= 30, 13, "0 to 30 fractional bits", byte(13));
   return header;
 }
@@ -48,12 +58,13 @@ void split_arrays(SpzContent& content, const std::byte* data) {
   }
 }
 
-SpzCoordinates parse_spz_extensions(const Source& source, std::span<const std::byte> records,
-                                    std::optional<std::uint64_t> offset) {
-  constexpr std::uint32_t coordinate_system = 0xADBE0003;
+SpzExtensions parse_spz_extensions(const Source& source, std::span<const std::byte> records,
+                                   std::optional<std::uint64_t> offset) {
   const std::byte* const start = records.data();
   const auto here = [&] { return offset ? *offset + std::uint64_t(records.data() - start) : 0; };
-  SpzCoordinates found;
+  SpzExtensions found;
+  bool orbit = false;
+  std::uint32_t unknown = 0, first_unknown = 0;
   while (!records.empty()) {
     if (records.size() < 8) source.fail(here(), "an SPZ extension of at least 8 bytes");
     const auto type = load<std::uint32_t>(records.data()), length = load<std::uint32_t>(records.data() + 4);
@@ -61,12 +72,20 @@ SpzCoordinates parse_spz_extensions(const Source& source, std::span<const std::b
     if (length > records.size())
       source.fail(here(), "an SPZ extension of at most " + std::to_string(records.size()) + " bytes, found " +
                               std::to_string(length));
-    if (type == coordinate_system) {
+    if (type == spz_coordinate_system) {
       if (length != 4) source.fail(here(), "a coordinate system of 4 bytes");
-      found = {load<std::uint32_t>(records.data()), here()};
+      found.system = load<std::uint32_t>(records.data()), found.offset = here();
+    } else if (type == spz_safe_orbit_camera) {
+      orbit = true;
+    } else if (unknown++ == 0) {
+      first_unknown = type;
     }
     records = records.subspan(length);
   }
+  if (orbit) found.notes.push_back("Limits of an orbit camera (extension 0xADBE0002) were left out.");
+  if (unknown != 0)
+    found.notes.push_back("Unknown extensions were left out: " + std::to_string(unknown) +
+                          ", the first of type " + hexadecimal(first_unknown) + ".");
   return found;
 }
 

@@ -4,19 +4,24 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "bytes.hpp"
+#include "progress_meter.hpp"
 
 /// @file
 /// An SPZ file unpacked: its header and its attribute arrays, whichever container they came in.
 
 namespace swiftgs::io {
 
-inline constexpr std::uint32_t spz_magic = 0x5053474e;  // "NGSP"
-inline constexpr std::size_t spz_header_size = 16;      ///< in versions 1 to 3 all of it
+inline constexpr std::uint32_t spz_magic = 0x5053474e;      // "NGSP"
+inline constexpr std::size_t spz_header_size = 16;          ///< in versions 1 to 3 all of it
+inline constexpr std::size_t spz_streams_header_size = 32;  ///< in version 4
 
 struct SpzHeader {
   std::uint32_t version = 0;
@@ -43,30 +48,41 @@ std::array<std::size_t, spz_attributes> spz_sizes(const SpzHeader& header);
 /// Bytes of all attribute arrays together.
 std::size_t spz_total(const SpzHeader& header);
 
-/// What the extension 0xADBE0003 states.
-struct SpzCoordinates {
-  std::uint32_t system = 0;  ///< 0 if the extension is absent
-  std::uint64_t offset = 0;  ///< of the value in the file; 0 in what was unpacked
+inline constexpr std::uint32_t spz_safe_orbit_camera = 0xADBE0002;
+inline constexpr std::uint32_t spz_coordinate_system = 0xADBE0003;
+
+/// What the extension records state.
+struct SpzExtensions {
+  std::uint32_t system = 0;  ///< of coordinates; 0 if unspecified
+  std::uint64_t offset = 0;  ///< of that value in the file; 0 in what was unpacked
+  std::vector<std::string> notes{};
 };
 
 struct SpzContent {
   SpzHeader header;
   std::array<std::span<const std::byte>, spz_attributes> arrays{};
-  SpzCoordinates coordinates{};
+  SpzExtensions extensions{};
   std::unique_ptr<std::byte[]> storage{};
+};
+
+/// What those who wait for an SPZ file to unpack want of it.
+struct SpzUnpacking {
+  ProgressMeter progress;
+  /// Called once the count is known to be one that the file can hold.
+  std::function<void(const SpzHeader&)> begins;
 };
 
 /// The fields that all versions share. `first` holds at least 16 bytes.
 SpzHeader parse_spz_header(const Source& source, const std::byte* first);
 
-/// Walks extension records and returns the coordinate system that one of them states. `offset` is where
-/// `records` starts in the file; without one they were unpacked, and errors are placed at byte 0.
-SpzCoordinates parse_spz_extensions(const Source& source, std::span<const std::byte> records,
-                                    std::optional<std::uint64_t> offset);
+/// Walks extension records. `offset` is where `records` starts in the file; without one they were unpacked,
+/// and errors are placed at byte 0.
+SpzExtensions parse_spz_extensions(const Source& source, std::span<const std::byte> records,
+                                   std::optional<std::uint64_t> offset);
 
-SpzContent unpack_spz_gzip(const Source& source);     ///< versions 1 to 3
-SpzContent unpack_spz_plain(const Source& source);    ///< versions 1 to 3 without gzip
-SpzContent unpack_spz_streams(const Source& source);  ///< version 4
+SpzContent unpack_spz_gzip(const Source& source, const SpzUnpacking& unpacking);     ///< versions 1 to 3
+SpzContent unpack_spz_plain(const Source& source, const SpzUnpacking& unpacking);    ///< those without gzip
+SpzContent unpack_spz_streams(const Source& source, const SpzUnpacking& unpacking);  ///< version 4
 
 /// Sets `content.arrays` to the attribute arrays that lie back to back from `data` on.
 void split_arrays(SpzContent& content, const std::byte* data);

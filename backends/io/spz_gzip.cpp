@@ -52,10 +52,16 @@ class GzipReader {
     return done;
   }
 
-  void read_exactly(std::byte* to, std::size_t size, const std::string& what) {
-    const std::size_t done = read(to, size);
-    if (done != size)
-      fail(std::to_string(size) + " bytes of " + what + " in the gzip stream, found " + std::to_string(done));
+  void read_exactly(std::byte* to, std::size_t size, const std::string& what, const ProgressMeter& progress) {
+    constexpr std::size_t step = 1 << 24;
+    for (std::size_t done = 0; done < size;) {
+      const std::size_t wanted = std::min(step, size - done), got = read(to + done, wanted);
+      done += got;
+      if (got != wanted)
+        fail(std::to_string(size) + " bytes of " + what + " in the gzip stream, found " +
+             std::to_string(done));
+      progress.report(double(done) / double(size));
+    }
   }
 
   /// Throws unless the stream and the file end here.
@@ -76,41 +82,43 @@ class GzipReader {
 
 }  // namespace
 
-SpzContent unpack_spz_gzip(const Source& source) {
+SpzContent unpack_spz_gzip(const Source& source, const SpzUnpacking& unpacking) {
   GzipReader reader(source);
   std::array<std::byte, spz_header_size> first;
-  reader.read_exactly(first.data(), first.size(), "header");
+  reader.read_exactly(first.data(), first.size(), "header", unpacking.progress.step(0, 0));
   SpzContent content{.header = parse_spz_header(source, first.data())};
   if (content.header.version > 3) source.fail(4, "SPZ version 1 to 3 in a gzip stream");
 
   const std::size_t size = spz_total(content.header);
   if (size / max_ratio > source.bytes.size())
     source.fail(8, "a file that can hold " + std::to_string(content.header.count) + " Gaussians");
+  unpacking.begins(content.header);
   // Left uninitialised: pages are taken only as data arrives, so a short stream takes little.
   content.storage = std::make_unique_for_overwrite<std::byte[]>(size);
-  reader.read_exactly(content.storage.get(), size, "Gaussians");
+  reader.read_exactly(content.storage.get(), size, "Gaussians", unpacking.progress);
   split_arrays(content, content.storage.get());
 
   if (content.header.has_extensions) {
     std::array<std::byte, max_extension_bytes> records;
     const std::size_t length = reader.read(records.data(), records.size());
-    content.coordinates = parse_spz_extensions(source, std::span(records).first(length), {});
+    content.extensions = parse_spz_extensions(source, std::span(records).first(length), {});
   }
   reader.expect_end();
   return content;
 }
 
-SpzContent unpack_spz_plain(const Source& source) {
+SpzContent unpack_spz_plain(const Source& source, const SpzUnpacking& unpacking) {
   ByteReader reader(source);
   SpzContent content{.header = parse_spz_header(source, reader.take(spz_header_size, "an SPZ header"))};
   const std::size_t size = spz_total(content.header);
   split_arrays(content, reader.take(size, "Gaussians"));
   if (content.header.has_extensions) {
     const std::uint64_t offset = reader.position();
-    content.coordinates = parse_spz_extensions(source, source.bytes.subspan(offset), offset);
+    content.extensions = parse_spz_extensions(source, source.bytes.subspan(offset), offset);
   } else {
     reader.expect_end("the last Gaussian");
   }
+  unpacking.begins(content.header);
   return content;
 }
 

@@ -1,90 +1,126 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <future>
+#include <optional>
 #include <string>
 
-#include "axis_flip.hpp"
+#include <swiftgs/edit/sh_rotation.hpp>
+
 #include "parallel.hpp"
 #include "scene_building.hpp"
 #include "scene_readers.hpp"
+#include "spz_axes.hpp"
 #include "spz_content.hpp"
 #include "spz_values.hpp"
 
 namespace swiftgs::io {
 namespace {
 
-SpzContent unpack(const Source& source) {
-  if (source.text().starts_with("\x1f\x8b")) return unpack_spz_gzip(source);
+SpzContent unpack(const Source& source, const SpzUnpacking& unpacking) {
+  if (source.text().starts_with("\x1f\x8b")) return unpack_spz_gzip(source, unpacking);
   ByteReader reader(source);
   const SpzHeader header = parse_spz_header(source, reader.take(spz_header_size, "an SPZ header"));
-  return header.version == 4 ? unpack_spz_streams(source) : unpack_spz_plain(source);
+  return header.version == 4 ? unpack_spz_streams(source, unpacking) : unpack_spz_plain(source, unpacking);
 }
 
-AxisFlip choose_flip(const Source& source, const SpzContent& content, SpzFrame frame,
-                     std::vector<std::string>& notes) {
-  switch (frame) {
-    case SpzFrame::rub:
-      return rub_to_rdf;
-    case SpzFrame::luf:
-      return luf_to_rdf;
-    case SpzFrame::rdf:
-    case SpzFrame::raw:
-      return {};
-    case SpzFrame::specified:
-      break;
+SpzAxes choose_axes(const Source& source, const SpzExtensions& stated, SpzFrame frame,
+                    std::vector<std::string>& notes) {
+  const auto axes = axes_of_spz_system(stated.system);
+  const bool known = stated.system < spz_system_names.size();
+  const std::string name =
+      known ? std::string(spz_system_names[stated.system]) : "system " + std::to_string(stated.system);
+  if (frame != SpzFrame::specified) {
+    const SpzAxes wanted{flip_of(frame)};
+    if (stated.system != 0 && axes != wanted)
+      notes.push_back("The file states the axes " + name + "; the axes asked for were taken instead.");
+    return wanted;
   }
-  if (content.coordinates.system == 0) return rub_to_rdf;
-  const auto flip = flip_of_coordinate_system(content.coordinates.system);
-  if (!flip)
-    source.fail(content.coordinates.offset, "an SPZ coordinate system of 1 to 8 (y up or down), found " +
-                                                std::to_string(content.coordinates.system));
-  if (*flip != rub_to_rdf)
-    notes.push_back("The file states its axes, and they are not RUB; they were converted.");
-  return *flip;
+  if (stated.system == 0) return {rub_to_rdf};
+  if (!axes)
+    source.fail(stated.offset, "an SPZ coordinate system of 0 to 16, found " + std::to_string(stated.system));
+  if (*axes != SpzAxes{rub_to_rdf})
+    notes.push_back("The axes are " + name + ", as the file states, and not RUB.");
+  return *axes;
 }
 
 /// Decodes Gaussians [begin, end) of all attributes.
-void decode(const SpzContent& content, const SpzTables& tables, const AxisFlip& flip, Scene& scene,
-            std::size_t begin, std::size_t end) {
-  const SpzHeader& header = content.header;
-  const auto sizes = spz_sizes(header);
-  const auto signs = flip.sh_signs();
-  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
-  for (std::size_t i = begin; i < end; ++i) {
-    const auto at = [&](SpzAttribute a) { return content.arrays[a].data() + i * sizes[a]; };
+class SpzDecoder {
+ public:
+  SpzDecoder(const SpzContent& content, const SpzAxes& axes, int sh_degree)
+      : content_(content), axes_(axes), sizes_(spz_sizes(content.header)) {
+    if (axes.quarter_turn)
+      turn_.emplace(axes.matrix(), sh_degree);
+    else
+      signs_ = axes.flip.sh_signs();
+  }
+
+  void decode(Scene& scene, std::size_t begin, std::size_t end) const {
     const auto three = [](const std::array<float, 256>& table, const std::byte* from) {
       return vec3(table[std::to_integer<int>(from[0])], table[std::to_integer<int>(from[1])],
                   table[std::to_integer<int>(from[2])]);
     };
-    scene.means[i] = flip.position(decode_spz_position(header, at(spz_positions)));
-    scene.opacities[i] = float(std::to_integer<int>(*at(spz_alphas))) / 255;
-    scene.sh0[i] = three(tables.colour, at(spz_colours));
-    scene.scales[i] = three(tables.scale, at(spz_scales));
-    scene.rotations[i] = flip.rotation(decode_spz_rotation(header, at(spz_rotations)));
-    // Coefficients that are not kept are the last of each Gaussian.
-    const std::byte* sh = at(spz_sh);
-    for (std::size_t k = 0; k < rest; ++k)
-      scene.sh_rest[i * rest + k] = signs[k / 3] * tables.sh[std::to_integer<int>(sh[k])];
+    for (std::size_t i = begin; i < end; ++i) {
+      scene.means[i] = axes_.position(decode_spz_position(content_.header, at(spz_positions, i)));
+      scene.opacities[i] = float(std::to_integer<int>(*at(spz_alphas, i))) / 255;
+      scene.sh0[i] = three(tables_.colour, at(spz_colours, i));
+      scene.scales[i] = three(tables_.scale, at(spz_scales, i));
+      scene.rotations[i] = axes_.rotation(decode_spz_rotation(content_.header, at(spz_rotations, i)));
+    }
+    if (scene.sh_degree != 0) decode_harmonics(scene, begin, end);
   }
-}
+
+ private:
+  const std::byte* at(SpzAttribute a, std::size_t i) const {
+    return content_.arrays[a].data() + i * sizes_[a];
+  }
+
+  void decode_harmonics(Scene& scene, std::size_t begin, std::size_t end) const {
+    const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+    std::array<float, 3 * sh_rest_count(max_sh_degree)> steps;
+    for (std::size_t k = 0; k < rest; ++k) steps[k] = signs_[k / 3] / 128;
+    for (std::size_t i = begin; i < end; ++i) {
+      // Coefficients that are not kept are the last of each Gaussian.
+      const std::byte* from = at(spz_sh, i);
+      float* to = scene.sh_rest.data() + i * rest;
+      for (std::size_t k = 0; k < rest; ++k) to[k] = steps[k] * float(std::to_integer<int>(from[k]) - 128);
+      if (turn_) turn_->apply(to);
+    }
+  }
+
+  const SpzContent& content_;
+  SpzAxes axes_;
+  std::array<std::size_t, spz_attributes> sizes_;
+  SpzTables tables_;
+  std::array<float, 15> signs_ = AxisFlip{}.sh_signs();
+  std::optional<ShRotation> turn_;
+};
 
 }  // namespace
 
 SceneFile read_spz(const Source& source, const SceneReadOptions& options) {
   const ProgressMeter progress(options.progress, source.name);
-  const SpzContent content = unpack(source);
+  SceneFile file;
+  // Taking the memory of a large scene lasts about as long as unpacking it.
+  std::future<void> allocated;
+  const auto begin = [&](const SpzHeader& header) {
+    allocated = std::async(std::launch::async, [&, count = header.count, degree = header.sh_degree] {
+      allocate(file.scene, count, std::min(degree, max_sh_degree));
+    });
+  };
+  const SpzContent content = unpack(source, {progress.step(0, 0.6), begin});
+  allocated.get();
   const SpzHeader& header = content.header;
 
-  SceneFile file;
   file.format = "SPZ version " + std::to_string(header.version);
   file.stored = header.count;
-  const AxisFlip flip = choose_flip(source, content, options.spz_frame, file.notes);
-  allocate(file.scene, header.count, std::min(header.sh_degree, max_sh_degree));
-  const SpzTables tables;
-  for_parts(file.scene.size(), progress.step(0.5, 1), [&](std::size_t begin, std::size_t end) {
-    decode(content, tables, flip, file.scene, begin, end);
-  });
+  file.notes = content.extensions.notes;
+  const SpzAxes axes = choose_axes(source, content.extensions, options.spz_frame, file.notes);
+  const SpzDecoder decoder(content, axes, file.scene.sh_degree);
+  for_parts(file.scene.size(), progress.step(0.6, 1),
+            [&](std::size_t first, std::size_t end) { decoder.decode(file.scene, first, end); });
   file.scene.antialiased = header.antialiased;
-  file.dropped_nonfinite = drop_nonfinite(file.scene);
+  // Only the halves of version 1 can be infinite or NaN.
+  if (header.version == 1) file.dropped_nonfinite = drop_nonfinite(file.scene);
   if (header.sh_degree > max_sh_degree)
     file.notes.push_back("SH coefficients of degree 4 are stored; degree 3 and below are kept.");
   return file;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <future>
 #include <string>
 
 #include <zstd.h>
@@ -8,8 +9,6 @@
 
 namespace swiftgs::io {
 namespace {
-
-constexpr std::uint64_t v4_header_size = 32;
 
 struct StreamSizes {
   std::uint64_t packed, unpacked;
@@ -45,9 +44,9 @@ void unpack_frame(const Source& source, std::uint64_t offset, StreamSizes size, 
 
 }  // namespace
 
-SpzContent unpack_spz_streams(const Source& source) {
+SpzContent unpack_spz_streams(const Source& source, const SpzUnpacking& unpacking) {
   ByteReader reader(source);
-  const std::byte* first = reader.take(v4_header_size, "the header of SPZ version 4");
+  const std::byte* first = reader.take(spz_streams_header_size, "the header of SPZ version 4");
   SpzContent content{.header = parse_spz_header(source, first)};
   const SpzHeader& header = content.header;
   const int streams = std::to_integer<int>(first[15]), expected_streams = header.sh_degree == 0 ? 5 : 6;
@@ -57,25 +56,38 @@ SpzContent unpack_spz_streams(const Source& source) {
     source.fail(8, "a file that can hold " + std::to_string(header.count) + " Gaussians");
   if (streams != expected_streams)
     source.fail(15, std::to_string(expected_streams) + " streams, found " + std::to_string(streams));
-  if (table_offset < v4_header_size || table_offset > source.bytes.size())
+  if (table_offset < spz_streams_header_size || table_offset > source.bytes.size())
     source.fail(16, "a table of contents inside the file");
   if (header.has_extensions)
-    content.coordinates = parse_spz_extensions(
-        source, source.bytes.subspan(v4_header_size, table_offset - v4_header_size), v4_header_size);
+    content.extensions = parse_spz_extensions(
+        source, source.bytes.subspan(spz_streams_header_size, table_offset - spz_streams_header_size),
+        spz_streams_header_size);
 
   ByteReader table_reader(source, table_offset);
   const auto table = read_table(table_reader, header);
-  content.storage = std::make_unique_for_overwrite<std::byte[]>(spz_total(header));
-  split_arrays(content, content.storage.get());
-  std::byte* to = content.storage.get();
-  for (const StreamSizes& size : table) {
-    if (size.unpacked == 0) continue;
-    const std::uint64_t offset = table_reader.position();
-    table_reader.take(size.packed, "a stream");
-    unpack_frame(source, offset, size, to);
-    to += size.unpacked;
+  std::array<std::uint64_t, spz_attributes> offsets{};
+  for (int a = 0; a < spz_attributes; ++a) {
+    offsets[a] = table_reader.position();
+    table_reader.take(table[a].packed, "a stream");
   }
   table_reader.expect_end("the last stream");
+
+  unpacking.begins(header);
+  // Left uninitialised: pages are taken only as data arrives.
+  content.storage = std::make_unique_for_overwrite<std::byte[]>(spz_total(header));
+  split_arrays(content, content.storage.get());
+  const auto unpack = [&](int a) {
+    const std::ptrdiff_t at = content.arrays[a].data() - content.storage.get();
+    if (table[a].unpacked != 0) unpack_frame(source, offsets[a], table[a], content.storage.get() + at);
+  };
+  // Harmonics are two thirds of a scene of degree 3, and all else is unpacked meanwhile.
+  auto harmonics = std::async(std::launch::async, unpack, spz_sh);
+  for (int a = 0; a < spz_sh; ++a) {
+    unpacking.progress.report(double(a) / int(spz_attributes));
+    unpack(a);
+  }
+  harmonics.get();
+  unpacking.progress.report(1);
   return content;
 }
 

@@ -23,10 +23,25 @@ Quaternion decode_xyz(const std::byte* at) {
   return normalised(std::sqrt(std::max(0.0f, 1 - x * x - y * y - z * z)), x, y, z);
 }
 
-/// Two bits name the largest of x, y, z, w; ten bits each hold the others, first to last from high bits to
-/// low.
-Quaternion decode_smallest_three(const std::byte* at) {
-  auto packed = load<std::uint32_t>(at);
+}  // namespace
+
+SpzTables::SpzTables() {
+  for (int byte = 0; byte < 256; ++byte) {
+    colour[byte] = (float(byte) / 255 - 0.5f) / 0.15f;
+    scale[byte] = std::exp(float(byte) / 16 - 10);
+  }
+}
+
+vec3 decode_spz_position(const SpzHeader& header, const std::byte* at) {
+  if (header.version == 1) {
+    const auto half = [&](int i) { return half_to_float(load<std::uint16_t>(at + 2 * i)); };
+    return {half(0), half(1), half(2)};
+  }
+  const float unit = 1 / float(1u << header.fractional_bits);
+  return {unit * int24_to_float(at), unit * int24_to_float(at + 3), unit * int24_to_float(at + 6)};
+}
+
+Quaternion decode_smallest_three(std::uint32_t packed) {
   const int largest = int(packed >> 30);
   std::array<float, 4> xyzw;
   float squares = 0;
@@ -41,27 +56,8 @@ Quaternion decode_smallest_three(const std::byte* at) {
   return normalised(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
 }
 
-}  // namespace
-
-SpzTables::SpzTables() {
-  for (int byte = 0; byte < 256; ++byte) {
-    colour[byte] = (float(byte) / 255 - 0.5f) / 0.15f;
-    scale[byte] = std::exp(float(byte) / 16 - 10);
-    sh[byte] = float(byte - 128) / 128;
-  }
-}
-
-vec3 decode_spz_position(const SpzHeader& header, const std::byte* at) {
-  if (header.version == 1) {
-    const auto half = [&](int i) { return half_to_float(load<std::uint16_t>(at + 2 * i)); };
-    return {half(0), half(1), half(2)};
-  }
-  const float unit = 1 / float(1u << header.fractional_bits);
-  return {unit * int24_to_float(at), unit * int24_to_float(at + 3), unit * int24_to_float(at + 6)};
-}
-
 Quaternion decode_spz_rotation(const SpzHeader& header, const std::byte* at) {
-  return header.version < 3 ? decode_xyz(at) : decode_smallest_three(at);
+  return header.version < 3 ? decode_xyz(at) : decode_smallest_three(load<std::uint32_t>(at));
 }
 
 }  // namespace swiftgs::io

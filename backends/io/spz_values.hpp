@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include <swiftgs/math.hpp>
 
@@ -19,11 +20,14 @@ struct SpzTables {
 
   std::array<float, 256> colour;  ///< SH coefficient of band 0
   std::array<float, 256> scale;   ///< standard deviation
-  std::array<float, 256> sh;      ///< SH coefficient above band 0
 };
 
 /// A position in the axes of the file. Version 1 holds halves, the others 24-bit fixed point.
 vec3 decode_spz_position(const SpzHeader& header, const std::byte* at);
+
+/// Two bits name the largest of x, y, z, w; ten bits each hold the others, first to last from high bits to
+/// low.
+Quaternion decode_smallest_three(std::uint32_t packed);
 
 /// A unit quaternion in the axes of the file. Versions 1 and 2 hold x, y, z; the others the smallest three.
 Quaternion decode_spz_rotation(const SpzHeader& header, const std::byte* at);

@@ -80,6 +80,28 @@ TEST_CASE("real files: a PLY and an SPZ of one scene have the same axes") {
   CHECK(found == 5000);
 }
 
+TEST_CASE("real files: a scene that was once an SPZ is written as SPZ without loss") {
+  if (skipped()) return;
+  const Scene scene = load_scene(folder / "fox_5k.ply");
+  const TemporaryFolder temporary;
+  for (const int version : {3, 4}) {
+    const WrittenScene written = write_scene(temporary / "a.spz", scene, {.spz_version = version});
+    CHECK(written.notes.empty());
+    CHECK(written.bytes < 125'000);
+    const Scene again = load_scene(temporary / "a.spz");
+    CHECK(again.means == scene.means);
+    CHECK(again.sh_rest == scene.sh_rest);
+    for (std::size_t i = 0; i < scene.size(); ++i) {
+      // The PLY cannot hold 0 and 1.
+      REQUIRE(std::abs(again.opacities[i] - scene.opacities[i]) < 1.1e-4);
+      for (int axis = 0; axis < 3; ++axis) {
+        REQUIRE(std::abs(again.sh0[i][axis] - scene.sh0[i][axis]) < 1e-6);
+        REQUIRE(std::abs(again.scales[i][axis] / scene.scales[i][axis] - 1) < 1e-5);
+      }
+    }
+  }
+}
+
 TEST_CASE("real files: formats that are not read are refused") {
   if (skipped()) return;
   const auto about = [](const char* name) { return complaint([&] { read_scene(folder / name); }); };

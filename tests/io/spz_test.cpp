@@ -67,7 +67,7 @@ TEST_CASE("spz: every version and degree is decoded within its quantisation") {
 }
 
 TEST_CASE("spz: degree 4 is cut to degree 3 and said so") {
-  for (const std::uint32_t version : {3u, 4u}) {
+  for (std::uint32_t version = 1; version <= 4; ++version) {
     const Scene scene = exact_scene(3);
     SpzParts parts = encode_spz(scene, version);
     parts.sh_degree = 4;
@@ -124,14 +124,21 @@ TEST_CASE("spz: positions of version 1 that are not finite are dropped") {
   CHECK(file.scene.means[0].x == std::ldexp(1.0f, -24));
 }
 
-TEST_CASE("spz: unknown extensions are stepped over and the axes that one states are honoured") {
+TEST_CASE("spz: extensions are stepped over and told of and the axes that one states are honoured") {
   for (const std::uint32_t version : {1u, 2u, 3u, 4u}) {
     SpzParts parts = encode_spz(exact_scene(2), version);
     const Scene raw = read(pack_spz(parts)).scene;
     parts.flags = 2;
-    parts.extensions = spz_extension(0xADBE0002, "twelve bytes") + coordinate_system(7);
-    CHECK(read(pack_spz(parts), SpzFrame::specified).scene.means[5] == vec3(-1, -1, 1) * raw.means[5]);
-    CHECK(read(pack_spz(parts), SpzFrame::specified).notes.size() == 1);
+    parts.extensions = spz_extension(0xADBE0002, "twelve bytes") + coordinate_system(7) +
+                       spz_extension(0xAB, "") + spz_extension(0xCD, "payload");
+    const SceneFile file = read(pack_spz(parts), SpzFrame::specified);
+    CHECK(file.scene.means[5] == vec3(-1, -1, 1) * raw.means[5]);
+    REQUIRE(file.notes.size() == 3);
+    CHECK(contains(file.notes[0], "orbit camera"));
+    CHECK(contains(file.notes[1], "2, the first of type 0xab"));
+    CHECK(contains(file.notes[2], "axes are LUF"));
+    CHECK(contains(read(pack_spz(parts), SpzFrame::rub).notes.at(2), "LUF"));
+    CHECK(read(pack_spz(parts), SpzFrame::luf).notes.size() == 2);
     CHECK(read(pack_spz(parts), SpzFrame::rub).scene.means[5] == vec3(1, -1, -1) * raw.means[5]);
     CHECK(read(pack_spz(parts), SpzFrame::raw).scene.means == raw.means);
     parts.extensions = "";
@@ -139,29 +146,45 @@ TEST_CASE("spz: unknown extensions are stepped over and the axes that one states
   }
 }
 
-TEST_CASE("spz: a frame turns means and covariances and leaves colours as they were") {
-  const Scene original = exact_scene(3);
-  SpzParts parts = encode_spz(original, 3);
+TEST_CASE("spz: a coordinate system turns means and covariances and leaves colours as they were") {
+  // Where RDF's x, y and z are stored, and their signs. LFD, RFD, LBU and RBU are as Niantic's library writes
+  // them, and not as their letters say.
+  struct Stored {
+    int axis[3];
+    double sign[3];
+  };
+  const Stored systems[] = {{{0, 1, 2}, {-1, 1, -1}}, {{0, 1, 2}, {1, 1, -1}},  {{0, 1, 2}, {-1, -1, -1}},
+                            {{0, 1, 2}, {1, -1, -1}}, {{0, 1, 2}, {-1, 1, 1}},  {{0, 1, 2}, {1, 1, 1}},
+                            {{0, 1, 2}, {-1, -1, 1}}, {{0, 1, 2}, {1, -1, 1}},  {{0, 2, 1}, {-1, -1, -1}},
+                            {{0, 2, 1}, {1, -1, -1}}, {{0, 2, 1}, {-1, 1, -1}}, {{0, 2, 1}, {1, 1, -1}},
+                            {{0, 2, 1}, {-1, -1, 1}}, {{0, 2, 1}, {1, -1, 1}},  {{0, 2, 1}, {-1, 1, 1}},
+                            {{0, 2, 1}, {1, 1, 1}}};
+  SpzParts parts = encode_spz(exact_scene(3), 3);
   parts.flags = 2;
-  for (std::uint32_t system = 1; system <= 8; ++system) {
+  for (std::uint32_t system = 1; system <= 16; ++system) {
     CAPTURE(system);
+    // Number k of the file is sign[k] times coordinate axis[k] of RDF.
+    const Stored& stored = systems[system - 1];
+    dmat3 to_rdf(0);
+    for (int k = 0; k < 3; ++k) to_rdf[k][stored.axis[k]] = stored.sign[k];
     parts.extensions = coordinate_system(system);
-    // Left or right, up or down, back or forward: the letters count in binary.
-    const vec3 flip((system - 1) & 1 ? 1 : -1, (system - 1) & 2 ? -1 : 1, (system - 1) & 4 ? 1 : -1);
     const Scene raw = read(pack_spz(parts), SpzFrame::raw).scene;
     const Scene turned = read(pack_spz(parts), SpzFrame::specified).scene;
     const SceneView raw_view = view(raw), turned_view = view(turned);
     for (std::size_t i = 0; i < raw.size(); ++i) {
-      CHECK(turned.means[i] == flip * raw.means[i]);
+      CHECK(turned.means[i] == vec3(to_rdf * dvec3(raw.means[i])));
       const auto before = covariance(raw, i), after = covariance(turned, i);
+      const dmat3 matrix(before[0], before[1], before[2], before[1], before[3], before[4], before[2],
+                         before[4], before[5]);
+      const dmat3 expected = to_rdf * matrix * glm::transpose(to_rdf);
+      const double size = before[0] + before[3] + before[5];
       int entry = 0;
       for (int a = 0; a < 3; ++a)
-        for (int b = a; b < 3; ++b, ++entry)
-          CHECK(after[entry] == doctest::Approx(double(flip[a] * flip[b]) * before[entry]).epsilon(1e-6));
+        for (int b = a; b < 3; ++b, ++entry) CHECK(std::abs(after[entry] - expected[a][b]) < 1e-6 * size);
       const vec3 direction(0.36f, -0.48f, 0.8f);
       const vec3 seen = sh_colour(raw_view, i, direction),
-                 seen_turned = sh_colour(turned_view, i, flip * direction);
-      for (int c = 0; c < 3; ++c) CHECK(seen_turned[c] == doctest::Approx(seen[c]).epsilon(1e-5));
+                 seen_turned = sh_colour(turned_view, i, vec3(to_rdf * dvec3(direction)));
+      for (int c = 0; c < 3; ++c) CHECK(std::abs(seen_turned[c] - seen[c]) < 1e-5);
     }
   }
 }

@@ -61,6 +61,8 @@ SWIFTGS_API SceneFile read_scene(std::span<const std::byte> bytes, const std::st
 
 struct SceneWriteOptions {
   std::string ending{};  ///< names the format, as `.ply` does; empty: the file's own name does
+  int spz_version = 4;   ///< or 3, which older programs read
+  SpzFrame spz_frame = SpzFrame::specified;  ///< of an SPZ file to write; `specified` is RUB
   Progress progress{};
 };
 
@@ -77,6 +79,9 @@ struct WrittenScene {
 /// | --- | --- | --- |
 /// | `.ply` | INRIA PLY, little-endian floats | opacities are clamped to [1e-6, 1 - 1e-6], as it holds logits
 /// |
+/// | `.spz` | SPZ version 4 or 3 | all is rounded: positions to 1/4096 (coarser if one lies beyond 2048),
+/// scales to 1/16 of their logarithm, opacities to 1/255, SH coefficients of band 1 to 1/16 and above to 1/8;
+/// what lies outside of the format's ranges is clamped and counted in the notes |
 ///
 /// The new file takes the place of an old one when it is whole. Throws `std::invalid_argument` as `validate`
 /// does and for an ending that it does not know, `Cancelled`, or `std::system_error` if the file cannot be
