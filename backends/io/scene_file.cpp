@@ -21,11 +21,7 @@ std::string_view what_it_is(std::string_view text, std::string_view name) {
   const auto holds = [&](std::string_view word) { return beginning.find(word) != std::string_view::npos; };
   const bool gaussians = holds("KHR_gaussian_splatting") || holds("KHR_spz_gaussian");
   if (text.empty()) return "an empty file";
-  if (starts_with("PK")) {
-    const bool bundle = text.find("meta.json") != text.npos && text.find(".webp") != text.npos;
-    if (bundle) return "a SOG bundle";
-    return holds(".usdc") || holds(".usda") ? "a USD archive" : "a ZIP archive";
-  }
+  if (starts_with("PK")) return holds(".usdc") || holds(".usda") ? "a USD archive" : "a ZIP archive";
   if (starts_with("PXR-USDC") || starts_with("#usda")) return "a USD scene";
   if (starts_with("glTF"))
     return gaussians ? "a binary glTF of Gaussians" : "a binary glTF without Gaussians";
@@ -33,12 +29,17 @@ std::string_view what_it_is(std::string_view text, std::string_view name) {
   if (starts_with("\xff\xd8\xff")) return "a JPEG image";
   if (starts_with("{") || starts_with("[")) {
     if (holds("\"img_name\"")) return "JSON of cameras (cameras.json)";
-    if (holds("\"means\"") && holds(".webp")) return "JSON that describes a SOG folder";
     if (holds("\"asset\"")) return gaussians ? "a glTF of Gaussians" : "a glTF without Gaussians";
     return is_transforms_json(beginning) ? "JSON of cameras (transforms.json)" : "JSON";
   }
   if (name.ends_with(".ksplat")) return "a .ksplat scene";
   return name.ends_with(".splat") && text.size() % 32 == 0 ? "a .splat scene" : "something else";
+}
+
+bool is_object_with(std::string_view text, std::string_view key, std::string_view other_key) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != text.npos && text[first] == '{' && text.find(key) != text.npos &&
+         text.find(other_key) != text.npos;
 }
 
 /// A format that is told by its content, or by the name's ending.
@@ -57,6 +58,16 @@ constexpr Reader readers[] = {
        return text.starts_with("NGSP") || text.starts_with("\x1f\x8b");
      },
      read_spz},
+    {[](std::string_view text, std::string_view) {
+       // The list of an archive's files is at its end.
+       return (text.starts_with("PK\3\4") && text.rfind("meta.json") != text.npos) ||
+              is_object_with(text, "\"means\"", "\"quats\"");
+     },
+     read_sog},
+    {[](std::string_view text, std::string_view) {
+       return is_object_with(text, "\"lodLevels\"", "\"filenames\"");
+     },
+     read_streamed_sog},
 };
 
 SceneFile read(const Source& source, const SceneReadOptions& options) {

@@ -12,5 +12,7 @@ namespace swiftgs::io {
 
 SceneFile read_ply(const Source& source, const SceneReadOptions& options);
 SceneFile read_spz(const Source& source, const SceneReadOptions& options);
+SceneFile read_sog(const Source& source, const SceneReadOptions& options);
+SceneFile read_streamed_sog(const Source& source, const SceneReadOptions& options);
 
 }  // namespace swiftgs::io
