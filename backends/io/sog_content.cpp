@@ -55,24 +55,23 @@ void build_palette(const SogContent& sog, SogPixels& pixels) {
 }  // namespace
 
 SogContent open_sog(const Source& source) {
+  if (!source.text().starts_with("PK")) return open_sog(source, source.bytes.size(), files_beside(source));
+  const SogFiles open = files_of_bundle(source);
+  const SogFile meta = open("meta.json");
+  return open_sog(meta.source, meta.stored, open);
+}
+
+SogContent open_sog(const Source& meta, std::uint64_t stored, const SogFiles& open) {
   SogContent sog;
-  SogFiles open;
-  std::uint64_t stored = source.bytes.size();
-  if (source.text().starts_with("PK")) {
-    open = files_of_bundle(source);
-    sog.meta = parse_sog_meta(open("meta.json").source);
-  } else {
-    sog.meta = parse_sog_meta(source);
-    open = files_beside(source);
-  }
+  sog.meta = parse_sog_meta(meta);
   for (int kind = 0; kind < sog_image_kinds; ++kind) {
     if (sog.meta.images[kind].empty()) continue;
     sog.files[kind] = open(sog.meta.images[kind]);
     stored += sog.files[kind].stored;
   }
   if (sog.meta.count / max_gaussians_per_byte > stored)
-    source.fail(0, "files that can hold " + std::to_string(sog.meta.count) + " Gaussians, found " +
-                       std::to_string(stored) + " bytes");
+    meta.fail(0, "files that can hold " + std::to_string(sog.meta.count) + " Gaussians, found " +
+                     std::to_string(stored) + " bytes");
   for (int kind = 0; kind < sog_image_kinds; ++kind) {
     if (sog.meta.images[kind].empty()) continue;
     sog.sizes[kind] = sog_image_size(sog.files[kind].source);
@@ -84,12 +83,13 @@ SogContent open_sog(const Source& source) {
   return sog;
 }
 
-SogPixels decode_images(const SogContent& sog, const ProgressMeter& progress) {
+SogPixels decode_images(SogContent& sog, const ProgressMeter& progress) {
   SogPixels pixels;
   const bool threads = sog.meta.count >= 1 << 14;  // below this a thread costs more than it saves
   for_each_task(sog_image_kinds, threads, progress, [&](std::size_t kind) {
     if (sog.meta.images[kind].empty()) return;
     pixels.images[kind] = decode_sog_image(sog.files[kind].source, sog.sizes[kind]);
+    sog.files[kind] = {};
     if (kind == sog_sh_palette) build_palette(sog, pixels);
   });
   return pixels;

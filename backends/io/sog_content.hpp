@@ -34,14 +34,18 @@ struct SogContent {
 /// Opens `source`, which is a bundle or `meta.json`. It must outlive what this returns.
 SogContent open_sog(const Source& source);
 
+/// The same of `meta.json` and of the images, which `open` opens. `stored` is what the files take that `open`
+/// does not count.
+SogContent open_sog(const Source& meta, std::uint64_t stored, const SogFiles& open);
+
 /// What a SOG's images hold.
 struct SogPixels {
   std::array<RgbaPixels, sog_image_kinds> images{};
   std::vector<float> palette{};  ///< @shape{palette_size, sh_rest_count(sh_degree), 3}
 };
 
-/// Decodes the images, several at a time.
-SogPixels decode_images(const SogContent& sog, const ProgressMeter& progress);
+/// Decodes the images, several at a time, and closes their files.
+SogPixels decode_images(SogContent& sog, const ProgressMeter& progress);
 
 /// What the format has no meaning for, counted.
 struct SogOddities {

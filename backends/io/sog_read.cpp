@@ -35,7 +35,7 @@ void SogFindings::finish(SceneFile& file) const {
 SceneFile read_sog(const Source& source, const SceneReadOptions& options) {
   const ProgressMeter progress(options.progress, source.name);
   progress.report(0);
-  const SogContent sog = open_sog(source);
+  SogContent sog = open_sog(source);
   SceneFile file;
   file.format = "SOG version " + std::to_string(sog.meta.version);
   file.stored = sog.meta.count;

@@ -106,27 +106,32 @@ class LodMeta {
   JsonEntry root_;
 };
 
-/// Sorts the ranges and says where each goes, from `to` on. Returns where they end.
+/// Sorts and joins the ranges, and says where each goes, from `to` on. Returns where they end.
 std::size_t place_ranges(const LodMeta& meta, Chunk& chunk, std::size_t count, std::size_t to) {
   if (chunk.whole) chunk.ranges = {{0, count, 0}};
   std::sort(chunk.ranges.begin(), chunk.ranges.end(),
             [](const SogRange& a, const SogRange& b) { return a.first < b.first; });
-  std::size_t end = 0;
-  for (SogRange& range : chunk.ranges) {
+  std::vector<SogRange> joined;
+  for (const SogRange& range : chunk.ranges) {
+    const std::size_t end = joined.empty() ? 0 : joined.back().first + joined.back().count;
     if (range.first < end || range.first > count || range.count > count - range.first)
-      meta.fail("tree", "Gaussians of '" + chunk.name + "' that are there, " + std::to_string(count) +
-                            ", and each once, found " + std::to_string(range.count) + " from " +
+      meta.fail("tree", "ranges of '" + chunk.name + "' that lie in its " + std::to_string(count) +
+                            " Gaussians and do not overlap, found " + std::to_string(range.count) + " from " +
                             std::to_string(range.first) + " on");
-    range.to = to;
+    if (!joined.empty() && range.first == end)
+      joined.back().count += range.count;
+    else
+      joined.push_back({range.first, range.count, to});
     to += range.count;
-    end = range.first + range.count;
   }
+  chunk.ranges = std::move(joined);
   return to;
 }
 
 /// The scene's size, from the descriptions of all chunks: their images are not decoded.
 struct Extent {
   std::size_t count = 0;
+  std::size_t unused = 0;  ///< Gaussians of the chunks that are in no range
   int sh_degree = 0;
 };
 
@@ -137,7 +142,9 @@ Extent measure(const LodMeta& meta, const SogFiles& open, std::vector<Chunk>& ch
     progress.report(double(i) / double(chunks.size()));
     const SogFile file = open(chunks[i].name);
     const SogContent sog = open_sog(file.source);
-    extent.count = place_ranges(meta, chunks[i], sog.meta.count, extent.count);
+    const std::size_t end = place_ranges(meta, chunks[i], sog.meta.count, extent.count);
+    extent.unused += sog.meta.count - (end - extent.count);
+    extent.count = end;
     extent.sh_degree = std::max(extent.sh_degree, sog.sh_degree);
   }
   return extent;
@@ -145,16 +152,15 @@ Extent measure(const LodMeta& meta, const SogFiles& open, std::vector<Chunk>& ch
 
 void decode_chunk(const Source& source, const Chunk& chunk, const ProgressMeter& progress, Scene& scene,
                   SogFindings& findings) {
-  const SogContent sog = open_sog(source);
+  SogContent sog = open_sog(source);
   const bool changed = sog.sh_degree > scene.sh_degree ||
                        chunk.ranges.back().first + chunk.ranges.back().count > sog.meta.count;
   if (changed) source.fail(0, "a file that does not change while it is read");
   const SogPixels pixels = decode_images(sog, progress.step(0, 0.5));
   const Progress none;
   const ProgressMeter silent(none, source.name);
-  for (const SogRange& range : chunk.ranges) {
+  for (const SogRange& range : chunk.ranges)
     findings.add(sog.meta, decode_gaussians(sog, pixels, range, silent, scene));
-  }
   progress.report(1);
 }
 
@@ -183,9 +189,12 @@ SceneFile read_streamed_sog(const Source& source, const SceneReadOptions& option
     file.notes.push_back("Of " + std::to_string(levels) +
                          " levels of detail, alternatives of each other, level " +
                          std::to_string(options.level) + " was read.");
+  if (extent.unused > 0)
+    file.notes.push_back(std::to_string(extent.unused) +
+                         " Gaussians of the level's chunks are in no leaf of the tree, and were left out.");
   if (meta.has_environment())
-    file.notes.push_back("The last " + std::to_string(chunks.back().ranges.front().count) +
-                         " Gaussians are the environment's, which all levels share.");
+    file.notes.push_back("The " + std::to_string(chunks.back().ranges.front().count) +
+                         " Gaussians of the environment, which all levels share, were read too.");
   findings.finish(file);
   return file;
 }
