@@ -35,7 +35,7 @@ foreach(component IN ITEMS core reference cpu cuda io swiftgs)
   get_target_property(type ${target} TYPE)
   if(type STREQUAL STATIC_LIBRARY)
     list(APPEND dependencies_of_cpu TBB hwy)
-    list(APPEND dependencies_of_io Threads ZLIB PNG JPEG zstd)
+    list(APPEND dependencies_of_io Threads ZLIB PNG JPEG zstd WebP libzip)
     get_property(has_openexr GLOBAL PROPERTY SWIFTGS_HAS_OPENEXR)
     if(has_openexr)
       list(APPEND dependencies_of_io OpenEXR)
@@ -49,4 +49,5 @@ configure_package_config_file(cmake/swiftgsConfig.cmake.in swiftgsConfig.cmake
 # Until 1.0 a minor version may break callers.
 write_basic_package_version_file(swiftgsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/swiftgsConfig.cmake" "${PROJECT_BINARY_DIR}/swiftgsConfigVersion.cmake"
+              cmake/FindWebP.cmake cmake/Findlibzip.cmake
         DESTINATION "${package_dir}")

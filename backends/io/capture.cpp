@@ -40,28 +40,32 @@ fs::path trained_in(const fs::path& folder) {
   return scene;
 }
 
+/// What describes a SOG that is a folder, a streamed one first: its chunks lie in folders of their own.
+constexpr const char* sog_files[] = {"lod-meta.json", "meta.json"};
+
 bool is_scene_file(const fs::directory_entry& entry) {
   const fs::path name = entry.path().filename();
-  return (name.extension() == ".spz" || name.extension() == ".ply") && name != "input.ply" &&
-         entry.is_regular_file();
+  return (name.extension() == ".spz" || name.extension() == ".ply" || name.extension() == ".sog") &&
+         name != "input.ply" && entry.is_regular_file();
 }
 
 fs::path scene_in(const fs::path& folder) {
   const std::string name = name_of(folder);
-  for (const char* extension : {".spz", ".ply"})
+  for (const char* extension : {".spz", ".ply", ".sog"})
     if (fs::path file = folder / (name + extension); fs::is_regular_file(file)) return file;
   std::vector<std::string> scenes;
   for (const auto& entry : fs::directory_iterator(folder))
     if (is_scene_file(entry)) scenes.push_back(entry.path().filename().string());
   if (scenes.size() == 1) return folder / scenes.front();
+  for (const char* file : sog_files)
+    if (scenes.empty() && fs::exists(folder / file)) return folder / file;
   std::sort(scenes.begin(), scenes.end());
   std::string found = scenes.empty() ? "none" : "";
   for (const std::string& scene : scenes) found += (found.empty() ? "" : ", ") + scene;
-  if (scenes.empty() && fs::exists(folder / "meta.json")) found = "a SOG folder";
   if (scenes.empty() && fs::exists(folder / "transforms.json"))
     found = "transforms.json, which holds cameras alone";
-  throw std::invalid_argument(folder.string() +
-                              ": expected a capture, a folder with one .spz or .ply in it, found " + found);
+  throw std::invalid_argument(
+      folder.string() + ": expected a capture, a folder with one .spz, .ply or .sog in it, found " + found);
 }
 
 }  // namespace
@@ -97,6 +101,8 @@ Capture find_capture(const std::filesystem::path& path) {
   } else {
     capture.scene = io::scene_in(path);
   }
+  for (const char* file : io::sog_files)
+    if (capture.scene.filename() == file && fs::is_directory(folder)) capture.name = io::name_of(folder);
   if (capture.name.empty()) capture.name = capture.scene.stem().string();
   capture.cameras = io::cameras_in(folder);
   if (fs::path photos = folder / "photos"; fs::is_directory(photos)) capture.photos = photos;

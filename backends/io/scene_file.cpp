@@ -21,17 +21,12 @@ std::string_view what_it_is(std::string_view text, std::string_view name) {
   const auto starts_with = [&](std::string_view start) { return text.starts_with(start); };
   const auto holds = [&](std::string_view word) { return beginning.find(word) != std::string_view::npos; };
   if (text.empty()) return "an empty file";
-  if (starts_with("PK")) {
-    const bool bundle = text.find("meta.json") != text.npos && text.find(".webp") != text.npos;
-    if (bundle) return "a SOG bundle";
-    return holds(".usdc") || holds(".usda") ? "a USD archive" : "a ZIP archive";
-  }
+  if (starts_with("PK")) return holds(".usdc") || holds(".usda") ? "a USD archive" : "a ZIP archive";
   if (starts_with("PXR-USDC") || starts_with("#usda")) return "a USD scene";
   if (starts_with("\x89PNG")) return "a PNG image";
   if (starts_with("\xff\xd8\xff")) return "a JPEG image";
   if (starts_with("{") || starts_with("[")) {
     if (holds("\"img_name\"")) return "JSON of cameras (cameras.json)";
-    if (holds("\"means\"") && holds(".webp")) return "JSON that describes a SOG folder";
     return is_transforms_json(beginning) ? "JSON of cameras (transforms.json)" : "JSON";
   }
   return name.ends_with(".splat") && text.size() % 32 == 0 ? "a .splat scene" : "something else";
@@ -45,6 +40,12 @@ bool is_gltf(std::string_view text, std::string_view name) {
   const auto holds = [&](std::string_view word) { return beginning.find(word) != beginning.npos; };
   return name.ends_with(".gltf") || holds("\"KHR_gaussian_splatting") || holds("\"KHR_spz_gaussian") ||
          (holds("\"asset\"") && (holds("\"buffers\"") || holds("\"accessors\"") || holds("\"meshes\"")));
+}
+
+bool is_object_with(std::string_view text, std::string_view key, std::string_view other_key) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != text.npos && text[first] == '{' && text.find(key) != text.npos &&
+         text.find(other_key) != text.npos;
 }
 
 /// A format that is told by its content, or by the name's ending.
@@ -71,6 +72,16 @@ constexpr Reader readers[] = {
        return name.ends_with(".ksplat") || looks_like_ksplat(text);
      },
      read_ksplat},
+    {[](std::string_view text, std::string_view) {
+       // The list of an archive's files is at its end.
+       return (text.starts_with("PK\3\4") && text.rfind("meta.json") != text.npos) ||
+              is_object_with(text, "\"means\"", "\"quats\"");
+     },
+     read_sog},
+    {[](std::string_view text, std::string_view) {
+       return is_object_with(text, "\"lodLevels\"", "\"filenames\"");
+     },
+     read_streamed_sog},
 };
 
 SceneFile read(const Source& source, const SceneReadOptions& options) {

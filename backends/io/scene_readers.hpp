@@ -14,5 +14,7 @@ SceneFile read_gltf(const Source& source, const SceneReadOptions& options);
 SceneFile read_ksplat(const Source& source, const SceneReadOptions& options);
 SceneFile read_ply(const Source& source, const SceneReadOptions& options);
 SceneFile read_spz(const Source& source, const SceneReadOptions& options);
+SceneFile read_sog(const Source& source, const SceneReadOptions& options);
+SceneFile read_streamed_sog(const Source& source, const SceneReadOptions& options);
 
 }  // namespace swiftgs::io

@@ -53,6 +53,23 @@ TEST_CASE("capture: a folder has the scene that is called as it is or its only o
   CHECK(find_capture(place / "fox").name == "scan");
 }
 
+TEST_CASE("capture: a folder may be a SOG or hold one") {
+  const TemporaryFolder place;
+  place.write("scan/meta.json", "");
+  for (const std::string name : {"scan", "scan/meta.json"}) {
+    CHECK(find_capture(place / name).scene == place / "scan/meta.json");
+    CHECK(find_capture(place / name).name == "scan");
+  }
+  place.write("scan/lod-meta.json", "");
+  CHECK(find_capture(place / "scan").scene == place / "scan/lod-meta.json");
+  CHECK(find_capture(place / "scan").name == "scan");
+  place.write("scan/room.sog", "");
+  CHECK(find_capture(place / "scan").scene == place / "scan/room.sog");
+  CHECK(find_capture(place / "scan").name == "room");
+  place.write("scan/scan.ply", "");
+  CHECK(find_capture(place / "scan").scene == place / "scan/scan.ply");
+}
+
 TEST_CASE("capture: of a training the last iteration counts and the folder names it") {
   const TemporaryFolder place;
   for (const std::string iteration : {"7000", "30000", "x", "99999x"})

@@ -36,7 +36,6 @@ TEST_CASE("scene file: foreign files are refused at byte 0 and named where they 
   const std::string start = "a file: byte 0: expected a scene of Gaussians, found ";
   CHECK(complaint_about("") == start + "an empty file");
   CHECK(complaint_about("PK\3\4") == start + "a ZIP archive");
-  CHECK(complaint_about("PK\3\4 meta.json means_l.webp") == start + "a SOG bundle");
   CHECK(complaint_about("PK\3\4 scene.usdc") == start + "a USD archive");
   CHECK(complaint_about("PXR-USDC") == start + "a USD scene");
   CHECK(complaint_about("#usda 1.0\n") == start + "a USD scene");
@@ -45,8 +44,6 @@ TEST_CASE("scene file: foreign files are refused at byte 0 and named where they 
   CHECK(complaint_about("{\"frames\": [], \"camera_angle_x\": 0.7}") ==
         start + "JSON of cameras (transforms.json)");
   CHECK(complaint_about("[{\"img_name\": 1}]") == start + "JSON of cameras (cameras.json)");
-  CHECK(complaint_about("{\"means\": {\"files\": [\"means_l.webp\"]}}") ==
-        start + "JSON that describes a SOG folder");
   CHECK(complaint_about("{}") == start + "JSON");
   CHECK(complaint_about("\x89PNG\r\n") == start + "a PNG image");
   CHECK(complaint_about("\xff\xd8\xff\xe0") == start + "a JPEG image");
@@ -77,10 +74,6 @@ TEST_CASE("scene file: formats without a beginning of their own are named by the
   CHECK(contains(complaint_about("a.splat", 65), "found something else"));
   CHECK(contains(complaint([&] { read_scene(as_bytes(std::string("{\"fl_x\": 1}")), "a.json"); }),
                  "found JSON of cameras (transforms.json)"));
-  const TemporaryFolder place;
-  place.write("sog/meta.json", "{}");
-  CHECK_THROWS_WITH_AS(read_scene(place / "sog"), doctest::Contains("found a SOG folder"),
-                       std::invalid_argument);
 }
 
 TEST_CASE("scene file: what cannot be opened is an error with its path and reason") {
@@ -96,7 +89,7 @@ TEST_CASE("scene file: what cannot be opened is an error with its path and reaso
   CHECK(message(folder / "missing.ply") == (folder / "missing.ply").string() + ": No such file or directory");
   CHECK_THROWS_WITH_AS(
       read_scene(folder / ""),
-      ((folder / "").string() + ": expected a capture, a folder with one .spz or .ply in it, found none")
+      ((folder / "").string() + ": expected a capture, a folder with one .spz, .ply or .sog in it, found none")
           .c_str(),
       std::invalid_argument);
   CHECK(message("/dev/null") == "/dev/null: expected a regular file");

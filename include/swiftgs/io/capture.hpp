@@ -22,8 +22,11 @@ struct Capture {
 /// - `point_cloud/iteration_N/point_cloud.ply` with the greatest N, which INRIA's training writes; it takes
 /// the
 ///   name of the folder,
-/// - `NAME.spz`, or else `NAME.ply`,
-/// - the only `.spz` or `.ply`, where `input.ply` does not count: INRIA's training keeps its points there.
+/// - `NAME.spz`, `NAME.ply` or `NAME.sog`, the first that is there,
+/// - the only `.spz`, `.ply` or `.sog`, where `input.ply` does not count: INRIA's training keeps its points
+///   there,
+/// - `lod-meta.json` or `meta.json` of a SOG, which take the name of the folder.
+///
 /// Cameras are a COLMAP model in the folder itself, `cameras.json`, a COLMAP model in `sparse/0`, `sparse` or
 /// `0`, or `transforms.json`, the first that is there. Photographs are in `photos`.
 ///

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <swiftgs/scene.hpp>
+
+#include "progress_meter.hpp"
+#include "sog_files.hpp"
+#include "sog_image.hpp"
+#include "sog_meta.hpp"
+
+/// @file
+/// One SOG: a bundle, a folder, or a chunk of a streamed one.
+
+namespace swiftgs::io {
+
+/// Its files, opened and checked but not decoded.
+///
+/// A hostile file cannot ask for memory that its size does not warrant. A SOG has at most 32 Gaussians for
+/// each byte that its files take; an image of all Gaussians has at most two pixels a Gaussian and 65536 more;
+/// and a palette has at most 65536 entries. Reading therefore takes at most 20 kB of memory a byte, and 64
+/// MB.
+struct SogContent {
+  SogMeta meta;
+  std::array<SogFile, sog_image_kinds> files{};
+  std::array<ImageSize, sog_image_kinds> sizes{};
+  int sh_degree = 0;
+  std::uint32_t palette_size = 0;
+};
+
+/// Opens `source`, which is a bundle or `meta.json`. It must outlive what this returns.
+SogContent open_sog(const Source& source);
+
+/// The same of `meta.json` and of the images, which `open` opens. `stored` is what the files take that `open`
+/// does not count.
+SogContent open_sog(const Source& meta, std::uint64_t stored, const SogFiles& open);
+
+/// What a SOG's images hold.
+struct SogPixels {
+  std::array<RgbaPixels, sog_image_kinds> images{};
+  std::vector<float> palette{};  ///< @shape{palette_size, sh_rest_count(sh_degree), 3}
+};
+
+/// Decodes the images, several at a time, and closes their files.
+SogPixels decode_images(SogContent& sog, const ProgressMeter& progress);
+
+/// What the format has no meaning for, counted.
+struct SogOddities {
+  std::uint64_t labels = 0;     ///< Gaussians without harmonics, as their label is no entry of the palette
+  std::uint64_t rotations = 0;  ///< Gaussians not rotated, as no component is said to be the largest
+};
+
+/// Some Gaussians of a SOG, and where they go in a scene of the same or a higher degree.
+struct SogRange {
+  std::size_t first, count, to;
+};
+
+SogOddities decode_gaussians(const SogContent& sog, const SogPixels& pixels, const SogRange& range,
+                             const ProgressMeter& progress, Scene& scene);
+
+}  // namespace swiftgs::io

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+
+#include "parallel.hpp"
+#include "scene_building.hpp"
+#include "sog_content.hpp"
+
+namespace swiftgs::io {
+namespace {
+
+/// Coordinates are 16-bit signed logarithms, one byte of them in each of two images.
+class MeanDecoder {
+ public:
+  explicit MeanDecoder(const SogMeta& meta)
+      : least_(meta.mean_min), step_((meta.mean_max - meta.mean_min) / 65535.0) {}
+
+  vec3 operator()(const std::uint8_t* low, const std::uint8_t* high) const {
+    vec3 mean;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double logarithm = least_[axis] + step_[axis] * (low[axis] | high[axis] << 8);
+      mean[axis] = float(std::copysign(std::exp(std::abs(logarithm)) - 1, logarithm));
+    }
+    return mean;
+  }
+
+ private:
+  dvec3 least_, step_;
+};
+
+/// The fourth byte names the largest of w, x, y, z; the others hold the rest in that order.
+class RotationDecoder {
+ public:
+  RotationDecoder() {
+    for (int byte = 0; byte < 256; ++byte) component_[byte] = float((byte / 255.0 - 0.5) * std::sqrt(2.0));
+  }
+
+  static bool is_valid(const std::uint8_t* pixel) { return pixel[3] >= first_index; }
+
+  Quaternion operator()(const std::uint8_t* pixel) const {
+    const int largest = pixel[3] - first_index;
+    std::array<float, 4> wxyz;
+    float squares = 0;
+    for (int i = 0; i < 4; ++i) {
+      if (i == largest) continue;
+      wxyz[i] = component_[*pixel++];
+      squares += wxyz[i] * wxyz[i];
+    }
+    wxyz[largest] = std::sqrt(std::max(0.0f, 1 - squares));
+    return normalised(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+  }
+
+ private:
+  static constexpr int first_index = 252;
+
+  SogMeta::Table component_;
+};
+
+vec3 three(const std::array<SogMeta::Table, 3>& tables, const std::uint8_t* pixel) {
+  return {tables[0][pixel[0]], tables[1][pixel[1]], tables[2][pixel[2]]};
+}
+
+}  // namespace
+
+SogOddities decode_gaussians(const SogContent& sog, const SogPixels& pixels, const SogRange& range,
+                             const ProgressMeter& progress, Scene& scene) {
+  const std::size_t rest = 3 * std::size_t(sh_rest_count(sog.sh_degree));
+  const std::size_t stride = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  const MeanDecoder mean(sog.meta);
+  const RotationDecoder rotation;
+  std::atomic<std::uint64_t> odd_labels = 0, odd_rotations = 0;
+  for_parts(range.count, progress, [&](std::size_t begin, std::size_t end) {
+    SogOddities odd;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto pixel = [&](SogImageKind kind) { return pixels.images[kind].get() + 4 * (range.first + i); };
+      const std::size_t to = range.to + i;
+      scene.means[to] = mean(pixel(sog_means_low), pixel(sog_means_high));
+      scene.scales[to] = three(sog.meta.scales, pixel(sog_scales));
+      if (RotationDecoder::is_valid(pixel(sog_rotations)))
+        scene.rotations[to] = rotation(pixel(sog_rotations));
+      else
+        ++odd.rotations;
+      scene.sh0[to] = three(sog.meta.colours, pixel(sog_colours));
+      scene.opacities[to] = sog.meta.opacities[pixel(sog_colours)[3]];
+      if (rest == 0) continue;
+      const std::size_t label = pixel(sog_sh_labels)[0] | std::size_t(pixel(sog_sh_labels)[1]) << 8;
+      if (label < sog.palette_size)
+        std::memcpy(scene.sh_rest.data() + to * stride, pixels.palette.data() + label * rest,
+                    rest * sizeof(float));
+      else
+        ++odd.labels;
+    }
+    odd_labels += odd.labels, odd_rotations += odd.rotations;
+  });
+  return {odd_labels, odd_rotations};
+}
+
+}  // namespace swiftgs::io

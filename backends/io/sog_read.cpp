@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sog_read.hpp"
+
+#include <string>
+
+#include "scene_building.hpp"
+#include "scene_readers.hpp"
+
+namespace swiftgs::io {
+
+void SogFindings::add(const SogMeta& meta, const SogOddities& odd) {
+  (meta.antialiased ? antialiased_ : plain_) = true;
+  flat_ = flat_ || meta.flat;
+  if (!meta.unknown_model.empty()) unknown_model_ = meta.unknown_model;
+  odd_.labels += odd.labels;
+  odd_.rotations += odd.rotations;
+}
+
+void SogFindings::finish(SceneFile& file) const {
+  const auto note = [&](const std::string& text) { file.notes.push_back(text); };
+  file.dropped_nonfinite = drop_nonfinite(file.scene);
+  file.scene.antialiased = antialiased_;
+  if (antialiased_ && plain_)
+    note("Some parts were trained with antialiasing and some without; all are rendered with it.");
+  if (flat_) note("The Gaussians were trained as 2D ones; they are kept as flat 3D ones.");
+  if (!unknown_model_.empty()) note("The render model '" + unknown_model_ + "' is not known, and ignored.");
+  if (odd_.labels > 0)
+    note(std::to_string(odd_.labels) +
+         " Gaussians name an entry that the palette of harmonics lacks; theirs are 0.");
+  if (odd_.rotations > 0)
+    note(std::to_string(odd_.rotations) +
+         " Gaussians have a rotation that is not valid; they are not rotated.");
+}
+
+SceneFile read_sog(const Source& source, const SceneReadOptions& options) {
+  const ProgressMeter progress(options.progress, source.name);
+  progress.report(0);
+  SogContent sog = open_sog(source);
+  SceneFile file;
+  file.format = "SOG version " + std::to_string(sog.meta.version);
+  file.stored = sog.meta.count;
+  const SogPixels pixels = decode_images(sog, progress.step(0, 0.5));
+  allocate(file.scene, sog.meta.count, sog.sh_degree);
+  const SogRange all{0, sog.meta.count, 0};
+  SogFindings findings;
+  findings.add(sog.meta, decode_gaussians(sog, pixels, all, progress.step(0.5, 1), file.scene));
+  findings.finish(file);
+  return file;
+}
+
+}  // namespace swiftgs::io

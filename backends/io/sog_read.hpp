@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <swiftgs/io/scene_file.hpp>
+
+#include "sog_content.hpp"
+
+namespace swiftgs::io {
+
+/// What the SOGs that make up a scene say beside their Gaussians.
+class SogFindings {
+ public:
+  void add(const SogMeta& meta, const SogOddities& odd);
+
+  /// Drops what cannot be rendered, and sets `file`'s notes and its scene's model.
+  void finish(SceneFile& file) const;
+
+ private:
+  bool antialiased_ = false, plain_ = false, flat_ = false;
+  std::string unknown_model_;
+  SogOddities odd_;
+};
+
+}  // namespace swiftgs::io
