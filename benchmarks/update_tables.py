@@ -15,14 +15,14 @@ import sys
 
 sys.dont_write_bytecode = True
 
-from tables import (ablation, accuracy, balance, blocks, bounds, calibration, changes, gaps, growth,  # noqa: E402
-                    instructions, kernels, pruning, redundancy, stability, stages, summary, ulps)
+from tables import (ablation, accuracy, balance, blocks, bounds, calibration, changes, formats, gaps,  # noqa: E402
+                    growth, instructions, kernels, pruning, redundancy, stability, stages, summary, ulps)
 from tables.results import InputError  # noqa: E402
 from tables.source import RESULTS, Source  # noqa: E402
 
 
-MODULES = (ablation, accuracy, balance, bounds, calibration, changes, gaps, growth, instructions, kernels, pruning,
-           redundancy, stability, stages, summary, ulps)
+MODULES = (ablation, accuracy, balance, bounds, calibration, changes, formats, gaps, growth, instructions, kernels,
+           pruning, redundancy, stability, stages, summary, ulps)
 TABLES = {name: function for module in MODULES for name, function in module.TABLES.items()}
 
 
