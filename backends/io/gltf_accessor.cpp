@@ -12,11 +12,10 @@ std::uint64_t component_size(const JsonEntry& entry, std::uint64_t type) {
     case GltfAccessor::i16:
     case GltfAccessor::u16:
       return 2;
-    case GltfAccessor::u32:
     case GltfAccessor::f32:
       return 4;
     default:
-      entry.fail("a 'componentType' of 5120 to 5123, 5125 or 5126, found " + std::to_string(type));
+      entry.fail("a 'componentType' of 5120 to 5123 or 5126, found " + std::to_string(type));
   }
 }
 

@@ -11,7 +11,7 @@ namespace swiftgs::io {
 /// Vectors of numbers in a buffer.
 struct GltfAccessor {
   /// glTF's numbers for the types of components.
-  enum Type { i8 = 5120, u8 = 5121, i16 = 5122, u16 = 5123, u32 = 5125, f32 = 5126 };
+  enum Type { i8 = 5120, u8 = 5121, i16 = 5122, u16 = 5123, f32 = 5126 };
 
   const std::byte* data = nullptr;
   std::uint64_t count = 0;
@@ -53,8 +53,6 @@ void for_vectors(const GltfAccessor& accessor, std::size_t begin, std::size_t en
       return all(std::int16_t(), unit(32767));
     case GltfAccessor::u16:
       return all(std::uint16_t(), unit(65535));
-    case GltfAccessor::u32:
-      return all(std::uint32_t(), 0);
     case GltfAccessor::f32:
       return all(float(), 0);
   }

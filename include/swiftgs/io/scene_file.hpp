@@ -39,9 +39,9 @@ struct SceneFile {
   std::vector<std::string> notes;       ///< what of the file the scene does not carry, a sentence each
 };
 
-/// Reads a scene of any format that docs/formats.md lists. The content decides which; `.splat` and `.ksplat`
-/// files begin with nothing of their own and go by their name's ending. `path` may also be the folder of a
-/// capture, in which `find_capture` finds the file.
+/// Reads a scene of any format that docs/formats.md lists. The content decides which; `.splat` files begin
+/// with nothing of their own and go by their name's ending. A text glTF names files in its folder. `path` may
+/// also be the folder of a capture, in which `find_capture` finds the file.
 ///
 /// A Gaussian with a NaN, or with an infinite mean, rotation, SH coefficient or scale, is counted and left
 /// out. A scale of 0 and an opacity of 0 or 1 are legal, whatever infinity the file writes them as. SH
