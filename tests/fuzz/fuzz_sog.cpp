@@ -16,7 +16,8 @@ namespace {
 
 using namespace swiftgs;
 
-/// Files one behind the other, two bytes of length before each: meta.json, then images that are called 1 to 7.
+/// Files one behind the other, two bytes of length before each: meta.json, then images that are called 1 to
+/// 7.
 std::vector<std::span<const std::byte>> split(std::span<const std::byte> bytes) {
   std::vector<std::span<const std::byte>> files;
   while (bytes.size() >= 2 && files.size() < 8) {

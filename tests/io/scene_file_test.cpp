@@ -87,11 +87,11 @@ TEST_CASE("scene file: what cannot be opened is an error with its path and reaso
     return std::string();
   };
   CHECK(message(folder / "missing.ply") == (folder / "missing.ply").string() + ": No such file or directory");
-  CHECK_THROWS_WITH_AS(
-      read_scene(folder / ""),
-      ((folder / "").string() + ": expected a capture, a folder with one .spz, .ply or .sog in it, found none")
-          .c_str(),
-      std::invalid_argument);
+  CHECK_THROWS_WITH_AS(read_scene(folder / ""),
+                       ((folder / "").string() +
+                        ": expected a capture, a folder with one .spz, .ply or .sog in it, found none")
+                           .c_str(),
+                       std::invalid_argument);
   CHECK(message("/dev/null") == "/dev/null: expected a regular file");
 }
 
