@@ -121,8 +121,10 @@ int choose_fractional_bits(const Scene& scene) {
   float farthest = 0;
   for (const vec3& mean : scene.means)
     farthest = std::max({farthest, std::abs(mean.x), std::abs(mean.y), std::abs(mean.z)});
-  int bits = 12;
-  while (bits > 0 && std::ldexp(double(farthest), bits) >= largest_position + 0.5) --bits;
+  const auto reaches = [&](int bits) { return std::ldexp(double(farthest), bits); };
+  int bits = 24;
+  while (bits > 12 && reaches(bits) > 1 << 15) --bits;
+  while (bits > 0 && reaches(bits) >= largest_position + 0.5) --bits;
   return bits;
 }
 

@@ -20,7 +20,9 @@ struct SpzEncoding {
   int fractional_bits = 0;
 };
 
-/// The finest grid that holds all positions; 0 bits if none does.
+/// 12 bits, as all writers take, unless the scene is so large that it does not fit, or so small that the grid
+/// would be coarse: then so many that the farthest position lies 16,384 to 32,768 steps off, at most 24. All
+/// readers scale by 1 / (1 << bits). 0 bits hold what lies within 8,388,607, and the rest is clamped.
 int choose_fractional_bits(const Scene& scene);
 
 /// Encodes an attribute of Gaussians [begin, end), all of finite numbers. Returns how many values lie outside

@@ -97,6 +97,8 @@ class SpzDecoder {
 
 }  // namespace
 
+// What gzip and the format's own limit of version 4 allow bounds the memory: 5,100 times the file's size up
+// to version 3, 35,000 times in version 4. It is taken when the headers of all streams agree with the count.
 SceneFile read_spz(const Source& source, const SceneReadOptions& options) {
   const ProgressMeter progress(options.progress, source.name);
   SceneFile file;

@@ -29,11 +29,20 @@ std::array<StreamSizes, spz_attributes> read_table(ByteReader& reader, const Spz
   return table;
 }
 
-/// Unpacks one zstd frame, which must fill `size` bytes of both sides exactly.
-void unpack_frame(const Source& source, std::uint64_t offset, StreamSizes size, std::byte* to) {
+/// Throws unless a stream is one zstd frame which does not deny its size. Takes no memory.
+void check_frame(const Source& source, std::uint64_t offset, StreamSizes size) {
   const std::byte* from = source.bytes.data() + offset;
   if (ZSTD_findFrameCompressedSize(from, size.packed) != size.packed)
     source.fail(offset, "one zstd frame of " + std::to_string(size.packed) + " bytes");
+  const unsigned long long stated = ZSTD_getFrameContentSize(from, size.packed);
+  if (stated != size.unpacked && stated != ZSTD_CONTENTSIZE_UNKNOWN)
+    source.fail(offset, "a zstd frame of " + std::to_string(size.unpacked) + " bytes unpacked, found " +
+                            std::to_string(stated));
+}
+
+/// Unpacks one zstd frame, which must fill `size` bytes of both sides exactly.
+void unpack_frame(const Source& source, std::uint64_t offset, StreamSizes size, std::byte* to) {
+  const std::byte* from = source.bytes.data() + offset;
   const std::size_t unpacked = ZSTD_decompress(to, size.unpacked, from, size.packed);
   if (ZSTD_isError(unpacked))
     source.fail(offset, std::string("a valid zstd frame (") + ZSTD_getErrorName(unpacked) + ")");
@@ -69,6 +78,7 @@ SpzContent unpack_spz_streams(const Source& source, const SpzUnpacking& unpackin
   for (int a = 0; a < spz_attributes; ++a) {
     offsets[a] = table_reader.position();
     table_reader.take(table[a].packed, "a stream");
+    if (table[a].unpacked != 0) check_frame(source, offsets[a], table[a]);
   }
   table_reader.expect_end("the last stream");
 

@@ -203,3 +203,26 @@ TEST_CASE("spz: the named frames are those of the coordinate systems") {
     CHECK(named.sh_rest == stated.sh_rest);
   }
 }
+
+TEST_CASE("spz: reading can be watched and cancelled") {
+  for (std::uint32_t version = 1; version <= 4; ++version) {
+    const std::string content = pack_spz(encode_spz(exact_scene(1), version));
+    double last = 0;
+    bool grows = true;
+    const Progress watch = [&](double part) {
+      grows = grows && part >= last && part <= 1;
+      last = part;
+      return true;
+    };
+    read_scene(as_bytes(content), "a.spz", {.progress = watch});
+    CHECK(grows);
+    CHECK(last == 1);
+    // Cancelled at once, while it unpacks, and while it decodes.
+    for (const double at : {0.0, 0.5, 0.7}) {
+      const auto read = [&] {
+        read_scene(as_bytes(content), "a.spz", {.progress = [&](double part) { return part < at; }});
+      };
+      CHECK_THROWS_AS(read(), Cancelled);
+    }
+  }
+}

@@ -143,6 +143,15 @@ TEST_CASE("spz: positions never wrap and the farthest decides how finely they ar
     CHECK(written.notes.size() == (bits < 12 ? 1 : 0));
     check_rounded(scene, load_scene(folder / "a.spz"), std::ldexp(1.0, -bits));
   }
+  Scene small = some_scene(20, 0);
+  for (vec3& mean : small.means) mean *= 0x1p-9f;
+  CHECK(write_scene(folder / "a.spz", small).notes.empty());
+  CHECK(content_of(folder / "a.spz")[13] == char(21));
+  check_rounded(small, load_scene(folder / "a.spz"), 0x1p-21);
+  for (vec3& mean : small.means) mean = vec3(0.0f);
+  write_scene(folder / "a.spz", small);
+  CHECK(load_scene(folder / "a.spz").means == small.means);
+
   Scene scene = some_scene(20, 0);
   scene.means[7] = vec3(8388608.0f, -1e30f, 1);
   const WrittenScene written = write_scene(folder / "a.spz", scene);

@@ -61,8 +61,10 @@ SWIFTGS_API SceneFile read_scene(std::span<const std::byte> bytes, const std::st
 
 struct SceneWriteOptions {
   std::string ending{};  ///< names the format, as `.ply` does; empty: the file's own name does
-  int spz_version = 4;   ///< or 3, which older programs read
-  SpzFrame spz_frame = SpzFrame::specified;  ///< of an SPZ file to write; `specified` is RUB
+  int spz_version = 4;   ///< of an SPZ file to write; 3 is for programs of before 2026
+  /// Of an SPZ file to write: `specified` is RUB, and other axes are stated in the file. `rdf` and `raw` are
+  /// for programs that read positions as they are stored.
+  SpzFrame spz_frame = SpzFrame::specified;
   Progress progress{};
 };
 
@@ -79,13 +81,15 @@ struct WrittenScene {
 /// | --- | --- | --- |
 /// | `.ply` | INRIA PLY, little-endian floats | opacities are clamped to [1e-6, 1 - 1e-6], as it holds logits
 /// |
-/// | `.spz` | SPZ version 4 or 3 | all is rounded: positions to 1/4096 (coarser if one lies beyond 2048),
-/// scales to 1/16 of their logarithm, opacities to 1/255, SH coefficients of band 1 to 1/16 and above to 1/8;
-/// what lies outside of the format's ranges is clamped and counted in the notes |
+/// | `.spz` | SPZ version 4 or 3 | all is rounded; what lies outside of its ranges is clamped and noted |
+///
+/// SPZ rounds positions to 1/4096 (finer in a scene smaller than 4, coarser in one beyond 2048), scales to
+/// 1/16 of their logarithm, opacities to 1/255, and SH coefficients to 1/38 in band 0, 1/16 in band 1 and 1/8
+/// above.
 ///
 /// The new file takes the place of an old one when it is whole. Throws `std::invalid_argument` as `validate`
-/// does and for an ending that it does not know, `Cancelled`, or `std::system_error` if the file cannot be
-/// written.
+/// does, for an ending that it does not know, and for a scene or an option that the format does not allow,
+/// `Cancelled`, or `std::system_error` if the file cannot be written.
 SWIFTGS_API WrittenScene write_scene(const std::filesystem::path& path, const Scene& scene,
                                      const SceneWriteOptions& options = {});
 
