@@ -38,6 +38,14 @@ T load(const std::byte* at, std::endian order = std::endian::little) {
   return std::bit_cast<T>(raw);
 }
 
+/// Stores a number in little-endian byte order, at any alignment.
+template <class T>
+void store(std::byte* at, T value) {
+  auto raw = std::bit_cast<std::array<std::byte, sizeof(T)>>(value);
+  if constexpr (std::endian::native != std::endian::little) std::reverse(raw.begin(), raw.end());
+  std::memcpy(at, raw.data(), sizeof(T));
+}
+
 /// Reads little-endian values front to back; every read is checked against the end.
 class ByteReader {
  public:
