@@ -21,6 +21,7 @@ struct Source {
   std::span<const std::byte> bytes;
   std::string name;
   std::filesystem::path folder{};  ///< of other files that this one names; empty if it was given from memory
+  bool mapped = false;             ///< `bytes` are a `MappedFile`'s
 
   std::string_view text() const { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 

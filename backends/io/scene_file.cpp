@@ -78,7 +78,7 @@ SceneFile read_scene(const std::filesystem::path& path, const SceneReadOptions& 
   const std::filesystem::path scene = find_capture(path).scene;
   const io::MappedFile file(scene);
   const std::filesystem::path folder = scene.has_parent_path() ? scene.parent_path() : ".";
-  return io::read({file.bytes(), scene.string(), folder}, options);
+  return io::read({file.bytes(), scene.string(), folder, true}, options);
 }
 
 Scene load_scene(const std::filesystem::path& path, const SceneReadOptions& options) {

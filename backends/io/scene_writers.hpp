@@ -10,6 +10,8 @@
 
 namespace swiftgs::io {
 
+WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene& scene,
+                                  const SceneWriteOptions& options);
 WrittenScene write_ply(const std::filesystem::path& path, const Scene& scene,
                        const SceneWriteOptions& options);
 

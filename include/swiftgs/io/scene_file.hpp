@@ -75,6 +75,7 @@ struct WrittenScene {
 ///
 /// | ending | format | what it loses |
 /// | --- | --- | --- |
+/// | `.compressed.ply` | SuperSplat's compressed PLY | precision; its order is spatial |
 /// | `.ply` | INRIA PLY, little-endian floats | opacities are clamped to [1e-6, 1 - 1e-6], as it holds logits
 /// |
 ///
