@@ -37,8 +37,7 @@ std::string_view what_it_is(std::string_view text, std::string_view name) {
     if (holds("\"asset\"")) return gaussians ? "a glTF of Gaussians" : "a glTF without Gaussians";
     return is_transforms_json(beginning) ? "JSON of cameras (transforms.json)" : "JSON";
   }
-  if (name.ends_with(".ksplat")) return "a .ksplat scene";
-  return name.ends_with(".splat") && text.size() % 32 == 0 ? "a .splat scene" : "something else";
+  return name.ends_with(".ksplat") ? "a .ksplat scene" : "something else";
 }
 
 /// A format that is told by its content, or by the name's ending.
@@ -57,6 +56,8 @@ constexpr Reader readers[] = {
        return text.starts_with("NGSP") || text.starts_with("\x1f\x8b");
      },
      read_spz},
+    // Last, as nothing but the name tells.
+    {[](std::string_view, std::string_view name) { return name.ends_with(".splat"); }, read_splat},
 };
 
 SceneFile read(const Source& source, const SceneReadOptions& options) {

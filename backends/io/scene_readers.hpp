@@ -11,6 +11,7 @@
 namespace swiftgs::io {
 
 SceneFile read_ply(const Source& source, const SceneReadOptions& options);
+SceneFile read_splat(const Source& source, const SceneReadOptions& options);
 SceneFile read_spz(const Source& source, const SceneReadOptions& options);
 
 }  // namespace swiftgs::io

@@ -20,6 +20,7 @@ struct Writer {
 constexpr Writer writers[] = {
     {".compressed.ply", write_compressed_ply},
     {".ply", write_ply},
+    {".splat", write_splat},
 };
 
 const Writer& writer_for(const std::filesystem::path& path, const std::string& ending) {

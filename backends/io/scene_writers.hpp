@@ -14,5 +14,7 @@ WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene
                                   const SceneWriteOptions& options);
 WrittenScene write_ply(const std::filesystem::path& path, const Scene& scene,
                        const SceneWriteOptions& options);
+WrittenScene write_splat(const std::filesystem::path& path, const Scene& scene,
+                         const SceneWriteOptions& options);
 
 }  // namespace swiftgs::io

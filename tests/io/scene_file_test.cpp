@@ -59,14 +59,15 @@ TEST_CASE("scene file: foreign files are refused at byte 0 and named where they 
   CHECK(complaint_about("plywood\n") == start + "something else");
 }
 
-TEST_CASE("scene file: formats without a beginning of their own are named by the ending") {
+TEST_CASE("scene file: formats without a beginning of their own go by the ending") {
   const auto complaint_about = [](const std::string& name, std::size_t size) {
     const std::string content(size, '\1');
     return complaint([&] { read_scene(as_bytes(content), name); });
   };
-  CHECK(contains(complaint_about("a.splat", 64), "found a .splat scene"));
-  CHECK(contains(complaint_about("a.splat", 65), "found something else"));
   CHECK(contains(complaint_about("a.ksplat", 65), "found a .ksplat scene"));
+  CHECK(complaint_about("a.splat", 64) == "");
+  CHECK(contains(complaint_about("a.splats", 64), "found something else"));
+  CHECK(read_scene(as_bytes(ply(plain_gaussian())), "a.splat").format == "INRIA PLY (binary_little_endian)");
   CHECK(contains(complaint([&] { read_scene(as_bytes(std::string("{\"fl_x\": 1}")), "a.json"); }),
                  "found JSON of cameras (transforms.json)"));
   const TemporaryFolder place;

@@ -67,7 +67,7 @@ std::map<std::string, Writer> writers() {
       {"png", [](const fs::path& path) { write_png(path, noise()); }},
       {"pfm", [](const fs::path& path) { write_pfm(path, noise()); }},
   };
-  for (const std::string ending : {".compressed.ply", ".ply"})
+  for (const std::string ending : {".compressed.ply", ".ply", ".splat"})
     all[ending.substr(1)] = [ending](const fs::path& path) {
       write_scene(path, make_builtin_scene(1000), {.ending = ending});
     };
