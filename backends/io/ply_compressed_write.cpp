@@ -89,14 +89,13 @@ void encode_vertex(const Scene& scene, std::size_t i, const ChunkRanges& ranges,
   row.add(byte(colour.x) << 24 | byte(colour.y) << 16 | byte(colour.z) << 8 | byte(scene.opacities[i]));
 }
 
-/// Notes the numbers of `order` that the format cannot hold.
-void note_clamped(const Scene& scene, const std::vector<std::uint32_t>& order,
-                  std::vector<std::string>& notes) {
+/// Notes the numbers of renderable Gaussians that the format cannot hold.
+void note_clamped(const Scene& scene, std::vector<std::string>& notes) {
   const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   ClampCount scales, harmonics;
-  for_parts(order.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::size_t i = order[k];
+  for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!renderable(scene, i)) continue;
       for (int axis = 0; axis < 3; ++axis) scales(std::abs(std::log(scene.scales[i][axis])) > most_log_scale);
       for (std::size_t j = 0; j < rest; ++j) harmonics(std::abs(scene.sh_rest[i * rest + j]) > 4);
     }
@@ -115,7 +114,7 @@ WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene
   // The nearer the Gaussians of a chunk lie to each other, the finer are its ranges divided.
   std::vector<std::uint32_t> order = spatial_order(scene);
   keep_renderable(scene, order, written.notes);
-  note_clamped(scene, order, written.notes);
+  note_clamped(scene, written.notes);
   progress.report(0.3);
   const std::vector<ChunkRanges> chunks = ranges_of(scene, order);
 
@@ -134,8 +133,8 @@ WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene
       for (std::size_t c = 0; c < 3; ++c)
         for (std::size_t j = 0; j < count; ++j) row.add(pack_sh(rest[3 * j + c]));
     });
+  progress.report(1);  // a file that has taken its place cannot be cancelled
   file.close();
-  progress.report(1);
   written.bytes = file.size();
   return written;
 }

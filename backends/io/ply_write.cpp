@@ -52,8 +52,8 @@ WrittenScene write_ply(const std::filesystem::path& path, const Scene& scene,
   const std::size_t floats = 17 + 3 * std::size_t(sh_rest_count(scene.sh_degree));
   write_rows(file, scene.size(), floats * sizeof(float), progress,
              [&](std::size_t i, RowEncoder row) { encode_row(scene, i, row); });
+  progress.report(1);  // a file that has taken its place cannot be cancelled
   file.close();
-  progress.report(1);
   return {.format = "INRIA PLY (binary_little_endian)", .bytes = file.size()};
 }
 

@@ -80,8 +80,8 @@ WrittenScene write_splat(const std::filesystem::path& path, const Scene& scene,
   OutputFile file(path);
   write_rows(file, order.size(), splat_record_bytes, progress.step(0.5, 1),
              [&](std::size_t i, RowEncoder row) { encode_record(scene, order[i], row); });
+  progress.report(1);  // a file that has taken its place cannot be cancelled
   file.close();
-  progress.report(1);
   written.bytes = file.size();
   return written;
 }

@@ -7,7 +7,10 @@
 
 #include <unistd.h>
 
+#include <swiftgs/io/scene_file.hpp>
+
 #include "files.hpp"
+#include "scenes.hpp"
 
 using namespace swiftgs::test;
 using swiftgs::io::MappedFile;
@@ -44,4 +47,21 @@ TEST_CASE("mapped file: bytes from elsewhere stay when they are let go of") {
   const std::string content(1 << 20, '\3');
   swiftgs::io::let_go({as_bytes(content), "a"}, 0, content.size());
   CHECK(sum(as_bytes(content)) == 3 << 20);
+}
+
+TEST_CASE("mapped file: a scene's file does not stay in memory beside the scene") {
+  const TemporaryFolder folder;
+  for (const char* ending : {".ply", ".compressed.ply", ".splat"}) {
+    CAPTURE(ending);
+    const auto path = folder / (std::string("a") + ending);
+    const auto size = long(swiftgs::write_scene(path, some_scene(60'000, 3)).bytes);
+    const long before = resident_of_files();
+    long at_end = -1;
+    swiftgs::read_scene(path, {.progress = [&](double part) {
+                          if (part == 1) at_end = resident_of_files() - before;
+                          return true;
+                        }});
+    REQUIRE(at_end != -1);
+    CHECK(at_end < size / 2);
+  }
 }
