@@ -21,6 +21,7 @@ struct Source {
   std::span<const std::byte> bytes;
   std::string name;
   std::filesystem::path folder{};  ///< of other files that this one names; empty if it was given from memory
+  bool mapped = false;             ///< `bytes` are a `MappedFile`'s
 
   std::string_view text() const { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
@@ -36,6 +37,14 @@ T load(const std::byte* at, std::endian order = std::endian::little) {
   std::memcpy(raw.data(), at, sizeof(T));
   if (order != std::endian::native) std::reverse(raw.begin(), raw.end());
   return std::bit_cast<T>(raw);
+}
+
+/// Stores a number in little-endian byte order, at any alignment.
+template <class T>
+void store(std::byte* at, T value) {
+  auto raw = std::bit_cast<std::array<std::byte, sizeof(T)>>(value);
+  if constexpr (std::endian::native != std::endian::little) std::reverse(raw.begin(), raw.end());
+  std::memcpy(at, raw.data(), sizeof(T));
 }
 
 /// Reads little-endian values front to back; every read is checked against the end.

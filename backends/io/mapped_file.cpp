@@ -50,4 +50,13 @@ MappedFile::~MappedFile() {
   if (data_) ::munmap(const_cast<std::byte*>(data_), size_);
 }
 
+void let_go(const Source& source, std::uint64_t begin, std::uint64_t end) {
+  if (!source.mapped) return;
+  // A mapping begins at a page. Pages that are only partly in the range belong to the neighbours as well.
+  const auto page = std::uint64_t(::sysconf(_SC_PAGESIZE));
+  const std::uint64_t first = (begin + page - 1) / page * page, last = end / page * page;
+  if (first < last)
+    ::madvise(const_cast<std::byte*>(source.bytes.data()) + first, last - first, MADV_DONTNEED);
+}
+
 }  // namespace swiftgs::io

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <span>
 
+#include "bytes.hpp"
+
 namespace swiftgs::io {
 
 /// A regular file, mapped read-only. The kernel may drop its pages at any time, so it takes no memory that
@@ -22,5 +24,9 @@ class MappedFile {
   const std::byte* data_ = nullptr;
   std::size_t size_ = 0;
 };
+
+/// Takes bytes [begin, end) of a mapped file, which are read for the last time, out of this process's memory.
+/// Nothing happens to bytes from elsewhere.
+void let_go(const Source& source, std::uint64_t begin, std::uint64_t end);
 
 }  // namespace swiftgs::io

@@ -158,6 +158,12 @@ const char* PlyHeader::encoding_name() const {
   }
 }
 
+const PlyElement* PlyHeader::find(std::string_view element) const {
+  for (const PlyElement& candidate : elements)
+    if (candidate.name == element) return &candidate;
+  return nullptr;
+}
+
 PlyHeader parse_ply_header(const Source& source) { return HeaderParser(source).parse(); }
 
 }  // namespace swiftgs::io

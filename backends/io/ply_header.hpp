@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bytes.hpp"
@@ -41,6 +42,7 @@ struct PlyHeader {
   std::uint64_t size = 0;             ///< offset of the first row
 
   const char* encoding_name() const;
+  const PlyElement* find(std::string_view element) const;  ///< null if there is none of that name
 };
 
 /// Parses up to and with `end_header`. Accepts CRLF, comments anywhere, and both families of type names.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ply_rows.hpp"
 
-#include <string>
-
 #include "tokens.hpp"
 
 namespace swiftgs::io {
@@ -62,8 +60,7 @@ std::uint64_t skip_text_row(const Source& source, const PlyElement& element, std
   return tokens.position();
 }
 
-}  // namespace
-
+/// The offset after all rows of `element`, which start at `position`.
 std::uint64_t skip_rows(const Source& source, const PlyElement& element, PlyEncoding encoding,
                         std::uint64_t position) {
   const std::uint64_t row_bytes = element.row_bytes(encoding);
@@ -84,6 +81,27 @@ std::uint64_t skip_rows(const Source& source, const PlyElement& element, PlyEnco
   return position;
 }
 
+/// Throws unless the file ends at `position`.
+void expect_end(const Source& source, PlyEncoding encoding, std::uint64_t position) {
+  if (encoding == PlyEncoding::ascii && Tokens(source.text(), position).at_end()) return;
+  if (position != source.bytes.size())
+    source.fail(position, "the end of the file after the last element, found " +
+                              std::to_string(source.bytes.size() - position) + " more bytes");
+}
+
+}  // namespace
+
+std::map<std::string, std::uint64_t> locate_rows(const Source& source, const PlyHeader& header) {
+  std::map<std::string, std::uint64_t> starts;
+  std::uint64_t position = header.size;
+  for (const PlyElement& element : header.elements) {
+    starts[element.name] = position;
+    position = skip_rows(source, element, header.encoding, position);
+  }
+  expect_end(source, header.encoding, position);
+  return starts;
+}
+
 std::uint64_t parse_text_row(const Source& source, const PlyElement& element, std::uint64_t position,
                              std::vector<double>& row) {
   Tokens tokens(source.text(), position);
@@ -94,13 +112,6 @@ std::uint64_t parse_text_row(const Source& source, const PlyElement& element, st
       source.fail(tokens.position() - word.size(), "a number for '" + element.properties[i].name + "'");
   }
   return tokens.position();
-}
-
-void expect_end(const Source& source, PlyEncoding encoding, std::uint64_t position) {
-  if (encoding == PlyEncoding::ascii && Tokens(source.text(), position).at_end()) return;
-  if (position != source.bytes.size())
-    source.fail(position, "the end of the file after the last element, found " +
-                              std::to_string(source.bytes.size() - position) + " more bytes");
 }
 
 }  // namespace swiftgs::io

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "ply_header.hpp"
@@ -11,16 +13,13 @@
 
 namespace swiftgs::io {
 
-/// The offset after all rows of `element`, which start at `position`. Throws `FormatError` if they do not
-/// fit.
-std::uint64_t skip_rows(const Source& source, const PlyElement& element, PlyEncoding encoding,
-                        std::uint64_t position);
+/// Where the rows of each element start, by its name. Throws `FormatError` unless the rows of all elements
+/// make up the rest of the file, blanks at the end of an ascii file aside. Asked before memory is taken for
+/// them.
+std::map<std::string, std::uint64_t> locate_rows(const Source& source, const PlyHeader& header);
 
 /// Parses one row of an ascii file, scalars only, into `row`. Returns the offset after it.
 std::uint64_t parse_text_row(const Source& source, const PlyElement& element, std::uint64_t position,
                              std::vector<double>& row);
-
-/// Throws unless the file ends at `position`, blanks after the last row of an ascii file aside.
-void expect_end(const Source& source, PlyEncoding encoding, std::uint64_t position);
 
 }  // namespace swiftgs::io

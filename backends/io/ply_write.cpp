@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <string>
 
-#include "output_file.hpp"
-#include "progress_meter.hpp"
+#include "row_writing.hpp"
 #include "scene_writers.hpp"
 
 namespace swiftgs::io {
@@ -29,27 +26,19 @@ float logit(float opacity) {
   return float(std::log(p / (1 - p)));
 }
 
-/// Appends Gaussian `i` as the header announces it.
-void append_row(const Scene& scene, std::size_t i, std::string& out) {
-  const auto add = [&](float value) {
-    const auto raw = std::bit_cast<std::array<char, 4>>(value);
-    if constexpr (std::endian::native == std::endian::little)
-      out.append(raw.begin(), raw.end());
-    else
-      out.append(raw.rbegin(), raw.rend());
-  };
-  const auto add3 = [&](vec3 v) { add(v.x), add(v.y), add(v.z); };
+/// Gaussian `i` as the header announces it.
+void encode_row(const Scene& scene, std::size_t i, RowEncoder row) {
   const std::size_t count = std::size_t(sh_rest_count(scene.sh_degree));
   const float* rest = scene.sh_rest.data() + i * 3 * count;
-  add3(scene.means[i]);
-  add3(vec3(0.0f));  // normals, which nobody reads
-  add3(scene.sh0[i]);
+  row.add(scene.means[i]);
+  row.add(vec3(0.0f));  // normals, which nobody reads
+  row.add(scene.sh0[i]);
   for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t j = 0; j < count; ++j) add(rest[3 * j + c]);
-  add(logit(scene.opacities[i]));
-  for (int axis = 0; axis < 3; ++axis) add(std::log(scene.scales[i][axis]));
+    for (std::size_t j = 0; j < count; ++j) row.add(rest[3 * j + c]);
+  row.add(logit(scene.opacities[i]));
+  for (int axis = 0; axis < 3; ++axis) row.add(std::log(scene.scales[i][axis]));
   const Quaternion& q = scene.rotations[i];
-  add(q.w), add(q.x), add(q.y), add(q.z);
+  row.add(q.w), row.add(q.x), row.add(q.y), row.add(q.z);
 }
 
 }  // namespace
@@ -58,18 +47,13 @@ WrittenScene write_ply(const std::filesystem::path& path, const Scene& scene,
                        const SceneWriteOptions& options) {
   const ProgressMeter progress(options.progress, path.string());
   OutputFile file(path);
-  std::string buffer = ply_header_of(scene);
-  constexpr std::size_t flush_at = 1 << 20;
-  for (std::size_t i = 0; i < scene.size(); ++i) {
-    append_row(scene, i, buffer);
-    if (buffer.size() < flush_at) continue;
-    file.write(buffer.data(), buffer.size());
-    buffer.clear();
-    progress.report(double(i) / double(scene.size()));
-  }
-  file.write(buffer.data(), buffer.size());
+  const std::string header = ply_header_of(scene);
+  file.write(header.data(), header.size());
+  const std::size_t floats = 17 + 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  write_rows(file, scene.size(), floats * sizeof(float), progress,
+             [&](std::size_t i, RowEncoder row) { encode_row(scene, i, row); });
+  progress.report(1);  // a file that has taken its place cannot be cancelled
   file.close();
-  progress.report(1);
   return {.format = "INRIA PLY (binary_little_endian)", .bytes = file.size()};
 }
 

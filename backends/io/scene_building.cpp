@@ -3,6 +3,9 @@
 
 #include <algorithm>
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include "parallel.hpp"
 
 namespace swiftgs::io {
@@ -33,16 +36,42 @@ void keep(std::vector<T>& values, const std::vector<std::uint8_t>& wanted, std::
   values.erase(to, values.end());
 }
 
+/// Makes the system find the pages of [begin, end) now, from all threads. It clears each page, which takes
+/// longer than decoding what will lie there, and would otherwise be done by the one thread that touches it.
+void populate([[maybe_unused]] void* begin, [[maybe_unused]] void* end) {
+#ifdef MADV_POPULATE_WRITE
+  const auto page = std::uintptr_t(::sysconf(_SC_PAGESIZE));
+  const std::uintptr_t first = (std::uintptr_t(begin) + page - 1) / page * page;
+  const std::uintptr_t last = std::uintptr_t(end) / page * page;
+  if (first >= last) return;
+  // A kernel that cannot does it later, as pages are touched.
+  for_parts((last - first) / page, [&](std::size_t from, std::size_t to) {
+    ::madvise(reinterpret_cast<void*>(first + from * page), (to - from) * page, MADV_POPULATE_WRITE);
+  });
+#endif
+}
+
+template <class T>
+void resize(std::vector<T>& values, std::size_t count) {
+  values.reserve(count);
+  populate(values.data(), values.data() + count);
+  values.resize(count);
+}
+
 }  // namespace
 
 void allocate(Scene& scene, std::size_t count, int sh_degree) {
   scene.sh_degree = sh_degree;
-  scene.means.resize(count);
-  scene.scales.resize(count);
-  scene.rotations.resize(count);
-  scene.opacities.resize(count);
-  scene.sh0.resize(count);
-  scene.sh_rest.resize(count * 3 * std::size_t(sh_rest_count(sh_degree)));
+  resize(scene.means, count);
+  resize(scene.scales, count);
+  resize(scene.rotations, count);
+  resize(scene.opacities, count);
+  resize(scene.sh0, count);
+  resize(scene.sh_rest, count * 3 * std::size_t(sh_rest_count(sh_degree)));
+}
+
+bool renderable(const Scene& scene, std::size_t i) {
+  return renderable(scene, i, 3 * std::size_t(sh_rest_count(scene.sh_degree)));
 }
 
 std::uint64_t drop_nonfinite(Scene& scene) {

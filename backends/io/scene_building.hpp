@@ -20,6 +20,9 @@ inline constexpr double sh_c0 = 0.28209479177387814;  ///< the basis function of
 /// Gives `scene` the arrays of `count` Gaussians.
 void allocate(Scene& scene, std::size_t count, int sh_degree);
 
+/// Whether all numbers of Gaussian `i` are finite.
+bool renderable(const Scene& scene, std::size_t i);
+
 /// Removes the Gaussians with a value that cannot be rendered, keeping the order. Returns how many.
 std::uint64_t drop_nonfinite(Scene& scene);
 

@@ -14,9 +14,8 @@ namespace swiftgs {
 namespace io {
 namespace {
 
-/// What people take for a scene most often deserves its name. Content decides; `name` only helps with formats
-/// that begin with nothing of their own.
-std::string_view what_it_is(std::string_view text, std::string_view name) {
+/// What people take for a scene most often deserves its name.
+std::string_view what_it_is(std::string_view text) {
   const std::string_view beginning = text.substr(0, 1 << 16);
   const auto starts_with = [&](std::string_view start) { return text.starts_with(start); };
   const auto holds = [&](std::string_view word) { return beginning.find(word) != std::string_view::npos; };
@@ -29,7 +28,7 @@ std::string_view what_it_is(std::string_view text, std::string_view name) {
     if (holds("\"img_name\"")) return "JSON of cameras (cameras.json)";
     return is_transforms_json(beginning) ? "JSON of cameras (transforms.json)" : "JSON";
   }
-  return name.ends_with(".splat") && text.size() % 32 == 0 ? "a .splat scene" : "something else";
+  return "something else";
 }
 
 /// Whether JSON is a glTF; a SOG folder's, too, may have a member "asset".
@@ -82,13 +81,15 @@ constexpr Reader readers[] = {
        return is_object_with(text, "\"lodLevels\"", "\"filenames\"");
      },
      read_streamed_sog},
+    // Last, as nothing but the name tells.
+    {[](std::string_view, std::string_view name) { return name.ends_with(".splat"); }, read_splat},
 };
 
 SceneFile read(const Source& source, const SceneReadOptions& options) {
   const std::string_view text = source.text();
   for (const Reader& reader : readers)
     if (reader.reads(text, source.name)) return reader.read(source, options);
-  source.fail(0, "a scene of Gaussians, found " + std::string(what_it_is(text, source.name)));
+  source.fail(0, "a scene of Gaussians, found " + std::string(what_it_is(text)));
 }
 
 }  // namespace
@@ -103,7 +104,7 @@ SceneFile read_scene(const std::filesystem::path& path, const SceneReadOptions& 
   const std::filesystem::path scene = find_capture(path).scene;
   const io::MappedFile file(scene);
   const std::filesystem::path folder = scene.has_parent_path() ? scene.parent_path() : ".";
-  return io::read({file.bytes(), scene.string(), folder}, options);
+  return io::read({file.bytes(), scene.string(), folder, true}, options);
 }
 
 Scene load_scene(const std::filesystem::path& path, const SceneReadOptions& options) {

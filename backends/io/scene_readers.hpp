@@ -13,6 +13,7 @@ namespace swiftgs::io {
 SceneFile read_gltf(const Source& source, const SceneReadOptions& options);
 SceneFile read_ksplat(const Source& source, const SceneReadOptions& options);
 SceneFile read_ply(const Source& source, const SceneReadOptions& options);
+SceneFile read_splat(const Source& source, const SceneReadOptions& options);
 SceneFile read_spz(const Source& source, const SceneReadOptions& options);
 SceneFile read_sog(const Source& source, const SceneReadOptions& options);
 SceneFile read_streamed_sog(const Source& source, const SceneReadOptions& options);

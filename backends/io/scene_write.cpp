@@ -18,7 +18,9 @@ struct Writer {
 
 /// The first whose ending fits is taken.
 constexpr Writer writers[] = {
+    {".compressed.ply", write_compressed_ply},
     {".ply", write_ply},
+    {".splat", write_splat},
     {".spz", write_spz},
 };
 

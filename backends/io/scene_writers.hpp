@@ -10,8 +10,12 @@
 
 namespace swiftgs::io {
 
+WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene& scene,
+                                  const SceneWriteOptions& options);
 WrittenScene write_ply(const std::filesystem::path& path, const Scene& scene,
                        const SceneWriteOptions& options);
+WrittenScene write_splat(const std::filesystem::path& path, const Scene& scene,
+                         const SceneWriteOptions& options);
 WrittenScene write_spz(const std::filesystem::path& path, const Scene& scene,
                        const SceneWriteOptions& options);
 

@@ -166,7 +166,7 @@ TEST_CASE("ply: a comment that says 2D makes Gaussians flat though there is a th
   const SceneFile flat = read_with("comment SplatRenderMode: 2dgs\n");
   CHECK(flat.scene.scales[0] == vec3(std::exp(-1.0f), std::exp(-2.0f), 0));
   REQUIRE(flat.notes.size() == 1);
-  CHECK(flat.notes[0].find("scale_2 is not used") != std::string::npos);
+  CHECK(flat.notes[0].find("third scale is not used") != std::string::npos);
   const SceneFile solid = read_with("comment SplatRenderMode: 2dgs\ncomment SplatRenderMode: mip\n");
   CHECK(solid.scene.scales[0].z == std::exp(-3.0f));
   CHECK(solid.notes.empty());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <filesystem>
 #include <system_error>
 
 #include <swiftgs/io/scene_file.hpp>
@@ -68,4 +69,38 @@ TEST_CASE("ply: a scene that is not valid or a path that cannot be written is an
   CHECK_THROWS_AS(write_scene(folder / "missing" / "a.ply", scene), std::system_error);
   scene.opacities.pop_back();
   CHECK_THROWS_AS(write_scene(folder / "a.ply", scene), std::invalid_argument);
+}
+
+TEST_CASE("ply: more Gaussians than are written at once keep their order") {
+  const TemporaryFolder folder;
+  const Scene scene = some_scene(600'000, 0);
+  double last = 0;
+  const Progress progress = [&](double part) {
+    CHECK(part >= last);
+    last = part;
+    return true;
+  };
+  write_scene(folder / "a.ply", scene, {.progress = progress});
+  CHECK(last == 1);
+  const Scene back = load_scene(folder / "a.ply");
+  CHECK(back.means == scene.means);
+  CHECK(back.sh0 == scene.sh0);
+}
+
+TEST_CASE("ply: a writer that is cancelled leaves no file whatever the format is") {
+  const TemporaryFolder folder;
+  const Scene scene = some_scene(10, 1);
+  for (const char* name : {"a.ply", "a.compressed.ply", "a.splat"}) {
+    int calls = 0;
+    const auto stop_at = [&](int call) {
+      calls = 0;
+      write_scene(folder / name, scene, {.progress = [&, call](double) { return ++calls != call; }});
+    };
+    stop_at(-1);
+    std::filesystem::remove(folder / name);
+    for (int call = calls; call > 0; --call) {
+      CHECK_THROWS_AS(stop_at(call), Cancelled);
+      CHECK(!std::filesystem::exists(folder / name));
+    }
+  }
 }

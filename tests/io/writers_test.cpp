@@ -66,9 +66,12 @@ std::map<std::string, Writer> writers() {
   std::map<std::string, Writer> all{
       {"png", [](const fs::path& path) { write_png(path, noise()); }},
       {"pfm", [](const fs::path& path) { write_pfm(path, noise()); }},
-      {"ply", [](const fs::path& path) { write_scene(path, make_builtin_scene(1000), {.ending = ".ply"}); }},
       {"spz", [](const fs::path& path) { write_scene(path, make_builtin_scene(2000), {.ending = ".spz"}); }},
   };
+  for (const std::string ending : {".compressed.ply", ".ply", ".splat"})
+    all[ending.substr(1)] = [ending](const fs::path& path) {
+      write_scene(path, make_builtin_scene(1000), {.ending = ending});
+    };
   const TemporaryFolder place;
   const Writer exr = [](const fs::path& path) { write_exr(path, noise()); };
   try {

@@ -79,6 +79,8 @@ struct WrittenScene {
 ///
 /// | ending | format | what it loses |
 /// | --- | --- | --- |
+/// | `.compressed.ply` | SuperSplat's compressed PLY | precision; its order is spatial |
+/// | `.splat` | records of 32 bytes | harmonics above band 0, precision; its order is that of size |
 /// | `.ply` | INRIA PLY, little-endian floats | opacities are clamped to [1e-6, 1 - 1e-6], as it holds logits
 /// |
 /// | `.spz` | SPZ version 4 or 3 | all is rounded; what lies outside of its ranges is clamped and noted |

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <span>
+#include <string>
+
+#include "mapped_file.hpp"
+#include "parallel.hpp"
+#include "ply_compressed.hpp"
+#include "ply_fields.hpp"
+#include "ply_model.hpp"
+#include "ply_rows.hpp"
+#include "scene_building.hpp"
+
+namespace swiftgs::io {
+namespace {
+
+/// Rows of an element in the file.
+struct Rows {
+  std::uint64_t position = 0;
+  std::size_t row_bytes = 0;
+  std::vector<PlyField> fields;
+};
+
+/// What the elements of a file are.
+struct CompressedLayout {
+  Rows chunks, vertices, harmonics;
+  PlySh sh;
+};
+
+Rows find_rows(const PlyFields& fields, std::span<const char* const> names, PlyType type,
+               const char* type_name, std::uint64_t position) {
+  Rows rows{position, fields.row_bytes(), {}};
+  for (const char* name : names) rows.fields.push_back(fields.take(name, type, type_name));
+  return rows;
+}
+
+/// The coefficients, which `element` holds.
+void find_harmonics(const Source& source, const PlyElement& element, std::uint64_t vertices,
+                    std::uint64_t position, CompressedLayout& layout) {
+  if (element.count != vertices)
+    source.fail(element.declared_at, "as many rows of 'sh' as of 'vertex', " + std::to_string(vertices) +
+                                         ", found " + std::to_string(element.count));
+  const PlyFields fields(source, element, PlyEncoding::little_endian);
+  layout.sh = fields.find_sh();
+  for (const PlyField& field : layout.sh.fields)
+    if (field.type != PlyType::u8) fields.fail("f_rest_0, f_rest_1, ... of type uchar");
+  layout.harmonics = {position, fields.row_bytes(), layout.sh.fields};
+}
+
+CompressedLayout find_compressed_layout(const Source& source, const PlyHeader& header) {
+  const PlyElement *chunk = header.find("chunk"), *vertex = header.find("vertex"), *sh = header.find("sh");
+  if (header.encoding != PlyEncoding::little_endian)
+    source.fail(0, "a compressed PLY of format binary_little_endian");
+  if (!vertex) source.fail(0, "a PLY with an element 'vertex'");
+  const std::uint64_t chunks = vertex->count / chunk_size + (vertex->count % chunk_size != 0);
+  if (chunk->count != chunks)
+    source.fail(chunk->declared_at, std::to_string(chunks) + " chunks for " + std::to_string(vertex->count) +
+                                        " vertices, found " + std::to_string(chunk->count));
+  const auto starts = locate_rows(source, header);
+  CompressedLayout layout;
+  const PlyFields chunk_fields(source, *chunk, header.encoding);
+  const std::span<const char* const> ranges(chunk_properties);
+  layout.chunks = find_rows(chunk_fields, chunk_fields.has("min_r") ? ranges : ranges.first(12), PlyType::f32,
+                            "float", starts.at("chunk"));
+  layout.vertices = find_rows(PlyFields(source, *vertex, header.encoding), vertex_properties, PlyType::u32,
+                              "uint", starts.at("vertex"));
+  if (sh) find_harmonics(source, *sh, vertex->count, starts.at("sh"), layout);
+  return layout;
+}
+
+ChunkRanges decode_chunk(const Rows& chunks, const std::byte* row) {
+  ChunkRanges ranges;
+  const auto three = [&](std::size_t first) {
+    const auto field = [&](std::size_t i) { return load<float>(row + chunks.fields[first + i].offset); };
+    return vec3(field(0), field(1), field(2));
+  };
+  ranges.mean = {three(0), three(3)};
+  ranges.log_scale = {three(6), three(9)};
+  if (chunks.fields.size() > 12) ranges.colour = {three(12), three(15)};
+  return ranges;
+}
+
+dvec3 within(const Range3& range, dvec3 fraction) {
+  return dvec3(range.low) * (1.0 - fraction) + dvec3(range.high) * fraction;
+}
+
+void decode_vertex(const ChunkRanges& ranges, const Rows& vertices, const std::byte* row, bool flat,
+                   Scene& scene, std::size_t i) {
+  const auto word = [&](std::size_t field) {
+    return load<std::uint32_t>(row + vertices.fields[field].offset);
+  };
+  const std::uint32_t packed = word(3);
+  const dvec3 log_scale = within(ranges.log_scale, unpack_fractions(word(2)));
+  const dvec3 colour =
+      within(ranges.colour, dvec3(packed >> 24, packed >> 16 & 255, packed >> 8 & 255) / 255.0);
+  scene.means[i] = vec3(within(ranges.mean, unpack_fractions(word(0))));
+  scene.rotations[i] = unpack_rotation(word(1));
+  scene.scales[i] = vec3(std::exp(log_scale.x), std::exp(log_scale.y), flat ? 0 : std::exp(log_scale.z));
+  scene.sh0[i] = vec3((colour - 0.5) / sh_c0);
+  scene.opacities[i] = float(packed & 255) / 255;
+}
+
+void decode_gaussians(const Source& source, const CompressedLayout& layout, bool flat,
+                      const ProgressMeter& progress, Scene& scene) {
+  const auto row = [&](const Rows& rows, std::size_t i) {
+    return source.bytes.data() + rows.position + i * rows.row_bytes;
+  };
+  const std::size_t rest = layout.sh.fields.size();
+  for_parts(scene.size(), progress, [&](std::size_t begin, std::size_t end) {
+    ChunkRanges ranges;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (i == begin || i % chunk_size == 0)
+        ranges = decode_chunk(layout.chunks, row(layout.chunks, i / chunk_size));
+      decode_vertex(ranges, layout.vertices, row(layout.vertices, i), flat, scene, i);
+      for (std::size_t k = 0; k < rest; ++k)
+        scene.sh_rest[i * rest + k] =
+            unpack_sh(load<std::uint8_t>(row(layout.harmonics, i) + layout.sh.fields[k].offset));
+    }
+    for (const Rows* rows : {&layout.vertices, &layout.harmonics})
+      let_go(source, rows->position + begin * rows->row_bytes, rows->position + end * rows->row_bytes);
+  });
+}
+
+}  // namespace
+
+SceneFile read_compressed_ply(const Source& source, const PlyHeader& header,
+                              const SceneReadOptions& options) {
+  const CompressedLayout layout = find_compressed_layout(source, header);
+  const PlyModel model = model_of(header);
+  SceneFile file;
+  file.format = "compressed PLY";
+  file.stored = header.find("vertex")->count;
+  allocate(file.scene, file.stored, layout.sh.degree);
+  file.scene.antialiased = model.antialiased;
+  decode_gaussians(source, layout, model.flat, ProgressMeter(options.progress, source.name), file.scene);
+  file.dropped_nonfinite = drop_nonfinite(file.scene);
+  file.notes = notes_of(model.flat, true, layout.sh);
+  return file;
+}
+
+}  // namespace swiftgs::io

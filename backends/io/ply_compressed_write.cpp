@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <swiftgs/edit/order.hpp>
+
+#include "ply_compressed.hpp"
+#include "row_writing.hpp"
+#include "scene_building.hpp"
+#include "scene_encoding.hpp"
+#include "scene_writers.hpp"
+
+namespace swiftgs::io {
+namespace {
+
+/// What other writers clamp logarithms of scales to; one of 0 would have no range.
+constexpr float most_log_scale = 20;
+
+float log_of_scale(float scale) { return std::clamp(std::log(scale), -most_log_scale, most_log_scale); }
+vec3 log_scale_of(const Scene& scene, std::size_t i) {
+  const vec3& scale = scene.scales[i];
+  return {log_of_scale(scale.x), log_of_scale(scale.y), log_of_scale(scale.z)};
+}
+
+/// From 0 to 1 where the viewers that defined the format show it.
+vec3 colour_of(const Scene& scene, std::size_t i) { return vec3(dvec3(scene.sh0[i]) * sh_c0 + 0.5); }
+
+std::vector<ChunkRanges> ranges_of(const Scene& scene, const std::vector<std::uint32_t>& order) {
+  std::vector<ChunkRanges> chunks((order.size() + chunk_size - 1) / chunk_size);
+  const auto measure = [&](std::size_t chunk) {
+    const auto range_of = [&](const auto& value) {
+      const std::size_t begin = chunk * chunk_size, end = std::min(begin + chunk_size, order.size());
+      Range3 range{value(scene, order[begin]), value(scene, order[begin])};
+      for (std::size_t k = begin + 1; k < end; ++k) {
+        const vec3 v = value(scene, order[k]);
+        range = {glm::min(range.low, v), glm::max(range.high, v)};
+      }
+      return range;
+    };
+    const auto mean_of = [](const Scene& s, std::size_t i) { return s.means[i]; };
+    chunks[chunk] = {range_of(mean_of), range_of(log_scale_of), range_of(colour_of)};
+  };
+  // Parts of Gaussians; a chunk belongs to the part of its first.
+  for_parts(order.size(), [&](std::size_t begin, std::size_t end) {
+    const std::size_t first = (begin + chunk_size - 1) / chunk_size;
+    for (std::size_t chunk = first; chunk * chunk_size < end; ++chunk) measure(chunk);
+  });
+  return chunks;
+}
+
+std::string header_of(const Scene& scene, std::size_t count, std::size_t chunks) {
+  std::string header = "ply\nformat binary_little_endian 1.0\n";
+  if (scene.antialiased) header += "comment SplatRenderMode: mip\n";
+  const auto element = [&](const char* name, std::size_t rows) {
+    header += "element " + std::string(name) + " " + std::to_string(rows) + "\n";
+  };
+  element("chunk", chunks);
+  for (const char* name : chunk_properties) header += "property float " + std::string(name) + "\n";
+  element("vertex", count);
+  for (const char* name : vertex_properties) header += "property uint " + std::string(name) + "\n";
+  if (scene.sh_degree > 0) element("sh", count);
+  for (int i = 0; i < 3 * sh_rest_count(scene.sh_degree); ++i)
+    header += "property uchar f_rest_" + std::to_string(i) + "\n";
+  return header + "end_header\n";
+}
+
+void encode_chunk(const ChunkRanges& ranges, RowEncoder row) {
+  for (const Range3* range : {&ranges.mean, &ranges.log_scale, &ranges.colour})
+    row.add(range->low), row.add(range->high);
+}
+
+/// Where `value` lies in `range`, from 0 to 1; 0 of a range of one value.
+dvec3 fraction(const Range3& range, vec3 value) {
+  dvec3 result(0.0);
+  for (int axis = 0; axis < 3; ++axis)
+    if (range.low[axis] < range.high[axis])
+      result[axis] = (double(value[axis]) - range.low[axis]) / (double(range.high[axis]) - range.low[axis]);
+  return result;
+}
+
+void encode_vertex(const Scene& scene, std::size_t i, const ChunkRanges& ranges, RowEncoder row) {
+  const auto byte = [](double value) { return std::uint32_t(std::clamp(value, 0.0, 1.0) * 255 + 0.5); };
+  const dvec3 colour = fraction(ranges.colour, colour_of(scene, i));
+  const Quaternion& q = scene.rotations[i];
+  row.add(pack_fractions(fraction(ranges.mean, scene.means[i])));
+  row.add(pack_rotation(normalised(q.w, q.x, q.y, q.z)));
+  row.add(pack_fractions(fraction(ranges.log_scale, log_scale_of(scene, i))));
+  row.add(byte(colour.x) << 24 | byte(colour.y) << 16 | byte(colour.z) << 8 | byte(scene.opacities[i]));
+}
+
+/// Notes the numbers of renderable Gaussians that the format cannot hold.
+void note_clamped(const Scene& scene, std::vector<std::string>& notes) {
+  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  ClampCount scales, harmonics;
+  for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!renderable(scene, i)) continue;
+      for (int axis = 0; axis < 3; ++axis) scales(std::abs(std::log(scene.scales[i][axis])) > most_log_scale);
+      for (std::size_t j = 0; j < rest; ++j) harmonics(std::abs(scene.sh_rest[i * rest + j]) > 4);
+    }
+  });
+  scales.note("Scales", "exp(-20) to exp(20)", notes);
+  harmonics.note("Harmonics above band 0", "-4 to 4", notes);
+}
+
+}  // namespace
+
+WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene& scene,
+                                  const SceneWriteOptions& options) {
+  const ProgressMeter progress(options.progress, path.string());
+  progress.report(0);
+  WrittenScene written{.format = "compressed PLY"};
+  // The nearer the Gaussians of a chunk lie to each other, the finer are its ranges divided.
+  std::vector<std::uint32_t> order = spatial_order(scene);
+  keep_renderable(scene, order, written.notes);
+  note_clamped(scene, written.notes);
+  progress.report(0.3);
+  const std::vector<ChunkRanges> chunks = ranges_of(scene, order);
+
+  OutputFile file(path);
+  const std::string header = header_of(scene, order.size(), chunks.size());
+  file.write(header.data(), header.size());
+  write_rows(file, chunks.size(), chunk_properties.size() * sizeof(float), progress.step(0.3, 0.4),
+             [&](std::size_t i, RowEncoder row) { encode_chunk(chunks[i], row); });
+  write_rows(
+      file, order.size(), vertex_properties.size() * sizeof(std::uint32_t), progress.step(0.4, 0.6),
+      [&](std::size_t i, RowEncoder row) { encode_vertex(scene, order[i], chunks[i / chunk_size], row); });
+  const std::size_t count = std::size_t(sh_rest_count(scene.sh_degree));
+  if (count > 0)
+    write_rows(file, order.size(), 3 * count, progress.step(0.6, 1), [&](std::size_t i, RowEncoder row) {
+      const float* rest = scene.sh_rest.data() + 3 * count * order[i];
+      for (std::size_t c = 0; c < 3; ++c)
+        for (std::size_t j = 0; j < count; ++j) row.add(pack_sh(rest[3 * j + c]));
+    });
+  progress.report(1);  // a file that has taken its place cannot be cancelled
+  file.close();
+  written.bytes = file.size();
+  return written;
+}
+
+}  // namespace swiftgs::io

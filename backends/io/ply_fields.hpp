@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "ply_header.hpp"
+
+namespace swiftgs::io {
+
+/// A scalar in a row of an element.
+struct PlyField {
+  PlyType type = PlyType::f32;
+  std::size_t offset = 0;  ///< @units{bytes} from the start of the row
+};
+
+/// The coefficients f_rest_0, f_rest_1, ... of a row.
+struct PlySh {
+  std::vector<PlyField> fields;  ///< in the scene's order: a coefficient after another, RGB innermost
+  int degree = 0;                ///< of what is kept
+  int stored_degree = 0;
+};
+
+/// The properties of an element without lists, found by name. All errors stand at the element's line in the
+/// header.
+class PlyFields {
+ public:
+  /// In an ascii file rows are taken to be parsed into an array of doubles first. Throws `FormatError` if
+  /// there are lists.
+  PlyFields(const Source& source, const PlyElement& element, PlyEncoding encoding);
+
+  bool has(const std::string& name) const { return fields_.count(name) != 0; }
+  std::size_t row_bytes() const { return row_bytes_; }
+  [[noreturn]] void fail(const std::string& expected) const { source_.fail(element_.declared_at, expected); }
+
+  /// Throws `FormatError` if the property is missing.
+  PlyField take(const std::string& name) const;
+
+  /// The same, and throws if the header declares it with another type, which `type_name` names.
+  PlyField take(const std::string& name, PlyType type, const char* type_name) const;
+
+  /// Throws `FormatError` unless the coefficients are as many as a degree has, and are numbered.
+  PlySh find_sh() const;
+
+ private:
+  const Source& source_;
+  const PlyElement& element_;
+  std::unordered_map<std::string, PlyField> fields_;
+  std::unordered_map<std::string, PlyType> declared_types_;
+  std::size_t row_bytes_ = 0;
+};
+
+}  // namespace swiftgs::io

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+#include <string>
+
+#include "mapped_file.hpp"
+#include "parallel.hpp"
+#include "scene_building.hpp"
+#include "scene_readers.hpp"
+#include "splat_record.hpp"
+
+namespace swiftgs::io {
+namespace {
+
+/// Decodes the Gaussian in `record` as number `i`. Returns whether it has a scale below 0.
+bool decode_record(const std::byte* record, Scene& scene, std::size_t i) {
+  const auto three = [&](std::size_t offset) {
+    const auto at = [&](std::size_t k) { return load<float>(record + offset + 4 * k); };
+    return vec3(at(0), at(1), at(2));
+  };
+  const auto byte = [&](std::size_t offset) { return load<std::uint8_t>(record + offset); };
+  const auto component = [&](std::size_t offset) { return (float(byte(offset)) - 128) / 128; };
+  const vec3 scale = three(12);
+  scene.means[i] = three(0);
+  scene.scales[i] = glm::abs(scale);
+  for (std::size_t c = 0; c < 3; ++c)
+    scene.sh0[i][int(c)] = float((double(byte(24 + c)) / 255 - 0.5) / sh_c0);
+  scene.opacities[i] = float(byte(27)) / 255;
+  scene.rotations[i] = normalised(component(28), component(29), component(30), component(31));
+  return scale.x < 0 || scale.y < 0 || scale.z < 0;
+}
+
+}  // namespace
+
+SceneFile read_splat(const Source& source, const SceneReadOptions& options) {
+  const std::uint64_t size = source.bytes.size(), partial = size % splat_record_bytes;
+  if (partial != 0)
+    source.fail(size - partial, "records of 32 bytes, as a .splat scene has, found the last one with " +
+                                    std::to_string(partial));
+  SceneFile file;
+  file.format = ".splat";
+  file.stored = size / splat_record_bytes;
+  allocate(file.scene, file.stored, 0);
+  std::atomic<std::uint64_t> negative{0};
+  const ProgressMeter progress(options.progress, source.name);
+  for_parts(file.stored, progress, [&](std::size_t begin, std::size_t end) {
+    std::uint64_t found = 0;
+    for (std::size_t i = begin; i < end; ++i)
+      found += decode_record(source.bytes.data() + i * splat_record_bytes, file.scene, i);
+    negative += found;
+    let_go(source, begin * splat_record_bytes, end * splat_record_bytes);
+  });
+  file.dropped_nonfinite = drop_nonfinite(file.scene);
+  if (negative != 0)
+    file.notes.push_back(
+        "Scales below 0 are taken without their sign, of Gaussians: " + std::to_string(negative) + ".");
+  return file;
+}
+
+}  // namespace swiftgs::io

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <swiftgs/edit/order.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
+#include "compressed_ply_text.hpp"
+#include "scenes.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+SceneFile read(const std::string& content) { return read_scene(as_bytes(content), "test.ply"); }
+std::string complaint_about(const CompressedPly& file) {
+  return complaint([&] { read(file.text()); });
+}
+
+Scene written_and_read(const Scene& scene, SceneFile* file = nullptr, WrittenScene* written = nullptr) {
+  const TemporaryFolder folder;
+  const WrittenScene result = write_scene(folder / "a.compressed.ply", scene);
+  CHECK(result.bytes == content_of(folder / "a.compressed.ply").size());
+  const SceneFile back = read_scene(folder / "a.compressed.ply");
+  if (file) *file = back;
+  if (written) *written = result;
+  return back.scene;
+}
+
+}  // namespace
+
+TEST_CASE("compressed ply: values lie between those of their chunk") {
+  const SceneFile file = read(CompressedPly().text());
+  const Scene& scene = file.scene;
+  REQUIRE(scene.size() == 1);
+  CHECK_NOTHROW(validate(scene));
+  CHECK(file.format == "compressed PLY");
+  CHECK(file.stored == 1);
+  CHECK(file.notes.empty());
+  CHECK(scene.means[0] == vec3(7, 8, -9));
+  for (int axis = 0; axis < 3; ++axis)
+    CHECK(scene.scales[0][axis] == doctest::Approx(std::exp(-1.0 - axis)).epsilon(1e-7));
+  CHECK(scene.opacities[0] == 1);
+  CHECK(scene.sh0[0].x == 0);
+  CHECK(scene.sh0[0].z == doctest::Approx(-0.5 / 0.28209479177387814).epsilon(1e-7));
+  CHECK(scene.rotations[0].w > 0.999f);
+  CHECK(scene.sh_degree == 0);
+}
+
+TEST_CASE("compressed ply: old files without ranges of colours hold colours") {
+  CompressedPly file;
+  file.ranges.resize(12), file.chunks.resize(12);
+  file.vertices[3] = 0xff330000;
+  const Scene scene = read(file.text()).scene;
+  CHECK(scene.sh0[0].x == doctest::Approx(0.5 / 0.28209479177387814).epsilon(1e-7));
+  CHECK(scene.sh0[0].y == doctest::Approx(-0.3 / 0.28209479177387814).epsilon(1e-7));
+  CHECK(scene.opacities[0] == 0);
+}
+
+TEST_CASE("compressed ply: a chunk has 256 Gaussians") {
+  CompressedPly file;
+  file.repeat(258);
+  std::vector<float> second = file.chunks;
+  second[3] = 4094;
+  file.chunks.insert(file.chunks.end(), second.begin(), second.end());
+  const Scene scene = read(file.text()).scene;
+  REQUIRE(scene.size() == 258);
+  CHECK(scene.means[255].x == 7);
+  CHECK(scene.means[256].x == 14);
+  CHECK(scene.means[257].x == 14);
+}
+
+TEST_CASE("compressed ply: harmonics change from channel-major to RGB innermost") {
+  for (const int degree : {1, 2, 3, 4}) {
+    CompressedPly file;
+    const int count = sh_rest_count(degree);
+    file.harmonics = 3 * count;
+    for (int i = 0; i < 3 * count; ++i) file.sh += char(i);
+    const SceneFile back = read(file.text());
+    const int kept = std::min(degree, 3);
+    CHECK(back.scene.sh_degree == kept);
+    CHECK(back.notes.size() == (degree > 3 ? 1 : 0));
+    for (int j = 0; j < sh_rest_count(kept); ++j)
+      for (int c = 0; c < 3; ++c) {
+        const int byte = c * count + j;
+        const double expected = byte == 0 ? -4 : (byte + 0.5) / 32 - 4;
+        CHECK(back.scene.sh_rest[std::size_t(3 * j + c)] == expected);
+      }
+  }
+}
+
+TEST_CASE("compressed ply: comments say what the Gaussians are") {
+  CompressedPly file;
+  file.before = "comment SplatRenderMode: mip\n";
+  CHECK(read(file.text()).scene.antialiased);
+  file.before = "comment SplatRenderMode: 2dgs\n";
+  const SceneFile flat = read(file.text());
+  CHECK(flat.scene.scales[0].z == 0);
+  CHECK(flat.notes.size() == 1);
+}
+
+TEST_CASE("compressed ply: properties are found by name") {
+  CompressedPly file;
+  std::swap(file.words[0], file.words[3]), std::swap(file.vertices[0], file.vertices[3]);
+  std::swap(file.ranges[0], file.ranges[17]), std::swap(file.chunks[0], file.chunks[17]);
+  CHECK(read(file.text()).scene.means == read(CompressedPly().text()).scene.means);
+}
+
+TEST_CASE("compressed ply: a range that is not finite drops its chunk and no other") {
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    CompressedPly file;
+    file.repeat(257);
+    const std::vector<float> second = file.chunks;
+    file.chunks[6] = bad;
+    file.chunks.insert(file.chunks.end(), second.begin(), second.end());
+    const SceneFile back = read(file.text());
+    CHECK(back.dropped_nonfinite == 256);
+    CHECK(back.scene.size() == 1);
+  }
+}
+
+TEST_CASE("compressed ply: a file that ends early is refused wherever it ends") {
+  CompressedPly file;
+  file.harmonics = 9, file.sh = "123456789";
+  check_every_truncation(file.text(), [](const std::string& content) { read(content); });
+}
+
+TEST_CASE("compressed ply: elements that do not fit each other are refused") {
+  CompressedPly file;
+  CHECK(contains(complaint_about(CompressedPly().repeat(257)), "2 chunks for 257 vertices, found 1"));
+  CHECK(contains(complaint_about(CompressedPly().repeat(0)), "0 chunks for 0 vertices, found 1"));
+  file.harmonics = 9, file.sh = std::string(18, 'a');
+  CHECK(contains(complaint_about(file), "as many rows of 'sh' as of 'vertex', 1, found 2"));
+  file.harmonics = 8, file.sh = std::string(8, 'a');
+  CHECK(contains(complaint_about(file), "found 8"));
+  const auto with = [](const std::string& from, const std::string& to) {
+    std::string content = CompressedPly().text();
+    content.replace(content.find(from), from.size(), to);
+    return complaint([&] { read(content); });
+  };
+  CHECK(contains(with("binary_little", "binary_big"), "binary_little_endian"));
+  CHECK(contains(with("float max_scale_z", "int max_scale_z"), "'max_scale_z' of type float"));
+  CHECK(contains(with("uint packed_color", "int packed_color"), "'packed_color' of type uint"));
+  CHECK(contains(with("packed_scale", "packed_sale"), "'packed_scale' of element 'vertex'"));
+  CHECK(contains(with("max_b", "max_bee"), "'max_b' of element 'chunk'"));
+  CHECK(contains(with("element vertex", "element vortex"), "'vertex'"));
+  CHECK(contains(with("element vertex 1", "element vertex 18446744073709551615"), "chunks for"));
+}
+
+TEST_CASE("compressed ply: what is written is read back to within half a step for every degree") {
+  for (int degree = 0; degree <= 3; ++degree) {
+    Scene scene = some_scene(1000, degree);
+    scene.antialiased = degree % 2 == 1;
+    SceneFile file;
+    WrittenScene written;
+    const Scene back = written_and_read(scene, &file, &written);
+    CHECK(written.notes.empty());
+    CHECK(file.notes.empty());
+    CHECK(back.sh_degree == degree);
+    CHECK(back.antialiased == scene.antialiased);
+    const Scene expected = order_spatially(scene);
+    REQUIRE(back.size() == expected.size());
+    const std::size_t rest = 3 * std::size_t(sh_rest_count(degree));
+    for (std::size_t first = 0; first < 1000; first += 256) {
+      const std::size_t end = std::min<std::size_t>(first + 256, 1000);
+      const auto check = [&](const auto& value, vec3 steps, double rounding) {
+        for (int axis = 0; axis < 3; ++axis) {
+          float low = value(expected, first)[axis], high = low;
+          for (std::size_t i = first; i < end; ++i) {
+            low = std::min(low, value(expected, i)[axis]);
+            high = std::max(high, value(expected, i)[axis]);
+          }
+          for (std::size_t i = first; i < end; ++i)
+            REQUIRE(std::abs(value(back, i)[axis] - value(expected, i)[axis]) <=
+                    0.5 * (high - low) / steps[axis] + rounding);
+        }
+      };
+      check([](const Scene& s, std::size_t i) { return s.means[i]; }, {2047, 1023, 2047}, 1e-6);
+      check([](const Scene& s, std::size_t i) { return glm::log(s.scales[i]); }, {2047, 1023, 2047}, 1e-6);
+      check([](const Scene& s, std::size_t i) { return s.sh0[i]; }, {255, 255, 255}, 1e-6);
+    }
+    for (std::size_t i = 0; i < 1000; ++i) {
+      REQUIRE(std::abs(back.opacities[i] - expected.opacities[i]) <= 0.5 / 255 + 1e-7);
+      const Quaternion &a = back.rotations[i], &b = expected.rotations[i];
+      REQUIRE(std::abs(a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z) > 1 - 4e-6);
+      for (std::size_t k = 0; k < rest; ++k)
+        REQUIRE(std::abs(back.sh_rest[i * rest + k] - expected.sh_rest[i * rest + k]) <= 1.0 / 64);
+    }
+  }
+}
+
+TEST_CASE("compressed ply: what the format cannot hold is clamped or left out and counted") {
+  Scene scene = some_scene(300, 1);
+  scene.scales[0] = vec3(1, 0, 1);
+  scene.scales[1] = vec3(1, std::exp(25.0f), 0);
+  scene.sh_rest[9 * 2] = 5, scene.sh_rest[9 * 2 + 1] = -4;
+  scene.means[3].y = std::numeric_limits<float>::quiet_NaN();
+  scene.sh0[4].x = std::numeric_limits<float>::infinity();
+  WrittenScene written;
+  const Scene back = written_and_read(scene, nullptr, &written);
+  CHECK(back.size() == 298);
+  REQUIRE(written.notes.size() == 3);
+  CHECK(written.notes[0] == "Gaussians with a NaN or an infinity are left out: 2.");
+  CHECK(written.notes[1] == "Scales are clamped to exp(-20) to exp(20): 3.");
+  CHECK(written.notes[2] == "Harmonics above band 0 are clamped to -4 to 4: 1.");
+  float least = 1, most = 0;
+  for (const vec3& scale : back.scales) least = std::min(least, scale.y), most = std::max(most, scale.y);
+  CHECK(least == doctest::Approx(std::exp(-20.0)).epsilon(1e-5));
+  CHECK(most == doctest::Approx(std::exp(20.0)).epsilon(1e-5));
+}
+
+TEST_CASE("compressed ply: scenes of no Gaussians or of one place survive being written") {
+  CHECK(written_and_read({}).size() == 0);
+  const Scene one = some_scene(1, 0);
+  const Scene back = written_and_read(one);
+  CHECK(back.means == one.means);
+  CHECK(back.scales[0].x == doctest::Approx(one.scales[0].x).epsilon(1e-6));
+}

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <swiftgs/io/scene_file.hpp>
+
+#include "files.hpp"
+#include "scenes.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+std::string record(vec3 mean, vec3 scale, std::array<int, 8> bytes) {
+  std::string out;
+  for (const vec3& v : {mean, scale})
+    for (int axis = 0; axis < 3; ++axis) append(out, v[axis]);
+  for (const int byte : bytes) out += char(byte);
+  return out;
+}
+
+SceneFile read(const std::string& content) { return read_scene(as_bytes(content), "test.splat"); }
+
+}  // namespace
+
+TEST_CASE("splat: a record is a Gaussian with linear scales") {
+  const SceneFile file = read(record({1, -2, 3}, {0.5f, 2, 0}, {255, 0, 51, 102, 128, 128, 0, 128}));
+  const Scene& scene = file.scene;
+  REQUIRE(scene.size() == 1);
+  CHECK_NOTHROW(validate(scene));
+  CHECK(file.format == ".splat");
+  CHECK(file.stored == 1);
+  CHECK(file.notes.empty());
+  CHECK(scene.means[0] == vec3(1, -2, 3));
+  CHECK(scene.scales[0] == vec3(0.5f, 2, 0));
+  CHECK(scene.opacities[0] == 0.4f);
+  for (int c = 0; c < 3; ++c)
+    CHECK(0.5 + 0.28209479177387814 * scene.sh0[0][c] ==
+          doctest::Approx(std::array{1.0, 0.0, 0.2}[std::size_t(c)]).epsilon(1e-6));
+  CHECK(scene.rotations[0] == Quaternion{0, 0, -1, 0});
+  CHECK(scene.sh_degree == 0);
+}
+
+TEST_CASE("splat: rotations become unit ones and none is the identity") {
+  const Scene scene = read(record({}, {}, {0, 0, 0, 0, 192, 192, 128, 128}) +
+                           record({}, {}, {0, 0, 0, 0, 128, 128, 128, 128}))
+                          .scene;
+  CHECK(scene.rotations[0].w == doctest::Approx(std::sqrt(0.5)));
+  CHECK(scene.rotations[0].x == doctest::Approx(std::sqrt(0.5)));
+  CHECK(scene.rotations[1] == Quaternion{1, 0, 0, 0});
+}
+
+TEST_CASE("splat: scales below 0 and numbers that are not finite are counted") {
+  const float infinite = std::numeric_limits<float>::infinity();
+  const SceneFile file = read(record({1, 2, 3}, {1, -2, -3}, {}) + record({1, infinite, 3}, {1, 2, 3}, {}) +
+                              record({1, 2, 3}, {1, 2, std::nanf("")}, {}));
+  CHECK(file.stored == 3);
+  CHECK(file.dropped_nonfinite == 2);
+  REQUIRE(file.scene.size() == 1);
+  CHECK(file.scene.scales[0] == vec3(1, 2, 3));
+  REQUIRE(file.notes.size() == 1);
+  CHECK(file.notes[0] == "Scales below 0 are taken without their sign, of Gaussians: 1.");
+}
+
+TEST_CASE("splat: a last record that is not whole is refused where it begins") {
+  const std::string content(96, '\1');
+  for (std::size_t size = 0; size <= 96; ++size) {
+    const std::string message = complaint([&] { read(content.substr(0, size)); });
+    if (size % 32 == 0)
+      CHECK(message == "");
+    else
+      CHECK(message == "test.splat: byte " + std::to_string(size / 32 * 32) +
+                           ": expected records of 32 bytes, as a .splat scene has, found the last one with " +
+                           std::to_string(size % 32));
+  }
+}
+
+TEST_CASE("splat: what is written is read back with every byte rounded to the nearest") {
+  Scene scene = some_scene(500, 2);
+  for (vec3& colour : scene.sh0) colour *= 0.5f / 0.2821f;
+  scene.rotations[0] = {1, 0, 0, 0};
+  scene.rotations[1] = {0, 0, 0, -1};
+  scene.antialiased = true;
+  const TemporaryFolder folder;
+  const WrittenScene written = write_scene(folder / "a.splat", scene);
+  CHECK(written.format == ".splat");
+  CHECK(written.bytes == 500 * 32);
+  REQUIRE(written.notes.size() == 2);
+  CHECK(written.notes[0] ==
+        "Harmonics of degree 1 to 2 are left out, 24 coefficients of each of 500 Gaussians.");
+  CHECK(contains(written.notes[1], "antialiased"));
+  const Scene back = load_scene(folder / "a.splat");
+  REQUIRE(back.size() == 500);
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < 500; ++i)
+    for (std::size_t j = 0; j < 500; ++j) {
+      if (back.means[j] != scene.means[i]) continue;
+      ++found;
+      CHECK(back.scales[j] == scene.scales[i]);
+      CHECK(std::abs(back.opacities[j] - scene.opacities[i]) <= 0.5 / 255 + 1e-7);
+      for (int c = 0; c < 3; ++c)
+        CHECK(std::abs(back.sh0[j][c] - scene.sh0[i][c]) <= 0.5 / 255 / 0.2820 + 1e-6);
+      const Quaternion &a = back.rotations[j], &b = scene.rotations[i];
+      // Four errors of up to 1/256 turn a unit quaternion by an angle of up to 1/128.
+      const double half_turn = std::abs(double(a.w) * b.w + a.x * b.x + a.y * b.y + a.z * b.z);
+      CHECK(half_turn > std::cos(1.0 / 128));
+      if (i < 2) CHECK(half_turn == 1);
+    }
+  CHECK(found == 500);
+}
+
+TEST_CASE("splat: large and opaque Gaussians come first") {
+  Scene scene = some_scene(300, 0);
+  scene.opacities[7] = 1, scene.scales[7] = vec3(100);
+  const TemporaryFolder folder;
+  write_scene(folder / "a.splat", scene);
+  const Scene back = load_scene(folder / "a.splat");
+  CHECK(back.means[0] == scene.means[7]);
+  const auto size = [&](std::size_t i) {
+    const dvec3 scale(back.scales[i]);
+    return scale.x * scale.y * scale.z;
+  };
+  // Opacities are bytes only in the file.
+  for (std::size_t i = 1; i < 300; ++i)
+    REQUIRE(size(i) * (back.opacities[i] - 0.5 / 255) <= size(i - 1) * (back.opacities[i - 1] + 0.5 / 255));
+}
+
+TEST_CASE("splat: colours that a byte cannot hold and numbers that are not finite are counted") {
+  Scene scene = some_scene(10, 0);
+  for (vec3& colour : scene.sh0) colour *= 0.5f;
+  scene.sh0[0] = vec3(2, -2, 0);
+  scene.opacities[1] = std::nanf("");
+  const TemporaryFolder folder;
+  const WrittenScene written = write_scene(folder / "a.splat", scene);
+  CHECK(written.bytes == 9 * 32);
+  REQUIRE(written.notes.size() == 2);
+  CHECK(written.notes[0] == "Gaussians with a NaN or an infinity are left out: 1.");
+  CHECK(written.notes[1] == "Channels of colours are clamped to 0 to 1: 2.");
+}
+
+TEST_CASE("splat: a scene without Gaussians survives being written") {
+  const TemporaryFolder folder;
+  CHECK(write_scene(folder / "a.splat", Scene()).bytes == 0);
+  CHECK(load_scene(folder / "a.splat").size() == 0);
+}
