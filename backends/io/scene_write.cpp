@@ -17,7 +17,7 @@ struct Writer {
 };
 
 /// The first whose ending fits is taken.
-constexpr Writer writers[] = {{".ply", write_ply}};
+constexpr Writer writers[] = {{".ply", write_ply}, {".sog", write_sog}};
 
 const Writer& writer_for(const std::filesystem::path& path, const std::string& ending) {
   const std::string name = ending.empty() ? path.filename().string() : ending;

@@ -13,4 +13,7 @@ namespace swiftgs::io {
 WrittenScene write_ply(const std::filesystem::path& path, const Scene& scene,
                        const SceneWriteOptions& options);
 
+WrittenScene write_sog(const std::filesystem::path& path, const Scene& scene,
+                       const SceneWriteOptions& options);
+
 }  // namespace swiftgs::io

@@ -67,6 +67,7 @@ std::map<std::string, Writer> writers() {
       {"png", [](const fs::path& path) { write_png(path, noise()); }},
       {"pfm", [](const fs::path& path) { write_pfm(path, noise()); }},
       {"ply", [](const fs::path& path) { write_scene(path, make_builtin_scene(1000), {.ending = ".ply"}); }},
+      {"sog", [](const fs::path& path) { write_scene(path, make_builtin_scene(1000), {.ending = ".sog"}); }},
   };
   const TemporaryFolder place;
   const Writer exr = [](const fs::path& path) { write_exr(path, noise()); };

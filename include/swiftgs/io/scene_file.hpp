@@ -77,6 +77,8 @@ struct WrittenScene {
 /// | --- | --- | --- |
 /// | `.ply` | INRIA PLY, little-endian floats | opacities are clamped to [1e-6, 1 - 1e-6], as it holds logits
 /// |
+/// | `.sog` | SOG version 2, a bundle | the order of the Gaussians; numbers are bytes, means 16 bits, and harmonics
+/// one of at most 65,536 sets |
 ///
 /// The new file takes the place of an old one when it is whole. Throws `std::invalid_argument` as `validate`
 /// does and for an ending that it does not know, `Cancelled`, or `std::system_error` if the file cannot be
