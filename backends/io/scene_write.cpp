@@ -20,6 +20,7 @@ struct Writer {
 constexpr Writer writers[] = {
     {".compressed.ply", write_compressed_ply},
     {".ply", write_ply},
+    {".sog", write_sog},
     {".splat", write_splat},
     {".spz", write_spz},
 };

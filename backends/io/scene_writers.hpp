@@ -19,4 +19,7 @@ WrittenScene write_splat(const std::filesystem::path& path, const Scene& scene,
 WrittenScene write_spz(const std::filesystem::path& path, const Scene& scene,
                        const SceneWriteOptions& options);
 
+WrittenScene write_sog(const std::filesystem::path& path, const Scene& scene,
+                       const SceneWriteOptions& options);
+
 }  // namespace swiftgs::io

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include <swiftgs/edit/order.hpp>
 #include <swiftgs/io/scene_file.hpp>
 
 #include "files.hpp"
@@ -145,6 +146,29 @@ TEST_CASE("real files: a scene that was once an SPZ is written as SPZ without lo
         REQUIRE(std::abs(again.sh0[i][axis] - scene.sh0[i][axis]) < 1e-6);
         REQUIRE(std::abs(again.scales[i][axis] / scene.scales[i][axis] - 1) < 1e-5);
       }
+    }
+  }
+}
+
+TEST_CASE("real files: a scene loses no more in a SOG than bytes for its numbers explain") {
+  if (skipped()) return;
+  const Scene scene = order_spatially(load_scene(folder / "fox_5k.ply"));
+  const TemporaryFolder temporary;
+  write_scene(temporary / "a.sog", scene);
+  const SceneFile file = read_scene(temporary / "a.sog");
+  CHECK(file.notes.empty());
+  const Scene& read = file.scene;
+  REQUIRE(read.size() == 5000);
+  CHECK(read.sh0 == scene.sh0);  // the PLY holds fewer than 256 different numbers
+  double squares = 0;
+  for (std::size_t i = 0; i < scene.sh_rest.size(); ++i)
+    squares += std::pow(double(read.sh_rest[i]) - scene.sh_rest[i], 2);
+  CHECK(std::sqrt(squares / double(scene.sh_rest.size())) < 1e-3);
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    CHECK(std::abs(read.opacities[i] - scene.opacities[i]) <= 0.5001f / 255);
+    for (int axis = 0; axis < 3; ++axis) {
+      CHECK(std::abs(read.means[i][axis] - scene.means[i][axis]) < 3e-4);
+      CHECK(read.scales[i][axis] == doctest::Approx(scene.scales[i][axis]).epsilon(1e-5));
     }
   }
 }

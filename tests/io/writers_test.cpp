@@ -67,6 +67,7 @@ std::map<std::string, Writer> writers() {
       {"png", [](const fs::path& path) { write_png(path, noise()); }},
       {"pfm", [](const fs::path& path) { write_pfm(path, noise()); }},
       {"spz", [](const fs::path& path) { write_scene(path, make_builtin_scene(2000), {.ending = ".spz"}); }},
+      {"sog", [](const fs::path& path) { write_scene(path, make_builtin_scene(1000), {.ending = ".sog"}); }},
   };
   for (const std::string ending : {".compressed.ply", ".ply", ".splat"})
     all[ending.substr(1)] = [ending](const fs::path& path) {

@@ -76,18 +76,19 @@ struct WrittenScene {
 };
 
 /// Writes a scene in the format that an ending names:
+/// - `.ply`: INRIA PLY, little-endian floats. Opacities are clamped to [1e-6, 1 - 1e-6], as it holds logits.
+/// - `.compressed.ply`: SuperSplat's compressed PLY. All numbers are rounded, and the order is that of
+///   `spatial_order`.
+/// - `.spz`: SPZ version 4 or 3. Rounds means to 1/4096 (finer in a scene smaller than 4, coarser in one
+/// beyond
+///   2048), scales to 1/16 of their logarithm, opacities to 1/255, and SH coefficients to 1/38 in band 0,
+///   1/16 in band 1 and 1/8 above.
+/// - `.sog`: SOG version 2, a bundle. Numbers are bytes, means 16 bits, and higher bands one of at most
+/// 65,536
+///   sets. The order is that of `spatial_order`.
+/// - `.splat`: antimatter15's records of 32 bytes, without higher bands, greatest splats first.
 ///
-/// | ending | format | what it loses |
-/// | --- | --- | --- |
-/// | `.compressed.ply` | SuperSplat's compressed PLY | precision; its order is spatial |
-/// | `.splat` | records of 32 bytes | harmonics above band 0, precision; its order is that of size |
-/// | `.ply` | INRIA PLY, little-endian floats | opacities are clamped to [1e-6, 1 - 1e-6], as it holds logits
-/// |
-/// | `.spz` | SPZ version 4 or 3 | all is rounded; what lies outside of its ranges is clamped and noted |
-///
-/// SPZ rounds positions to 1/4096 (finer in a scene smaller than 4, coarser in one beyond 2048), scales to
-/// 1/16 of their logarithm, opacities to 1/255, and SH coefficients to 1/38 in band 0, 1/16 in band 1 and 1/8
-/// above.
+/// Numbers beyond what a format can hold are clamped, and noted.
 ///
 /// The new file takes the place of an old one when it is whole. Throws `std::invalid_argument` as `validate`
 /// does, for an ending that it does not know, and for a scene or an option that the format does not allow,

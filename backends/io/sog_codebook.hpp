@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace swiftgs::io {
+
+/// A number and how often it occurs.
+struct Occurrence {
+  float value = 0;
+  float times = 1;
+};
+
+/// What each byte stands for: 256 ascending numbers.
+class Codebook {
+ public:
+  /// `most` numbers, 1 to 256, for which the sum of squared errors of `numbers` is as good as least, and
+  /// exact where there are no more different ones. The last is repeated to fill the table.
+  static Codebook of(std::vector<Occurrence> numbers, std::size_t most = 256);
+
+  /// The byte for the nearest number.
+  std::uint8_t byte_of(float value) const;
+
+  /// Puts a number before all others, which must be larger; the last is lost, which must be a repeated one.
+  void prepend(float value);
+
+  const std::array<float, 256>& values() const { return values_; }
+
+ private:
+  void set(const std::vector<double>& ascending);
+
+  std::array<float, 256> values_{};
+  std::array<float, 255> bounds_{};  ///< between a number and the next
+};
+
+}  // namespace swiftgs::io

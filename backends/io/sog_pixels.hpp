@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <swiftgs/scene.hpp>
+
+#include "sog_codebook.hpp"
+#include "sog_palette.hpp"
+#include "webp_write.hpp"
+
+/// @file
+/// What a SOG of version 2 keeps of a scene: bytes in images, of which `order` says which Gaussian has which
+/// pixel. All numbers are finite.
+
+namespace swiftgs::io {
+
+using Order = std::span<const std::uint32_t>;
+
+/// Signed logarithms of the means in 16 bits, as `sign(x) log(1 + |x|)`, between the least and the largest.
+class MeanEncoder {
+ public:
+  explicit MeanEncoder(const Scene& scene);
+
+  /// The low bytes, or with `shift` 8 the high ones.
+  RgbaImage image(const Scene& scene, Order order, int shift) const;
+
+  const dvec3& least() const { return least_; }
+  const dvec3& most() const { return most_; }
+
+ private:
+  dvec3 least_, most_;
+};
+
+Codebook scale_codebook(const Scene& scene);
+Codebook colour_codebook(const Scene& scene);
+/// For the numbers of a palette's colours, each as often as Gaussians have it.
+Codebook palette_codebook(const Palette& palette);
+
+RgbaImage scale_image(const Scene& scene, Order order, const Codebook& codebook);
+RgbaImage rotation_image(const Scene& scene, Order order);
+/// With opacities in the fourth byte.
+RgbaImage colour_image(const Scene& scene, Order order, const Codebook& codebook);
+RgbaImage label_image(const Palette& palette, Order order);
+RgbaImage palette_image(const Palette& palette, const Codebook& codebook);
+
+}  // namespace swiftgs::io

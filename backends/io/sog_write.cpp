@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <swiftgs/edit/finite.hpp>
+#include <swiftgs/edit/order.hpp>
+#include <swiftgs/edit/select.hpp>
+#include <swiftgs/version.hpp>
+
+#include "output_file.hpp"
+#include "progress_meter.hpp"
+#include "scene_building.hpp"
+#include "scene_writers.hpp"
+#include "sog_pixels.hpp"
+#include "tasks.hpp"
+#include "zip_write.hpp"
+
+namespace swiftgs::io {
+namespace {
+
+constexpr std::size_t most_colours = 1 << 16;
+
+/// The largest power of two that is at most `count`: half a colour to one for each Gaussian, until labels
+/// have all their 16 bits.
+std::size_t palette_size(std::size_t count) { return std::min(most_colours, std::bit_floor(count)); }
+
+/// The shortest digits that read as `value`.
+template <class Float>
+std::string digits(Float value) {
+  std::array<char, 32> text;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
+template <class Numbers>
+std::string json_array(const Numbers& numbers, std::size_t count) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0) text += ",";
+    text += digits(numbers[int(i)]);
+  }
+  return text + "]";
+}
+
+std::string json_codebook(const Codebook& codebook) {
+  return "\"codebook\":" + json_array(codebook.values(), codebook.values().size());
+}
+
+/// The files of a bundle but `meta.json`, and what it says of them.
+struct Contents {
+  struct Image {
+    std::string name;
+    std::function<RgbaImage()> make;
+  };
+  std::vector<Image> images{};
+  std::string meta{};
+};
+
+Contents contents(const Scene& scene, Order order, const MeanEncoder& means, const Palette& palette,
+                  const std::array<Codebook, 3>& codebooks) {
+  const auto& [scales, colours, coefficients] = codebooks;
+  Contents result;
+  result.images = {
+      {"means_l.webp", [&scene, order, &means] { return means.image(scene, order, 0); }},
+      {"means_u.webp", [&scene, order, &means] { return means.image(scene, order, 8); }},
+      {"quats.webp", [&scene, order] { return rotation_image(scene, order); }},
+      {"scales.webp", [&scene, order, &scales] { return scale_image(scene, order, scales); }},
+      {"sh0.webp", [&scene, order, &colours] { return colour_image(scene, order, colours); }},
+  };
+  std::string& meta = result.meta;
+  meta = "{\"version\":2,\"asset\":{\"generator\":\"SwiftGS " + std::string(version) +
+         "\"},\"count\":" + std::to_string(order.size());
+  if (scene.antialiased) meta += ",\"model\":\"antialiased\"";
+  meta += ",\"means\":{\"mins\":" + json_array(means.least(), 3) +
+          ",\"maxs\":" + json_array(means.most(), 3) + ",\"files\":[\"means_l.webp\",\"means_u.webp\"]}";
+  meta += ",\"scales\":{" + json_codebook(scales) + ",\"files\":[\"scales.webp\"]}";
+  meta += ",\"quats\":{\"files\":[\"quats.webp\"]}";
+  meta += ",\"sh0\":{" + json_codebook(colours) + ",\"files\":[\"sh0.webp\"]}";
+  if (scene.sh_degree > 0) {
+    result.images.push_back({"shN_labels.webp", [&palette, order] { return label_image(palette, order); }});
+    result.images.push_back({"shN_centroids.webp", [&] { return palette_image(palette, coefficients); }});
+    meta += ",\"shN\":{\"count\":" + std::to_string(palette.size()) +
+            ",\"bands\":" + std::to_string(scene.sh_degree) + "," + json_codebook(coefficients) +
+            ",\"files\":[\"shN_centroids.webp\",\"shN_labels.webp\"]}";
+  }
+  meta += "}";
+  return result;
+}
+
+bool all_finite(const Scene& scene) {
+  const auto are = [](const auto& values) {
+    const auto* const floats = reinterpret_cast<const float*>(values.data());
+    bool finite = true;
+    for (std::size_t i = 0; i < values.size() * sizeof(values[0]) / sizeof(float); ++i)
+      finite &= !detail::is_not_finite(floats[i]);
+    return finite;
+  };
+  return are(scene.means) && are(scene.scales) && are(scene.rotations) && are(scene.opacities) &&
+         are(scene.sh0) && are(scene.sh_rest);
+}
+
+/// Brings harmonics into the range that they are compared in. Returns how many were beyond.
+std::size_t clamp_harmonics(std::vector<float>& values) {
+  std::size_t beyond = 0;
+  for (float& value : values) {
+    if (std::abs(value) <= largest_coordinate) continue;
+    value = std::copysign(largest_coordinate, value);
+    ++beyond;
+  }
+  return beyond;
+}
+
+void expect_count(const std::filesystem::path& path, std::size_t count) {
+  constexpr std::size_t most = most_webp_pixels_a_side / 4 * 4 * (most_webp_pixels_a_side / 4 * 4);
+  if (count == 0 || count > most)
+    throw std::invalid_argument(path.string() + ": expected 1 to " + std::to_string(most) +
+                                " Gaussians with finite numbers, as SOG holds, got " + std::to_string(count));
+}
+
+/// Writes Gaussians whose numbers are all finite and harmonics are not too large.
+std::uint64_t write_bundle(const std::filesystem::path& path, const Scene& scene,
+                           const ProgressMeter& progress) {
+  expect_count(path, scene.size());
+  const Points harmonics{scene.sh_rest.data(), scene.size(), 3 * std::size_t(sh_rest_count(scene.sh_degree))};
+  Palette palette;
+  if (scene.sh_degree > 0)
+    palette = make_palette(harmonics, palette_size(scene.size()), progress.step(0, 0.7));
+  std::vector<std::uint32_t> order;
+  std::array<Codebook, 3> codebooks;
+  for_tasks(4, progress.step(0.7, 0.8), [&](std::size_t task, const Stopping&) {
+    if (task == 0) order = spatial_order(scene);
+    if (task == 1) codebooks[0] = scale_codebook(scene);
+    if (task == 2) codebooks[1] = colour_codebook(scene);
+    if (task == 3) codebooks[2] = palette_codebook(palette);
+  });
+  const MeanEncoder means(scene);
+  const Contents files = contents(scene, order, means, palette, codebooks);
+  std::vector<std::string> encoded(files.images.size());
+  for_tasks(encoded.size(), progress.step(0.8, 1), [&](std::size_t i, const Stopping& stopping) {
+    encoded[i] = encode_webp(files.images[i].make(), stopping);
+  });
+
+  OutputFile file(path);
+  ZipWriter zip(file);
+  zip.add("meta.json", files.meta);
+  for (std::size_t i = 0; i < encoded.size(); ++i) zip.add(files.images[i].name, encoded[i]);
+  zip.finish();
+  file.close();
+  return file.size();
+}
+
+}  // namespace
+
+WrittenScene write_sog(const std::filesystem::path& path, const Scene& scene,
+                       const SceneWriteOptions& options) {
+  const ProgressMeter progress(options.progress, path.string());
+  progress.report(0);
+  WrittenScene written{.format = "SOG version 2"};
+  const auto too_large = [](float value) { return std::abs(value) > largest_coordinate; };
+  if (all_finite(scene) && std::none_of(scene.sh_rest.begin(), scene.sh_rest.end(), too_large)) {
+    written.bytes = write_bundle(path, scene, progress);
+    return written;
+  }
+  Scene copy = scene;
+  if (const std::uint64_t dropped = drop_nonfinite(copy); dropped > 0)
+    written.notes.push_back(
+        std::to_string(dropped) +
+        " Gaussians with a NaN or an infinity were left out, as SOG holds finite numbers.");
+  if (const std::size_t clamped = clamp_harmonics(copy.sh_rest); clamped > 0)
+    written.notes.push_back(std::to_string(clamped) + " SH coefficients were clamped to [-1e18, 1e18].");
+  written.bytes = write_bundle(path, copy, progress);
+  return written;
+}
+
+}  // namespace swiftgs::io

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <zip.h>
+
+#include <swiftgs/edit/order.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
+#include "files.hpp"
+#include "scenes.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+SceneFile written_and_read(const Scene& scene) {
+  const TemporaryFolder folder;
+  const WrittenScene written = write_scene(folder / "a.sog", scene);
+  CHECK(written.bytes == std::filesystem::file_size(folder / "a.sog"));
+  SceneFile file = read_scene(folder / "a.sog");
+  CHECK(file.format == written.format);
+  CHECK(file.dropped_nonfinite == 0);
+  CHECK(file.notes.empty());
+  return file;
+}
+
+double signed_logarithm(double value) { return std::copysign(std::log1p(std::abs(value)), value); }
+
+/// `scene` is in the order of the file.
+void check_means(const Scene& scene, const Scene& read) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [least, most] = std::minmax_element(scene.means.begin(), scene.means.end(),
+                                                   [&](auto& a, auto& b) { return a[axis] < b[axis]; });
+    const double step = (signed_logarithm((*most)[axis]) - signed_logarithm((*least)[axis])) / 65535;
+    for (std::size_t i = 0; i < scene.size(); ++i) {
+      const double error = signed_logarithm(read.means[i][axis]) - signed_logarithm(scene.means[i][axis]);
+      CHECK(std::abs(error) <= 0.5001 * step + 1e-7 * std::abs(signed_logarithm(scene.means[i][axis])));
+    }
+  }
+}
+
+void check_rotations(const Scene& scene, const Scene& read) {
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const Quaternion &a = scene.rotations[i], &b = read.rotations[i];
+    const double sign =
+        double(a.w) * b.w + double(a.x) * b.x + double(a.y) * b.y + double(a.z) * b.z < 0 ? -1 : 1;
+    const std::array<double, 4> errors{a.w - sign * b.w, a.x - sign * b.x, a.y - sign * b.y,
+                                       a.z - sign * b.z};
+    const std::array<float, 4> wxyz{a.w, a.x, a.y, a.z};
+    const auto larger = [](float x, float y) { return std::abs(x) < std::abs(y); };
+    const auto largest = std::max_element(wxyz.begin(), wxyz.end(), larger) - wxyz.begin();
+    for (int k = 0; k < 4; ++k)
+      if (k != largest) CHECK(std::abs(errors[std::size_t(k)]) <= 0.5001 * std::sqrt(2.0) / 255);
+  }
+}
+
+/// Harmonics of few different numbers and sets, which the file can hold exactly.
+void simplify_harmonics(Scene& scene, std::size_t sets) {
+  const std::size_t width = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  for (std::size_t i = 0; i < scene.sh_rest.size(); ++i) {
+    const std::size_t set = i / width % sets, k = i % width;
+    scene.sh_rest[i] = float((set * 37 + k * 11 + set * set * k) % 200) / 64 - 1;
+  }
+}
+
+}  // namespace
+
+TEST_CASE("sog: what is written is read back for every degree") {
+  for (int degree = 0; degree <= 3; ++degree) {
+    CAPTURE(degree);
+    Scene scene = some_scene(2500, degree);
+    scene.antialiased = degree % 2 == 1;
+    simplify_harmonics(scene, 300);
+    scene = order_spatially(scene);
+    const Scene read = written_and_read(scene).scene;
+    REQUIRE(read.size() == scene.size());
+    CHECK(read.sh_degree == degree);
+    CHECK(read.antialiased == scene.antialiased);
+    CHECK(read.sh_rest == scene.sh_rest);
+    check_means(scene, read);
+    check_rotations(scene, read);
+    for (std::size_t i = 0; i < scene.size(); ++i) {
+      CHECK(std::abs(read.opacities[i] - scene.opacities[i]) <= 0.5001 / 255);
+      for (int axis = 0; axis < 3; ++axis) {
+        // Both are spread evenly, over 6 and 2, so that steps are 6/256 and 2/256.
+        CHECK(std::abs(std::log(read.scales[i][axis] / scene.scales[i][axis])) < 0.7 * 6 / 256);
+        CHECK(std::abs(read.sh0[i][axis] - scene.sh0[i][axis]) < 0.7 * 2 / 256);
+      }
+    }
+  }
+}
+
+TEST_CASE("sog: one Gaussian is exact but for its rotation and opacity") {
+  for (int degree = 0; degree <= 3; ++degree) {
+    const Scene scene = some_scene(1, degree);
+    const Scene read = written_and_read(scene).scene;
+    REQUIRE(read.size() == 1);
+    for (int axis = 0; axis < 3; ++axis) {
+      CHECK(read.means[0][axis] == doctest::Approx(scene.means[0][axis]).epsilon(1e-6));
+      CHECK(read.scales[0][axis] == doctest::Approx(scene.scales[0][axis]).epsilon(1e-6));
+    }
+    CHECK(read.sh0 == scene.sh0);
+    CHECK(read.sh_rest == scene.sh_rest);
+    CHECK(std::abs(read.opacities[0] - scene.opacities[0]) <= 0.5001 / 255);
+    check_rotations(scene, read);
+  }
+}
+
+TEST_CASE("sog: a Gaussian that is repeated is as exact as one") {
+  const Scene scene = subset(some_scene(1, 3), std::vector<std::uint32_t>(5000, 0));
+  const Scene read = written_and_read(scene).scene;
+  REQUIRE(read.size() == 5000);
+  CHECK(read.sh_rest == scene.sh_rest);
+  CHECK(read.sh0 == scene.sh0);
+  CHECK(std::set<float>(read.opacities.begin(), read.opacities.end()).size() == 1);
+  for (const vec3& mean : read.means)
+    for (int axis = 0; axis < 3; ++axis)
+      CHECK(mean[axis] == doctest::Approx(scene.means[0][axis]).epsilon(1e-6));
+}
+
+TEST_CASE("sog: scales of 0 stay 0 and leave the others alone") {
+  Scene scene = some_scene(1000, 0);
+  for (std::size_t i = 0; i < scene.size(); i += 3) scene.scales[i].z = 0;
+  scene.scales[1] = vec3(0);
+  scene.scales[2] = vec3(std::numeric_limits<float>::denorm_min());
+  scene = order_spatially(scene);
+  const Scene read = written_and_read(scene).scene;
+  for (std::size_t i = 0; i < scene.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      const float scale = scene.scales[i][axis];
+      CHECK((read.scales[i][axis] == 0) == (scale == 0));
+      if (scale > 1e-30f) CHECK(std::abs(std::log(read.scales[i][axis] / scale)) < 0.05);
+    }
+  for (vec3& scale : scene.scales) scale = vec3(0);
+  CHECK(written_and_read(scene).scene.scales == scene.scales);
+}
+
+TEST_CASE("sog: means of all sizes keep their logarithms") {
+  constexpr float largest = std::numeric_limits<float>::max();
+  Scene scene = some_scene(100, 0);
+  scene.means[0] = vec3(largest, -largest, largest);
+  scene.means[1] = vec3(-largest, largest, 1e-30f);
+  scene.means[2] = vec3(0.0f, -0.0f, 1e30f);
+  scene = order_spatially(scene);
+  check_means(scene, written_and_read(scene).scene);
+}
+
+TEST_CASE("sog: every opacity that a byte holds is exact and 0 hides no colour") {
+  Scene scene = some_scene(256, 0);
+  for (std::size_t i = 0; i < 256; ++i) {
+    scene.opacities[i] = float(i) / 255;
+    scene.sh0[i] = vec3(float(i + 3), float(255 - i), 7.0f) / 64.0f;
+  }
+  scene.sh0[0] = vec3(0.25f, 1, 2);
+  scene = order_spatially(scene);
+  const Scene read = written_and_read(scene).scene;
+  CHECK(read.opacities == scene.opacities);
+  for (std::size_t i = 0; i < 256; ++i)
+    for (int c = 0; c < 3; ++c) CHECK(std::abs(read.sh0[i][c] - scene.sh0[i][c]) < 0.01f);
+}
+
+TEST_CASE("sog: a huge number does not coarsen the others") {
+  Scene scene = some_scene(3000, 1);
+  simplify_harmonics(scene, 200);
+  scene.sh0[7] = vec3(1e30f, -1e30f, 1e10f);
+  scene.scales[8] = vec3(3e38f, 1, 1);
+  scene.sh_rest[9 * 9] = 1e17f;
+  scene.sh_rest[9 * 9 + 1] = -1e10f;
+  scene = order_spatially(scene);
+  const Scene read = written_and_read(scene).scene;
+  for (std::size_t i = 0; i < scene.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      const float colour = scene.sh0[i][axis], scale = scene.scales[i][axis];
+      CHECK(std::abs(read.sh0[i][axis] - colour) < 0.02 + 1e-6 * std::abs(colour));
+      CHECK(std::abs(std::log(read.scales[i][axis] / scale)) < 0.06);
+    }
+  for (std::size_t i = 0; i < scene.sh_rest.size(); ++i)
+    CHECK(std::abs(read.sh_rest[i] - scene.sh_rest[i]) <= 1e-6 * std::abs(scene.sh_rest[i]));
+}
+
+TEST_CASE("sog: what the file cannot hold is left out or clamped and counted") {
+  Scene scene = some_scene(50, 1);
+  scene.means[3].x = std::numeric_limits<float>::infinity();
+  scene.sh_rest[9 * 4] = std::numeric_limits<float>::quiet_NaN();
+  scene.sh_rest[9 * 5] = 1e30f;
+  scene.sh_rest[9 * 6] = -3e38f;
+  const TemporaryFolder folder;
+  const WrittenScene written = write_scene(folder / "a.sog", scene);
+  REQUIRE(written.notes.size() == 2);
+  CHECK(contains(written.notes[0], "2 Gaussians"));
+  CHECK(contains(written.notes[1], "2 SH coefficients"));
+  const Scene read = load_scene(folder / "a.sog");
+  CHECK(read.size() == 48);
+  CHECK(*std::max_element(read.sh_rest.begin(), read.sh_rest.end()) == 1e18f);
+  CHECK(*std::min_element(read.sh_rest.begin(), read.sh_rest.end()) == -1e18f);
+
+  scene = some_scene(0, 0);
+  CHECK_THROWS_WITH_AS(write_scene(folder / "b.sog", scene), doctest::Contains("b.sog: expected 1 to"),
+                       std::invalid_argument);
+  CHECK(!std::filesystem::exists(folder / "b.sog"));
+}
+
+TEST_CASE("sog: the same scene makes the same file") {
+  const Scene scene = some_scene(70'000, 1);
+  const TemporaryFolder folder;
+  write_scene(folder / "a.sog", scene);
+  write_scene(folder / "b.sog", scene);
+  CHECK(content_of(folder / "a.sog") == content_of(folder / "b.sog"));
+}
+
+TEST_CASE("sog: the file is a ZIP of entries stored as they are") {
+  const TemporaryFolder folder;
+  write_scene(folder / "a.sog", some_scene(100, 2));
+  zip_t* const archive = zip_open((folder / "a.sog").c_str(), ZIP_RDONLY | ZIP_CHECKCONS, nullptr);
+  REQUIRE(archive);
+  CHECK(zip_get_num_entries(archive, 0) == 8);
+  for (const char* name : {"meta.json", "means_l.webp", "means_u.webp", "scales.webp", "quats.webp",
+                           "sh0.webp", "shN_centroids.webp", "shN_labels.webp"}) {
+    CAPTURE(name);
+    zip_stat_t entry;
+    REQUIRE(zip_stat(archive, name, 0, &entry) == 0);
+    CHECK(entry.comp_method == ZIP_CM_STORE);
+    std::string content(entry.size, '\0');
+    zip_file_t* const file = zip_fopen(archive, name, 0);
+    REQUIRE(file);
+    CHECK(zip_fread(file, content.data(), entry.size) == zip_int64_t(entry.size));
+    char beyond;
+    CHECK(zip_fread(file, &beyond, 1) == 0);  // where the sum is checked
+    zip_fclose(file);
+  }
+  zip_discard(archive);
+}
+
+TEST_CASE("sog: progress grows to 1 and every step of it can cancel") {
+  const Scene scene = some_scene(5000, 3);
+  const TemporaryFolder folder;
+  std::vector<double> told;
+  write_scene(folder / "a.sog", scene, {.progress = [&](double part) {
+                told.push_back(part);
+                return true;
+              }});
+  CHECK(std::is_sorted(told.begin(), told.end()));
+  CHECK(told.front() == 0);
+  CHECK(told.back() == 1);
+  CHECK(told.size() > 20);
+  for (const double at : {0.0, 0.2, 0.6, 0.75, 0.9}) {
+    CAPTURE(at);
+    CHECK_THROWS_AS(
+        write_scene(folder / "b.sog", scene, {.progress = [&](double part) { return part < at; }}),
+        Cancelled);
+    CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
+  }
+}
