@@ -23,7 +23,6 @@
 #include <swiftgs/edit.hpp>
 #include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/metrics.hpp>
-#include <swiftgs/pruning.hpp>
 #include <swiftgs/serial.hpp>
 #include <swiftgs/swiftgs.hpp>
 
@@ -42,9 +41,13 @@ struct Format {
 
 Scene as_it_is(const Scene& scene) { return scene; }
 
-/// Greatest opacity times volume first, of equal ones the lower index, as a `.splat` file has them.
+/// Greatest volume times opacity first, of equal ones the lower index, as a `.splat` file has them.
 Scene most_visible_first(const Scene& scene) {
-  const std::vector<double> scores = opacity_volumes(scene);
+  std::vector<double> scores(scene.size());
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    const dvec3 scale(scene.scales[i]);
+    scores[i] = scale.x * scale.y * scale.z * double(scene.opacities[i]);
+  }
   std::vector<std::uint32_t> order(scene.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return scores[a] > scores[b]; });
