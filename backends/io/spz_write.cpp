@@ -88,8 +88,8 @@ class SpzWriter {
                .fractional_bits = encoding_.fractional_bits,
                .antialiased = scene.antialiased,
                .has_extensions = encoding_.flip != rub_to_rdf};
-    // Readers that know the extension convert, and those that do not step over it and take the numbers as they
-    // are, as they do without it. In version 3 some releases of Niantic's library are among the latter.
+    // Readers that know the extension convert, and those that do not step over it and take the numbers as
+    // they are, as they do without it. In version 3 some releases of Niantic's library are among the latter.
     if (!header_.has_extensions) return;
     append(extensions_, spz_coordinate_system, 4), append(extensions_, 4, 4);
     append(extensions_, encoding_.flip == luf_to_rdf ? 7 : 6, 4);
