@@ -30,7 +30,7 @@ struct Range3 {
   vec3 low{0.0f}, high{0.0f};
 };
 
-/// The row of a chunk. Files of before 2024 hold no colours, whose range is then 0 to 1.
+/// The row of a chunk. Old files hold no range of colours; theirs is 0 to 1.
 struct ChunkRanges {
   Range3 mean, log_scale, colour{.low = vec3(0.0f), .high = vec3(1.0f)};
 };
