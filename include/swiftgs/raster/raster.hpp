@@ -20,8 +20,8 @@
 namespace swiftgs {
 
 /// What rasterizing one square of pixels took. With `Cuda`, all counts but `contributing_pairs` and
-/// `pixels_stopped` differ from run to run, since different warps take up long lists. `balanced_ps` differs on
-/// every backend.
+/// `pixels_stopped` differ from run to run, since different warps take up long lists. `balanced_ps` differs
+/// on every backend.
 struct SquareCounts {
   std::uint64_t instances_visited = 0;   ///< of its tile's list, before all its pixels had stopped
   std::uint64_t rows_visited = 0;        ///< rows of pixels on which an instance was evaluated
