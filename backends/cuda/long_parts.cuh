@@ -64,7 +64,7 @@ struct LongPart {
 /// A walk is long that has blended so many splats, or visited so many instances, and is handed over. A
 /// shorter one is as soon as others wait for work.
 inline constexpr std::uint32_t long_blended = 4096, long_visited = 8192;
-/// Within its first piece, a walk asks after so many instances whether others wait.
+/// A walk asks at the end of each piece whether others wait, and after so many instances without one.
 inline constexpr std::uint32_t visits_between_checks = 1024;
 /// If fewer instances are left, others would not gain.
 inline constexpr std::uint32_t least_left = 2048;

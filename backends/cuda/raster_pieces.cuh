@@ -35,7 +35,7 @@ template <class Form, bool extras>
 struct PieceShared {
   Queue<Form> queues[piece_warps];
   PieceSplats::Shared splats;
-  float4 pieces[pixels_of_round];  ///< RGB and `mark_stopped` transmittance, of each piece the slots
+  float4 pieces[pixels_of_round];  ///< RGB and `mark_stopped` transmittance; indexed by piece, then slot
   float depths[extras ? pixels_of_round : 1];
   JoinedPart<extras> joined;
   unsigned live[pixels_of_lane];  ///< pixels that have not stopped
@@ -383,7 +383,7 @@ struct LongPartBlender {
     const unsigned pixel = pixel_in<pixel_count>(slot, was_live);
     bool live = was_live;
     float before = 0, all = 0, depth = 0;
-    if (was_live) {  // other warps write the rest
+    if (was_live) {  // Other warps and blocks may be writing the other pixels.
       before = shared.joined.totals[pixel].w, all = (&shared.joined.totals[pixel].x)[channel];
       if constexpr (extras) depth = shared.joined.depths[pixel];
     }

@@ -57,6 +57,12 @@ struct PartPlace {
   }
 };
 
+/// Where a walk was when a piece ended.
+struct PieceEnd {
+  std::uint32_t at;       ///< the next instance to visit
+  std::uint32_t waiting;  ///< splats before it that wait for the next piece
+};
+
 /// Why a walk does not go on.
 enum class Pause {
   at_piece,  ///< a piece has ended
@@ -146,12 +152,13 @@ class ListWalk {
   __device__ std::uint32_t left() const { return range_.end - min(at_, range_.end); }
   /// The next splat to visit.
   __device__ ResumeAt here() const { return {at_, 0}; }
-  /// The first splat that waits, or the next to visit; after a pause at a piece, where all that wait are of
-  /// the last step.
-  __device__ ResumeAt next() const {
-    const std::uint32_t last = at_ - warp_size, id = load_id(last);
+  /// The walk as it is after a pause at a piece.
+  __device__ PieceEnd piece_end() const { return {at_, waiting_}; }
+  /// The first splat behind the piece that ended there. All that waited were of the last step.
+  __device__ ResumeAt behind(const PieceEnd& end) const {
+    const std::uint32_t last = end.at - warp_size, id = load_id(last);
     const bool touches = last + lane_index() < range_.end && this->touches(id, load_shape(*job_, id));
-    return {last, unsigned(__popc(__ballot_sync(whole_warp, touches))) - waiting_};
+    return {last, unsigned(__popc(__ballot_sync(whole_warp, touches))) - end.waiting};
   }
 
  private:
@@ -314,21 +321,74 @@ __device__ T& in_memory(T& variable) {
   return *at;
 }
 
+/// A walk at the end of its last piece.
+template <bool extras>
+struct WalkedPieces {
+  JoinedPixels<extras, pixels_of_lane> pixels;
+  PieceEnd end;
+  std::uint32_t pairs, stopped;  ///< of this lane, with `extras`
+};
+
 /// Joins the pieces of a walk.
 template <class Form, bool threshold, bool extras>
 struct PieceJoiner {
   LaneBlender<Form, threshold, extras, pixels_of_lane>& lane;
-  JoinedPixels<extras, pixels_of_lane>& joined;  ///< behind the pieces that have ended
+  WalkedPieces<extras>& walked;
 
+  /// Joins piece k, which ended there, with those in front of it, and begins the next.
+  __device__ void end_piece(std::uint32_t k, const PieceEnd& end) const {
+    walked.end = end;
+    if constexpr (extras) {
+      const ThreadCounts counts = sum(lane.counts);
+      walked.pairs = counts.pairs, walked.stopped = counts.stopped;
+    }
+    join_piece(k);
+  }
+
+  /// Joins what there is of piece k, the last, and has the pixels show all pieces.
+  __device__ void end(std::uint32_t k, bool is_empty) const {
+    if (k == 0) return;
+    if (!is_empty) join_piece(k);
+#pragma unroll
+    for (unsigned p = 0; p < pixels_of_lane; ++p) lane.pixels[p] = walked.pixels.load(p).stopped();
+  }
+
+  /// Leaves the rest of a list to another block, after so many pieces and splats. A piece behind the first
+  /// that has not ended is left to it as a whole.
+  __device__ void hand_over(LongPart& part, ResumeAt at, std::uint32_t pieces, std::uint32_t blended) const {
+#pragma unroll
+    for (unsigned p = 0; p < pixels_of_lane; ++p) {
+      const Pixel& pixel = lane.pixels[p];
+      JoinedPixel all;
+      bool was_live;
+      if (pieces == 0)
+        all.join(pixel.blended(), 0), was_live = pixel.live();
+      else
+        all = walked.pixels.load(p), was_live = pixel.stop_below != had_stopped;
+      part.joined.store(pixel_of_part(p), all);
+      const unsigned live = __ballot_sync(whole_warp, was_live);
+      if (lane_index() == 0) part.live[p] = live;
+    }
+    if (lane_index() == 0) {
+      part.pieces = pieces, part.blended = blended;
+      part.column = blockIdx.x, part.row = BlockSquare::row(), part.part = threadIdx.x / warp_size;
+      part.at = at;
+    }
+    // Others count what is left to them.
+    if constexpr (extras)
+      if (pieces != 0) lane.counts[0] = {walked.pairs, walked.stopped}, lane.counts[1] = {};
+  }
+
+ private:
   /// Joins piece k with those in front of it, and begins the next.
-  __device__ void end_piece(std::uint32_t k) const {
+  __device__ void join_piece(std::uint32_t k) const {
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
       Pixel& pixel = lane.pixels[p];
-      JoinedPixel all = k == 0 ? JoinedPixel() : joined.load(p);
+      JoinedPixel all = k == 0 ? JoinedPixel() : walked.pixels.load(p);
       const bool live = pixel.live();
       if (pixel.stop_below != had_stopped) all.join(pixel.blended(), k);
-      joined.store(p, all);
+      walked.pixels.store(p, all);
       pixel = {};
       if (live)
         start_piece(pixel, lane.rules.stop_below, all.total.w, k + 1);
@@ -337,35 +397,6 @@ struct PieceJoiner {
     }
   }
 
-  /// Joins what there is of piece k, the last, and has the pixels show all pieces.
-  __device__ void end(std::uint32_t k, bool is_empty) const {
-    if (k == 0) return;
-    if (!is_empty) end_piece(k);
-#pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) lane.pixels[p] = joined.load(p).stopped();
-  }
-
-  /// Leaves the rest of a list to another block, after so many pieces and splats.
-  __device__ void hand_over(LongPart& part, ResumeAt at, std::uint32_t pieces, std::uint32_t blended) const {
-#pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) {
-      JoinedPixel all;
-      if (pieces == 0)
-        all.join(lane.pixels[p].blended(), 0);
-      else
-        all = joined.load(p);
-      part.joined.store(pixel_of_part(p), all);
-      const unsigned live = __ballot_sync(whole_warp, lane.pixels[p].live());
-      if (lane_index() == 0) part.live[p] = live;
-    }
-    if (lane_index() == 0) {
-      part.pieces = pieces, part.blended = blended;
-      part.column = blockIdx.x, part.row = BlockSquare::row(), part.part = threadIdx.x / warp_size;
-      part.at = at;
-    }
-  }
-
- private:
   /// `stop_below` of a pixel that had stopped before the piece, and has no part in it.
   static constexpr float had_stopped = -INFINITY;
 };
@@ -399,32 +430,28 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
   const TileRange range = square.list(input);
   if (!range.drawn()) return;
   ListWalk<Form> walk(job, range, part.first_centre(view), rules, queues[warp]);
-  JoinedPixels<extras, pixels_of_lane> joined;
-  const PieceJoiner<Form, threshold, extras> joiner{blender.lane, in_memory(joined)};
+  WalkedPieces<extras> walked;
+  const PieceJoiner<Form, threshold, extras> joiner{blender.lane, in_memory(walked)};
   LongPart* handed_over = nullptr;
-  ResumeAt next{};
-  for (std::uint32_t limit = range.begin; !handed_over;) {
-    if (walk.here().position >= limit) limit += min(range.end - limit, visits_between_checks);
-    const Pause pause = walk.go_on(blender, limit);
+  while (!handed_over) {
+    const Pause pause = walk.go_on(blender, walk.here().position + min(walk.left(), visits_between_checks));
     if (pause == Pause::stopped || (pause == Pause::at_limit && walk.left() == 0)) break;
     if (pause == Pause::at_piece) {
-      joiner.end_piece(walk.pieces() - 1);
+      joiner.end_piece(walk.pieces() - 1, walk.piece_end());
       if (blender.all_stopped()) {
         walk.drop_rest();
         break;
       }
     }
-    // Others take the rest at the end of a piece, or from within the first.
-    if (pause == Pause::at_limit && walk.pieces() != 0) continue;
     const bool is_long = walk.blended() >= long_blended || walk.visited() >= long_visited;
     handed_over = long_parts.take_room(walk.left(), is_long);
-    if (!handed_over) continue;
-    next = walk.here();
-    if (pause == Pause::at_piece) next = walk.next(), walk.drop_rest();
   }
+  // Others go on from the end of the last piece, or from within the first: what waits is theirs, or blended.
+  if (handed_over && walk.pieces() != 0) walk.drop_rest();
   walk.blend_rest(blender);
 
   if (handed_over) {
+    const ResumeAt next = walk.pieces() == 0 ? walk.here() : walk.behind(joiner.walked.end);
     joiner.hand_over(*handed_over, next, walk.pieces(), walk.blended());
     long_parts.hand_over(handed_over);
   } else {

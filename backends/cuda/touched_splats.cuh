@@ -107,7 +107,7 @@ class TouchedSplats {
     count_ -= count;
   }
 
-  /// The next splat, if the last `find` has found it.
+  /// Where the splats begin that are found and not dropped, if the last tests have found them all.
   __device__ ResumeAt next() const { return {last_, found_ - count_ + skip_}; }
 
  private:

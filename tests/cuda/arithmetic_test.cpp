@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// The arithmetic of kernels, on the host: alphas at their thresholds, boxes that splats touch, bits of
-// footprints.
+// The arithmetic of kernels, on the host: alphas at their thresholds, boxes that splats touch and tiles that
+// list them, bits of footprints.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,8 +10,10 @@
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/bounds/all.hpp>
 #include <swiftgs/cuda/find_bit.hpp>
 #include <swiftgs/cuda/turns.hpp>
+#include <swiftgs/type_list.hpp>
 
 #include "blending.hpp"
 #include "box_touched.hpp"
@@ -154,6 +156,63 @@ TEST_CASE("cuda arithmetic: a box is touched where the ellipse meets it and nowh
   CHECK(touched_wrongly == 0);
   CHECK(decided > 39'000);
   CHECK(near > 500);
+}
+
+namespace {
+
+/// Whether no row of pixel centres meets the ellipse of a splat.
+bool lies_between_rows(const SplatShape& shape) {
+  const double height = std::sqrt(double(shape.reach)) / double(shape.l2), y = double(shape.mean.y);
+  return std::ceil(y - height - 0.5) > std::floor(y + height - 0.5);
+}
+
+}  // namespace
+
+TEST_CASE("cuda arithmetic: lossless bounds list every tile of which a box is touched") {
+  // Pieces of long lists are made of the splats that touch a part, so all lossless bounds must list them. A
+  // splat that lies between two rows of pixel centres is the exception: none of them may list it anywhere.
+  const int width = 192, height = 128;
+  int between_rows_of_all = -1;
+  for_each_type(AllBounds(), [&]<class Bounds>(Bounds bounds) {
+    if constexpr (Bounds::lossless) {
+      CAPTURE(Bounds::name);
+      for (const int tile_side : {16, 32, 64}) {
+        CAPTURE(tile_side);
+        const TileGrid grid = TileGrid::covering(width, height, tile_side);
+        Random random(11);
+        int missed = 0, touched = 0, touched_only = 0, between_rows = 0;
+        for (int i = 0; i < 6000; ++i) {
+          const SplatShape shape =
+              i % 3 == 0 ? random_splat(random, width, height) : usual_splat(random, width, height);
+          const auto found = bounds.tiles(shape, grid);
+          std::vector<bool> listed(grid.size());
+          for (int row = found.rect.rows.begin; row < found.rect.rows.end; ++row) {
+            const TileRun run = found.row(row);
+            for (int column = run.begin; column < run.end; ++column) listed[grid.number(column, row)] = true;
+          }
+          for (const int side : {8, 16})
+            for (int y = 0; y < height; y += side)
+              for (int x = 0; x < width; x += side) {
+                const vec2 first(float(x) + 0.5f, float(y) + 0.5f);
+                if (!box_touched(shape, first, float(side))) continue;
+                ++touched;
+                if (found.rect.rows.size() == 0 && lies_between_rows(shape))
+                  ++between_rows;
+                else
+                  missed += !listed[grid.tile_at(x, y)];
+                // What keeping pixels alone would not ask for.
+                if (side == 8 && i % 3 != 0)
+                  touched_only += LeastSquares(shape, first, side).of_centres > double(shape.reach);
+              }
+        }
+        CHECK(missed == 0);
+        CHECK(touched > 100'000);
+        CHECK(touched_only > 10);
+        if (between_rows_of_all < 0) between_rows_of_all = between_rows;
+        CHECK(between_rows == between_rows_of_all);
+      }
+    }
+  });
 }
 
 TEST_CASE("cuda arithmetic: each bit of a mask is found in its turn") {

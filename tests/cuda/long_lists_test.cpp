@@ -11,6 +11,7 @@
 
 #include "cuda/device.hpp"
 #include "cuda/drawings.hpp"
+#include "cuda/graph.hpp"
 #include "policies/random_splats.hpp"
 #include "policies/rasterizers.hpp"
 
@@ -67,6 +68,38 @@ Scene corners(std::size_t of_tile, int side, std::size_t anywhere = 5) {
   return scene;
 }
 
+/// 600 layers over a whole image, and behind them `of_tile` dots for every tile of 16x16 pixels: 24 opaque
+/// ones anywhere in the tile, and after them one of five thousand. The rest are faint and lie in its first
+/// quarter, if there is to be a rest. So parts of the other quarters end one piece, begin another, in which
+/// pixels stop, and show next to nothing of what follows.
+Scene layers_before_corners(std::size_t of_tile, int side, bool with_rest = true) {
+  Random random(of_tile);
+  const std::size_t layer_count = 600, across = std::size_t(side) / 16, tiles = across * across;
+  const Scene any = random_scene(layer_count + of_tile * tiles, 0, of_tile);
+  const float pixel = 1 / float(side);
+  Scene scene;
+  const auto add = [&](std::size_t i, vec3 mean, vec3 scales, float opacity) {
+    scene.means.push_back(mean), scene.scales.push_back(scales), scene.opacities.push_back(opacity);
+    scene.rotations.push_back(any.rotations[i]), scene.sh0.push_back(any.sh0[i]);
+  };
+  for (std::size_t i = 0; i < any.size(); ++i) {
+    const float z = 1 + float(i) / float(any.size());
+    if (i < layer_count) {
+      add(i, vec3(0, 0, z), vec3(50), 0.008f);
+      continue;
+    }
+    const std::size_t tile = (i - layer_count) % tiles, nth = (i - layer_count) / tiles;
+    const bool anywhere = nth < 24 || nth % 5000 == 0;
+    const double width = anywhere ? 14 : 4;
+    const float x = float(16 * (tile % across)) + random.f(2, 2 + width);
+    const float y = float(16 * (tile / across)) + random.f(2, 2 + width);
+    const float opacity = anywhere ? 1 : random.f(0.005, 0.03);
+    if (anywhere || with_rest)
+      add(i, vec3(x * pixel - 0.5f, y * pixel - 0.5f, 1) * z, vec3(0.5f * pixel * z), opacity);
+  }
+  return scene;
+}
+
 /// Keeps Gaussians that are much fainter than those that frames usually show, so that lists of ten thousands
 /// are needed to stop a pixel.
 Conventions faint() {
@@ -90,6 +123,12 @@ struct Planes {
     const std::size_t pixels = std::size_t(of) * std::size_t(of);
     colour.reset(3 * pixels), alpha.reset(pixels), depth.reset(pixels);
   }
+  /// Overwrites all pixels, when the device has nothing to do and before it has.
+  void poison() {
+    for (DeviceBuffer<float>* plane : {&colour, &alpha, &depth})
+      check_cuda(cudaMemset(plane->data(), 0xa5, plane->size() * sizeof(float)), "cudaMemset");
+    check_cuda(cudaDeviceSynchronize(), "cudaDeviceSynchronize");
+  }
   /// A part of the image, from a pixel on.
   FrameView part(int size, FirstPixel first, bool extras) {
     const std::size_t at = std::size_t(first.y) * std::size_t(side) + std::size_t(first.x);
@@ -100,6 +139,14 @@ struct Planes {
     return frame;
   }
 };
+
+/// Whether two images have the same bits; their depth where there are `extras`.
+bool same_planes(const Cuda& cuda, const Planes& a, const Planes& b, bool extras) {
+  const auto same = [&](const DeviceBuffer<float>& one, const DeviceBuffer<float>& other) {
+    return same_bits(to_host(cuda, one.span()), to_host(cuda, other.span()));
+  };
+  return same(a.colour, b.colour) && same(a.alpha, b.alpha) && (!extras || same(a.depth, b.depth));
+}
 
 /// Renders an image as a whole and in parts before white, and compares their bits.
 template <class R>
@@ -117,13 +164,7 @@ void check_parts(R& renderer, const SceneView& scene, int side, int size, bool e
       const View part = make_view(camera, conventions, parts.part(size, {x, y}, extras), vec3(1), {x, y});
       renderer.render_into(scene, {&part, 1});
     }
-  const Cuda& cuda = renderer.backend();
-  const auto same = [&](const DeviceBuffer<float>& a, const DeviceBuffer<float>& b) {
-    return to_host(cuda, a.span()) == to_host(cuda, b.span());
-  };
-  CHECK(same(std::as_const(whole.colour), std::as_const(parts.colour)));
-  CHECK(same(std::as_const(whole.alpha), std::as_const(parts.alpha)));
-  if (extras) CHECK(same(std::as_const(whole.depth), std::as_const(parts.depth)));
+  CHECK(same_planes(renderer.backend(), whole, parts, extras));
 }
 
 template <class Raster>
@@ -283,7 +324,8 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
                        {"blocks", layers(30'000, 0.0003, 0.006), faint(), true},
                        {"clusters", layers(60'000, 0.0002, 0.002), faint(), true},
                        {"little, for blocks", corners(12'000, 64, 50), {}, true},
-                       {"little, for clusters", corners(48'000, 64, 50), {}, true}};
+                       {"little, for clusters", corners(48'000, 64, 50), {}, true},
+                       {"much, then little", layers_before_corners(50'000, 64), {}, true}};
   for (const auto& [name, scene, conventions, in_pieces] : all) {
     CAPTURE(name);
     Renderer<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> host;
@@ -315,6 +357,117 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
       CHECK(double(counts.pixels_stopped) == doctest::Approx(double(counted.pixels_stopped)).epsilon(1e-2));
     });
   }
+}
+
+TEST_CASE("cuda long lists: parts that show next to nothing behind their first piece are shared too") {
+  if (without_device()) return;
+  // More parts than would be taken up at the end of their first piece.
+  const int side = 96;
+  const Camera camera = square_camera(side);
+  const Scene scene = layers_before_corners(50'000, side);
+  const Scene short_lists = layers_before_corners(50'000, side, false);
+  RenderSettings settings;
+  settings.outputs = {true, true};
+  for_each_piecewise([&](auto&& renderer) {
+    CAPTURE(std::decay_t<decltype(renderer)>::name);
+    const DeviceScene uploaded = renderer.backend().upload(scene);
+    for (const bool extras : {false, true}) check_parts(renderer, uploaded.view(), side, 32, extras);
+
+    // A walk alone would visit 50,600 instances. Clusters share what is left after about 9,000.
+    const SquareCounts counts = counts_of(renderer, uploaded, camera);
+    CHECK(counts.pieces > 100);
+    CHECK(counts.longest_item < 20'000);
+    for (int run = 0; run < 5; ++run) {
+      const SquareCounts again = counts_of(renderer, uploaded, camera);
+      CHECK(again.contributing_pairs == counts.contributing_pairs);
+      CHECK(again.pixels_stopped == counts.pixels_stopped);
+    }
+
+    // The other quarters look as they do without the dots of the first, when warps walk all lists alone.
+    Frame drawn, expected;
+    renderer.render(uploaded, camera, settings, drawn);
+    const DeviceScene uploaded_short = renderer.backend().upload(short_lists);
+    CHECK(counts_of(renderer, uploaded_short, camera).pieces == 0);
+    renderer.render(uploaded_short, camera, settings, expected);
+    std::size_t differing = 0;
+    for (std::size_t i = 0; i < drawn.alpha.size(); ++i) {
+      const std::size_t x = i % std::size_t(side), y = i / std::size_t(side);
+      if (x % 16 < 8 && y % 16 < 8) continue;
+      differing += drawn.alpha[i] != expected.alpha[i] || drawn.depth[i] != expected.depth[i];
+      for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) differing += drawn.colour[c] != expected.colour[c];
+    }
+    CHECK(differing == 0);
+  });
+}
+
+TEST_CASE("cuda long lists: views of one frame have the bits of frames of their own") {
+  if (without_device()) return;
+  const int sides[] = {96, 64};
+  const Scene scene = layers(30'000, 0.0003, 0.006);
+  for_each_piecewise([&](auto&& renderer) {
+    CAPTURE(std::decay_t<decltype(renderer)>::name);
+    const DeviceScene uploaded = renderer.backend().upload(scene);
+    for (const bool extras : {false, true}) {
+      CAPTURE(extras);
+      Planes together[] = {Planes(sides[0]), Planes(sides[1])},
+             alone[] = {Planes(sides[0]), Planes(sides[1])};
+      std::vector<View> views;
+      for (std::size_t v = 0; v < 2; ++v) {
+        const auto view_into = [&](Planes& planes) {
+          return make_view(square_camera(sides[v]), faint(), planes.part(sides[v], {}, extras),
+                           vec3(float(v)));
+        };
+        views.push_back(view_into(together[v]));
+        const View single = view_into(alone[v]);
+        renderer.render_into(uploaded.view(), {&single, 1});
+      }
+      for (int run = 0; run < 3; ++run) {
+        renderer.render_into(uploaded.view(), {views.data(), views.size()});
+        for (std::size_t v = 0; v < 2; ++v)
+          CHECK(same_planes(renderer.backend(), together[v], alone[v], extras));
+      }
+      renderer.render_into(uploaded.view(), {views.data(), views.size()}, {.count = true});
+      CHECK(renderer.statistics().raster.pieces > 100);
+      for (std::size_t v = 0; v < 2; ++v)
+        CHECK(same_planes(renderer.backend(), together[v], alone[v], extras));
+    }
+  });
+}
+
+TEST_CASE("cuda long lists: a graph that runs again and again has the bits of rendered frames") {
+  if (without_device()) return;
+  const int side = 96;
+  const Scene scene = layers(30'000, 0.0003, 0.006);
+  for_each_type(Piecewise(), [&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    const Stream stream;
+    With<Raster> recorded{Cuda(stream.get())}, rendered{Cuda(stream.get())};
+    const Cuda& cuda = recorded.backend();
+    const DeviceScene uploaded = cuda.upload(scene);
+    for (const bool extras : {false, true}) {
+      CAPTURE(extras);
+      Planes replayed(side), expected(side);
+      const auto view_into = [&](Planes& planes) {
+        return make_view(square_camera(side), faint(), planes.part(side, {}, extras), vec3(1));
+      };
+      const View view = view_into(expected), recorded_view = view_into(replayed);
+      rendered.render_into(uploaded.view(), {&view, 1}, {.count = true});
+      const Statistics statistics = rendered.statistics();
+      CHECK(statistics.raster.pieces > 100);
+      rendered.render_into(uploaded.view(), {&view, 1});
+
+      DeviceBuffer<FrameReport> report;
+      report.reset(1);
+      recorded.reserve(uploaded.view(), {&recorded_view, 1}, {statistics.visible, statistics.instances});
+      const Graph graph(stream, [&] { recorded.record(uploaded.view(), report.data()); });
+      for (int run = 0; run < 3; ++run) {
+        replayed.poison();
+        graph.run();
+        CHECK(same_planes(cuda, replayed, expected, extras));
+        CHECK(to_host(cuda, std::as_const(report).span())[0].overflowed == 0);
+      }
+    }
+  });
 }
 
 TEST_CASE("cuda long lists: those who share a part are at work at most while the frame is rasterized") {

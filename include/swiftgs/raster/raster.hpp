@@ -19,8 +19,9 @@
 
 namespace swiftgs {
 
-/// What rasterizing one square of pixels took. With `Cuda`, who works off a long list differs from run to
-/// run. So all but pairs and stopped pixels may. The balanced time does on every backend.
+/// What rasterizing one square of pixels took. With `Cuda`, all counts but `contributing_pairs` and
+/// `pixels_stopped` differ from run to run, since different warps take up long lists. `balanced_ps` differs
+/// on every backend.
 struct SquareCounts {
   std::uint64_t instances_visited = 0;   ///< of its tile's list, before all its pixels had stopped
   std::uint64_t rows_visited = 0;        ///< rows of pixels on which an instance was evaluated

@@ -86,8 +86,8 @@ void with_squares(Cuda& cuda, const RasterJob& job, const F& f) {
   });
 }
 
-/// Warps that the device runs at once of a kernel in blocks of so many threads, if it runs nothing else; 0
-/// unless `job` is counted.
+/// Warps of `kernel` that the device holds at once, in blocks of so many threads, if it runs nothing else.
+/// 0 unless `job` is counted.
 template <class... Parameters>
 std::uint32_t warps_at_once(const Cuda& cuda, const RasterJob& job, void (*kernel)(Parameters...),
                             unsigned threads) {

@@ -14,9 +14,9 @@ inline unsigned blocks_for(std::size_t n, unsigned threads) { return unsigned((n
 
 namespace kernels {
 /// Waits for the kernels before this one, which `launch_early` may have started behind. Every thread calls it
-/// before it touches memory or returns. A kernel that runs beside its predecessor calls it in few threads.
-/// None of its blocks may end before one of these calls returns. It acquires what it reads of its
-/// predecessor.
+/// before it touches memory or returns. The exception is a kernel that runs beside its predecessor: only some
+/// threads call it, no block ends before one of these calls has returned, and what the kernel reads of its
+/// predecessor it acquires.
 __device__ inline void await_earlier() {
 #if __CUDA_ARCH__ >= 900
   cudaGridDependencySynchronize();
