@@ -50,12 +50,13 @@ Quaternion unpack_rotation(std::uint32_t packed) {
   return normalised(float(q[0]), float(q[1]), float(q[2]), float(q[3]));
 }
 
-std::uint8_t pack_sh(float coefficient) {
+std::uint8_t pack_sh(float coefficient, bool lower) {
   const double at = double(coefficient) * 32 + 128;
   // Bytes 0 and 255 stand for 0 and 256, which is further from their neighbours' 1.5 and 254.5 than 1.
   if (at < 0.75) return 0;
   if (at >= 255.25) return 255;
-  return std::uint8_t(std::clamp(at, 1.0, 254.0));
+  const bool tie = at == std::floor(at) && at >= 2 && at <= 254;
+  return std::uint8_t(std::clamp(at - (tie && lower ? 1 : 0), 1.0, 254.0));
 }
 
 float unpack_sh(std::uint8_t packed) {

@@ -131,7 +131,7 @@ WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene
     write_rows(file, order.size(), 3 * count, progress.step(0.6, 1), [&](std::size_t i, RowEncoder row) {
       const float* rest = scene.sh_rest.data() + 3 * count * order[i];
       for (std::size_t c = 0; c < 3; ++c)
-        for (std::size_t j = 0; j < count; ++j) row.add(pack_sh(rest[3 * j + c]));
+        for (std::size_t j = 0; j < count; ++j) row.add(pack_sh(rest[3 * j + c], (i + j) % 2 == 0));
     });
   progress.report(1);  // a file that has taken its place cannot be cancelled
   file.close();

@@ -52,12 +52,15 @@ TEST_CASE("compressed ply: rotations are w first and the identity is nearly itse
 }
 
 TEST_CASE("compressed ply: every harmonic gets the byte whose value is nearest") {
-  for (int byte = 0; byte < 256; ++byte) CHECK(pack_sh(unpack_sh(std::uint8_t(byte))) == byte);
+  for (int byte = 0; byte < 256; ++byte) CHECK(pack_sh(unpack_sh(std::uint8_t(byte)), byte % 3 == 0) == byte);
+  CHECK(pack_sh(0, true) == 127);
+  CHECK(pack_sh(0, false) == 128);
   for (int step = -5000; step <= 5000; ++step) {
     const float value = float(step) / 1001;
     float least = 100;
     for (int byte = 0; byte < 256; ++byte)
       least = std::min(least, std::abs(unpack_sh(std::uint8_t(byte)) - value));
-    REQUIRE(std::abs(unpack_sh(pack_sh(value)) - value) == least);
+    for (const bool lower : {false, true})
+      REQUIRE(std::abs(unpack_sh(pack_sh(value, lower)) - value) == least);
   }
 }
