@@ -112,14 +112,27 @@ HWY_ATTR void Score(const Points& points, std::span<const std::uint32_t> ids, co
   }
 }
 
+/// The first `count` lanes from `from` on, and zeros; what lies behind them is not read.
+template <class D>
+HWY_INLINE hn::Vec<D> LoadFirst(D d, const float* from, std::size_t count) {
+  if (count == 0) return hn::Zero(d);
+#if HWY_MEM_OPS_MIGHT_FAULT
+  HWY_ALIGN float first[hn::MaxLanes(D())] = {};
+  std::copy_n(from, count, first);
+  return hn::Load(d, first);
+#else
+  return hn::MaskedLoad(hn::FirstN(d, count), d, from);
+#endif
+}
+
 HWY_ATTR void Project(const Points& points, std::span<const std::uint32_t> ids, const float* direction,
                       float* products) {
   const F32 d;
   const std::size_t width = points.width, whole = width / lanes * lanes;
-  const auto tail = hn::FirstN(d, width - whole);
+  const Vec last = LoadFirst(d, direction + whole, width - whole);
   for (std::size_t i = 0; i < ids.size(); ++i) {
     const float* const row = points[ids[i]];
-    Vec sum = hn::Mul(hn::MaskedLoad(tail, d, row + whole), hn::MaskedLoad(tail, d, direction + whole));
+    Vec sum = hn::Mul(LoadFirst(d, row + whole, width - whole), last);
     for (std::size_t k = 0; k < whole; k += lanes)
       sum = hn::MulAdd(hn::LoadU(d, row + k), hn::LoadU(d, direction + k), sum);
     products[i] = hn::GetLane(hn::SumOfLanes(d, sum));
@@ -138,14 +151,13 @@ HWY_INLINE void AddUp(const Points& points, std::span<const std::uint32_t> ids, 
   HWY_ALIGN std::array<double, most_width + doubles> each{};
   std::copy_n(sums, points.width, each.begin());
   const std::size_t whole = points.width / doubles * doubles;
-  const auto tail = hn::FirstN(df, points.width - whole);
   for (std::size_t i = 0; i < ids.size(); ++i) {
     const float* const point = points[ids[i]];
     const auto add = [&](std::size_t k, auto floats) HWY_ATTR {
       hn::StoreU(take(i, hn::LoadU(d, each.data() + k), hn::PromoteTo(d, floats)), d, each.data() + k);
     };
     for (std::size_t k = 0; k < whole; k += doubles) add(k, hn::LoadU(df, point + k));
-    add(whole, hn::MaskedLoad(tail, df, point + whole));
+    add(whole, LoadFirst(df, point + whole, points.width - whole));
   }
   std::copy_n(each.begin(), points.width, sums);
 }

@@ -153,7 +153,7 @@ TEST_CASE("palette: sums of points are those of a plain loop for every width") {
   }
 }
 
-TEST_CASE("palette: the error is below that of ten rounds of k-means from random points") {
+TEST_CASE("palette: the error is well below that of ten rounds of k-means from random points") {
   for (const std::size_t width : {9, 24, 45}) {
     CAPTURE(width);
     // Some directions matter more than others, and some points lie far out, as in real scenes.
@@ -163,7 +163,7 @@ TEST_CASE("palette: the error is below that of ten rounds of k-means from random
     const Points points{numbers.data(), 12'000, width};
     const Palette palette = make_palette(points, 1024, unheard);
     CHECK(palette.size() == 1024);
-    CHECK(error(points, palette) < error(points, lloyd(points, 1024, 10)));
+    CHECK(error(points, palette) < 0.93 * error(points, lloyd(points, 1024, 10)));
   }
 }
 
