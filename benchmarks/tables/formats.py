@@ -1,12 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """What each format of scenes costs."""
 from tables.markdown import count, significant, table
+from tables.results import check_rows
 
 NAME = "formats.json"
+ERRORS = ("mean", "log_scale", "degrees", "opacity", "sh0", "sh_rest_rms")
 
 
 def read(source, machine):
-    return source.json(machine, NAME, "swiftgs-formats", single=list, pairs=list)
+    """The object in the file of formats_table."""
+    path = source.path(machine, NAME)
+    found = source.json(machine, NAME, "swiftgs-formats", single=list, pairs=list)
+    check_rows(path, [found], texts=("scene", "size"), counts=("gaussians",))
+    check_rows(path, found["single"], texts=("file_format",), counts=("bytes", "write_seconds", "read_seconds"),
+               optional=("psnr_db",))
+    check_rows(path, [row.get("errors") for row in found["single"]], counts=ERRORS)
+    check_rows(path, found["pairs"], texts=("first", "second"), optional=("psnr_db",))
+    return found
 
 
 def decibels(value):
@@ -22,8 +32,7 @@ def formats(source, machine):
         rows.append([row["file_format"], f"{row['bytes'] / 1e6:.1f}",
                      f"{row['bytes'] / results['gaussians']:.1f}", significant(row["write_seconds"]),
                      significant(row["read_seconds"]), decibels(row["psnr_db"])]
-                    + [significant(errors[key]) for key in
-                       ("mean", "log_scale", "degrees", "opacity", "sh0", "sh_rest_rms")])
+                    + [significant(errors[key]) for key in ERRORS])
     return (f"{results['scene']}, {count(results['gaussians'])} Gaussians, its first view at {results['size']}: "
             "errors are the largest, those of higher bands root mean squares.\n\n" + table(
                 ["written", "MB", "bytes a Gaussian", "write, s", "read, s", "dB", "mean", "log-scale", "degrees",

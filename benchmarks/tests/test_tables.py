@@ -67,6 +67,7 @@ class Tables(unittest.TestCase):
         synthetic_folder.write(cls.results / FOLDERS["h200"], "cuda")
         for machine in ("amd", "h200"):
             shutil.copy(pathlib.Path(RESULTS) / FOLDERS[machine] / "ulps.json", cls.results / FOLDERS[machine])
+        shutil.copy(pathlib.Path(RESULTS) / FOLDERS["amd"] / "formats.json", cls.results / FOLDERS["amd"])
 
     @classmethod
     def tearDownClass(cls):
@@ -432,6 +433,27 @@ class Tables(unittest.TestCase):
                 self.assertEqual((code, text), (2, page))
                 self.assertRegex(error, rf"\A[^\n]+/{name}: [^\n]+\n\Z")
                 self.assertIn(message, error)
+
+    def test_formats_show_what_each_costs_and_every_pair(self):
+        single = self.table("formats amd")
+        self.assertEqual(len(cells(single, "SPZ version 4")), 12)
+        self.assertIn("fox, 175,799 Gaussians", single)
+        pairs = self.table("format-pairs amd")
+        self.assertEqual(len(cells(pairs, ".splat")), 6)
+
+    def test_a_broken_file_of_formats_is_one_line(self):
+        folder = self.place / "broken" / FOLDERS["amd"]
+        folder.mkdir(parents=True, exist_ok=True)
+        whole = json.loads((self.results / FOLDERS["amd"] / "formats.json").read_text(encoding="utf-8"))
+        for member, broken, message in (("single", {}, "single: expected an array"),
+                                        ("single", [{}], "file_format: expected a string"),
+                                        ("pairs", [{"first": "a"}], "second: expected a string"),
+                                        ("scene", 1, "scene: expected a string")):
+            (folder / "formats.json").write_text(json.dumps({**whole, member: broken}), encoding="utf-8")
+            code, _, _, error = self.update("<!-- table: formats amd -->\n<!-- end -->\n", results=folder.parent)
+            self.assertEqual(code, 2)
+            self.assertRegex(error, r"\A[^\n]+/formats.json: [^\n]+\n\Z")
+            self.assertIn(message, error)
 
     def test_a_cost_says_whether_its_frames_were_compared_with_float64(self):
         text = self.table("stability-cost gpu").replace("\n", " ")
