@@ -118,6 +118,7 @@ SceneFile read_ksplat(const Source& source, const SceneReadOptions& options) {
       decoders[std::size_t(layout.level)](layout, section, file.scene, begin, end);
     });
   }
+  drop_signs_of_scales(file);
   file.dropped_nonfinite = drop_nonfinite(file.scene);
   return file;
 }

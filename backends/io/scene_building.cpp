@@ -2,6 +2,7 @@
 #include "scene_building.hpp"
 
 #include <algorithm>
+#include <string>
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -72,6 +73,17 @@ void allocate(Scene& scene, std::size_t count, int sh_degree) {
 
 bool renderable(const Scene& scene, std::size_t i) {
   return renderable(scene, i, 3 * std::size_t(sh_rest_count(scene.sh_degree)));
+}
+
+void drop_signs_of_scales(SceneFile& file) {
+  std::uint64_t found = 0;
+  for (vec3& scale : file.scene.scales) {
+    found += scale.x < 0 || scale.y < 0 || scale.z < 0;
+    scale = glm::abs(scale);
+  }
+  if (found != 0)
+    file.notes.push_back(
+        "Scales below 0 are taken without their sign, of Gaussians: " + std::to_string(found) + ".");
 }
 
 std::uint64_t drop_nonfinite(Scene& scene) {

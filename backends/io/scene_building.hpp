@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/scene.hpp>
 
 /// @file
@@ -22,6 +23,9 @@ void allocate(Scene& scene, std::size_t count, int sh_degree);
 
 /// Whether all numbers of Gaussian `i` are finite.
 bool renderable(const Scene& scene, std::size_t i);
+
+/// Takes scales below 0, which linear formats can hold, without their sign, and notes of how many Gaussians.
+void drop_signs_of_scales(SceneFile& file);
 
 /// Removes the Gaussians with a value that cannot be rendered, keeping the order. Returns how many.
 std::uint64_t drop_nonfinite(Scene& scene);

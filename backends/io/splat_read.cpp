@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <atomic>
 #include <string>
 
 #include "mapped_file.hpp"
@@ -11,22 +10,20 @@
 namespace swiftgs::io {
 namespace {
 
-/// Decodes the Gaussian in `record` as number `i`. Returns whether it has a scale below 0.
-bool decode_record(const std::byte* record, Scene& scene, std::size_t i) {
+/// Decodes the Gaussian in `record` as number `i`.
+void decode_record(const std::byte* record, Scene& scene, std::size_t i) {
   const auto three = [&](std::size_t offset) {
     const auto at = [&](std::size_t k) { return load<float>(record + offset + 4 * k); };
     return vec3(at(0), at(1), at(2));
   };
   const auto byte = [&](std::size_t offset) { return load<std::uint8_t>(record + offset); };
   const auto component = [&](std::size_t offset) { return (float(byte(offset)) - 128) / 128; };
-  const vec3 scale = three(12);
   scene.means[i] = three(0);
-  scene.scales[i] = glm::abs(scale);
+  scene.scales[i] = three(12);
   for (std::size_t c = 0; c < 3; ++c)
     scene.sh0[i][int(c)] = float((double(byte(24 + c)) / 255 - 0.5) / sh_c0);
   scene.opacities[i] = float(byte(27)) / 255;
   scene.rotations[i] = normalised(component(28), component(29), component(30), component(31));
-  return scale.x < 0 || scale.y < 0 || scale.z < 0;
 }
 
 }  // namespace
@@ -40,19 +37,14 @@ SceneFile read_splat(const Source& source, const SceneReadOptions& options) {
   file.format = ".splat";
   file.stored = size / splat_record_bytes;
   allocate(file.scene, file.stored, 0);
-  std::atomic<std::uint64_t> negative{0};
   const ProgressMeter progress(options.progress, source.name);
   for_parts(file.stored, progress, [&](std::size_t begin, std::size_t end) {
-    std::uint64_t found = 0;
     for (std::size_t i = begin; i < end; ++i)
-      found += decode_record(source.bytes.data() + i * splat_record_bytes, file.scene, i);
-    negative += found;
+      decode_record(source.bytes.data() + i * splat_record_bytes, file.scene, i);
     let_go(source, begin * splat_record_bytes, end * splat_record_bytes);
   });
+  drop_signs_of_scales(file);
   file.dropped_nonfinite = drop_nonfinite(file.scene);
-  if (negative != 0)
-    file.notes.push_back(
-        "Scales below 0 are taken without their sign, of Gaussians: " + std::to_string(negative) + ".");
   return file;
 }
 

@@ -98,8 +98,8 @@ class SpzWriter {
   std::uint64_t write() {
     OutputFile file(path_);
     header_.version == 4 ? write_streams(file) : write_gzip(file);
+    progress_.report(1);  // a file that has taken its place cannot be cancelled
     file.close();
-    progress_.report(1);
     return file.size();
   }
 

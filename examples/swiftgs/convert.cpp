@@ -38,6 +38,7 @@ struct ConvertOptions {
   double keep = 1;
   bool order = false;
   std::string format, json;
+  int spz_version = 4;
 };
 
 /// The edits that the options ask for, checked before anything is read.
@@ -97,6 +98,8 @@ Edits edits_of(const ConvertOptions& options) {
   if (!(options.keep > 0 && options.keep <= 1))
     throw std::invalid_argument("--keep " + text_of_number(options.keep) +
                                 ": expected a part of the Gaussians above 0 and at most 1");
+  if (options.spz_version != 3 && options.spz_version != 4)
+    throw std::invalid_argument("--spz-version " + std::to_string(options.spz_version) + ": expected 3 or 4");
   Edits edits;
   for (const std::string& text : options.transforms)
     edits.transforms.emplace_back("--transform " + text, similarity_named(text));
@@ -160,7 +163,8 @@ void convert(const ConvertOptions& options) {
     read_files.push_back({"FILE", capture_of(from).scene.string()});
   }
   require_distinct({{"FILE", out}, {"--json", options.json}}, read_files);
-  SceneWriteOptions write{.ending = options.format.empty() ? "" : "." + options.format};
+  SceneWriteOptions write{.ending = options.format.empty() ? "" : "." + options.format,
+                          .spz_version = options.spz_version};
   require_scene_ending(out, write);
   require_replaceable(out);
   const bool to_standard_output = is_standard_output(out);
@@ -219,6 +223,8 @@ void add_convert(CLI::App& app) {
   command->add_option("FILE", options->files, "Scenes to read, and last the file to write")->required();
   add_scene_reading(*command, options->scene);
   command->add_option("--format", options->format, "Ending that says what is written [that of OUT]");
+  command->add_option("--spz-version", options->spz_version, "Version of an .spz file to write: 3 or 4")
+      ->capture_default_str();
   command->add_option("--degree", options->degree, "Highest degree of harmonics to keep")
       ->capture_default_str();
   command->add_option("--transform", options->transforms, "Moves the scene")->allow_extra_args(false);

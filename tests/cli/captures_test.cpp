@@ -124,7 +124,7 @@ TEST_CASE("cli captures: a folder that is none says what is in it") {
        {"render two", "check two", "bench two", "calibrate two", "prune two --keep 1 --out x.ply"})
     CHECK(contains(refusal(place, command), "found a.ply, b.spz"));
   place.write("sog/meta.json", "{}");
-  CHECK(contains(refusal(place, "render sog"), "found a SOG folder"));
+  CHECK(contains(refusal(place, "render sog"), "sog/meta.json: byte 0: expected a scene of Gaussians"));
 }
 
 TEST_CASE("cli captures: a result is not written over a file of the capture") {

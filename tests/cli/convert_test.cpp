@@ -138,6 +138,18 @@ TEST_CASE("cli convert: the text and the results tell what was read, left out an
   CHECK(contains(text, " --crop half-space:1,0,0,0\n"));
 }
 
+TEST_CASE("cli convert: every format is written and read again") {
+  const Place place;
+  for (const std::string ending : {"ply", "compressed.ply", "spz", "sog", "splat"}) {
+    CAPTURE(ending);
+    run(place, "convert a.ply b." + ending);
+    CHECK(load_scene(place / ("b." + ending)).size() == 300);
+  }
+  run(place, "convert a.ply old.spz --spz-version 3");
+  CHECK(swiftgs::read_scene(place / "old.spz").format == "SPZ version 3");
+  CHECK(swiftgs::read_scene(place / "b.spz").format == "SPZ version 4");
+}
+
 TEST_CASE("cli convert: a pipe takes the scene alone, in the format that --format names") {
   const Place place;
   run(place, "convert a.ply b.ply");
@@ -158,6 +170,7 @@ TEST_CASE("cli convert: bad arguments are one line, and nothing is written") {
   fails(place, "a.ply missing/b.ply", "missing");
   fails(place, "a.ply b.ply --degree 4", "--degree 4: expected 0 to 3");
   fails(place, "a.ply b.ply --keep 0", "--keep 0: expected a part of the Gaussians");
+  fails(place, "a.ply b.ply --spz-version 2", "--spz-version 2: expected 3 or 4");
   fails(place, "a.ply b.ply --crop cube:1", "--crop 'cube:1': expected box:");
   fails(place, "a.ply b.ply --crop box:1,1,1,0,0,x", "--crop 'box:1,1,1,0,0,x': expected box:");
   fails(place, "a.ply b.ply --crop box:1,1,1,0,0,0", "expected a box whose first corner is the lower one");

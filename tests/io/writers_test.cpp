@@ -107,6 +107,39 @@ TEST_CASE("writers: a file that does not fit leaves what was there and nothing b
   }
 }
 
+TEST_CASE("writers: a scene that is cancelled at any time leaves what was there, and else is written") {
+  const Scene scene = make_builtin_scene(1000);
+  for (const std::string ending : {".compressed.ply", ".ply", ".sog", ".splat", ".spz"}) {
+    CAPTURE(ending);
+    const TemporaryFolder place;
+    const fs::path path = place / ("old" + ending);
+    int calls = 0;
+    double last = 0;
+    const auto count = [&](double part) {
+      CHECK(part >= last);
+      CHECK(part <= 1);
+      last = part;
+      return ++calls > 0;
+    };
+    write_scene(path, scene, {.progress = count});
+    CHECK(last == 1);
+    // How often a writer reports may differ from run to run, as it depends on time.
+    for (int stop = 1; stop <= calls; ++stop) {
+      place.write("old" + ending, "old");
+      int left = stop;
+      bool stopped = false;
+      try {
+        write_scene(path, scene, {.progress = [&](double) { return --left > 0; }});
+      } catch (const Cancelled&) {
+        stopped = true;
+      }
+      CHECK(stopped == (left <= 0));
+      CHECK((content_of(path) == "old") == stopped);
+      CHECK(files_in(place) == 1);
+    }
+  }
+}
+
 TEST_CASE("writers: a pipe takes the bytes that a file would hold") {
   for (const auto& [ending, write] : writers()) {
     CAPTURE(ending);
