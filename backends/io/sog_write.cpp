@@ -64,7 +64,7 @@ struct Contents {
 
 Contents contents(const Scene& scene, Order order, const MeanEncoder& means, const Palette& palette,
                   const std::array<Codebook, 3>& codebooks) {
-  const auto& [scales, colours, coefficients] = codebooks;
+  const Codebook &scales = codebooks[0], &colours = codebooks[1], &coefficients = codebooks[2];
   Contents result;
   result.images = {
       {"means_l.webp", [&scene, order, &means] { return means.image(scene, order, 0); }},
@@ -84,7 +84,8 @@ Contents contents(const Scene& scene, Order order, const MeanEncoder& means, con
   meta += ",\"sh0\":{" + json_codebook(colours) + ",\"files\":[\"sh0.webp\"]}";
   if (scene.sh_degree > 0) {
     result.images.push_back({"shN_labels.webp", [&palette, order] { return label_image(palette, order); }});
-    result.images.push_back({"shN_centroids.webp", [&] { return palette_image(palette, coefficients); }});
+    result.images.push_back(
+        {"shN_centroids.webp", [&palette, &coefficients] { return palette_image(palette, coefficients); }});
     meta += ",\"shN\":{\"count\":" + std::to_string(palette.size()) +
             ",\"bands\":" + std::to_string(scene.sh_degree) + "," + json_codebook(coefficients) +
             ",\"files\":[\"shN_centroids.webp\",\"shN_labels.webp\"]}";
