@@ -15,8 +15,7 @@ namespace {
 // On bits, so that the loop over SH coefficients becomes integer SIMD.
 bool all_finite(const float* values, std::size_t count) {
   bool finite = true;
-  for (std::size_t i = 0; i < count; ++i)
-    finite &= (std::bit_cast<std::uint32_t>(values[i]) & 0x7f800000u) != 0x7f800000u;
+  for (std::size_t i = 0; i < count; ++i) finite &= !detail::is_not_finite(values[i]);
   return finite;
 }
 

@@ -94,16 +94,10 @@ Contents contents(const Scene& scene, Order order, const MeanEncoder& means, con
   return result;
 }
 
-bool all_finite(const Scene& scene) {
-  const auto are = [](const auto& values) {
-    const auto* const floats = reinterpret_cast<const float*>(values.data());
-    bool finite = true;
-    for (std::size_t i = 0; i < values.size() * sizeof(values[0]) / sizeof(float); ++i)
-      finite &= !detail::is_not_finite(floats[i]);
-    return finite;
-  };
-  return are(scene.means) && are(scene.scales) && are(scene.rotations) && are(scene.opacities) &&
-         are(scene.sh0) && are(scene.sh_rest);
+bool all_renderable(const Scene& scene) {
+  std::size_t i = 0;
+  while (i < scene.size() && renderable(scene, i)) ++i;
+  return i == scene.size();
 }
 
 /// Brings harmonics into the range that they are compared in. Returns how many were beyond.
@@ -164,7 +158,7 @@ WrittenScene write_sog(const std::filesystem::path& path, const Scene& scene,
   progress.report(0);
   WrittenScene written{.format = "SOG version 2"};
   const auto too_large = [](float value) { return std::abs(value) > largest_coordinate; };
-  if (all_finite(scene) && std::none_of(scene.sh_rest.begin(), scene.sh_rest.end(), too_large)) {
+  if (all_renderable(scene) && std::none_of(scene.sh_rest.begin(), scene.sh_rest.end(), too_large)) {
     written.bytes = write_bundle(path, scene, progress);
     return written;
   }

@@ -10,6 +10,7 @@
 #include <swiftgs/camera.hpp>
 
 #include "bytes.hpp"
+#include "json_entry.hpp"
 #include "mapped_file.hpp"
 #include "sort_calibrations_format.hpp"
 
@@ -73,24 +74,13 @@ SavedSortCalibration calibration_of(const Entry& entry) {
           .views = int(entry.whole("views", std::numeric_limits<int>::max()))};
 }
 
-json parse(const Source& source) {
-  try {
-    return json::parse(source.text());
-  } catch (const json::parse_error& error) {
-    // The parser counts from 1, and counts the end as a byte.
-    source.fail(error.byte - (error.byte > 0), "valid JSON");
-  } catch (const json::exception&) {
-    source.fail(0, "JSON with numbers that a double can hold");
-  }
-}
-
 }  // namespace
 }  // namespace io
 
 std::vector<SavedSortCalibration> read_sort_calibrations(std::span<const std::byte> bytes,
                                                          const std::string& name) {
   const io::Source source{bytes, name};
-  const nlohmann::json root = io::parse(source);
+  const nlohmann::json root = io::parse_json(source);
   const auto is = [&](const char* member, const nlohmann::json& value) {
     return root.is_object() && root.contains(member) && root[member] == value;
   };

@@ -95,9 +95,7 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 Edits edits_of(const ConvertOptions& options) {
   if (options.degree < 0 || options.degree > max_sh_degree)
     throw std::invalid_argument("--degree " + std::to_string(options.degree) + ": expected 0 to 3");
-  if (!(options.keep > 0 && options.keep <= 1))
-    throw std::invalid_argument("--keep " + text_of_number(options.keep) +
-                                ": expected a part of the Gaussians above 0 and at most 1");
+  require_keep(options.keep);
   if (options.spz_version != 3 && options.spz_version != 4)
     throw std::invalid_argument("--spz-version " + std::to_string(options.spz_version) + ": expected 3 or 4");
   Edits edits;

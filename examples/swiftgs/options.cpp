@@ -8,6 +8,8 @@
 
 #include <swiftgs/view.hpp>
 
+#include "number_text.hpp"
+
 namespace swiftgs::cli {
 
 void add_scene(CLI::App& command, SceneOptions& options) {
@@ -68,6 +70,12 @@ void require_batch(int batch) {
   if (batch < 1 || std::size_t(batch) > max_views)
     throw std::invalid_argument("--batch " + std::to_string(batch) + ": expected 1 to " +
                                 std::to_string(max_views));
+}
+
+void require_keep(double part) {
+  if (!(part > 0 && part <= 1))
+    throw std::invalid_argument("--keep " + text_of_number(part) +
+                                ": expected a part of the Gaussians above 0 and at most 1");
 }
 
 void add_calibration(CLI::App& command, std::string& file) {

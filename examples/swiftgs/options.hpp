@@ -51,6 +51,9 @@ void add_batch(CLI::App& command, int& batch);
 /// Throws `std::invalid_argument` for a number of views that no frame has.
 void require_batch(int batch);
 
+/// Throws `std::invalid_argument` unless `--keep` is a part above 0 and at most 1.
+void require_keep(double part);
+
 /// Adds the option that names a file with what `calibrate` measured.
 void add_calibration(CLI::App& command, std::string& file);
 

@@ -16,7 +16,6 @@
 #include "choice.hpp"
 #include "commands.hpp"
 #include "distinct_files.hpp"
-#include "number_text.hpp"
 #include "options.hpp"
 #include "photos.hpp"
 #include "progress.hpp"
@@ -46,9 +45,7 @@ bool has_cameras(const PruneOptions& options) {
 
 /// Throws unless the options go together.
 void check_options(const PruneOptions& options) {
-  if (!(options.keep > 0 && options.keep <= 1))
-    throw std::invalid_argument("--keep " + text_of_number(options.keep) +
-                                ": expected a part of the Gaussians above 0 and at most 1");
+  require_keep(options.keep);
   if (options.score != "contribution" && options.score != "opacity-volume")
     throw std::invalid_argument("--score '" + options.score + "': expected contribution or opacity-volume");
   if (std::filesystem::path(options.out).extension() != ".ply")
