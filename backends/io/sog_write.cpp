@@ -9,9 +9,7 @@
 #include <string>
 #include <vector>
 
-#include <swiftgs/edit/finite.hpp>
 #include <swiftgs/edit/order.hpp>
-#include <swiftgs/edit/select.hpp>
 #include <swiftgs/version.hpp>
 
 #include "output_file.hpp"
