@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <chrono>
 #include <future>
 #include <memory>
@@ -58,9 +59,10 @@ class FrameUnpacker {
   void unpack(std::uint64_t offset, StreamSizes size, std::byte* to, const Report& report) {
     const std::unique_ptr<ZSTD_DCtx, std::size_t (*)(ZSTD_DCtx*)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
     if (!context) throw std::bad_alloc();
-    // As far back as zstd can look on any machine; it takes no more memory for that than the frame fills.
-    ZSTD_DCtx_setParameter(context.get(), ZSTD_d_windowLogMax,
-                           ZSTD_dParam_getBounds(ZSTD_d_windowLogMax).upperBound);
+    // A frame need not look back farther than it is long, and zstd takes no more memory than that for it. Of
+    // short ones without a stated size, some look back 8 MB, as decoders are asked to allow.
+    const int window = std::clamp(int(std::bit_width(size.unpacked - 1)), 23, 31);
+    ZSTD_DCtx_setParameter(context.get(), ZSTD_d_windowLogMax, window);
     ZSTD_inBuffer in{source_.bytes.data() + offset, 0, 0};
     ZSTD_outBuffer out{to, 0, 0};
     for (std::size_t left = 1; left != 0 && !stopped_;) {

@@ -22,9 +22,10 @@ inline constexpr double own_megabytes = 1;
 inline constexpr MemoryFactor splat_memory{2, own_megabytes};
 inline constexpr MemoryFactor ksplat_memory{10, own_megabytes};
 inline constexpr MemoryFactor ply_memory{30, own_megabytes};
-inline constexpr MemoryFactor spz_memory{5'100, own_megabytes};           ///< versions 1 to 3
-inline constexpr MemoryFactor spz_streams_memory{50'000, own_megabytes};  ///< version 4
+inline constexpr MemoryFactor spz_memory{5'100, own_megabytes};  ///< versions 1 to 3
+inline constexpr MemoryFactor spz_streams_memory{50'000, 20};    ///< version 4
 inline constexpr MemoryFactor sog_memory{12'000, 64};
 inline constexpr MemoryFactor gltf_memory{2'000, 64};
+inline constexpr MemoryFactor gltf_spz_memory{5'200, 84};  ///< with SPZ inside
 
 }  // namespace swiftgs::test
