@@ -54,7 +54,7 @@ inline constexpr std::uint32_t spz_coordinate_system = 0xADBE0003;
 /// What the extension records state.
 struct SpzExtensions {
   std::uint32_t system = 0;  ///< of coordinates; 0 if unspecified
-  std::uint64_t offset = 0;  ///< of that value in the file; 0 in what was unpacked
+  std::uint64_t offset = 0;  ///< of that value in the file; 0 if it was unpacked
   std::vector<std::string> notes{};
 };
 
