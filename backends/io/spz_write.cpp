@@ -96,6 +96,7 @@ class SpzWriter {
   }
 
   std::uint64_t write() {
+    progress_.report(0);
     OutputFile file(path_);
     header_.version == 4 ? write_streams(file) : write_gzip(file);
     progress_.report(1);  // a file that has taken its place cannot be cancelled
