@@ -19,7 +19,7 @@ struct RgbaImage {
 inline constexpr std::size_t most_webp_pixels_a_side = 16383;
 
 /// As lossless WebP, bytes of transparent pixels included. The same image gives the same file. Returns early,
-/// with part of the file, once it is `stopping`.
+/// with part of the file, once it is to stop.
 std::string encode_webp(const RgbaImage& image, const Stopping& stopping);
 
 }  // namespace swiftgs::io
