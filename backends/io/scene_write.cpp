@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <swiftgs/io/scene_file.hpp>
 
+#include "scene_encoding.hpp"
 #include "scene_writers.hpp"
 
 namespace swiftgs {
@@ -47,7 +50,11 @@ WrittenScene write_scene(const std::filesystem::path& path, const Scene& scene,
                          const SceneWriteOptions& options) {
   const io::Writer& writer = io::writer_for(path, options.ending);
   validate(scene);
-  return writer.write(path, scene, options);
+  std::vector<std::string> notes;
+  const std::optional<Scene> cleaned = io::encodable(scene, notes);
+  WrittenScene written = writer.write(path, cleaned ? *cleaned : scene, options);
+  written.notes.insert(written.notes.begin(), notes.begin(), notes.end());
+  return written;
 }
 
 }  // namespace swiftgs

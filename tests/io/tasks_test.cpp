@@ -110,8 +110,8 @@ TEST_CASE("tasks: cancelling stops those that run and begins no more") {
 
   int short_ones = 0;
   const Progress second = [&](double) { return short_ones < 2; };
-  CHECK_THROWS_AS(for_short_tasks(1000, ProgressMeter(second, "a"),
-                                  [&](std::size_t, const Stopping&) { ++short_ones; }),
-                  Cancelled);
+  CHECK_THROWS_AS(
+      for_short_tasks(1000, ProgressMeter(second, "a"), [&](std::size_t, const Stopping&) { ++short_ones; }),
+      Cancelled);
   CHECK(short_ones == 2);
 }
