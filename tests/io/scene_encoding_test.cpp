@@ -9,6 +9,7 @@
 
 #include <swiftgs/io/scene_file.hpp>
 
+#include "file_ending.hpp"
 #include "scenes.hpp"
 #include "support/files.hpp"
 
@@ -107,4 +108,17 @@ TEST_CASE("writers: what is said to be in a file is what a reader finds") {
         CHECK(written.sh_degree == file.scene.sh_degree);
         CHECK(written.antialiased == file.scene.antialiased);
       }
+}
+
+TEST_CASE("writers: endings are known in upper and lower case") {
+  const TemporaryFolder folder;
+  const Scene scene = some_scene(10, 0);
+  CHECK(write_scene(folder / "A.PLY", scene).format == "INRIA PLY (binary_little_endian)");
+  CHECK(write_scene(folder / "A.Compressed.Ply", scene).format == "compressed PLY");
+  CHECK(write_scene(folder / "A.SpZ", scene).format == "SPZ version 4");
+  CHECK(write_scene(folder / "A.x", scene, {.ending = ".SOG"}).format == "SOG version 2");
+  CHECK_NOTHROW(require_scene_ending("B.SPLAT"));
+  CHECK_THROWS_AS(require_scene_ending("B.PLYX"), std::invalid_argument);
+  CHECK(!io::ends_with_ignoring_case("ly", ".ply"));
+  CHECK(!io::ends_with_ignoring_case("a[ply", ".ply"));
 }

@@ -78,7 +78,7 @@ struct WrittenScene {
   std::vector<std::string> notes{};  ///< what was left out or changed, with counts, a sentence each
 };
 
-/// Writes a scene in the format that an ending names:
+/// Writes a scene in the format that an ending names, in upper or lower case:
 /// - `.ply`: INRIA PLY, little-endian floats. Opacities are kept within [1e-6, 1 - 1e-6], as it holds logits.
 /// - `.compressed.ply`: SuperSplat's compressed PLY. All numbers are rounded, and the order is that of
 ///   `spatial_order`.
