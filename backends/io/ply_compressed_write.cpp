@@ -111,7 +111,7 @@ WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene
   const ProgressMeter progress(options.progress, path.string());
   progress.report(0);
   WrittenScene written = written_whole("compressed PLY", scene);
-  // The nearer the Gaussians of a chunk lie to each other, the finer are its ranges divided.
+  // The ranges of a chunk are divided more finely if its Gaussians lie near each other.
   const std::vector<std::uint32_t> order = spatial_order(scene);
   note_clamped(scene, written.notes);
   progress.report(0.3);

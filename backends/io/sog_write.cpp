@@ -110,7 +110,7 @@ void expect_count(const std::filesystem::path& path, std::size_t count) {
                                 " Gaussians of finite numbers for a SOG, found " + std::to_string(count));
 }
 
-/// Writes `scene` with its higher bands taken from `harmonics`, of which none is too large.
+/// Writes `scene`, but its higher bands from `harmonics`, which are clamped.
 std::uint64_t write_bundle(const std::filesystem::path& path, const Scene& scene,
                            const std::vector<float>& harmonics, const ProgressMeter& progress) {
   expect_count(path, scene.size());
