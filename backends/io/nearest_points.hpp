@@ -24,7 +24,8 @@ struct Points {
 inline constexpr std::size_t most_width = 45;
 inline constexpr float largest_coordinate = 1e18f;  ///< whose squares a float can add up
 
-/// Points to search for the nearest one, in transposed tiles of 32. Padding of the last tile is never nearest.
+/// Points to search for the nearest one, in transposed tiles of 32. Padding of the last tile is never
+/// nearest.
 class PointTable {
  public:
   static constexpr std::size_t tile = 32;
