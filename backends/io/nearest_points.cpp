@@ -142,7 +142,7 @@ HWY_ATTR void Project(const Points& points, std::span<const std::uint32_t> ids, 
 using F64 = hn::CappedTag<double, 8>;
 constexpr std::size_t doubles = hn::MaxLanes(F64());
 
-/// Adds to `sums` all points, of which `take(i, sum, coordinates)` gives the next sum.
+/// Adds all points to `sums`: `take(i, sum, coordinates)` returns the next sum.
 template <class Take>
 HWY_INLINE void AddUp(const Points& points, std::span<const std::uint32_t> ids, double* sums,
                       const Take& take) {

@@ -24,8 +24,8 @@ struct Points {
 inline constexpr std::size_t most_width = 45;
 inline constexpr float largest_coordinate = 1e18f;  ///< whose squares a float can add up
 
-/// Points that others are compared with, laid out for it: in tiles of 32, transposed, and filled up with
-/// points that are nearest to nothing.
+/// Points to search for the nearest one, in transposed tiles of 32. Padding of the last tile is never
+/// nearest.
 class PointTable {
  public:
   static constexpr std::size_t tile = 32;

@@ -10,8 +10,8 @@
 
 namespace swiftgs::io {
 
-/// A file that is written front to back and takes its place when it is closed, so that no part of a file ever
-/// goes by its name. Every failure throws `std::system_error` with the path and the reason.
+/// Writes a file front to back. The file gets its name when it is closed, so nobody finds a part of it. Every
+/// failure throws `std::system_error` with the path and the reason.
 class OutputFile {
  public:
   explicit OutputFile(const std::filesystem::path& path);

@@ -24,7 +24,7 @@ void for_parts(std::size_t count, const Body& body) {
   body(0, bound(1));
 }
 
-/// The same in steps, which `progress` is told of.
+/// The same in steps; reports progress after each.
 template <class Body>
 void for_parts(std::size_t count, const ProgressMeter& progress, const Body& body) {
   constexpr std::size_t step = 1 << 19;

@@ -45,7 +45,7 @@ std::uint32_t pack_rotation(Quaternion unit);
 Quaternion unpack_rotation(std::uint32_t packed);
 
 /// 256 values from -4 to 4: the first and the last are the ends, any other lies in the middle of its 256th.
-/// Where two are as near, as to zero, `lower` chooses. Chosen in turns, they do not tint a scene.
+/// Zero is as near to two of them: `lower` chooses. Both in turns do not tint a scene.
 std::uint8_t pack_sh(float coefficient, bool lower);
 float unpack_sh(std::uint8_t packed);
 

@@ -89,19 +89,19 @@ void encode_vertex(const Scene& scene, std::size_t i, const ChunkRanges& ranges,
   row.add(byte(colour.x) << 24 | byte(colour.y) << 16 | byte(colour.z) << 8 | byte(scene.opacities[i]));
 }
 
-/// Notes the numbers of renderable Gaussians that the format cannot hold.
+/// Notes the numbers that the format cannot hold.
 void note_clamped(const Scene& scene, std::vector<std::string>& notes) {
   const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   ClampCount scales, harmonics;
   for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (!renderable(scene, i)) continue;
-      for (int axis = 0; axis < 3; ++axis) scales(std::abs(std::log(scene.scales[i][axis])) > most_log_scale);
-      for (std::size_t j = 0; j < rest; ++j) harmonics(std::abs(scene.sh_rest[i * rest + j]) > 4);
+      for (int axis = 0; axis < 3; ++axis)
+        scales.add(std::abs(std::log(scene.scales[i][axis])) > most_log_scale);
+      for (std::size_t j = 0; j < rest; ++j) harmonics.add(std::abs(scene.sh_rest[i * rest + j]) > 4);
     }
   });
   scales.note("Scales", "exp(-20) to exp(20)", notes);
-  harmonics.note("Harmonics above band 0", "-4 to 4", notes);
+  harmonics.note("SH coefficients above band 0", "-4 to 4", notes);
 }
 
 }  // namespace
@@ -110,10 +110,9 @@ WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene
                                   const SceneWriteOptions& options) {
   const ProgressMeter progress(options.progress, path.string());
   progress.report(0);
-  WrittenScene written{.format = "compressed PLY"};
-  // The nearer the Gaussians of a chunk lie to each other, the finer are its ranges divided.
-  std::vector<std::uint32_t> order = spatial_order(scene);
-  keep_renderable(scene, order, written.notes);
+  WrittenScene written = written_whole("compressed PLY", scene);
+  // The ranges of a chunk are divided more finely if its Gaussians lie near each other.
+  const std::vector<std::uint32_t> order = spatial_order(scene);
   note_clamped(scene, written.notes);
   progress.report(0.3);
   const std::vector<ChunkRanges> chunks = ranges_of(scene, order);

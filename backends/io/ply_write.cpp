@@ -4,6 +4,7 @@
 #include <string>
 
 #include "row_writing.hpp"
+#include "scene_encoding.hpp"
 #include "scene_writers.hpp"
 
 namespace swiftgs::io {
@@ -54,7 +55,9 @@ WrittenScene write_ply(const std::filesystem::path& path, const Scene& scene,
              [&](std::size_t i, RowEncoder row) { encode_row(scene, i, row); });
   progress.report(1);  // a file that has taken its place cannot be cancelled
   file.close();
-  return {.format = "INRIA PLY (binary_little_endian)", .bytes = file.size()};
+  WrittenScene written = written_whole("INRIA PLY (binary_little_endian)", scene);
+  written.bytes = file.size();
+  return written;
 }
 
 }  // namespace swiftgs::io

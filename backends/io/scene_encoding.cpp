@@ -1,25 +1,60 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene_encoding.hpp"
 
+#include <algorithm>
+
 #include "parallel.hpp"
 #include "scene_building.hpp"
 
 namespace swiftgs::io {
+namespace {
 
-void keep_renderable(const Scene& scene, std::vector<std::uint32_t>& order, std::vector<std::string>& notes) {
-  // Memory is read in its own order, which is much quicker than in a spatial one.
-  std::vector<std::uint8_t> kept(scene.size());
-  for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) kept[i] = renderable(scene, i);
-  });
-  const std::size_t left_out = std::erase_if(order, [&](std::uint32_t i) { return !kept[i]; });
-  if (left_out != 0)
-    notes.push_back("Gaussians with a NaN or an infinity are left out: " + std::to_string(left_out) + ".");
+bool has_negative_scale(const Scene& scene, std::size_t i) {
+  const vec3& scale = scene.scales[i];
+  return scale.x < 0 || scale.y < 0 || scale.z < 0;
 }
 
-void ClampCount::note(const std::string& things, const std::string& range,
-                      std::vector<std::string>& notes) const {
-  if (count_ != 0) notes.push_back(things + " are clamped to " + range + ": " + std::to_string(count_) + ".");
+}  // namespace
+
+std::optional<Scene> encodable(const Scene& scene, std::vector<std::string>& notes) {
+  std::atomic<std::uint64_t> infinite = 0, opacities = 0, negative = 0;
+  for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
+    std::uint64_t own_infinite = 0, own_opacities = 0, own_negative = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!renderable(scene, i)) {
+        ++own_infinite;
+        continue;
+      }
+      own_opacities += scene.opacities[i] < 0 || scene.opacities[i] > 1;
+      own_negative += has_negative_scale(scene, i);
+    }
+    infinite += own_infinite, opacities += own_opacities, negative += own_negative;
+  });
+  if (infinite + opacities + negative == 0) return std::nullopt;
+
+  const auto note = [&](std::uint64_t count, const char* what) {
+    if (count != 0) notes.push_back(what + std::to_string(count) + ".");
+  };
+  note(infinite, "Gaussians with a NaN or an infinity are left out: ");
+  note_clamped(opacities, "Opacities", "0 to 1", notes);
+  note(negative, "Scales below 0 are written without their sign, of Gaussians: ");
+  Scene result = scene;
+  drop_nonfinite(result);
+  for (float& opacity : result.opacities) opacity = std::clamp(opacity, 0.0f, 1.0f);
+  for (vec3& scale : result.scales) scale = glm::abs(scale);
+  return result;
+}
+
+WrittenScene written_whole(std::string format, const Scene& scene) {
+  return {.format = std::move(format),
+          .gaussians = scene.size(),
+          .sh_degree = scene.sh_degree,
+          .antialiased = scene.antialiased};
+}
+
+void note_clamped(std::uint64_t count, const std::string& things, const std::string& range,
+                  std::vector<std::string>& notes) {
+  if (count != 0) notes.push_back(things + " are clamped to " + range + ": " + std::to_string(count) + ".");
 }
 
 }  // namespace swiftgs::io

@@ -4,31 +4,39 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/scene.hpp>
 
 /// @file
-/// What writers do whose format cannot hold every number.
+/// What all writers share: numbers that no format can hold, and notes of those that one format cannot.
 
 namespace swiftgs::io {
 
-/// Takes the Gaussians out of `order` that have a number which is not finite, as it would spoil its
-/// neighbours or have no byte. Notes how many they are.
-void keep_renderable(const Scene& scene, std::vector<std::uint32_t>& order, std::vector<std::string>& notes);
+/// The scene without numbers that are not finite, opacities outside 0 to 1 and scales below 0. Empty if
+/// `scene` has none. `write_scene` tells what becomes of them; `notes` get the counts.
+std::optional<Scene> encodable(const Scene& scene, std::vector<std::string>& notes);
 
-/// Counts, from several threads, numbers that a format has to clamp.
+/// What a file holds that keeps all Gaussians and bands of `scene`, and whether it is antialiased.
+WrittenScene written_whole(std::string format, const Scene& scene);
+
+/// Adds a note such as "Scales are clamped to 0 to 1: 12.", unless `count` is 0.
+void note_clamped(std::uint64_t count, const std::string& things, const std::string& range,
+                  std::vector<std::string>& notes);
+
+/// Counts, in several threads, the numbers that a format clamps.
 class ClampCount {
  public:
-  /// Counts if `clamped`, which it returns.
-  bool operator()(bool clamped) {
+  void add(bool clamped) {
     if (clamped) count_.fetch_add(1, std::memory_order_relaxed);
-    return clamped;
   }
 
-  /// Notes that so many `things` "are clamped to `range`", unless there are none.
-  void note(const std::string& things, const std::string& range, std::vector<std::string>& notes) const;
+  void note(const std::string& things, const std::string& range, std::vector<std::string>& notes) const {
+    note_clamped(count_, things, range, notes);
+  }
 
  private:
   std::atomic<std::uint64_t> count_{0};

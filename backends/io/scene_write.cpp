@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <swiftgs/io/scene_file.hpp>
 
+#include "file_ending.hpp"
+#include "scene_encoding.hpp"
 #include "scene_writers.hpp"
 
 namespace swiftgs {
@@ -29,7 +33,7 @@ const Writer& writer_for(const std::filesystem::path& path, const std::string& e
   const std::string name = ending.empty() ? path.filename().string() : ending;
   std::string endings;
   for (const Writer& writer : writers) {
-    if (name.ends_with(writer.ending)) return writer;
+    if (ends_with_ignoring_case(name, writer.ending)) return writer;
     endings += (endings.empty() ? "" : ", ") + std::string(writer.ending);
   }
   throw std::invalid_argument((ending.empty() ? path.string() : ending) +
@@ -47,7 +51,11 @@ WrittenScene write_scene(const std::filesystem::path& path, const Scene& scene,
                          const SceneWriteOptions& options) {
   const io::Writer& writer = io::writer_for(path, options.ending);
   validate(scene);
-  return writer.write(path, scene, options);
+  std::vector<std::string> notes;
+  const std::optional<Scene> cleaned = io::encodable(scene, notes);
+  WrittenScene written = writer.write(path, cleaned ? *cleaned : scene, options);
+  written.notes.insert(written.notes.begin(), notes.begin(), notes.end());
+  return written;
 }
 
 }  // namespace swiftgs

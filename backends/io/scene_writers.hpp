@@ -6,7 +6,8 @@
 #include <swiftgs/io/scene_file.hpp>
 
 /// @file
-/// A writer for each format. All take a valid scene, and throw `Cancelled` and `std::system_error`.
+/// A writer for each format. All take a scene that is valid and `encodable`, and throw `Cancelled` and
+/// `std::system_error`.
 
 namespace swiftgs::io {
 
@@ -14,12 +15,11 @@ WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene
                                   const SceneWriteOptions& options);
 WrittenScene write_ply(const std::filesystem::path& path, const Scene& scene,
                        const SceneWriteOptions& options);
+WrittenScene write_sog(const std::filesystem::path& path, const Scene& scene,
+                       const SceneWriteOptions& options);
 WrittenScene write_splat(const std::filesystem::path& path, const Scene& scene,
                          const SceneWriteOptions& options);
 WrittenScene write_spz(const std::filesystem::path& path, const Scene& scene,
-                       const SceneWriteOptions& options);
-
-WrittenScene write_sog(const std::filesystem::path& path, const Scene& scene,
                        const SceneWriteOptions& options);
 
 }  // namespace swiftgs::io

@@ -8,7 +8,7 @@
 namespace swiftgs::io {
 namespace {
 
-/// Sorted numbers, of which any range tells its sums at once.
+/// Sorted numbers with running sums, so the mean and the cost of a range take constant time.
 class SortedNumbers {
  public:
   explicit SortedNumbers(std::vector<Occurrence> numbers) : numbers_(std::move(numbers)) {

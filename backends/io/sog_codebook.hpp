@@ -17,14 +17,14 @@ struct Occurrence {
 /// What each byte stands for: 256 ascending numbers.
 class Codebook {
  public:
-  /// `most` numbers, 1 to 256, for which the sum of squared errors of `numbers` is as good as least, and
-  /// exact where there are no more different ones. The last is repeated to fill the table.
+  /// At most `most` values, 1 to 256, with nearly the least sum of squared errors of `numbers`. They are
+  /// exact if `numbers` has no more different ones. The last is repeated to fill the table.
   static Codebook of(std::vector<Occurrence> numbers, std::size_t most = 256);
 
   /// The byte for the nearest number.
   std::uint8_t byte_of(float value) const;
 
-  /// Puts a number before all others, which must be larger; the last is lost, which must be a repeated one.
+  /// Puts a number smaller than all others at the front. Drops the last, which must be a repeated one.
   void prepend(float value);
 
   const std::array<float, 256>& values() const { return values_; }

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "parallel_tasks.hpp"
+#include "tasks.hpp"
 
 namespace swiftgs::io {
 namespace {
@@ -98,13 +98,15 @@ SogContent open_sog(const SogFile& file, const SogFiles& open, CountedFiles& cou
 
 SogPixels decode_images(SogContent& sog, const ProgressMeter& progress) {
   SogPixels pixels;
-  const bool threads = sog.meta.count >= 1 << 14;  // below this a thread costs more than it saves
-  for_each_task(sog_image_kinds, threads, progress, [&](std::size_t kind) {
+  const auto decode = [&](std::size_t kind, const Stopping&) {
     if (sog.meta.images[kind].empty()) return;
     pixels.images[kind] = decode_sog_image(sog.files[kind].source, sog.sizes[kind]);
     sog.files[kind] = {};
     if (kind == sog_sh_palette) build_palette(sog, pixels);
-  });
+  };
+  constexpr std::uint32_t few = 1 << 14;  // Gaussians; below this a thread costs more than it saves
+  sog.meta.count < few ? for_short_tasks(sog_image_kinds, progress, decode)
+                       : for_tasks(sog_image_kinds, progress, decode);
   return pixels;
 }
 

@@ -34,7 +34,7 @@ struct Grouping {
 
 /// Splits all points into two groups, then always the group with the largest sum of squared distances to its
 /// mean, until there are `most` groups or all points of a group are equal. Groups of one half come before
-/// those of the other, so that numbers of groups that are near are often near.
+/// those of the other, so near groups often have near numbers.
 Grouping split_points(const Points& points, std::size_t most, const ProgressMeter& progress);
 
 }  // namespace swiftgs::io

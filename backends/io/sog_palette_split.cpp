@@ -181,7 +181,7 @@ Grouping split_points(const Points& points, std::size_t most, const ProgressMete
   groups[0].end = std::uint32_t(points.count);
   groups[0].spread = side_of(points, result.order).spread();
 
-  // In rounds, so that many groups are split at once whichever thread takes which.
+  // In rounds of many groups, so that threads work at once and do not change the result.
   const auto widest_first = [](const Group& a, const Group& b) {
     return a.spread > b.spread || (a.spread == b.spread && a.begin < b.begin);
   };

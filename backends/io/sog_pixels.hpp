@@ -13,8 +13,7 @@
 #include "webp_write.hpp"
 
 /// @file
-/// What a SOG of version 2 keeps of a scene: bytes in images, of which `order` says which Gaussian has which
-/// pixel. All numbers are finite.
+/// The images of a SOG of version 2. Pixel k is that of Gaussian `order[k]`. All numbers are finite.
 
 namespace swiftgs::io {
 

@@ -14,7 +14,7 @@
 
 #include "output_file.hpp"
 #include "progress_meter.hpp"
-#include "scene_building.hpp"
+#include "scene_encoding.hpp"
 #include "scene_writers.hpp"
 #include "sog_pixels.hpp"
 #include "tasks.hpp"
@@ -92,12 +92,6 @@ Contents contents(const Scene& scene, Order order, const MeanEncoder& means, con
   return result;
 }
 
-bool all_renderable(const Scene& scene) {
-  std::size_t i = 0;
-  while (i < scene.size() && renderable(scene, i)) ++i;
-  return i == scene.size();
-}
-
 /// Brings harmonics into the range that they are compared in. Returns how many were beyond.
 std::size_t clamp_harmonics(std::vector<float>& values) {
   std::size_t beyond = 0;
@@ -113,17 +107,16 @@ void expect_count(const std::filesystem::path& path, std::size_t count) {
   constexpr std::size_t most = most_webp_pixels_a_side / 4 * 4 * (most_webp_pixels_a_side / 4 * 4);
   if (count == 0 || count > most)
     throw std::invalid_argument(path.string() + ": expected 1 to " + std::to_string(most) +
-                                " Gaussians with finite numbers, as SOG holds, got " + std::to_string(count));
+                                " Gaussians of finite numbers for a SOG, found " + std::to_string(count));
 }
 
-/// Writes Gaussians whose numbers are all finite and harmonics are not too large.
+/// Writes `scene`, but its higher bands from `harmonics`, which are clamped.
 std::uint64_t write_bundle(const std::filesystem::path& path, const Scene& scene,
-                           const ProgressMeter& progress) {
+                           const std::vector<float>& harmonics, const ProgressMeter& progress) {
   expect_count(path, scene.size());
-  const Points harmonics{scene.sh_rest.data(), scene.size(), 3 * std::size_t(sh_rest_count(scene.sh_degree))};
+  const Points points{harmonics.data(), scene.size(), 3 * std::size_t(sh_rest_count(scene.sh_degree))};
   Palette palette;
-  if (scene.sh_degree > 0)
-    palette = make_palette(harmonics, palette_size(scene.size()), progress.step(0, 0.7));
+  if (scene.sh_degree > 0) palette = make_palette(points, palette_size(scene.size()), progress.step(0, 0.7));
   std::vector<std::uint32_t> order;
   std::array<Codebook, 3> codebooks;
   for_tasks(4, progress.step(0.7, 0.8), [&](std::size_t task, const Stopping&) {
@@ -154,20 +147,15 @@ WrittenScene write_sog(const std::filesystem::path& path, const Scene& scene,
                        const SceneWriteOptions& options) {
   const ProgressMeter progress(options.progress, path.string());
   progress.report(0);
-  WrittenScene written{.format = "SOG version 2"};
+  WrittenScene written = written_whole("SOG version 2", scene);
   const auto too_large = [](float value) { return std::abs(value) > largest_coordinate; };
-  if (all_renderable(scene) && std::none_of(scene.sh_rest.begin(), scene.sh_rest.end(), too_large)) {
-    written.bytes = write_bundle(path, scene, progress);
+  if (std::none_of(scene.sh_rest.begin(), scene.sh_rest.end(), too_large)) {
+    written.bytes = write_bundle(path, scene, scene.sh_rest, progress);
     return written;
   }
-  Scene copy = scene;
-  if (const std::uint64_t dropped = drop_nonfinite(copy); dropped > 0)
-    written.notes.push_back(
-        std::to_string(dropped) +
-        " Gaussians with a NaN or an infinity were left out, as SOG holds finite numbers.");
-  if (const std::size_t clamped = clamp_harmonics(copy.sh_rest); clamped > 0)
-    written.notes.push_back(std::to_string(clamped) + " SH coefficients were clamped to [-1e18, 1e18].");
-  written.bytes = write_bundle(path, copy, progress);
+  std::vector<float> harmonics = scene.sh_rest;
+  note_clamped(clamp_harmonics(harmonics), "SH coefficients above band 0", "-1e18 to 1e18", written.notes);
+  written.bytes = write_bundle(path, scene, harmonics, progress);
   return written;
 }
 

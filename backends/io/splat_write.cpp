@@ -60,7 +60,7 @@ void note_losses(const Scene& scene, const std::vector<std::uint32_t>& order,
   for_parts(order.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const dvec3 colour = colour_of(scene, order[k]);
-      for (int c = 0; c < 3; ++c) colours(colour[c] < -0.5 || colour[c] > 255.5);
+      for (int c = 0; c < 3; ++c) colours.add(colour[c] < -0.5 || colour[c] > 255.5);
     }
   });
   colours.note("Channels of colours", "0 to 1", notes);
@@ -72,9 +72,10 @@ WrittenScene write_splat(const std::filesystem::path& path, const Scene& scene,
                          const SceneWriteOptions& options) {
   const ProgressMeter progress(options.progress, path.string());
   progress.report(0);
-  WrittenScene written{.format = ".splat"};
+  WrittenScene written = written_whole(".splat", scene);
+  written.sh_degree = 0;
+  written.antialiased = false;
   std::vector<std::uint32_t> order = select(scene, [](std::size_t) { return true; });
-  keep_renderable(scene, order, written.notes);
   sort_by_size(scene, order);
   note_losses(scene, order, written.notes);
   OutputFile file(path);

@@ -20,9 +20,10 @@ struct SpzEncoding {
   int fractional_bits = 0;
 };
 
-/// 12 bits, as all writers take, unless the scene is so large that it does not fit, or so small that the grid
-/// would be coarse: then so many that the farthest position lies 16,384 to 32,768 steps off, at most 24. All
-/// readers scale by 1 / (1 << bits). 0 bits hold what lies within 8,388,607, and the rest is clamped.
+/// Bits of positions behind the binary point: 12, as all writers use, if the scene fits. A larger scene gets
+/// fewer; with 0 bits, what lies beyond 8,388,607 is clamped. In a scene so small that 1/4096 is coarse, the
+/// farthest position lies 16,384 to 32,768 steps off, with at most 24 bits. All readers scale by
+/// 1 / (1 << bits).
 int choose_fractional_bits(const Scene& scene);
 
 /// Encodes an attribute of Gaussians [begin, end), all of finite numbers. Returns how many values lie outside

@@ -17,6 +17,7 @@
 #include "gzip_writer.hpp"
 #include "output_file.hpp"
 #include "parallel.hpp"
+#include "scene_encoding.hpp"
 #include "scene_writers.hpp"
 #include "spz_axes.hpp"
 #include "spz_content.hpp"
@@ -96,6 +97,7 @@ class SpzWriter {
   }
 
   std::uint64_t write() {
+    progress_.report(0);
     OutputFile file(path_);
     header_.version == 4 ? write_streams(file) : write_gzip(file);
     progress_.report(1);  // a file that has taken its place cannot be cancelled
@@ -105,21 +107,14 @@ class SpzWriter {
 
   std::vector<std::string> notes() const {
     std::vector<std::string> notes;
-    const auto note = [&](SpzAttribute attribute, int values, const std::string& what) {
-      if (const std::uint64_t clamped = clamped_[attribute])
-        notes.push_back(std::to_string(clamped) + " of " +
-                        std::to_string(scene_.size() * std::size_t(values)) + " " + what +
-                        " and were clamped.");
-    };
     const int bits = encoding_.fractional_bits;
     if (bits < 12)
-      notes.push_back("Positions were rounded to 1/" + std::to_string(1 << bits) +
+      notes.push_back("Positions are rounded to 1/" + std::to_string(1 << bits) +
                       " instead of 1/4096, because some lie beyond 2048.");
-    note(spz_positions, 3, "coordinates lie beyond 8388607");
-    note(spz_alphas, 1, "opacities lie outside 0 to 1");
-    note(spz_colours, 3, "SH coefficients of band 0 lie outside -3.33 to 3.33");
-    note(spz_scales, 3, "scales lie outside exp(-10) to exp(5.94)");
-    note(spz_sh, 3 * sh_rest_count(scene_.sh_degree), "SH coefficients above band 0 lie outside -1 to 0.99");
+    note_clamped(clamped_[spz_positions], "Coordinates", "-8388607 to 8388607", notes);
+    note_clamped(clamped_[spz_colours], "SH coefficients of band 0", "-3.33 to 3.33", notes);
+    note_clamped(clamped_[spz_scales], "Scales", "exp(-10) to exp(5.94)", notes);
+    note_clamped(clamped_[spz_sh], "SH coefficients above band 0", "-1 to 0.99", notes);
     return notes;
   }
 
@@ -203,13 +198,13 @@ WrittenScene write_spz(const std::filesystem::path& path, const Scene& scene,
   constexpr std::size_t most = std::numeric_limits<std::int32_t>::max();
   if (scene.size() < 1 || scene.size() > most)
     throw std::invalid_argument(path.string() + ": expected 1 to " + std::to_string(most) +
-                                " Gaussians for an SPZ file, found " + std::to_string(scene.size()));
-  validate_numbers(scene);
+                                " Gaussians of finite numbers for an SPZ file, found " +
+                                std::to_string(scene.size()));
   SpzWriter writer(path, scene, options);
-  const std::uint64_t bytes = writer.write();
-  return {.format = "SPZ version " + std::to_string(options.spz_version),
-          .bytes = bytes,
-          .notes = writer.notes()};
+  WrittenScene written = written_whole("SPZ version " + std::to_string(options.spz_version), scene);
+  written.bytes = writer.write();
+  written.notes = writer.notes();
+  return written;
 }
 
 }  // namespace swiftgs::io

@@ -15,33 +15,43 @@
 
 namespace swiftgs::io {
 
-/// Becomes true where what a task does is no longer wanted.
-using Stopping = std::atomic<bool>;
+/// True once a task should stop: an earlier task threw, or the work was cancelled.
+class Stopping {
+ public:
+  Stopping(const std::atomic<std::size_t>& wanted, std::size_t task) : wanted_(&wanted), task_(task) {}
 
-/// Calls `body(task, stopping)` for every task below `count` from as many threads as there are cores, each of
-/// which takes the next task when it is done with one. Tasks must not depend on each other. The first
-/// exception of one ends all and is thrown here. The calling thread only tells `progress` how many tasks are
-/// done, many times a second, so that cancelling takes no longer than tasks do that do not look at
-/// `stopping`.
+  explicit operator bool() const { return task_ >= *wanted_; }
+
+ private:
+  const std::atomic<std::size_t>* wanted_;
+  std::size_t task_;
+};
+
+/// Calls `body(task, stopping)` for every task below `count`, in as many threads as there are cores. Tasks
+/// are begun in order and must not depend on each other. A task that throws stops all later ones, so it is
+/// always the exception of the first task that throws which arrives here. The calling thread only reports
+/// progress, several times a second. Cancelling waits for running tasks; long ones should look at `stopping`.
 template <class Body>
 void for_tasks(std::size_t count, const ProgressMeter& progress, const Body& body) {
   constexpr std::chrono::milliseconds between_reports(50);
   std::atomic<std::size_t> next{0}, done{0};
-  Stopping stopping{false};
-  std::exception_ptr thrown;
-  std::mutex mutex;  // of what follows and `thrown`
-  std::condition_variable finished;
+  std::atomic<std::size_t> wanted{count};  // tasks below it are to be done
   std::size_t running = std::min<std::size_t>(std::max(1u, std::thread::hardware_concurrency()), count);
+  std::exception_ptr thrown;
+  std::mutex mutex;  // of `running`, `thrown` and writing `wanted`
+  std::condition_variable finished;
   const auto work = [&] {
-    std::exception_ptr own;
-    try {
-      for (std::size_t task; !stopping && (task = next++) < count; ++done) body(task, stopping);
-    } catch (...) {
-      own = std::current_exception();
-      stopping = true;
+    for (std::size_t task; (task = next++) < wanted; ++done) {
+      try {
+        body(task, Stopping(wanted, task));
+      } catch (...) {
+        const std::scoped_lock lock(mutex);
+        if (task >= wanted) continue;
+        wanted = task;
+        thrown = std::current_exception();
+      }
     }
     const std::scoped_lock lock(mutex);
-    if (!thrown) thrown = own;
     --running;
     finished.notify_one();
   };
@@ -49,8 +59,8 @@ void for_tasks(std::size_t count, const ProgressMeter& progress, const Body& bod
   progress.report(0);
   {
     std::vector<std::jthread> threads;
-    for (std::size_t i = running; i > 0; --i) threads.emplace_back(work);
     try {
+      for (std::size_t i = running; i > 0; --i) threads.emplace_back(work);
       std::unique_lock lock(mutex);
       while (!finished.wait_for(lock, between_reports, [&] { return running == 0; })) {
         lock.unlock();
@@ -58,12 +68,24 @@ void for_tasks(std::size_t count, const ProgressMeter& progress, const Body& bod
         lock.lock();
       }
     } catch (...) {
-      stopping = true;
+      const std::scoped_lock lock(mutex);
+      wanted = 0;
       throw;
     }
   }
   if (thrown) std::rethrow_exception(thrown);
   progress.report(1);
+}
+
+/// The same in the calling thread alone, for tasks that are shorter than starting a thread.
+template <class Body>
+void for_short_tasks(std::size_t count, const ProgressMeter& progress, const Body& body) {
+  const std::atomic<std::size_t> wanted{count};
+  progress.report(0);
+  for (std::size_t task = 0; task < count; ++task) {
+    body(task, Stopping(wanted, task));
+    progress.report(double(task + 1) / double(count));
+  }
 }
 
 }  // namespace swiftgs::io

@@ -18,8 +18,8 @@ struct RgbaImage {
 
 inline constexpr std::size_t most_webp_pixels_a_side = 16383;
 
-/// As lossless WebP, bytes of transparent pixels included. The same image gives the same file. Returns early,
-/// with part of the file, once it is `stopping`.
+/// Encodes lossless WebP and keeps the colours of transparent pixels. The same image gives the same file.
+/// After `stopping` it returns early, with part of the file.
 std::string encode_webp(const RgbaImage& image, const Stopping& stopping);
 
 }  // namespace swiftgs::io

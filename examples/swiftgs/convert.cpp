@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
@@ -20,6 +19,7 @@
 #include "commands.hpp"
 #include "convert_result.hpp"
 #include "distinct_files.hpp"
+#include "interruptible.hpp"
 #include "number_text.hpp"
 #include "options.hpp"
 #include "progress.hpp"
@@ -47,36 +47,30 @@ struct Edits {
   std::vector<std::pair<std::string, Region>> crops;
 };
 
-volatile std::sig_atomic_t interrupted = 0;
-
-/// Has Ctrl-C stop readers and writers, so that no part of a file stays behind, while it lives.
-class Interruptible {
- public:
-  Interruptible() : before_(std::signal(SIGINT, [](int) { interrupted = 1; })) {}
-  ~Interruptible() { std::signal(SIGINT, before_); }
-  Interruptible(const Interruptible&) = delete;
-  Interruptible& operator=(const Interruptible&) = delete;
-
- private:
-  void (*before_)(int);
-};
-
-/// A bar that readers and writers move, each by a hundred.
+/// A bar that moves by a hundred for each file, and that Ctrl-C stops.
 class ConvertProgress {
  public:
-  explicit ConvertProgress(std::size_t files) : bar_(100 * files) {}
+  ConvertProgress(std::size_t files, std::string out) : bar_(100 * files), out_(std::move(out)) {}
 
-  swiftgs::Progress of_next(const std::string& what) {
+  swiftgs::Progress of_next_file(const std::string& what) {
+    begin(what);
     return [this, what, first = 100 * files_++](double part) {
       bar_.advance_to(first + std::size_t(100 * part));
       bar_.start(what);
-      return interrupted == 0;
+      return !Interruptible::interrupted();
     };
+  }
+  /// Shows that `what` begins. Throws `Cancelled` after Ctrl-C.
+  void begin(const std::string& what) {
+    if (Interruptible::interrupted()) throw Cancelled(out_);
+    bar_.start(what);
   }
   void clear() { bar_.clear(); }
 
  private:
+  const Interruptible interruptible_{};
   Progress bar_;
+  std::string out_;
   std::size_t files_ = 0;
 };
 
@@ -110,7 +104,7 @@ Edits edits_of(const ConvertOptions& options) {
 Scene read(SceneOptions from, const std::string& name, ConvertProgress& progress, ConvertResult& result) {
   from.scene = name;
   const auto begin = std::chrono::steady_clock::now();
-  SceneFile file = load(from, progress.of_next("read " + name));
+  SceneFile file = load(from, progress.of_next_file("read " + name));
   ConvertedFile row{.name = name,
                     .format = file.format,
                     .stored = file.stored,
@@ -127,24 +121,26 @@ Scene read(SceneOptions from, const std::string& name, ConvertProgress& progress
   return std::move(file.scene);
 }
 
-void edit(Scene& scene, const ConvertOptions& options, const Edits& edits, ConvertResult& result) {
-  const auto done = [&](const std::string& what) {
+void edit(Scene& scene, const ConvertOptions& options, const Edits& edits, ConvertProgress& progress,
+          ConvertResult& result) {
+  const auto step = [&](const std::string& what, const auto& make) {
+    progress.begin(what);
+    make();
     result.steps.push_back({what, scene.size(), scene.sh_degree});
   };
-  if (options.degree < scene.sh_degree) {
-    scene = with_degree(std::move(scene), options.degree);
-    done("--degree " + std::to_string(options.degree));
-  }
-  for (const auto& [what, by] : edits.transforms) transform(scene, by), done(what);
-  for (const auto& [what, region] : edits.crops) {
-    scene = std::visit([&](const auto& r) { return crop(scene, r); }, region);
-    done(what);
-  }
-  if (options.keep < 1) {
-    scene = subset(scene, highest(opacity_volumes(scene), kept_count(options.keep, scene.size())));
-    done("--keep " + text_of_number(options.keep));
-  }
-  if (options.order) scene = order_spatially(scene), done("--order");
+  if (options.degree < scene.sh_degree)
+    step("--degree " + std::to_string(options.degree),
+         [&] { scene = with_degree(std::move(scene), options.degree); });
+  for (const auto& [what, by] : edits.transforms) step(what, [&, &by = by] { transform(scene, by); });
+  for (const auto& [what, region] : edits.crops)
+    step(what, [&, &region = region] {
+      scene = std::visit([&](const auto& r) { return crop(scene, r); }, region);
+    });
+  if (options.keep < 1)
+    step("--keep " + text_of_number(options.keep), [&] {
+      scene = subset(scene, highest(opacity_volumes(scene), kept_count(options.keep, scene.size())));
+    });
+  if (options.order) step("--order", [&] { scene = order_spatially(scene); });
 }
 
 void convert(const ConvertOptions& options) {
@@ -168,26 +164,25 @@ void convert(const ConvertOptions& options) {
   const bool to_standard_output = is_standard_output(out);
   ResultFile json(options.json);
 
-  const Interruptible interruptible;
   ConvertResult result;
   if (json.is_wanted()) result.head = head_of("swiftgs-convert");
-  ConvertProgress progress(options.files.size());
+  ConvertProgress progress(options.files.size(), out);
   Scene scene = read(options.scene, inputs[0], progress, result);
   for (std::size_t i = 1; i < inputs.size(); ++i)
     append(scene, read(options.scene, inputs[i], progress, result));
-  edit(scene, options, edits, result);
+  edit(scene, options, edits, progress, result);
 
   const auto begin = std::chrono::steady_clock::now();
-  write.progress = progress.of_next("write " + out);
+  write.progress = progress.of_next_file("write " + out);
   WrittenScene written = write_scene(out, scene, write);
   progress.clear();
   result.output = {.name = out,
                    .format = std::move(written.format),
                    .bytes = written.bytes,
                    .stored = scene.size(),
-                   .gaussians = scene.size(),
-                   .sh_degree = scene.sh_degree,
-                   .antialiased = scene.antialiased,
+                   .gaussians = written.gaussians,
+                   .sh_degree = written.sh_degree,
+                   .antialiased = written.antialiased,
                    .seconds = seconds_since(begin),
                    .notes = std::move(written.notes)};
   if (!json.is_standard_output() && !to_standard_output) print_table(result);

@@ -14,8 +14,8 @@ namespace swiftgs::cli {
 struct ConvertedFile {
   std::string name, format;
   std::uint64_t bytes = 0;    ///< 0 of the built-in scene
-  std::uint64_t stored = 0;   ///< Gaussians in the file
-  std::size_t gaussians = 0;  ///< of them taken over
+  std::uint64_t stored = 0;   ///< Gaussians in a file that was read, or in the scene that was written
+  std::size_t gaussians = 0;  ///< of them read or written
   int sh_degree = 0;
   bool antialiased = false;
   double seconds = 0;

@@ -13,6 +13,7 @@
 
 #include "cli/command.hpp"
 #include "cli/json_in.hpp"
+#include "support/ply_numbers.hpp"
 
 using nlohmann::json;
 using swiftgs::test::contains;
@@ -55,9 +56,9 @@ TEST_CASE("cli: info tells format and count and percentiles") {
 
 TEST_CASE("cli: info counts what was dropped") {
   const TemporaryFolder place;
-  swiftgs::Scene scene = swiftgs::make_builtin_scene(10);
-  scene.means[3].x = std::numeric_limits<float>::quiet_NaN();
-  write_scene(place / "scene.ply", scene);
+  write_scene(place / "scene.ply", swiftgs::make_builtin_scene(10));
+  constexpr std::size_t x = 0;
+  swiftgs::test::set_ply_number(place / "scene.ply", 10, 3, x, std::numeric_limits<float>::quiet_NaN());
   const std::string text = run(place, "info scene.ply").out;
   CHECK(contains(text, "Gaussians       9\n"));
   CHECK(contains(text, "dropped         1 of 10"));

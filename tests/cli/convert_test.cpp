@@ -138,6 +138,37 @@ TEST_CASE("cli convert: the text and the results tell what was read, left out an
   CHECK(contains(text, " --crop half-space:1,0,0,0\n"));
 }
 
+TEST_CASE("cli convert: what a format leaves out is told of the file that is written") {
+  const Place place;
+  Scene scene = place.a;
+  scene.antialiased = true;
+  write_scene(place / "b.ply", scene);
+  const std::string text = run(place, "convert b.ply b.splat --json b.json").out;
+  CHECK(contains(text, "\nread              300          0      3 "));
+  CHECK(contains(text, "\nwritten           300          0      0 "));
+  const json result = json_in(place / "b.json");
+  CHECK(result["inputs"][0]["sh_degree"] == 3);
+  CHECK(result["inputs"][0]["antialiased"] == true);
+  CHECK(result["output"]["sh_degree"] == 0);
+  CHECK(result["output"]["antialiased"] == false);
+  CHECK(result["output"]["notes"].size() >= 2);
+}
+
+TEST_CASE("cli convert: --level chooses the level of detail of a streamed SOG") {
+  const Place place;
+  write_scene(place / "fine.sog", place.a);
+  write_scene(place / "coarse.sog", swiftgs::make_builtin_scene(50));
+  place.write("lod-meta.json", R"({"lodLevels":2,"filenames":["fine.sog","coarse.sog"],"tree":{"lods":{
+      "0":{"file":0,"offset":0,"count":300},"1":{"file":1,"offset":0,"count":50}}}})");
+  run(place, "convert lod-meta.json b.ply");
+  CHECK(load_scene(place / "b.ply").means == load_scene(place / "fine.sog").means);
+  run(place, "convert lod-meta.json b.ply --level 1 --json b.json");
+  CHECK(load_scene(place / "b.ply").means == load_scene(place / "coarse.sog").means);
+  CHECK(json_in(place / "b.json")["inputs"][0]["file_format"] == "streamed SOG, level 1 of 2");
+  std::filesystem::remove(place / "b.ply");
+  fails(place, "lod-meta.json b.ply --level 2", "expected level 2 of detail, found 2 levels, 0 to 1");
+}
+
 TEST_CASE("cli convert: every format is written and read again") {
   const Place place;
   for (const std::string ending : {"ply", "compressed.ply", "spz", "sog", "splat"}) {

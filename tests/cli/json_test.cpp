@@ -13,6 +13,7 @@
 #include "cli/cameras.hpp"
 #include "cli/command.hpp"
 #include "cli/json_in.hpp"
+#include "support/ply_numbers.hpp"
 #include "support/skip.hpp"
 
 using nlohmann::json;
@@ -93,9 +94,9 @@ TEST_CASE("cli json: no path of the machine is in the results") {
 
 TEST_CASE("cli json: info says what it prints") {
   const TemporaryFolder place;
-  swiftgs::Scene scene = swiftgs::make_builtin_scene(10);
-  scene.means[3].x = std::numeric_limits<float>::quiet_NaN();
-  write_scene(place / "scene.ply", scene);
+  write_scene(place / "scene.ply", swiftgs::make_builtin_scene(10));
+  constexpr std::size_t x = 0;
+  swiftgs::test::set_ply_number(place / "scene.ply", 10, 3, x, std::numeric_limits<float>::quiet_NaN());
   const json info = json::parse(run(place, "info scene.ply --json -").out);
   CHECK(members_of(info) == std::set<std::string>{"format", "version", "machine", "command", "scene",
                                                   "cameras", "photos", "file_format", "bytes", "seconds",

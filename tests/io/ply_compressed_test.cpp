@@ -213,7 +213,7 @@ TEST_CASE("compressed ply: what the format cannot hold is clamped or left out an
   REQUIRE(written.notes.size() == 3);
   CHECK(written.notes[0] == "Gaussians with a NaN or an infinity are left out: 2.");
   CHECK(written.notes[1] == "Scales are clamped to exp(-20) to exp(20): 3.");
-  CHECK(written.notes[2] == "Harmonics above band 0 are clamped to -4 to 4: 1.");
+  CHECK(written.notes[2] == "SH coefficients above band 0 are clamped to -4 to 4: 1.");
   float least = 1, most = 0;
   for (const vec3& scale : back.scales) least = std::min(least, scale.y), most = std::max(most, scale.y);
   CHECK(least == doctest::Approx(std::exp(-20.0)).epsilon(1e-5));

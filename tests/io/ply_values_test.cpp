@@ -6,6 +6,7 @@
 
 #include "ply_text.hpp"
 #include "scenes.hpp"
+#include "support/ply_numbers.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -43,12 +44,12 @@ TEST_CASE("ply: a scale that overflows when it is activated is dropped") {
 }
 
 TEST_CASE("ply: dropping keeps the order and all arrays of the others") {
-  Scene scene = some_scene(5, 2);
-  const Scene original = scene;
-  scene.means[1].y = std::numeric_limits<float>::quiet_NaN();
-  scene.sh_rest[3 * 24 + 7] = std::numeric_limits<float>::infinity();
+  const Scene original = some_scene(5, 2);
   const TemporaryFolder folder;
-  write_scene(folder / "a.ply", scene);
+  write_scene(folder / "a.ply", original);
+  constexpr std::size_t y = 1, some_harmonic = 9 + 7;
+  set_ply_number(folder / "a.ply", 5, 1, y, std::numeric_limits<float>::quiet_NaN());
+  set_ply_number(folder / "a.ply", 5, 3, some_harmonic, std::numeric_limits<float>::infinity());
   const SceneFile file = read_scene(folder / "a.ply");
   CHECK(file.dropped_nonfinite == 2);
   REQUIRE(file.scene.size() == 3);

@@ -69,27 +69,34 @@ struct SceneWriteOptions {
   Progress progress{};
 };
 
-/// What a writer made of a scene.
+/// What a file holds of a scene. A format may hold fewer bands, or not say whether a scene is antialiased.
 struct WrittenScene {
-  std::string format;                ///< as `SceneFile::format`
-  std::uint64_t bytes = 0;           ///< of the file
-  std::vector<std::string> notes{};  ///< what of the scene the file does not carry, a sentence each
+  std::string format;       ///< as `SceneFile::format`
+  std::uint64_t bytes = 0;  ///< of the file
+  std::size_t gaussians = 0;
+  int sh_degree = 0;
+  bool antialiased = false;
+  std::vector<std::string> notes{};  ///< what was left out or changed, with counts, a sentence each
 };
 
-/// Writes a scene in the format that an ending names:
-/// - `.ply`: INRIA PLY, little-endian floats. Opacities are clamped to [1e-6, 1 - 1e-6], as it holds logits.
+/// Writes a scene in the format that an ending names, in upper or lower case:
+/// - `.ply`: INRIA PLY, little-endian floats. Opacities are kept within [1e-6, 1 - 1e-6], as it holds logits.
 /// - `.compressed.ply`: SuperSplat's compressed PLY. All numbers are rounded, and the order is that of
 ///   `spatial_order`.
 /// - `.spz`: SPZ version 4 or 3. Rounds means to 1/4096 (finer in a scene smaller than 4, coarser in one
-/// beyond
-///   2048), scales to 1/16 of their logarithm, opacities to 1/255, and SH coefficients to 1/38 in band 0,
-///   1/16 in band 1 and 1/8 above.
+///   beyond 2048), scales to 1/16 of their logarithm, opacities to 1/255, and SH coefficients to 1/38 in
+///   band 0, 1/16 in band 1 and 1/8 above.
 /// - `.sog`: SOG version 2, a bundle. Numbers are bytes, means 16 bits, and higher bands one of at most
-/// 65,536
-///   sets. The order is that of `spatial_order`.
+///   65,536 sets. The order is that of `spatial_order`.
 /// - `.splat`: antimatter15's records of 32 bytes, without higher bands, greatest splats first.
 ///
-/// Numbers beyond what a format can hold are clamped, and noted.
+/// All formats treat numbers that a file cannot hold alike, and `WrittenScene::notes` counts them:
+/// - A Gaussian with a NaN or an infinity is left out, as no renderer draws it and `read_scene` drops it.
+/// - An opacity outside 0 to 1 is clamped.
+/// - A scale below 0 loses its sign, which no frame shows. A scale of 0 is legal.
+/// - Any other number beyond the range of the format is clamped to it.
+///
+/// A quaternion of zeros is written as it is, or as the identity, which is what `read_scene` makes of it.
 ///
 /// The new file takes the place of an old one when it is whole. Throws `std::invalid_argument` as `validate`
 /// does, for an ending that it does not know, and for a scene or an option that the format does not allow,
