@@ -81,14 +81,12 @@ const MemoryHook& Cuda::memory_hook() const { return state_->memory; }
 
 void Cuda::trim() {
   wait();
-  trim_parts(*this, state_->temporary, state_->total, state_->raster, state_->sorts);
+  trim_parts(*this, state_->temporary, state_->total, state_->raster, state_->raster_word, state_->sorts);
 }
-
-bool Cuda::is_captured(const char* call) const { return state_->is_captured(call); }
 
 void Cuda::check_not_captured(const char* call) const { state_->check_not_captured(call); }
 
-bool Cuda::State::is_captured(const char* call) const {
+bool Cuda::State::being_captured(const char* call) const {
   cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
   const cudaError_t asked = cudaStreamIsCapturing(stream, &status);
   if (asked == cudaSuccess) return status != cudaStreamCaptureStatusNone;
@@ -103,26 +101,16 @@ bool Cuda::State::is_captured(const char* call) const {
 }
 
 void Cuda::State::check_not_captured(const char* call) const {
-  if (is_captured(call))
+  if (being_captured(call))
     throw DeviceError(call,
                       "the stream is being captured into a CUDA graph, expected a stream that is not, "
                       "since the host would wait for it");
 }
 
-Mailbox& Cuda::State::open_mailbox(const char* call) {
-  if (!mailbox) {
-    check_not_captured(call);
-    void* room = nullptr;
-    check_cuda(cudaMallocHost(&room, sizeof(Mailbox)), "cudaMallocHost");
-    mailbox.reset(new (room) Mailbox{});
-  }
-  return *mailbox;
-}
-
 namespace kernels {
 /// See `Cuda::settle`. A report in host memory is seen there sooner than the end of a copy would be.
 __global__ void settle(const LastCounters<FrameCounts> counts, const Limits limits, FrameTotals* totals,
-                       Mailbox* mailbox) {
+                       const std::uint32_t* raster_word, Mailbox* mailbox) {
   await_earlier();
   const FrameCounts found = counts.get();
   FrameReport report{found.visible, found.instances, 0};
@@ -132,6 +120,7 @@ __global__ void settle(const LastCounters<FrameCounts> counts, const Limits limi
   if (limits.report) *limits.report = report;
   if (!mailbox) return;
   mailbox->report = report;
+  mailbox->raster_word = raster_word ? *raster_word : 0;
   cuda::atomic_ref<std::uint32_t, cuda::thread_scope_system>(mailbox->posted)
       .store(1, cuda::memory_order_release);
 }
@@ -154,7 +143,7 @@ Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage
 Cuda::Fork Cuda::fork() {
   State::Side& side = state_->side;
   if (side.forked) throw std::logic_error("fork: expected the fork before to be joined");
-  side.captured = state_->is_captured("fork");
+  side.captured = state_->being_captured("fork");
   if (!side.stream) side.make();
   check_cuda(cudaEventRecord(side.begun.get(), stream()), "cudaEventRecord");
   check_cuda(cudaStreamWaitEvent(side.stream.get(), side.begun.get()), "cudaStreamWaitEvent");
@@ -211,13 +200,16 @@ int Cuda::multiprocessors() const {
   return count;
 }
 
-std::byte* Cuda::raster_scratch(std::size_t bytes) {
-  DeviceBuffer<std::byte>& memory = state_->raster;
-  if (memory.size() < bytes) {
-    check_not_captured("rasterize");
-    memory.reset(bytes);
+namespace {
+
+/// At least `size` elements of a rasterizer. Zeroed when they are allocated.
+template <class T>
+T* zeroed(const Cuda& cuda, DeviceBuffer<T>& memory, std::size_t size) {
+  if (memory.size() < size) {
+    cuda.check_not_captured("rasterize");
+    memory.reset(size);
     try {
-      clear(memory.data(), memory.size());
+      cuda.clear(memory.data(), memory.size() * sizeof(T));
     } catch (const DeviceError&) {
       memory.trim();
       throw;
@@ -226,19 +218,33 @@ std::byte* Cuda::raster_scratch(std::size_t bytes) {
   return memory.data();
 }
 
-std::uint32_t* Cuda::raster_hint() { return &state_->open_mailbox("rasterize").raster_hint; }
+}  // namespace
+
+std::byte* Cuda::raster_scratch(std::size_t bytes) { return zeroed(*this, state_->raster, bytes); }
+
+std::uint32_t* Cuda::raster_word() { return zeroed(*this, state_->raster_word, 1); }
+
+std::uint32_t Cuda::known_raster_word() const { return state_->known_raster_word; }
 
 void Cuda::settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameTotals* totals) const {
   Mailbox* mailbox = nullptr;
-  if (!limits.report) {
+  if (limits.report) {
+    state_->known_raster_word = 0;
+  } else {
     check_not_captured("settle");
-    mailbox = &state_->open_mailbox("settle");
+    if (!state_->mailbox) {
+      void* memory = nullptr;
+      check_cuda(cudaMallocHost(&memory, sizeof(Mailbox)), "cudaMallocHost");
+      state_->mailbox.reset(new (memory) Mailbox{});
+    }
+    mailbox = state_->mailbox.get();
     // If nobody took the answer before, it must not be taken for this one's.
     if (state_->awaited) state_->wait();
     std::atomic_ref<std::uint32_t>(mailbox->posted).store(0, std::memory_order_relaxed);
     state_->awaited = true;
   }
-  launch_early(*this, "settle", kernels::settle, 1, 1, counts, limits, totals, mailbox);
+  launch_early(*this, "settle", kernels::settle, 1, 1, counts, limits, totals,
+               std::as_const(state_->raster_word).data(), mailbox);
 }
 
 FrameReport Cuda::await_report() const {
@@ -258,6 +264,7 @@ FrameReport Cuda::await_report() const {
     break;
   }
   state_->awaited = false;
+  state_->known_raster_word = mailbox.raster_word;
   return mailbox.report;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 
@@ -62,11 +61,14 @@ struct LongPart {
   ResumeAt at;
 };
 
-/// A walk is long that has blended so many splats, or visited so many instances, and is handed over. A
-/// shorter one is as soon as others wait for work.
+/// A long walk has blended so many splats, or visited so many instances. It is handed over. A shorter walk is
+/// handed over only if others wait for work.
 inline constexpr std::uint32_t long_blended = 4096, long_visited = 8192;
-/// In a frame that shares nothing, a walk that has blended or visited so many advises the next to share.
-inline constexpr std::uint32_t advising_blended = long_blended / 2, advising_visited = long_visited / 2;
+/// Frames stop sharing long parts after so many in a row without one.
+inline constexpr std::uint32_t most_quiet_frames = 8;
+/// They share again after a frame in which a warp alone has blended so many splats, or visited so many
+/// instances.
+inline constexpr std::uint32_t loud_blended = long_blended / 2, loud_visited = long_visited / 2;
 /// A walk asks at the end of each piece whether others wait, and after so many instances without one.
 inline constexpr std::uint32_t visits_between_checks = 1024;
 /// If fewer instances are left, others would not gain.
@@ -81,8 +83,8 @@ inline constexpr std::uint32_t least_left_of_longest = 65536, least_left_of_long
 inline constexpr std::size_t most_longest = 256, most_longer = 1024, most_shorter = 7168;
 
 /// The long parts of a frame, in queues that warps fill while groups of blocks empty them: clusters, or
-/// single blocks. A frame shares its long parts if the last one had some. Else it is drawn by a kernel that
-/// hands nothing over, and by no second one.
+/// single blocks. Where frames have had no long parts for a while, one kernel draws them and hands nothing
+/// over.
 struct LongParts {
   struct Queue {
     std::uint32_t found;  ///< handed over; more than there is room for, if some were refused
@@ -107,8 +109,7 @@ struct LongParts {
   std::uint32_t* ready;  ///< of each part: not 0 after it is written and until it is taken
   State* state;
   std::uint32_t first[queue_count + 1];  ///< part of each queue, and behind the last
-  std::uint32_t* hint;                   ///< in host memory: 1 if the last frame had long parts, else 0
-  bool hinted;                           ///< what the host read there
+  std::uint32_t* quiet_frames;           ///< in a row that had no long parts, `most_quiet_frames` at most
 
   /// Bytes before the parts. The same for all frames, which leave zeros in them.
   static constexpr std::size_t head =
@@ -118,8 +119,7 @@ struct LongParts {
   /// In memory of `cuda`, for a frame of so many parts.
   static LongParts of(Cuda& cuda, std::size_t parts) {
     LongParts all{};
-    all.hint = cuda.raster_hint();
-    all.hinted = std::atomic_ref<std::uint32_t>(*all.hint).load(std::memory_order_relaxed) != 0;
+    all.quiet_frames = cuda.raster_word();
     const auto add = [&](unsigned queue, std::size_t most) {
       all.first[queue + 1] = all.first[queue] + std::uint32_t(std::min(parts, most));
     };
@@ -133,10 +133,10 @@ struct LongParts {
     return all;
   }
 
-  /// Whether the frame shares them. Frames of graphs do, since the frame before them is not known, and
-  /// counted frames, whose counts shall not depend on it.
-  bool are_shared(const Cuda& cuda, bool counted) const {
-    return hinted || counted || cuda.is_captured("rasterize");
+  /// Whether the next frame shares long parts. Counted frames do, so that counts do not depend on the frames
+  /// before. Recorded frames do: nobody awaits them, so the host knows nothing of the frames before.
+  static bool are_shared(const Cuda& cuda, bool counted) {
+    return counted || cuda.known_raster_word() < most_quiet_frames;
   }
 
   /// Has the next frame begin without parts.
@@ -171,8 +171,9 @@ struct LongParts {
   }
 
   /// After a walk of a frame that shares nothing.
-  __device__ void advise_after_walk(std::uint32_t blended, std::uint32_t visited) const {
-    if ((blended >= advising_blended || visited >= advising_visited) && lane_index() == 0) advise(true);
+  __device__ void end_walk(std::uint32_t blended, std::uint32_t visited) const {
+    if ((blended >= loud_blended || visited >= loud_visited) && lane_index() == 0)
+      word(*quiet_frames).store(0, cuda::memory_order_relaxed);
   }
 
   /// For one thread of each group, before it asks for parts. The first single block and the first cluster
@@ -205,18 +206,12 @@ struct LongParts {
   /// For one thread of each block, which asks for nothing more. The last leaves zeros for the next frame.
   __device__ void leave() const {
     if (word(state->left).fetch_add(1, cuda::memory_order_acq_rel) != gridDim.x - 1) return;
-    const bool some = found(longest) + found(longer) + found(shorter) != 0;
-    if (some != hinted) advise(some);
+    const bool quiet = found(longest) + found(longer) + found(shorter) == 0;
+    *quiet_frames = quiet ? min(*quiet_frames + 1, most_quiet_frames) : 0;
     *state = {};
   }
 
  private:
-  /// Tells the host whether the next frame had better share long parts.
-  __device__ void advise(bool share) const {
-    cuda::atomic_ref<std::uint32_t, cuda::thread_scope_system>(*hint).store(share,
-                                                                            cuda::memory_order_relaxed);
-  }
-
   using Word = cuda::atomic_ref<std::uint32_t, cuda::thread_scope_device>;
   __device__ static Word word(std::uint32_t& value) { return Word(value); }
   __device__ static std::uint32_t value(std::uint32_t& of) {

@@ -447,7 +447,7 @@ void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   using namespace kernels;
   with_squares(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
     const LongParts long_parts = LongParts::of(cuda, input.squares.size() * parts_of_square);
-    const bool shared = long_parts.are_shared(cuda, job.counts != nullptr);
+    const bool shared = LongParts::are_shared(cuda, job.counts != nullptr);
     const auto warps = shared ? raster_warps<Form, threshold, extras, true, ViewSource>
                               : raster_warps<Form, threshold, extras, false, ViewSource>;
     const auto pieces = raster_pieces<Form, threshold, extras, ViewSource>;

@@ -148,7 +148,7 @@ class ListWalk {
   __device__ std::uint32_t blended() const { return begun_ * queue_half + waiting_; }
   /// Instances that were visited.
   __device__ std::uint32_t visited() const { return min(at_, range_.end) - range_.begin; }
-  /// Instances that were not.
+  /// Instances that are still to visit.
   __device__ std::uint32_t left() const { return range_.end - min(at_, range_.end); }
   /// The next splat to visit.
   __device__ ResumeAt here() const { return {at_, 0}; }
@@ -312,8 +312,7 @@ struct ColourBlender {
   __device__ bool all_stopped() const { return lane.all_stopped(); }
 };
 
-/// Where `variable` lies in memory: the compiler keeps it out of registers, which those who seldom need it
-/// leave to others.
+/// Keeps `variable` in memory, and so out of the registers that the walk needs.
 template <class T>
 __device__ T& in_memory(T& variable) {
   T* at = &variable;
@@ -447,7 +446,7 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
     }
     if constexpr (shared) handed_over = long_parts.take_room(walk.blended(), walk.visited(), walk.left());
   }
-  if constexpr (!shared) long_parts.advise_after_walk(walk.blended(), walk.visited());
+  if constexpr (!shared) long_parts.end_walk(walk.blended(), walk.visited());
   // Others go on from the end of the last piece, or from within the first: what waits is theirs, or blended.
   if (handed_over && walk.pieces() != 0) walk.drop_rest();
   walk.blend_rest(blender);

@@ -26,11 +26,11 @@ struct FreeHost {
 using OwnedEvent = std::unique_ptr<CUevent_st, detail::DestroyEvent>;
 using OwnedStream = std::unique_ptr<CUstream_st, detail::DestroyStream>;
 
-/// Host memory in which kernels leave a report and a hint.
+/// Host memory in which a kernel leaves a report.
 struct Mailbox {
   FrameReport report;
-  std::uint32_t posted = 0;       ///< not 0 once the report is there
-  std::uint32_t raster_hint = 1;  ///< see `Cuda::raster_hint`
+  std::uint32_t raster_word = 0;  ///< see `Cuda::raster_word`
+  std::uint32_t posted = 0;       ///< not 0 once all is there
 };
 
 /// How many keys have each digit, in each pass of a sort.
@@ -52,12 +52,11 @@ struct Cuda::State {
   };
 
   State(cudaStream_t of, const MemoryHook& hook) : stream(of), memory(hook) {
-    use_memory(memory, temporary, total, raster, sorts);
+    use_memory(memory, temporary, total, raster, raster_word, sorts);
   }
 
-  bool is_captured(const char* call) const;
+  bool being_captured(const char* call) const;
   void check_not_captured(const char* call) const;
-  Mailbox& open_mailbox(const char* call);
   void join();
   void wait() const;
   void copy_to_host(const void* from, void* to, std::size_t bytes) const;
@@ -67,13 +66,15 @@ struct Cuda::State {
   Side side;
   std::array<OwnedEvent, 256> events;                  ///< a ring, made as they are needed
   std::uint64_t points = 0;                            ///< taken so far
-  std::unique_ptr<Mailbox, detail::FreeHost> mailbox;  ///< see `open_mailbox`
+  std::unique_ptr<Mailbox, detail::FreeHost> mailbox;  ///< made when it is needed
   bool awaited = false;                                ///< whether a kernel may still post to it
+  std::uint32_t known_raster_word = 0;                 ///< see `Cuda::known_raster_word`
   int multiprocessors = 0;                             ///< 0: not yet asked for
 
   DeviceBuffer<std::byte> temporary;  ///< of CUB
   DeviceBuffer<std::uint64_t> total;  ///< of a scan
   DeviceBuffer<std::byte> raster;     ///< of `raster_scratch`
+  DeviceBuffer<std::uint32_t> raster_word;
 
   Turns<RadixCounts> sorts;
 };

@@ -106,10 +106,7 @@ class SWIFTGS_API Cuda {
   /// before is not joined.
   [[nodiscard]] Fork fork();
 
-  /// Whether the stream is being captured into a CUDA graph. Throws `DeviceError` for `call` where that
-  /// cannot be told: on the default stream, while a stream that waits for it is being captured.
-  bool is_captured(const char* call) const;
-  /// Throws `DeviceError` for `call` while the stream is being captured.
+  /// Throws `DeviceError` for `call` while the stream is being captured into a CUDA graph.
   void check_not_captured(const char* call) const;
 
   /// Copies `scene` to the device, without the SH bands that are zero throughout, in stream order. Waits for
@@ -161,16 +158,19 @@ class SWIFTGS_API Cuda {
   /// `trim`. Zeroed when it is allocated, and not again. Throws while the stream is being captured if it must
   /// grow.
   std::byte* raster_scratch(std::size_t bytes);
-  /// A word by which the kernels of a rasterizer advise the host on its next frames, 1 at first. It lies in
-  /// pinned host memory and is read without waiting: it may be some frames old. Throws while the stream is
-  /// being captured if it is not there yet.
-  std::uint32_t* raster_hint();
+  /// A word on the device that a rasterizer's kernels keep from frame to frame, 0 at first. Throws while the
+  /// stream is being captured if it is not there yet.
+  std::uint32_t* raster_word();
+  /// What the host knows of that word: what it held when the last frame was settled that the host has
+  /// awaited, before that frame was rasterized. 0 before the first such frame, and for frames that nobody
+  /// awaits.
+  std::uint32_t known_raster_word() const;
 
   /// Fills `bytes` bytes of device memory with zero.
   void clear(void* memory, std::size_t bytes) const;
 
   /// Has the device decide whether a frame of so many splats and instances fits `limits`, keep the numbers in
-  /// `totals` and report them. Does not wait.
+  /// `totals` and report them, with `raster_word` if the host is to read the report. Does not wait.
   void settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameTotals* totals) const;
 
   /// The report of the last `settle` whose limits name no memory for it: the one place where a renderer waits
