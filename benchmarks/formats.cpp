@@ -2,7 +2,7 @@
 
 /// @file
 /// What each format of scenes costs: size, times, and what a scene loses that is written in it, or in one and
-/// then in another. docs/formats.md shows the tables that are made of this.
+/// then in another, and what formats cost that are only read. docs/formats.md shows the tables.
 
 #include <algorithm>
 #include <chrono>
@@ -33,32 +33,37 @@ namespace {
 using namespace swiftgs;
 using Json = nlohmann::ordered_json;
 
+using Order = std::vector<std::uint32_t>;
+
 struct Format {
   const char* name;
   const char* ending;
-  Scene (*ordered)(const Scene&);  ///< the scene in the order that the writer brings it into
+  Order (*order)(const Scene&);  ///< the order that the writer brings a scene into
+  int spz_version = 4;
 };
 
-Scene as_it_is(const Scene& scene) { return scene; }
+Order unchanged(const Scene& scene) {
+  Order order(scene.size());
+  std::iota(order.begin(), order.end(), 0u);
+  return order;
+}
 
 /// Greatest volume times opacity first, of equal ones the lower index, as a `.splat` file has them.
-Scene most_visible_first(const Scene& scene) {
+Order most_visible_first(const Scene& scene) {
   std::vector<double> scores(scene.size());
   for (std::size_t i = 0; i < scores.size(); ++i) {
     const dvec3 scale(scene.scales[i]);
     scores[i] = scale.x * scale.y * scale.z * double(scene.opacities[i]);
   }
-  std::vector<std::uint32_t> order(scene.size());
-  std::iota(order.begin(), order.end(), 0u);
+  Order order = unchanged(scene);
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return scores[a] > scores[b]; });
-  return subset(scene, order);
+  return order;
 }
 
-constexpr Format formats[] = {{"INRIA PLY", ".ply", as_it_is},
-                              {"compressed PLY", ".compressed.ply", order_spatially},
-                              {"SPZ", ".spz", as_it_is},
-                              {"SOG", ".sog", order_spatially},
-                              {".splat", ".splat", most_visible_first}};
+constexpr Format formats[] = {
+    {"INRIA PLY", ".ply", unchanged}, {"compressed PLY", ".compressed.ply", spatial_order},
+    {"SPZ 4", ".spz", unchanged},     {"SPZ 3", ".spz", unchanged, 3},
+    {"SOG", ".sog", spatial_order},   {".splat", ".splat", most_visible_first}};
 
 /// A folder that is removed with the files of each format in it.
 class Folder {
@@ -152,52 +157,85 @@ class Eye {
   Renderer<Serial, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer_;
 };
 
-/// What a scene becomes that is written in a format.
+/// A scene that went through a file.
 struct Written {
-  Scene scene, ordered;  ///< as it is read, and as it was, in the same order
+  Scene scene;  ///< as it was read
+  Order order;  ///< in which it was written
   Json costs;
 };
 
+/// Reads a file twice. Returns the time of the quicker.
+double seconds_to_read(const std::filesystem::path& file, SceneFile& read) {
+  const double once = seconds_of([&] { read = read_scene(file); });
+  return std::min(once, seconds_of([&] { read = read_scene(file); }));
+}
+
 Written write_and_read(const Format& format, const Scene& scene, const Folder& folder) {
-  Written result;
   WrittenScene written;
   SceneFile read;
   const std::filesystem::path file = folder.file(format);
-  const double write = seconds_of([&] { written = write_scene(file, scene); });
-  const double once = seconds_of([&] { read = read_scene(file); });
-  const double again = seconds_of([&] { read = read_scene(file); });
-  result.ordered = format.ordered(scene);
+  const double write =
+      seconds_of([&] { written = write_scene(file, scene, {.spz_version = format.spz_version}); });
+  const double seconds = seconds_to_read(file, read);
   if (read.scene.size() != scene.size())
     throw std::runtime_error(std::string(format.name) + ": expected " + std::to_string(scene.size()) +
                              " Gaussians, read " + std::to_string(read.scene.size()));
-  result.costs = {{"format", format.name},
-                  {"file_format", written.format},
-                  {"bytes", written.bytes},
-                  {"write_seconds", significant(write)},
-                  {"read_seconds", significant(std::min(once, again))},
-                  {"errors", errors_of(result.ordered, read.scene)}};
-  result.scene = std::move(read.scene);
-  return result;
+  return {std::move(read.scene),
+          format.order(scene),
+          {{"format", format.name},
+           {"file_format", written.format},
+           {"bytes", written.bytes},
+           {"write_seconds", significant(write)},
+           {"read_seconds", significant(seconds)}}};
 }
 
-Json measure(const Scene& scene, const Camera& camera) {
+/// What `written` has lost of `before`, which has the order in which it was written, and of the frame
+/// `whole`.
+Json losses(const Scene& before, const Written& written, const std::vector<float>& whole, Eye& eye) {
+  return {{"errors", errors_of(before, written.scene)},
+          {"psnr_db", significant(psnr(whole, eye.see(written.scene)))}};
+}
+
+/// Of an index such as `lod-meta.json`, all files in its folder.
+std::uintmax_t bytes_of(const std::filesystem::path& file) {
+  if (file.extension() != ".json") return std::filesystem::file_size(file);
+  std::uintmax_t bytes = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(file.parent_path()))
+    if (entry.is_regular_file()) bytes += entry.file_size();
+  return bytes;
+}
+
+/// A file that another program made of `scene`. Its frame is compared with that of `scene` at its SH degree,
+/// as it may hold fewer bands, in any order of Gaussians.
+Json read_only(const std::filesystem::path& file, const Scene& scene, Eye& eye) {
+  SceneFile read;
+  const double seconds = seconds_to_read(file, read);
+  const std::vector<float> whole = eye.see(with_degree(scene, read.scene.sh_degree));
+  return {{"file_format", read.format},           {"gaussians", read.scene.size()},
+          {"sh_degree", read.scene.sh_degree},    {"bytes", bytes_of(file)},
+          {"read_seconds", significant(seconds)}, {"psnr_db", significant(psnr(whole, eye.see(read.scene)))}};
+}
+
+Json measure(const Scene& scene, const Camera& camera, const std::vector<std::filesystem::path>& files) {
   Eye eye(camera);
   const Folder folder;
   const std::vector<float> whole = eye.see(scene);
-  Json single = Json::array(), pairs = Json::array();
+  Json single = Json::array(), pairs = Json::array(), read = Json::array();
   for (const Format& first : formats) {
     Written one = write_and_read(first, scene, folder);
-    one.costs["psnr_db"] = significant(psnr(whole, eye.see(one.scene)));
+    const Scene before = subset(scene, one.order);
+    one.costs.update(losses(before, one, whole, eye));
     single.push_back(one.costs);
+    if (first.spz_version == 3) continue;  // the numbers of version 4
     for (const Format& second : formats) {
+      if (second.spz_version == 3) continue;
       const Written two = write_and_read(second, one.scene, folder);
-      pairs.push_back({{"first", first.name},
-                       {"second", second.name},
-                       {"errors", two.costs["errors"]},
-                       {"psnr_db", significant(psnr(whole, eye.see(two.scene)))}});
+      pairs.push_back({{"first", first.name}, {"second", second.name}});
+      pairs.back().update(losses(subset(before, two.order), two, whole, eye));
     }
   }
-  return {{"single", single}, {"pairs", pairs}};
+  for (const std::filesystem::path& file : files) read.push_back(read_only(file, scene, eye));
+  return {{"single", single}, {"pairs", pairs}, {"read", read}};
 }
 
 Json read_json(const char* file) {
@@ -207,23 +245,26 @@ Json read_json(const char* file) {
 
 }  // namespace
 
-/// formats_table MACHINE.json SCENE: results as JSON. `machine` is what benchmarks/describe_machine.sh
-/// prints.
+/// formats_table MACHINE.json SCENE [FILE...]: results as JSON. `machine` is what
+/// benchmarks/describe_machine.sh prints; each FILE is SCENE in a format that is only read.
 int main(int argc, char** argv) try {
-  const Json machine = argc == 3 ? read_json(argv[1]) : Json(Json::value_t::discarded);
+  const Json machine = argc >= 3 ? read_json(argv[1]) : Json(Json::value_t::discarded);
   if (machine.is_discarded()) {
-    std::cerr << "usage: formats_table MACHINE.json SCENE; expected what describe_machine.sh prints, and a "
-                 "capture or builtin:N\n";
+    std::cerr << "usage: formats_table MACHINE.json SCENE [FILE...]; expected what describe_machine.sh "
+                 "prints, a capture or builtin:N, and files that hold it\n";
     return 2;
   }
   const bench::Input input = bench::inputs_named({argv[2]}).at(0);
   const Scene scene = input.load();
-  const Json found = measure(scene, input.views.at(0));
+  const std::vector<std::filesystem::path> files(argv + 3, argv + argc);
+  const Json found = measure(scene, input.views.at(0), files);
+  std::string command = "formats_table MACHINE.json " + input.name;
+  for (const std::filesystem::path& file : files) command.append(1, ' ').append(file.filename());
   std::cout << "{\"format\": \"swiftgs-formats\", \"version\": 1,\n\"machine\": " << machine.dump()
-            << ",\n\"command\": \"formats_table MACHINE.json " << input.name << "\",\n\"scene\": \""
-            << input.name << "\", \"gaussians\": " << scene.size() << ", \"sh_degree\": " << scene.sh_degree
+            << ",\n\"command\": " << Json(command) << ",\n\"scene\": \"" << input.name
+            << "\", \"gaussians\": " << scene.size() << ", \"sh_degree\": " << scene.sh_degree
             << ", \"size\": \"" << input.size() << "\"";
-  for (const char* member : {"single", "pairs"}) {
+  for (const char* member : {"single", "pairs", "read"}) {
     std::cout << ",\n\"" << member << "\": [";
     const char* separator = "\n ";
     for (const Json& row : found[member]) std::cout << separator << row.dump(), separator = ",\n ";
