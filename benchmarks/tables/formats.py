@@ -7,15 +7,20 @@ NAME = "formats.json"
 ERRORS = ("mean", "log_scale", "degrees", "opacity", "sh0", "sh_rest_rms")
 
 
+TITLES = ["mean", "log-scale", "degrees", "opacity", "band 0", "higher bands"]
+
+
 def read(source, machine):
     """The object in the file of formats_table."""
     path = source.path(machine, NAME)
-    found = source.json(machine, NAME, "swiftgs-formats", single=list, pairs=list)
+    found = source.json(machine, NAME, "swiftgs-formats", single=list, pairs=list, read=list)
     check_rows(path, [found], texts=("scene", "size"), counts=("gaussians",))
     check_rows(path, found["single"], texts=("file_format",), counts=("bytes", "write_seconds", "read_seconds"),
                optional=("psnr_db",))
-    check_rows(path, [row.get("errors") for row in found["single"]], counts=ERRORS)
     check_rows(path, found["pairs"], texts=("first", "second"), optional=("psnr_db",))
+    check_rows(path, found["read"], texts=("file_format",), counts=("gaussians", "sh_degree", "bytes", "read_seconds"),
+               optional=("psnr_db",))
+    check_rows(path, [row.get("errors") for row in found["single"] + found["pairs"]], counts=ERRORS)
     return found
 
 
@@ -23,29 +28,38 @@ def decibels(value):
     return "same" if value is None else f"{value:.1f}"
 
 
+def losses(row):
+    """The cells of what a scene has lost."""
+    return [decibels(row["psnr_db"])] + [significant(row["errors"][key]) for key in ERRORS]
+
+
+def size_and_time(row, gaussians):
+    """The cells of a file's size and of the time that it takes to read."""
+    return [f"{row['bytes'] / 1e6:.1f}", f"{row['bytes'] / gaussians:.1f}", significant(row["read_seconds"])]
+
+
 def formats(source, machine):
     """A scene through each format that is written: size, times and losses."""
     results = read(source, machine)
-    rows = []
-    for row in results["single"]:
-        errors = row["errors"]
-        rows.append([row["file_format"], f"{row['bytes'] / 1e6:.1f}",
-                     f"{row['bytes'] / results['gaussians']:.1f}", significant(row["write_seconds"]),
-                     significant(row["read_seconds"]), decibels(row["psnr_db"])]
-                    + [significant(errors[key]) for key in ERRORS])
+    rows = [[row["file_format"], *size_and_time(row, results["gaussians"]), significant(row["write_seconds"]),
+             *losses(row)] for row in results["single"]]
     return (f"{results['scene']}, {count(results['gaussians'])} Gaussians, its first view at {results['size']}: "
             "errors are the largest, those of higher bands root mean squares.\n\n" + table(
-                ["written", "MB", "bytes a Gaussian", "write, s", "read, s", "dB", "mean", "log-scale", "degrees",
-                 "opacity", "band 0", "higher bands"], rows))
+                ["written", "MB", "bytes a Gaussian", "read, s", "write, s", "dB"] + TITLES, rows))
 
 
 def format_pairs(source, machine):
-    """Decibels of a scene that was written in one format and then in another."""
-    results = read(source, machine)
-    names = list(dict.fromkeys(row["first"] for row in results["pairs"]))
-    found = {(row["first"], row["second"]): row["psnr_db"] for row in results["pairs"]}
-    rows = [[first] + [decibels(found[first, second]) for second in names] for first in names]
-    return table(["first"] + [f"then {name}" for name in names], rows)
+    """What a scene has lost that was written in one format and then in another."""
+    rows = [[row["first"], row["second"], *losses(row)] for row in read(source, machine)["pairs"]]
+    return table(["first", "then", "dB"] + TITLES, rows, words=2)
 
 
-TABLES = {"formats": formats, "format-pairs": format_pairs}
+def format_reads(source, machine):
+    """Formats that are only read: files that other programs made of the scene."""
+    rows = [[row["file_format"], str(row["sh_degree"]), *size_and_time(row, row["gaussians"]),
+             significant(row["read_seconds"] / row["gaussians"] * 1e6), decibels(row["psnr_db"])]
+            for row in read(source, machine)["read"]]
+    return table(["read", "SH degree", "MB", "bytes a Gaussian", "read, s", "s a million Gaussians", "dB"], rows)
+
+
+TABLES = {"formats": formats, "format-pairs": format_pairs, "format-reads": format_reads}
