@@ -84,9 +84,11 @@ void Cuda::trim() {
   trim_parts(*this, state_->temporary, state_->total, state_->raster, state_->sorts);
 }
 
+bool Cuda::is_captured(const char* call) const { return state_->is_captured(call); }
+
 void Cuda::check_not_captured(const char* call) const { state_->check_not_captured(call); }
 
-bool Cuda::State::being_captured(const char* call) const {
+bool Cuda::State::is_captured(const char* call) const {
   cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
   const cudaError_t asked = cudaStreamIsCapturing(stream, &status);
   if (asked == cudaSuccess) return status != cudaStreamCaptureStatusNone;
@@ -101,10 +103,20 @@ bool Cuda::State::being_captured(const char* call) const {
 }
 
 void Cuda::State::check_not_captured(const char* call) const {
-  if (being_captured(call))
+  if (is_captured(call))
     throw DeviceError(call,
                       "the stream is being captured into a CUDA graph, expected a stream that is not, "
                       "since the host would wait for it");
+}
+
+Mailbox& Cuda::State::open_mailbox(const char* call) {
+  if (!mailbox) {
+    check_not_captured(call);
+    void* room = nullptr;
+    check_cuda(cudaMallocHost(&room, sizeof(Mailbox)), "cudaMallocHost");
+    mailbox.reset(new (room) Mailbox{});
+  }
+  return *mailbox;
 }
 
 namespace kernels {
@@ -142,7 +154,7 @@ Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage
 Cuda::Fork Cuda::fork() {
   State::Side& side = state_->side;
   if (side.forked) throw std::logic_error("fork: expected the fork before to be joined");
-  side.captured = state_->being_captured("fork");
+  side.captured = state_->is_captured("fork");
   if (!side.stream) side.make();
   check_cuda(cudaEventRecord(side.begun.get(), stream()), "cudaEventRecord");
   check_cuda(cudaStreamWaitEvent(side.stream.get(), side.begun.get()), "cudaStreamWaitEvent");
@@ -214,16 +226,13 @@ std::byte* Cuda::raster_scratch(std::size_t bytes) {
   return memory.data();
 }
 
+std::uint32_t* Cuda::raster_hint() { return &state_->open_mailbox("rasterize").raster_hint; }
+
 void Cuda::settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameTotals* totals) const {
   Mailbox* mailbox = nullptr;
   if (!limits.report) {
     check_not_captured("settle");
-    if (!state_->mailbox) {
-      void* memory = nullptr;
-      check_cuda(cudaMallocHost(&memory, sizeof(Mailbox)), "cudaMallocHost");
-      state_->mailbox.reset(new (memory) Mailbox{});
-    }
-    mailbox = state_->mailbox.get();
+    mailbox = &state_->open_mailbox("settle");
     // If nobody took the answer before, it must not be taken for this one's.
     if (state_->awaited) state_->wait();
     std::atomic_ref<std::uint32_t>(mailbox->posted).store(0, std::memory_order_relaxed);

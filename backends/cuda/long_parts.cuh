@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 
@@ -64,6 +65,8 @@ struct LongPart {
 /// A walk is long that has blended so many splats, or visited so many instances, and is handed over. A
 /// shorter one is as soon as others wait for work.
 inline constexpr std::uint32_t long_blended = 4096, long_visited = 8192;
+/// In a frame that shares nothing, a walk that has blended or visited so many advises the next to share.
+inline constexpr std::uint32_t advising_blended = long_blended / 2, advising_visited = long_visited / 2;
 /// A walk asks at the end of each piece whether others wait, and after so many instances without one.
 inline constexpr std::uint32_t visits_between_checks = 1024;
 /// If fewer instances are left, others would not gain.
@@ -78,7 +81,8 @@ inline constexpr std::uint32_t least_left_of_longest = 65536, least_left_of_long
 inline constexpr std::size_t most_longest = 256, most_longer = 1024, most_shorter = 7168;
 
 /// The long parts of a frame, in queues that warps fill while groups of blocks empty them: clusters, or
-/// single blocks.
+/// single blocks. A frame shares its long parts if the last one had some. Else it is drawn by a kernel that
+/// hands nothing over, and by no second one.
 struct LongParts {
   struct Queue {
     std::uint32_t found;  ///< handed over; more than there is room for, if some were refused
@@ -103,6 +107,8 @@ struct LongParts {
   std::uint32_t* ready;  ///< of each part: not 0 after it is written and until it is taken
   State* state;
   std::uint32_t first[queue_count + 1];  ///< part of each queue, and behind the last
+  std::uint32_t* hint;                   ///< in host memory: 1 if the last frame had long parts, else 0
+  bool hinted;                           ///< what the host read there
 
   /// Bytes before the parts. The same for all frames, which leave zeros in them.
   static constexpr std::size_t head =
@@ -112,6 +118,8 @@ struct LongParts {
   /// In memory of `cuda`, for a frame of so many parts.
   static LongParts of(Cuda& cuda, std::size_t parts) {
     LongParts all{};
+    all.hint = cuda.raster_hint();
+    all.hinted = std::atomic_ref<std::uint32_t>(*all.hint).load(std::memory_order_relaxed) != 0;
     const auto add = [&](unsigned queue, std::size_t most) {
       all.first[queue + 1] = all.first[queue] + std::uint32_t(std::min(parts, most));
     };
@@ -125,13 +133,21 @@ struct LongParts {
     return all;
   }
 
+  /// Whether the frame shares them. Frames of graphs do, since the frame before them is not known, and
+  /// counted frames, whose counts shall not depend on it.
+  bool are_shared(const Cuda& cuda, bool counted) const {
+    return hinted || counted || cuda.is_captured("rasterize");
+  }
+
   /// Has the next frame begin without parts.
   void forget(Cuda& cuda) const { cuda.clear(state, head); }
 
-  /// Room for a part of whose list so many instances are left, for a warp; null: its walk is not long and
-  /// nobody waits for it, others would not gain, or there is no room.
-  __device__ LongPart* take_room(std::uint32_t instances_left, bool is_long) const {
+  /// Room for a part, for a warp whose walk has blended so many splats, visited so many instances and left so
+  /// many; null: the walk is not long and nobody waits for it, others would not gain, or there is no room.
+  __device__ LongPart* take_room(std::uint32_t blended, std::uint32_t visited,
+                                 std::uint32_t instances_left) const {
     if (instances_left < least_left) return nullptr;
+    const bool is_long = blended >= long_blended || visited >= long_visited;
     std::uint32_t slot = none;
     if (lane_index() == 0) {
       // A shorter queue, if one is full.
@@ -152,6 +168,11 @@ struct LongParts {
     if (lane_index() != 0) return;
     word(state->waiting).fetch_add(1, cuda::memory_order_relaxed);  // before it can be taken
     word(ready[part - parts]).store(1, cuda::memory_order_release);
+  }
+
+  /// After a walk of a frame that shares nothing.
+  __device__ void advise_after_walk(std::uint32_t blended, std::uint32_t visited) const {
+    if ((blended >= advising_blended || visited >= advising_visited) && lane_index() == 0) advise(true);
   }
 
   /// For one thread of each group, before it asks for parts. The first single block and the first cluster
@@ -183,10 +204,19 @@ struct LongParts {
 
   /// For one thread of each block, which asks for nothing more. The last leaves zeros for the next frame.
   __device__ void leave() const {
-    if (word(state->left).fetch_add(1, cuda::memory_order_acq_rel) == gridDim.x - 1) *state = {};
+    if (word(state->left).fetch_add(1, cuda::memory_order_acq_rel) != gridDim.x - 1) return;
+    const bool some = found(longest) + found(longer) + found(shorter) != 0;
+    if (some != hinted) advise(some);
+    *state = {};
   }
 
  private:
+  /// Tells the host whether the next frame had better share long parts.
+  __device__ void advise(bool share) const {
+    cuda::atomic_ref<std::uint32_t, cuda::thread_scope_system>(*hint).store(share,
+                                                                            cuda::memory_order_relaxed);
+  }
+
   using Word = cuda::atomic_ref<std::uint32_t, cuda::thread_scope_device>;
   __device__ static Word word(std::uint32_t& value) { return Word(value); }
   __device__ static std::uint32_t value(std::uint32_t& of) {

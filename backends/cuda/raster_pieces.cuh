@@ -447,10 +447,13 @@ void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   using namespace kernels;
   with_squares(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
     const LongParts long_parts = LongParts::of(cuda, input.squares.size() * parts_of_square);
-    const auto warps = raster_warps<Form, threshold, extras, ViewSource>;
+    const bool shared = long_parts.are_shared(cuda, job.counts != nullptr);
+    const auto warps = shared ? raster_warps<Form, threshold, extras, true, ViewSource>
+                              : raster_warps<Form, threshold, extras, false, ViewSource>;
     const auto pieces = raster_pieces<Form, threshold, extras, ViewSource>;
     launch(name, warps, blocks_of(input.squares), raster_threads, cuda.stream(), input, long_parts,
            warps_at_once(cuda, job, warps, raster_threads));
+    if (!shared) return;
     const unsigned clusters = unsigned(cuda.multiprocessors()) * blocks_of_multiprocessor / blocks_of_group;
     try {
       launch_early<blocks_of_group>(cuda, name, pieces, std::max(clusters, 1u) * blocks_of_group,

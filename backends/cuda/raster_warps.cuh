@@ -401,13 +401,13 @@ struct PieceJoiner {
   static constexpr float had_stopped = -INFINITY;
 };
 
-/// Blends the list of one square: a block a square, a warp a part of it. Rests of long lists are left to
-/// others.
-template <class Form, bool threshold, bool extras, class ViewSource>
+/// Blends the list of one square: a block a square, a warp a part of it. If `shared`, rests of long lists are
+/// left to others.
+template <class Form, bool threshold, bool extras, bool shared, class ViewSource>
 __global__ void __launch_bounds__(raster_threads, Form::blocks)
     raster_warps(const __grid_constant__ RasterInput<ViewSource> input,
                  const __grid_constant__ LongParts long_parts, std::uint32_t warps_at_once) {
-  let_next_start();
+  if constexpr (shared) let_next_start();
   __shared__ Queue<Form> queues[parts_of_square];
   const unsigned warp = threadIdx.x / warp_size;
   const RasterJob& job = input.job;
@@ -434,7 +434,9 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
   const PieceJoiner<Form, threshold, extras> joiner{blender.lane, in_memory(walked)};
   LongPart* handed_over = nullptr;
   while (!handed_over) {
-    const Pause pause = walk.go_on(blender, walk.here().position + min(walk.left(), visits_between_checks));
+    const std::uint32_t limit =
+        shared ? walk.here().position + min(walk.left(), visits_between_checks) : range.end;
+    const Pause pause = walk.go_on(blender, limit);
     if (pause == Pause::stopped || (pause == Pause::at_limit && walk.left() == 0)) break;
     if (pause == Pause::at_piece) {
       joiner.end_piece(walk.pieces() - 1, walk.piece_end());
@@ -443,9 +445,9 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
         break;
       }
     }
-    const bool is_long = walk.blended() >= long_blended || walk.visited() >= long_visited;
-    handed_over = long_parts.take_room(walk.left(), is_long);
+    if constexpr (shared) handed_over = long_parts.take_room(walk.blended(), walk.visited(), walk.left());
   }
+  if constexpr (!shared) long_parts.advise_after_walk(walk.blended(), walk.visited());
   // Others go on from the end of the last piece, or from within the first: what waits is theirs, or blended.
   if (handed_over && walk.pieces() != 0) walk.drop_rest();
   walk.blend_rest(blender);

@@ -26,10 +26,11 @@ struct FreeHost {
 using OwnedEvent = std::unique_ptr<CUevent_st, detail::DestroyEvent>;
 using OwnedStream = std::unique_ptr<CUstream_st, detail::DestroyStream>;
 
-/// Host memory in which a kernel leaves a report.
+/// Host memory in which kernels leave a report and a hint.
 struct Mailbox {
   FrameReport report;
-  std::uint32_t posted = 0;  ///< not 0 once it is there
+  std::uint32_t posted = 0;       ///< not 0 once the report is there
+  std::uint32_t raster_hint = 1;  ///< see `Cuda::raster_hint`
 };
 
 /// How many keys have each digit, in each pass of a sort.
@@ -54,8 +55,9 @@ struct Cuda::State {
     use_memory(memory, temporary, total, raster, sorts);
   }
 
-  bool being_captured(const char* call) const;
+  bool is_captured(const char* call) const;
   void check_not_captured(const char* call) const;
+  Mailbox& open_mailbox(const char* call);
   void join();
   void wait() const;
   void copy_to_host(const void* from, void* to, std::size_t bytes) const;
@@ -65,7 +67,7 @@ struct Cuda::State {
   Side side;
   std::array<OwnedEvent, 256> events;                  ///< a ring, made as they are needed
   std::uint64_t points = 0;                            ///< taken so far
-  std::unique_ptr<Mailbox, detail::FreeHost> mailbox;  ///< made when it is needed
+  std::unique_ptr<Mailbox, detail::FreeHost> mailbox;  ///< see `open_mailbox`
   bool awaited = false;                                ///< whether a kernel may still post to it
   int multiprocessors = 0;                             ///< 0: not yet asked for
 

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 #include <swiftgs/io/capture.hpp>
 
 #include "capture_parts.hpp"
+#include "name_ending.hpp"
 
 namespace swiftgs {
 namespace io {
@@ -41,31 +43,64 @@ fs::path trained_in(const fs::path& folder) {
 }
 
 /// What describes a SOG that is a folder, a streamed one first: its chunks lie in folders of their own.
-constexpr const char* sog_files[] = {"lod-meta.json", "meta.json"};
+constexpr std::string_view sog_files[] = {"lod-meta.json", "meta.json"};
 
-bool is_scene_file(const fs::directory_entry& entry) {
-  const fs::path name = entry.path().filename();
-  return (name.extension() == ".spz" || name.extension() == ".ply" || name.extension() == ".sog") &&
-         name != "input.ply" && entry.is_regular_file();
+/// Endings of scenes. Those that other programs write a scene into again, or that may hold something else,
+/// such as a mesh, count where a folder has no other scene.
+constexpr std::string_view endings[] = {".spz", ".compressed.ply", ".ply", ".sog"};
+constexpr std::string_view other_endings[] = {".ksplat", ".splat", ".glb", ".gltf"};
+
+/// The ending of a scene's name, or nothing.
+std::string_view ending_of(std::string_view name, std::span<const std::string_view> known) {
+  for (const std::string_view ending : known)
+    if (has_ending(name, ending)) return ending;
+  return {};
+}
+
+/// The scene with one of the endings `known` in `folder`: the one that is called as the folder, of several
+/// the one whose ending comes first, or else the only one. Otherwise empty, and `found` has their names.
+fs::path scene_in(const fs::path& folder, std::span<const std::string_view> known,
+                  std::vector<std::string>& found) {
+  const std::string name = name_of(folder);
+  std::vector<std::string> scenes;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    std::string file = entry.path().filename().string();
+    if (!ending_of(file, known).empty() && file != "input.ply" && entry.is_regular_file())
+      scenes.push_back(std::move(file));
+  }
+  std::sort(scenes.begin(), scenes.end());
+  for (const std::string_view ending : known)
+    for (const std::string& file : scenes)
+      if (file.size() == name.size() + ending.size() && file.starts_with(name) && has_ending(file, ending))
+        return folder / file;
+  if (scenes.size() == 1) return folder / scenes.front();
+  found = std::move(scenes);
+  return {};
 }
 
 fs::path scene_in(const fs::path& folder) {
-  const std::string name = name_of(folder);
-  for (const char* extension : {".spz", ".ply", ".sog"})
-    if (fs::path file = folder / (name + extension); fs::is_regular_file(file)) return file;
   std::vector<std::string> scenes;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (is_scene_file(entry)) scenes.push_back(entry.path().filename().string());
-  if (scenes.size() == 1) return folder / scenes.front();
-  for (const char* file : sog_files)
+  if (fs::path scene = scene_in(folder, endings, scenes); !scene.empty()) return scene;
+  for (const std::string_view file : sog_files)
     if (scenes.empty() && fs::exists(folder / file)) return folder / file;
-  std::sort(scenes.begin(), scenes.end());
+  if (scenes.empty())
+    if (fs::path scene = scene_in(folder, other_endings, scenes); !scene.empty()) return scene;
   std::string found = scenes.empty() ? "none" : "";
   for (const std::string& scene : scenes) found += (found.empty() ? "" : ", ") + scene;
   if (scenes.empty() && fs::exists(folder / "transforms.json"))
     found = "transforms.json, which holds cameras alone";
-  throw std::invalid_argument(
-      folder.string() + ": expected a capture, a folder with one .spz, .ply or .sog in it, found " + found);
+  throw std::invalid_argument(folder.string() +
+                              ": expected a capture, a folder with one .spz, .ply or .sog in it, or else one "
+                              ".ksplat, .splat, .glb or .gltf, found " +
+                              found);
+}
+
+std::string name_of_scene(const fs::path& scene) {
+  const std::string file = scene.filename().string();
+  for (const auto& known : {std::span<const std::string_view>(endings), {other_endings}})
+    if (const std::string_view ending = ending_of(file, known); !ending.empty())
+      return file.substr(0, file.size() - ending.size());
+  return scene.stem().string();
 }
 
 }  // namespace
@@ -101,9 +136,9 @@ Capture find_capture(const std::filesystem::path& path) {
   } else {
     capture.scene = io::scene_in(path);
   }
-  for (const char* file : io::sog_files)
+  for (const std::string_view file : io::sog_files)
     if (capture.scene.filename() == file && fs::is_directory(folder)) capture.name = io::name_of(folder);
-  if (capture.name.empty()) capture.name = capture.scene.stem().string();
+  if (capture.name.empty()) capture.name = io::name_of_scene(capture.scene);
   capture.cameras = io::cameras_in(folder);
   if (fs::path photos = folder / "photos"; fs::is_directory(photos)) capture.photos = photos;
   return capture;

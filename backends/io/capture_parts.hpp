@@ -8,8 +8,7 @@ namespace swiftgs::io {
 /// Whether `folder` holds a COLMAP model whose files end in `ending`.
 bool is_colmap(const std::filesystem::path& folder, const char* ending);
 
-/// The cameras in the folder of a capture: a file or the folder of a COLMAP model; empty where there are
-/// none.
+/// The cameras in the folder of a capture: a file or the folder of a COLMAP model. Empty if there are none.
 std::filesystem::path cameras_in(const std::filesystem::path& folder);
 
 }  // namespace swiftgs::io

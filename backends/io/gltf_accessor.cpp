@@ -52,7 +52,6 @@ GltfAccessor find_accessor(const GltfDocument& document, GltfBuffers& buffers, s
     entry.fail(attribute + " of " + std::to_string(accessor.count) + " Gaussians inside its buffer view of " +
                std::to_string(room) + " bytes");
   accessor.data = view.bytes.data() + offset;
-  accessor.span = (accessor.count - 1) * accessor.stride + size;
   return accessor;
 }
 

@@ -18,7 +18,6 @@ struct GltfAccessor {
   std::uint64_t stride = 0;
   Type type = f32;
   bool normalised = false;
-  std::uint64_t span = 0;    ///< bytes from the first to the last; other accessors may share them
   std::uint64_t offset = 0;  ///< of its JSON, for errors
 };
 

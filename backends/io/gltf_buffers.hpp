@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 
@@ -47,6 +48,7 @@ class GltfBuffers {
   const ProgressMeter progress_;
   std::map<std::uint64_t, std::span<const std::byte>> buffers_{};
   std::map<std::filesystem::path, std::unique_ptr<MappedFile>> files_{};
+  std::set<FileIdentity> opened_{};
   std::vector<std::unique_ptr<std::byte[]>> decoded_{};
   std::uint64_t size_ = 0, characters_ = 0;  ///< the latter of what was decoded
 };

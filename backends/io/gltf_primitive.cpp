@@ -8,6 +8,7 @@
 
 #include "parallel.hpp"
 #include "scene_building.hpp"
+#include "spz_content.hpp"
 
 namespace swiftgs::io {
 namespace {
@@ -96,6 +97,7 @@ GltfPrimitive find_accessors(Attributes attributes) {
   const json& values = attributes.values;
   GltfPrimitive gaussians;
   gaussians.mean = attributes.find("POSITION", 3);
+  gaussians.count = attributes.count;
   gaussians.rotation = attributes.find(prefix + "ROTATION", 4);
   gaussians.scale = attributes.find(prefix + "SCALE", 3);
   gaussians.opacity = attributes.find(prefix + "OPACITY", 1);
@@ -111,26 +113,29 @@ GltfPrimitive find_accessors(Attributes attributes) {
   return gaussians;
 }
 
-void decode_block(const GltfPrimitive& from, const AxisFlip& flip, Scene& scene, std::size_t begin,
-                  std::size_t end) {
+/// Decodes Gaussians [begin, end) of `from`. Gaussian i becomes number i + `shift` of the scene.
+void decode_block(const GltfPrimitive& from, const AxisFlip& flip, bool logarithmic, std::size_t begin,
+                  std::size_t end, std::size_t shift, Scene& scene) {
   for_vectors<3>(from.mean, begin, end, [&](std::size_t i, const float* v) {
-    scene.means[i] = flip.position({v[0], v[1], v[2]});
+    scene.means[i + shift] = flip.position({v[0], v[1], v[2]});
   });
   for_vectors<4>(from.rotation, begin, end, [&](std::size_t i, const float* v) {
-    scene.rotations[i] = flip.rotation(normalised(v[3], v[0], v[1], v[2]));
+    scene.rotations[i + shift] = flip.rotation(normalised(v[3], v[0], v[1], v[2]));
   });
   for_vectors<3>(from.scale, begin, end, [&](std::size_t i, const float* v) {
-    scene.scales[i] = {v[0], v[1], v[2]};
+    for (int axis = 0; axis < 3; ++axis)
+      scene.scales[i + shift][axis] = logarithmic ? std::exp(v[axis]) : v[axis];
   });
-  for_vectors<1>(from.opacity, begin, end, [&](std::size_t i, const float* v) { scene.opacities[i] = v[0]; });
+  for_vectors<1>(from.opacity, begin, end,
+                 [&](std::size_t i, const float* v) { scene.opacities[i + shift] = v[0]; });
   for_vectors<3>(from.sh0, begin, end, [&](std::size_t i, const float* v) {
-    scene.sh0[i] = {v[0], v[1], v[2]};
+    scene.sh0[i + shift] = {v[0], v[1], v[2]};
   });
   const auto signs = flip.sh_signs();
-  const std::size_t stride = 3 * from.sh_rest.size();
+  const std::size_t stride = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   for (std::size_t k = 0; k < from.sh_rest.size(); ++k)
     for_vectors<3>(from.sh_rest[k], begin, end, [&](std::size_t i, const float* v) {
-      float* to = &scene.sh_rest[i * stride + 3 * k];
+      float* to = &scene.sh_rest[(i + shift) * stride + 3 * k];
       for (int c = 0; c < 3; ++c) to[c] = signs[k] * v[c];
     });
 }
@@ -157,6 +162,8 @@ std::optional<GltfPrimitive> find_gaussians(const GltfDocument& document, GltfBu
         mesh.fail(std::string("'") + name + "' with the index 'bufferView'");
       GltfPrimitive gaussians{.spz_view = view->get<std::uint64_t>()};
       gaussians.spz = buffers.view(*gaussians.spz_view, mesh).bytes;
+      const SpzHeader header = read_spz_header(gaussians.spz_source(document.source()));
+      gaussians.count = header.count, gaussians.sh_degree = std::min(header.sh_degree, max_sh_degree);
       return gaussians;
     }
   if (!extensions.contains("KHR_gaussian_splatting")) return std::nullopt;
@@ -166,28 +173,27 @@ std::optional<GltfPrimitive> find_gaussians(const GltfDocument& document, GltfBu
   return find_accessors({document, buffers, mesh, values});
 }
 
-Scene decode(const GltfPrimitive& primitive, const AxisFlip& flip, const ProgressMeter& progress,
-             bool& logarithmic) {
-  Scene scene;
-  allocate(scene, primitive.mean.count, primitive.sh_degree);
-  std::atomic<bool> below_zero = false;
-  for_parts(scene.size(), progress, [&](std::size_t begin, std::size_t end) {
+bool has_scale_below_zero(const GltfPrimitive& primitive, const ProgressMeter& progress) {
+  std::atomic<bool> found = false;
+  for_parts(primitive.scale.count, progress, [&](std::size_t begin, std::size_t end) {
+    bool below = false;
+    for_vectors<3>(primitive.scale, begin, end,
+                   [&](std::size_t, const float* v) { below |= v[0] < 0 || v[1] < 0 || v[2] < 0; });
+    if (below) found = true;
+  });
+  return found;
+}
+
+void decode(const GltfPrimitive& primitive, const AxisFlip& flip, bool logarithmic, const GltfRange& range,
+            const ProgressMeter& progress, Scene& scene) {
+  const std::size_t shift = range.to - range.first;  // modulo 2^64, as all of this arithmetic is
+  for_parts(range.count, progress, [&](std::size_t begin, std::size_t end) {
     // Attributes lie apart, and what a block of them fills stays in the cache.
     constexpr std::size_t block = 128;
-    for (std::size_t first = begin; first < end; first += block) {
-      const std::size_t last = std::min(end, first + block);
-      decode_block(primitive, flip, scene, first, last);
-      for (std::size_t i = first; i < last; ++i)
-        if (std::min({scene.scales[i].x, scene.scales[i].y, scene.scales[i].z}) < 0) below_zero = true;
-    }
+    for (std::size_t first = begin; first < end; first += block)
+      decode_block(primitive, flip, logarithmic, range.first + first,
+                   range.first + std::min(end, first + block), shift, scene);
   });
-  logarithmic = logarithmic || below_zero;
-  if (logarithmic)
-    for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        for (int axis = 0; axis < 3; ++axis) scene.scales[i][axis] = std::exp(scene.scales[i][axis]);
-    });
-  return scene;
 }
 
 }  // namespace swiftgs::io

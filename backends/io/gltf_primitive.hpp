@@ -24,12 +24,20 @@ inline constexpr const char* gltf_spz_extensions[] = {"KHR_gaussian_splatting_co
 struct GltfPrimitive {
   GltfAccessor mean{}, rotation{}, scale{}, opacity{}, sh0{};
   std::vector<GltfAccessor> sh_rest{};  ///< for bands 1 and up
-  int sh_degree = 0;
+  std::uint64_t count = 0;
+  int sh_degree = 0;                        ///< of what is kept
   std::optional<std::uint64_t> spz_view{};  ///< then the accessors are not set
   std::span<const std::byte> spz{};
 
-  /// Bytes of the file that each reading of the Gaussians goes through, at least.
-  std::uint64_t span() const { return spz_view ? spz.size() : mean.span; }
+  /// The SPZ file, as errors name it.
+  Source spz_source(const Source& document) const {
+    return {spz, document.name + ": buffer view " + std::to_string(*spz_view)};
+  }
+};
+
+/// Some Gaussians of a primitive, and where they go in a scene of the same or a higher degree.
+struct GltfRange {
+  std::size_t first, count, to;
 };
 
 /// `primitive` if it has Gaussians. `mesh` is the mesh that it is of, for errors. `notes` are told of what is
@@ -38,9 +46,12 @@ std::optional<GltfPrimitive> find_gaussians(const GltfDocument& document, GltfBu
                                             const JsonEntry& mesh, const nlohmann::json& primitive,
                                             std::vector<std::string>& notes);
 
-/// Decodes the Gaussians of accessors. Scales were logarithms in drafts of the extension. Sets `logarithmic`
-/// if one is below 0, which a scale itself cannot be, and takes logarithms away if it is set.
-Scene decode(const GltfPrimitive& primitive, const AxisFlip& flip, const ProgressMeter& progress,
-             bool& logarithmic);
+/// Whether the scales are logarithms, as drafts of the extension had them: one is below 0, which a scale
+/// itself cannot be.
+bool has_scale_below_zero(const GltfPrimitive& primitive, const ProgressMeter& progress);
+
+/// Decodes Gaussians of accessors, whose scales may be `logarithmic`.
+void decode(const GltfPrimitive& primitive, const AxisFlip& flip, bool logarithmic, const GltfRange& range,
+            const ProgressMeter& progress, Scene& scene);
 
 }  // namespace swiftgs::io

@@ -23,14 +23,18 @@ struct Instance {
   const GltfPlacement* place;
 };
 
-/// How many bytes instances may read for each byte of the file, so that a small file cannot fill the memory.
-/// A Gaussian has at least 12 bytes of its own, its mean, and takes up to 236 in a scene: a file's Gaussians
-/// take at most 315 times its bytes, and those of SPZ inside 16 times what they take alone. JSON takes up to
-/// 80 times its bytes, data URIs aside.
-constexpr std::uint64_t most_instances = 16;
+/// A small file cannot fill the memory by accessors that share bytes, or by many instances of a mesh: its
+/// Gaussians, each counted as often as a node places it, are at most so many for each byte of its buffers.
+constexpr std::uint64_t max_gaussians_per_byte = 8;
 
 /// The share of base64 in the work on a file that has it.
 constexpr double decoding = 0.3;
+
+/// The share of looking at all scales in what is left.
+constexpr double measuring = 0.05;
+
+/// Gaussians that are moved at a time, so that what is not yet at its place takes little memory.
+constexpr std::size_t block = 1 << 18;
 
 std::vector<std::string> strings(const JsonEntry& root, const char* key) {
   std::vector<std::string> result;
@@ -80,14 +84,9 @@ class GltfReader {
     check_extensions(root, file_.notes);
     early_ = is_early_splat_transform(root);
     find_instances(root);
-    std::vector<Scene> parts;
     const ProgressMeter rest = progress_.step(buffers_.has_decoded() ? decoding : 0, 1);
-    const auto count = double(instances_.size());
-    for (const Instance& instance : instances_) {
-      const auto done = double(parts.size());
-      parts.push_back(part(instance, rest.step(done / count, (done + 1) / count)));
-    }
-    join(std::move(parts));
+    find_logarithms(rest.step(0, measuring));
+    fill(rest.step(measuring, 1));
     file_.format = std::string("glTF (") + (document_.binary() ? "binary" : "text") +
                    (spz_format_.empty() ? ")" : ", " + spz_format_ + " inside)");
     finish();
@@ -98,7 +97,6 @@ class GltfReader {
   void find_instances(const JsonEntry& root) {
     placements_ = place_meshes(document_, file_.notes);
     std::size_t others = 0;
-    std::uint64_t read = 0;
     for (const GltfPlacement& place : placements_) {
       const JsonEntry node = document_.item("nodes", place.node, root);
       const JsonEntry mesh = document_.item("meshes", place.mesh, node);
@@ -115,11 +113,13 @@ class GltfReader {
         }
       }
       for (const GltfPrimitive& gaussians : meshes_[place.mesh]) {
-        read += gaussians.span();
         instances_.push_back({&gaussians, &place});
-        if (read > most_instances * buffers_.size())
-          node.fail("Gaussians whose instances read their " + std::to_string(buffers_.size()) +
-                    " bytes at most " + std::to_string(most_instances) + " times");
+        count_ += gaussians.count;
+        if (count_ / max_gaussians_per_byte > buffers_.size())
+          node.fail("at most " + std::to_string(max_gaussians_per_byte) +
+                    " Gaussians, those of each instance counted, for each of the " +
+                    std::to_string(buffers_.size()) + " bytes of the buffers, found " +
+                    std::to_string(count_));
       }
     }
     if (instances_.empty()) root.fail("a glTF with Gaussians (KHR_gaussian_splatting) in its scene");
@@ -128,13 +128,105 @@ class GltfReader {
     if (document_.size("animations") > 0) file_.notes.push_back("Animations were left out.");
   }
 
-  Scene part(const Instance& instance, const ProgressMeter& progress) {
+  /// Decides for all accessors of the file whether scales are logarithms.
+  void find_logarithms(const ProgressMeter& progress) {
+    logarithmic_ = early_;
+    double done = 0;
+    for (const auto& [mesh, primitives] : meshes_)
+      for (const GltfPrimitive& gaussians : primitives) {
+        const double part = 1 / double(instances_.size());
+        const ProgressMeter step = progress.step(done, std::min(done + part, 1.0));
+        done = std::min(done + part, 1.0);
+        if (gaussians.spz_view || logarithmic_) continue;
+        logarithmic_ = has_scale_below_zero(gaussians, step);
+      }
+    if (early_)
+      file_.notes.push_back(
+          "An early splat-transform wrote the file: scales are logarithms, and axes are those "
+          "of a PLY.");
+    else if (logarithmic_)
+      file_.notes.push_back(
+          "Some scales are below 0, so all were read as logarithms, after a draft of the "
+          "extension.");
+  }
+
+  /// Takes the memory of all Gaussians and decodes each instance to its place.
+  void fill(const ProgressMeter& progress) {
+    Scene& scene = file_.scene;
+    if (instances_.size() == 1 && instances_.front().gaussians->spz_view) {
+      scene = read_nested(instances_.front(), progress);
+      return;
+    }
+    int sh_degree = 0;
+    for (const Instance& instance : instances_)
+      sh_degree = std::max(sh_degree, instance.gaussians->sh_degree);
+    allocate(scene, count_, sh_degree);
+    std::size_t at = 0, antialiased = 0;
+    for (const Instance& instance : instances_) {
+      const std::size_t count = instance.gaussians->count;
+      const ProgressMeter step =
+          progress.step(double(at) / double(count_), double(at + count) / double(count_));
+      if (instance.gaussians->spz_view) {
+        const Scene part = read_nested(instance, step);
+        copy(part, at);
+        at += part.size();  // less than `count` where SPZ 1 holds what is not finite
+        antialiased += part.antialiased;
+      } else {
+        place_accessors(instance, at, step);
+        at += count;
+      }
+    }
+    resize(scene, at);
+    scene.antialiased = antialiased == instances_.size();
+    if (antialiased != 0 && !scene.antialiased)
+      file_.notes.push_back(
+          "Some Gaussians were trained with antialiasing and others were not; it is not kept.");
+  }
+
+  AxisFlip axes() const { return early_ ? AxisFlip{} : luf_to_rdf; }
+
+  /// Decodes the Gaussians of accessors as numbers `at` on.
+  void place_accessors(const Instance& instance, std::size_t at, const ProgressMeter& progress) {
+    const GltfPrimitive& gaussians = *instance.gaussians;
     const Similarity movement = movement_of(document_, *instance.place);
-    Scene scene = instance.gaussians->spz_view ? read_nested(*instance.gaussians, progress)
-                                               : read_accessors(*instance.gaussians, progress);
-    if (movement.rotation == dmat3(1.0) && movement.scale == 1 && movement.translation == dvec3(0.0))
-      return scene;
-    // The Gaussians have been turned to the scene's axes, so the movement is, too.
+    file_.stored += gaussians.count;
+    if (stays(movement)) {
+      decode(gaussians, axes(), logarithmic_, {0, gaussians.count, at}, progress, file_.scene);
+      return;
+    }
+    const Progress none;
+    const ProgressMeter silent(none, "");
+    for (std::size_t first = 0; first < gaussians.count; first += block) {
+      progress.report(double(first) / double(gaussians.count));
+      Scene part;
+      allocate(part, std::min(block, gaussians.count - first), gaussians.sh_degree);
+      decode(gaussians, axes(), logarithmic_, {first, part.size(), 0}, silent, part);
+      move(part, movement, instance);
+      copy(part, at + first);
+    }
+    progress.report(1);
+  }
+
+  Scene read_nested(const Instance& instance, const ProgressMeter& progress) {
+    SceneReadOptions options;
+    options.spz_frame = options_.spz_frame == SpzFrame::specified ? SpzFrame::luf : options_.spz_frame;
+    options.progress = [&](double done) { return progress.report(done), true; };
+    SceneFile nested = read_spz(instance.gaussians->spz_source(document_.source()), options);
+    file_.stored += nested.stored;
+    file_.dropped_nonfinite += nested.dropped_nonfinite;
+    file_.notes.insert(file_.notes.end(), nested.notes.begin(), nested.notes.end());
+    spz_format_ = nested.format;
+    const Similarity movement = movement_of(document_, *instance.place);
+    if (!stays(movement)) move(nested.scene, movement, instance);
+    return std::move(nested.scene);
+  }
+
+  static bool stays(const Similarity& movement) {
+    return movement.rotation == dmat3(1.0) && movement.scale == 1 && movement.translation == dvec3(0.0);
+  }
+
+  /// Moves Gaussians that have been turned to the scene's axes, as the movement is here.
+  void move(Scene& part, const Similarity& movement, const Instance& instance) const {
     const AxisFlip flip = axes();
     const dvec3 signs(flip.x, flip.y, flip.z);
     Similarity turned = movement;
@@ -142,81 +234,32 @@ class GltfReader {
     for (int column = 0; column < 3; ++column)
       turned.rotation[column] = signs[column] * (signs * movement.rotation[column]);
     try {
-      transform(scene, turned);
+      transform(part, turned);
     } catch (const std::range_error&) {
       document_.item("nodes", instance.place->node, document_.root())
           .fail("a node that keeps Gaussians within the range of float");
     }
-    return scene;
   }
 
-  AxisFlip axes() const { return early_ ? AxisFlip{} : luf_to_rdf; }
-
-  Scene read_accessors(const GltfPrimitive& gaussians, const ProgressMeter& progress) {
-    bool logarithmic = early_;
-    Scene scene = decode(gaussians, axes(), progress, logarithmic);
-    file_.stored += scene.size();
-    if (early_)
-      file_.notes.push_back(
-          "An early splat-transform wrote the file: scales are logarithms, and axes are those "
-          "of a PLY.");
-    else if (logarithmic)
-      file_.notes.push_back(
-          "Some scales are below 0, so all were read as logarithms, after a draft of the "
-          "extension.");
-    return scene;
+  static void resize(Scene& scene, std::size_t count) {
+    scene.means.resize(count), scene.scales.resize(count), scene.rotations.resize(count);
+    scene.opacities.resize(count), scene.sh0.resize(count);
+    scene.sh_rest.resize(3 * std::size_t(sh_rest_count(scene.sh_degree)) * count);
   }
 
-  Scene read_nested(const GltfPrimitive& gaussians, const ProgressMeter& progress) {
-    SceneReadOptions options;
-    options.spz_frame = options_.spz_frame == SpzFrame::specified ? SpzFrame::luf : options_.spz_frame;
-    options.progress = [&](double done) { return progress.report(done), true; };
-    const std::string view = std::to_string(*gaussians.spz_view);
-    SceneFile nested = read_spz({gaussians.spz, document_.source().name + ": buffer view " + view}, options);
-    file_.stored += nested.stored;
-    file_.dropped_nonfinite += nested.dropped_nonfinite;
-    file_.notes.insert(file_.notes.end(), nested.notes.begin(), nested.notes.end());
-    spz_format_ = nested.format;
-    return std::move(nested.scene);
-  }
-
-  /// Puts the parts behind one another, and frees each array that was copied.
-  void join(std::vector<Scene> parts) {
+  /// Copies `part`, whose degree may be lower, to numbers `at` on.
+  void copy(const Scene& part, std::size_t at) {
+    const auto to = [&](auto& values) { return values.begin() + std::ptrdiff_t(at); };
     Scene& all = file_.scene;
-    if (parts.size() == 1) {
-      all = std::move(parts.front());
-      return;
-    }
-    std::size_t count = 0, antialiased = 0;
-    for (const Scene& part : parts) {
-      count += part.size(), antialiased += part.antialiased;
-      all.sh_degree = std::max(all.sh_degree, part.sh_degree);
-    }
-    all.antialiased = antialiased == parts.size();
-    if (antialiased != 0 && !all.antialiased)
-      file_.notes.push_back(
-          "Some Gaussians were trained with antialiasing and others were not; it is not kept.");
-    // Harmonics first, as the counts of the parts are those of their means.
-    const std::size_t rest = 3 * std::size_t(sh_rest_count(all.sh_degree));
-    all.sh_rest.reserve(count * rest);
-    for (Scene& part : parts) {
-      const std::size_t stored = 3 * std::size_t(sh_rest_count(part.sh_degree));
-      for (std::size_t i = 0; i < part.size(); ++i) {
-        const float* from = part.sh_rest.data() + i * stored;
-        all.sh_rest.insert(all.sh_rest.end(), from, from + stored);
-        all.sh_rest.resize(all.sh_rest.size() + rest - stored);
-      }
-      part.sh_rest = {};
-    }
-    const auto append = [&](auto member) {
-      (all.*member).reserve(count);
-      for (Scene& part : parts) {
-        (all.*member).insert((all.*member).end(), (part.*member).begin(), (part.*member).end());
-        part.*member = {};
-      }
-    };
-    append(&Scene::means), append(&Scene::scales), append(&Scene::rotations);
-    append(&Scene::opacities), append(&Scene::sh0);
+    std::copy(part.means.begin(), part.means.end(), to(all.means));
+    std::copy(part.scales.begin(), part.scales.end(), to(all.scales));
+    std::copy(part.rotations.begin(), part.rotations.end(), to(all.rotations));
+    std::copy(part.opacities.begin(), part.opacities.end(), to(all.opacities));
+    std::copy(part.sh0.begin(), part.sh0.end(), to(all.sh0));
+    const auto from = 3 * std::size_t(sh_rest_count(part.sh_degree));
+    const auto stride = 3 * std::size_t(sh_rest_count(all.sh_degree));
+    for (std::size_t i = 0; i < part.size(); ++i)
+      std::copy_n(part.sh_rest.data() + i * from, from, all.sh_rest.data() + (at + i) * stride);
   }
 
   void finish() {
@@ -241,6 +284,8 @@ class GltfReader {
   std::vector<GltfPlacement> placements_{};
   std::map<std::uint64_t, std::vector<GltfPrimitive>> meshes_{};
   std::vector<Instance> instances_{};
+  std::uint64_t count_ = 0;  ///< of Gaussians of all instances
+  bool logarithmic_ = false;
   std::string spz_format_{};
   SceneFile file_{};
 };

@@ -37,6 +37,7 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
   if (S_ISDIR(status.st_mode)) fail(EISDIR);
   if (!S_ISREG(status.st_mode)) fail(1, no_regular_file);
   size_ = static_cast<std::size_t>(status.st_size);
+  identity_ = {std::uint64_t(status.st_dev), std::uint64_t(status.st_ino)};
   // An empty file is legal to open, and empty mappings do not exist.
   if (size_ > 0) {
     void* mapping = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);

@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <compare>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 
 #include "bytes.hpp"
 
 namespace swiftgs::io {
+
+/// Tells files apart, whatever names and links lead to them.
+struct FileIdentity {
+  std::uint64_t device = 0, number = 0;
+  auto operator<=>(const FileIdentity&) const = default;
+};
 
 /// A regular file, mapped read-only. The kernel may drop its pages at any time, so it takes no memory that
 /// the scene needs. Throws `std::system_error` with the path and the reason.
@@ -20,9 +28,13 @@ class MappedFile {
 
   std::span<const std::byte> bytes() const { return {data_, size_}; }
 
+  /// The same for all names of one file.
+  FileIdentity identity() const { return identity_; }
+
  private:
   const std::byte* data_ = nullptr;
   std::size_t size_ = 0;
+  FileIdentity identity_{};
 };
 
 /// Takes bytes [begin, end) of a mapped file, which are read for the last time, out of this process's memory.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <iterator>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "mapped_file.hpp"
 #include "parallel.hpp"
@@ -25,12 +27,18 @@ struct Rows {
 struct CompressedLayout {
   Rows chunks, vertices, harmonics;
   PlySh sh;
+  std::vector<std::string> unread;  ///< other properties
 };
 
-Rows find_rows(const PlyFields& fields, std::span<const char* const> names, PlyType type,
-               const char* type_name, std::uint64_t position) {
+void append(std::vector<std::string>& to, std::vector<std::string> names) {
+  std::move(names.begin(), names.end(), std::back_inserter(to));
+}
+
+Rows find_rows(PlyFields& fields, std::span<const char* const> names, PlyType type, const char* type_name,
+               std::uint64_t position, std::vector<std::string>& unread) {
   Rows rows{position, fields.row_bytes(), {}};
   for (const char* name : names) rows.fields.push_back(fields.take(name, type, type_name));
+  append(unread, fields.untaken());
   return rows;
 }
 
@@ -40,14 +48,16 @@ void find_harmonics(const Source& source, const PlyElement& element, std::uint64
   if (element.count != vertices)
     source.fail(element.declared_at, "as many rows of 'sh' as of 'vertex', " + std::to_string(vertices) +
                                          ", found " + std::to_string(element.count));
-  const PlyFields fields(source, element, PlyEncoding::little_endian);
+  PlyFields fields(source, element, PlyEncoding::little_endian);
   layout.sh = fields.find_sh();
   for (const PlyField& field : layout.sh.fields)
     if (field.type != PlyType::u8) fields.fail("f_rest_0, f_rest_1, ... of type uchar");
   layout.harmonics = {position, fields.row_bytes(), layout.sh.fields};
+  append(layout.unread, fields.untaken());
 }
 
-CompressedLayout find_compressed_layout(const Source& source, const PlyHeader& header) {
+CompressedLayout find_compressed_layout(const Source& source, const PlyHeader& header,
+                                        const ProgressMeter& progress) {
   const PlyElement *chunk = header.find("chunk"), *vertex = header.find("vertex"), *sh = header.find("sh");
   if (header.encoding != PlyEncoding::little_endian)
     source.fail(0, "a compressed PLY of format binary_little_endian");
@@ -56,14 +66,14 @@ CompressedLayout find_compressed_layout(const Source& source, const PlyHeader& h
   if (chunk->count != chunks)
     source.fail(chunk->declared_at, std::to_string(chunks) + " chunks for " + std::to_string(vertex->count) +
                                         " vertices, found " + std::to_string(chunk->count));
-  const auto starts = locate_rows(source, header);
+  const auto starts = locate_rows(source, header, progress);
   CompressedLayout layout;
-  const PlyFields chunk_fields(source, *chunk, header.encoding);
+  PlyFields chunk_fields(source, *chunk, header.encoding), vertex_fields(source, *vertex, header.encoding);
   const std::span<const char* const> ranges(chunk_properties);
   layout.chunks = find_rows(chunk_fields, chunk_fields.has("min_r") ? ranges : ranges.first(12), PlyType::f32,
-                            "float", starts.at("chunk"));
-  layout.vertices = find_rows(PlyFields(source, *vertex, header.encoding), vertex_properties, PlyType::u32,
-                              "uint", starts.at("vertex"));
+                            "float", starts.at("chunk"), layout.unread);
+  layout.vertices =
+      find_rows(vertex_fields, vertex_properties, PlyType::u32, "uint", starts.at("vertex"), layout.unread);
   if (sh) find_harmonics(source, *sh, vertex->count, starts.at("sh"), layout);
   return layout;
 }
@@ -125,16 +135,18 @@ void decode_gaussians(const Source& source, const CompressedLayout& layout, bool
 
 SceneFile read_compressed_ply(const Source& source, const PlyHeader& header,
                               const SceneReadOptions& options) {
-  const CompressedLayout layout = find_compressed_layout(source, header);
+  const ProgressMeter progress(options.progress, source.name);
+  const CompressedLayout layout = find_compressed_layout(source, header, progress.step(0, 0.05));
   const PlyModel model = model_of(header);
   SceneFile file;
   file.format = "compressed PLY";
   file.stored = header.find("vertex")->count;
   allocate(file.scene, file.stored, layout.sh.degree);
   file.scene.antialiased = model.antialiased;
-  decode_gaussians(source, layout, model.flat, ProgressMeter(options.progress, source.name), file.scene);
+  decode_gaussians(source, layout, model.flat, progress.step(0.05, 1), file.scene);
   file.dropped_nonfinite = drop_nonfinite(file.scene);
   file.notes = notes_of(model.flat, true, layout.sh);
+  note_unread(header, {"chunk", "vertex", "sh"}, layout.unread, file.notes);
   return file;
 }
 

@@ -13,28 +13,31 @@ PlyFields::PlyFields(const Source& source, const PlyElement& element, PlyEncodin
     if (property.list_count)
       fail("element '" + element.name + "' without list properties, found list '" + property.name + "'");
     const PlyType type = encoding == PlyEncoding::ascii ? PlyType::f64 : property.type;
-    fields_[property.name] = {type, row_bytes_};
-    declared_types_[property.name] = property.type;
+    fields_[property.name] = {.field = {type, row_bytes_}, .declared = property.type, .taken = false};
     row_bytes_ += size_of(type);
   }
 }
 
-PlyField PlyFields::take(const std::string& name) const {
+PlyFields::Known& PlyFields::known(const std::string& name) {
   const auto found = fields_.find(name);
   if (found == fields_.end()) fail("a property '" + name + "' of element '" + element_.name + "'");
+  found->second.taken = true;
   return found->second;
 }
 
-PlyField PlyFields::take(const std::string& name, PlyType type, const char* type_name) const {
-  const PlyField field = take(name);
-  if (declared_types_.at(name) != type) fail("'" + name + "' of type " + type_name);
-  return field;
+PlyField PlyFields::take(const std::string& name) { return known(name).field; }
+
+PlyField PlyFields::take(const std::string& name, PlyType type, const char* type_name) {
+  const Known& found = known(name);
+  if (found.declared != type) fail("'" + name + "' of type " + type_name);
+  return found.field;
 }
 
 // The file holds all coefficients of red, then of green, then of blue.
-PlySh PlyFields::find_sh() const {
-  const auto is_rest = [](const auto& field) { return field.first.starts_with("f_rest_"); };
-  const auto count = std::size_t(std::count_if(fields_.begin(), fields_.end(), is_rest));
+PlySh PlyFields::find_sh() {
+  std::size_t count = 0;
+  for (auto& [name, known] : fields_)
+    if (name.starts_with("f_rest_")) known.taken = true, ++count;
   PlySh sh;
   while (sh.stored_degree < 4 && 3 * std::size_t(sh_rest_count(sh.stored_degree)) < count) ++sh.stored_degree;
   const int stored = sh_rest_count(sh.stored_degree);
@@ -44,6 +47,15 @@ PlySh PlyFields::find_sh() const {
   for (int j = 0; j < sh_rest_count(sh.degree); ++j)
     for (int c = 0; c < 3; ++c) sh.fields.push_back(take("f_rest_" + std::to_string(c * stored + j)));
   return sh;
+}
+
+std::vector<std::string> PlyFields::untaken() const {
+  std::vector<std::string> names;
+  for (const PlyProperty& property : element_.properties) {
+    const bool normal = property.name == "nx" || property.name == "ny" || property.name == "nz";
+    if (!normal && !fields_.at(property.name).taken) names.push_back(property.name);
+  }
+  return names;
 }
 
 }  // namespace swiftgs::io

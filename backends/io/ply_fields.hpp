@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -31,24 +32,36 @@ class PlyFields {
   /// there are lists.
   PlyFields(const Source& source, const PlyElement& element, PlyEncoding encoding);
 
-  bool has(const std::string& name) const { return fields_.count(name) != 0; }
+  bool has(std::string_view name) const { return fields_.contains(name); }
   std::size_t row_bytes() const { return row_bytes_; }
   [[noreturn]] void fail(const std::string& expected) const { source_.fail(element_.declared_at, expected); }
 
   /// Throws `FormatError` if the property is missing.
-  PlyField take(const std::string& name) const;
+  PlyField take(const std::string& name);
 
   /// The same, and throws if the header declares it with another type, which `type_name` names.
-  PlyField take(const std::string& name, PlyType type, const char* type_name) const;
+  PlyField take(const std::string& name, PlyType type, const char* type_name);
 
-  /// Throws `FormatError` unless the coefficients are as many as a degree has, and are numbered.
-  PlySh find_sh() const;
+  /// Throws `FormatError` unless the coefficients are as many as a degree has, and are numbered. All of them
+  /// count as taken, those of degrees that are not kept too.
+  PlySh find_sh();
+
+  /// Properties that were not taken, in the order of the file. Normals are left out: INRIA's files have them
+  /// for programs that show points, and they are always 0.
+  std::vector<std::string> untaken() const;
 
  private:
+  struct Known {
+    PlyField field;
+    PlyType declared;
+    bool taken;
+  };
+
+  Known& known(const std::string& name);
+
   const Source& source_;
   const PlyElement& element_;
-  std::unordered_map<std::string, PlyField> fields_;
-  std::unordered_map<std::string, PlyType> declared_types_;
+  std::unordered_map<std::string_view, Known> fields_;  ///< by names that `element_` holds
   std::size_t row_bytes_ = 0;
 };
 

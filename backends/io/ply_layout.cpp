@@ -17,7 +17,7 @@ bool all_floats_in(const PlyLayout& layout) {
 }  // namespace
 
 PlyLayout find_layout(const Source& source, const PlyElement& vertex, PlyEncoding encoding) {
-  const PlyFields fields(source, vertex, encoding);
+  PlyFields fields(source, vertex, encoding);
   if (fields.has("packed_position")) fields.fail("an element 'chunk' beside the packed vertices");
   PlyLayout layout;
   const auto three = [&](const char* a, const char* b, const char* c) {
@@ -35,6 +35,7 @@ PlyLayout find_layout(const Source& source, const PlyElement& vertex, PlyEncodin
   layout.sh = fields.find_sh();
   layout.all_floats = all_floats_in(layout);
   layout.row_bytes = fields.row_bytes();
+  layout.unread = fields.untaken();
   return layout;
 }
 

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstddef>
+#include <string>
+#include <vector>
 
 #include "ply_fields.hpp"
 
@@ -15,10 +17,11 @@ struct PlyLayout {
   PlyField opacity;
   PlySh sh;
   bool has_third_scale = true;
-  bool flat = false;          ///< 2D Gaussians: the third scale is 0, whatever the file holds
-  bool byte_colour = false;   ///< `colour` holds red, green, blue from 0 to 255, not SH coefficients
-  bool all_floats = false;    ///< every field is a 32-bit float
-  std::size_t row_bytes = 0;  ///< distance between rows
+  bool flat = false;                  ///< 2D Gaussians: the third scale is 0, whatever the file holds
+  bool byte_colour = false;           ///< `colour` holds red, green, blue from 0 to 255, not SH coefficients
+  bool all_floats = false;            ///< every field is a 32-bit float
+  std::size_t row_bytes = 0;          ///< distance between rows
+  std::vector<std::string> unread{};  ///< other properties
 };
 
 /// The layout of `vertex`. In an ascii file rows are taken to be parsed into an array of doubles first.

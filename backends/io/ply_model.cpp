@@ -1,9 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ply_model.hpp"
 
+#include <algorithm>
+
 #include "tokens.hpp"
 
 namespace swiftgs::io {
+namespace {
+
+/// Names in one line: the first ones, what is no ASCII as '?', and long ones cut.
+std::string listed(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 12, longest = 40;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(most, names.size()); ++i) {
+    std::string name = names[i].substr(0, longest);
+    for (char& c : name)
+      if (c < ' ' || c > '~') c = '?';
+    list += (i == 0 ? "" : ", ") + name + (names[i].size() > longest ? "..." : "");
+  }
+  if (names.size() > most) list += " and " + std::to_string(names.size() - most) + " more";
+  return list;
+}
+
+}  // namespace
 
 PlyModel model_of(const PlyHeader& header) {
   PlyModel model;
@@ -26,6 +45,18 @@ std::vector<std::string> notes_of(bool flat, bool unused_scale, const PlySh& sh)
   if (sh.stored_degree > sh.degree)
     notes.push_back("SH coefficients of degree 4 are stored; degree 3 and below are kept.");
   return notes;
+}
+
+void note_unread(const PlyHeader& header, std::initializer_list<std::string_view> read,
+                 const std::vector<std::string>& unread, std::vector<std::string>& notes) {
+  if (!unread.empty())
+    notes.push_back("Properties that a scene does not have were not read: " + listed(unread) + ".");
+  std::vector<std::string> elements;
+  for (const PlyElement& element : header.elements)
+    if (element.count > 0 && std::find(read.begin(), read.end(), element.name) == read.end())
+      elements.push_back(element.name);
+  if (!elements.empty())
+    notes.push_back("Elements other than Gaussians were not read: " + listed(elements) + ".");
 }
 
 }  // namespace swiftgs::io

@@ -38,6 +38,26 @@ std::uint64_t read_length(ByteReader& reader, const Source& source, PlyType type
   return std::uint64_t(length);
 }
 
+/// Tells how far a walk through the file is, every few megabytes.
+class Walk {
+ public:
+  Walk(const Source& source, const ProgressMeter& progress) : source_(source), progress_(progress) {
+    progress.report(0);
+  }
+
+  const Source& source() const { return source_; }
+  void reach(std::uint64_t position) {
+    if (position < next_) return;
+    next_ = position + (1 << 22);
+    progress_.report(double(position) / double(source_.bytes.size()));
+  }
+
+ private:
+  const Source& source_;
+  const ProgressMeter& progress_;
+  std::uint64_t next_ = 1 << 22;
+};
+
 std::uint64_t skip_binary_row(const Source& source, const PlyElement& element, std::endian order,
                               std::uint64_t position) {
   ByteReader reader(source, position);
@@ -49,20 +69,23 @@ std::uint64_t skip_binary_row(const Source& source, const PlyElement& element, s
   return reader.position();
 }
 
-std::uint64_t skip_text_row(const Source& source, const PlyElement& element, std::uint64_t position) {
+std::uint64_t skip_text_row(Walk& walk, const PlyElement& element, std::uint64_t position) {
+  const Source& source = walk.source();
   Tokens tokens(source.text(), position);
   for (const PlyProperty& property : element.properties) {
     std::uint64_t values = 1;
     if (property.list_count && !to_number(tokens.next(), values)) fail_length(source, tokens.position());
-    for (; values > 0; --values)
+    for (; values > 0; --values) {
       if (tokens.next().empty()) source.fail(tokens.position(), "a value of '" + property.name + "'");
+      walk.reach(tokens.position());
+    }
   }
   return tokens.position();
 }
 
 /// The offset after all rows of `element`, which start at `position`.
-std::uint64_t skip_rows(const Source& source, const PlyElement& element, PlyEncoding encoding,
-                        std::uint64_t position) {
+std::uint64_t skip_rows(Walk& walk, const PlyElement& element, PlyEncoding encoding, std::uint64_t position) {
+  const Source& source = walk.source();
   const std::uint64_t row_bytes = element.row_bytes(encoding);
   if (row_bytes == 0) return position;
   const std::uint64_t remaining = source.bytes.size() - position;
@@ -75,9 +98,11 @@ std::uint64_t skip_rows(const Source& source, const PlyElement& element, PlyEnco
   if (encoding != PlyEncoding::ascii && !element.has_lists()) return position + element.count * row_bytes;
 
   const std::endian order = encoding == PlyEncoding::big_endian ? std::endian::big : std::endian::little;
-  for (std::uint64_t row = 0; row < element.count; ++row)
-    position = encoding == PlyEncoding::ascii ? skip_text_row(source, element, position)
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    position = encoding == PlyEncoding::ascii ? skip_text_row(walk, element, position)
                                               : skip_binary_row(source, element, order, position);
+    walk.reach(position);
+  }
   return position;
 }
 
@@ -91,12 +116,14 @@ void expect_end(const Source& source, PlyEncoding encoding, std::uint64_t positi
 
 }  // namespace
 
-std::map<std::string, std::uint64_t> locate_rows(const Source& source, const PlyHeader& header) {
+std::map<std::string, std::uint64_t> locate_rows(const Source& source, const PlyHeader& header,
+                                                 const ProgressMeter& progress) {
+  Walk walk(source, progress);
   std::map<std::string, std::uint64_t> starts;
   std::uint64_t position = header.size;
   for (const PlyElement& element : header.elements) {
     starts[element.name] = position;
-    position = skip_rows(source, element, header.encoding, position);
+    position = skip_rows(walk, element, header.encoding, position);
   }
   expect_end(source, header.encoding, position);
   return starts;

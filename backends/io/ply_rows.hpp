@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ply_header.hpp"
+#include "progress_meter.hpp"
 
 /// @file
 /// Rows of an element, whatever they mean.
@@ -16,7 +17,8 @@ namespace swiftgs::io {
 /// Where the rows of each element start, by its name. Throws `FormatError` unless the rows of all elements
 /// make up the rest of the file, blanks at the end of an ascii file aside. Asked before memory is taken for
 /// them.
-std::map<std::string, std::uint64_t> locate_rows(const Source& source, const PlyHeader& header);
+std::map<std::string, std::uint64_t> locate_rows(const Source& source, const PlyHeader& header,
+                                                 const ProgressMeter& progress);
 
 /// Parses one row of an ascii file, scalars only, into `row`. Returns the offset after it.
 std::uint64_t parse_text_row(const Source& source, const PlyElement& element, std::uint64_t position,

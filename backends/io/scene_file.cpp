@@ -7,6 +7,7 @@
 #include "bytes.hpp"
 #include "ksplat_layout.hpp"
 #include "mapped_file.hpp"
+#include "name_ending.hpp"
 #include "scene_readers.hpp"
 #include "transforms_json.hpp"
 
@@ -37,7 +38,7 @@ bool is_gltf(std::string_view text, std::string_view name) {
   if (first == text.npos || text[first] != '{') return false;
   const std::string_view beginning = text.substr(first, 1 << 16);
   const auto holds = [&](std::string_view word) { return beginning.find(word) != beginning.npos; };
-  return name.ends_with(".gltf") || holds("\"KHR_gaussian_splatting") || holds("\"KHR_spz_gaussian") ||
+  return has_ending(name, ".gltf") || holds("\"KHR_gaussian_splatting") || holds("\"KHR_spz_gaussian") ||
          (holds("\"asset\"") && (holds("\"buffers\"") || holds("\"accessors\"") || holds("\"meshes\"")));
 }
 
@@ -68,7 +69,7 @@ constexpr Reader readers[] = {
      },
      read_gltf},
     {[](std::string_view text, std::string_view name) {
-       return name.ends_with(".ksplat") || looks_like_ksplat(text);
+       return has_ending(name, ".ksplat") || looks_like_ksplat(text);
      },
      read_ksplat},
     {[](std::string_view text, std::string_view) {
@@ -82,7 +83,7 @@ constexpr Reader readers[] = {
      },
      read_streamed_sog},
     // Last, as nothing but the name tells.
-    {[](std::string_view, std::string_view name) { return name.ends_with(".splat"); }, read_splat},
+    {[](std::string_view, std::string_view name) { return has_ending(name, ".splat"); }, read_splat},
 };
 
 SceneFile read(const Source& source, const SceneReadOptions& options) {

@@ -7,7 +7,7 @@
 
 #include <swiftgs/io/scene_file.hpp>
 
-#include "file_ending.hpp"
+#include "name_ending.hpp"
 #include "scene_encoding.hpp"
 #include "scene_writers.hpp"
 
@@ -33,7 +33,7 @@ const Writer& writer_for(const std::filesystem::path& path, const std::string& e
   const std::string name = ending.empty() ? path.filename().string() : ending;
   std::string endings;
   for (const Writer& writer : writers) {
-    if (ends_with_ignoring_case(name, writer.ending)) return writer;
+    if (has_ending(name, writer.ending)) return writer;
     endings += (endings.empty() ? "" : ", ") + std::string(writer.ending);
   }
   throw std::invalid_argument((ending.empty() ? path.string() : ending) +

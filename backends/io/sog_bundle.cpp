@@ -56,7 +56,7 @@ SogFiles files_of_bundle(const Source& bundle) {
     zip_stat_init(&status);
     if (zip_stat(archive.get(), name.c_str(), ZIP_FL_ENC_RAW, &status) != 0)
       bundle.fail(0, "a ZIP archive with '" + name + "' in it");
-    SogFile file{.source{{}, bundle.name + ": " + name}, .stored = status.comp_size};
+    SogFile file{.source{{}, bundle.name + ": " + name}};
     if (status.comp_size > bundle.bytes.size() || status.size / 16 > status.comp_size + 4096)
       file.source.fail(0, "an entry that unpacks to at most 16 times its size, found " +
                               std::to_string(status.comp_size) + " bytes for " + std::to_string(status.size));

@@ -42,6 +42,35 @@ void check_pixels(const SogContent& sog, int kind) {
                                        ", found " + to_text(sog.sizes[kind]));
 }
 
+bool is_bundle(const Source& source) { return source.text().starts_with("PK"); }
+
+/// Opens the images that `meta` names. `stored` is what they may hold Gaussians by beside their own bytes.
+SogContent open_parts(const Source& meta, std::uint64_t stored, const SogFiles& open, CountedFiles& counted) {
+  SogContent sog;
+  sog.meta = parse_sog_meta(meta);
+  bool shared = false;
+  for (int kind = 0; kind < sog_image_kinds; ++kind) {
+    if (sog.meta.images[kind].empty()) continue;
+    SogFile& file = sog.files[kind] = open(sog.meta.images[kind]);
+    if (counted.insert(file.identity).second)
+      stored += file.stored;
+    else
+      shared = shared || file.stored > 0;
+  }
+  if (sog.meta.count / max_gaussians_per_byte > stored)
+    meta.fail(0, "files that can hold " + std::to_string(sog.meta.count) + " Gaussians, found " +
+                     std::to_string(stored) + " bytes" + (shared ? " beside those that hold others" : ""));
+  for (int kind = 0; kind < sog_image_kinds; ++kind) {
+    if (sog.meta.images[kind].empty()) continue;
+    sog.sizes[kind] = sog_image_size(sog.files[kind].source);
+    if (kind == sog_sh_palette)
+      check_palette(sog);
+    else
+      check_pixels(sog, kind);
+  }
+  return sog;
+}
+
 void build_palette(const SogContent& sog, SogPixels& pixels) {
   const std::size_t values = 3 * std::size_t(sh_rest_count(sog.sh_degree)) * sog.palette_size;
   pixels.palette.resize(values);
@@ -55,32 +84,16 @@ void build_palette(const SogContent& sog, SogPixels& pixels) {
 }  // namespace
 
 SogContent open_sog(const Source& source) {
-  if (!source.text().starts_with("PK")) return open_sog(source, source.bytes.size(), files_beside(source));
-  const SogFiles open = files_of_bundle(source);
-  const SogFile meta = open("meta.json");
-  return open_sog(meta.source, meta.stored, open);
+  CountedFiles counted;
+  const SogFile file{source, source.bytes.size()};
+  return open_sog(file, is_bundle(source) ? SogFiles() : files_beside(source), counted);
 }
 
-SogContent open_sog(const Source& meta, std::uint64_t stored, const SogFiles& open) {
-  SogContent sog;
-  sog.meta = parse_sog_meta(meta);
-  for (int kind = 0; kind < sog_image_kinds; ++kind) {
-    if (sog.meta.images[kind].empty()) continue;
-    sog.files[kind] = open(sog.meta.images[kind]);
-    stored += sog.files[kind].stored;
-  }
-  if (sog.meta.count / max_gaussians_per_byte > stored)
-    meta.fail(0, "files that can hold " + std::to_string(sog.meta.count) + " Gaussians, found " +
-                     std::to_string(stored) + " bytes");
-  for (int kind = 0; kind < sog_image_kinds; ++kind) {
-    if (sog.meta.images[kind].empty()) continue;
-    sog.sizes[kind] = sog_image_size(sog.files[kind].source);
-    if (kind == sog_sh_palette)
-      check_palette(sog);
-    else
-      check_pixels(sog, kind);
-  }
-  return sog;
+SogContent open_sog(const SogFile& file, const SogFiles& open, CountedFiles& counted) {
+  const std::uint64_t stored = counted.insert(file.identity).second ? file.stored : 0;
+  if (!is_bundle(file.source)) return open_parts(file.source, stored, open, counted);
+  const SogFiles entries = files_of_bundle(file.source);
+  return open_parts(entries("meta.json").source, stored, entries, counted);
 }
 
 SogPixels decode_images(SogContent& sog, const ProgressMeter& progress) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <set>
 #include <vector>
 
 #include <swiftgs/scene.hpp>
@@ -21,8 +22,7 @@ namespace swiftgs::io {
 ///
 /// A hostile file cannot ask for memory that its size does not warrant. A SOG has at most 32 Gaussians for
 /// each byte that its files take; an image of all Gaussians has at most two pixels a Gaussian and 65536 more;
-/// and a palette has at most 65536 entries. Reading therefore takes at most 20 kB of memory a byte, and 64
-/// MB.
+/// and a palette has at most 65536 entries.
 struct SogContent {
   SogMeta meta;
   std::array<SogFile, sog_image_kinds> files{};
@@ -34,9 +34,11 @@ struct SogContent {
 /// Opens `source`, which is a bundle or `meta.json`. It must outlive what this returns.
 SogContent open_sog(const Source& source);
 
-/// The same of `meta.json` and of the images, which `open` opens. `stored` is what the files take that `open`
-/// does not count.
-SogContent open_sog(const Source& meta, std::uint64_t stored, const SogFiles& open);
+/// Files whose bytes warrant memory already. They cannot do it again, whatever names lead to them.
+using CountedFiles = std::set<FileIdentity>;
+
+/// The same of a file whose images, unless it is a bundle, `open` opens. Adds its files to `counted`.
+SogContent open_sog(const SogFile& file, const SogFiles& open, CountedFiles& counted);
 
 /// What a SOG's images hold.
 struct SogPixels {

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "mapped_file.hpp"
-
 namespace swiftgs::io {
 
 SogFiles files_beside(const Source& meta) {
@@ -14,7 +12,13 @@ SogFiles files_beside(const Source& meta) {
   return [folder = meta.folder](const std::string& name) {
     const std::filesystem::path path = folder / name;
     auto file = std::make_shared<const MappedFile>(path);
-    return SogFile{{file->bytes(), path.string(), path.parent_path()}, file->bytes().size(), file};
+    return SogFile{{file->bytes(), path.string()}, file->bytes().size(), file->identity(), file};
+  };
+}
+
+SogFiles files_beside(const std::string& name, const SogFiles& files) {
+  return [folder = std::filesystem::path(name).parent_path(), &files](const std::string& image) {
+    return files((folder / image).string());
   };
 }
 

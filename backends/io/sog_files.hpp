@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "bytes.hpp"
+#include "mapped_file.hpp"
 
 /// @file
 /// The files that make up a SOG: `meta.json` and the images that it names.
@@ -15,8 +15,9 @@ namespace swiftgs::io {
 
 struct SogFile {
   Source source;
-  std::uint64_t stored = 0;             ///< bytes that it takes on the disk, which may be packed
-  std::shared_ptr<const void> owner{};  ///< of the bytes, which are valid as long as it
+  std::uint64_t stored = 0;             ///< bytes that it takes on the disk
+  FileIdentity identity{};              ///< of what takes them
+  std::shared_ptr<const void> owner{};  ///< of `source`'s bytes, which are valid as long as it
 };
 
 /// Opens a file by its name. Throws `FormatError` or `std::system_error` if it is not there.
@@ -24,11 +25,15 @@ using SogFiles = std::function<SogFile(const std::string& name)>;
 
 /// The entries of a bundle, a ZIP archive, which must outlive what this returns. An entry unpacks to at most
 /// 16 times its packed size and 64 KiB more: images do not compress further, and `meta.json` is small.
+/// Entries take no bytes of their own: theirs are the bundle's, and may overlap in it.
 SogFiles files_of_bundle(const Source& bundle);
 
 /// The files beside `meta`, which must outlive what this returns. Throws `FormatError` if it comes from
 /// memory, where nothing lies beside it.
 SogFiles files_beside(const Source& meta);
+
+/// The files beside `name`, which `files` opens.
+SogFiles files_beside(const std::string& name, const SogFiles& files);
 
 /// Whether a name leads to a file of the folder that it is looked up in, or of a folder therein.
 bool stays_inside(const std::string& name);

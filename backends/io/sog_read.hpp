@@ -21,4 +21,7 @@ class SogFindings {
   SogOddities odd_;
 };
 
+/// Reads `lod-meta.json`, whose chunks and their images `open` opens by names relative to it.
+SceneFile read_streamed_sog(const Source& source, const SogFiles& open, const SceneReadOptions& options);
+
 }  // namespace swiftgs::io

@@ -138,10 +138,11 @@ struct Extent {
 Extent measure(const LodMeta& meta, const SogFiles& open, std::vector<Chunk>& chunks,
                const ProgressMeter& progress) {
   Extent extent;
+  CountedFiles counted;
   for (std::size_t i = 0; i < chunks.size(); ++i) {
     progress.report(double(i) / double(chunks.size()));
     const SogFile file = open(chunks[i].name);
-    const SogContent sog = open_sog(file.source);
+    const SogContent sog = open_sog(file, files_beside(chunks[i].name, open), counted);
     const std::size_t end = place_ranges(meta, chunks[i], sog.meta.count, extent.count);
     extent.unused += sog.meta.count - (end - extent.count);
     extent.count = end;
@@ -150,15 +151,17 @@ Extent measure(const LodMeta& meta, const SogFiles& open, std::vector<Chunk>& ch
   return extent;
 }
 
-void decode_chunk(const Source& source, const Chunk& chunk, const ProgressMeter& progress, Scene& scene,
+void decode_chunk(const SogFiles& open, const Chunk& chunk, const ProgressMeter& progress, Scene& scene,
                   SogFindings& findings) {
-  SogContent sog = open_sog(source);
+  const SogFile file = open(chunk.name);
+  CountedFiles counted;
+  SogContent sog = open_sog(file, files_beside(chunk.name, open), counted);
   const bool changed = sog.sh_degree > scene.sh_degree ||
                        chunk.ranges.back().first + chunk.ranges.back().count > sog.meta.count;
-  if (changed) source.fail(0, "a file that does not change while it is read");
+  if (changed) file.source.fail(0, "a file that does not change while it is read");
   const SogPixels pixels = decode_images(sog, progress.step(0, 0.5));
   const Progress none;
-  const ProgressMeter silent(none, source.name);
+  const ProgressMeter silent(none, file.source.name);
   for (const SogRange& range : chunk.ranges)
     findings.add(sog.meta, decode_gaussians(sog, pixels, range, silent, scene));
   progress.report(1);
@@ -167,8 +170,11 @@ void decode_chunk(const Source& source, const Chunk& chunk, const ProgressMeter&
 }  // namespace
 
 SceneFile read_streamed_sog(const Source& source, const SceneReadOptions& options) {
+  return read_streamed_sog(source, files_beside(source), options);
+}
+
+SceneFile read_streamed_sog(const Source& source, const SogFiles& open, const SceneReadOptions& options) {
   const ProgressMeter progress(options.progress, source.name);
-  const SogFiles open = files_beside(source);
   const LodMeta meta(source);
   const int levels = meta.levels(options.level);
   std::vector<Chunk> chunks = meta.chunks(options.level);
@@ -182,8 +188,7 @@ SceneFile read_streamed_sog(const Source& source, const SceneReadOptions& option
   SogFindings findings;
   for (std::size_t i = 0; i < chunks.size(); ++i) {
     const auto part = [&](std::size_t chunk) { return 0.1 + 0.9 * double(chunk) / double(chunks.size()); };
-    const SogFile chunk = open(chunks[i].name);
-    decode_chunk(chunk.source, chunks[i], progress.step(part(i), part(i + 1)), file.scene, findings);
+    decode_chunk(open, chunks[i], progress.step(part(i), part(i + 1)), file.scene, findings);
   }
   if (levels > 1)
     file.notes.push_back("Of " + std::to_string(levels) +

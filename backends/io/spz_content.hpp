@@ -54,7 +54,7 @@ inline constexpr std::uint32_t spz_coordinate_system = 0xADBE0003;
 /// What the extension records state.
 struct SpzExtensions {
   std::uint32_t system = 0;  ///< of coordinates; 0 if unspecified
-  std::uint64_t offset = 0;  ///< of that value in the file; 0 in what was unpacked
+  std::uint64_t offset = 0;  ///< of that value in the file; 0 if it was unpacked
   std::vector<std::string> notes{};
 };
 
@@ -65,18 +65,23 @@ struct SpzContent {
   std::unique_ptr<std::byte[]> storage{};
 };
 
-/// What those who wait for an SPZ file to unpack want of it.
+/// What a reader wants to hear while a file is unpacked.
 struct SpzUnpacking {
   ProgressMeter progress;
-  /// Called once the count is known to be one that the file can hold.
-  std::function<void(const SpzHeader&)> begins;
+  /// Called once all but the harmonics is unpacked. Only then is the count worth the memory of a scene: a
+  /// header can claim any.
+  std::function<void(const SpzHeader&)> unpacked;
 };
 
 /// The fields that all versions share. `first` holds at least 16 bytes.
 SpzHeader parse_spz_header(const Source& source, const std::byte* first);
 
-/// Walks extension records. `offset` is where `records` starts in the file; without one they were unpacked,
-/// and errors are placed at byte 0.
+/// The header of a whole file. Nothing else is unpacked or checked.
+SpzHeader read_spz_header(const Source& source);
+SpzHeader read_spz_gzip_header(const Source& source);  ///< of a file in gzip
+
+/// Reads extension records, which start at byte `offset` of the file. If they were unpacked, they have no
+/// such place, and errors name byte 0.
 SpzExtensions parse_spz_extensions(const Source& source, std::span<const std::byte> records,
                                    std::optional<std::uint64_t> offset);
 

@@ -80,22 +80,36 @@ class GzipReader {
   bool finished_ = false;
 };
 
+SpzHeader read_header(const Source& source, GzipReader& reader, const ProgressMeter& progress) {
+  std::array<std::byte, spz_header_size> first;
+  reader.read_exactly(first.data(), first.size(), "header", progress.step(0, 0));
+  const SpzHeader header = parse_spz_header(source, first.data());
+  if (header.version > 3) source.fail(4, "SPZ version 1 to 3 in a gzip stream");
+  return header;
+}
+
 }  // namespace
+
+SpzHeader read_spz_gzip_header(const Source& source) {
+  GzipReader reader(source);
+  const Progress none;
+  return read_header(source, reader, ProgressMeter(none, source.name));
+}
 
 SpzContent unpack_spz_gzip(const Source& source, const SpzUnpacking& unpacking) {
   GzipReader reader(source);
-  std::array<std::byte, spz_header_size> first;
-  reader.read_exactly(first.data(), first.size(), "header", unpacking.progress.step(0, 0));
-  SpzContent content{.header = parse_spz_header(source, first.data())};
-  if (content.header.version > 3) source.fail(4, "SPZ version 1 to 3 in a gzip stream");
-
+  SpzContent content{.header = read_header(source, reader, unpacking.progress)};
   const std::size_t size = spz_total(content.header);
   if (size / max_ratio > source.bytes.size())
     source.fail(8, "a file that can hold " + std::to_string(content.header.count) + " Gaussians");
-  unpacking.begins(content.header);
   // Left uninitialised: pages are taken only as data arrives, so a short stream takes little.
   content.storage = std::make_unique_for_overwrite<std::byte[]>(size);
-  reader.read_exactly(content.storage.get(), size, "Gaussians", unpacking.progress);
+  const std::size_t others = size - content.header.count * spz_sizes(content.header)[spz_sh];
+  const double part = double(others) / double(size);
+  reader.read_exactly(content.storage.get(), others, "Gaussians", unpacking.progress.step(0, part));
+  unpacking.unpacked(content.header);
+  reader.read_exactly(content.storage.get() + others, size - others, "harmonics",
+                      unpacking.progress.step(part, 1));
   split_arrays(content, content.storage.get());
 
   if (content.header.has_extensions) {
@@ -118,7 +132,7 @@ SpzContent unpack_spz_plain(const Source& source, const SpzUnpacking& unpacking)
   } else {
     reader.expect_end("the last Gaussian");
   }
-  unpacking.begins(content.header);
+  unpacking.unpacked(content.header);
   return content;
 }
 

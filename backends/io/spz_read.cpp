@@ -18,9 +18,8 @@ namespace {
 
 SpzContent unpack(const Source& source, const SpzUnpacking& unpacking) {
   if (source.text().starts_with("\x1f\x8b")) return unpack_spz_gzip(source, unpacking);
-  ByteReader reader(source);
-  const SpzHeader header = parse_spz_header(source, reader.take(spz_header_size, "an SPZ header"));
-  return header.version == 4 ? unpack_spz_streams(source, unpacking) : unpack_spz_plain(source, unpacking);
+  return read_spz_header(source).version == 4 ? unpack_spz_streams(source, unpacking)
+                                              : unpack_spz_plain(source, unpacking);
 }
 
 SpzAxes choose_axes(const Source& source, const SpzExtensions& stated, SpzFrame frame,
@@ -97,19 +96,22 @@ class SpzDecoder {
 
 }  // namespace
 
-// What gzip and the format's own limit of version 4 allow bounds the memory: 5,100 times the file's size up
-// to version 3, 35,000 times in version 4. It is taken when the headers of all streams agree with the count.
+SpzHeader read_spz_header(const Source& source) {
+  if (source.text().starts_with("\x1f\x8b")) return read_spz_gzip_header(source);
+  return parse_spz_header(source, ByteReader(source).take(spz_header_size, "an SPZ header"));
+}
+
 SceneFile read_spz(const Source& source, const SceneReadOptions& options) {
   const ProgressMeter progress(options.progress, source.name);
   SceneFile file;
   // Taking the memory of a large scene lasts about as long as unpacking it.
   std::future<void> allocated;
-  const auto begin = [&](const SpzHeader& header) {
+  const auto take = [&](const SpzHeader& header) {
     allocated = std::async(std::launch::async, [&, count = header.count, degree = header.sh_degree] {
       allocate(file.scene, count, std::min(degree, max_sh_degree));
     });
   };
-  const SpzContent content = unpack(source, {progress.step(0, 0.6), begin});
+  const SpzContent content = unpack(source, {progress.step(0, 0.6), take});
   allocated.get();
   const SpzHeader& header = content.header;
 

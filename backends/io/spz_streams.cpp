@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
+#include <atomic>
+#include <bit>
+#include <chrono>
 #include <future>
+#include <memory>
+#include <new>
 #include <string>
 
 #include <zstd.h>
@@ -9,6 +15,8 @@
 
 namespace swiftgs::io {
 namespace {
+
+constexpr std::chrono::milliseconds between_reports(50);
 
 struct StreamSizes {
   std::uint64_t packed, unpacked;
@@ -40,16 +48,54 @@ void check_frame(const Source& source, std::uint64_t offset, StreamSizes size) {
                             std::to_string(stated));
 }
 
-/// Unpacks one zstd frame, which must fill `size` bytes of both sides exactly.
-void unpack_frame(const Source& source, std::uint64_t offset, StreamSizes size, std::byte* to) {
-  const std::byte* from = source.bytes.data() + offset;
-  const std::size_t unpacked = ZSTD_decompress(to, size.unpacked, from, size.packed);
-  if (ZSTD_isError(unpacked))
-    source.fail(offset, std::string("a valid zstd frame (") + ZSTD_getErrorName(unpacked) + ")");
-  if (unpacked != size.unpacked)
-    source.fail(offset, "a zstd frame of " + std::to_string(size.unpacked) + " bytes unpacked, found " +
-                            std::to_string(unpacked));
-}
+/// Unpacks frames, from several threads and in steps, so that it can be told how far they are, and stopped.
+class FrameUnpacker {
+ public:
+  explicit FrameUnpacker(const Source& source) : source_(source) {}
+
+  /// Unpacks one zstd frame, which must fill `size` bytes of both sides exactly, or until `stop`. `report`
+  /// is called after every step.
+  template <class Report>
+  void unpack(std::uint64_t offset, StreamSizes size, std::byte* to, const Report& report) {
+    const std::unique_ptr<ZSTD_DCtx, std::size_t (*)(ZSTD_DCtx*)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
+    if (!context) throw std::bad_alloc();
+    // A frame need not look back farther than it is long, and zstd takes no more memory than that for it. Of
+    // short ones without a stated size, some look back 8 MB, as decoders are asked to allow.
+    const int window = std::clamp(int(std::bit_width(size.unpacked - 1)), 23, 31);
+    ZSTD_DCtx_setParameter(context.get(), ZSTD_d_windowLogMax, window);
+    ZSTD_inBuffer in{source_.bytes.data() + offset, 0, 0};
+    ZSTD_outBuffer out{to, 0, 0};
+    for (std::size_t left = 1; left != 0 && !stopped_;) {
+      const std::size_t read = in.pos, wrote = out.pos;
+      in.size = std::min<std::size_t>(in.pos + step, size.packed);
+      out.size = std::min<std::size_t>(out.pos + 8 * step, size.unpacked);
+      left = ZSTD_decompressStream(context.get(), &out, &in);
+      if (ZSTD_isError(left))
+        source_.fail(offset + in.pos, std::string("a valid zstd frame (") + ZSTD_getErrorName(left) + ")");
+      if (left != 0 && in.pos == read && out.pos == wrote && in.size == size.packed &&
+          out.size == size.unpacked)
+        source_.fail(offset,
+                     "a zstd frame of " + std::to_string(size.unpacked) + " bytes unpacked, found more");
+      done_ += out.pos - wrote;
+      report();
+    }
+    if (!stopped_ && out.pos != size.unpacked)
+      source_.fail(offset, "a zstd frame of " + std::to_string(size.unpacked) + " bytes unpacked, found " +
+                               std::to_string(out.pos));
+  }
+
+  /// Has all threads return after their current steps.
+  void stop() { stopped_ = true; }
+
+  std::uint64_t done() const { return done_; }  ///< bytes unpacked
+
+ private:
+  static constexpr std::size_t step = 1 << 20;
+
+  const Source& source_;
+  std::atomic<std::uint64_t> done_ = 0;
+  std::atomic<bool> stopped_ = false;
+};
 
 }  // namespace
 
@@ -82,22 +128,28 @@ SpzContent unpack_spz_streams(const Source& source, const SpzUnpacking& unpackin
   }
   table_reader.expect_end("the last stream");
 
-  unpacking.begins(header);
   // Left uninitialised: pages are taken only as data arrives.
   content.storage = std::make_unique_for_overwrite<std::byte[]>(spz_total(header));
   split_arrays(content, content.storage.get());
-  const auto unpack = [&](int a) {
+  FrameUnpacker unpacker(source);
+  const auto unpack = [&](int a, const auto& report) {
     const std::ptrdiff_t at = content.arrays[a].data() - content.storage.get();
-    if (table[a].unpacked != 0) unpack_frame(source, offsets[a], table[a], content.storage.get() + at);
+    if (table[a].unpacked != 0) unpacker.unpack(offsets[a], table[a], content.storage.get() + at, report);
   };
+  const auto report = [&] { unpacking.progress.report(double(unpacker.done()) / double(spz_total(header))); };
   // Harmonics are two thirds of a scene of degree 3, and all else is unpacked meanwhile.
-  auto harmonics = std::async(std::launch::async, unpack, spz_sh);
-  for (int a = 0; a < spz_sh; ++a) {
-    unpacking.progress.report(double(a) / int(spz_attributes));
-    unpack(a);
+  auto harmonics = std::async(std::launch::async, unpack, int(spz_sh), [] {});
+  try {
+    report();
+    for (int a = 0; a < spz_sh; ++a) unpack(a, report);
+    unpacking.unpacked(header);
+    while (harmonics.wait_for(between_reports) != std::future_status::ready) report();
+  } catch (...) {
+    unpacker.stop();  // before the future waits for its thread
+    throw;
   }
   harmonics.get();
-  unpacking.progress.report(1);
+  report();
   return content;
 }
 

@@ -25,8 +25,7 @@ struct SpzTables {
 /// A position in the axes of the file. Version 1 holds halves, the others 24-bit fixed point.
 vec3 decode_spz_position(const SpzHeader& header, const std::byte* at);
 
-/// Two bits name the largest of x, y, z, w; ten bits each hold the others, first to last from high bits to
-/// low.
+/// Two bits name the largest of x, y, z, w; the others have ten bits each, the first of them the highest.
 Quaternion decode_smallest_three(std::uint32_t packed);
 
 /// A unit quaternion in the axes of the file. Versions 1 and 2 hold x, y, z; the others the smallest three.

@@ -118,7 +118,8 @@ TEST_CASE("cli captures: a folder that is none says what is in it") {
   const TemporaryFolder place;
   place.write("empty/photos/a.jpg", "");
   CHECK(refusal(place, "info empty") ==
-        "swiftgs: empty: expected a capture, a folder with one .spz, .ply or .sog in it, found none\n");
+        "swiftgs: empty: expected a capture, a folder with one .spz, .ply or .sog in it, or else one "
+        ".ksplat, .splat, .glb or .gltf, found none\n");
   place.write("two/a.ply", ""), place.write("two/b.spz", "");
   for (const std::string command :
        {"render two", "check two", "bench two", "calibrate two", "prune two --keep 1 --out x.ply"})

@@ -48,6 +48,9 @@ TEST_CASE("cli: info tells format and count and percentiles") {
   const std::string of_file = run(place, "info scene.ply").out;
   CHECK(contains(of_file, "INRIA PLY"));
   CHECK(contains(of_file, "Gaussians       100\n"));
+  CHECK(contains(of_file, "bytes           " + std::to_string(fs::file_size(place / "scene.ply")) + "\n"));
+  CHECK(contains(of_file, "read in         "));
+  CHECK(!contains(text, "bytes  "));
   CHECK(contains(of_file, "bands above 0 are zero"));
 }
 

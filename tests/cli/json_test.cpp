@@ -99,12 +99,16 @@ TEST_CASE("cli json: info says what it prints") {
   swiftgs::test::set_ply_number(place / "scene.ply", 10, 3, x, std::numeric_limits<float>::quiet_NaN());
   const json info = json::parse(run(place, "info scene.ply --json -").out);
   CHECK(members_of(info) == std::set<std::string>{"format", "version", "machine", "command", "scene",
-                                                  "cameras", "photos", "file_format", "gaussians", "stored",
-                                                  "dropped", "sh_degree", "used_sh_degree", "antialiased",
-                                                  "notes", "percentiles"});
+                                                  "cameras", "photos", "file_format", "bytes", "seconds",
+                                                  "gaussians", "stored", "dropped", "sh_degree",
+                                                  "used_sh_degree", "antialiased", "notes", "percentiles"});
   CHECK(info["scene"] == "scene");
   CHECK(info["cameras"].is_null());
   CHECK(info["file_format"] == "INRIA PLY (binary_little_endian)");
+  CHECK(info["bytes"] == std::filesystem::file_size(place / "scene.ply"));
+  CHECK(info["seconds"] > 0);
+  CHECK(info["seconds"] < 60);
+  CHECK(json::parse(run(place, "info builtin:10 --json -").out)["bytes"].is_null());
   CHECK(info["gaussians"] == 9);
   CHECK(info["stored"] == 10);
   CHECK(info["dropped"] == 1);

@@ -490,6 +490,46 @@ TEST_CASE("cuda long lists: those who share a part are at work at most while the
   });
 }
 
+TEST_CASE("cuda long lists: frames share parts if the last one had long parts, with the same bits") {
+  if (without_device()) return;
+  const int side = 64;
+  const Scene long_lists = layers(30'000, 0.0003, 0.006), short_lists = layers(500, 0.004, 0.01);
+  for_each_piecewise([&](auto&& renderer) {
+    CAPTURE(std::decay_t<decltype(renderer)>::name);
+    Cuda& cuda = renderer.backend();
+    const DeviceScene of_long = cuda.upload(long_lists), of_short = cuda.upload(short_lists);
+    for (const bool extras : {false, true}) {
+      CAPTURE(extras);
+      Planes drawn(side), expected(side);
+      const auto render = [&](const DeviceScene& scene, Planes& planes, bool counted = false) {
+        const View view = make_view(square_camera(side), faint(), planes.part(side, {}, extras), vec3(1));
+        planes.poison();
+        renderer.render_into(scene.view(), {&view, 1}, {.count = counted});
+        cuda.wait();
+        return *cuda.raster_hint() != 0;
+      };
+      // What the host reads before a frame decides how it is drawn, and a backend begins with yes.
+      CHECK(*cuda.raster_hint() == 1);
+      CHECK(render(of_long, expected));
+      CHECK(!render(of_short, drawn));
+      CHECK(!render(of_short, drawn));
+      CHECK(render(of_long, drawn));  // alone: the walks advise to share the next frame's
+      CHECK(same_planes(cuda, drawn, expected, extras));
+      CHECK(render(of_long, drawn));
+      CHECK(same_planes(cuda, drawn, expected, extras));
+
+      // Counted frames share whatever is advised.
+      CHECK(!render(of_short, drawn));
+      CHECK(render(of_long, drawn, true));
+      CHECK(renderer.statistics().raster.pieces > 100);
+      CHECK(same_planes(cuda, drawn, expected, extras));
+      CHECK(!render(of_short, drawn, true));
+      CHECK(renderer.statistics().raster.pieces == 0);
+      CHECK(render(of_long, drawn));
+    }
+  });
+}
+
 TEST_CASE("cuda long lists: counts tell of pieces where lists are long alone") {
   if (without_device()) return;
   With<AxisSharedThreshold<FloatCholesky>> renderer;

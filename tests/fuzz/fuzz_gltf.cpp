@@ -3,16 +3,14 @@
 #include <cstdint>
 #include <span>
 
-#include <swiftgs/error.hpp>
-
 #include "scene_readers.hpp"
+#include "watched_read.hpp"
 
-/// Any bytes are a scene or a `FormatError`, and what is a scene is a valid one. No other file is opened.
+/// Any bytes are a scene or a `FormatError`. No other file is opened.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::span bytes(reinterpret_cast<const std::byte*>(data), size);
-  try {
-    swiftgs::validate(swiftgs::io::read_gltf({bytes, "fuzz"}, {}).scene);
-  } catch (const swiftgs::FormatError&) {
-  }
+  swiftgs::fuzz::read_watched(bytes, swiftgs::test::gltf_spz_memory, [&](const auto& options) {
+    return swiftgs::io::read_gltf({bytes, "fuzz"}, options);
+  });
   return 0;
 }

@@ -1,70 +1,76 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
-#include <system_error>
 #include <vector>
-
-#include <swiftgs/error.hpp>
 
 #include "scene_building.hpp"
 #include "scene_readers.hpp"
-#include "sog_content.hpp"
+#include "sog_read.hpp"
+#include "watched_read.hpp"
 
 namespace {
 
 using namespace swiftgs;
 
-/// Files one behind the other, two bytes of length before each: meta.json, then images that are called 1 to
-/// 7.
-std::vector<std::span<const std::byte>> split(std::span<const std::byte> bytes) {
-  std::vector<std::span<const std::byte>> files;
-  while (bytes.size() >= 2 && files.size() < 8) {
-    const std::size_t length = io::load<std::uint16_t>(bytes.data());
-    const std::size_t size = std::min(length, bytes.size() - 2);
-    files.push_back(bytes.subspan(2, size));
-    bytes = bytes.subspan(2 + size);
+/// Files one behind the other, two bytes of length before each. The first is meta.json or lod-meta.json, the
+/// others are called 1, 2, ...
+class Files {
+ public:
+  explicit Files(std::span<const std::byte> bytes) {
+    while (bytes.size() >= 2 && files_.size() < 32) {
+      const std::size_t length = io::load<std::uint16_t>(bytes.data());
+      const std::size_t size = std::min(length, bytes.size() - 2);
+      files_.push_back(bytes.subspan(2, size));
+      bytes = bytes.subspan(2 + size);
+    }
   }
-  return files;
-}
+
+  bool empty() const { return files_.empty(); }
+  io::Source first() const { return {files_[0], "fuzz"}; }
+
+  io::SogFile operator()(const std::string& name) const {
+    std::size_t number = 0;
+    std::from_chars(name.data(), name.data() + name.size(), number);
+    if (number < 1 || number >= files_.size()) first().fail(0, "a file that is there");
+    return {{files_[number], name}, files_[number].size(), {1, number}};
+  }
+
+ private:
+  std::vector<std::span<const std::byte>> files_{};
+};
 
 /// A SOG whose files need no checksum, so that changes reach the images.
-void read_files(std::span<const std::byte> bytes) {
-  const auto files = split(bytes);
-  if (files.empty()) return;
-  const io::Source meta{files[0], "meta.json"};
-  io::SogContent sog = io::open_sog(meta, files[0].size(), [&](const std::string& name) {
-    const std::size_t index = name.size() == 1 ? std::size_t(name[0] - '0') : 0;
-    if (index < 1 || index >= files.size()) meta.fail(0, "an image");
-    return io::SogFile{{files[index], name}, files[index].size()};
-  });
-  const Progress none;
-  const io::ProgressMeter progress(none, "fuzz");
-  const io::SogPixels pixels = io::decode_images(sog, progress);
-  Scene scene;
-  io::allocate(scene, sog.meta.count, sog.sh_degree);
-  io::decode_gaussians(sog, pixels, {0, sog.meta.count, 0}, progress, scene);
-  io::drop_nonfinite(scene);
-  validate(scene);
+SceneFile read_folder(const Files& files, const SceneReadOptions& options) {
+  io::CountedFiles counted;
+  io::SogContent sog = io::open_sog({files.first(), files.first().bytes.size()}, files, counted);
+  const io::ProgressMeter progress(options.progress, "fuzz");
+  const io::SogPixels pixels = io::decode_images(sog, progress.step(0, 0.5));
+  SceneFile file;
+  io::allocate(file.scene, sog.meta.count, sog.sh_degree);
+  io::decode_gaussians(sog, pixels, {0, sog.meta.count, 0}, progress.step(0.5, 1), file.scene);
+  io::drop_nonfinite(file.scene);
+  return file;
 }
 
 }  // namespace
 
-/// Any bytes are a scene or a `FormatError`, and what is a scene is a valid one. Bytes are a bundle, the
-/// description of a streamed SOG whose chunks are not there, or files as above.
+/// Any bytes are a scene or a `FormatError`. Bytes are a bundle, or files as above: a SOG, or a streamed one
+/// if the first names levels.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::span bytes(reinterpret_cast<const std::byte*>(data), size);
-  const io::Source source{bytes, "fuzz", "/nonexistent"};
-  try {
-    if (source.text().starts_with("PK"))
-      validate(io::read_sog(source, {}).scene);
-    else if (source.text().starts_with("{"))
-      io::read_streamed_sog(source, {});
-    else
-      read_files(bytes);
-  } catch (const FormatError&) {
-  } catch (const std::system_error&) {  // no chunk can be opened
-  }
+  const io::Source source{bytes, "fuzz"};
+  const Files files(bytes);
+  const bool bundle = source.text().starts_with("PK");
+  if (!bundle && files.empty()) return 0;
+  const bool streamed = !bundle && files.first().text().find("\"lodLevels\"") != std::string_view::npos;
+  fuzz::read_watched(bytes, test::sog_memory, [&](SceneReadOptions options) {
+    if (bundle) return io::read_sog(source, options);
+    if (!streamed) return read_folder(files, options);
+    options.level = std::to_integer<int>(bytes.back()) % 2;
+    return io::read_streamed_sog(files.first(), files, options);
+  });
   return 0;
 }

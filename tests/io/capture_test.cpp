@@ -70,6 +70,27 @@ TEST_CASE("capture: a folder may be a SOG or hold one") {
   CHECK(find_capture(place / "scan").scene == place / "scan/scan.ply");
 }
 
+TEST_CASE("capture: a folder may have a scene of any format and endings in capitals") {
+  const TemporaryFolder place;
+  for (const std::string file : {"scan.splat", "scan.KSPLAT", "scan.glb", "scan.gltf", "scan.SPZ", "scan.Ply",
+                                 "scan.sog", "scan.compressed.ply", "scan.Compressed.PLY"}) {
+    CAPTURE(file);
+    for (const std::string& folder : {"only-" + file, "named-" + file + "/scan"}) {
+      place.write(folder + "/" + file, "");
+      if (folder.ends_with("/scan")) place.write(folder + "/a.splat", ""), place.write(folder + "/b.glb", "");
+      CHECK(find_capture(place / folder).scene == place / (folder + "/" + file));
+      CHECK(find_capture(place / folder).name == "scan");
+    }
+  }
+  place.write("two/a.splat", ""), place.write("two/b.GLB", "");
+  CHECK_THROWS_WITH_AS(find_capture(place / "two"), doctest::Contains("found a.splat, b.GLB"),
+                       std::invalid_argument);
+  place.write("two/meta.json", "");
+  CHECK(find_capture(place / "two").scene == place / "two/meta.json");
+  place.write("two/c.SOG", "");
+  CHECK(find_capture(place / "two").scene == place / "two/c.SOG");
+}
+
 TEST_CASE("capture: of a training the last iteration counts and the folder names it") {
   const TemporaryFolder place;
   for (const std::string iteration : {"7000", "30000", "x", "99999x"})

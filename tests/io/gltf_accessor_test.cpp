@@ -133,3 +133,23 @@ TEST_CASE("gltf: scales below 0 are logarithms") {
     for (int c = 0; c < 3; ++c)
       CHECK(file.scene.scales[i][c] == doctest::Approx(scene.scales[i][c]).epsilon(1e-6));
 }
+
+TEST_CASE("gltf: one scale below 0 makes all of a file logarithms") {
+  Scene scene = some_scene(20, 0);
+  for (vec3& scale : scene.scales) scale = glm::abs(scale);
+  GltfParts parts = encode_gltf(scene);
+  const json positive = parts.primitive();
+  std::string below(20 * 12, '\0');
+  below[12 * 7 + 3] = '\xbf', below[12 * 7 + 2] = '\x80';  // -1
+  parts.primitive()["attributes"]["KHR_gaussian_splatting:SCALE"] =
+      add_accessor(parts, below, {{"componentType", 5126}, {"count", 20}, {"type", "VEC3"}});
+  json& primitives = parts.root["meshes"][0]["primitives"];
+  primitives = json::array({positive, primitives[0]});
+  const SceneFile file = read(glb(parts));
+  CHECK(file.notes.size() == 1);
+  REQUIRE(file.scene.size() == 40);
+  for (std::size_t i = 0; i < 20; ++i) {
+    CHECK(file.scene.scales[i].y == std::exp(scene.scales[i].y));
+    CHECK(file.scene.scales[20 + i].x == (i == 7 ? std::exp(-1.0f) : 1.0f));
+  }
+}

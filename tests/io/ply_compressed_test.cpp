@@ -49,6 +49,15 @@ TEST_CASE("compressed ply: values lie between those of their chunk") {
   CHECK(scene.sh_degree == 0);
 }
 
+TEST_CASE("compressed ply: what is not read is noted by name") {
+  std::string text = CompressedPly().text();
+  const std::string end = "end_header\n";
+  text.insert(text.find(end), "element camera 1\nproperty uchar id\n");
+  const SceneFile file = read(text + "x");
+  REQUIRE(file.notes.size() == 1);
+  CHECK(file.notes[0] == "Elements other than Gaussians were not read: camera.");
+}
+
 TEST_CASE("compressed ply: old files without ranges of colours hold colours") {
   CompressedPly file;
   file.ranges.resize(12), file.chunks.resize(12);

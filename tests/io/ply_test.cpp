@@ -183,3 +183,39 @@ TEST_CASE("ply: the last comment on the render model counts") {
   CHECK(antialiased("comment antialiased 0\ncomment SplatRenderMode: mip\n"));
   CHECK(!antialiased("comment antialiased 1\ncomment antialiased 0\n"));
 }
+
+TEST_CASE("ply: what is not read is noted by name and normals are not") {
+  auto gaussian = plain_gaussian();
+  for (const char* name : {"nx", "ny", "nz"}) gaussian.push_back({"float", name, 0});
+  PlyParts parts{.before = "element empty 0\nproperty list int int vertices\n"};
+  CHECK(read(ply(gaussian, parts)).notes.empty());
+  gaussian.push_back({"float", "label", 7});
+  gaussian.insert(gaussian.begin(), {"uchar", "qual\xffity", 7});
+  parts.after = "element camera 2\nproperty char id\nelement face 1\nproperty uchar a\n";
+  parts.after_rows = "abc";
+  const SceneFile file = read(ply(gaussian, parts));
+  check_plain(file);
+  REQUIRE(file.notes.size() == 2);
+  CHECK(file.notes[0] == "Properties that a scene does not have were not read: qual?ity, label.");
+  CHECK(file.notes[1] == "Elements other than Gaussians were not read: camera, face.");
+  for (int i = 0; i < 15; ++i) gaussian.push_back({"float", "more_" + std::to_string(i), 0});
+  CHECK(contains(read(ply(gaussian, parts)).notes[0], "more_9 and 5 more."));
+}
+
+TEST_CASE("ply: a text can be cancelled before all its rows were walked") {
+  PlyParts parts{.format = "ascii", .before = "element other 5000000\nproperty int a\n"};
+  for (int i = 0; i < 5'000'000; ++i) parts.before_rows += "1\n";
+  const std::string whole = ply(plain_gaussian(), parts);
+  const std::string damaged = whole.substr(0, whole.size() - 4);
+  const auto read_until = [&](const std::string& content, double end) {
+    int reports = 0;
+    const Progress watch = [&](double part) { return ++reports, part < end; };
+    CHECK_THROWS_AS(read_scene(as_bytes(content), "test.ply", {.progress = watch}), Cancelled);
+    return reports;
+  };
+  CHECK(read_until(damaged, 0) == 1);
+  CHECK(read_until(damaged, 0.2) > 2);
+  double last = 0;
+  read_scene(as_bytes(whole), "test.ply", {.progress = [&](double part) { return last = part, true; }});
+  CHECK(last == 1);
+}

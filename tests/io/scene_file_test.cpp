@@ -69,6 +69,9 @@ TEST_CASE("scene file: formats without a beginning of their own go by the ending
     return complaint([&] { read_scene(as_bytes(content), name); });
   };
   CHECK(complaint_about("a.splat", 64) == "");
+  CHECK(complaint_about("a.SPLAT", 64) == "");
+  CHECK(contains(complaint_about("a.KSplat", 64), "headers of a .ksplat scene"));
+  CHECK(contains(complaint([&] { read_scene(as_bytes(std::string("{}")), "a.GLTF"); }), "a glTF"));
   CHECK(contains(complaint_about("a.splats", 64), "found something else"));
   CHECK(read_scene(as_bytes(ply(plain_gaussian())), "a.splat").format == "INRIA PLY (binary_little_endian)");
   CHECK(contains(complaint([&] { read_scene(as_bytes(std::string("{\"fl_x\": 1}")), "a.json"); }),
@@ -86,11 +89,12 @@ TEST_CASE("scene file: what cannot be opened is an error with its path and reaso
     return std::string();
   };
   CHECK(message(folder / "missing.ply") == (folder / "missing.ply").string() + ": No such file or directory");
-  CHECK_THROWS_WITH_AS(read_scene(folder / ""),
-                       ((folder / "").string() +
-                        ": expected a capture, a folder with one .spz, .ply or .sog in it, found none")
-                           .c_str(),
-                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(
+      read_scene(folder / ""),
+      ((folder / "").string() + ": expected a capture, a folder with one .spz, .ply or .sog in it, or else "
+                                "one .ksplat, .splat, .glb or .gltf, found none")
+          .c_str(),
+      std::invalid_argument);
   CHECK(message("/dev/null") == "/dev/null: expected a regular file");
 }
 

@@ -136,6 +136,37 @@ TEST_CASE("streamed sog: files that contradict themselves are refused") {
   CHECK_THROWS_AS(with("/filenames/1", "0_7/meta.json"), std::system_error);
 }
 
+TEST_CASE("streamed sog: chunks cannot share images to be more than their bytes warrant") {
+  const TemporaryFolder place;
+  constexpr std::size_t count = 40'000;
+  const SogParts parts = encode_sog(some_scene(count, 0), 1);
+  const auto files = sog_files(parts);
+  const auto scan = [&](const std::vector<std::string>& chunks) {
+    json meta = {{"lodLevels", 1}, {"filenames", chunks}, {"tree", {{"children", json::array()}}}};
+    for (std::size_t i = 0; i < chunks.size(); ++i)
+      meta["tree"]["children"].push_back({{"lods", {{"0", lod(int(i), 0, int(count))}}}});
+    return place.write("scan/lod-meta.json", meta.dump());
+  };
+  json other = parts.meta;
+  for (const char* part : {"means", "scales", "quats", "sh0"})
+    for (json& name : other[part]["files"]) name = "link_" + name.get<std::string>();
+  for (const auto& [name, content] : files) {
+    place.write("scan/" + name, content);
+    std::filesystem::create_symlink(name, place / ("scan/link_" + name));
+  }
+  place.write("scan/other.json", parts.meta.dump());
+  place.write("scan/links.json", other.dump());
+  CHECK(read_scene(scan({"meta.json"})).scene.size() == count);
+  CHECK(read_scene(scan({"links.json"})).scene.size() == count);
+  for (const char* second : {"other.json", "links.json", "link_meta.json"}) {
+    CAPTURE(second);
+    CHECK(contains(complaint([&] {
+                     read_scene(scan({"meta.json", second}));
+                   }),
+                   "bytes beside those that hold others"));
+  }
+}
+
 TEST_CASE("streamed sog: errors say where in the file") {
   const Streamed streamed;
   const std::string text = "  " + lod_meta().dump();

@@ -226,3 +226,16 @@ TEST_CASE("spz: reading can be watched and cancelled") {
     }
   }
 }
+
+TEST_CASE("spz: progress is told within a stream") {
+  const std::string content = stream_spz(encode_spz(some_scene(1'000'000, 0), 4));
+  int reports = 0;
+  const auto read_until = [&](double end) {
+    reports = 0;
+    const Progress watch = [&](double part) { return ++reports, part < end; };
+    read_scene(as_bytes(content), "a.spz", {.progress = watch});
+  };
+  // Of positions alone there are several megabytes, which make up less than half of unpacking.
+  CHECK_THROWS_AS(read_until(0.25), Cancelled);
+  CHECK(reports > 4);
+}

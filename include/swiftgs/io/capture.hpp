@@ -10,7 +10,7 @@ namespace swiftgs {
 
 /// A trained scene and what lies beside it. A path that is empty means that there is none.
 struct Capture {
-  std::string name;               ///< of the scene: its file's without extension
+  std::string name;               ///< of the scene: its file's without the ending
   std::filesystem::path scene;    ///< a file that `read_scene` takes
   std::filesystem::path cameras;  ///< what `read_cameras` takes
   std::filesystem::path photos;   ///< a folder of photographs that have the names of cameras
@@ -18,19 +18,19 @@ struct Capture {
 
 /// Finds the parts of a capture. `path` is its folder, or the scene's file in it, which need not be there.
 ///
-/// In a folder NAME the scene is one of
-/// - `point_cloud/iteration_N/point_cloud.ply` with the greatest N, which INRIA's training writes; it takes
-/// the
-///   name of the folder,
-/// - `NAME.spz`, `NAME.ply` or `NAME.sog`, the first that is there,
-/// - the only `.spz`, `.ply` or `.sog`, where `input.ply` does not count: INRIA's training keeps its points
-///   there,
-/// - `lod-meta.json` or `meta.json` of a SOG, which take the name of the folder.
+/// In a folder NAME the scene is the first of these that is there; endings may be in capitals:
+/// - `point_cloud/iteration_N/point_cloud.ply` with the greatest N, which INRIA's training writes and which
+///   takes the name of the folder,
+/// - `NAME.spz`, `NAME.compressed.ply`, `NAME.ply` or `NAME.sog`,
+/// - the only `.spz`, `.ply` or `.sog`. `input.ply` does not count: INRIA's training keeps its points there,
+/// - `lod-meta.json` or `meta.json` of a SOG, which take the name of the folder,
+/// - `NAME.ksplat`, `NAME.splat`, `NAME.glb` or `NAME.gltf`,
+/// - the only file with one of these four endings.
 ///
 /// Cameras are a COLMAP model in the folder itself, `cameras.json`, a COLMAP model in `sparse/0`, `sparse` or
 /// `0`, or `transforms.json`, the first that is there. Photographs are in `photos`.
 ///
-/// Throws `std::invalid_argument` where a folder holds no scene, or several of which none is called NAME.
+/// Throws `std::invalid_argument` where a folder holds no scene, or several and none is called NAME.
 SWIFTGS_API Capture find_capture(const std::filesystem::path& path);
 
 }  // namespace swiftgs

@@ -45,7 +45,8 @@ struct SceneFile {
 ///
 /// A Gaussian with a NaN, or with an infinite mean, rotation, SH coefficient or scale, is counted and left
 /// out. A scale of 0 and an opacity of 0 or 1 are legal, whatever infinity the file writes them as. SH
-/// coefficients above degree 3 are left out and noted. The file must not change while it is read.
+/// coefficients above degree 3 are left out and noted. The file must not change while it is read. Memory is
+/// bounded by the file's size: docs/formats.md has the factor of each format.
 ///
 /// Throws `FormatError`, `Cancelled`, `std::system_error` if a file cannot be read, and what `find_capture`
 /// throws.

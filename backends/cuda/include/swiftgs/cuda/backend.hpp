@@ -106,7 +106,10 @@ class SWIFTGS_API Cuda {
   /// before is not joined.
   [[nodiscard]] Fork fork();
 
-  /// Throws `DeviceError` for `call` while the stream is being captured into a CUDA graph.
+  /// Whether the stream is being captured into a CUDA graph. Throws `DeviceError` for `call` where that
+  /// cannot be told: on the default stream, while a stream that waits for it is being captured.
+  bool is_captured(const char* call) const;
+  /// Throws `DeviceError` for `call` while the stream is being captured.
   void check_not_captured(const char* call) const;
 
   /// Copies `scene` to the device, without the SH bands that are zero throughout, in stream order. Waits for
@@ -158,6 +161,10 @@ class SWIFTGS_API Cuda {
   /// `trim`. Zeroed when it is allocated, and not again. Throws while the stream is being captured if it must
   /// grow.
   std::byte* raster_scratch(std::size_t bytes);
+  /// A word by which the kernels of a rasterizer advise the host on its next frames, 1 at first. It lies in
+  /// pinned host memory and is read without waiting: it may be some frames old. Throws while the stream is
+  /// being captured if it is not there yet.
+  std::uint32_t* raster_hint();
 
   /// Fills `bytes` bytes of device memory with zero.
   void clear(void* memory, std::size_t bytes) const;
