@@ -103,6 +103,7 @@ SpzHeader read_spz_header(const Source& source) {
 
 SceneFile read_spz(const Source& source, const SceneReadOptions& options) {
   const ProgressMeter progress(options.progress, source.name);
+  progress.report(0);
   SceneFile file;
   // Taking the memory of a large scene lasts about as long as unpacking it.
   std::future<void> allocated;

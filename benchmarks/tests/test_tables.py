@@ -438,8 +438,13 @@ class Tables(unittest.TestCase):
         single = self.table("formats amd")
         self.assertEqual(len(cells(single, "SPZ version 4")), 12)
         self.assertIn("fox, 175,799 Gaussians", single)
-        pairs = self.table("format-pairs amd")
-        self.assertEqual(len(cells(pairs, ".splat")), 6)
+        self.assertEqual(len(cells(single, "SPZ version 3")), 12)
+        pairs = [line for line in self.table("format-pairs amd").splitlines() if line.startswith("| ")]
+        self.assertEqual(len(pairs), 2 + 5 * 5)
+        self.assertTrue(all(line.count("|") == 10 for line in pairs))
+        reads = self.table("format-reads amd")
+        self.assertEqual(len(cells(reads, "glTF (binary)")), 7)
+        self.assertEqual(cells(reads, "streamed SOG, level 0 of 3")[1], "0")
 
     def test_a_broken_file_of_formats_is_one_line(self):
         folder = self.place / "broken" / FOLDERS["amd"]
@@ -448,6 +453,8 @@ class Tables(unittest.TestCase):
         for member, broken, message in (("single", {}, "single: expected an array"),
                                         ("single", [{}], "file_format: expected a string"),
                                         ("pairs", [{"first": "a"}], "second: expected a string"),
+                                        ("pairs", [{"first": "a", "second": "b"}], "expected an object"),
+                                        ("read", [{"file_format": "a"}], "gaussians: expected a number"),
                                         ("scene", 1, "scene: expected a string")):
             (folder / "formats.json").write_text(json.dumps({**whole, member: broken}), encoding="utf-8")
             code, _, _, error = self.update("<!-- table: formats amd -->\n<!-- end -->\n", results=folder.parent)

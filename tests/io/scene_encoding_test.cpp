@@ -41,7 +41,8 @@ TEST_CASE("writers: a scene of legal numbers is written whole and without a note
 }
 
 TEST_CASE("writers: every format leaves out or changes the same numbers and counts them") {
-  constexpr float infinity = std::numeric_limits<float>::infinity(), nan = std::nanf("");
+  constexpr float infinity = std::numeric_limits<float>::infinity(),
+                  nan = std::numeric_limits<float>::quiet_NaN();
   Scene scene = modest_scene(300);
   scene.means[10].y = infinity;
   scene.scales[11].z = nan;
