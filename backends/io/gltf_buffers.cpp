@@ -64,7 +64,9 @@ std::span<const std::byte> GltfBuffers::open(std::uint64_t index, const JsonEntr
   std::unique_ptr<MappedFile>& file = files_[path];
   if (file) return file->bytes();
   file = std::make_unique<MappedFile>(folder / path);
-  return opened_.insert(file->identity()).second ? counted(file->bytes()) : file->bytes();
+  if (!opened_.insert(file->identity()).second) return file->bytes();
+  size_beside_ += file->bytes().size();
+  return counted(file->bytes());
 }
 
 std::span<const std::byte> GltfBuffers::buffer(std::uint64_t index, const JsonEntry& user) {

@@ -33,6 +33,9 @@ class GltfBuffers {
   /// Bytes of all buffers that were asked for; those of a file that several name count once.
   std::uint64_t size() const { return size_; }
 
+  /// Bytes of other files that were opened.
+  std::uint64_t size_beside() const { return size_beside_; }
+
   bool has_decoded() const { return !decoded_.empty(); }
 
  private:
@@ -50,7 +53,8 @@ class GltfBuffers {
   std::map<std::filesystem::path, std::unique_ptr<MappedFile>> files_{};
   std::set<FileIdentity> opened_{};
   std::vector<std::unique_ptr<std::byte[]>> decoded_{};
-  std::uint64_t size_ = 0, characters_ = 0;  ///< the latter of what was decoded
+  std::uint64_t size_ = 0, size_beside_ = 0;
+  std::uint64_t characters_ = 0;  ///< that were decoded
 };
 
 /// The path that a relative URI names, percent-decoded; empty unless it stays in the folder that it is

@@ -263,6 +263,7 @@ class GltfReader {
   }
 
   void finish() {
+    file_.bytes = buffers_.size_beside();
     file_.dropped_nonfinite += drop_nonfinite(file_.scene);
     std::size_t clamped = 0;
     for (float& opacity : file_.scene.opacities) {

@@ -23,6 +23,8 @@ std::string_view what_it_is(std::string_view text) {
   if (text.empty()) return "an empty file";
   if (starts_with("PK")) return holds(".usdc") || holds(".usda") ? "a USD archive" : "a ZIP archive";
   if (starts_with("PXR-USDC") || starts_with("#usda")) return "a USD scene";
+  if (starts_with("version https://git-lfs")) return "a pointer of Git LFS, whose content is not there";
+  if (starts_with("<!DOCTYPE") || starts_with("<!doctype") || starts_with("<html")) return "a page of HTML";
   if (starts_with("\x89PNG")) return "a PNG image";
   if (starts_with("\xff\xd8\xff")) return "a JPEG image";
   if (starts_with("{") || starts_with("[")) {
@@ -51,6 +53,7 @@ bool is_object_with(std::string_view text, std::string_view key, std::string_vie
 /// A format that is told by its content, or by the name's ending.
 struct Reader {
   bool (*reads)(std::string_view text, std::string_view name);
+  /// `SceneFile::bytes` is left to be those of other files.
   SceneFile (*read)(const Source& source, const SceneReadOptions& options);
 };
 
@@ -89,7 +92,11 @@ constexpr Reader readers[] = {
 SceneFile read(const Source& source, const SceneReadOptions& options) {
   const std::string_view text = source.text();
   for (const Reader& reader : readers)
-    if (reader.reads(text, source.name)) return reader.read(source, options);
+    if (reader.reads(text, source.name)) {
+      SceneFile file = reader.read(source, options);
+      file.bytes += source.bytes.size();
+      return file;
+    }
   source.fail(0, "a scene of Gaussians, found " + std::string(what_it_is(text)));
 }
 

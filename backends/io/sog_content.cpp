@@ -60,6 +60,7 @@ SogContent open_parts(const Source& meta, std::uint64_t stored, const SogFiles& 
   if (sog.meta.count / max_gaussians_per_byte > stored)
     meta.fail(0, "files that can hold " + std::to_string(sog.meta.count) + " Gaussians, found " +
                      std::to_string(stored) + " bytes" + (shared ? " beside those that hold others" : ""));
+  sog.stored = stored;
   for (int kind = 0; kind < sog_image_kinds; ++kind) {
     if (sog.meta.images[kind].empty()) continue;
     sog.sizes[kind] = sog_image_size(sog.files[kind].source);

@@ -29,6 +29,7 @@ struct SogContent {
   std::array<ImageSize, sog_image_kinds> sizes{};
   int sh_degree = 0;
   std::uint32_t palette_size = 0;
+  std::uint64_t stored = 0;  ///< bytes of its files that were not counted before
 };
 
 /// Opens `source`, which is a bundle or `meta.json`. It must outlive what this returns.

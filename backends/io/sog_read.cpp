@@ -38,6 +38,7 @@ SceneFile read_sog(const Source& source, const SceneReadOptions& options) {
   SogContent sog = open_sog(source);
   SceneFile file;
   file.format = "SOG version " + std::to_string(sog.meta.version);
+  file.bytes = sog.stored - source.bytes.size();
   file.stored = sog.meta.count;
   const SogPixels pixels = decode_images(sog, progress.step(0, 0.5));
   allocate(file.scene, sog.meta.count, sog.sh_degree);

@@ -132,6 +132,7 @@ std::size_t place_ranges(const LodMeta& meta, Chunk& chunk, std::size_t count, s
 struct Extent {
   std::size_t count = 0;
   std::size_t unused = 0;  ///< Gaussians of the chunks that are in no range
+  std::uint64_t bytes = 0;
   int sh_degree = 0;
 };
 
@@ -146,6 +147,7 @@ Extent measure(const LodMeta& meta, const SogFiles& open, std::vector<Chunk>& ch
     const std::size_t end = place_ranges(meta, chunks[i], sog.meta.count, extent.count);
     extent.unused += sog.meta.count - (end - extent.count);
     extent.count = end;
+    extent.bytes += sog.stored;
     extent.sh_degree = std::max(extent.sh_degree, sog.sh_degree);
   }
   return extent;
@@ -184,6 +186,7 @@ SceneFile read_streamed_sog(const Source& source, const SogFiles& open, const Sc
   const Extent extent = measure(meta, open, chunks, progress.step(0, 0.1));
   allocate(file.scene, extent.count, extent.sh_degree);
   file.format = "streamed SOG, level " + std::to_string(options.level) + " of " + std::to_string(levels);
+  file.bytes = extent.bytes;
   file.stored = extent.count;
   SogFindings findings;
   for (std::size_t i = 0; i < chunks.size(); ++i) {

@@ -39,6 +39,8 @@ struct ConvertOptions {
   bool order = false;
   std::string format, json;
   int spz_version = 4;
+  std::string spz_write_frame = "specified";
+  std::string antialiased;  ///< yes, no, or empty: as the files say
 };
 
 /// The edits that the options ask for, checked before anything is read.
@@ -47,14 +49,17 @@ struct Edits {
   std::vector<std::pair<std::string, Region>> crops;
 };
 
-/// A bar that moves by a hundred for each file, and that Ctrl-C stops.
+/// A bar that moves by a hundred for each file, tells the time left of each, and is stopped by Ctrl-C.
 class ConvertProgress {
  public:
   ConvertProgress(std::size_t files, std::string out) : bar_(100 * files), out_(std::move(out)) {}
 
   swiftgs::Progress of_next_file(const std::string& what) {
+    const std::size_t first = 100 * files_++;
+    bar_.advance_to(first);
+    bar_.begin_part(first + 100);
     begin(what);
-    return [this, what, first = 100 * files_++](double part) {
+    return [this, what, first](double part) {
       bar_.advance_to(first + std::size_t(100 * part));
       bar_.start(what);
       return !Interruptible::interrupted();
@@ -92,6 +97,8 @@ Edits edits_of(const ConvertOptions& options) {
   require_keep(options.keep);
   if (options.spz_version != 3 && options.spz_version != 4)
     throw std::invalid_argument("--spz-version " + std::to_string(options.spz_version) + ": expected 3 or 4");
+  if (!options.antialiased.empty() && options.antialiased != "yes" && options.antialiased != "no")
+    throw std::invalid_argument("--antialiased " + options.antialiased + ": expected yes or no");
   Edits edits;
   for (const std::string& text : options.transforms)
     edits.transforms.emplace_back("--transform " + text, similarity_named(text));
@@ -107,13 +114,13 @@ Scene read(SceneOptions from, const std::string& name, ConvertProgress& progress
   SceneFile file = load(from, progress.of_next_file("read " + name));
   ConvertedFile row{.name = name,
                     .format = file.format,
+                    .bytes = file.bytes,
                     .stored = file.stored,
                     .gaussians = file.scene.size(),
                     .sh_degree = file.scene.sh_degree,
                     .antialiased = file.scene.antialiased,
                     .seconds = seconds_since(begin),
                     .notes = std::move(file.notes)};
-  if (!builtin_size(name)) row.bytes = std::filesystem::file_size(capture_of(from).scene);
   if (file.dropped_nonfinite != 0)
     row.notes.push_back(std::to_string(file.dropped_nonfinite) +
                         " Gaussians with numbers that are not finite were left out.");
@@ -143,10 +150,43 @@ void edit(Scene& scene, const ConvertOptions& options, const Edits& edits, Conve
   if (options.order) step("--order", [&] { scene = order_spatially(scene); });
 }
 
+/// All inputs as one scene.
+Scene read_all(const ConvertOptions& options, const std::vector<std::string>& inputs,
+               ConvertProgress& progress, ConvertResult& result) {
+  Scene all;
+  for (const std::string& name : inputs) {
+    Scene scene = read(options.scene, name, progress, result);
+    if (!options.antialiased.empty()) scene.antialiased = options.antialiased == "yes";
+    if (&name == &inputs.front()) {
+      all = std::move(scene);
+      continue;
+    }
+    if (scene.size() != 0 && all.size() != 0 && scene.antialiased != all.antialiased) {
+      const auto words = [](bool antialiased) { return antialiased ? "antialiased" : "not antialiased"; };
+      throw std::invalid_argument(name + ": expected a scene that is " + words(all.antialiased) + " as " +
+                                  inputs.front() + ", found one that is " + words(scene.antialiased) +
+                                  "; --antialiased yes or no decides");
+    }
+    append(all, scene);
+  }
+  return all;
+}
+
+/// How to write `out`.
+SceneWriteOptions write_options_of(const ConvertOptions& options, const std::string& out) {
+  const std::string ending = options.format.empty() ? "" : "." + options.format;
+  SceneWriteOptions write{.ending = ending,
+                          .spz_version = options.spz_version,
+                          .spz_frame = spz_frame_named(options.spz_write_frame, "--spz-write-frame")};
+  if (out == "-") throw std::invalid_argument("-: expected a file to write, such as /dev/stdout");
+  require_scene_ending(out, write);
+  return write;
+}
+
 void convert(const ConvertOptions& options) {
   if (options.files.size() < 2)
     throw std::invalid_argument("convert: expected one or more scenes to read and a file to write, found " +
-                                std::to_string(options.files.size()) + " names");
+                                (options.files.empty() ? "nothing" : options.files[0] + " alone"));
   const Edits edits = edits_of(options);
   const std::vector<std::string> inputs(options.files.begin(), options.files.end() - 1);
   const std::string& out = options.files.back();
@@ -157,9 +197,7 @@ void convert(const ConvertOptions& options) {
     read_files.push_back({"FILE", capture_of(from).scene.string()});
   }
   require_distinct({{"FILE", out}, {"--json", options.json}}, read_files);
-  SceneWriteOptions write{.ending = options.format.empty() ? "" : "." + options.format,
-                          .spz_version = options.spz_version};
-  require_scene_ending(out, write);
+  SceneWriteOptions write = write_options_of(options, out);
   require_replaceable(out);
   const bool to_standard_output = is_standard_output(out);
   ResultFile json(options.json);
@@ -167,9 +205,7 @@ void convert(const ConvertOptions& options) {
   ConvertResult result;
   if (json.is_wanted()) result.head = head_of("swiftgs-convert");
   ConvertProgress progress(options.files.size(), out);
-  Scene scene = read(options.scene, inputs[0], progress, result);
-  for (std::size_t i = 1; i < inputs.size(); ++i)
-    append(scene, read(options.scene, inputs[i], progress, result));
+  Scene scene = read_all(options, inputs, progress, result);
   edit(scene, options, edits, progress, result);
 
   const auto begin = std::chrono::steady_clock::now();
@@ -218,6 +254,13 @@ void add_convert(CLI::App& app) {
   command->add_option("--format", options->format, "Ending that says what is written [that of OUT]");
   command->add_option("--spz-version", options->spz_version, "Version of an .spz file to write: 3 or 4")
       ->capture_default_str();
+  command
+      ->add_option("--spz-write-frame", options->spz_write_frame,
+                   "Axes of an .spz file to write: specified (RUB), rub, rdf, luf, or raw (a PLY's, which\n"
+                   "programs expect that take its numbers unchanged)")
+      ->capture_default_str();
+  command->add_option("--antialiased", options->antialiased,
+                      "Say of all scenes that they are antialiased: yes or no [as their files say]");
   command->add_option("--degree", options->degree, "Highest degree of harmonics to keep")
       ->capture_default_str();
   command->add_option("--transform", options->transforms, "Moves the scene")->allow_extra_args(false);

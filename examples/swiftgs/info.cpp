@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <chrono>
-#include <cstdint>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -84,29 +81,14 @@ struct Beside {
   std::string cameras, photos;  ///< empty where there are none
 };
 
-/// What reading took.
-struct Reading {
-  std::optional<std::uintmax_t> bytes;  ///< of the file; none of the built-in scene
-  double seconds = 0;
-};
-
-SceneFile timed_load(const InfoOptions& options, const Capture& capture, Reading& reading) {
-  const auto begin = std::chrono::steady_clock::now();
-  SceneFile file = load(options.scene);
-  reading.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (!capture.scene.empty()) reading.bytes = std::filesystem::file_size(capture.scene);
-  return file;
-}
-
-void print_info(const std::string& name, const SceneFile& file, const Reading& reading,
-                const Beside& beside) {
+void print_info(const std::string& name, const SceneFile& file, double seconds, const Beside& beside) {
   const Scene& scene = file.scene;
   std::printf("%-15s %s\n", "scene", name.c_str());
   if (!beside.cameras.empty()) std::printf("%-15s %s\n", "cameras", beside.cameras.c_str());
   if (!beside.photos.empty()) std::printf("%-15s %s\n", "photographs", beside.photos.c_str());
   std::printf("%-15s %s\n", "format", file.format.c_str());
-  if (reading.bytes) std::printf("%-15s %ju\n", "bytes", *reading.bytes);
-  std::printf("%-15s %.3g s\n", "read in", reading.seconds);
+  if (file.bytes != 0) std::printf("%-15s %llu\n", "bytes", static_cast<unsigned long long>(file.bytes));
+  std::printf("%-15s %.3g s\n", "read in", seconds);
   std::printf("%-15s %zu\n", "Gaussians", scene.size());
   std::printf("%-15s %llu of %llu (not finite)\n", "dropped",
               static_cast<unsigned long long>(file.dropped_nonfinite),
@@ -120,14 +102,14 @@ void print_info(const std::string& name, const SceneFile& file, const Reading& r
 
 Json or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
-std::string to_json(const std::string& scene, const SceneFile& file, const Reading& reading,
-                    const Beside& beside, const std::vector<Distribution>& distributions) {
+std::string to_json(const std::string& scene, const SceneFile& file, double seconds, const Beside& beside,
+                    const std::vector<Distribution>& distributions) {
   Json json{{"scene", scene},
             {"cameras", or_null(beside.cameras)},
             {"photos", or_null(beside.photos)},
             {"file_format", file.format},
-            {"bytes", reading.bytes ? Json(*reading.bytes) : Json()},
-            {"seconds", rounded(reading.seconds, 4)},
+            {"bytes", file.bytes != 0 ? Json(file.bytes) : Json()},
+            {"seconds", rounded(seconds, 4)},
             {"gaussians", file.scene.size()},
             {"stored", file.stored},
             {"dropped", file.dropped_nonfinite},
@@ -148,15 +130,16 @@ void info(const InfoOptions& options) {
   const Capture capture = capture_of(options.scene);
   require_distinct({{"--json", options.json}}, {{"SCENE", capture.scene.string()}});
   ResultFile json(options.json);
-  Reading reading;
-  const SceneFile file = timed_load(options, capture, reading);
+  const auto begin = std::chrono::steady_clock::now();
+  const SceneFile file = load(options.scene);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const Beside beside{cameras_of(options.scene, ""), photos_of(options.scene, {}, "")};
   const std::vector<Distribution> distributions = distributions_of(file.scene);
   if (!json.is_standard_output()) {
-    print_info(options.scene.scene, file, reading, beside);
+    print_info(options.scene.scene, file, seconds, beside);
     print_distributions(distributions);
   }
-  if (json.is_wanted()) json.write(to_json(capture.name, file, reading, beside, distributions));
+  if (json.is_wanted()) json.write(to_json(capture.name, file, seconds, beside, distributions));
   json.finish();
 }
 

@@ -25,7 +25,8 @@ void add_scene(CLI::App& command, SceneOptions& options) {
 void add_scene_reading(CLI::App& command, SceneOptions& options) {
   command
       .add_option("--spz-frame", options.spz_frame,
-                  "Axes of an .spz file: specified (what the file says), rub, rdf, luf or raw")
+                  "Axes of an .spz file that is read: specified (what the file says, or RUB), rub, rdf,\n"
+                  "luf, or raw (its numbers unchanged)")
       ->capture_default_str();
   command.add_option("--level", options.level, "Level of detail of a streamed SOG; 0 is the finest")
       ->capture_default_str();

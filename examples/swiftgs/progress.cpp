@@ -22,9 +22,9 @@ void Progress::start(const std::string& what) {
 }
 
 std::string Progress::time_left() const {
-  if (done_ == 0) return {};
+  if (done_ <= begin_) return {};
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begun_;
-  const auto seconds = long(elapsed.count() / double(done_) * double(total_ - done_));
+  const auto seconds = long(elapsed.count() / double(done_ - begin_) * double(end_ - done_));
   return seconds < 60 ? ", " + std::to_string(seconds) + " s left"
                       : ", " + std::to_string(seconds / 60 + 1) + " min left";
 }

@@ -22,6 +22,8 @@ class Progress {
   void step() { ++done_; }
   /// So much of the total is done.
   void advance_to(std::size_t done) { done_ = done; }
+  /// From here to `end` is work of one kind: from now on the time left is told for it alone.
+  void begin_part(std::size_t end) { begin_ = done_, end_ = end, begun_ = std::chrono::steady_clock::now(); }
   /// Removes the bar, so that a line can be printed.
   void clear();
 
@@ -29,6 +31,7 @@ class Progress {
   std::string time_left() const;
 
   std::size_t total_, done_ = 0;
+  std::size_t begin_ = 0, end_ = total_;  ///< of the part whose time is told
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
   bool terminal_, shown_ = false;
 };

@@ -15,16 +15,16 @@ namespace {
 constexpr std::string_view builtin_name = "builtin";
 constexpr std::size_t builtin_limit = 100'000'000;
 
-SpzFrame spz_frame_named(const std::string& name) {
+}  // namespace
+
+SpzFrame spz_frame_named(const std::string& name, const std::string& option) {
   if (name == "specified") return SpzFrame::specified;
   if (name == "rub") return SpzFrame::rub;
   if (name == "rdf") return SpzFrame::rdf;
   if (name == "luf") return SpzFrame::luf;
   if (name == "raw") return SpzFrame::raw;
-  throw std::invalid_argument("--spz-frame '" + name + "': expected specified, rub, rdf, luf or raw");
+  throw std::invalid_argument(option + " '" + name + "': expected specified, rub, rdf, luf or raw");
 }
-
-}  // namespace
 
 std::optional<std::size_t> builtin_size(std::string_view scene) {
   if (scene == builtin_name) return builtin_scene_size;
@@ -49,8 +49,9 @@ Capture capture_of(const SceneOptions& options) {
 }
 
 SceneFile load(const SceneOptions& options, const swiftgs::Progress& progress) {
-  const SceneReadOptions read{
-      .spz_frame = spz_frame_named(options.spz_frame), .level = options.level, .progress = progress};
+  const SceneReadOptions read{.spz_frame = spz_frame_named(options.spz_frame, "--spz-frame"),
+                              .level = options.level,
+                              .progress = progress};
   const std::optional<std::size_t> size = builtin_size(options.scene);
   if (!size) return read_scene(capture_of(options).scene, read);
   SceneFile file;

@@ -17,6 +17,9 @@ namespace swiftgs::cli {
 /// `std::invalid_argument` for `builtin:` with anything but a number.
 std::optional<std::size_t> builtin_size(std::string_view scene);
 
+/// The axes of an SPZ file that `option` names. Throws `std::invalid_argument` if there are none so called.
+SpzFrame spz_frame_named(const std::string& name, const std::string& option);
+
 /// The scene and what lies beside it. Of the built-in scene only the name is there, `builtin:N`. Throws what
 /// `find_capture` throws.
 Capture capture_of(const SceneOptions& options);

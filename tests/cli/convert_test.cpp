@@ -169,6 +169,36 @@ TEST_CASE("cli convert: --level chooses the level of detail of a streamed SOG") 
   fails(place, "lod-meta.json b.ply --level 2", "expected level 2 of detail, found 2 levels, 0 to 1");
 }
 
+TEST_CASE(
+    "cli convert: only scenes that are alike antialiased are joined, unless an option says what they are") {
+  const Place place;
+  Scene other = place.a;
+  other.antialiased = true;
+  write_scene(place / "other.ply", other);
+  fails(place, "a.ply other.ply b.ply",
+        "other.ply: expected a scene that is not antialiased as a.ply, found one that is antialiased; "
+        "--antialiased yes or no decides");
+  for (const std::string said : {"yes", "no"}) {
+    run(place, "convert a.ply other.ply b.ply --antialiased " + said);
+    const Scene joined = load_scene(place / "b.ply");
+    CHECK(joined.size() == 600);
+    CHECK(joined.antialiased == (said == "yes"));
+  }
+}
+
+TEST_CASE("cli convert: an .spz is written with the axes that --spz-write-frame names") {
+  const Place place;
+  run(place, "convert a.ply usual.spz");
+  run(place, "convert a.ply raw.spz --spz-write-frame raw");
+  const auto means = [&](const std::string& name, swiftgs::SpzFrame frame) {
+    return swiftgs::read_scene(place / name, {.spz_frame = frame}).scene.means;
+  };
+  using swiftgs::SpzFrame;
+  CHECK(means("raw.spz", SpzFrame::specified) == means("usual.spz", SpzFrame::specified));
+  CHECK(means("raw.spz", SpzFrame::raw) == means("usual.spz", SpzFrame::specified));
+  CHECK(means("usual.spz", SpzFrame::raw) != means("usual.spz", SpzFrame::specified));
+}
+
 TEST_CASE("cli convert: every format is written and read again") {
   const Place place;
   for (const std::string ending : {"ply", "compressed.ply", "spz", "sog", "splat"}) {
@@ -195,6 +225,9 @@ TEST_CASE("cli convert: a pipe takes the scene alone, in the format that --forma
 TEST_CASE("cli convert: bad arguments are one line, and nothing is written") {
   const Place place;
   fails(place, "a.ply", "expected one or more scenes to read and a file to write");
+  fails(place, "a.ply -", "-: expected a file to write, such as /dev/stdout");
+  fails(place, "a.ply b.ply --antialiased maybe", "--antialiased maybe: expected yes or no");
+  fails(place, "a.ply b.ply --spz-write-frame up", "--spz-write-frame 'up': expected specified, rub");
   fails(place, "a.ply b.xyz", "b.xyz: expected a scene's name that ends in one of");
   fails(place, "a.ply b.ply --format xyz", ".xyz: expected a scene's name");
   fails(place, "missing.ply b.ply", "missing.ply: No such file");

@@ -189,6 +189,8 @@ TEST_CASE("gltf: buffers in other files are found in the folder of the file alon
   };
   for (const char* uri : {"my%20data.bin", "my data.bin", "parts/b.bin", "./parts/b.bin", "parts%2fb.bin"})
     check_same(read_scene(folder.write("scene/a.gltf", text(uri))).scene, scene);
+  const SceneFile file = read_scene(folder.write("scene/a.gltf", text("parts/b.bin")));
+  CHECK(file.bytes == text("parts/b.bin").size() + parts.buffer.size());
   for (const std::string& uri :
        {std::string("../outside.bin"), std::string("parts/../../outside.bin"),
         std::string("%2e%2E/outside.bin"), (folder / "outside.bin").string(),

@@ -46,6 +46,9 @@ TEST_CASE("scene file: foreign files are refused at byte 0 and named where they 
   CHECK(complaint_about("[{\"img_name\": 1}]") == start + "JSON of cameras (cameras.json)");
   CHECK(complaint_about("{}") == start + "JSON");
   CHECK(complaint_about("\x89PNG\r\n") == start + "a PNG image");
+  CHECK(complaint_about("<!DOCTYPE html><html>") == start + "a page of HTML");
+  CHECK(complaint_about("version https://git-lfs.github.com/spec/v1\noid") ==
+        start + "a pointer of Git LFS, whose content is not there");
   CHECK(complaint_about("\xff\xd8\xff\xe0") == start + "a JPEG image");
   CHECK(complaint_about(std::string(64, '\0')) == start + "something else");
   CHECK(complaint_about("plywood\n") == start + "something else");

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <string>
 #include <system_error>
 
 #include <swiftgs/io/capture.hpp>
@@ -61,6 +63,13 @@ TEST_CASE("streamed sog: a level is the Gaussians of its chunks in the order of 
   std::vector<float> sh = first.sh_rest;
   sh.resize(28 * 9);
   CHECK(fine.scene.sh_rest == sh);
+
+  std::uintmax_t bytes = lod_meta().dump().size();
+  for (const char* chunk : {"0_0", "0_1"})
+    for (const auto& image :
+         std::filesystem::directory_iterator(streamed.place / ("scan/" + std::string(chunk))))
+      bytes += image.file_size();
+  CHECK(fine.bytes == bytes);
 
   const SceneFile coarse = streamed.read(lod_meta(), 1);
   CHECK(coarse.format == "streamed SOG, level 1 of 2");

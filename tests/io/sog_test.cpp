@@ -115,6 +115,10 @@ TEST_CASE("sog: a folder is read by its own path and by that of its meta.json") 
     const Scene bundled = read(parts).scene;
     CHECK(load_scene(meta).means == bundled.means);
     CHECK(load_scene(meta.parent_path()).sh_rest == bundled.sh_rest);
+    std::uintmax_t bytes = 0;
+    for (const auto& file : std::filesystem::directory_iterator(meta.parent_path()))
+      bytes += file.file_size();
+    CHECK(read_scene(meta).bytes == bytes);
   }
 }
 

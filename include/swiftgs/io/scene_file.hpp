@@ -34,6 +34,7 @@ struct SceneReadOptions {
 struct SceneFile {
   Scene scene;
   std::string format;                   ///< such as "INRIA PLY (binary_little_endian)" or "SPZ version 2"
+  std::uint64_t bytes = 0;              ///< of the file, and of those that it names and were read
   std::uint64_t stored = 0;             ///< Gaussians in the file
   std::uint64_t dropped_nonfinite = 0;  ///< those of them with a NaN or an infinity that cannot be rendered
   std::vector<std::string> notes;       ///< what of the file the scene does not carry, a sentence each
