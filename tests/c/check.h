@@ -61,6 +61,7 @@ void test_views(void);
 void test_over(void);
 void test_occluder(void);
 void test_conventions(void);
+void test_each_convention(void);
 void test_recorded(void);
 void test_measures(void);
 void test_sharing(void);

@@ -181,6 +181,60 @@ void test_occluder(void) {
   swiftgs_renderer_free(renderer);
 }
 
+/* Alpha of a pixel whose centre a Gaussian of opacity 1/2 lies on, 2 in front of the camera. */
+static float alpha_of_one(const swiftgs_conventions* conventions) {
+  const float mean[3] = {0, 0, 2}, scale[3] = {0.01f, 0.01f, 0.01f}, rotation[4] = {1, 0, 0, 0}, half = 0.5f;
+  swiftgs_gaussians one = {.size = sizeof(one), .count = 1};
+  one.means.data = one.sh0.data = mean, one.scales.data = scale, one.rotations.data = rotation;
+  one.opacities.data = &half;
+  swiftgs_scene* scene = NULL;
+  swiftgs_renderer* renderer = NULL;
+  CHECK_OK(swiftgs_scene_from_arrays(&one, &scene));
+  CHECK_OK(swiftgs_renderer_create("serial/early/per-pixel/ellipse", NULL, &renderer));
+  CHECK_OK(swiftgs_renderer_set_scene(renderer, scene));
+  const swiftgs_camera camera = {.size = sizeof(camera),
+                                 .width = 1,
+                                 .height = 1,
+                                 .rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                 .fx = 1,
+                                 .fy = 1,
+                                 .cx = 0.5,
+                                 .cy = 0.5};
+  float alpha = -1;
+  const swiftgs_view view = {
+      .size = sizeof(view), .camera = &camera, .conventions = conventions, .alpha = {&alpha, sizeof(alpha)}};
+  const swiftgs_frame frame = make_frame(&view, 1);
+  CHECK_OK(swiftgs_renderer_render(renderer, &frame));
+  swiftgs_renderer_free(renderer);
+  swiftgs_scene_free(scene);
+  return alpha;
+}
+
+void test_each_convention(void) {
+  swiftgs_conventions gsplat = {.size = sizeof(gsplat)};
+  CHECK_OK(swiftgs_conventions_named("gsplat", &gsplat));
+  CHECK(alpha_of_one(&gsplat) == 0.5f);
+  swiftgs_conventions c = gsplat;
+  c.far_plane = 1;
+  CHECK(alpha_of_one(&c) == 0);
+  c = gsplat, c.near_plane = 2;
+  CHECK(alpha_of_one(&c) == 0.5f);
+  c.cull_at_near = 1;
+  CHECK(alpha_of_one(&c) == 0);
+  c = gsplat, c.alpha_min = 0.6f;
+  CHECK(alpha_of_one(&c) == 0);
+  c = gsplat, c.alpha_max = 0.25f;
+  CHECK(alpha_of_one(&c) == 0.25f);
+  c = gsplat, c.stop = 0.5f;
+  CHECK(alpha_of_one(&c) == 0);
+  c.stop_at_equal = 0;
+  CHECK(alpha_of_one(&c) == 0.5f);
+  c = gsplat, c.antialiased = 1;
+  CHECK(alpha_of_one(&c) < 0.25f); /* a splat much smaller than a pixel */
+  c.min_compensation = 1;
+  CHECK(alpha_of_one(&c) == 0.5f);
+}
+
 void test_conventions(void) {
   swiftgs_conventions gsplat = {.size = sizeof(gsplat)}, inria = {.size = sizeof(inria)};
   CHECK_OK(swiftgs_conventions_named("gsplat", &gsplat));

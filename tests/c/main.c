@@ -111,6 +111,7 @@ static const struct test_case cases[] = {
     {"over", test_over},
     {"occluder", test_occluder},
     {"conventions", test_conventions},
+    {"each_convention", test_each_convention},
     {"recorded", test_recorded},
     {"measures", test_measures},
     {"sharing", test_sharing},

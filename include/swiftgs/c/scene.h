@@ -104,7 +104,7 @@ typedef struct swiftgs_gaussians {
 /// Copies arrays into a scene. Arrays of a device are brought to the host; the copy waits for `stream`. A
 /// Gaussian with a NaN or an infinity stays in the scene and is not drawn. Errors:
 /// `SWIFTGS_INVALID_ARGUMENT`, `SWIFTGS_OUT_OF_MEMORY`; on a device `SWIFTGS_DEVICE_ERROR`, and
-/// `SWIFTGS_UNAVAILABLE` in a build without CUDA.
+/// `SWIFTGS_UNAVAILABLE` where this build has no device.
 SWIFTGS_C_API swiftgs_status swiftgs_scene_from_arrays(const swiftgs_gaussians* gaussians,
                                                        swiftgs_scene** scene);
 
