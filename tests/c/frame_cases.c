@@ -242,6 +242,8 @@ void test_conventions(void) {
   CHECK(gsplat.near_plane == 0.01f && gsplat.stop_at_equal == 1 &&
         gsplat.clamp == SWIFTGS_CLAMP_AROUND_IMAGE && gsplat.footprint == SWIFTGS_FOOTPRINT_ALPHA &&
         gsplat.blur == 0.3f && gsplat.alpha_max == 0.99f);
+  CHECK(gsplat.far_plane == 1e10f && gsplat.cull_at_near == 0 && gsplat.antialiased == 0 &&
+        gsplat.min_compensation == 2.5e-5f && gsplat.alpha_min == 1.0f / 255 && gsplat.stop == 1e-4f);
   CHECK(inria.near_plane == 0.2f && inria.cull_at_near == 1 && inria.stop_at_equal == 0 &&
         isinf(inria.far_plane) && inria.clamp == SWIFTGS_CLAMP_AROUND_CENTRE &&
         inria.footprint == SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE);
