@@ -6,6 +6,7 @@ set(swiftgs_warnings -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion)
 list(JOIN swiftgs_warnings "," host_warnings)
 # What nvcc hands to the host's compiler is not pedantic.
 list(APPEND swiftgs_warnings -Wpedantic $<$<BOOL:${SWIFTGS_WARNINGS_AS_ERRORS}>:-Werror>)
+
 add_library(swiftgs_warnings INTERFACE)
 target_compile_options(swiftgs_warnings INTERFACE
   "$<$<COMPILE_LANGUAGE:C>:${swiftgs_warnings}>"
