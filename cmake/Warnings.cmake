@@ -9,6 +9,7 @@ list(APPEND swiftgs_warnings -Wpedantic $<$<BOOL:${SWIFTGS_WARNINGS_AS_ERRORS}>:
 
 add_library(swiftgs_warnings INTERFACE)
 target_compile_options(swiftgs_warnings INTERFACE
+  "$<$<COMPILE_LANGUAGE:C>:${swiftgs_warnings}>"
   "$<$<COMPILE_LANGUAGE:CXX>:${swiftgs_warnings}>"
   "$<$<COMPILE_LANGUAGE:CUDA>:-Xcompiler=${host_warnings}>"
   "$<$<AND:$<COMPILE_LANGUAGE:CUDA>,$<BOOL:${SWIFTGS_WARNINGS_AS_ERRORS}>>:SHELL:-Werror all-warnings>")

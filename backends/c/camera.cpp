@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "camera.hpp"
+
+#include <memory>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/io/cameras.hpp>
+
+#include "error.hpp"
+#include "structs.hpp"
+
+struct swiftgs_cameras {
+  std::vector<swiftgs::Camera> each;
+};
+
+namespace swiftgs::c {
+namespace {
+
+constexpr const char* a_camera = "swiftgs_camera";
+
+dvec3 to_vector(const double (&v)[3]) { return dvec3(v[0], v[1], v[2]); }
+
+const Camera& at(const swiftgs_cameras* cameras, std::size_t index) {
+  require_pointer(cameras, "cameras");
+  if (index >= cameras->each.size())
+    throw std::invalid_argument("cameras: number " + std::to_string(index) + ", expected less than " +
+                                std::to_string(cameras->each.size()));
+  return cameras->each[index];
+}
+
+}  // namespace
+
+Camera to_camera(const swiftgs_camera* given) {
+  const swiftgs_camera from = read_struct(given, a_camera);
+  require_zero(from.reserved, a_camera);
+  Camera camera;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) camera.rotation[column][row] = from.rotation[3 * row + column];
+  camera.translation = to_vector(from.translation);
+  camera.fx = from.fx, camera.fy = from.fy, camera.cx = from.cx, camera.cy = from.cy;
+  camera.width = from.width, camera.height = from.height;
+  return camera;
+}
+
+void write_camera(swiftgs_camera* given, const Camera& camera) {
+  swiftgs_camera to{};
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) to.rotation[3 * row + column] = camera.rotation[column][row];
+  for (int axis = 0; axis < 3; ++axis) to.translation[axis] = camera.translation[axis];
+  to.fx = camera.fx, to.fy = camera.fy, to.cx = camera.cx, to.cy = camera.cy;
+  to.width = camera.width, to.height = camera.height;
+  write_struct(given, to, a_camera);
+}
+
+}  // namespace swiftgs::c
+
+using namespace swiftgs::c;
+
+extern "C" {
+
+swiftgs_status swiftgs_cameras_read(const char* path, swiftgs_cameras** cameras) {
+  return guarded([&] {
+    require_pointer(path, "path");
+    require_pointer(cameras, "cameras");
+    *cameras = std::make_unique<swiftgs_cameras>(swiftgs_cameras{swiftgs::read_cameras(path)}).release();
+  });
+}
+
+void swiftgs_cameras_free(swiftgs_cameras* cameras) { delete cameras; }
+
+swiftgs_status swiftgs_cameras_count(const swiftgs_cameras* cameras, size_t* count) {
+  return guarded([&] {
+    require_pointer(cameras, "cameras");
+    require_pointer(count, "count");
+    *count = cameras->each.size();
+  });
+}
+
+swiftgs_status swiftgs_cameras_get(const swiftgs_cameras* cameras, size_t index, swiftgs_camera* camera) {
+  return guarded([&] { write_camera(camera, at(cameras, index)); });
+}
+
+swiftgs_status swiftgs_cameras_name(const swiftgs_cameras* cameras, size_t index, const char** name) {
+  return guarded([&] {
+    require_pointer(name, "name");
+    *name = at(cameras, index).name.c_str();
+  });
+}
+
+swiftgs_status swiftgs_camera_look_at(const swiftgs_look_at* from, swiftgs_camera* camera) {
+  return guarded([&] {
+    const swiftgs_look_at look = read_struct(from, "swiftgs_look_at");
+    require_zero(look.reserved, "swiftgs_look_at");
+    if (!(look.vertical_fov > 0 && look.vertical_fov < std::numbers::pi))
+      throw std::invalid_argument("swiftgs_look_at: vertical_fov is " + std::to_string(look.vertical_fov) +
+                                  ", expected more than 0 and less than pi");
+    const swiftgs::Camera made =
+        swiftgs::look_at(to_vector(look.eye), to_vector(look.target), to_vector(look.up), look.vertical_fov,
+                         look.width, look.height);
+    validate(made);
+    write_camera(camera, made);
+  });
+}
+
+swiftgs_status swiftgs_camera_scale(swiftgs_camera* camera, double scale) {
+  return guarded([&] {
+    const swiftgs::Camera made = swiftgs::scaled(to_camera(camera), scale);
+    validate(made);
+    write_camera(camera, made);
+  });
+}
+
+swiftgs_status swiftgs_camera_builtin(int32_t width, int32_t height, swiftgs_camera* camera) {
+  return guarded([&] {
+    const swiftgs::Camera made = swiftgs::builtin_camera(width, height);
+    validate(made);
+    write_camera(camera, made);
+  });
+}
+
+}  // extern "C"

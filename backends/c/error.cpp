@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "error.hpp"
+
+#include <exception>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include <swiftgs/error.hpp>
+#include <swiftgs/io/progress.hpp>
+#include <swiftgs/version.hpp>
+
+namespace swiftgs::c {
+namespace {
+
+/// The text of an error that there may be no memory to copy.
+struct LastError {
+  std::string copy;
+  const char* text = "";
+
+  void keep(const char* what) noexcept {
+    try {
+      copy = what;
+      text = copy.c_str();
+    } catch (...) {
+      text = "out of memory, also for the text of an error";
+    }
+  }
+};
+
+LastError& last_error() {
+  thread_local LastError error;
+  return error;
+}
+
+/// Statuses of exceptions, derived classes before their bases.
+swiftgs_status status_of(const std::exception& error) {
+  const auto is = [&]<class E>() { return dynamic_cast<const E*>(&error) != nullptr; };
+  if (is.template operator()<std::length_error>()) return SWIFTGS_OUT_OF_MEMORY;
+  if (is.template operator()<std::invalid_argument>()) return SWIFTGS_INVALID_ARGUMENT;
+  if (is.template operator()<std::logic_error>()) return SWIFTGS_LOGIC_ERROR;
+  if (is.template operator()<std::bad_alloc>()) return SWIFTGS_OUT_OF_MEMORY;
+  if (is.template operator()<FormatError>()) return SWIFTGS_FORMAT_ERROR;
+  if (is.template operator()<Cancelled>()) return SWIFTGS_CANCELLED;
+  if (is.template operator()<CapacityError>()) return SWIFTGS_CAPACITY_ERROR;
+  if (is.template operator()<DeviceError>()) return SWIFTGS_DEVICE_ERROR;
+  if (is.template operator()<std::system_error>()) return SWIFTGS_SYSTEM_ERROR;
+  if (is.template operator()<std::runtime_error>()) return SWIFTGS_UNAVAILABLE;
+  return SWIFTGS_INTERNAL_ERROR;
+}
+
+}  // namespace
+
+swiftgs_status keep_exception() noexcept {
+  try {
+    throw;
+  } catch (const std::exception& error) {
+    const swiftgs_status status = status_of(error);
+    last_error().keep(status == SWIFTGS_OUT_OF_MEMORY ? "out of memory" : error.what());
+    return status;
+  } catch (...) {
+    last_error().keep("an exception without a text, expected one of the library");
+    return SWIFTGS_INTERNAL_ERROR;
+  }
+}
+
+}  // namespace swiftgs::c
+
+extern "C" {
+
+const char* swiftgs_status_name(swiftgs_status status) {
+  switch (status) {
+    case SWIFTGS_OK:
+      return "SWIFTGS_OK";
+    case SWIFTGS_INVALID_ARGUMENT:
+      return "SWIFTGS_INVALID_ARGUMENT";
+    case SWIFTGS_FORMAT_ERROR:
+      return "SWIFTGS_FORMAT_ERROR";
+    case SWIFTGS_CANCELLED:
+      return "SWIFTGS_CANCELLED";
+    case SWIFTGS_SYSTEM_ERROR:
+      return "SWIFTGS_SYSTEM_ERROR";
+    case SWIFTGS_DEVICE_ERROR:
+      return "SWIFTGS_DEVICE_ERROR";
+    case SWIFTGS_CAPACITY_ERROR:
+      return "SWIFTGS_CAPACITY_ERROR";
+    case SWIFTGS_LOGIC_ERROR:
+      return "SWIFTGS_LOGIC_ERROR";
+    case SWIFTGS_OUT_OF_MEMORY:
+      return "SWIFTGS_OUT_OF_MEMORY";
+    case SWIFTGS_UNAVAILABLE:
+      return "SWIFTGS_UNAVAILABLE";
+    case SWIFTGS_INTERNAL_ERROR:
+      return "SWIFTGS_INTERNAL_ERROR";
+    default:
+      return "unknown status";
+  }
+}
+
+const char* swiftgs_last_error(void) { return swiftgs::c::last_error().text; }
+
+const char* swiftgs_version(void) { return swiftgs::version.data(); }
+
+uint32_t swiftgs_abi_version(void) { return SWIFTGS_ABI_MAJOR << 16 | SWIFTGS_ABI_MINOR; }
+
+}  // extern "C"

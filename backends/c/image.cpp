@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <name_ending.hpp>
+
+#include <swiftgs/c/view.h>
+#include <swiftgs/frame.hpp>
+#include <swiftgs/io/image.hpp>
+#include <swiftgs/render_input.hpp>
+
+#include "error.hpp"
+#include "structs.hpp"
+
+namespace swiftgs::c {
+namespace {
+
+using Writer = void (*)(const std::filesystem::path& path, const Frame& frame);
+
+Writer writer_of(std::string_view path) {
+  if (io::has_ending(path, ".png")) return &write_png;
+  if (io::has_ending(path, ".pfm")) return &write_pfm;
+  if (io::has_ending(path, ".exr")) return &write_exr;
+  throw std::invalid_argument(std::string(path) + ": expected a name that ends in .png, .pfm or .exr");
+}
+
+Plane<float> to_plane(const swiftgs_plane& from) {
+  return {static_cast<float*>(from.data), std::ptrdiff_t(from.pitch)};
+}
+
+/// The rows of `plane`, one behind the other.
+void copy(const Plane<float>& plane, std::size_t row, std::size_t rows, std::vector<float>& to) {
+  if (!plane.data) return;
+  to.resize(row * rows);
+  for (std::size_t y = 0; y < rows; ++y) std::memcpy(&to[y * row], plane.row(y), row * sizeof(float));
+}
+
+Frame to_frame(const swiftgs_image& from) {
+  require_zero(from.reserved, "swiftgs_image");
+  require_pointer(from.colour.data, "swiftgs_image: colour");
+  FrameView view{.width = from.width, .height = from.height};
+  view.colour = {from.colour.data, std::ptrdiff_t(from.colour.pitch)};
+  view.alpha = to_plane(from.alpha), view.depth = to_plane(from.depth);
+  validate(view);
+  Frame frame{.width = from.width, .height = from.height, .colour = {}, .alpha = {}, .depth = {}};
+  const auto width = std::size_t(from.width), height = std::size_t(from.height);
+  copy(to_plane(from.colour), 3 * width, height, frame.colour);
+  copy(view.alpha, width, height, frame.alpha);
+  copy(view.depth, width, height, frame.depth);
+  return frame;
+}
+
+}  // namespace
+}  // namespace swiftgs::c
+
+using namespace swiftgs::c;
+
+extern "C" swiftgs_status swiftgs_image_write(const char* path, const swiftgs_image* image) {
+  return guarded([&] {
+    require_pointer(path, "path");
+    const Writer write = writer_of(path);
+    write(path, to_frame(read_struct(image, "swiftgs_image")));
+  });
+}

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What frames and renderers tell of themselves.
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/sort/calibration.hpp>
+#include <swiftgs/statistics.hpp>
+
+#include "error.hpp"
+#include "renderer.hpp"
+#include "structs.hpp"
+
+namespace swiftgs::c {
+namespace {
+
+swiftgs_statistics to_struct(const Statistics& from) {
+  swiftgs_statistics to{};
+  to.gaussians = from.gaussians, to.visible = from.visible, to.instances = from.instances;
+  to.instances_visited = from.raster.instances_visited, to.rows_visited = from.raster.rows_visited;
+  to.contributing_pairs = from.raster.contributing_pairs, to.pixels_stopped = from.raster.pixels_stopped;
+  to.pieces = from.raster.pieces, to.pixels_joined = from.raster.pixels_joined;
+  to.longest_item = from.raster.longest_item;
+  to.balanced_ms = from.balanced_ms();
+  return to;
+}
+
+SortCalibration to_calibration(const swiftgs_calibration& from) {
+  require_zero(from.reserved, "swiftgs_calibration");
+  return {std::size_t(from.gaussians), from.width, from.height, from.standard_ms, from.early_ms};
+}
+
+}  // namespace
+}  // namespace swiftgs::c
+
+using namespace swiftgs::c;
+
+extern "C" {
+
+swiftgs_status swiftgs_renderer_times(swiftgs_renderer* renderer, swiftgs_times* times) {
+  return guarded([&] {
+    const swiftgs::StageTimes taken = of(renderer).times();
+    write_struct(times, {0, 0, taken.project, taken.sort, taken.raster, taken.total}, "swiftgs_times");
+  });
+}
+
+swiftgs_status swiftgs_renderer_statistics(const swiftgs_renderer* renderer, swiftgs_statistics* statistics) {
+  return guarded([&] {
+    swiftgs::AnyRenderer& any = of(renderer);
+    check_struct(statistics, "swiftgs_statistics");
+    write_struct(statistics, to_struct(any.statistics()), "swiftgs_statistics");
+  });
+}
+
+swiftgs_status swiftgs_renderer_memory(const swiftgs_renderer* renderer, swiftgs_memory* memory) {
+  return guarded([&] {
+    const swiftgs::StageMemory kept = of(renderer).memory();
+    const swiftgs::MemoryUse device = of(renderer).device_memory().value_or(swiftgs::MemoryUse{});
+    const std::size_t frames = renderer->host_frames ? renderer->host_frames->bytes() : 0;
+    write_struct(memory, {0, 0, kept.project, kept.sort, kept.raster + frames, device.in_use, device.total},
+                 "swiftgs_memory");
+  });
+}
+
+swiftgs_status swiftgs_renderer_calibration(const swiftgs_renderer* renderer,
+                                            swiftgs_calibration* calibration) {
+  return guarded([&] {
+    const swiftgs::SortCalibration known = of(renderer).calibration().value_or(swiftgs::SortCalibration{});
+    write_struct(calibration,
+                 {0, known.width, known.height, 0, known.gaussians, known.standard_ms, known.early_ms},
+                 "swiftgs_calibration");
+  });
+}
+
+swiftgs_status swiftgs_renderer_use_calibrations(swiftgs_renderer* renderer,
+                                                 const swiftgs_calibration* calibrations, size_t count) {
+  return guarded([&] {
+    swiftgs::AnyRenderer& any = of(renderer);
+    std::vector<swiftgs::SortCalibration> saved;
+    for_each_struct(calibrations, count, "swiftgs_calibration",
+                    [&](const swiftgs_calibration& each) { saved.push_back(to_calibration(each)); });
+    any.use_calibrations(std::move(saved));
+  });
+}
+
+}  // extern "C"

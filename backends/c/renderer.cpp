@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderer.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/any_renderer.hpp>
+
+#include "device.hpp"
+#include "error.hpp"
+#include "scene.hpp"
+#include "structs.hpp"
+
+namespace swiftgs::c {
+namespace {
+
+/// Names that end in zero.
+const std::vector<std::string>& names() {
+  static const std::vector<std::string> all = [] {
+    std::vector<std::string> copies;
+    for (const RendererEntry& entry : renderers()) copies.emplace_back(entry.name);
+    return copies;
+  }();
+  return all;
+}
+
+BackendOptions to_options(const swiftgs_renderer_options& from) {
+  BackendOptions options{from.threads, static_cast<::CUstream_st*>(from.stream), {}};
+  if (from.allocate || from.release) {
+    options.memory = {from.allocate, from.release, from.context};
+    validate(*options.memory);
+  }
+  return options;
+}
+
+}  // namespace
+}  // namespace swiftgs::c
+
+using namespace swiftgs::c;
+
+extern "C" {
+
+swiftgs_status swiftgs_renderers_count(size_t* count) {
+  return guarded([&] {
+    require_pointer(count, "count");
+    *count = swiftgs::renderers().size();
+  });
+}
+
+swiftgs_status swiftgs_renderers_get(size_t index, swiftgs_renderer_entry* entry) {
+  return guarded([&] {
+    const auto& all = swiftgs::renderers();
+    if (index >= all.size())
+      throw std::invalid_argument("renderers: number " + std::to_string(index) + ", expected less than " +
+                                  std::to_string(all.size()));
+    write_struct(entry, {0, all[index].usable, names()[index].c_str()}, "swiftgs_renderer_entry");
+  });
+}
+
+swiftgs_status swiftgs_renderer_create(const char* name, const swiftgs_renderer_options* options,
+                                       swiftgs_renderer** renderer) {
+  return guarded([&] {
+    require_pointer(name, "name");
+    require_pointer(renderer, "renderer");
+    const auto given = to_options(read_options(options, "swiftgs_renderer_options"));
+    auto made = std::make_unique<swiftgs_renderer>();
+    made->renderer = swiftgs::make_renderer(name, given);
+    made->name = name;
+    made->device_name = made->renderer->device_name();
+    if (made->renderer->device_memory()) made->host_frames = make_host_frames(given);
+    *renderer = made.release();
+  });
+}
+
+void swiftgs_renderer_free(swiftgs_renderer* renderer) { delete renderer; }
+
+swiftgs_status swiftgs_renderer_name(const swiftgs_renderer* renderer, const char** name) {
+  return guarded([&] {
+    require_pointer(renderer, "renderer");
+    require_pointer(name, "name");
+    *name = renderer->name.c_str();
+  });
+}
+
+swiftgs_status swiftgs_renderer_device_name(const swiftgs_renderer* renderer, const char** name) {
+  return guarded([&] {
+    require_pointer(renderer, "renderer");
+    require_pointer(name, "name");
+    *name = renderer->device_name.c_str();
+  });
+}
+
+swiftgs_status swiftgs_renderer_set_scene(swiftgs_renderer* renderer, const swiftgs_scene* scene) {
+  return guarded([&] {
+    require_pointer(scene, "scene");
+    of(renderer).set_scene(scene->scene);
+  });
+}
+
+swiftgs_status swiftgs_renderer_share_scene(swiftgs_renderer* renderer, const swiftgs_renderer* other) {
+  return guarded([&] {
+    if (!of(renderer).share_scene(of(other)))
+      throw std::invalid_argument("share_scene: renderer '" + other->name +
+                                  "' has no scene or another backend, expected a scene of that of '" +
+                                  renderer->name + "'");
+  });
+}
+
+swiftgs_status swiftgs_renderer_wait(swiftgs_renderer* renderer) {
+  return guarded([&] { of(renderer).wait(); });
+}
+
+swiftgs_status swiftgs_renderer_trim(swiftgs_renderer* renderer) {
+  return guarded([&] {
+    of(renderer).trim();
+    if (renderer->host_frames) renderer->host_frames->trim();
+  });
+}
+
+}  // extern "C"

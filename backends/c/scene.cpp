@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
+#include "error.hpp"
+#include "structs.hpp"
+
+namespace swiftgs::c {
+namespace {
+
+static_assert(int(SpzFrame::specified) == SWIFTGS_SPZ_SPECIFIED && int(SpzFrame::rub) == SWIFTGS_SPZ_RUB &&
+              int(SpzFrame::rdf) == SWIFTGS_SPZ_RDF && int(SpzFrame::luf) == SWIFTGS_SPZ_LUF &&
+              int(SpzFrame::raw) == SWIFTGS_SPZ_RAW);
+
+SpzFrame to_spz_frame(std::int32_t axes, const char* what) {
+  require_choice(axes, 5, what);
+  return SpzFrame(axes);
+}
+
+Progress to_progress(swiftgs_progress progress, void* context) {
+  if (!progress) return {};
+  return [=](double part) { return progress(context, part) == 0; };
+}
+
+SceneReadOptions to_options(const swiftgs_read_options& from) {
+  require_zero(from.reserved, "swiftgs_read_options");
+  return {to_spz_frame(from.spz_axes, "swiftgs_read_options: spz_axes"), from.level,
+          to_progress(from.progress, from.context)};
+}
+
+SceneWriteOptions to_options(const swiftgs_write_options& from) {
+  require_zero(from.reserved, "swiftgs_write_options");
+  SceneWriteOptions options;
+  if (from.ending) options.ending = from.ending;
+  if (from.spz_version != 0) options.spz_version = from.spz_version;
+  options.spz_frame = to_spz_frame(from.spz_axes, "swiftgs_write_options: spz_axes");
+  options.progress = to_progress(from.progress, from.context);
+  return options;
+}
+
+template <class Options>
+void hand_over(const std::vector<std::string>& notes, const Options& to) {
+  if (to.note)
+    for (const std::string& note : notes) to.note(to.context, note.c_str());
+}
+
+swiftgs_scene* own(swiftgs_scene scene) {
+  return std::make_unique<swiftgs_scene>(std::move(scene)).release();
+}
+
+swiftgs_scene* own(SceneFile file, const swiftgs_read_options& options) {
+  hand_over(file.notes, options);
+  return own({std::make_shared<const Scene>(std::move(file.scene)), std::move(file.format), file.stored,
+              file.dropped_nonfinite});
+}
+
+swiftgs_scene* own(Scene scene) {
+  const std::uint64_t count = scene.size();
+  return own({std::make_shared<const Scene>(std::move(scene)), {}, count, 0});
+}
+
+swiftgs_scene_info info_of(const swiftgs_scene& from) {
+  const Scene& scene = *from.scene;
+  swiftgs_scene_info info{};
+  info.sh_degree = scene.sh_degree;
+  info.count = scene.size(), info.stored = from.stored, info.dropped = from.dropped;
+  info.antialiased = scene.antialiased;
+  info.format = from.format.c_str();
+  bool found = false;
+  for (const vec3& mean : scene.means) {
+    using swiftgs::detail::is_not_finite;
+    if (is_not_finite(mean.x) || is_not_finite(mean.y) || is_not_finite(mean.z)) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      info.lower[axis] = found ? std::min(info.lower[axis], mean[axis]) : mean[axis];
+      info.upper[axis] = found ? std::max(info.upper[axis], mean[axis]) : mean[axis];
+    }
+    found = true;
+  }
+  return info;
+}
+
+template <class T>
+swiftgs_array array_of(const std::vector<T>& values, std::size_t count) {
+  if (values.empty()) return {};
+  return {reinterpret_cast<const float*>(values.data()), std::int64_t(values.size() * sizeof(T) / count)};
+}
+
+swiftgs_gaussians arrays_of(const Scene& scene) {
+  const std::size_t n = scene.size();
+  swiftgs_gaussians arrays{};
+  arrays.sh_degree = scene.sh_degree;
+  arrays.count = n;
+  arrays.means = array_of(scene.means, n), arrays.scales = array_of(scene.scales, n);
+  arrays.rotations = array_of(scene.rotations, n), arrays.opacities = array_of(scene.opacities, n);
+  arrays.sh0 = array_of(scene.sh0, n), arrays.sh_rest = array_of(scene.sh_rest, n);
+  arrays.antialiased = scene.antialiased;
+  return arrays;
+}
+
+}  // namespace
+}  // namespace swiftgs::c
+
+using namespace swiftgs::c;
+
+extern "C" {
+
+swiftgs_status swiftgs_scene_read(const char* path, const swiftgs_read_options* options,
+                                  swiftgs_scene** scene) {
+  return guarded([&] {
+    require_pointer(path, "path");
+    require_pointer(scene, "scene");
+    const swiftgs_read_options read = read_options(options, "swiftgs_read_options");
+    *scene = own(swiftgs::read_scene(path, to_options(read)), read);
+  });
+}
+
+swiftgs_status swiftgs_scene_read_bytes(const swiftgs_file_bytes* bytes, const swiftgs_read_options* options,
+                                        swiftgs_scene** scene) {
+  return guarded([&] {
+    const swiftgs_file_bytes file = read_struct(bytes, "swiftgs_file_bytes");
+    require_zero(file.reserved, "swiftgs_file_bytes");
+    require_pointer(file.name, "swiftgs_file_bytes: name");
+    if (file.count != 0) require_pointer(file.data, "swiftgs_file_bytes: data");
+    require_pointer(scene, "scene");
+    const swiftgs_read_options read = read_options(options, "swiftgs_read_options");
+    const std::span content(static_cast<const std::byte*>(file.data), std::size_t(file.count));
+    *scene = own(swiftgs::read_scene(content, file.name, to_options(read)), read);
+  });
+}
+
+swiftgs_status swiftgs_scene_from_arrays(const swiftgs_gaussians* gaussians, swiftgs_scene** scene) {
+  return guarded([&] {
+    require_pointer(scene, "scene");
+    *scene = own(to_scene(gaussians));
+  });
+}
+
+swiftgs_status swiftgs_scene_builtin(uint64_t count, swiftgs_scene** scene) {
+  return guarded([&] {
+    require_pointer(scene, "scene");
+    check_count(count);
+    *scene = own(swiftgs::make_builtin_scene(std::size_t(count)));
+  });
+}
+
+void swiftgs_scene_free(swiftgs_scene* scene) { delete scene; }
+
+swiftgs_status swiftgs_scene_get_info(const swiftgs_scene* scene, swiftgs_scene_info* info) {
+  return guarded([&] {
+    require_pointer(scene, "scene");
+    check_struct(info, "swiftgs_scene_info");
+    write_struct(info, info_of(*scene), "swiftgs_scene_info");
+  });
+}
+
+swiftgs_status swiftgs_scene_get_arrays(const swiftgs_scene* scene, swiftgs_gaussians* gaussians) {
+  return guarded([&] {
+    require_pointer(scene, "scene");
+    write_struct(gaussians, arrays_of(*scene->scene), "swiftgs_gaussians");
+  });
+}
+
+swiftgs_status swiftgs_scene_write(const swiftgs_scene* scene, const char* path,
+                                   const swiftgs_write_options* options) {
+  return guarded([&] {
+    require_pointer(scene, "scene");
+    require_pointer(path, "path");
+    const swiftgs_write_options write = read_options(options, "swiftgs_write_options");
+    hand_over(swiftgs::write_scene(path, *scene->scene, to_options(write)).notes, write);
+  });
+}
+
+}  // extern "C"

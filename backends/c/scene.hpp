@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <swiftgs/c/scene.h>
+#include <swiftgs/scene.hpp>
+
+struct swiftgs_scene {
+  std::shared_ptr<const swiftgs::Scene> scene;
+  std::string format{};
+  std::uint64_t stored = 0, dropped = 0;
+};
+
+namespace swiftgs::c {
+
+/// Copies the arrays of a caller. Throws `std::invalid_argument`, and as `from_device`.
+Scene to_scene(const swiftgs_gaussians* given);
+
+/// Throws `std::invalid_argument` from 2^32 Gaussians on.
+void check_count(std::uint64_t count);
+
+}  // namespace swiftgs::c

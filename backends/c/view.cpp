@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "view.hpp"
+
+#include <string>
+#include <vector>
+
+#include <swiftgs/c/view.h>
+#include <swiftgs/conventions.hpp>
+
+#include "camera.hpp"
+#include "error.hpp"
+#include "structs.hpp"
+
+namespace swiftgs::c {
+namespace {
+
+static_assert(int(PixelFormat::rgb_float) == SWIFTGS_RGB_FLOAT &&
+              int(PixelFormat::rgba_float) == SWIFTGS_RGBA_FLOAT &&
+              int(PixelFormat::rgba_half) == SWIFTGS_RGBA_HALF && int(PixelFormat::rgba_8) == SWIFTGS_RGBA_8);
+static_assert(int(Conventions::JacobianClamp::around_image) == SWIFTGS_CLAMP_AROUND_IMAGE &&
+              int(Conventions::JacobianClamp::around_centre) == SWIFTGS_CLAMP_AROUND_CENTRE &&
+              int(Conventions::Footprint::alpha) == SWIFTGS_FOOTPRINT_ALPHA &&
+              int(Conventions::Footprint::three_sigma_square) == SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE);
+
+swiftgs_conventions to_struct(const Conventions& from) {
+  swiftgs_conventions to{};
+  to.near_plane = from.near_plane, to.cull_at_near = from.cull_at_near, to.far_plane = from.far_plane;
+  to.clamp = int(from.clamp);
+  to.blur = from.blur, to.antialiased = from.antialiased, to.min_compensation = from.min_compensation;
+  to.alpha_min = from.alpha_min, to.alpha_max = from.alpha_max;
+  to.stop = from.stop, to.stop_at_equal = from.stop_at_equal;
+  to.footprint = int(from.footprint);
+  return to;
+}
+
+Conventions to_conventions(const swiftgs_conventions* given) {
+  if (!given) return Conventions::gsplat();
+  const swiftgs_conventions from =
+      read_struct(given, "swiftgs_conventions", to_struct(Conventions::gsplat()));
+  require_choice(from.clamp, 2, "swiftgs_conventions: clamp");
+  require_choice(from.footprint, 2, "swiftgs_conventions: footprint");
+  Conventions to;
+  to.near_plane = from.near_plane, to.cull_at_near = from.cull_at_near != 0, to.far_plane = from.far_plane;
+  to.clamp = Conventions::JacobianClamp(from.clamp);
+  to.blur = from.blur, to.antialiased = from.antialiased != 0, to.min_compensation = from.min_compensation;
+  to.alpha_min = from.alpha_min, to.alpha_max = from.alpha_max;
+  to.stop = from.stop, to.stop_at_equal = from.stop_at_equal != 0;
+  to.footprint = Conventions::Footprint(from.footprint);
+  return to;
+}
+
+template <class T>
+Plane<T> to_plane(const swiftgs_plane& from) {
+  return {static_cast<T*>(from.data), std::ptrdiff_t(from.pitch)};
+}
+
+View to_view(const swiftgs_view& from) {
+  require_choice(from.format, 4, "swiftgs_view: format");
+  require_pointer(from.camera, "swiftgs_view: camera");
+  const Camera camera = to_camera(from.camera);
+  FrameView frame;
+  frame.width = from.width != 0 ? from.width : camera.width;
+  frame.height = from.height != 0 ? from.height : camera.height;
+  frame.colour = to_plane<void>(from.colour), frame.format = PixelFormat(from.format);
+  frame.alpha = to_plane<float>(from.alpha), frame.depth = to_plane<float>(from.depth);
+  frame.occluder = to_plane<const float>(from.occluder);
+  frame.over = from.over != 0;
+  const vec3 background(from.background[0], from.background[1], from.background[2]);
+  return make_view(camera, to_conventions(from.conventions), frame, background, {from.left, from.top});
+}
+
+}  // namespace
+
+void read_views(const swiftgs_frame& frame, std::vector<View>& views) {
+  if (frame.count < 1 || frame.count > max_views)
+    throw std::invalid_argument("swiftgs_frame: count is " + std::to_string(frame.count) +
+                                ", expected 1 to " + std::to_string(max_views) + " views");
+  require_pointer(frame.views, "swiftgs_frame: views");
+  views.clear();
+  for_each_struct(frame.views, frame.count, "swiftgs_view",
+                  [&](const swiftgs_view& view) { views.push_back(to_view(view)); });
+}
+
+}  // namespace swiftgs::c
+
+using namespace swiftgs::c;
+
+extern "C" swiftgs_status swiftgs_conventions_named(const char* name, swiftgs_conventions* conventions) {
+  return guarded([&] {
+    require_pointer(name, "name");
+    write_struct(conventions, to_struct(swiftgs::conventions_named(name)), "swiftgs_conventions");
+  });
+}

@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef SWIFTGS_C_RENDERER_H
+#define SWIFTGS_C_RENDERER_H
+
+/// @file
+/// Renderers, by name.
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include <swiftgs/c/scene.h>
+#include <swiftgs/c/status.h>
+#include <swiftgs/c/view.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// Renders frames of the scene that it was given. It keeps its memory: a frame no larger than an earlier one
+/// allocates nothing.
+typedef struct swiftgs_renderer swiftgs_renderer;
+
+/// One row of the table of renderers.
+typedef struct swiftgs_renderer_entry {
+  uint32_t size;     ///< `sizeof(swiftgs_renderer_entry)`
+  int32_t usable;    ///< 1: it can run on this machine
+  const char* name;  ///< BACKEND/SORT/RASTER/BOUNDS; valid as long as the library is loaded
+} swiftgs_renderer_entry;
+
+/// How many renderers this build has, whether or not they can run here.
+SWIFTGS_C_API swiftgs_status swiftgs_renderers_count(size_t* count);
+/// Fills `entry`, whose size is set. `SWIFTGS_INVALID_ARGUMENT` beyond the last.
+SWIFTGS_C_API swiftgs_status swiftgs_renderers_get(size_t index, swiftgs_renderer_entry* entry);
+
+/// Memory of `bytes` bytes, aligned to 64 bytes on a host and to 256 on a device, or NULL if there is none:
+/// the call that needed it then fails with `SWIFTGS_OUT_OF_MEMORY`. Must not throw.
+typedef void* (*swiftgs_allocate)(void* context, size_t bytes);
+/// Takes back what `swiftgs_allocate` returned for as many bytes.
+typedef void (*swiftgs_release)(void* context, void* memory, size_t bytes);
+
+typedef struct swiftgs_renderer_options {
+  uint32_t size;              ///< `sizeof(swiftgs_renderer_options)`
+  int32_t threads;            ///< of the backend `cpu`; 0: all
+  void* stream;               ///< of the backend `cuda`: a `cudaStream_t`, which outlives the renderer
+  swiftgs_allocate allocate;  ///< of all the renderer's memory; NULL: the backend's own. With `release` only.
+  swiftgs_release release;    ///< on a device in stream order, as docs/embedding.md says
+  void* context;              ///< of both; outlives the renderer and those that share its scene
+} swiftgs_renderer_options;
+
+/// Makes the renderer called `name`, such as "cpu/early/axis-shared-threshold-float-cholesky/ellipse".
+/// `options` may be NULL. A renderer of `cuda` belongs to the device that is current now, which must be
+/// current wherever it is used. Errors: `SWIFTGS_INVALID_ARGUMENT` with the valid words if the name is not
+/// known, `SWIFTGS_UNAVAILABLE` if it cannot run here, `SWIFTGS_DEVICE_ERROR`.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_create(const char* name,
+                                                     const swiftgs_renderer_options* options,
+                                                     swiftgs_renderer** renderer);
+SWIFTGS_C_API void swiftgs_renderer_free(swiftgs_renderer* renderer);
+
+/// BACKEND/SORT/RASTER/BOUNDS
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_name(const swiftgs_renderer* renderer, const char** name);
+/// Model of the processor or device, with the number of threads where that is a choice.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_device_name(const swiftgs_renderer* renderer,
+                                                          const char** name);
+
+/// Uploads `scene` for the frames that follow; backends of the host share it. A graph of frames that were
+/// recorded before reads the scene of then: destroy the graph first.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_scene(swiftgs_renderer* renderer,
+                                                        const swiftgs_scene* scene);
+/// Shares the scene that `other` has uploaded, without another copy. `SWIFTGS_INVALID_ARGUMENT`, and nothing
+/// changes, if `other` has no scene or another backend.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_share_scene(swiftgs_renderer* renderer,
+                                                          const swiftgs_renderer* other);
+
+/// What a frame measures beside its images. Flags are added.
+enum {
+  SWIFTGS_MEASURE_COUNTS = 1,  ///< the raster part of `swiftgs_statistics`, which costs some time
+  SWIFTGS_MEASURE_TIMES = 2    ///< `swiftgs_renderer_times`, which costs a device some microseconds
+};
+
+/// The views of a frame, and what it measures.
+typedef struct swiftgs_frame {
+  uint32_t size;              ///< `sizeof(swiftgs_frame)`
+  uint32_t measure;           ///< sum of `SWIFTGS_MEASURE_...`; not of recorded frames
+  const swiftgs_view* views;  ///< @shape{count}
+  uint64_t count;             ///< 1 to 65536
+} swiftgs_frame;
+
+/// Draws all views in one frame: one projection, one sort, one rasterization. Each image has the bits that
+/// its view gives alone. All planes are memory that the backend reaches: the host's for `serial` and `cpu`,
+/// the device's for `cuda`.
+///
+/// @sync On a host the frame is complete when it returns. On a device it is in stream order, and the call has
+/// waited once, until projection had counted.
+///
+/// Errors: `SWIFTGS_INVALID_ARGUMENT` for what nothing can be rendered with, `SWIFTGS_LOGIC_ERROR` before a
+/// scene is set, `SWIFTGS_CAPACITY_ERROR`, `SWIFTGS_OUT_OF_MEMORY`, `SWIFTGS_DEVICE_ERROR`.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_render_into(swiftgs_renderer* renderer,
+                                                          const swiftgs_frame* frame);
+
+/// As `swiftgs_renderer_render_into`, but all planes are the host's memory on every backend, and the frame is
+/// complete when it returns. A device copies what `over` and `occluder` need to it, and the images from it.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_render(swiftgs_renderer* renderer, const swiftgs_frame* frame);
+
+/// Room for recorded frames.
+typedef struct swiftgs_capacity {
+  uint32_t size;       ///< `sizeof(swiftgs_capacity)`
+  uint32_t reserved;   ///< 0
+  uint64_t splats;     ///< visible Gaussians of all views; 0: as many as are visible now, and an eighth more
+  uint64_t instances;  ///< pairs of splat and tile; 0: as many as there are now, and an eighth more
+} swiftgs_capacity;
+
+/// Takes all memory that `swiftgs_renderer_record` needs for `frame`, sets its views, draws nothing and
+/// waits. `capacity` may be NULL. docs/embedding.md says what may change between recorded frames.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_reserve(swiftgs_renderer* renderer, const swiftgs_frame* frame,
+                                                      const swiftgs_capacity* capacity);
+/// Sets the views that recorded frames draw, in stream order: as many as were reserved, of the same sizes and
+/// with the same planes.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_views(swiftgs_renderer* renderer,
+                                                        const swiftgs_frame* frame);
+
+/// What a recorded frame took. If it overflowed, it drew nothing and needs room for these numbers.
+typedef struct swiftgs_report {
+  uint64_t visible;     ///< Gaussians, of all views
+  uint64_t instances;   ///< pairs of splat and tile
+  uint64_t overflowed;  ///< 1: they were more than was reserved
+} swiftgs_report;
+
+/// Draws the views that were set. It neither waits nor allocates, so that a CUDA graph may capture it.
+/// `report` is memory that the backend reaches: of the host, or of the device, or pinned. On a host the frame
+/// is complete when it returns. Errors: `SWIFTGS_INVALID_ARGUMENT` before `swiftgs_renderer_reserve`,
+/// `SWIFTGS_CAPACITY_ERROR` for a scene of more Gaussians than were reserved.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_record(swiftgs_renderer* renderer, swiftgs_report* report);
+
+/// Returns when all work submitted so far is done.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_wait(swiftgs_renderer* renderer);
+
+/// Durations of the last frame's stages. @units{milliseconds}
+typedef struct swiftgs_times {
+  uint32_t size;      ///< `sizeof(swiftgs_times)`
+  uint32_t reserved;  ///< 0
+  double project, sort, raster, total;
+} swiftgs_times;
+
+/// Fills `times`, whose size is set. Not a number unless the frame measured them and is finished: this does
+/// not wait.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_times(swiftgs_renderer* renderer, swiftgs_times* times);
+
+/// Counts of the last frame that was not recorded.
+typedef struct swiftgs_statistics {
+  uint32_t size;       ///< `sizeof(swiftgs_statistics)`
+  uint32_t reserved;   ///< 0
+  uint64_t gaussians;  ///< in the scene
+  uint64_t visible;    ///< projected to splats
+  uint64_t instances;  ///< pairs of splat and tile
+  /// The raster part, 0 unless the frame measured counts.
+  uint64_t instances_visited;   ///< before all pixels of their square had stopped
+  uint64_t rows_visited;        ///< rows of pixels on which an instance was evaluated
+  uint64_t contributing_pairs;  ///< pairs of pixel and splat that were blended
+  uint64_t pixels_stopped;      ///< pixels that ended before their list
+  uint64_t pieces;              ///< of long lists, blended apart from each other
+  uint64_t pixels_joined;       ///< pixels of those pieces that were joined with what lies in front
+  uint64_t longest_item;        ///< most instances that one core, warp or block worked off alone
+  double balanced_ms;           ///< the raster stage if its work were shared out evenly @units{milliseconds}
+} swiftgs_statistics;
+
+/// Fills `statistics`, whose size is set. Waits for the raster part where the frame measured it.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_statistics(const swiftgs_renderer* renderer,
+                                                         swiftgs_statistics* statistics);
+
+/// Memory that a renderer keeps, the scene excluded, and that of its device. @units{bytes}
+typedef struct swiftgs_memory {
+  uint32_t size;           ///< `sizeof(swiftgs_memory)`
+  uint32_t reserved;       ///< 0
+  uint64_t project;        ///< splats, footprints and colours included
+  uint64_t sort;           ///< tile lists included
+  uint64_t raster;         ///< of the raster stage, and of images that `swiftgs_renderer_render` keeps
+  uint64_t device_in_use;  ///< by all programs; 0 for backends of the host
+  uint64_t device_total;   ///< 0 for backends of the host
+} swiftgs_memory;
+
+/// Fills `memory`, whose size is set.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_memory(const swiftgs_renderer* renderer,
+                                                     swiftgs_memory* memory);
+
+/// Waits, and gives back all memory that the renderer keeps, the scene excluded. The next frame takes it
+/// again; what was reserved is forgotten.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_trim(swiftgs_renderer* renderer);
+
+/// Mean times of the adaptive sort's two strategies for a scene at an image size.
+typedef struct swiftgs_calibration {
+  uint32_t size;          ///< `sizeof(swiftgs_calibration)`; the same in all elements of an array
+  int32_t width, height;  ///< @units{pixels}
+  uint32_t reserved;      ///< 0
+  uint64_t gaussians;     ///< in the scene
+  double standard_ms;     ///< @units{milliseconds}
+  double early_ms;        ///< @units{milliseconds}
+} swiftgs_calibration;
+
+/// Fills `calibration`, whose size is set, with what the adaptive sort has measured of the last frame's scene
+/// and size. All is 0 while it still measures, for frames of several views, and for other sorts.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_calibration(const swiftgs_renderer* renderer,
+                                                          swiftgs_calibration* calibration);
+
+/// Hands `count` earlier measurements of the scene's sort, on this device and with these bounds, to the
+/// adaptive sort, in place of any before. Other sorts ignore them.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_use_calibrations(swiftgs_renderer* renderer,
+                                                               const swiftgs_calibration* calibrations,
+                                                               size_t count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef SWIFTGS_C_VIEW_H
+#define SWIFTGS_C_VIEW_H
+
+/// @file
+/// Views: from where, by which rules, and into which memory a frame is drawn.
+
+#include <stdint.h>
+
+#include <swiftgs/c/camera.h>
+#include <swiftgs/c/status.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// The numbers that define "the same image". `swiftgs_conventions_named` fills them in. A zero is a zero
+/// here, not a default; members that a smaller `size` leaves out are those of gsplat.
+typedef struct swiftgs_conventions {
+  uint32_t size;           ///< `sizeof(swiftgs_conventions)`
+  float near_plane;        ///< a Gaussian nearer than this is culled
+  int32_t cull_at_near;    ///< 1: so is one exactly on the near plane
+  float far_plane;         ///< a Gaussian further than this is culled
+  int32_t clamp;           ///< `SWIFTGS_CLAMP_...`
+  float blur;              ///< added to both variances of a splat @units{pixels^2}
+  int32_t antialiased;     ///< 1: scale opacity as Mip-Splatting does; for scenes whose info says so
+  float min_compensation;  ///< least ratio of determinants in that
+  float alpha_min;         ///< a pixel skips a Gaussian with less alpha
+  float alpha_max;         ///< alpha is cut here
+  float stop;              ///< a pixel ends before the Gaussian that would bring its transmittance below
+  int32_t stop_at_equal;   ///< 1: or exactly to `stop`
+  int32_t footprint;       ///< `SWIFTGS_FOOTPRINT_...`, of the reference; renderers use their bounds
+} swiftgs_conventions;
+
+/// Limits of x/z and y/z where the projection is linearised, in tangents.
+enum {
+  SWIFTGS_CLAMP_AROUND_IMAGE = 0,  ///< 0.3 tan(fov/2) beyond each image border
+  SWIFTGS_CLAMP_AROUND_CENTRE = 1  ///< 1.3 tan(fov/2) to each side of the axis
+};
+enum {
+  SWIFTGS_FOOTPRINT_ALPHA = 0,              ///< every pixel where alpha is at least `alpha_min`
+  SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE = 1  ///< only those in tiles that the square of 3 sigma touches
+};
+
+/// Fills `conventions`, whose size is set, with the preset `gsplat` or `inria`. `SWIFTGS_INVALID_ARGUMENT`
+/// for any other name.
+SWIFTGS_C_API swiftgs_status swiftgs_conventions_named(const char* name, swiftgs_conventions* conventions);
+
+/// Format of colours in memory, interleaved. The last channel of RGBA is alpha, and colours are premultiplied
+/// by it. Colours are in the scene's own values, usually sRGB-encoded; the library does not convert them.
+enum {
+  SWIFTGS_RGB_FLOAT = 0,   ///< 12 bytes
+  SWIFTGS_RGBA_FLOAT = 1,  ///< 16 bytes
+  SWIFTGS_RGBA_HALF = 2,   ///< 8 bytes, IEEE half
+  SWIFTGS_RGBA_8 = 3       ///< 4 bytes; cut to [0, 1] and rounded to the nearest of 255 steps
+};
+
+/// One plane of a frame in the caller's memory. NULL means absent, and absent planes are not computed.
+typedef struct swiftgs_plane {
+  void* data;     ///< first pixel of the image's top row, wherever that lies in memory
+  int64_t pitch;  ///< from a row to the one below it in the image, negative where rows go up @units{bytes}
+} swiftgs_plane;
+
+/// One image of a frame, or a rectangle of one.
+typedef struct swiftgs_view {
+  uint32_t size;                           ///< `sizeof(swiftgs_view)`; the same in all views of an array
+  int32_t format;                          ///< of `colour`: `SWIFTGS_RGB_FLOAT`, ...
+  int32_t width, height;                   ///< of the frame; 0: those of the camera @units{pixels}
+  const swiftgs_camera* camera;            ///< of the whole image
+  const swiftgs_conventions* conventions;  ///< NULL: those of gsplat
+  swiftgs_plane colour;                    ///< of `format`
+  swiftgs_plane alpha;                     ///< float: 1 - transmittance
+  swiftgs_plane depth;  ///< float: mean camera-space z, weighted by contribution; 0 where alpha is 0
+  /// float, only read: camera-space z of a depth buffer. A splat there or behind is not drawn; infinity hides
+  /// nothing.
+  swiftgs_plane occluder;
+  int32_t over;         ///< 1: what `colour` holds shows behind the splats, in place of the background
+  int32_t left, top;    ///< pixel of the image that is the frame's first; multiples of 16
+  float background[3];  ///< RGB in the scene's own values; has no part in alpha
+} swiftgs_view;
+
+/// Pixels of an image on the host, for `swiftgs_image_write`.
+typedef struct swiftgs_image {
+  uint32_t size;          ///< `sizeof(swiftgs_image)`
+  int32_t width, height;  ///< @units{pixels}
+  uint32_t reserved;      ///< 0
+  swiftgs_plane colour;   ///< RGB in float; only read
+  swiftgs_plane alpha;    ///< float, or absent; only EXR holds it
+  swiftgs_plane depth;    ///< float, or absent; only EXR holds it
+} swiftgs_image;
+
+/// Writes an image as its name's ending says: `.png` with 8 bits a channel, `.pfm`, or `.exr`. Values are
+/// written as they are, without gamma. Errors: `SWIFTGS_INVALID_ARGUMENT`, `SWIFTGS_SYSTEM_ERROR`, and
+/// `SWIFTGS_UNAVAILABLE` for EXR in a build without OpenEXR.
+SWIFTGS_C_API swiftgs_status swiftgs_image_write(const char* path, const swiftgs_image* image);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

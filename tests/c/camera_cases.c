@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+
+/* Cameras and images. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "check.h"
+
+static const char* const two_cameras =
+    "[{\"id\": 0, \"img_name\": \"a.png\", \"width\": 640, \"height\": 480, \"position\": [1, 2, 3],"
+    " \"rotation\": [[0, -1, 0], [1, 0, 0], [0, 0, 1]], \"fx\": 500, \"fy\": 510},"
+    "{\"id\": 1, \"img_name\": \"b.png\", \"width\": 320, \"height\": 240, \"position\": [0, 0, -4],"
+    " \"rotation\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], \"fx\": 250, \"fy\": 255}]";
+
+void test_cameras(void) {
+  write_text("c_cameras.json", two_cameras);
+  swiftgs_cameras* cameras = NULL;
+  CHECK_OK(swiftgs_cameras_read("c_cameras.json", &cameras));
+  size_t count = 0;
+  CHECK_OK(swiftgs_cameras_count(cameras, &count));
+  CHECK(count == 2);
+  const char* name = NULL;
+  CHECK_OK(swiftgs_cameras_name(cameras, 1, &name));
+  CHECK(name && strcmp(name, "b.png") == 0);
+
+  /* The file has the inverse: camera to world. Rows and columns must not change places. */
+  swiftgs_camera camera = {.size = sizeof(camera)};
+  CHECK_OK(swiftgs_cameras_get(cameras, 0, &camera));
+  CHECK(camera.width == 640 && camera.height == 480 && camera.fx == 500 && camera.fy == 510);
+  CHECK(camera.cx == 320 && camera.cy == 240);
+  static const double rotation[9] = {0, 1, 0, -1, 0, 0, 0, 0, 1}, translation[3] = {-2, 1, -3};
+  for (int i = 0; i < 9; ++i) CHECK(fabs(camera.rotation[i] - rotation[i]) < 1e-12);
+  for (int i = 0; i < 3; ++i) CHECK(fabs(camera.translation[i] - translation[i]) < 1e-12);
+
+  CHECK_OK(swiftgs_camera_scale(&camera, 0.5));
+  CHECK(camera.width == 320 && camera.height == 240 && camera.fx == 250 && camera.cy == 120);
+  CHECK(camera.size == sizeof(camera));
+
+  const swiftgs_look_at look = {.size = sizeof(look),
+                                .width = 200,
+                                .height = 100,
+                                .eye = {0, 0, -5},
+                                .target = {0, 0, 0},
+                                .up = {0, -1, 0},
+                                .vertical_fov = 1.0};
+  CHECK_OK(swiftgs_camera_look_at(&look, &camera));
+  CHECK(camera.width == 200 && camera.cx == 100 && fabs(camera.fy - 50 / tan(0.5)) < 1e-9);
+  CHECK(fabs(camera.translation[2] - 5) < 1e-12 && fabs(camera.rotation[0] - 1) < 1e-12);
+  swiftgs_cameras_free(cameras);
+  swiftgs_cameras_free(NULL);
+}
+
+void test_camera_errors(void) {
+  swiftgs_cameras* cameras = NULL;
+  CHECK_ERROR(swiftgs_cameras_read("nowhere.json", &cameras), SWIFTGS_SYSTEM_ERROR, "nowhere.json");
+  write_text("c_bad_cameras.json", "[{\"id\": 0}]");
+  CHECK_ERROR(swiftgs_cameras_read("c_bad_cameras.json", &cameras), SWIFTGS_FORMAT_ERROR,
+              "c_bad_cameras.json");
+  CHECK_ERROR(swiftgs_cameras_read(NULL, &cameras), SWIFTGS_INVALID_ARGUMENT, "path is NULL");
+  CHECK_ERROR(swiftgs_cameras_read("c_bad_cameras.json", NULL), SWIFTGS_INVALID_ARGUMENT, "cameras is NULL");
+  CHECK(cameras == NULL);
+
+  write_text("c_camera_errors.json", two_cameras);
+  CHECK_OK(swiftgs_cameras_read("c_camera_errors.json", &cameras));
+  size_t count = 0;
+  const char* name = NULL;
+  swiftgs_camera camera = {.size = sizeof(camera)};
+  CHECK_ERROR(swiftgs_cameras_count(NULL, &count), SWIFTGS_INVALID_ARGUMENT, "cameras is NULL");
+  CHECK_ERROR(swiftgs_cameras_count(cameras, NULL), SWIFTGS_INVALID_ARGUMENT, "count is NULL");
+  CHECK_ERROR(swiftgs_cameras_get(cameras, 2, &camera), SWIFTGS_INVALID_ARGUMENT,
+              "cameras: number 2, expected less than 2");
+  CHECK_ERROR(swiftgs_cameras_get(cameras, 0, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_camera is NULL");
+  CHECK_ERROR(swiftgs_cameras_get(NULL, 0, &camera), SWIFTGS_INVALID_ARGUMENT, "cameras is NULL");
+  CHECK_ERROR(swiftgs_cameras_name(cameras, 2, &name), SWIFTGS_INVALID_ARGUMENT, "number 2");
+  CHECK_ERROR(swiftgs_cameras_name(cameras, 0, NULL), SWIFTGS_INVALID_ARGUMENT, "name is NULL");
+  CHECK_ERROR(swiftgs_cameras_name(NULL, 0, &name), SWIFTGS_INVALID_ARGUMENT, "cameras is NULL");
+  swiftgs_cameras_free(cameras);
+
+  CHECK_ERROR(swiftgs_camera_builtin(0, 48, &camera), SWIFTGS_INVALID_ARGUMENT, "width and a height above 0");
+  CHECK_ERROR(swiftgs_camera_scale(NULL, 1), SWIFTGS_INVALID_ARGUMENT, "swiftgs_camera is NULL");
+  camera = make_camera(64, 48);
+  CHECK_ERROR(swiftgs_camera_scale(&camera, 0), SWIFTGS_INVALID_ARGUMENT, "a finite scale above 0");
+  CHECK_ERROR(swiftgs_camera_scale(&camera, 1e9), SWIFTGS_INVALID_ARGUMENT, "at most 65536 pixels a side");
+  camera.reserved = 1;
+  CHECK_ERROR(swiftgs_camera_scale(&camera, 1), SWIFTGS_INVALID_ARGUMENT, "swiftgs_camera: reserved is 1");
+
+  swiftgs_look_at look = {.size = sizeof(look),
+                          .width = 200,
+                          .height = 100,
+                          .eye = {0, 0, 0},
+                          .target = {0, 0, 0},
+                          .up = {0, -1, 0},
+                          .vertical_fov = 1.0};
+  CHECK_ERROR(swiftgs_camera_look_at(&look, &camera), SWIFTGS_INVALID_ARGUMENT, "to span a frame");
+  look.target[2] = 1, look.vertical_fov = 4;
+  CHECK_ERROR(swiftgs_camera_look_at(&look, &camera), SWIFTGS_INVALID_ARGUMENT, "vertical_fov is 4");
+  look.vertical_fov = 1, look.width = -1;
+  CHECK_ERROR(swiftgs_camera_look_at(&look, &camera), SWIFTGS_INVALID_ARGUMENT, "width and a height above 0");
+  look.width = 200, look.reserved = 1;
+  CHECK_ERROR(swiftgs_camera_look_at(&look, &camera), SWIFTGS_INVALID_ARGUMENT, "reserved is 1");
+  look.reserved = 0;
+  CHECK_ERROR(swiftgs_camera_look_at(&look, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_camera is NULL");
+  CHECK_ERROR(swiftgs_camera_look_at(NULL, &camera), SWIFTGS_INVALID_ARGUMENT, "swiftgs_look_at is NULL");
+}
+
+void test_images(void) {
+  /* Two rows of two pixels, in memory from the bottom up. */
+  float pixels[2][8] = {{7, 8, 9, 10, 11, 12, -1, -1}, {1, 2, 3, 4, 5, 6, -1, -1}};
+  float depth[2][2] = {{1, 2}, {3, 4}};
+  swiftgs_image image = {.size = sizeof(image), .width = 2, .height = 2};
+  image.colour.data = pixels[1];
+  image.colour.pitch = -(int64_t)sizeof(pixels[0]);
+  image.depth.data = depth;
+  image.depth.pitch = sizeof(depth[0]);
+  CHECK_OK(swiftgs_image_write("c_images.PFM", &image));
+  CHECK_OK(swiftgs_image_write("c_images.png", &image));
+
+  /* A PFM has the bottom row first too, without what lies between rows. */
+  FILE* const file = fopen("c_images.PFM", "rb");
+  if (!file) give_up("c_images.PFM");
+  char header[64];
+  float stored[12];
+  CHECK(fgets(header, sizeof(header), file) && fgets(header, sizeof(header), file) &&
+        strcmp(header, "2 2\n") == 0);
+  CHECK(fgets(header, sizeof(header), file) && fread(stored, sizeof(float), 12, file) == 12);
+  CHECK(memcmp(stored, pixels[0], 6 * sizeof(float)) == 0 &&
+        memcmp(stored + 6, pixels[1], 6 * sizeof(float)) == 0);
+  fclose(file);
+
+  const swiftgs_status exr = swiftgs_image_write("c_images.exr", &image);
+  if (exr != SWIFTGS_OK) CHECK_ERROR(exr, SWIFTGS_UNAVAILABLE, "this build is without OpenEXR");
+
+  CHECK_ERROR(swiftgs_image_write(NULL, &image), SWIFTGS_INVALID_ARGUMENT, "path is NULL");
+  CHECK_ERROR(swiftgs_image_write("c_images.png", NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_image is NULL");
+  CHECK_ERROR(swiftgs_image_write("c_images.bmp", &image), SWIFTGS_INVALID_ARGUMENT, "c_images.bmp");
+  CHECK_ERROR(swiftgs_image_write("nowhere/c_images.png", &image), SWIFTGS_SYSTEM_ERROR, "nowhere");
+  image.colour.pitch = 8;
+  CHECK_ERROR(swiftgs_image_write("c_images.png", &image), SWIFTGS_INVALID_ARGUMENT,
+              "the pitch of colour is 8");
+  image.colour.data = NULL;
+  CHECK_ERROR(swiftgs_image_write("c_images.png", &image), SWIFTGS_INVALID_ARGUMENT, "colour is NULL");
+  image.colour.data = pixels, image.width = 0;
+  CHECK_ERROR(swiftgs_image_write("c_images.png", &image), SWIFTGS_INVALID_ARGUMENT, "a frame with pixels");
+  image.width = 2, image.reserved = 1;
+  CHECK_ERROR(swiftgs_image_write("c_images.png", &image), SWIFTGS_INVALID_ARGUMENT, "reserved is 1");
+}

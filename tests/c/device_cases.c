@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+
+/* What needs a device, and what there is without one. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "check.h"
+
+static const char* const device_renderer = "cuda/early/axis-shared-threshold-float-cholesky/ellipse";
+
+static bool has_device(void) {
+  size_t count = 0;
+  swiftgs_renderer_entry entry = {.size = sizeof(entry)};
+  CHECK_OK(swiftgs_renderers_count(&count));
+  for (size_t i = 0; i < count; ++i) {
+    CHECK_OK(swiftgs_renderers_get(i, &entry));
+    if (strcmp(entry.name, device_renderer) == 0) return entry.usable == 1;
+  }
+  return false;
+}
+
+void test_no_device(void) {
+  if (has_device()) skip("there is a CUDA device");
+  const float numbers[4] = {0};
+  swiftgs_gaussians one = {.size = sizeof(one), .count = 1, .memory = SWIFTGS_DEVICE};
+  one.means.data = one.scales.data = one.rotations.data = one.opacities.data = one.sh0.data = numbers;
+  swiftgs_scene* scene = NULL;
+  CHECK_ERROR(swiftgs_scene_from_arrays(&one, &scene), SWIFTGS_UNAVAILABLE,
+              "swiftgs_gaussians: arrays on a device");
+  swiftgs_renderer* renderer = NULL;
+  const swiftgs_status status = swiftgs_renderer_create(device_renderer, NULL, &renderer);
+  CHECK(status == SWIFTGS_UNAVAILABLE || status == SWIFTGS_INVALID_ARGUMENT);
+  CHECK(strstr(swiftgs_last_error(), device_renderer) != NULL && renderer == NULL && scene == NULL);
+}
+
+#if defined(SWIFTGS_TEST_CUDA)
+#include <cuda_runtime_api.h>
+
+enum { width = small_width, height = small_height, pixels = small_width * small_height };
+
+static void* make_device_memory(size_t bytes) {
+  void* memory = NULL;
+  if (cudaMalloc(&memory, bytes) != cudaSuccess) give_up("cudaMalloc");
+  return memory;
+}
+
+static void copy(void* to, const void* from, size_t bytes) {
+  CHECK(cudaMemcpy(to, from, bytes, cudaMemcpyDefault) == cudaSuccess);
+}
+
+/* Arrays on the device, with a gap behind each Gaussian's means, make the scene of the same arrays on the
+ * host. */
+static void test_device_arrays(void) {
+  swiftgs_scene *made = make_scene(), *fetched = NULL;
+  swiftgs_gaussians host = {.size = sizeof(host)};
+  CHECK_OK(swiftgs_scene_get_arrays(made, &host));
+  swiftgs_gaussians device = host;
+  device.memory = SWIFTGS_DEVICE;
+  const swiftgs_array* const from[] = {&host.scales, &host.rotations, &host.opacities, &host.sh0,
+                                       &host.sh_rest};
+  swiftgs_array* const to[] = {&device.scales, &device.rotations, &device.opacities, &device.sh0,
+                               &device.sh_rest};
+  for (int i = 0; i < 5; ++i) {
+    const size_t bytes = (size_t)from[i]->stride * small_count;
+    float* const memory = make_device_memory(bytes);
+    copy(memory, from[i]->data, bytes);
+    to[i]->data = memory;
+  }
+  float* const means = make_device_memory(20 * small_count);
+  CHECK(cudaMemcpy2D(means, 20, host.means.data, 12, 12, small_count, cudaMemcpyHostToDevice) == cudaSuccess);
+  device.means = (swiftgs_array){means, 20};
+  CHECK_OK(swiftgs_scene_from_arrays(&device, &fetched));
+  swiftgs_gaussians found = {.size = sizeof(found)};
+  CHECK_OK(swiftgs_scene_get_arrays(fetched, &found));
+  CHECK(memcmp(found.means.data, host.means.data, 12 * small_count) == 0);
+  CHECK(memcmp(found.rotations.data, host.rotations.data, 16 * small_count) == 0);
+  CHECK(memcmp(found.sh_rest.data, host.sh_rest.data, 180 * small_count) == 0);
+  for (int i = 0; i < 5; ++i) cudaFree((void*)to[i]->data);
+  cudaFree(means);
+  swiftgs_scene_free(made), swiftgs_scene_free(fetched);
+}
+
+/* One view with all planes, over an image and behind a depth buffer, colour from the bottom up. */
+static swiftgs_view all_planes(const swiftgs_camera* camera, uint8_t* colour, float* floats) {
+  swiftgs_view view = {.size = sizeof(view), .format = SWIFTGS_RGBA_8, .camera = camera, .over = 1};
+  view.colour = (swiftgs_plane){colour + 4 * width * (height - 1), -4 * width};
+  view.alpha = (swiftgs_plane){floats, 4 * width};
+  view.depth = (swiftgs_plane){floats + pixels, 4 * width};
+  view.occluder = (swiftgs_plane){floats + 2 * pixels, 4 * width};
+  return view;
+}
+
+void test_device(void) {
+  if (!has_device()) skip("no CUDA device that the kernels of this build run on");
+  test_device_arrays();
+
+  swiftgs_renderer* const renderer = make_renderer(device_renderer);
+  const swiftgs_camera camera = make_camera(width, height);
+  uint8_t colour[4 * pixels], fetched_colour[4 * pixels];
+  float* const floats = make_memory(3 * sizeof(float) * pixels);
+  float* const fetched = make_memory(3 * sizeof(float) * pixels);
+  for (int i = 0; i < 4 * pixels; ++i) colour[i] = (uint8_t)(i % 251);
+  for (int i = 0; i < pixels; ++i) floats[2 * pixels + i] = i % 3 == 0 ? 4 : INFINITY;
+  uint8_t* const device_colour = make_device_memory(sizeof(colour));
+  float* const device_floats = make_device_memory(3 * sizeof(float) * pixels);
+  copy(device_colour, colour, sizeof(colour));
+  copy(device_floats, floats, 3 * sizeof(float) * pixels);
+
+  /* Memory of the device and of the host come to the same bits. The second view has RGB alone. */
+  float* const rgb = make_memory(3 * sizeof(float) * pixels);
+  float* const fetched_rgb = make_memory(3 * sizeof(float) * pixels);
+  float* const device_rgb = make_device_memory(3 * sizeof(float) * pixels);
+  swiftgs_view views[2] = {all_planes(&camera, device_colour, device_floats), make_view(&camera, device_rgb)};
+  swiftgs_frame frame = make_frame(views, 2);
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  CHECK_OK(swiftgs_renderer_wait(renderer));
+  copy(fetched_colour, device_colour, sizeof(colour));
+  copy(fetched, device_floats, 3 * sizeof(float) * pixels);
+  copy(fetched_rgb, device_rgb, 3 * sizeof(float) * pixels);
+
+  views[0] = all_planes(&camera, colour, floats), views[1] = make_view(&camera, rgb);
+  frame.measure = SWIFTGS_MEASURE_TIMES;
+  CHECK_OK(swiftgs_renderer_render(renderer, &frame));
+  CHECK(memcmp(colour, fetched_colour, sizeof(colour)) == 0);
+  CHECK(memcmp(floats, fetched, 3 * sizeof(float) * pixels) == 0);
+  CHECK(memcmp(rgb, fetched_rgb, 3 * sizeof(float) * pixels) == 0);
+  float most = 0;
+  for (int i = 0; i < pixels; ++i) most = fmaxf(most, floats[i]);
+  CHECK(most > 0.5f);
+  swiftgs_times times = {.size = sizeof(times)};
+  CHECK_OK(swiftgs_renderer_times(renderer, &times));
+  CHECK(times.total > 0);
+  swiftgs_memory memory = {.size = sizeof(memory)};
+  CHECK_OK(swiftgs_renderer_memory(renderer, &memory));
+  CHECK(memory.device_total > memory.device_in_use && memory.device_in_use > 0);
+  CHECK(memory.raster > 2 * 3 * sizeof(float) * pixels);
+  CHECK_OK(swiftgs_renderer_trim(renderer));
+  CHECK_OK(swiftgs_renderer_memory(renderer, &memory));
+  CHECK(memory.raster == 0);
+
+  /* Recorded, without the image below, which the frames above have changed. */
+  views[1] = make_view(&camera, device_rgb);
+  frame = make_frame(&views[1], 1);
+  CHECK(cudaMemset(device_rgb, 0, 3 * sizeof(float) * pixels) == cudaSuccess);
+  swiftgs_report *report = make_device_memory(sizeof(*report)), read = {0};
+  CHECK_OK(swiftgs_renderer_reserve(renderer, &frame, NULL));
+  CHECK_OK(swiftgs_renderer_record(renderer, report));
+  CHECK_OK(swiftgs_renderer_wait(renderer));
+  copy(&read, report, sizeof(read));
+  copy(fetched_rgb, device_rgb, 3 * sizeof(float) * pixels);
+  CHECK(read.visible > 0 && read.overflowed == 0);
+  CHECK(memcmp(rgb, fetched_rgb, 3 * sizeof(float) * pixels) == 0);
+
+  /* A renderer on a stream of the program's. */
+  cudaStream_t stream = NULL;
+  CHECK(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking) == cudaSuccess);
+  const swiftgs_renderer_options options = {.size = sizeof(options), .stream = stream};
+  swiftgs_renderer* streaming = NULL;
+  CHECK_OK(swiftgs_renderer_create(device_renderer, &options, &streaming));
+  CHECK_OK(swiftgs_renderer_share_scene(streaming, renderer));
+  memset(fetched_rgb, 0, 3 * sizeof(float) * pixels);
+  views[1] = make_view(&camera, fetched_rgb);
+  CHECK_OK(swiftgs_renderer_render(streaming, &frame));
+  CHECK(memcmp(rgb, fetched_rgb, 3 * sizeof(float) * pixels) == 0);
+  swiftgs_renderer_free(streaming);
+  cudaStreamDestroy(stream);
+
+  swiftgs_renderer_free(renderer);
+  cudaFree(device_colour), cudaFree(device_floats), cudaFree(device_rgb), cudaFree(report);
+  free(floats), free(fetched), free(rgb), free(fetched_rgb);
+}
+#else
+void test_device(void) { skip("this build is without CUDA"); }
+#endif

@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+
+/* Renderers: the table, scenes, recorded frames, measurements, memory. */
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "check.h"
+
+enum { floats = 3 * small_width * small_height };
+
+void test_table(void) {
+  size_t count = 0;
+  CHECK_OK(swiftgs_renderers_count(&count));
+  CHECK(count > 10);
+  swiftgs_renderer_entry entry = {.size = sizeof(entry)};
+  bool found = false, cpu = false;
+  for (size_t i = 0; i < count; ++i) {
+    CHECK_OK(swiftgs_renderers_get(i, &entry));
+    found |= strcmp(entry.name, small_renderer) == 0 && entry.usable == 1;
+    cpu |= strncmp(entry.name, "cpu/", 4) == 0 && entry.usable == 1;
+    swiftgs_renderer* renderer = NULL;
+    if (entry.usable) continue;
+    CHECK_ERROR(swiftgs_renderer_create(entry.name, NULL, &renderer), SWIFTGS_UNAVAILABLE, entry.name);
+    CHECK(renderer == NULL);
+  }
+  CHECK(found);
+  CHECK_ERROR(swiftgs_renderers_get(count, &entry), SWIFTGS_INVALID_ARGUMENT, "renderers: number");
+  CHECK_ERROR(swiftgs_renderers_get(0, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_renderer_entry is NULL");
+  CHECK_ERROR(swiftgs_renderers_count(NULL), SWIFTGS_INVALID_ARGUMENT, "count is NULL");
+
+  /* Options of a backend. The device's name has the number of threads. */
+  if (!cpu) return;
+  const swiftgs_renderer_options one = {.size = sizeof(one), .threads = 1};
+  swiftgs_renderer* renderer = NULL;
+  CHECK_OK(swiftgs_renderer_create("cpu/early/per-pixel/ellipse", &one, &renderer));
+  const char *name = NULL, *device = NULL;
+  CHECK_OK(swiftgs_renderer_name(renderer, &name));
+  CHECK_OK(swiftgs_renderer_device_name(renderer, &device));
+  CHECK(name && strcmp(name, "cpu/early/per-pixel/ellipse") == 0);
+  CHECK(device && strstr(device, "1 thread") != NULL);
+  swiftgs_renderer_free(renderer);
+}
+
+void test_recorded(void) {
+  swiftgs_renderer* const renderer = make_renderer(small_renderer);
+  swiftgs_camera camera = make_camera(small_width, small_height);
+  float* const direct = make_memory(sizeof(float) * floats);
+  float* const recorded = make_memory(sizeof(float) * floats);
+  swiftgs_view view = make_view(&camera, direct);
+  const swiftgs_frame frame = make_frame(&view, 1);
+  swiftgs_report report = {0};
+  CHECK_ERROR(swiftgs_renderer_record(renderer, &report), SWIFTGS_INVALID_ARGUMENT, "reserve");
+
+  CHECK_OK(swiftgs_renderer_reserve(renderer, &frame, NULL));
+  CHECK_ERROR(swiftgs_renderer_record(renderer, NULL), SWIFTGS_INVALID_ARGUMENT, "memory for the report");
+  CHECK_ERROR(swiftgs_renderer_record(NULL, &report), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+
+  /* Another camera, other memory, the bits of a frame of its own. */
+  camera.translation[0] += 0.1;
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  view.colour.data = recorded;
+  CHECK_OK(swiftgs_renderer_set_views(renderer, &frame));
+  CHECK_OK(swiftgs_renderer_record(renderer, &report));
+  CHECK_OK(swiftgs_renderer_wait(renderer));
+  CHECK(report.visible > 0 && report.instances >= report.visible && report.overflowed == 0);
+  CHECK(memcmp(direct, recorded, sizeof(float) * floats) == 0);
+
+  const swiftgs_view two[2] = {view, view};
+  const swiftgs_frame more = make_frame(two, 2);
+  CHECK_ERROR(swiftgs_renderer_set_views(renderer, &more), SWIFTGS_INVALID_ARGUMENT,
+              "the number of views is 2");
+
+  /* Without room nothing is drawn, and the report says how much was needed. */
+  swiftgs_capacity capacity = {.size = sizeof(capacity), .splats = 1, .instances = 1};
+  CHECK_OK(swiftgs_renderer_reserve(renderer, &frame, &capacity));
+  memset(recorded, 0, sizeof(float) * floats);
+  swiftgs_report overflowed = {0};
+  CHECK_OK(swiftgs_renderer_record(renderer, &overflowed));
+  CHECK(overflowed.overflowed == 1 && overflowed.visible == report.visible);
+  for (int i = 0; i < floats; ++i) CHECK(recorded[i] == 0);
+  capacity.reserved = 1;
+  CHECK_ERROR(swiftgs_renderer_reserve(renderer, &frame, &capacity), SWIFTGS_INVALID_ARGUMENT,
+              "reserved is 1");
+
+  /* A scene of more Gaussians than were reserved. */
+  CHECK_OK(swiftgs_renderer_reserve(renderer, &frame, NULL));
+  swiftgs_scene* larger = NULL;
+  CHECK_OK(swiftgs_scene_builtin(2 * small_count, &larger));
+  CHECK_OK(swiftgs_renderer_set_scene(renderer, larger));
+  CHECK_ERROR(swiftgs_renderer_record(renderer, &report), SWIFTGS_CAPACITY_ERROR,
+              "Gaussians in a recorded frame: 4000 needed, the limit is 2000");
+  CHECK_ERROR(swiftgs_renderer_wait(NULL), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  swiftgs_scene_free(larger);
+  free(direct), free(recorded);
+  swiftgs_renderer_free(renderer);
+}
+
+void test_measures(void) {
+  swiftgs_renderer* const renderer = make_renderer(small_renderer);
+  const swiftgs_camera camera = make_camera(small_width, small_height);
+  float* const colour = make_memory(sizeof(float) * floats);
+  const swiftgs_view view = make_view(&camera, colour);
+  swiftgs_frame frame = make_frame(&view, 1);
+  swiftgs_times times = {.size = sizeof(times)};
+  swiftgs_statistics statistics = {.size = sizeof(statistics)};
+  swiftgs_memory memory = {.size = sizeof(memory)};
+
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  CHECK_OK(swiftgs_renderer_times(renderer, &times));
+  CHECK(isnan(times.total));
+  CHECK_OK(swiftgs_renderer_statistics(renderer, &statistics));
+  CHECK(statistics.gaussians == small_count && statistics.visible > 0 && statistics.visible <= small_count);
+  CHECK(statistics.instances >= statistics.visible && statistics.contributing_pairs == 0);
+
+  frame.measure = SWIFTGS_MEASURE_COUNTS | SWIFTGS_MEASURE_TIMES;
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  CHECK_OK(swiftgs_renderer_times(renderer, &times));
+  CHECK(times.project > 0 && times.sort > 0 && times.raster > 0);
+  CHECK(fabs(times.project + times.sort + times.raster - times.total) < 1e-6 * times.total);
+  CHECK_OK(swiftgs_renderer_statistics(renderer, &statistics));
+  CHECK(statistics.contributing_pairs > 0 && statistics.instances_visited > 0 &&
+        statistics.rows_visited > 0 && statistics.longest_item > 0 && statistics.balanced_ms > 0);
+
+  CHECK_OK(swiftgs_renderer_memory(renderer, &memory));
+  CHECK(memory.project > 0 && memory.sort > 0 && memory.device_total == 0 && memory.device_in_use == 0);
+  CHECK_OK(swiftgs_renderer_trim(renderer));
+  CHECK_OK(swiftgs_renderer_memory(renderer, &memory));
+  CHECK(memory.project == 0 && memory.sort == 0 && memory.raster == 0);
+
+  CHECK_ERROR(swiftgs_renderer_times(renderer, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_times is NULL");
+  CHECK_ERROR(swiftgs_renderer_times(NULL, &times), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  CHECK_ERROR(swiftgs_renderer_statistics(renderer, NULL), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_statistics is NULL");
+  CHECK_ERROR(swiftgs_renderer_statistics(NULL, &statistics), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  CHECK_ERROR(swiftgs_renderer_memory(renderer, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_memory is NULL");
+  CHECK_ERROR(swiftgs_renderer_memory(NULL, &memory), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  CHECK_ERROR(swiftgs_renderer_trim(NULL), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  free(colour);
+  swiftgs_renderer_free(renderer);
+}
+
+void test_sharing(void) {
+  swiftgs_renderer* const first = make_renderer(small_renderer);
+  swiftgs_renderer* second = NULL;
+  CHECK_OK(swiftgs_renderer_create("serial/standard/per-pixel/ellipse", NULL, &second));
+  const swiftgs_camera camera = make_camera(small_width, small_height);
+  float* const colour = make_memory(sizeof(float) * floats);
+  const swiftgs_view view = make_view(&camera, colour);
+  const swiftgs_frame frame = make_frame(&view, 1);
+  CHECK_ERROR(swiftgs_renderer_render_into(second, &frame), SWIFTGS_LOGIC_ERROR,
+              "expected a scene before the first");
+  CHECK_ERROR(swiftgs_renderer_share_scene(first, second), SWIFTGS_INVALID_ARGUMENT,
+              "'serial/standard/per-pixel/ellipse' has no scene or another backend");
+  CHECK_OK(swiftgs_renderer_share_scene(second, first));
+  swiftgs_renderer_free(first); /* the scene stays */
+  CHECK_OK(swiftgs_renderer_render_into(second, &frame));
+  swiftgs_statistics statistics = {.size = sizeof(statistics)};
+  CHECK_OK(swiftgs_renderer_statistics(second, &statistics));
+  CHECK(statistics.gaussians == small_count && statistics.visible > 0);
+
+  CHECK_ERROR(swiftgs_renderer_share_scene(second, NULL), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  CHECK_ERROR(swiftgs_renderer_share_scene(NULL, second), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  CHECK_ERROR(swiftgs_renderer_set_scene(second, NULL), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
+  swiftgs_scene* const scene = make_scene();
+  CHECK_ERROR(swiftgs_renderer_set_scene(NULL, scene), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  swiftgs_scene_free(scene);
+  free(colour);
+  swiftgs_renderer_free(second);
+}
+
+/* Memory of a caller, which may run out. */
+struct pool {
+  size_t in_use, most, limit;
+};
+
+static void* take(void* context, size_t bytes) {
+  struct pool* const pool = context;
+  if (pool->in_use + bytes > pool->limit) return NULL;
+  pool->in_use += bytes;
+  if (pool->in_use > pool->most) pool->most = pool->in_use;
+  return aligned_alloc(64, (bytes + 63) / 64 * 64);
+}
+
+static void give(void* context, void* memory, size_t bytes) {
+  ((struct pool*)context)->in_use -= bytes;
+  free(memory);
+}
+
+void test_memory(void) {
+  struct pool pool = {.limit = 100};
+  swiftgs_renderer_options options = {
+      .size = sizeof(options), .allocate = &take, .release = &give, .context = &pool};
+  swiftgs_renderer* renderer = NULL;
+  CHECK_OK(swiftgs_renderer_create(small_renderer, &options, &renderer));
+  swiftgs_scene* const scene = make_scene();
+  CHECK_OK(swiftgs_renderer_set_scene(renderer, scene));
+  swiftgs_scene_free(scene);
+  const swiftgs_camera camera = make_camera(small_width, small_height);
+  float* const colour = make_memory(sizeof(float) * floats);
+  const swiftgs_view view = make_view(&camera, colour);
+  const swiftgs_frame frame = make_frame(&view, 1);
+  CHECK_ERROR(swiftgs_renderer_render_into(renderer, &frame), SWIFTGS_OUT_OF_MEMORY, "out of memory");
+  pool.limit = SIZE_MAX;
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  CHECK(pool.most > 0 && pool.in_use > 0);
+  swiftgs_renderer_free(renderer);
+  CHECK(pool.in_use == 0);
+  free(colour);
+
+  renderer = NULL;
+  options.release = NULL;
+  CHECK_ERROR(swiftgs_renderer_create(small_renderer, &options, &renderer), SWIFTGS_INVALID_ARGUMENT,
+              "memory hook: no function to release");
+  options.release = &give, options.allocate = NULL;
+  CHECK_ERROR(swiftgs_renderer_create(small_renderer, &options, &renderer), SWIFTGS_INVALID_ARGUMENT,
+              "memory hook: no function to allocate");
+  CHECK(renderer == NULL);
+}
+
+void test_calibrations(void) {
+  swiftgs_renderer* const renderer = make_renderer("serial/adaptive/per-pixel/ellipse");
+  const swiftgs_camera camera = make_camera(small_width, small_height);
+  float* const colour = make_memory(sizeof(float) * floats);
+  const swiftgs_view view = make_view(&camera, colour);
+  const swiftgs_frame frame = make_frame(&view, 1);
+  swiftgs_calibration known = {.size = sizeof(known)};
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  CHECK_OK(swiftgs_renderer_calibration(renderer, &known));
+  CHECK(known.width == 0 && known.gaussians == 0);
+  for (int i = 0; i < 20 && known.width == 0; ++i) {
+    CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+    CHECK_OK(swiftgs_renderer_calibration(renderer, &known));
+  }
+  CHECK(known.width == small_width && known.height == small_height && known.gaussians == small_count);
+  CHECK(known.standard_ms > 0 && known.early_ms > 0);
+
+  /* Another renderer knows it from the first frame on. */
+  swiftgs_renderer* const other = make_renderer("serial/adaptive/per-pixel/ellipse");
+  swiftgs_calibration given[2] = {known, known};
+  given[0].width = 1, given[0].standard_ms = 1;
+  CHECK_OK(swiftgs_renderer_use_calibrations(other, given, 2));
+  CHECK_OK(swiftgs_renderer_render_into(other, &frame));
+  swiftgs_calibration found = {.size = sizeof(found)};
+  CHECK_OK(swiftgs_renderer_calibration(other, &found));
+  CHECK(memcmp(&found, &known, sizeof(known)) == 0);
+  CHECK_OK(swiftgs_renderer_use_calibrations(other, NULL, 0));
+
+  /* Other sorts know nothing. */
+  swiftgs_renderer* const early = make_renderer(small_renderer);
+  CHECK_OK(swiftgs_renderer_use_calibrations(early, given, 2));
+  CHECK_OK(swiftgs_renderer_render_into(early, &frame));
+  CHECK_OK(swiftgs_renderer_calibration(early, &found));
+  CHECK(found.width == 0 && found.standard_ms == 0);
+
+  CHECK_ERROR(swiftgs_renderer_use_calibrations(other, NULL, 1), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_calibration is NULL");
+  given[1].reserved = 1;
+  CHECK_ERROR(swiftgs_renderer_use_calibrations(other, given, 2), SWIFTGS_INVALID_ARGUMENT, "reserved is 1");
+  given[1].size = 4;
+  CHECK_ERROR(swiftgs_renderer_use_calibrations(other, given, 2), SWIFTGS_INVALID_ARGUMENT,
+              "size of number 1 is 4");
+  CHECK_ERROR(swiftgs_renderer_use_calibrations(NULL, given, 1), SWIFTGS_INVALID_ARGUMENT,
+              "renderer is NULL");
+  CHECK_ERROR(swiftgs_renderer_calibration(NULL, &found), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  CHECK_ERROR(swiftgs_renderer_calibration(other, NULL), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_calibration is NULL");
+  free(colour);
+  swiftgs_renderer_free(renderer);
+  swiftgs_renderer_free(other);
+  swiftgs_renderer_free(early);
+}
+
+void test_renderer_errors(void) {
+  swiftgs_renderer* renderer = NULL;
+  CHECK_ERROR(swiftgs_renderer_create("serial/late/per-pixel/ellipse", NULL, &renderer),
+              SWIFTGS_INVALID_ARGUMENT,
+              "renderer 'serial/late/per-pixel/ellipse' is not known; expected BACKEND/SORT/RASTER/BOUNDS");
+  CHECK_ERROR(swiftgs_renderer_create(NULL, NULL, &renderer), SWIFTGS_INVALID_ARGUMENT, "name is NULL");
+  CHECK_ERROR(swiftgs_renderer_create(small_renderer, NULL, NULL), SWIFTGS_INVALID_ARGUMENT,
+              "renderer is NULL");
+  const swiftgs_renderer_options forgotten = {.size = 0};
+  CHECK_ERROR(swiftgs_renderer_create(small_renderer, &forgotten, &renderer), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_renderer_options: size is 0");
+  CHECK(renderer == NULL);
+
+  CHECK_OK(swiftgs_renderer_create(small_renderer, NULL, &renderer));
+  const char* name = NULL;
+  CHECK_ERROR(swiftgs_renderer_name(NULL, &name), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  CHECK_ERROR(swiftgs_renderer_name(renderer, NULL), SWIFTGS_INVALID_ARGUMENT, "name is NULL");
+  CHECK_ERROR(swiftgs_renderer_device_name(NULL, &name), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  CHECK_ERROR(swiftgs_renderer_device_name(renderer, NULL), SWIFTGS_INVALID_ARGUMENT, "name is NULL");
+  swiftgs_renderer_free(renderer);
+  swiftgs_renderer_free(NULL);
+}

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The C interface beside the C++ that it is made of: the same bits, and a status for every exception.
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <swiftgs.h>
+
+#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/error.hpp>
+#include <swiftgs/io/progress.hpp>
+
+#include "structs.hpp"
+
+using namespace swiftgs;
+
+namespace {
+
+constexpr std::size_t count = 3000;
+constexpr int width = 96, height = 64;
+
+struct Free {
+  void operator()(swiftgs_scene* scene) const { swiftgs_scene_free(scene); }
+  void operator()(swiftgs_renderer* renderer) const { swiftgs_renderer_free(renderer); }
+};
+
+std::unique_ptr<swiftgs_scene, Free> make_scene() {
+  swiftgs_scene* scene = nullptr;
+  REQUIRE(swiftgs_scene_builtin(count, &scene) == SWIFTGS_OK);
+  return std::unique_ptr<swiftgs_scene, Free>(scene);
+}
+
+}  // namespace
+
+TEST_CASE("c: frames have the bits of the C++ interface on every backend of the host") {
+  const auto scene = make_scene();
+  swiftgs_camera camera{};
+  camera.size = sizeof(camera);
+  REQUIRE(swiftgs_camera_builtin(width, height, &camera) == SWIFTGS_OK);
+  for (const RendererEntry& entry : renderers()) {
+    if (!entry.usable || entry.name.starts_with("cuda/") || !entry.name.ends_with("/ellipse")) continue;
+    const std::string name(entry.name);
+    CAPTURE(name);
+
+    const std::unique_ptr<AnyRenderer> expected_by = entry.make();
+    expected_by->set_scene(std::make_shared<const Scene>(make_builtin_scene(count)));
+    RenderSettings settings;
+    settings.background = vec3(0.1f, 0.2f, 0.3f);
+    settings.outputs = {.alpha = true, .depth = true};
+    settings.conventions = Conventions::inria();
+    Frame expected;
+    expected_by->render(builtin_camera(width, height), settings, expected);
+
+    swiftgs_renderer* made = nullptr;
+    REQUIRE(swiftgs_renderer_create(name.c_str(), nullptr, &made) == SWIFTGS_OK);
+    const std::unique_ptr<swiftgs_renderer, Free> renderer(made);
+    REQUIRE(swiftgs_renderer_set_scene(made, scene.get()) == SWIFTGS_OK);
+    std::vector<float> colour(3 * width * height), alpha(width * height), depth(width * height);
+    swiftgs_conventions inria{};
+    inria.size = sizeof(inria);
+    REQUIRE(swiftgs_conventions_named("inria", &inria) == SWIFTGS_OK);
+    swiftgs_view view{};
+    view.size = sizeof(view);
+    view.camera = &camera, view.conventions = &inria;
+    view.colour = {colour.data(), 12 * width};
+    view.alpha = {alpha.data(), 4 * width}, view.depth = {depth.data(), 4 * width};
+    view.background[0] = 0.1f, view.background[1] = 0.2f, view.background[2] = 0.3f;
+    swiftgs_frame frame{};
+    frame.size = sizeof(frame);
+    frame.views = &view, frame.count = 1;
+    REQUIRE(swiftgs_renderer_render(made, &frame) == SWIFTGS_OK);
+    CHECK(colour == expected.colour);
+    CHECK(alpha == expected.alpha);
+    CHECK(depth == expected.depth);
+  }
+}
+
+TEST_CASE("c: the table has the renderers of the C++ interface in their order") {
+  std::size_t listed = 0;
+  REQUIRE(swiftgs_renderers_count(&listed) == SWIFTGS_OK);
+  REQUIRE(listed == renderers().size());
+  for (std::size_t i = 0; i < listed; ++i) {
+    swiftgs_renderer_entry entry{};
+    entry.size = sizeof(entry);
+    REQUIRE(swiftgs_renderers_get(i, &entry) == SWIFTGS_OK);
+    CHECK(std::string_view(entry.name) == renderers()[i].name);
+    CHECK((entry.usable != 0) == renderers()[i].usable);
+  }
+}
+
+namespace {
+
+/// A callback of C++ that throws is the way to have the library throw anything.
+template <class E>
+swiftgs_status status_of(const E& error) {
+  swiftgs_write_options options{};
+  options.size = sizeof(options);
+  options.context = const_cast<E*>(&error);
+  options.progress = [](void* context, double) -> std::int32_t { throw *static_cast<const E*>(context); };
+  return swiftgs_scene_write(make_scene().get(), "c_status.ply", &options);
+}
+
+}  // namespace
+
+TEST_CASE("c: every kind of exception has a status and keeps its text") {
+  const auto check = [](const auto& error, swiftgs_status expected, std::string_view text) {
+    CAPTURE(text);
+    CHECK(status_of(error) == expected);
+    CHECK(swiftgs_last_error() == text);
+  };
+  check(std::invalid_argument("one"), SWIFTGS_INVALID_ARGUMENT, "one");
+  check(FormatError("file", 3, "four"), SWIFTGS_FORMAT_ERROR, "file: byte 3: expected four");
+  check(Cancelled("file"), SWIFTGS_CANCELLED, "file: cancelled");
+  check(std::system_error(std::make_error_code(std::errc::io_error), "five"), SWIFTGS_SYSTEM_ERROR,
+        std::system_error(std::make_error_code(std::errc::io_error), "five").what());
+  check(DeviceError("call", "six"), SWIFTGS_DEVICE_ERROR, "call: six");
+  check(CapacityError("seven", 8, 9), SWIFTGS_CAPACITY_ERROR, "seven: 8 needed, the limit is 9");
+  check(std::logic_error("ten"), SWIFTGS_LOGIC_ERROR, "ten");
+  check(std::bad_alloc(), SWIFTGS_OUT_OF_MEMORY, "out of memory");
+  check(std::length_error("vector"), SWIFTGS_OUT_OF_MEMORY, "out of memory");
+  check(std::runtime_error("eleven"), SWIFTGS_UNAVAILABLE, "eleven");
+  check(std::bad_cast(), SWIFTGS_INTERNAL_ERROR, std::bad_cast().what());
+  check(12, SWIFTGS_INTERNAL_ERROR, "an exception without a text, expected one of the library");
+}
+
+namespace {
+
+/// A struct that has grown: its first version ended before `second`.
+struct Grown {
+  std::uint32_t size;
+  std::int32_t first;
+  std::int32_t second, third;
+};
+
+}  // namespace
+
+template <>
+inline constexpr std::uint32_t swiftgs::c::first_size<Grown> = 8;
+
+TEST_CASE("c: structs of an older program have the default of what they lack") {
+  const Grown defaults{0, 1, 2, 3};
+  std::vector<std::int32_t> old{8, 10, 77, 77, 77, 77};
+  auto* const given = reinterpret_cast<Grown*>(old.data());
+  const Grown read = c::read_struct(given, "grown", defaults);
+  CHECK(read.first == 10);
+  CHECK(read.second == 2);
+  CHECK(read.third == 3);
+  CHECK(read.size == sizeof(Grown));
+
+  c::write_struct(given, Grown{0, 4, 5, 6}, "grown");
+  CHECK(old == std::vector<std::int32_t>{8, 4, 77, 77, 77, 77});
+
+  old[0] = 7;
+  CHECK_THROWS_AS(c::read_struct(given, "grown", defaults), std::invalid_argument);
+  CHECK_THROWS_AS(c::write_struct(given, defaults, "grown"), std::invalid_argument);
+
+  // In an array they follow each other at their own size.
+  const std::vector<std::int32_t> array{8, 21, 8, 22};
+  std::vector<std::int32_t> firsts, seconds;
+  c::for_each_struct(reinterpret_cast<const Grown*>(array.data()), 2, "grown", [&](const Grown& each) {
+    firsts.push_back(each.first), seconds.push_back(each.second);
+  });
+  CHECK(firsts == std::vector<std::int32_t>{21, 22});
+  CHECK(seconds == std::vector<std::int32_t>{0, 0});
+}

@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+
+/* Scenes: files, arrays, and what cannot be one. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "check.h"
+
+static swiftgs_scene_info info_of(const swiftgs_scene* scene) {
+  swiftgs_scene_info info = {.size = sizeof(info)};
+  CHECK_OK(swiftgs_scene_get_info(scene, &info));
+  return info;
+}
+
+static swiftgs_gaussians arrays_of(const swiftgs_scene* scene) {
+  swiftgs_gaussians arrays = {.size = sizeof(arrays)};
+  CHECK_OK(swiftgs_scene_get_arrays(scene, &arrays));
+  return arrays;
+}
+
+static bool same(const swiftgs_array* a, const swiftgs_array* b, uint64_t count) {
+  return a->stride == b->stride && memcmp(a->data, b->data, (size_t)a->stride * count) == 0;
+}
+
+static bool same_scene(const swiftgs_scene* a, const swiftgs_scene* b) {
+  const swiftgs_gaussians x = arrays_of(a), y = arrays_of(b);
+  return x.count == y.count && x.sh_degree == y.sh_degree && x.antialiased == y.antialiased &&
+         same(&x.means, &y.means, x.count) && same(&x.scales, &y.scales, x.count) &&
+         same(&x.rotations, &y.rotations, x.count) && same(&x.opacities, &y.opacities, x.count) &&
+         same(&x.sh0, &y.sh0, x.count) && (x.sh_degree == 0 || same(&x.sh_rest, &y.sh_rest, x.count));
+}
+
+void test_scenes(void) {
+  swiftgs_scene* const made = make_scene();
+  const swiftgs_scene_info info = info_of(made);
+  CHECK(info.count == small_count && info.stored == small_count && info.dropped == 0);
+  CHECK(info.sh_degree == 3 && info.antialiased == 0 && strcmp(info.format, "") == 0);
+  const swiftgs_gaussians arrays = arrays_of(made);
+  CHECK(arrays.means.stride == 12 && arrays.rotations.stride == 16 && arrays.opacities.stride == 4 &&
+        arrays.sh_rest.stride == 180 && arrays.memory == SWIFTGS_HOST && arrays.raw == 0);
+  for (int axis = 0; axis < 3; ++axis) {
+    float lower = INFINITY, upper = -INFINITY;
+    for (uint64_t i = 0; i < arrays.count; ++i) {
+      lower = fminf(lower, arrays.means.data[3 * i + (uint64_t)axis]);
+      upper = fmaxf(upper, arrays.means.data[3 * i + (uint64_t)axis]);
+    }
+    CHECK(info.lower[axis] == lower && info.upper[axis] == upper && lower < upper);
+  }
+
+  CHECK_OK(swiftgs_scene_write(made, "c_scenes.ply", NULL));
+  swiftgs_scene* read = NULL;
+  CHECK_OK(swiftgs_scene_read("c_scenes.ply", NULL, &read));
+  const swiftgs_scene_info of_file = info_of(read);
+  CHECK(of_file.count == small_count && strcmp(of_file.format, "INRIA PLY (binary_little_endian)") == 0);
+  const swiftgs_gaussians again = arrays_of(read);
+  CHECK(same(&again.means, &arrays.means, small_count) && same(&again.sh_rest, &arrays.sh_rest, small_count));
+
+  /* The ending of an option counts before the file's, and so does the version of an SPZ. */
+  swiftgs_write_options write = {.size = sizeof(write), .ending = ".spz", .spz_version = 3};
+  CHECK_OK(swiftgs_scene_write(made, "c_scenes.file", &write));
+  swiftgs_scene* spz = NULL;
+  CHECK_OK(swiftgs_scene_read("c_scenes.file", NULL, &spz));
+  CHECK(strcmp(info_of(spz).format, "SPZ version 3") == 0);
+
+  /* Axes of a reader: those that were not said to be so are turned. */
+  const swiftgs_read_options raw = {.size = sizeof(raw), .spz_axes = SWIFTGS_SPZ_RAW};
+  swiftgs_scene* turned = NULL;
+  CHECK_OK(swiftgs_scene_read("c_scenes.file", &raw, &turned));
+  const swiftgs_gaussians a = arrays_of(spz), b = arrays_of(turned);
+  CHECK(a.means.data[0] == b.means.data[0] && a.means.data[1] == -b.means.data[1] && a.means.data[1] != 0);
+
+  /* The same bytes from memory. */
+  FILE* const file = fopen("c_scenes.ply", "rb");
+  if (!file || fseek(file, 0, SEEK_END) != 0) give_up("c_scenes.ply");
+  const size_t size = (size_t)ftell(file);
+  rewind(file);
+  char* const content = make_memory(size);
+  CHECK(fread(content, 1, size, file) == size);
+  fclose(file);
+  const swiftgs_file_bytes bytes = {
+      .size = sizeof(bytes), .data = content, .count = size, .name = "memory.ply"};
+  swiftgs_scene* from_memory = NULL;
+  CHECK_OK(swiftgs_scene_read_bytes(&bytes, NULL, &from_memory));
+  CHECK(same_scene(read, from_memory));
+  free(content);
+
+  swiftgs_scene_free(made);
+  swiftgs_scene_free(read);
+  swiftgs_scene_free(spz);
+  swiftgs_scene_free(turned);
+  swiftgs_scene_free(from_memory);
+  swiftgs_scene_free(NULL);
+}
+
+struct heard {
+  int calls, notes;
+  double last;
+  bool cancel;
+};
+
+static int32_t hear_progress(void* context, double part) {
+  struct heard* const heard = context;
+  CHECK(part >= heard->last && part <= 1);
+  heard->last = part;
+  ++heard->calls;
+  return heard->cancel;
+}
+
+static void hear_note(void* context, const char* sentence) {
+  CHECK(strlen(sentence) > 0 && sentence[strlen(sentence) - 1] == '.');
+  ++((struct heard*)context)->notes;
+}
+
+void test_progress(void) {
+  swiftgs_scene* const made = make_scene();
+  struct heard heard = {0};
+  swiftgs_write_options write = {
+      .size = sizeof(write), .progress = &hear_progress, .note = &hear_note, .context = &heard};
+  /* Records of 32 bytes leave the higher bands out, which is worth a note. */
+  CHECK_OK(swiftgs_scene_write(made, "c_progress.splat", &write));
+  CHECK(heard.calls > 0 && heard.notes > 0);
+
+  struct heard reading = {0};
+  swiftgs_read_options read = {
+      .size = sizeof(read), .progress = &hear_progress, .note = &hear_note, .context = &reading};
+  CHECK_OK(swiftgs_scene_write(made, "c_progress.ply", NULL));
+  swiftgs_scene* scene = NULL;
+  CHECK_OK(swiftgs_scene_read("c_progress.ply", &read, &scene));
+  CHECK(reading.calls > 0);
+  swiftgs_scene_free(scene);
+
+  /* A property that no scene carries is worth one as well. */
+  write_text("c_notes.ply",
+             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+             "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\n"
+             "property float scale_0\nproperty float scale_1\nproperty float scale_2\nproperty float rot_0\n"
+             "property float rot_1\nproperty float rot_2\nproperty float rot_3\nproperty float of_its_own\n"
+             "end_header\n0 0 1 0 0 0 0 0 0 0 1 0 0 0 7\n");
+  struct heard noted = {0};
+  read.context = &noted;
+  CHECK_OK(swiftgs_scene_read("c_notes.ply", &read, &scene));
+  CHECK(info_of(scene).count == 1 && noted.notes > 0);
+  swiftgs_scene_free(scene);
+
+  struct heard cancelling = {.cancel = true};
+  read.context = write.context = &cancelling;
+  scene = NULL;
+  CHECK_ERROR(swiftgs_scene_read("c_progress.ply", &read, &scene), SWIFTGS_CANCELLED,
+              "c_progress.ply: cancelled");
+  CHECK(scene == NULL);
+  cancelling.last = 0;
+  CHECK_ERROR(swiftgs_scene_write(made, "c_progress.ply", &write), SWIFTGS_CANCELLED,
+              "c_progress.ply: cancelled");
+  swiftgs_scene_free(made);
+}
+
+/* Two Gaussians of degree 1 as a file of training holds them: all numbers of one side by side. */
+struct row {
+  float mean[3], log_scale[3], rotation[4], logit, sh0[3], sh_rest[9];
+};
+static const struct row rows[2] = {
+    {{1, 2, 3}, {-1, 0, 1}, {2, 0, 0, 0}, 0, {4, 5, 6}, {1, 2, 3, 4, 5, 6, 7, 8, 9}},
+    {{-1, -2, -3}, {0, 0.5f, -4}, {1, 1, 1, 1}, 2, {7, 8, 9}, {9, 8, 7, 6, 5, 4, 3, 2, 1}},
+};
+
+static swiftgs_gaussians arrays_in_rows(void) {
+  const int64_t stride = sizeof(struct row);
+  const swiftgs_gaussians arrays = {
+      .size = sizeof(arrays),
+      .sh_degree = 1,
+      .count = 2,
+      .means = {rows[0].mean, stride},
+      .scales = {rows[0].log_scale, stride},
+      .rotations = {rows[0].rotation, stride},
+      .opacities = {&rows[0].logit, stride},
+      .sh0 = {rows[0].sh0, stride},
+      .sh_rest = {rows[0].sh_rest, stride},
+      .raw = SWIFTGS_LOG_SCALES | SWIFTGS_LOGIT_OPACITIES | SWIFTGS_ANY_ROTATIONS,
+      .antialiased = 1};
+  return arrays;
+}
+
+void test_arrays(void) {
+  const swiftgs_gaussians given = arrays_in_rows();
+  swiftgs_scene* scene = NULL;
+  CHECK_OK(swiftgs_scene_from_arrays(&given, &scene));
+  const swiftgs_scene_info info = info_of(scene);
+  CHECK(info.count == 2 && info.stored == 2 && info.sh_degree == 1 && info.antialiased == 1);
+  CHECK(info.lower[2] == -3 && info.upper[2] == 3);
+  const swiftgs_gaussians kept = arrays_of(scene);
+  for (int i = 0; i < 2; ++i) {
+    const struct row* const row = &rows[i];
+    CHECK(memcmp(kept.means.data + 3 * i, row->mean, sizeof(row->mean)) == 0);
+    CHECK(memcmp(kept.sh0.data + 3 * i, row->sh0, sizeof(row->sh0)) == 0);
+    CHECK(memcmp(kept.sh_rest.data + 9 * i, row->sh_rest, sizeof(row->sh_rest)) == 0);
+    for (int axis = 0; axis < 3; ++axis) CHECK(kept.scales.data[3 * i + axis] == expf(row->log_scale[axis]));
+    CHECK(kept.opacities.data[i] == 1 / (1 + expf(-row->logit)));
+  }
+  static const float unit[] = {1, 0, 0, 0, 0.5f, 0.5f, 0.5f, 0.5f};
+  CHECK(memcmp(kept.rotations.data, unit, sizeof(unit)) == 0);
+
+  /* Activated numbers keep their bits; the arrays of a scene make the same scene. */
+  swiftgs_scene *copy = NULL, *builtin = make_scene();
+  CHECK_OK(swiftgs_scene_from_arrays(&kept, &copy));
+  CHECK(same_scene(scene, copy));
+  swiftgs_scene_free(copy);
+  const swiftgs_gaussians of_builtin = arrays_of(builtin);
+  CHECK_OK(swiftgs_scene_from_arrays(&of_builtin, &copy));
+  CHECK(same_scene(builtin, copy));
+  swiftgs_scene_free(copy);
+
+  /* Dense arrays need no stride, degree 0 no higher bands, and no Gaussians no arrays. */
+  const float numbers[] = {1, 2, 3, 4};
+  swiftgs_gaussians one = {.size = sizeof(one), .count = 1};
+  one.means.data = one.scales.data = one.rotations.data = one.opacities.data = one.sh0.data = numbers;
+  CHECK_OK(swiftgs_scene_from_arrays(&one, &copy));
+  CHECK(arrays_of(copy).rotations.data[3] == 4);
+  swiftgs_scene_free(copy);
+  const swiftgs_gaussians none = {.size = sizeof(none), .sh_degree = 3};
+  CHECK_OK(swiftgs_scene_from_arrays(&none, &copy));
+  const swiftgs_scene_info of_none = info_of(copy);
+  CHECK(of_none.count == 0 && of_none.lower[0] == 0 && of_none.upper[0] == 0);
+  CHECK(arrays_of(copy).means.data == NULL);
+  swiftgs_scene_free(copy);
+
+  /* Means that are not finite have no part in the bounds. */
+  const float means[] = {NAN, 0, 0, 1, 2, 3, INFINITY, 9, 9};
+  const float twelve[12] = {0};
+  swiftgs_gaussians three = {.size = sizeof(three), .count = 3};
+  three.means.data = means;
+  three.scales.data = three.rotations.data = three.opacities.data = three.sh0.data = twelve;
+  CHECK_OK(swiftgs_scene_from_arrays(&three, &copy));
+  const swiftgs_scene_info of_three = info_of(copy);
+  CHECK(of_three.count == 3 && of_three.lower[1] == 2 && of_three.upper[1] == 2);
+  swiftgs_scene_free(copy);
+  swiftgs_scene_free(builtin);
+  swiftgs_scene_free(scene);
+}
+
+/* Refused, for `part` of the message. */
+static void refuse_arrays(const swiftgs_gaussians* arrays, swiftgs_status status, const char* part) {
+  swiftgs_scene* scene = NULL;
+  CHECK_ERROR(swiftgs_scene_from_arrays(arrays, &scene), status, part);
+  CHECK(scene == NULL);
+}
+
+static void test_array_errors(void) {
+  swiftgs_gaussians arrays = arrays_in_rows();
+  CHECK_ERROR(swiftgs_scene_from_arrays(&arrays, NULL), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
+  refuse_arrays(NULL, SWIFTGS_INVALID_ARGUMENT, "swiftgs_gaussians is NULL");
+  arrays.sh_degree = 4;
+  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "sh_degree is 4, expected 0 to 3");
+  arrays = arrays_in_rows();
+  arrays.sh_rest.data = NULL;
+  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "sh_rest is NULL");
+  arrays = arrays_in_rows();
+  arrays.rotations.stride = 12;
+  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT,
+                "rotations: stride is 12 bytes, expected 0 or a multiple of 4 from 16");
+  arrays = arrays_in_rows();
+  arrays.opacities.stride = 6;
+  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "opacities: stride is 6 bytes");
+  arrays = arrays_in_rows();
+  arrays.means.stride = -12;
+  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "means: stride is -12 bytes");
+  arrays = arrays_in_rows();
+  arrays.means.stride = INT64_MAX - 3;
+  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "means: stride is");
+  arrays = arrays_in_rows();
+  arrays.count = (uint64_t)1 << 32;
+  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "4294967296 Gaussians, expected fewer than 2^32");
+  arrays = arrays_in_rows();
+  arrays.memory = 2;
+  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "memory is 2, expected 0 to 1");
+  arrays = arrays_in_rows();
+  arrays.raw = 8;
+  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "raw is 8, expected a sum of 1, 2 and 4");
+  arrays = arrays_in_rows();
+  arrays.reserved = 1;
+  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "swiftgs_gaussians: reserved is 1, expected 0");
+}
+
+void test_scene_errors(void) {
+  swiftgs_scene* scene = NULL;
+  CHECK_ERROR(swiftgs_scene_read("nowhere.ply", NULL, &scene), SWIFTGS_SYSTEM_ERROR, "nowhere.ply");
+  write_text("c_errors.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n");
+  CHECK_ERROR(swiftgs_scene_read("c_errors.ply", NULL, &scene), SWIFTGS_FORMAT_ERROR, "c_errors.ply: byte");
+  CHECK_ERROR(swiftgs_scene_read(NULL, NULL, &scene), SWIFTGS_INVALID_ARGUMENT, "path is NULL");
+  CHECK_ERROR(swiftgs_scene_read("c_errors.ply", NULL, NULL), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
+  swiftgs_read_options read = {.size = sizeof(read), .spz_axes = 5};
+  CHECK_ERROR(swiftgs_scene_read("c_errors.ply", &read, &scene), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_read_options: spz_axes is 5, expected 0 to 4");
+  read.spz_axes = 0, read.reserved = 1;
+  CHECK_ERROR(swiftgs_scene_read("c_errors.ply", &read, &scene), SWIFTGS_INVALID_ARGUMENT, "reserved is 1");
+
+  swiftgs_file_bytes bytes = {.size = sizeof(bytes), .data = "none", .count = 4, .name = "memory"};
+  CHECK_ERROR(swiftgs_scene_read_bytes(&bytes, NULL, &scene), SWIFTGS_FORMAT_ERROR, "memory: byte");
+  CHECK_ERROR(swiftgs_scene_read_bytes(&bytes, NULL, NULL), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
+  bytes.data = NULL;
+  CHECK_ERROR(swiftgs_scene_read_bytes(&bytes, NULL, &scene), SWIFTGS_INVALID_ARGUMENT, "data is NULL");
+  bytes.count = 0;
+  CHECK_ERROR(swiftgs_scene_read_bytes(&bytes, NULL, &scene), SWIFTGS_FORMAT_ERROR, "memory: byte 0");
+  bytes.reserved = 1;
+  CHECK_ERROR(swiftgs_scene_read_bytes(&bytes, NULL, &scene), SWIFTGS_INVALID_ARGUMENT, "reserved is 1");
+  bytes.reserved = 0, bytes.name = NULL;
+  CHECK_ERROR(swiftgs_scene_read_bytes(&bytes, NULL, &scene), SWIFTGS_INVALID_ARGUMENT, "name is NULL");
+  CHECK_ERROR(swiftgs_scene_read_bytes(NULL, NULL, &scene), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_file_bytes is NULL");
+
+  CHECK_ERROR(swiftgs_scene_builtin(1, NULL), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
+  CHECK_ERROR(swiftgs_scene_builtin((uint64_t)1 << 32, &scene), SWIFTGS_INVALID_ARGUMENT, "fewer than 2^32");
+  CHECK(scene == NULL);
+  test_array_errors();
+
+  scene = make_scene();
+  swiftgs_scene_info info = {.size = sizeof(info)};
+  CHECK_ERROR(swiftgs_scene_get_info(NULL, &info), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
+  CHECK_ERROR(swiftgs_scene_get_info(scene, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_scene_info is NULL");
+  info.size = 4;
+  CHECK_ERROR(swiftgs_scene_get_info(scene, &info), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_scene_info: size is 4");
+  swiftgs_gaussians arrays = {.size = sizeof(arrays)};
+  CHECK_ERROR(swiftgs_scene_get_arrays(NULL, &arrays), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
+  CHECK_ERROR(swiftgs_scene_get_arrays(scene, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_gaussians is NULL");
+
+  CHECK_ERROR(swiftgs_scene_write(NULL, "c_errors.ply", NULL), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
+  CHECK_ERROR(swiftgs_scene_write(scene, NULL, NULL), SWIFTGS_INVALID_ARGUMENT, "path is NULL");
+  CHECK_ERROR(swiftgs_scene_write(scene, "c_errors.obj", NULL), SWIFTGS_INVALID_ARGUMENT, "c_errors.obj");
+  CHECK_ERROR(swiftgs_scene_write(scene, "nowhere/c_errors.ply", NULL), SWIFTGS_SYSTEM_ERROR, "nowhere");
+  swiftgs_write_options write = {.size = sizeof(write), .spz_version = 2};
+  CHECK_ERROR(swiftgs_scene_write(scene, "c_errors.spz", &write), SWIFTGS_INVALID_ARGUMENT, "2");
+  write.spz_version = 0, write.spz_axes = -1;
+  CHECK_ERROR(swiftgs_scene_write(scene, "c_errors.spz", &write), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_write_options: spz_axes is -1");
+  write.spz_axes = 0, write.reserved = 1;
+  CHECK_ERROR(swiftgs_scene_write(scene, "c_errors.spz", &write), SWIFTGS_INVALID_ARGUMENT, "reserved is 1");
+  swiftgs_scene_free(scene);
+}

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+
+/* Versions, errors, and structs of programs of another age. */
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "check.h"
+
+void test_versions(void) {
+  unsigned major = 0, minor = 0, patch = 0;
+  CHECK(sscanf(swiftgs_version(), "%u.%u.%u", &major, &minor, &patch) == 3);
+  CHECK(swiftgs_abi_version() == (uint32_t)SWIFTGS_ABI_MAJOR * 65536u + SWIFTGS_ABI_MINOR);
+
+  CHECK(strcmp(swiftgs_last_error(), "") == 0);
+  static const char* const names[] = {"SWIFTGS_OK",
+                                      "SWIFTGS_INVALID_ARGUMENT",
+                                      "SWIFTGS_FORMAT_ERROR",
+                                      "SWIFTGS_CANCELLED",
+                                      "SWIFTGS_SYSTEM_ERROR",
+                                      "SWIFTGS_DEVICE_ERROR",
+                                      "SWIFTGS_CAPACITY_ERROR",
+                                      "SWIFTGS_LOGIC_ERROR",
+                                      "SWIFTGS_OUT_OF_MEMORY",
+                                      "SWIFTGS_UNAVAILABLE",
+                                      "SWIFTGS_INTERNAL_ERROR"};
+  for (swiftgs_status status = SWIFTGS_OK; status <= SWIFTGS_INTERNAL_ERROR; ++status)
+    CHECK(strcmp(swiftgs_status_name(status), names[status]) == 0);
+  CHECK(strcmp(swiftgs_status_name(-1), "unknown status") == 0);
+  CHECK(strcmp(swiftgs_status_name(SWIFTGS_INTERNAL_ERROR + 1), "unknown status") == 0);
+}
+
+/* A camera of a program that is newer than the library. */
+struct newer_camera {
+  swiftgs_camera camera;
+  uint64_t later;
+};
+
+void test_structs(void) {
+  struct newer_camera newer;
+  memset(&newer, 0xff, sizeof(newer));
+  newer.camera.size = sizeof(newer);
+  CHECK_OK(swiftgs_camera_builtin(64, 48, &newer.camera));
+  CHECK(newer.camera.size == sizeof(newer));
+  CHECK(newer.later == 0);
+  CHECK(newer.camera.width == 64 && newer.camera.reserved == 0);
+
+  /* It may leave what it has more at zero. */
+  CHECK_OK(swiftgs_camera_scale(&newer.camera, 2));
+  CHECK(newer.camera.width == 128 && newer.camera.size == sizeof(newer));
+  newer.later = (uint64_t)1 << 32;
+  CHECK_ERROR(swiftgs_camera_scale(&newer.camera, 2), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_camera: byte 148 is 1, expected 0: the program is newer than the library");
+  CHECK(newer.camera.width == 128);
+
+  /* A size that was forgotten, or of another struct. */
+  swiftgs_camera camera = make_camera(64, 48);
+  camera.size = 0;
+  CHECK_ERROR(swiftgs_camera_scale(&camera, 2), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_camera: size is 0, expected 144, the struct's size");
+  camera.size = sizeof(camera) - 8;
+  CHECK_ERROR(swiftgs_camera_builtin(64, 48, &camera), SWIFTGS_INVALID_ARGUMENT, "size is 136, expected 144");
+  CHECK_ERROR(swiftgs_camera_builtin(64, 48, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_camera is NULL");
+
+  /* Those of an array follow each other at the first one's size. */
+  struct {
+    swiftgs_view view;
+    uint64_t later;
+  } views[2] = {{{0}, 0}, {{0}, 0}};
+  float colours[2][3 * small_width * small_height];
+  camera = make_camera(small_width, small_height);
+  for (int i = 0; i < 2; ++i) {
+    views[i].view = make_view(&camera, colours[i]);
+    views[i].view.size = sizeof(views[i]);
+  }
+  swiftgs_renderer* const renderer = make_renderer(small_renderer);
+  const swiftgs_frame frame = make_frame(&views[0].view, 2);
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  CHECK(memcmp(colours[0], colours[1], sizeof(colours[0])) == 0);
+  views[1].view.size = sizeof(swiftgs_view);
+  CHECK_ERROR(swiftgs_renderer_render_into(renderer, &frame), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_view: size of number 1 is");
+  swiftgs_renderer_free(renderer);
+}
+
+static void* fail_elsewhere(void* unused) {
+  (void)unused;
+  CHECK(strcmp(swiftgs_last_error(), "") == 0);
+  CHECK_ERROR(swiftgs_scene_builtin(1, NULL), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
+  return NULL;
+}
+
+void test_threads(void) {
+  CHECK_ERROR(swiftgs_conventions_named("none", NULL), SWIFTGS_INVALID_ARGUMENT, "'none'");
+  pthread_t thread;
+  if (pthread_create(&thread, NULL, &fail_elsewhere, NULL) != 0) give_up("a thread");
+  pthread_join(thread, NULL);
+  CHECK(strstr(swiftgs_last_error(), "'none'") != NULL);
+
+  /* A call that succeeds keeps the text. */
+  swiftgs_camera camera = make_camera(64, 48);
+  CHECK(camera.width == 64 && strstr(swiftgs_last_error(), "'none'") != NULL);
+}
