@@ -111,7 +111,11 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
   const F32 d;
   const std::size_t column = part * lanes;
   Vec transmittance = hn::Load(d, state.transmittance[row] + column);
-  if (hn::AllTrue(d, hn::Lt(transmittance, hn::Zero(d)))) return;
+  const Mask ended = hn::Lt(transmittance, hn::Zero(d));
+  if (hn::AllTrue(d, ended)) return;
+  // What transmittance were if pixels did not end. It only falls, so it alone says whether a pixel has ended, and
+  // splats wait for nothing but its multiply-add. Not a number where the pixel ended before.
+  Vec through = hn::IfThenElse(ended, hn::NaN(d), transmittance);
   Vec red = hn::Load(d, state.red[row] + column);
   Vec green = hn::Load(d, state.green[row] + column);
   Vec blue = hn::Load(d, state.blue[row] + column);
@@ -126,26 +130,29 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
     Vec alpha;
     form.Alpha(k, row, column, kept, alpha);
     alpha = hn::IfThenElseZero(kept, hn::Min(alpha, alpha_max));
-    const Vec next = Dimmed(transmittance, alpha);
+    const Vec before = through;
+    through = Dimmed(before, alpha);
 
     // A pixel ends without this splat if the splat would bring it below the limit, or if the caller's surface
     // hides the splat. A mask, not a branch: most pixels take it once, and no processor predicts when.
-    Mask stops = hn::Lt(next, stop_below);
     const float* HWY_RESTRICT colour = batch.colours[k];
-    if constexpr (kOccluder) stops = hn::Or(stops, hn::And(kept, hn::Ge(hn::Set(d, colour[3]), occluder)));
-    const Vec weight = hn::IfThenZeroElse(stops, hn::Mul(alpha, transmittance));
+    if constexpr (kOccluder)
+      through = hn::IfThenElse(hn::And(kept, hn::Ge(hn::Set(d, colour[3]), occluder)), hn::NaN(d), through);
+    const Mask goes_on = hn::Ge(through, stop_below);
+    const Vec weight = hn::IfThenElseZero(goes_on, hn::Mul(alpha, before));
     if constexpr (kCount) {
-      counts.pixels_stopped += hn::CountTrue(d, hn::And(stops, hn::Gt(transmittance, hn::Zero(d))));
-      counts.contributing_pairs += hn::CountTrue(d, hn::AndNot(stops, kept));
+      counts.pixels_stopped += hn::CountTrue(d, hn::AndNot(goes_on, hn::Ge(before, stop_below)));
+      counts.contributing_pairs += hn::CountTrue(d, hn::And(goes_on, kept));
     }
-    transmittance = hn::IfThenElse(stops, hn::Or(transmittance, hn::SignBit(d)), next);
+    transmittance = hn::IfThenElse(goes_on, through, transmittance);
     red = hn::MulAdd(weight, hn::Set(d, colour[0]), red);
     green = hn::MulAdd(weight, hn::Set(d, colour[1]), green);
     blue = hn::MulAdd(weight, hn::Set(d, colour[2]), blue);
     if constexpr (kDepth) depth = hn::MulAdd(weight, hn::Set(d, colour[3]), depth);
   }
 
-  hn::Store(transmittance, d, state.transmittance[row] + column);
+  const Vec sign = hn::IfThenZeroElse(hn::Ge(through, stop_below), hn::SignBit(d));
+  hn::Store(hn::Or(transmittance, sign), d, state.transmittance[row] + column);
   hn::Store(red, d, state.red[row] + column);
   hn::Store(green, d, state.green[row] + column);
   hn::Store(blue, d, state.blue[row] + column);
