@@ -8,6 +8,7 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -27,18 +28,23 @@ HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Splats that are prepared together: their terms stay in the first-level cache while rows walk over them.
+/// Splats that are prepared together: their terms stay in the first-level cache while groups walk over them.
 constexpr std::size_t batch_size = 64;
 
 /// Exponents below are raised to it: far less than any alpha that shows, and far from results that are
 /// denormal, on which processors are slow.
 constexpr float least_exponent = -64.0f;
 
+/// A bit for each group and for each row of a square that a splat touches.
+struct Touched {
+  std::uint32_t groups, rows;
+};
+
 /// What every form needs of the splats of a batch.
 struct alignas(64) Batch {
-  std::uint32_t row_masks[batch_size];                   ///< bit r: the splat touches row r
+  std::uint32_t group_masks[batch_size];                 ///< bit g: the splat touches group g
   float colours[batch_size][4];                          ///< RGB, depth
-  std::uint32_t lists[square_side][batch_size + lanes];  ///< for each row the splats that touch it
+  std::uint32_t lists[square_side][batch_size + lanes];  ///< for each group the splats that touch it
   std::size_t list_sizes[square_side];
 };
 
@@ -48,9 +54,17 @@ struct alignas(64) CholeskyTerms {
   float p[square_side], q[square_side], c[square_side];  ///< l0 dx, l1 dy, log2(opacity) - (l2 dy)^2
 };
 
-/// Bits of the rows that `shape` touches, as `row_touched` decides them, all rows at once.
-HWY_INLINE std::uint32_t PrepareRows(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
-                                     CholeskyTerms& HWY_RESTRICT terms) {
+HWY_INLINE std::uint32_t BitsOf(Mask mask) {
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(F32(), mask, bits);
+  return bits[0] | std::uint32_t(bits[1]) << 8;
+}
+
+/// Fills `terms`, and calls visit(i, touched) for each register of rows: its first row, and the mask of those
+/// that `shape` touches, as `row_touched` decides them.
+template <class Visit>
+HWY_INLINE void VisitRows(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
+                          CholeskyTerms& HWY_RESTRICT terms, const Visit& visit) {
   const F32 d;
   const Vec l0 = hn::Set(d, shape.l0), l1 = hn::Set(d, shape.l1), l2 = hn::Set(d, shape.l2);
   const Vec log2_opacity = hn::Set(d, shape.reach + log2_alpha_min);
@@ -58,34 +72,68 @@ HWY_INLINE std::uint32_t PrepareRows(const SplatShape& shape, vec2 first_centre,
   for (std::size_t i = 0; i < square_side; i += lanes)
     hn::Store(hn::Mul(l0, hn::Add(hn::Set(d, first_dx), hn::Iota(d, float(i)))), d, terms.p + i);
   const Vec first_p = hn::Set(d, terms.p[0]), last_p = hn::Set(d, terms.p[square_side - 1]);
-  std::uint64_t rows = 0;
   for (std::size_t i = 0; i < square_side; i += lanes) {
     const Vec dy = hn::Add(hn::Set(d, first_dy), hn::Iota(d, float(i)));
     const Vec q = hn::Mul(l1, dy), v = hn::Mul(l2, dy);
-    const Vec c = hn::NegMulAdd(v, v, log2_opacity);
     hn::Store(q, d, terms.q + i);
-    hn::Store(c, d, terms.c + i);
+    hn::Store(hn::NegMulAdd(v, v, log2_opacity), d, terms.c + i);
     const Vec nearest = hn::Max(hn::Max(hn::Add(first_p, q), hn::Neg(hn::Add(last_p, q))), hn::Zero(d));
     // Against the reach, not against c: the rounding of a sum with log2(alpha_min) is far larger than the
     // reach of a faint splat, and would accept rows in tiles that lossless bounds do not list.
-    const Mask touched = hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.reach));
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, touched, bits);
-    rows |= std::uint64_t(bits[0] | std::uint32_t(bits[1]) << 8) << i;
+    visit(i, hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.reach)));
   }
-  return std::uint32_t(rows);
 }
 
-/// Turns one mask of rows a splat into one list of splats a row.
-HWY_INLINE void ListRows(Batch& HWY_RESTRICT batch, std::size_t splats) {
+/// For forms whose groups are rows.
+HWY_INLINE Touched PrepareRows(const SplatShape& shape, vec2 first_centre, float log2_alpha_min) {
+  CholeskyTerms terms;
+  std::uint32_t rows = 0;
+  VisitRows(shape, first_centre, log2_alpha_min, terms,
+            [&](std::size_t i, Mask touched) HWY_ATTR { rows |= BitsOf(touched) << i; });
+  return {rows, rows};
+}
+
+/// Fills `terms`, with a c of minus infinity in rows that are not touched: blocks hold rows that are touched
+/// and others. Of the rest, a block is touched if log2(alpha) reaches `least` in any of its rows at the
+/// column that is nearest to the splat's axis. Rounding is monotone along a row, so no pixel of the block
+/// exceeds that.
+HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
+                                 float least, CholeskyTerms& HWY_RESTRICT terms) {
+  static_assert(square_side == 16 && Blocks::side == 4);
+  const F32 d;
+  std::uint32_t rows = 0;
+  std::uint64_t reached = 0;  // 16 bits of rows for each of four columns of blocks
+  VisitRows(shape, first_centre, log2_alpha_min, terms, [&](std::size_t i, Mask touched) HWY_ATTR {
+    rows |= BitsOf(touched) << i;
+    const Vec q = hn::Load(d, terms.q + i);
+    const Vec c = hn::IfThenElse(touched, hn::Load(d, terms.c + i), hn::Neg(hn::Inf(d)));
+    hn::Store(c, d, terms.c + i);
+    for (std::size_t block = 0; block < 4; ++block) {
+      const Vec left = hn::Add(hn::Set(d, terms.p[4 * block]), q);
+      const Vec right = hn::Add(hn::Set(d, terms.p[4 * block + 3]), q);
+      const Vec nearest = hn::Max(hn::Max(left, hn::Neg(right)), hn::Zero(d));
+      const Mask reaches = hn::Ge(hn::NegMulAdd(nearest, nearest, c), hn::Set(d, least));
+      reached |= std::uint64_t(BitsOf(reaches)) << (16 * block + i);
+    }
+  });
+  // Join each four rows, then put the four columns of each block of rows side by side.
+  reached |= reached >> 1;
+  reached |= reached >> 2;
+  reached &= 0x1111111111111111;
+  return {std::uint32_t((reached | reached >> 15 | reached >> 30 | reached >> 45) & 0xffff), rows};
+}
+
+/// Turns one mask of groups a splat into one list of splats a group.
+HWY_INLINE void ListGroups(Batch& HWY_RESTRICT batch, std::size_t splats) {
   const hn::CappedTag<std::uint32_t, square_side> d;
-  for (std::size_t row = 0; row < square_side; ++row) batch.list_sizes[row] = 0;
+  for (std::size_t group = 0; group < square_side; ++group) batch.list_sizes[group] = 0;
   for (std::size_t first = 0; first < splats; first += lanes) {
-    const auto masks = hn::Load(d, batch.row_masks + first);
+    const auto masks = hn::Load(d, batch.group_masks + first);
     const auto index = hn::Iota(d, std::uint32_t(first));
-    for (std::size_t row = 0; row < square_side; ++row) {
-      const auto touched = hn::TestBit(masks, hn::Set(d, 1u << row));
-      batch.list_sizes[row] += hn::CompressStore(index, touched, d, batch.lists[row] + batch.list_sizes[row]);
+    for (std::size_t group = 0; group < square_side; ++group) {
+      const auto touched = hn::TestBit(masks, hn::Set(d, 1u << group));
+      batch.list_sizes[group] +=
+          hn::CompressStore(index, touched, d, batch.lists[group] + batch.list_sizes[group]);
     }
   }
 }
@@ -102,33 +150,34 @@ HWY_INLINE Vec Dimmed(Vec transmittance, Vec alpha) {
 #endif
 }
 
-/// Blends the listed splats into one part of a row. The state stays in registers, so a splat costs its
+/// Blends the listed splats into one part of a group. The state stays in registers, so a splat costs its
 /// arithmetic and the loads of its terms.
 template <class Form, bool kDepth, bool kCount, bool kOccluder>
-HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRICT batch,
-                         const BlendRules& rules, SquareState& HWY_RESTRICT state, std::size_t row,
-                         std::size_t part, SquareCounts& counts) {
+HWY_INLINE void BlendGroup(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRICT batch,
+                           const BlendRules& rules, SquareState& HWY_RESTRICT state, std::size_t group,
+                           std::size_t part, SquareCounts& counts) {
   const F32 d;
-  const std::size_t column = part * lanes;
-  Vec transmittance = hn::Load(d, state.transmittance[row] + column);
+  const std::size_t first = part * lanes;
+  const typename Form::Groups::Part place(group, part);
+  Vec transmittance = hn::Load(d, state.transmittance[group] + first);
   const Mask ended = hn::Lt(transmittance, hn::Zero(d));
   if (hn::AllTrue(d, ended)) return;
-  // What transmittance were if pixels did not end. It only falls, so it alone says whether a pixel has ended, and
-  // splats wait for nothing but its multiply-add. Not a number where the pixel ended before.
+  // What transmittance were if pixels did not end. It only falls, so it alone says whether a pixel has ended,
+  // and splats wait for nothing but its multiply-add. Not a number where the pixel ended before.
   Vec through = hn::IfThenElse(ended, hn::NaN(d), transmittance);
-  Vec red = hn::Load(d, state.red[row] + column);
-  Vec green = hn::Load(d, state.green[row] + column);
-  Vec blue = hn::Load(d, state.blue[row] + column);
-  Vec depth = kDepth ? hn::Load(d, state.depth[row] + column) : hn::Zero(d);
-  const Vec occluder = kOccluder ? hn::Load(d, state.occluder[row] + column) : hn::Zero(d);
+  Vec red = hn::Load(d, state.red[group] + first);
+  Vec green = hn::Load(d, state.green[group] + first);
+  Vec blue = hn::Load(d, state.blue[group] + first);
+  Vec depth = kDepth ? hn::Load(d, state.depth[group] + first) : hn::Zero(d);
+  const Vec occluder = kOccluder ? hn::Load(d, state.occluder[group] + first) : hn::Zero(d);
   const Vec stop_below = hn::Set(d, rules.stop_below), alpha_max = hn::Set(d, rules.alpha_max);
 
-  const std::uint32_t* HWY_RESTRICT list = batch.lists[row];
-  for (std::size_t i = 0, n = batch.list_sizes[row]; i < n; ++i) {
+  const std::uint32_t* HWY_RESTRICT list = batch.lists[group];
+  for (std::size_t i = 0, n = batch.list_sizes[group]; i < n; ++i) {
     const std::size_t k = list[i];
     Mask kept;
     Vec alpha;
-    form.Alpha(k, row, column, kept, alpha);
+    form.Alpha(k, place, kept, alpha);
     alpha = hn::IfThenElseZero(kept, hn::Min(alpha, alpha_max));
     const Vec before = through;
     through = Dimmed(before, alpha);
@@ -152,14 +201,14 @@ HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRIC
   }
 
   const Vec sign = hn::IfThenZeroElse(hn::Ge(through, stop_below), hn::SignBit(d));
-  hn::Store(hn::Or(transmittance, sign), d, state.transmittance[row] + column);
-  hn::Store(red, d, state.red[row] + column);
-  hn::Store(green, d, state.green[row] + column);
-  hn::Store(blue, d, state.blue[row] + column);
-  if constexpr (kDepth) hn::Store(depth, d, state.depth[row] + column);
+  hn::Store(hn::Or(transmittance, sign), d, state.transmittance[group] + first);
+  hn::Store(red, d, state.red[group] + first);
+  hn::Store(green, d, state.green[group] + first);
+  hn::Store(blue, d, state.blue[group] + first);
+  if constexpr (kDepth) hn::Store(depth, d, state.depth[group] + first);
 }
 
-/// Renders squares [begin, end): the list of each is walked in batches, and each batch row by row.
+/// Renders squares [begin, end): the list of each is walked in batches, and each batch group by group.
 template <class Form, bool kDepth, bool kCount, bool kOccluder>
 void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t begin, std::size_t end) {
   SquareState state;
@@ -174,12 +223,13 @@ void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t beg
     const View& view = place.view;
     Form form(view.rules);
     const float log2_alpha_min = std::log2(view.rules.alpha_min);
-    Clear<kDepth, kOccluder>(view.frame, place, state);
+    Clear<typename Form::Groups, kDepth, kOccluder>(view.frame, place, state);
     const TileRange range = place.list(job);
     const std::uint32_t* ids = job.lists.ids.data;
-    std::uint32_t live_rows = range.begin < range.end ? LiveRows(place, state) : 0;
-    for (std::size_t at = range.begin; at < range.end && live_rows != 0; at += batch_size) {
-      // Prepare the splats of the batch: their terms, and the rows that each touches.
+    std::uint32_t live = range.begin < range.end ? Live(state.transmittance) : 0;
+    for (std::size_t at = range.begin; at < range.end && live != 0; at += batch_size) {
+      const std::uint32_t live_rows = kCount ? LiveRows<typename Form::Groups>(state.transmittance) : 0;
+      // Prepare the splats of the batch: their terms, and the groups that each touches.
       const std::size_t splats = std::min<std::size_t>(batch_size, range.end - at);
       for (std::size_t k = 0; k < splats; ++k) {
         const std::size_t ahead = at + k + 12;
@@ -189,23 +239,21 @@ void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t beg
         }
         const std::uint32_t id = ids[at + k];
         std::memcpy(batch.colours[k], &job.colours.each[id], sizeof batch.colours[k]);
-        batch.row_masks[k] =
-            form.Prepare(k, job.splats.shapes[id], place.first_centre, log2_alpha_min) & live_rows;
-        if (some_hidden && is_hidden(job.colours.each[id])) batch.row_masks[k] = 0;
+        Touched touched = form.Prepare(k, job.splats.shapes[id], place.first_centre, log2_alpha_min);
+        if (some_hidden && is_hidden(job.colours.each[id])) touched = {0, 0};
+        batch.group_masks[k] = touched.groups & live;
+        if constexpr (kCount) counts.rows_visited += std::uint64_t(std::popcount(touched.rows & live_rows));
       }
-      for (std::size_t k = splats; k % lanes != 0; ++k) batch.row_masks[k] = 0;
-      ListRows(batch, splats);
-      for (int row = 0; row < place.rows; ++row)
-        if (batch.list_sizes[row] != 0) {
-          if constexpr (kCount) counts.rows_visited += batch.list_sizes[row];
+      for (std::size_t k = splats; k % lanes != 0; ++k) batch.group_masks[k] = 0;
+      ListGroups(batch, splats);
+      for (std::size_t group = 0; group < square_side; ++group)
+        if (batch.list_sizes[group] != 0)
           for (std::size_t part = 0; part < parts; ++part)
-            BlendRow<Form, kDepth, kCount, kOccluder>(form, batch, view.rules, state, std::size_t(row), part,
-                                                      counts);
-        }
-      live_rows = LiveRows(place, state);
+            BlendGroup<Form, kDepth, kCount, kOccluder>(form, batch, view.rules, state, group, part, counts);
+      live = Live(state.transmittance);
       counts.instances_visited += splats;
     }
-    StoreSquare(view, place, state);
+    StoreSquare<typename Form::Groups>(view, place, state);
     counts.longest_item = counts.instances_visited;
     if (job.counts) job.counts[square] = counts;
   }

@@ -19,19 +19,23 @@ namespace swiftgs::HWY_NAMESPACE {
 template <bool kThreshold>
 class FloatCholeskyForm {
  public:
+  using Groups = Blocks;
+
   explicit FloatCholeskyForm(const BlendRules& rules)
       : alpha_min_(rules.alpha_min), log2_alpha_min_(std::log2(rules.alpha_min)) {}
 
-  HWY_INLINE std::uint32_t Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
-                                   float log2_alpha_min) {
-    return PrepareRows(shape, first_centre, log2_alpha_min, terms_[k]);
+  HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
+                             float log2_alpha_min) {
+    // Less by more than what the exponential and a comparison of its results round.
+    const float least = kThreshold ? log2_alpha_min : log2_alpha_min - 1e-4f;
+    return PrepareBlocks(shape, first_centre, log2_alpha_min, least, terms_[k]);
   }
 
-  HWY_INLINE void Alpha(std::size_t k, std::size_t row, std::size_t column, Mask& kept, Vec& alpha) const {
+  HWY_INLINE void Alpha(std::size_t k, const Blocks::Part& at, Mask& kept, Vec& alpha) const {
     const F32 d;
     const CholeskyTerms& HWY_RESTRICT t = terms_[k];
-    const Vec u = hn::Add(hn::Load(d, t.p + column), hn::Set(d, t.q[row]));
-    const Vec log2_alpha = hn::NegMulAdd(u, u, hn::Set(d, t.c[row]));
+    const Vec u = hn::Add(at.OfColumns(t.p), at.OfRows(t.q));
+    const Vec log2_alpha = hn::NegMulAdd(u, u, at.OfRows(t.c));
     if constexpr (kThreshold) {
       kept = hn::Ge(log2_alpha, hn::Set(d, log2_alpha_min_));
       alpha = Exp2(d, log2_alpha);
