@@ -31,6 +31,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// Splats that are prepared together: their terms stay in the first-level cache while groups walk over them.
 constexpr std::size_t batch_size = 64;
 
+/// Splats whose alphas are evaluated together: as many as there are registers for.
+constexpr std::size_t at_once = lanes == 16 ? 4 : 2;
+
 /// Exponents below are raised to it: far less than any alpha that shows, and far from results that are
 /// denormal, on which processors are slow.
 constexpr float least_exponent = -64.0f;
@@ -136,6 +139,9 @@ HWY_INLINE void ListGroups(Batch& HWY_RESTRICT batch, std::size_t splats) {
           hn::CompressStore(index, touched, d, batch.lists[group] + batch.list_sizes[group]);
     }
   }
+  // Alphas are evaluated beyond the end, of whatever splat.
+  for (std::size_t group = 0; group < square_side; ++group)
+    for (std::size_t i = 0; i + 1 < at_once; ++i) batch.lists[group][batch.list_sizes[group] + i] = 0;
 }
 
 /// As `dimmed`, in one rounding where the target has fused multiply-adds.
@@ -173,18 +179,24 @@ HWY_INLINE void BlendGroup(const Form& HWY_RESTRICT form, const Batch& HWY_RESTR
   const Vec stop_below = hn::Set(d, rules.stop_below), alpha_max = hn::Set(d, rules.alpha_max);
 
   const std::uint32_t* HWY_RESTRICT list = batch.lists[group];
-  for (std::size_t i = 0, n = batch.list_sizes[group]; i < n; ++i) {
-    const std::size_t k = list[i];
-    Mask kept;
-    Vec alpha;
-    form.Alpha(k, place, kept, alpha);
-    alpha = hn::IfThenElseZero(kept, hn::Min(alpha, alpha_max));
-    const Vec before = through;
+  const std::size_t n = batch.list_sizes[group];
+  alignas(64) float alphas[batch_size + at_once][lanes];  // 0 where a pixel skips the splat
+  for (std::size_t i = 0; i < n; i += at_once) {
+    Mask kept[at_once];
+    Vec alpha[at_once];
+    form.Alphas(list + i, place, kept, alpha);
+    for (std::size_t j = 0; j < at_once; ++j)
+      hn::Store(hn::IfThenElseZero(kept[j], hn::Min(alpha[j], alpha_max)), d, alphas[i + j]);
+  }
+
+  for (std::size_t i = 0; i < n; ++i) {
+    const float* HWY_RESTRICT colour = batch.colours[list[i]];
+    const Vec alpha = hn::Load(d, alphas[i]), before = through;
     through = Dimmed(before, alpha);
 
     // A pixel ends without this splat if the splat would bring it below the limit, or if the caller's surface
     // hides the splat. A mask, not a branch: most pixels take it once, and no processor predicts when.
-    const float* HWY_RESTRICT colour = batch.colours[k];
+    const Mask kept = hn::Gt(alpha, hn::Zero(d));
     if constexpr (kOccluder)
       through = hn::IfThenElse(hn::And(kept, hn::Ge(hn::Set(d, colour[3]), occluder)), hn::NaN(d), through);
     const Mask goes_on = hn::Ge(through, stop_below);

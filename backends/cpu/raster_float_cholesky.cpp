@@ -31,18 +31,19 @@ class FloatCholeskyForm {
     return PrepareBlocks(shape, first_centre, log2_alpha_min, least, terms_[k]);
   }
 
-  HWY_INLINE void Alpha(std::size_t k, const Blocks::Part& at, Mask& kept, Vec& alpha) const {
+  HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, const Blocks::Part& at, Mask (&kept)[at_once],
+                         Vec (&alpha)[at_once]) const {
     const F32 d;
-    const CholeskyTerms& HWY_RESTRICT t = terms_[k];
-    const Vec u = hn::Add(at.OfColumns(t.p), at.OfRows(t.q));
-    const Vec log2_alpha = hn::NegMulAdd(u, u, at.OfRows(t.c));
-    if constexpr (kThreshold) {
-      kept = hn::Ge(log2_alpha, hn::Set(d, log2_alpha_min_));
-      alpha = Exp2(d, log2_alpha);
-    } else {
-      alpha = Exp2(d, hn::Max(log2_alpha, hn::Set(d, least_exponent)));
-      kept = hn::Ge(alpha, hn::Set(d, alpha_min_));
+    for (std::size_t i = 0; i < at_once; ++i) {
+      const CholeskyTerms& HWY_RESTRICT t = terms_[k[i]];
+      const Vec u = hn::Add(at.OfColumns(t.p), at.OfRows(t.q));
+      const Vec log2_alpha = hn::NegMulAdd(u, u, at.OfRows(t.c));
+      if constexpr (kThreshold) kept[i] = hn::Ge(log2_alpha, hn::Set(d, log2_alpha_min_));
+      alpha[i] = kThreshold ? log2_alpha : hn::Max(log2_alpha, hn::Set(d, least_exponent));
     }
+    Exp2(d, alpha);
+    if constexpr (!kThreshold)
+      for (std::size_t i = 0; i < at_once; ++i) kept[i] = hn::Ge(alpha[i], hn::Set(d, alpha_min_));
   }
 
  private:

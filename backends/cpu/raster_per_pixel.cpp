@@ -33,6 +33,12 @@ class PerPixelForm {
     return PrepareRows(shape, first_centre, log2_alpha_min);
   }
 
+  HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, Rows::Part at, Mask (&kept)[at_once],
+                         Vec (&alpha)[at_once]) const {
+    for (std::size_t i = 0; i < at_once; ++i) Alpha(k[i], at, kept[i], alpha[i]);
+  }
+
+ private:
   HWY_INLINE void Alpha(std::size_t k, Rows::Part at, Mask& kept, Vec& alpha) const {
     const F32 d;
     const Splat& HWY_RESTRICT splat = splats_[k];
@@ -45,7 +51,6 @@ class PerPixelForm {
     kept = hn::Ge(alpha, hn::Set(d, alpha_min_));
   }
 
- private:
   struct Splat {
     float mean_x, mean_y;  ///< from the square's first pixel centre
     float l0, l1, l2, opacity;

@@ -32,6 +32,12 @@ class SplitForm {
     return PrepareRows(shape, first_centre, log2_alpha_min);
   }
 
+  HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, Rows::Part at, Mask (&kept)[at_once],
+                         Vec (&alpha)[at_once]) const {
+    for (std::size_t i = 0; i < at_once; ++i) Alpha(k[i], at, kept[i], alpha[i]);
+  }
+
+ private:
   HWY_INLINE void Alpha(std::size_t k, Rows::Part at, Mask& kept, Vec& alpha) const {
     const F32 d;
     const Terms& HWY_RESTRICT t = terms_[k];
@@ -49,7 +55,6 @@ class SplitForm {
     }
   }
 
- private:
   using Cell = typename Split::Cell;
   struct alignas(64) Terms {
     Cell x_square[square_side], x_mixed[square_side], y_square[square_side], y_offset[square_side];
