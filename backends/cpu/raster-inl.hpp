@@ -58,9 +58,11 @@ struct alignas(64) CholeskyTerms {
 };
 
 HWY_INLINE std::uint32_t BitsOf(Mask mask) {
-  std::uint8_t bits[8] = {};
-  hn::StoreMaskBits(F32(), mask, bits);
-  return bits[0] | std::uint32_t(bits[1]) << 8;
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(F32(), mask, bytes);
+  std::uint16_t bits;  // every processor that has these kernels has the low byte first
+  std::memcpy(&bits, bytes, sizeof bits);
+  return bits;
 }
 
 /// Fills `terms`, and calls visit(i, touched) for each register of rows: its first row, and the mask of those
@@ -97,11 +99,13 @@ HWY_INLINE Touched PrepareRows(const SplatShape& shape, vec2 first_centre, float
 }
 
 /// Fills `terms`, with a c of minus infinity in rows that are not touched: blocks hold rows that are touched
-/// and others. Of the rest, a block is touched if log2(alpha) reaches `least` in any of its rows at the
-/// column that is nearest to the splat's axis. Rounding is monotone along a row, so no pixel of the block
-/// exceeds that.
+/// and others. A block is touched if it has a row whose columns come within `half` of the splat's axis there.
+///
+/// No pixel of a block that is refused is kept: a kept pixel has |p + q| below `half`, which is wider by far
+/// more than all that is rounded; and p <= half - q holds after rounding too, because p is a float and
+/// rounding is monotone.
 HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
-                                 float least, CholeskyTerms& HWY_RESTRICT terms) {
+                                 CholeskyTerms& HWY_RESTRICT terms) {
   static_assert(square_side == 16 && Blocks::side == 4);
   const F32 d;
   std::uint32_t rows = 0;
@@ -111,15 +115,16 @@ HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, flo
     const Vec q = hn::Load(d, terms.q + i);
     const Vec c = hn::IfThenElse(touched, hn::Load(d, terms.c + i), hn::Neg(hn::Inf(d)));
     hn::Store(c, d, terms.c + i);
+    // Not a number, by which all blocks are refused, where the row has nothing to show.
+    const Vec half = hn::Sqrt(hn::Sub(c, hn::Set(d, log2_alpha_min - 1e-3f)));
+    const Vec most = hn::Sub(half, q), least = hn::Neg(hn::Add(half, q));
     for (std::size_t block = 0; block < 4; ++block) {
-      const Vec left = hn::Add(hn::Set(d, terms.p[4 * block]), q);
-      const Vec right = hn::Add(hn::Set(d, terms.p[4 * block + 3]), q);
-      const Vec nearest = hn::Max(hn::Max(left, hn::Neg(right)), hn::Zero(d));
-      const Mask reaches = hn::Ge(hn::NegMulAdd(nearest, nearest, c), hn::Set(d, least));
+      const Vec first = hn::Set(d, terms.p[4 * block]), last = hn::Set(d, terms.p[4 * block + 3]);
+      const Mask reaches = hn::And(hn::Le(first, most), hn::Ge(last, least));
       reached |= std::uint64_t(BitsOf(reaches)) << (16 * block + i);
     }
   });
-  // Join each four rows, then put the four columns of each block of rows side by side.
+  // Join each four rows, then put the four columns of each row of blocks side by side.
   reached |= reached >> 1;
   reached |= reached >> 2;
   reached &= 0x1111111111111111;

@@ -26,9 +26,7 @@ class FloatCholeskyForm {
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                              float log2_alpha_min) {
-    // Less by more than what the exponential and a comparison of its results round.
-    const float least = kThreshold ? log2_alpha_min : log2_alpha_min - 1e-4f;
-    return PrepareBlocks(shape, first_centre, log2_alpha_min, least, terms_[k]);
+    return PrepareBlocks(shape, first_centre, log2_alpha_min, terms_[k]);
   }
 
   HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, const Blocks::Part& at, Mask (&kept)[at_once],
