@@ -71,8 +71,8 @@ HWY_INLINE void StoreColours(PixelFormat format, Vec red, Vec green, Vec blue, V
   }
 }
 
-/// Copies `bytes`, a multiple of 4, by 16 and by 4. Compilers turn a `memcpy` of a number of bytes that they do not
-/// know into instructions that start slowly.
+/// Copies `bytes`, a multiple of 4, by 16 and by 4. Compilers turn a `memcpy` of a number of bytes that they
+/// do not know into instructions that start slowly.
 HWY_INLINE void CopyWords(void* to, const void* from, std::size_t bytes) {
   const hn::CappedTag<std::uint8_t, 16> d;
   auto* const out = static_cast<std::uint8_t*>(to);
