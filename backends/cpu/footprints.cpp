@@ -40,11 +40,23 @@ struct Rects {
 
 HWY_INLINE Vec All(float v) { return hn::Set(F32(), v); }
 
+/// A shape is two groups of four floats: where they are loaded as such, the first groups are in even lanes
+/// and the second in odd ones.
 HWY_INLINE Shapes LoadShapes(const SplatShape* HWY_RESTRICT shapes) {
-  const auto stride = hn::Mul(hn::Iota(I32(), 0), hn::Set(I32(), int(sizeof(SplatShape) / sizeof(float))));
-  const auto member = [&](const float* first) HWY_ATTR { return hn::GatherIndex(F32(), first, stride); };
-  return {member(&shapes->mean.x), member(&shapes->mean.y), member(&shapes->l0),        member(&shapes->l1),
-          member(&shapes->l2),     member(&shapes->reach),  member(&shapes->half_width)};
+  static_assert(sizeof(SplatShape) == 8 * sizeof(float));
+  const F32 d;
+  Vec low[4], high[4];  // of the first half of the shapes, and of the second
+  hn::LoadInterleaved4(d, &shapes[0].mean.x, low[0], low[1], low[2], low[3]);
+  hn::LoadInterleaved4(d, &shapes[lanes / 2].mean.x, high[0], high[1], high[2], high[3]);
+  const auto even = [&](int i) HWY_ATTR { return hn::ConcatEven(d, high[i], low[i]); };
+  const auto odd = [&](int i) HWY_ATTR { return hn::ConcatOdd(d, high[i], low[i]); };
+  return {.mean_x = even(0),
+          .mean_y = even(1),
+          .l0 = even(2),
+          .l1 = even(3),
+          .l2 = odd(0),
+          .reach = odd(2),
+          .half_width = odd(3)};
 }
 
 /// `clamped_floor` within `among`, whose ends are not negative.

@@ -13,7 +13,7 @@ namespace swiftgs {
 namespace {
 
 /// How far ahead of its use a footprint is asked for.
-constexpr std::size_t prefetch_distance = 16;
+constexpr std::size_t prefetch_distance = 32;
 
 /// Instances of the splats in `part`.
 std::uint64_t count_instances(const EmissionJob& job, Part part) {
@@ -29,6 +29,11 @@ void visit_instances(const EmissionJob& job, Part part, F f) {
   for (std::size_t i = part.begin; i < part.end; ++i) {
     if (job.order && i + prefetch_distance < part.end)
       __builtin_prefetch(&job.footprints[job.order[i + prefetch_distance]]);
+    // The footprint has come by now, and says whether the shape is needed.
+    if (job.order && i + prefetch_distance / 2 < part.end) {
+      const std::uint32_t later = job.order[i + prefetch_distance / 2];
+      if (job.footprints[later].mask == 0) __builtin_prefetch(&job.splats.shapes[later]);
+    }
     const std::uint32_t id = job.order ? job.order[i] : std::uint32_t(i);
     const Footprint& footprint = job.footprints[id];
     if (footprint.mask == 0) {

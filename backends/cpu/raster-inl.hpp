@@ -8,6 +8,7 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -27,18 +28,26 @@ HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Splats that are prepared together: their terms stay in the first-level cache while rows walk over them.
+/// Splats that are prepared together: their terms stay in the first-level cache while groups walk over them.
 constexpr std::size_t batch_size = 64;
+
+/// Splats whose alphas are evaluated together: as many as there are registers for.
+constexpr std::size_t at_once = lanes == 16 ? 4 : 2;
 
 /// Exponents below are raised to it: far less than any alpha that shows, and far from results that are
 /// denormal, on which processors are slow.
 constexpr float least_exponent = -64.0f;
 
+/// A bit for each group and for each row of a square that a splat touches.
+struct Touched {
+  std::uint32_t groups, rows;
+};
+
 /// What every form needs of the splats of a batch.
 struct alignas(64) Batch {
-  std::uint32_t row_masks[batch_size];                   ///< bit r: the splat touches row r
+  std::uint32_t group_masks[batch_size];                 ///< bit g: the splat touches group g
   float colours[batch_size][4];                          ///< RGB, depth
-  std::uint32_t lists[square_side][batch_size + lanes];  ///< for each row the splats that touch it
+  std::uint32_t lists[square_side][batch_size + lanes];  ///< for each group the splats that touch it
   std::size_t list_sizes[square_side];
 };
 
@@ -48,9 +57,19 @@ struct alignas(64) CholeskyTerms {
   float p[square_side], q[square_side], c[square_side];  ///< l0 dx, l1 dy, log2(opacity) - (l2 dy)^2
 };
 
-/// Bits of the rows that `shape` touches, as `row_touched` decides them, all rows at once.
-HWY_INLINE std::uint32_t PrepareRows(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
-                                     CholeskyTerms& HWY_RESTRICT terms) {
+HWY_INLINE std::uint32_t BitsOf(Mask mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(F32(), mask, bytes);
+  std::uint16_t bits;  // every processor that has these kernels has the low byte first
+  std::memcpy(&bits, bytes, sizeof bits);
+  return bits;
+}
+
+/// Fills `terms`, and calls visit(i, touched) for each register of rows: its first row, and the mask of those
+/// that `shape` touches, as `row_touched` decides them.
+template <class Visit>
+HWY_INLINE void VisitRows(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
+                          CholeskyTerms& HWY_RESTRICT terms, const Visit& visit) {
   const F32 d;
   const Vec l0 = hn::Set(d, shape.l0), l1 = hn::Set(d, shape.l1), l2 = hn::Set(d, shape.l2);
   const Vec log2_opacity = hn::Set(d, shape.reach + log2_alpha_min);
@@ -58,36 +77,76 @@ HWY_INLINE std::uint32_t PrepareRows(const SplatShape& shape, vec2 first_centre,
   for (std::size_t i = 0; i < square_side; i += lanes)
     hn::Store(hn::Mul(l0, hn::Add(hn::Set(d, first_dx), hn::Iota(d, float(i)))), d, terms.p + i);
   const Vec first_p = hn::Set(d, terms.p[0]), last_p = hn::Set(d, terms.p[square_side - 1]);
-  std::uint64_t rows = 0;
   for (std::size_t i = 0; i < square_side; i += lanes) {
     const Vec dy = hn::Add(hn::Set(d, first_dy), hn::Iota(d, float(i)));
     const Vec q = hn::Mul(l1, dy), v = hn::Mul(l2, dy);
-    const Vec c = hn::NegMulAdd(v, v, log2_opacity);
     hn::Store(q, d, terms.q + i);
-    hn::Store(c, d, terms.c + i);
+    hn::Store(hn::NegMulAdd(v, v, log2_opacity), d, terms.c + i);
     const Vec nearest = hn::Max(hn::Max(hn::Add(first_p, q), hn::Neg(hn::Add(last_p, q))), hn::Zero(d));
     // Against the reach, not against c: the rounding of a sum with log2(alpha_min) is far larger than the
     // reach of a faint splat, and would accept rows in tiles that lossless bounds do not list.
-    const Mask touched = hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.reach));
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, touched, bits);
-    rows |= std::uint64_t(bits[0] | std::uint32_t(bits[1]) << 8) << i;
+    visit(i, hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.reach)));
   }
-  return std::uint32_t(rows);
 }
 
-/// Turns one mask of rows a splat into one list of splats a row.
-HWY_INLINE void ListRows(Batch& HWY_RESTRICT batch, std::size_t splats) {
+/// For forms whose groups are rows.
+HWY_INLINE Touched PrepareRows(const SplatShape& shape, vec2 first_centre, float log2_alpha_min) {
+  CholeskyTerms terms;
+  std::uint32_t rows = 0;
+  VisitRows(shape, first_centre, log2_alpha_min, terms,
+            [&](std::size_t i, Mask touched) HWY_ATTR { rows |= BitsOf(touched) << i; });
+  return {rows, rows};
+}
+
+/// Fills `terms`, with a c of minus infinity in rows that are not touched: blocks hold rows that are touched
+/// and others. A block is touched if it has a row whose columns come within `half` of the splat's axis there.
+///
+/// No pixel of a block that is refused is kept: a kept pixel has |p + q| below `half`, which is wider by far
+/// more than all that is rounded; and p <= half - q holds after rounding too, because p is a float and
+/// rounding is monotone.
+HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
+                                 CholeskyTerms& HWY_RESTRICT terms) {
+  static_assert(square_side == 16 && Blocks::side == 4);
+  const F32 d;
+  std::uint32_t rows = 0;
+  std::uint64_t reached = 0;  // 16 bits of rows for each of four columns of blocks
+  VisitRows(shape, first_centre, log2_alpha_min, terms, [&](std::size_t i, Mask touched) HWY_ATTR {
+    rows |= BitsOf(touched) << i;
+    const Vec q = hn::Load(d, terms.q + i);
+    const Vec c = hn::IfThenElse(touched, hn::Load(d, terms.c + i), hn::Neg(hn::Inf(d)));
+    hn::Store(c, d, terms.c + i);
+    // Not a number, by which all blocks are refused, where the row has nothing to show.
+    const Vec half = hn::Sqrt(hn::Sub(c, hn::Set(d, log2_alpha_min - 1e-3f)));
+    const Vec most = hn::Sub(half, q), least = hn::Neg(hn::Add(half, q));
+    for (std::size_t block = 0; block < 4; ++block) {
+      const Vec first = hn::Set(d, terms.p[4 * block]), last = hn::Set(d, terms.p[4 * block + 3]);
+      const Mask reaches = hn::And(hn::Le(first, most), hn::Ge(last, least));
+      reached |= std::uint64_t(BitsOf(reaches)) << (16 * block + i);
+    }
+  });
+  // Join each four rows, then put the four columns of each row of blocks side by side.
+  reached |= reached >> 1;
+  reached |= reached >> 2;
+  reached &= 0x1111111111111111;
+  return {std::uint32_t((reached | reached >> 15 | reached >> 30 | reached >> 45) & 0xffff), rows};
+}
+
+/// Turns one mask of groups a splat into one list of splats a group.
+HWY_INLINE void ListGroups(Batch& HWY_RESTRICT batch, std::size_t splats) {
   const hn::CappedTag<std::uint32_t, square_side> d;
-  for (std::size_t row = 0; row < square_side; ++row) batch.list_sizes[row] = 0;
+  for (std::size_t group = 0; group < square_side; ++group) batch.list_sizes[group] = 0;
   for (std::size_t first = 0; first < splats; first += lanes) {
-    const auto masks = hn::Load(d, batch.row_masks + first);
+    const auto masks = hn::Load(d, batch.group_masks + first);
     const auto index = hn::Iota(d, std::uint32_t(first));
-    for (std::size_t row = 0; row < square_side; ++row) {
-      const auto touched = hn::TestBit(masks, hn::Set(d, 1u << row));
-      batch.list_sizes[row] += hn::CompressStore(index, touched, d, batch.lists[row] + batch.list_sizes[row]);
+    for (std::size_t group = 0; group < square_side; ++group) {
+      const auto touched = hn::TestBit(masks, hn::Set(d, 1u << group));
+      batch.list_sizes[group] +=
+          hn::CompressStore(index, touched, d, batch.lists[group] + batch.list_sizes[group]);
     }
   }
+  // Alphas are evaluated beyond the end, of whatever splat.
+  for (std::size_t group = 0; group < square_side; ++group)
+    for (std::size_t i = 0; i + 1 < at_once; ++i) batch.lists[group][batch.list_sizes[group] + i] = 0;
 }
 
 /// As `dimmed`, in one rounding where the target has fused multiply-adds.
@@ -102,57 +161,80 @@ HWY_INLINE Vec Dimmed(Vec transmittance, Vec alpha) {
 #endif
 }
 
-/// Blends the listed splats into one part of a row. The state stays in registers, so a splat costs its
+/// Blends the listed splats into one part of a group. The state stays in registers, so a splat costs its
 /// arithmetic and the loads of its terms.
 template <class Form, bool kDepth, bool kCount, bool kOccluder>
-HWY_INLINE void BlendRow(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRICT batch,
-                         const BlendRules& rules, SquareState& HWY_RESTRICT state, std::size_t row,
-                         std::size_t part, SquareCounts& counts) {
+HWY_INLINE void BlendGroup(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRICT batch,
+                           const BlendRules& rules, SquareState& HWY_RESTRICT state, std::size_t group,
+                           std::size_t part, SquareCounts& counts) {
   const F32 d;
-  const std::size_t column = part * lanes;
-  Vec transmittance = hn::Load(d, state.transmittance[row] + column);
-  if (hn::AllTrue(d, hn::Lt(transmittance, hn::Zero(d)))) return;
-  Vec red = hn::Load(d, state.red[row] + column);
-  Vec green = hn::Load(d, state.green[row] + column);
-  Vec blue = hn::Load(d, state.blue[row] + column);
-  Vec depth = kDepth ? hn::Load(d, state.depth[row] + column) : hn::Zero(d);
-  const Vec occluder = kOccluder ? hn::Load(d, state.occluder[row] + column) : hn::Zero(d);
+  const std::size_t first = part * lanes;
+  const typename Form::Groups::Part place(group, part);
+  Vec transmittance = hn::Load(d, state.transmittance[group] + first);
+  const Mask ended = hn::Lt(transmittance, hn::Zero(d));
+  if (hn::AllTrue(d, ended)) return;
+  // What transmittance were if pixels did not end. It only falls, so it alone says whether a pixel has ended,
+  // and splats wait for nothing but its multiply-add. Not a number where the pixel ended before.
+  Vec through = hn::IfThenElse(ended, hn::NaN(d), transmittance);
+  Vec red = hn::Load(d, state.red[group] + first);
+  Vec green = hn::Load(d, state.green[group] + first);
+  Vec blue = hn::Load(d, state.blue[group] + first);
+  Vec depth = kDepth ? hn::Load(d, state.depth[group] + first) : hn::Zero(d);
+  const Vec occluder = kOccluder ? hn::Load(d, state.occluder[group] + first) : hn::Zero(d);
   const Vec stop_below = hn::Set(d, rules.stop_below), alpha_max = hn::Set(d, rules.alpha_max);
 
-  const std::uint32_t* HWY_RESTRICT list = batch.lists[row];
-  for (std::size_t i = 0, n = batch.list_sizes[row]; i < n; ++i) {
-    const std::size_t k = list[i];
-    Mask kept;
-    Vec alpha;
-    form.Alpha(k, row, column, kept, alpha);
-    alpha = hn::IfThenElseZero(kept, hn::Min(alpha, alpha_max));
-    const Vec next = Dimmed(transmittance, alpha);
+  const std::uint32_t* HWY_RESTRICT list = batch.lists[group];
+  const std::size_t n = batch.list_sizes[group];
+  alignas(64) float alphas[batch_size + at_once][lanes];  // 0 where a pixel skips the splat
+  for (std::size_t i = 0; i < n; i += at_once) {
+    Mask kept[at_once];
+    Vec alpha[at_once];
+    form.Alphas(list + i, place, kept, alpha);
+    for (std::size_t j = 0; j < at_once; ++j)
+      hn::Store(hn::IfThenElseZero(kept[j], hn::Min(alpha[j], alpha_max)), d, alphas[i + j]);
+  }
+
+  for (std::size_t i = 0; i < n; ++i) {
+    const float* HWY_RESTRICT colour = batch.colours[list[i]];
+    const Vec alpha = hn::Load(d, alphas[i]), before = through;
+    through = Dimmed(before, alpha);
 
     // A pixel ends without this splat if the splat would bring it below the limit, or if the caller's surface
     // hides the splat. A mask, not a branch: most pixels take it once, and no processor predicts when.
-    Mask stops = hn::Lt(next, stop_below);
-    const float* HWY_RESTRICT colour = batch.colours[k];
-    if constexpr (kOccluder) stops = hn::Or(stops, hn::And(kept, hn::Ge(hn::Set(d, colour[3]), occluder)));
-    const Vec weight = hn::IfThenZeroElse(stops, hn::Mul(alpha, transmittance));
+    const Mask kept = hn::Gt(alpha, hn::Zero(d));
+    if constexpr (kOccluder)
+      through = hn::IfThenElse(hn::And(kept, hn::Ge(hn::Set(d, colour[3]), occluder)), hn::NaN(d), through);
+    const Mask goes_on = hn::Ge(through, stop_below);
+    const Vec weight = hn::IfThenElseZero(goes_on, hn::Mul(alpha, before));
     if constexpr (kCount) {
-      counts.pixels_stopped += hn::CountTrue(d, hn::And(stops, hn::Gt(transmittance, hn::Zero(d))));
-      counts.contributing_pairs += hn::CountTrue(d, hn::AndNot(stops, kept));
+      counts.pixels_stopped += hn::CountTrue(d, hn::AndNot(goes_on, hn::Ge(before, stop_below)));
+      counts.contributing_pairs += hn::CountTrue(d, hn::And(goes_on, kept));
     }
-    transmittance = hn::IfThenElse(stops, hn::Or(transmittance, hn::SignBit(d)), next);
+    transmittance = hn::IfThenElse(goes_on, through, transmittance);
     red = hn::MulAdd(weight, hn::Set(d, colour[0]), red);
     green = hn::MulAdd(weight, hn::Set(d, colour[1]), green);
     blue = hn::MulAdd(weight, hn::Set(d, colour[2]), blue);
     if constexpr (kDepth) depth = hn::MulAdd(weight, hn::Set(d, colour[3]), depth);
   }
 
-  hn::Store(transmittance, d, state.transmittance[row] + column);
-  hn::Store(red, d, state.red[row] + column);
-  hn::Store(green, d, state.green[row] + column);
-  hn::Store(blue, d, state.blue[row] + column);
-  if constexpr (kDepth) hn::Store(depth, d, state.depth[row] + column);
+  const Vec sign = hn::IfThenZeroElse(hn::Ge(through, stop_below), hn::SignBit(d));
+  hn::Store(hn::Or(transmittance, sign), d, state.transmittance[group] + first);
+  hn::Store(red, d, state.red[group] + first);
+  hn::Store(green, d, state.green[group] + first);
+  hn::Store(blue, d, state.blue[group] + first);
+  if constexpr (kDepth) hn::Store(depth, d, state.depth[group] + first);
 }
 
-/// Renders squares [begin, end): the list of each is walked in batches, and each batch row by row.
+/// Asks for the splats of places [from, to) of the lists, up to `end`. Always inlined: gcc takes out calls of
+/// functions that do nothing else.
+HWY_INLINE void PrefetchSplats(const RasterJob& job, std::size_t from, std::size_t to, std::size_t end) {
+  for (to = std::min(to, end); from < to; ++from) {
+    hwy::Prefetch(&job.splats.shapes[job.lists.ids[from]]);
+    hwy::Prefetch(&job.colours.each[job.lists.ids[from]]);
+  }
+}
+
+/// Renders squares [begin, end): the list of each is walked in batches, and each batch group by group.
 template <class Form, bool kDepth, bool kCount, bool kOccluder>
 void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t begin, std::size_t end) {
   SquareState state;
@@ -167,38 +249,38 @@ void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t beg
     const View& view = place.view;
     Form form(view.rules);
     const float log2_alpha_min = std::log2(view.rules.alpha_min);
-    Clear<kDepth, kOccluder>(view.frame, place, state);
+    Clear<typename Form::Groups, kDepth, kOccluder>(view.frame, place, state);
     const TileRange range = place.list(job);
     const std::uint32_t* ids = job.lists.ids.data;
-    std::uint32_t live_rows = range.begin < range.end ? LiveRows(place, state) : 0;
-    for (std::size_t at = range.begin; at < range.end && live_rows != 0; at += batch_size) {
-      // Prepare the splats of the batch: their terms, and the rows that each touches.
+    std::uint32_t live = range.begin < range.end ? Live(state.transmittance) : 0;
+    PrefetchSplats(job, range.begin, range.begin + batch_size, range.end);
+    for (std::size_t at = range.begin; at < range.end && live != 0; at += batch_size) {
+      const std::uint32_t live_rows = kCount ? LiveRows<typename Form::Groups>(state.transmittance) : 0;
+      // Prepare the splats of the batch: their terms, and the groups that each touches.
       const std::size_t splats = std::min<std::size_t>(batch_size, range.end - at);
       for (std::size_t k = 0; k < splats; ++k) {
-        const std::size_t ahead = at + k + 12;
-        if (ahead < range.end) {
-          hwy::Prefetch(&job.splats.shapes[ids[ahead]]);
-          hwy::Prefetch(&job.colours.each[ids[ahead]]);
-        }
         const std::uint32_t id = ids[at + k];
         std::memcpy(batch.colours[k], &job.colours.each[id], sizeof batch.colours[k]);
-        batch.row_masks[k] =
-            form.Prepare(k, job.splats.shapes[id], place.first_centre, log2_alpha_min) & live_rows;
-        if (some_hidden && is_hidden(job.colours.each[id])) batch.row_masks[k] = 0;
+        Touched touched = form.Prepare(k, job.splats.shapes[id], place.first_centre, log2_alpha_min);
+        if (some_hidden && is_hidden(job.colours.each[id])) touched = {0, 0};
+        batch.group_masks[k] = touched.groups & live;
+        if constexpr (kCount) counts.rows_visited += std::uint64_t(std::popcount(touched.rows & live_rows));
       }
-      for (std::size_t k = splats; k % lanes != 0; ++k) batch.row_masks[k] = 0;
-      ListRows(batch, splats);
-      for (int row = 0; row < place.rows; ++row)
-        if (batch.list_sizes[row] != 0) {
-          if constexpr (kCount) counts.rows_visited += batch.list_sizes[row];
+      for (std::size_t k = splats; k % lanes != 0; ++k) batch.group_masks[k] = 0;
+      ListGroups(batch, splats);
+      for (std::size_t group = 0; group < square_side; ++group) {
+        // The next batch's splats come from memory while this one's are blended.
+        constexpr std::size_t share = batch_size / square_side;
+        const std::size_t next = at + batch_size + group * share;
+        PrefetchSplats(job, next, next + share, range.end);
+        if (batch.list_sizes[group] != 0)
           for (std::size_t part = 0; part < parts; ++part)
-            BlendRow<Form, kDepth, kCount, kOccluder>(form, batch, view.rules, state, std::size_t(row), part,
-                                                      counts);
-        }
-      live_rows = LiveRows(place, state);
+            BlendGroup<Form, kDepth, kCount, kOccluder>(form, batch, view.rules, state, group, part, counts);
+      }
+      live = Live(state.transmittance);
       counts.instances_visited += splats;
     }
-    StoreSquare(view, place, state);
+    StoreSquare<typename Form::Groups>(view, place, state);
     counts.longest_item = counts.instances_visited;
     if (job.counts) job.counts[square] = counts;
   }

@@ -19,26 +19,29 @@ namespace swiftgs::HWY_NAMESPACE {
 template <bool kThreshold>
 class FloatCholeskyForm {
  public:
+  using Groups = Blocks;
+
   explicit FloatCholeskyForm(const BlendRules& rules)
       : alpha_min_(rules.alpha_min), log2_alpha_min_(std::log2(rules.alpha_min)) {}
 
-  HWY_INLINE std::uint32_t Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
-                                   float log2_alpha_min) {
-    return PrepareRows(shape, first_centre, log2_alpha_min, terms_[k]);
+  HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
+                             float log2_alpha_min) {
+    return PrepareBlocks(shape, first_centre, log2_alpha_min, terms_[k]);
   }
 
-  HWY_INLINE void Alpha(std::size_t k, std::size_t row, std::size_t column, Mask& kept, Vec& alpha) const {
+  HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, const Blocks::Part& at, Mask (&kept)[at_once],
+                         Vec (&alpha)[at_once]) const {
     const F32 d;
-    const CholeskyTerms& HWY_RESTRICT t = terms_[k];
-    const Vec u = hn::Add(hn::Load(d, t.p + column), hn::Set(d, t.q[row]));
-    const Vec log2_alpha = hn::NegMulAdd(u, u, hn::Set(d, t.c[row]));
-    if constexpr (kThreshold) {
-      kept = hn::Ge(log2_alpha, hn::Set(d, log2_alpha_min_));
-      alpha = Exp2(d, log2_alpha);
-    } else {
-      alpha = Exp2(d, hn::Max(log2_alpha, hn::Set(d, least_exponent)));
-      kept = hn::Ge(alpha, hn::Set(d, alpha_min_));
+    for (std::size_t i = 0; i < at_once; ++i) {
+      const CholeskyTerms& HWY_RESTRICT t = terms_[k[i]];
+      const Vec u = hn::Add(at.OfColumns(t.p), at.OfRows(t.q));
+      const Vec log2_alpha = hn::NegMulAdd(u, u, at.OfRows(t.c));
+      if constexpr (kThreshold) kept[i] = hn::Ge(log2_alpha, hn::Set(d, log2_alpha_min_));
+      alpha[i] = kThreshold ? log2_alpha : hn::Max(log2_alpha, hn::Set(d, least_exponent));
     }
+    Exp2(d, alpha);
+    if constexpr (!kThreshold)
+      for (std::size_t i = 0; i < at_once; ++i) kept[i] = hn::Ge(alpha[i], hn::Set(d, alpha_min_));
   }
 
  private:

@@ -18,25 +18,32 @@ namespace swiftgs::HWY_NAMESPACE {
 /// Each pixel evaluates its whole exponent, from the factor as it is stored, and exponential.
 class PerPixelForm {
  public:
+  using Groups = Rows;
+
   explicit PerPixelForm(const BlendRules& rules) : alpha_min_(rules.alpha_min) {}
 
-  HWY_INLINE std::uint32_t Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
-                                   float log2_alpha_min) {
+  HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
+                             float log2_alpha_min) {
     splats_[k] = {shape.mean.x - first_centre.x,
                   shape.mean.y - first_centre.y,
                   shape.l0,
                   shape.l1,
                   shape.l2,
                   shape.opacity};
-    CholeskyTerms rows;
-    return PrepareRows(shape, first_centre, log2_alpha_min, rows);
+    return PrepareRows(shape, first_centre, log2_alpha_min);
   }
 
-  HWY_INLINE void Alpha(std::size_t k, std::size_t row, std::size_t column, Mask& kept, Vec& alpha) const {
+  HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, Rows::Part at, Mask (&kept)[at_once],
+                         Vec (&alpha)[at_once]) const {
+    for (std::size_t i = 0; i < at_once; ++i) Alpha(k[i], at, kept[i], alpha[i]);
+  }
+
+ private:
+  HWY_INLINE void Alpha(std::size_t k, Rows::Part at, Mask& kept, Vec& alpha) const {
     const F32 d;
     const Splat& HWY_RESTRICT splat = splats_[k];
-    const Vec dx = hn::Sub(hn::Iota(d, float(column)), hn::Set(d, splat.mean_x));
-    const Vec dy = hn::Sub(hn::Set(d, float(row)), hn::Set(d, splat.mean_y));
+    const Vec dx = hn::Sub(hn::Iota(d, float(at.column)), hn::Set(d, splat.mean_x));
+    const Vec dy = hn::Sub(hn::Set(d, float(at.row)), hn::Set(d, splat.mean_y));
     const Vec u = hn::MulAdd(hn::Set(d, splat.l0), dx, hn::Mul(hn::Set(d, splat.l1), dy));
     const Vec v = hn::Mul(hn::Set(d, splat.l2), dy);
     const Vec exponent = hn::Neg(hn::MulAdd(u, u, hn::Mul(v, v)));
@@ -44,7 +51,6 @@ class PerPixelForm {
     kept = hn::Ge(alpha, hn::Set(d, alpha_min_));
   }
 
- private:
   struct Splat {
     float mean_x, mean_y;  ///< from the square's first pixel centre
     float l0, l1, l2, opacity;

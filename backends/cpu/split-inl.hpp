@@ -20,22 +20,29 @@ namespace swiftgs::HWY_NAMESPACE {
 template <class Split, bool kThreshold>
 class SplitForm {
  public:
+  using Groups = Rows;
+
   explicit SplitForm(const BlendRules& rules) : alpha_min_(rules.alpha_min) {}
 
-  HWY_INLINE std::uint32_t Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
-                                   float log2_alpha_min) {
+  HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
+                             float log2_alpha_min) {
     Terms& HWY_RESTRICT t = terms_[k];
     t.opacity = shape.opacity, t.log2_opacity = shape.reach + log2_alpha_min, t.reach = shape.reach;
     Split::Prepare(shape, first_centre, t);
-    CholeskyTerms rows;
-    return PrepareRows(shape, first_centre, log2_alpha_min, rows);
+    return PrepareRows(shape, first_centre, log2_alpha_min);
   }
 
-  HWY_INLINE void Alpha(std::size_t k, std::size_t row, std::size_t column, Mask& kept, Vec& alpha) const {
+  HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, Rows::Part at, Mask (&kept)[at_once],
+                         Vec (&alpha)[at_once]) const {
+    for (std::size_t i = 0; i < at_once; ++i) Alpha(k[i], at, kept[i], alpha[i]);
+  }
+
+ private:
+  HWY_INLINE void Alpha(std::size_t k, Rows::Part at, Mask& kept, Vec& alpha) const {
     const F32 d;
     const Terms& HWY_RESTRICT t = terms_[k];
-    const Vec squares = hn::Add(Split::Row(t.x_square + column), Split::All(t.y_square[row]));
-    const Vec sum = hn::MulAdd(Split::Row(t.x_mixed + column), Split::All(t.y_offset[row]), squares);
+    const Vec squares = hn::Add(Split::Row(t.x_square + at.column), Split::All(t.y_square[at.row]));
+    const Vec sum = hn::MulAdd(Split::Row(t.x_mixed + at.column), Split::All(t.y_offset[at.row]), squares);
     const Vec s = Split::Joined(sum);
     const Mask valid = Split::Valid(s);
     if constexpr (kThreshold) {
@@ -48,7 +55,6 @@ class SplitForm {
     }
   }
 
- private:
   using Cell = typename Split::Cell;
   struct alignas(64) Terms {
     Cell x_square[square_side], x_mixed[square_side], y_square[square_side], y_offset[square_side];

@@ -20,30 +20,83 @@ HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A row of a square is 16 lanes: one register with AVX-512, two with AVX2, four with SSE4 or NEON.
+/// Pixels of a square are dealt out to groups of 16: a register with AVX-512, two with AVX2, four with SSE4
+/// or NEON. A splat is evaluated on all pixels of a group at a time.
 using F32 = hn::CappedTag<float, square_side>;
 using Vec = hn::Vec<F32>;
 using Mask = hn::Mask<F32>;
 constexpr std::size_t lanes = hn::MaxLanes(F32());
 constexpr std::size_t parts = square_side / lanes;
 
-/// Running state of a square's pixels, one array a quantity. A pixel that has stopped has the negative of its
-/// transmittance: any splat would bring that below the limit, so it stays stopped without a mask of its own.
+/// One quantity of a square's pixels, an array a group; or an array a row, before `Regroup` and after it.
+using Plane = float[square_side][square_side];
+
+/// Running state of a square's pixels. A pixel that has stopped has the negative of its transmittance.
 struct alignas(64) SquareState {
-  float transmittance[square_side][square_side];
-  float red[square_side][square_side], green[square_side][square_side], blue[square_side][square_side];
-  float depth[square_side][square_side];
-  float occluder[square_side][square_side];
+  Plane transmittance, red, green, blue, depth, occluder;
 };
 
-/// Transparent black, with the pixels beyond the image's right border already stopped.
-template <bool kDepth, bool kOccluder>
+/// A group is a row.
+struct Rows {
+  /// Registers of a group: where they are in the square.
+  struct Part {
+    std::size_t row, column;
+    Part(std::size_t group, std::size_t part) : row(group), column(part * lanes) {}
+  };
+  static HWY_INLINE void Regroup(Plane&) {}
+};
+
+/// A group is a block of 4 x 4 pixels, which splats fill better than a row.
+struct Blocks {
+  static constexpr std::size_t side = 4;
+
+  class Part {
+   public:
+    HWY_INLINE Part(std::size_t group, std::size_t part)
+        : column_(group % side * side), rows_(row(group, part) / lanes * lanes) {
+      const hn::RebindToSigned<F32> di;
+      const auto down = hn::ShiftRight<2>(hn::Iota(di, 0));
+      spread_ = hn::IndicesFromVec(d, hn::Add(down, hn::Set(di, int(row(group, part) - rows_))));
+    }
+    /// Of terms of the square's columns, or of its rows, that of each pixel.
+    HWY_INLINE Vec OfColumns(const float* HWY_RESTRICT terms) const {
+      return hn::LoadDup128(d, terms + column_);
+    }
+    HWY_INLINE Vec OfRows(const float* HWY_RESTRICT terms) const {
+      return hn::TableLookupLanes(hn::Load(d, terms + rows_), spread_);
+    }
+
+   private:
+    static constexpr F32 d{};
+    static std::size_t row(std::size_t group, std::size_t part) {
+      return group / side * side + part * (lanes / side);
+    }
+    std::size_t column_, rows_;  ///< the first column, and the first of the rows that are loaded
+    decltype(hn::IndicesFromVec(F32(), hn::Iota(hn::RebindToSigned<F32>(), 0))) spread_;
+  };
+
+  /// Turns rows into groups and groups into rows: both exchange pieces of four pixels within four rows.
+  static HWY_INLINE void Regroup(Plane& plane) {
+    const hn::CappedTag<float, side> d;
+    for (std::size_t i = 0; i < square_side; ++i)
+      for (std::size_t j = i % side + 1; j < side; ++j) {
+        float *one = plane[i] + side * j, *other = plane[i / side * side + j] + side * (i % side);
+        const auto kept = hn::Load(d, one);
+        hn::Store(hn::Load(d, other), d, one);
+        hn::Store(kept, d, other);
+      }
+  }
+};
+
+/// Transparent black, with the pixels beyond the image's borders already stopped.
+template <class Groups, bool kDepth, bool kOccluder>
 HWY_INLINE void Clear(const FrameView& frame, const PlacedSquare& square, SquareState& state) {
   const F32 d;
   for (std::size_t row = 0; row < square_side; ++row)
     for (std::size_t part = 0; part < parts; ++part) {
       const std::size_t column = part * lanes;
-      const Mask inside = hn::Lt(hn::Iota(d, float(column)), hn::Set(d, float(square.columns)));
+      const int columns = int(row) < square.rows ? square.columns : 0;
+      const Mask inside = hn::Lt(hn::Iota(d, float(column)), hn::Set(d, float(columns)));
       hn::Store(hn::IfThenElse(inside, hn::Set(d, 1.0f), hn::Set(d, -1.0f)), d,
                 state.transmittance[row] + column);
       hn::Store(hn::Zero(d), d, state.red[row] + column);
@@ -52,21 +105,33 @@ HWY_INLINE void Clear(const FrameView& frame, const PlacedSquare& square, Square
       if constexpr (kDepth) hn::Store(hn::Zero(d), d, state.depth[row] + column);
       if constexpr (kOccluder) hn::Store(hn::Inf(d), d, state.occluder[row] + column);
     }
-  if (kOccluder && frame.occluder.data)
+  if (square.columns < square_side || square.rows < square_side) Groups::Regroup(state.transmittance);
+  if (kOccluder && frame.occluder.data) {
     for (std::size_t row = 0; row < std::size_t(square.rows); ++row)
       std::memcpy(state.occluder[row], frame.occluder.row(std::size_t(square.y0) + row) + square.x0,
                   std::size_t(square.columns) * sizeof(float));
+    Groups::Regroup(state.occluder);
+  }
 }
 
-/// Bits of the rows that still have a live pixel.
-HWY_INLINE std::uint32_t LiveRows(const PlacedSquare& square, const SquareState& state) {
+/// Bits of the arrays of `transmittance` that still have a live pixel.
+HWY_INLINE std::uint32_t Live(const Plane& transmittance) {
   const F32 d;
-  std::uint32_t rows = 0;
-  for (int row = 0; row < square.rows; ++row)
+  std::uint32_t live = 0;
+  for (std::size_t group = 0; group < square_side; ++group)
     for (std::size_t part = 0; part < parts; ++part)
-      if (!hn::AllTrue(d, hn::Lt(hn::Load(d, state.transmittance[row] + part * lanes), hn::Zero(d))))
-        rows |= 1u << row;
-  return rows;
+      if (!hn::AllTrue(d, hn::Lt(hn::Load(d, transmittance[group] + part * lanes), hn::Zero(d))))
+        live |= 1u << group;
+  return live;
+}
+
+/// As `Live`, of the rows.
+template <class Groups>
+HWY_INLINE std::uint32_t LiveRows(const Plane& transmittance) {
+  alignas(64) Plane rows;
+  std::memcpy(rows, transmittance, sizeof rows);
+  Groups::Regroup(rows);
+  return Live(rows);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

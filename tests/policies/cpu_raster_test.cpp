@@ -158,3 +158,33 @@ TEST_CASE("cpu raster: the same bits on 1 2 4 and 8 threads and in every run") {
     }
   });
 }
+
+TEST_CASE("cpu raster: no block is refused that has a pixel to show") {
+  // Faint and apart, so that no pixel stops and each that is lost is a pair less.
+  SplatSet splats;
+  Random random(11);
+  for (int i = 0; i < 20000; ++i) {
+    const double x = random.in(0, 640), y = random.in(0, 480), angle = random.in(0, 3.14159);
+    const double along = random.scale(0.55, 30), across = random.scale(0.55, 2);
+    splats.add(make_splat(x, y, along, across, angle, random.scale(0.004, 0.02)), float(1 + i));
+  }
+  Serial serial;
+  Cpu cpu(2);
+  const auto check = [&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    const SquareCounts plain = draw<Raster>(serial, splats, 640, 480).counts;
+    REQUIRE(plain.pixels_stopped == 0);
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      const std::string name = hwy::TargetName(target);
+      CAPTURE(name);
+      const OnlyTargets only(target);
+      const SquareCounts counts = draw<Raster>(cpu, splats, 640, 480).counts;
+      // A pixel at the threshold may fall on the other side of it.
+      CHECK(double(counts.contributing_pairs) ==
+            doctest::Approx(double(plain.contributing_pairs)).epsilon(1e-5));
+      CHECK(double(counts.rows_visited) == doctest::Approx(double(plain.rows_visited)).epsilon(1e-5));
+    }
+  };
+  check(AxisShared<FloatCholesky>());
+  check(AxisSharedThreshold<FloatCholesky>());
+}
