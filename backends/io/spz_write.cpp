@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <new>
@@ -108,9 +109,14 @@ class SpzWriter {
   std::vector<std::string> notes() const {
     std::vector<std::string> notes;
     const int bits = encoding_.fractional_bits;
-    if (bits < 12)
+    if (bits < 12) {
+      const auto beyond = std::count_if(scene_.means.begin(), scene_.means.end(), [](const vec3& mean) {
+        return std::max({std::abs(mean.x), std::abs(mean.y), std::abs(mean.z)}) >= 2048;
+      });
       notes.push_back("Positions are rounded to 1/" + std::to_string(1 << bits) +
-                      " instead of 1/4096, because some lie beyond 2048.");
+                      " instead of 1/4096, because of Gaussians beyond 2048: " + std::to_string(beyond) +
+                      ".");
+    }
     note_clamped(clamped_[spz_positions], "Coordinates", "-8388607 to 8388607", notes);
     note_clamped(clamped_[spz_colours], "SH coefficients of band 0", "-3.33 to 3.33", notes);
     note_clamped(clamped_[spz_scales], "Scales", "exp(-10) to exp(5.94)", notes);

@@ -54,6 +54,9 @@ UnfinishedFile::~UnfinishedFile() {
 
 void UnfinishedFile::finish() {
   if (place_.empty()) return;
+  std::error_code none;
+  const fs::perms before = fs::status(place_, none).permissions();
+  if (!none && before != fs::perms::unknown) fs::permissions(path_, before);
   fs::rename(path_, place_);
   place_.clear();
 }

@@ -54,6 +54,17 @@ TEST_CASE("replace file: a file is as it was where writing ends half way") {
   CHECK(files_in(place) == 1);
 }
 
+TEST_CASE("replace file: the new file has the permissions of the old one") {
+  const TemporaryFolder place;
+  const fs::path path = place.write("secret.txt", "old");
+  for (const fs::perms permissions : {fs::perms(0600), fs::perms(0664), fs::perms(0444)}) {
+    fs::permissions(path, permissions);
+    replace_file(path, "new");
+    CHECK(content_of(path) == "new");
+    CHECK(fs::status(path).permissions() == permissions);
+  }
+}
+
 TEST_CASE("replace file: whoever reads meanwhile has the old file") {
   const TemporaryFolder place;
   const fs::path path = place.write("file.txt", "old");

@@ -156,7 +156,7 @@ TEST_CASE("spz: positions never wrap and the farthest decides how finely they ar
   scene.means[7] = vec3(8388608.0f, -1e30f, 1);
   const WrittenScene written = write_scene(folder / "a.spz", scene);
   REQUIRE(written.notes.size() == 2);
-  CHECK(contains(written.notes[0], "1/1 instead of 1/4096"));
+  CHECK(contains(written.notes[0], "1/1 instead of 1/4096, because of Gaussians beyond 2048: 1."));
   CHECK(written.notes[1] == "Coordinates are clamped to -8388607 to 8388607: 2.");
   CHECK(load_scene(folder / "a.spz").means[7] == vec3(8388607, -8388607, 1));
 }
