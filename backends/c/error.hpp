@@ -15,7 +15,7 @@ namespace swiftgs::c {
 /// Keeps the exception that is being handled as this thread's last error. Returns its status.
 swiftgs_status keep_exception() noexcept;
 
-/// f(), and the status of what it throws.
+/// Calls f(). Returns the status of the exception that it throws, or `SWIFTGS_OK`.
 template <class F>
 swiftgs_status guarded(const F& f) noexcept {
   try {

@@ -30,10 +30,10 @@ constexpr std::uint64_t max_gaussians_per_byte = 8;
 /// The share of base64 in the work on a file that has it.
 constexpr double decoding = 0.3;
 
-/// The share of looking at all scales in what is left.
+/// Part of the remaining progress that the search for logarithmic scales takes.
 constexpr double measuring = 0.05;
 
-/// Gaussians that are moved at a time, so that what is not yet at its place takes little memory.
+/// Gaussians that are moved at a time: few, since each block is a copy.
 constexpr std::size_t block = 1 << 18;
 
 std::vector<std::string> strings(const JsonEntry& root, const char* key) {

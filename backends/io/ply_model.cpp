@@ -8,7 +8,7 @@
 namespace swiftgs::io {
 namespace {
 
-/// Names in one line: the first ones, what is no ASCII as '?', and long ones cut.
+/// The first names, in one line. Long ones are cut, and characters other than printable ASCII become '?'.
 std::string listed(const std::vector<std::string>& names) {
   constexpr std::size_t most = 12, longest = 40;
   std::string list;

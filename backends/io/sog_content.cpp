@@ -44,7 +44,8 @@ void check_pixels(const SogContent& sog, int kind) {
 
 bool is_bundle(const Source& source) { return source.text().starts_with("PK"); }
 
-/// Opens the images that `meta` names. `stored` is what they may hold Gaussians by beside their own bytes.
+/// Opens the images that `meta` names. `stored` bytes of other files count as theirs when the number of
+/// Gaussians is checked against their size.
 SogContent open_parts(const Source& meta, std::uint64_t stored, const SogFiles& open, CountedFiles& counted) {
   SogContent sog;
   sog.meta = parse_sog_meta(meta);

@@ -161,9 +161,8 @@ class SWIFTGS_API Cuda {
   /// A word on the device that a rasterizer's kernels keep from frame to frame, 0 at first. Throws while the
   /// stream is being captured if it is not there yet.
   std::uint32_t* raster_word();
-  /// What the host knows of that word: what it held when the last frame was settled that the host has
-  /// awaited, before that frame was rasterized. 0 before the first such frame, and for frames that nobody
-  /// awaits.
+  /// The word as the host knows it: from the last report that it has awaited, so before that frame was
+  /// rasterized. 0 before the first report, and while frames are recorded.
   std::uint32_t known_raster_word() const;
 
   /// Fills `bytes` bytes of device memory with zero.
