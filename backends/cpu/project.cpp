@@ -3,6 +3,7 @@
 #include <cstring>
 #include <utility>
 
+#include <swiftgs/chunks.hpp>
 #include <swiftgs/cpu.hpp>
 
 // Compile the rest of this file for every target; the order of these lines matters.
@@ -130,8 +131,8 @@ struct Group {
   const float* opacities;
 };
 
-/// Visible splats of a chunk, in the order of their Gaussians.
-struct Chunk {
+/// Visible splats of a task, in the order of their Gaussians.
+struct VisibleSplats {
   SplatShape* shapes;
   float* depths;
   std::uint32_t* ids;
@@ -139,7 +140,8 @@ struct Chunk {
 };
 
 /// Vector form of `project_shape`, and of the compaction after it.
-HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::uint32_t first_id, Chunk& out) {
+HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::uint32_t first_id,
+                             VisibleSplats& out) {
   const F32 d;
   Vec opacity = hn::LoadU(d, group.opacities);
   const Vec alpha_min = hn::Set(d, v.alpha_min);
@@ -226,15 +228,14 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   out.count += count;
 }
 
-/// Projects Gaussians [begin, end) and returns how many of them are visible.
-std::size_t ProjectChunk(const ViewConstants& v, const SceneView& scene, std::size_t begin, std::size_t end,
-                         SplatShape* shapes, float* depths, std::uint32_t* ids) {
-  Chunk out{shapes, depths, ids};
+/// Projects Gaussians [begin, end), at most a chunk of them.
+HWY_INLINE void ProjectChunk(const ViewConstants& v, const SceneView& scene, std::size_t begin,
+                             std::size_t end, VisibleSplats& out) {
   std::size_t i = begin;
   for (; i + lanes <= end; i += lanes)
     ProjectGroup(v, {&scene.means[i], &scene.scales[i], &scene.rotations[i], &scene.opacities[i]},
                  std::uint32_t(i), out);
-  if (i == end) return out.count;
+  if (i == end) return;
 
   // The scene's arrays end with it: copy the rest to where a whole group can be read. Lanes beyond are
   // transparent.
@@ -247,6 +248,16 @@ std::size_t ProjectChunk(const ViewConstants& v, const SceneView& scene, std::si
     rotations[k] = scene.rotations[i + k], opacities[k] = scene.opacities[i + k];
   }
   ProjectGroup(v, {means, scales, rotations, opacities}, std::uint32_t(i), out);
+}
+
+/// Projects Gaussians [begin, end), of which the first begins a chunk, and returns how many are visible.
+std::size_t ProjectTask(const ViewConstants& v, const SceneView& scene, std::size_t begin, std::size_t end,
+                        SplatShape* shapes, float* depths, std::uint32_t* ids) {
+  VisibleSplats out{shapes, depths, ids};
+  const ChunkCuller culler(v);
+  for (std::size_t i = begin; i < end; i += chunk_size)
+    if (scene.chunks.empty() || !culler.hides(scene.chunks[i / chunk_size]))
+      ProjectChunk(v, scene, i, std::min(i + chunk_size, end), out);
   return out.count;
 }
 
@@ -257,41 +268,40 @@ HWY_AFTER_NAMESPACE();
 namespace swiftgs {
 namespace {
 
-HWY_EXPORT(ProjectChunk);
+HWY_EXPORT(ProjectTask);
 
 /// Gaussians that one task projects; fixed, so that the order of the splats does not depend on the threads.
-constexpr std::size_t chunk_size = 4096;
+constexpr std::size_t task_size = 32 * chunk_size;
 
-constexpr std::size_t chunk_count(std::size_t gaussians) { return (gaussians + chunk_size - 1) / chunk_size; }
+constexpr std::size_t task_count(std::size_t gaussians) { return (gaussians + task_size - 1) / task_size; }
 
 /// Appends the splats of one view, if there is room for them.
 void project_view(Cpu& cpu, const Views& views, std::size_t view, const SceneView& scene,
                   std::size_t capacity, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
   const ViewConstants& camera = views.each[view].camera;
-  // Project each chunk to a place of its own.
-  const std::size_t n = scene.size(), chunks = chunk_count(n);
-  scratch.shapes.reset(n), scratch.depths.reset(n), scratch.gaussians.reset(n), scratch.counts.reset(chunks);
-  cpu.for_parts(chunks, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t chunk = first; chunk < last; ++chunk) {
-      const std::size_t begin = chunk * chunk_size, end = std::min(begin + chunk_size, n);
-      scratch.counts.data()[chunk] =
-          HWY_DYNAMIC_DISPATCH(ProjectChunk)(camera, scene, begin, end, scratch.shapes.data() + begin,
-                                             scratch.depths.data() + begin, scratch.gaussians.data() + begin);
+  // Each task projects to a place of its own.
+  const std::size_t n = scene.size(), tasks = task_count(n);
+  scratch.shapes.reset(n), scratch.depths.reset(n), scratch.gaussians.reset(n), scratch.counts.reset(tasks);
+  cpu.for_parts(tasks, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t task = first; task < last; ++task) {
+      const std::size_t begin = task * task_size, end = std::min(begin + task_size, n);
+      scratch.counts.data()[task] =
+          HWY_DYNAMIC_DISPATCH(ProjectTask)(camera, scene, begin, end, scratch.shapes.data() + begin,
+                                            scratch.depths.data() + begin, scratch.gaussians.data() + begin);
     }
   });
 
-  // Move the chunks together.
+  // Move their splats together.
   std::size_t* offsets = scratch.counts.data();
   std::size_t end_of_view = splats.count;
-  for (std::size_t chunk = 0; chunk < chunks; ++chunk)
-    end_of_view += std::exchange(offsets[chunk], end_of_view);
+  for (std::size_t task = 0; task < tasks; ++task) end_of_view += std::exchange(offsets[task], end_of_view);
   splats.visible += end_of_view - splats.count;
   if (capacity != 0 && splats.visible > capacity) return;
   splats.resize(end_of_view, views.size());
-  cpu.for_parts(chunks, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t chunk = first; chunk < last; ++chunk) {
-      const std::size_t begin = chunk * chunk_size, to = offsets[chunk];
-      const std::size_t count = (chunk + 1 < chunks ? offsets[chunk + 1] : end_of_view) - to;
+  cpu.for_parts(tasks, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t task = first; task < last; ++task) {
+      const std::size_t begin = task * task_size, to = offsets[task];
+      const std::size_t count = (task + 1 < tasks ? offsets[task + 1] : end_of_view) - to;
       std::copy_n(scratch.shapes.data() + begin, count, splats.shapes.data() + to);
       std::copy_n(scratch.depths.data() + begin, count, splats.depths.data() + to);
       std::copy_n(scratch.gaussians.data() + begin, count, splats.gaussians.data() + to);
@@ -306,7 +316,7 @@ void project_view(Cpu& cpu, const Views& views, std::size_t view, const SceneVie
 void ProjectScratch<Cpu>::reserve(Cpu&, const FrameRoom& room) {
   const std::size_t n = room.gaussians;
   shapes.reset_exactly(n), depths.reset_exactly(n), gaussians.reset_exactly(n);
-  counts.reset_exactly(chunk_count(n));
+  counts.reset_exactly(task_count(n));
 }
 
 void project(Cpu& cpu, const FrameInput& input, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {

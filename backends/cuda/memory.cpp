@@ -9,6 +9,7 @@
 
 #include <cuda_runtime_api.h>
 
+#include <swiftgs/chunks.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
 
@@ -32,9 +33,11 @@ struct DeviceScene::Arrays {
   DeviceBuffer<vec3> means, scales, sh0;
   DeviceBuffer<Quaternion> rotations;
   DeviceBuffer<float> opacities, sh_rest;
+  DeviceBuffer<ChunkBounds> chunks;
 
   static auto buffers(auto& self) {
-    return std::tie(self.means, self.scales, self.sh0, self.rotations, self.opacities, self.sh_rest);
+    return std::tie(self.means, self.scales, self.sh0, self.rotations, self.opacities, self.sh_rest,
+                    self.chunks);
   }
 };
 
@@ -63,16 +66,19 @@ DeviceScene Cuda::upload(const Scene& scene) const {
   std::vector<float> rest(stride * scene.size());
   for (std::size_t i = 0; i < scene.size() && used != 0; ++i)
     std::copy_n(host.sh_rest.data + i * std::size_t(host.sh_stride), used, rest.data() + i * stride);
+  const std::vector<ChunkBounds> chunks = chunk_bounds(host);
   const auto to_device = [&](auto from, auto& to) { return copy(from, to, stream()); };
-  const SceneView device{.means = to_device(host.means, arrays->means),
-                         .scales = to_device(host.scales, arrays->scales),
-                         .rotations = to_device(host.rotations, arrays->rotations),
-                         .opacities = to_device(host.opacities, arrays->opacities),
-                         .sh0 = to_device(host.sh0, arrays->sh0),
-                         .sh_rest = to_device(Span<const float>{rest.data(), rest.size()}, arrays->sh_rest),
-                         .sh_degree = host.sh_degree,
-                         .sh_stride = int(stride),
-                         .identity = new_scene_identity()};
+  const SceneView device{
+      .means = to_device(host.means, arrays->means),
+      .scales = to_device(host.scales, arrays->scales),
+      .rotations = to_device(host.rotations, arrays->rotations),
+      .opacities = to_device(host.opacities, arrays->opacities),
+      .sh0 = to_device(host.sh0, arrays->sh0),
+      .sh_rest = to_device(Span<const float>{rest.data(), rest.size()}, arrays->sh_rest),
+      .chunks = to_device(Span<const ChunkBounds>{chunks.data(), chunks.size()}, arrays->chunks),
+      .sh_degree = host.sh_degree,
+      .sh_stride = int(stride),
+      .identity = new_scene_identity()};
   // Copies read memory of the caller, and other streams may read the scene at once.
   check_cuda(cudaStreamSynchronize(stream()), "cudaStreamSynchronize");
   return DeviceScene(arrays, device);

@@ -4,7 +4,9 @@
 #include <memory>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
+#include <swiftgs/chunks.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {
@@ -18,6 +20,8 @@ class HostScene {
     if (!scene_) throw std::invalid_argument("upload: expected a scene");
     view_ = swiftgs::view(*scene_);
     validate_numbers(*scene_);
+    chunks_ = std::make_shared<const std::vector<ChunkBounds>>(chunk_bounds(view_));
+    view_.chunks = {chunks_->data(), chunks_->size()};
     view_.identity = new_scene_identity();
   }
 
@@ -25,6 +29,7 @@ class HostScene {
 
  private:
   std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const std::vector<ChunkBounds>> chunks_;
   SceneView view_;
 };
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -41,6 +42,18 @@ SWIFTGS_API inline std::uint64_t new_scene_identity() {
   return last.fetch_add(1, std::memory_order_relaxed) + 1;
 }
 
+/// Gaussians that a view may skip together; `chunks.hpp` says how.
+inline constexpr std::size_t chunk_size = 128;
+
+/// What holds for all Gaussians of a chunk: numbers i * chunk_size to (i + 1) * chunk_size - 1 of a scene.
+struct alignas(16) ChunkBounds {
+  vec3 low{std::numeric_limits<float>::infinity()};  ///< box of the means
+  float size = 0;                                    ///< largest standard deviation along any direction
+  vec3 high{-std::numeric_limits<float>::infinity()};
+  float opacity = 0;  ///< largest
+};
+static_assert(sizeof(ChunkBounds) == 32);
+
 /// Constant arrays of one scene wherever a backend keeps them; what a frame is rendered from. A Gaussian with
 /// a number that is NaN or infinite is not drawn.
 /// `sh_degree` may be lower than what is stored: bands above it are never loaded.
@@ -51,8 +64,9 @@ struct SceneView {
   Span<const float> opacities;
   Span<const vec3> sh0;
   Span<const float> sh_rest;
-  int sh_degree = 0;  ///< bands to evaluate
-  int sh_stride = 0;  ///< floats a Gaussian in `sh_rest`
+  Span<const ChunkBounds> chunks{};  ///< @shape{ceil(N / chunk_size)}, or empty: then none is skipped
+  int sh_degree = 0;                 ///< bands to evaluate
+  int sh_stride = 0;                 ///< floats a Gaussian in `sh_rest`
 
   /// Of these arrays with what they hold: tells whether what was learnt from earlier frames holds. Every
   /// upload has its own, and copies of what it returns share it. 0 of a view of your own arrays, from which

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/edit.hpp>
 
 #include "cuda/device.hpp"
 #include "policies/contribution_sums.hpp"
@@ -279,6 +280,36 @@ TEST_CASE("cuda project: scenes may grow and shrink from frame to frame") {
             2);
       }
     }
+  }
+}
+
+TEST_CASE("cuda project: chunks that a view cannot show change no splat") {
+  if (without_device()) return;
+  Stage stage, other;
+  for (const std::size_t n : {400'000, 1'001, 500'001}) {
+    CAPTURE(n);
+    const Scene scene = make_builtin_scene(n);
+    const DeviceScene uploaded = stage.cuda.upload(order_spatially(scene));
+    SceneView without = uploaded.view();
+    REQUIRE(without.chunks.size == (n + chunk_size - 1) / chunk_size);
+    without.chunks = {};
+    std::vector<Camera> cameras = builtin_cameras(4, 320, 180);
+    Camera beyond = cameras[0], close = cameras[1];
+    beyond.translation.z -= 1000;
+    close.fx *= 12, close.fy *= 12;
+    cameras.insert(cameras.end(), {beyond, close, cameras[2]});
+    std::size_t least = n;
+    for (const Camera& camera : cameras) {
+      const SplatSet expected = other.run(without, camera, Conventions::gsplat(), Ellipse{});
+      const SplatSet set = stage.run(uploaded.view(), camera, Conventions::gsplat(), Ellipse{});
+      CHECK(same_bits(set.shapes, expected.shapes));
+      CHECK(same_bits(set.depths, expected.depths));
+      CHECK(same_bits(set.gaussians, expected.gaussians));
+      CHECK(same_bits(set.colours, expected.colours));
+      CHECK(stage.found_tiles(set, camera, Ellipse{}));
+      least = std::min(least, set.shapes.size());
+    }
+    CHECK(least == 0);
   }
 }
 

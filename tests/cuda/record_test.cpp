@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/edit.hpp>
 
 #include "cuda/graph.hpp"
 #include "cuda/views.hpp"
@@ -129,6 +130,30 @@ std::size_t wrong_in_replays(int replays, std::size_t views) {
 }
 
 }  // namespace
+
+TEST_CASE("cuda record: a graph looks for the chunks that other cameras show") {
+  if (without_device()) return;
+  const Scene scene = make_builtin_scene(300'000);
+  for (const std::size_t views : {1, 2}) {
+    CAPTURE(views);
+    Recording<> r(order_spatially(scene));
+    SceneView without = r.scene.view();
+    REQUIRE_FALSE(without.chunks.empty());
+    without.chunks = {};
+    const auto first = [&](const std::vector<View>& all) { return Span<const View>{all.data(), views}; };
+    // Reserved for a scene without chunks, which needs no list of them.
+    r.renderer.reserve(without, first(r.images.views(0)), {600'000, 3'000'000});
+    const Graph graph = r.capture();
+    for (int k = 0; k < 30; ++k) {
+      r.images.poison();
+      r.renderer.set_views(first(r.images.views(k)));
+      graph.run();
+      r.other.render_into(without, first(r.expected.views(k)));
+      CHECK(differing(r.images.words(r.cuda), r.expected.words(r.cuda)) == 0);
+      CHECK(r.reported());
+    }
+  }
+}
 
 TEST_CASE(
     "cuda record: a graph that runs a thousand times with other cameras has the bits of rendered frames") {

@@ -9,6 +9,7 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/edit.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
 
@@ -135,6 +136,14 @@ TEST_CASE("cuda renderer: every combination draws several views as it draws each
     CAPTURE(entry.name);
     check_cameras(*entry.make(), scene, {cameras.data(), cameras.size()}, settings);
   }
+}
+
+TEST_CASE("cuda renderer: several views of a scene in chunks are drawn as each alone") {
+  if (without_device()) return;
+  const Scene builtin = make_builtin_scene(100'000);
+  const auto scene = std::make_shared<const Scene>(order_spatially(builtin));
+  const std::vector<Camera> cameras = builtin_cameras(5, 192, 108);
+  check_cameras(*make_renderer(Usual::name), scene, {cameras.data(), cameras.size()}, {});
 }
 
 TEST_CASE("cuda renderer: is usable after a frame that needs too many instances") {

@@ -128,7 +128,7 @@ inline Cpu make_backend(std::type_identity<Cpu>, const BackendOptions& options) 
 
 static_assert(BackendPolicy<Cpu>);
 
-/// Visible splats of each chunk of Gaussians, before the chunks are moved together.
+/// Visible splats of each task, before they are moved together.
 template <>
 struct ProjectScratch<Cpu> {
   Cpu::Buffer<SplatShape> shapes;

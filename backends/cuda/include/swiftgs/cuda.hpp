@@ -64,6 +64,18 @@ struct ViewStorage<Cuda> {
 SWIFTGS_API Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage,
                               ViewAccess access = ViewAccess::any);
 
+/// Nothing: lists of blocks have only running sums.
+struct BlockCounts {};
+
+/// Memory for the blocks of a projection whose chunks a view may show.
+struct BlockScratch {
+  Turns<BlockCounts> turns;
+  DeviceBuffer<std::uint32_t> blocks;
+  DeviceBuffer<std::uint32_t> count;  ///< of them
+
+  static auto buffers(auto& self) { return std::tie(self.turns, self.blocks, self.count); }
+};
+
 /// Memory of projection. The next projection clears what this one left: the numbers that `bin` has compared,
 /// and the word by which rasterizers know of hidden splats. Rasterize a frame before you project the next.
 template <>
@@ -71,9 +83,10 @@ struct ProjectScratch<Cuda> {
   Turns<FrameCounts> turns;
   DeviceBuffer<std::uint32_t> hidden;  ///< a word that `project` clears and `shade` sets
   DeviceBuffer<FrameTotals> totals;    ///< one, which `bin` fills
+  BlockScratch shown;                  ///< unused where the scene has no chunks
   std::uint64_t projections = 0;       ///< so far
 
-  static auto buffers(auto& self) { return std::tie(self.turns, self.hidden, self.totals); }
+  static auto buffers(auto& self) { return std::tie(self.turns, self.hidden, self.totals, self.shown); }
 };
 
 /// A projection whose numbers the host has not read.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/chunk_list.cuh>
 #include <swiftgs/cuda/footprints.cuh>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
@@ -17,7 +18,7 @@
 
 namespace swiftgs::kernels {
 
-inline constexpr unsigned project_threads = 128;
+inline constexpr unsigned project_threads = chunk_size;
 inline constexpr unsigned project_warps = project_threads / warp_size;
 
 /// Where projection writes to.
@@ -71,11 +72,17 @@ inline constexpr unsigned project_blocks = ViewSource::only ? 1 : 9;
 template <class Bounds, class ViewSource>
 __global__ void __launch_bounds__(project_threads, project_blocks<ViewSource>)
     project(const __grid_constant__ ViewSource views, const __grid_constant__ SceneView scene,
-            const Bounds bounds, const ProjectOutput output, const TurnsView<FrameCounts> turns) {
+            const Bounds bounds, const BlockList list, const ProjectOutput output,
+            const TurnsView<FrameCounts> turns) {
   __shared__ ProjectShared<Bounds> shared;
+  await_earlier();
+  // The first block counts even where none has something to show.
+  const std::uint32_t listed = list.size(), last = max(listed, 1u) - 1;
+  if (blockIdx.x > last) return;
   const unsigned warp = threadIdx.x / warp_size;
   const std::uint32_t loaded_turn = threadIdx.x == 0 ? read_turn(turns) : 0;
-  const std::uint32_t of_view = blockIdx.x % views.size(), group = blockIdx.x / views.size();
+  const std::uint32_t block = listed == 0 ? 0 : list[blockIdx.x];
+  const std::uint32_t of_view = block % views.size(), group = block / views.size();
 
   // Project, and count the visible splats of the block.
   const std::size_t i = std::size_t(group) * project_threads + threadIdx.x;
@@ -118,9 +125,9 @@ __global__ void __launch_bounds__(project_threads, project_blocks<ViewSource>)
     if (lane_index() == 0) {
       shared.before = before;
       add_instances(turns.copy(turn), tiles);
-      if (blockIdx.x + 1 == gridDim.x) {
+      if (blockIdx.x == last) {
         turns.copy(turn).visible = before + visible;
-        end_turn(turns, turn, gridDim.x);
+        end_turn(turns, turn, last + 1);
       }
     }
   }
@@ -160,10 +167,11 @@ void run_project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, Proj
       footprints.each.data(),  scratch.hidden.data(),
       std::uint32_t(capacity)};
   const unsigned blocks = blocks_for(scene.size(), project_threads) * unsigned(input.views.size());
+  const BlockList list = run_list_blocks(cuda, input, blocks, scratch.shown);
   const TurnsView<FrameCounts> turns = scratch.turns.begin(cuda, blocks);
   with_views(input.views, [&]<class ViewSource>(const ViewSource& views) {
-    launch("project", project<Bounds, ViewSource>, blocks, project_threads, cuda.stream(), views, scene,
-           bounds, output, turns);
+    launch_early(cuda, "project", project<Bounds, ViewSource>, blocks, project_threads, views, scene, bounds,
+                 list, output, turns);
   });
   scratch.turns.end();
   splats.pending = footprints.found_by = {turns.last(), scratch.hidden.data(), scratch.totals.data(),

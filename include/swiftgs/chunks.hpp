@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Chunks: Gaussians that are neighbours in the arrays of a scene, and that a view skips together where it
+/// can show none of them. Worth something where neighbours in the arrays are neighbours in space, as
+/// `order_spatially` makes them.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <swiftgs/math.hpp>
+#include <swiftgs/scene.hpp>
+#include <swiftgs/view_constants.hpp>
+
+namespace swiftgs {
+
+namespace detail {
+/// How much longer the matrix of a quaternion, unit or not, can make a vector: it is |q|^2 times that of the
+/// unit quaternion, plus (1 - |q|^2) I.
+inline double most_lengthened(Quaternion q) {
+  const double squares = double(q.w) * q.w + double(q.x) * q.x + double(q.y) * q.y + double(q.z) * q.z;
+  return squares + std::fabs(1 - squares);
+}
+
+/// Sum of the sides of the box around the means `first`, `first + step`, ..., `chunk_size` of them at most.
+inline double sides_of_box(const SceneView& scene, std::size_t first, std::size_t step) {
+  vec3 low = scene.means[first], high = low;
+  for (std::size_t n = 0, i = first; n < chunk_size && i < scene.size(); ++n, i += step)
+    low = glm::min(low, scene.means[i]), high = glm::max(high, scene.means[i]);
+  const dvec3 sides = dvec3(high) - dvec3(low);
+  return sides.x + sides.y + sides.z;
+}
+
+inline ChunkBounds bounds_of_chunk(const SceneView& scene, std::size_t chunk) {
+  ChunkBounds bounds;
+  const std::size_t begin = chunk * chunk_size, end = std::min(begin + chunk_size, scene.size());
+  for (std::size_t i = begin; i < end; ++i) {
+    const vec3 scale = scene.scales[i];
+    const double size = double(std::max({scale.x, scale.y, scale.z})) * most_lengthened(scene.rotations[i]);
+    bounds.low = glm::min(bounds.low, scene.means[i]), bounds.high = glm::max(bounds.high, scene.means[i]);
+    bounds.size = std::max(bounds.size, std::nextafter(float(size), std::numeric_limits<float>::infinity()));
+    bounds.opacity = std::max(bounds.opacity, scene.opacities[i]);
+  }
+  return bounds;
+}
+}  // namespace detail
+
+/// Bounds of all chunks of `scene`, which is in the host's memory and has finite numbers alone.
+/// @shape{ceil(N / chunk_size)}. Empty where chunks would not be worth their test: where the boxes of
+/// neighbours are more than half as large, on the mean, as those of Gaussians from all over the scene. Takes
+/// O(N).
+inline std::vector<ChunkBounds> chunk_bounds(const SceneView& scene) {
+  const std::size_t count = (scene.size() + chunk_size - 1) / chunk_size;
+  double of_neighbours = 0, of_any = 0;
+  for (std::size_t c = 0; c < count; ++c) {
+    of_neighbours += detail::sides_of_box(scene, c * chunk_size, 1);
+    of_any += detail::sides_of_box(scene, c, count);
+  }
+  if (!(of_neighbours < 0.5 * of_any)) return {};
+  std::vector<ChunkBounds> chunks(count);
+  for (std::size_t c = 0; c < count; ++c) chunks[c] = detail::bounds_of_chunk(scene, c);
+  return chunks;
+}
+
+/// Which chunks a view cannot show: none of their Gaussians is `visible` to `project_shape`.
+///
+/// A Gaussian of size s at (X, Y, Z) in camera space has a splat of the half width
+/// k sqrt((fx s |W0 - tx W2| / Z)^2 + blur) at most, where k^2 = 2 ln(opacity / alpha_min), W are the rows of
+/// the camera's rotation, and tx lies within the limits of the linearised projection. So it is right of the
+/// image if fx X / Z + cx - k (fx s L / Z + sqrt(blur)) > right, with L the largest |W0 - tx W2|. Times Z
+/// that is linear in X and Z, and a box is on one side of it where its corner is. The three other sides are
+/// alike.
+class ChunkCuller {
+ public:
+  SWIFTGS_HD explicit ChunkCuller(const ViewConstants& view) : view_(&view) {
+    const double of_x = lengths(0, view.tan_x_min, view.tan_x_max) * view.fx;
+    const double of_y = lengths(1, view.tan_y_min, view.tan_y_max) * view.fy;
+    // The slack of projection is 2e-4 of both half sizes; the rest is for roundings.
+    wide_ = 1.001 * of_x + 3e-4 * of_y, high_ = 1.001 * of_y + 3e-4 * of_x;
+    blur_ = 1.002 * std::sqrt(double(view.blur));
+  }
+
+  /// Not where a number is NaN or infinite.
+  SWIFTGS_HD bool hides(const ChunkBounds& chunk) const {
+    const ViewConstants& v = *view_;
+    if (!(chunk.opacity >= v.alpha_min)) return true;
+    // To camera space. Roundings are less than `rounding` along each axis.
+    double centre[3], half[3], rounding = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double low = chunk.low[k] - v.centre[k], high = chunk.high[k] - v.centre[k];
+      centre[k] = 0.5 * (low + high), half[k] = 0.5 * (high - low);
+      rounding += 1e-6 * (std::fabs(low) + std::fabs(high));
+    }
+    // Largest value of `x`, `y` and `z` times the camera's axes over the box.
+    const auto most = [&](double x, double y, double z) {
+      double sum = 0;
+      for (int k = 0; k < 3; ++k) {
+        const double row = x * v.rotation[0][k] + y * v.rotation[1][k] + z * v.rotation[2][k];
+        sum += row * centre[k] + std::fabs(row) * half[k];
+      }
+      return sum + (std::fabs(x) + std::fabs(y) + std::fabs(z)) * rounding;
+    };
+    if (most(0, 0, 1) <= v.near_plane || most(0, 0, -1) < -double(v.far_plane)) return true;
+    const double k = std::sqrt(2.0 * std::log(1.0001f * chunk.opacity / v.alpha_min));
+    const double margin = 0.03 + k * blur_, size = k * double(chunk.size);
+    const double x = size * wide_, y = size * high_;
+    return most(-v.fx, 0, v.right - v.cx + margin) < -x || most(v.fx, 0, v.cx - v.left + margin) < -x ||
+           most(0, -v.fy, v.bottom - v.cy + margin) < -y || most(0, v.fy, v.cy - v.top + margin) < -y;
+  }
+
+ private:
+  /// Largest length of W_row - t W2 for t between `low` and `high`: that of an end.
+  SWIFTGS_HD double lengths(int row, double low, double high) const {
+    double at_low = 0, at_high = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double a = view_->rotation[row][k] - low * view_->rotation[2][k];
+      const double b = view_->rotation[row][k] - high * view_->rotation[2][k];
+      at_low += a * a, at_high += b * b;
+    }
+    return std::sqrt(at_low > at_high ? at_low : at_high);
+  }
+
+  const ViewConstants* view_;
+  double wide_, high_;  ///< half width and height of a splat for k = size = z = 1 @units{pixels}
+  double blur_;         ///< @units{pixels}
+};
+
+}  // namespace swiftgs

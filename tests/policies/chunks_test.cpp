@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/chunks.hpp>
+#include <swiftgs/edit.hpp>
+
+#include "policies/backends.hpp"
+#include "policies/random_splats.hpp"
+#include "support/one_view.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+vec3 random_point(Random& random, double most) {
+  const float z = random.f(-most, most), y = random.f(-most, most), x = random.f(-most, most);
+  return vec3(x, y, z);
+}
+
+/// Cameras of every kind: turned, tele and wide, off centre, with parts of an image.
+ViewConstants random_camera(Random& random) {
+  const int width = 16 * int(random.in(2, 40)), height = 16 * int(random.in(2, 40));
+  Camera camera = forward_camera(width, height, width * random.scale(0.2, 20));
+  camera.cx += width * random.in(-0.5, 0.5), camera.cy += height * random.in(-0.5, 0.5);
+  const LocalAxes axes(random_rotation(random));
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) camera.rotation[column][row] = double(axes.column[column][row]);
+  camera.translation = dvec3(random_point(random, 10));
+  Conventions conventions = random.bits() % 2 == 0 ? Conventions::gsplat() : Conventions::inria();
+  conventions.antialiased = random.bits() % 2 == 0;
+  conventions.blur = random.bits() % 4 == 0 ? 0.0f : random.f(0.01, 2);
+  conventions.far_plane = random.bits() % 4 == 0 ? 8.0f : conventions.far_plane;
+  if (random.bits() % 2 == 0) return view_constants(camera, conventions);
+  const int x = 16 * int(random.in(0, width / 16 - 1)), y = 16 * int(random.in(0, height / 16 - 1));
+  return make_view(camera, conventions, {.width = 16, .height = 16}, vec3(0), {x, y}).camera;
+}
+
+/// A point in and around what the camera shows, or behind it.
+vec3 random_point(Random& random, const ViewConstants& camera) {
+  const auto between = [&](float first, float last) {
+    return random.in(1.5 * first - 0.5 * last, 1.5 * last - 0.5 * first);
+  };
+  const double z = random.in(0, 10) < 9 ? random.scale(0.01, 12) : random.in(-2, 0);
+  const double x = z * (between(camera.left, camera.right) - camera.cx) / camera.fx;
+  const double y = z * (between(camera.top, camera.bottom) - camera.cy) / camera.fy;
+  vec3 point;
+  for (int k = 0; k < 3; ++k)
+    point[k] = float(camera.centre[k] + x * camera.rotation[0][k] + y * camera.rotation[1][k] +
+                     z * camera.rotation[2][k]);
+  return point;
+}
+
+/// A chunk of Gaussians around one place, of sizes, shapes and opacities that differ from chunk to chunk.
+Scene random_chunk(Random& random, vec3 centre) {
+  Scene scene;
+  const double spread = random.scale(1e-3, 3), size = random.scale(1e-4, 1), faint = random.scale(0.004, 1);
+  for (std::size_t i = 0; i < chunk_size; ++i) {
+    scene.means.push_back(centre + random_point(random, spread));
+    const float third = float(size * random.scale(0.01, 1)), second = float(size * random.scale(0.01, 1));
+    scene.scales.push_back(vec3(float(size), second, third));
+    Quaternion rotation = random_rotation(random);
+    const float length = i % 4 == 0 ? random.f(0.5, 1.5) : 1.0f;
+    for (float* part : {&rotation.w, &rotation.x, &rotation.y, &rotation.z}) *part *= length;
+    scene.rotations.push_back(rotation);
+    scene.opacities.push_back(float(faint * random.in(0.5, 1)));
+    scene.sh0.push_back(vec3(0));
+  }
+  return scene;
+}
+
+bool any_visible(const ViewConstants& view, const SceneView& scene) {
+  for (std::size_t i = 0; i < scene.size(); ++i)
+    if (project_shape(view, gaussian(scene, i)).visible) return true;
+  return false;
+}
+
+/// Splats of a scene, with or without its chunks.
+template <class B>
+struct Projected {
+  ProjectScratch<B> scratch;
+  Splats<B> splats;
+  Footprints<B, Ellipse> footprints;
+
+  Projected(B& backend, const Camera& camera, const SceneView& scene) {
+    const OneView frame(camera, Conventions::gsplat(), scene);
+    project(backend, frame.input(), Ellipse(), scratch, splats, footprints);
+  }
+  bool operator==(const Projected& other) const {
+    return splats.count == other.splats.count &&
+           std::equal(splats.gaussians.data(), splats.gaussians.data() + splats.count,
+                      other.splats.gaussians.data()) &&
+           std::equal(splats.depths.data(), splats.depths.data() + splats.count, other.splats.depths.data());
+  }
+};
+
+}  // namespace
+
+TEST_CASE("chunks: no Gaussian of a hidden chunk is visible, and most chunks without one are hidden") {
+  Random random(1);
+  int hidden = 0, without = 0;
+  for (int round = 0; round < 20'000; ++round) {
+    CAPTURE(round);
+    const ViewConstants camera = random_camera(random);
+    const Scene scene = random_chunk(random, random_point(random, camera));
+    const SceneView chunk = view(scene);
+    const bool hides = ChunkCuller(camera).hides(detail::bounds_of_chunk(chunk, 0));
+    const bool visible = any_visible(camera, chunk);
+    REQUIRE_FALSE((hides && visible));
+    hidden += hides, without += !visible;
+  }
+  MESSAGE(hidden << " of " << without << " chunks without a visible Gaussian are hidden");
+  CHECK(hidden > without * 0.5);
+  CHECK(without > 4'000);
+  CHECK(without < 16'000);
+}
+
+TEST_CASE("chunks: what is not a number hides nothing, and what cannot be seen is hidden") {
+  const OneView one(forward_camera(64, 48), Conventions::gsplat(), {});
+  const ChunkCuller culler(one.view.camera);
+  const float nan = std::numeric_limits<float>::quiet_NaN(),
+              infinity = std::numeric_limits<float>::infinity();
+  ChunkBounds bounds{.low = vec3(-1, -1, 3), .size = 0.1f, .high = vec3(1, 1, 4), .opacity = 0.5f};
+  CHECK_FALSE(culler.hides(bounds));
+  const auto with = [&](auto change) {
+    ChunkBounds changed = bounds;
+    change(changed);
+    return culler.hides(changed);
+  };
+  CHECK_FALSE(with([&](ChunkBounds& b) { b.low.x = nan; }));
+  CHECK_FALSE(with([&](ChunkBounds& b) { b.high.z = infinity; }));
+  CHECK_FALSE(with([&](ChunkBounds& b) { b.size = infinity; }));
+  CHECK_FALSE(with([&](ChunkBounds& b) { b.opacity = infinity; }));
+  CHECK(with([](ChunkBounds& b) { b.opacity = 0.003f; }));
+  CHECK(with([](ChunkBounds& b) { b.low.z = -4, b.high.z = -3; }));
+  CHECK(with([](ChunkBounds& b) { b.low.x = 9, b.high.x = 10; }));
+  CHECK(with([](ChunkBounds& b) { b.low.x = -10, b.high.x = -9; }));
+  CHECK(with([](ChunkBounds& b) { b.low.y = 9, b.high.y = 10; }));
+  CHECK(with([](ChunkBounds& b) { b.low.y = -10, b.high.y = -9; }));
+  CHECK_FALSE(with([](ChunkBounds& b) { b.low.x = 9, b.high.x = 10, b.size = 3; }));
+}
+
+TEST_CASE("chunks: they hold all means, sizes and opacities") {
+  const Scene scene = order_spatially(make_builtin_scene(20'001));
+  const std::vector<ChunkBounds> chunks = chunk_bounds(view(scene));
+  REQUIRE(chunks.size() == 157);
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const ChunkBounds& chunk = chunks[i / chunk_size];
+    for (int k = 0; k < 3; ++k) {
+      CHECK(scene.means[i][k] >= chunk.low[k]);
+      CHECK(scene.means[i][k] <= chunk.high[k]);
+      CHECK(scene.scales[i][k] <= chunk.size);
+    }
+    CHECK(scene.opacities[i] <= chunk.opacity);
+  }
+}
+
+TEST_CASE("chunks: a scene has none where neighbours in its arrays are not neighbours in space") {
+  Scene scene = make_builtin_scene(20'000);
+  std::vector<std::uint32_t> shuffled = spatial_order(scene);
+  CHECK_FALSE(chunk_bounds(view(subset(scene, shuffled))).empty());
+  Random random(1);
+  for (std::size_t i = shuffled.size(); i-- > 1;) std::swap(shuffled[i], shuffled[random.bits() % (i + 1)]);
+  CHECK(chunk_bounds(view(subset(scene, shuffled))).empty());
+  CHECK(chunk_bounds(view(Scene())).empty());
+  CHECK(chunk_bounds(view(random_scene(100, 0, 1))).empty());
+}
+
+TEST_CASE_TEMPLATE("chunks: a scene with them has the same splats", B, SWIFTGS_TEST_BACKENDS) {
+  B backend = make_backend<B>();
+  const auto scene = backend.upload(order_spatially(make_builtin_scene(30'000)));
+  const SceneView with = scene.view();
+  REQUIRE_FALSE(with.chunks.empty());
+  SceneView without = with;
+  without.chunks = {};
+  Random random(1);
+  for (int round = 0; round < 10; ++round) {
+    Camera camera = forward_camera(160, 112, 160 * random.scale(0.3, 6));
+    camera.translation = dvec3(random_point(random, 2));
+    CHECK((Projected<B>(backend, camera, with) == Projected<B>(backend, camera, without)));
+  }
+}
