@@ -259,6 +259,11 @@ def test_images_are_saved(renderer, camera, tmp_path):
     assert np.array_equal(np.frombuffer(pixels, "<f4").reshape(HEIGHT, WIDTH, 3)[::-1], frame.colour[1])
     renderer.render(camera, format="rgba8").save(str(tmp_path / "a.png"))
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    read = swiftgs.load_image(tmp_path / "a.pfm")
+    assert read.dtype == np.float32 and np.array_equal(read, frame.colour[1])
+    assert swiftgs.load_image(tmp_path / "a.png").shape == (HEIGHT, WIDTH, 3)
+    with pytest.raises(swiftgs.FileError, match="none.png"):
+        swiftgs.load_image(tmp_path / "none.png")
     with pytest.raises(swiftgs.InvalidArgument, match="a.gif"):
         frame.save(tmp_path / "a.gif")
     with pytest.raises(ValueError, match="expected a frame on the host with colour"):

@@ -12,7 +12,7 @@ from ._c import lib as _lib
 from ._camera import Camera, Conventions, load_cameras
 from ._errors import (Cancelled, CapacityError, DeviceError, Error, FileError, FormatError, InternalError,
                       InvalidArgument, OrderError, OutOfMemory, Unavailable)
-from ._frame import Frame
+from ._frame import Frame, load_image
 from ._gsplat import rasterization
 from ._renderer import Memory, Renderer, RendererEntry, Statistics, Times, list_renderers
 from ._scene import Scene, load
@@ -23,5 +23,5 @@ __all__ = [
     "Camera", "Cancelled", "CapacityError", "Conventions", "DeviceArray", "DeviceError", "Error", "FileError",
     "FormatError", "Frame", "InternalError", "InvalidArgument", "Memory", "OrderError", "OutOfMemory", "Renderer",
     "RendererEntry", "Scene", "Statistics", "Times", "Unavailable", "list_renderers", "load", "load_cameras",
-    "rasterization"
+    "load_image", "rasterization"
 ]

@@ -73,6 +73,11 @@ class Image(_Sized):
                 ("colour", Plane), ("alpha", Plane), ("depth", Plane)]
 
 
+class Pixels(_Sized):
+    _fields_ = [("size", c_uint32), ("width", c_int32), ("height", c_int32), ("channels", c_int32),
+                ("data", c_void_p)]
+
+
 class RendererEntry(_Sized):
     _fields_ = [("size", c_uint32), ("usable", c_int32), ("name", c_char_p)]
 
@@ -179,6 +184,8 @@ for _name, _arguments in {
         "device_copy": (c_void_p, c_void_p, c_uint64, c_void_p),
         "device_order": (c_void_p, c_void_p),
         "image_write": (c_char_p, c_void_p),
+        "picture_read": (c_char_p, c_void_p),
+        "picture_get": (c_void_p, c_void_p),
         "renderers_count": (c_void_p,),
         "renderers_get": (c_size_t, c_void_p),
         "renderer_create": (c_char_p, c_void_p, c_void_p),
@@ -201,7 +208,7 @@ for _name, _arguments in {
         "scene_get_arrays": (c_void_p, c_void_p),
         "scene_write": (c_void_p, c_char_p, c_void_p)}.items():
     lib._add(_name, _check, *_arguments)
-for _name in ("cameras_free", "renderer_free", "scene_free", "device_free"):
+for _name in ("cameras_free", "picture_free", "renderer_free", "scene_free", "device_free"):
     lib._add(_name, None, c_void_p)
 lib._add("version", c_char_p)
 
@@ -220,6 +227,14 @@ class Handle:
         pointer, self.pointer = getattr(self, "pointer", None), None
         if pointer:
             self._free(pointer)
+
+
+class OwnedFloats:
+    """Floats of a handle for NumPy, which keeps the handle."""
+
+    def __init__(self, handle, address, shape):
+        self.handle = handle
+        self.__array_interface__ = {"shape": shape, "typestr": "<f4", "data": (address, True), "version": 3}
 
 
 def text_of(function, *arguments):

@@ -8,7 +8,7 @@ from typing import Any, List, NamedTuple, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from . import _arrays, _c, _dlpack
-from ._c import lib
+from ._c import Handle, OwnedFloats, lib
 from ._camera import Camera, Conventions, check_cameras, conventions_of
 from ._gaussians import check_device
 
@@ -192,3 +192,14 @@ def _split(name: str, memory: _arrays.Memory, expected: Optional[Tuple[int, ...]
         raise ValueError(f"{name} has the strides {memory.strides} bytes, expected pixels of a row side by side, "
                          f"{pixels} at the end")
     return images, channels
+
+
+def load_image(path: Union[str, "os.PathLike[str]"]) -> np.ndarray:
+    """[height, width, channels] of a PNG, a JPEG, a PFM or an EXR, in float32, from 0 to 1 if the file has integers.
+
+    Values are those of the file, without gamma. FormatError or FileError.
+    """
+    picture = Handle(lib.picture_free, lib.picture_read, os.fsencode(path))
+    pixels = _c.Pixels()
+    lib.picture_get(picture.pointer, ctypes.byref(pixels))
+    return np.asarray(OwnedFloats(picture, pixels.data, (pixels.height, pixels.width, pixels.channels)))

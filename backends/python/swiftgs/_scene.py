@@ -10,7 +10,7 @@ from typing import Any, Callable, List, Optional, Tuple, Union
 import numpy as np
 
 from . import _c
-from ._c import Handle, lib
+from ._c import Handle, OwnedFloats, lib
 from ._gaussians import gaussians_of
 
 Path = Union[str, "os.PathLike[str]"]
@@ -59,14 +59,6 @@ def _axes(spz_axes: str) -> int:
     if spz_axes not in _c.SPZ_AXES:
         raise ValueError(f"spz_axes is '{spz_axes}', expected one of {', '.join(_c.SPZ_AXES)}")
     return _c.SPZ_AXES.index(spz_axes)
-
-
-class _Numbers:
-    """Memory of a scene as an array of NumPy, which keeps the scene."""
-
-    def __init__(self, handle: Handle, address: int, shape: Tuple[int, ...]) -> None:
-        self._handle = handle
-        self.__array_interface__ = {"shape": shape, "typestr": "<f4", "data": (address, True), "version": 3}
 
 
 class Scene:
@@ -148,7 +140,7 @@ class Scene:
         address = getattr(struct, name).data
         if not address:
             return np.zeros((len(self), *shape), np.float32)
-        return np.asarray(_Numbers(self._handle, address, (len(self), *shape)))
+        return np.asarray(OwnedFloats(self._handle, address, (len(self), *shape)))
 
     @property
     def means(self) -> np.ndarray:
