@@ -2,6 +2,7 @@
 """Cameras and conventions."""
 import ctypes
 import dataclasses
+import functools
 import os
 from typing import Any, List, Optional, Sequence, Union
 
@@ -192,19 +193,24 @@ class Conventions:
     def _to_struct(self) -> _c.Conventions:
         if self.clamp not in _c.CLAMPS:
             raise ValueError(f"conventions: clamp is '{self.clamp}', expected one of {', '.join(_c.CLAMPS)}")
-        values = dataclasses.asdict(self)
-        values["clamp"] = _c.CLAMPS.index(self.clamp)
+        values = dict(vars(self), clamp=_c.CLAMPS.index(self.clamp))
         return _c.Conventions(**values)
 
 
-def conventions_of(given: Union[str, Conventions]) -> _c.Conventions:
-    if isinstance(given, str):
-        struct = _c.Conventions()
-        lib.conventions_named(given.encode(), ctypes.byref(struct))
-        return struct
+@functools.lru_cache(maxsize=64)
+def _struct_of(given: Union[str, Conventions]) -> _c.Conventions:
+    """Shared by all frames of these conventions, and never changed."""
     if isinstance(given, Conventions):
         return given._to_struct()
-    raise TypeError(f"conventions are of type {type(given).__name__}, expected 'gsplat', 'inria' or Conventions")
+    struct = _c.Conventions()
+    lib.conventions_named(given.encode(), ctypes.byref(struct))
+    return struct
+
+
+def conventions_of(given: Union[str, Conventions]) -> _c.Conventions:
+    if not isinstance(given, (str, Conventions)):
+        raise TypeError(f"conventions are of type {type(given).__name__}, expected 'gsplat', 'inria' or Conventions")
+    return _struct_of(given)
 
 
 def check_cameras(cameras: Union[Camera, Sequence[Camera]]) -> List[Camera]:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """DLPack, read and offered without a library. See https://dmlc.github.io/dlpack for the structs."""
 import ctypes
+import functools
 from ctypes import c_int32, c_int64, c_uint8, c_uint16, c_uint64, c_void_p
 
 CPU, CUDA, CUDA_HOST, CUDA_MANAGED = 1, 2, 3, 13
@@ -42,6 +43,7 @@ def read(capsule):
     return (tensor.data or 0) + tensor.byte_offset, shape, strides, kind, tensor.device_type, tensor.device_id
 
 
+@functools.lru_cache(maxsize=256)
 def dense_strides(shape, item):
     """Strides in bytes of an array without gaps, the last index the quickest."""
     strides = []

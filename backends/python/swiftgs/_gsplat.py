@@ -13,6 +13,7 @@ from ._renderer import Renderer
 
 _MODES = ("RGB", "D", "ED", "RGB+D", "RGB+ED")
 _CAMERA = np.dtype(_c.Camera)
+_LAST_ROW = np.array([0, 0, 0, 1])
 
 # Arguments that gsplat has and this does not, with the one value that changes nothing.
 _REFUSED: Dict[str, Any] = {
@@ -166,9 +167,9 @@ def _cameras(viewmats: Any, intrinsics: Any, width: int, height: int) -> np.ndar
         raise ValueError(f"viewmats has the shape {views.shape}, expected (C, 4, 4)")
     if ks.shape != (len(views), 3, 3):
         raise ValueError(f"Ks has the shape {ks.shape}, expected ({len(views)}, 3, 3)")
-    if np.any(views[:, 3] != (0, 0, 0, 1)):
+    if (views[:, 3] != _LAST_ROW).any():
         raise ValueError("viewmats: expected 0, 0, 0, 1 in the last row")
-    if np.any(ks[:, 0, 1] != 0) or np.any(ks[:, 1, 0] != 0):
+    if ks[:, 0, 1].any() or ks[:, 1, 0].any():
         raise NotImplementedError("rasterization: Ks has a skew, expected 0 beside the focal lengths")
     cameras = np.zeros(len(views), _CAMERA)
     cameras["size"], cameras["width"], cameras["height"] = _CAMERA.itemsize, width, height
