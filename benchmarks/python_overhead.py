@@ -4,8 +4,8 @@
     PYTHONPATH=backends/python SWIFTGS_LIBRARY=build/release/backends/c/libswiftgs_c.so \
         python3 benchmarks/python_overhead.py build/release/examples/swiftgs builtin:200000 [--json FILE]
 
-C++ is `swiftgs bench` with the same renderer, scene, view and size: the median of a frame by the wall clock. From Python
-it is the wall clock over frames one behind the other, each complete before the next, in four ways of calling:
+C++ is `swiftgs bench` with the same renderer, scene, view and size: the median of a frame by the wall clock. From
+Python it is the wall clock over frames one behind the other, each complete before the next, in four ways of calling:
 
   nothing   a frame of ten Gaussians and 16 x 16 pixels, where the call is nearly all there is
   out       `render(camera, out=frame)`, the same memory again
@@ -40,8 +40,8 @@ def seconds(work, least=1.0):
 
 def of_cpp(tool, scene, renderer, scale):
     """Milliseconds of a frame in C++, by the wall clock."""
-    command = [tool, "bench", scene, "--renderers", renderer, "--views", "0", "--scales", str(scale), "--errors", "none",
-               "--json", "-"]
+    command = [tool, "bench", scene, "--renderers", renderer, "--views", "0", "--scales", str(scale), "--errors",
+               "none", "--json", "-"]
     done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
     results, _ = json.JSONDecoder().raw_decode(done.stdout)  # a table follows
     return results["rows"][0]["ms"]["wall"]["median"]
@@ -114,8 +114,8 @@ def main():
         text = json.dumps({"version": swiftgs.__version__, "python": sys.version.split()[0], "results": rows}, indent=1)
         pathlib.Path(arguments.json).write_text(text + "\n") if arguments.json != "-" else print(text)
     if arguments.json != "-":
-        print("| backend | scene | C++, ms | Python: the same clock, ms | out, ms | new, ms | arrays, ms | overhead, us |"
-              " nothing, us |\n| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
+        print("| backend | scene | C++, ms | Python: the same clock, ms | out, ms | new, ms | arrays, ms | "
+              "overhead, us | nothing, us |\n| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
         for row in rows:
             ms = row["python_ms"]
             print(f"| {row['renderer'].partition('/')[0]} | {row['scene']} | {row['cpp_ms']:.3f} | "

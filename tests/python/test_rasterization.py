@@ -70,7 +70,8 @@ def test_depths(gsplat_arguments, expected):
     alphas = swiftgs.rasterization(**gsplat_arguments)[1]
     assert {mode: image.shape[-1] for mode, image in modes.items()} == {
         "RGB": 3, "D": 1, "ED": 1, "RGB+D": 4, "RGB+ED": 4}
-    assert np.array_equal(modes["RGB+ED"][..., :3], modes["RGB"]) and np.array_equal(modes["RGB+ED"][..., 3:], modes["ED"])
+    assert np.array_equal(modes["RGB+ED"][..., :3], modes["RGB"])
+    assert np.array_equal(modes["RGB+ED"][..., 3:], modes["ED"])
     assert np.array_equal(modes["RGB+D"][..., 3:], modes["D"]) and np.array_equal(modes["D"], modes["ED"] * alphas)
     assert np.allclose(modes["ED"][0, ..., 0], expected.depth, rtol=1e-3, atol=1e-3)
     without = dict(gsplat_arguments, colors=None, sh_degree=None)
@@ -111,7 +112,8 @@ def test_other_orders_and_libraries_of_arrays(gsplat_arguments):
     for change in (np.asfortranarray, lambda a: np.repeat(a, 2, axis=0)[::2], lambda a: Lent(a.copy())):
         given = dict(gsplat_arguments, **{name: change(gsplat_arguments[name]) for name in names})
         assert np.array_equal(swiftgs.rasterization(**given)[0], plain)
-    given = dict(gsplat_arguments, viewmats=gsplat_arguments["viewmats"].tolist(), Ks=Lent(gsplat_arguments["Ks"].copy()))
+    given = dict(gsplat_arguments, viewmats=gsplat_arguments["viewmats"].tolist(),
+                 Ks=Lent(gsplat_arguments["Ks"].copy()))
     assert np.array_equal(swiftgs.rasterization(**given)[0], plain)
 
 

@@ -231,8 +231,8 @@ def test_threads_draw_at_once_and_take_turns_at_one_renderer(renderer, scene, ca
                 wrong.append("own frame")
             renderer.render(camera, out=shared)
 
-    threads = [threading.Thread(target=work, args=(swiftgs.Renderer("cpu", scene=scene, threads=1) if n % 2 else renderer,))
-               for n in range(4)]
+    own = [swiftgs.Renderer("cpu", scene=scene, threads=1), renderer] * 2
+    threads = [threading.Thread(target=work, args=(each,)) for each in own]
     for thread in threads:
         thread.start()
     for thread in threads:

@@ -133,8 +133,8 @@ def test_gaps_and_other_orders_are_taken(scene, arrays):
     for name, array in arrays.items():
         flat = array.reshape(2000, -1)
         rows[:, at:at + flat.shape[1]] = flat
-        in_rows[name] = rows[:, at:at + flat.shape[1]].reshape(array.shape) if array.ndim < 3 else np.lib.stride_tricks.as_strided(
-            rows[:, at:], array.shape, (rows.strides[0], 12, 4))
+        inner = {1: (), 2: (4,), 3: (12, 4)}[array.ndim]
+        in_rows[name] = np.lib.stride_tricks.as_strided(rows[:, at:], array.shape, (rows.strides[0], *inner))
         at += flat.shape[1]
     assert in_rows["sh_rest"].strides[0] == 640 and np.shares_memory(in_rows["means"], rows)
     for given in (in_rows, {name: np.asfortranarray(array) for name, array in arrays.items()},

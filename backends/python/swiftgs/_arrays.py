@@ -5,6 +5,7 @@ NumPy arrays are read as they are, others by DLPack, or else by the interface of
 if an array of it was given, so that it has been imported already.
 """
 import ctypes
+import importlib
 import sys
 from typing import Any, NamedTuple, Optional, Tuple
 
@@ -159,8 +160,7 @@ def returned(like: Any, array: Any) -> Any:
     jax = sys.modules["jax"]
     if isinstance(array, np.ndarray):
         return jax.numpy.asarray(array)
-    import jax.dlpack  # pylint: disable=import-outside-toplevel
-    return jax.dlpack.from_dlpack(array)
+    return importlib.import_module("jax.dlpack").from_dlpack(array)
 
 
 def concatenate(like: Any, arrays: Any) -> Any:

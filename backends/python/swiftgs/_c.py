@@ -9,6 +9,8 @@ import os
 import pathlib
 from ctypes import c_char_p, c_double, c_float, c_int32, c_int64, c_size_t, c_uint32, c_uint64, c_void_p
 
+from typing import Any
+
 from ._errors import exception_of
 
 ABI_MAJOR, ABI_MINOR = 1, 1
@@ -163,7 +165,10 @@ def _check(status):
 class _Functions:
     """Functions without their prefix."""
 
-    def _add(self, name, result, *arguments):
+    def __getattr__(self, name: str) -> Any:  # tells type checkers that there are some
+        raise AttributeError(f"swiftgs_{name} is not declared")
+
+    def add(self, name: str, result: Any, *arguments: Any) -> None:
         function = getattr(_dll, f"swiftgs_{name}")
         function.restype, function.argtypes = result, arguments
         setattr(self, name, function)
@@ -207,10 +212,10 @@ for _name, _arguments in {
         "scene_get_info": (c_void_p, c_void_p),
         "scene_get_arrays": (c_void_p, c_void_p),
         "scene_write": (c_void_p, c_char_p, c_void_p)}.items():
-    lib._add(_name, _check, *_arguments)
+    lib.add(_name, _check, *_arguments)
 for _name in ("cameras_free", "picture_free", "renderer_free", "scene_free", "device_free"):
-    lib._add(_name, None, c_void_p)
-lib._add("version", c_char_p)
+    lib.add(_name, None, c_void_p)
+lib.add("version", c_char_p)
 
 
 class Handle:

@@ -3,6 +3,7 @@
 import ctypes
 import functools
 from ctypes import c_int32, c_int64, c_uint8, c_uint16, c_uint64, c_void_p
+from typing import Any, Dict
 
 CPU, CUDA, CUDA_HOST, CUDA_MANAGED = 1, 2, 3, 13
 _KINDS = {0: "i", 1: "u", 2: "f", 4: "bf", 5: "c", 6: "b"}
@@ -54,7 +55,7 @@ def dense_strides(shape, item):
 
 
 # What was offered and not yet given back, by address.
-_offered = {}
+_offered: Dict[int, Any] = {}
 
 
 @ctypes.CFUNCTYPE(None, c_void_p)

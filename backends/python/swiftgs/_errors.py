@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Exceptions. Each is also the exception of Python that says the same."""
+from typing import Tuple, Type
 
 
 class Error(Exception):
@@ -46,10 +47,10 @@ class InternalError(Error, RuntimeError):
     """A defect of the library."""
 
 
-_BY_STATUS = (None, InvalidArgument, FormatError, Cancelled, FileError, DeviceError, CapacityError, OrderError,
-              OutOfMemory, Unavailable, InternalError)
+_BY_STATUS: Tuple[Type[Error], ...] = (InvalidArgument, FormatError, Cancelled, FileError, DeviceError, CapacityError,
+                                       OrderError, OutOfMemory, Unavailable, InternalError)
 
 
 def exception_of(status: int, text: str) -> Error:
     """The exception of a status of the C interface."""
-    return (_BY_STATUS[status] if 0 < status < len(_BY_STATUS) else InternalError)(text)
+    return (_BY_STATUS[status - 1] if 0 < status <= len(_BY_STATUS) else InternalError)(text)

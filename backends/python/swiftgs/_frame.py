@@ -97,7 +97,8 @@ class Frame:
         self._views[name]["pitch"] = rows
 
     @classmethod
-    def empty(cls, width: int, height: int, count: Optional[int] = None, *, format: str = "rgb",  # pylint: disable=redefined-builtin
+    def empty(cls, width: int, height: int, count: Optional[int] = None, *,
+              format: str = "rgb",  # pylint: disable=redefined-builtin
               colour: bool = True, alpha: bool = False, depth: bool = False, **rules: Any) -> "Frame":
         """A frame in arrays of NumPy: `count` images, or one without an index of the image. `rules` are those of the
         constructor."""

@@ -8,7 +8,8 @@ from . import _arrays, _c, _dlpack
 _PARTS = {"means": (3,), "scales": (3,), "rotations": (4,), "opacities": (), "sh0": (3,)}
 
 
-def _rows(array: Any, what: str, count: Optional[int], shape: Tuple[int, ...], stream: int) -> _arrays.Memory:
+def _rows(array: Any, what: str, count: Optional[int], shape: Tuple[Optional[int], ...],
+          stream: int) -> _arrays.Memory:
     """Float32 of `count` Gaussians, the numbers of one side by side. None in a shape stands for any length."""
     expected = ", ".join("N" if n is None else str(n) for n in (count, *shape))
     memory = _arrays.read(array, what, stream)

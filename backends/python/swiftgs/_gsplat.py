@@ -128,7 +128,7 @@ def _short(value: Any) -> str:
 
 
 def _renderer(device: Optional[int]) -> Renderer:
-    kept = _renderers.__dict__
+    kept: Dict[Optional[int], Renderer] = _renderers.__dict__.setdefault("by_device", {})
     if device not in kept:
         kept[device] = Renderer("cpu" if device is None else "cuda")
     return kept[device]

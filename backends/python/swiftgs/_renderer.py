@@ -164,7 +164,8 @@ class Renderer:
         elif stream != self._stream:
             lib.device_order(self._stream or None, stream or None)
 
-    def render(self, cameras: Union[Camera, Sequence[Camera]], *, out: Optional[Frame] = None, format: str = "rgb",  # pylint: disable=redefined-builtin
+    def render(self, cameras: Union[Camera, Sequence[Camera]], *, out: Optional[Frame] = None,
+               format: str = "rgb",  # pylint: disable=redefined-builtin
                times: bool = False, counts: bool = False, **frame: Any) -> Frame:
         """Draws the view of one camera, or those of several of one size in one frame, each with the bits that it has
         alone.

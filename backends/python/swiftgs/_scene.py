@@ -38,7 +38,7 @@ class _Callbacks:
 
     def run(self, function: Any, *arguments: Any) -> Any:
         """The handler of SIGINT must not raise within a callback, which nothing could leave: it runs afterwards."""
-        handler = signal.getsignal(signal.SIGINT)
+        handler: Any = signal.getsignal(signal.SIGINT)
         deferred = callable(handler) and threading.current_thread() is threading.main_thread()
         if deferred:
             signal.signal(signal.SIGINT, lambda *received: self._signals.append(received))
@@ -88,7 +88,7 @@ class Scene:
         """Copies arrays of float32 of any library, with gaps or without, on the host or on a CUDA device.
 
         means [N, 3]; scales [N, 3], standard deviations; rotations [N, 4], quaternions w, x, y, z, normalised unless
-        `any_rotations` is False; opacities [N]; and either the harmonics `sh0` [N, 3] and `sh_rest` [N, 3 or 8 or 15, 3],
+        `any_rotations` is False; opacities [N]; and either harmonics, `sh0` [N, 3] and `sh_rest` [N, 3 or 8 or 15, 3],
         or `colours` [N, 3]. `log_scales` and `logit_opacities` are for numbers as training stores them.
         """
         if (sh0 is None) == (colours is None):
