@@ -24,6 +24,11 @@ def test_a_camera_has_what_it_was_made_of():
         assert copied == camera and copied.name == "a.png"
 
 
+def test_numbers_may_be_those_of_numpy():
+    camera = swiftgs.Camera(np.int64(64), np.uint16(48), np.float32(50), translation=np.arange(3, dtype=np.float32))
+    assert (camera.width, camera.height, camera.fx) == (64, 48, 50) and np.array_equal(camera.translation, [0, 1, 2])
+
+
 def test_a_camera_looks_where_it_is_told():
     camera = swiftgs.Camera.look_at((0, 0, -2), (0, 0, 0), width=100, height=50, vertical_fov=np.pi / 2)
     assert camera.fy == pytest.approx(25) and np.allclose(camera.position, [0, 0, -2])

@@ -117,6 +117,13 @@ def test_other_orders_and_libraries_of_arrays(gsplat_arguments):
     assert np.array_equal(swiftgs.rasterization(**given)[0], plain)
 
 
+def test_no_gaussians_leave_the_background(gsplat_arguments):
+    names = ("means", "quats", "scales", "opacities", "colors")
+    none = dict(gsplat_arguments, **{name: gsplat_arguments[name][:0] for name in names})
+    colours, alphas, _ = swiftgs.rasterization(**none, backgrounds=np.array([[0.25, 0.5, 1]]))
+    assert np.all(colours == np.array([0.25, 0.5, 1], np.float32)) and not alphas.any()
+
+
 def test_a_renderer_of_the_callers(gsplat_arguments):
     plain = swiftgs.rasterization(**gsplat_arguments)[0]
     renderer = swiftgs.Renderer("serial/standard/per-pixel/ellipse")

@@ -15,6 +15,10 @@ from . import _c, _dlpack
 from ._c import Handle, lib
 
 
+# Libraries that are known by name, and touched only where arrays of theirs were given.
+LIBRARIES = ("torch", "cupy", "jax")
+
+
 class Memory(NamedTuple):
     """Where an array lies."""
 
@@ -172,10 +176,7 @@ def concatenate(like: Any, arrays: Any) -> Any:
         return sys.modules["cupy"].concatenate(arrays, axis=-1)
     if library == "jax":
         return sys.modules["jax"].numpy.concatenate(arrays, axis=-1)
-    if all(isinstance(array, np.ndarray) for array in arrays):
-        return np.concatenate(arrays, axis=-1)
-    raise NotImplementedError(f"colour and depth in one array for arrays of '{library}': expected PyTorch, CuPy, JAX "
-                              "or NumPy")
+    return np.concatenate(arrays, axis=-1)
 
 
 class DeviceArray:

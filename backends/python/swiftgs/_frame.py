@@ -104,6 +104,8 @@ class Frame:
         constructor."""
         if format not in FORMATS:
             raise ValueError(f"format is '{format}', expected one of {', '.join(FORMATS)}")
+        if rules.get("over"):
+            raise ValueError("over: a new frame holds no colour to draw over, expected a Frame of yours")
         chosen = FORMATS[format]
         images = (height, width) if count is None else (count, height, width)
         return cls(np.empty((*images, chosen.channels), chosen.kind) if colour else None,

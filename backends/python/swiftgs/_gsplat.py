@@ -9,6 +9,7 @@ import numpy as np
 from . import _arrays, _c
 from ._camera import Conventions
 from ._frame import Frame
+from ._gaussians import check_device
 from ._renderer import Renderer
 
 _MODES = ("RGB", "D", "ED", "RGB+D", "RGB+ED")
@@ -89,12 +90,17 @@ def rasterization(
         coloured = {"colours": means}  # drawn by nobody
     _check_shapes(means, coloured, count)
     device = _device_of(means)
+    check_device(device, "means")
     drawing = renderer or _renderer(device)
     if (device is not None) != drawing.on_device:
         raise ValueError(f"means lies on {'the host' if device is None else f'CUDA device {device}'}, expected the "
                          f"memory of the renderer '{drawing.name}'")
 
     shape = (count, height, width)
+    if render_mode not in ("RGB", "ED") and device is not None and _arrays.library_of(means) not in _arrays.LIBRARIES:
+        raise NotImplementedError(f"rasterization: render_mode is '{render_mode}', expected 'RGB' or 'ED' for arrays of "
+                                  f"'{_arrays.library_of(means)}', since none of {', '.join(_arrays.LIBRARIES)} is there "
+                                  "to put planes together")
     colour = _arrays.empty(means, (*shape, 3), device) if in_colour else None
     alpha = _arrays.empty(means, (*shape, 1), device)
     depth = _arrays.empty(means, (*shape, 1), device) if render_mode != "RGB" else None
