@@ -26,6 +26,7 @@
 /// **Paths and strings** are bytes that end in zero, as the file system has them.
 
 #include <swiftgs/c/camera.h>
+#include <swiftgs/c/device.h>
 #include <swiftgs/c/renderer.h>
 #include <swiftgs/c/scene.h>
 #include <swiftgs/c/status.h>

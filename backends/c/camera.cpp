@@ -108,7 +108,9 @@ swiftgs_status swiftgs_camera_look_at(const swiftgs_look_at* from, swiftgs_camer
 
 swiftgs_status swiftgs_camera_scale(swiftgs_camera* camera, double scale) {
   return guarded([&] {
-    const swiftgs::Camera made = swiftgs::scaled(to_camera(camera), scale);
+    const swiftgs::Camera given = to_camera(camera);
+    validate(given);
+    const swiftgs::Camera made = swiftgs::scaled(given, scale);
     validate(made);
     write_camera(camera, made);
   });

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <cuda_runtime_api.h>
@@ -110,16 +111,34 @@ class CudaFrames final : public HostFrames {
 
 }  // namespace
 
-void require_device() {
+void require_device(const char* what) {
   if (!Cuda::usable())
-    throw std::runtime_error(
-        "swiftgs_gaussians: arrays on a device, but there is none that this build can use");
+    throw std::runtime_error(std::string(what) + ", but there is none that this build can use");
 }
 
-void copy_from_device(const void* from, std::size_t bytes, void* stream, void* to) {
+int current_device() {
+  int device = 0;
+  check_cuda(cudaGetDevice(&device), "cudaGetDevice");
+  return device;
+}
+
+void* allocate_memory(std::size_t bytes) { return DeviceMemory::allocate(bytes); }
+void free_memory(void* memory) { DeviceMemory::release(memory); }
+
+void copy_memory(void* to, const void* from, std::size_t bytes, void* stream) {
   const auto in = static_cast<cudaStream_t>(stream);
-  check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, in), "cudaMemcpyAsync");
+  check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault, in), "cudaMemcpyAsync");
   check_cuda(cudaStreamSynchronize(in), "cudaStreamSynchronize");
+}
+
+void order_streams(void* before, void* after) {
+  if (before == after) return;
+  cudaEvent_t made = nullptr;
+  check_cuda(cudaEventCreateWithFlags(&made, cudaEventDisableTiming), "cudaEventCreateWithFlags");
+  const auto destroy = [](cudaEvent_t event) { cudaEventDestroy(event); };
+  const std::unique_ptr<CUevent_st, decltype(destroy)> event(made, destroy);
+  check_cuda(cudaEventRecord(made, static_cast<cudaStream_t>(before)), "cudaEventRecord");
+  check_cuda(cudaStreamWaitEvent(static_cast<cudaStream_t>(after), made), "cudaStreamWaitEvent");
 }
 
 std::unique_ptr<HostFrames> make_host_frames(const BackendOptions& options) {

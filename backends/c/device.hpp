@@ -11,11 +11,18 @@
 
 namespace swiftgs::c {
 
-/// Throws `std::runtime_error` if there is no device that this build can use.
-void require_device();
+/// Throws `std::runtime_error`, which names `what` is needed for, if there is no device that this build can
+/// use.
+void require_device(const char* what);
 
-/// Copies in the order of `stream`, and waits for the copy. Throws `DeviceError`.
-void copy_from_device(const void* from, std::size_t bytes, void* stream, void* to);
+// Of the current device, after `require_device`. Throw `DeviceError`, and `CapacityError` without memory.
+int current_device();
+void* allocate_memory(std::size_t bytes);
+void free_memory(void* memory);
+/// Copies between host and device in the order of `stream`, and waits for the copy.
+void copy_memory(void* to, const void* from, std::size_t bytes, void* stream);
+/// Work that `after` is given from now on waits for the work that `before` has now.
+void order_streams(void* before, void* after);
 
 /// Frames of a device's renderer whose planes lie in the host's memory.
 class HostFrames {

@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
 #include <memory>
 #include <stdexcept>
+#include <string>
 
 #include "device.hpp"
 
 namespace swiftgs::c {
 
-void require_device() {
-  throw std::runtime_error("swiftgs_gaussians: arrays on a device, but the library was built without CUDA");
+void require_device(const char* what) {
+  throw std::runtime_error(std::string(what) + ", but the library was built without CUDA");
 }
 
-void copy_from_device(const void*, std::size_t, void*, void*) { require_device(); }
+int current_device() { return 0; }
+void* allocate_memory(std::size_t) { return nullptr; }
+void free_memory(void*) {}
+void copy_memory(void*, const void*, std::size_t, void*) {}
+void order_streams(void*, void*) {}
 
 std::unique_ptr<HostFrames> make_host_frames(const BackendOptions&) { return nullptr; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
 #include <cstring>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -15,6 +16,10 @@
 
 #include "error.hpp"
 #include "structs.hpp"
+
+struct swiftgs_picture {
+  swiftgs::Image image;
+};
 
 namespace swiftgs::c {
 namespace {
@@ -59,10 +64,33 @@ Frame to_frame(const swiftgs_image& from) {
 
 using namespace swiftgs::c;
 
-extern "C" swiftgs_status swiftgs_image_write(const char* path, const swiftgs_image* image) {
+extern "C" {
+
+swiftgs_status swiftgs_image_write(const char* path, const swiftgs_image* image) {
   return guarded([&] {
     require_pointer(path, "path");
     const Writer write = writer_of(path);
     write(path, to_frame(read_struct(image, "swiftgs_image")));
   });
 }
+
+swiftgs_status swiftgs_picture_read(const char* path, swiftgs_picture** picture) {
+  return guarded([&] {
+    require_pointer(path, "path");
+    require_pointer(picture, "picture");
+    *picture = std::make_unique<swiftgs_picture>(swiftgs_picture{swiftgs::read_image(path)}).release();
+  });
+}
+
+swiftgs_status swiftgs_picture_get(const swiftgs_picture* picture, swiftgs_pixels* pixels) {
+  return guarded([&] {
+    require_pointer(picture, "picture");
+    const swiftgs::Image& image = picture->image;
+    write_struct(pixels, {0, image.width, image.height, image.channels, image.pixels.data()},
+                 "swiftgs_pixels");
+  });
+}
+
+void swiftgs_picture_free(swiftgs_picture* picture) { delete picture; }
+
+}  // extern "C"

@@ -71,7 +71,8 @@ swiftgs_status swiftgs_renderer_create(const char* name, const swiftgs_renderer_
     made->renderer = swiftgs::make_renderer(name, given);
     made->name = name;
     made->device_name = made->renderer->device_name();
-    if (made->renderer->device_memory()) made->host_frames = make_host_frames(given);
+    if (made->renderer->device_memory())
+      made->host_frames = make_host_frames(given), made->stream = given.stream;
     *renderer = made.release();
   });
 }

@@ -16,6 +16,7 @@ struct swiftgs_renderer {
   std::string name, device_name;
   std::unique_ptr<swiftgs::AnyRenderer> renderer;
   std::unique_ptr<swiftgs::c::HostFrames> host_frames{};  ///< null: the backend reaches the host's memory
+  void* stream = nullptr;                                 ///< of a device
   std::vector<swiftgs::View> views{};                     ///< of one call; their memory is kept
 };
 

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -148,7 +151,8 @@ swiftgs_status swiftgs_scene_from_arrays(const swiftgs_gaussians* gaussians, swi
 swiftgs_status swiftgs_scene_builtin(uint64_t count, swiftgs_scene** scene) {
   return guarded([&] {
     require_pointer(scene, "scene");
-    check_count(count);
+    if (count > std::numeric_limits<std::uint32_t>::max())
+      throw std::invalid_argument("scene: " + std::to_string(count) + " Gaussians, expected fewer than 2^32");
     *scene = own(swiftgs::make_builtin_scene(std::size_t(count)));
   });
 }

@@ -16,10 +16,7 @@ struct swiftgs_scene {
 
 namespace swiftgs::c {
 
-/// Copies the arrays of a caller. Throws `std::invalid_argument`, and as `from_device`.
+/// Copies the arrays of a caller. Throws `std::invalid_argument`, and as `require_device` and `copy_memory`.
 Scene to_scene(const swiftgs_gaussians* given);
-
-/// Throws `std::invalid_argument` from 2^32 Gaussians on.
-void check_count(std::uint64_t count);
 
 }  // namespace swiftgs::c

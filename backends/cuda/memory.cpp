@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <memory>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -12,6 +11,8 @@
 #include <swiftgs/chunks.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
+
+#include "device_scene.hpp"
 
 namespace swiftgs {
 
@@ -28,18 +29,6 @@ void* DeviceMemory::allocate(std::size_t bytes) {
 }
 
 void DeviceMemory::release(void* memory) { cudaFree(memory); }
-
-struct DeviceScene::Arrays {
-  DeviceBuffer<vec3> means, scales, sh0;
-  DeviceBuffer<Quaternion> rotations;
-  DeviceBuffer<float> opacities, sh_rest;
-  DeviceBuffer<ChunkBounds> chunks;
-
-  static auto buffers(auto& self) {
-    return std::tie(self.means, self.scales, self.sh0, self.rotations, self.opacities, self.sh_rest,
-                    self.chunks);
-  }
-};
 
 namespace {
 
@@ -61,8 +50,9 @@ DeviceScene Cuda::upload(const Scene& scene) const {
   check_not_captured("upload");
   const auto arrays = std::make_shared<DeviceScene::Arrays>();
   use_memory_of(*this, *arrays);
-  // Only the bands that are used, and a multiple of 16 bytes a Gaussian, which kernels copy by.
-  const std::size_t used = 3 * std::size_t(sh_rest_count(host.sh_degree)), stride = (used + 3) / 4 * 4;
+  // Only the bands that are used.
+  const std::size_t used = 3 * std::size_t(sh_rest_count(host.sh_degree));
+  const std::size_t stride = sh_rest_stride(host.sh_degree);
   std::vector<float> rest(stride * scene.size());
   for (std::size_t i = 0; i < scene.size() && used != 0; ++i)
     std::copy_n(host.sh_rest.data + i * std::size_t(host.sh_stride), used, rest.data() + i * stride);

@@ -12,6 +12,7 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/renderer.hpp>
+#include <swiftgs/scene_arrays.hpp>
 #include <swiftgs/sort/calibration.hpp>
 #include <swiftgs/type_list.hpp>
 
@@ -31,6 +32,12 @@ class SWIFTGS_API AnyRenderer {
   /// Uploads `scene` for the frames that follow; host backends share it. A graph of frames that were recorded
   /// before reads the scene of then: destroy the graph first, unless another renderer shares that scene.
   virtual void set_scene(std::shared_ptr<const Scene> scene) = 0;
+
+  /// As above, of arrays that the backend reaches: those of a device go to its renderers within the device,
+  /// in stream order, and nothing waits. Memory of a scene before that nobody shares is taken again. On a
+  /// device Gaussians with a NaN or an infinity are not drawn, since no pass checks them. Throws
+  /// `std::invalid_argument` as `validate`; after any other exception the renderer has no scene.
+  virtual void set_scene(const SceneArrays& arrays) = 0;
 
   /// Shares the scene that `other` has uploaded, without another copy. Returns false, and changes nothing, if
   /// `other` has no scene or another backend.
@@ -129,6 +136,14 @@ class RendererOf final : public RendererOn<B> {
   std::string_view name() const override { return R::name; }
   void set_scene(std::shared_ptr<const Scene> scene) override {
     this->scene_.emplace(renderer_.backend().upload(std::move(scene)));
+  }
+  void set_scene(const SceneArrays& arrays) override {
+    const B& backend = renderer_.backend();
+    validate(arrays);
+    if constexpr (B::reaches_host_memory)
+      set_scene(std::make_shared<const Scene>(to_scene(backend, arrays)));
+    else
+      this->scene_.emplace(backend.upload(arrays, std::exchange(this->scene_, std::nullopt)));
   }
   void render(Span<const Camera> cameras, const RenderSettings& settings, Span<Frame> frames) override {
     renderer_.render(this->scene(), cameras, settings, frames);

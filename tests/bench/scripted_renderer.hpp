@@ -18,6 +18,7 @@ class ScriptedRenderer final : public AnyRenderer {
 
   std::string_view name() const override { return name_; }
   void set_scene(std::shared_ptr<const Scene>) override {}
+  void set_scene(const SceneArrays&) override {}
   bool share_scene(const AnyRenderer&) override { return true; }
   void render(Span<const Camera>, const RenderSettings&, Span<Frame>) override {}
   Span<const FrameView> render_resident(Span<const Camera>, const RenderSettings&) override {

@@ -116,6 +116,20 @@ void test_images(void) {
   image.depth.pitch = sizeof(depth[0]);
   CHECK_OK(swiftgs_image_write("c_images.PFM", &image));
   CHECK_OK(swiftgs_image_write("c_images.png", &image));
+  swiftgs_picture* picture = NULL;
+  swiftgs_pixels read = {.size = sizeof(read)};
+  CHECK_OK(swiftgs_picture_read("c_images.PFM", &picture));
+  CHECK_OK(swiftgs_picture_get(picture, &read));
+  CHECK(read.width == 2 && read.height == 2 && read.channels == 3);
+  CHECK(memcmp(read.data, pixels[1], 6 * sizeof(float)) == 0);
+  CHECK(memcmp(read.data + 6, pixels[0], 6 * sizeof(float)) == 0);
+  CHECK_ERROR(swiftgs_picture_get(NULL, &read), SWIFTGS_INVALID_ARGUMENT, "picture is NULL");
+  CHECK_ERROR(swiftgs_picture_get(picture, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_pixels is NULL");
+  swiftgs_picture_free(picture), swiftgs_picture_free(NULL);
+  write_text("c_images.bad", "no image");
+  CHECK_ERROR(swiftgs_picture_read("c_images.bad", &picture), SWIFTGS_FORMAT_ERROR, "c_images.bad");
+  CHECK_ERROR(swiftgs_picture_read("c_images.none", &picture), SWIFTGS_SYSTEM_ERROR, "c_images.none");
+  CHECK_ERROR(swiftgs_picture_read("c_images.PFM", NULL), SWIFTGS_INVALID_ARGUMENT, "picture is NULL");
 
   /* A PFM has the bottom row first too, without what lies between rows. */
   FILE* const file = fopen("c_images.PFM", "rb");

@@ -65,6 +65,7 @@ void test_each_convention(void);
 void test_recorded(void);
 void test_measures(void);
 void test_sharing(void);
+void test_gaussians(void);
 void test_memory(void);
 void test_calibrations(void);
 void test_frame_errors(void);

@@ -32,6 +32,19 @@ void test_no_device(void) {
   const swiftgs_status status = swiftgs_renderer_create(device_renderer, NULL, &renderer);
   CHECK(status == SWIFTGS_UNAVAILABLE || status == SWIFTGS_INVALID_ARGUMENT);
   CHECK(strstr(swiftgs_last_error(), device_renderer) != NULL && renderer == NULL && scene == NULL);
+
+  int32_t device = -1;
+  void* memory = NULL;
+  CHECK_ERROR(swiftgs_device_current(&device), SWIFTGS_UNAVAILABLE, "swiftgs_device_current: a device, but");
+  CHECK_ERROR(swiftgs_device_allocate(16, &memory), SWIFTGS_UNAVAILABLE, "swiftgs_device_allocate: memory");
+  CHECK_ERROR(swiftgs_device_copy(&device, numbers, 4, NULL), SWIFTGS_UNAVAILABLE, "swiftgs_device_copy");
+  CHECK_ERROR(swiftgs_device_order(NULL, NULL), SWIFTGS_UNAVAILABLE, "swiftgs_device_order: streams");
+  CHECK(device == -1 && memory == NULL);
+  swiftgs_device_free(NULL);
+  renderer = make_renderer(small_renderer);
+  CHECK_ERROR(swiftgs_renderer_set_gaussians(renderer, &one), SWIFTGS_UNAVAILABLE,
+              "swiftgs_gaussians: arrays on a device");
+  swiftgs_renderer_free(renderer);
 }
 
 #if defined(SWIFTGS_TEST_CUDA)
@@ -76,9 +89,62 @@ static void test_device_arrays(void) {
   CHECK(memcmp(found.means.data, host.means.data, 12 * small_count) == 0);
   CHECK(memcmp(found.rotations.data, host.rotations.data, 16 * small_count) == 0);
   CHECK(memcmp(found.sh_rest.data, host.sh_rest.data, 180 * small_count) == 0);
+
+  /* They go to a renderer without the host, on a stream beside its own, and draw as the scene does. They may
+   * be overwritten in the order of that stream. */
+  swiftgs_renderer* const renderer = make_renderer(device_renderer);
+  const swiftgs_camera camera = make_camera(width, height);
+  float* const expected = make_memory(3 * sizeof(float) * pixels);
+  float* const colour = make_memory(3 * sizeof(float) * pixels);
+  swiftgs_view view = make_view(&camera, expected);
+  const swiftgs_frame frame = make_frame(&view, 1);
+  CHECK_OK(swiftgs_renderer_render(renderer, &frame));
+  cudaStream_t stream = NULL;
+  CHECK(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking) == cudaSuccess);
+  device.stream = stream;
+  view.colour.data = colour;
+  for (int i = 0; i < 2; ++i) { /* the second takes the memory of the first again */
+    memset(colour, 0, 3 * sizeof(float) * pixels);
+    CHECK_OK(swiftgs_renderer_set_gaussians(renderer, &device));
+    if (i == 1) CHECK(cudaMemsetAsync(means, 0xff, 20 * small_count, stream) == cudaSuccess);
+    CHECK_OK(swiftgs_renderer_render(renderer, &frame));
+    CHECK(memcmp(colour, expected, 3 * sizeof(float) * pixels) == 0);
+  }
+  host.stream = stream; /* arrays of the host are for every renderer */
+  CHECK_OK(swiftgs_renderer_set_gaussians(renderer, &host));
+  CHECK_OK(swiftgs_renderer_render(renderer, &frame));
+  CHECK(memcmp(colour, expected, 3 * sizeof(float) * pixels) == 0);
+  swiftgs_renderer_free(renderer);
+  cudaStreamDestroy(stream);
+  free(expected), free(colour);
+
   for (int i = 0; i < 5; ++i) cudaFree((void*)to[i]->data);
   cudaFree(means);
   swiftgs_scene_free(made), swiftgs_scene_free(fetched);
+}
+
+/* Memory and streams for programs without CUDA of their own. */
+static void test_device_memory(void) {
+  int32_t device = -1, current = -1;
+  CHECK_OK(swiftgs_device_current(&device));
+  CHECK(cudaGetDevice(&current) == cudaSuccess && device == current);
+  void* memory = NULL;
+  const uint64_t given = 0x0123456789abcdef;
+  uint64_t fetched = 0;
+  CHECK_OK(swiftgs_device_allocate(sizeof(given), &memory));
+  CHECK_OK(swiftgs_device_copy(memory, &given, sizeof(given), NULL));
+  CHECK_OK(swiftgs_device_copy(&fetched, memory, sizeof(given), NULL));
+  CHECK(fetched == given);
+  CHECK_ERROR(swiftgs_device_copy(NULL, memory, 1, NULL), SWIFTGS_INVALID_ARGUMENT, "to is NULL");
+  swiftgs_device_free(memory);
+  CHECK_ERROR(swiftgs_device_allocate((uint64_t)1 << 60, &memory), SWIFTGS_CAPACITY_ERROR, "device memory");
+
+  cudaStream_t first = NULL, second = NULL;
+  CHECK(cudaStreamCreate(&first) == cudaSuccess && cudaStreamCreate(&second) == cudaSuccess);
+  CHECK_OK(swiftgs_device_order(first, second));
+  CHECK_OK(swiftgs_device_order(second, second));
+  CHECK(cudaStreamSynchronize(second) == cudaSuccess);
+  cudaStreamDestroy(first), cudaStreamDestroy(second);
 }
 
 /* One view with all planes, over an image and behind a depth buffer, colour from the bottom up. */
@@ -93,6 +159,7 @@ static swiftgs_view all_planes(const swiftgs_camera* camera, uint8_t* colour, fl
 
 void test_device(void) {
   if (!has_device()) skip("no CUDA device that the kernels of this build run on");
+  test_device_memory();
   test_device_arrays();
 
   swiftgs_renderer* const renderer = make_renderer(device_renderer);

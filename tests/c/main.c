@@ -115,6 +115,7 @@ static const struct test_case cases[] = {
     {"recorded", test_recorded},
     {"measures", test_measures},
     {"sharing", test_sharing},
+    {"gaussians", test_gaussians},
     {"memory", test_memory},
     {"calibrations", test_calibrations},
     {"frame_errors", test_frame_errors},

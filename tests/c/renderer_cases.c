@@ -170,6 +170,49 @@ void test_sharing(void) {
   swiftgs_renderer_free(second);
 }
 
+/* Arrays draw as the scene that has them, also in place of one. */
+void test_gaussians(void) {
+  swiftgs_renderer* const renderer = make_renderer(small_renderer);
+  const swiftgs_camera camera = make_camera(small_width, small_height);
+  float* const expected = make_memory(sizeof(float) * floats);
+  float* const colour = make_memory(sizeof(float) * floats);
+  swiftgs_view view = make_view(&camera, expected);
+  const swiftgs_frame frame = make_frame(&view, 1);
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  swiftgs_scene* const scene = make_scene();
+  swiftgs_gaussians arrays = {.size = sizeof(arrays)};
+  CHECK_OK(swiftgs_scene_get_arrays(scene, &arrays));
+  swiftgs_renderer* const others[] = {renderer, make_renderer("cpu/standard/per-pixel/ellipse")};
+  view.colour.data = colour;
+  for (int i = 0; i < 2; ++i) {
+    CHECK_OK(swiftgs_renderer_render_into(others[i], &frame));
+    memcpy(expected, colour, sizeof(float) * floats);
+    memset(colour, 0, sizeof(float) * floats);
+    CHECK_OK(swiftgs_renderer_set_gaussians(others[i], &arrays));
+    CHECK_OK(swiftgs_renderer_render_into(others[i], &frame));
+    CHECK(memcmp(colour, expected, sizeof(float) * floats) == 0);
+  }
+
+  /* What is refused leaves the scene that was there. */
+  CHECK_ERROR(swiftgs_renderer_set_gaussians(renderer, NULL), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_gaussians is NULL");
+  CHECK_ERROR(swiftgs_renderer_set_gaussians(NULL, &arrays), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  arrays.means.stride = 4;
+  CHECK_ERROR(swiftgs_renderer_set_gaussians(renderer, &arrays), SWIFTGS_INVALID_ARGUMENT,
+              "scene: means: stride is 4 bytes, expected 0 or a multiple of 4 from 12");
+  arrays.means.stride = 12;
+  float bad = NAN;
+  swiftgs_gaussians one = {.size = sizeof(one), .count = 1};
+  one.means = one.scales = one.sh0 = arrays.means, one.rotations = arrays.rotations,
+  one.opacities.data = &bad;
+  CHECK_ERROR(swiftgs_renderer_set_gaussians(renderer, &one), SWIFTGS_INVALID_ARGUMENT,
+              "opacities of Gaussian 0 is");
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  swiftgs_scene_free(scene);
+  free(expected), free(colour);
+  swiftgs_renderer_free(others[0]), swiftgs_renderer_free(others[1]);
+}
+
 /* Memory of a caller, which may run out. */
 struct pool {
   size_t in_use, most, limit;

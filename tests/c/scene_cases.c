@@ -225,6 +225,12 @@ void test_arrays(void) {
   CHECK(arrays_of(copy).means.data == NULL);
   swiftgs_scene_free(copy);
 
+  /* Colours become coefficients. */
+  one.raw = SWIFTGS_PLAIN_COLOURS;
+  CHECK_OK(swiftgs_scene_from_arrays(&one, &copy));
+  CHECK(arrays_of(copy).sh0.data[2] == (float)((3 - 0.5) / 0.28209479177387814));
+  swiftgs_scene_free(copy);
+
   /* Means that are not finite have no part in the bounds. */
   const float means[] = {NAN, 0, 0, 1, 2, 3, INFINITY, 9, 9};
   const float twelve[12] = {0};
@@ -254,7 +260,7 @@ static void test_array_errors(void) {
   refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "sh_degree is 4, expected 0 to 3");
   arrays = arrays_in_rows();
   arrays.sh_rest.data = NULL;
-  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "sh_rest is NULL");
+  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "scene: sh_rest is null");
   arrays = arrays_in_rows();
   arrays.rotations.stride = 12;
   refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT,
@@ -275,8 +281,8 @@ static void test_array_errors(void) {
   arrays.memory = 2;
   refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "memory is 2, expected 0 to 1");
   arrays = arrays_in_rows();
-  arrays.raw = 8;
-  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "raw is 8, expected a sum of 1, 2 and 4");
+  arrays.raw = 16;
+  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "raw is 16, expected a sum of 1, 2, 4 and 8");
   arrays = arrays_in_rows();
   arrays.reserved = 1;
   refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "swiftgs_gaussians: reserved is 1, expected 0");

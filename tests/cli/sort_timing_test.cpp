@@ -21,6 +21,7 @@ class ScriptedRenderer final : public AnyRenderer {
   std::string_view name() const override { return "scripted"; }
   std::string device_name() const override { return "none"; }
   void set_scene(std::shared_ptr<const Scene>) override {}
+  void set_scene(const SceneArrays&) override {}
   bool share_scene(const AnyRenderer&) override { return true; }
   void render(Span<const Camera> cameras, const RenderSettings&, Span<Frame>) override {
     width_ = cameras[0].width;

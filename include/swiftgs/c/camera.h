@@ -60,7 +60,7 @@ typedef struct swiftgs_look_at {
 SWIFTGS_C_API swiftgs_status swiftgs_camera_look_at(const swiftgs_look_at* from, swiftgs_camera* camera);
 
 /// Changes `camera` to the same view at `scale` times the size; sides are rounded to whole pixels, at least
-/// one.
+/// one. `SWIFTGS_INVALID_ARGUMENT` for what is no camera.
 SWIFTGS_C_API swiftgs_status swiftgs_camera_scale(swiftgs_camera* camera, double scale);
 
 /// Fills `camera`, whose size is set, with the view that the built-in scene is composed for.

@@ -80,7 +80,8 @@ enum {
 enum {
   SWIFTGS_LOG_SCALES = 1,       ///< natural logarithms of scales
   SWIFTGS_LOGIT_OPACITIES = 2,  ///< opacities before the sigmoid
-  SWIFTGS_ANY_ROTATIONS = 4     ///< quaternions of any length, which are normalised; zeros are the identity
+  SWIFTGS_ANY_ROTATIONS = 4,    ///< quaternions of any length, which are normalised; zeros are the identity
+  SWIFTGS_PLAIN_COLOURS = 8     ///< colours in `sh0`, in place of coefficients
 };
 
 /// Gaussians in arrays. Without `raw` they are activated, and used with the bits that they have.
@@ -101,10 +102,10 @@ typedef struct swiftgs_gaussians {
   void* stream;  ///< of arrays on a device: a `cudaStream_t` that has them ready; NULL: the default
 } swiftgs_gaussians;
 
-/// Copies arrays into a scene. Arrays of a device are brought to the host; the copy waits for `stream`. A
-/// Gaussian with a NaN or an infinity stays in the scene and is not drawn. Errors:
-/// `SWIFTGS_INVALID_ARGUMENT`, `SWIFTGS_OUT_OF_MEMORY`; on a device `SWIFTGS_DEVICE_ERROR`, and
-/// `SWIFTGS_UNAVAILABLE` where this build has no device.
+/// Copies arrays into a scene. Arrays of a device are brought to the host; the copy waits for `stream`. To
+/// draw them on that device, use `swiftgs_renderer_set_gaussians`. A Gaussian with a NaN or an infinity stays
+/// in the scene, and renderers refuse it. Errors: `SWIFTGS_INVALID_ARGUMENT`, `SWIFTGS_OUT_OF_MEMORY`; on a
+/// device `SWIFTGS_DEVICE_ERROR`, and `SWIFTGS_UNAVAILABLE` where this build has no device.
 SWIFTGS_C_API swiftgs_status swiftgs_scene_from_arrays(const swiftgs_gaussians* gaussians,
                                                        swiftgs_scene** scene);
 

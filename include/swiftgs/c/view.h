@@ -3,7 +3,7 @@
 #define SWIFTGS_C_VIEW_H
 
 /// @file
-/// Views: from where, by which rules, and into which memory a frame is drawn.
+/// Views: from where, by which rules, and into which memory a frame is drawn. Images in files.
 
 #include <stdint.h>
 
@@ -93,6 +93,23 @@ typedef struct swiftgs_image {
 /// written as they are, without gamma. Errors: `SWIFTGS_INVALID_ARGUMENT`, `SWIFTGS_SYSTEM_ERROR`, and
 /// `SWIFTGS_UNAVAILABLE` for EXR in a build without OpenEXR.
 SWIFTGS_C_API swiftgs_status swiftgs_image_write(const char* path, const swiftgs_image* image);
+
+/// A picture of a file, such as a photograph that frames are compared with.
+typedef struct swiftgs_picture swiftgs_picture;
+
+typedef struct swiftgs_pixels {
+  uint32_t size;          ///< `sizeof(swiftgs_pixels)`
+  int32_t width, height;  ///< @units{pixels}
+  int32_t channels;       ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha
+  const float* data;      ///< @shape{height, width, channels} from 0 to 1 if the file has integers
+} swiftgs_pixels;
+
+/// Reads a PNG, a JPEG, a PFM or, where built with OpenEXR, an EXR. The content decides which. Values are
+/// those of the file, without gamma. Errors: `SWIFTGS_FORMAT_ERROR`, `SWIFTGS_SYSTEM_ERROR`.
+SWIFTGS_C_API swiftgs_status swiftgs_picture_read(const char* path, swiftgs_picture** picture);
+/// Fills `pixels`, whose size is set, with the picture's own memory, valid until it is freed.
+SWIFTGS_C_API swiftgs_status swiftgs_picture_get(const swiftgs_picture* picture, swiftgs_pixels* pixels);
+SWIFTGS_C_API void swiftgs_picture_free(swiftgs_picture* picture);
 
 #ifdef __cplusplus
 }

@@ -14,6 +14,7 @@
 #include <swiftgs/cuda/memory.hpp>
 #include <swiftgs/cuda/turns.hpp>
 #include <swiftgs/memory_hook.hpp>
+#include <swiftgs/scene_arrays.hpp>
 
 /// A stream as `<cuda_runtime_api.h>` declares it, so that this header needs no toolkit.
 using cudaStream_t = struct CUstream_st*;
@@ -114,6 +115,11 @@ class SWIFTGS_API Cuda {
   /// Throws `std::invalid_argument` as `validate` does.
   SceneOn upload(const Scene& scene) const;
   SceneOn upload(std::shared_ptr<const Scene> scene) const;
+
+  /// Copies arrays of the device within the device, in stream order. Does not wait: work on other streams
+  /// must, before it reads the scene or overwrites the arrays. Numbers are not checked. Takes the memory of
+  /// `reuse` again if nobody else holds it. Throws `std::invalid_argument` as `validate` does.
+  SceneOn upload(const SceneArrays& arrays, std::optional<SceneOn> reuse = std::nullopt) const;
 
   /// Copies after all work submitted before, and waits for the copy.
   template <class T>

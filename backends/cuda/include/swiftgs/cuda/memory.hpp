@@ -26,13 +26,18 @@ using DeviceBuffer = GrowingBuffer<T, DeviceMemory>;
 class DeviceScene {
  public:
   struct Arrays;
-  DeviceScene(std::shared_ptr<const Arrays> arrays, const SceneView& view)
+  DeviceScene(std::shared_ptr<Arrays> arrays, const SceneView& view)
       : arrays_(std::move(arrays)), view_(view) {}
 
   SceneView view() const { return view_; }
 
+  /// The memory of a scene that is given up; null if a copy shares it.
+  static std::shared_ptr<Arrays> take(DeviceScene scene) {
+    return scene.arrays_.use_count() == 1 ? std::move(scene.arrays_) : nullptr;
+  }
+
  private:
-  std::shared_ptr<const Arrays> arrays_;
+  std::shared_ptr<Arrays> arrays_;
   SceneView view_;
 };
 

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: Apache-2.0
+"""SwiftGS renders trained scenes of 3D Gaussian splatting, on CPUs and on NVIDIA GPUs.
+
+>>> import swiftgs
+>>> renderer = swiftgs.Renderer(scene=swiftgs.load("garden.spz"))
+>>> renderer.render(swiftgs.load_cameras("cameras.json")[0]).save("frame.png")
+
+`rasterization` takes the arguments of gsplat's function of that name.
+"""
+from ._arrays import DeviceArray
+from ._c import lib as _lib
+from ._camera import Camera, Conventions, load_cameras
+from ._errors import (Cancelled, CapacityError, DeviceError, Error, FileError, FormatError, InternalError,
+                      InvalidArgument, OrderError, OutOfMemory, Unavailable)
+from ._frame import Frame, load_image
+from ._gsplat import rasterization
+from ._renderer import Memory, Renderer, RendererEntry, Statistics, Times, list_renderers
+from ._scene import Scene, load
+
+__version__ = _lib.version().decode()
+
+__all__ = [
+    "Camera", "Cancelled", "CapacityError", "Conventions", "DeviceArray", "DeviceError", "Error", "FileError",
+    "FormatError", "Frame", "InternalError", "InvalidArgument", "Memory", "OrderError", "OutOfMemory", "Renderer",
+    "RendererEntry", "Scene", "Statistics", "Times", "Unavailable", "list_renderers", "load", "load_cameras",
+    "load_image", "rasterization"
+]

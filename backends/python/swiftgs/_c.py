@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The C interface: its structs, and its functions as those of `lib`.
+
+Names are those of include/swiftgs/c without their prefix. A test compares the layouts with the record of the binary
+interface. Every function that returns a status raises the exception of that status.
+"""
+import ctypes
+import os
+import pathlib
+from ctypes import c_char_p, c_double, c_float, c_int32, c_int64, c_size_t, c_uint32, c_uint64, c_void_p
+
+from typing import Any
+
+from ._errors import exception_of
+
+ABI_MAJOR, ABI_MINOR = 1, 1
+
+MEASURE_COUNTS, MEASURE_TIMES = 1, 2
+HOST, DEVICE = 0, 1
+LOG_SCALES, LOGIT_OPACITIES, ANY_ROTATIONS, PLAIN_COLOURS = 1, 2, 4, 8
+CLAMPS = ("around-image", "around-centre")
+FOOTPRINTS = ("alpha", "three-sigma-square")
+SPZ_AXES = ("specified", "rub", "rdf", "luf", "raw")
+
+PROGRESS = ctypes.CFUNCTYPE(c_int32, c_void_p, c_double)
+NOTE = ctypes.CFUNCTYPE(None, c_void_p, c_char_p)
+
+
+class Plane(ctypes.Structure):
+    _fields_ = [("data", c_void_p), ("pitch", c_int64)]
+
+
+class Array(ctypes.Structure):
+    _fields_ = [("data", c_void_p), ("stride", c_int64)]
+
+
+class _Sized(ctypes.Structure):
+    """A struct that begins with its size."""
+
+    def __init__(self, **members):
+        super().__init__(size=ctypes.sizeof(self), **members)
+
+
+class Camera(_Sized):
+    _fields_ = [("size", c_uint32), ("width", c_int32), ("height", c_int32), ("reserved", c_uint32),
+                ("rotation", c_double * 9), ("translation", c_double * 3), ("fx", c_double), ("fy", c_double),
+                ("cx", c_double), ("cy", c_double)]
+
+
+class LookAt(_Sized):
+    _fields_ = [("size", c_uint32), ("width", c_int32), ("height", c_int32), ("reserved", c_uint32),
+                ("eye", c_double * 3), ("target", c_double * 3), ("up", c_double * 3), ("vertical_fov", c_double)]
+
+
+class Conventions(_Sized):
+    _fields_ = [("size", c_uint32), ("near_plane", c_float), ("cull_at_near", c_int32), ("far_plane", c_float),
+                ("clamp", c_int32), ("blur", c_float), ("antialiased", c_int32), ("min_compensation", c_float),
+                ("alpha_min", c_float), ("alpha_max", c_float), ("stop", c_float), ("stop_at_equal", c_int32),
+                ("footprint", c_int32)]
+
+
+class View(_Sized):
+    _fields_ = [("size", c_uint32), ("format", c_int32), ("width", c_int32), ("height", c_int32),
+                ("camera", c_void_p), ("conventions", c_void_p), ("colour", Plane), ("alpha", Plane),
+                ("depth", Plane), ("occluder", Plane), ("over", c_int32), ("left", c_int32), ("top", c_int32),
+                ("background", c_float * 3)]
+
+
+class Frame(_Sized):
+    _fields_ = [("size", c_uint32), ("measure", c_uint32), ("views", c_void_p), ("count", c_uint64)]
+
+
+class Image(_Sized):
+    _fields_ = [("size", c_uint32), ("width", c_int32), ("height", c_int32), ("reserved", c_uint32),
+                ("colour", Plane), ("alpha", Plane), ("depth", Plane)]
+
+
+class Pixels(_Sized):
+    _fields_ = [("size", c_uint32), ("width", c_int32), ("height", c_int32), ("channels", c_int32),
+                ("data", c_void_p)]
+
+
+class RendererEntry(_Sized):
+    _fields_ = [("size", c_uint32), ("usable", c_int32), ("name", c_char_p)]
+
+
+class RendererOptions(_Sized):
+    _fields_ = [("size", c_uint32), ("threads", c_int32), ("stream", c_void_p), ("allocate", c_void_p),
+                ("release", c_void_p), ("context", c_void_p)]
+
+
+class Times(_Sized):
+    _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("project", c_double), ("sort", c_double),
+                ("raster", c_double), ("total", c_double)]
+
+
+class Statistics(_Sized):
+    _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("gaussians", c_uint64), ("visible", c_uint64),
+                ("instances", c_uint64), ("instances_visited", c_uint64), ("rows_visited", c_uint64),
+                ("contributing_pairs", c_uint64), ("pixels_stopped", c_uint64), ("pieces", c_uint64),
+                ("pixels_joined", c_uint64), ("longest_item", c_uint64), ("balanced_ms", c_double)]
+
+
+class Memory(_Sized):
+    _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("project", c_uint64), ("sort", c_uint64),
+                ("raster", c_uint64), ("device_in_use", c_uint64), ("device_total", c_uint64)]
+
+
+class ReadOptions(_Sized):
+    _fields_ = [("size", c_uint32), ("spz_axes", c_int32), ("level", c_int32), ("reserved", c_uint32),
+                ("progress", PROGRESS), ("note", NOTE), ("context", c_void_p)]
+
+
+class WriteOptions(_Sized):
+    _fields_ = [("size", c_uint32), ("spz_version", c_int32), ("spz_axes", c_int32), ("reserved", c_uint32),
+                ("ending", c_char_p), ("progress", PROGRESS), ("note", NOTE), ("context", c_void_p)]
+
+
+class FileBytes(_Sized):
+    _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("data", c_void_p), ("count", c_uint64),
+                ("name", c_char_p)]
+
+
+class Gaussians(_Sized):
+    _fields_ = [("size", c_uint32), ("sh_degree", c_int32), ("count", c_uint64), ("means", Array),
+                ("scales", Array), ("rotations", Array), ("opacities", Array), ("sh0", Array), ("sh_rest", Array),
+                ("memory", c_int32), ("raw", c_uint32), ("antialiased", c_int32), ("reserved", c_uint32),
+                ("stream", c_void_p)]
+
+
+class SceneInfo(_Sized):
+    _fields_ = [("size", c_uint32), ("sh_degree", c_int32), ("count", c_uint64), ("stored", c_uint64),
+                ("dropped", c_uint64), ("lower", c_float * 3), ("upper", c_float * 3), ("antialiased", c_int32),
+                ("reserved", c_uint32), ("format", c_char_p)]
+
+
+def _load():
+    """The library that SWIFTGS_LIBRARY names, or else that of this package, or else that of the system."""
+    beside = pathlib.Path(__file__).with_name(f"libswiftgs_c.so.{ABI_MAJOR}")
+    path = os.environ.get("SWIFTGS_LIBRARY") or (str(beside) if beside.exists() else beside.name)
+    try:
+        library = ctypes.CDLL(path)
+    except OSError as error:
+        raise ImportError(f"swiftgs: the library '{path}' cannot be loaded: {error}. Install the package, or name "
+                          "libswiftgs_c in SWIFTGS_LIBRARY") from error
+    version = library.swiftgs_abi_version
+    version.restype = c_uint32
+    found = divmod(version(), 1 << 16)
+    if found[0] != ABI_MAJOR or found[1] < ABI_MINOR:
+        raise ImportError(f"swiftgs: the library '{path}' has the binary interface {found[0]}.{found[1]}, "
+                          f"expected {ABI_MAJOR}.{ABI_MINOR} or a later {ABI_MAJOR}")
+    return library
+
+
+_dll = _load()
+_dll.swiftgs_last_error.restype = c_char_p
+_dll.swiftgs_last_error.argtypes = []
+
+
+def _check(status):
+    if status != 0:
+        raise exception_of(status, (_dll.swiftgs_last_error() or b"").decode(errors="replace"))
+
+
+class _Functions:
+    """Functions without their prefix."""
+
+    def __getattr__(self, name: str) -> Any:  # tells type checkers that there are some
+        raise AttributeError(f"swiftgs_{name} is not declared")
+
+    def add(self, name: str, result: Any, *arguments: Any) -> None:
+        function = getattr(_dll, f"swiftgs_{name}")
+        function.restype, function.argtypes = result, arguments
+        setattr(self, name, function)
+
+
+lib = _Functions()
+for _name, _arguments in {
+        "cameras_read": (c_char_p, c_void_p),
+        "cameras_count": (c_void_p, c_void_p),
+        "cameras_get": (c_void_p, c_size_t, c_void_p),
+        "cameras_name": (c_void_p, c_size_t, c_void_p),
+        "camera_look_at": (c_void_p, c_void_p),
+        "camera_scale": (c_void_p, c_double),
+        "camera_builtin": (c_int32, c_int32, c_void_p),
+        "conventions_named": (c_char_p, c_void_p),
+        "device_current": (c_void_p,),
+        "device_allocate": (c_uint64, c_void_p),
+        "device_copy": (c_void_p, c_void_p, c_uint64, c_void_p),
+        "device_order": (c_void_p, c_void_p),
+        "image_write": (c_char_p, c_void_p),
+        "picture_read": (c_char_p, c_void_p),
+        "picture_get": (c_void_p, c_void_p),
+        "renderers_count": (c_void_p,),
+        "renderers_get": (c_size_t, c_void_p),
+        "renderer_create": (c_char_p, c_void_p, c_void_p),
+        "renderer_device_name": (c_void_p, c_void_p),
+        "renderer_set_scene": (c_void_p, c_void_p),
+        "renderer_set_gaussians": (c_void_p, c_void_p),
+        "renderer_share_scene": (c_void_p, c_void_p),
+        "renderer_render": (c_void_p, c_void_p),
+        "renderer_render_into": (c_void_p, c_void_p),
+        "renderer_wait": (c_void_p,),
+        "renderer_trim": (c_void_p,),
+        "renderer_times": (c_void_p, c_void_p),
+        "renderer_statistics": (c_void_p, c_void_p),
+        "renderer_memory": (c_void_p, c_void_p),
+        "scene_read": (c_char_p, c_void_p, c_void_p),
+        "scene_read_bytes": (c_void_p, c_void_p, c_void_p),
+        "scene_from_arrays": (c_void_p, c_void_p),
+        "scene_builtin": (c_uint64, c_void_p),
+        "scene_get_info": (c_void_p, c_void_p),
+        "scene_get_arrays": (c_void_p, c_void_p),
+        "scene_write": (c_void_p, c_char_p, c_void_p)}.items():
+    lib.add(_name, _check, *_arguments)
+for _name in ("cameras_free", "picture_free", "renderer_free", "scene_free", "device_free"):
+    lib.add(_name, None, c_void_p)
+lib.add("version", c_char_p)
+
+
+class Handle:
+    """Owns what a function made, and frees it when nothing refers to it any more."""
+
+    __slots__ = ("pointer", "_free")
+
+    def __init__(self, free, make, *arguments):
+        made = c_void_p()
+        make(*arguments, ctypes.byref(made))
+        self.pointer, self._free = made.value, free
+
+    def __del__(self):
+        pointer, self.pointer = getattr(self, "pointer", None), None
+        if pointer:
+            self._free(pointer)
+
+
+class OwnedFloats:
+    """Floats of a handle for NumPy, which keeps the handle."""
+
+    def __init__(self, handle, address, shape):
+        self.handle = handle
+        self.__array_interface__ = {"shape": shape, "typestr": "<f4", "data": (address, True), "version": 3}
+
+
+def text_of(function, *arguments):
+    """The string that a function writes to its last argument."""
+    text = c_char_p()
+    function(*arguments, ctypes.byref(text))
+    return (text.value or b"").decode(errors="surrogateescape")
+
+
+def count_of(function, *arguments):
+    """The number that a function writes to its last argument."""
+    count = c_size_t()
+    function(*arguments, ctypes.byref(count))
+    return count.value

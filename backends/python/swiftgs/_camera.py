@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cameras and conventions."""
+import ctypes
+import dataclasses
+import functools
+import os
+from typing import Any, List, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _c
+from ._c import Handle, count_of, lib, text_of
+
+
+class Camera:
+    """A pinhole camera with OpenCV's axes: x right, y down, z forward. It never changes.
+
+    A point p of the world is at `rotation @ p + translation`. Pixel (column i, row j) is sampled at (i + 0.5, j + 0.5).
+
+    >>> Camera(640, 480, fx=500)
+    <swiftgs.Camera 640x480, f 500, at (0, 0, 0)>
+    """
+
+    __slots__ = ("_struct", "_address", "name")
+
+    def __init__(self, width: int, height: int, fx: float, fy: Optional[float] = None, cx: Optional[float] = None,
+                 cy: Optional[float] = None, *, rotation: Any = None, translation: Any = (0, 0, 0),
+                 name: str = "") -> None:
+        """`fy` is `fx` and the principal point is the centre of the image unless they are given. `rotation` [3, 3]
+        turns the world into the camera's axes."""
+        turn = np.eye(3) if rotation is None else np.asarray(rotation, np.float64)
+        move = np.asarray(translation, np.float64)
+        if turn.shape != (3, 3) or move.shape != (3,):
+            raise ValueError(f"camera: rotation has shape {turn.shape} and translation {move.shape}, expected (3, 3) "
+                             "and (3,)")
+        self._take(_c.Camera(width=width, height=height, rotation=tuple(turn.ravel()), translation=tuple(move), fx=fx,
+                             fy=fx if fy is None else fy, cx=width / 2 if cx is None else cx,
+                             cy=height / 2 if cy is None else cy), name)
+
+    def _take(self, struct: _c.Camera, name: str) -> "Camera":
+        lib.camera_scale(ctypes.byref(struct), 1)  # changes nothing, and refuses what is no camera
+        self._struct, self._address, self.name = struct, ctypes.addressof(struct), name
+        return self
+
+    @classmethod
+    def from_matrices(cls, viewmat: Any, K: Any, width: int, height: int, *, name: str = "") -> "Camera":
+        """Of a matrix [4, 4] from the world to the camera and one [3, 3] of intrinsics, as `rasterization` takes."""
+        view, intrinsics = np.asarray(viewmat, np.float64), np.asarray(K, np.float64)
+        if view.shape != (4, 4) or intrinsics.shape != (3, 3):
+            raise ValueError(f"camera: viewmat has shape {view.shape} and K {intrinsics.shape}, expected (4, 4) and "
+                             "(3, 3)")
+        return cls(width, height, intrinsics[0, 0], intrinsics[1, 1], intrinsics[0, 2], intrinsics[1, 2],
+                   rotation=view[:3, :3], translation=view[:3, 3], name=name)
+
+    @classmethod
+    def look_at(cls, eye: Any, target: Any, *, width: int, height: int, vertical_fov: float, up: Any = (0, -1, 0),
+                name: str = "") -> "Camera":
+        """From `eye` to `target`, which appears in the centre. `up` points up in the image; in captures y often points
+        down. `vertical_fov` is the full angle in radians."""
+        at = _c.LookAt(width=width, height=height, eye=tuple(map(float, eye)), target=tuple(map(float, target)),
+                       up=tuple(map(float, up)), vertical_fov=vertical_fov)
+        struct = _c.Camera()
+        lib.camera_look_at(ctypes.byref(at), ctypes.byref(struct))
+        return cls.__new__(cls)._take(struct, name)
+
+    @classmethod
+    def builtin(cls, width: int = 1280, height: int = 720) -> "Camera":
+        """The view that the built-in scene is composed for."""
+        struct = _c.Camera()
+        lib.camera_builtin(width, height, ctypes.byref(struct))
+        return cls.__new__(cls)._take(struct, "")
+
+    def scaled(self, scale: float) -> "Camera":
+        """The same view at `scale` times the size. Sides are rounded to whole pixels."""
+        struct = _c.Camera.from_buffer_copy(self._struct)
+        lib.camera_scale(ctypes.byref(struct), scale)
+        return type(self).__new__(type(self))._take(struct, self.name)
+
+    @property
+    def width(self) -> int:
+        return self._struct.width
+
+    @property
+    def height(self) -> int:
+        return self._struct.height
+
+    @property
+    def fx(self) -> float:
+        return self._struct.fx
+
+    @property
+    def fy(self) -> float:
+        return self._struct.fy
+
+    @property
+    def cx(self) -> float:
+        return self._struct.cx
+
+    @property
+    def cy(self) -> float:
+        return self._struct.cy
+
+    @property
+    def rotation(self) -> np.ndarray:
+        """[3, 3] from the world to the camera."""
+        return np.array(self._struct.rotation).reshape(3, 3)
+
+    @property
+    def translation(self) -> np.ndarray:
+        """[3], the world's origin in the camera."""
+        return np.array(self._struct.translation)
+
+    @property
+    def position(self) -> np.ndarray:
+        """[3], where the camera is in the world."""
+        return -self.rotation.T @ self.translation
+
+    @property
+    def viewmat(self) -> np.ndarray:
+        """[4, 4] from the world to the camera."""
+        view = np.eye(4)
+        view[:3, :3], view[:3, 3] = self.rotation, self.translation
+        return view
+
+    @property
+    def K(self) -> np.ndarray:  # pylint: disable=invalid-name
+        """[3, 3] of intrinsics."""
+        return np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1]])
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Camera) and bytes(self._struct) == bytes(other._struct)
+
+    def __hash__(self) -> int:
+        return hash(bytes(self._struct))
+
+    def __reduce__(self) -> Any:
+        return (_camera_of, (bytes(self._struct), self.name))
+
+    def __repr__(self) -> str:
+        named = f" '{self.name}'" if self.name else ""
+        focal = f"{self.fx:g}" if self.fx == self.fy else f"{self.fx:g} and {self.fy:g}"
+        at = ", ".join(f"{x + 0.0:.3g}" for x in self.position + 0.0)
+        return f"<swiftgs.Camera{named} {self.width}x{self.height}, f {focal}, at ({at})>"
+
+
+def _camera_of(struct: bytes, name: str) -> Camera:
+    return Camera.__new__(Camera)._take(_c.Camera.from_buffer_copy(struct), name)
+
+
+def load_cameras(path: Union[str, "os.PathLike[str]"]) -> List[Camera]:
+    """The cameras of INRIA's cameras.json, of a transforms.json, of a COLMAP model or of a capture's folder.
+
+    Each has the name of its image. FormatError, FileError, or InvalidArgument for a folder without cameras.
+    """
+    cameras = Handle(lib.cameras_free, lib.cameras_read, os.fsencode(path))
+    found = []
+    for index in range(count_of(lib.cameras_count, cameras.pointer)):
+        struct = _c.Camera()
+        lib.cameras_get(cameras.pointer, index, ctypes.byref(struct))
+        found.append(Camera.__new__(Camera)._take(struct, text_of(lib.cameras_name, cameras.pointer, index)))
+    return found
+
+
+@dataclasses.dataclass(frozen=True)
+class Conventions:
+    """The numbers that define "the same image". The defaults are those of gsplat.
+
+    `Conventions.named("inria")` is the other preset, and `dataclasses.replace` changes single numbers.
+    """
+
+    near_plane: float = 0.01  #: a Gaussian nearer than this is culled
+    cull_at_near: bool = False  #: so is one exactly on the near plane
+    far_plane: float = 1e10  #: a Gaussian further than this is culled
+    clamp: str = "around-image"  #: or "around-centre": where the projection is linearised
+    blur: float = 0.3  #: added to both variances of a splat, in square pixels
+    antialiased: bool = False  #: scale opacity as Mip-Splatting does; for scenes that say so
+    min_compensation: float = 2.5e-5  #: least ratio of determinants in that
+    alpha_min: float = 1 / 255  #: a pixel skips a Gaussian with less alpha
+    alpha_max: float = 0.99  #: alpha is cut here
+    stop: float = 1e-4  #: a pixel ends before the Gaussian that would bring its transmittance below
+    stop_at_equal: bool = True  #: or exactly to `stop`
+
+    @classmethod
+    def named(cls, name: str) -> "Conventions":
+        """The preset "gsplat" or "inria"."""
+        struct = _c.Conventions()
+        lib.conventions_named(name.encode(), ctypes.byref(struct))
+        values = {field.name: getattr(struct, field.name) for field in dataclasses.fields(cls)}
+        values["clamp"] = _c.CLAMPS[struct.clamp]
+        return cls(**{name: bool(value) if isinstance(getattr(cls, name), bool) else value
+                      for name, value in values.items()})
+
+    def _to_struct(self) -> _c.Conventions:
+        if self.clamp not in _c.CLAMPS:
+            raise ValueError(f"conventions: clamp is '{self.clamp}', expected one of {', '.join(_c.CLAMPS)}")
+        values = dict(vars(self), clamp=_c.CLAMPS.index(self.clamp))
+        return _c.Conventions(**values)
+
+
+@functools.lru_cache(maxsize=64)
+def _struct_of(given: Union[str, Conventions]) -> _c.Conventions:
+    """Shared by all frames of these conventions, and never changed."""
+    if isinstance(given, Conventions):
+        return given._to_struct()
+    struct = _c.Conventions()
+    lib.conventions_named(given.encode(), ctypes.byref(struct))
+    return struct
+
+
+def conventions_of(given: Union[str, Conventions]) -> _c.Conventions:
+    if not isinstance(given, (str, Conventions)):
+        raise TypeError(f"conventions are of type {type(given).__name__}, expected 'gsplat', 'inria' or Conventions")
+    return _struct_of(given)
+
+
+def check_cameras(cameras: Union[Camera, Sequence[Camera]]) -> List[Camera]:
+    """A list of one camera or more."""
+    if isinstance(cameras, Camera):
+        return [cameras]
+    found = list(cameras)
+    for index, camera in enumerate(found):
+        if not isinstance(camera, Camera):
+            raise TypeError(f"camera {index} is of type {type(camera).__name__}, expected swiftgs.Camera")
+    if not found:
+        raise ValueError("there is no camera, expected one or more")
+    return found

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Exceptions. Each is also the exception of Python that says the same."""
+from typing import Tuple, Type
+
+
+class Error(Exception):
+    """What the library refused, in one line: what, where and what was expected."""
+
+
+class InvalidArgument(Error, ValueError):
+    """An argument that a function does not take."""
+
+
+class FormatError(Error, ValueError):
+    """A file is invalid; the text has its name and the byte."""
+
+
+class Cancelled(Error):
+    """A `progress` asked to stop."""
+
+
+class FileError(Error, OSError):
+    """The system refused, such as a file that is not there."""
+
+
+class DeviceError(Error, RuntimeError):
+    """A call to a device failed; the text has the call and the device's own text."""
+
+
+class CapacityError(Error, RuntimeError):
+    """A frame exceeds a limit or the device's memory; the renderer stays usable."""
+
+
+class OrderError(Error, RuntimeError):
+    """A call out of turn, such as a frame before a scene."""
+
+
+class OutOfMemory(Error, MemoryError):
+    """Memory of the host ran out; the renderer stays usable."""
+
+
+class Unavailable(Error, RuntimeError):
+    """This machine or this build cannot do it."""
+
+
+class InternalError(Error, RuntimeError):
+    """A defect of the library."""
+
+
+_BY_STATUS: Tuple[Type[Error], ...] = (InvalidArgument, FormatError, Cancelled, FileError, DeviceError, CapacityError,
+                                       OrderError, OutOfMemory, Unavailable, InternalError)
+
+
+def exception_of(status: int, text: str) -> Error:
+    """The exception of a status of the C interface."""
+    return (_BY_STATUS[status - 1] if 0 < status <= len(_BY_STATUS) else InternalError)(text)

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Arrays of Gaussians as the struct that the library takes."""
+from typing import Any, List, Optional, Tuple
+
+from . import _arrays, _c, _dlpack
+
+# Names of the struct's members, and the shapes of one Gaussian.
+_PARTS = {"means": (3,), "scales": (3,), "rotations": (4,), "opacities": (), "sh0": (3,)}
+
+
+def _rows(array: Any, what: str, count: Optional[int], shape: Tuple[Optional[int], ...],
+          stream: int) -> _arrays.Memory:
+    """Float32 of `count` Gaussians, the numbers of one side by side. None in a shape stands for any length."""
+    expected = ", ".join("N" if n is None else str(n) for n in (count, *shape))
+    memory = _arrays.read(array, what, stream)
+    if memory.kind != "f4":
+        raise TypeError(f"{what} has numbers of type {memory.kind}, expected float32 (f4)")
+    if len(memory.shape) != 1 + len(shape) or any(
+            n is not None and n != found for n, found in zip((count, *shape), memory.shape)):
+        raise ValueError(f"{what} has the shape {memory.shape}, expected ({expected})")
+    dense = _dlpack.dense_strides(memory.shape, 4)
+    row = dense[0]
+    sides_fit = all(side == 1 or stride == wanted
+                    for side, stride, wanted in zip(memory.shape[1:], memory.strides[1:], dense[1:]))
+    first = memory.strides[0]
+    if memory.shape[0] > 1 and not (sides_fit and first >= row and first % 4 == 0) or not sides_fit:
+        return _rows(_copied(array, what), what, count, shape, stream)
+    if memory.address % 4 != 0:
+        raise ValueError(f"{what} begins at the address {memory.address}, expected a multiple of 4")
+    return memory
+
+
+def _copied(array: Any, what: str) -> Any:
+    try:
+        return _arrays.contiguous(array)
+    except ValueError as error:
+        raise ValueError(f"{what}: {error}") from None
+
+
+def _array(memory: _arrays.Memory, offset: int = 0) -> _c.Array:
+    return _c.Array(memory.address + offset, memory.strides[0] if memory.shape[0] > 1 else 0)
+
+
+def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any, sh_rest: Any = None, *,
+                 sh: Any = None, sh_degree: Optional[int] = None, colours: Any = None, log_scales: bool = False,
+                 logit_opacities: bool = False, any_rotations: bool = True, antialiased: bool = False,
+                 stream: int = 0, names: Optional[dict] = None) -> Tuple[_c.Gaussians, List[_arrays.Memory]]:
+    """The struct, and the memory that it points to, ready on `stream`.
+
+    Colours are `sh0` [N, 3] with `sh_rest` [N, K, 3], or `sh` [N, K, 3] with both, or `colours` [N, 3] without
+    harmonics. `names` are those of the caller's arguments.
+    """
+    said = (names or {}).get
+    first = _rows(means, said("means", "means"), None, (3,), stream)
+    count = first.shape[0]
+    memory = {"means": first}
+    given = {"scales": scales, "rotations": rotations, "opacities": opacities}
+    if sh is None:
+        given["sh0"] = sh0 if colours is None else colours
+    for name, array in given.items():
+        memory[name] = _rows(array, said(name, name), count, _PARTS[name], stream)
+    struct = _c.Gaussians(count=count, antialiased=antialiased)
+    if sh is not None:
+        both = memory["sh"] = _rows(sh, said("sh", "sh"), count, (None, 3), stream)
+        struct.sh_degree = _degree(both.shape[1], said("sh", "sh"), 1, sh_degree)
+        struct.sh0 = _array(both)
+        struct.sh_rest = _array(both, 12)
+    elif sh_rest is not None:
+        rest = memory["sh_rest"] = _rows(sh_rest, said("sh_rest", "sh_rest"), count, (None, 3), stream)
+        struct.sh_degree = _degree(rest.shape[1], said("sh_rest", "sh_rest"), 0, sh_degree)
+        struct.sh_rest = _array(rest)
+    for name in _PARTS:
+        if name in memory:
+            setattr(struct, name, _array(memory[name]))
+    devices = {name: found.device for name, found in memory.items()}
+    for name, device in devices.items():
+        if device != first.device:
+            raise ValueError(f"{said(name, name)} lies on {memory[name].place} and {said('means', 'means')} on "
+                             f"{first.place}, expected all on one")
+    check_device(first.device, said("means", "means"))
+    struct.memory = _c.HOST if first.device is None else _c.DEVICE
+    struct.stream = stream or None
+    struct.raw = (_c.LOG_SCALES * log_scales + _c.LOGIT_OPACITIES * logit_opacities +
+                  _c.ANY_ROTATIONS * any_rotations + _c.PLAIN_COLOURS * (colours is not None))
+    return struct, list(memory.values())
+
+
+def check_device(device: Optional[int], what: str) -> None:
+    """ValueError for memory of a device that is not the current one."""
+    if device is not None and device != _arrays.current_device():
+        raise ValueError(f"{what} lies on CUDA device {device} and device {_arrays.current_device()} is current, "
+                         "expected it on the current one")
+
+
+def _degree(stored: int, what: str, of_band_0: int, wanted: Optional[int]) -> int:
+    """The degree to draw of so many coefficients."""
+    degrees = [degree for degree in range(4) if (degree + 1) ** 2 - 1 + of_band_0 == stored]
+    if wanted is None:
+        if not degrees:
+            counts = ", ".join(str((degree + 1) ** 2 - 1 + of_band_0) for degree in range(4))
+            raise ValueError(f"{what} has {stored} coefficients, expected {counts} for degree 0, 1, 2, 3")
+        return degrees[0]
+    if not 0 <= wanted <= 3:
+        raise ValueError(f"sh_degree is {wanted}, expected 0 to 3")
+    if (wanted + 1) ** 2 - 1 + of_band_0 > stored:
+        raise ValueError(f"{what} has {stored} coefficients, expected {(wanted + 1) ** 2 - 1 + of_band_0} or more for "
+                         f"sh_degree {wanted}")
+    return wanted
+
+

@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rasterization` with the names, shapes and defaults of gsplat 1.x, for inference."""
+import dataclasses
+import threading
+from typing import Any, Dict, Optional, Tuple
+
+import numpy as np
+
+from . import _arrays, _c
+from ._camera import Conventions
+from ._frame import Frame
+from ._gaussians import check_device
+from ._renderer import Renderer
+
+_MODES = ("RGB", "D", "ED", "RGB+D", "RGB+ED")
+_CAMERA = np.dtype(_c.Camera)
+_LAST_ROW = np.array([0, 0, 0, 1])
+
+# Arguments that gsplat has and this does not, with the one value that changes nothing.
+_REFUSED: Dict[str, Any] = {
+    "radius_clip": 0.0, "sparse_grad": False, "absgrad": False, "distributed": False, "camera_model": "pinhole",
+    "covars": None, "with_ut": False, "with_eval3d": False, "return_normals": False, "global_z_order": True,
+    "rays": None, "radial_coeffs": None, "tangential_coeffs": None, "thin_prism_coeffs": None, "ftheta_coeffs": None,
+    "lidar_coeffs": None, "external_distortion_coeffs": None, "viewmats_rs": None, "ut_params": None,
+    "extra_signals": None, "extra_signals_sh_degree": None, "renderer_config": None}
+
+_NAMES = {"rotations": "quats", "sh": "colors", "colours": "colors"}
+
+# A renderer of each thread, backend and device.
+_renderers = threading.local()
+
+
+class Meta(Dict[str, Any]):
+    """What `rasterization` tells beside its images."""
+
+    def __missing__(self, key: str) -> Any:
+        raise KeyError(f"meta has no '{key}', expected one of {', '.join(self)}: intermediate results are not kept")
+
+
+def rasterization(
+        means: Any, quats: Any, scales: Any, opacities: Any, colors: Any, viewmats: Any, Ks: Any, width: int,
+        height: int, near_plane: float = 0.01, far_plane: float = 1e10, radius_clip: float = 0.0, eps2d: float = 0.3,
+        sh_degree: Optional[int] = None, packed: bool = True, tile_size: Optional[int] = None, backgrounds: Any = None,
+        render_mode: str = "RGB", sparse_grad: bool = False, absgrad: bool = False, rasterize_mode: str = "classic",
+        channel_chunk: int = 32, distributed: bool = False, camera_model: str = "pinhole", segmented: bool = False,
+        covars: Any = None, with_ut: bool = False, with_eval3d: bool = False, return_normals: bool = False,
+        global_z_order: bool = True, rays: Any = None, radial_coeffs: Any = None, tangential_coeffs: Any = None,
+        thin_prism_coeffs: Any = None, ftheta_coeffs: Any = None, lidar_coeffs: Any = None,
+        external_distortion_coeffs: Any = None, rolling_shutter: Any = None, viewmats_rs: Any = None,
+        ut_params: Any = None, extra_signals: Any = None, extra_signals_sh_degree: Optional[int] = None,
+        renderer_config: Any = None, *, renderer: Optional[Renderer] = None) -> Tuple[Any, Any, Meta]:
+    """Draws Gaussians for a batch of cameras, as gsplat's function of this name does without gradients.
+
+    Arrays are float32 of NumPy, PyTorch, CuPy, JAX or any library with DLPack, all on the host or all on one CUDA
+    device: means [N, 3]; quats [N, 4] w, x, y, z of any length; scales [N, 3]; opacities [N]; colors [N, 3], or with
+    `sh_degree` harmonics [N, K, 3]. viewmats [C, 4, 4], Ks [C, 3, 3] and backgrounds [C, 3] may lie on the host too,
+    which saves a wait.
+
+    Returns colours [C, height, width, X] and alphas [C, height, width, 1] as arrays of the library of `means`, and a
+    dictionary. X is 3, with a depth 4, and 1 for a depth alone; `render_mode` is "RGB", "D", "ED", "RGB+D" or
+    "RGB+ED". On a device nothing of the Gaussians or the images visits the host, and the images are in the order of
+    the library's current stream.
+
+    `packed`, `tile_size`, `channel_chunk` and `segmented` change nothing here. Other arguments are refused by name
+    unless they have their default. `renderer` is a `Renderer` of yours, which keeps the Gaussians as its scene; without
+    one each thread has its own. docs/python.md has a table of all arguments.
+    """
+    arguments = locals()
+    for name, default in _REFUSED.items():
+        value = arguments[name]
+        if value is not default and (default is None or value != default):
+            raise NotImplementedError(f"rasterization: {name} is {_short(value)}, expected {default!r}: nothing else "
+                                      "is offered")
+    if rolling_shutter is not None and "GLOBAL" not in str(rolling_shutter):
+        raise NotImplementedError(f"rasterization: rolling_shutter is {_short(rolling_shutter)}, expected GLOBAL: "
+                                  "nothing else is offered")
+    if render_mode not in _MODES:
+        raise NotImplementedError(f"rasterization: render_mode is {render_mode!r}, expected one of {', '.join(_MODES)}")
+    if rasterize_mode not in ("classic", "antialiased"):
+        raise ValueError(f"rasterization: rasterize_mode is {rasterize_mode!r}, expected 'classic' or 'antialiased'")
+    del packed, tile_size, channel_chunk, segmented
+
+    cameras = _cameras(viewmats, Ks, width, height)
+    count = len(cameras)
+    in_colour = render_mode.startswith("RGB")
+    coloured: Dict[str, Any] = {"colours": colors}
+    if sh_degree is not None:
+        coloured = {"sh": colors, "sh_degree": sh_degree}
+    elif not in_colour and colors is None:
+        coloured = {"colours": means}  # drawn by nobody
+    _check_shapes(means, coloured, count)
+    device = _device_of(means)
+    check_device(device, "means")
+    drawing = renderer or _renderer(device)
+    if (device is not None) != drawing.on_device:
+        raise ValueError(f"means lies on {'the host' if device is None else f'CUDA device {device}'}, expected the "
+                         f"memory of the renderer '{drawing.name}'")
+
+    shape = (count, height, width)
+    if render_mode not in ("RGB", "ED") and device is not None and _arrays.library_of(means) not in _arrays.LIBRARIES:
+        raise NotImplementedError(f"rasterization: render_mode is '{render_mode}', expected 'RGB' or 'ED' for arrays of "
+                                  f"'{_arrays.library_of(means)}', since none of {', '.join(_arrays.LIBRARIES)} is there "
+                                  "to put planes together")
+    colour = _arrays.empty(means, (*shape, 3), device) if in_colour else None
+    alpha = _arrays.empty(means, (*shape, 1), device)
+    depth = _arrays.empty(means, (*shape, 1), device) if render_mode != "RGB" else None
+    conventions = dataclasses.replace(_GSPLAT, near_plane=near_plane, far_plane=far_plane, blur=eps2d,
+                                      antialiased=rasterize_mode == "antialiased")
+    frame = Frame(colour, alpha, depth, conventions=conventions)
+    if backgrounds is not None and in_colour:
+        frame.background = _backgrounds(backgrounds, count)
+    with drawing._lock:
+        drawing._set_gaussians(means, scales, quats, opacities, None, **coloured, any_rotations=True, names=_NAMES)
+        frame._camera_addresses[:] = cameras.ctypes.data + np.arange(count) * _CAMERA.itemsize
+        drawing._draw(frame)
+
+    colour, alpha, depth = (None if plane is None else _arrays.returned(means, plane)
+                            for plane in (colour, alpha, depth))
+    if depth is not None and not render_mode.endswith("ED"):
+        depth = depth * alpha
+    if colour is None or depth is None:
+        images = depth if colour is None else colour
+    else:
+        images = _arrays.concatenate(means, [colour, depth])
+    return images, alpha, Meta(width=width, height=height, n_cameras=count, tile_size=16, renderer=drawing.name)
+
+
+_GSPLAT = Conventions.named("gsplat")
+
+
+def _short(value: Any) -> str:
+    shape = getattr(value, "shape", None)
+    return repr(value) if shape is None else f"an array of the shape {tuple(shape)}"
+
+
+def _renderer(device: Optional[int]) -> Renderer:
+    kept: Dict[Optional[int], Renderer] = _renderers.__dict__.setdefault("by_device", {})
+    if device not in kept:
+        kept[device] = Renderer("cpu" if device is None else "cuda")
+    return kept[device]
+
+
+def _device_of(array: Any) -> Optional[int]:
+    if hasattr(array, "__dlpack_device__"):
+        kind, number = array.__dlpack_device__()
+        return int(number) if int(kind) in (2, 13) else None
+    return _arrays.current_device() if hasattr(array, "__cuda_array_interface__") else None
+
+
+def _check_shapes(means: Any, coloured: Dict[str, Any], count: int) -> None:
+    """Refuses by name what gsplat takes and this does not."""
+    shape = tuple(getattr(means, "shape", ()))
+    if len(shape) > 2:
+        raise NotImplementedError(f"rasterization: means has the shape {shape}, expected (N, 3): batches of scenes are "
+                                  "not offered, call it for each")
+    if "sh" in coloured:
+        if coloured["sh_degree"] > 3:
+            raise NotImplementedError(f"rasterization: sh_degree is {coloured['sh_degree']}, expected 0 to 3")
+        return
+    colours = tuple(getattr(coloured["colours"], "shape", ()))
+    if len(colours) == 3 and colours[:1] == (count,):
+        raise NotImplementedError(f"rasterization: colors has the shape {colours}, expected (N, 3): colours of each "
+                                  "camera are not offered, call it for each")
+    if len(colours) == 2 and colours[-1] != 3:
+        raise NotImplementedError(f"rasterization: colors has the shape {colours}, expected (N, 3): other numbers of "
+                                  "channels are not offered")
+
+
+def _cameras(viewmats: Any, intrinsics: Any, width: int, height: int) -> np.ndarray:
+    """[C] structs."""
+    views, ks = _arrays.host(viewmats, "viewmats"), _arrays.host(intrinsics, "Ks")
+    if views.ndim != 3 or views.shape[1:] != (4, 4) or len(views) == 0:
+        raise ValueError(f"viewmats has the shape {views.shape}, expected (C, 4, 4)")
+    if ks.shape != (len(views), 3, 3):
+        raise ValueError(f"Ks has the shape {ks.shape}, expected ({len(views)}, 3, 3)")
+    if (views[:, 3] != _LAST_ROW).any():
+        raise ValueError("viewmats: expected 0, 0, 0, 1 in the last row")
+    if ks[:, 0, 1].any() or ks[:, 1, 0].any():
+        raise NotImplementedError("rasterization: Ks has a skew, expected 0 beside the focal lengths")
+    cameras = np.zeros(len(views), _CAMERA)
+    cameras["size"], cameras["width"], cameras["height"] = _CAMERA.itemsize, width, height
+    cameras["rotation"] = views[:, :3, :3].reshape(-1, 9)
+    cameras["translation"] = views[:, :3, 3]
+    cameras["fx"], cameras["fy"], cameras["cx"], cameras["cy"] = ks[:, 0, 0], ks[:, 1, 1], ks[:, 0, 2], ks[:, 1, 2]
+    return cameras
+
+
+def _backgrounds(backgrounds: Any, count: int) -> np.ndarray:
+    found = _arrays.host(backgrounds, "backgrounds")
+    if found.shape != (count, 3):
+        raise ValueError(f"backgrounds has the shape {found.shape}, expected ({count}, 3)")
+    return found

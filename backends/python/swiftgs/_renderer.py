@@ -1,0 +1,281 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Renderers, by name."""
+import ctypes
+import threading
+from typing import Any, List, NamedTuple, Optional, Sequence, Union
+
+from . import _arrays, _c
+from ._c import Handle, count_of, lib, text_of
+from ._camera import Camera, check_cameras
+from ._frame import Frame
+from ._gaussians import gaussians_of
+from ._scene import Scene
+
+_BEST = "early/axis-shared-threshold-float-cholesky/ellipse"
+
+
+class RendererEntry(NamedTuple):
+    """One row of the table of renderers."""
+
+    name: str  #: BACKEND/SORT/RASTER/BOUNDS
+    usable: bool  #: whether it can run on this machine
+
+
+class Statistics(NamedTuple):
+    """Counts of a frame. Those from `instances_visited` on are 0 unless the frame was drawn with `counts=True`."""
+
+    gaussians: int  #: in the scene
+    visible: int  #: projected to splats
+    instances: int  #: pairs of splat and tile
+    instances_visited: int  #: before all pixels of their square had stopped
+    rows_visited: int  #: rows of pixels on which an instance was evaluated
+    contributing_pairs: int  #: pairs of pixel and splat that were blended
+    pixels_stopped: int  #: pixels that ended before their list
+    pieces: int  #: of long lists, blended apart from each other
+    pixels_joined: int  #: pixels of those pieces that were joined with what lies in front
+    longest_item: int  #: most instances that one core, warp or block worked off alone
+    balanced_ms: float  #: the raster stage if its work were shared out evenly
+
+
+class Times(NamedTuple):
+    """Milliseconds of a frame's stages. Not a number unless the frame was drawn with `times=True` and is finished."""
+
+    project: float
+    sort: float
+    raster: float
+    total: float
+
+
+class Memory(NamedTuple):
+    """Bytes that a renderer keeps, the scene excluded, and those of its device."""
+
+    project: int
+    sort: int
+    raster: int
+    device_in_use: int
+    device_total: int
+
+
+def _members(struct: Any, kind: Any) -> Any:
+    return kind(*(getattr(struct, name) for name in kind._fields))
+
+
+def list_renderers() -> List[RendererEntry]:
+    """Every renderer of this build, whether or not it can run here."""
+    found = []
+    for index in range(count_of(lib.renderers_count)):
+        entry = _c.RendererEntry()
+        lib.renderers_get(index, ctypes.byref(entry))
+        found.append(RendererEntry(entry.name.decode(), bool(entry.usable)))
+    return found
+
+
+def best_renderer(backend: Optional[str] = None) -> str:
+    """The name of the usual choice on `backend`, or on the quickest backend that runs here."""
+    names = [entry.name for entry in list_renderers() if entry.usable and entry.name.endswith("/" + _BEST)]
+    if backend is not None:
+        return f"{backend}/{_BEST}"
+    return names[-1]  # the table lists the backends from the simplest to the quickest
+
+
+class Renderer:
+    """Draws frames of the scene that it was given.
+
+    It keeps its memory: a frame no larger than an earlier one allocates nothing. Calls from several threads take turns;
+    a renderer for each thread draws at once with others.
+
+    >>> renderer = Renderer("cpu", scene=Scene.builtin())
+    >>> renderer.render(Camera.builtin()).save("frame.png")
+    """
+
+    def __init__(self, name: Optional[str] = None, *, scene: Optional[Scene] = None, threads: int = 0,
+                 stream: Any = None) -> None:
+        """`name` is BACKEND/SORT/RASTER/BOUNDS, as in `list_renderers`, or a backend alone, whose usual choice it then
+        is; without one it is that of the quickest backend that runs here.
+
+        `threads` are those of the backend `cpu`, 0 for all. `stream` is that of the backend `cuda`: of PyTorch, of
+        CuPy, any object with `__cuda_stream__`, or the number of a cudaStream_t; the default stream without one. The
+        renderer belongs to the CUDA device that is current now.
+        """
+        if name is None or "/" not in name:
+            name = best_renderer(name)
+        if threads < 0:
+            raise ValueError(f"threads is {threads}, expected 0 or more")
+        self._stream_owner = stream
+        self._stream = _arrays.stream_handle(stream)
+        options = _c.RendererOptions(threads=threads, stream=self._stream)
+        self._handle: Optional[Handle] = Handle(lib.renderer_free, lib.renderer_create, name.encode(),
+                                                ctypes.byref(options))
+        self._pointer = self._handle.pointer
+        self.name = name  #: BACKEND/SORT/RASTER/BOUNDS
+        self.on_device = name.startswith("cuda/")
+        self._device = _arrays.current_device() if self.on_device else None
+        self._lock = threading.RLock()
+        self._scene = "no scene"
+        if scene is not None:
+            self.set_scene(scene)
+
+    @property
+    def device_name(self) -> str:
+        """Model of the processor or device, with the number of threads where that is a choice."""
+        return text_of(lib.renderer_device_name, self._open())
+
+    def set_scene(self, scene: Scene) -> None:
+        """Uploads `scene` for the frames that follow; backends of the host share its memory."""
+        with self._lock:
+            lib.renderer_set_scene(self._open(), scene._open())
+            self._scene = f"{len(scene):,} Gaussians"
+
+    def share_scene(self, other: "Renderer") -> None:
+        """Shares what `other`, a renderer of the same backend, has uploaded."""
+        with self._lock:
+            lib.renderer_share_scene(self._open(), other._open())
+            self._scene = other._scene
+
+    def set_gaussians(self, means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any = None,
+                      sh_rest: Any = None, *, colours: Any = None, log_scales: bool = False,
+                      logit_opacities: bool = False, any_rotations: bool = True) -> None:
+        """As `set_scene`, of arrays as `Scene.from_arrays` takes them.
+
+        Arrays of a CUDA device go to a renderer of `cuda` within the device, in the order of their library's stream,
+        and nothing waits. They may be changed or forgotten afterwards. There a Gaussian with a NaN or an infinity is
+        not drawn; on the host it is refused.
+        """
+        if (sh0 is None) == (colours is None):
+            raise TypeError("set_gaussians takes either sh0 or colours")
+        self._set_gaussians(means, scales, rotations, opacities, sh0, sh_rest, colours=colours, log_scales=log_scales,
+                            logit_opacities=logit_opacities, any_rotations=any_rotations)
+
+    def _set_gaussians(self, means: Any, *arrays: Any, **options: Any) -> None:
+        with self._lock:
+            pointer = self._open()
+            struct, memory = gaussians_of(means, *arrays, stream=self._stream, **options)
+            if memory[0].device is not None:
+                self._check_device()
+            lib.renderer_set_gaussians(pointer, ctypes.byref(struct))
+            if memory[0].device is not None:
+                self._hand_on(_arrays.stream_of(means, memory[0].device))
+            self._scene = f"{struct.count:,} Gaussians"
+
+    def _hand_on(self, stream: Optional[int]) -> None:
+        """What a library does next on its stream comes after what the renderer has been given."""
+        if stream is None:
+            lib.renderer_wait(self._pointer)
+        elif stream != self._stream:
+            lib.device_order(self._stream or None, stream or None)
+
+    def render(self, cameras: Union[Camera, Sequence[Camera]], *, out: Optional[Frame] = None,
+               format: str = "rgb",  # pylint: disable=redefined-builtin
+               times: bool = False, counts: bool = False, **frame: Any) -> Frame:
+        """Draws the view of one camera, or those of several of one size in one frame, each with the bits that it has
+        alone.
+
+        Without `out` the images are new arrays of NumPy, whatever the backend: of one image without an index of the
+        image, of a sequence of cameras with it. `format` is "rgb", "rgba", "rgba-half" or "rgba8"; `alpha=True` and
+        `depth=True` add planes, `colour=False` leaves colour out, and `background`, `conventions`, `occluder` and
+        `first_pixel` are those of `Frame`. With `out`, a frame of yours, all of that is the frame's, and the same
+        frame comes back.
+
+        Frames on the host are complete when it returns. Those in arrays of a CUDA device are in the order of their
+        library's stream. `times` and `counts` fill `self.times` and `self.statistics`.
+        """
+        if out is None:
+            found = check_cameras(cameras)
+            count = None if isinstance(cameras, Camera) else len(found)
+            first = found[0]
+            for index, camera in enumerate(found):
+                if (camera.width, camera.height) != (first.width, first.height):
+                    raise ValueError(f"camera {index} has {camera.width}x{camera.height} pixels, expected "
+                                     f"{first.width}x{first.height}, as the first")
+            out = Frame.empty(first.width, first.height, count, format=format, **frame)
+        elif frame or format != "rgb":
+            raise TypeError(f"render takes either out or {', '.join(frame) or 'format'}")
+        with self._lock, out._lock:
+            out._aim(cameras)
+            out._struct.measure = times * _c.MEASURE_TIMES + counts * _c.MEASURE_COUNTS
+            self._draw(out)
+        return out
+
+    def _draw(self, out: Frame) -> None:
+        """Both locks are held."""
+        pointer = self._pointer or self._open()
+        if out.device is None:
+            lib.renderer_render(pointer, out._address)
+            return
+        if not self.on_device:
+            raise ValueError(f"the frame lies on CUDA device {out.device}, expected the host for '{self.name}'")
+        self._check_device()
+        if out.device != self._device:
+            raise ValueError(f"the frame lies on CUDA device {out.device}, expected {self._device}, the renderer's")
+        streams = [_arrays.stream_of(array, out.device) for array in out._sources]
+        for stream in streams:
+            if stream is not None and stream != self._stream:
+                lib.device_order(stream or None, self._stream or None)
+        lib.renderer_render_into(pointer, out._address)
+        for array, stream in zip(out._sources, streams):
+            if isinstance(array, _arrays.DeviceArray):
+                array.stream = self._stream
+            else:
+                self._hand_on(stream)
+
+    def _check_device(self) -> None:
+        if not self.on_device:
+            return
+        if _arrays.current_device() != self._device:
+            raise ValueError(f"CUDA device {_arrays.current_device()} is current, expected {self._device}, the "
+                             "renderer's")
+
+    def wait(self) -> None:
+        """Returns when all frames so far are finished."""
+        with self._lock:
+            lib.renderer_wait(self._open())
+
+    @property
+    def times(self) -> Times:
+        """Of the last frame."""
+        with self._lock:
+            struct = _c.Times()
+            lib.renderer_times(self._open(), ctypes.byref(struct))
+            return _members(struct, Times)
+
+    @property
+    def statistics(self) -> Statistics:
+        """Of the last frame."""
+        with self._lock:
+            struct = _c.Statistics()
+            lib.renderer_statistics(self._open(), ctypes.byref(struct))
+            return _members(struct, Statistics)
+
+    @property
+    def memory(self) -> Memory:
+        """What the renderer keeps, the scene excluded."""
+        with self._lock:
+            struct = _c.Memory()
+            lib.renderer_memory(self._open(), ctypes.byref(struct))
+            return _members(struct, Memory)
+
+    def trim(self) -> None:
+        """Waits, and gives back all memory that the renderer keeps, the scene excluded."""
+        with self._lock:
+            lib.renderer_trim(self._open())
+
+    def _open(self) -> int:
+        if self._handle is None:
+            raise ValueError("the renderer is closed")
+        return self._pointer
+
+    def close(self) -> None:
+        """Gives up the renderer and its scene."""
+        with self._lock:
+            self._handle = self._pointer = None
+
+    def __enter__(self) -> "Renderer":
+        self._open()
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        state = "closed" if self._handle is None else f"on {self.device_name}, {self._scene}"
+        return f"<swiftgs.Renderer {self.name} {state}>"

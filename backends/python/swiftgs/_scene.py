@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes: from files, from arrays, to files."""
+import ctypes
+import os
+import signal
+import threading
+import warnings
+from typing import Any, Callable, List, Optional, Tuple, Union
+
+import numpy as np
+
+from . import _c
+from ._c import Handle, OwnedFloats, lib
+from ._gaussians import gaussians_of
+
+Path = Union[str, "os.PathLike[str]"]
+Progress = Callable[[float], Optional[bool]]
+
+
+class _Callbacks:
+    """Progress and notes of one call. What Python raises within comes out of `run`, Ctrl-C among it."""
+
+    def __init__(self, progress: Optional[Progress]) -> None:
+        self.notes: List[str] = []
+        self._raised: Optional[BaseException] = None
+        self._signals: List[Any] = []
+
+        def on_progress(_context: Any, part: float) -> int:
+            try:
+                cancelled = progress is not None and progress(part) is False
+                return int(cancelled or bool(self._signals))
+            except BaseException as raised:  # pylint: disable=broad-except
+                self._raised = raised
+                return 1
+
+        self.progress = _c.PROGRESS(on_progress)
+        self.note = _c.NOTE(lambda _context, sentence: self.notes.append(sentence.decode(errors="replace")))
+
+    def run(self, function: Any, *arguments: Any) -> Any:
+        """The handler of SIGINT must not raise within a callback, which nothing could leave: it runs afterwards."""
+        handler: Any = signal.getsignal(signal.SIGINT)
+        deferred = callable(handler) and threading.current_thread() is threading.main_thread()
+        if deferred:
+            signal.signal(signal.SIGINT, lambda *received: self._signals.append(received))
+        try:
+            return function(*arguments)
+        except Exception:
+            if self._raised is not None:
+                raise self._raised from None
+            raise
+        finally:
+            if deferred:
+                signal.signal(signal.SIGINT, handler)
+                for received in self._signals:
+                    handler(*received)
+
+
+def _axes(spz_axes: str) -> int:
+    if spz_axes not in _c.SPZ_AXES:
+        raise ValueError(f"spz_axes is '{spz_axes}', expected one of {', '.join(_c.SPZ_AXES)}")
+    return _c.SPZ_AXES.index(spz_axes)
+
+
+class Scene:
+    """Gaussians in the host's memory. They never change, and any number of threads may read them.
+
+    `swiftgs.load` reads one from a file, `Scene.from_arrays` makes one of arrays, `Scene.builtin` needs neither.
+    Renderers and arrays that were given a scene's memory keep it, so that it may be closed or forgotten at any time.
+    """
+
+    def __init__(self, handle: Handle, notes: Tuple[str, ...] = ()) -> None:
+        """Use `load`, `from_arrays`, `from_bytes` or `builtin`."""
+        self._handle: Optional[Handle] = handle
+        self.notes = notes  #: a sentence for each thing that the file has and the scene has not
+        self._info = _c.SceneInfo()
+        lib.scene_get_info(handle.pointer, ctypes.byref(self._info))
+        self._format = (self._info.format or b"").decode()
+
+    @classmethod
+    def builtin(cls, count: int = 200_000) -> "Scene":
+        """A scene that needs no file: the same picture at any count."""
+        return cls(Handle(lib.scene_free, lib.scene_builtin, count))
+
+    @classmethod
+    def from_arrays(cls, means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any = None, sh_rest: Any = None,
+                    *, colours: Any = None, log_scales: bool = False, logit_opacities: bool = False,
+                    any_rotations: bool = True, antialiased: bool = False) -> "Scene":
+        """Copies arrays of float32 of any library, with gaps or without, on the host or on a CUDA device.
+
+        means [N, 3]; scales [N, 3], standard deviations; rotations [N, 4], quaternions w, x, y, z, normalised unless
+        `any_rotations` is False; opacities [N]; and either harmonics, `sh0` [N, 3] and `sh_rest` [N, 3 or 8 or 15, 3],
+        or `colours` [N, 3]. `log_scales` and `logit_opacities` are for numbers as training stores them.
+        """
+        if (sh0 is None) == (colours is None):
+            raise TypeError("from_arrays takes either sh0 or colours")
+        struct, memory = gaussians_of(means, scales, rotations, opacities, sh0, sh_rest, colours=colours,
+                                      log_scales=log_scales, logit_opacities=logit_opacities,
+                                      any_rotations=any_rotations, antialiased=antialiased)
+        handle = Handle(lib.scene_free, lib.scene_from_arrays, ctypes.byref(struct))
+        del memory  # copied
+        return cls(handle)
+
+    @classmethod
+    def from_bytes(cls, data: Any, name: str, *, spz_axes: str = "specified",
+                   progress: Optional[Progress] = None) -> "Scene":
+        """Reads a file that is in memory; `name` stands for it in messages, and its ending names a `.splat`."""
+        view = np.frombuffer(data, np.uint8)
+        file = _c.FileBytes(data=view.ctypes.data, count=view.size, name=os.fsencode(name))
+        return cls._read(lib.scene_read_bytes, ctypes.byref(file), spz_axes, 0, progress)
+
+    @classmethod
+    def _read(cls, function, source, spz_axes, level, progress):
+        calls = _Callbacks(progress)
+        options = _c.ReadOptions(spz_axes=_axes(spz_axes), level=level, progress=calls.progress, note=calls.note)
+        handle = calls.run(Handle, lib.scene_free, function, source, ctypes.byref(options))
+        return cls(handle, tuple(calls.notes))
+
+    def save(self, path: Path, *, format: Optional[str] = None,  # pylint: disable=redefined-builtin
+             spz_version: int = 4, spz_axes: str = "specified", progress: Optional[Progress] = None) -> Tuple[str, ...]:
+        """Writes `.ply`, `.compressed.ply`, `.spz`, `.sog` or `.splat`, by the path's ending or by `format`.
+
+        The new file takes the place of an old one when it is whole. Returns a sentence for each thing that the format
+        does not carry. `progress` is called with the part that is done, and cancels by returning False.
+        """
+        calls = _Callbacks(progress)
+        ending = None if format is None else ("." + format.lstrip(".")).encode()
+        options = _c.WriteOptions(spz_version=spz_version, spz_axes=_axes(spz_axes), ending=ending,
+                                  progress=calls.progress, note=calls.note)
+        calls.run(lib.scene_write, self._open(), os.fsencode(path), ctypes.byref(options))
+        return tuple(calls.notes)
+
+    def _open(self) -> int:
+        if self._handle is None:
+            raise ValueError("the scene is closed")
+        return self._handle.pointer
+
+    def _array(self, name: str, *shape: int) -> np.ndarray:
+        struct = _c.Gaussians()
+        lib.scene_get_arrays(self._open(), ctypes.byref(struct))
+        address = getattr(struct, name).data
+        if not address:
+            return np.zeros((len(self), *shape), np.float32)
+        return np.asarray(OwnedFloats(self._handle, address, (len(self), *shape)))
+
+    @property
+    def means(self) -> np.ndarray:
+        """[N, 3] in the world. This and the arrays below are the scene's own memory: read them only."""
+        return self._array("means", 3)
+
+    @property
+    def scales(self) -> np.ndarray:
+        """[N, 3] standard deviations along the local axes."""
+        return self._array("scales", 3)
+
+    @property
+    def rotations(self) -> np.ndarray:
+        """[N, 4] unit quaternions w, x, y, z from local axes to the world."""
+        return self._array("rotations", 4)
+
+    @property
+    def opacities(self) -> np.ndarray:
+        """[N], 0 to 1."""
+        return self._array("opacities")
+
+    @property
+    def sh0(self) -> np.ndarray:
+        """[N, 3] harmonics of band 0, RGB."""
+        return self._array("sh0", 3)
+
+    @property
+    def sh_rest(self) -> np.ndarray:
+        """[N, (sh_degree + 1)^2 - 1, 3] harmonics of bands 1 and up."""
+        return self._array("sh_rest", (self.sh_degree + 1) ** 2 - 1, 3)
+
+    @property
+    def sh(self) -> np.ndarray:
+        """[N, (sh_degree + 1)^2, 3], all bands in one array of its own, as `rasterization` takes them."""
+        return np.concatenate([self.sh0[:, None], self.sh_rest], axis=1)
+
+    @property
+    def sh_degree(self) -> int:
+        return self._info.sh_degree
+
+    @property
+    def antialiased(self) -> bool:
+        """Whether the scene was trained with Mip-Splatting's opacity compensation."""
+        return bool(self._info.antialiased)
+
+    @property
+    def bounds(self) -> Tuple[np.ndarray, np.ndarray]:
+        """Least and greatest coordinates of all means."""
+        return np.array(self._info.lower), np.array(self._info.upper)
+
+    @property
+    def format(self) -> str:
+        """Such as "SPZ version 4"; empty if the scene is not from a file."""
+        return self._format
+
+    @property
+    def stored(self) -> int:
+        """Gaussians in the file."""
+        return self._info.stored
+
+    @property
+    def dropped(self) -> int:
+        """Those of them with a NaN or an infinity, which were left out."""
+        return self._info.dropped
+
+    def __len__(self) -> int:
+        return self._info.count
+
+    def close(self) -> None:
+        """Gives up the memory, as soon as no renderer and no array uses it."""
+        self._handle = None
+
+    def __enter__(self) -> "Scene":
+        self._open()
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        source = f" from {self._format}" if self._format else ""
+        state = ", closed" if self._handle is None else ""
+        return f"<swiftgs.Scene of {len(self):,} Gaussians, SH degree {self.sh_degree}{source}{state}>"
+
+
+def load(path: Path, *, spz_axes: str = "specified", level: int = 0, progress: Optional[Progress] = None) -> Scene:
+    """Reads a scene of any format that the library knows; `path` may also be the folder of a capture.
+
+    `spz_axes` are the world's axes in an SPZ file, `level` is the detail in a streamed SOG. `progress` is called with
+    the part that is done, and cancels by returning False. FormatError, FileError or Cancelled; Ctrl-C stops it, too.
+    What the scene does not take from the file is in `notes`; Gaussians that cannot be drawn are a warning.
+    """
+    scene = Scene._read(lib.scene_read, os.fsencode(path), spz_axes, level, progress)
+    if scene.dropped:
+        warnings.warn(f"{os.fspath(path)}: {scene.dropped:,} of {scene.stored:,} Gaussians have a NaN or an infinity "
+                      "and were left out", stacklevel=2)
+    return scene

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A plain renderer in float64 with the conventions of gsplat: what float renderers of these conventions approximate.
+
+It is written from docs/conventions.md, apart from the library's own reference, and slow.
+"""
+import numpy as np
+
+NEAR, BLUR, ALPHA_MIN, ALPHA_MAX, STOP, MARGIN, TILE = 0.01, 0.3, 1 / 255, 0.99, 1e-4, 0.3, 16
+
+
+def basis(d):
+    """[N, 16] real harmonics of unit directions."""
+    x, y, z = d.T
+    xx, yy, zz = x * x, y * y, z * z
+    return np.stack([
+        np.full_like(x, 0.28209479177387814), -0.4886025119029199 * y, 0.4886025119029199 * z,
+        -0.4886025119029199 * x, 1.0925484305920792 * x * y, -1.0925484305920792 * y * z,
+        0.31539156525252005 * (2 * zz - xx - yy), -1.0925484305920792 * x * z, 0.5462742152960396 * (xx - yy),
+        -0.5900435899266435 * y * (3 * xx - yy), 2.890611442640554 * x * y * z,
+        -0.4570457994644658 * y * (4 * zz - xx - yy), 0.3731763325901154 * z * (2 * zz - 3 * xx - 3 * yy),
+        -0.4570457994644658 * x * (4 * zz - xx - yy), 1.445305721320277 * z * (xx - yy),
+        -0.5900435899266435 * x * (xx - 3 * yy)], axis=-1)
+
+
+def render(means, quats, scales, opacities, sh, viewmat, K, width, height):
+    """[height, width, 3] in float64, on black."""
+    means, quats, scales, opacities, sh, viewmat, K = (
+        np.asarray(a, np.float64) for a in (means, quats, scales, opacities, sh, viewmat, K))
+    turn, move = viewmat[:3, :3], viewmat[:3, 3]
+    at = means @ turn.T + move
+    seen = (at[:, 2] >= NEAR) & (opacities >= ALPHA_MIN)
+    means, quats, scales, opacities, sh, at = (a[seen] for a in (means, quats, scales, opacities, sh, at))
+
+    # Covariances in the image: J W R S S R' W' J', with x/z and y/z cut where they lie far beside the image.
+    w, x, y, z = (quats / np.linalg.norm(quats, axis=1, keepdims=True)).T
+    rotation = np.stack([
+        1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), 2 * (x * y + w * z),
+        1 - 2 * (x * x + z * z), 2 * (y * z - w * x), 2 * (x * z - w * y), 2 * (y * z + w * x),
+        1 - 2 * (x * x + y * y)], axis=-1).reshape(-1, 3, 3)
+    fx, fy, cx, cy = K[0, 0], K[1, 1], K[0, 2], K[1, 2]
+    depth = at[:, 2]
+    cut = []
+    for axis, focal, centre, side in ((0, fx, cx, width), (1, fy, cy, height)):
+        beyond = MARGIN * 0.5 * side / focal
+        cut.append(np.clip(at[:, axis] / depth, -centre / focal - beyond, (side - centre) / focal + beyond))
+    zero = np.zeros_like(depth)
+    jacobian = np.stack([fx / depth, zero, -fx * cut[0] / depth, zero, fy / depth, -fy * cut[1] / depth],
+                        axis=-1).reshape(-1, 2, 3)
+    half = jacobian @ turn @ (rotation * scales[:, None, :])
+    a, b, c = (half[:, 0] ** 2).sum(1) + BLUR, (half[:, 0] * half[:, 1]).sum(1), (half[:, 1] ** 2).sum(1) + BLUR
+    determinant = a * c - b * b
+    centre = np.stack([fx * at[:, 0] / depth + cx, fy * at[:, 1] / depth + cy], axis=-1)
+
+    direction = means + turn.T @ move
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    colour = np.maximum((basis(direction)[:, :sh.shape[1], None] * sh).sum(axis=1) + 0.5, 0)
+    order = np.argsort(depth.astype(np.float32), kind="stable")
+    reach = np.sqrt(2 * np.log(opacities / ALPHA_MIN))
+    extent = np.stack([reach * np.sqrt(a), reach * np.sqrt(c)], axis=-1)
+
+    image = np.zeros((height, width, 3))
+    for top in range(0, height, TILE):
+        row = order[(centre[order, 1] + extent[order, 1] >= top) & (centre[order, 1] - extent[order, 1] <= top + TILE)]
+        for left in range(0, width, TILE):
+            here = row[(centre[row, 0] + extent[row, 0] >= left) & (centre[row, 0] - extent[row, 0] <= left + TILE)]
+            ys, xs = np.mgrid[top:min(top + TILE, height), left:min(left + TILE, width)] + 0.5
+            dx, dy = xs.reshape(-1, 1) - centre[here, 0], ys.reshape(-1, 1) - centre[here, 1]
+            sigma = (c[here] * dx * dx + a[here] * dy * dy - 2 * b[here] * dx * dy) / (2 * determinant[here])
+            alpha = np.minimum(ALPHA_MAX, opacities[here] * np.exp(-sigma))
+            alpha[alpha < ALPHA_MIN] = 0
+            left_over = np.cumprod(1 - alpha, axis=1)
+            before = np.concatenate([np.ones((len(left_over), 1)), left_over[:, :-1]], axis=1)
+            drawn = np.where(left_over > STOP, alpha * before, 0)  # left_over falls, so that nothing comes behind
+            image[top:top + TILE, left:left + TILE] = (drawn @ colour[here]).reshape(*xs.shape, 3)
+    return image

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cameras and conventions."""
+import copy
+import dataclasses
+import json
+import pickle
+import re
+
+import numpy as np
+import pytest
+
+import swiftgs
+
+
+def test_a_camera_has_what_it_was_made_of():
+    camera = swiftgs.Camera(64, 48, 50, cy=20, translation=(1, 2, 3), name="a.png")
+    assert (camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy) == (64, 48, 50, 50, 32, 20)
+    assert np.array_equal(camera.rotation, np.eye(3)) and np.array_equal(camera.position, [-1, -2, -3])
+    assert np.array_equal(camera.viewmat[:3, 3], [1, 2, 3])
+    assert repr(camera) == "<swiftgs.Camera 'a.png' 64x48, f 50, at (-1, -2, -3)>"
+    same = swiftgs.Camera.from_matrices(camera.viewmat, camera.K, 64, 48, name="a.png")
+    assert same == camera and hash(same) == hash(camera) and same != swiftgs.Camera(64, 48, 51)
+    for copied in (copy.copy(camera), copy.deepcopy(camera), pickle.loads(pickle.dumps(camera))):
+        assert copied == camera and copied.name == "a.png"
+
+
+def test_numbers_may_be_those_of_numpy():
+    camera = swiftgs.Camera(np.int64(64), np.uint16(48), np.float32(50), translation=np.arange(3, dtype=np.float32))
+    assert (camera.width, camera.height, camera.fx) == (64, 48, 50) and np.array_equal(camera.translation, [0, 1, 2])
+
+
+def test_a_camera_looks_where_it_is_told():
+    camera = swiftgs.Camera.look_at((0, 0, -2), (0, 0, 0), width=100, height=50, vertical_fov=np.pi / 2)
+    assert camera.fy == pytest.approx(25) and np.allclose(camera.position, [0, 0, -2])
+    assert np.allclose(camera.rotation @ [0, 0, 1], [0, 0, 1])
+    half = camera.scaled(0.5)
+    assert (half.width, half.height) == (50, 25) and half.fx == pytest.approx(camera.fx / 2)
+
+
+@pytest.mark.parametrize("make, text", [
+    (lambda: swiftgs.Camera(0, 4, 1), "expected a width and a height above 0"),
+    (lambda: swiftgs.Camera(4, 1 << 17, 1), "65536 pixels"),
+    (lambda: swiftgs.Camera(4, 4, np.nan), "focal length"),
+    (lambda: swiftgs.Camera(4, 4, 1, rotation=2 * np.eye(3)), "rotation"),
+    (lambda: swiftgs.Camera(4, 4, 1, rotation=np.eye(2)), "rotation has shape (2, 2)"),
+    (lambda: swiftgs.Camera(4, 4, 1, translation=(0, 0)), "translation (2,)"),
+    (lambda: swiftgs.Camera.from_matrices(np.eye(3), np.eye(3), 4, 4), "viewmat has shape (3, 3)"),
+    (lambda: swiftgs.Camera.look_at((0, 0, 0), (0, 0, 1), width=4, height=4, vertical_fov=4), "vertical_fov is 4"),
+    (lambda: swiftgs.Camera(4, 4, 1).scaled(0), "a finite scale above 0"),
+    (lambda: swiftgs.load_cameras("/"), "/")])
+def test_what_is_no_camera_is_refused(make, text):
+    with pytest.raises(ValueError, match=re.escape(text)):
+        make()
+
+
+def test_cameras_of_a_file(tmp_path):
+    entry = {"id": 0, "img_name": "a.jpg", "width": 40, "height": 30, "position": [0, 0, 1],
+             "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "fx": 20, "fy": 21}
+    (tmp_path / "cameras.json").write_text(json.dumps([entry, dict(entry, id=1, img_name="b.jpg")]))
+    cameras = swiftgs.load_cameras(tmp_path / "cameras.json")
+    assert [camera.name for camera in cameras] == ["a.jpg", "b.jpg"]
+    assert cameras[0].fy == 21 and np.array_equal(cameras[1].position, [0, 0, 1])
+    with pytest.raises(swiftgs.FileError, match="none.json"):
+        swiftgs.load_cameras(tmp_path / "none.json")
+
+
+def test_conventions_are_those_of_the_library():
+    # The struct holds floats; the defaults of the class are the decimals.
+    presets = swiftgs.Conventions.named("gsplat"), swiftgs.Conventions()
+    for field in dataclasses.fields(swiftgs.Conventions):
+        found, default = (getattr(preset, field.name) for preset in presets)
+        assert found == (pytest.approx(default, rel=1e-7) if isinstance(default, float) else default), field.name
+    inria = swiftgs.Conventions.named("inria")
+    assert inria.near_plane == pytest.approx(0.2) and inria.clamp == "around-centre" and inria.cull_at_near
+    with pytest.raises(swiftgs.InvalidArgument, match="nobody"):
+        swiftgs.Conventions.named("nobody")
+    frame = swiftgs.Frame.empty(4, 4, conventions=dataclasses.replace(inria, blur=0.5))
+    assert frame._conventions.blur == 0.5 and frame._conventions.clamp == 1
+    for bad, kind in ((3, TypeError), (dataclasses.replace(inria, clamp="no"), ValueError)):
+        with pytest.raises(kind):
+            swiftgs.Frame.empty(4, 4, conventions=bad)

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A device without a library of arrays."""
+import gc
+import threading
+
+import numpy as np
+import pytest
+
+import swiftgs
+from conftest import HEIGHT, WIDTH, decibels, need_device
+
+pytestmark = pytest.mark.usefixtures("device")
+device = pytest.fixture(need_device)
+
+
+@pytest.fixture
+def on_device(scene):
+    return swiftgs.Renderer("cuda", scene=scene)
+
+
+def test_frames_come_to_the_host(on_device, camera, expected):
+    frame = on_device.render([camera, camera], alpha=True, depth=True, times=True)
+    assert decibels(frame.colour[0], expected.colour) > 90 and np.array_equal(frame.colour[0], frame.colour[1])
+    assert decibels(frame.alpha[0], expected.alpha) > 90 and on_device.times.total > 0
+    assert "CUDA" not in repr(frame) and on_device.on_device and on_device.memory.device_total > 0
+
+
+def test_frames_stay_on_the_device(on_device, camera):
+    wanted = on_device.render(camera, depth=True)
+    colour, depth = swiftgs.DeviceArray((HEIGHT, WIDTH, 3)), swiftgs.DeviceArray((HEIGHT, WIDTH))
+    frame = on_device.render(camera, out=swiftgs.Frame(colour, depth=depth))
+    assert frame.colour is colour and "CUDA device" in repr(frame) and "CUDA device" in repr(colour)
+    assert np.array_equal(colour.numpy(), wanted.colour) and np.array_equal(np.asarray(depth), wanted.depth)
+    with pytest.raises(ValueError, match="expected the host for 'cpu/"):
+        swiftgs.Renderer("cpu").render(camera, out=frame)
+    with pytest.raises(ValueError, match="expected a frame on the host"):
+        frame.save("frame.png")
+    with pytest.raises(swiftgs.CapacityError, match="device memory"):
+        swiftgs.DeviceArray((1 << 20, 1 << 20))
+
+
+def test_arrays_of_the_host_are_drawn_on_the_device(on_device, camera, arrays):
+    wanted = on_device.render(camera).colour
+    other = swiftgs.Renderer("cuda")
+    other.set_gaussians(**arrays, any_rotations=False)
+    assert np.array_equal(other.render(camera).colour, wanted)
+    other.share_scene(on_device)
+    del on_device
+    gc.collect()
+    assert np.array_equal(other.render(camera).colour, wanted)
+
+
+def test_threads_have_renderers_of_their_own(scene, camera):
+    wanted = swiftgs.Renderer("cuda", scene=scene).render(camera).colour
+    images = []
+
+    def work():
+        own = swiftgs.Renderer("cuda", scene=scene)
+        images.extend(own.render(camera).colour for _ in range(20))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(images) == 80 and all(np.array_equal(image, wanted) for image in images)
+
+
+def test_ten_thousand_frames_and_many_renderers_keep_to_their_memory(scene, camera):
+    renderer = swiftgs.Renderer("cuda", scene=scene)
+    out = swiftgs.Frame(swiftgs.DeviceArray((HEIGHT, WIDTH, 3)))
+    renderer.render(camera, out=out)
+    for _ in range(5):
+        swiftgs.Renderer("cuda", scene=scene).render(camera)
+    gc.collect()
+    before = renderer.memory.device_in_use
+    for _ in range(10_000):
+        renderer.render(camera, out=out)
+    for _ in range(50):
+        swiftgs.Renderer("cuda", scene=scene).render(camera)
+        swiftgs.DeviceArray((1000, 1000))
+    gc.collect()
+    assert renderer.memory.device_in_use - before < 4 << 20

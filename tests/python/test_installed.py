@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The package where it was installed, with its own library."""
+import os
+import pathlib
+
+import pytest
+
+import swiftgs
+
+PREFIX = os.environ.get("SWIFTGS_PREFIX")
+if not PREFIX:
+    pytest.skip("SWIFTGS_PREFIX names no installation", allow_module_level=True)
+
+
+def test_the_package_is_the_installed_one_with_its_own_library():
+    assert "SWIFTGS_LIBRARY" not in os.environ
+    package = pathlib.Path(swiftgs.__file__).parent
+    assert pathlib.Path(PREFIX).resolve() in package.resolve().parents
+    names = {path.name for path in package.iterdir()} - {"__pycache__"}
+    assert {"__init__.py", "py.typed", "LICENSE", "libswiftgs_c.so.1"} <= names
+    sources = {path.name for path in (pathlib.Path(__file__).parents[2] / "backends/python/swiftgs").glob("*.py")}
+    assert {name for name in names if name.endswith(".py")} == sources
+    maps = pathlib.Path("/proc/self/maps").read_text()
+    assert str((package / "libswiftgs_c.so.1").resolve()) in maps
+
+
+def test_it_draws(camera, renderer, expected):
+    assert (renderer.render(camera).colour == expected.colour).all()

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rasterization` on the host, with gsplat's arguments."""
+import inspect
+import pathlib
+import re
+
+import numpy as np
+import pytest
+
+import float64
+import swiftgs
+from conftest import HEIGHT, WIDTH, Lent, decibels
+
+PAGE = (pathlib.Path(__file__).parents[2] / "docs/python.md").read_text()
+
+
+def same_rotations(scene):
+    """A renderer whose quaternions were normalised once more, as those of `rasterization` are."""
+    renderer = swiftgs.Renderer("cpu")
+    renderer.set_gaussians(scene.means, scene.scales, scene.rotations, scene.opacities, scene.sh0, scene.sh_rest)
+    return renderer
+
+
+def test_one_camera(scene, camera, expected, gsplat_arguments):
+    colours, alphas, meta = swiftgs.rasterization(**gsplat_arguments)
+    assert colours.shape == (1, HEIGHT, WIDTH, 3) and alphas.shape == (1, HEIGHT, WIDTH, 1)
+    assert colours.dtype == alphas.dtype == np.float32
+    frame = same_rotations(scene).render(camera, alpha=True)
+    # The camera's matrices are float32 here.
+    assert decibels(colours[0], frame.colour) > 90 and decibels(alphas[0, ..., 0], frame.alpha) > 90
+    assert decibels(colours[0], expected.colour) > 90
+    assert (meta["width"], meta["height"], meta["n_cameras"]) == (WIDTH, HEIGHT, 1)
+    with pytest.raises(KeyError, match="meta has no 'means2d', expected one of width, height"):
+        meta["means2d"]
+
+
+def test_matrices_in_double_give_the_bits_of_a_frame(scene, camera, gsplat_arguments):
+    gsplat_arguments.update(viewmats=camera.viewmat[None], Ks=camera.K[None])
+    colours, alphas, _ = swiftgs.rasterization(**gsplat_arguments)
+    frame = same_rotations(scene).render(camera, alpha=True)
+    assert np.array_equal(colours[0], frame.colour) and np.array_equal(alphas[0, ..., 0], frame.alpha)
+
+
+def test_images_are_those_of_a_plain_renderer_in_float64():
+    scene, camera = swiftgs.Scene.builtin(5000), swiftgs.Camera.builtin(160, 90)
+    wanted = float64.render(scene.means, scene.rotations, scene.scales, scene.opacities, scene.sh, camera.viewmat,
+                            camera.K, 160, 90)
+    colours, _, _ = swiftgs.rasterization(scene.means, scene.rotations, scene.scales, scene.opacities, scene.sh,
+                                          camera.viewmat[None], camera.K[None], 160, 90, sh_degree=3)
+    assert decibels(colours[0], wanted) > 110
+
+
+def test_batches_of_cameras_with_backgrounds(gsplat_arguments, camera):
+    other = swiftgs.Camera.look_at((1, -2, -4), (0, 0, 0), width=WIDTH, height=HEIGHT, vertical_fov=0.9)
+    backgrounds = np.array([[1, 0, 0], [0, 0, 1], [0, 1, 0]], np.float32)
+    gsplat_arguments.update(viewmats=np.stack([camera.viewmat, other.viewmat, camera.viewmat]),
+                            Ks=np.stack([camera.K, other.K, camera.K]))
+    colours, alphas, meta = swiftgs.rasterization(**gsplat_arguments, backgrounds=backgrounds)
+    assert colours.shape == (3, HEIGHT, WIDTH, 3) and meta["n_cameras"] == 3
+    plain, _, _ = swiftgs.rasterization(**gsplat_arguments)
+    assert np.allclose(colours, plain + (1 - alphas) * backgrounds[:, None, None], atol=1e-6)
+    assert np.array_equal(plain[0], plain[2]) and not np.array_equal(plain[0], plain[1])
+    gsplat_arguments.update(viewmats=other.viewmat[None], Ks=other.K[None])
+    assert np.array_equal(swiftgs.rasterization(**gsplat_arguments)[0][0], plain[1])
+
+
+def test_depths(gsplat_arguments, expected):
+    modes = {mode: swiftgs.rasterization(**gsplat_arguments, render_mode=mode)[0]
+             for mode in ("RGB", "D", "ED", "RGB+D", "RGB+ED")}
+    alphas = swiftgs.rasterization(**gsplat_arguments)[1]
+    assert {mode: image.shape[-1] for mode, image in modes.items()} == {
+        "RGB": 3, "D": 1, "ED": 1, "RGB+D": 4, "RGB+ED": 4}
+    assert np.array_equal(modes["RGB+ED"][..., :3], modes["RGB"])
+    assert np.array_equal(modes["RGB+ED"][..., 3:], modes["ED"])
+    assert np.array_equal(modes["RGB+D"][..., 3:], modes["D"]) and np.array_equal(modes["D"], modes["ED"] * alphas)
+    assert np.allclose(modes["ED"][0, ..., 0], expected.depth, rtol=1e-3, atol=1e-3)
+    without = dict(gsplat_arguments, colors=None, sh_degree=None)
+    assert np.array_equal(swiftgs.rasterization(**without, render_mode="ED")[0], modes["ED"])
+
+
+def test_colours_without_harmonics(gsplat_arguments, scene):
+    colours = np.clip(scene.sh0 * 0.28209479 + 0.5, 0, 1).astype(np.float32)
+    image, _, _ = swiftgs.rasterization(**dict(gsplat_arguments, colors=colours, sh_degree=None))
+    first, _, _ = swiftgs.rasterization(**dict(gsplat_arguments, colors=scene.sh, sh_degree=0))
+    clipped = swiftgs.rasterization(**dict(gsplat_arguments, colors=((colours - 0.5) / np.float32(0.28209479))[:, None],
+                                           sh_degree=0))[0]
+    assert decibels(image, clipped) > 110 and decibels(image, first) > 20
+
+
+def test_lower_degrees_leave_bands_out(gsplat_arguments, scene):
+    for degree in (0, 1, 2):
+        coefficients = (degree + 1) ** 2
+        cut = np.ascontiguousarray(scene.sh[:, :coefficients])
+        wanted = swiftgs.rasterization(**dict(gsplat_arguments, colors=cut, sh_degree=degree))[0]
+        assert np.array_equal(swiftgs.rasterization(**dict(gsplat_arguments, sh_degree=degree))[0], wanted)
+
+
+def test_quaternions_need_no_length_and_conventions_are_arguments(gsplat_arguments):
+    plain = swiftgs.rasterization(**gsplat_arguments)[0]
+    longer = dict(gsplat_arguments, quats=gsplat_arguments["quats"] * 5)
+    assert decibels(swiftgs.rasterization(**longer)[0], plain) > 90
+    for change in ({"near_plane": 5.0}, {"far_plane": 5.0}, {"eps2d": 1.0}, {"rasterize_mode": "antialiased"}):
+        assert decibels(swiftgs.rasterization(**gsplat_arguments, **change)[0], plain) < 60, change
+    for change in ({"packed": False}, {"tile_size": 8}, {"channel_chunk": 2}, {"segmented": True},
+                   {"rolling_shutter": "RollingShutterType.GLOBAL"}):
+        assert np.array_equal(swiftgs.rasterization(**gsplat_arguments, **change)[0], plain), change
+
+
+def test_other_orders_and_libraries_of_arrays(gsplat_arguments):
+    plain = swiftgs.rasterization(**gsplat_arguments)[0]
+    names = ("means", "quats", "scales", "opacities", "colors")
+    for change in (np.asfortranarray, lambda a: np.repeat(a, 2, axis=0)[::2], lambda a: Lent(a.copy())):
+        given = dict(gsplat_arguments, **{name: change(gsplat_arguments[name]) for name in names})
+        assert np.array_equal(swiftgs.rasterization(**given)[0], plain)
+    given = dict(gsplat_arguments, viewmats=gsplat_arguments["viewmats"].tolist(),
+                 Ks=Lent(gsplat_arguments["Ks"].copy()))
+    assert np.array_equal(swiftgs.rasterization(**given)[0], plain)
+
+
+def test_no_gaussians_leave_the_background(gsplat_arguments):
+    names = ("means", "quats", "scales", "opacities", "colors")
+    none = dict(gsplat_arguments, **{name: gsplat_arguments[name][:0] for name in names})
+    colours, alphas, _ = swiftgs.rasterization(**none, backgrounds=np.array([[0.25, 0.5, 1]]))
+    assert np.all(colours == np.array([0.25, 0.5, 1], np.float32)) and not alphas.any()
+
+
+def test_a_renderer_of_the_callers(gsplat_arguments):
+    plain = swiftgs.rasterization(**gsplat_arguments)[0]
+    renderer = swiftgs.Renderer("serial/standard/per-pixel/ellipse")
+    images, _, meta = swiftgs.rasterization(**gsplat_arguments, renderer=renderer)
+    assert meta["renderer"] == renderer.name and decibels(images, plain) > 80
+    assert renderer.statistics.gaussians == 2000
+
+
+REFUSED = {
+    "radius_clip": 1.0, "sparse_grad": True, "absgrad": True, "distributed": True, "camera_model": "fisheye",
+    "covars": np.zeros((2000, 3, 3), np.float32), "with_ut": True, "with_eval3d": True, "return_normals": True,
+    "global_z_order": False, "rays": np.zeros(1), "radial_coeffs": np.zeros((1, 6)),
+    "tangential_coeffs": np.zeros((1, 2)), "thin_prism_coeffs": np.zeros((1, 4)), "ftheta_coeffs": object(),
+    "lidar_coeffs": object(), "external_distortion_coeffs": object(), "viewmats_rs": np.zeros((1, 4, 4)),
+    "ut_params": object(), "extra_signals": np.zeros((2000, 1)), "extra_signals_sh_degree": 3,
+    "renderer_config": object(), "rolling_shutter": "RollingShutterType.ROLLING_TOP_TO_BOTTOM", "render_mode": "d"}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_not_offered_is_refused_by_name(name, gsplat_arguments):
+    with pytest.raises(NotImplementedError, match=f"rasterization: {name} is .*, expected"):
+        swiftgs.rasterization(**gsplat_arguments, **{name: REFUSED[name]})
+
+
+@pytest.mark.parametrize("change, kind, text", [
+    ({"means": np.zeros((2, 2000, 3), np.float32)}, NotImplementedError, "batches of scenes are not offered"),
+    ({"colors": np.zeros((1, 2000, 3), np.float32), "sh_degree": None}, NotImplementedError, "colours of each camera"),
+    ({"colors": np.zeros((2000, 16), np.float32), "sh_degree": None}, NotImplementedError, "other numbers of channels"),
+    ({"sh_degree": 4}, NotImplementedError, "sh_degree is 4, expected 0 to 3"),
+    ({"colors": np.zeros((2000, 8, 3), np.float32)}, ValueError, "colors has 8 coefficients, expected 16 or more"),
+    ({"colors": np.zeros((2000, 3), np.float32)}, ValueError, "colors has the shape (2000, 3), expected (2000, N, 3)"),
+    ({"quats": np.zeros((2000, 3), np.float32)}, ValueError, "quats has the shape (2000, 3), expected (2000, 4)"),
+    ({"opacities": np.zeros((2000, 1), np.float32)}, ValueError, "opacities has the shape (2000, 1)"),
+    ({"means": np.zeros((2000, 3))}, TypeError, "means has numbers of type f8, expected float32 (f4)"),
+    ({"viewmats": np.eye(4)}, ValueError, "viewmats has the shape (4, 4), expected (C, 4, 4)"),
+    ({"viewmats": np.zeros((0, 4, 4))}, ValueError, "expected (C, 4, 4)"),
+    ({"viewmats": 2 * np.eye(4)[None]}, ValueError, "0, 0, 0, 1 in the last row"),
+    ({"viewmats": np.diag([2, 2, 2, 1])[None]}, ValueError, "rotation"),
+    ({"Ks": np.eye(3)}, ValueError, "Ks has the shape (3, 3), expected (1, 3, 3)"),
+    ({"Ks": np.array([[[9, 1, 0], [0, 9, 0], [0, 0, 1]]])}, NotImplementedError, "Ks has a skew"),
+    ({"backgrounds": np.zeros(3)}, ValueError, "backgrounds has the shape (3,), expected (1, 3)"),
+    ({"rasterize_mode": "fast"}, ValueError, "rasterize_mode is 'fast', expected 'classic' or 'antialiased'"),
+    ({"near_plane": float("nan")}, ValueError, "near"),
+    ({"means": "a"}, TypeError, "means is of type str")])
+def test_what_does_not_fit_is_named(change, kind, text, gsplat_arguments):
+    with pytest.raises(kind, match=re.escape(text)):
+        swiftgs.rasterization(**dict(gsplat_arguments, **change))
+
+
+def test_the_page_has_every_argument_in_its_table():
+    table = PAGE[PAGE.index("| argument "):]
+    table = table[:table.index("\n\n")]
+    named = set(re.findall(r"`(\w+)`", "".join(line.split("|")[1] for line in table.splitlines())))
+    arguments = set(inspect.signature(swiftgs.rasterization).parameters)
+    assert named == arguments
+    for name in REFUSED:
+        row = next(line for line in table.splitlines() if re.search(rf"`{name}`", line.split("|")[1]))
+        assert "refused" in row, name

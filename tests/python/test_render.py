@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Frames on the host."""
+import gc
+import math
+import os
+import re
+import subprocess
+import threading
+import weakref
+
+import numpy as np
+import pytest
+
+import swiftgs
+from conftest import HEIGHT, WIDTH, Lent, decibels
+
+
+def test_the_table_has_every_renderer_and_names_the_usual_one():
+    table = swiftgs.list_renderers()
+    assert len(table) > 50 and all(entry.name.count("/") == 3 for entry in table)
+    usable = {entry.name.split("/")[0] for entry in table if entry.usable}
+    best = swiftgs.Renderer().name
+    assert best.split("/")[0] == ("cuda" if "cuda" in usable else "cpu")
+    assert swiftgs.Renderer("serial").name == best.replace(best.split("/")[0], "serial")
+
+
+def test_a_renderer_tells_what_it_is(renderer):
+    assert re.fullmatch(r"<swiftgs.Renderer cpu/early/\S+ on .*, 2,000 Gaussians>", repr(renderer))
+    assert "thread" in renderer.device_name and not renderer.on_device
+    assert "2 threads" in swiftgs.Renderer("cpu", threads=2).device_name or os.cpu_count() < 2
+
+
+def test_images_are_those_of_the_command_line_tool(tmp_path):
+    tool = os.environ.get("SWIFTGS_TOOL")
+    assert tool, "SWIFTGS_TOOL names the tool"
+    renderer = swiftgs.Renderer("cpu", scene=swiftgs.Scene.builtin(3000))
+    subprocess.run([tool, "render", "builtin:3000", "--scale", "0.1", "--format", "pfm", "--out", tmp_path,
+                    "--renderer", renderer.name], check=True, stdout=subprocess.DEVNULL)
+    header, size, scale, pixels = next(tmp_path.glob("*.pfm")).read_bytes().split(b"\n", 3)
+    width, height = map(int, size.split())
+    assert header == b"PF" and float(scale) < 0
+    image = np.frombuffer(pixels, "<f4").reshape(height, width, 3)[::-1]
+    assert np.array_equal(renderer.render(swiftgs.Camera.builtin(width, height)).colour, image)
+
+
+def test_all_formats_show_the_same_image(renderer, camera, expected):
+    assert expected.colour.shape == (HEIGHT, WIDTH, 3) and expected.alpha.shape == (HEIGHT, WIDTH)
+    assert expected.colour.std() > 0.05 and expected.alpha.max() > 0.9 and expected.depth.max() > 1
+    rgba = renderer.render(camera, format="rgba").colour
+    assert np.array_equal(rgba[..., :3], expected.colour) and np.array_equal(rgba[..., 3], expected.alpha)
+    half = renderer.render(camera, format="rgba-half").colour
+    assert half.dtype == np.float16 and np.array_equal(half, rgba.astype(np.float16))
+    bytes_ = renderer.render(camera, format="rgba8").colour
+    assert bytes_.dtype == np.uint8 and np.array_equal(bytes_, np.floor(np.clip(rgba, 0, 1) * 255 + 0.5))
+    only = renderer.render(camera, colour=False, depth=True)
+    assert only.colour is None and only.alpha is None and np.array_equal(only.depth, expected.depth)
+
+
+def test_batches_have_the_bits_of_single_frames(renderer, camera, expected):
+    other = swiftgs.Camera.look_at((1, -2, -4), (0, 0, 0), width=WIDTH, height=HEIGHT, vertical_fov=0.9)
+    frame = renderer.render([camera, other, camera], alpha=True)
+    assert frame.colour.shape == (3, HEIGHT, WIDTH, 3) and frame.alpha.shape == (3, HEIGHT, WIDTH) and len(frame) == 3
+    assert np.array_equal(frame.colour[0], expected.colour) and np.array_equal(frame.colour[2], expected.colour)
+    assert np.array_equal(frame.colour[1], renderer.render(other).colour)
+    assert np.array_equal(renderer.render((camera,)).colour, expected.colour[None])
+    colours = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32)
+    frame = renderer.render([camera, camera, camera], background=colours)
+    for image, background in zip(frame.colour, colours):
+        assert np.array_equal(image, renderer.render(camera, background=background).colour)
+
+
+@pytest.mark.parametrize("place", [
+    lambda: np.zeros((HEIGHT, WIDTH, 3), np.float32)[::-1],
+    lambda: np.zeros((HEIGHT, WIDTH + 7, 3), np.float32)[:, 3:-4],
+    lambda: np.zeros((2 * HEIGHT, WIDTH, 3), np.float32)[1::2],
+    lambda: np.zeros((1, HEIGHT, WIDTH, 3), np.float32),
+    lambda: np.zeros((3, HEIGHT, WIDTH, 3), np.float32)[1:2]])
+def test_memory_with_gaps_and_rows_that_go_up(place, renderer, camera, expected):
+    colour = place()
+    out = swiftgs.Frame(colour)
+    assert renderer.render([camera] if out.batched else camera, out=out) is out
+    assert np.array_equal(colour.reshape(HEIGHT, WIDTH, 3), expected.colour) and out.colour is colour
+    base = colour.base if colour.base is not None else colour
+    assert np.count_nonzero(base) == np.count_nonzero(expected.colour)
+
+
+def test_batches_into_slices_of_larger_arrays(renderer, camera, expected):
+    large = np.zeros((5, HEIGHT, 2 * WIDTH, 4), np.uint8)
+    depth = np.zeros((2, HEIGHT, WIDTH, 1), np.float32)
+    renderer.render([camera, camera], out=swiftgs.Frame(large[1:5:2, :, WIDTH:], depth=depth))
+    assert large[1].any() and np.array_equal(large[1], large[3]) and not large[[0, 2, 4]].any()
+    assert not large[:, :, :WIDTH].any() and np.array_equal(depth[1, ..., 0], expected.depth)
+
+
+def test_frames_are_drawn_into_memory_lent_by_dlpack(renderer, camera, expected):
+    colour = np.zeros((HEIGHT, WIDTH, 3), np.float32)
+    renderer.render(camera, out=swiftgs.Frame(Lent(colour)))
+    assert np.array_equal(colour, expected.colour)
+
+
+def test_over_and_occluder_and_first_pixel(renderer, camera, expected):
+    colour = np.full((HEIGHT, WIDTH, 3), 0.25, np.float32)
+    renderer.render(camera, out=swiftgs.Frame(colour, over=True))
+    assert np.array_equal(colour, renderer.render(camera, background=(0.25, 0.25, 0.25)).colour)
+    hidden = renderer.render(camera, occluder=np.zeros((HEIGHT, WIDTH), np.float32), alpha=True)
+    assert not hidden.alpha.any()
+    band = swiftgs.Frame(np.zeros((16, 32, 3), np.float32), first_pixel=(16, 32))
+    assert np.array_equal(renderer.render(camera, out=band).colour, expected.colour[32:48, 16:48])
+
+
+def test_conventions_reach_the_frame(renderer, camera, expected):
+    inria = renderer.render(camera, conventions="inria").colour
+    assert not np.array_equal(inria, expected.colour)
+    named = swiftgs.Conventions.named("inria")
+    assert np.array_equal(renderer.render(camera, conventions=named).colour, inria)
+
+
+@pytest.mark.parametrize("make, kind, text", [
+    (swiftgs.Frame, ValueError, "a frame without planes"),
+    (lambda: swiftgs.Frame(np.zeros((4, 4, 2), np.float32)), ValueError, "colour has the shape (4, 4, 2) of type f4"),
+    (lambda: swiftgs.Frame(np.zeros((4, 4, 3))), ValueError, "of type f8, expected ([C,] H, W, 3) of f4"),
+    (lambda: swiftgs.Frame(np.zeros((4, 4, 3), np.float16)), ValueError, "([C,] H, W, 4) of f4, f2 or u1"),
+    (lambda: swiftgs.Frame(np.zeros((0, 4, 3), np.float32)), ValueError, "expected no side of 0"),
+    (lambda: swiftgs.Frame(np.zeros((4, 8, 3), np.float32)[:, ::2]), ValueError, "pixels of a row side by side"),
+    (lambda: swiftgs.Frame(np.zeros((4, 4, 6), np.float32)[..., ::2]), ValueError, "pixels of a row side by side"),
+    (lambda: swiftgs.Frame(np.zeros((3, 4, 4), np.float32).transpose(1, 2, 0)), ValueError, "side by side"),
+    (lambda: swiftgs.Frame(np.broadcast_to(np.float32(0), (4, 4, 3))), ValueError, "colour is read-only"),
+    (lambda: swiftgs.Frame(alpha=np.zeros((4, 4))), ValueError, "alpha has the shape (4, 4) of type f8"),
+    (lambda: swiftgs.Frame(np.zeros((4, 4, 3), np.float32), np.zeros((4, 5), np.float32)), ValueError,
+     "alpha has images of the shape (4, 5), expected (4, 4)"),
+    (lambda: swiftgs.Frame([[0, 0, 0]]), TypeError, "colour is of type list, expected an array"),
+    (lambda: swiftgs.Frame.empty(4, 4, format="bgr"), ValueError, "format is 'bgr', expected one of rgb, rgba"),
+    (lambda: swiftgs.Frame.empty(4, 4, background=(0, 0)), ValueError, "background has the shape (2,)"),
+    (lambda: swiftgs.Frame.empty(4, 4).save("a.png", 1), IndexError, "out of range")])
+def test_what_is_no_frame_is_refused(make, kind, text):
+    with pytest.raises(kind, match=re.escape(text)):
+        make()
+
+
+def test_what_cannot_be_drawn_is_refused(renderer, camera, scene):
+    frame = swiftgs.Frame.empty(WIDTH, HEIGHT, 2)
+    small = swiftgs.Camera.builtin(16, 16)
+    for call, kind, text in [
+            (lambda: renderer.render(camera, out=frame), ValueError, "one camera for a frame of 2 images"),
+            (lambda: renderer.render([camera], out=frame), ValueError, "1 cameras for a frame of 2 images"),
+            (lambda: renderer.render([camera, small]), ValueError, "camera 1 has 16x16 pixels, expected 80x48"),
+            (lambda: renderer.render([]), ValueError, "there is no camera"),
+            (lambda: renderer.render(["a"]), TypeError, "camera 0 is of type str"),
+            (lambda: renderer.render(["a", camera], out=frame), TypeError, "camera 0 is of type str"),
+            (lambda: renderer.render(camera, out=frame, alpha=True), TypeError, "either out or alpha"),
+            (lambda: renderer.render(camera, out=swiftgs.Frame.empty(8, 8, first_pixel=(3, 0))), ValueError, "16"),
+            (lambda: renderer.render(camera, background=(np.nan, 0, 0)), ValueError, "background"),
+            (lambda: renderer.render(camera, over=True), ValueError, "a new frame holds no colour to draw over"),
+            (lambda: swiftgs.Renderer("cpu").render(camera), swiftgs.OrderError, "expected a scene before"),
+            (lambda: swiftgs.Renderer("cpu/a/b/c"), swiftgs.InvalidArgument, "cpu/a/b/c"),
+            (lambda: swiftgs.Renderer("cpu", threads=-1), ValueError, "threads is -1, expected 0 or more"),
+            (lambda: swiftgs.Renderer("cpu", stream="a"), TypeError, "stream is of type str"),
+            (lambda: swiftgs.Renderer("serial").share_scene(renderer), swiftgs.InvalidArgument, "another backend")]:
+        with pytest.raises(kind, match=re.escape(text)):
+            call()
+    assert renderer.render(camera).colour.any()  # usable afterwards
+    nan = scene.means.copy()
+    nan[7, 1] = np.nan
+    with pytest.raises(swiftgs.InvalidArgument, match="means of Gaussian 7 is .*nan"):
+        renderer.set_gaussians(nan, scene.scales, scene.rotations, scene.opacities, scene.sh0)
+    assert renderer.render(camera).colour.any()
+
+
+def test_arrays_are_drawn_as_the_scene_that_has_them(scene, camera, expected, arrays):
+    renderer = swiftgs.Renderer("cpu")
+    renderer.set_gaussians(**arrays, any_rotations=False)
+    assert np.array_equal(renderer.render(camera).colour, expected.colour)
+    renderer.set_gaussians(**{name: Lent(array.copy()) for name, array in arrays.items()})
+    assert decibels(renderer.render(camera).colour, expected.colour) > 90  # rotations are normalised once more
+
+
+def test_measures_are_taken_where_they_are_asked_for(renderer, camera):
+    renderer.render(camera)
+    assert math.isnan(renderer.times.total) and renderer.statistics.contributing_pairs == 0
+    renderer.render(camera, times=True, counts=True)
+    assert renderer.times.total >= renderer.times.raster > 0
+    assert renderer.statistics.contributing_pairs > renderer.statistics.visible > 0
+    assert renderer.memory.project > 0 and renderer.memory.device_total == 0
+    renderer.trim()
+    assert renderer.memory.project == 0
+    renderer.wait()
+
+
+def test_images_outlive_their_renderer_and_frames_their_cameras(scene, expected):
+    renderer = swiftgs.Renderer("cpu", scene=scene)
+    frame = renderer.render(swiftgs.Camera.builtin(WIDTH, HEIGHT))
+    colour = frame.colour
+    gone = weakref.ref(frame)
+    renderer.close()
+    del renderer, frame
+    gc.collect()
+    assert gone() is None and np.array_equal(colour, expected.colour)
+
+
+def test_a_frame_keeps_the_memory_that_it_draws_into(renderer, camera, expected):
+    out = swiftgs.Frame(np.zeros((HEIGHT, WIDTH, 3), np.float32))
+    gc.collect()
+    assert np.array_equal(renderer.render(camera, out=out).colour, expected.colour)
+    lent = Lent(np.zeros((HEIGHT, WIDTH, 3), np.float32))
+    out, kept = swiftgs.Frame(lent), lent.array
+    del lent
+    gc.collect()
+    renderer.render(camera, out=out)
+    assert np.array_equal(kept, expected.colour)
+
+
+def test_renderers_keep_their_scene_and_share_it(camera, expected):
+    first, second = swiftgs.Renderer("cpu", scene=swiftgs.Scene.builtin(2000)), swiftgs.Renderer("cpu")
+    second.share_scene(first)
+    with first:
+        pass
+    gc.collect()
+    assert np.array_equal(second.render(camera).colour, expected.colour)
+    for use in (lambda: first.render(camera), lambda: first.statistics, first.__enter__, lambda: first.device_name):
+        with pytest.raises(ValueError, match="the renderer is closed"):
+            use()
+    assert repr(first).endswith("closed>")
+
+
+def test_threads_draw_at_once_and_take_turns_at_one_renderer(renderer, scene, camera, expected):
+    wrong = []
+    shared = swiftgs.Frame.empty(WIDTH, HEIGHT)
+
+    def work(own):
+        for _ in range(20):
+            if not np.array_equal(own.render(camera).colour, expected.colour):
+                wrong.append("own frame")
+            renderer.render(camera, out=shared)
+
+    own = [swiftgs.Renderer("cpu", scene=scene, threads=1), renderer] * 2
+    threads = [threading.Thread(target=work, args=(each,)) for each in own]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong and np.array_equal(shared.colour, expected.colour)
+
+
+def test_other_threads_run_while_a_frame_is_drawn():
+    renderer = swiftgs.Renderer("serial", scene=swiftgs.Scene.builtin(200_000))
+    camera = swiftgs.Camera.builtin(640, 360)
+    drawing = threading.Thread(target=renderer.render, args=(camera,))
+    drawing.start()
+    turns = 0
+    while drawing.is_alive():
+        drawing.join(0.001)
+        turns += 1
+    assert turns > 5
+
+
+def test_images_are_saved(renderer, camera, tmp_path):
+    frame = renderer.render([camera, camera], alpha=True, depth=True)
+    frame.save(tmp_path / "a.pfm", 1)
+    pixels = (tmp_path / "a.pfm").read_bytes().split(b"\n", 3)[3]
+    assert np.array_equal(np.frombuffer(pixels, "<f4").reshape(HEIGHT, WIDTH, 3)[::-1], frame.colour[1])
+    renderer.render(camera, format="rgba8").save(str(tmp_path / "a.png"))
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    read = swiftgs.load_image(tmp_path / "a.pfm")
+    assert read.dtype == np.float32 and np.array_equal(read, frame.colour[1])
+    assert swiftgs.load_image(tmp_path / "a.png").shape == (HEIGHT, WIDTH, 3)
+    with pytest.raises(swiftgs.FileError, match="none.png"):
+        swiftgs.load_image(tmp_path / "none.png")
+    with pytest.raises(swiftgs.InvalidArgument, match="a.gif"):
+        frame.save(tmp_path / "a.gif")
+    with pytest.raises(ValueError, match="expected a frame on the host with colour"):
+        renderer.render(camera, colour=False, depth=True).save(tmp_path / "b.png")
+
+
+def test_without_a_device_what_needs_one_is_refused(scene):
+    if any(entry.usable and entry.name.startswith("cuda/") for entry in swiftgs.list_renderers()):
+        return  # tests/python/test_device.py has the other half
+    with pytest.raises((swiftgs.Unavailable, swiftgs.InvalidArgument), match="cuda/early"):
+        swiftgs.Renderer("cuda", scene=scene)
+    with pytest.raises(swiftgs.Unavailable, match="swiftgs_device_"):
+        swiftgs.DeviceArray((2, 2))

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes from files, from arrays, to files."""
+import gc
+import pathlib
+import re
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import swiftgs
+from conftest import Lent
+
+NAMES = ("means", "scales", "rotations", "opacities", "sh0", "sh_rest")
+
+
+def same(first, second):
+    return all(np.array_equal(getattr(first, name), getattr(second, name)) for name in NAMES)
+
+
+def test_a_scene_tells_what_it_holds(scene):
+    assert len(scene) == 2000 and scene.sh_degree == 3 and not scene.antialiased
+    assert scene.format == "" and scene.stored == 2000 and scene.dropped == 0
+    assert {name: getattr(scene, name).shape for name in NAMES} == {
+        "means": (2000, 3), "scales": (2000, 3), "rotations": (2000, 4), "opacities": (2000,), "sh0": (2000, 3),
+        "sh_rest": (2000, 15, 3)}
+    assert scene.sh.shape == (2000, 16, 3) and np.array_equal(scene.sh[:, 1:], scene.sh_rest)
+    lower, upper = scene.bounds
+    assert np.array_equal(lower, scene.means.min(axis=0)) and np.array_equal(upper, scene.means.max(axis=0))
+    assert repr(scene) == "<swiftgs.Scene of 2,000 Gaussians, SH degree 3>"
+
+
+def test_arrays_are_the_scenes_memory_and_outlive_it():
+    scene = swiftgs.Scene.builtin(5000)
+    means = scene.means
+    assert means.dtype == np.float32 and not means.flags.writeable
+    assert means.__array_interface__["data"][0] == scene.means.__array_interface__["data"][0]
+    copy = means.copy()
+    scene.close()
+    del scene
+    gc.collect()
+    swiftgs.Scene.builtin(5000)  # would take the memory again
+    assert np.array_equal(means, copy)
+    with pytest.raises(ValueError):
+        means[0] = 1
+
+
+def test_files_come_back_and_name_what_they_lose(scene, tmp_path):
+    assert scene.save(tmp_path / "a.ply") == ()
+    read = swiftgs.load(tmp_path / "a.ply")
+    assert np.array_equal(read.means, scene.means) and np.array_equal(read.sh_rest, scene.sh_rest)
+    assert "PLY" in read.format and "PLY" in repr(read)
+    notes = scene.save(str(tmp_path / "b.bin"), format="splat")
+    assert notes and all(isinstance(note, str) for note in notes)
+    assert len(swiftgs.Scene.from_bytes((tmp_path / "b.bin").read_bytes(), "b.splat")) > 0
+    scene.save(tmp_path / "c.spz", spz_version=3, spz_axes="rub")
+    assert swiftgs.load(tmp_path / "c.spz").format == "SPZ version 3"
+
+
+def test_gaussians_that_are_left_out_are_a_warning(tmp_path):
+    numbers = np.ones((3, 14), np.float32)
+    numbers[1, 0] = np.nan
+    names = "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3".split()
+    header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" + "".join(
+        f"property float {name}\n" for name in names) + "end_header\n"
+    (tmp_path / "a.ply").write_bytes(header.encode() + numbers.tobytes())
+    with pytest.warns(UserWarning, match="1 of 3 Gaussians have a NaN"):
+        scene = swiftgs.load(tmp_path / "a.ply")
+    assert (len(scene), scene.dropped, scene.stored) == (2, 1, 3)
+
+
+@pytest.mark.parametrize("make, kind, text", [
+    (lambda at: swiftgs.load(at / "none.ply"), swiftgs.FileError, "none.ply: No such file"),
+    (lambda at: swiftgs.load(at / "bad.ply"), swiftgs.FormatError, "bad.ply: byte"),
+    (lambda at: swiftgs.Scene.from_bytes(b"nothing", "x.ply"), swiftgs.FormatError, "x.ply: byte"),
+    (lambda at: swiftgs.load(at / "bad.ply", spz_axes="up"), ValueError, "spz_axes is 'up', expected one of"),
+    (lambda at: swiftgs.Scene.builtin(10).save(at / "a.xyz"), swiftgs.InvalidArgument, "a.xyz"),
+    (lambda at: swiftgs.Scene.builtin(10).save(at / "no" / "a.ply"), OSError, "a.ply"),
+    (lambda at: swiftgs.Scene.builtin(1 << 32), ValueError, "expected fewer than 2^32")])
+def test_what_is_no_scene_is_refused_in_one_line(make, kind, text, tmp_path):
+    (tmp_path / "bad.ply").write_text("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n")
+    with pytest.raises(kind, match=re.escape(text)) as raised:
+        make(tmp_path)
+    assert "\n" not in str(raised.value) and isinstance(raised.value, (swiftgs.Error, ValueError))
+
+
+def test_progress_is_told_and_cancels(tmp_path):
+    scene = swiftgs.Scene.builtin(300_000)
+    parts = []
+    scene.save(tmp_path / "a.spz", progress=parts.append)
+    assert parts == sorted(parts) and parts[-1] == 1
+    for call in (lambda progress: scene.save(tmp_path / "b.spz", progress=progress),
+                 lambda progress: swiftgs.load(tmp_path / "a.spz", progress=progress)):
+        with pytest.raises(swiftgs.Cancelled):
+            call(lambda part: False)
+        with pytest.raises(ZeroDivisionError):
+            call(lambda part: 1 / 0)
+    assert not (tmp_path / "b.spz").exists()
+
+
+def test_ctrl_c_stops_a_file(tmp_path):
+    scene = swiftgs.Scene.builtin(1_000_000)
+    begun = time.monotonic()
+    threading.Timer(0.2, lambda: signal.raise_signal(signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        for _ in range(100):
+            scene.save(tmp_path / "a.sog")
+    assert time.monotonic() - begun < 10 and not list(tmp_path.glob("*"))
+
+
+def test_a_closed_scene_says_so(scene):
+    with swiftgs.Scene.builtin(10) as closed:
+        assert len(closed) == 10
+    for use in (lambda: closed.means, lambda: closed.save("a.ply"), closed.__enter__,
+                lambda: swiftgs.Renderer("serial", scene=closed)):
+        with pytest.raises(ValueError, match="the scene is closed"):
+            use()
+    assert repr(closed).endswith("closed>")
+
+
+def test_arrays_become_the_same_scene(scene, arrays):
+    assert same(swiftgs.Scene.from_arrays(**arrays, any_rotations=False), scene)
+    by_dlpack = {name: Lent(array.copy()) for name, array in arrays.items()}
+    assert same(swiftgs.Scene.from_arrays(**by_dlpack, any_rotations=False), scene)
+    assert by_dlpack["means"].asked == [None]
+
+
+def test_gaps_and_other_orders_are_taken(scene, arrays):
+    rows = np.zeros((4000, 80), np.float32)[::2]
+    at, in_rows = 1, {}
+    for name, array in arrays.items():
+        flat = array.reshape(2000, -1)
+        rows[:, at:at + flat.shape[1]] = flat
+        inner = {1: (), 2: (4,), 3: (12, 4)}[array.ndim]
+        in_rows[name] = np.lib.stride_tricks.as_strided(rows[:, at:], array.shape, (rows.strides[0], *inner))
+        at += flat.shape[1]
+    assert in_rows["sh_rest"].strides[0] == 640 and np.shares_memory(in_rows["means"], rows)
+    for given in (in_rows, {name: np.asfortranarray(array) for name, array in arrays.items()},
+                  {name: np.array(array[::-1])[::-1] for name, array in arrays.items()}):
+        assert same(swiftgs.Scene.from_arrays(**given, any_rotations=False), scene)
+    one = dict(arrays, opacities=np.broadcast_to(np.float32(0.5), 2000))  # a stride of 0
+    assert np.all(swiftgs.Scene.from_arrays(**one).opacities == 0.5)
+
+
+def test_numbers_are_activated_as_training_stores_them(arrays):
+    raw = dict(arrays, scales=np.log(np.maximum(arrays["scales"], 1e-30)),
+               opacities=np.log(arrays["opacities"] / (1 - np.minimum(arrays["opacities"], 0.999))),
+               rotations=arrays["rotations"] * 3)
+    scene = swiftgs.Scene.from_arrays(**raw, log_scales=True, logit_opacities=True, antialiased=True)
+    assert np.allclose(scene.scales, np.maximum(arrays["scales"], 1e-30), rtol=1e-5)
+    assert np.allclose(scene.opacities, arrays["opacities"], atol=2e-3)
+    assert np.allclose(scene.rotations, arrays["rotations"], atol=1e-6) and scene.antialiased
+    del raw["sh0"], raw["sh_rest"]
+    colours = np.random.default_rng(1).random((2000, 3), np.float32)
+    plain = swiftgs.Scene.from_arrays(**raw, colours=colours)
+    assert plain.sh_degree == 0 and np.allclose(plain.sh0 * 0.28209479 + 0.5, colours, atol=1e-6)
+
+
+@pytest.mark.parametrize("change, kind, text", [
+    ({"means": np.zeros((2000, 3))}, TypeError, "means has numbers of type f8, expected float32 (f4)"),
+    ({"means": np.zeros((2000, 3), ">f4")}, TypeError, "means has numbers of type !>f4, expected float32"),
+    ({"scales": np.zeros((2000, 2), np.float32)}, ValueError, "scales has the shape (2000, 2), expected (2000, 3)"),
+    ({"opacities": np.zeros((1999,), np.float32)}, ValueError, "opacities has the shape (1999,), expected (2000)"),
+    ({"opacities": np.zeros((2000, 1), np.float32)}, ValueError, "expected (2000)"),
+    ({"sh_rest": np.zeros((2000, 4, 3), np.float32)}, ValueError, "sh_rest has 4 coefficients, expected 0, 3, 8, 15"),
+    ({"means": None}, TypeError, "means is of type NoneType, expected an array"),
+    ({"rotations": [[1, 0, 0, 0]] * 2000}, TypeError, "rotations is of type list, expected an array"),
+    ({"sh0": None}, TypeError, "either sh0 or colours")])
+def test_arrays_that_do_not_fit_are_named(change, kind, text, arrays):
+    with pytest.raises(kind, match=re.escape(text)):
+        swiftgs.Scene.from_arrays(**dict(arrays, **change))
+
+
+def test_memory_off_the_grid_of_floats_is_refused(arrays):
+    shifted = np.zeros(2000 * 12 + 1, np.uint8)[1:].view(np.float32).reshape(2000, 3)
+    with pytest.raises(ValueError, match="expected a multiple of 4"):
+        swiftgs.Scene.from_arrays(**dict(arrays, means=shifted))
+
+
+def test_a_capsule_is_held_as_long_as_its_memory_is_read_and_no_longer(arrays):
+    import sys
+    means = arrays["means"].copy()
+    before = sys.getrefcount(means)
+    scene = swiftgs.Scene.from_arrays(**dict(arrays, means=Lent(means)))
+    gc.collect()
+    assert sys.getrefcount(means) <= before + 1
+    del scene
+
+
+def test_a_folder_of_a_capture_is_a_scene_with_cameras(fox):
+    scene = swiftgs.load(pathlib.Path(fox))
+    cameras = swiftgs.load_cameras(fox)
+    assert len(scene) > 100_000 and len(cameras) > 10 and all(camera.name for camera in cameras)
