@@ -57,7 +57,7 @@ class Frame:
             if name != "occluder" and _arrays.library_of(array) == "jax":
                 raise TypeError(f"{name} is an array of JAX, which cannot be written to, expected one of PyTorch, CuPy "
                                 "or NumPy, or a swiftgs.DeviceArray, which jax.dlpack.from_dlpack takes")
-            memory = _arrays.read(array, name)
+            memory = _arrays.read(array, name, None)  # a frame is ordered when it is drawn
             if name != "occluder" and not memory.writable:
                 raise ValueError(f"{name} is read-only, expected memory to write to")
             shape, channels = _split(name, memory, images)

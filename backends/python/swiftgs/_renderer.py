@@ -208,8 +208,10 @@ class Renderer:
         if out.device != self._device:
             raise ValueError(f"the frame lies on CUDA device {out.device}, expected {self._device}, the renderer's")
         streams = [_arrays.stream_of(array, out.device) for array in out._sources]
-        for stream in streams:
-            if stream is not None and stream != self._stream:
+        for array, stream in zip(out._sources, streams):
+            if stream is None:
+                _arrays.read(array, "the frame", self._stream)  # its protocol makes it ready
+            elif stream != self._stream:
                 lib.device_order(stream or None, self._stream or None)
         lib.renderer_render_into(pointer, out._address)
         for array, stream in zip(out._sources, streams):
