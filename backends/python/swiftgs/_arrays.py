@@ -36,9 +36,14 @@ class Memory(NamedTuple):
 
 
 def library_of(array: Any) -> str:
-    """The library that an array's type belongs to."""
-    name = type(array).__module__.partition(".")[0]
-    return {"jaxlib": "jax"}.get(name, name)
+    """The library that an array's type belongs to, or is derived from."""
+    for base in type(array).__mro__:
+        name = base.__module__.partition(".")[0]
+        if name in LIBRARIES:
+            return name
+        if name == "jaxlib":
+            return "jax"
+    return type(array).__module__.partition(".")[0]
 
 
 def read(array: Any, what: str, stream: Optional[int] = 0) -> Memory:
@@ -164,7 +169,7 @@ def returned(like: Any, array: Any) -> Any:
         return array
     jax = sys.modules["jax"]
     if isinstance(array, np.ndarray):
-        return jax.numpy.asarray(array)
+        return jax.device_put(array, next(iter(like.devices())))
     return importlib.import_module("jax.dlpack").from_dlpack(array)
 
 

@@ -122,12 +122,16 @@ class Renderer:
 
     def set_scene(self, scene: Scene) -> None:
         """Uploads `scene` for the frames that follow; backends of the host share its memory."""
+        if not isinstance(scene, Scene):
+            raise TypeError(f"scene is of type {type(scene).__name__}, expected swiftgs.Scene; swiftgs.load reads one")
         with self._lock:
             lib.renderer_set_scene(self._open(), scene._open())
             self._scene = f"{len(scene):,} Gaussians"
 
     def share_scene(self, other: "Renderer") -> None:
         """Shares what `other`, a renderer of the same backend, has uploaded."""
+        if not isinstance(other, Renderer):
+            raise TypeError(f"other is of type {type(other).__name__}, expected swiftgs.Renderer")
         with self._lock:
             lib.renderer_share_scene(self._open(), other._open())
             self._scene = other._scene
@@ -190,6 +194,8 @@ class Renderer:
             out = Frame.empty(first.width, first.height, count, format=format, **frame)
         elif frame or format != "rgb":
             raise TypeError(f"render takes either out or {', '.join(frame) or 'format'}")
+        elif not isinstance(out, Frame):
+            raise TypeError(f"out is of type {type(out).__name__}, expected swiftgs.Frame")
         with self._lock, out._lock:
             out._aim(cameras)
             out._struct.measure = times * _c.MEASURE_TIMES + counts * _c.MEASURE_COUNTS
