@@ -27,7 +27,7 @@ import time
 import swiftgs
 
 
-def seconds(work, least=1.0):
+def seconds(work, least):
     """Median of the time of a call, over as many as fit into `least` seconds."""
     work(), work()
     found, until = [], time.perf_counter() + least
@@ -64,7 +64,7 @@ def frame_for(renderer, camera):
     return swiftgs.Frame(swiftgs.DeviceArray((camera.height, camera.width, 3)))
 
 
-def measure(backend, tool, name, scale):
+def measure(backend, tool, name, scale, least):
     count = int(name.partition(":")[2] or 200_000) if name.startswith("builtin") else None
     scene = swiftgs.Scene.builtin(count) if count else swiftgs.load(name)
     camera = (swiftgs.Camera.builtin() if count else swiftgs.load_cameras(name)[0]).scaled(scale)
@@ -92,7 +92,7 @@ def measure(backend, tool, name, scale):
     if arrays:
         calls["arrays"] = lambda: (swiftgs.rasterization(*arrays, *view, sh_degree=scene.sh_degree, renderer=renderer),
                                    wait())
-    found = {call: seconds(work) * 1e3 for call, work in calls.items()}
+    found = {call: seconds(work, least) * 1e3 for call, work in calls.items()}
     own_ms = statistics.median(own)
     return {"renderer": renderer.name, "device": renderer.device_name, "scene": name, "gaussians": len(scene),
             "size": [camera.width, camera.height], "cpp_ms": of_cpp(tool, name, renderer.name, scale),
@@ -105,10 +105,11 @@ def main():
     parser.add_argument("tool", help="swiftgs, of the same build as the library")
     parser.add_argument("scenes", nargs="+", help="builtin, builtin:N, or folders of captures")
     parser.add_argument("--scale", type=float, default=1)
+    parser.add_argument("--seconds", type=float, default=1, help="for each way of calling")
     parser.add_argument("--json", help="a file for the results; - for standard output")
     arguments = parser.parse_args()
     usable = {entry.name.partition("/")[0] for entry in swiftgs.list_renderers() if entry.usable} - {"serial"}
-    rows = [measure(backend, arguments.tool, scene, arguments.scale) for scene in arguments.scenes
+    rows = [measure(backend, arguments.tool, scene, arguments.scale, arguments.seconds) for scene in arguments.scenes
             for backend in sorted(usable)]
     if arguments.json:
         text = json.dumps({"version": swiftgs.__version__, "python": sys.version.split()[0], "results": rows}, indent=1)

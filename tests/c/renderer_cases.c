@@ -182,7 +182,7 @@ void test_gaussians(void) {
   swiftgs_scene* const scene = make_scene();
   swiftgs_gaussians arrays = {.size = sizeof(arrays)};
   CHECK_OK(swiftgs_scene_get_arrays(scene, &arrays));
-  swiftgs_renderer* const others[] = {renderer, make_renderer("cpu/standard/per-pixel/ellipse")};
+  swiftgs_renderer* const others[] = {renderer, make_renderer("serial/standard/per-pixel/ellipse")};
   view.colour.data = colour;
   for (int i = 0; i < 2; ++i) {
     CHECK_OK(swiftgs_renderer_render_into(others[i], &frame));

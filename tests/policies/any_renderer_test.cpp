@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "policies/any_renderer.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/metrics.hpp>
+#include <swiftgs/scene_arrays.hpp>
 #include <swiftgs/swiftgs.hpp>
 
 #include "policies/cameras.hpp"
@@ -39,6 +44,57 @@ TEST_CASE("any renderer: a shared scene is drawn as an uploaded one") {
   first->render(small_camera(), {}, expected);
   second->render(small_camera(), {}, shared);
   CHECK(shared.colour == expected.colour);
+}
+
+TEST_CASE("any renderer: arrays of any layout are drawn as the scene that has them") {
+  const auto scene = small_scene();
+  // A row for each Gaussian, as training stores it.
+  struct Row {
+    vec3 mean, log_scale, sh0;
+    float rotation[4], logit, rest[45];
+  };
+  std::vector<Row> rows(scene->size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Quaternion q = scene->rotations[i];
+    const vec3 scale = scene->scales[i];
+    rows[i] = {.mean = scene->means[i],
+               .log_scale = {std::log(scale.x), std::log(scale.y), std::log(scale.z)},
+               .sh0 = scene->sh0[i],
+               .rotation = {2 * q.w, 2 * q.x, 2 * q.y, 2 * q.z},
+               .logit = std::log(scene->opacities[i] / (1 - scene->opacities[i])),
+               .rest = {}};
+    std::copy_n(scene->sh_rest.data() + 45 * i, 45, rows[i].rest);
+  }
+  const auto column = [](const float& first) { return FloatArray{&first, sizeof(Row)}; };
+  const SceneArrays arrays{.count = rows.size(),
+                           .means = column(rows[0].mean.x),
+                           .scales = column(rows[0].log_scale.x),
+                           .rotations = column(rows[0].rotation[0]),
+                           .opacities = column(rows[0].logit),
+                           .sh0 = column(rows[0].sh0.x),
+                           .sh_rest = column(rows[0].rest[0]),
+                           .sh_degree = 3,
+                           .log_scales = true,
+                           .logit_opacities = true,
+                           .any_rotations = true};
+  for (const char* name : {plain, "cpu/early/per-pixel/ellipse"}) {
+    const std::unique_ptr<AnyRenderer> renderer = make_renderer(name);
+    renderer->set_scene(scene);
+    Frame expected, drawn;
+    renderer->render(small_camera(), {}, expected);
+    renderer->set_scene(arrays);
+    renderer->render(small_camera(), {}, drawn);
+    CHECK(psnr(drawn.colour, expected.colour) > 90);
+
+    SceneArrays lower = arrays;
+    lower.sh_degree = 1;
+    renderer->set_scene(lower);
+    renderer->render(small_camera(), {}, drawn);
+    CHECK(psnr(drawn.colour, expected.colour) < 90);
+    lower.means.stride = 8;
+    CHECK_THROWS_WITH_AS(renderer->set_scene(lower), doctest::Contains("means: stride is 8 bytes, expected"),
+                         std::invalid_argument);
+  }
 }
 
 TEST_CASE("any renderer: a scene is not shared across backends") {

@@ -39,7 +39,7 @@ def test_arrays_come_back_as_arrays_of_cupy(gsplat_arguments):
         assert isinstance(images, cupy.ndarray) and isinstance(alphas, cupy.ndarray)
         assert images.shape == (1, HEIGHT, WIDTH, channels)
         if mode != "D":
-            assert decibels(images[..., :3].get(), plain[0]) > 90 and decibels(alphas.get(), plain[1]) > 90
+            assert decibels(images[..., :3].get(), plain[0]) > 80 and decibels(alphas.get(), plain[1]) > 80
 
 
 def test_work_is_in_the_order_of_the_current_stream(gsplat_arguments):

@@ -20,8 +20,8 @@ def on_device(scene):
 
 def test_frames_come_to_the_host(on_device, camera, expected):
     frame = on_device.render([camera, camera], alpha=True, depth=True, times=True)
-    assert decibels(frame.colour[0], expected.colour) > 90 and np.array_equal(frame.colour[0], frame.colour[1])
-    assert decibels(frame.alpha[0], expected.alpha) > 90 and on_device.times.total > 0
+    assert decibels(frame.colour[0], expected.colour) > 80 and np.array_equal(frame.colour[0], frame.colour[1])
+    assert decibels(frame.alpha[0], expected.alpha) > 80 and on_device.times.total > 0
     assert "CUDA" not in repr(frame) and on_device.on_device and on_device.memory.device_total > 0
 
 

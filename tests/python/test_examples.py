@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The examples on the built-in scene, and the program of the README."""
+import json
 import os
 import pathlib
 import re
@@ -7,6 +8,7 @@ import subprocess
 import sys
 
 import numpy as np
+import pytest
 
 import swiftgs
 
@@ -29,6 +31,18 @@ def test_the_notebook_runs(tmp_path):
     run(tmp_path, ROOT / "examples/10_notebook.py")
     image = swiftgs.load_image(tmp_path / "notebook.png")
     assert image.shape == (360, 1920, 3) and all(part.std() > 0.1 for part in np.split(image, 3, axis=1))
+
+
+def test_the_measurement_of_overhead_runs(tmp_path):
+    tool = os.environ.get("SWIFTGS_TOOL")
+    if not tool:
+        pytest.skip("SWIFTGS_TOOL does not name the tool")
+    run(tmp_path, ROOT / "benchmarks/python_overhead.py", tool, "builtin:500", "--scale", "0.05", "--seconds", "0.02",
+        "--json", "results.json")
+    for result in json.loads((tmp_path / "results.json").read_text())["results"]:
+        assert result["gaussians"] == 500 and result["size"] == [64, 36]
+        assert 0 < result["cpp_ms"] < 1000 and 0 < result["python_ms"]["nothing"] < 10
+        assert set(result["python_ms"]) >= {"nothing", "out", "new"}
 
 
 def test_the_program_of_the_readme_draws_its_frame(tmp_path):

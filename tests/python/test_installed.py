@@ -7,9 +7,9 @@ import pytest
 
 import swiftgs
 
-PREFIX = os.environ.get("SWIFTGS_PREFIX")
+PREFIX = os.environ.get("SWIFTGS_INSTALLED")
 if not PREFIX:
-    pytest.skip("SWIFTGS_PREFIX names no installation", allow_module_level=True)
+    pytest.skip("SWIFTGS_INSTALLED names no installation", allow_module_level=True)
 
 
 def test_the_package_is_the_installed_one_with_its_own_library():

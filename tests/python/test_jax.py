@@ -34,7 +34,7 @@ def test_arrays_come_back_as_arrays_of_jax(device, gsplat_arguments):
         assert isinstance(images, jax.Array) and images.devices() == {device} and alphas.devices() == {device}
         assert images.shape == (1, HEIGHT, WIDTH, channels)
         if mode != "D":
-            assert decibels(images[..., :3], plain[0]) > 90 and decibels(alphas, plain[1]) > 90
+            assert decibels(images[..., :3], plain[0]) > 80 and decibels(alphas, plain[1]) > 80
 
 
 @on_each_device

@@ -32,7 +32,8 @@ def test_a_renderer_tells_what_it_is(renderer):
 
 def test_images_are_those_of_the_command_line_tool(tmp_path):
     tool = os.environ.get("SWIFTGS_TOOL")
-    assert tool, "SWIFTGS_TOOL names the tool"
+    if not tool:
+        pytest.skip("SWIFTGS_TOOL does not name the tool")
     renderer = swiftgs.Renderer("cpu", scene=swiftgs.Scene.builtin(3000))
     subprocess.run([tool, "render", "builtin:3000", "--scale", "0.1", "--format", "pfm", "--out", tmp_path,
                     "--renderer", renderer.name], check=True, stdout=subprocess.DEVNULL)
@@ -142,6 +143,12 @@ def test_what_cannot_be_drawn_is_refused(renderer, camera, scene):
     small = swiftgs.Camera.builtin(16, 16)
     for call, kind, text in [
             (lambda: renderer.render(camera, out=frame), ValueError, "one camera for a frame of 2 images"),
+            (lambda: renderer.render(camera, out=swiftgs.Frame.empty(40, 20)), ValueError,
+             "the camera has 80x48 pixels and the frame 40x20, expected as many, or first_pixel for a part"),
+            (lambda: renderer.render([camera, small], out=frame), ValueError, "the camera has 16x16 pixels and the"),
+            (lambda: renderer.render(camera, out="a"), TypeError, "out is of type str, expected swiftgs.Frame"),
+            (lambda: renderer.set_scene("a.ply"), TypeError, "scene is of type str, expected swiftgs.Scene"),
+            (lambda: renderer.share_scene(None), TypeError, "other is of type NoneType, expected swiftgs.Renderer"),
             (lambda: renderer.render([camera], out=frame), ValueError, "1 cameras for a frame of 2 images"),
             (lambda: renderer.render([camera, small]), ValueError, "camera 1 has 16x16 pixels, expected 80x48"),
             (lambda: renderer.render([]), ValueError, "there is no camera"),

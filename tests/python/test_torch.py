@@ -37,7 +37,7 @@ def test_tensors_come_back_on_their_device(device, gsplat_arguments, plain):
     assert colours.shape == (1, HEIGHT, WIDTH, 4) and alphas.shape == (1, HEIGHT, WIDTH, 1)
     assert colours.dtype == alphas.dtype == torch.float32 and not colours.requires_grad
     assert meta["renderer"].startswith("cuda/" if device == "cuda" else "cpu/")
-    assert decibels(colours[..., :3].cpu(), plain[0]) > 90 and decibels(alphas.cpu(), plain[1]) > 90
+    assert decibels(colours[..., :3].cpu(), plain[0]) > 80 and decibels(alphas.cpu(), plain[1]) > 80
     if device == "cpu":
         assert np.array_equal(colours[..., :3].numpy(), plain[0])
 
@@ -104,7 +104,7 @@ def test_arrays_and_renderers_outlive_each_other(device, gsplat_arguments, plain
         images.append(swiftgs.rasterization(**given, renderer=renderer)[0])
         del given, renderer
     gc.collect()
-    assert all(torch.equal(image, images[0]) for image in images) and decibels(images[0].cpu(), plain[0]) > 90
+    assert all(torch.equal(image, images[0]) for image in images) and decibels(images[0].cpu(), plain[0]) > 80
 
 
 @on_each_device

@@ -36,13 +36,19 @@ class Memory(NamedTuple):
 
 
 def library_of(array: Any) -> str:
-    """The library that an array's type belongs to."""
-    name = type(array).__module__.partition(".")[0]
-    return {"jaxlib": "jax"}.get(name, name)
+    """The library that an array's type belongs to, or is derived from."""
+    for base in type(array).__mro__:
+        name = base.__module__.partition(".")[0]
+        if name in LIBRARIES:
+            return name
+        if name == "jaxlib":
+            return "jax"
+    return type(array).__module__.partition(".")[0]
 
 
-def read(array: Any, what: str, stream: int = 0) -> Memory:
-    """Where `array` lies. On a device it is ready for work on `stream`. TypeError for what is no array."""
+def read(array: Any, what: str, stream: Optional[int] = 0) -> Memory:
+    """Where `array` lies. On a device it is ready for work on `stream`, unless that is None. TypeError for what is no
+    array."""
     if isinstance(array, np.ndarray):
         return _of_interface(array.__array_interface__, None, array)
     library = library_of(array)
@@ -57,15 +63,15 @@ def read(array: Any, what: str, stream: int = 0) -> Memory:
         if kind not in (_dlpack.CPU, _dlpack.CUDA, _dlpack.CUDA_HOST, _dlpack.CUDA_MANAGED):
             raise TypeError(f"{what} lies on a device of DLPack's type {kind}, expected the host or a CUDA device")
         on_device = kind in (_dlpack.CUDA, _dlpack.CUDA_MANAGED)
-        # DLPack calls the default stream 1.
-        capsule = array.__dlpack__(stream=stream or 1) if on_device else array.__dlpack__()
+        # DLPack calls the default stream 1, and none -1.
+        capsule = array.__dlpack__(stream=-1 if stream is None else stream or 1) if on_device else array.__dlpack__()
         address, shape, strides, code, _, _ = _dlpack.read(capsule)
         return Memory(address, shape, strides, code, int(device) if on_device else None, library != "jax",
                       (capsule, array))
     interface = getattr(array, "__cuda_array_interface__", None)
     if interface is not None:
         ready = interface.get("stream")
-        if ready is not None:
+        if ready is not None and stream is not None:
             lib.device_order(ready, stream)
         return _of_interface(interface, current_device(), array)
     raise TypeError(f"{what} is of type {type(array).__name__}, expected an array with DLPack or "
@@ -163,7 +169,7 @@ def returned(like: Any, array: Any) -> Any:
         return array
     jax = sys.modules["jax"]
     if isinstance(array, np.ndarray):
-        return jax.numpy.asarray(array)
+        return jax.device_put(array, next(iter(like.devices())))
     return importlib.import_module("jax.dlpack").from_dlpack(array)
 
 

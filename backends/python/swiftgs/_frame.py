@@ -38,10 +38,10 @@ class Frame:
 
     def __init__(self, colour: Any = None, alpha: Any = None, depth: Any = None, *, occluder: Any = None,
                  over: bool = False, background: Any = (0, 0, 0), conventions: Union[str, Conventions] = "gsplat",
-                 first_pixel: Tuple[int, int] = (0, 0)) -> None:
+                 first_pixel: Optional[Tuple[int, int]] = None) -> None:
         """`occluder` is a depth buffer, only read: a splat at its depth or behind is not drawn. `over` keeps what
-        `colour` holds behind the splats, in place of `background` [3] or [C, 3]. `first_pixel` is the column and the
-        row of the camera's image that the frame begins with, multiples of 16."""
+        `colour` holds behind the splats, in place of `background` [3] or [C, 3]. With `first_pixel` the frame is a
+        part of the camera's image, which begins with that column and row, multiples of 16."""
         self.colour, self.alpha, self.depth = colour, alpha, depth
         planes = {name: array for name, array in
                   (("colour", colour), ("alpha", alpha), ("depth", depth), ("occluder", occluder)) if array is not None}
@@ -57,7 +57,7 @@ class Frame:
             if name != "occluder" and _arrays.library_of(array) == "jax":
                 raise TypeError(f"{name} is an array of JAX, which cannot be written to, expected one of PyTorch, CuPy "
                                 "or NumPy, or a swiftgs.DeviceArray, which jax.dlpack.from_dlpack takes")
-            memory = _arrays.read(array, name)
+            memory = _arrays.read(array, name, None)  # a frame is ordered when it is drawn
             if name != "occluder" and not memory.writable:
                 raise ValueError(f"{name} is read-only, expected memory to write to")
             shape, channels = _split(name, memory, images)
@@ -77,7 +77,8 @@ class Frame:
         self.height, self.width = images[-2:]
         views = self._views
         views["size"], views["width"], views["height"] = _VIEW.itemsize, self.width, self.height
-        views["over"], views["left"], views["top"] = over, first_pixel[0], first_pixel[1]
+        self._is_part = first_pixel is not None
+        views["over"], (views["left"], views["top"]) = over, first_pixel or (0, 0)
         self._conventions = conventions_of(conventions)
         views["conventions"] = ctypes.addressof(self._conventions)
         self.background = background
@@ -133,16 +134,22 @@ class Frame:
         if isinstance(cameras, Camera):
             if len(self._views) != 1:
                 raise ValueError(f"one camera for a frame of {len(self._views)} images, expected as many")
+            self._check_size(cameras)
             self._camera_addresses[0] = cameras._address
         else:
             if len(cameras) != len(self._views):
                 raise ValueError(f"{len(cameras)} cameras for a frame of {len(self._views)} images, expected as many")
-            try:
-                self._camera_addresses[:] = [camera._address for camera in cameras]
-            except AttributeError:
-                check_cameras(cameras)
-                raise
+            cameras = check_cameras(cameras)
+            for camera in cameras:
+                self._check_size(camera)
+            self._camera_addresses[:] = [camera._address for camera in cameras]
         self._cameras = cameras
+
+    def _check_size(self, camera: Camera) -> None:
+        struct = camera._struct
+        if not self._is_part and (struct.width != self.width or struct.height != self.height):
+            raise ValueError(f"the camera has {struct.width}x{struct.height} pixels and the frame {self.width}x"
+                             f"{self.height}, expected as many, or first_pixel for a part of the image")
 
     def save(self, path: Union[str, "os.PathLike[str]"], index: int = 0) -> None:
         """Writes image `index` of a frame on the host as its ending says: `.png`, `.pfm`, or `.exr`, which has alpha

@@ -98,9 +98,9 @@ def rasterization(
 
     shape = (count, height, width)
     if render_mode not in ("RGB", "ED") and device is not None and _arrays.library_of(means) not in _arrays.LIBRARIES:
-        raise NotImplementedError(f"rasterization: render_mode is '{render_mode}', expected 'RGB' or 'ED' for arrays of "
-                                  f"'{_arrays.library_of(means)}', since none of {', '.join(_arrays.LIBRARIES)} is there "
-                                  "to put planes together")
+        raise NotImplementedError(f"rasterization: render_mode is '{render_mode}', expected 'RGB' or 'ED' for arrays "
+                                  f"of '{_arrays.library_of(means)}': planes are put together by "
+                                  f"{', '.join(_arrays.LIBRARIES)} alone")
     colour = _arrays.empty(means, (*shape, 3), device) if in_colour else None
     alpha = _arrays.empty(means, (*shape, 1), device)
     depth = _arrays.empty(means, (*shape, 1), device) if render_mode != "RGB" else None

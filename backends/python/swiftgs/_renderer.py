@@ -122,12 +122,16 @@ class Renderer:
 
     def set_scene(self, scene: Scene) -> None:
         """Uploads `scene` for the frames that follow; backends of the host share its memory."""
+        if not isinstance(scene, Scene):
+            raise TypeError(f"scene is of type {type(scene).__name__}, expected swiftgs.Scene; swiftgs.load reads one")
         with self._lock:
             lib.renderer_set_scene(self._open(), scene._open())
             self._scene = f"{len(scene):,} Gaussians"
 
     def share_scene(self, other: "Renderer") -> None:
         """Shares what `other`, a renderer of the same backend, has uploaded."""
+        if not isinstance(other, Renderer):
+            raise TypeError(f"other is of type {type(other).__name__}, expected swiftgs.Renderer")
         with self._lock:
             lib.renderer_share_scene(self._open(), other._open())
             self._scene = other._scene
@@ -190,6 +194,8 @@ class Renderer:
             out = Frame.empty(first.width, first.height, count, format=format, **frame)
         elif frame or format != "rgb":
             raise TypeError(f"render takes either out or {', '.join(frame) or 'format'}")
+        elif not isinstance(out, Frame):
+            raise TypeError(f"out is of type {type(out).__name__}, expected swiftgs.Frame")
         with self._lock, out._lock:
             out._aim(cameras)
             out._struct.measure = times * _c.MEASURE_TIMES + counts * _c.MEASURE_COUNTS
@@ -208,8 +214,10 @@ class Renderer:
         if out.device != self._device:
             raise ValueError(f"the frame lies on CUDA device {out.device}, expected {self._device}, the renderer's")
         streams = [_arrays.stream_of(array, out.device) for array in out._sources]
-        for stream in streams:
-            if stream is not None and stream != self._stream:
+        for array, stream in zip(out._sources, streams):
+            if stream is None:
+                _arrays.read(array, "the frame", self._stream)  # its protocol makes it ready
+            elif stream != self._stream:
                 lib.device_order(stream or None, self._stream or None)
         lib.renderer_render_into(pointer, out._address)
         for array, stream in zip(out._sources, streams):

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`swiftgs.rasterization` beside gsplat's own, in one run on one GPU: times, and how far each is from float64.
+
+    python3 benchmarks/beside_gsplat.py build    builds gsplat from the folder SWIFTGS_GSPLAT into build/gsplat, once
+    python3 benchmarks/beside_gsplat.py run builtin:200000 captures/fox --json results.json
+
+Both need PyTorch with CUDA; `run` needs the package swiftgs, and gsplat of `build` or another that is installed. gsplat
+is built in a copy of its sources, for forward and backward passes of 3DGS in 3 and 4 channels alone. GLM, which it
+brings as a submodule, is that of SWIFTGS_PREFIX or of the system where the submodule is empty.
+
+All take the same tensors on the device, under `no_grad`, and take turns in a random order. A time is that of one call
+from an idle device until it is idle again, the median of many. `swiftgs, scene kept` draws a scene that was set before
+into the same memory.
+"""
+import argparse
+import importlib.util
+import json
+import os
+import pathlib
+import random
+import shutil
+import statistics
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+BUILT = pathlib.Path(os.environ.get("SWIFTGS_GSPLAT_BUILD", ROOT / "build/gsplat"))
+sys.path[:0] = [str(BUILT), str(ROOT / "tests/python")]
+
+# What a comparison does not need is left out, since it takes most of the time of a build.
+LEAN = {"BUILD_EXPERIMENTAL": "0", "BUILD_2DGS": "0", "BUILD_3DGUT": "0", "BUILD_ADAM": "0", "BUILD_RELOC": "0",
+        "BUILD_LOSSES": "0", "NUM_CHANNELS": "1,2,3,4"}
+
+STUB_OF_RICH = '''class Console:
+    """What gsplat prints its notes by, where rich is not installed."""
+
+    print = staticmethod(print)
+
+    def status(self, *_, **__):
+        import contextlib
+        return contextlib.nullcontext()
+'''
+
+
+def find_glm():
+    places = [os.environ.get("SWIFTGS_PREFIX", "/nowhere") + "/usr/include", "/usr/include", "/usr/local/include"]
+    for place in map(pathlib.Path, places):
+        if (place / "glm/glm.hpp").exists():
+            return place / "glm"
+    raise SystemExit(f"GLM: expected glm/glm.hpp in one of {', '.join(places)}")
+
+
+def build(lean):
+    source = os.environ.get("SWIFTGS_GSPLAT")
+    if not source or not (pathlib.Path(source) / "gsplat").is_dir():
+        raise SystemExit(f"SWIFTGS_GSPLAT is '{source}', expected a folder with the sources of gsplat")
+    if list(BUILT.glob("gsplat/csrc*.so")):
+        return print(f"gsplat is built in {BUILT}")
+    shutil.copytree(source, BUILT, dirs_exist_ok=True,
+                    ignore=shutil.ignore_patterns(".git", "build", "examples", "docs", "assets"))
+    glm = BUILT / "gsplat/cuda/csrc/third_party/glm"
+    if not (glm / "glm/glm.hpp").exists():
+        glm.mkdir(parents=True, exist_ok=True)
+        shutil.copytree(find_glm(), glm / "glm", dirs_exist_ok=True)
+    if importlib.util.find_spec("rich") is None:
+        (BUILT / "rich").mkdir(exist_ok=True)
+        (BUILT / "rich/__init__.py").write_text("")
+        (BUILT / "rich/console.py").write_text(STUB_OF_RICH)
+    begun = time.monotonic()
+    import torch  # pylint: disable=import-outside-toplevel
+    kind = ".".join(map(str, torch.cuda.get_device_capability())) if torch.cuda.is_available() else "9.0"
+    environment = {"TORCH_CUDA_ARCH_LIST": kind, "MAX_JOBS": str(os.cpu_count()), **(LEAN if lean else {}),
+                   **os.environ}
+    subprocess.run([sys.executable, "setup.py", "build_ext", "--inplace"], cwd=BUILT, check=True, env=environment)
+    return print(f"gsplat was built in {BUILT} within {time.monotonic() - begun:.0f} s")
+
+
+class Case:
+    """One scene and a batch of its views, as arguments of both functions."""
+
+    def __init__(self, name, batch, scale):
+        import swiftgs  # pylint: disable=import-outside-toplevel
+        if name.startswith("builtin"):
+            self.scene = swiftgs.Scene.builtin(int(name.partition(":")[2] or 200_000))
+            first = swiftgs.Camera.builtin().scaled(scale)
+            around = [(0.9 * x, -1.5, 0.9 * z) for x, z in ((-1, -4.4), (4, -2), (4, 2), (0, 4.4), (-4, 2), (-4, -2))]
+            cameras = [first] + [swiftgs.Camera.look_at(eye, (0, -0.5, 0), width=first.width, height=first.height,
+                                                        vertical_fov=0.8) for eye in around]
+        else:
+            self.scene = swiftgs.load(name)
+            found = [camera.scaled(scale) for camera in swiftgs.load_cameras(name)[::8]]
+            cameras = [camera for camera in found if (camera.width, camera.height) == (found[0].width, found[0].height)]
+        self.name, self.cameras = pathlib.Path(name).name, [cameras[i % len(cameras)] for i in range(batch)]
+
+    def arguments(self, cameras=None):
+        import numpy as np  # pylint: disable=import-outside-toplevel
+        import torch  # pylint: disable=import-outside-toplevel
+        cameras = cameras or self.cameras
+        scene = self.scene
+
+        def tensor(array):
+            return torch.tensor(np.asarray(array, np.float32), device="cuda")
+
+        return {"means": tensor(scene.means), "quats": tensor(scene.rotations), "scales": tensor(scene.scales),
+                "opacities": tensor(scene.opacities), "colors": tensor(scene.sh),
+                "viewmats": tensor([camera.viewmat for camera in cameras]),
+                "Ks": tensor([camera.K for camera in cameras]), "width": cameras[0].width,
+                "height": cameras[0].height, "sh_degree": scene.sh_degree}
+
+
+def measure(calls, rounds):
+    """Milliseconds of each call, the calls taking turns."""
+    import torch  # pylint: disable=import-outside-toplevel
+    found = {name: [] for name in calls}
+    for turn in range(rounds + 5):
+        for name in random.sample(list(calls), len(calls)):
+            torch.cuda.synchronize()
+            begun = time.perf_counter()
+            calls[name]()
+            torch.cuda.synchronize()
+            if turn >= 5:
+                found[name].append((time.perf_counter() - begun) * 1e3)
+    return {name: statistics.median(times) for name, times in found.items()}
+
+
+def errors(case, small):
+    """dB between both in all views, and of each from float64 in the first view at a smaller size."""
+    import float64  # pylint: disable=import-outside-toplevel
+    import gsplat  # pylint: disable=import-outside-toplevel
+    import swiftgs  # pylint: disable=import-outside-toplevel
+    from conftest import decibels  # pylint: disable=import-outside-toplevel
+    arguments = case.arguments()
+    ours, theirs = swiftgs.rasterization(**arguments)[0], gsplat.rasterization(**arguments)[0]
+    between = [float(decibels(a.cpu(), b.cpu())) for a, b in zip(ours, theirs)]
+    camera, scene = case.cameras[0].scaled(small), case.scene
+    wanted = float64.render(scene.means, scene.rotations, scene.scales, scene.opacities, scene.sh, camera.viewmat,
+                            camera.K, camera.width, camera.height)
+    arguments = case.arguments([camera])
+    return {"between_db": between, "float64_size": [camera.width, camera.height],
+            "swiftgs_db": float(decibels(swiftgs.rasterization(**arguments)[0][0].cpu(), wanted)),
+            "gsplat_db": float(decibels(gsplat.rasterization(**arguments)[0][0].cpu(), wanted))}
+
+
+def row(case, rounds, small):
+    import gsplat  # pylint: disable=import-outside-toplevel
+    import torch  # pylint: disable=import-outside-toplevel
+    import swiftgs  # pylint: disable=import-outside-toplevel
+    arguments = case.arguments()
+    on_host = dict(arguments, viewmats=arguments["viewmats"].cpu().numpy(), Ks=arguments["Ks"].cpu().numpy())
+    renderer, count = swiftgs.Renderer("cuda", scene=case.scene), len(case.cameras)
+    size = case.cameras[0].width, case.cameras[0].height
+    frame = swiftgs.Frame(torch.empty(count, size[1], size[0], 3, device="cuda"),
+                          torch.empty(count, size[1], size[0], 1, device="cuda"))
+    times = measure({
+        "swiftgs": lambda: swiftgs.rasterization(**arguments),
+        "swiftgs, matrices on the host": lambda: swiftgs.rasterization(**on_host),
+        "swiftgs, scene kept": lambda: renderer.render(case.cameras, out=frame),
+        "gsplat": lambda: gsplat.rasterization(**arguments),
+        "gsplat, not packed": lambda: gsplat.rasterization(**arguments, packed=False)}, rounds)
+    return {"scene": case.name, "gaussians": len(case.scene), "views": count, "size": list(size), "ms": times,
+            **errors(case, small)}
+
+
+def run(arguments):
+    import gsplat  # pylint: disable=import-outside-toplevel
+    import torch  # pylint: disable=import-outside-toplevel
+    import swiftgs  # pylint: disable=import-outside-toplevel
+    random.seed(1)
+    with torch.no_grad():
+        rows = [row(Case(scene, batch, arguments.scale), arguments.rounds, arguments.small)
+                for scene in arguments.scenes for batch in arguments.views]
+    results = {"format": "swiftgs-beside-gsplat", "version": 1, "gpu": torch.cuda.get_device_name(),
+               "torch": torch.__version__, "gsplat": gsplat.__version__, "swiftgs": swiftgs.__version__, "rows": rows}
+    if arguments.json:
+        arguments.json.write_text(json.dumps(results, indent=1) + "\n")
+    names = list(rows[0]["ms"])
+    print("| scene | views | size | " + " | ".join(f"{name}, ms" for name in names) +
+          " | dB between, least | swiftgs from float64, dB | gsplat from float64, dB |")
+    print("| --- | ---: | --- | " + " | ".join("---:" for _ in range(len(names) + 3)) + " |")
+    for each in rows:
+        print(f"| {each['scene']} | {each['views']} | {'x'.join(map(str, each['size']))} | " +
+              " | ".join(f"{each['ms'][name]:.3f}" for name in names) +
+              f" | {min(each['between_db']):.1f} | {each['swiftgs_db']:.1f} | {each['gsplat_db']:.1f} |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", required=True)
+    building = commands.add_parser("build", help="builds gsplat once")
+    building.add_argument("--all", action="store_true", help="all of gsplat, and not what is compared alone")
+    running = commands.add_parser("run", help="compares")
+    running.add_argument("scenes", nargs="+", help="builtin, builtin:N, or folders of captures")
+    running.add_argument("--views", type=int, nargs="+", default=[1, 4, 16], help="views of a frame")
+    running.add_argument("--scale", type=float, default=1, help="factor of the images' sides")
+    running.add_argument("--small", type=float, default=0.2, help="that of the image in float64, on top")
+    running.add_argument("--rounds", type=int, default=50)
+    running.add_argument("--json", type=pathlib.Path)
+    arguments = parser.parse_args()
+    if arguments.command == "build":
+        build(not arguments.all)
+    else:
+        run(arguments)
+
+
+if __name__ == "__main__":
+    main()
