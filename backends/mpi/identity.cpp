@@ -91,9 +91,12 @@ std::vector<std::string> our_objects() {
 }  // namespace
 
 std::string build_identity() {
-  Checksum sum;
-  for (const std::string& path : our_objects()) add_file(sum, path, ~std::uint64_t(0));
-  return std::string(version) + ", checksum " + sum.text();
+  static const std::string identity = [] {
+    Checksum sum;
+    for (const std::string& path : our_objects()) add_file(sum, path, ~std::uint64_t(0));
+    return std::string(version) + ", checksum " + sum.text();
+  }();
+  return identity;
 }
 
 std::string file_identity(const std::filesystem::path& path) {

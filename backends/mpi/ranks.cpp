@@ -4,6 +4,7 @@
 #include <new>
 #include <numeric>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "ranks_state.hpp"
@@ -76,6 +77,43 @@ std::vector<std::string> Ranks::all_gather(const std::string& mine) const {
   return each;
 }
 
+void Ranks::add_up(Span<std::uint64_t> sums) const {
+  const mpi::Waiting waiting(*state_);
+  const std::size_t at_once = state_->longest_message / sizeof(std::uint64_t) + 1;
+  for (std::size_t begin = 0; begin < sums.size; begin += at_once)
+    mpi::check(MPI_Allreduce(MPI_IN_PLACE, sums.data + begin, int(std::min(at_once, sums.size - begin)),
+                             MPI_UINT64_T, MPI_SUM, state_->comm),
+               "MPI_Allreduce");
+}
+
+void Ranks::meet(const std::function<void()>& meanwhile) const {
+  MPI_Request request = MPI_REQUEST_NULL;
+  mpi::check(MPI_Ibarrier(state_->comm, &request), "MPI_Ibarrier");
+  for (int all = 0;; std::this_thread::sleep_for(std::chrono::milliseconds(10))) {
+    mpi::check(MPI_Test(&request, &all, MPI_STATUS_IGNORE), "MPI_Test");
+    if (all) return;
+    meanwhile();
+  }
+}
+
+void Ranks::tell_step() const {
+  MPI_Request request = MPI_REQUEST_NULL;
+  mpi::check(MPI_Isend(nullptr, 0, MPI_BYTE, 0, mpi::step_tag, state_->comm, &request), "MPI_Isend");
+  mpi::check(MPI_Request_free(&request), "MPI_Request_free");
+}
+
+std::size_t Ranks::steps_told() const {
+  for (std::size_t steps = 0;; ++steps) {
+    int waits = 0;
+    MPI_Status status;
+    mpi::check(MPI_Iprobe(MPI_ANY_SOURCE, mpi::step_tag, state_->comm, &waits, &status), "MPI_Iprobe");
+    if (!waits) return steps;
+    mpi::check(
+        MPI_Recv(nullptr, 0, MPI_BYTE, status.MPI_SOURCE, mpi::step_tag, state_->comm, MPI_STATUS_IGNORE),
+        "MPI_Recv");
+  }
+}
+
 void Ranks::require_same(const std::string& what, const std::string& mine) const {
   const std::vector<std::string> each = all_gather(mine);
   for (std::size_t r = 1; r < each.size(); ++r)
@@ -112,8 +150,8 @@ void Exchange::send(int rank, const void* from, std::size_t bytes) {
   Ranks::State& state = ranks_.state();
   for_messages(bytes, state.longest_message, [&](std::size_t begin, std::size_t count) {
     MPI_Request& request = requests_->each.emplace_back(MPI_REQUEST_NULL);
-    mpi::check(MPI_Isend(static_cast<const std::byte*>(from) + begin, int(count), MPI_BYTE, rank, 0,
-                         state.comm, &request),
+    mpi::check(MPI_Isend(static_cast<const std::byte*>(from) + begin, int(count), MPI_BYTE, rank,
+                         mpi::data_tag, state.comm, &request),
                "MPI_Isend");
     ++state.traffic.messages;
   });
@@ -124,9 +162,9 @@ void Exchange::receive(int rank, void* to, std::size_t bytes) {
   Ranks::State& state = ranks_.state();
   for_messages(bytes, state.longest_message, [&](std::size_t begin, std::size_t count) {
     MPI_Request& request = requests_->each.emplace_back(MPI_REQUEST_NULL);
-    mpi::check(
-        MPI_Irecv(static_cast<std::byte*>(to) + begin, int(count), MPI_BYTE, rank, 0, state.comm, &request),
-        "MPI_Irecv");
+    mpi::check(MPI_Irecv(static_cast<std::byte*>(to) + begin, int(count), MPI_BYTE, rank, mpi::data_tag,
+                         state.comm, &request),
+               "MPI_Irecv");
   });
   state.traffic.received_bytes += bytes;
 }

@@ -22,6 +22,9 @@ struct Ranks::State {
 
 namespace mpi {
 
+/// Of messages of an `Exchange`, and of those that tell steps.
+inline constexpr int data_tag = 0, step_tag = 1;
+
 /// Throws `MpiError` unless a call of MPI succeeded.
 void check(int result, const char* call);
 

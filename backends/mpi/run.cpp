@@ -18,8 +18,15 @@ namespace {
 /// How long a rank that fails because of another waits for that one to end all.
 constexpr std::chrono::milliseconds patience{500};
 
+/// Often all ranks fail alike: the first says so, and ends the others before they do.
+void let_others_speak(const Ranks& ranks) {
+  if (ranks.rank() != 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(150 + std::min(ranks.rank(), 100)));
+}
+
 /// Prints one line and ends all ranks. Others may be anywhere: MPI is not ended in order.
 [[noreturn]] void end_all(const std::string& program, const Ranks& ranks, std::string text) {
+  let_others_speak(ranks);
   std::replace(text.begin(), text.end(), '\n', ' ');
   std::fflush(stdout);
   std::fprintf(stderr, "%s: rank %d of %d: %s\n", program.c_str(), ranks.rank(), ranks.size(), text.c_str());

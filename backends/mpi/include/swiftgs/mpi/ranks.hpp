@@ -72,8 +72,19 @@ class SWIFTGS_API Ranks {
     return each;
   }
 
+  /// Replaces each element by the sum of those of all ranks.
+  void add_up(Span<std::uint64_t> sums) const;
+
   /// Throws `std::invalid_argument` on all ranks unless all bring the same text for `what`.
   void require_same(const std::string& what, const std::string& mine) const;
+
+  /// Returns when all ranks have called it; calls `meanwhile` now and then.
+  void meet(const std::function<void()>& meanwhile) const;
+
+  /// Tells rank 0 that some step is done, and does not wait for it to hear. Not collective.
+  void tell_step() const;
+  /// On rank 0: how many steps others have told since this was last asked. Not collective.
+  std::size_t steps_told() const;
 
   /// Of this rank, since its communicator was made. Not collective.
   Traffic traffic() const;
