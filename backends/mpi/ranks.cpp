@@ -37,6 +37,15 @@ Ranks ranks_of(MPI_Comm comm) { return Ranks(std::make_shared<Ranks::State>(comm
 
 int Ranks::rank() const { return state_->rank; }
 int Ranks::size() const { return state_->size; }
+int Ranks::rank_on_machine() const {
+  MPI_Comm machine = MPI_COMM_NULL;
+  mpi::check(MPI_Comm_split_type(state_->comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine),
+             "MPI_Comm_split_type");
+  int rank = 0;
+  MPI_Comm_rank(machine, &rank);
+  MPI_Comm_free(&machine);
+  return rank;
+}
 Traffic Ranks::traffic() const { return state_->traffic; }
 
 void Ranks::set_longest_message(std::size_t bytes) {

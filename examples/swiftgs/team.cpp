@@ -9,6 +9,9 @@
 #if defined(SWIFTGS_HAS_MPI)
 #include <swiftgs/mpi/identity.hpp>
 #include <swiftgs/mpi/ranks.hpp>
+#if defined(SWIFTGS_HAS_CUDA)
+#include <swiftgs/mpi/cuda.hpp>
+#endif
 #endif
 
 namespace swiftgs::cli {
@@ -36,6 +39,9 @@ int Team::run(int argc, char** argv, const std::function<int()>& work) {
     started.require_same("the command", arguments);
     if (started.rank() != 0 && !std::freopen("/dev/null", "w", stdout))
       throw std::runtime_error("/dev/null: cannot be opened");
+#if defined(SWIFTGS_HAS_CUDA)
+    if (Cuda::usable()) take_device(started);
+#endif
     ranks.emplace(started);
     const int code = work();
     ranks.reset();

@@ -85,7 +85,7 @@ class BandFrames {
       std::size_t before = 0;
       for (const BandPiece& piece : bands[std::size_t(ranks.rank())].pieces) {
         const std::size_t pixels = pixels_of(piece);
-        const auto send = [&](const auto& buffer, const auto& staged, std::size_t channels) {
+        const auto send = [&](const auto& buffer, auto& staged, std::size_t channels) {
           if (buffer.size() != 0)
             exchange.send(0, staged.host() + channels * before, channels * pixels * sizeof(float));
         };

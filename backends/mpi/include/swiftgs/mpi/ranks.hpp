@@ -58,6 +58,8 @@ class SWIFTGS_API Ranks {
 
   int rank() const;
   int size() const;
+  /// Of this rank among those of its machine, from 0. Collective.
+  int rank_on_machine() const;
 
   /// Whether `mine` holds on all ranks.
   bool all(bool mine) const;
