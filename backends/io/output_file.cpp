@@ -8,7 +8,7 @@
 namespace swiftgs::io {
 
 OutputFile::OutputFile(const std::filesystem::path& path)
-    : path_(path), unfinished_(path), file_(std::fopen(unfinished_.path().c_str(), "wb")) {
+    : path_(path), unfinished_(path), file_(unfinished_.open()) {
   if (!file_) fail();
 }
 

@@ -110,7 +110,8 @@ void decode_vertex(const ChunkRanges& ranges, const Rows& vertices, const std::b
   scene.opacities[i] = float(packed & 255) / 255;
 }
 
-void decode_gaussians(const Source& source, const CompressedLayout& layout, bool flat,
+/// Gaussians from number `first` on, as many as `scene` has.
+void decode_gaussians(const Source& source, const CompressedLayout& layout, bool flat, std::size_t first,
                       const ProgressMeter& progress, Scene& scene) {
   const auto row = [&](const Rows& rows, std::size_t i) {
     return source.bytes.data() + rows.position + i * rows.row_bytes;
@@ -119,15 +120,17 @@ void decode_gaussians(const Source& source, const CompressedLayout& layout, bool
   for_parts(scene.size(), progress, [&](std::size_t begin, std::size_t end) {
     ChunkRanges ranges;
     for (std::size_t i = begin; i < end; ++i) {
-      if (i == begin || i % chunk_size == 0)
-        ranges = decode_chunk(layout.chunks, row(layout.chunks, i / chunk_size));
-      decode_vertex(ranges, layout.vertices, row(layout.vertices, i), flat, scene, i);
+      const std::size_t stored = first + i;
+      if (i == begin || stored % chunk_size == 0)
+        ranges = decode_chunk(layout.chunks, row(layout.chunks, stored / chunk_size));
+      decode_vertex(ranges, layout.vertices, row(layout.vertices, stored), flat, scene, i);
       for (std::size_t k = 0; k < rest; ++k)
         scene.sh_rest[i * rest + k] =
-            unpack_sh(load<std::uint8_t>(row(layout.harmonics, i) + layout.sh.fields[k].offset));
+            unpack_sh(load<std::uint8_t>(row(layout.harmonics, stored) + layout.sh.fields[k].offset));
     }
     for (const Rows* rows : {&layout.vertices, &layout.harmonics})
-      let_go(source, rows->position + begin * rows->row_bytes, rows->position + end * rows->row_bytes);
+      let_go(source, rows->position + (first + begin) * rows->row_bytes,
+             rows->position + (first + end) * rows->row_bytes);
   });
 }
 
@@ -140,10 +143,11 @@ SceneFile read_compressed_ply(const Source& source, const PlyHeader& header,
   const PlyModel model = model_of(header);
   SceneFile file;
   file.format = "compressed PLY";
-  file.stored = header.find("vertex")->count;
+  const auto [first, last] = options.part.range(header.find("vertex")->count);
+  file.stored = last - first;
   allocate(file.scene, file.stored, layout.sh.degree);
   file.scene.antialiased = model.antialiased;
-  decode_gaussians(source, layout, model.flat, progress.step(0.05, 1), file.scene);
+  decode_gaussians(source, layout, model.flat, first, progress.step(0.05, 1), file.scene);
   file.dropped_nonfinite = drop_nonfinite(file.scene);
   file.notes = notes_of(model.flat, true, layout.sh);
   note_unread(header, {"chunk", "vertex", "sh"}, layout.unread, file.notes);

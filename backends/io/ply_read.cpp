@@ -75,12 +75,13 @@ void decode_rows(const Source& source, std::uint64_t position, const PlyLayout& 
   });
 }
 
-/// Decodes all vertices, which start at `position`.
+/// Decodes vertices from number `first` on, as many as `scene` has. The rows of all start at `position`.
 void decode_vertices(const Source& source, const PlyHeader& header, const PlyElement& vertex,
-                     const PlyLayout& layout, std::uint64_t position, const ProgressMeter& progress,
-                     Scene& scene) {
+                     const PlyLayout& layout, std::uint64_t position, std::size_t first,
+                     const ProgressMeter& progress, Scene& scene) {
   if (header.encoding == PlyEncoding::ascii) {
     std::vector<double> row;
+    for (std::size_t i = 0; i < first; ++i) position = parse_text_row(source, vertex, position, row);
     for (std::size_t i = 0; i < scene.size(); ++i) {
       position = parse_text_row(source, vertex, position, row);
       const auto* bytes = reinterpret_cast<const std::byte*>(row.data());
@@ -90,6 +91,7 @@ void decode_vertices(const Source& source, const PlyHeader& header, const PlyEle
     progress.report(1);
     return;
   }
+  position += first * layout.row_bytes;
   const std::endian order =
       header.encoding == PlyEncoding::little_endian ? std::endian::little : std::endian::big;
   if (order == std::endian::little && layout.all_floats)
@@ -116,10 +118,11 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
 
   SceneFile file;
   file.format = std::string("INRIA PLY (") + header.encoding_name() + ")";
-  file.stored = vertex.count;
-  allocate(file.scene, vertex.count, layout.sh.degree);
+  const auto [first, last] = options.part.range(vertex.count);
+  file.stored = last - first;
+  allocate(file.scene, file.stored, layout.sh.degree);
   file.scene.antialiased = model.antialiased;
-  decode_vertices(source, header, vertex, layout, vertices, progress.step(locating, 1), file.scene);
+  decode_vertices(source, header, vertex, layout, vertices, first, progress.step(locating, 1), file.scene);
   file.dropped_nonfinite = drop_nonfinite(file.scene);
   file.notes = notes_of(layout.flat, layout.has_third_scale, layout.sh);
   note_unread(header, {"vertex"}, layout.unread, file.notes);

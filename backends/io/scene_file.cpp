@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <stdexcept>
 #include <string_view>
 
 #include <swiftgs/io/capture.hpp>
@@ -55,6 +56,7 @@ struct Reader {
   bool (*reads)(std::string_view text, std::string_view name);
   /// `SceneFile::bytes` is left to be those of other files.
   SceneFile (*read)(const Source& source, const SceneReadOptions& options);
+  bool reads_parts = false;
 };
 
 /// The first that reads a file is taken.
@@ -62,11 +64,11 @@ constexpr Reader readers[] = {
     {[](std::string_view text, std::string_view) {
        return text.starts_with("ply\n") || text.starts_with("ply\r\n");
      },
-     read_ply},
+     read_ply, true},
     {[](std::string_view text, std::string_view) {
        return text.starts_with("NGSP") || text.starts_with("\x1f\x8b");
      },
-     read_spz},
+     read_spz, true},
     {[](std::string_view text, std::string_view name) {
        return text.starts_with("glTF") || is_gltf(text, name);
      },
@@ -86,13 +88,19 @@ constexpr Reader readers[] = {
      },
      read_streamed_sog},
     // Last, as nothing but the name tells.
-    {[](std::string_view, std::string_view name) { return has_ending(name, ".splat"); }, read_splat},
+    {[](std::string_view, std::string_view name) { return has_ending(name, ".splat"); }, read_splat, true},
 };
 
 SceneFile read(const Source& source, const SceneReadOptions& options) {
   const std::string_view text = source.text();
+  validate(options.part);
   for (const Reader& reader : readers)
     if (reader.reads(text, source.name)) {
+      if (!options.part.is_whole() && !reader.reads_parts)
+        throw std::invalid_argument(
+            source.name +
+            ": a part of it was asked for, expected a PLY, SPZ or .splat file, which can be "
+            "read in parts; 'swiftgs convert' writes one");
       SceneFile file = reader.read(source, options);
       file.bytes += source.bytes.size();
       return file;

@@ -35,13 +35,15 @@ SceneFile read_splat(const Source& source, const SceneReadOptions& options) {
                                     std::to_string(partial));
   SceneFile file;
   file.format = ".splat";
-  file.stored = size / splat_record_bytes;
+  const auto [first, last] = options.part.range(size / splat_record_bytes);
+  file.stored = last - first;
   allocate(file.scene, file.stored, 0);
   const ProgressMeter progress(options.progress, source.name);
+  const std::uint64_t position = first * splat_record_bytes;
   for_parts(file.stored, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      decode_record(source.bytes.data() + i * splat_record_bytes, file.scene, i);
-    let_go(source, begin * splat_record_bytes, end * splat_record_bytes);
+      decode_record(source.bytes.data() + position + i * splat_record_bytes, file.scene, i);
+    let_go(source, position + begin * splat_record_bytes, position + end * splat_record_bytes);
   });
   drop_signs_of_scales(file);
   file.dropped_nonfinite = drop_nonfinite(file.scene);

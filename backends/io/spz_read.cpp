@@ -42,11 +42,11 @@ SpzAxes choose_axes(const Source& source, const SpzExtensions& stated, SpzFrame 
   return *axes;
 }
 
-/// Decodes Gaussians [begin, end) of all attributes.
+/// Decodes Gaussians [begin, end) of a scene that begins with number `first` of the file, all attributes.
 class SpzDecoder {
  public:
-  SpzDecoder(const SpzContent& content, const SpzAxes& axes, int sh_degree)
-      : content_(content), axes_(axes), sizes_(spz_sizes(content.header)) {
+  SpzDecoder(const SpzContent& content, const SpzAxes& axes, int sh_degree, std::size_t first)
+      : content_(content), axes_(axes), first_(first), sizes_(spz_sizes(content.header)) {
     if (axes.quarter_turn)
       turn_.emplace(axes.matrix(), sh_degree);
     else
@@ -70,7 +70,7 @@ class SpzDecoder {
 
  private:
   const std::byte* at(SpzAttribute a, std::size_t i) const {
-    return content_.arrays[a].data() + i * sizes_[a];
+    return content_.arrays[a].data() + (first_ + i) * sizes_[a];
   }
 
   void decode_harmonics(Scene& scene, std::size_t begin, std::size_t end) const {
@@ -88,6 +88,7 @@ class SpzDecoder {
 
   const SpzContent& content_;
   SpzAxes axes_;
+  std::size_t first_;
   std::array<std::size_t, spz_attributes> sizes_;
   SpzTables tables_;
   std::array<float, 15> signs_ = AxisFlip{}.sh_signs();
@@ -108,7 +109,8 @@ SceneFile read_spz(const Source& source, const SceneReadOptions& options) {
   // Taking the memory of a large scene lasts about as long as unpacking it.
   std::future<void> allocated;
   const auto take = [&](const SpzHeader& header) {
-    allocated = std::async(std::launch::async, [&, count = header.count, degree = header.sh_degree] {
+    const std::size_t size = options.part.range(header.count).size();
+    allocated = std::async(std::launch::async, [&, count = size, degree = header.sh_degree] {
       allocate(file.scene, count, std::min(degree, max_sh_degree));
     });
   };
@@ -117,10 +119,11 @@ SceneFile read_spz(const Source& source, const SceneReadOptions& options) {
   const SpzHeader& header = content.header;
 
   file.format = "SPZ version " + std::to_string(header.version);
-  file.stored = header.count;
+  const ScenePart::Range range = options.part.range(header.count);
+  file.stored = range.size();
   file.notes = content.extensions.notes;
   const SpzAxes axes = choose_axes(source, content.extensions, options.spz_frame, file.notes);
-  const SpzDecoder decoder(content, axes, file.scene.sh_degree);
+  const SpzDecoder decoder(content, axes, file.scene.sh_degree, range.begin);
   for_parts(file.scene.size(), progress.step(0.6, 1),
             [&](std::size_t first, std::size_t end) { decoder.decode(file.scene, first, end); });
   file.scene.antialiased = header.antialiased;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "unfinished_file.hpp"
 
+#include <cerrno>
 #include <random>
 #include <string>
 #include <system_error>
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -28,6 +30,9 @@ fs::path beside(const fs::path& path) {
   return name;
 }
 
+/// Where /proc shows an open file.
+std::string name_of(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
+
 }  // namespace
 
 bool is_stream(const fs::path& path) {
@@ -47,13 +52,42 @@ UnfinishedFile::UnfinishedFile(const fs::path& path) {
   }
 }
 
+std::FILE* UnfinishedFile::open() {
+#if defined(O_TMPFILE)
+  if (!place_.empty()) {
+    const fs::path folder = place_.has_parent_path() ? place_.parent_path() : ".";
+    const int descriptor = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    // It gets its name by way of /proc.
+    if (descriptor >= 0 && ::access(name_of(descriptor).c_str(), F_OK) == 0) {
+      unnamed_ = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
+      if (unnamed_ >= 0)
+        if (std::FILE* file = ::fdopen(descriptor, "wb")) return file;
+    }
+    if (descriptor >= 0) ::close(descriptor);
+    forget_unnamed();
+  }
+#endif
+  return std::fopen(path_.c_str(), "wb");
+}
+
+void UnfinishedFile::forget_unnamed() {
+  if (unnamed_ >= 0) ::close(unnamed_);
+  unnamed_ = -1;
+}
+
 UnfinishedFile::~UnfinishedFile() {
+  forget_unnamed();
   std::error_code gone;
   if (!place_.empty()) fs::remove(path_, gone);
 }
 
 void UnfinishedFile::finish() {
   if (place_.empty()) return;
+  if (unnamed_ >= 0) {
+    if (::linkat(AT_FDCWD, name_of(unnamed_).c_str(), AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW) != 0)
+      throw fs::filesystem_error("linkat", place_, std::error_code(errno, std::generic_category()));
+    forget_unnamed();
+  }
   std::error_code none;
   const fs::perms before = fs::status(place_, none).permissions();
   if (!none && before != fs::perms::unknown) fs::permissions(path_, before);

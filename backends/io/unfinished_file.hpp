@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdio>
 #include <filesystem>
 
 namespace swiftgs::io {
@@ -18,12 +19,19 @@ class UnfinishedFile {
   /// Where to write.
   const std::filesystem::path& path() const { return path_; }
 
+  /// Opens it for writing, or returns null, as `std::fopen` does. Where the file system can, it then has no
+  /// name until `finish`: of a program that is killed nothing stays behind. Close the file before `finish`.
+  std::FILE* open();
+
   /// Puts the file in its place. Throws `std::filesystem::filesystem_error`.
   void finish();
 
  private:
+  void forget_unnamed();
+
   std::filesystem::path place_;  ///< empty once it is filled, and for what is written to as it is
   std::filesystem::path path_;
+  int unnamed_ = -1;  ///< descriptor of a file without a name
 };
 
 /// Whether `path` is written to as it is.

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -22,6 +23,7 @@
 #include "progress.hpp"
 #include "result_file.hpp"
 #include "scene_input.hpp"
+#include "team.hpp"
 #include "views.hpp"
 
 namespace swiftgs::cli {
@@ -145,37 +147,64 @@ void check(const CheckOptions& options) {
 
   Progress progress(task.views.size() * (1 + entries.size()));
   const dvec3 background(task.settings.background);
-  for (const View& view : task.views) {
+  const Team& team = Team::here();
+  for (std::size_t i = 0; i < task.views.size(); ++i) {
+    task.references.emplace_back();
+    if (!team.takes(i)) continue;
+    const View& view = task.views[i];
     progress.start("reference " + view.name);
-    task.references.push_back(
-        render_reference(*task.scene, view.camera, task.settings.conventions, background).colour);
+    task.references.back() =
+        render_reference(*task.scene, view.camera, task.settings.conventions, background).colour;
     progress.step();
   }
 
   std::size_t width = 8;
   for (const RendererEntry& entry : entries) width = std::max(width, entry.name.size());
+  const bool with_photos = !task.photos.empty();
+  const std::size_t views = task.views.size();
+  Numbered<CheckResult> numbered;
+  // Rows of a process alone are printed as they come.
+  const auto print = [&](const CheckResult& row) { print_row(row, width, with_photos); };
+  const auto print_mean = [&](const std::vector<CheckResult>& rows) {
+    if (views > 1) print(mean_of({rows.data(), views}));
+  };
   progress.clear();
-  print_header(width, !task.photos.empty());
-  std::vector<CheckResult> results;
+  print_header(width, with_photos);
   Calibrations calibrations(options.scene, options.view, task.scene, options.calibration);
+  std::uint64_t numbered_from = 0;
   for (const RendererEntry& entry : entries) {
     // Only one renderer at a time holds memory.
     const std::unique_ptr<AnyRenderer> renderer = entry.make();
     renderer->set_scene(task.scene);
     calibrations.hand_to(*renderer, task.views);
     Frame frame;
-    for (std::size_t view = 0; view < task.views.size(); ++view) {
+    std::vector<CheckResult> of_renderer;
+    for (std::size_t view = 0; view < views; ++view) {
+      if (!team.takes(view)) continue;
       progress.start(std::string(entry.name));
-      results.push_back(judge(task, view, *renderer, frame));
+      const CheckResult row = judge(task, view, *renderer, frame);
+      numbered.emplace_back(numbered_from + view, row);
       progress.step();
       progress.clear();
-      print_row(results.back(), width, !task.photos.empty());
+      if (team.is_shared()) continue;
+      print(row);
+      of_renderer.push_back(row);
     }
-    const std::size_t views = task.views.size();
-    if (views > 1)
-      print_row(mean_of({results.data() + results.size() - views, views}), width, !task.photos.empty());
+    if (!team.is_shared()) print_mean(of_renderer);
+    numbered_from += views;
   }
-  if (json.is_wanted()) json.write(to_json(head, results, !task.photos.empty()));
+  progress.await_others();
+  progress.clear();
+  team.join(numbered);
+  const std::vector<CheckResult> results = rows_of(std::move(numbered));
+  if (!team.leads()) return;
+  for (std::size_t first = 0; team.is_shared() && first < results.size(); first += views) {
+    const std::vector<CheckResult> rows(results.begin() + std::ptrdiff_t(first),
+                                        results.begin() + std::ptrdiff_t(first + views));
+    for (const CheckResult& row : rows) print(row);
+    print_mean(rows);
+  }
+  if (json.is_wanted()) json.write(to_json(head, results, with_photos));
   json.finish();
 }
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <swiftgs/statistics.hpp>
@@ -24,6 +25,11 @@ struct CheckResult {
   StageTimes ms;
   double psnr_db = 0, max_abs = 0;
   std::optional<double> photo_psnr_db;  ///< against the photograph, where there is one
+
+  static auto members(auto& self) {
+    return std::tie(self.renderer, self.scene, self.view, self.width, self.height, self.ms, self.psnr_db,
+                    self.max_abs, self.photo_psnr_db);
+  }
 };
 
 /// One image of `render`.
@@ -36,6 +42,11 @@ struct RenderResult {
   StageTimes ms;
   std::optional<Statistics> counts;  ///< where they were asked for
   CountedTimes counted_ms;           ///< where `counts` are there
+
+  static auto members(auto& self) {
+    return std::tie(self.renderer, self.scene, self.view, self.conventions, self.width, self.height,
+                    self.scale, self.batch, self.image, self.ms, self.counts, self.counted_ms);
+  }
 };
 
 std::string to_json(const Comparison& comparison);

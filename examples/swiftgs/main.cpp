@@ -14,6 +14,7 @@
 
 #include "commands.hpp"
 #include "suggestion.hpp"
+#include "team.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -38,6 +39,7 @@ std::string one_line(std::string text) {
 }
 
 int fail(const std::string& what) {
+  if (!Team::here().leads()) return 1;  // all processes find the same wrong with their arguments
   std::fprintf(stderr, "swiftgs: %s\n", one_line(what).c_str());
   return 1;
 }
@@ -178,7 +180,7 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file that grows beyond a limit is an error like others
 #endif
   try {
-    return swiftgs::cli::run(argc, argv);
+    return swiftgs::cli::Team::run(argc, argv, [&] { return swiftgs::cli::run(argc, argv); });
   } catch (const std::bad_alloc&) {
     return swiftgs::cli::fail("out of memory");
   } catch (const std::filesystem::filesystem_error& error) {

@@ -2,14 +2,44 @@
 #include "progress.hpp"
 
 #include <cstdio>
+#include <filesystem>
+#include <system_error>
 
 #include <unistd.h>
 
-namespace swiftgs::cli {
+#include "team.hpp"
 
-Progress::Progress(std::size_t total) : total_(total), terminal_(isatty(fileno(stderr)) != 0) {}
+namespace swiftgs::cli {
+namespace {
+
+/// Whether the bar ends up on a terminal. A launcher that runs here passes on what it reads from a pipe.
+bool ends_on_terminal() {
+  if (isatty(fileno(stderr))) return true;
+  if (!Team::here().is_shared()) return false;
+  std::error_code unknown;
+  const std::filesystem::path launchers =
+      std::filesystem::read_symlink("/proc/" + std::to_string(getppid()) + "/fd/2", unknown);
+  return launchers.string().starts_with("/dev/pts/") || launchers.string().starts_with("/dev/tty");
+}
+
+}  // namespace
+
+Progress::Progress(std::size_t total)
+    : total_(total), terminal_(Team::here().leads() && ends_on_terminal()) {}
+
+void Progress::step() {
+  if (Team::here().leads())
+    ++done_;
+  else
+    Team::here().tell_step();
+}
+
+void Progress::await_others() {
+  Team::here().meet([&] { start("in other processes"); });
+}
 
 void Progress::start(const std::string& what) {
+  if (Team::here().leads()) done_ += Team::here().steps_told();
   if (!terminal_) return;
   constexpr std::size_t width = 24;
   const std::size_t filled = total_ ? width * done_ / total_ : 0;

@@ -8,7 +8,8 @@
 namespace swiftgs::cli {
 
 /// A bar on standard error that shows how much of `total` is done, and about how long the rest takes. Nothing
-/// is written where standard error is not a terminal.
+/// is written where standard error is not a terminal. Of several processes that share a command the first
+/// shows the bar of all.
 class Progress {
  public:
   explicit Progress(std::size_t total);
@@ -19,11 +20,13 @@ class Progress {
   /// Shows that `what` has begun.
   void start(const std::string& what);
   /// One more of the total is done.
-  void step() { ++done_; }
+  void step();
   /// So much of the total is done.
   void advance_to(std::size_t done) { done_ = done; }
   /// From here to `end` is work of one kind: from now on the time left is told for it alone.
   void begin_part(std::size_t end) { begin_ = done_, end_ = end, begun_ = std::chrono::steady_clock::now(); }
+  /// Returns when all processes have come here, and shows what is done meanwhile.
+  void await_others();
   /// Removes the bar, so that a line can be printed.
   void clear();
 

@@ -23,6 +23,7 @@
 #include "prune_result.hpp"
 #include "result_file.hpp"
 #include "scene_input.hpp"
+#include "team.hpp"
 #include "views.hpp"
 
 namespace swiftgs::cli {
@@ -81,12 +82,15 @@ std::vector<std::uint64_t> contributions_of(const ContributionsEntry& backend,
                                             const std::vector<View>& views, const Conventions& conventions,
                                             Progress& progress) {
   const std::unique_ptr<AnyContributions> contributions = backend.make(scene);
-  for (const View& view : views) {
-    progress.start("weights in " + view.name);
-    contributions->add(view.camera, conventions);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!Team::here().takes(i)) continue;
+    progress.start("weights in " + views[i].name);
+    contributions->add(views[i].camera, conventions);
     progress.step();
   }
-  return contributions->sums();
+  std::vector<std::uint64_t> sums = contributions->sums();
+  Team::here().add_up(sums);
+  return sums;
 }
 
 HeldOut held_out_of(const PruneOptions& options, const ViewOptions& view, const Cameras& cameras,
@@ -114,7 +118,7 @@ void prune(const PruneOptions& options) {
       by_contribution ? views_of(cameras, view, training_views) : std::vector<View>();
   const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
   held_out.settings = settings_for(held_out.settings, *scene);
-  require_replaceable(options.out);
+  if (Team::here().leads()) require_replaceable(options.out);
   ResultFile json(options.json);
 
   PruneResult result{.scene = capture_of(options.scene).name,
@@ -132,7 +136,7 @@ void prune(const PruneOptions& options) {
                    options.keep, result.kept_weight)
           : choose(opacity_volumes(*scene), options.keep, result.kept_weight);
   const auto pruned = std::make_shared<const Scene>(subset(*scene, kept));
-  write_scene(options.out, *pruned, {.ending = ".ply"});
+  if (Team::here().leads()) write_scene(options.out, *pruned, {.ending = ".ply"});
   progress.clear();
   std::printf("%s: kept %zu of %zu Gaussians, with %.2f %% of the %s\n", options.out.c_str(), kept.size(),
               scene->size(), 100 * result.kept_weight,

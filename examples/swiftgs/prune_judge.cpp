@@ -7,6 +7,8 @@
 
 #include <swiftgs/metrics.hpp>
 
+#include "team.hpp"
+
 namespace swiftgs::cli {
 namespace {
 
@@ -19,7 +21,15 @@ double time_of(AnyRenderer& renderer, const Camera& camera, const RenderSettings
   return ms[1];
 }
 
-void add_to(std::optional<double>& sum, double value) { sum = sum.value_or(0) + value; }
+void add_to(std::optional<double>& sum, std::optional<double> value) {
+  if (value) sum = sum.value_or(0) + *value;
+}
+
+/// What one view says of a scene.
+struct Verdict {
+  double ms = 0;
+  std::optional<double> unpruned_psnr_db{}, photo_psnr_db{}, photo_ssim{};
+};
 
 }  // namespace
 
@@ -32,23 +42,33 @@ PruneSide judge(const HeldOut& held_out, const std::shared_ptr<const Scene>& sce
   const std::unique_ptr<AnyRenderer> renderer = make_renderer(held_out.renderer);
   renderer->set_scene(scene);
   Frame frame;
-  std::size_t photos = 0;
+  if (first) unpruned.resize(held_out.views.size());
+  Numbered<Verdict> verdicts;
   for (std::size_t i = 0; i < held_out.views.size(); ++i) {
+    if (!Team::here().takes(i)) continue;
     progress.start(held_out.views[i].name);
-    add_to(side.ms, time_of(*renderer, held_out.views[i].camera, held_out.settings, frame));
+    Verdict verdict{.ms = time_of(*renderer, held_out.views[i].camera, held_out.settings, frame)};
     for (float& value : frame.colour) value = std::clamp(value, 0.0f, 1.0f);  // what a photograph can hold
     if (first)
-      unpruned.push_back(frame.colour);
+      unpruned[i] = frame.colour;
     else
-      add_to(side.unpruned_psnr_db, psnr(frame.colour, unpruned[i]));
+      verdict.unpruned_psnr_db = psnr(frame.colour, unpruned[i]);
     if (!held_out.photos.empty() && held_out.photos[i]) {
       const std::vector<float>& photo = held_out.photos[i]->pixels;
-      add_to(side.photo_psnr_db, psnr(frame.colour, photo));
-      add_to(side.photo_ssim, ssim(frame.width, frame.height, 3, frame.colour, photo));
-      ++photos;
+      verdict.photo_psnr_db = psnr(frame.colour, photo);
+      verdict.photo_ssim = ssim(frame.width, frame.height, 3, frame.colour, photo);
     }
+    verdicts.emplace_back(i, verdict);
     progress.step();
   }
+  Team::here().join(verdicts);
+  std::size_t photos = 0;
+  for (const auto& [view, verdict] : verdicts) {
+    add_to(side.ms, verdict.ms), add_to(side.unpruned_psnr_db, verdict.unpruned_psnr_db);
+    add_to(side.photo_psnr_db, verdict.photo_psnr_db), add_to(side.photo_ssim, verdict.photo_ssim);
+    photos += verdict.photo_psnr_db.has_value();
+  }
+  if (verdicts.empty()) return side;  // of a process that took no view
   *side.ms /= double(held_out.views.size());
   if (side.unpruned_psnr_db) *side.unpruned_psnr_db /= double(held_out.views.size());
   if (photos > 0) *side.photo_psnr_db /= double(photos), *side.photo_ssim /= double(photos);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -20,6 +21,7 @@
 #include "progress.hpp"
 #include "result_file.hpp"
 #include "scene_input.hpp"
+#include "team.hpp"
 #include "views.hpp"
 
 namespace swiftgs::cli {
@@ -46,7 +48,14 @@ Writer writer_of(const std::string& format) {
   throw std::invalid_argument("--format '" + format + "': expected png, pfm or exr");
 }
 
-void print_statistics(const Statistics& s, const CountedTimes& times) {
+void print(const RenderResult& result) {
+  const StageTimes& ms = result.ms;
+  std::printf("%s  %dx%d  %.2f ms (project %.2f, sort %.2f, raster %.2f)\n", result.image.c_str(),
+              result.width, result.height, ms.total, ms.project, ms.sort, ms.raster);
+  if (!result.counts) return;
+  const Statistics& s = *result.counts;
+  const CountedTimes& times = result.counted_ms;
+
   const auto line = [](const char* label, std::uint64_t count) {
     std::printf("  %-32s %llu\n", label, static_cast<unsigned long long>(count));
   };
@@ -80,7 +89,7 @@ void render(const RenderOptions& options) {
   settings = settings_for(settings, *scene);
   ResultFile json(options.json);
   const ResultHead head = json.is_wanted() ? head_of("swiftgs-render") : ResultHead();
-  std::vector<RenderResult> results;
+  Numbered<RenderResult> numbered;
   std::filesystem::create_directories(options.out);
   renderer->set_scene(scene);
   Calibrations(options.scene, options.view, scene, options.calibration).hand_to(*renderer, views);
@@ -100,43 +109,52 @@ void render(const RenderOptions& options) {
     Frame counted;
     renderer->render(camera, counting, counted);
   };
+  const Team& team = Team::here();
   Progress progress(views.size());
-  std::vector<double> totals;
   // The first frames allocate what later ones use again: they are rendered once more, so that no time has it.
   draw(0, settings);
   if (options.stats) count(cameras[0]);
   StageTimes ms;
   for (std::size_t at = 0; at < views.size(); ++at) {
+    if (!team.takes(at / batch)) continue;
     const View& view = views[at];
     progress.start(view.name);
     if (at % batch == 0) draw(at, timed(settings)), ms = a_view(renderer->times(), frames.size());
     const Frame& frame = frames[at % batch];
-    totals.push_back(ms.total);
     const std::filesystem::path file =
         std::filesystem::path(options.out) / (view.name + "." + options.format);
     write(file, frame);
-    results.push_back({.renderer = std::string(renderer->name()),
-                       .scene = capture.name,
-                       .view = view.name,
-                       .conventions = options.view.conventions,
-                       .width = frame.width,
-                       .height = frame.height,
-                       .scale = options.view.scale,
-                       .batch = frames.size(),
-                       .image = file.string(),
-                       .ms = ms,
-                       .counts = std::nullopt,
-                       .counted_ms = {}});
-    progress.clear();
-    std::printf("%s  %dx%d  %.2f ms (project %.2f, sort %.2f, raster %.2f)\n", file.string().c_str(),
-                frame.width, frame.height, ms.total, ms.project, ms.sort, ms.raster);
+    RenderResult result{.renderer = std::string(renderer->name()),
+                        .scene = capture.name,
+                        .view = view.name,
+                        .conventions = options.view.conventions,
+                        .width = frame.width,
+                        .height = frame.height,
+                        .scale = options.view.scale,
+                        .batch = frames.size(),
+                        .image = file.string(),
+                        .ms = ms,
+                        .counts = std::nullopt,
+                        .counted_ms = {}};
     if (options.stats) {
       count(view.camera);
-      results.back().counts = renderer->statistics();
-      results.back().counted_ms = {renderer->times(), *results.back().counts};
-      print_statistics(*results.back().counts, results.back().counted_ms);
+      result.counts = renderer->statistics();
+      result.counted_ms = {renderer->times(), *result.counts};
     }
+    progress.clear();
+    if (!team.is_shared()) print(result);
+    numbered.emplace_back(at, std::move(result));
     progress.step();
+  }
+  progress.await_others();
+  progress.clear();
+  team.join(numbered);
+  const std::vector<RenderResult> results = rows_of(std::move(numbered));
+  if (!team.leads()) return;
+  std::vector<double> totals;
+  for (const RenderResult& result : results) {
+    if (team.is_shared()) print(result);
+    totals.push_back(result.ms.total);
   }
   std::nth_element(totals.begin(), totals.begin() + std::ptrdiff_t(totals.size() / 2), totals.end());
   std::printf("%zu %s with %s, median %.2f ms a %s\n", views.size(), views.size() == 1 ? "image" : "images",

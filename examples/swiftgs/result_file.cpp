@@ -9,6 +9,8 @@
 
 #include <swiftgs/io/replace_file.hpp>
 
+#include "team.hpp"
+
 namespace swiftgs::cli {
 namespace {
 
@@ -21,7 +23,7 @@ ResultFile::ResultFile(const std::string& name) : name_(name) {
     std::fflush(stdout);
     output_ = ::dup(STDOUT_FILENO);
     if (output_ < 0 || ::dup2(STDERR_FILENO, STDOUT_FILENO) < 0) fail();
-  } else if (is_wanted()) {
+  } else if (is_wanted() && Team::here().leads()) {
     require_replaceable(name_);
   }
 }
@@ -36,7 +38,7 @@ ResultFile::~ResultFile() {
 void ResultFile::write(std::string_view text) {
   if (is_standard_output())
     text_ = text;
-  else if (is_wanted())
+  else if (is_wanted() && Team::here().leads())
     replace_file(name_, text);
 }
 

@@ -8,7 +8,7 @@ namespace swiftgs::cli {
 
 /// Where the results of a command go, as `--json` names it: a file; standard output for `-`; nowhere where
 /// the name is empty. Of `-`, what the command prints goes to standard error as long as the object lives, so
-/// that nothing is mixed with the results.
+/// that nothing is mixed with the results. Of several processes the first alone writes.
 class ResultFile {
  public:
   /// What the file held stays until the first `write`. Throws `std::system_error` where the file cannot be

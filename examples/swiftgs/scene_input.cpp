@@ -8,6 +8,7 @@
 #include <swiftgs/builtin_scene.hpp>
 
 #include "suggestion.hpp"
+#include "team.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -53,7 +54,11 @@ SceneFile load(const SceneOptions& options, const swiftgs::Progress& progress) {
                               .level = options.level,
                               .progress = progress};
   const std::optional<std::size_t> size = builtin_size(options.scene);
-  if (!size) return read_scene(capture_of(options).scene, read);
+  if (!size) {
+    const std::filesystem::path file = capture_of(options).scene;
+    Team::here().require_same_file(file.string());
+    return read_scene(file, read);
+  }
   SceneFile file;
   file.scene = make_builtin_scene(*size);
   file.format = "built in";

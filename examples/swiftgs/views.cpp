@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -14,6 +15,7 @@
 #include "number_text.hpp"
 #include "scene_input.hpp"
 #include "suggestion.hpp"
+#include "team.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -79,6 +81,17 @@ std::string nearest_name(std::string_view name, const std::vector<Camera>& camer
   return suggestion(name, known);
 }
 
+/// Of all numbers and names.
+std::size_t checksum_of(const std::vector<Camera>& cameras) {
+  std::string packed;
+  for (const Camera& camera : cameras) {
+    pack(packed, camera.rotation), pack(packed, camera.translation), pack(packed, camera.name);
+    for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy}) pack(packed, value);
+    pack(packed, camera.width), pack(packed, camera.height);
+  }
+  return std::hash<std::string>()(packed);
+}
+
 /// The cameras called `numbers`, scaled, each with a name of its own.
 std::vector<View> views_numbered(const Cameras& cameras, const std::vector<std::size_t>& numbers,
                                  double scale) {
@@ -111,6 +124,7 @@ Cameras read_cameras_of(const SceneOptions& scene, const std::string& cameras) {
   } else {
     result.all = {default_view(Scene())}, result.to_find = true;
   }
+  Team::here().require_same("the checksum of the cameras", std::to_string(checksum_of(result.all)));
   return result;
 }
 

@@ -20,6 +20,7 @@
 #include <swiftgs/builtin/terrace.hpp>
 #include <swiftgs/camera.hpp>
 #include <swiftgs/scene.hpp>
+#include <swiftgs/scene_part.hpp>
 
 namespace swiftgs {
 
@@ -65,25 +66,30 @@ inline constexpr std::size_t builtin_scene_size = 200'000;
 ///
 /// The scene is reproducible: integers decide everything random, and it avoids functions that differ between
 /// C libraries. A compiler that contracts multiplications and additions may change the last bit of a value.
-inline Scene make_builtin_scene(std::size_t count = builtin_scene_size) {
+///
+/// A `part` of it is made without the rest. Throws `std::invalid_argument` if there is no such part.
+inline Scene make_builtin_scene(std::size_t count = builtin_scene_size, const ScenePart& part = {}) {
   using namespace builtin;
+  validate(part);
+  const ScenePart::Range kept = part.range(count);
   Scene scene;
   scene.sh_degree = 3;
-  scene.means.resize(count), scene.scales.resize(count), scene.rotations.resize(count);
-  scene.opacities.resize(count), scene.sh0.resize(count), scene.sh_rest.resize(45 * count);
+  const std::size_t size = kept.size();
+  scene.means.resize(size), scene.scales.resize(size), scene.rotations.resize(size);
+  scene.opacities.resize(size), scene.sh0.resize(size), scene.sh_rest.resize(45 * size);
 
   double share_so_far = 0;
   std::size_t begin = 0;
   const auto range = [&](double share) {
     share_so_far += share;
     const std::size_t end = std::min(count, std::size_t(std::floor(share_so_far * double(count) + 0.5)));
-    return Sink(scene, std::exchange(begin, end), end);
+    return Sink(scene, kept, std::exchange(begin, end), end);
   };
 
   const std::vector<Part> parts = still_life();
   const Light light = light_of(parts);
   std::uint64_t stream = 100;
-  for (const Part& part : parts) emit(part.surface, stream++, range(part.share), light);
+  for (const Part& each : parts) emit(each.surface, stream++, range(each.share), light);
 
   const double fineness = std::sqrt(double(count) / double(builtin_scene_size));
   emit_plumes(201, range(0.04), fineness);
@@ -92,7 +98,7 @@ inline Scene make_builtin_scene(std::size_t count = builtin_scene_size) {
   emit_land(205, range(0.13));
   emit_sky(206, range(0.07));
   emit_floaters(207, range(0.01), fineness);
-  emit_grass(208, Sink(scene, begin, count), fineness);
+  emit_grass(208, Sink(scene, kept, begin, count), fineness);
   return scene;
 }
 

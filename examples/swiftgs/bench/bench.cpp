@@ -226,6 +226,9 @@ void bench(const BenchOptions& options) {
   if (!options.images.empty()) std::filesystem::create_directories(options.images);
 
   Progress progress(matrix.images() * entries.size());
+  if (options.profile && Team::here().is_shared())
+    throw std::invalid_argument("--profile: expected one process, found " +
+                                std::to_string(Team::here().size()));
   if (options.profile)
     return matrix.for_each_session(results,
                                    [&](const Session& session) { profile(entries, session, progress); });
@@ -234,6 +237,7 @@ void bench(const BenchOptions& options) {
       {options.plan, judged_views(options.errors), options.images, options.json, std::size_t(options.batch)},
       results, json, progress);
   matrix.for_each_session(results, [&](const Session& session) { runner.run(session); });
+  runner.join();
   progress.clear();
   print_tables(results.rows);
   json.finish();

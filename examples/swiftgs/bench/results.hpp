@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <swiftgs/statistics.hpp>
@@ -46,6 +47,10 @@ struct Place {
   std::string conventions;
 
   bool operator==(const Place&) const = default;
+  static auto members(auto& self) {
+    return std::tie(self.scene, self.gaussians, self.enlarge, self.view, self.width, self.height, self.scale,
+                    self.conventions);
+  }
 };
 
 /// How an image differs from a photograph.
@@ -63,6 +68,8 @@ struct ViewResult {
   Place place;
   std::optional<PhotoErrors> photo;  ///< of the reference
   std::string reference_image;
+
+  static auto members(auto& self) { return std::tie(self.place, self.photo, self.reference_image); }
 };
 
 struct RowResult {
@@ -81,6 +88,13 @@ struct RowResult {
   StageMemory bytes;
   std::uint64_t device_bytes = 0, host_bytes = 0;
   std::string image, error_image;
+
+  static auto members(auto& self) {
+    return std::tie(self.place, self.threads, self.renderer, self.frames, self.batch, self.calibrated,
+                    self.ms, self.errors, self.photo, self.visible, self.instances, self.contributing_pairs,
+                    self.pieces, self.pixels_joined, self.longest_item, self.counted_ms, self.bytes,
+                    self.device_bytes, self.host_bytes, self.image, self.error_image);
+  }
 };
 
 struct Results {

@@ -41,14 +41,26 @@ void Runner::run(const Session& session) {
   for (std::size_t first = 0; first < entries_.size();) {
     std::vector<Subject> subjects = prepare(session, first);
     for (std::size_t view = 0; view < session.views.size(); ++view) {
+      if (!Team::here().takes(view)) continue;
       Judge judge(session.gaussians, session.views[view].camera, session.settings,
                   session.photos.empty() ? std::nullopt : session.photos[view]);
       add_view(session, view, judge);
       measure_view(session, view, subjects, judge);
-      if (file_.is_wanted()) file_.write(to_json(results_));
+      if (file_.is_wanted() && !Team::here().is_shared()) file_.write(to_json(results_));
     }
     first += subjects.size();
+    views_so_far_ += session.views.size();
   }
+}
+
+void Runner::join() {
+  progress_.await_others();
+  const Team& team = Team::here();
+  if (!team.is_shared()) return;
+  team.join(rows_), team.join(views_);
+  results_.rows = rows_of(std::move(rows_)), results_.views.clear();
+  for (ViewResult& view : rows_of(std::move(views_))) add(std::move(view));
+  if (file_.is_wanted()) file_.write(to_json(results_));
 }
 
 std::vector<Camera> Runner::batch_of(const Session& session, std::size_t view) const {
@@ -94,6 +106,11 @@ void Runner::add_view(const Session& session, std::size_t view, Judge& judge) {
     if (view == 0 && !options_.images.empty())
       result.reference_image = write_image(result.place, judge.reference_frame(), "reference");
   }
+  if (Team::here().is_shared()) views_.emplace_back(views_so_far_ + view, result);
+  add(std::move(result));
+}
+
+void Runner::add(ViewResult result) {
   // Another number of threads has the same views.
   const auto same = [&](const ViewResult& other) { return other.place == result.place; };
   if (std::none_of(results_.views.begin(), results_.views.end(), same))
@@ -111,8 +128,10 @@ void Runner::measure_view(const Session& session, std::size_t view, std::vector<
   const std::vector<Samples> samples = measure(
       renderers, cameras, session.settings, options_.plan,
       [&](const AnyRenderer& renderer) { progress_.step(), progress_.start(std::string(renderer.name())); });
-  for (std::size_t i = 0; i < subjects.size(); ++i)
+  for (std::size_t i = 0; i < subjects.size(); ++i) {
     results_.rows.push_back(row_of(session, view, subjects[i], samples[i], judge));
+    if (Team::here().is_shared()) rows_.emplace_back(views_so_far_ + view, results_.rows.back());
+  }
 }
 
 RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subject, const Samples& samples,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "calibrations.hpp"
 #include "progress.hpp"
 #include "result_file.hpp"
+#include "team.hpp"
 #include "views.hpp"
 
 namespace swiftgs::cli {
@@ -55,6 +57,10 @@ class Runner {
 
   void run(const Session& session);
 
+  /// Brings what all processes of a team have measured to the results of the first, in the order of one
+  /// process. Collective.
+  void join();
+
  private:
   struct Subject {
     std::unique_ptr<AnyRenderer> renderer;
@@ -66,6 +72,7 @@ class Runner {
   std::vector<Camera> batch_of(const Session& session, std::size_t view) const;
   std::vector<Subject> prepare(const Session& session, std::size_t first);
   void add_view(const Session& session, std::size_t view, Judge& judge);
+  void add(ViewResult result);
   void measure_view(const Session& session, std::size_t view, std::vector<Subject>& subjects, Judge& judge);
   RowResult row_of(const Session& session, std::size_t view, Subject& subject, const Samples& samples,
                    Judge& judge);
@@ -76,6 +83,9 @@ class Runner {
   Results& results_;
   ResultFile& file_;
   Progress& progress_;
+  std::uint64_t views_so_far_ = 0;  ///< that renderers have taken turns on before
+  Numbered<RowResult> rows_;        ///< of this process, where several share the views
+  Numbered<ViewResult> views_;
 };
 
 }  // namespace swiftgs::cli

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "result_head.hpp"
@@ -31,6 +32,12 @@ struct StressRow {
   std::size_t worst_pixel = 0;
   std::string error;  ///< first message of the renderer, or empty
 
+  static auto members(auto& self) {
+    return std::tie(self.family, self.severity_label, self.severity, self.width, self.height, self.renderer,
+                    self.seeds, self.failed, self.ratio, self.excess, self.depth_excess, self.psnr_db,
+                    self.max_abs, self.loosest, self.judged, self.flips, self.worst_seed, self.worst_pixel,
+                    self.error);
+  }
   /// Whether every seed was drawn about as exactly as floats can. NaN is not.
   bool is_exact() const { return failed == 0 && ratio <= stress_gate; }
   /// Whether every seed was drawn within what the renderer's form of the exponent promises.

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
@@ -15,6 +16,7 @@
 #include "result_file.hpp"
 #include "stress/sweep.hpp"
 #include "stress/table.hpp"
+#include "team.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -78,9 +80,22 @@ void stress(const StressOptions& options, const std::vector<RendererEntry>& entr
   results.head = head_of("swiftgs-stress");
   Sweep sweep(entries, options.seeds, limit.threads());
   {
+    const Team& team = Team::here();
     Progress progress(points.size() * std::size_t(options.seeds) * entries.size());
-    for (const StressPoint& point : points) {
-      for (StressRow& row : sweep.run(point, progress)) results.rows.push_back(std::move(row));
+    Numbered<StressRow> shared;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!team.takes(i)) continue;
+      for (StressRow& row : sweep.run(points[i], progress)) {
+        if (team.is_shared()) shared.emplace_back(i, row);
+        results.rows.push_back(std::move(row));
+      }
+      if (!team.is_shared()) file.write(to_json(results));
+    }
+    progress.await_others();
+    team.join(shared);
+    if (!team.leads()) return;
+    if (team.is_shared()) {
+      results.rows = rows_of(std::move(shared));
       file.write(to_json(results));
     }
   }

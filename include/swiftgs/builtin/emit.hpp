@@ -12,6 +12,7 @@
 #include <swiftgs/builtin/light.hpp>
 #include <swiftgs/rotation.hpp>
 #include <swiftgs/scene.hpp>
+#include <swiftgs/scene_part.hpp>
 
 namespace swiftgs::builtin {
 
@@ -43,15 +44,26 @@ struct Blob {
   Radiance radiance{};
 };
 
-/// A range of a scene that one part of the picture fills, from first to last.
+/// A range of a scene that one part of the picture fills, from first to last. `scene` holds the Gaussians in
+/// `kept` alone.
 class Sink {
  public:
-  Sink(Scene& scene, std::size_t begin, std::size_t end) : scene_(&scene), next_(begin), end_(end) {}
+  Sink(Scene& scene, ScenePart::Range kept, std::size_t begin, std::size_t end)
+      : scene_(&scene), kept_(kept), next_(begin), end_(end) {}
 
   std::size_t left() const { return end_ - next_; }
 
+  /// Passes over the next `count` Gaussians if none of them is kept.
+  bool skips(std::size_t count = 1) {
+    if (next_ < kept_.end && next_ + count > kept_.begin) return false;
+    next_ += count < left() ? count : left();
+    return true;
+  }
+
   void add(const Blob& blob) {
-    const std::size_t i = next_++;
+    const std::size_t at = next_++;
+    if (at < kept_.begin || at >= kept_.end) return;
+    const std::size_t i = at - kept_.begin;
     scene_->means[i] = vec3(blob.mean);
     scene_->scales[i] = vec3(blob.scale);
     scene_->rotations[i] = quaternion(blob.axes);
@@ -65,6 +77,7 @@ class Sink {
 
  private:
   Scene* scene_;
+  ScenePart::Range kept_;
   std::size_t next_, end_;
 };
 
@@ -130,6 +143,7 @@ inline void emit(const Surface& surface, std::uint64_t stream, Sink sink, const 
   const std::size_t count = sink.left();
   constexpr double step = 1e-4;
   for (std::size_t i = 0; i < count; ++i) {
+    if (sink.skips()) continue;
     Random random(stream, i);
     const SquarePoint q(i);
     const double u = step + (1 - 2 * step) * q.u, v = step + (1 - 2 * step) * q.v;

@@ -44,6 +44,7 @@ inline dvec3 lit_outdoors(const dvec3& body, const dvec3& p, const dvec3& n) {
 inline void emit_land(std::uint64_t stream, Sink sink) {
   const std::size_t count = sink.left();
   for (std::size_t i = 0; i < count; ++i) {
+    if (sink.skips()) continue;
     Random random(stream, i);
     const SquarePoint q(i);
     const double r = 2.8 * power_of_two(5.98 * q.v), x = r * cos_turns(q.u), z = r * sin_turns(q.u);
@@ -85,6 +86,7 @@ inline void emit_trees(std::uint64_t stream, Sink sink) {
   constexpr std::size_t trees = 46;
   const double spacing = std::sqrt(18.0 * trees / (double(sink.left()) + 1));
   for (std::size_t i = 0; sink.left() > 0; ++i) {
+    if (sink.skips()) continue;
     const std::size_t tree = i % trees;
     Random shape(stream, tree), random(stream + 1, i);
     const double r = 9.5 + 28 * double(tree) / trees * shape.between(0.8, 1.2),
@@ -115,6 +117,7 @@ inline void emit_balloon(std::uint64_t stream, Sink sink) {
   const dvec3 centre = at(27, 14.5, 74);
   const double spacing = std::sqrt(12.566 * 2.6 * 2.6 / (double(sink.left()) + 1));
   for (std::size_t i = 0; sink.left() > 0; ++i) {
+    if (sink.skips()) continue;
     Random random(stream, i);
     const SquarePoint q(i);
     const double height = 2 * q.u - 1, around = std::sqrt(1 - height * height);
@@ -140,6 +143,7 @@ inline void emit_sky(std::uint64_t stream, Sink sink) {
   const std::size_t count = sink.left();
   constexpr double radius = 190, lowest = -0.10;
   for (std::size_t i = 0; i < count; ++i) {
+    if (sink.skips()) continue;
     Random random(stream, i);
     const SquarePoint q(i);
     const double v = q.v, height = lowest + (1 - lowest) * v * (0.45 + 0.55 * v);

@@ -18,6 +18,7 @@ namespace swiftgs::builtin {
 inline void emit_grass(std::uint64_t stream, Sink sink, double fineness) {
   const std::size_t segments = std::size_t(std::max(3.0, std::floor(4 * fineness + 0.5)));
   for (std::size_t blade = 0; sink.left() > 0; ++blade) {
+    if (sink.skips(segments)) continue;
     Random random(stream, blade);
     const double out = random.uniform(), turn = random.uniform();
     const double clump = noise(at(7 * cos_turns(turn), 0, 7 * sin_turns(turn)));
@@ -61,6 +62,7 @@ inline void emit_grass(std::uint64_t stream, Sink sink, double fineness) {
 inline void emit_plumes(std::uint64_t stream, Sink sink, double fineness) {
   constexpr int stems = 13;
   for (std::size_t i = 0; sink.left() > 0; ++i) {
+    if (sink.skips()) continue;
     Random random(stream, i);
     const double stem = std::floor(random.uniform() * stems), turn = 0.618034 * stem;
     const double reach = 0.14 + 0.30 * cell_value(std::int64_t(stem), 5, 5),
@@ -95,6 +97,7 @@ inline void emit_plumes(std::uint64_t stream, Sink sink, double fineness) {
 /// Faint Gaussians that float in the air around the still life.
 inline void emit_floaters(std::uint64_t stream, Sink sink, double fineness) {
   for (std::size_t i = 0; sink.left() > 0; ++i) {
+    if (sink.skips()) continue;
     Random random(stream, i);
     Blob blob;
     const double r = 2.6 * random.uniform(), turn = random.uniform(), height = 2.2 * random.uniform();

@@ -11,6 +11,7 @@
 #include <swiftgs/api.hpp>
 #include <swiftgs/io/progress.hpp>
 #include <swiftgs/scene.hpp>
+#include <swiftgs/scene_part.hpp>
 
 namespace swiftgs {
 
@@ -28,6 +29,9 @@ struct SceneReadOptions {
   SpzFrame spz_frame = SpzFrame::specified;
   int level = 0;  ///< of detail, in a streamed SOG: 0 is the finest
   Progress progress{};
+  /// Of the file's Gaussians: reads these alone. Of PLY files, compressed ones included, and of `.splat` it
+  /// touches no other bytes, of text PLY none behind them. An SPZ is unpacked as a whole, and a part decoded.
+  ScenePart part{};
 };
 
 /// A scene and what reading it brought up.
@@ -35,7 +39,7 @@ struct SceneFile {
   Scene scene;
   std::string format;                   ///< such as "INRIA PLY (binary_little_endian)" or "SPZ version 2"
   std::uint64_t bytes = 0;              ///< of the file, and of those that it names and were read
-  std::uint64_t stored = 0;             ///< Gaussians in the file
+  std::uint64_t stored = 0;             ///< Gaussians in the file, or in the part of it that was asked for
   std::uint64_t dropped_nonfinite = 0;  ///< those of them with a NaN or an infinity that cannot be rendered
   std::vector<std::string> notes;       ///< what of the file the scene does not carry, a sentence each
 };
@@ -49,8 +53,8 @@ struct SceneFile {
 /// coefficients above degree 3 are left out and noted. The file must not change while it is read. Memory is
 /// bounded by the file's size: docs/formats.md has the factor of each format.
 ///
-/// Throws `FormatError`, `Cancelled`, `std::system_error` if a file cannot be read, and what `find_capture`
-/// throws.
+/// Throws `FormatError`, `Cancelled`, `std::system_error` if a file cannot be read, what `find_capture`
+/// throws, and `std::invalid_argument` for a part of a file whose format has to be read as a whole.
 SWIFTGS_API SceneFile read_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
 
 /// `read_scene(path, options).scene`.

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Ranks with a device each: `DistributedRenderer<Cuda, ...>`. Messages go by way of the host.
+
+#include <cstddef>
+#include <tuple>
+
+#include <swiftgs/api.hpp>
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/growing_buffer.hpp>
+#include <swiftgs/mpi.hpp>
+
+namespace swiftgs {
+
+/// Memory of the host that a device copies to and from by itself. Throws `DeviceError`.
+struct SWIFTGS_API PinnedMemory {
+  static void* allocate(std::size_t bytes);
+  static void release(void* memory);
+};
+
+SWIFTGS_API void copy_from_host(Cuda& cuda, const void* from, void* to, std::size_t bytes);
+
+/// A copy of the array in pinned memory, which is not from the backend's hook.
+template <class T>
+class Staging<Cuda, T> {
+ public:
+  void reserve(Cuda&, Span<T> array) { array_ = array, host_.reset(array.size); }
+  T* host() { return host_.data(); }
+  void to_host(Cuda& cuda, std::size_t begin, std::size_t end) {
+    cuda.download(Span<const T>{array_.data + begin, end - begin}, host_.data() + begin);
+  }
+  void from_host(Cuda& cuda, std::size_t begin, std::size_t end) {
+    copy_from_host(cuda, host_.data() + begin, array_.data + begin, (end - begin) * sizeof(T));
+  }
+
+  static std::tuple<> buffers(auto&) { return {}; }
+
+ private:
+  Span<T> array_;
+  GrowingBuffer<T, PinnedMemory> host_;
+};
+
+/// Makes a device of this machine the current one: ranks of one machine take its devices in turn. Call it
+/// before a `Cuda` is made. Returns the device's number. Collective. Throws `DeviceError` where there is
+/// none.
+SWIFTGS_API int take_device(const Ranks& ranks);
+
+}  // namespace swiftgs

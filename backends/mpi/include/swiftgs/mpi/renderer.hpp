@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/mpi/band_frames.hpp>
+#include <swiftgs/mpi/bands.hpp>
+#include <swiftgs/mpi/counters.hpp>
+#include <swiftgs/mpi/identity.hpp>
+#include <swiftgs/mpi/ranks.hpp>
+#include <swiftgs/mpi/splat_exchange.hpp>
+#include <swiftgs/renderer.hpp>
+
+namespace swiftgs {
+
+/// Renders frames of a scene of which each rank holds a part. Every rank projects its own Gaussians, sends
+/// the splats to the ranks whose bands of tiles they touch, and draws its own band by the stages of
+/// `Renderer`. The bits are those of one `Renderer`, whatever the number of ranks.
+///
+/// Part r of the scene holds Gaussians that follow those of part r - 1 in the order of the scene
+/// (`part_of`). All functions that render are collective, and all ranks ask for the same views. Where one
+/// rank fails, all throw: that rank its own error, the others `RankError`; the renderers stay usable. Only
+/// after an `MpiError` ranks may be anywhere in a frame, and the program must end.
+template <class B, class Sort, class Raster, class Bounds>
+requires SortsOn<Sort, B, Bounds> && RastersOn<Raster, B>
+class DistributedRenderer {
+ public:
+  /// As of `Renderer`.
+  static constexpr std::string_view name = Renderer<B, Sort, Raster, Bounds>::name;
+
+  /// Collective. Throws `std::invalid_argument` on all ranks if their builds of the program, or their
+  /// renderers, differ.
+  explicit DistributedRenderer(Ranks ranks, B backend = B(), Sort sort = Sort())
+      : ranks_(std::move(ranks)), backend_(std::move(backend)), sort_(std::move(sort)) {
+    std::apply([&](auto&... all) { use_memory_of(backend_, all...); }, parts(*this));
+    ranks_.require_same("the build of the program", build_identity());
+    ranks_.require_same("the renderer", std::string(name));
+    if (ranks_.size() > most_ranks)
+      detail::refuse("ranks: their number", std::size_t(ranks_.size()), "65535 at most");
+  }
+
+  const Ranks& ranks() const { return ranks_; }
+  B& backend() { return backend_; }
+  const B& backend() const { return backend_; }
+
+  /// Renders into memory that this rank brings for whole views, and that its backend reaches: the rows of its
+  /// band are written, see `drawn`, and no others are looked at. Finished when it returns. Throws as
+  /// `Renderer::render_into`, and `RankError`.
+  void render_into(const SceneView& part, Span<const View> views) {
+    Failure failure;
+    failure.guard([&] {
+      for (const View& view : views) validate(view);
+    });
+    const auto place = [&] {
+      for (DrawnPiece& each : drawn_) each.frame = rows_of(views[each.piece.view].frame, each.piece);
+    };
+    draw(part, views, failure, place, [] {});
+  }
+
+  /// Renders a view a camera into memory of the backend that the renderer keeps until the next call, each
+  /// rank its band. Returns and throws as `render_into`.
+  Span<const DrawnPiece> render_bands(const SceneView& part, Span<const Camera> cameras,
+                                      const RenderSettings& settings) {
+    Failure failure;
+    failure.guard([&] { make_views(cameras, settings); });
+    const auto place = [&] { frames_.keep(backend_, settings.outputs, drawn_); };
+    draw(part, {views_.data(), views_.size()}, failure, place, [] {});
+    return drawn();
+  }
+
+  /// Renders a frame a camera and collects them on rank 0, on the host. `frames` has as many there, and is
+  /// not looked at on other ranks. Throws as `render_into`.
+  void render(const SceneView& part, Span<const Camera> cameras, const RenderSettings& settings,
+              Span<Frame> frames) {
+    const bool collects = ranks_.rank() == 0;
+    std::vector<FrameView> whole;
+    Failure failure;
+    failure.guard([&] {
+      make_views(cameras, settings);
+      if (collects && frames.size != cameras.size)
+        detail::refuse("render: the number of frames", frames.size,
+                       std::to_string(cameras.size) + ", one a camera");
+      for (std::size_t i = 0; collects && i < frames.size; ++i)
+        whole.push_back(prepare(frames[i], cameras[i].width, cameras[i].height, settings.outputs));
+    });
+    const auto place = [&] {
+      if (B::reaches_host_memory && collects)
+        for (DrawnPiece& each : drawn_) each.frame = rows_of(whole[each.piece.view], each.piece);
+      else
+        frames_.keep(backend_, settings.outputs, drawn_);
+    };
+    draw(part, {views_.data(), views_.size()}, failure, place,
+         [&] { frames_.to_host(backend_, ranks_, drawn_, frames); });
+    frames_.collect(ranks_, bands_, frames);
+  }
+  void render(const SceneView& part, const Camera& camera, const RenderSettings& settings, Frame& frame) {
+    render(part, {&camera, 1}, settings, {&frame, 1});
+  }
+
+  /// What this rank has drawn of the last frame: nothing if there are more ranks than rows of tiles.
+  Span<const DrawnPiece> drawn() const { return {drawn_.data(), drawn_.size()}; }
+
+  /// What all ranks did for the last frame; the same on all.
+  const FrameCounters& counters() const { return counters_; }
+
+  /// Of this rank's stages, and of what it sends and receives, in the backend's memory. @units{bytes}
+  std::size_t memory() const {
+    return std::apply([](const auto&... all) { return bytes_of(all...); }, parts(*this));
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr int most_ranks = 65535;
+
+  /// What ranks tell each other before splats.
+  struct Offer {
+    std::uint64_t splats = 0;  ///< for the rank that reads this
+    std::uint64_t failed = 0;
+    std::uint64_t views = 0;  ///< `views_identity`
+  };
+
+  static auto parts(auto& self) {
+    return std::tie(self.whole_storage_, self.project_scratch_, self.splats_, self.footprints_, self.colours_,
+                    self.exchange_, self.band_storage_, self.band_footprints_, self.sort_scratch_,
+                    self.lists_, self.frames_);
+  }
+
+  static std::uint64_t since(Clock::time_point begun) {
+    return std::uint64_t(std::chrono::nanoseconds(Clock::now() - begun).count());
+  }
+
+  /// Views of whole images, without memory.
+  void make_views(Span<const Camera> cameras, const RenderSettings& settings) {
+    views_.clear();
+    validate(settings);
+    for (const Camera& camera : cameras)
+      views_.push_back(make_view(camera, settings.conventions,
+                                 {.width = camera.width, .height = camera.height}, settings.background));
+  }
+
+  /// One frame. `place` gives the pieces of `drawn_` memory; `finish` is called when they are drawn.
+  template <class Place, class Finish>
+  void draw(const SceneView& part, Span<const View> views, Failure& failure, const Place& place,
+            const Finish& finish) {
+    const Clock::time_point begun = Clock::now();
+    const Traffic before = ranks_.traffic();
+    RankCounters mine{.gaussians = part.size()};
+    drawn_.clear();
+    if (!complete_) plan_.reset();  // a rank may have failed before it planned what the others did
+    complete_ = false;
+    failure.guard([&] { project_part(part, views, mine); });
+    mine.project_ns = since(begun);
+    exchange_offers(views, failure);
+    failure.guard([&] {
+      make_room();
+      place();
+    });
+    failure.agree(ranks_);
+
+    // Colours are evaluated while shapes are under way, and are under way while those are sorted.
+    Exchange shapes(ranks_), colours(ranks_);
+    failure.guard([&] { exchange_.pack_shapes(backend_, ranks_, splats_, bands_); });
+    exchange_.send_shapes(shapes, ranks_, bands_);
+    std::optional<Shading<B>> shading;
+    const PlacedScene placed{part};
+    failure.guard([&] { shading.emplace(shade(backend_, {whole_, {&placed, 1}}, splats_, colours_)); });
+    shapes.wait();
+    failure.guard([&] { exchange_.pack_colours(backend_, ranks_, shading->finish()); });
+    exchange_.send_colours(colours);
+    failure.guard([&] { draw_band(part, colours, mine); });
+    colours.wait();
+    failure.guard(finish);
+    mine.frame_ns = since(begun);
+    mine.traffic = ranks_.traffic() - before;
+    learn(mine, failure);
+  }
+
+  /// Finds the splats of this rank's Gaussians in all views, and which ranks they go to.
+  void project_part(const SceneView& part, Span<const View> views, RankCounters& mine) {
+    validate(part);
+    for (const View& view : views) check_tiles(view), detail::require_finite_background(view.background);
+    check_ready(backend_);
+    whole_ = store_views(backend_, views, whole_storage_);
+    const std::uint32_t rows = frame_tiles(whole_).rows;
+    if (!plan_ || plan_->rows() != rows) plan_.emplace(rows, ranks_.size());
+    const PlacedScene placed{part};
+    for (;;) {
+      // As many instances as there may be: bands have their own, and these are not emitted.
+      const Limits limits =
+          B::reaches_host_memory ? Limits{} : Limits{{capacity_, std::size_t(max_instances)}};
+      project(backend_, {whole_, {&placed, 1}, limits}, Bounds{}, project_scratch_, splats_, footprints_);
+      bin(backend_, whole_, Bounds{}, splats_, footprints_, limits);
+      const FrameReport report = await_report(backend_, splats_, footprints_, limits);
+      mine.visible = report.visible;
+      if (report.overflowed == 0) break;
+      check_instances(report.instances);
+      capacity_ = std::size_t(report.visible + report.visible / 8 + 1);
+    }
+    exchange_.list(backend_, splats_, footprints_, whole_, plan_->cuts());
+    const auto own = ranks_.rank();
+    mine.sent = exchange_.begins()[std::size_t(ranks_.size())] - exchange_.count_for(own);
+    mine.first_row = plan_->cuts()[std::size_t(own)];
+    mine.rows = plan_->cuts()[std::size_t(own) + 1] - mine.first_row;
+  }
+
+  /// Tells each rank how many splats come, and learns whether all can go on.
+  void exchange_offers(Span<const View> views, Failure& failure) {
+    const auto ranks = std::size_t(ranks_.size()), own = std::size_t(ranks_.rank());
+    const std::uint64_t identity = views_identity(views);
+    std::vector<Offer> to(ranks, Offer{0, bool(failure), identity}), from(ranks);
+    std::vector<std::uint64_t> places(ranks + 1);
+    for (std::size_t r = 0; r < ranks; ++r) {
+      if (!failure) to[r].splats = exchange_.count_for(int(r));
+      places[r + 1] = r + 1;
+    }
+    const Span<const std::uint64_t> begins{places.data(), places.size()};
+    Exchange exchange(ranks_);
+    exchange.all_to_all(to.data(), begins, from.data(), begins, sizeof(Offer));
+    exchange.wait();
+    from[own] = to[own];
+    counts_.clear();
+    bool well = true;
+    for (std::size_t r = 0; r < ranks; ++r) {
+      counts_.push_back(from[r].splats);
+      well = well && from[r].failed == 0 && from[r].views == identity;
+      if (from[r].views != from[0].views)
+        failure.guard([&] {
+          throw std::invalid_argument("render: the views of rank " + std::to_string(r) +
+                                      " differ from those of rank 0, expected the same on all ranks");
+        });
+    }
+    if (!well) failure.tell(ranks_);
+  }
+
+  void make_room() {
+    const BandCuts& cuts = plan_->cuts();
+    bands_.clear();
+    for (std::size_t r = 0; r + 1 < cuts.size(); ++r)
+      bands_.push_back(band_of(whole_.each, cuts[r], cuts[r + 1]));
+    exchange_.make_room(backend_, ranks_, bands_, {counts_.data(), counts_.size()});
+    for (const BandPiece& piece : bands_[std::size_t(ranks_.rank())].pieces) drawn_.push_back({piece});
+  }
+
+  /// Bins, sorts and rasterizes the splats of this rank's band.
+  void draw_band(const SceneView& part, Exchange& colours, RankCounters& mine) {
+    std::vector<View>& views = bands_[std::size_t(ranks_.rank())].views;
+    Splats<B>& splats = exchange_.joined();
+    mine.drawn = splats.count, mine.bytes = memory();
+    if (views.empty()) return;
+    for (std::size_t i = 0; i < views.size(); ++i) views[i].frame = drawn_[i].frame;
+    Clock::time_point begun = Clock::now();
+    const Views stored = store_views(backend_, {views.data(), views.size()}, band_storage_);
+    exchange_.shapes_arrived(backend_, ranks_);
+    bin(backend_, stored, Bounds{}, splats, band_footprints_);
+    SortJob<Bounds> job{splats.view(), band_footprints_.view(), FrameKey::of(part, stored)};
+    mine.instances = job.footprints.instances.most;
+    sort_.build(backend_, job, Bounds{}, sort_scratch_, lists_);
+    mine.band_ns = since(begun);
+    colours.wait();
+    begun = Clock::now();
+    exchange_.colours_arrived(backend_, ranks_);
+    rasterize(backend_, Raster{}, RasterJob{splats.view(), exchange_.colours(), lists_.view(), stored});
+    backend_.wait();
+    mine.band_ns += since(begun), mine.bytes = memory();
+  }
+
+  /// Ends the frame on all ranks, and learns from their times.
+  void learn(RankCounters mine, const Failure& failure) {
+    mine.failed = bool(failure);
+    FrameCounters counters{ranks_.all_gather(mine)};
+    std::vector<std::uint64_t> taken;
+    for (const RankCounters& rank : counters.ranks) {
+      if (rank.failed != 0) failure.tell(ranks_);
+      taken.push_back(rank.band_ns);
+    }
+    counters_ = std::move(counters);
+    plan_->learn({taken.data(), taken.size()});
+    complete_ = true;
+  }
+
+  Ranks ranks_;
+  B backend_;
+  Sort sort_;
+  ViewStorage<B> whole_storage_, band_storage_;
+  ProjectScratch<B> project_scratch_;
+  Splats<B> splats_;
+  Footprints<B, Bounds> footprints_, band_footprints_;
+  Colours<B> colours_;
+  SplatExchange<B> exchange_;
+  typename Sort::template Scratch<B> sort_scratch_;
+  TileLists<B> lists_;
+  BandFrames<B> frames_;
+  std::optional<BandPlan> plan_;
+  Views whole_;                        ///< in `whole_storage_`
+  std::vector<View> views_;            ///< of cameras
+  std::vector<Band> bands_;            ///< of all ranks
+  std::vector<std::uint64_t> counts_;  ///< of splats that come from each rank
+  std::vector<DrawnPiece> drawn_;
+  FrameCounters counters_;
+  std::size_t capacity_ = 1;  ///< splats of a device's projection; grows
+  bool complete_ = false;     ///< whether all ranks drew the last frame
+};
+
+}  // namespace swiftgs

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+#include <tuple>
+
+#include <swiftgs/backend.hpp>
+#include <swiftgs/span.hpp>
+
+namespace swiftgs {
+
+/// Copies from the host's memory into that of the backend, after all work submitted before. The host's memory
+/// must stay as it is until the backend has `wait`ed or downloaded something. A backend that does not reach
+/// the host's memory brings its own.
+template <BackendPolicy B>
+requires(bool(B::reaches_host_memory)) void copy_from_host(B&, const void* from, void* to,
+                                                           std::size_t bytes) {
+  if (bytes != 0) std::memcpy(to, from, bytes);
+}
+
+/// Where messages find an array that lies in a backend's memory. Hosts send from the array and receive into
+/// it; a backend of a device specialises this, and copies on the way.
+template <class B, class T>
+class Staging {
+  static_assert(B::reaches_host_memory, "a device's backend specialises Staging");
+
+ public:
+  /// Takes what memory it needs for messages of `array`, and remembers it.
+  void reserve(B&, Span<T> array) { array_ = array; }
+  /// The array as messages see it.
+  T* host() const { return array_.data; }
+  /// Copies elements [begin, end) there, and waits for them.
+  void to_host(B&, std::size_t, std::size_t) {}
+  /// Copies them back, in the order of the backend's work.
+  void from_host(B&, std::size_t, std::size_t) {}
+
+  static std::tuple<> buffers(auto&) { return {}; }
+
+ private:
+  Span<T> array_;
+};
+
+}  // namespace swiftgs

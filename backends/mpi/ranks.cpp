@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <exception>
+#include <new>
+#include <numeric>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ranks_state.hpp"
+
+namespace swiftgs {
+
+void mpi::check(int result, const char* call) {
+  if (result == MPI_SUCCESS) return;
+  char text[MPI_MAX_ERROR_STRING] = "";
+  int length = 0;
+  MPI_Error_string(result, text, &length);
+  throw MpiError(call, std::string(text, std::size_t(length)));
+}
+
+Ranks::State::State(MPI_Comm of) {
+  mpi::check(MPI_Comm_dup(of, &comm), "MPI_Comm_dup");
+  MPI_Comm_set_errhandler(comm, MPI_ERRORS_RETURN);
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &size);
+}
+
+Ranks::State::~State() {
+  int ended = 0;
+  MPI_Finalized(&ended);
+  // Freeing is collective: a rank that fails alone would wait here for the others, and leaves it to the end.
+  if (!ended && std::uncaught_exceptions() == 0) MPI_Comm_free(&comm);
+}
+
+Ranks ranks_of(MPI_Comm comm) { return Ranks(std::make_shared<Ranks::State>(comm)); }
+
+int Ranks::rank() const { return state_->rank; }
+int Ranks::size() const { return state_->size; }
+int Ranks::rank_on_machine() const {
+  MPI_Comm machine = MPI_COMM_NULL;
+  mpi::check(MPI_Comm_split_type(state_->comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine),
+             "MPI_Comm_split_type");
+  int rank = 0;
+  MPI_Comm_rank(machine, &rank);
+  MPI_Comm_free(&machine);
+  return rank;
+}
+Traffic Ranks::traffic() const { return state_->traffic; }
+
+void Ranks::set_longest_message(std::size_t bytes) {
+  if (bytes < 1 || bytes > std::size_t(1) << 30)
+    throw std::invalid_argument("ranks: the longest message is " + std::to_string(bytes) +
+                                " bytes, expected 1 to 2^30");
+  state_->longest_message = bytes;
+}
+
+bool Ranks::all(bool mine) const {
+  const mpi::Waiting waiting(*state_);
+  int on_all = mine;
+  mpi::check(MPI_Allreduce(MPI_IN_PLACE, &on_all, 1, MPI_INT, MPI_MIN, state_->comm), "MPI_Allreduce");
+  return on_all != 0;
+}
+
+void Ranks::all_gather_bytes(const void* mine, void* each, std::size_t bytes) const {
+  const mpi::Waiting waiting(*state_);
+  mpi::check(MPI_Allgather(mine, int(bytes), MPI_BYTE, each, int(bytes), MPI_BYTE, state_->comm),
+             "MPI_Allgather");
+}
+
+std::vector<std::string> Ranks::all_gather(const std::string& mine) const {
+  const std::vector<std::uint64_t> lengths = all_gather(std::uint64_t(mine.size()));
+  std::vector<std::string> each(lengths.size());
+  Exchange exchange(*this);
+  for (int r = 0; r < size(); ++r) {
+    std::string& text = each[std::size_t(r)];
+    if (r == rank()) {
+      text = mine;
+      continue;
+    }
+    text.resize(lengths[std::size_t(r)]);
+    exchange.receive(r, text.data(), text.size());
+    exchange.send(r, mine.data(), mine.size());
+  }
+  exchange.wait();
+  return each;
+}
+
+void Ranks::add_up(Span<std::uint64_t> sums) const {
+  const mpi::Waiting waiting(*state_);
+  const std::size_t at_once = state_->longest_message / sizeof(std::uint64_t) + 1;
+  for (std::size_t begin = 0; begin < sums.size; begin += at_once)
+    mpi::check(MPI_Allreduce(MPI_IN_PLACE, sums.data + begin, int(std::min(at_once, sums.size - begin)),
+                             MPI_UINT64_T, MPI_SUM, state_->comm),
+               "MPI_Allreduce");
+}
+
+void Ranks::meet(const std::function<void()>& meanwhile) const {
+  MPI_Request request = MPI_REQUEST_NULL;
+  mpi::check(MPI_Ibarrier(state_->comm, &request), "MPI_Ibarrier");
+  for (int all = 0;; std::this_thread::sleep_for(std::chrono::milliseconds(10))) {
+    mpi::check(MPI_Test(&request, &all, MPI_STATUS_IGNORE), "MPI_Test");
+    if (all) return;
+    meanwhile();
+  }
+}
+
+void Ranks::tell_step() const {
+  MPI_Request request = MPI_REQUEST_NULL;
+  mpi::check(MPI_Isend(nullptr, 0, MPI_BYTE, 0, mpi::step_tag, state_->comm, &request), "MPI_Isend");
+  mpi::check(MPI_Request_free(&request), "MPI_Request_free");
+}
+
+std::size_t Ranks::steps_told() const {
+  for (std::size_t steps = 0;; ++steps) {
+    int waits = 0;
+    MPI_Status status;
+    mpi::check(MPI_Iprobe(MPI_ANY_SOURCE, mpi::step_tag, state_->comm, &waits, &status), "MPI_Iprobe");
+    if (!waits) return steps;
+    mpi::check(
+        MPI_Recv(nullptr, 0, MPI_BYTE, status.MPI_SOURCE, mpi::step_tag, state_->comm, MPI_STATUS_IGNORE),
+        "MPI_Recv");
+  }
+}
+
+void Ranks::require_same(const std::string& what, const std::string& mine) const {
+  const std::vector<std::string> each = all_gather(mine);
+  for (std::size_t r = 1; r < each.size(); ++r)
+    if (each[r] != each[0])
+      throw std::invalid_argument(what + " is '" + each[r] + "' on rank " + std::to_string(r) +
+                                  ", expected '" + each[0] + "' as on rank 0");
+}
+
+struct Exchange::Requests {
+  std::vector<MPI_Request> each;
+};
+
+Exchange::Exchange(const Ranks& ranks) : ranks_(ranks), requests_(std::make_unique<Requests>()) {}
+
+Exchange::~Exchange() {
+  try {
+    wait();
+  } catch (const MpiError&) {
+    // There is nobody left to tell.
+  }
+}
+
+namespace {
+
+/// f(begin, bytes) for the parts of a message that are short enough.
+template <class F>
+void for_messages(std::size_t bytes, std::size_t longest, const F& f) {
+  for (std::size_t begin = 0; begin < bytes; begin += longest) f(begin, std::min(longest, bytes - begin));
+}
+
+}  // namespace
+
+void Exchange::send(int rank, const void* from, std::size_t bytes) {
+  Ranks::State& state = ranks_.state();
+  for_messages(bytes, state.longest_message, [&](std::size_t begin, std::size_t count) {
+    MPI_Request& request = requests_->each.emplace_back(MPI_REQUEST_NULL);
+    mpi::check(MPI_Isend(static_cast<const std::byte*>(from) + begin, int(count), MPI_BYTE, rank,
+                         mpi::data_tag, state.comm, &request),
+               "MPI_Isend");
+    ++state.traffic.messages;
+  });
+  state.traffic.sent_bytes += bytes;
+}
+
+void Exchange::receive(int rank, void* to, std::size_t bytes) {
+  Ranks::State& state = ranks_.state();
+  for_messages(bytes, state.longest_message, [&](std::size_t begin, std::size_t count) {
+    MPI_Request& request = requests_->each.emplace_back(MPI_REQUEST_NULL);
+    mpi::check(MPI_Irecv(static_cast<std::byte*>(to) + begin, int(count), MPI_BYTE, rank, mpi::data_tag,
+                         state.comm, &request),
+               "MPI_Irecv");
+  });
+  state.traffic.received_bytes += bytes;
+}
+
+void Exchange::all_to_all(const void* from, Span<const std::uint64_t> from_begins, void* to,
+                          Span<const std::uint64_t> to_begins, std::size_t element_bytes) {
+  const auto bytes_at = [&](Span<const std::uint64_t> begins, int r, auto* array) {
+    return array + std::size_t(begins[std::size_t(r)]) * element_bytes;
+  };
+  const auto bytes_of = [&](Span<const std::uint64_t> begins, int r) {
+    return std::size_t(begins[std::size_t(r) + 1] - begins[std::size_t(r)]) * element_bytes;
+  };
+  // Every rank begins with the one behind it, so that none is everybody's first.
+  const int size = ranks_.size(), rank = ranks_.rank();
+  for (int step = 1; step < size; ++step) {
+    const int source = (rank + size - step) % size;
+    receive(source, bytes_at(to_begins, source, static_cast<std::byte*>(to)), bytes_of(to_begins, source));
+  }
+  for (int step = 1; step < size; ++step) {
+    const int target = (rank + step) % size;
+    send(target, bytes_at(from_begins, target, static_cast<const std::byte*>(from)),
+         bytes_of(from_begins, target));
+  }
+}
+
+bool Exchange::test() {
+  int done = 0;
+  std::vector<MPI_Request>& each = requests_->each;
+  mpi::check(MPI_Testall(int(each.size()), each.data(), &done, MPI_STATUSES_IGNORE), "MPI_Testall");
+  return done != 0;
+}
+
+void Exchange::wait() {
+  if (requests_->each.empty()) return;
+  const mpi::Waiting waiting(ranks_.state());
+  std::vector<MPI_Request> each;
+  each.swap(requests_->each);
+  mpi::check(MPI_Waitall(int(each.size()), each.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
+}
+
+void Failure::tell(const Ranks& ranks) const {
+  std::string text;
+  bool failed = false;
+  if (error_) {
+    failed = true;
+    try {
+      std::rethrow_exception(error_);
+    } catch (const std::bad_alloc&) {
+      text = "out of memory";
+    } catch (const std::exception& error) {
+      text = error.what();
+    } catch (...) {
+      text = "unknown error";
+    }
+  }
+  const std::vector<std::string> each = ranks.all_gather((failed ? "!" : "") + text);
+  if (failed) std::rethrow_exception(error_);
+  for (std::size_t r = 0; r < each.size(); ++r)
+    if (!each[r].empty()) throw RankError(int(r), each[r].substr(1));
+  throw std::logic_error("ranks: one was said to have failed, expected its message");
+}
+
+}  // namespace swiftgs

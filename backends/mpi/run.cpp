@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <new>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "ranks_state.hpp"
+
+namespace swiftgs {
+namespace {
+
+/// How long a rank that fails because of another waits for that one to end all.
+constexpr std::chrono::milliseconds patience{500};
+
+/// Often all ranks fail alike: the first says so, and ends the others before they do.
+void let_others_speak(const Ranks& ranks) {
+  if (ranks.rank() != 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(150 + std::min(ranks.rank(), 100)));
+}
+
+/// Prints one line and ends all ranks. Others may be anywhere: MPI is not ended in order.
+[[noreturn]] void end_all(const std::string& program, const Ranks& ranks, std::string text) {
+  let_others_speak(ranks);
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  std::fflush(stdout);
+  std::fprintf(stderr, "%s: rank %d of %d: %s\n", program.c_str(), ranks.rank(), ranks.size(), text.c_str());
+  std::fflush(stderr);
+  MPI_Abort(MPI_COMM_WORLD, 1);
+  std::_Exit(1);
+}
+
+}  // namespace
+
+bool started_by_launcher() {
+  // Of Open MPI, of PMIx and PMI, which MPICH, Intel MPI and Slurm bring.
+  constexpr std::array names{"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE"};
+  return std::any_of(names.begin(), names.end(), [](const char* name) { return std::getenv(name); });
+}
+
+int run_on_ranks(const std::string& program, const std::function<int(Ranks&)>& work) {
+  int provided = 0;
+  // MPI's own handler ends the program at any error before there are ranks.
+  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
+  int code = 0;
+  {
+    Ranks ranks = ranks_of(MPI_COMM_WORLD);
+    try {
+      code = work(ranks);
+    } catch (const RankError& error) {
+      std::this_thread::sleep_for(patience);  // the rank that failed says so itself
+      end_all(program, ranks, error.what());
+    } catch (const std::bad_alloc&) {
+      end_all(program, ranks, "out of memory");
+    } catch (const std::exception& error) {
+      end_all(program, ranks, error.what());
+    } catch (...) {
+      end_all(program, ranks, "unknown error");
+    }
+  }
+  MPI_Finalize();
+  return code;
+}
+
+}  // namespace swiftgs

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Times of frames of one scene over ranks: mpirun -n N frames_over_ranks SCENE [options]. Prints one line of
+// JSON: medians over frames, of each rank, and a checksum of the image, the same for any number of ranks.
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/cpu.hpp>
+#include <swiftgs/io/cameras.hpp>
+#include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/mpi.hpp>
+#include <swiftgs/swiftgs.hpp>
+#if defined(SWIFTGS_HAS_CUDA)
+#include <swiftgs/mpi/cuda.hpp>
+#endif
+
+using namespace swiftgs;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+struct Options {
+  std::string scene, cameras, backend = "cpu";
+  std::size_t view = 0;
+  double scale = 1;
+  int frames = 20, warm_ups = 8, threads = 0;
+};
+
+Scene part_named(const std::string& name, const ScenePart& part, const Ranks& ranks) {
+  constexpr std::string_view builtin = "builtin:";
+  if (!name.starts_with(builtin)) {
+    ranks.require_same(name, file_identity(name));
+    return load_scene(name, {.part = part});
+  }
+  std::size_t count = 0;
+  const char* const end = name.data() + name.size();
+  const auto parsed = std::from_chars(name.data() + builtin.size(), end, count);
+  if (parsed.ec != std::errc() || parsed.ptr != end || count < 1)
+    throw std::invalid_argument("scene '" + name + "': expected builtin:N or a file");
+  return make_builtin_scene(count, part);
+}
+
+Camera camera_of(const Options& options) {
+  if (options.cameras.empty()) return scaled(builtin_camera(), options.scale);
+  const std::vector<Camera> cameras = read_cameras(options.cameras);
+  return scaled(cameras.at(options.view), options.scale);
+}
+
+std::string checksum_of(const Frame& frame) {
+  const std::string_view bytes(reinterpret_cast<const char*>(frame.colour.data()),
+                               frame.colour.size() * sizeof(float));
+  char text[17];
+  std::snprintf(text, sizeof text, "%016zx", std::hash<std::string_view>()(bytes));
+  return text;
+}
+
+template <class T>
+double median(std::vector<T> values) {
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
+  return double(values[values.size() / 2]);
+}
+
+template <class B>
+void measure(const Ranks& ranks, const Options& options, B backend) {
+  DistributedRenderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer(ranks,
+                                                                                          std::move(backend));
+  const ScenePart own{std::size_t(ranks.rank()), std::size_t(ranks.size())};
+  std::optional<Scene> read = part_named(options.scene, own, ranks);
+  const auto part = renderer.backend().upload(std::move(*read));
+  read.reset();
+  const Camera camera = camera_of(options);
+  Frame frame;
+  std::vector<double> with_image, without_image, imbalance;
+  std::vector<FrameCounters> counters;
+  for (int k = 0; k < options.warm_ups + options.frames; ++k) {
+    ranks.all(true);  // begin together
+    const auto begun = std::chrono::steady_clock::now();
+    renderer.render(part.view(), camera, {}, frame);
+    const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begun;
+    if (k < options.warm_ups) continue;
+    counters.push_back(renderer.counters());
+    std::uint64_t longest = 0;
+    for (const RankCounters& rank : counters.back().ranks) longest = std::max(longest, rank.frame_ns);
+    with_image.push_back(taken.count()), without_image.push_back(1e-6 * double(longest));
+    imbalance.push_back(counters.back().imbalance());
+  }
+  if (ranks.rank() != 0) return;
+  Json each = Json::array();
+  for (std::size_t r = 0; r < std::size_t(ranks.size()); ++r) {
+    const auto of = [&](const std::function<std::uint64_t(const RankCounters&)>& member) {
+      std::vector<std::uint64_t> values;
+      for (const FrameCounters& of_frame : counters) values.push_back(member(of_frame.ranks[r]));
+      return median(values);
+    };
+    using C = RankCounters;
+    each.push_back({{"gaussians", of([](const C& c) { return c.gaussians; })},
+                    {"visible", of([](const C& c) { return c.visible; })},
+                    {"sent", of([](const C& c) { return c.sent; })},
+                    {"drawn", of([](const C& c) { return c.drawn; })},
+                    {"instances", of([](const C& c) { return c.instances; })},
+                    {"rows", of([](const C& c) { return c.rows; })},
+                    {"sent_bytes", of([](const C& c) { return c.traffic.sent_bytes; })},
+                    {"messages", of([](const C& c) { return c.traffic.messages; })},
+                    {"project_ms", 1e-6 * of([](const C& c) { return c.project_ns; })},
+                    {"band_ms", 1e-6 * of([](const C& c) { return c.band_ns; })},
+                    {"waiting_ms", 1e-6 * of([](const C& c) { return c.traffic.waiting_ns; })},
+                    {"stage_bytes", of([](const C& c) { return c.bytes; })}});
+  }
+  const Json line{{"scene", options.scene},
+                  {"width", camera.width},
+                  {"height", camera.height},
+                  {"renderer", std::string(renderer.name)},
+                  {"device", renderer.backend().device_name()},
+                  {"frames", options.frames},
+                  {"ms", median(without_image)},
+                  {"ms_with_image", median(with_image)},
+                  {"imbalance", median(imbalance)},
+                  {"checksum", checksum_of(frame)},
+                  {"ranks", each}};
+  std::printf("%s\n", line.dump().c_str());
+}
+
+int run(Ranks& ranks, int argc, char** argv) {
+  Options options;
+  CLI::App app("Times of frames of one scene over ranks of MPI", "frames_over_ranks");
+  app.add_option("SCENE", options.scene, "builtin:N, or a file that can be read in parts")->required();
+  app.add_option("--cameras", options.cameras, "File or folder of cameras [the built-in view]");
+  app.add_option("--view", options.view, "Number of the camera");
+  app.add_option("--scale", options.scale, "Factor of the image's sides");
+  app.add_option("--backend", options.backend, "cpu or cuda");
+  app.add_option("--threads", options.threads, "Of each rank on the cpu; 0 for all");
+  app.add_option("--frames", options.frames, "Frames to time")->check(CLI::PositiveNumber);
+  app.add_option("--warm-ups", options.warm_ups, "Frames before them, in which bands find their places");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return ranks.rank() == 0 ? app.exit(error) : error.get_exit_code();
+  }
+  if (options.backend == "cpu") {
+    measure(ranks, options, Cpu(options.threads));
+    return 0;
+  }
+#if defined(SWIFTGS_HAS_CUDA)
+  if (options.backend == "cuda") {
+    take_device(ranks);
+    measure(ranks, options, Cuda());
+    return 0;
+  }
+#endif
+  throw std::invalid_argument("--backend '" + options.backend +
+                              "': expected cpu, or cuda in a build with it");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return run_on_ranks("frames_over_ranks", [&](Ranks& ranks) { return run(ranks, argc, argv); });
+}

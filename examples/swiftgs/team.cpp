@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "team.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+
+#if defined(SWIFTGS_HAS_MPI)
+#include <swiftgs/mpi/identity.hpp>
+#include <swiftgs/mpi/ranks.hpp>
+#if defined(SWIFTGS_HAS_CUDA)
+#include <swiftgs/mpi/cuda.hpp>
+#endif
+#endif
+
+namespace swiftgs::cli {
+
+Team& Team::here() {
+  static Team team;
+  return team;
+}
+
+#if defined(SWIFTGS_HAS_MPI)
+
+namespace {
+
+std::optional<Ranks> ranks;  ///< none where this process is alone
+
+}  // namespace
+
+int Team::run(int argc, char** argv, const std::function<int()>& work) {
+  if (!started_by_launcher()) return work();
+  return run_on_ranks("swiftgs", [&](Ranks& started) {
+    if (started.size() == 1) return work();
+    started.require_same("the build of the tool", build_identity());
+    std::string arguments;
+    for (int i = 1; i < argc; ++i) arguments.append(i == 1 ? "" : " ").append(argv[i]);
+    started.require_same("the command", arguments);
+    if (started.rank() != 0 && !std::freopen("/dev/null", "w", stdout))
+      throw std::runtime_error("/dev/null: cannot be opened");
+#if defined(SWIFTGS_HAS_CUDA)
+    if (Cuda::usable()) take_device(started);
+#endif
+    ranks.emplace(started);
+    const int code = work();
+    ranks.reset();
+    return code;
+  });
+}
+
+int Team::rank() const { return ranks ? ranks->rank() : 0; }
+int Team::size() const { return ranks ? ranks->size() : 1; }
+
+void Team::require_same(const std::string& what, const std::string& mine) const {
+  if (ranks) ranks->require_same(what, mine);
+}
+
+void Team::require_same_file(const std::string& path) const {
+  if (ranks && std::filesystem::is_regular_file(path)) ranks->require_same(path, file_identity(path));
+}
+
+std::vector<std::string> Team::gather(const std::string& mine) const { return ranks->all_gather(mine); }
+
+void Team::add_up(std::vector<std::uint64_t>& sums) const {
+  if (ranks) ranks->add_up({sums.data(), sums.size()});
+}
+
+void Team::meet(const std::function<void()>& meanwhile) const {
+  if (ranks) ranks->meet(meanwhile);
+}
+
+void Team::tell_step() const {
+  if (ranks) ranks->tell_step();
+}
+
+std::size_t Team::steps_told() const { return ranks ? ranks->steps_told() : 0; }
+
+#else
+
+int Team::run(int, char**, const std::function<int()>& work) { return work(); }
+int Team::rank() const { return 0; }
+int Team::size() const { return 1; }
+void Team::require_same(const std::string&, const std::string&) const {}
+void Team::require_same_file(const std::string&) const {}
+std::vector<std::string> Team::gather(const std::string& mine) const { return {mine}; }
+void Team::add_up(std::vector<std::uint64_t>&) const {}
+void Team::meet(const std::function<void()>&) const {}
+void Team::tell_step() const {}
+std::size_t Team::steps_told() const { return 0; }
+
+#endif
+
+}  // namespace swiftgs::cli

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+#include <swiftgs/scene.hpp>
+
+namespace swiftgs {
+
+/// One of several parts of a scene, each of consecutive Gaussians and as many as any other, give or take one.
+/// The whole is its only part.
+struct ScenePart {
+  std::size_t index = 0, of = 1;
+
+  struct Range {
+    std::size_t begin, end;
+    std::size_t size() const { return end - begin; }
+  };
+  /// Of the Gaussians of a scene that has `count`.
+  Range range(std::size_t count) const {
+    const auto before = [&](std::size_t part) { return count / of * part + count % of * part / of; };
+    return {before(index), before(index + 1)};
+  }
+
+  bool is_whole() const { return of == 1; }
+};
+
+/// Throws `std::invalid_argument` if there is no such part.
+inline void validate(const ScenePart& part) {
+  if (part.of < 1 || part.of > 65535 || part.index >= part.of)
+    throw std::invalid_argument("scene: the part is number " + std::to_string(part.index) + " of " +
+                                std::to_string(part.of) + ", expected 0 and up of 1 to 65535");
+}
+
+/// A copy of a part of `scene`. Readers and `make_builtin_scene` make a part without the rest.
+inline Scene part_of(const Scene& scene, const ScenePart& part) {
+  validate(part);
+  const ScenePart::Range range = part.range(scene.size());
+  Scene out;
+  out.sh_degree = scene.sh_degree, out.antialiased = scene.antialiased;
+  const auto copy = [&](const auto& from, auto& to, std::size_t each = 1) {
+    to.assign(from.begin() + std::ptrdiff_t(range.begin * each),
+              from.begin() + std::ptrdiff_t(range.end * each));
+  };
+  copy(scene.means, out.means), copy(scene.scales, out.scales), copy(scene.rotations, out.rotations);
+  copy(scene.opacities, out.opacities), copy(scene.sh0, out.sh0);
+  copy(scene.sh_rest, out.sh_rest, 3 * std::size_t(sh_rest_count(scene.sh_degree)));
+  return out;
+}
+
+}  // namespace swiftgs

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Parts of a scene make up the whole, whether they are read or made.
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/scene_part.hpp>
+
+#include "support/files.hpp"
+
+using namespace swiftgs;
+
+namespace {
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+bool same_bits(const Scene& a, const Scene& b) {
+  return a.sh_degree == b.sh_degree && a.antialiased == b.antialiased && same_bits(a.means, b.means) &&
+         same_bits(a.scales, b.scales) && same_bits(a.rotations, b.rotations) &&
+         same_bits(a.opacities, b.opacities) && same_bits(a.sh0, b.sh0) && same_bits(a.sh_rest, b.sh_rest);
+}
+
+/// Appends one scene to another.
+void append(const Scene& part, Scene& whole) {
+  const auto add = [](const auto& from, auto& to) { to.insert(to.end(), from.begin(), from.end()); };
+  add(part.means, whole.means), add(part.scales, whole.scales), add(part.rotations, whole.rotations);
+  add(part.opacities, whole.opacities), add(part.sh0, whole.sh0), add(part.sh_rest, whole.sh_rest);
+  whole.sh_degree = part.sh_degree, whole.antialiased = part.antialiased;
+}
+
+/// The scene of parts 0 to `of` - 1, which `make(part)` returns.
+template <class Make>
+Scene joined(std::size_t of, const Make& make) {
+  Scene whole;
+  for (std::size_t i = 0; i < of; ++i) append(make(ScenePart{i, of}), whole);
+  return whole;
+}
+
+}  // namespace
+
+TEST_CASE("scene parts: they are of one size and follow each other") {
+  for (const std::size_t count : {0, 1, 5, 1000, 1001}) {
+    std::size_t before = 0;
+    for (std::size_t i = 0; i < 7; ++i) {
+      const ScenePart::Range range = ScenePart{i, 7}.range(count);
+      CHECK(range.begin == before);
+      CHECK((range.size() == count / 7 || range.size() == count / 7 + 1));
+      before = range.end;
+    }
+    CHECK(before == count);
+  }
+  CHECK_THROWS_WITH_AS(validate(ScenePart{3, 3}),
+                       "scene: the part is number 3 of 3, expected 0 and up of 1 to 65535",
+                       std::invalid_argument);
+}
+
+TEST_CASE("scene parts: the built-in scene is made in parts") {
+  for (const std::size_t count : {1, 997, 20'000}) {
+    const Scene whole = make_builtin_scene(count);
+    for (const std::size_t of : {1, 2, 3, 16})
+      CHECK(same_bits(joined(of, [&](ScenePart part) { return make_builtin_scene(count, part); }), whole));
+  }
+}
+
+TEST_CASE("scene parts: files are read in parts") {
+  const test::TemporaryFolder folder;
+  Scene scene = make_builtin_scene(1'001);
+  for (const char* name : {"a.ply", "a.compressed.ply", "a.splat", "a.spz"}) {
+    const auto path = folder / name;
+    write_scene(path, scene);
+    const SceneFile whole = read_scene(path);
+    for (const std::size_t of : {1, 2, 3, 5}) {
+      std::uint64_t stored = 0;
+      const Scene parts = joined(of, [&](ScenePart part) {
+        SceneFile file = read_scene(path, {.part = part});
+        stored += file.stored;
+        return std::move(file.scene);
+      });
+      CAPTURE(name);
+      CHECK(same_bits(parts, whole.scene));
+      CHECK(stored == 1'001);
+    }
+  }
+}
+
+TEST_CASE("scene parts: text is read in parts and what cannot be drawn is dropped from each") {
+  const test::TemporaryFolder folder;
+  std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\n"
+      "property float scale_0\nproperty float scale_1\nproperty float scale_2\nproperty float rot_0\n"
+      "property float rot_1\nproperty float rot_2\nproperty float rot_3\nend_header\n";
+  for (int i = 0; i < 5; ++i)
+    text += (i == 3 ? "nan" : std::to_string(i)) + " 0 1 0.1 0.2 0.3 1 -3 -3 -3 1 0 0 0\n";
+  const auto path = folder.write("text.ply", text);
+  const SceneFile whole = read_scene(path), last = read_scene(path, {.part = {1, 2}});
+  CHECK(whole.scene.size() == 4);
+  CHECK(last.stored == 3);
+  CHECK(last.dropped_nonfinite == 1);
+  CHECK(same_bits(joined(2, [&](ScenePart part) { return read_scene(path, {.part = part}).scene; }),
+                  whole.scene));
+}
+
+TEST_CASE("scene parts: a format that is read as a whole is refused") {
+  const test::TemporaryFolder folder;
+  const auto path = folder / "a.sog";
+  write_scene(path, make_builtin_scene(500));
+  CHECK_THROWS_WITH_AS(read_scene(path, {.part = {0, 2}}),
+                       (path.string() + ": a part of it was asked for, expected a PLY, SPZ or .splat file, "
+                                        "which can be read in parts; 'swiftgs convert' writes one")
+                           .c_str(),
+                       std::invalid_argument);
+  CHECK_THROWS_AS(read_scene(path, {.part = {2, 2}}), std::invalid_argument);
+  CHECK(read_scene(path, {.part = {0, 1}}).scene.size() == 500);
+}

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Frames over ranks against those of one renderer. All ranks run tests side by side, so nothing may throw on
+/// one rank alone.
+
+#include <cstring>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/mpi.hpp>
+#include <swiftgs/swiftgs.hpp>
+
+#include "mpi/ranks_here.hpp"
+
+namespace swiftgs::test {
+
+inline bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0);
+}
+inline bool same_bits(const Frame& a, const Frame& b) {
+  return same_bits(a.colour, b.colour) && same_bits(a.alpha, b.alpha) && same_bits(a.depth, b.depth);
+}
+
+inline ScenePart own_part() { return {std::size_t(ranks_here().rank()), std::size_t(ranks_here().size())}; }
+
+/// Cameras of unlike sizes; none is a multiple of 16.
+inline std::vector<Camera> some_cameras() {
+  std::vector<Camera> cameras = builtin_cameras(3, 250, 141);
+  cameras[1] = scaled(cameras[1], 0.31);
+  cameras.push_back(builtin_camera(333, 170));
+  return cameras;
+}
+
+inline RenderSettings all_outputs() {
+  RenderSettings settings;
+  settings.background = vec3(0.1f, 0.2f, 0.3f);
+  settings.outputs = {true, true};
+  return settings;
+}
+
+/// Renders `cameras` in one frame, several times, so that bands move, and compares it with one renderer of
+/// the whole scene. `own` is this rank's part.
+template <class B, class Sort, class Raster, class Bounds>
+void compare(const Scene& scene, const Scene& own, const std::vector<Camera>& cameras, int frames = 3) {
+  const Span<const Camera> all{cameras.data(), cameras.size()};
+  const RenderSettings settings = all_outputs();
+  std::vector<Frame> expected(cameras.size()), found(cameras.size());
+  Renderer<B, Sort, Raster, Bounds> one;
+  const auto whole = one.backend().upload(scene);
+  one.render(whole, all, settings, {expected.data(), expected.size()});
+
+  DistributedRenderer<B, Sort, Raster, Bounds> distributed(ranks_here());
+  const auto part = distributed.backend().upload(own);
+  CAPTURE(distributed.name);
+  for (int k = 0; k < frames; ++k) {
+    distributed.render(part.view(), all, settings, {found.data(), found.size()});
+    if (ranks_here().rank() == 0)
+      for (std::size_t i = 0; i < cameras.size(); ++i) CHECK(same_bits(found[i], expected[i]));
+  }
+  CHECK(distributed.counters().visible() == one.statistics().visible);
+  CHECK(distributed.counters().instances() == one.statistics().instances);
+}
+
+template <class B, class Sort, class Raster, class Bounds>
+void compare(const Scene& scene, const std::vector<Camera>& cameras, int frames = 3) {
+  compare<B, Sort, Raster, Bounds>(scene, part_of(scene, own_part()), cameras, frames);
+}
+
+/// `compare` with each sort, rasterizer and bounds. `part` is this rank's of `scene`.
+void compare_every_policy(const Scene& scene, const Scene& part, const std::vector<Camera>& cameras);
+
+}  // namespace swiftgs::test

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Frames over ranks have the bits of one process.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/cpu.hpp>
+#include <swiftgs/serial.hpp>
+
+#include "mpi/compare.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+TEST_CASE("mpi frames: each policy draws the bits of one process") {
+  const Scene scene = make_builtin_scene(6'000);
+  compare_every_policy(scene, part_of(scene, own_part()), some_cameras());
+}
+
+TEST_CASE("mpi frames: depths that are equal are drawn in the order of the whole scene") {
+  // Layers of different colours at one depth; neighbours lie on different ranks.
+  Scene scene;
+  constexpr std::size_t layers = 24;
+  for (std::size_t i = 0; i < layers; ++i) {
+    scene.means.push_back(vec3(0.01f * float(i % 3), 0.02f * float(i % 5), 4));
+    scene.scales.push_back(vec3(0.5f));
+    scene.rotations.push_back({});
+    scene.opacities.push_back(0.4f);
+    scene.sh0.push_back(vec3(i % 2 ? 1.5f : -1.5f, float(i % 7) - 3, float(i % 5) - 2));
+  }
+  Camera camera = look_at(dvec3(0), dvec3(0, 0, 1), dvec3(0, -1, 0), 0.8, 100, 90);
+  compare<Cpu, EarlySort, PerPixel, Ellipse>(scene, {camera}, 2);
+  compare<Cpu, StandardSort, PerPixel, OpacityBox>(scene, {camera}, 2);
+}
+
+TEST_CASE("mpi frames: parts may be empty and hold other bands of harmonics than the whole") {
+  Scene scene = make_builtin_scene(900);
+  // All but the last third lose their harmonics: the ranks' parts have unlike degrees.
+  std::fill(scene.sh_rest.begin(), scene.sh_rest.begin() + 45 * 600, 0.0f);
+  compare<Cpu, EarlySort, PerPixel, Ellipse>(scene, {builtin_camera(120, 80)}, 2);
+  compare<Cpu, EarlySort, PerPixel, Ellipse>(part_of(scene, {0, 300}), {builtin_camera(120, 80)}, 2);
+  compare<Cpu, EarlySort, PerPixel, Ellipse>(Scene{}, {builtin_camera(120, 80)}, 2);
+  // Fewer rows of tiles than ranks.
+  compare<Cpu, EarlySort, PerPixel, Ellipse>(scene, {builtin_camera(200, 17)}, 2);
+}
+
+TEST_CASE("mpi frames: splats that are hidden or as wide as the image are the same") {
+  Scene scene = make_builtin_scene(500);
+  for (std::size_t i = 0; i < scene.size(); i += 25) scene.scales[i] *= 300.0f;
+  for (std::size_t i = 3; i < scene.size(); i += 10)
+    scene.sh0[i] = vec3(3e38f), scene.sh_rest[45 * i + 3] = 3e38f, scene.sh_rest[45 * i] = -3e38f;
+  compare<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, {builtin_camera(400, 300)}, 2);
+  compare<Serial, StandardSort, PerPixel, Obb>(scene, {builtin_camera(400, 300)}, 2);
+}
+
+TEST_CASE("mpi frames: messages that are cut bring the same bits") {
+  ranks_here().set_longest_message(1000);
+  compare<Cpu, EarlySort, PerPixel, Ellipse>(make_builtin_scene(3'000), some_cameras(), 2);
+  ranks_here().set_longest_message(std::size_t(1) << 30);
+  CHECK_THROWS_AS(ranks_here().set_longest_message((std::size_t(1) << 30) + 1), std::invalid_argument);
+}
+
+TEST_CASE("mpi frames: bands are drawn over images and behind surfaces and into other formats") {
+  const Scene scene = make_builtin_scene(3'000);
+  const Camera camera = builtin_camera(200, 150);
+  Renderer<Cpu, EarlySort, PerPixel, Ellipse> one;
+  DistributedRenderer<Cpu, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
+  const auto whole = one.backend().upload(scene);
+  const auto part = distributed.backend().upload(part_of(scene, own_part()));
+  std::vector<float> occluder(200 * 150);
+  for (std::size_t i = 0; i < occluder.size(); ++i) occluder[i] = i % 3 ? 4.0f : INFINITY;
+  for (const PixelFormat format : {PixelFormat::rgba_float, PixelFormat::rgba_half, PixelFormat::rgba_8}) {
+    const std::size_t pixel = bytes_per_pixel(format);
+    std::vector<unsigned char> expected(200 * 150 * pixel), found(200 * 150 * pixel);
+    const auto view_into = [&](std::vector<unsigned char>& image) {
+      std::fill(image.begin(), image.end(), static_cast<unsigned char>(60));
+      // Bottom row first in memory.
+      FrameView frame{.width = 200, .height = 150};
+      frame.colour = {image.data() + 200 * pixel * 149, -std::ptrdiff_t(200 * pixel)};
+      frame.format = format, frame.over = true;
+      frame.occluder = {occluder.data(), 200 * sizeof(float)};
+      return make_view(camera, Conventions::gsplat(), frame);
+    };
+    const View into_expected = view_into(expected), into_found = view_into(found);
+    one.render_into(whole.view(), Span{&into_expected, 1});
+    distributed.render_into(part.view(), Span{&into_found, 1});
+    // Outside of the band nothing was written.
+    std::vector<bool> own_row(150);
+    for (const DrawnPiece& each : distributed.drawn())
+      for (int row = 0; row < each.piece.rows; ++row) own_row[std::size_t(each.piece.first_row + row)] = true;
+    std::size_t wrong = 0;
+    for (std::size_t row = 0; row < 150; ++row)
+      for (std::size_t k = 0; k < 200 * pixel; ++k) {
+        const std::size_t at = (149 - row) * 200 * pixel + k;
+        wrong += found[at] != (own_row[row] ? expected[at] : 60);
+      }
+    CHECK(wrong == 0);
+  }
+}
+
+TEST_CASE("mpi frames: a rectangle of an image is shared out as well") {
+  const Scene scene = make_builtin_scene(3'000);
+  const Camera camera = builtin_camera(300, 260);
+  Renderer<Cpu, EarlySort, PerPixel, Ellipse> one;
+  DistributedRenderer<Cpu, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
+  const auto whole = one.backend().upload(scene);
+  const auto part = distributed.backend().upload(part_of(scene, own_part()));
+  Frame expected, found;
+  const auto view_of = [&](Frame& frame) {
+    return make_view(camera, Conventions::gsplat(), prepare(frame, 130, 100, {true, true}), vec3(0),
+                     {32, 64});
+  };
+  const View a = view_of(expected), b = view_of(found);
+  one.render_into(whole.view(), Span{&a, 1});
+  distributed.render_into(part.view(), Span{&b, 1});
+  for (const DrawnPiece& each : distributed.drawn()) {
+    const std::size_t first = std::size_t(each.piece.first_row) * 130,
+                      size = std::size_t(each.piece.rows) * 130;
+    CHECK(std::memcmp(&found.colour[3 * first], &expected.colour[3 * first], 3 * size * sizeof(float)) == 0);
+    CHECK(std::memcmp(&found.depth[first], &expected.depth[first], size * sizeof(float)) == 0);
+  }
+}
+
+TEST_CASE("mpi frames: counters tell what went between ranks and how even bands are") {
+  const Scene scene = make_builtin_scene(20'000);
+  DistributedRenderer<Cpu, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
+  const auto part = distributed.backend().upload(part_of(scene, own_part()));
+  Frame frame;
+  for (int k = 0; k < 4; ++k) distributed.render(part.view(), builtin_camera(640, 400), {}, frame);
+  const FrameCounters& counters = distributed.counters();
+  const auto ranks = std::size_t(ranks_here().size());
+  CHECK(counters.ranks.size() == ranks);
+  CHECK(counters.imbalance() >= 1);
+  std::uint64_t sent = 0, received = 0, gaussians = 0, drawn = 0, rows = 0;
+  for (const RankCounters& rank : counters.ranks) {
+    sent += rank.traffic.sent_bytes, received += rank.traffic.received_bytes;
+    gaussians += rank.gaussians, drawn += rank.drawn, rows += rank.rows;
+    CHECK(rank.frame_ns >= rank.project_ns);
+    CHECK(rank.bytes > 0);
+  }
+  CHECK(sent == received);
+  CHECK(sent == counters.sent_bytes());
+  CHECK(gaussians == scene.size());
+  CHECK(10 * drawn > 9 * counters.visible());  // a few lie between pixel centres and touch no tile
+  CHECK(drawn <= ranks * counters.visible());
+  CHECK(rows == 25);
+  if (ranks == 1) CHECK(sent == 0);
+  if (ranks > 1) {
+    CHECK(counters.messages() >= ranks * (ranks - 1));
+    CHECK(sent >= 52 * std::uint64_t(counters.ranks[0].sent));
+  }
+}
+
+TEST_CASE("mpi frames: steady frames take no more memory") {
+  DistributedRenderer<Cpu, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
+  const auto part = distributed.backend().upload(make_builtin_scene(4'000, own_part()));
+  Frame frame;
+  const Camera camera = builtin_camera(300, 200);
+  distributed.render(part.view(), camera, {}, frame);
+  // Bands move by the clock, so a band may still grow; it never holds more than the whole frame.
+  const std::size_t first = distributed.memory();
+  for (int k = 0; k < 6; ++k) distributed.render(part.view(), camera, {}, frame);
+  CHECK(distributed.memory() <= 3 * first + (8 << 20));
+}

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What ranks with devices do beside what hosts do, on a backend that everyone has.
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "mpi/away.hpp"
+#include "mpi/compare.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+TEST_CASE("mpi staging: messages by way of other memory bring the bits of one process") {
+  const Scene scene = make_builtin_scene(4'000);
+  const std::vector<Camera> cameras = some_cameras();
+  const Span<const Camera> all{cameras.data(), cameras.size()};
+  std::vector<Frame> expected(cameras.size()), found(cameras.size());
+  Renderer<Serial, EarlySort, PerPixel, Ellipse> one;
+  one.render(one.backend().upload(scene), all, all_outputs(), {expected.data(), expected.size()});
+
+  DistributedRenderer<Away, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
+  const auto part = distributed.backend().upload(part_of(scene, own_part()));
+  for (int k = 0; k < 3; ++k) {
+    distributed.render(part.view(), all, all_outputs(), {found.data(), found.size()});
+    if (ranks_here().rank() == 0)
+      for (std::size_t i = 0; i < cameras.size(); ++i) CHECK(same_bits(found[i], expected[i]));
+  }
+  CHECK(distributed.counters().visible() == one.statistics().visible);
+  CHECK(distributed.counters().instances() == one.statistics().instances);
+}
+
+TEST_CASE("mpi staging: bands that stay with their ranks have the bits of one process") {
+  const Scene scene = make_builtin_scene(2'000);
+  const Camera camera = builtin_camera(190, 130);
+  Renderer<Serial, EarlySort, PerPixel, Ellipse> one;
+  Frame expected;
+  one.render(one.backend().upload(scene), camera, all_outputs(), expected);
+  DistributedRenderer<Away, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
+  const auto part = distributed.backend().upload(part_of(scene, own_part()));
+  std::uint64_t rows = 0;
+  for (const DrawnPiece& each : distributed.render_bands(part.view(), {&camera, 1}, all_outputs())) {
+    const std::size_t first = std::size_t(each.piece.first_row) * 190,
+                      size = std::size_t(each.piece.rows) * 190;
+    CHECK(std::memcmp(each.frame.colour.data, &expected.colour[3 * first], 3 * size * sizeof(float)) == 0);
+    CHECK(std::memcmp(each.frame.depth.data, &expected.depth[first], size * sizeof(float)) == 0);
+    rows += std::uint64_t(each.piece.rows);
+  }
+  std::vector<std::uint64_t> sum{rows};
+  ranks_here().add_up({sum.data(), 1});
+  CHECK(sum[0] == 130);
+}

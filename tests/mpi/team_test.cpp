@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Commands whose views or cases several processes share write what one process writes.
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.hpp"
+
+using namespace swiftgs::test;
+using nlohmann::json;
+
+namespace {
+
+/// Runs the tool on so many ranks.
+Outcome on_ranks(const TemporaryFolder& place, int ranks, const std::string& arguments) {
+  const std::string out = (place / "stdout.txt").string(), err = (place / "stderr.txt").string();
+  const int status =
+      std::system(("cd '" + place.path().string() + "' && export XDG_CACHE_HOME=\"$PWD/cache\" && '" +
+                   SWIFTGS_LAUNCH "' -n " + std::to_string(ranks) + " '" SWIFTGS_CLI "' " + arguments +
+                   " >'" + out + "' 2>'" + err + "'")
+                      .c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(out), content_of(err)};
+}
+
+/// The rows of a result file without what differs from run to run.
+json rows_of(const std::filesystem::path& file, const std::string& member = "rows") {
+  json rows = json::parse(content_of(file)).at(member);
+  for (json& row : rows)
+    for (const char* changes : {"ms", "counted_ms", "frames", "device_bytes", "host_bytes", "bytes", "image"})
+      row.erase(changes);
+  return rows;
+}
+
+std::set<std::string> names_in(const std::filesystem::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.insert(entry.path().filename().string());
+  return names;
+}
+
+}  // namespace
+
+TEST_CASE("mpi team: render writes the images and rows of one process") {
+  const TemporaryFolder place;
+  const std::string what = "render builtin:3000 --views 0-10 --scale 0.1 --batch 2 --stats ";
+  run(place, what + "--out one --json one.json");
+  const Outcome shared = on_ranks(place, 3, what + "--out three --json three.json");
+  CHECK(shared.code == 0);
+  CHECK(shared.err == "");
+  CHECK(rows_of(place / "one.json") == rows_of(place / "three.json"));
+  CHECK(names_in(place / "one") == names_in(place / "three"));
+  CHECK(names_in(place / "one").size() == 11);
+  for (const std::string& name : names_in(place / "one"))
+    CHECK(content_of(place / "one" / name) == content_of(place / "three" / name));
+  // One process prints, in the order of the views.
+  CHECK(shared.out.find("three/front.png") < shared.out.find("three/orbit-00.png"));
+  CHECK(shared.out.find("three/orbit-00.png") < shared.out.find("three/orbit-09.png"));
+  CHECK(contains(shared.out, "11 images with "));
+}
+
+TEST_CASE("mpi team: more processes than views write the same") {
+  const TemporaryFolder place;
+  const std::string what = "render builtin:500 --views 0 --scale 0.05 ";
+  run(place, what + "--out one --json one.json");
+  CHECK(on_ranks(place, 3, what + "--out three --json three.json").code == 0);
+  CHECK(rows_of(place / "one.json") == rows_of(place / "three.json"));
+}
+
+TEST_CASE("mpi team: check finds the rows of one process") {
+  const TemporaryFolder place;
+  const std::string what =
+      "check builtin:500 --views 0-4 --scale 0.05 --repeats 1 --renderers 'serial/early/*/ellipse' ";
+  const Outcome one = run(place, what + "--json one.json"),
+                shared = on_ranks(place, 3, what + "--json three.json");
+  CHECK(shared.code == 0);
+  CHECK(rows_of(place / "one.json") == rows_of(place / "three.json"));
+  CHECK(lines_in(shared.out) == lines_in(one.out));
+}
+
+TEST_CASE("mpi team: bench finds the rows and views of one process") {
+  const TemporaryFolder place;
+  const std::string what =
+      "bench builtin:500 builtin:300 --views 0-3 --scales 0.05,0.08 --min-frames 2 --max-frames 2 "
+      "--renderers 'serial/early/per-pixel/*' ";
+  run(place, what + "--json one.json");
+  CHECK(on_ranks(place, 3, what + "--json three.json").code == 0);
+  const json one = rows_of(place / "one.json"), three = rows_of(place / "three.json");
+  CHECK(one.size() == 64);
+  CHECK(one == three);
+  CHECK(rows_of(place / "one.json", "views") == rows_of(place / "three.json", "views"));
+  CHECK(rows_of(place / "one.json", "scenes") == rows_of(place / "three.json", "scenes"));
+}
+
+TEST_CASE("mpi team: prune keeps the Gaussians that one process keeps") {
+  const TemporaryFolder place;
+  const std::string what = "prune builtin:2000 --keep 0.3 --views every:3 --scale 0.05 --backend serial ";
+  run(place, what + "--out one.ply --json one.json");
+  const Outcome shared = on_ranks(place, 3, what + "--out three.ply --json three.json");
+  CHECK(shared.code == 0);
+  CHECK(content_of(place / "one.ply") == content_of(place / "three.ply"));
+  const auto sides = [&](const char* file) {
+    json result = json::parse(content_of(place / file));
+    for (const char* side : {"before", "after"}) result[side].erase("ms");
+    for (const char* head : {"machine", "command"}) result.erase(head);
+    return result;
+  };
+  CHECK(sides("one.json") == sides("three.json"));
+}
+
+TEST_CASE("mpi team: stress finds the rows of one process") {
+  const TemporaryFolder place;
+  const std::string what =
+      "stress --renderers 'serial/early/per-pixel/ellipse' --severity max --seeds 1 --size 32x16 ";
+  const Outcome one = swiftgs::test::swiftgs(place, what + "--json one.json"),
+                shared = on_ranks(place, 3, what + "--json three.json");
+  CHECK(one.code == shared.code);
+  CHECK(json::parse(content_of(place / "one.json")).at("rows") ==
+        json::parse(content_of(place / "three.json")).at("rows"));
+}
+
+TEST_CASE("mpi team: what all find wrong is said once and at once") {
+  const TemporaryFolder place;
+  const Outcome missing = on_ranks(place, 3, "render nowhere.ply");
+  CHECK(missing.code == 1);
+  CHECK(contains(missing.err, "swiftgs: rank 0 of 3: nowhere.ply: No such file or directory\n"));
+  CHECK(!contains(missing.err, "rank 1 of 3"));
+  const Outcome mistyped = on_ranks(place, 3, "render builtin --vievs 3");
+  CHECK(mistyped.code == 1);
+  const std::size_t first = mistyped.err.find("swiftgs: render: '--vievs' is not expected");
+  CHECK(first != std::string::npos);
+  CHECK(mistyped.err.find("swiftgs: render: '--vievs'", first + 1) == std::string::npos);
+}
+
+TEST_CASE("mpi team: a process that fails ends all with its line and leaves no part of a file") {
+  const TemporaryFolder place;
+  // The last process finds a folder in the way of its third image.
+  const std::string all =
+      "render builtin:3000 --views all --scale 0.3 --renderer serial/early/per-pixel/ellipse "
+      "--json results.json";
+  std::filesystem::create_directories(place / "a/renders");
+  std::filesystem::create_directories(place / "b/renders/orbit-07.png");
+  const std::string tool = "'" SWIFTGS_CLI "' " + all;
+  const auto begun = std::chrono::steady_clock::now();
+  const Outcome failed = on_ranks(place, 2, all + " ");
+  CHECK(failed.code == 0);  // without the folder
+  const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - begun;
+  const std::string err = (place / "err.txt").string();
+  const auto again = std::chrono::steady_clock::now();
+  const int status = std::system(("cd '" + place.path().string() + "' && '" SWIFTGS_LAUNCH "' -n 2 -wdir a " +
+                                  tool + " : -n 1 -wdir b " + tool + " >out.txt 2>'" + err + "'")
+                                     .c_str());
+  const std::chrono::duration<double> cut = std::chrono::steady_clock::now() - again;
+  CHECK(WEXITSTATUS(status) == 1);
+  CHECK(contains(content_of(err), "swiftgs: rank 2 of 3: renders/orbit-07.png: Is a directory\n"));
+  CHECK(cut.count() < whole.count() + 1);
+  CHECK(!std::filesystem::exists(place / "a/results.json"));
+  for (const char* folder : {"a/renders", "b/renders"})
+    for (const std::string& name : names_in(place / folder)) {
+      CHECK(name.ends_with(".png"));
+      const std::filesystem::path file = place / folder / name;
+      if (std::filesystem::is_regular_file(file)) CHECK(content_of(file).ends_with("IEND\xae\x42\x60\x82"));
+    }
+}
+
+TEST_CASE("mpi team: files and builds and commands that differ are refused at the start") {
+  const TemporaryFolder place;
+  std::filesystem::create_directories(place / "a");
+  std::filesystem::create_directories(place / "b");
+  run(place, "convert builtin:2000 a/scene.ply");
+  run(place, "convert builtin:2001 b/scene.ply");
+  const auto launch = [&](const std::string& first, const std::string& second) {
+    const std::string err = (place / "err.txt").string();
+    const int status = std::system(("cd '" + place.path().string() + "' && '" SWIFTGS_LAUNCH "' -n 1 " +
+                                    first + " : -n 1 " + second + " >out.txt 2>'" + err + "'")
+                                       .c_str());
+    return Outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, "", content_of(err)};
+  };
+  const std::string tool = "'" SWIFTGS_CLI "' ", render = "render scene.ply --scale 0.05";
+  const Outcome files = launch("-wdir a " + tool + render, "-wdir b " + tool + render);
+  CHECK(files.code == 1);
+  CHECK(contains(files.err, "swiftgs: rank 0 of 2: scene.ply is '"));
+  CHECK(contains(files.err, "' on rank 1, expected '"));
+
+  const Outcome commands = launch("-wdir a " + tool + render, "-wdir a " + tool + render + " --batch 2");
+  CHECK(commands.code == 1);
+  CHECK(contains(commands.err,
+                 "the command is 'render scene.ply --scale 0.05 --batch 2' on rank 1, expected "
+                 "'render scene.ply --scale 0.05' as on rank 0"));
+
+  std::filesystem::copy_file(SWIFTGS_CLI, place / "other");
+  std::system(("echo >>'" + (place / "other").string() + "'").c_str());
+  const Outcome builds = launch("-wdir a " + tool + render, "-wdir a ../other " + render);
+  CHECK(builds.code == 1);
+  CHECK(contains(builds.err, "the build of the tool is '"));
+  CHECK(std::filesystem::is_empty(place / "a") == false);
+  CHECK(!std::filesystem::exists(place / "a/renders"));
+}
