@@ -129,6 +129,14 @@ def test_conventions_reach_the_frame(renderer, camera, expected):
     (lambda: swiftgs.Frame(alpha=np.zeros((4, 4))), ValueError, "alpha has the shape (4, 4) of type f8"),
     (lambda: swiftgs.Frame(np.zeros((4, 4, 3), np.float32), np.zeros((4, 5), np.float32)), ValueError,
      "alpha has images of the shape (4, 5), expected (4, 4)"),
+    (lambda: swiftgs.Frame(np.lib.stride_tricks.as_strided(np.zeros((4, 4, 3), np.float32), (2, 4, 4, 3),
+                                                           (0, 48, 12, 4))), ValueError,
+     "colour has its 2 images in one place, expected a place for each"),
+    (lambda: swiftgs.Frame(np.zeros(4 * 48 + 1, np.uint8)[1:].view(np.float32).reshape(4, 4, 3)), ValueError,
+     "expected multiples of 4"),
+    (lambda: swiftgs.Renderer("cpu", scene=swiftgs.Scene.builtin(10)).render(
+        swiftgs.Camera.builtin(4, 4), out=swiftgs.Frame(np.lib.stride_tricks.as_strided(
+            np.zeros((4, 4, 3), np.float32), (4, 4, 3), (12, 12, 4)))), ValueError, "pitch"),
     (lambda: swiftgs.Frame([[0, 0, 0]]), TypeError, "colour is of type list, expected an array"),
     (lambda: swiftgs.Frame.empty(4, 4, format="bgr"), ValueError, "format is 'bgr', expected one of rgb, rgba"),
     (lambda: swiftgs.Frame.empty(4, 4, background=(0, 0)), ValueError, "background has the shape (2,)"),

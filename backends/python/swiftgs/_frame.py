@@ -94,6 +94,8 @@ class Frame:
         if name == "colour":
             self._views["format"] = next(f.number for f in FORMATS.values() if f[1:] == (memory.kind, channels))
         first = memory.strides[0] if batched and memory.shape[0] > 1 else 0
+        if first == 0 and len(self._views) > 1 and name != "occluder":
+            raise ValueError(f"{name} has its {len(self._views)} images in one place, expected a place for each")
         self._views[name]["data"] = memory.address + np.arange(len(self._views)) * first
         self._views[name]["pitch"] = rows
 
@@ -195,6 +197,9 @@ def _split(name: str, memory: _arrays.Memory, expected: Optional[Tuple[int, ...]
     if 0 in images:
         raise ValueError(f"{name} has the shape {shape}, expected no side of 0")
     item = int(memory.kind[1:])
+    if any(place % item for place in (memory.address, *memory.strides)):
+        raise ValueError(f"{name} begins at the address {memory.address} with the strides {memory.strides} bytes, "
+                         f"expected multiples of {item}")
     pixels = _dlpack.dense_strides((shape[len(images) - 1], channels), item)
     found = memory.strides[len(images) - 1:len(images)] + (memory.strides[len(images):] or (item,))
     sides = (shape[len(images) - 1], channels)
