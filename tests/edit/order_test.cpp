@@ -29,7 +29,7 @@ Indices all(std::size_t count) {
 }
 
 /// Median diagonal of the boxes around 128 Gaussians each.
-double chunk_size(const Scene& scene) {
+double median_diagonal(const Scene& scene) {
   std::vector<double> diagonals;
   for (std::size_t begin = 0; begin + 128 <= scene.size(); begin += 128) {
     vec3 low = scene.means[begin], high = low;
@@ -58,14 +58,14 @@ TEST_CASE("edit: spatial order has every Gaussian once, and keeps neighbours tog
   Random random(1);
   for (std::size_t i = shuffled.size(); i-- > 1;) std::swap(shuffled[i], shuffled[random.bits() % (i + 1)]);
   const Scene mixed = subset(scene, shuffled);
-  CHECK(chunk_size(order_spatially(mixed)) < 0.05 * chunk_size(mixed));
+  CHECK(median_diagonal(order_spatially(mixed)) < 0.05 * median_diagonal(mixed));
 }
 
 TEST_CASE("edit: a few Gaussians far away leave the others in order") {
   Scene scene = make_builtin_scene(20'000);
-  const double usual = chunk_size(order_spatially(scene));
+  const double usual = median_diagonal(order_spatially(scene));
   scene.means[77] = vec3(1e30f, 0, 0), scene.means[78] = vec3(0, -3e38f, 1);
-  CHECK(chunk_size(order_spatially(scene)) < 1.05 * usual);
+  CHECK(median_diagonal(order_spatially(scene)) < 1.05 * usual);
 }
 
 TEST_CASE("edit: equal means keep their order, and means that are not finite come last") {
