@@ -13,8 +13,9 @@ Python it is the wall clock over frames one behind the other, each complete befo
   arrays    `rasterization(...)`, which takes the Gaussians with each call
 
 `overhead_us` is the wall clock of a frame less what the backend's own clock takes for it (`times`), so that it holds
-all that is outside of the stages. On a device `out` is a DeviceArray, each frame is waited for, `new` copies to the
-host, and `arrays` are tensors of PyTorch.
+all that is outside of the stages; `cpp_overhead_us` is the same in C++. A frame of the CPU leaves its caches cold,
+which is most of what is measured then: `nothing` is a whole frame in warm ones. On a device `out` is a DeviceArray,
+each frame is waited for, `new` copies to the host, and `arrays` are tensors of PyTorch.
 """
 import argparse
 import json
@@ -39,12 +40,13 @@ def seconds(work, least):
 
 
 def of_cpp(tool, scene, renderer, scale):
-    """Milliseconds of a frame in C++, by the wall clock."""
+    """Milliseconds of a frame in C++, by the wall clock, and how much of it is outside of the stages."""
     command = [tool, "bench", scene, "--renderers", renderer, "--views", "0", "--scales", str(scale), "--errors",
                "none", "--json", "-"]
     done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
     results, _ = json.JSONDecoder().raw_decode(done.stdout)  # a table follows
-    return results["rows"][0]["ms"]["wall"]["median"]
+    ms = results["rows"][0]["ms"]
+    return ms["wall"]["median"], ms["wall"]["median"] - ms["total"]["median"]
 
 
 def tensors_of(arrays, on_device):
@@ -94,8 +96,9 @@ def measure(backend, tool, name, scale, least):
                                    wait())
     found = {call: seconds(work, least) * 1e3 for call, work in calls.items()}
     own_ms = statistics.median(own)
+    cpp_ms, outside_ms = of_cpp(tool, name, renderer.name, scale)
     return {"renderer": renderer.name, "device": renderer.device_name, "scene": name, "gaussians": len(scene),
-            "size": [camera.width, camera.height], "cpp_ms": of_cpp(tool, name, renderer.name, scale),
+            "size": [camera.width, camera.height], "cpp_ms": cpp_ms, "cpp_overhead_us": outside_ms * 1e3,
             "python_clock_ms": own_ms, "python_ms": found, "overhead_us": overhead_us,
             "frames_per_second": {call: 1e3 / ms for call, ms in found.items()}}
 
@@ -116,12 +119,13 @@ def main():
         pathlib.Path(arguments.json).write_text(text + "\n") if arguments.json != "-" else print(text)
     if arguments.json != "-":
         print("| backend | scene | C++, ms | Python: the same clock, ms | out, ms | new, ms | arrays, ms | "
-              "overhead, us | nothing, us |\n| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
+              "overhead, us | the same in C++, us | nothing, us |\n| --- | --- |" + 8 * " ---: |")
         for row in rows:
             ms = row["python_ms"]
             print(f"| {row['renderer'].partition('/')[0]} | {row['scene']} | {row['cpp_ms']:.3f} | "
                   f"{row['python_clock_ms']:.3f} | {ms['out']:.3f} | {ms['new']:.3f} | "
                   f"{format(ms['arrays'], '.3f') if 'arrays' in ms else ''} | {row['overhead_us']:.1f} | "
+                  f"{row['cpp_overhead_us']:.1f} | "
                   f"{ms['nothing'] * 1e3:.1f} |")
 
 

@@ -150,7 +150,7 @@ def test_what_cannot_be_drawn_is_refused(renderer, camera, scene):
     frame = swiftgs.Frame.empty(WIDTH, HEIGHT, 2)
     small = swiftgs.Camera.builtin(16, 16)
     for call, kind, text in [
-            (lambda: renderer.render(camera, out=frame), ValueError, "one camera for a frame of 2 images"),
+            (lambda: renderer.render(camera, out=frame), ValueError, "1 cameras for a frame of 2 images"),
             (lambda: renderer.render(camera, out=swiftgs.Frame.empty(40, 20)), ValueError,
              "the camera has 80x48 pixels and the frame 40x20, expected as many, or first_pixel for a part"),
             (lambda: renderer.render([camera, small], out=frame), ValueError, "the camera has 16x16 pixels and the"),

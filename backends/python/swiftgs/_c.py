@@ -157,7 +157,7 @@ _dll.swiftgs_last_error.restype = c_char_p
 _dll.swiftgs_last_error.argtypes = []
 
 
-def _check(status):
+def check(status):
     if status != 0:
         raise exception_of(status, (_dll.swiftgs_last_error() or b"").decode(errors="replace"))
 
@@ -212,10 +212,15 @@ for _name, _arguments in {
         "scene_get_info": (c_void_p, c_void_p),
         "scene_get_arrays": (c_void_p, c_void_p),
         "scene_write": (c_void_p, c_char_p, c_void_p)}.items():
-    lib.add(_name, _check, *_arguments)
+    lib.add(_name, check, *_arguments)
 for _name in ("cameras_free", "picture_free", "renderer_free", "scene_free", "device_free"):
     lib.add(_name, None, c_void_p)
 lib.add("version", c_char_p)
+
+# The call of every frame, without what ctypes would do for it each time: arguments are of c_void_p, and what it returns
+# goes to `check` unless it is 0. A frame leaves the processor's caches cold, so that each step costs microseconds.
+render = _dll["swiftgs_renderer_render"]
+render.restype = c_int32
 
 
 class Handle:

@@ -21,7 +21,7 @@ class Camera:
     <swiftgs.Camera 640x480, f 500, at (0, 0, 0)>
     """
 
-    __slots__ = ("_struct", "_address", "name")
+    __slots__ = ("_struct", "_bytes", "_size", "name")
 
     def __init__(self, width: int, height: int, fx: float, fy: Optional[float] = None, cx: Optional[float] = None,
                  cy: Optional[float] = None, *, rotation: Any = None, translation: Any = (0, 0, 0),
@@ -39,7 +39,8 @@ class Camera:
 
     def _take(self, struct: _c.Camera, name: str) -> "Camera":
         lib.camera_scale(ctypes.byref(struct), 1)  # changes nothing, and refuses what is no camera
-        self._struct, self._address, self.name = struct, ctypes.addressof(struct), name
+        self._struct, self._bytes, self.name = struct, bytes(struct), name
+        self._size = struct.width, struct.height
         return self
 
     @classmethod
@@ -78,11 +79,11 @@ class Camera:
 
     @property
     def width(self) -> int:
-        return self._struct.width
+        return self._size[0]
 
     @property
     def height(self) -> int:
-        return self._struct.height
+        return self._size[1]
 
     @property
     def fx(self) -> float:
@@ -128,13 +129,13 @@ class Camera:
         return np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1]])
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Camera) and bytes(self._struct) == bytes(other._struct)
+        return isinstance(other, Camera) and self._bytes == other._bytes
 
     def __hash__(self) -> int:
-        return hash(bytes(self._struct))
+        return hash(self._bytes)
 
     def __reduce__(self) -> Any:
-        return (_camera_of, (bytes(self._struct), self.name))
+        return (_camera_of, (self._bytes, self.name))
 
     def __repr__(self) -> str:
         named = f" '{self.name}'" if self.name else ""

@@ -2,7 +2,6 @@
 """Frames: memory of images, and the rules that they are drawn by."""
 import ctypes
 import os
-import threading
 from typing import Any, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -21,7 +20,7 @@ class _Format(NamedTuple):
 
 FORMATS = {"rgb": _Format(0, "f4", 3), "rgba": _Format(1, "f4", 4), "rgba-half": _Format(2, "f2", 4),
            "rgba8": _Format(3, "u1", 4)}
-_VIEW = np.dtype(_c.View)
+_VIEW, _CAMERA = np.dtype(_c.View), np.dtype(_c.Camera)
 
 
 class Frame:
@@ -83,10 +82,13 @@ class Frame:
         views["conventions"] = ctypes.addressof(self._conventions)
         self.background = background
         self._struct = _c.Frame(views=views.ctypes.data, count=len(views))
-        self._address = ctypes.addressof(self._struct)
-        self._cameras: Any = None
-        self._camera_addresses = views["camera"]
-        self._lock = threading.Lock()
+        self._argument = ctypes.c_void_p(ctypes.addressof(self._struct))
+        self._measure = 0
+        self._cameras = np.zeros(len(views), _CAMERA)  # copies, so that a camera may go while a frame is drawn
+        self._camera_bytes = self._cameras.view(np.uint8).data
+        views["camera"] = self._cameras.ctypes.data + np.arange(len(views)) * _CAMERA.itemsize
+        # Of the one camera that is copied without another look; none in frames of parts or batches.
+        self._one_size = (self.width, self.height) if len(views) == 1 and not self._is_part else None
 
     def _add(self, name: str, memory: _arrays.Memory, channels: int, batched: bool) -> None:
         pixel = int(memory.kind[1:]) * channels
@@ -131,27 +133,21 @@ class Frame:
         """How many images there are."""
         return len(self._views)
 
-    def _aim(self, cameras: Union[Camera, Sequence[Camera]]) -> None:
-        """Sets the cameras of the next frame. The lock is held."""
-        if isinstance(cameras, Camera):
-            if len(self._views) != 1:
-                raise ValueError(f"one camera for a frame of {len(self._views)} images, expected as many")
-            self._check_size(cameras)
-            self._camera_addresses[0] = cameras._address
-        else:
-            if len(cameras) != len(self._views):
-                raise ValueError(f"{len(cameras)} cameras for a frame of {len(self._views)} images, expected as many")
-            cameras = check_cameras(cameras)
-            for camera in cameras:
-                self._check_size(camera)
-            self._camera_addresses[:] = [camera._address for camera in cameras]
-        self._cameras = cameras
-
-    def _check_size(self, camera: Camera) -> None:
-        struct = camera._struct
-        if not self._is_part and (struct.width != self.width or struct.height != self.height):
-            raise ValueError(f"the camera has {struct.width}x{struct.height} pixels and the frame {self.width}x"
-                             f"{self.height}, expected as many, or first_pixel for a part of the image")
+    def _aim(self, cameras: Union[Camera, Sequence[Camera]], measure: int) -> None:
+        """Sets the cameras of the next frame, and what it measures."""
+        if measure != self._measure:
+            self._struct.measure = self._measure = measure
+        if type(cameras) is Camera and cameras._size == self._one_size:
+            self._camera_bytes[:] = cameras._bytes
+            return
+        found = check_cameras(cameras)
+        if len(found) != len(self._views):
+            raise ValueError(f"{len(found)} cameras for a frame of {len(self._views)} images, expected as many")
+        for camera in found:
+            if not self._is_part and camera._size != (self.width, self.height):
+                raise ValueError(f"the camera has {camera.width}x{camera.height} pixels and the frame {self.width}x"
+                                 f"{self.height}, expected as many, or first_pixel for a part of the image")
+        self._camera_bytes[:] = b"".join(camera._bytes for camera in found)
 
     def save(self, path: Union[str, "os.PathLike[str]"], index: int = 0) -> None:
         """Writes image `index` of a frame on the host as its ending says: `.png`, `.pfm`, or `.exr`, which has alpha

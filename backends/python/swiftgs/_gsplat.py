@@ -111,7 +111,7 @@ def rasterization(
         frame.background = _backgrounds(backgrounds, count)
     with drawing._lock:
         drawing._set_gaussians(means, scales, quats, opacities, None, **coloured, any_rotations=True, names=_NAMES)
-        frame._camera_addresses[:] = cameras.ctypes.data + np.arange(count) * _CAMERA.itemsize
+        frame._cameras[:] = cameras
         drawing._draw(frame)
 
     colour, alpha, depth = (None if plane is None else _arrays.returned(means, plane)

@@ -107,6 +107,7 @@ class Renderer:
         self._handle: Optional[Handle] = Handle(lib.renderer_free, lib.renderer_create, name.encode(),
                                                 ctypes.byref(options))
         self._pointer = self._handle.pointer
+        self._argument: Optional[ctypes.c_void_p] = ctypes.c_void_p(self._pointer)
         self.name = name  #: BACKEND/SORT/RASTER/BOUNDS
         self.on_device = name.startswith("cuda/")
         self._device = _arrays.current_device() if self.on_device else None
@@ -196,30 +197,35 @@ class Renderer:
             raise TypeError(f"render takes either out or {', '.join(frame) or 'format'}")
         elif not isinstance(out, Frame):
             raise TypeError(f"out is of type {type(out).__name__}, expected swiftgs.Frame")
-        with self._lock, out._lock:
-            out._aim(cameras)
-            out._struct.measure = times * _c.MEASURE_TIMES + counts * _c.MEASURE_COUNTS
+        with self._lock:
+            out._aim(cameras, times * _c.MEASURE_TIMES + counts * _c.MEASURE_COUNTS)
             self._draw(out)
         return out
 
     def _draw(self, out: Frame) -> None:
-        """Both locks are held."""
-        pointer = self._pointer or self._open()
-        if out.device is None:
-            lib.renderer_render(pointer, out._address)
+        """The lock is held."""
+        if self._argument is None:
+            self._open()
+        if out.device is not None:
+            self._draw_on_device(out)
             return
+        status = _c.render(self._argument, out._argument)
+        if status:
+            _c.check(status)
+
+    def _draw_on_device(self, out: Frame) -> None:
         if not self.on_device:
             raise ValueError(f"the frame lies on CUDA device {out.device}, expected the host for '{self.name}'")
         self._check_device()
         if out.device != self._device:
             raise ValueError(f"the frame lies on CUDA device {out.device}, expected {self._device}, the renderer's")
-        streams = [_arrays.stream_of(array, out.device) for array in out._sources]
+        streams = [_arrays.stream_of(array, out.device or 0) for array in out._sources]
         for array, stream in zip(out._sources, streams):
             if stream is None:
                 _arrays.read(array, "the frame", self._stream)  # its protocol makes it ready
             elif stream != self._stream:
                 lib.device_order(stream or None, self._stream or None)
-        lib.renderer_render_into(pointer, out._address)
+        lib.renderer_render_into(self._pointer, out._argument)
         for array, stream in zip(out._sources, streams):
             if isinstance(array, _arrays.DeviceArray):
                 array.stream = self._stream
@@ -275,7 +281,7 @@ class Renderer:
     def close(self) -> None:
         """Gives up the renderer and its scene."""
         with self._lock:
-            self._handle = self._pointer = None
+            self._handle = self._pointer = self._argument = None
 
     def __enter__(self) -> "Renderer":
         self._open()
