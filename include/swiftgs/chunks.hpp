@@ -2,9 +2,8 @@
 #pragma once
 
 /// @file
-/// Chunks: Gaussians that are neighbours in the arrays of a scene, and that a view skips together where it
-/// can show none of them. Worth something where neighbours in the arrays are neighbours in space, as
-/// `order_spatially` makes them.
+/// Chunks: Gaussians that are neighbours in the arrays of a scene. A view skips all of a chunk if it can show
+/// none. That gains where neighbours in the arrays are neighbours in space, as `order_spatially` makes them.
 
 #include <algorithm>
 #include <cmath>
@@ -40,8 +39,9 @@ inline ChunkBounds bounds_of_chunk(const SceneView& scene, std::size_t chunk) {
   ChunkBounds bounds;
   const std::size_t begin = chunk * chunk_size, end = std::min(begin + chunk_size, scene.size());
   for (std::size_t i = begin; i < end; ++i) {
-    const vec3 scale = scene.scales[i];
-    const double size = double(std::max({scale.x, scale.y, scale.z})) * most_lengthened(scene.rotations[i]);
+    const vec3 scale = scene.scales[i];  // its sign is squared away
+    const float largest = std::max({std::fabs(scale.x), std::fabs(scale.y), std::fabs(scale.z)});
+    const double size = double(largest) * most_lengthened(scene.rotations[i]);
     bounds.low = glm::min(bounds.low, scene.means[i]), bounds.high = glm::max(bounds.high, scene.means[i]);
     bounds.size = std::max(bounds.size, std::nextafter(float(size), std::numeric_limits<float>::infinity()));
     bounds.opacity = std::max(bounds.opacity, scene.opacities[i]);
@@ -85,10 +85,10 @@ class ChunkCuller {
     blur_ = 1.002 * std::sqrt(double(view.blur));
   }
 
-  /// Not where a number is NaN or infinite.
+  /// A number that is NaN, or an infinity that may reach the image, hides nothing.
   SWIFTGS_HD bool hides(const ChunkBounds& chunk) const {
     const ViewConstants& v = *view_;
-    if (!(chunk.opacity >= v.alpha_min)) return true;
+    if (chunk.opacity < v.alpha_min) return true;
     // To camera space. Roundings are less than `rounding` along each axis.
     double centre[3], half[3], rounding = 0;
     for (int k = 0; k < 3; ++k) {

@@ -100,6 +100,9 @@ inline void validate(const SceneView& scene) {
   detail::require_for_render(
       scene.scales.size == n && scene.rotations.size == n && scene.opacities.size == n && scene.sh0.size == n,
       "arrays of one length in the scene");
+  detail::require_for_render(
+      scene.chunks.empty() || (scene.chunks.data && scene.chunks.size == (n + chunk_size - 1) / chunk_size),
+      "no chunks in the scene, or one for every 128 Gaussians");
   detail::require_for_render(scene.sh_degree >= 0 && scene.sh_degree <= max_sh_degree,
                              "an SH degree of 0 to 3");
   const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));

@@ -64,9 +64,11 @@ struct SceneView {
   Span<const float> opacities;
   Span<const vec3> sh0;
   Span<const float> sh_rest;
-  Span<const ChunkBounds> chunks{};  ///< @shape{ceil(N / chunk_size)}, or empty: then none is skipped
-  int sh_degree = 0;                 ///< bands to evaluate
-  int sh_stride = 0;                 ///< floats a Gaussian in `sh_rest`
+  /// @shape{ceil(N / chunk_size)}, true of what the arrays hold whenever a frame is drawn. Empty: no chunk is
+  /// skipped.
+  Span<const ChunkBounds> chunks{};
+  int sh_degree = 0;  ///< bands to evaluate
+  int sh_stride = 0;  ///< floats a Gaussian in `sh_rest`
 
   /// Of these arrays with what they hold: tells whether what was learnt from earlier frames holds. Every
   /// upload has its own, and copies of what it returns share it. 0 of a view of your own arrays, from which

@@ -133,7 +133,8 @@ std::size_t wrong_in_replays(int replays, std::size_t views) {
 
 TEST_CASE("cuda record: a graph looks for the chunks that other cameras show") {
   if (without_device()) return;
-  const Scene scene = make_builtin_scene(300'000);
+  // More blocks than a projection without a list has.
+  const Scene scene = make_builtin_scene(20 * chunk_size * std::size_t(Cuda().multiprocessors()));
   for (const std::size_t views : {1, 2}) {
     CAPTURE(views);
     Recording<> r(order_spatially(scene));
@@ -142,7 +143,7 @@ TEST_CASE("cuda record: a graph looks for the chunks that other cameras show") {
     without.chunks = {};
     const auto first = [&](const std::vector<View>& all) { return Span<const View>{all.data(), views}; };
     // Reserved for a scene without chunks, which needs no list of them.
-    r.renderer.reserve(without, first(r.images.views(0)), {600'000, 3'000'000});
+    r.renderer.reserve(without, first(r.images.views(0)), {2 * scene.size(), 20 * scene.size()});
     const Graph graph = r.capture();
     for (int k = 0; k < 30; ++k) {
       r.images.poison();

@@ -35,10 +35,11 @@ ViewConstants random_camera(Random& random) {
   const LocalAxes axes(random_rotation(random));
   for (int column = 0; column < 3; ++column)
     for (int row = 0; row < 3; ++row) camera.rotation[column][row] = double(axes.column[column][row]);
-  camera.translation = dvec3(random_point(random, 10));
+  camera.translation = dvec3(random_point(random, random.bits() % 4 == 0 ? 1e6 : 10));
   Conventions conventions = random.bits() % 2 == 0 ? Conventions::gsplat() : Conventions::inria();
   conventions.antialiased = random.bits() % 2 == 0;
   conventions.blur = random.bits() % 4 == 0 ? 0.0f : random.f(0.01, 2);
+  conventions.near_plane = random.bits() % 4 == 0 ? 0.0f : conventions.near_plane;
   conventions.far_plane = random.bits() % 4 == 0 ? 8.0f : conventions.far_plane;
   if (random.bits() % 2 == 0) return view_constants(camera, conventions);
   const int x = 16 * int(random.in(0, width / 16 - 1)), y = 16 * int(random.in(0, height / 16 - 1));
@@ -67,12 +68,12 @@ Scene random_chunk(Random& random, vec3 centre) {
   for (std::size_t i = 0; i < chunk_size; ++i) {
     scene.means.push_back(centre + random_point(random, spread));
     const float third = float(size * random.scale(0.01, 1)), second = float(size * random.scale(0.01, 1));
-    scene.scales.push_back(vec3(float(size), second, third));
+    scene.scales.push_back(vec3(i % 3 == 0 ? -float(size) : float(size), second, third));
     Quaternion rotation = random_rotation(random);
     const float length = i % 4 == 0 ? random.f(0.5, 1.5) : 1.0f;
     for (float* part : {&rotation.w, &rotation.x, &rotation.y, &rotation.z}) *part *= length;
     scene.rotations.push_back(rotation);
-    scene.opacities.push_back(float(faint * random.in(0.5, 1)));
+    scene.opacities.push_back(float(faint * random.in(0.5, 3)));
     scene.sh0.push_back(vec3(0));
   }
   return scene;
@@ -140,6 +141,7 @@ TEST_CASE("chunks: what is not a number hides nothing, and what cannot be seen i
   CHECK_FALSE(with([&](ChunkBounds& b) { b.high.z = infinity; }));
   CHECK_FALSE(with([&](ChunkBounds& b) { b.size = infinity; }));
   CHECK_FALSE(with([&](ChunkBounds& b) { b.opacity = infinity; }));
+  CHECK_FALSE(with([&](ChunkBounds& b) { b.opacity = nan; }));
   CHECK(with([](ChunkBounds& b) { b.opacity = 0.003f; }));
   CHECK(with([](ChunkBounds& b) { b.low.z = -4, b.high.z = -3; }));
   CHECK(with([](ChunkBounds& b) { b.low.x = 9, b.high.x = 10; }));

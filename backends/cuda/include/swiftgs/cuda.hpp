@@ -64,7 +64,7 @@ struct ViewStorage<Cuda> {
 SWIFTGS_API Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage,
                               ViewAccess access = ViewAccess::any);
 
-/// Nothing: lists of blocks have only running sums.
+/// `Turns` has no counters for lists of blocks, only running sums.
 struct BlockCounts {};
 
 /// Memory for the blocks of a projection whose chunks a view may show.
@@ -83,7 +83,7 @@ struct ProjectScratch<Cuda> {
   Turns<FrameCounts> turns;
   DeviceBuffer<std::uint32_t> hidden;  ///< a word that `project` clears and `shade` sets
   DeviceBuffer<FrameTotals> totals;    ///< one, which `bin` fills
-  BlockScratch shown;                  ///< unused where the scene has no chunks
+  BlockScratch shown;                  ///< written for scenes with chunks alone
   std::uint64_t projections = 0;       ///< so far
 
   static auto buffers(auto& self) { return std::tie(self.turns, self.hidden, self.totals, self.shown); }
