@@ -133,6 +133,14 @@ void copy_memory(void* to, const void* from, std::size_t bytes, void* stream) {
 
 void order_streams(void* before, void* after) {
   if (before == after) return;
+  // An event from outside would break the capture.
+  for (void* const stream : {before, after}) {
+    cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
+    const cudaError_t asked = cudaStreamIsCapturing(static_cast<cudaStream_t>(stream), &status);
+    cudaGetLastError();
+    if (asked != cudaSuccess || status != cudaStreamCaptureStatusNone)
+      throw DeviceError("order", "a stream is being captured into a CUDA graph, expected one that is not");
+  }
   cudaEvent_t made = nullptr;
   check_cuda(cudaEventCreateWithFlags(&made, cudaEventDisableTiming), "cudaEventCreateWithFlags");
   const auto destroy = [](cudaEvent_t event) { cudaEventDestroy(event); };

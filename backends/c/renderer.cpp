@@ -104,7 +104,9 @@ swiftgs_status swiftgs_renderer_set_scene(swiftgs_renderer* renderer, const swif
 
 swiftgs_status swiftgs_renderer_share_scene(swiftgs_renderer* renderer, const swiftgs_renderer* other) {
   return guarded([&] {
-    if (!of(renderer).share_scene(of(other)))
+    swiftgs::AnyRenderer &any = of(renderer), &from = of(other);
+    if (renderer->host_frames && other->host_frames) order_streams(other->stream, renderer->stream);
+    if (!any.share_scene(from))
       throw std::invalid_argument("share_scene: renderer '" + other->name +
                                   "' has no scene or another backend, expected a scene of that of '" +
                                   renderer->name + "'");

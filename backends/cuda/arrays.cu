@@ -10,11 +10,16 @@
 
 namespace swiftgs {
 
-DeviceScene Cuda::upload(const SceneArrays& from, std::optional<DeviceScene> reuse) const {
+DeviceScene Cuda::upload(const SceneArrays& from) const {
+  std::optional<DeviceScene> none;
+  return upload(from, none);
+}
+
+DeviceScene Cuda::upload(const SceneArrays& from, std::optional<DeviceScene>& reuse) const {
   validate(from);
   check_not_captured("upload");
   std::shared_ptr<DeviceScene::Arrays> to;
-  if (reuse) to = DeviceScene::take(std::move(*reuse));
+  if (reuse) to = DeviceScene::take(*std::exchange(reuse, std::nullopt));
   if (!to) {
     to = std::make_shared<DeviceScene::Arrays>();
     use_memory_of(*this, *to);

@@ -34,13 +34,15 @@ class SWIFTGS_API AnyRenderer {
   virtual void set_scene(std::shared_ptr<const Scene> scene) = 0;
 
   /// As above, of arrays that the backend reaches: those of a device go to its renderers within the device,
-  /// in stream order, and nothing waits. Memory of a scene before that nobody shares is taken again. On a
-  /// device Gaussians with a NaN or an infinity are not drawn, since no pass checks them. Throws
-  /// `std::invalid_argument` as `validate`; after any other exception the renderer has no scene.
+  /// in stream order. That waits only where memory has to grow: memory of the scene before is taken again,
+  /// unless it was ever shared. On a device Gaussians with a NaN or an infinity are not drawn, since no pass
+  /// checks them; hosts refuse them. Throws `std::invalid_argument` as `validate`. After any other exception
+  /// a renderer of a device has no scene.
   virtual void set_scene(const SceneArrays& arrays) = 0;
 
   /// Shares the scene that `other` has uploaded, without another copy. Returns false, and changes nothing, if
-  /// `other` has no scene or another backend.
+  /// `other` has no scene or another backend. A scene of `SceneArrays` is there in the order of the stream of
+  /// `other`: another stream has to wait for that before it draws the scene.
   virtual bool share_scene(const AnyRenderer& other) = 0;
 
   /// As `Renderer::render`. Throws `std::logic_error` before a scene is set.
@@ -143,7 +145,7 @@ class RendererOf final : public RendererOn<B> {
     if constexpr (B::reaches_host_memory)
       set_scene(std::make_shared<const Scene>(to_scene(backend, arrays)));
     else
-      this->scene_.emplace(backend.upload(arrays, std::exchange(this->scene_, std::nullopt)));
+      this->scene_.emplace(backend.upload(arrays, this->scene_));
   }
   void render(Span<const Camera> cameras, const RenderSettings& settings, Span<Frame> frames) override {
     renderer_.render(this->scene(), cameras, settings, frames);

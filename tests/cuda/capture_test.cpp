@@ -3,6 +3,7 @@
 // Streams that are being captured into a CUDA graph: what cannot be captured refuses before it calls CUDA, so
 // that the capture stays valid and the renderer works on.
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -82,12 +83,24 @@ TEST_CASE("cuda capture: no function of the backend that cannot be captured touc
   DeviceBuffer<FrameTotals> totals;
   totals.reset(1);
   const Cuda::TimePoint first = cuda.now(), second = cuda.now();
+  const DeviceArrays on_device(scene);
+  const auto array = [](const auto& of) { return FloatArray{reinterpret_cast<const float*>(of.data())}; };
+  const SceneArrays arrays{.count = scene.size(),
+                           .means = array(on_device.means),
+                           .scales = array(on_device.scales),
+                           .rotations = array(on_device.rotations),
+                           .opacities = array(on_device.opacities),
+                           .sh0 = array(on_device.sh0),
+                           .sh_rest = array(on_device.sh_rest),
+                           .sh_degree = 1};
+  std::optional<DeviceScene> kept(cuda.upload(arrays));
   stream.wait();
   for (const cudaStreamCaptureMode mode : modes) {
     const OwnedGraph graph = capture(stream.get(), mode, [&] {
       std::uint32_t word = 0;
       refused("upload", [&] { (void)cuda.upload(scene); });
       refused("upload", [&] { (void)cuda.upload(std::make_shared<const Scene>(scene)); });
+      refused("upload", [&] { (void)cuda.upload(arrays, kept); });
       refused("download", [&] { cuda.download(Span<const std::uint32_t>{words.data(), 1}, &word); });
       refused("wait", [&] { cuda.wait(); });
       refused("exclusive_scan", [&] { (void)cuda.exclusive_scan(words.span()); });
@@ -97,6 +110,7 @@ TEST_CASE("cuda capture: no function of the backend that cannot be captured touc
       refused("await_report", [&] { (void)cuda.await_report(); });
     });
     CHECK(nodes_of(graph) == 0);
+    CHECK(kept.has_value());
   }
   cuda.settle({counts.data()}, {}, totals.data());
   CHECK(cuda.await_report().instances == 4);

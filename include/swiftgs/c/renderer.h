@@ -67,15 +67,17 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_device_name(const swiftgs_renderer
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_scene(swiftgs_renderer* renderer,
                                                         const swiftgs_scene* scene);
 /// As above, of arrays. Those of a device go to a renderer of `cuda` within the device, in stream order, and
-/// nothing waits: the renderer's stream waits for `stream` of the arrays, and what `stream` is given next
-/// comes after the copy, so that it may overwrite them. Memory of a scene before that nobody shares is taken
-/// again. Any other pair of memory and backend is copied by way of the host. A Gaussian with a NaN or an
-/// infinity is refused on the host, and not drawn on a device, where no pass looks for it. Errors: as
-/// `swiftgs_scene_from_arrays`, and `SWIFTGS_CAPACITY_ERROR`, after which the renderer has no scene.
+/// no host waits: the renderer's stream waits for `stream` of the arrays, and what `stream` is given next
+/// comes after the copy, so that it may overwrite them. Memory of the scene before is taken again, unless it
+/// was ever shared; growing it waits. Any other pair of memory and backend is copied by way of the host. A
+/// Gaussian with a NaN or an infinity is refused on the host, and not drawn on a device, where no pass looks
+/// for it. Errors: as `swiftgs_scene_from_arrays`, and `SWIFTGS_CAPACITY_ERROR`, after which the renderer has
+/// no scene.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_gaussians(swiftgs_renderer* renderer,
                                                             const swiftgs_gaussians* gaussians);
-/// Shares the scene that `other` has uploaded, without another copy. `SWIFTGS_INVALID_ARGUMENT`, and nothing
-/// changes, if `other` has no scene or another backend.
+/// Shares the scene that `other` has uploaded, without another copy. On a device the renderer's stream waits
+/// for what the stream of `other` has now. `SWIFTGS_INVALID_ARGUMENT`, and nothing changes, if `other` has no
+/// scene or another backend.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_share_scene(swiftgs_renderer* renderer,
                                                           const swiftgs_renderer* other);
 

@@ -117,9 +117,13 @@ class SWIFTGS_API Cuda {
   SceneOn upload(std::shared_ptr<const Scene> scene) const;
 
   /// Copies arrays of the device within the device, in stream order. Does not wait: work on other streams
-  /// must, before it reads the scene or overwrites the arrays. Numbers are not checked. Takes the memory of
-  /// `reuse` again if nobody else holds it. Throws `std::invalid_argument` as `validate` does.
-  SceneOn upload(const SceneArrays& arrays, std::optional<SceneOn> reuse = std::nullopt) const;
+  /// must, before it reads the scene or overwrites the arrays. Numbers are not checked. Throws
+  /// `std::invalid_argument` as `validate` does.
+  SceneOn upload(const SceneArrays& arrays) const;
+  /// As above, into the memory of `reuse`, which this backend has uploaded and which is empty afterwards. A
+  /// scene that was ever copied is given up instead. `arrays` do not lie in it. Memory that has to grow waits
+  /// for the device. If arguments are refused or the stream is being captured, `reuse` stays.
+  SceneOn upload(const SceneArrays& arrays, std::optional<SceneOn>& reuse) const;
 
   /// Copies after all work submitted before, and waits for the copy.
   template <class T>

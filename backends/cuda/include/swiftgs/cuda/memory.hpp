@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
+#include <utility>
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/growing_buffer.hpp>
@@ -29,16 +31,29 @@ class DeviceScene {
   DeviceScene(std::shared_ptr<Arrays> arrays, const SceneView& view)
       : arrays_(std::move(arrays)), view_(view) {}
 
+  DeviceScene(const DeviceScene& other) : arrays_(other.arrays_), view_(other.view_), copied_(true) {
+    other.copied_ = true;
+  }
+  DeviceScene(DeviceScene&& other) noexcept
+      : arrays_(std::move(other.arrays_)), view_(other.view_), copied_(other.copied_.load()) {}
+  DeviceScene& operator=(DeviceScene other) noexcept {
+    arrays_.swap(other.arrays_), view_ = other.view_, copied_ = other.copied_.load();
+    return *this;
+  }
+  ~DeviceScene() = default;
+
   SceneView view() const { return view_; }
 
-  /// The memory of a scene that is given up; null if a copy shares it.
+  /// The memory of a scene that is given up; null if it was ever copied. Another stream may then still draw
+  /// it, even if the copy is gone.
   static std::shared_ptr<Arrays> take(DeviceScene scene) {
-    return scene.arrays_.use_count() == 1 ? std::move(scene.arrays_) : nullptr;
+    return scene.copied_ ? nullptr : std::move(scene.arrays_);
   }
 
  private:
   std::shared_ptr<Arrays> arrays_;
   SceneView view_;
+  mutable std::atomic<bool> copied_{false};
 };
 
 }  // namespace swiftgs
