@@ -193,3 +193,20 @@ def test_a_folder_of_a_capture_is_a_scene_with_cameras(fox):
     scene = swiftgs.load(pathlib.Path(fox))
     cameras = swiftgs.load_cameras(fox)
     assert len(scene) > 100_000 and len(cameras) > 10 and all(camera.name for camera in cameras)
+
+
+def test_a_scene_may_be_closed_while_it_is_written(tmp_path):
+    scene = swiftgs.Scene.builtin(50_000)
+    scene.save(tmp_path / "closed.ply", progress=lambda part: scene.close())
+    assert len(swiftgs.load(tmp_path / "closed.ply")) == 50_000
+    with pytest.raises(ValueError, match="closed"):
+        scene.means
+
+
+def test_numbers_that_no_member_holds_are_refused():
+    with pytest.raises(ValueError, match="count is 18446744073709551621"):
+        swiftgs.Scene.builtin(2**64 + 5)
+    with pytest.raises(ValueError, match="threads is 4294967296"):
+        swiftgs.Renderer("cpu", threads=2**32)
+    with pytest.raises(ValueError, match="width is"):
+        swiftgs.Camera(2**32 + 640, 480, 500, cx=320)

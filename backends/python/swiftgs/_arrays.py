@@ -196,6 +196,7 @@ class DeviceArray:
         self.shape = tuple(shape)
         self.device = current_device() if device is None else device
         self.stream = 0  # of the work that writes it
+        self._stream_owner: Any = None  # keeps the stream
         bytes_ = int(np.prod(self.shape, dtype=np.int64)) * 4
         self._memory = Handle(lib.device_free, lib.device_allocate, max(bytes_, 4))
 

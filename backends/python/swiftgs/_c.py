@@ -39,6 +39,9 @@ class _Sized(ctypes.Structure):
 
     def __init__(self, **members):
         super().__init__(size=ctypes.sizeof(self), **members)
+        for name, given in members.items():
+            if isinstance(given, int) and isinstance(getattr(self, name), int) and getattr(self, name) != given:
+                raise ValueError(f"{name} is {given}, expected a number that its {type(self).__name__} can hold")
 
 
 class Camera(_Sized):
@@ -224,14 +227,20 @@ render.restype = c_int32
 
 
 class Handle:
-    """Owns what a function made, and frees it when nothing refers to it any more."""
+    """Owns what a function made, and frees it when nothing refers to it any more. A function that is given the handle
+    itself keeps it until it returns."""
 
-    __slots__ = ("pointer", "_free")
+    __slots__ = ("pointer", "outlived_by", "_free")
 
-    def __init__(self, free, make, *arguments):
+    def __init__(self, free, make, *arguments, outlived_by=None):
         made = c_void_p()
         make(*arguments, ctypes.byref(made))
         self.pointer, self._free = made.value, free
+        self.outlived_by = outlived_by  #: what must not go before it
+
+    @property
+    def _as_parameter_(self):
+        return self.pointer
 
     def __del__(self):
         pointer, self.pointer = getattr(self, "pointer", None), None

@@ -101,11 +101,10 @@ class Renderer:
             name = best_renderer(name)
         if threads < 0:
             raise ValueError(f"threads is {threads}, expected 0 or more")
-        self._stream_owner = stream
         self._stream = _arrays.stream_handle(stream)
         options = _c.RendererOptions(threads=threads, stream=self._stream)
         self._handle: Optional[Handle] = Handle(lib.renderer_free, lib.renderer_create, name.encode(),
-                                                ctypes.byref(options))
+                                                ctypes.byref(options), outlived_by=stream)
         self._pointer = self._handle.pointer
         self._argument: Optional[ctypes.c_void_p] = ctypes.c_void_p(self._pointer)
         self.name = name  #: BACKEND/SORT/RASTER/BOUNDS
@@ -133,7 +132,8 @@ class Renderer:
         """Shares what `other`, a renderer of the same backend, has uploaded."""
         if not isinstance(other, Renderer):
             raise TypeError(f"other is of type {type(other).__name__}, expected swiftgs.Renderer")
-        with self._lock:
+        first, second = sorted((self, other), key=id)  # the same order in all threads
+        with first._lock, second._lock:
             lib.renderer_share_scene(self._open(), other._open())
             self._scene = other._scene
 
@@ -151,15 +151,18 @@ class Renderer:
         self._set_gaussians(means, scales, rotations, opacities, sh0, sh_rest, colours=colours, log_scales=log_scales,
                             logit_opacities=logit_opacities, any_rotations=any_rotations)
 
-    def _set_gaussians(self, means: Any, *arrays: Any, **options: Any) -> None:
+    def _set_gaussians(self, *arrays: Any, **options: Any) -> None:
         with self._lock:
             pointer = self._open()
-            struct, memory = gaussians_of(means, *arrays, stream=self._stream, **options)
-            if memory[0].device is not None:
+            struct, memory = gaussians_of(*arrays, stream=self._stream, **options)
+            device = memory[0].device
+            if device is not None:
                 self._check_device()
             lib.renderer_set_gaussians(pointer, ctypes.byref(struct))
-            if memory[0].device is not None:
-                self._hand_on(_arrays.stream_of(means, memory[0].device))
+            if device is not None:
+                given = [array for array in (*arrays, options.get("sh"), options.get("colours")) if array is not None]
+                for stream in {_arrays.stream_of(array, device) for array in given}:
+                    self._hand_on(stream)
             self._scene = f"{struct.count:,} Gaussians"
 
     def _hand_on(self, stream: Optional[int]) -> None:
@@ -228,7 +231,7 @@ class Renderer:
         lib.renderer_render_into(self._pointer, out._argument)
         for array, stream in zip(out._sources, streams):
             if isinstance(array, _arrays.DeviceArray):
-                array.stream = self._stream
+                array.stream, array._stream_owner = self._stream, self._handle.outlived_by
             else:
                 self._hand_on(stream)
 

@@ -79,6 +79,8 @@ class Scene:
     @classmethod
     def builtin(cls, count: int = 200_000) -> "Scene":
         """A scene that needs no file: the same picture at any count."""
+        if not 0 <= count < 2**32:
+            raise ValueError(f"count is {count}, expected fewer than 2^32")
         return cls(Handle(lib.scene_free, lib.scene_builtin, count))
 
     @classmethod
@@ -129,18 +131,20 @@ class Scene:
         calls.run(lib.scene_write, self._open(), os.fsencode(path), ctypes.byref(options))
         return tuple(calls.notes)
 
-    def _open(self) -> int:
-        if self._handle is None:
+    def _open(self) -> Handle:
+        """To be held as long as its memory is used."""
+        handle = self._handle
+        if handle is None:
             raise ValueError("the scene is closed")
-        return self._handle.pointer
+        return handle
 
     def _array(self, name: str, *shape: int) -> np.ndarray:
-        struct = _c.Gaussians()
-        lib.scene_get_arrays(self._open(), ctypes.byref(struct))
+        handle, struct = self._open(), _c.Gaussians()
+        lib.scene_get_arrays(handle, ctypes.byref(struct))
         address = getattr(struct, name).data
         if not address:
             return np.zeros((len(self), *shape), np.float32)
-        return np.asarray(OwnedFloats(self._handle, address, (len(self), *shape)))
+        return np.asarray(OwnedFloats(handle, address, (len(self), *shape)))
 
     @property
     def means(self) -> np.ndarray:
