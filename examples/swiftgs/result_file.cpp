@@ -19,11 +19,12 @@ namespace {
 }  // namespace
 
 ResultFile::ResultFile(const std::string& name) : name_(name) {
+  if (!Team::here().leads()) return;
   if (is_standard_output()) {
     std::fflush(stdout);
     output_ = ::dup(STDOUT_FILENO);
     if (output_ < 0 || ::dup2(STDERR_FILENO, STDOUT_FILENO) < 0) fail();
-  } else if (is_wanted() && Team::here().leads()) {
+  } else if (is_wanted()) {
     require_replaceable(name_);
   }
 }
@@ -36,9 +37,10 @@ ResultFile::~ResultFile() {
 }
 
 void ResultFile::write(std::string_view text) {
+  if (!Team::here().leads()) return;
   if (is_standard_output())
     text_ = text;
-  else if (is_wanted() && Team::here().leads())
+  else if (is_wanted())
     replace_file(name_, text);
 }
 

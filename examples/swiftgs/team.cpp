@@ -40,7 +40,12 @@ int Team::run(int argc, char** argv, const std::function<int()>& work) {
     if (started.rank() != 0 && !std::freopen("/dev/null", "w", stdout))
       throw std::runtime_error("/dev/null: cannot be opened");
 #if defined(SWIFTGS_HAS_CUDA)
-    if (Cuda::usable()) take_device(started);
+    // Ranks without a device may draw on the host: all ask, since `take_device` is collective.
+    try {
+      take_device(started);
+    } catch (const DeviceError&) {
+      if (Cuda::usable()) throw;
+    }
 #endif
     ranks.emplace(started);
     const int code = work();

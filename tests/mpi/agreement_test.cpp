@@ -75,6 +75,12 @@ TEST_CASE("mpi agreement: views that differ between ranks are refused on all of 
       std::invalid_argument);
   distributed.render(part.view(), builtin_camera(100, 80), {}, frame);
   if (ranks_here().rank() == 0) CHECK(frame.width == 100);
+  // So are planes that only one rank asks for.
+  RenderSettings settings;
+  settings.outputs.alpha = ranks_here().rank() == 1;
+  CHECK_THROWS_AS(distributed.render(part.view(), builtin_camera(100, 80), settings, frame),
+                  std::invalid_argument);
+  distributed.render(part.view(), builtin_camera(100, 80), {}, frame);
 }
 
 TEST_CASE("mpi agreement: arguments that one rank finds wrong are told to all") {

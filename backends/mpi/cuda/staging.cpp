@@ -22,10 +22,12 @@ void copy_from_host(Cuda& cuda, const void* from, void* to, std::size_t bytes) {
 }
 
 int take_device(const Ranks& ranks) {
+  // Before anything may throw: all ranks take part in it.
+  const int rank = ranks.rank_on_machine();
   int devices = 0;
   check_cuda(cudaGetDeviceCount(&devices), "cudaGetDeviceCount");
   if (devices < 1) throw DeviceError("cudaGetDeviceCount", "there is no device, expected one for each rank");
-  const int device = ranks.rank_on_machine() % devices;
+  const int device = rank % devices;
   check_cuda(cudaSetDevice(device), "cudaSetDevice");
   return device;
 }

@@ -58,6 +58,7 @@ class DistributedRenderer {
   /// `Renderer::render_into`, and `RankError`.
   void render_into(const SceneView& part, Span<const View> views) {
     Failure failure;
+    outputs_ = 0;
     failure.guard([&] {
       for (const View& view : views) validate(view);
     });
@@ -143,6 +144,7 @@ class DistributedRenderer {
   void make_views(Span<const Camera> cameras, const RenderSettings& settings) {
     views_.clear();
     validate(settings);
+    outputs_ = 1 + 2 * std::uint64_t(settings.outputs.alpha) + 4 * std::uint64_t(settings.outputs.depth);
     for (const Camera& camera : cameras)
       views_.push_back(make_view(camera, settings.conventions,
                                  {.width = camera.width, .height = camera.height}, settings.background));
@@ -216,7 +218,7 @@ class DistributedRenderer {
   /// Tells each rank how many splats come, and learns whether all can go on.
   void exchange_offers(Span<const View> views, Failure& failure) {
     const auto ranks = std::size_t(ranks_.size()), own = std::size_t(ranks_.rank());
-    const std::uint64_t identity = views_identity(views);
+    const std::uint64_t identity = views_identity(views) + outputs_;
     std::vector<Offer> to(ranks, Offer{0, bool(failure), identity}), from(ranks);
     std::vector<std::uint64_t> places(ranks + 1);
     for (std::size_t r = 0; r < ranks; ++r) {
@@ -264,6 +266,7 @@ class DistributedRenderer {
     bin(backend_, stored, Bounds{}, splats, band_footprints_);
     SortJob<Bounds> job{splats.view(), band_footprints_.view(), FrameKey::of(part, stored)};
     mine.instances = job.footprints.instances.most;
+    colours.test();
     sort_.build(backend_, job, Bounds{}, sort_scratch_, lists_);
     mine.band_ns = since(begun);
     colours.wait();
@@ -303,6 +306,7 @@ class DistributedRenderer {
   std::optional<BandPlan> plan_;
   Views whole_;                        ///< in `whole_storage_`
   std::vector<View> views_;            ///< of cameras
+  std::uint64_t outputs_ = 0;          ///< what frames of cameras hold, as a number; 0: the caller's planes
   std::vector<Band> bands_;            ///< of all ranks
   std::vector<std::uint64_t> counts_;  ///< of splats that come from each rank
   std::vector<DrawnPiece> drawn_;
