@@ -57,6 +57,18 @@ class Team {
     std::stable_sort(rows.begin(), rows.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
   }
+  /// The least of what all processes say, in all of them.
+  std::size_t least(std::size_t mine) const {
+    if (!is_shared()) return mine;
+    std::string packed;
+    pack(packed, mine);
+    for (std::string_view text : gather(packed)) {
+      std::size_t other = 0;
+      unpack(text, other);
+      mine = std::min(mine, other);
+    }
+    return mine;
+  }
   /// The sums of what all processes have, element by element, in all of them.
   void add_up(std::vector<std::uint64_t>& sums) const;
 

@@ -40,6 +40,8 @@ void Runner::run(const Session& session) {
   // As many renderers take turns as there is memory for.
   for (std::size_t first = 0; first < entries_.size();) {
     std::vector<Subject> subjects = prepare(session, first);
+    // Processes that share the views count on as one.
+    subjects.resize(Team::here().least(subjects.size()));
     for (std::size_t view = 0; view < session.views.size(); ++view) {
       if (!Team::here().takes(view)) continue;
       Judge judge(session.gaussians, session.views[view].camera, session.settings,
