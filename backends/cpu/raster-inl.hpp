@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -161,6 +160,13 @@ HWY_INLINE Vec Dimmed(Vec transmittance, Vec alpha) {
 #endif
 }
 
+/// What a pixel blends of an alpha that is evaluated: 0 if it skips the splat.
+HWY_INLINE Vec CutAlpha(const BlendRules& rules, Vec alpha) {
+  const F32 d;
+  return hn::IfThenElseZero(hn::Ge(alpha, hn::Set(d, rules.alpha_min)),
+                            hn::Min(alpha, hn::Set(d, rules.alpha_max)));
+}
+
 /// Blends the listed splats into one part of a group. The state stays in registers, so a splat costs its
 /// arithmetic and the loads of its terms.
 template <class Form, bool kDepth, bool kCount, bool kOccluder>
@@ -181,17 +187,15 @@ HWY_INLINE void BlendGroup(const Form& HWY_RESTRICT form, const Batch& HWY_RESTR
   Vec blue = hn::Load(d, state.blue[group] + first);
   Vec depth = kDepth ? hn::Load(d, state.depth[group] + first) : hn::Zero(d);
   const Vec occluder = kOccluder ? hn::Load(d, state.occluder[group] + first) : hn::Zero(d);
-  const Vec stop_below = hn::Set(d, rules.stop_below), alpha_max = hn::Set(d, rules.alpha_max);
+  const Vec stop_below = hn::Set(d, rules.stop_below);
 
   const std::uint32_t* HWY_RESTRICT list = batch.lists[group];
   const std::size_t n = batch.list_sizes[group];
   alignas(64) float alphas[batch_size + at_once][lanes];  // 0 where a pixel skips the splat
   for (std::size_t i = 0; i < n; i += at_once) {
-    Mask kept[at_once];
     Vec alpha[at_once];
-    form.Alphas(list + i, place, kept, alpha);
-    for (std::size_t j = 0; j < at_once; ++j)
-      hn::Store(hn::IfThenElseZero(kept[j], hn::Min(alpha[j], alpha_max)), d, alphas[i + j]);
+    form.Alphas(list + i, place, alpha);
+    for (std::size_t j = 0; j < at_once; ++j) hn::Store(alpha[j], d, alphas[i + j]);
   }
 
   for (std::size_t i = 0; i < n; ++i) {
@@ -248,7 +252,6 @@ void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t beg
     if (place.empty()) continue;
     const View& view = place.view;
     Form form(view.rules);
-    const float log2_alpha_min = std::log2(view.rules.alpha_min);
     Clear<typename Form::Groups, kDepth, kOccluder>(view.frame, place, state);
     const TileRange range = place.list(job);
     const std::uint32_t* ids = job.lists.ids.data;
@@ -261,7 +264,8 @@ void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t beg
       for (std::size_t k = 0; k < splats; ++k) {
         const std::uint32_t id = ids[at + k];
         std::memcpy(batch.colours[k], &job.colours.each[id], sizeof batch.colours[k]);
-        Touched touched = form.Prepare(k, job.splats.shapes[id], place.first_centre, log2_alpha_min);
+        Touched touched =
+            form.Prepare(k, job.splats.shapes[id], place.first_centre, view.rules.log2_alpha_min);
         if (some_hidden && is_hidden(job.colours.each[id])) touched = {0, 0};
         batch.group_masks[k] = touched.groups & live;
         if constexpr (kCount) counts.rows_visited += std::uint64_t(std::popcount(touched.rows & live_rows));

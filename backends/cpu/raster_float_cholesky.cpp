@@ -21,31 +21,35 @@ class FloatCholeskyForm {
  public:
   using Groups = Blocks;
 
-  explicit FloatCholeskyForm(const BlendRules& rules)
-      : alpha_min_(rules.alpha_min), log2_alpha_min_(std::log2(rules.alpha_min)) {}
+  explicit FloatCholeskyForm(const BlendRules& rules) : rules_(rules) {}
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                              float log2_alpha_min) {
     return PrepareBlocks(shape, first_centre, log2_alpha_min, terms_[k]);
   }
 
-  HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, const Blocks::Part& at, Mask (&kept)[at_once],
+  HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, const Blocks::Part& at,
                          Vec (&alpha)[at_once]) const {
     const F32 d;
     for (std::size_t i = 0; i < at_once; ++i) {
       const CholeskyTerms& HWY_RESTRICT t = terms_[k[i]];
       const Vec u = hn::Add(at.OfColumns(t.p), at.OfRows(t.q));
-      const Vec log2_alpha = hn::NegMulAdd(u, u, at.OfRows(t.c));
-      if constexpr (kThreshold) kept[i] = hn::Ge(log2_alpha, hn::Set(d, log2_alpha_min_));
-      alpha[i] = kThreshold ? log2_alpha : hn::Max(log2_alpha, hn::Set(d, least_exponent));
+      alpha[i] = hn::NegMulAdd(u, u, at.OfRows(t.c));
     }
-    Exp2(d, alpha);
-    if constexpr (!kThreshold)
-      for (std::size_t i = 0; i < at_once; ++i) kept[i] = hn::Ge(alpha[i], hn::Set(d, alpha_min_));
+    if constexpr (kThreshold) {
+      Mask kept[at_once];
+      for (std::size_t i = 0; i < at_once; ++i) kept[i] = hn::Ge(alpha[i], hn::Set(d, rules_.log2_alpha_min));
+      Exp2(d, alpha, kept);
+      for (std::size_t i = 0; i < at_once; ++i) alpha[i] = hn::Min(alpha[i], hn::Set(d, rules_.alpha_max));
+    } else {
+      for (std::size_t i = 0; i < at_once; ++i) alpha[i] = hn::Max(alpha[i], hn::Set(d, least_exponent));
+      Exp2(d, alpha);
+      for (std::size_t i = 0; i < at_once; ++i) alpha[i] = CutAlpha(rules_, alpha[i]);
+    }
   }
 
  private:
-  float alpha_min_, log2_alpha_min_;
+  BlendRules rules_;
   CholeskyTerms terms_[batch_size];
 };
 

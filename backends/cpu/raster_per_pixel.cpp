@@ -20,7 +20,7 @@ class PerPixelForm {
  public:
   using Groups = Rows;
 
-  explicit PerPixelForm(const BlendRules& rules) : alpha_min_(rules.alpha_min) {}
+  explicit PerPixelForm(const BlendRules& rules) : rules_(rules) {}
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                              float log2_alpha_min) {
@@ -33,13 +33,12 @@ class PerPixelForm {
     return PrepareRows(shape, first_centre, log2_alpha_min);
   }
 
-  HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, Rows::Part at, Mask (&kept)[at_once],
-                         Vec (&alpha)[at_once]) const {
-    for (std::size_t i = 0; i < at_once; ++i) Alpha(k[i], at, kept[i], alpha[i]);
+  HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, Rows::Part at, Vec (&alpha)[at_once]) const {
+    for (std::size_t i = 0; i < at_once; ++i) alpha[i] = Alpha(k[i], at);
   }
 
  private:
-  HWY_INLINE void Alpha(std::size_t k, Rows::Part at, Mask& kept, Vec& alpha) const {
+  HWY_INLINE Vec Alpha(std::size_t k, Rows::Part at) const {
     const F32 d;
     const Splat& HWY_RESTRICT splat = splats_[k];
     const Vec dx = hn::Sub(hn::Iota(d, float(at.column)), hn::Set(d, splat.mean_x));
@@ -47,15 +46,15 @@ class PerPixelForm {
     const Vec u = hn::MulAdd(hn::Set(d, splat.l0), dx, hn::Mul(hn::Set(d, splat.l1), dy));
     const Vec v = hn::Mul(hn::Set(d, splat.l2), dy);
     const Vec exponent = hn::Neg(hn::MulAdd(u, u, hn::Mul(v, v)));
-    alpha = hn::Mul(hn::Set(d, splat.opacity), Exp2(d, hn::Max(exponent, hn::Set(d, least_exponent))));
-    kept = hn::Ge(alpha, hn::Set(d, alpha_min_));
+    const Vec fall = Exp2(d, hn::Max(exponent, hn::Set(d, least_exponent)));
+    return CutAlpha(rules_, hn::Mul(hn::Set(d, splat.opacity), fall));
   }
 
   struct Splat {
     float mean_x, mean_y;  ///< from the square's first pixel centre
     float l0, l1, l2, opacity;
   };
-  float alpha_min_;
+  BlendRules rules_;
   Splat splats_[batch_size];
 };
 

@@ -22,7 +22,7 @@ class SplitForm {
  public:
   using Groups = Rows;
 
-  explicit SplitForm(const BlendRules& rules) : alpha_min_(rules.alpha_min) {}
+  explicit SplitForm(const BlendRules& rules) : rules_(rules) {}
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                              float log2_alpha_min) {
@@ -32,13 +32,12 @@ class SplitForm {
     return PrepareRows(shape, first_centre, log2_alpha_min);
   }
 
-  HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, Rows::Part at, Mask (&kept)[at_once],
-                         Vec (&alpha)[at_once]) const {
-    for (std::size_t i = 0; i < at_once; ++i) Alpha(k[i], at, kept[i], alpha[i]);
+  HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, Rows::Part at, Vec (&alpha)[at_once]) const {
+    for (std::size_t i = 0; i < at_once; ++i) alpha[i] = Alpha(k[i], at);
   }
 
  private:
-  HWY_INLINE void Alpha(std::size_t k, Rows::Part at, Mask& kept, Vec& alpha) const {
+  HWY_INLINE Vec Alpha(std::size_t k, Rows::Part at) const {
     const F32 d;
     const Terms& HWY_RESTRICT t = terms_[k];
     const Vec squares = hn::Add(Split::Row(t.x_square + at.column), Split::All(t.y_square[at.row]));
@@ -46,12 +45,14 @@ class SplitForm {
     const Vec s = Split::Joined(sum);
     const Mask valid = Split::Valid(s);
     if constexpr (kThreshold) {
-      kept = hn::And(valid, hn::Le(s, hn::Set(d, t.reach)));
-      // As an exponent, opacity needs no product: where s is beyond the reach, that could be denormal.
-      alpha = Exp2(d, hn::Sub(hn::Set(d, t.log2_opacity), s));
+      const Mask kept[] = {hn::And(valid, hn::Le(s, hn::Set(d, t.reach)))};
+      // As an exponent, opacity needs no product.
+      Vec alpha[] = {hn::Sub(hn::Set(d, t.log2_opacity), s)};
+      Exp2(d, alpha, kept);
+      return hn::Min(alpha[0], hn::Set(d, rules_.alpha_max));
     } else {
-      alpha = hn::Mul(hn::Set(d, t.opacity), Exp2(d, hn::Max(hn::Neg(s), hn::Set(d, least_exponent))));
-      kept = hn::And(valid, hn::Ge(alpha, hn::Set(d, alpha_min_)));
+      const Vec fall = Exp2(d, hn::Max(hn::Neg(s), hn::Set(d, least_exponent)));
+      return hn::IfThenElseZero(valid, CutAlpha(rules_, hn::Mul(hn::Set(d, t.opacity), fall)));
     }
   }
 
@@ -60,7 +61,7 @@ class SplitForm {
     Cell x_square[square_side], x_mixed[square_side], y_square[square_side], y_offset[square_side];
     float opacity, log2_opacity, reach;
   };
-  float alpha_min_;
+  BlendRules rules_;
   Terms terms_[batch_size];
 };
 

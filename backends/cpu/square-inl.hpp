@@ -28,7 +28,8 @@ using Mask = hn::Mask<F32>;
 constexpr std::size_t lanes = hn::MaxLanes(F32());
 constexpr std::size_t parts = square_side / lanes;
 
-/// One quantity of a square's pixels, an array a group; or an array a row, before `Regroup` and after it.
+/// One quantity of a square's pixels, an array a group; or an array a row, before `FromRows` and after
+/// `ToRows`.
 using Plane = float[square_side][square_side];
 
 /// Running state of a square's pixels. A pixel that has stopped has the negative of its transmittance.
@@ -43,40 +44,46 @@ struct Rows {
     std::size_t row, column;
     Part(std::size_t group, std::size_t part) : row(group), column(part * lanes) {}
   };
-  static HWY_INLINE void Regroup(Plane&) {}
+  static HWY_INLINE void FromRows(Plane&) {}
+  static HWY_INLINE void ToRows(Plane&) {}
 };
 
-/// A group is a block of 4 x 4 pixels, which splats fill better than a row.
+/// A group is a block of 4 x 4 pixels, which splats fill better than a row. Its pixels go down the columns:
+/// each splat has one term a column and two a row, and terms that repeat with every four pixels are loaded as
+/// they are, where others have to be spread.
 struct Blocks {
   static constexpr std::size_t side = 4;
 
   class Part {
    public:
     HWY_INLINE Part(std::size_t group, std::size_t part)
-        : column_(group % side * side), rows_(row(group, part) / lanes * lanes) {
+        : row_(group / side * side), columns_(column(group, part) / lanes * lanes) {
       const hn::RebindToSigned<F32> di;
-      const auto down = hn::ShiftRight<2>(hn::Iota(di, 0));
-      spread_ = hn::IndicesFromVec(d, hn::Add(down, hn::Set(di, int(row(group, part) - rows_))));
+      const auto right = hn::ShiftRight<2>(hn::Iota(di, 0));
+      spread_ = hn::IndicesFromVec(d, hn::Add(right, hn::Set(di, int(column(group, part) - columns_))));
     }
     /// Of terms of the square's columns, or of its rows, that of each pixel.
     HWY_INLINE Vec OfColumns(const float* HWY_RESTRICT terms) const {
-      return hn::LoadDup128(d, terms + column_);
+      return hn::TableLookupLanes(hn::Load(d, terms + columns_), spread_);
     }
-    HWY_INLINE Vec OfRows(const float* HWY_RESTRICT terms) const {
-      return hn::TableLookupLanes(hn::Load(d, terms + rows_), spread_);
-    }
+    HWY_INLINE Vec OfRows(const float* HWY_RESTRICT terms) const { return hn::LoadDup128(d, terms + row_); }
 
    private:
     static constexpr F32 d{};
-    static std::size_t row(std::size_t group, std::size_t part) {
-      return group / side * side + part * (lanes / side);
+    static std::size_t column(std::size_t group, std::size_t part) {
+      return group % side * side + part * (lanes / side);
     }
-    std::size_t column_, rows_;  ///< the first column, and the first of the rows that are loaded
+    std::size_t row_, columns_;  ///< the first row, and the first of the columns that are loaded
     decltype(hn::IndicesFromVec(F32(), hn::Iota(hn::RebindToSigned<F32>(), 0))) spread_;
   };
 
-  /// Turns rows into groups and groups into rows: both exchange pieces of four pixels within four rows.
-  static HWY_INLINE void Regroup(Plane& plane) {
+  static HWY_INLINE void FromRows(Plane& plane) { Exchange(plane), Transpose(plane); }
+  static HWY_INLINE void ToRows(Plane& plane) { Transpose(plane), Exchange(plane); }
+
+ private:
+  /// Turns rows of the square into blocks, row by row, and those into rows: both exchange pieces of four
+  /// pixels within four rows.
+  static HWY_INLINE void Exchange(Plane& plane) {
     const hn::CappedTag<float, side> d;
     for (std::size_t i = 0; i < square_side; ++i)
       for (std::size_t j = i % side + 1; j < side; ++j) {
@@ -85,6 +92,16 @@ struct Blocks {
         hn::Store(hn::Load(d, other), d, one);
         hn::Store(kept, d, other);
       }
+  }
+  /// Transposes each block.
+  static HWY_INLINE void Transpose(Plane& plane) {
+    const hn::CappedTag<float, side> d;
+    for (auto& block : plane) {
+      hn::Vec<decltype(d)> v0, v1, v2, v3;
+      hn::LoadInterleaved4(d, block, v0, v1, v2, v3);
+      hn::Store(v0, d, block), hn::Store(v1, d, block + side);
+      hn::Store(v2, d, block + 2 * side), hn::Store(v3, d, block + 3 * side);
+    }
   }
 };
 
@@ -105,12 +122,12 @@ HWY_INLINE void Clear(const FrameView& frame, const PlacedSquare& square, Square
       if constexpr (kDepth) hn::Store(hn::Zero(d), d, state.depth[row] + column);
       if constexpr (kOccluder) hn::Store(hn::Inf(d), d, state.occluder[row] + column);
     }
-  if (square.columns < square_side || square.rows < square_side) Groups::Regroup(state.transmittance);
+  if (square.columns < square_side || square.rows < square_side) Groups::FromRows(state.transmittance);
   if (kOccluder && frame.occluder.data) {
     for (std::size_t row = 0; row < std::size_t(square.rows); ++row)
       std::memcpy(state.occluder[row], frame.occluder.row(std::size_t(square.y0) + row) + square.x0,
                   std::size_t(square.columns) * sizeof(float));
-    Groups::Regroup(state.occluder);
+    Groups::FromRows(state.occluder);
   }
 }
 
@@ -130,7 +147,7 @@ template <class Groups>
 HWY_INLINE std::uint32_t LiveRows(const Plane& transmittance) {
   alignas(64) Plane rows;
   std::memcpy(rows, transmittance, sizeof rows);
-  Groups::Regroup(rows);
+  Groups::ToRows(rows);
   return Live(rows);
 }
 

@@ -82,7 +82,7 @@ HWY_INLINE void CopyWords(void* to, const void* from, std::size_t bytes) {
   for (; i < bytes; i += 4) std::memcpy(out + i, in + i, 4);
 }
 
-/// Writes the outputs that are asked for, as `store_pixel` does. Regroups `state` by rows.
+/// Writes the outputs that are asked for, as `store_pixel` does. Turns `state` into rows.
 template <class Groups>
 HWY_INLINE void StoreSquare(const View& view, const PlacedSquare& square, SquareState& state) {
   const F32 d;
@@ -90,8 +90,8 @@ HWY_INLINE void StoreSquare(const View& view, const PlacedSquare& square, Square
   const std::size_t pixel = bytes_per_pixel(frame.format), columns = std::size_t(square.columns);
   Below below;
   LoadBackground(view.background, below);
-  for (Plane* plane : {&state.transmittance, &state.red, &state.green, &state.blue}) Groups::Regroup(*plane);
-  if (frame.depth.data) Groups::Regroup(state.depth);
+  for (Plane* plane : {&state.transmittance, &state.red, &state.green, &state.blue}) Groups::ToRows(*plane);
+  if (frame.depth.data) Groups::ToRows(state.depth);
   for (std::size_t row = 0; row < std::size_t(square.rows); ++row) {
     alignas(64) unsigned char colours[4 * sizeof(float) * square_side];
     alignas(64) float alphas[square_side], depths[square_side];
