@@ -257,6 +257,7 @@ void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t beg
     const std::uint32_t* ids = job.lists.ids.data;
     std::uint32_t live = range.begin < range.end ? Live(state.transmittance) : 0;
     PrefetchSplats(job, range.begin, range.begin + batch_size, range.end);
+    PrefetchPixels(view.frame, place);
     for (std::size_t at = range.begin; at < range.end && live != 0; at += batch_size) {
       const std::uint32_t live_rows = kCount ? LiveRows<typename Form::Groups>(state.transmittance) : 0;
       // Prepare the splats of the batch: their terms, and the groups that each touches.

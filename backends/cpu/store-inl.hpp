@@ -66,7 +66,7 @@ HWY_INLINE void StoreColours(PixelFormat format, Vec red, Vec green, Vec blue, V
       };
       const auto pixels = hn::Or(hn::Or(steps(red), hn::ShiftLeft<8>(steps(green))),
                                  hn::Or(hn::ShiftLeft<16>(steps(blue)), hn::ShiftLeft<24>(steps(alpha))));
-      hn::Store(pixels, di, reinterpret_cast<std::int32_t*>(to));
+      hn::StoreU(pixels, di, reinterpret_cast<std::int32_t*>(to));
     }
   }
 }
@@ -82,12 +82,24 @@ HWY_INLINE void CopyWords(void* to, const void* from, std::size_t bytes) {
   for (; i < bytes; i += 4) std::memcpy(out + i, in + i, 4);
 }
 
+/// Asks for the memory of the pixels' colours, so that the processor has it when they are written.
+HWY_INLINE void PrefetchPixels(const FrameView& frame, const PlacedSquare& square) {
+  if (!frame.colour.data) return;
+  const std::size_t pixel = bytes_per_pixel(frame.format);
+  for (std::size_t row = 0; row < std::size_t(square.rows); ++row) {
+    const auto* to = static_cast<const unsigned char*>(frame.colour.row(std::size_t(square.y0) + row));
+    for (std::size_t at = 0; at < std::size_t(square.columns) * pixel; at += 64)
+      hwy::Prefetch(to + std::size_t(square.x0) * pixel + at);
+  }
+}
+
 /// Writes the outputs that are asked for, as `store_pixel` does. Turns `state` into rows.
 template <class Groups>
 HWY_INLINE void StoreSquare(const View& view, const PlacedSquare& square, SquareState& state) {
   const F32 d;
   const FrameView& frame = view.frame;
   const std::size_t pixel = bytes_per_pixel(frame.format), columns = std::size_t(square.columns);
+  const bool whole = columns == square_side;  // whole rows go to the frame, others by way of an array
   Below below;
   LoadBackground(view.background, below);
   for (Plane* plane : {&state.transmittance, &state.red, &state.green, &state.blue}) Groups::ToRows(*plane);
@@ -96,6 +108,10 @@ HWY_INLINE void StoreSquare(const View& view, const PlacedSquare& square, Square
     alignas(64) unsigned char colours[4 * sizeof(float) * square_side];
     alignas(64) float alphas[square_side], depths[square_side];
     const std::size_t y = std::size_t(square.y0) + row;
+    unsigned char* const to =
+        frame.colour.data ? static_cast<unsigned char*>(frame.colour.row(y)) + std::size_t(square.x0) * pixel
+                          : nullptr;
+    unsigned char* const by = whole && to ? to : colours;
     if (frame.over) LoadRow(frame, square, y, below);
     for (std::size_t column = 0; column < square_side; column += lanes) {
       const Vec transmittance = hn::Abs(hn::Load(d, state.transmittance[row] + column));
@@ -105,16 +121,14 @@ HWY_INLINE void StoreSquare(const View& view, const PlacedSquare& square, Square
       };
       StoreColours(frame.format, laid(hn::Load(d, state.red[row] + column), 0),
                    laid(hn::Load(d, state.green[row] + column), 1),
-                   laid(hn::Load(d, state.blue[row] + column), 2), laid(alpha, 3), colours + pixel * column);
+                   laid(hn::Load(d, state.blue[row] + column), 2), laid(alpha, 3), by + pixel * column);
       hn::Store(alpha, d, alphas + column);
       if (frame.depth.data) {
         const Vec mean = hn::Div(hn::Load(d, state.depth[row] + column), alpha);
         hn::Store(hn::IfThenElseZero(hn::Gt(alpha, hn::Zero(d)), mean), d, depths + column);
       }
     }
-    if (frame.colour.data)
-      CopyWords(static_cast<unsigned char*>(frame.colour.row(y)) + std::size_t(square.x0) * pixel, colours,
-                columns * pixel);
+    if (to && !whole) CopyWords(to, colours, columns * pixel);
     if (frame.alpha.data) CopyWords(frame.alpha.row(y) + square.x0, alphas, columns * sizeof(float));
     if (frame.depth.data) CopyWords(frame.depth.row(y) + square.x0, depths, columns * sizeof(float));
   }
