@@ -97,37 +97,41 @@ HWY_INLINE Touched PrepareRows(const SplatShape& shape, vec2 first_centre, float
   return {rows, rows};
 }
 
+/// The most of each four rows, in the lanes of all four.
+HWY_INLINE Vec MostOfFour(Vec v) {
+  v = hn::Max(v, hn::Shuffle2301(v));
+  return hn::Max(v, hn::Shuffle1032(v));
+}
+
 /// Fills `terms`, with a c of minus infinity in rows that are not touched: blocks hold rows that are touched
-/// and others. A block is touched if it has a row whose columns come within `half` of the splat's axis there.
+/// and others. A block is touched if its columns meet those between the least and the most column that its
+/// four rows come within `half` of the splat's axis.
 ///
-/// No pixel of a block that is refused is kept: a kept pixel has |p + q| below `half`, which is wider by far
-/// more than all that is rounded; and p <= half - q holds after rounding too, because p is a float and
-/// rounding is monotone.
+/// No pixel of a block that is refused is kept: a kept pixel has |p + q| below the `half` of its row, which
+/// is wider by far more than all that is rounded; and p <= half - q holds after rounding too, because p is a
+/// float and rounding is monotone.
 HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
                                  CholeskyTerms& HWY_RESTRICT terms) {
   static_assert(square_side == 16 && Blocks::side == 4);
   const F32 d;
-  std::uint32_t rows = 0;
-  std::uint64_t reached = 0;  // 16 bits of rows for each of four columns of blocks
+  const hn::RebindToSigned<F32> di;
+  Touched all = {0, 0};
+  // A lane of each four rows stands for a block: p in its first column, and in its last.
+  const Vec column = hn::ConvertTo(d, hn::ShiftLeft<2>(hn::And(hn::Iota(di, 0), hn::Set(di, 3))));
+  const Vec l0 = hn::Set(d, shape.l0), first_dx = hn::Set(d, first_centre.x - shape.mean.x);
+  const Vec first = hn::Mul(l0, hn::Add(first_dx, column));
+  const Vec last = hn::Mul(l0, hn::Add(first_dx, hn::Add(column, hn::Set(d, 3.0f))));
   VisitRows(shape, first_centre, log2_alpha_min, terms, [&](std::size_t i, Mask touched) HWY_ATTR {
-    rows |= BitsOf(touched) << i;
-    const Vec q = hn::Load(d, terms.q + i);
-    const Vec c = hn::IfThenElse(touched, hn::Load(d, terms.c + i), hn::Neg(hn::Inf(d)));
+    const Vec q = hn::Load(d, terms.q + i), none = hn::Neg(hn::Inf(d));
+    const Vec c = hn::IfThenElse(touched, hn::Load(d, terms.c + i), none);
     hn::Store(c, d, terms.c + i);
-    // Not a number, by which all blocks are refused, where the row has nothing to show.
     const Vec half = hn::Sqrt(hn::Sub(c, hn::Set(d, log2_alpha_min - 1e-3f)));
-    const Vec most = hn::Sub(half, q), least = hn::Neg(hn::Add(half, q));
-    for (std::size_t block = 0; block < 4; ++block) {
-      const Vec first = hn::Set(d, terms.p[4 * block]), last = hn::Set(d, terms.p[4 * block + 3]);
-      const Mask reaches = hn::And(hn::Le(first, most), hn::Ge(last, least));
-      reached |= std::uint64_t(BitsOf(reaches)) << (16 * block + i);
-    }
+    const Vec most = MostOfFour(hn::IfThenElse(touched, hn::Sub(half, q), none));
+    const Vec least = hn::Neg(MostOfFour(hn::IfThenElse(touched, hn::Add(half, q), none)));
+    all.groups |= BitsOf(hn::And(hn::Le(first, most), hn::Ge(last, least))) << i;
+    all.rows |= BitsOf(touched) << i;
   });
-  // Join each four rows, then put the four columns of each row of blocks side by side.
-  reached |= reached >> 1;
-  reached |= reached >> 2;
-  reached &= 0x1111111111111111;
-  return {std::uint32_t((reached | reached >> 15 | reached >> 30 | reached >> 45) & 0xffff), rows};
+  return all;
 }
 
 /// Turns one mask of groups a splat into one list of splats a group.

@@ -299,6 +299,8 @@ MUTANTS = [
     Mutant("cpu raster: blocks a hundredth too narrow", CPU + "raster-inl.hpp",
            "hn::Sqrt(hn::Sub(c, hn::Set(d, log2_alpha_min - 1e-3f)))",
            "hn::Mul(hn::Sqrt(hn::Sub(c, hn::Set(d, log2_alpha_min - 1e-3f))), hn::Set(d, 0.99f))", sources=CHOLESKY),
+    Mutant("cpu raster: two of a block's four rows are asked", CPU + "raster-inl.hpp",
+           "return hn::Max(v, hn::Shuffle1032(v));", "return v;", sources=CHOLESKY),
     Mutant("cpu raster: T (1 - alpha)", CPU + "raster-inl.hpp", "hn::IfThenElse(hn::Gt(alpha, hn::Set(d, 0.5f)), product, difference)",
            "product", sources=CHOLESKY),
     Mutant("cpu raster: T - alpha T", CPU + "raster-inl.hpp", "hn::IfThenElse(hn::Gt(alpha, hn::Set(d, 0.5f)), product, difference)",
