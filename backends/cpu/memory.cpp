@@ -7,6 +7,9 @@
 
 #if defined(__linux__)
 #include <sys/mman.h>
+#ifndef MADV_COLLAPSE
+#define MADV_COLLAPSE 25  // Linux 6.1; C libraries know it later
+#endif
 #endif
 
 #include <swiftgs/cpu.hpp>
@@ -24,9 +27,7 @@ void advise_large_pages(const void* memory, std::size_t bytes) {
   const std::uintptr_t end = (reinterpret_cast<std::uintptr_t>(memory) + bytes) / page * page;
   if (begin >= end) return;
   (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-#if defined(MADV_COLLAPSE)
   (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_COLLAPSE);
-#endif
 #else
   (void)memory, (void)bytes;
 #endif

@@ -36,14 +36,16 @@ void keep(std::vector<T>& values, const std::vector<std::uint8_t>& wanted, std::
   values.erase(to, values.end());
 }
 
-/// Makes the system find the pages of [begin, end) now, from all threads. It clears each page, which takes
-/// longer than decoding what will lie there, and would otherwise be done by the one thread that touches it.
+/// Makes the system find the pages of [begin, end) now, large ones where it can, from all threads. It clears
+/// each page, which takes longer than decoding what will lie there, and would otherwise be done by the one
+/// thread that touches it.
 void populate([[maybe_unused]] void* begin, [[maybe_unused]] void* end) {
 #ifdef MADV_POPULATE_WRITE
   const auto page = std::uintptr_t(::sysconf(_SC_PAGESIZE));
   const std::uintptr_t first = (std::uintptr_t(begin) + page - 1) / page * page;
   const std::uintptr_t last = std::uintptr_t(end) / page * page;
   if (first >= last) return;
+  ::madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
   // A kernel that cannot does it later, as pages are touched.
   for_parts((last - first) / page, [&](std::size_t from, std::size_t to) {
     ::madvise(reinterpret_cast<void*>(first + from * page), (to - from) * page, MADV_POPULATE_WRITE);
