@@ -104,13 +104,13 @@ void group_by_tile(Cpu& cpu, const EmissionJob& job, GroupScratch<Cpu>& scratch,
     std::fill_n(counts, tiles, 0u);
     visit_instances(job, range, [&](std::uint32_t tile, std::uint32_t) { ++counts[tile]; });
   });
-  std::uint32_t sum = 0;
-  for (std::size_t tile = 0; tile < tiles; ++tile) {
-    const std::uint32_t begin = sum;
-    for (std::size_t part = 0; part < parts; ++part) sum += std::exchange(positions_of(part)[tile], sum);
-    lists.ranges.data()[tile] = sum > begin ? TileRange{begin, sum} : TileRange{};
-  }
+  const std::uint32_t sum = counts_to_places(cpu, scratch.positions.data(), parts, tiles);
   check_sum(job.instances, sum);
+  const std::uint32_t* const begins = positions_of(0);
+  for (std::size_t tile = 0; tile < tiles; ++tile) {
+    const std::uint32_t begin = begins[tile], end = tile + 1 < tiles ? begins[tile + 1] : sum;
+    lists.ranges.data()[tile] = end > begin ? TileRange{begin, end} : TileRange{};
+  }
   lists.instances = sum, lists.tiles = tiles;
   for_each_part(cpu, splats, parts, [&](std::size_t part, Part range) {
     std::uint32_t* positions = positions_of(part);

@@ -133,9 +133,7 @@ class BucketSort {
       std::fill_n(counts, bins, 0u);
       for (std::size_t i = range.begin; i < range.end; ++i) ++counts[digit(pairs_.keys.data()[i])];
     });
-    std::uint32_t sum = 0;
-    for (std::size_t bin = 0; bin < bins; ++bin)
-      for (std::size_t part = 0; part < parts_; ++part) sum += std::exchange(histogram(part, bins)[bin], sum);
+    counts_to_places(cpu_, histograms_.data(), parts_, bins);
   }
 
   /// Moves every pair to its bucket; parts in order keep equal digits in order.
