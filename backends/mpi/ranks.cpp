@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <numeric>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "ranks_state.hpp"
@@ -17,6 +19,20 @@ void mpi::check(int result, const char* call) {
   int length = 0;
   MPI_Error_string(result, text, &length);
   throw MpiError(call, std::string(text, std::size_t(length)));
+}
+
+std::string mpi::text_of(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const std::bad_alloc&) {
+    return "out of memory";
+  } catch (const std::filesystem::filesystem_error& of_file) {
+    return of_file.path1().string() + ": " + of_file.code().message();
+  } catch (const std::exception& any) {
+    return any.what();
+  } catch (...) {
+    return "unknown error";
+  }
 }
 
 Ranks::State::State(MPI_Comm of) {
@@ -95,32 +111,39 @@ void Ranks::add_up(Span<std::uint64_t> sums) const {
                "MPI_Allreduce");
 }
 
+void mpi::hear_step(Ranks::State& state) {
+  check(MPI_Recv(nullptr, 0, MPI_BYTE, MPI_ANY_SOURCE, step_tag, state.comm, MPI_STATUS_IGNORE), "MPI_Recv");
+  ++state.steps_heard;
+}
+
 void Ranks::meet(const std::function<void()>& meanwhile) const {
   MPI_Request request = MPI_REQUEST_NULL;
-  mpi::check(MPI_Ibarrier(state_->comm, &request), "MPI_Ibarrier");
+  std::uint64_t told = 0;
+  mpi::check(MPI_Iallreduce(&state_->steps_told, &told, 1, MPI_UINT64_T, MPI_SUM, state_->comm, &request),
+             "MPI_Iallreduce");
   for (int all = 0;; std::this_thread::sleep_for(std::chrono::milliseconds(10))) {
     mpi::check(MPI_Test(&request, &all, MPI_STATUS_IGNORE), "MPI_Test");
-    if (all) return;
+    if (all) break;
     meanwhile();
   }
+  while (state_->rank == 0 && state_->steps_heard < told) mpi::hear_step(*state_);
 }
 
 void Ranks::tell_step() const {
   MPI_Request request = MPI_REQUEST_NULL;
   mpi::check(MPI_Isend(nullptr, 0, MPI_BYTE, 0, mpi::step_tag, state_->comm, &request), "MPI_Isend");
   mpi::check(MPI_Request_free(&request), "MPI_Request_free");
+  ++state_->steps_told;
 }
 
 std::size_t Ranks::steps_told() const {
-  for (std::size_t steps = 0;; ++steps) {
-    int waits = 0;
-    MPI_Status status;
-    mpi::check(MPI_Iprobe(MPI_ANY_SOURCE, mpi::step_tag, state_->comm, &waits, &status), "MPI_Iprobe");
-    if (!waits) return steps;
-    mpi::check(
-        MPI_Recv(nullptr, 0, MPI_BYTE, status.MPI_SOURCE, mpi::step_tag, state_->comm, MPI_STATUS_IGNORE),
-        "MPI_Recv");
+  for (int waits = 1;; mpi::hear_step(*state_)) {
+    mpi::check(MPI_Iprobe(MPI_ANY_SOURCE, mpi::step_tag, state_->comm, &waits, MPI_STATUS_IGNORE),
+               "MPI_Iprobe");
+    if (!waits) break;
   }
+  const std::uint64_t before = std::exchange(state_->steps_asked, state_->steps_heard);
+  return std::size_t(state_->steps_heard - before);
 }
 
 void Ranks::require_same(const std::string& what, const std::string& mine) const {
@@ -220,22 +243,8 @@ void Exchange::wait() {
 }
 
 void Failure::tell(const Ranks& ranks) const {
-  std::string text;
-  bool failed = false;
-  if (error_) {
-    failed = true;
-    try {
-      std::rethrow_exception(error_);
-    } catch (const std::bad_alloc&) {
-      text = "out of memory";
-    } catch (const std::exception& error) {
-      text = error.what();
-    } catch (...) {
-      text = "unknown error";
-    }
-  }
-  const std::vector<std::string> each = ranks.all_gather((failed ? "!" : "") + text);
-  if (failed) std::rethrow_exception(error_);
+  const std::vector<std::string> each = ranks.all_gather(error_ ? "!" + mpi::text_of(error_) : "");
+  if (error_) std::rethrow_exception(error_);
   for (std::size_t r = 0; r < each.size(); ++r)
     if (!each[r].empty()) throw RankError(int(r), each[r].substr(1));
   throw std::logic_error("ranks: one was said to have failed, expected its message");

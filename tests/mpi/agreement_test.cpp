@@ -83,6 +83,20 @@ TEST_CASE("mpi agreement: views that differ between ranks are refused on all of 
   distributed.render(part.view(), builtin_camera(100, 80), {}, frame);
 }
 
+TEST_CASE("mpi agreement: when ranks have met the first has heard all steps") {
+  const auto others = std::size_t(ranks_here().size() - 1);
+  for (int round = 0; round < 100; ++round) {
+    if (ranks_here().rank() != 0)
+      for (int k = 0; k < 3; ++k) ranks_here().tell_step();
+    ranks_here().meet([] {});
+    if (ranks_here().rank() == 0) {
+      CHECK(ranks_here().steps_told() == 3 * others);
+      CHECK(ranks_here().steps_told() == 0);
+    }
+    ranks_here().all(true);  // nobody tells steps of the next round before
+  }
+}
+
 TEST_CASE("mpi agreement: arguments that one rank finds wrong are told to all") {
   DistributedRenderer<Cpu, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
   const auto part = distributed.backend().upload(make_builtin_scene(500, own_part()));

@@ -80,7 +80,8 @@ class SWIFTGS_API Ranks {
   /// Throws `std::invalid_argument` on all ranks unless all bring the same text for `what`.
   void require_same(const std::string& what, const std::string& mine) const;
 
-  /// Returns when all ranks have called it; calls `meanwhile` now and then.
+  /// Returns when all ranks have called it, and rank 0 has heard all steps that they told before; calls
+  /// `meanwhile` now and then.
   void meet(const std::function<void()>& meanwhile) const;
 
   /// Tells rank 0 that some step is done, and does not wait for it to hear. Not collective.
