@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <memory>
 #include <string>
 
 #include <swiftgs/mpi/comm.hpp>
@@ -21,6 +22,8 @@ struct Ranks::State {
   int rank = 0, size = 1;
   std::size_t longest_message = std::size_t(1) << 30;
   Traffic traffic;
+  bool direct = true;
+  std::shared_ptr<void> devices;  ///< that a direct link joins; made once, since that takes long
   std::uint64_t steps_told = 0;   ///< by this rank
   std::uint64_t steps_heard = 0;  ///< by this rank, of all others
   std::uint64_t steps_asked = 0;  ///< of those heard, what its caller has asked for
