@@ -33,7 +33,12 @@ endif()
 
 set(mpi "no, MPI was not found or SWIFTGS_BUILD_MPI is off")
 if(TARGET swiftgs_mpi)
-  set(mpi yes)
+  set(mpi "yes, devices exchange by way of the host")
+  if(NOT TARGET swiftgs_cuda)
+    set(mpi yes)
+  elseif(swiftgs_has_nccl)
+    set(mpi "yes, devices exchange through NCCL: ${SWIFTGS_NCCL_LIBRARY}")
+  endif()
 endif()
 
 set(tests no)

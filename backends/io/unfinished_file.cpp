@@ -30,6 +30,10 @@ fs::path beside(const fs::path& path) {
   return name;
 }
 
+[[noreturn]] void fail_to_link(const fs::path& path) {
+  throw fs::filesystem_error("linkat", path, std::error_code(errno, std::generic_category()));
+}
+
 /// Where /proc shows an open file.
 std::string name_of(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
 
@@ -70,6 +74,13 @@ std::FILE* UnfinishedFile::open() {
   return std::fopen(path_.c_str(), "wb");
 }
 
+bool UnfinishedFile::give_name(const fs::path& name) const {
+  if (::linkat(AT_FDCWD, name_of(unnamed_).c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0)
+    return true;
+  if (errno != EEXIST) fail_to_link(place_);
+  return false;
+}
+
 void UnfinishedFile::forget_unnamed() {
   if (unnamed_ >= 0) ::close(unnamed_);
   unnamed_ = -1;
@@ -84,9 +95,13 @@ UnfinishedFile::~UnfinishedFile() {
 void UnfinishedFile::finish() {
   if (place_.empty()) return;
   if (unnamed_ >= 0) {
-    if (::linkat(AT_FDCWD, name_of(unnamed_).c_str(), AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW) != 0)
-      throw fs::filesystem_error("linkat", place_, std::error_code(errno, std::generic_category()));
+    const bool placed = give_name(place_);  // where nothing is to be replaced, no other name is needed
+    if (!placed && !give_name(path_)) fail_to_link(place_);
     forget_unnamed();
+    if (placed) {
+      place_.clear();
+      return;
+    }
   }
   std::error_code none;
   const fs::perms before = fs::status(place_, none).permissions();

@@ -20,13 +20,16 @@ class UnfinishedFile {
   const std::filesystem::path& path() const { return path_; }
 
   /// Opens it for writing, or returns null, as `std::fopen` does. Where the file system can, it then has no
-  /// name until `finish`: of a program that is killed nothing stays behind. Close the file before `finish`.
+  /// name until `finish`: of a program that is killed nothing stays behind, unless that happens while
+  /// `finish` replaces another file. Close the file before `finish`.
   std::FILE* open();
 
   /// Puts the file in its place. Throws `std::filesystem::filesystem_error`.
   void finish();
 
  private:
+  /// Whether nothing has this name, which the file without one then gets.
+  bool give_name(const std::filesystem::path& name) const;
   void forget_unnamed();
 
   std::filesystem::path place_;  ///< empty once it is filled, and for what is written to as it is

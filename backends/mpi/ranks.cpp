@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <numeric>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "ranks_state.hpp"
@@ -17,6 +19,20 @@ void mpi::check(int result, const char* call) {
   int length = 0;
   MPI_Error_string(result, text, &length);
   throw MpiError(call, std::string(text, std::size_t(length)));
+}
+
+std::string mpi::text_of(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const std::bad_alloc&) {
+    return "out of memory";
+  } catch (const std::filesystem::filesystem_error& of_file) {
+    return of_file.path1().string() + ": " + of_file.code().message();
+  } catch (const std::exception& any) {
+    return any.what();
+  } catch (...) {
+    return "unknown error";
+  }
 }
 
 Ranks::State::State(MPI_Comm of) {
@@ -54,6 +70,9 @@ void Ranks::set_longest_message(std::size_t bytes) {
                                 " bytes, expected 1 to 2^30");
   state_->longest_message = bytes;
 }
+
+void Ranks::set_direct(bool direct) { state_->direct = direct; }
+bool Ranks::direct() const { return state_->direct; }
 
 bool Ranks::all(bool mine) const {
   const mpi::Waiting waiting(*state_);
@@ -95,32 +114,39 @@ void Ranks::add_up(Span<std::uint64_t> sums) const {
                "MPI_Allreduce");
 }
 
+void mpi::hear_step(Ranks::State& state) {
+  check(MPI_Recv(nullptr, 0, MPI_BYTE, MPI_ANY_SOURCE, step_tag, state.comm, MPI_STATUS_IGNORE), "MPI_Recv");
+  ++state.steps_heard;
+}
+
 void Ranks::meet(const std::function<void()>& meanwhile) const {
   MPI_Request request = MPI_REQUEST_NULL;
-  mpi::check(MPI_Ibarrier(state_->comm, &request), "MPI_Ibarrier");
+  std::uint64_t told = 0;
+  mpi::check(MPI_Iallreduce(&state_->steps_told, &told, 1, MPI_UINT64_T, MPI_SUM, state_->comm, &request),
+             "MPI_Iallreduce");
   for (int all = 0;; std::this_thread::sleep_for(std::chrono::milliseconds(10))) {
     mpi::check(MPI_Test(&request, &all, MPI_STATUS_IGNORE), "MPI_Test");
-    if (all) return;
+    if (all) break;
     meanwhile();
   }
+  while (state_->rank == 0 && state_->steps_heard < told) mpi::hear_step(*state_);
 }
 
 void Ranks::tell_step() const {
   MPI_Request request = MPI_REQUEST_NULL;
   mpi::check(MPI_Isend(nullptr, 0, MPI_BYTE, 0, mpi::step_tag, state_->comm, &request), "MPI_Isend");
   mpi::check(MPI_Request_free(&request), "MPI_Request_free");
+  ++state_->steps_told;
 }
 
 std::size_t Ranks::steps_told() const {
-  for (std::size_t steps = 0;; ++steps) {
-    int waits = 0;
-    MPI_Status status;
-    mpi::check(MPI_Iprobe(MPI_ANY_SOURCE, mpi::step_tag, state_->comm, &waits, &status), "MPI_Iprobe");
-    if (!waits) return steps;
-    mpi::check(
-        MPI_Recv(nullptr, 0, MPI_BYTE, status.MPI_SOURCE, mpi::step_tag, state_->comm, MPI_STATUS_IGNORE),
-        "MPI_Recv");
+  for (int waits = 1;; mpi::hear_step(*state_)) {
+    mpi::check(MPI_Iprobe(MPI_ANY_SOURCE, mpi::step_tag, state_->comm, &waits, MPI_STATUS_IGNORE),
+               "MPI_Iprobe");
+    if (!waits) break;
   }
+  const std::uint64_t before = std::exchange(state_->steps_asked, state_->steps_heard);
+  return std::size_t(state_->steps_heard - before);
 }
 
 void Ranks::require_same(const std::string& what, const std::string& mine) const {
@@ -131,111 +157,9 @@ void Ranks::require_same(const std::string& what, const std::string& mine) const
                                   ", expected '" + each[0] + "' as on rank 0");
 }
 
-struct Exchange::Requests {
-  std::vector<MPI_Request> each;
-};
-
-Exchange::Exchange(const Ranks& ranks) : ranks_(ranks), requests_(std::make_unique<Requests>()) {}
-
-Exchange::~Exchange() {
-  if (std::uncaught_exceptions() != 0 && !requests_->each.empty()) {
-    // Other ranks may wait for what this one will not send. The program ends, and its messages with it.
-    (void)requests_.release();
-    return;
-  }
-  try {
-    wait();
-  } catch (const MpiError&) {
-    // There is nobody left to tell.
-  }
-}
-
-namespace {
-
-/// f(begin, bytes) for the parts of a message that are short enough.
-template <class F>
-void for_messages(std::size_t bytes, std::size_t longest, const F& f) {
-  for (std::size_t begin = 0; begin < bytes; begin += longest) f(begin, std::min(longest, bytes - begin));
-}
-
-}  // namespace
-
-void Exchange::send(int rank, const void* from, std::size_t bytes) {
-  Ranks::State& state = ranks_.state();
-  for_messages(bytes, state.longest_message, [&](std::size_t begin, std::size_t count) {
-    MPI_Request& request = requests_->each.emplace_back(MPI_REQUEST_NULL);
-    mpi::check(MPI_Isend(static_cast<const std::byte*>(from) + begin, int(count), MPI_BYTE, rank,
-                         mpi::data_tag, state.comm, &request),
-               "MPI_Isend");
-    ++state.traffic.messages;
-  });
-  state.traffic.sent_bytes += bytes;
-}
-
-void Exchange::receive(int rank, void* to, std::size_t bytes) {
-  Ranks::State& state = ranks_.state();
-  for_messages(bytes, state.longest_message, [&](std::size_t begin, std::size_t count) {
-    MPI_Request& request = requests_->each.emplace_back(MPI_REQUEST_NULL);
-    mpi::check(MPI_Irecv(static_cast<std::byte*>(to) + begin, int(count), MPI_BYTE, rank, mpi::data_tag,
-                         state.comm, &request),
-               "MPI_Irecv");
-  });
-  state.traffic.received_bytes += bytes;
-}
-
-void Exchange::all_to_all(const void* from, Span<const std::uint64_t> from_begins, void* to,
-                          Span<const std::uint64_t> to_begins, std::size_t element_bytes) {
-  const auto bytes_at = [&](Span<const std::uint64_t> begins, int r, auto* array) {
-    return array + std::size_t(begins[std::size_t(r)]) * element_bytes;
-  };
-  const auto bytes_of = [&](Span<const std::uint64_t> begins, int r) {
-    return std::size_t(begins[std::size_t(r) + 1] - begins[std::size_t(r)]) * element_bytes;
-  };
-  // Every rank begins with the one behind it, so that none is everybody's first.
-  const int size = ranks_.size(), rank = ranks_.rank();
-  for (int step = 1; step < size; ++step) {
-    const int source = (rank + size - step) % size;
-    receive(source, bytes_at(to_begins, source, static_cast<std::byte*>(to)), bytes_of(to_begins, source));
-  }
-  for (int step = 1; step < size; ++step) {
-    const int target = (rank + step) % size;
-    send(target, bytes_at(from_begins, target, static_cast<const std::byte*>(from)),
-         bytes_of(from_begins, target));
-  }
-}
-
-bool Exchange::test() {
-  int done = 0;
-  std::vector<MPI_Request>& each = requests_->each;
-  mpi::check(MPI_Testall(int(each.size()), each.data(), &done, MPI_STATUSES_IGNORE), "MPI_Testall");
-  return done != 0;
-}
-
-void Exchange::wait() {
-  if (requests_->each.empty()) return;
-  const mpi::Waiting waiting(ranks_.state());
-  std::vector<MPI_Request> each;
-  each.swap(requests_->each);
-  mpi::check(MPI_Waitall(int(each.size()), each.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
-}
-
 void Failure::tell(const Ranks& ranks) const {
-  std::string text;
-  bool failed = false;
-  if (error_) {
-    failed = true;
-    try {
-      std::rethrow_exception(error_);
-    } catch (const std::bad_alloc&) {
-      text = "out of memory";
-    } catch (const std::exception& error) {
-      text = error.what();
-    } catch (...) {
-      text = "unknown error";
-    }
-  }
-  const std::vector<std::string> each = ranks.all_gather((failed ? "!" : "") + text);
-  if (failed) std::rethrow_exception(error_);
+  const std::vector<std::string> each = ranks.all_gather(error_ ? "!" + mpi::text_of(error_) : "");
+  if (error_) std::rethrow_exception(error_);
   for (std::size_t r = 0; r < each.size(); ++r)
     if (!each[r].empty()) throw RankError(int(r), each[r].substr(1));
   throw std::logic_error("ranks: one was said to have failed, expected its message");

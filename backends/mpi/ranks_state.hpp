@@ -3,6 +3,10 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <string>
 
 #include <swiftgs/mpi/comm.hpp>
 
@@ -18,6 +22,11 @@ struct Ranks::State {
   int rank = 0, size = 1;
   std::size_t longest_message = std::size_t(1) << 30;
   Traffic traffic;
+  bool direct = true;
+  std::shared_ptr<void> devices;  ///< that a direct link joins; made once, since that takes long
+  std::uint64_t steps_told = 0;   ///< by this rank
+  std::uint64_t steps_heard = 0;  ///< by this rank, of all others
+  std::uint64_t steps_asked = 0;  ///< of those heard, what its caller has asked for
 };
 
 namespace mpi {
@@ -27,6 +36,12 @@ inline constexpr int data_tag = 0, step_tag = 1;
 
 /// Throws `MpiError` unless a call of MPI succeeded.
 void check(int result, const char* call);
+
+/// What a line about an error says of it.
+std::string text_of(const std::exception_ptr& error);
+
+/// Receives one step that another rank tells, and waits for it.
+void hear_step(Ranks::State& state);
 
 /// Adds the time of its life to what a rank has waited.
 class Waiting {

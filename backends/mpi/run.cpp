@@ -5,8 +5,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <new>
-#include <optional>
 #include <string>
 #include <thread>
 
@@ -55,12 +53,8 @@ int run_on_ranks(const std::string& program, const std::function<int(Ranks&)>& w
     } catch (const RankError& error) {
       std::this_thread::sleep_for(patience);  // the rank that failed says so itself
       end_all(program, ranks, error.what());
-    } catch (const std::bad_alloc&) {
-      end_all(program, ranks, "out of memory");
-    } catch (const std::exception& error) {
-      end_all(program, ranks, error.what());
     } catch (...) {
-      end_all(program, ranks, "unknown error");
+      end_all(program, ranks, mpi::text_of(std::current_exception()));
     }
   }
   MPI_Finalize();

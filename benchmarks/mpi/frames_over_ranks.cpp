@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Times of frames of one scene over ranks: mpirun -n N frames_over_ranks SCENE [options]. Prints one line of
-// JSON: medians over frames, of each rank, and a checksum of the image, the same for any number of ranks.
+// Times of frames of one scene over ranks: mpirun -n N frames_over_ranks SCENE [options]. Prints a line of
+// JSON for each carrier: medians over frames, of each rank, and a checksum of the image, the same for any
+// number of ranks and any carrier.
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -36,6 +37,7 @@ struct Options {
   std::size_t view = 0;
   double scale = 1;
   int frames = 20, warm_ups = 8, threads = 0;
+  std::vector<std::string> carriers;  ///< one after the other; none for the one that renderers choose
 };
 
 Scene part_named(const std::string& name, const ScenePart& part, const Ranks& ranks) {
@@ -72,14 +74,16 @@ double median(std::vector<T> values) {
   return double(values[values.size() / 2]);
 }
 
+/// Times frames of a part, and prints a line on rank 0. Returns the checksum of the image, empty elsewhere.
 template <class B>
-void measure(const Ranks& ranks, const Options& options, B backend) {
+std::string measure(Ranks& ranks, const Options& options, B backend, const SceneView& part,
+                    const std::string& carrier) {
+  ranks.set_direct(carrier != "host");
   DistributedRenderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer(ranks,
                                                                                           std::move(backend));
-  const ScenePart own{std::size_t(ranks.rank()), std::size_t(ranks.size())};
-  std::optional<Scene> read = part_named(options.scene, own, ranks);
-  const auto part = renderer.backend().upload(std::move(*read));
-  read.reset();
+  if (!carrier.empty() && renderer.carrier() != carrier)
+    throw std::invalid_argument("--carriers '" + carrier + "': expected '" + std::string(renderer.carrier()) +
+                                "', by which splats go in this build on these ranks");
   const Camera camera = camera_of(options);
   Frame frame;
   std::vector<double> with_image, without_image, imbalance;
@@ -87,7 +91,7 @@ void measure(const Ranks& ranks, const Options& options, B backend) {
   for (int k = 0; k < options.warm_ups + options.frames; ++k) {
     ranks.all(true);  // begin together
     const auto begun = std::chrono::steady_clock::now();
-    renderer.render(part.view(), camera, {}, frame);
+    renderer.render(part, camera, {}, frame);
     const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begun;
     if (k < options.warm_ups) continue;
     counters.push_back(renderer.counters());
@@ -96,7 +100,7 @@ void measure(const Ranks& ranks, const Options& options, B backend) {
     with_image.push_back(taken.count()), without_image.push_back(1e-6 * double(longest));
     imbalance.push_back(counters.back().imbalance());
   }
-  if (ranks.rank() != 0) return;
+  if (ranks.rank() != 0) return {};
   Json each = Json::array();
   for (std::size_t r = 0; r < std::size_t(ranks.size()); ++r) {
     const auto of = [&](const std::function<std::uint64_t(const RankCounters&)>& member) {
@@ -123,6 +127,7 @@ void measure(const Ranks& ranks, const Options& options, B backend) {
                   {"height", camera.height},
                   {"renderer", std::string(renderer.name)},
                   {"device", renderer.backend().device_name()},
+                  {"carrier", std::string(renderer.carrier())},
                   {"frames", options.frames},
                   {"ms", median(without_image)},
                   {"ms_with_image", median(with_image)},
@@ -130,6 +135,27 @@ void measure(const Ranks& ranks, const Options& options, B backend) {
                   {"checksum", checksum_of(frame)},
                   {"ranks", each}};
   std::printf("%s\n", line.dump().c_str());
+  std::fflush(stdout);
+  return line["checksum"];
+}
+
+/// All carriers in turn, of one scene that stays where it is. `make` makes a backend.
+template <class Make>
+void measure_each(Ranks& ranks, const Options& options, const Make& make) {
+  const ScenePart own{std::size_t(ranks.rank()), std::size_t(ranks.size())};
+  auto home = make();
+  std::optional<Scene> read = part_named(options.scene, own, ranks);
+  const auto part = home.upload(std::move(*read));
+  read.reset();
+  std::string first;
+  for (const std::string& carrier :
+       options.carriers.empty() ? std::vector<std::string>{""} : options.carriers) {
+    const std::string checksum = measure(ranks, options, make(), part.view(), carrier);
+    if (first.empty()) first = checksum;
+    if (checksum != first)
+      throw std::runtime_error("the image of carrier '" + carrier + "' has checksum " + checksum +
+                               ", expected " + first + " as of the first");
+  }
 }
 
 int run(Ranks& ranks, int argc, char** argv) {
@@ -141,6 +167,9 @@ int run(Ranks& ranks, int argc, char** argv) {
   app.add_option("--scale", options.scale, "Factor of the image's sides");
   app.add_option("--backend", options.backend, "cpu or cuda");
   app.add_option("--threads", options.threads, "Of each rank on the cpu; 0 for all");
+  app.add_option("--carriers", options.carriers,
+                 "host or nccl, or several in turn [what renderers choose]; their images must be the same")
+      ->delimiter(',');
   app.add_option("--frames", options.frames, "Frames to time")->check(CLI::PositiveNumber);
   app.add_option("--warm-ups", options.warm_ups, "Frames before them, in which bands find their places");
   try {
@@ -149,13 +178,13 @@ int run(Ranks& ranks, int argc, char** argv) {
     return ranks.rank() == 0 ? app.exit(error) : error.get_exit_code();
   }
   if (options.backend == "cpu") {
-    measure(ranks, options, Cpu(options.threads));
+    measure_each(ranks, options, [&] { return Cpu(options.threads); });
     return 0;
   }
 #if defined(SWIFTGS_HAS_CUDA)
   if (options.backend == "cuda") {
     take_device(ranks);
-    measure(ranks, options, Cuda());
+    measure_each(ranks, options, [] { return Cuda(); });
     return 0;
   }
 #endif

@@ -10,7 +10,8 @@
 #   weak      builtin:6000000 a rank
 #   large     100 million Gaussians on all ranks
 # Programs are those of SWIFTGS_BUILD, mpirun is LAUNCH, garden is GARDEN (its folder). RANKS names another number of
-# ranks than two. OUTDIR/frames.jsonl has a line a run; model.py reads it.
+# ranks than two. CARRIERS are what brings splats from rank to rank, in turns: host,nccl,host,nccl in a build with NCCL.
+# Images of all must be the same. OUTDIR/frames.jsonl has a line a run and carrier; model.py reads it.
 set -euo pipefail
 all_steps=(test one strong weak large)
 [ $# -ge 1 ] || { echo "usage: benchmarks/mpi/measure_gpus.sh OUTDIR [${all_steps[*]}]" >&2; exit 2; }
@@ -22,12 +23,14 @@ build=${SWIFTGS_BUILD:-$root/build/release}
 launch=${LAUNCH:-mpirun --oversubscribe --bind-to none}
 garden=${GARDEN:-$root/../shared/scenes/garden}
 ranks=${RANKS:-2}
+carriers=${CARRIERS:-host}
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 mkdir -p "$out"
 
 frames() {  # frames RANKS SCENE [options]
   local n=$1
   shift
+  [ "$n" = 1 ] || set -- "$@" --carriers "$carriers"
   echo "measure: $n ranks, $*" >&2
   $launch -n "$n" "$build/benchmarks/frames_over_ranks" "$@" --backend cuda | tee -a "$out/frames.jsonl"
 }

@@ -88,6 +88,7 @@ std::vector<std::uint64_t> contributions_of(const ContributionsEntry& backend,
     contributions->add(views[i].camera, conventions);
     progress.step();
   }
+  progress.await_others();
   std::vector<std::uint64_t> sums = contributions->sums();
   Team::here().add_up(sums);
   return sums;

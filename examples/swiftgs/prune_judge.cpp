@@ -61,6 +61,7 @@ PruneSide judge(const HeldOut& held_out, const std::shared_ptr<const Scene>& sce
     verdicts.emplace_back(i, verdict);
     progress.step();
   }
+  progress.await_others();
   Team::here().join(verdicts);
   std::size_t photos = 0;
   for (const auto& [view, verdict] : verdicts) {

@@ -62,7 +62,9 @@ void Team::require_same(const std::string& what, const std::string& mine) const 
 }
 
 void Team::require_same_file(const std::string& path) const {
-  if (ranks && std::filesystem::is_regular_file(path)) ranks->require_same(path, file_identity(path));
+  if (!ranks) return;
+  // What is no file, or is not there, may be so on one rank alone.
+  ranks->require_same(path, std::filesystem::is_regular_file(path) ? file_identity(path) : "no regular file");
 }
 
 std::vector<std::string> Team::gather(const std::string& mine) const { return ranks->all_gather(mine); }

@@ -5,18 +5,22 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include <doctest/doctest.h>
 #include <fcntl.h>
+#include <sys/inotify.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <swiftgs/io/replace_file.hpp>
 
 #include "support/files.hpp"
+#include "support/skip.hpp"
 
 using namespace swiftgs;
 using swiftgs::test::content_of;
+using swiftgs::test::skip;
 using swiftgs::test::TemporaryFolder;
 
 namespace fs = std::filesystem;
@@ -38,6 +42,26 @@ TEST_CASE("replace file: content is new or takes the place of what was there") {
   replace_file(place / "new.txt", "");
   CHECK(content_of(place / "new.txt") == "");
   CHECK(files_in(place) == 1);
+}
+
+TEST_CASE("replace file: a file that takes no other's place never has another name") {
+  const TemporaryFolder place;
+  const int unnamed = ::open(place.path().c_str(), O_TMPFILE | O_WRONLY, 0600);
+  if (unnamed < 0) return skip("this file system has no files without a name");
+  ::close(unnamed);
+  const int watch = ::inotify_init1(IN_NONBLOCK);
+  CHECK(::inotify_add_watch(watch, place.path().c_str(), IN_CREATE | IN_MOVED_TO | IN_DELETE) >= 0);
+  replace_file(place / "new.txt", "first");
+  alignas(inotify_event) std::array<char, 4096> events{};
+  const ::ssize_t bytes = ::read(watch, events.data(), events.size());
+  ::close(watch);
+  std::vector<std::string> names;
+  for (::ssize_t at = 0; at < bytes;) {
+    const auto* event = reinterpret_cast<const inotify_event*>(events.data() + at);
+    names.emplace_back(event->name);
+    at += ::ssize_t(sizeof(inotify_event) + event->len);
+  }
+  CHECK(names == std::vector<std::string>{"new.txt"});
 }
 
 TEST_CASE("replace file: a file is as it was where writing ends half way") {

@@ -5,11 +5,16 @@
 /// A backend on the host that behaves as one on a device does: its memory is filled and read by copies alone,
 /// its frames have limits, and messages go by way of other memory.
 
+#include <algorithm>
+#include <deque>
+#include <memory>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <swiftgs/mpi.hpp>
+#include <swiftgs/mpi/comm.hpp>
 #include <swiftgs/serial.hpp>
 
 namespace swiftgs::test {
@@ -67,6 +72,32 @@ inline void copy_from_host(Away&, const void* from, void* to, std::size_t bytes)
   if (bytes != 0) std::memcpy(to, from, bytes);
 }
 
+/// A link from memory of `Away` to memory of `Away`, as one between devices: all that a rank names goes at
+/// once.
+class AwayLink : public DirectLink {
+ public:
+  /// `ranks` count what goes by it apart from what goes beside it.
+  explicit AwayLink(Ranks ranks) : ranks_(std::move(ranks)) {}
+
+  std::string_view name() const override { return "away"; }
+  std::uint64_t begin(Span<const Message> messages) override {
+    Exchange& exchange = under_way_.emplace_back(ranks_);
+    for (const Message& message : messages)
+      message.from ? exchange.send(message.rank, message.from, message.bytes)
+                   : exchange.receive(message.rank, message.to, message.bytes);
+    return under_way_.size() - 1;
+  }
+  bool test(std::uint64_t begun) override { return under_way_[std::size_t(begun)].test(); }
+
+ private:
+  Ranks ranks_;
+  std::deque<Exchange> under_way_;
+};
+
+inline std::unique_ptr<DirectLink> direct_link(const Ranks& ranks, Away&) {
+  return ranks.all(ranks.direct()) ? std::make_unique<AwayLink>(ranks_of(MPI_COMM_WORLD)) : nullptr;
+}
+
 }  // namespace swiftgs::test
 
 namespace swiftgs {
@@ -74,21 +105,22 @@ namespace swiftgs {
 template <class T>
 class Staging<test::Away, T> {
  public:
-  void reserve(test::Away&, Span<T> array) {
-    array_ = array;
-    host_.assign(array.size, T{});
+  void reserve(test::Away&, Span<T> array, bool direct = false) {
+    array_ = array, direct_ = direct;
+    host_.assign(direct ? 0 : array.size, T{});
   }
-  T* host() { return host_.data(); }
+  T* seen() { return direct_ ? array_.data : host_.data(); }
   void to_host(test::Away&, std::size_t begin, std::size_t end) {
-    std::copy(array_.data + begin, array_.data + end, host_.data() + begin);
+    if (!direct_) std::copy(array_.data + begin, array_.data + end, host_.data() + begin);
   }
   void from_host(test::Away&, std::size_t begin, std::size_t end) {
-    std::copy(host_.data() + begin, host_.data() + end, array_.data + begin);
+    if (!direct_) std::copy(host_.data() + begin, host_.data() + end, array_.data + begin);
   }
   static std::tuple<> buffers(auto&) { return {}; }
 
  private:
   Span<T> array_;
+  bool direct_ = false;
   std::vector<T> host_;
 };
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Frames over ranks with a device each, or one that they share, have the bits of one process.
-#include <cstring>
+#include <set>
+#include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -9,12 +10,19 @@
 #include <swiftgs/mpi/cuda.hpp>
 
 #include "mpi/compare.hpp"
+#include "mpi/limited_memory.hpp"
 #include "support/skip.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
 
 namespace {
+
+#if defined(SWIFTGS_HAS_NCCL)
+constexpr bool has_nccl = true;
+#else
+constexpr bool has_nccl = false;
+#endif
 
 /// Whether all ranks have a device; each takes one.
 bool on_devices() {
@@ -26,34 +34,82 @@ bool on_devices() {
   return usable;
 }
 
+/// What carries splats where ranks may choose.
+std::string chosen_carrier() {
+  ranks_here().set_direct(true);
+  const DistributedRenderer<Cuda, EarlySort, PerPixel, Ellipse> renderer(ranks_here());
+  return std::string(renderer.carrier());
+}
+
+/// f() by way of the host, and from device to device where ranks have one each and the build has NCCL.
+template <class F>
+void with_each_carrier(const F& f) {
+  const bool has_direct = chosen_carrier() != "host";
+  ranks_here().set_direct(false);
+  f();
+  ranks_here().set_direct(true);
+  if (has_direct) f();
+}
+
+template <class Sort, class Raster, class Bounds>
+void compare_carriers(const Scene& scene, const std::vector<Camera>& cameras, int frames = 3) {
+  with_each_carrier([&] { compare<Cuda, Sort, Raster, Bounds>(scene, cameras, frames); });
+}
+
 }  // namespace
+
+TEST_CASE("mpi cuda: devices exchange without the host where each rank has one and the build has NCCL") {
+  if (!on_devices()) return;
+  const std::string carrier = chosen_carrier();
+  if (ranks_here().rank() == 0) MESSAGE("splats go by ", carrier);
+  ranks_here().require_same("the carrier", carrier);
+  // Ranks of one machine.
+  const std::vector<int> devices = ranks_here().all_gather(take_device(ranks_here()));
+  const bool apart = std::set<int>(devices.begin(), devices.end()).size() == devices.size();
+  CHECK(carrier == (has_nccl && apart && devices.size() > 1 ? "nccl" : "host"));
+}
+
+TEST_CASE("mpi cuda: one rank alone that wants no link leaves all without") {
+  if (!on_devices()) return;
+  ranks_here().set_direct(ranks_here().rank() != 0);
+  const DistributedRenderer<Cuda, EarlySort, PerPixel, Ellipse> renderer(ranks_here());
+  CHECK(renderer.carrier() == "host");
+}
+
+TEST_CASE("mpi cuda: where one rank fails all throw and can go on") {
+  if (!on_devices()) return;
+  with_each_carrier([] {
+    fail_at_each_allocation<Cuda>(hook_of<DeviceMemory>(),
+                                  [](const MemoryHook& memory) { return Cuda(nullptr, memory); });
+  });
+}
 
 TEST_CASE("mpi cuda: each policy draws the bits of one process") {
   if (!on_devices()) return;
-  const Scene scene = make_builtin_scene(30'000), part = part_of(scene, own_part());
+  const Scene scene = make_builtin_scene(30'000);
   const std::vector<Camera> cameras = some_cameras();
-  compare<Cuda, EarlySort, PerPixel, ThreeSigmaSquare>(scene, part, cameras);
-  compare<Cuda, StandardSort, AxisShared<FloatCholesky>, OpacityBox>(scene, part, cameras);
-  compare<Cuda, AdaptiveSort, AxisShared<FloatSplit>, Obb>(scene, part, cameras);
-  compare<Cuda, EarlySort, AxisShared<HalfSplit>, Ellipse>(scene, part, cameras);
-  compare<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, part, cameras);
-  compare<Cuda, StandardSort, AxisSharedThreshold<FloatSplit>, ThreeSigmaSquare>(scene, part, cameras);
-  compare<Cuda, AdaptiveSort, AxisSharedThreshold<HalfSplit>, Obb>(scene, part, cameras);
+  compare_carriers<EarlySort, PerPixel, ThreeSigmaSquare>(scene, cameras);
+  compare_carriers<StandardSort, AxisShared<FloatCholesky>, OpacityBox>(scene, cameras);
+  compare_carriers<AdaptiveSort, AxisShared<FloatSplit>, Obb>(scene, cameras);
+  compare_carriers<EarlySort, AxisShared<HalfSplit>, Ellipse>(scene, cameras);
+  compare_carriers<EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, cameras);
+  compare_carriers<StandardSort, AxisSharedThreshold<FloatSplit>, ThreeSigmaSquare>(scene, cameras);
+  compare_carriers<AdaptiveSort, AxisSharedThreshold<HalfSplit>, Obb>(scene, cameras);
 }
 
 TEST_CASE("mpi cuda: a large frame with long lists draws the bits of one process") {
   if (!on_devices()) return;
   const Scene scene = make_builtin_scene(400'000);
-  compare<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, part_of(scene, own_part()),
-                                                                        {builtin_camera(1280, 720)}, 4);
+  compare_carriers<EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, {builtin_camera(1280, 720)},
+                                                                           4);
 }
 
 TEST_CASE("mpi cuda: parts may be empty and messages cut") {
   if (!on_devices()) return;
   const Scene scene = make_builtin_scene(2'000);
   ranks_here().set_longest_message(5000);
-  compare<Cuda, EarlySort, PerPixel, Ellipse>(part_of(scene, {0, 1000}), {builtin_camera(120, 80)}, 2);
-  compare<Cuda, EarlySort, PerPixel, Ellipse>(Scene{}, {builtin_camera(120, 80)}, 2);
-  compare<Cuda, EarlySort, PerPixel, Ellipse>(scene, {builtin_camera(200, 17)}, 2);
+  compare_carriers<EarlySort, PerPixel, Ellipse>(part_of(scene, {0, 1000}), {builtin_camera(120, 80)}, 2);
+  compare_carriers<EarlySort, PerPixel, Ellipse>(Scene{}, {builtin_camera(120, 80)}, 2);
+  compare_carriers<EarlySort, PerPixel, Ellipse>(scene, {builtin_camera(200, 17)}, 2);
   ranks_here().set_longest_message(std::size_t(1) << 30);
 }

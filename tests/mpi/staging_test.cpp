@@ -11,7 +11,9 @@
 using namespace swiftgs;
 using namespace swiftgs::test;
 
-TEST_CASE("mpi staging: messages by way of other memory bring the bits of one process") {
+namespace {
+
+void compare_with_one_process(bool direct) {
   const Scene scene = make_builtin_scene(4'000);
   const std::vector<Camera> cameras = some_cameras();
   const Span<const Camera> all{cameras.data(), cameras.size()};
@@ -19,7 +21,10 @@ TEST_CASE("mpi staging: messages by way of other memory bring the bits of one pr
   Renderer<Serial, EarlySort, PerPixel, Ellipse> one;
   one.render(one.backend().upload(scene), all, all_outputs(), {expected.data(), expected.size()});
 
+  ranks_here().set_direct(direct);
   DistributedRenderer<Away, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
+  ranks_here().set_direct(false);
+  CHECK(distributed.carrier() == (direct ? "away" : "host"));
   const auto part = distributed.backend().upload(part_of(scene, own_part()));
   for (int k = 0; k < 3; ++k) {
     distributed.render(part.view(), all, all_outputs(), {found.data(), found.size()});
@@ -28,6 +33,41 @@ TEST_CASE("mpi staging: messages by way of other memory bring the bits of one pr
   }
   CHECK(distributed.counters().visible() == one.statistics().visible);
   CHECK(distributed.counters().instances() == one.statistics().instances);
+}
+
+}  // namespace
+
+TEST_CASE("mpi staging: messages by way of other memory bring the bits of one process") {
+  compare_with_one_process(false);
+}
+
+TEST_CASE("mpi staging: messages between arrays without other memory bring the bits of one process") {
+  compare_with_one_process(true);
+}
+
+TEST_CASE("mpi staging: a link carries what goes by way of other memory otherwise") {
+  const Camera camera = builtin_camera(190, 130);
+  Frame frame;
+  std::vector<FrameCounters> counters;
+  for (const bool direct : {false, true}) {
+    ranks_here().set_direct(direct);
+    DistributedRenderer<Away, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
+    const auto part = distributed.backend().upload(make_builtin_scene(2'000, own_part()));
+    // In the first frame bands are as even by rows as can be: later ones go by the clock.
+    distributed.render(part.view(), camera, {}, frame);
+    counters.push_back(distributed.counters());
+  }
+  ranks_here().set_direct(false);
+  CHECK(counters[0].sent_bytes() == counters[1].sent_bytes());
+  CHECK(counters[0].messages() == counters[1].messages());
+  CHECK((counters[0].sent_bytes() > 0) == (ranks_here().size() > 1));
+}
+
+TEST_CASE("mpi staging: one rank alone that wants no link leaves all without") {
+  ranks_here().set_direct(ranks_here().rank() != 0);
+  const DistributedRenderer<Away, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
+  ranks_here().set_direct(false);
+  CHECK(distributed.carrier() == "host");
 }
 
 TEST_CASE("mpi staging: bands that stay with their ranks have the bits of one process") {

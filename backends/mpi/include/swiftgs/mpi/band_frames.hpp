@@ -87,7 +87,7 @@ class BandFrames {
         const std::size_t pixels = pixels_of(piece);
         const auto send = [&](const auto& buffer, auto& staged, std::size_t channels) {
           if (buffer.size() != 0)
-            exchange.send(0, staged.host() + channels * before, channels * pixels * sizeof(float));
+            exchange.send(0, staged.seen() + channels * before, channels * pixels * sizeof(float));
         };
         send(colour_, to_send_.colour, 3), send(alpha_, to_send_.alpha, 1), send(depth_, to_send_.depth, 1);
         before += pixels;

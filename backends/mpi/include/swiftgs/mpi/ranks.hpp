@@ -15,7 +15,8 @@
 
 namespace swiftgs {
 
-/// A call to MPI failed. `what()` holds the call and MPI's own text.
+/// A call to MPI failed, or one to what carries messages in its place. `what()` holds the call and its own
+/// text for the error.
 class SWIFTGS_API MpiError : public std::runtime_error {
  public:
   MpiError(const std::string& call, const std::string& text) : std::runtime_error(call + ": " + text) {}
@@ -80,7 +81,8 @@ class SWIFTGS_API Ranks {
   /// Throws `std::invalid_argument` on all ranks unless all bring the same text for `what`.
   void require_same(const std::string& what, const std::string& mine) const;
 
-  /// Returns when all ranks have called it; calls `meanwhile` now and then.
+  /// Returns when all ranks have called it, and rank 0 has heard all steps that they told before; calls
+  /// `meanwhile` now and then.
   void meet(const std::function<void()>& meanwhile) const;
 
   /// Tells rank 0 that some step is done, and does not wait for it to hear. Not collective.
@@ -95,6 +97,11 @@ class SWIFTGS_API Ranks {
   /// it. @units{bytes}
   void set_longest_message(std::size_t bytes);
 
+  /// Whether renderers that are made from now on let devices exchange splats without the host, where they
+  /// can: true until this is called. The same on all ranks. Not collective.
+  void set_direct(bool direct);
+  bool direct() const;
+
   State& state() const { return *state_; }
 
  private:
@@ -103,11 +110,14 @@ class SWIFTGS_API Ranks {
   std::shared_ptr<State> state_;
 };
 
+class DirectLink;
+
 /// Messages under way between ranks. Those from one rank to another arrive in the order in which they were
 /// begun, so both ends begin them in one order. Memory that was named here is in use until `wait`.
 class SWIFTGS_API Exchange {
  public:
-  explicit Exchange(const Ranks& ranks);
+  /// Messages go by `link`, which outlives them, on all ranks or on none.
+  explicit Exchange(const Ranks& ranks, DirectLink* link = nullptr);
   /// Waits for what is under way.
   ~Exchange();
   Exchange(const Exchange&) = delete;
@@ -121,6 +131,10 @@ class SWIFTGS_API Exchange {
   void all_to_all(const void* from, Span<const std::uint64_t> from_begins, void* to,
                   Span<const std::uint64_t> to_begins, std::size_t element_bytes);
 
+  /// Gives the link, if there is one, all messages named so far; called once, and by all ranks. Messages of
+  /// MPI are under way as soon as they are named.
+  void begin();
+
   /// Lets messages go on, as some MPIs need from time to time. Returns whether all have arrived.
   bool test();
   /// Returns when all that was begun has been sent and received.
@@ -129,6 +143,7 @@ class SWIFTGS_API Exchange {
  private:
   struct Requests;
   Ranks ranks_;
+  DirectLink* link_;
   std::unique_ptr<Requests> requests_;
 };
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -16,6 +17,7 @@
 #include <swiftgs/mpi/band_frames.hpp>
 #include <swiftgs/mpi/bands.hpp>
 #include <swiftgs/mpi/counters.hpp>
+#include <swiftgs/mpi/direct_link.hpp>
 #include <swiftgs/mpi/identity.hpp>
 #include <swiftgs/mpi/ranks.hpp>
 #include <swiftgs/mpi/splat_exchange.hpp>
@@ -47,11 +49,15 @@ class DistributedRenderer {
     ranks_.require_same("the renderer", std::string(name));
     if (ranks_.size() > most_ranks)
       detail::refuse("ranks: their number", std::size_t(ranks_.size()), "65535 at most");
+    link_ = direct_link(ranks_, backend_);
+    exchange_.set_direct(bool(link_));
   }
 
   const Ranks& ranks() const { return ranks_; }
   B& backend() { return backend_; }
   const B& backend() const { return backend_; }
+  /// What brings splats from rank to rank: "host", which is MPI, or the name of a `DirectLink`.
+  std::string_view carrier() const { return link_ ? link_->name() : "host"; }
 
   /// Renders into memory that this rank brings for whole views, and that its backend reaches: the rows of its
   /// band are written, see `drawn`, and no others are looked at. Finished when it returns. Throws as
@@ -170,17 +176,17 @@ class DistributedRenderer {
     failure.agree(ranks_);
 
     // Colours are evaluated while shapes are under way, and are under way while those are sorted.
-    Exchange shapes(ranks_), colours(ranks_);
+    Exchange shapes(ranks_, link_.get()), colours(ranks_, link_.get());
     failure.guard([&] { exchange_.pack_shapes(backend_, ranks_, splats_, bands_); });
     exchange_.send_shapes(shapes, ranks_, bands_);
     std::optional<Shading<B>> shading;
     const PlacedScene placed{part};
     failure.guard([&] { shading.emplace(shade(backend_, {whole_, {&placed, 1}}, splats_, colours_)); });
-    shapes.wait();
+    if (!link_) shapes.wait();  // MPI goes on in its own calls alone
     failure.guard([&] { exchange_.pack_colours(backend_, ranks_, shading->finish()); });
     exchange_.send_colours(colours);
-    failure.guard([&] { draw_band(part, colours, mine); });
-    colours.wait();
+    failure.guard([&] { draw_band(part, shapes, colours, mine); });
+    shapes.wait(), colours.wait();
     failure.guard(finish);
     mine.frame_ns = since(begun);
     mine.traffic = ranks_.traffic() - before;
@@ -254,12 +260,13 @@ class DistributedRenderer {
   }
 
   /// Bins, sorts and rasterizes the splats of this rank's band.
-  void draw_band(const SceneView& part, Exchange& colours, RankCounters& mine) {
+  void draw_band(const SceneView& part, Exchange& shapes, Exchange& colours, RankCounters& mine) {
     std::vector<View>& views = bands_[std::size_t(ranks_.rank())].views;
     Splats<B>& splats = exchange_.joined();
     mine.drawn = splats.count, mine.bytes = memory();
     if (views.empty()) return;
     for (std::size_t i = 0; i < views.size(); ++i) views[i].frame = drawn_[i].frame;
+    shapes.wait();  // the host too, so that the time of the band is that of work
     Clock::time_point begun = Clock::now();
     const Views stored = store_views(backend_, {views.data(), views.size()}, band_storage_);
     exchange_.shapes_arrived(backend_, ranks_);
@@ -293,6 +300,7 @@ class DistributedRenderer {
 
   Ranks ranks_;
   B backend_;
+  std::unique_ptr<DirectLink> link_;
   Sort sort_;
   ViewStorage<B> whole_storage_, band_storage_;
   ProjectScratch<B> project_scratch_;

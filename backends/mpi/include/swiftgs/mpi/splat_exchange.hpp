@@ -29,6 +29,9 @@ namespace swiftgs {
 template <class B>
 class SplatExchange {
  public:
+  /// Whether messages go by a `DirectLink`.
+  void set_direct(bool direct) { direct_ = direct; }
+
   /// Sorts out which of `splats` go to which rank; waits for their number. Not collective. Throws
   /// `CapacityError`.
   template <class Bounds>
@@ -83,9 +86,12 @@ class SplatExchange {
       joined_colours_.each.reset(in), joined_colours_.hidden.reset(1);
       packed_.shapes.reset(out), packed_.depths.reset(out), packed_.colours.reset(out);
       packed_.of_view.reset(any_views ? out : 0);
-      shapes_.reserve(b, packed_.shapes, joined_.shapes), depths_.reserve(b, packed_.depths, joined_.depths);
-      of_view_.reserve(b, packed_.of_view, joined_.of_view);
-      colours_.reserve(b, packed_.colours, joined_colours_.each);
+      const auto stage = [&](auto& both, auto& sent, auto& received) {
+        both.packed.reserve(b, sent.span(), direct_), both.joined.reserve(b, received.span(), direct_);
+      };
+      stage(shapes_, packed_.shapes, joined_.shapes), stage(depths_, packed_.depths, joined_.depths);
+      stage(of_view_, packed_.of_view, joined_.of_view);
+      stage(colours_, packed_.colours, joined_colours_.each);
     } catch (const std::bad_alloc&) {
       throw std::runtime_error("out of memory for " + std::to_string(in) + " splats of a band and " +
                                std::to_string(out) + " to send");
@@ -121,11 +127,12 @@ class SplatExchange {
       const int to = (ranks.rank() + step) % ranks.size();
       const int from = (ranks.rank() + ranks.size() - step) % ranks.size();
       if (joined_.of_view.size() != 0)
-        exchange.receive(from, of_view_.joined.host() + to_begins_[std::size_t(from)],
+        exchange.receive(from, of_view_.joined.seen() + to_begins_[std::size_t(from)],
                          std::size_t(to_begins_[std::size_t(from) + 1] - to_begins_[std::size_t(from)]) * 2);
       if (bands[std::size_t(to)].views.size() > 1)
-        exchange.send(to, of_view_.packed.host() + begins_[std::size_t(to)], std::size_t(count_for(to)) * 2);
+        exchange.send(to, of_view_.packed.seen() + begins_[std::size_t(to)], std::size_t(count_for(to)) * 2);
     }
+    exchange.begin();
   }
   void shapes_arrived(B& b, const Ranks& ranks) {
     for_others(ranks, to_begins_, [&](std::size_t begin, std::size_t end) {
@@ -147,7 +154,7 @@ class SplatExchange {
       colours_.packed.to_host(b, begin, end);
     });
   }
-  void send_colours(Exchange& exchange) { send(exchange, colours_); }
+  void send_colours(Exchange& exchange) { send(exchange, colours_), exchange.begin(); }
   void colours_arrived(B& b, const Ranks& ranks) {
     for_others(ranks, to_begins_,
                [&](std::size_t begin, std::size_t end) { colours_.joined.from_host(b, begin, end); });
@@ -170,11 +177,6 @@ class SplatExchange {
   template <class T>
   struct Both {
     Staging<B, T> packed, joined;
-
-    template <class Buffer>
-    void reserve(B& b, Buffer& out, Buffer& in) {
-      packed.reserve(b, out.span()), joined.reserve(b, in.span());
-    }
     static auto buffers(auto& self) { return std::tie(self.packed, self.joined); }
   };
 
@@ -191,7 +193,7 @@ class SplatExchange {
   }
   template <class T>
   void send(Exchange& exchange, Both<T>& both) {
-    exchange.all_to_all(both.packed.host(), begins(), both.joined.host(),
+    exchange.all_to_all(both.packed.seen(), begins(), both.joined.seen(),
                         {to_begins_.data(), to_begins_.size()}, sizeof(T));
   }
 
@@ -205,6 +207,7 @@ class SplatExchange {
   std::vector<std::uint16_t> rank_of_row_;
   std::vector<std::uint32_t> picked_;
   std::vector<std::uint64_t> begins_, to_begins_;
+  bool direct_ = false;
 };
 
 }  // namespace swiftgs

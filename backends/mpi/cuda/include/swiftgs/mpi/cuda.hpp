@@ -2,9 +2,11 @@
 #pragma once
 
 /// @file
-/// Ranks with a device each: `DistributedRenderer<Cuda, ...>`. Messages go by way of the host.
+/// Ranks with a device each: `DistributedRenderer<Cuda, ...>`. Splats go from device to device
+/// where a `DirectLink` joins them, and by way of the host otherwise.
 
 #include <cstddef>
+#include <memory>
 #include <tuple>
 
 #include <swiftgs/api.hpp>
@@ -22,16 +24,20 @@ struct SWIFTGS_API PinnedMemory {
 
 SWIFTGS_API void copy_from_host(Cuda& cuda, const void* from, void* to, std::size_t bytes);
 
-/// A copy of the array in pinned memory, which is not from the backend's hook.
+/// The array itself, or a copy of it in pinned memory, which is not from the backend's hook.
 template <class T>
 class Staging<Cuda, T> {
  public:
-  void reserve(Cuda&, Span<T> array) { array_ = array, host_.reset(array.size); }
-  T* host() { return host_.data(); }
+  void reserve(Cuda&, Span<T> array, bool direct = false) {
+    array_ = array, direct_ = direct;
+    host_.reset(direct ? 0 : array.size);
+  }
+  T* seen() { return direct_ ? array_.data : host_.data(); }
   void to_host(Cuda& cuda, std::size_t begin, std::size_t end) {
-    cuda.download(Span<const T>{array_.data + begin, end - begin}, host_.data() + begin);
+    if (!direct_) cuda.download(Span<const T>{array_.data + begin, end - begin}, host_.data() + begin);
   }
   void from_host(Cuda& cuda, std::size_t begin, std::size_t end) {
+    if (direct_) return;
     copy_from_host(cuda, host_.data() + begin, array_.data + begin, (end - begin) * sizeof(T));
   }
 
@@ -39,8 +45,12 @@ class Staging<Cuda, T> {
 
  private:
   Span<T> array_;
+  bool direct_ = false;
   GrowingBuffer<T, PinnedMemory> host_;
 };
+
+/// NCCL, in a build that has it, where `Ranks::direct` holds on all ranks and each has a device of its own.
+SWIFTGS_API std::unique_ptr<DirectLink> direct_link(const Ranks& ranks, Cuda& cuda);
 
 /// Makes a device of this machine the current one: ranks of one machine take its devices in turn. Call it
 /// before a `Cuda` is made. Returns the device's number. Collective. Throws `DeviceError` where there is

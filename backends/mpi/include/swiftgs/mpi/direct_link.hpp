@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+
+#include <swiftgs/api.hpp>
+#include <swiftgs/backend.hpp>
+#include <swiftgs/mpi/ranks.hpp>
+#include <swiftgs/span.hpp>
+
+namespace swiftgs {
+
+/// Carries arrays from backend to backend in place of MPI, without the host between. All ranks give it
+/// messages in one order, and each is given to both of its ends.
+///
+/// Its functions throw `MpiError` where it fails. Other ranks may be waiting for this one then.
+class SWIFTGS_API DirectLink {
+ public:
+  struct Message {
+    int rank = 0;  ///< the other end
+    std::size_t bytes = 0;
+    const void* from = nullptr;  ///< in memory of the backend; null for what is received
+    void* to = nullptr;          ///< null for what is sent
+  };
+
+  virtual ~DirectLink() = default;
+
+  virtual std::string_view name() const = 0;
+
+  /// Begins messages, after all work that was submitted to the backend before. Does not wait for them.
+  /// Returns what to call them.
+  virtual std::uint64_t begin(Span<const Message> messages) = 0;
+
+  /// Whether they have been sent and received. Work that is submitted then finds them.
+  virtual bool test(std::uint64_t begun) = 0;
+};
+
+/// The link between the backends of all ranks, null where messages go by the host: on all ranks alike.
+/// Collective. A backend that has one overloads this.
+template <BackendPolicy B>
+std::unique_ptr<DirectLink> direct_link(const Ranks&, B&) {
+  return nullptr;
+}
+
+}  // namespace swiftgs

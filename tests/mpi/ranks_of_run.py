@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What tests that stop ranks share: which processes a run has, and whether its files are whole."""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+
+RANKS = 3
+
+
+def require(holds, what):
+    if not holds:
+        raise SystemExit(f"ranks: {what}")
+
+
+def start(launch, command, folder, apart=None):
+    """Runs `command` on ranks in `folder`, made anew; the last of them in the folder `apart` of it if that is named."""
+    shutil.rmtree(folder, ignore_errors=True)
+    (folder / (apart or "")).mkdir(parents=True)
+    arguments = ["-n", str(RANKS), *command]
+    if apart:
+        arguments = ["-n", str(RANKS - 1), *command, ":", "-n", "1", "-wdir", apart, *command]
+    with open(folder / "stdout.txt", "wb") as out, open(folder / "stderr.txt", "wb") as err:
+        return subprocess.Popen([launch, *arguments], cwd=folder, stdout=out, stderr=err)
+
+
+def ranks_of(program, folder):
+    """Process numbers of the program that works in `folder`, or in one in it."""
+    found, folders = [], (folder, *folder.glob("*/"))
+    for entry in pathlib.Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            if os.readlink(entry / "exe") == program and pathlib.Path(os.readlink(entry / "cwd")) in folders:
+                found.append(int(entry.name))
+        except OSError:  # gone, or another user's
+            pass
+    return sorted(found)
+
+
+def check_files(folder, rows, others=()):
+    """Every file is whole, and has the name that it was to have."""
+    for path in folder.rglob("*"):
+        if path.is_dir():
+            continue
+        if path.suffix == ".png":
+            require(path.read_bytes().endswith(b"IEND\xae\x42\x60\x82"), f"{path} is no whole image")
+        elif path.name == "results.json":
+            require(len(json.loads(path.read_bytes())["rows"]) == rows, f"{path} does not hold all rows")
+        else:
+            require(path.name in ("stdout.txt", "stderr.txt", *others), f"{path} was left behind")

@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Has a rank throw while others work, on cores that are busy: all must be gone within a second, with one line.
+
+throw_in_ranks.py LAUNCH SWIFTGS FRAMES FOLDER TIMES
+
+LAUNCH starts ranks as mpirun does. A rank of FRAMES, which is frames_in_a_loop, throws between frames while the others
+wait for its splats. A rank of SWIFTGS, the command-line tool, loses the folder for its images while the others draw.
+"""
+import contextlib
+import json
+import os
+import pathlib
+import select
+import shutil
+import subprocess
+import sys
+import time
+
+from ranks_of_run import RANKS, check_files, ranks_of, require, start
+
+SECONDS = 1.0
+BUSY = 2
+VIEWS = 2000  # small ones: the next image is never far
+
+
+@contextlib.contextmanager
+def busy_cores():
+    busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(BUSY)]
+    try:
+        yield
+    finally:
+        for each in busy:
+            each.kill()
+            each.wait()
+
+
+def wait_for(what, holds, started):
+    until = time.monotonic() + 60
+    while not holds():
+        require(time.monotonic() < until and started.poll() is None, f"{what} did not happen")
+        time.sleep(0.01)
+
+
+def watch(started, program, folder):
+    """Handles of the processes of all ranks."""
+    wait_for("the start of all ranks", lambda: len(ranks_of(program, folder)) == RANKS, started)
+    return [os.pidfd_open(rank) for rank in ranks_of(program, folder)]
+
+
+def await_end(handles):
+    """When the last of the processes was gone. @units{seconds}"""
+    left = set(handles)
+    poll = select.poll()
+    for handle in handles:
+        poll.register(handle, select.POLLIN)
+    until = time.monotonic() + 60
+    while left:
+        require(time.monotonic() < until, "ranks went on for a minute after one threw")
+        for handle, _ in poll.poll(100):
+            poll.unregister(handle)
+            left.discard(handle)
+    at = time.monotonic()
+    for handle in handles:
+        os.close(handle)
+    return at
+
+
+def finish(started, folder, line):
+    require(started.wait(timeout=60) == 1, f"the launcher ended with {started.returncode}, expected 1")
+    said = (folder / "stderr.txt").read_text().count(": rank ")
+    require(line in (folder / "stderr.txt").read_text(), f"standard error does not hold '{line}'")
+    require(said == 1, f"standard error holds {said} lines of ranks, expected one")
+
+
+def throw_between_frames(launch, program, folder):
+    started = start(launch, [program, "1000000", "1"], folder)
+    wait_for("the first frame", lambda: (folder / "frame-0.png").exists(), started)
+    handles = watch(started, program, folder)
+    (folder / "throw").touch()
+    gone = await_end(handles)
+    finish(started, folder, "frames_in_a_loop: rank 1 of 3: thrown by a test\n")
+    check_files(folder, 0, ("throw", "thrown.txt"))
+    return gone - 1e-9 * int((folder / "thrown.txt").read_text())
+
+
+def lose_a_folder(launch, program, folder):
+    camera = {"width": 32, "height": 24, "fx": 30, "fy": 30, "position": [0, 0, -4],
+              "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    cameras = folder.parent / "cameras.json"
+    cameras.write_text(json.dumps([{"id": k, "img_name": str(k), **camera} for k in range(VIEWS)]))
+    started = start(launch, [program, *f"render builtin:500 --cameras {cameras} --views all".split()], folder, "last")
+    images = folder / "last" / "renders"
+    wait_for("the first image of the last rank", (images / f"{RANKS - 1}.png").exists, started)
+    handles = watch(started, program, folder)
+    begun = time.monotonic()  # a little before the next image finds it gone
+    images.rename(folder / "gone")
+    gone = await_end(handles)
+    finish(started, folder, ": No such file or directory\n")
+    check_files(folder, VIEWS)
+    return gone - begun
+
+
+def main():
+    launch, tool, frames = map(os.path.realpath, sys.argv[1:4])
+    folder, times = pathlib.Path(sys.argv[4]).resolve(), int(sys.argv[5])
+    with busy_cores():
+        for name, run, program in (("frames", throw_between_frames, frames), ("views", lose_a_folder, tool)):
+            seconds = [run(launch, program, folder / name) for _ in range(times)]
+            print(f"{name}: all ranks were gone after " + ", ".join(f"{each:.2f} s" for each in seconds))
+            require(max(seconds) < SECONDS, f"a rank of {name} went on for {max(seconds):.2f} s after another threw")
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+if __name__ == "__main__":
+    main()
