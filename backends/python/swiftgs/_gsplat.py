@@ -111,7 +111,8 @@ def rasterization(
         frame.background = _backgrounds(backgrounds, count)
     with drawing._lock:
         drawing._set_gaussians(means, scales, quats, opacities, None, **coloured, any_rotations=True, names=_NAMES)
-        frame._cameras[:] = cameras
+        address = cameras.ctypes.data
+        frame._point_to(range(address, address + cameras.nbytes, cameras.itemsize), cameras)
         drawing._draw(frame)
 
     colour, alpha, depth = (None if plane is None else _arrays.returned(means, plane)

@@ -188,22 +188,32 @@ class Renderer:
         library's stream. `times` and `counts` fill `self.times` and `self.statistics`.
         """
         if out is None:
-            found = check_cameras(cameras)
-            count = None if isinstance(cameras, Camera) else len(found)
-            first = found[0]
-            for index, camera in enumerate(found):
-                if (camera.width, camera.height) != (first.width, first.height):
-                    raise ValueError(f"camera {index} has {camera.width}x{camera.height} pixels, expected "
-                                     f"{first.width}x{first.height}, as the first")
-            out = Frame.empty(first.width, first.height, count, format=format, **frame)
+            out = self._new_frame(cameras, format, frame)
         elif frame or format != "rgb":
             raise TypeError(f"render takes either out or {', '.join(frame) or 'format'}")
         elif not isinstance(out, Frame):
             raise TypeError(f"out is of type {type(out).__name__}, expected swiftgs.Frame")
         with self._lock:
-            out._aim(cameras, times * _c.MEASURE_TIMES + counts * _c.MEASURE_COUNTS)
+            # A frame leaves the processor's caches cold, so that each step of Python costs microseconds: this is the
+            # way of the usual call.
+            if type(cameras) is Camera and cameras._size == out._one_size:
+                out._view.camera, out._cameras = cameras._address, cameras
+            else:
+                out._aim(cameras)
+            if times or counts or out._measures:
+                out._measure(times, counts)
             self._draw(out)
         return out
+
+    @staticmethod
+    def _new_frame(cameras: Union[Camera, Sequence[Camera]], form: str, options: Any) -> Frame:
+        found = check_cameras(cameras)
+        size = found[0]._size
+        for index, camera in enumerate(found):
+            if camera._size != size:
+                raise ValueError(f"camera {index} has {camera.width}x{camera.height} pixels, expected "
+                                 f"{size[0]}x{size[1]}, as the first")
+        return Frame.empty(*size, None if isinstance(cameras, Camera) else len(found), format=form, **options)
 
     def _draw(self, out: Frame) -> None:
         """The lock is held."""
@@ -231,7 +241,7 @@ class Renderer:
         lib.renderer_render_into(self._pointer, out._argument)
         for array, stream in zip(out._sources, streams):
             if isinstance(array, _arrays.DeviceArray):
-                array.stream, array._stream_owner = self._stream, self._handle.outlived_by
+                array.stream, array._stream_owner = self._stream, self._handle and self._handle.outlived_by
             else:
                 self._hand_on(stream)
 
