@@ -198,7 +198,7 @@ def test_an_array_of_the_package_orders_whoever_takes_it(pretended):
     assert len(pretended.memory) == 1  # the capsule holds it
     del capsule
     gc.collect()
-    assert not pretended.memory and not _dlpack._offered
+    assert not pretended.memory
 
 
 def test_arrays_of_jax_come_back_as_arrays_of_jax(pretended, gsplat_arguments, monkeypatch):

@@ -251,9 +251,9 @@ class Handle:
 class OwnedFloats:
     """Floats of a handle for NumPy, which keeps the handle."""
 
-    def __init__(self, handle, address, shape):
+    def __init__(self, handle, address, shape, read_only=True):
         self.handle = handle
-        self.__array_interface__ = {"shape": shape, "typestr": "<f4", "data": (address, True), "version": 3}
+        self.__array_interface__ = {"shape": shape, "typestr": "<f4", "data": (address, read_only), "version": 3}
 
 
 def text_of(function, *arguments):
