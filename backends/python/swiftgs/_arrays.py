@@ -242,6 +242,8 @@ class DeviceArray:
         return copy
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
+        if copy is False:
+            raise ValueError("a DeviceArray comes to the host as a copy only, expected copy=None or True")
         found = self.numpy()
         return found if dtype is None else found.astype(dtype)
 
