@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import threading
+import time
 import weakref
 
 import numpy as np
@@ -287,6 +288,21 @@ def test_other_threads_run_while_a_frame_is_drawn():
         drawing.join(0.001)
         turns += 1
     assert turns > 5
+
+
+def test_a_renderer_may_be_closed_while_another_thread_draws(camera):
+    scene, large = swiftgs.Scene.builtin(100_000), swiftgs.Camera.builtin(480, 270)
+    expected = swiftgs.Renderer("serial", scene=scene).render(large).colour
+    renderer, out = swiftgs.Renderer("serial", scene=scene), swiftgs.Frame(np.zeros((270, 480, 3), np.float32))
+    drawing = threading.Thread(target=renderer.render, args=(large,), kwargs={"out": out})
+    drawing.start()
+    while drawing.is_alive() and not out.colour.any():
+        time.sleep(0.001)
+    renderer.close()
+    with pytest.raises(ValueError, match="the renderer is closed"):
+        renderer.render(camera)
+    drawing.join()
+    assert np.array_equal(out.colour, expected)
 
 
 def test_images_are_saved(renderer, camera, tmp_path):

@@ -230,12 +230,13 @@ class Handle:
     """Owns what a function made, and frees it when nothing refers to it any more. A function that is given the handle
     itself keeps it until it returns."""
 
-    __slots__ = ("pointer", "outlived_by", "_free")
+    __slots__ = ("pointer", "argument", "outlived_by", "_free")
 
     def __init__(self, free, make, *arguments, outlived_by=None):
         made = c_void_p()
         make(*arguments, ctypes.byref(made))
         self.pointer, self._free = made.value, free
+        self.argument = made  #: the pointer as ctypes takes it
         self.outlived_by = outlived_by  #: what must not go before it
 
     @property

@@ -21,7 +21,7 @@ class Camera:
     <swiftgs.Camera 640x480, f 500, at (0, 0, 0)>
     """
 
-    __slots__ = ("_struct", "_bytes", "_address", "_size", "name")
+    __slots__ = ("_struct", "_bytes", "_size", "name")
 
     def __init__(self, width: int, height: int, fx: float, fy: Optional[float] = None, cx: Optional[float] = None,
                  cy: Optional[float] = None, *, rotation: Any = None, translation: Any = (0, 0, 0),
@@ -40,7 +40,6 @@ class Camera:
     def _take(self, struct: _c.Camera, name: str) -> "Camera":
         lib.camera_scale(ctypes.byref(struct), 1)  # changes nothing, and refuses what is no camera
         self._struct, self._bytes, self.name = struct, bytes(struct), name
-        self._address = ctypes.addressof(struct)
         self._size = struct.width, struct.height
         return self
 

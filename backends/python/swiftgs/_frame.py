@@ -3,7 +3,7 @@
 import ctypes
 import operator
 import os
-from typing import Any, Iterable, Optional, Sequence, Tuple, Union
+from typing import Any, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -45,11 +45,12 @@ class Frame:
         if first_pixel is not None:
             left, top = map(operator.index, first_pixel)
             self._views[0] = _c.View(left=left, top=top)
-        self._view = self._views[0]  # shares its memory
+        # Copies of the cameras of the next frame, which may go while it is drawn.
+        self._cameras: Any = (_c.Camera * len(self._views))()
+        self._camera_bytes = memoryview(self._cameras).cast("B")
         self._fill(over)
         if background is not _BLACK:
             self.background = background
-        self._cameras: Any = None  # of the latest frame, whose structs the views point to
         self._struct: Any = _c.Frame()
         self._struct.views, self._struct.count = ctypes.addressof(self._views), len(self._views)
         self._argument = ctypes.byref(self._struct)
@@ -64,9 +65,9 @@ class Frame:
 
     def _fill(self, over: bool) -> None:
         """The structs of the views, but for cameras and backgrounds."""
-        view = self._view
+        view = self._views[0]
         view.size, view.width, view.height, view.over = _VIEW.itemsize, self.width, self.height, bool(over)
-        view.conventions = ctypes.addressof(self._conventions)
+        view.conventions, view.camera = ctypes.addressof(self._conventions), ctypes.addressof(self._cameras)
         for name, memory, layout in self._planes:
             setattr(view, name, _c.Plane(memory.address, layout.pitch))
             if name == "colour":
@@ -74,6 +75,7 @@ class Frame:
         if len(self._views) > 1:
             table = self._table
             table[1:] = table[0]
+            table["camera"] = view.camera + np.arange(len(table)) * ctypes.sizeof(_c.Camera)
             for name, memory, layout in self._planes:
                 table[name]["data"] = memory.address + np.arange(len(table)) * layout.step
 
@@ -123,14 +125,7 @@ class Frame:
             if not self._is_part and camera._size != (self.width, self.height):
                 raise ValueError(f"the camera has {camera.width}x{camera.height} pixels and the frame {self.width}x"
                                  f"{self.height}, expected as many, or first_pixel for a part of the image")
-        self._point_to((camera._address for camera in found), found)
-
-    def _point_to(self, addresses: Iterable[int], owner: Any) -> None:
-        """Sets the structs of cameras, which lie in memory of `owner`. Pointers go first: what they pointed to must
-        not go before them."""
-        for view, address in zip(self._views, addresses):
-            view.camera = address
-        self._cameras = owner
+        self._camera_bytes[:] = b"".join(camera._bytes for camera in found)
 
     def _measure(self, times: bool, counts: bool) -> None:
         """Sets what the next frame measures."""
