@@ -54,7 +54,7 @@ class Frame:
         self._struct: Any = _c.Frame()
         self._struct.views, self._struct.count = ctypes.addressof(self._views), len(self._views)
         self._argument = ctypes.byref(self._struct)
-        self._measures = False
+        self._measures = (False, False)
         # The size of cameras that need no other look; none in frames of parts or batches.
         self._one_size = (self.width, self.height) if len(self._views) == 1 and not self._is_part else None
         if self.device is not None:
@@ -129,7 +129,7 @@ class Frame:
 
     def _measure(self, times: bool, counts: bool) -> None:
         """Sets what the next frame measures."""
-        self._measures = times or counts
+        self._measures = times, counts
         self._struct.measure = _c.MEASURE_TIMES * bool(times) + _c.MEASURE_COUNTS * bool(counts)
 
     def save(self, path: Union[str, "os.PathLike[str]"], index: int = 0) -> None:

@@ -196,7 +196,7 @@ class Renderer:
             out._camera_bytes[:] = cameras._bytes
         else:
             out._aim(cameras)
-        if times or counts or out._measures:
+        if (times, counts) != out._measures:
             out._measure(times, counts)
         self._draw(out)
         return out
