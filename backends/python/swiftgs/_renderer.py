@@ -106,7 +106,7 @@ class Renderer:
         self._handle: Optional[Handle] = Handle(lib.renderer_free, lib.renderer_create, name.encode(),
                                                 ctypes.byref(options), outlived_by=stream)
         self.name = name  #: BACKEND/SORT/RASTER/BOUNDS
-        self.on_device = name.startswith("cuda/")
+        self.on_device = name.startswith("cuda/")  #: whether it draws on a CUDA device
         self._device = _arrays.current_device() if self.on_device else None
         self._scene_lock = threading.RLock()  # `rasterization` draws before another thread changes the scene
         self._scene = "no scene"
