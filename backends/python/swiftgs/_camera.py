@@ -79,26 +79,32 @@ class Camera:
 
     @property
     def width(self) -> int:
+        """Columns of pixels."""
         return self._size[0]
 
     @property
     def height(self) -> int:
+        """Rows of pixels."""
         return self._size[1]
 
     @property
     def fx(self) -> float:
+        """Focal length along x in pixels."""
         return self._struct.fx
 
     @property
     def fy(self) -> float:
+        """Focal length along y in pixels."""
         return self._struct.fy
 
     @property
     def cx(self) -> float:
+        """The principal point's x in pixels; half the width in the centre."""
         return self._struct.cx
 
     @property
     def cy(self) -> float:
+        """The principal point's y in pixels; half the height in the centre."""
         return self._struct.cy
 
     @property
