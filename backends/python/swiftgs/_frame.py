@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _arrays, _c
 from ._c import Handle, OwnedFloats, lib
-from ._camera import Camera, Conventions, check_cameras, conventions_of
+from ._camera import Camera, Conventions, check_cameras, conventions_of, size_of
 from ._planes import FORMATS, read_planes
 
 _VIEW = np.dtype(_c.View)
@@ -54,9 +54,9 @@ class Frame:
         self._struct: Any = _c.Frame()
         self._struct.views, self._struct.count = ctypes.addressof(self._views), len(self._views)
         self._argument = ctypes.byref(self._struct)
-        self._measures = (False, False)
+        self._times = self._counts = False  # what the next frame measures
         # The size of cameras that need no other look; none in frames of parts or batches.
-        self._one_size = (self.width, self.height) if len(self._views) == 1 and not self._is_part else None
+        self._one_size = size_of(self.width, self.height) if len(self._views) == 1 and not self._is_part else None
         if self.device is not None:
             # One array of each library tells of its stream; each DeviceArray has its own.
             arrays = [array for array in (colour, alpha, depth, occluder) if array is not None]
@@ -128,8 +128,7 @@ class Frame:
         self._camera_bytes[:] = b"".join(camera._bytes for camera in found)
 
     def _measure(self, times: bool, counts: bool) -> None:
-        """Sets what the next frame measures."""
-        self._measures = times, counts
+        self._times, self._counts = times, counts
         self._struct.measure = _c.MEASURE_TIMES * bool(times) + _c.MEASURE_COUNTS * bool(counts)
 
     def save(self, path: Union[str, "os.PathLike[str]"], index: int = 0) -> None:

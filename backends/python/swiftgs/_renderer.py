@@ -5,7 +5,7 @@ import threading
 from typing import Any, List, NamedTuple, Optional, Sequence, Union
 
 from . import _arrays, _c
-from ._c import Handle, count_of, lib, text_of
+from ._c import Handle, count_of, lib, render, text_of
 from ._camera import Camera, check_cameras
 from ._frame import Frame
 from ._gaussians import gaussians_of
@@ -192,11 +192,11 @@ class Renderer:
             raise TypeError(f"out is of type {type(out).__name__}, expected swiftgs.Frame")
         # A frame leaves the processor's caches cold, so that each step of Python costs microseconds: this is the way of
         # the usual call.
-        if type(cameras) is Camera and cameras._size == out._one_size:
+        if type(cameras) is Camera and cameras._size is out._one_size:
             out._camera_bytes[:] = cameras._bytes
         else:
             out._aim(cameras)
-        if (times, counts) != out._measures:
+        if times is not out._times or counts is not out._counts:
             out._measure(times, counts)
         self._draw(out)
         return out
@@ -216,7 +216,7 @@ class Renderer:
         if out.device is not None:
             self._draw_on_device(handle, out)
             return
-        status = _c.render(handle.argument, out._argument)
+        status = render(handle.argument, out._argument)
         if status:
             _c.check(status)
 
