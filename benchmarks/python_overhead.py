@@ -14,8 +14,9 @@ come one after the other, each complete before the next:
   nothing   as `out`, ten Gaussians in 16 x 9 pixels, where the call is nearly all there is
 
 `outside` are microseconds of a frame outside of its stages: the wall clock less the backend's own clock (`times`). What
-Python adds to a frame is the difference of `outside` between the languages. A frame of the CPU leaves cold caches, so
-this is more than the same difference of `nothing`, whose caches are warm. On a device `out` is a DeviceArray, each
+Python adds to a frame is at most the difference of `outside` between the languages, which also has what Python takes to
+read the clock. A frame of the CPU leaves cold caches, so this is more than the same difference of `nothing`, whose caches
+are warm. On a device `out` is a DeviceArray, each
 frame is waited for, `new` copies to the host, and `arrays` are tensors of PyTorch.
 """
 import argparse
@@ -99,13 +100,17 @@ class Case:
             self.calls["arrays"] = lambda: (swiftgs.rasterization(*arrays, *view, sh_degree=scene.sh_degree,
                                                                   renderer=renderer), self.wait())
 
-    def outside(self):
-        """Microseconds of one frame outside of its stages.."""
-        begun = time.perf_counter()
-        self.renderer.render(self.camera, out=self.out, times=True)
-        self.wait()
-        wall = time.perf_counter() - begun
-        return wall * 1e6 - self.renderer.times.total * 1e3
+    def outside(self, frames):
+        """Microseconds of each frame outside of its stages."""
+        render, camera, out, clock = self.renderer.render, self.camera, self.out, time.perf_counter_ns
+        wait, found = self.renderer.wait if self.renderer.on_device else None, []
+        for _ in range(frames):
+            begun = clock()
+            render(camera, out=out, times=True)
+            if wait:
+                wait()
+            found.append((clock() - begun) / 1e3 - self.renderer.times.total * 1e3)
+        return found
 
 
 def measure(backend, cpp, name, scale, rounds, least):
@@ -117,7 +122,7 @@ def measure(backend, cpp, name, scale, rounds, least):
         nothing_in_cpp.append(cpp.bench(NOTHING[0], case.renderer.name, NOTHING[1]))
         for call, work in (*case.calls.items(), ("nothing", small.calls["out"])):
             found[call] += milliseconds(work, least / rounds)
-        outside += [case.outside() for _ in range(max(10, int(least / rounds / np.median(found["out"]) * 1e3)))][1:]
+        outside += case.outside(max(10, int(least / rounds / np.median(found["out"]) * 1e3)))
 
     def of_rounds(runs, index):
         return {of: float(np.median([run[of][index] for run in runs])) for of in ("p10", "median")}
