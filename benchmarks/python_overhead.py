@@ -13,11 +13,11 @@ come one after the other, each complete before the next:
   arrays    `rasterization(...)`, which takes the Gaussians with each call
   nothing   as `out`, ten Gaussians in 16 x 9 pixels, where the call is nearly all there is
 
-`outside` are microseconds of a frame outside of its stages: the wall clock less the backend's own clock (`times`). What
-Python adds to a frame is at most the difference of `outside` between the languages, which also has what Python takes to
-read the clock. A frame of the CPU leaves cold caches, so this is more than the same difference of `nothing`, whose caches
-are warm. On a device `out` is a DeviceArray, each
-frame is waited for, `new` copies to the host, and `arrays` are tensors of PyTorch.
+`outside` are microseconds of a frame outside of its stages: the wall clock less the backend's own clock (`times`).
+What Python adds to a frame is at most the difference of `outside` between the languages, which also has what Python
+takes to read the clock. A frame of the CPU leaves cold caches, so this is more than the same difference of `nothing`,
+whose caches are warm. On a device `out` is a DeviceArray, each frame is waited for, `new` copies to the host, and
+`arrays` are tensors of PyTorch.
 """
 import argparse
 import json
