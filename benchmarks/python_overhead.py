@@ -4,49 +4,68 @@
     PYTHONPATH=backends/python SWIFTGS_LIBRARY=build/release/backends/c/libswiftgs_c.so \
         python3 benchmarks/python_overhead.py build/release/examples/swiftgs builtin:200000 [--json FILE]
 
-C++ is `swiftgs bench` with the same renderer, scene, view and size: the median of a frame by the wall clock. From
-Python it is the wall clock over frames one behind the other, each complete before the next, in four ways of calling:
+C++ is `swiftgs bench` with the same renderer, scene, view and size. The languages take turns. Each time is given twice,
+as the median and as what 10 % of the frames stay below (p10), which other programs disturb less. Frames from Python
+come one after the other, each complete before the next:
 
-  nothing   a frame of ten Gaussians and 16 x 16 pixels, where the call is nearly all there is
   out       `render(camera, out=frame)`, the same memory again
   new       `render(camera)`, an array of NumPy for each frame
   arrays    `rasterization(...)`, which takes the Gaussians with each call
+  nothing   as `out`, ten Gaussians in 16 x 9 pixels, where the call is nearly all there is
 
-`overhead_us` is the wall clock of a frame less what the backend's own clock takes for it (`times`), so that it holds
-all that is outside of the stages; `cpp_overhead_us` is the same in C++. A frame of the CPU leaves its caches cold,
-which is most of what is measured then: `nothing` is a whole frame in warm ones. On a device `out` is a DeviceArray,
-each frame is waited for, `new` copies to the host, and `arrays` are tensors of PyTorch.
+`outside` are microseconds of a frame outside of its stages: the wall clock less the backend's own clock (`times`).
+What Python adds to a frame is at most the difference of `outside` between the languages, which also has what Python
+takes to read the clock. A frame of the CPU leaves cold caches, so this is more than the same difference of `nothing`,
+whose caches are warm. On a device `out` is a DeviceArray, each frame is waited for, `new` copies to the host, and
+`arrays` are tensors of PyTorch.
 """
 import argparse
 import json
 import pathlib
-import statistics
 import subprocess
 import sys
 import time
 
+import numpy as np
+
 import swiftgs
 
+NOTHING = ("builtin:10", 0.0125)
 
-def seconds(work, least):
-    """Median of the time of a call, over as many as fit into `least` seconds."""
+
+def both(samples):
+    """The two numbers of a time."""
+    return {"p10": float(np.percentile(samples, 10)), "median": float(np.median(samples))}
+
+
+def milliseconds(work, least):
+    """Of calls, over as many as fit into `least` seconds."""
     work(), work()
     found, until = [], time.perf_counter() + least
-    while time.perf_counter() < until or len(found) < 20:
+    while time.perf_counter() < until or len(found) < 10:
         begun = time.perf_counter()
         work()
-        found.append(time.perf_counter() - begun)
-    return statistics.median(found)
+        found.append((time.perf_counter() - begun) * 1e3)
+    return found
 
 
-def of_cpp(tool, scene, renderer, scale):
-    """Milliseconds of a frame in C++, by the wall clock, and how much of it is outside of the stages."""
-    command = [tool, "bench", scene, "--renderers", renderer, "--views", "0", "--scales", str(scale), "--errors",
-               "none", "--json", "-"]
-    done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
-    results, _ = json.JSONDecoder().raw_decode(done.stdout)  # a table follows
-    ms = results["rows"][0]["ms"]
-    return ms["wall"]["median"], ms["wall"]["median"] - ms["total"]["median"]
+class Cpp:
+    """Frames in C++."""
+
+    def __init__(self, tool):
+        self.tool, self.machine = tool, None
+
+    def bench(self, scene, renderer, scale):
+        """Of one run: milliseconds of a frame by the wall clock, and microseconds outside of the stages."""
+        command = [self.tool, "bench", scene, "--renderers", renderer, "--views", "0", "--scales", str(scale),
+                   "--errors", "none", "--json", "-"]
+        done = subprocess.run(command, check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        if done.returncode != 0:
+            raise SystemExit(done.stderr)
+        results = json.loads(done.stdout)
+        self.machine = self.machine or results["machine"]
+        ms = results["rows"][0]["ms"]
+        return {of: (ms["wall"][of], (ms["wall"][of] - ms["total"][of]) * 1e3) for of in ("p10", "median")}
 
 
 def tensors_of(arrays, on_device):
@@ -60,47 +79,59 @@ def tensors_of(arrays, on_device):
     return [torch.tensor(array, device="cuda") for array in arrays]
 
 
-def frame_for(renderer, camera):
-    if not renderer.on_device:
-        return swiftgs.Frame.empty(camera.width, camera.height)
-    return swiftgs.Frame(swiftgs.DeviceArray((camera.height, camera.width, 3)))
+class Case:
+    """One scene on one backend."""
+
+    def __init__(self, backend, name, scale):
+        count = int(name.partition(":")[2] or 200_000) if name.startswith("builtin") else None
+        scene = swiftgs.Scene.builtin(count) if count else swiftgs.load(name)
+        camera = (swiftgs.Camera.builtin() if count else swiftgs.load_cameras(name)[0]).scaled(scale)
+        renderer = swiftgs.Renderer(backend, scene=scene)
+        self.scene, self.camera, self.renderer = scene, camera, renderer
+        self.wait = renderer.wait if renderer.on_device else lambda: None
+        self.out = swiftgs.Frame(swiftgs.DeviceArray((camera.height, camera.width, 3))) if renderer.on_device else \
+            swiftgs.Frame.empty(camera.width, camera.height)
+        self.calls = {"out": lambda: (renderer.render(camera, out=self.out), self.wait()),
+                      "new": lambda: renderer.render(camera)}
+        arrays = tensors_of([scene.means, scene.rotations, scene.scales, scene.opacities, scene.sh],
+                            renderer.on_device)
+        if arrays:
+            view = (camera.viewmat[None], camera.K[None], camera.width, camera.height)
+            self.calls["arrays"] = lambda: (swiftgs.rasterization(*arrays, *view, sh_degree=scene.sh_degree,
+                                                                  renderer=renderer), self.wait())
+
+    def outside(self, frames):
+        """Microseconds of each frame outside of its stages."""
+        render, camera, out, clock = self.renderer.render, self.camera, self.out, time.perf_counter_ns
+        wait, found = self.renderer.wait if self.renderer.on_device else None, []
+        for _ in range(frames):
+            begun = clock()
+            render(camera, out=out, times=True)
+            if wait:
+                wait()
+            found.append((clock() - begun) / 1e3 - self.renderer.times.total * 1e3)
+        return found
 
 
-def measure(backend, tool, name, scale, least):
-    count = int(name.partition(":")[2] or 200_000) if name.startswith("builtin") else None
-    scene = swiftgs.Scene.builtin(count) if count else swiftgs.load(name)
-    camera = (swiftgs.Camera.builtin() if count else swiftgs.load_cameras(name)[0]).scaled(scale)
-    renderer = swiftgs.Renderer(backend, scene=scene)
-    out, wait = frame_for(renderer, camera), renderer.wait if renderer.on_device else lambda: None
+def measure(backend, cpp, name, scale, rounds, least):
+    case, small = Case(backend, name, scale), Case(backend, *NOTHING)
+    found = {call: [] for call in (*case.calls, "nothing")}
+    in_cpp, nothing_in_cpp, outside = [], [], []
+    for _ in range(rounds):
+        in_cpp.append(cpp.bench(name, case.renderer.name, scale))
+        nothing_in_cpp.append(cpp.bench(NOTHING[0], case.renderer.name, NOTHING[1]))
+        for call, work in (*case.calls.items(), ("nothing", small.calls["out"])):
+            found[call] += milliseconds(work, least / rounds)
+        outside += case.outside(max(10, int(least / rounds / np.median(found["out"]) * 1e3)))
 
-    small = swiftgs.Renderer(backend, scene=swiftgs.Scene.builtin(10))
-    tiny = swiftgs.Camera.builtin(16, 16)
-    tiny_out, own = frame_for(small, tiny), []
+    def of_rounds(runs, index):
+        return {of: float(np.median([run[of][index] for run in runs])) for of in ("p10", "median")}
 
-    def difference():
-        begun = time.perf_counter()
-        renderer.render(camera, out=out, times=True)
-        wait()
-        wall = time.perf_counter() - begun
-        own.append(renderer.times.total)
-        return wall * 1e6 - own[-1] * 1e3
-
-    overhead_us = statistics.median(difference() for _ in range(200))
-    arrays = tensors_of([scene.means, scene.rotations, scene.scales, scene.opacities, scene.sh], renderer.on_device)
-    view = (camera.viewmat[None], camera.K[None], camera.width, camera.height)
-    calls = {"nothing": lambda: (small.render(tiny, out=tiny_out), small.wait() if small.on_device else None),
-             "out": lambda: (renderer.render(camera, out=out), wait()),
-             "new": lambda: renderer.render(camera)}
-    if arrays:
-        calls["arrays"] = lambda: (swiftgs.rasterization(*arrays, *view, sh_degree=scene.sh_degree, renderer=renderer),
-                                   wait())
-    found = {call: seconds(work, least) * 1e3 for call, work in calls.items()}
-    own_ms = statistics.median(own)
-    cpp_ms, outside_ms = of_cpp(tool, name, renderer.name, scale)
-    return {"renderer": renderer.name, "device": renderer.device_name, "scene": name, "gaussians": len(scene),
-            "size": [camera.width, camera.height], "cpp_ms": cpp_ms, "cpp_overhead_us": outside_ms * 1e3,
-            "python_clock_ms": own_ms, "python_ms": found, "overhead_us": overhead_us,
-            "frames_per_second": {call: 1e3 / ms for call, ms in found.items()}}
+    return {"renderer": case.renderer.name, "device": case.renderer.device_name, "scene": name,
+            "gaussians": len(case.scene), "size": [case.camera.width, case.camera.height],
+            "cpp_ms": of_rounds(in_cpp, 0), "python_ms": {call: both(ms) for call, ms in found.items()},
+            "cpp_nothing_ms": of_rounds(nothing_in_cpp, 0),
+            "cpp_outside_us": of_rounds(in_cpp, 1), "python_outside_us": both(outside)}
 
 
 def main():
@@ -108,25 +139,35 @@ def main():
     parser.add_argument("tool", help="swiftgs, of the same build as the library")
     parser.add_argument("scenes", nargs="+", help="builtin, builtin:N, or folders of captures")
     parser.add_argument("--scale", type=float, default=1)
-    parser.add_argument("--seconds", type=float, default=1, help="for each way of calling")
+    parser.add_argument("--seconds", type=float, default=2, help="for each way of calling")
+    parser.add_argument("--rounds", type=int, default=5, help="how often the languages take turns")
     parser.add_argument("--json", help="a file for the results; - for standard output")
     arguments = parser.parse_args()
     usable = {entry.name.partition("/")[0] for entry in swiftgs.list_renderers() if entry.usable} - {"serial"}
-    rows = [measure(backend, arguments.tool, scene, arguments.scale, arguments.seconds) for scene in arguments.scenes
-            for backend in sorted(usable)]
+    cpp = Cpp(arguments.tool)
+    rows = [measure(backend, cpp, scene, arguments.scale, arguments.rounds, arguments.seconds)
+            for scene in arguments.scenes for backend in sorted(usable)]
     if arguments.json:
-        text = json.dumps({"version": swiftgs.__version__, "python": sys.version.split()[0], "results": rows}, indent=1)
+        scenes = [scene if scene.startswith("builtin") else pathlib.Path(scene).name for scene in arguments.scenes]
+        command = f"benchmarks/python_overhead.py swiftgs {' '.join(scenes)} --scale {arguments.scale:g} " \
+                  f"--seconds {arguments.seconds:g} --rounds {arguments.rounds} --json FILE"
+        results = {"format": "swiftgs-python", "version": 1, "machine": cpp.machine, "command": command,
+                   "python": sys.version.split()[0], "numpy": np.__version__,
+                   "rows": [dict(row, scene=name) for row, name in
+                            zip(rows, (scene for scene in scenes for _ in usable))]}
+        text = json.dumps(results, indent=1)
         pathlib.Path(arguments.json).write_text(text + "\n") if arguments.json != "-" else print(text)
     if arguments.json != "-":
-        print("| backend | scene | C++, ms | Python: the same clock, ms | out, ms | new, ms | arrays, ms | "
-              "overhead, us | the same in C++, us | nothing, us |\n| --- | --- |" + 8 * " ---: |")
+        print("| backend | scene | | C++, ms | out, ms | new, ms | arrays, ms | outside in C++, us | in Python, us | "
+              "nothing in C++, us | in Python, us |\n| --- | --- | --- |" + 8 * " ---: |")
         for row in rows:
             ms = row["python_ms"]
-            print(f"| {row['renderer'].partition('/')[0]} | {row['scene']} | {row['cpp_ms']:.3f} | "
-                  f"{row['python_clock_ms']:.3f} | {ms['out']:.3f} | {ms['new']:.3f} | "
-                  f"{format(ms['arrays'], '.3f') if 'arrays' in ms else ''} | {row['overhead_us']:.1f} | "
-                  f"{row['cpp_overhead_us']:.1f} | "
-                  f"{ms['nothing'] * 1e3:.1f} |")
+            for of in ("median", "p10"):
+                print(f"| {row['renderer'].partition('/')[0]} | {row['scene']} | {of} | {row['cpp_ms'][of]:.3f} | "
+                      f"{ms['out'][of]:.3f} | {ms['new'][of]:.3f} | "
+                      f"{format(ms['arrays'][of], '.3f') if 'arrays' in ms else ''} | "
+                      f"{row['cpp_outside_us'][of]:.1f} | {row['python_outside_us'][of]:.1f} | "
+                      f"{row['cpp_nothing_ms'][of] * 1e3:.1f} | {ms['nothing'][of] * 1e3:.1f} |")
 
 
 if __name__ == "__main__":

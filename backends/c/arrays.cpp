@@ -83,18 +83,18 @@ using namespace swiftgs::c;
 extern "C" swiftgs_status swiftgs_renderer_set_gaussians(swiftgs_renderer* renderer,
                                                          const swiftgs_gaussians* gaussians) {
   return guarded([&] {
-    swiftgs::AnyRenderer& any = of(renderer);
+    const Turn any = of(renderer);
     const swiftgs_gaussians from = read_gaussians(gaussians);
     const bool on_device = renderer->host_frames != nullptr;
     if ((from.memory == SWIFTGS_DEVICE) != on_device) {
-      any.set_scene(std::make_shared<const swiftgs::Scene>(to_scene(from)));
+      any->set_scene(std::make_shared<const swiftgs::Scene>(to_scene(from)));
     } else if (on_device) {
       const swiftgs::SceneArrays arrays = to_arrays(from);
       order_streams(from.stream, renderer->stream);
-      any.set_scene(arrays);
+      any->set_scene(arrays);
       order_streams(renderer->stream, from.stream);
     } else {
-      any.set_scene(to_arrays(from));
+      any->set_scene(to_arrays(from));
     }
   });
 }

@@ -47,45 +47,45 @@ extern "C" {
 
 swiftgs_status swiftgs_renderer_render_into(swiftgs_renderer* renderer, const swiftgs_frame* frame) {
   return guarded([&] {
-    swiftgs::AnyRenderer& any = of(renderer);
+    const Turn any = of(renderer);
     const swiftgs_frame asked = read_frame(frame);
-    any.render_into(views_of(*renderer, asked), measures_of(asked));
+    any->render_into(views_of(*renderer, asked), measures_of(asked));
   });
 }
 
 swiftgs_status swiftgs_renderer_render(swiftgs_renderer* renderer, const swiftgs_frame* frame) {
   return guarded([&] {
-    swiftgs::AnyRenderer& any = of(renderer);
+    const Turn any = of(renderer);
     const swiftgs_frame asked = read_frame(frame);
     const auto views = views_of(*renderer, asked);
     if (renderer->host_frames)
-      renderer->host_frames->render_into(any, views, measures_of(asked));
+      renderer->host_frames->render_into(*any, views, measures_of(asked));
     else
-      any.render_into(views, measures_of(asked));
+      any->render_into(views, measures_of(asked));
   });
 }
 
 swiftgs_status swiftgs_renderer_reserve(swiftgs_renderer* renderer, const swiftgs_frame* frame,
                                         const swiftgs_capacity* capacity) {
   return guarded([&] {
-    swiftgs::AnyRenderer& any = of(renderer);
+    const Turn any = of(renderer);
     const swiftgs_capacity room = read_options(capacity, "swiftgs_capacity");
     require_zero(room.reserved, "swiftgs_capacity");
     const swiftgs_frame asked = read_frame(frame);
-    any.reserve(views_of(*renderer, asked), {std::size_t(room.splats), std::size_t(room.instances)});
+    any->reserve(views_of(*renderer, asked), {std::size_t(room.splats), std::size_t(room.instances)});
   });
 }
 
 swiftgs_status swiftgs_renderer_set_views(swiftgs_renderer* renderer, const swiftgs_frame* frame) {
   return guarded([&] {
-    swiftgs::AnyRenderer& any = of(renderer);
+    const Turn any = of(renderer);
     const swiftgs_frame asked = read_frame(frame);
-    any.set_views(views_of(*renderer, asked));
+    any->set_views(views_of(*renderer, asked));
   });
 }
 
 swiftgs_status swiftgs_renderer_record(swiftgs_renderer* renderer, swiftgs_report* report) {
-  return guarded([&] { of(renderer).record(reinterpret_cast<swiftgs::FrameReport*>(report)); });
+  return guarded([&] { of(renderer)->record(reinterpret_cast<swiftgs::FrameReport*>(report)); });
 }
 
 }  // extern "C"

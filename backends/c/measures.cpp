@@ -40,23 +40,24 @@ extern "C" {
 
 swiftgs_status swiftgs_renderer_times(swiftgs_renderer* renderer, swiftgs_times* times) {
   return guarded([&] {
-    const swiftgs::StageTimes taken = of(renderer).times();
+    const swiftgs::StageTimes taken = of(renderer)->times();
     write_struct(times, {0, 0, taken.project, taken.sort, taken.raster, taken.total}, "swiftgs_times");
   });
 }
 
 swiftgs_status swiftgs_renderer_statistics(const swiftgs_renderer* renderer, swiftgs_statistics* statistics) {
   return guarded([&] {
-    swiftgs::AnyRenderer& any = of(renderer);
+    const Turn any = of(renderer);
     check_struct(statistics, "swiftgs_statistics");
-    write_struct(statistics, to_struct(any.statistics()), "swiftgs_statistics");
+    write_struct(statistics, to_struct(any->statistics()), "swiftgs_statistics");
   });
 }
 
 swiftgs_status swiftgs_renderer_memory(const swiftgs_renderer* renderer, swiftgs_memory* memory) {
   return guarded([&] {
-    const swiftgs::StageMemory kept = of(renderer).memory();
-    const swiftgs::MemoryUse device = of(renderer).device_memory().value_or(swiftgs::MemoryUse{});
+    const Turn any = of(renderer);
+    const swiftgs::StageMemory kept = any->memory();
+    const swiftgs::MemoryUse device = any->device_memory().value_or(swiftgs::MemoryUse{});
     const std::size_t frames = renderer->host_frames ? renderer->host_frames->bytes() : 0;
     write_struct(memory, {0, 0, kept.project, kept.sort, kept.raster + frames, device.in_use, device.total},
                  "swiftgs_memory");
@@ -66,7 +67,7 @@ swiftgs_status swiftgs_renderer_memory(const swiftgs_renderer* renderer, swiftgs
 swiftgs_status swiftgs_renderer_calibration(const swiftgs_renderer* renderer,
                                             swiftgs_calibration* calibration) {
   return guarded([&] {
-    const swiftgs::SortCalibration known = of(renderer).calibration().value_or(swiftgs::SortCalibration{});
+    const swiftgs::SortCalibration known = of(renderer)->calibration().value_or(swiftgs::SortCalibration{});
     write_struct(calibration,
                  {0, known.width, known.height, 0, known.gaussians, known.standard_ms, known.early_ms},
                  "swiftgs_calibration");
@@ -76,11 +77,11 @@ swiftgs_status swiftgs_renderer_calibration(const swiftgs_renderer* renderer,
 swiftgs_status swiftgs_renderer_use_calibrations(swiftgs_renderer* renderer,
                                                  const swiftgs_calibration* calibrations, size_t count) {
   return guarded([&] {
-    swiftgs::AnyRenderer& any = of(renderer);
+    const Turn any = of(renderer);
     std::vector<swiftgs::SortCalibration> saved;
     for_each_struct(calibrations, count, "swiftgs_calibration",
                     [&](const swiftgs_calibration& each) { saved.push_back(to_calibration(each)); });
-    any.use_calibrations(std::move(saved));
+    any->use_calibrations(std::move(saved));
   });
 }
 

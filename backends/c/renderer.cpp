@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -98,15 +99,17 @@ swiftgs_status swiftgs_renderer_device_name(const swiftgs_renderer* renderer, co
 swiftgs_status swiftgs_renderer_set_scene(swiftgs_renderer* renderer, const swiftgs_scene* scene) {
   return guarded([&] {
     require_pointer(scene, "scene");
-    of(renderer).set_scene(scene->scene);
+    of(renderer)->set_scene(scene->scene);
   });
 }
 
 swiftgs_status swiftgs_renderer_share_scene(swiftgs_renderer* renderer, const swiftgs_renderer* other) {
   return guarded([&] {
-    swiftgs::AnyRenderer &any = of(renderer), &from = of(other);
+    require_pointer(renderer, "renderer");
+    require_pointer(other, "renderer");
+    const std::scoped_lock turns(renderer->turn, other->turn);
     if (renderer->host_frames && other->host_frames) order_streams(other->stream, renderer->stream);
-    if (!any.share_scene(from))
+    if (!renderer->renderer->share_scene(*other->renderer))
       throw std::invalid_argument("share_scene: renderer '" + other->name +
                                   "' has no scene or another backend, expected a scene of that of '" +
                                   renderer->name + "'");
@@ -114,12 +117,13 @@ swiftgs_status swiftgs_renderer_share_scene(swiftgs_renderer* renderer, const sw
 }
 
 swiftgs_status swiftgs_renderer_wait(swiftgs_renderer* renderer) {
-  return guarded([&] { of(renderer).wait(); });
+  return guarded([&] { of(renderer)->wait(); });
 }
 
 swiftgs_status swiftgs_renderer_trim(swiftgs_renderer* renderer) {
   return guarded([&] {
-    of(renderer).trim();
+    const Turn any = of(renderer);
+    any->trim();
     if (renderer->host_frames) renderer->host_frames->trim();
   });
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -18,13 +19,26 @@ struct swiftgs_renderer {
   std::unique_ptr<swiftgs::c::HostFrames> host_frames{};  ///< null: the backend reaches the host's memory
   void* stream = nullptr;                                 ///< of a device
   std::vector<swiftgs::View> views{};                     ///< of one call; their memory is kept
+  mutable std::recursive_mutex turn{};  ///< of calls; the memory hooks of one may make others
 };
 
 namespace swiftgs::c {
 
-inline AnyRenderer& of(const swiftgs_renderer* renderer) {
+/// A renderer while it is the turn of this call.
+class Turn {
+ public:
+  explicit Turn(const swiftgs_renderer& renderer) : lock_(renderer.turn), renderer_(*renderer.renderer) {}
+  AnyRenderer* operator->() const { return &renderer_; }
+  AnyRenderer& operator*() const { return renderer_; }
+
+ private:
+  std::unique_lock<std::recursive_mutex> lock_;
+  AnyRenderer& renderer_;
+};
+
+inline Turn of(const swiftgs_renderer* renderer) {
   require_pointer(renderer, "renderer");
-  return *renderer->renderer;
+  return Turn(*renderer);
 }
 
 }  // namespace swiftgs::c

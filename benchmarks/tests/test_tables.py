@@ -68,6 +68,8 @@ class Tables(unittest.TestCase):
         for machine in ("amd", "h200"):
             shutil.copy(pathlib.Path(RESULTS) / FOLDERS[machine] / "ulps.json", cls.results / FOLDERS[machine])
         shutil.copy(pathlib.Path(RESULTS) / FOLDERS["amd"] / "formats.json", cls.results / FOLDERS["amd"])
+        (cls.results / FOLDERS["xeon"]).mkdir(parents=True)
+        shutil.copy(pathlib.Path(RESULTS) / FOLDERS["xeon"] / "python.json", cls.results / FOLDERS["xeon"])
 
     @classmethod
     def tearDownClass(cls):
@@ -460,6 +462,29 @@ class Tables(unittest.TestCase):
             code, _, _, error = self.update("<!-- table: formats amd -->\n<!-- end -->\n", results=folder.parent)
             self.assertEqual(code, 2)
             self.assertRegex(error, r"\A[^\n]+/formats.json: [^\n]+\n\Z")
+            self.assertIn(message, error)
+
+    def test_what_python_adds_is_the_difference_outside_of_the_stages(self):
+        folder, one = self.place / "python" / FOLDERS["xeon"], {"p10": 1, "median": 2}
+        folder.mkdir(parents=True)
+        row = {"scene": "fox", "gaussians": 5000, "renderer": "cpu/a/b/c", "cpp_ms": {"p10": 4, "median": 5},
+               "python_ms": {"out": {"p10": 5, "median": 8}, "new": one, "nothing": {"p10": 0.01, "median": 0.02}},
+               "cpp_nothing_ms": {"p10": 0.008, "median": 0.01}, "cpp_outside_us": one,
+               "python_outside_us": {"p10": 21, "median": 32}}
+        page, good = "<!-- table: python xeon -->\n<!-- end -->\n", {"format": "swiftgs-python", "version": 1}
+        synthetic_folder.synthetic.write(folder / "python.json", {**good, "rows": [row]})
+        code, text, _, error = self.update(page, results=folder.parent)
+        self.assertEqual((code, error), (0, ""))
+        self.assertIn("| fox, 5,000 | `cpu` | median | 200 | 125 | 500 | - | 30 | 10.0 |", text)
+        self.assertIn("| fox, 5,000 | `cpu` | p10 | 250 | 200 | 1,000 | - | 20 | 2.0 |", text)
+        for broken, message in (({"python_ms": {}}, "python_ms: expected an object with out, new and nothing"),
+                                ({"cpp_ms": {"p10": 1}}, "median: expected a number"),
+                                ({"cpp_outside_us": None}, "expected an object"),
+                                ({"scene": 1}, "scene: expected a string")):
+            synthetic_folder.synthetic.write(folder / "python.json", {**good, "rows": [{**row, **broken}]})
+            code, text, _, error = self.update(page, results=folder.parent)
+            self.assertEqual((code, text), (2, page))
+            self.assertRegex(error, r"\A[^\n]+/python.json: [^\n]+\n\Z")
             self.assertIn(message, error)
 
     def test_a_cost_says_whether_its_frames_were_compared_with_float64(self):

@@ -47,6 +47,7 @@ void write_text(const char* path, const char* text);
 void test_versions(void);
 void test_structs(void);
 void test_threads(void);
+void test_turns(void);
 void test_scenes(void);
 void test_progress(void);
 void test_arrays(void);

@@ -97,6 +97,7 @@ static const struct test_case cases[] = {
     {"versions", test_versions},
     {"structs", test_structs},
     {"threads", test_threads},
+    {"turns", test_turns},
     {"scenes", test_scenes},
     {"progress", test_progress},
     {"arrays", test_arrays},

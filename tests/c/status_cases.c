@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 
-/* Versions, errors, and structs of programs of another age. */
+/* Versions, errors, threads, and structs of programs of another age. */
 #include <pthread.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "check.h"
@@ -100,4 +101,42 @@ void test_threads(void) {
   /* A call that succeeds keeps the text. */
   swiftgs_camera camera = make_camera(64, 48);
   CHECK(camera.width == 64 && strstr(swiftgs_last_error(), "'none'") != NULL);
+}
+
+struct turns {
+  swiftgs_renderer* renderer;
+  int32_t width, height;
+  bool right;
+};
+
+/* Draws one view again and again, and sets a scene between: the images are all the same. */
+static void* draw_often(void* given) {
+  struct turns* const mine = given;
+  const size_t bytes = sizeof(float) * 3 * (size_t)mine->width * (size_t)mine->height;
+  const swiftgs_camera camera = make_camera(mine->width, mine->height);
+  float *const first = make_memory(bytes), *const later = make_memory(bytes);
+  swiftgs_scene* const scene = make_scene();
+  const swiftgs_view view = make_view(&camera, first), again = make_view(&camera, later);
+  const swiftgs_frame frame = make_frame(&view, 1), same = make_frame(&again, 1);
+  mine->right = swiftgs_renderer_render(mine->renderer, &frame) == SWIFTGS_OK;
+  for (int i = 0; i < 50; ++i) {
+    if (i % 10 == 0) mine->right &= swiftgs_renderer_set_scene(mine->renderer, scene) == SWIFTGS_OK;
+    mine->right &= swiftgs_renderer_render(mine->renderer, &same) == SWIFTGS_OK;
+    mine->right &= memcmp(first, later, bytes) == 0 && first[bytes / sizeof(float) / 2] > 0;
+  }
+  swiftgs_scene_free(scene);
+  free(first), free(later);
+  return NULL;
+}
+
+void test_turns(void) {
+  swiftgs_renderer* const renderer = make_renderer(small_renderer);
+  struct turns each[2] = {{renderer, small_width, small_height, false}, {renderer, 200, 120, false}};
+  pthread_t threads[2];
+  for (int i = 0; i < 2; ++i)
+    if (pthread_create(&threads[i], NULL, &draw_often, &each[i]) != 0) give_up("a thread");
+  for (int i = 0; i < 2; ++i) pthread_join(threads[i], NULL);
+  CHECK(each[0].right && each[1].right);
+  CHECK_OK(swiftgs_renderer_share_scene(renderer, renderer));
+  swiftgs_renderer_free(renderer);
 }

@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Many frames: nothing leaks."""
+import ctypes
 import gc
 import pathlib
+import sys
+import threading
+import weakref
 
 import numpy as np
+import pytest
 
 import swiftgs
 from swiftgs import _dlpack
@@ -55,25 +60,52 @@ def test_scenes_renderers_and_errors_leave_nothing_behind():
     assert growth(lambda: swiftgs.rasterization(*arguments, sh_degree=3), 500) < 4 << 20
 
 
+class Owner:
+    """Memory of a device, as far as a capsule knows."""
+
+    def __init__(self):
+        self.memory = np.arange(6, dtype=np.float32)
+        self.address = self.memory.ctypes.data
+
+    def __dlpack__(self, **_):
+        return _dlpack.offer(self, self.address, (2, 3), 5)
+
+    def __dlpack_device__(self):
+        return _dlpack.CUDA, 5
+
+
 def test_capsules_are_given_back_whether_or_not_they_were_taken():
-    memory = np.arange(6, dtype=np.float32)
-    address = memory.ctypes.data
-    capsule = _dlpack.offer(memory, address, (2, 3), 0)
-    found = _dlpack.read(capsule)
-    assert found == (address, (2, 3), (12, 4), "f4", _dlpack.CUDA, 0) and len(_dlpack._offered) == 1
-    del capsule
+    owner = Owner()
+    gone, address, capsule = weakref.ref(owner), owner.address, owner.__dlpack__()
+    assert _dlpack.read(capsule) == (address, (2, 3), (12, 4), "f4", _dlpack.CUDA, 5)
+    del owner
     gc.collect()
-    assert not _dlpack._offered
-    taken = _dlpack.offer(memory, address, (6,), 0)
-    managed = _dlpack._Managed.from_address(_dlpack._pointer_of(taken, b"dltensor"))
+    assert gone()
+    del capsule
+    assert gone() is None
+    owner = Owner()
+    gone, taken = weakref.ref(owner), owner.__dlpack__()
     place = _dlpack._pointer_of(taken, b"dltensor")
-    delete = _dlpack.ctypes.CFUNCTYPE(None, _dlpack.c_void_p)(managed.deleter)
-    rename = _dlpack._python_function("PyCapsule_SetName", _dlpack.ctypes.c_int, _dlpack.ctypes.py_object,
-                                      _dlpack.ctypes.c_char_p)
+    delete = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(_dlpack._Managed.from_address(place).deleter)
     used = b"used_dltensor"
-    rename(taken, used)  # as a consumer does
-    del taken
-    assert len(_dlpack._offered) == 1
-    delete(place)
-    assert not _dlpack._offered
-    assert growth(lambda: _dlpack.offer(memory, address, (2, 3), 0), 10_000) < 1 << 20
+    rename = ctypes.pythonapi.PyCapsule_SetName
+    assert rename(ctypes.py_object(taken), used) == 0  # as a consumer does
+    del taken, owner
+    gc.collect()
+    assert gone()
+    thread = threading.Thread(target=delete, args=(place,))
+    thread.start()
+    thread.join()
+    assert gone() is None
+    owner = Owner()
+    assert growth(owner.__dlpack__, 10_000) < 1 << 20
+
+
+def test_a_consumer_that_refuses_a_capsule_keeps_its_exception():
+    owner = Owner()
+    before = sys.getrefcount(owner)
+    for _ in range(3):
+        with pytest.raises((RuntimeError, BufferError), match="[Uu]nsupported device"):
+            np.from_dlpack(owner)
+    gc.collect()
+    assert sys.getrefcount(owner) == before

@@ -38,11 +38,14 @@ def test_the_measurement_of_overhead_runs(tmp_path):
     if not tool:
         pytest.skip("SWIFTGS_TOOL does not name the tool")
     run(tmp_path, ROOT / "benchmarks/python_overhead.py", tool, "builtin:500", "--scale", "0.05", "--seconds", "0.02",
-        "--json", "results.json")
-    for result in json.loads((tmp_path / "results.json").read_text())["results"]:
-        assert result["gaussians"] == 500 and result["size"] == [64, 36]
-        assert 0 < result["cpp_ms"] < 1000 and 0 < result["python_ms"]["nothing"] < 10
-        assert set(result["python_ms"]) >= {"nothing", "out", "new"}
+        "--rounds", "2", "--json", "results.json")
+    results = json.loads((tmp_path / "results.json").read_text())
+    assert results["format"] == "swiftgs-python" and results["machine"]["cores"] > 0 and results["rows"]
+    for row in results["rows"]:
+        assert row["scene"] == "builtin:500" and row["gaussians"] == 500 and row["size"] == [64, 36]
+        assert set(row["python_ms"]) >= {"nothing", "out", "new"}
+        for time in (row["cpp_ms"], row["cpp_nothing_ms"], row["python_outside_us"], *row["python_ms"].values()):
+            assert 0 < time["p10"] <= time["median"] < 1000
 
 
 def test_the_program_of_the_readme_draws_its_frame(tmp_path):

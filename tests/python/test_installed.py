@@ -2,6 +2,9 @@
 """The package where it was installed, with its own library."""
 import os
 import pathlib
+import re
+import shutil
+import subprocess
 
 import pytest
 
@@ -22,6 +25,16 @@ def test_the_package_is_the_installed_one_with_its_own_library():
     assert {name for name in names if name.endswith(".py")} == sources
     maps = pathlib.Path("/proc/self/maps").read_text()
     assert str((package / "libswiftgs_c.so.1").resolve()) in maps
+
+
+def test_its_library_is_not_searched_for_in_the_working_directory():
+    if not shutil.which("readelf"):
+        pytest.skip("no readelf")
+    said = subprocess.run(["readelf", "-d", pathlib.Path(swiftgs.__file__).with_name("libswiftgs_c.so.1")], check=True,
+                          stdout=subprocess.PIPE, text=True).stdout
+    assert "(NEEDED)" in said
+    for path in re.findall(r"R(?:UN)?PATH\).*\[(.*)\]", said):
+        assert all(part.startswith(("/", "$ORIGIN")) for part in path.split(":")), path
 
 
 def test_it_draws(camera, renderer, expected):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The package declares the binary interface that is recorded."""
+"""The package declares the binary interface that is recorded, in the oldest Python that it serves."""
+import ast
 import ctypes
 import pathlib
 import re
@@ -57,3 +58,10 @@ def test_numbers_are_those_of_the_record():
     for index, name in enumerate(_c.CLAMPS):
         assert int(values["CLAMP_" + name.upper().replace("-", "_")]) == index
     assert f"abi {_c.ABI_MAJOR}.{_c.ABI_MINOR}" in RECORD
+
+
+def test_sources_are_of_python_3_9():
+    sources = list(pathlib.Path(_c.__file__).parent.glob("*.py"))
+    assert len(sources) > 10
+    for source in sources:
+        ast.parse(source.read_text(), source.name, feature_version=(3, 9))

@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import threading
+import time
 import weakref
 
 import numpy as np
@@ -137,6 +138,8 @@ def test_conventions_reach_the_frame(renderer, camera, expected):
     (lambda: swiftgs.Renderer("cpu", scene=swiftgs.Scene.builtin(10)).render(
         swiftgs.Camera.builtin(4, 4), out=swiftgs.Frame(np.lib.stride_tricks.as_strided(
             np.zeros((4, 4, 3), np.float32), (4, 4, 3), (12, 12, 4)))), ValueError, "pitch"),
+    (lambda: swiftgs.Frame.empty(16, 16, first_pixel=(1 << 40, 0)), ValueError, "left is 1099511627776"),
+    (lambda: swiftgs.Frame.empty(16, 16, first_pixel=(0, 0.5)), TypeError, "float"),
     (lambda: swiftgs.Frame([[0, 0, 0]]), TypeError, "colour is of type list, expected an array"),
     (lambda: swiftgs.Frame.empty(4, 4, format="bgr"), ValueError, "format is 'bgr', expected one of rgb, rgba"),
     (lambda: swiftgs.Frame.empty(4, 4, background=(0, 0)), ValueError, "background has the shape (2,)"),
@@ -192,7 +195,11 @@ def test_arrays_are_drawn_as_the_scene_that_has_them(scene, camera, expected, ar
 def test_measures_are_taken_where_they_are_asked_for(renderer, camera):
     renderer.render(camera)
     assert math.isnan(renderer.times.total) and renderer.statistics.contributing_pairs == 0
-    renderer.render(camera, times=True, counts=True)
+    out = renderer.render(camera, times=True)
+    assert renderer.times.total > 0 and renderer.statistics.contributing_pairs == 0
+    renderer.render(camera, out=out)
+    assert math.isnan(renderer.times.total)
+    renderer.render(camera, out=out, times=True, counts=True)
     assert renderer.times.total >= renderer.times.raster > 0
     assert renderer.statistics.contributing_pairs > renderer.statistics.visible > 0
     assert renderer.memory.project > 0 and renderer.memory.device_total == 0
@@ -210,6 +217,21 @@ def test_images_outlive_their_renderer_and_frames_their_cameras(scene, expected)
     del renderer, frame
     gc.collect()
     assert gone() is None and np.array_equal(colour, expected.colour)
+
+
+def test_a_frame_is_aimed_anew_by_each_call_at_cameras_that_may_go(renderer, scene, camera, expected):
+    out, pair = swiftgs.Frame.empty(WIDTH, HEIGHT), swiftgs.Frame.empty(WIDTH, HEIGHT, 2)
+    for step in range(6):
+        def moved(by=step):
+            return swiftgs.Camera.look_at((by, -2, -4), (0, 0, 0), width=WIDTH, height=HEIGHT, vertical_fov=0.9)
+
+        wanted = renderer.render(moved()).colour
+        renderer.render(moved() if step % 2 else [moved()], out=out)
+        renderer.render((camera for camera in (moved(), camera)), out=pair)
+        gc.collect()
+        assert np.array_equal(out.colour, wanted) and np.array_equal(pair.colour, np.stack([wanted, expected.colour]))
+        with pytest.raises(ValueError, match="the camera has 16x16 pixels"):
+            renderer.render(swiftgs.Camera.builtin(16, 16), out=out)
 
 
 def test_a_frame_keeps_the_memory_that_it_draws_into(renderer, camera, expected):
@@ -266,6 +288,21 @@ def test_other_threads_run_while_a_frame_is_drawn():
         drawing.join(0.001)
         turns += 1
     assert turns > 5
+
+
+def test_a_renderer_may_be_closed_while_another_thread_draws(camera):
+    scene, large = swiftgs.Scene.builtin(100_000), swiftgs.Camera.builtin(480, 270)
+    expected = swiftgs.Renderer("serial", scene=scene).render(large).colour
+    renderer, out = swiftgs.Renderer("serial", scene=scene), swiftgs.Frame(np.zeros((270, 480, 3), np.float32))
+    drawing = threading.Thread(target=renderer.render, args=(large,), kwargs={"out": out})
+    drawing.start()
+    while drawing.is_alive() and not out.colour.any():
+        time.sleep(0.001)
+    renderer.close()
+    with pytest.raises(ValueError, match="the renderer is closed"):
+        renderer.render(camera)
+    drawing.join()
+    assert np.array_equal(out.colour, expected)
 
 
 def test_images_are_saved(renderer, camera, tmp_path):

@@ -5,6 +5,7 @@ NumPy arrays are read as they are, others by DLPack, or else by the interface of
 if an array of it was given, so that it has been imported already.
 """
 import ctypes
+import functools
 import importlib
 import sys
 from typing import Any, NamedTuple, Optional, Tuple
@@ -37,13 +38,19 @@ class Memory(NamedTuple):
 
 def library_of(array: Any) -> str:
     """The library that an array's type belongs to, or is derived from."""
-    for base in type(array).__mro__:
+    kind: Any = type(array)
+    return _library_of_type(kind)
+
+
+@functools.lru_cache(maxsize=64)
+def _library_of_type(kind: type) -> str:
+    for base in kind.__mro__:
         name = base.__module__.partition(".")[0]
         if name in LIBRARIES:
             return name
         if name == "jaxlib":
             return "jax"
-    return type(array).__module__.partition(".")[0]
+    return kind.__module__.partition(".")[0]
 
 
 def read(array: Any, what: str, stream: Optional[int] = 0) -> Memory:
@@ -79,12 +86,18 @@ def read(array: Any, what: str, stream: Optional[int] = 0) -> Memory:
 
 
 def _of_interface(interface, device, owner):
-    shape, kind = tuple(interface["shape"]), interface["typestr"]
-    if kind[0] == ">":
-        kind = "!" + kind
-    strides = interface.get("strides") or _dlpack.dense_strides(shape, int("".join(filter(str.isdigit, kind)) or 0))
+    shape = tuple(interface["shape"])
+    kind, item = _kind_of(interface["typestr"])
+    strides = interface.get("strides") or _dlpack.dense_strides(shape, item)
     address, read_only = interface["data"]
-    return Memory(address or 0, shape, tuple(strides), kind.lstrip("<|="), device, not read_only, owner)
+    return Memory(address or 0, shape, tuple(strides), kind, device, not read_only, owner)
+
+
+@functools.lru_cache(maxsize=64)
+def _kind_of(typestr: str) -> Tuple[str, int]:
+    """Such as "f4", and its bytes."""
+    kind = "!" + typestr if typestr[0] == ">" else typestr.lstrip("<|=")
+    return kind, int("".join(filter(str.isdigit, kind)) or 0)
 
 
 def current_device() -> int:
@@ -229,6 +242,8 @@ class DeviceArray:
         return copy
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
+        if copy is False:
+            raise ValueError("a DeviceArray comes to the host as a copy only, expected copy=None or True")
         found = self.numpy()
         return found if dtype is None else found.astype(dtype)
 

@@ -230,12 +230,13 @@ class Handle:
     """Owns what a function made, and frees it when nothing refers to it any more. A function that is given the handle
     itself keeps it until it returns."""
 
-    __slots__ = ("pointer", "outlived_by", "_free")
+    __slots__ = ("pointer", "argument", "outlived_by", "_free")
 
     def __init__(self, free, make, *arguments, outlived_by=None):
         made = c_void_p()
         make(*arguments, ctypes.byref(made))
         self.pointer, self._free = made.value, free
+        self.argument = made  #: the pointer as ctypes takes it
         self.outlived_by = outlived_by  #: what must not go before it
 
     @property
@@ -251,9 +252,9 @@ class Handle:
 class OwnedFloats:
     """Floats of a handle for NumPy, which keeps the handle."""
 
-    def __init__(self, handle, address, shape):
+    def __init__(self, handle, address, shape, read_only=True):
         self.handle = handle
-        self.__array_interface__ = {"shape": shape, "typestr": "<f4", "data": (address, True), "version": 3}
+        self.__array_interface__ = {"shape": shape, "typestr": "<f4", "data": (address, read_only), "version": 3}
 
 
 def text_of(function, *arguments):

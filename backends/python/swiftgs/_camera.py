@@ -4,7 +4,7 @@ import ctypes
 import dataclasses
 import functools
 import os
-from typing import Any, List, Optional, Sequence, Union
+from typing import Any, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -40,7 +40,7 @@ class Camera:
     def _take(self, struct: _c.Camera, name: str) -> "Camera":
         lib.camera_scale(ctypes.byref(struct), 1)  # changes nothing, and refuses what is no camera
         self._struct, self._bytes, self.name = struct, bytes(struct), name
-        self._size = struct.width, struct.height
+        self._size = size_of(struct.width, struct.height)
         return self
 
     @classmethod
@@ -79,26 +79,32 @@ class Camera:
 
     @property
     def width(self) -> int:
+        """Columns of pixels."""
         return self._size[0]
 
     @property
     def height(self) -> int:
+        """Rows of pixels."""
         return self._size[1]
 
     @property
     def fx(self) -> float:
+        """Focal length along x in pixels."""
         return self._struct.fx
 
     @property
     def fy(self) -> float:
+        """Focal length along y in pixels."""
         return self._struct.fy
 
     @property
     def cx(self) -> float:
+        """The principal point's x in pixels; half the width in the centre."""
         return self._struct.cx
 
     @property
     def cy(self) -> float:
+        """The principal point's y in pixels; half the height in the centre."""
         return self._struct.cy
 
     @property
@@ -142,6 +148,12 @@ class Camera:
         focal = f"{self.fx:g}" if self.fx == self.fy else f"{self.fx:g} and {self.fy:g}"
         at = ", ".join(f"{x + 0.0:.3g}" for x in self.position + 0.0)
         return f"<swiftgs.Camera{named} {self.width}x{self.height}, f {focal}, at ({at})>"
+
+
+@functools.lru_cache(maxsize=256)
+def size_of(width: int, height: int) -> Tuple[int, int]:
+    """A size. Equal ones are mostly the same object, which is quicker to see than that they are equal."""
+    return width, height
 
 
 def _camera_of(struct: bytes, name: str) -> Camera:

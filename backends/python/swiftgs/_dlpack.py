@@ -3,7 +3,10 @@
 import ctypes
 import functools
 from ctypes import c_int32, c_int64, c_uint8, c_uint16, c_uint64, c_void_p
-from typing import Any, Dict
+
+import numpy as np
+
+from ._c import OwnedFloats
 
 CPU, CUDA, CUDA_HOST, CUDA_MANAGED = 1, 2, 3, 13
 _KINDS = {0: "i", 1: "u", 2: "f", 4: "bf", 5: "c", 6: "b"}
@@ -19,15 +22,7 @@ class _Managed(ctypes.Structure):
     _fields_ = [("tensor", _Tensor), ("context", c_void_p), ("deleter", c_void_p)]
 
 
-def _python_function(name, result, *arguments):
-    """By address alone, where the object may be one that is being destroyed."""
-    return ctypes.PYFUNCTYPE(result, *arguments)((name, ctypes.pythonapi))
-
-
-_pointer_of = _python_function("PyCapsule_GetPointer", c_void_p, ctypes.py_object, ctypes.c_char_p)
-_pointer_of_dying = _python_function("PyCapsule_GetPointer", c_void_p, c_void_p, ctypes.c_char_p)
-_is_valid_dying = _python_function("PyCapsule_IsValid", ctypes.c_int, c_void_p, ctypes.c_char_p)
-_new_capsule = _python_function("PyCapsule_New", ctypes.py_object, c_void_p, ctypes.c_char_p, c_void_p)
+_pointer_of = ctypes.PYFUNCTYPE(c_void_p, ctypes.py_object, ctypes.c_char_p)(("PyCapsule_GetPointer", ctypes.pythonapi))
 
 
 def read(capsule):
@@ -54,27 +49,13 @@ def dense_strides(shape, item):
     return tuple(reversed(strides))
 
 
-# What was offered and not yet given back, by address.
-_offered: Dict[int, Any] = {}
-
-
-@ctypes.CFUNCTYPE(None, c_void_p)
-def _delete(address):
-    _offered.pop(address, None)
-
-
-@ctypes.PYFUNCTYPE(None, c_void_p)
-def _destroy(capsule):
-    if _is_valid_dying(capsule, b"dltensor"):  # nobody took it
-        _offered.pop(_pointer_of_dying(capsule, b"dltensor"), None)
-
-
 def offer(owner, address, shape, device):
-    """A capsule of float32 without gaps on a CUDA device. `owner` lives until it is given back."""
-    sides = (c_int64 * len(shape))(*shape)
-    strides = (c_int64 * len(shape))(*(stride // 4 for stride in dense_strides(shape, 4)))
-    managed = _Managed(_Tensor(address, CUDA, device, len(shape), 2, 32, 1, sides, strides, 0), None,
-                       ctypes.cast(_delete, c_void_p))
-    place = ctypes.addressof(managed)
-    _offered[place] = (managed, sides, strides, owner)
-    return _new_capsule(place, b"dltensor", ctypes.cast(_destroy, c_void_p))
+    """A capsule of float32 without gaps on a CUDA device. `owner` lives until it is given back.
+
+    NumPy makes it, of an array that nobody reads, and then its device is changed. So NumPy's C functions give it back:
+    they run on any thread and keep a pending exception, which a callback in Python would lose.
+    """
+    capsule = np.asarray(OwnedFloats(owner, address, shape, read_only=False)).__dlpack__()
+    tensor = _Managed.from_address(_pointer_of(capsule, b"dltensor")).tensor
+    tensor.device_type, tensor.device_id = CUDA, device
+    return capsule

@@ -1,26 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Frames: memory of images, and the rules that they are drawn by."""
 import ctypes
+import operator
 import os
-from typing import Any, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from . import _arrays, _c, _dlpack
+from . import _arrays, _c
 from ._c import Handle, OwnedFloats, lib
-from ._camera import Camera, Conventions, check_cameras, conventions_of
-from ._gaussians import check_device
+from ._camera import Camera, Conventions, check_cameras, conventions_of, size_of
+from ._planes import FORMATS, read_planes
 
-
-class _Format(NamedTuple):
-    number: int
-    kind: str
-    channels: int
-
-
-FORMATS = {"rgb": _Format(0, "f4", 3), "rgba": _Format(1, "f4", 4), "rgba-half": _Format(2, "f2", 4),
-           "rgba8": _Format(3, "u1", 4)}
-_VIEW, _CAMERA = np.dtype(_c.View), np.dtype(_c.Camera)
+_VIEW = np.dtype(_c.View)
+_BLACK = (0, 0, 0)
 
 
 class Frame:
@@ -36,70 +29,60 @@ class Frame:
     """
 
     def __init__(self, colour: Any = None, alpha: Any = None, depth: Any = None, *, occluder: Any = None,
-                 over: bool = False, background: Any = (0, 0, 0), conventions: Union[str, Conventions] = "gsplat",
+                 over: bool = False, background: Any = _BLACK, conventions: Union[str, Conventions] = "gsplat",
                  first_pixel: Optional[Tuple[int, int]] = None) -> None:
         """`occluder` is a depth buffer, only read: a splat at its depth or behind is not drawn. `over` keeps what
         `colour` holds behind the splats, in place of `background` [3] or [C, 3]. With `first_pixel` the frame is a
         part of the camera's image, which begins with that column and row, multiples of 16."""
         self.colour, self.alpha, self.depth = colour, alpha, depth
-        planes = {name: array for name, array in
-                  (("colour", colour), ("alpha", alpha), ("depth", depth), ("occluder", occluder)) if array is not None}
-        if not planes:
-            raise ValueError("a frame without planes, expected colour, alpha or depth")
-        images: Optional[Tuple[int, ...]] = None
-        self._views: Any = None
-        self._memory: List[_arrays.Memory] = []
-        # One array of each library tells of its stream; each DeviceArray has its own.
-        self._sources = list({array if isinstance(array, _arrays.DeviceArray) else _arrays.library_of(array): array
-                              for array in planes.values()}.values())
-        for name, array in planes.items():
-            if name != "occluder" and _arrays.library_of(array) == "jax":
-                raise TypeError(f"{name} is an array of JAX, which cannot be written to, expected one of PyTorch, CuPy "
-                                "or NumPy, or a swiftgs.DeviceArray, which jax.dlpack.from_dlpack takes")
-            memory = _arrays.read(array, name, None)  # a frame is ordered when it is drawn
-            if name != "occluder" and not memory.writable:
-                raise ValueError(f"{name} is read-only, expected memory to write to")
-            shape, channels = _split(name, memory, images)
-            if images is None:
-                images = shape
-                self._views = np.zeros(shape[0] if len(shape) == 3 else 1, _VIEW)
-                self.device = memory.device
-                check_device(self.device, name)
-            if shape != images:
-                raise ValueError(f"{name} has images of the shape {shape}, expected {images}, that of the other planes")
-            if memory.device != self.device:
-                raise ValueError(f"{name} lies on {memory.place}, expected all planes on one")
-            self._memory.append(memory)
-            self._add(name, memory, channels, len(images) == 3)
-        assert images is not None
+        self._planes = read_planes(colour=colour, alpha=alpha, depth=depth, occluder=occluder)
+        images, self.device = self._planes[0].layout.images, self._planes[0].memory.device
         self.batched = len(images) == 3  #: whether the arrays have an index of the image first
         self.height, self.width = images[-2:]
-        views = self._views
-        views["size"], views["width"], views["height"] = _VIEW.itemsize, self.width, self.height
-        self._is_part = first_pixel is not None
-        views["over"], (views["left"], views["top"]) = over, first_pixel or (0, 0)
         self._conventions = conventions_of(conventions)
-        views["conventions"] = ctypes.addressof(self._conventions)
-        self.background = background
-        self._struct = _c.Frame(views=views.ctypes.data, count=len(views))
-        self._argument = ctypes.c_void_p(ctypes.addressof(self._struct))
-        self._measure = 0
-        self._cameras = np.zeros(len(views), _CAMERA)  # copies, so that a camera may go while a frame is drawn
-        self._camera_bytes = self._cameras.view(np.uint8).data
-        views["camera"] = self._cameras.ctypes.data + np.arange(len(views)) * _CAMERA.itemsize
-        # Of the one camera that is copied without another look; none in frames of parts or batches.
-        self._one_size = (self.width, self.height) if len(views) == 1 and not self._is_part else None
+        self._is_part = first_pixel is not None
+        self._views: Any = (_c.View * (images[0] if self.batched else 1))()
+        if first_pixel is not None:
+            left, top = map(operator.index, first_pixel)
+            self._views[0] = _c.View(left=left, top=top)
+        # Copies of the cameras of the next frame, which may go while it is drawn.
+        self._cameras: Any = (_c.Camera * len(self._views))()
+        self._camera_bytes = memoryview(self._cameras).cast("B")
+        self._fill(over)
+        if background is not _BLACK:
+            self.background = background
+        self._struct: Any = _c.Frame()
+        self._struct.views, self._struct.count = ctypes.addressof(self._views), len(self._views)
+        self._argument = ctypes.byref(self._struct)
+        self._times = self._counts = False  # what the next frame measures
+        # The size of cameras that need no other look; none in frames of parts or batches.
+        self._one_size = size_of(self.width, self.height) if len(self._views) == 1 and not self._is_part else None
+        if self.device is not None:
+            # One array of each library tells of its stream; each DeviceArray has its own.
+            arrays = [array for array in (colour, alpha, depth, occluder) if array is not None]
+            self._sources = list({array if isinstance(array, _arrays.DeviceArray) else _arrays.library_of(array): array
+                                  for array in arrays}.values())
 
-    def _add(self, name: str, memory: _arrays.Memory, channels: int, batched: bool) -> None:
-        pixel = int(memory.kind[1:]) * channels
-        rows = memory.strides[int(batched)] if memory.shape[int(batched)] > 1 else pixel * memory.shape[batched + 1]
-        if name == "colour":
-            self._views["format"] = next(f.number for f in FORMATS.values() if f[1:] == (memory.kind, channels))
-        first = memory.strides[0] if batched and memory.shape[0] > 1 else 0
-        if first == 0 and len(self._views) > 1 and name != "occluder":
-            raise ValueError(f"{name} has its {len(self._views)} images in one place, expected a place for each")
-        self._views[name]["data"] = memory.address + np.arange(len(self._views)) * first
-        self._views[name]["pitch"] = rows
+    def _fill(self, over: bool) -> None:
+        """The structs of the views, but for cameras and backgrounds."""
+        view = self._views[0]
+        view.size, view.width, view.height, view.over = _VIEW.itemsize, self.width, self.height, bool(over)
+        view.conventions, view.camera = ctypes.addressof(self._conventions), ctypes.addressof(self._cameras)
+        for name, memory, layout in self._planes:
+            setattr(view, name, _c.Plane(memory.address, layout.pitch))
+            if name == "colour":
+                view.format = layout.format
+        if len(self._views) > 1:
+            table = self._table
+            table[1:] = table[0]
+            table["camera"] = view.camera + np.arange(len(table)) * ctypes.sizeof(_c.Camera)
+            for name, memory, layout in self._planes:
+                table[name]["data"] = memory.address + np.arange(len(table)) * layout.step
+
+    @property
+    def _table(self) -> np.ndarray:
+        """The structs of all views as an array, which shares their memory."""
+        return np.frombuffer(self._views, _VIEW)
 
     @classmethod
     def empty(cls, width: int, height: int, count: Optional[int] = None, *,
@@ -120,26 +103,21 @@ class Frame:
     @property
     def background(self) -> np.ndarray:
         """[C, 3] in the scene's own values. It may be set."""
-        return self._views["background"].copy()
+        return self._table["background"].copy()
 
     @background.setter
     def background(self, value: Any) -> None:
         found = np.asarray(value, np.float32)
         if found.shape not in ((3,), (len(self._views), 3)):
             raise ValueError(f"background has the shape {found.shape}, expected (3,) or ({len(self._views)}, 3)")
-        self._views["background"] = found
+        self._table["background"] = found
 
     def __len__(self) -> int:
         """How many images there are."""
         return len(self._views)
 
-    def _aim(self, cameras: Union[Camera, Sequence[Camera]], measure: int) -> None:
-        """Sets the cameras of the next frame, and what it measures."""
-        if measure != self._measure:
-            self._struct.measure = self._measure = measure
-        if type(cameras) is Camera and cameras._size == self._one_size:
-            self._camera_bytes[:] = cameras._bytes
-            return
+    def _aim(self, cameras: Union[Camera, Sequence[Camera]]) -> None:
+        """Sets the cameras of the next frame."""
         found = check_cameras(cameras)
         if len(found) != len(self._views):
             raise ValueError(f"{len(found)} cameras for a frame of {len(self._views)} images, expected as many")
@@ -148,6 +126,10 @@ class Frame:
                 raise ValueError(f"the camera has {camera.width}x{camera.height} pixels and the frame {self.width}x"
                                  f"{self.height}, expected as many, or first_pixel for a part of the image")
         self._camera_bytes[:] = b"".join(camera._bytes for camera in found)
+
+    def _measure(self, times: bool, counts: bool) -> None:
+        self._times, self._counts = times, counts
+        self._struct.measure = _c.MEASURE_TIMES * bool(times) + _c.MEASURE_COUNTS * bool(counts)
 
     def save(self, path: Union[str, "os.PathLike[str]"], index: int = 0) -> None:
         """Writes image `index` of a frame on the host as its ending says: `.png`, `.pfm`, or `.exr`, which has alpha
@@ -171,38 +153,8 @@ class Frame:
     def __repr__(self) -> str:
         planes = [name for name in ("colour", "alpha", "depth") if getattr(self, name) is not None]
         number = f"{len(self)} x " if self.batched else ""
-        place = self._memory[0].place
+        place = self._planes[0].memory.place
         return f"<swiftgs.Frame of {number}{self.width}x{self.height}, {', '.join(planes)}, on {place}>"
-
-
-def _split(name: str, memory: _arrays.Memory, expected: Optional[Tuple[int, ...]]) -> Tuple[Tuple[int, ...], int]:
-    """The shape without channels, and how many of those there are."""
-    shape = memory.shape
-    if name == "colour":
-        allowed = {(f.kind, f.channels) for f in FORMATS.values()}
-        if len(shape) not in (3, 4) or (memory.kind, shape[-1]) not in allowed:
-            raise ValueError(f"colour has the shape {shape} of type {memory.kind}, expected ([C,] H, W, 3) of f4, or "
-                             "([C,] H, W, 4) of f4, f2 or u1")
-        images, channels = shape[:-1], shape[-1]
-    else:
-        images = shape[:-1] if len(shape) in (3, 4) and shape[-1] == 1 and shape != expected else shape
-        if len(images) not in (2, 3) or memory.kind != "f4":
-            raise ValueError(f"{name} has the shape {shape} of type {memory.kind}, expected ([C,] H, W) or "
-                             "([C,] H, W, 1) of f4")
-        channels = 1
-    if 0 in images:
-        raise ValueError(f"{name} has the shape {shape}, expected no side of 0")
-    item = int(memory.kind[1:])
-    if any(place % item for place in (memory.address, *memory.strides)):
-        raise ValueError(f"{name} begins at the address {memory.address} with the strides {memory.strides} bytes, "
-                         f"expected multiples of {item}")
-    pixels = _dlpack.dense_strides((shape[len(images) - 1], channels), item)
-    found = memory.strides[len(images) - 1:len(images)] + (memory.strides[len(images):] or (item,))
-    sides = (shape[len(images) - 1], channels)
-    if any(side > 1 and stride != wanted for side, stride, wanted in zip(sides, found, pixels)):
-        raise ValueError(f"{name} has the strides {memory.strides} bytes, expected pixels of a row side by side, "
-                         f"{pixels} at the end")
-    return images, channels
 
 
 def load_image(path: Union[str, "os.PathLike[str]"]) -> np.ndarray:

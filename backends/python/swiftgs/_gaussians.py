@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Arrays of Gaussians as the struct that the library takes."""
+import functools
 from typing import Any, List, Optional, Tuple
 
 from . import _arrays, _c, _dlpack
@@ -11,23 +12,27 @@ _PARTS = {"means": (3,), "scales": (3,), "rotations": (4,), "opacities": (), "sh
 def _rows(array: Any, what: str, count: Optional[int], shape: Tuple[Optional[int], ...],
           stream: int) -> _arrays.Memory:
     """Float32 of `count` Gaussians, the numbers of one side by side. None in a shape stands for any length."""
-    expected = ", ".join("N" if n is None else str(n) for n in (count, *shape))
     memory = _arrays.read(array, what, stream)
-    if memory.kind != "f4":
-        raise TypeError(f"{what} has numbers of type {memory.kind}, expected float32 (f4)")
-    if len(memory.shape) != 1 + len(shape) or any(
-            n is not None and n != found for n, found in zip((count, *shape), memory.shape)):
-        raise ValueError(f"{what} has the shape {memory.shape}, expected ({expected})")
-    dense = _dlpack.dense_strides(memory.shape, 4)
-    row = dense[0]
-    sides_fit = all(side == 1 or stride == wanted
-                    for side, stride, wanted in zip(memory.shape[1:], memory.strides[1:], dense[1:]))
-    first = memory.strides[0]
-    if memory.shape[0] > 1 and not (sides_fit and first >= row and first % 4 == 0) or not sides_fit:
+    if not _lies_in_rows(what, memory.kind, memory.shape, memory.strides, (count, *shape)):
         return _rows(_copied(array, what), what, count, shape, stream)
     if memory.address % 4 != 0:
         raise ValueError(f"{what} begins at the address {memory.address}, expected a multiple of 4")
     return memory
+
+
+@functools.lru_cache(maxsize=256)
+def _lies_in_rows(what: str, kind: str, shape: Tuple[int, ...], strides: Tuple[int, ...],
+                  expected: Tuple[Optional[int], ...]) -> bool:
+    """Whether the library can read an array as it lies. An exception if it is not the expected one."""
+    if kind != "f4":
+        raise TypeError(f"{what} has numbers of type {kind}, expected float32 (f4)")
+    if len(shape) != len(expected) or any(n is not None and n != found for n, found in zip(expected, shape)):
+        wanted = ", ".join("N" if n is None else str(n) for n in expected)
+        raise ValueError(f"{what} has the shape {shape}, expected ({wanted})")
+    dense = _dlpack.dense_strides(shape, 4)
+    if any(side != 1 and stride != wanted for side, stride, wanted in zip(shape[1:], strides[1:], dense[1:])):
+        return False
+    return shape[0] <= 1 or strides[0] >= dense[0] and strides[0] % 4 == 0
 
 
 def _copied(array: Any, what: str) -> Any:
@@ -72,10 +77,9 @@ def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: A
     for name in _PARTS:
         if name in memory:
             setattr(struct, name, _array(memory[name]))
-    devices = {name: found.device for name, found in memory.items()}
-    for name, device in devices.items():
-        if device != first.device:
-            raise ValueError(f"{said(name, name)} lies on {memory[name].place} and {said('means', 'means')} on "
+    for name, found in memory.items():
+        if found.device != first.device:
+            raise ValueError(f"{said(name, name)} lies on {found.place} and {said('means', 'means')} on "
                              f"{first.place}, expected all on one")
     check_device(first.device, said("means", "means"))
     struct.memory = _c.HOST if first.device is None else _c.DEVICE

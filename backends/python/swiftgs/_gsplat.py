@@ -109,9 +109,9 @@ def rasterization(
     frame = Frame(colour, alpha, depth, conventions=conventions)
     if backgrounds is not None and in_colour:
         frame.background = _backgrounds(backgrounds, count)
-    with drawing._lock:
+    with drawing._scene_lock:
         drawing._set_gaussians(means, scales, quats, opacities, None, **coloured, any_rotations=True, names=_NAMES)
-        frame._cameras[:] = cameras
+        frame._camera_bytes[:] = cameras.tobytes()
         drawing._draw(frame)
 
     colour, alpha, depth = (None if plane is None else _arrays.returned(means, plane)

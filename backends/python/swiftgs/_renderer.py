@@ -5,7 +5,7 @@ import threading
 from typing import Any, List, NamedTuple, Optional, Sequence, Union
 
 from . import _arrays, _c
-from ._c import Handle, count_of, lib, text_of
+from ._c import Handle, count_of, lib, render, text_of
 from ._camera import Camera, check_cameras
 from ._frame import Frame
 from ._gaussians import gaussians_of
@@ -105,12 +105,10 @@ class Renderer:
         options = _c.RendererOptions(threads=threads, stream=self._stream)
         self._handle: Optional[Handle] = Handle(lib.renderer_free, lib.renderer_create, name.encode(),
                                                 ctypes.byref(options), outlived_by=stream)
-        self._pointer = self._handle.pointer
-        self._argument: Optional[ctypes.c_void_p] = ctypes.c_void_p(self._pointer)
         self.name = name  #: BACKEND/SORT/RASTER/BOUNDS
-        self.on_device = name.startswith("cuda/")
+        self.on_device = name.startswith("cuda/")  #: whether it draws on a CUDA device
         self._device = _arrays.current_device() if self.on_device else None
-        self._lock = threading.RLock()
+        self._scene_lock = threading.RLock()  # `rasterization` draws before another thread changes the scene
         self._scene = "no scene"
         if scene is not None:
             self.set_scene(scene)
@@ -124,7 +122,7 @@ class Renderer:
         """Uploads `scene` for the frames that follow; backends of the host share its memory."""
         if not isinstance(scene, Scene):
             raise TypeError(f"scene is of type {type(scene).__name__}, expected swiftgs.Scene; swiftgs.load reads one")
-        with self._lock:
+        with self._scene_lock:
             lib.renderer_set_scene(self._open(), scene._open())
             self._scene = f"{len(scene):,} Gaussians"
 
@@ -132,8 +130,7 @@ class Renderer:
         """Shares what `other`, a renderer of the same backend, has uploaded."""
         if not isinstance(other, Renderer):
             raise TypeError(f"other is of type {type(other).__name__}, expected swiftgs.Renderer")
-        first, second = sorted((self, other), key=id)  # the same order in all threads
-        with first._lock, second._lock:
+        with self._scene_lock:
             lib.renderer_share_scene(self._open(), other._open())
             self._scene = other._scene
 
@@ -152,23 +149,23 @@ class Renderer:
                             logit_opacities=logit_opacities, any_rotations=any_rotations)
 
     def _set_gaussians(self, *arrays: Any, **options: Any) -> None:
-        with self._lock:
-            pointer = self._open()
+        with self._scene_lock:
+            handle = self._open()
             struct, memory = gaussians_of(*arrays, stream=self._stream, **options)
             device = memory[0].device
             if device is not None:
                 self._check_device()
-            lib.renderer_set_gaussians(pointer, ctypes.byref(struct))
+            lib.renderer_set_gaussians(handle, ctypes.byref(struct))
             if device is not None:
                 given = [array for array in (*arrays, options.get("sh"), options.get("colours")) if array is not None]
                 for stream in {_arrays.stream_of(array, device) for array in given}:
-                    self._hand_on(stream)
+                    self._hand_on(handle, stream)
             self._scene = f"{struct.count:,} Gaussians"
 
-    def _hand_on(self, stream: Optional[int]) -> None:
+    def _hand_on(self, handle: Handle, stream: Optional[int]) -> None:
         """What a library does next on its stream comes after what the renderer has been given."""
         if stream is None:
-            lib.renderer_wait(self._pointer)
+            lib.renderer_wait(handle)
         elif stream != self._stream:
             lib.device_order(self._stream or None, stream or None)
 
@@ -188,35 +185,42 @@ class Renderer:
         library's stream. `times` and `counts` fill `self.times` and `self.statistics`.
         """
         if out is None:
-            found = check_cameras(cameras)
-            count = None if isinstance(cameras, Camera) else len(found)
-            first = found[0]
-            for index, camera in enumerate(found):
-                if (camera.width, camera.height) != (first.width, first.height):
-                    raise ValueError(f"camera {index} has {camera.width}x{camera.height} pixels, expected "
-                                     f"{first.width}x{first.height}, as the first")
-            out = Frame.empty(first.width, first.height, count, format=format, **frame)
+            out = self._new_frame(cameras, format, frame)
         elif frame or format != "rgb":
             raise TypeError(f"render takes either out or {', '.join(frame) or 'format'}")
         elif not isinstance(out, Frame):
             raise TypeError(f"out is of type {type(out).__name__}, expected swiftgs.Frame")
-        with self._lock:
-            out._aim(cameras, times * _c.MEASURE_TIMES + counts * _c.MEASURE_COUNTS)
-            self._draw(out)
+        # A frame leaves the processor's caches cold, so that each step of Python costs microseconds: this is the way of
+        # the usual call.
+        if type(cameras) is Camera and cameras._size is out._one_size:
+            out._camera_bytes[:] = cameras._bytes
+        else:
+            out._aim(cameras)
+        if times is not out._times or counts is not out._counts:
+            out._measure(times, counts)
+        self._draw(out)
         return out
 
+    @staticmethod
+    def _new_frame(cameras: Union[Camera, Sequence[Camera]], form: str, options: Any) -> Frame:
+        found = check_cameras(cameras)
+        size = found[0]._size
+        for index, camera in enumerate(found):
+            if camera._size != size:
+                raise ValueError(f"camera {index} has {camera.width}x{camera.height} pixels, expected "
+                                 f"{size[0]}x{size[1]}, as the first")
+        return Frame.empty(*size, None if isinstance(cameras, Camera) else len(found), format=form, **options)
+
     def _draw(self, out: Frame) -> None:
-        """The lock is held."""
-        if self._argument is None:
-            self._open()
+        handle = self._handle or self._open()  # kept until the frame is drawn
         if out.device is not None:
-            self._draw_on_device(out)
+            self._draw_on_device(handle, out)
             return
-        status = _c.render(self._argument, out._argument)
+        status = render(handle.argument, out._argument)
         if status:
             _c.check(status)
 
-    def _draw_on_device(self, out: Frame) -> None:
+    def _draw_on_device(self, handle: Handle, out: Frame) -> None:
         if not self.on_device:
             raise ValueError(f"the frame lies on CUDA device {out.device}, expected the host for '{self.name}'")
         self._check_device()
@@ -228,12 +232,12 @@ class Renderer:
                 _arrays.read(array, "the frame", self._stream)  # its protocol makes it ready
             elif stream != self._stream:
                 lib.device_order(stream or None, self._stream or None)
-        lib.renderer_render_into(self._pointer, out._argument)
+        lib.renderer_render_into(handle, out._argument)
         for array, stream in zip(out._sources, streams):
             if isinstance(array, _arrays.DeviceArray):
-                array.stream, array._stream_owner = self._stream, self._handle.outlived_by
+                array.stream, array._stream_owner = self._stream, handle.outlived_by
             else:
-                self._hand_on(stream)
+                self._hand_on(handle, stream)
 
     def _check_device(self) -> None:
         if not self.on_device:
@@ -244,47 +248,43 @@ class Renderer:
 
     def wait(self) -> None:
         """Returns when all frames so far are finished."""
-        with self._lock:
-            lib.renderer_wait(self._open())
+        lib.renderer_wait(self._open())
 
     @property
     def times(self) -> Times:
         """Of the last frame."""
-        with self._lock:
-            struct = _c.Times()
-            lib.renderer_times(self._open(), ctypes.byref(struct))
-            return _members(struct, Times)
+        struct = _c.Times()
+        lib.renderer_times(self._open(), ctypes.byref(struct))
+        return _members(struct, Times)
 
     @property
     def statistics(self) -> Statistics:
         """Of the last frame."""
-        with self._lock:
-            struct = _c.Statistics()
-            lib.renderer_statistics(self._open(), ctypes.byref(struct))
-            return _members(struct, Statistics)
+        struct = _c.Statistics()
+        lib.renderer_statistics(self._open(), ctypes.byref(struct))
+        return _members(struct, Statistics)
 
     @property
     def memory(self) -> Memory:
         """What the renderer keeps, the scene excluded."""
-        with self._lock:
-            struct = _c.Memory()
-            lib.renderer_memory(self._open(), ctypes.byref(struct))
-            return _members(struct, Memory)
+        struct = _c.Memory()
+        lib.renderer_memory(self._open(), ctypes.byref(struct))
+        return _members(struct, Memory)
 
     def trim(self) -> None:
         """Waits, and gives back all memory that the renderer keeps, the scene excluded."""
-        with self._lock:
-            lib.renderer_trim(self._open())
+        lib.renderer_trim(self._open())
 
-    def _open(self) -> int:
-        if self._handle is None:
+    def _open(self) -> Handle:
+        """To be held as long as it is used."""
+        handle = self._handle
+        if handle is None:
             raise ValueError("the renderer is closed")
-        return self._pointer
+        return handle
 
     def close(self) -> None:
         """Gives up the renderer and its scene."""
-        with self._lock:
-            self._handle = self._pointer = self._argument = None
+        self._handle = None
 
     def __enter__(self) -> "Renderer":
         self._open()

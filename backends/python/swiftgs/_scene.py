@@ -183,6 +183,7 @@ class Scene:
 
     @property
     def sh_degree(self) -> int:
+        """0 to 3."""
         return self._info.sh_degree
 
     @property

@@ -17,7 +17,7 @@ extern "C" {
 #endif
 
 /// Renders frames of the scene that it was given. It keeps its memory: a frame no larger than an earlier one
-/// allocates nothing.
+/// allocates nothing. Calls of several threads take turns.
 typedef struct swiftgs_renderer swiftgs_renderer;
 
 /// One row of the table of renderers.
