@@ -3,48 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
 
 #include <swiftgs/cpu.hpp>
-
-#ifndef SWIFTGS_CPU_TALL_ELLIPSE
-#define SWIFTGS_CPU_TALL_ELLIPSE
-namespace swiftgs {
-namespace {
-
-/// `Ellipse` for splats of many rows of tiles, whose runs are found some rows at a time.
-struct TallEllipse {
-  static constexpr std::string_view name = Ellipse::name;
-  static constexpr bool lossless = Ellipse::lossless;
-
-  class Tiles {
-   public:
-    TileRect rect;
-
-    Tiles(const SplatShape& shape, TileGrid grid)
-        : rect(opacity_box(shape, grid)), shape_(shape), grid_(grid), first_(rect.rows.begin - rows) {}
-
-    TileRun row(int row) const {
-      if (row < first_ || row >= first_ + rows) find(row);
-      return runs_[row - first_];
-    }
-
-   private:
-    static constexpr int rows = 16;
-    void find(int row) const;
-
-    SplatShape shape_;
-    TileGrid grid_;
-    mutable int first_;           ///< of the rows that are known
-    mutable TileRun runs_[rows];  ///< of these
-  };
-
-  Tiles tiles(const SplatShape& shape, TileGrid grid) const { return {shape, grid}; }
-};
-
-}  // namespace
-}  // namespace swiftgs
-#endif
 
 // Compile the rest of this file for every target; the order of these lines matters.
 // clang-format off
@@ -133,7 +93,7 @@ struct BoxRows {
 };
 
 struct VectorOpacityBox : BoxRows {
-  using Large = OpacityBox;
+  using Scalar = OpacityBox;
 
   HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
     const Vec height = HalfHeight(s), slack = Slack(s.half_width, height);
@@ -144,7 +104,7 @@ struct VectorOpacityBox : BoxRows {
 };
 
 struct VectorThreeSigmaSquare : BoxRows {
-  using Large = ThreeSigmaSquare;
+  using Scalar = ThreeSigmaSquare;
 
   HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
     const Vec k = All(0.72134752044448170368f), one = All(1.0f);
@@ -170,7 +130,7 @@ struct VectorThreeSigmaSquare : BoxRows {
 
 class VectorEllipse {
  public:
-  using Large = TallEllipse;
+  using Scalar = Ellipse;
 
   HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
     shapes_ = s, side_ = grid.side;
@@ -214,7 +174,7 @@ class VectorEllipse {
   Vec height_, slack_, steepest_;
 };
 
-/// Footprints of `lanes` splats. Those too large for a mask are taken one by one.
+/// Footprints of `lanes` splats. Those too large for a mask are left to the scalar bounds.
 template <class VectorBounds>
 HWY_INLINE void GroupFootprints(const SplatShape* HWY_RESTRICT shapes, TileGrid grid,
                                 Footprint* HWY_RESTRICT footprints) {
@@ -260,7 +220,7 @@ HWY_INLINE void GroupFootprints(const SplatShape* HWY_RESTRICT shapes, TileGrid 
   hn::StoreMaskBits(di, large, large_bits);
   for (std::size_t i = 0; i < lanes; ++i)
     if (large_bits[i / 8] >> (i % 8) & 1)
-      footprints[i] = find_footprint(typename VectorBounds::Large(), shapes[i], grid);
+      footprints[i] = find_footprint(typename VectorBounds::Scalar(), shapes[i], grid);
 }
 
 template <class VectorBounds>
@@ -274,25 +234,6 @@ HWY_INLINE void FindFootprints(const SplatShape* shapes, std::size_t count, Tile
   std::fill_n(std::copy(shapes + i, shapes + count, padded_shapes), lanes - (count - i), shapes[i]);
   GroupFootprints<VectorBounds>(padded_shapes, grid, padded);
   std::copy_n(padded, count - i, footprints + i);
-}
-
-/// Runs of 16 rows of tiles of one splat, from `row` on.
-void EllipseRows(const SplatShape& s, TileGrid grid, int row, TileRun* HWY_RESTRICT runs) {
-  const I32 di;
-  VectorEllipse bounds;
-  const Shapes all{.mean_x = All(s.mean.x),
-                   .mean_y = All(s.mean.y),
-                   .l0 = All(s.l0),
-                   .l1 = All(s.l1),
-                   .l2 = All(s.l2),
-                   .reach = All(s.reach),
-                   .half_width = All(s.half_width)};
-  Rects rects = bounds.Rect(all, grid);
-  for (int i = 0; i < 16; i += int(lanes)) {
-    rects.rows.begin = hn::Iota(di, row + i);
-    const Runs found = bounds.Row(rects, 0);
-    hn::StoreInterleaved2(found.begin, found.end, di, &runs[i].begin);
-  }
 }
 
 void ThreeSigmaSquareFootprints(const SplatShape* shapes, std::size_t count, TileGrid grid,
@@ -315,21 +256,7 @@ namespace {
 HWY_EXPORT(ThreeSigmaSquareFootprints);
 HWY_EXPORT(OpacityBoxFootprints);
 HWY_EXPORT(EllipseFootprints);
-HWY_EXPORT(EllipseRows);
-
-void TallEllipse::Tiles::find(int row) const {
-  static_assert(rows == 16);
-  first_ = row;
-  HWY_DYNAMIC_DISPATCH(EllipseRows)(shape_, grid_, row, runs_);
-}
 }  // namespace
-
-LargeTiles::LargeTiles(const Ellipse&)
-    : bounds(nullptr),
-      walk([](const void*, const Footprint& footprint, const SplatShape& shape, TileGrid grid, F f,
-              void* context) {
-        for_each_tile(footprint, TallEllipse(), shape, grid, Call{f, context});
-      }) {}
 
 void find_footprints(const ThreeSigmaSquare&, const SplatShape* shapes, std::size_t count, TileGrid grid,
                      Footprint* out) {

@@ -217,8 +217,6 @@ struct LargeTiles {
                 void* context) {
           for_each_tile(footprint, *static_cast<const Bounds*>(known), shape, grid, Call{f, context});
         }) {}
-  /// The same tiles, of which rows are found a register at a time. Bounds need no such overload.
-  SWIFTGS_API explicit LargeTiles(const Ellipse& of);
 
  private:
   /// No lambda: nvcc would warn that `for_each_tile` is for devices too.
