@@ -68,7 +68,7 @@ class Tables(unittest.TestCase):
         for machine in ("amd", "h200"):
             shutil.copy(pathlib.Path(RESULTS) / FOLDERS[machine] / "ulps.json", cls.results / FOLDERS[machine])
         shutil.copy(pathlib.Path(RESULTS) / FOLDERS["amd"] / "formats.json", cls.results / FOLDERS["amd"])
-        (cls.results / FOLDERS["xeon"]).mkdir(parents=True)
+        synthetic_folder.write(cls.results / FOLDERS["xeon"], "cpu")
         shutil.copy(pathlib.Path(RESULTS) / FOLDERS["xeon"] / "python.json", cls.results / FOLDERS["xeon"])
 
     @classmethod
