@@ -12,17 +12,18 @@ if(SWIFTGS_BUILD_MPI)
   find_package(MPI REQUIRED COMPONENTS CXX)
 endif()
 
-# Devices of ranks exchange through NCCL where its header and its library are. Its Python package has both, and no name
-# that a linker looks for: nvidia/nccl in the folder of packages.
-set(SWIFTGS_NCCL_ROOT "" CACHE PATH "Folder with NCCL's include/nccl.h and lib/libnccl.so.2, beside the usual places")
+# Devices of ranks exchange through NCCL where its header is. Its library is loaded when ranks first ask for it.
+set(SWIFTGS_NCCL_ROOT "" CACHE PATH "Folder with NCCL's include/nccl.h, beside the usual places")
 set(swiftgs_has_nccl OFF)
 if(SWIFTGS_BUILD_MPI AND SWIFTGS_BUILD_CUDA)
-  find_path(SWIFTGS_NCCL_INCLUDE nccl.h HINTS "${SWIFTGS_NCCL_ROOT}" PATH_SUFFIXES include)
-  find_library(SWIFTGS_NCCL_LIBRARY NAMES nccl libnccl.so.2 HINTS "${SWIFTGS_NCCL_ROOT}" PATH_SUFFIXES lib)
-  mark_as_advanced(SWIFTGS_NCCL_INCLUDE SWIFTGS_NCCL_LIBRARY)
-  if(SWIFTGS_NCCL_INCLUDE AND SWIFTGS_NCCL_LIBRARY)
+  # Anew each time: another root may have been named.
+  unset(SWIFTGS_NCCL_INCLUDE CACHE)
+  find_path(SWIFTGS_NCCL_INCLUDE nccl.h HINTS "${SWIFTGS_NCCL_ROOT}/include" PATHS ${CUDAToolkit_INCLUDE_DIRS})
+  mark_as_advanced(SWIFTGS_NCCL_INCLUDE)
+  if(SWIFTGS_NCCL_INCLUDE)
     set(swiftgs_has_nccl ON)
-  elseif(SWIFTGS_NCCL_ROOT)
-    message(FATAL_ERROR "SWIFTGS_NCCL_ROOT: expected include/nccl.h and lib/libnccl.so.2 in ${SWIFTGS_NCCL_ROOT}")
+  endif()
+  if(SWIFTGS_NCCL_ROOT AND NOT EXISTS "${SWIFTGS_NCCL_ROOT}/include/nccl.h")
+    message(FATAL_ERROR "SWIFTGS_NCCL_ROOT: expected include/nccl.h in ${SWIFTGS_NCCL_ROOT}")
   endif()
 endif()

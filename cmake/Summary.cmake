@@ -37,7 +37,7 @@ if(TARGET swiftgs_mpi)
   if(NOT TARGET swiftgs_cuda)
     set(mpi yes)
   elseif(swiftgs_has_nccl)
-    set(mpi "yes, devices exchange through NCCL: ${SWIFTGS_NCCL_LIBRARY}")
+    set(mpi "yes, devices exchange through NCCL: ${SWIFTGS_NCCL_INCLUDE}/nccl.h")
   endif()
 endif()
 

@@ -21,7 +21,7 @@ Exchange::Exchange(const Ranks& ranks, DirectLink* link)
     : ranks_(ranks), link_(link), requests_(std::make_unique<Requests>()) {}
 
 Exchange::~Exchange() {
-  if (std::uncaught_exceptions() != 0) {
+  if (std::uncaught_exceptions() != 0 && (!requests_->each.empty() || requests_->given)) {
     // Other ranks may wait for what this one will not send. The program ends, and its messages with it.
     (void)requests_.release();
     return;

@@ -121,8 +121,9 @@ void mpi::hear_step(Ranks::State& state) {
 
 void Ranks::meet(const std::function<void()>& meanwhile) const {
   MPI_Request request = MPI_REQUEST_NULL;
+  const std::uint64_t mine = state_->steps_told;
   std::uint64_t told = 0;
-  mpi::check(MPI_Iallreduce(&state_->steps_told, &told, 1, MPI_UINT64_T, MPI_SUM, state_->comm, &request),
+  mpi::check(MPI_Iallreduce(&mine, &told, 1, MPI_UINT64_T, MPI_SUM, state_->comm, &request),
              "MPI_Iallreduce");
   for (int all = 0;; std::this_thread::sleep_for(std::chrono::milliseconds(10))) {
     mpi::check(MPI_Test(&request, &all, MPI_STATUS_IGNORE), "MPI_Test");

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <dlfcn.h>
+
 #include <doctest/doctest.h>
 
 #include <swiftgs/mpi/cuda.hpp>
@@ -19,7 +21,7 @@ using namespace swiftgs::test;
 namespace {
 
 #if defined(SWIFTGS_HAS_NCCL)
-constexpr bool has_nccl = true;
+const bool has_nccl = dlopen("libnccl.so.2", RTLD_NOW) != nullptr;
 #else
 constexpr bool has_nccl = false;
 #endif

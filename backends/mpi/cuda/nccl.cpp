@@ -10,10 +10,10 @@
 #include <vector>
 
 #include <cuda_runtime_api.h>
-#include <nccl.h>
 
 #include <swiftgs/mpi/cuda.hpp>
 
+#include "cuda/nccl_functions.hpp"
 #include "ranks_state.hpp"
 
 namespace swiftgs {
@@ -27,15 +27,15 @@ void check(cudaError_t result, const char* call) {
 
 void check(ncclResult_t result, const char* call) {
   if (result != ncclSuccess)
-    throw MpiError(call, std::string(ncclGetErrorString(result)) + ", " + ncclGetLastError(nullptr));
+    throw MpiError(call,
+                   std::string(nccl()->get_error_string(result)) + ", " + nccl()->get_last_error(nullptr));
 }
 
 /// The devices of all ranks, and a stream of this rank's on which arrays go between them. Belongs to the
-/// device that was current when it was made.
+/// device that was current when it was made. Made where `nccl()` is.
 class Devices {
  public:
-  /// Collective.
-  Devices(const Ranks& ranks, int device, const ncclUniqueId& id) : device_(device) {
+  explicit Devices(int device) : device_(device) {
     // What ranks wait for goes before what the backend does beside it. Without the flag the default stream,
     // on which backends work, would wait for this one.
     int least = 0, greatest = 0;
@@ -44,14 +44,17 @@ class Devices {
           "cudaStreamCreateWithPriority");
     for (cudaEvent_t* event : {&submitted_, &done_[0], &done_[1]})
       check(cudaEventCreateWithFlags(event, cudaEventDisableTiming), "cudaEventCreateWithFlags");
-    check(ncclCommInitRank(&comm_, ranks.size(), id, ranks.rank()), "ncclCommInitRank");
+  }
+  /// Collective.
+  void join(const Ranks& ranks, const ncclUniqueId& id) {
+    check(nccl()->comm_init_rank(&comm_, ranks.size(), id, ranks.rank()), "ncclCommInitRank");
   }
   ~Devices() {
     // Destroying waits for the other ranks, which a rank that fails alone must not.
     if (comm_ && std::uncaught_exceptions() == 0)
-      ncclCommDestroy(comm_);
+      nccl()->comm_destroy(comm_);
     else if (comm_)
-      ncclCommAbort(comm_);
+      nccl()->comm_abort(comm_);
     for (cudaEvent_t event : {submitted_, done_[0], done_[1]}) cudaEventDestroy(event);
     cudaStreamDestroy(stream_);
   }
@@ -77,7 +80,7 @@ class Devices {
     require_joined();
     try {
       ncclResult_t failed = ncclSuccess;
-      check(ncclCommGetAsyncError(comm_, &failed), "ncclCommGetAsyncError");
+      check(nccl()->comm_get_async_error(comm_, &failed), "ncclCommGetAsyncError");
       check(failed, "NCCL between devices");
       // Of two exchanges ago and more this is the event of a later one, which comes behind it.
       const cudaError_t result = cudaEventQuery(done_[begun % 2]);
@@ -95,20 +98,21 @@ class Devices {
  private:
   /// All in one group: whichever end of a pair comes first, none waits for another pair's.
   ncclResult_t exchange(Span<const DirectLink::Message> messages) {
-    ncclResult_t result = ncclGroupStart();
+    ncclResult_t result = nccl()->group_start();
     if (result != ncclSuccess) return result;
     for (const DirectLink::Message& message : messages) {
-      result = message.from ? ncclSend(message.from, message.bytes, ncclUint8, message.rank, comm_, stream_)
-                            : ncclRecv(message.to, message.bytes, ncclUint8, message.rank, comm_, stream_);
+      const auto [rank, bytes, from, to] = message;
+      result = from ? nccl()->send(from, bytes, ncclUint8, rank, comm_, stream_)
+                    : nccl()->recv(to, bytes, ncclUint8, rank, comm_, stream_);
       if (result != ncclSuccess) break;
     }
-    const ncclResult_t ended = ncclGroupEnd();  // a group that was started must end
+    const ncclResult_t ended = nccl()->group_end();  // a group that was started must end
     return result != ncclSuccess ? result : ended;
   }
 
   /// Stops what this rank's device does for others, and waits for from them, for good.
   [[noreturn]] void give_up(const MpiError& error) {
-    ncclCommAbort(std::exchange(comm_, nullptr));
+    nccl()->comm_abort(std::exchange(comm_, nullptr));
     failure_ = std::make_exception_ptr(error);
     std::rethrow_exception(failure_);
   }
@@ -151,7 +155,7 @@ struct Place {
 };
 
 Place place_of(const Ranks& ranks) {
-  Place place{.direct = ranks.direct()};
+  Place place{.direct = ranks.direct() && nccl()};
   int length = 0;
   mpi::check(MPI_Get_processor_name(place.machine, &length), "MPI_Get_processor_name");
   check(cudaGetDevice(&place.device), "cudaGetDevice");
@@ -181,10 +185,11 @@ std::unique_ptr<DirectLink> direct_link(const Ranks& ranks, Cuda& cuda) {
   if (!ranks.all(devices && devices->joins(mine.device))) {
     ncclUniqueId id{};
     failure.guard([&] {
-      if (ranks.rank() == 0) check(ncclGetUniqueId(&id), "ncclGetUniqueId");
+      devices = std::make_shared<Devices>(mine.device);
+      if (ranks.rank() == 0) check(nccl()->get_unique_id(&id), "ncclGetUniqueId");
     });
     failure.agree(ranks);
-    devices = std::make_shared<Devices>(ranks, mine.device, ranks.all_gather(id)[0]);
+    devices->join(ranks, ranks.all_gather(id)[0]);
     ranks.state().devices = devices;
   }
   return std::make_unique<NcclLink>(std::move(devices), cuda.stream());

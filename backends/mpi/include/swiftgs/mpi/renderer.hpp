@@ -266,7 +266,8 @@ class DistributedRenderer {
     mine.drawn = splats.count, mine.bytes = memory();
     if (views.empty()) return;
     for (std::size_t i = 0; i < views.size(); ++i) views[i].frame = drawn_[i].frame;
-    shapes.wait();  // the host too, so that the time of the band is that of work
+    shapes.wait();
+    if (link_) backend_.wait();  // for the own part's colours: the band's time is that of its work
     Clock::time_point begun = Clock::now();
     const Views stored = store_views(backend_, {views.data(), views.size()}, band_storage_);
     exchange_.shapes_arrived(backend_, ranks_);
