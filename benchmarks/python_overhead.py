@@ -5,15 +5,16 @@
         python3 benchmarks/python_overhead.py build/release/examples/swiftgs builtin:200000 [--json FILE]
 
 C++ is `swiftgs bench` with the same renderer, scene, view and size. The languages take turns. Each time is given twice,
-as the median and as what 10 % of the frames stay below (p10), which other programs disturb less. Frames from Python
-come one after the other, each complete before the next:
+as the median and as what 10 % of a round's frames stay below (p10), which other programs disturb less; both are medians
+over the rounds. Frames from Python come one after the other, each complete before the next:
 
   out       `render(camera, out=frame)`, the same memory again
   new       `render(camera)`, an array of NumPy for each frame
   arrays    `rasterization(...)`, which takes the Gaussians with each call
   nothing   as `out`, ten Gaussians in 16 x 9 pixels, where the call is nearly all there is
 
-`outside` are microseconds of a frame outside of its stages: the wall clock less the backend's own clock (`times`).
+`outside` are microseconds of a frame outside of its stages: the wall clock's median, or p10, less that of the backend's
+own clock (`times`).
 What Python adds to a frame is at most the difference of `outside` between the languages, which also has what Python
 takes to read the clock. A frame of the CPU leaves cold caches, so this is more than the same difference of `nothing`,
 whose caches are warm. On a device `out` is a DeviceArray, each frame is waited for, `new` copies to the host, and
@@ -101,16 +102,18 @@ class Case:
                                                                   renderer=renderer), self.wait())
 
     def outside(self, frames):
-        """Microseconds of each frame outside of its stages."""
+        """Microseconds of a frame outside of its stages, as `Cpp.bench` has them."""
         render, camera, out, clock = self.renderer.render, self.camera, self.out, time.perf_counter_ns
-        wait, found = self.renderer.wait if self.renderer.on_device else None, []
+        wait, wall, stages = self.renderer.wait if self.renderer.on_device else None, [], []
         for _ in range(frames):
             begun = clock()
             render(camera, out=out, times=True)
             if wait:
                 wait()
-            found.append((clock() - begun) / 1e3 - self.renderer.times.total * 1e3)
-        return found
+            wall.append((clock() - begun) / 1e3)
+            stages.append(self.renderer.times.total * 1e3)
+        of_wall, of_stages = both(wall), both(stages)
+        return {of: of_wall[of] - of_stages[of] for of in of_wall}
 
 
 def measure(backend, cpp, name, scale, rounds, least):
@@ -121,17 +124,21 @@ def measure(backend, cpp, name, scale, rounds, least):
         in_cpp.append(cpp.bench(name, case.renderer.name, scale))
         nothing_in_cpp.append(cpp.bench(NOTHING[0], case.renderer.name, NOTHING[1]))
         for call, work in (*case.calls.items(), ("nothing", small.calls["out"])):
-            found[call] += milliseconds(work, least / rounds)
-        outside += case.outside(max(10, int(least / rounds / np.median(found["out"]) * 1e3)))
+            found[call].append(both(milliseconds(work, least / rounds)))
+        outside.append(case.outside(max(10, int(least / rounds / found["out"][-1]["median"] * 1e3))))
 
-    def of_rounds(runs, index):
-        return {of: float(np.median([run[of][index] for run in runs])) for of in ("p10", "median")}
+    def of_rounds(runs):
+        return {of: float(np.median([run[of] for run in runs])) for of in runs[0]}
+
+    def part(runs, index):
+        return [{of: run[of][index] for of in run} for run in runs]
 
     return {"renderer": case.renderer.name, "device": case.renderer.device_name, "scene": name,
             "gaussians": len(case.scene), "size": [case.camera.width, case.camera.height],
-            "cpp_ms": of_rounds(in_cpp, 0), "python_ms": {call: both(ms) for call, ms in found.items()},
-            "cpp_nothing_ms": of_rounds(nothing_in_cpp, 0),
-            "cpp_outside_us": of_rounds(in_cpp, 1), "python_outside_us": both(outside)}
+            "cpp_ms": of_rounds(part(in_cpp, 0)),
+            "python_ms": {call: of_rounds(runs) for call, runs in found.items()},
+            "cpp_nothing_ms": of_rounds(part(nothing_in_cpp, 0)),
+            "cpp_outside_us": of_rounds(part(in_cpp, 1)), "python_outside_us": of_rounds(outside)}
 
 
 def main():

@@ -20,8 +20,8 @@
 /// kind takes it back, and NULL as well. Strings that the library returns belong to the handle that was
 /// asked, and live as long. Arrays and strings that a caller passes in are read before the function returns.
 ///
-/// **Threads.** Scenes and lists of cameras never change, and any number of threads may read them. A renderer
-/// serves one thread at a time. Renderers do not disturb each other.
+/// **Threads.** Scenes and lists of cameras never change, and any number of threads may read them. Calls to
+/// one renderer take turns; renderers of several threads draw at once. Free a handle when no call uses it.
 ///
 /// **Paths and strings** are bytes that end in zero, as the file system has them.
 

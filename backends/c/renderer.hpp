@@ -19,7 +19,7 @@ struct swiftgs_renderer {
   std::unique_ptr<swiftgs::c::HostFrames> host_frames{};  ///< null: the backend reaches the host's memory
   void* stream = nullptr;                                 ///< of a device
   std::vector<swiftgs::View> views{};                     ///< of one call; their memory is kept
-  mutable std::recursive_mutex turn{};  ///< of calls; the memory hooks of one may make others
+  mutable std::recursive_mutex turn{};  ///< of calls; a memory hook may ask the renderer that called it
 };
 
 namespace swiftgs::c {

@@ -16,7 +16,8 @@ HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Takes the nearest integer off v, and returns it in the low bits of a float's significand.
+/// Takes the nearest integer off v, and returns it as `TimesPower` wants it: here in the low bits of a
+/// float's significand.
 template <class D, class V>
 HWY_INLINE V TakeWhole(D d, V& v) {
   const V magic = hn::Set(d, 12582912.0f);  // 1.5 2^23
@@ -36,7 +37,8 @@ HWY_INLINE V TimesPower(D d, V p, V whole, hn::Mask<D> kept) {
 }
 
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
-// The same by two instructions of AVX-512: fewer, and none of them a shift, which one port alone takes.
+// The same with two instructions of AVX-512, three in place of five, none of them a shift, which one port
+// alone takes. The integer is a float of that value.
 HWY_INLINE hn::Vec512<float> TakeWhole(hn::Full512<float>, hn::Vec512<float>& v) {
   const hn::Vec512<float> fraction{_mm512_reduce_ps(v.raw, 0)}, whole = hn::Sub(v, fraction);
   v = fraction;

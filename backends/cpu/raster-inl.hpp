@@ -104,8 +104,8 @@ HWY_INLINE Vec MostOfFour(Vec v) {
 }
 
 /// Fills `terms`, with a c of minus infinity in rows that are not touched: blocks hold rows that are touched
-/// and others. A block is touched if its columns meet those between the least and the most column that its
-/// four rows come within `half` of the splat's axis.
+/// and others. In each row the splat spans the columns within `half` of its axis. A block is touched if its
+/// columns overlap the span from the least to the most of its four rows.
 ///
 /// No pixel of a block that is refused is kept: a kept pixel has |p + q| below the `half` of its row, which
 /// is wider by far more than all that is rounded; and p <= half - q holds after rounding too, because p is a

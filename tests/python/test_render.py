@@ -139,7 +139,9 @@ def test_conventions_reach_the_frame(renderer, camera, expected):
         swiftgs.Camera.builtin(4, 4), out=swiftgs.Frame(np.lib.stride_tricks.as_strided(
             np.zeros((4, 4, 3), np.float32), (4, 4, 3), (12, 12, 4)))), ValueError, "pitch"),
     (lambda: swiftgs.Frame.empty(16, 16, first_pixel=(1 << 40, 0)), ValueError, "left is 1099511627776"),
-    (lambda: swiftgs.Frame.empty(16, 16, first_pixel=(0, 0.5)), TypeError, "float"),
+    (lambda: swiftgs.Frame.empty(16, 16, first_pixel=(0, 0.5)), TypeError, r"\(0, 0.5\), expected two whole numbers"),
+    (lambda: swiftgs.Frame.empty(16, 16, first_pixel=(1,)), TypeError, r"\(1,\), expected two whole numbers"),
+    (lambda: swiftgs.Frame.empty(16, 16, first_pixel=5), TypeError, "first_pixel is 5, expected"),
     (lambda: swiftgs.Frame([[0, 0, 0]]), TypeError, "colour is of type list, expected an array"),
     (lambda: swiftgs.Frame.empty(4, 4, format="bgr"), ValueError, "format is 'bgr', expected one of rgb, rgba"),
     (lambda: swiftgs.Frame.empty(4, 4, background=(0, 0)), ValueError, "background has the shape (2,)"),
@@ -228,8 +230,10 @@ def test_a_frame_is_aimed_anew_by_each_call_at_cameras_that_may_go(renderer, sce
         wanted = renderer.render(moved()).colour
         renderer.render(moved() if step % 2 else [moved()], out=out)
         renderer.render((camera for camera in (moved(), camera)), out=pair)
+        made = renderer.render(camera for camera in (moved(), camera))
         gc.collect()
-        assert np.array_equal(out.colour, wanted) and np.array_equal(pair.colour, np.stack([wanted, expected.colour]))
+        assert np.array_equal(out.colour, wanted) and np.array_equal(made.colour, pair.colour)
+        assert np.array_equal(pair.colour, np.stack([wanted, expected.colour]))
         with pytest.raises(ValueError, match="the camera has 16x16 pixels"):
             renderer.render(swiftgs.Camera.builtin(16, 16), out=out)
 

@@ -16,6 +16,14 @@ _VIEW = np.dtype(_c.View)
 _BLACK = (0, 0, 0)
 
 
+def _column_and_row(first_pixel: Any) -> Tuple[int, int]:
+    try:
+        column, row = map(operator.index, first_pixel)
+    except (TypeError, ValueError):
+        raise TypeError(f"first_pixel is {first_pixel!r}, expected two whole numbers, column and row") from None
+    return column, row
+
+
 class Frame:
     """Where one image goes, or a batch of images of one size, and how it is drawn.
 
@@ -43,7 +51,7 @@ class Frame:
         self._is_part = first_pixel is not None
         self._views: Any = (_c.View * (images[0] if self.batched else 1))()
         if first_pixel is not None:
-            left, top = map(operator.index, first_pixel)
+            left, top = _column_and_row(first_pixel)
             self._views[0] = _c.View(left=left, top=top)
         # Copies of the cameras of the next frame, which may go while it is drawn.
         self._cameras: Any = (_c.Camera * len(self._views))()

@@ -185,6 +185,7 @@ class Renderer:
         library's stream. `times` and `counts` fill `self.times` and `self.statistics`.
         """
         if out is None:
+            cameras = cameras if isinstance(cameras, Camera) else list(cameras)
             out = self._new_frame(cameras, format, frame)
         elif frame or format != "rgb":
             raise TypeError(f"render takes either out or {', '.join(frame) or 'format'}")

@@ -33,7 +33,9 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderers_count(size_t* count);
 SWIFTGS_C_API swiftgs_status swiftgs_renderers_get(size_t index, swiftgs_renderer_entry* entry);
 
 /// Memory of `bytes` bytes, aligned to 64 bytes on a host and to 256 on a device, or NULL if there is none:
-/// the call that needed it then fails with `SWIFTGS_OUT_OF_MEMORY`. Must not throw.
+/// the call that needed it then fails with `SWIFTGS_OUT_OF_MEMORY`. Must not throw. It may ask the renderer
+/// that called it for numbers; it must not draw with it, nor call other renderers, which may wait for this
+/// one.
 typedef void* (*swiftgs_allocate)(void* context, size_t bytes);
 /// Takes back what `swiftgs_allocate` returned for as many bytes.
 typedef void (*swiftgs_release)(void* context, void* memory, size_t bytes);

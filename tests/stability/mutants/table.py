@@ -317,6 +317,8 @@ MUTANTS = [
            "hn::Gt(alpha, hn::Set(d, rules.alpha_min))", sources=PER_PIXEL),
     Mutant("cpu raster: cholesky alpha is not cut", CPU + "raster_float_cholesky.cpp",
            "alpha[i] = hn::Min(alpha[i], hn::Set(d, rules_.alpha_max))", "(void)i"),
+    Mutant("cpu raster: split alpha is not cut", CPU + "split-inl.hpp",
+           "hn::Min(alpha[0], hn::Set(d, rules_.alpha_max))", "alpha[0]", sources=SPLIT),
     Mutant("cpu raster: cholesky threshold compares with >", CPU + "raster_float_cholesky.cpp",
            "hn::Ge(alpha[i], hn::Set(d, rules_.log2_alpha_min))", "hn::Gt(alpha[i], hn::Set(d, rules_.log2_alpha_min))"),
     Mutant("cpu raster: per-pixel by the conic", CPU + "raster_per_pixel.cpp",
