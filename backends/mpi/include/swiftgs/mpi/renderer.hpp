@@ -41,7 +41,7 @@ class DistributedRenderer {
   static constexpr std::string_view name = Renderer<B, Sort, Raster, Bounds>::name;
 
   /// Collective. Throws `std::invalid_argument` on all ranks if their builds of the program, or their
-  /// renderers, differ.
+  /// renderers, differ, and `MpiError` if devices cannot be joined, after which the program has to end.
   explicit DistributedRenderer(Ranks ranks, B backend = B(), Sort sort = Sort())
       : ranks_(std::move(ranks)), backend_(std::move(backend)), sort_(std::move(sort)) {
     std::apply([&](auto&... all) { use_memory_of(backend_, all...); }, parts(*this));
