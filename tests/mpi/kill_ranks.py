@@ -18,7 +18,7 @@ import subprocess
 import sys
 import time
 
-from ranks_of_run import check_files, ranks_of, require, start
+from ranks_of_run import check_files, ranks_of, require, running
 
 WORKERS = ("views", "views", "frames")  # each kills its share of the times, side by side
 IMAGES = 25
@@ -34,8 +34,8 @@ class Work:
     command: list
     longest: float = 0  # seconds that it takes when nobody disturbs it
 
-    def start(self, folder):
-        return start(self.launch, self.command, folder)
+    def running(self, folder):
+        return running(self.launch, self.command, folder)
 
     def check(self, folder, finished):
         check_files(folder, IMAGES)
@@ -50,39 +50,36 @@ class StuckLauncher(Exception):
 def run_once(work, folder, rng):
     """Whether a rank was killed in time, and how long the rest went on. @units{seconds}"""
     program = work.command[0]
-    started = work.start(folder)
-    delay = rng.uniform(0, 0.9 * work.longest)
-    time.sleep(delay)
-    killed = False
-    while not killed and started.poll() is None:
-        ranks = ranks_of(program, folder)  # none before the launcher has started them
+    with work.running(folder) as started:
+        delay = rng.uniform(0, 0.9 * work.longest)
+        time.sleep(delay)
+        killed = False
+        while not killed and started.poll() is None:
+            ranks = ranks_of(program, folder)  # none before the launcher has started them
+            try:
+                if ranks:
+                    os.kill(rng.choice(ranks), signal.SIGKILL)
+                    killed = True
+            except ProcessLookupError:
+                pass
+        at = time.monotonic()
         try:
-            if ranks:
-                os.kill(rng.choice(ranks), signal.SIGKILL)
-                killed = True
-        except ProcessLookupError:
-            pass
-    at = time.monotonic()
-    try:
-        code = started.wait(timeout=SECONDS_TO_STOP)
-    except subprocess.TimeoutExpired:
-        left = ranks_of(program, folder)
-        for rank in left:
-            os.kill(rank, signal.SIGKILL)
-        started.kill()
-        started.wait()
-        require(not left, f"{len(left)} ranks went on for {SECONDS_TO_STOP} s after one was killed at {delay:.3f} s")
-        work.check(folder, False)
-        raise StuckLauncher from None
-    while ranks_of(program, folder) and time.monotonic() - at < SECONDS_TO_STOP:
-        time.sleep(0.01)
-    stopped = time.monotonic() - at
-    if code != 0:
-        require(killed, f"nothing was killed, and the command ended with {code}")
-        require(stopped < SECONDS_TO_STOP, f"the rest went on for {stopped:.1f} s")
-        require((folder / "stderr.txt").read_bytes(), "MPI did not say that a rank was killed")
-    work.check(folder, code == 0)
-    return code != 0, stopped
+            code = started.wait(timeout=SECONDS_TO_STOP)
+        except subprocess.TimeoutExpired:
+            left = ranks_of(program, folder)
+            require(not left, f"{len(left)} ranks went on for {SECONDS_TO_STOP} s after one was killed at {delay:.3f} s")
+            started.kill()
+            work.check(folder, False)
+            raise StuckLauncher from None
+        while ranks_of(program, folder) and time.monotonic() - at < SECONDS_TO_STOP:
+            time.sleep(0.01)
+        stopped = time.monotonic() - at
+        if code != 0:
+            require(killed, f"nothing was killed, and the command ended with {code}")
+            require(stopped < SECONDS_TO_STOP, f"the rest went on for {stopped:.1f} s")
+            require((folder / "stderr.txt").read_bytes(), "MPI did not say that a rank was killed")
+        work.check(folder, code == 0)
+        return code != 0, stopped
 
 
 def kill_in_turn(work, folder, rng, times):
@@ -108,7 +105,8 @@ def main():
     kinds = {"views": Work(launch, [tool, *views]), "frames": Work(launch, [frames, str(IMAGES)])}
     for name, work in kinds.items():
         begun = time.monotonic()
-        require(work.start(folder).wait() == 0, f"the run of {name} fails by itself")
+        with work.running(folder) as started:
+            require(started.wait() == 0, f"the run of {name} fails by itself")
         work.longest = time.monotonic() - begun
         work.check(folder, True)
     # Launchers wait more than they work: several go side by side.

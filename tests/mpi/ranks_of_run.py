@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests that stop ranks share: which processes a run has, and whether its files are whole."""
+"""What tests that stop ranks share: how a run starts and ends, its processes, and whether its files are whole."""
+import contextlib
 import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 
 RANKS = 3
@@ -14,15 +16,31 @@ def require(holds, what):
         raise SystemExit(f"ranks: {what}")
 
 
-def start(launch, command, folder, apart=None):
-    """Runs `command` on ranks in `folder`, made anew; the last of them in the folder `apart` of it if that is named."""
+@contextlib.contextmanager
+def running(launch, command, folder, apart=None):
+    """Runs `command` on ranks in `folder`, made anew; the last of them in the folder `apart` of it if that is named.
+
+    Yields the launcher. What still runs after the block is ended, however the block was left.
+    """
     shutil.rmtree(folder, ignore_errors=True)
     (folder / (apart or "")).mkdir(parents=True)
     arguments = ["-n", str(RANKS), *command]
     if apart:
         arguments = ["-n", str(RANKS - 1), *command, ":", "-n", "1", "-wdir", apart, *command]
     with open(folder / "stdout.txt", "wb") as out, open(folder / "stderr.txt", "wb") as err:
-        return subprocess.Popen([launch, *arguments], cwd=folder, stdout=out, stderr=err)
+        started = subprocess.Popen([launch, *arguments], cwd=folder, stdout=out, stderr=err)
+    try:
+        yield started
+    finally:
+        started.terminate()
+        try:
+            started.wait(timeout=10)
+        except subprocess.TimeoutExpired:
+            started.kill()
+            started.wait()
+        for rank in ranks_of(command[0], folder):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(rank, signal.SIGKILL)
 
 
 def ranks_of(program, folder):
