@@ -64,6 +64,11 @@ def check_files(folder, rows, others=()):
             continue
         if path.suffix == ".png":
             require(path.read_bytes().endswith(b"IEND\xae\x42\x60\x82"), f"{path} is no whole image")
+        elif path.suffix == ".ply":
+            head, _, rows_of_floats = path.read_bytes().partition(b"end_header\n")
+            counts = [int(line.split()[2]) for line in head.split(b"\n") if line.startswith(b"element vertex ")]
+            sizes = [4 * count * head.count(b"property float ") for count in counts]
+            require([len(rows_of_floats)] == sizes, f"{path} is no whole scene")
         elif path.name == "results.json":
             require(len(json.loads(path.read_bytes())["rows"]) == rows, f"{path} does not hold all rows")
         else:
