@@ -21,7 +21,7 @@ import subprocess
 import sys
 import time
 
-from ranks_of_run import check_files, ranks_of, require, running
+from ranks_of_run import check_files, ranks_of, require, running, skip_without_unnamed_files
 
 WORKERS = ("views", "views", "frames")  # each kills its share of the times, side by side
 IMAGES = 25
@@ -127,6 +127,7 @@ def kill_in_turn(work, folder, rng, times):
 def main():
     launch, tool, frames = map(os.path.realpath, sys.argv[1:4])
     folder, times = pathlib.Path(sys.argv[4]).resolve(), int(sys.argv[5])
+    skip_without_unnamed_files(folder)
     rng = random.Random(int(sys.argv[6]) if len(sys.argv) > 6 else 1)
     views = "render builtin:2000 --views all --scale 0.15 --json results.json".split()
     kinds = {"views": Work(launch, [tool, *views]), "frames": Work(launch, [frames, str(IMAGES)])}

@@ -7,6 +7,7 @@ import pathlib
 import shutil
 import signal
 import subprocess
+import sys
 
 RANKS = 3
 
@@ -14,6 +15,16 @@ RANKS = 3
 def require(holds, what):
     if not holds:
         raise SystemExit(f"ranks: {what}")
+
+
+def skip_without_unnamed_files(folder):
+    """Ends a test that what is stopped leaves nothing, where unfinished files have names."""
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        os.close(os.open(folder, os.O_TMPFILE | os.O_WRONLY))
+    except OSError as error:
+        print(f"skipped: {folder}: this file system has no files without a name: {error.strerror}")
+        sys.exit(77)
 
 
 @contextlib.contextmanager

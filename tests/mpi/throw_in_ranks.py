@@ -17,7 +17,7 @@ import subprocess
 import sys
 import time
 
-from ranks_of_run import RANKS, check_files, ranks_of, require, running
+from ranks_of_run import RANKS, check_files, ranks_of, require, running, skip_without_unnamed_files
 
 SECONDS = 1.0
 BUSY = 2
@@ -109,6 +109,7 @@ def lose_a_folder(launch, program, folder):
 def main():
     launch, tool, frames = map(os.path.realpath, sys.argv[1:4])
     folder, times = pathlib.Path(sys.argv[4]).resolve(), int(sys.argv[5])
+    skip_without_unnamed_files(folder)
     with busy_cores():
         for name, run, program in (("frames", throw_between_frames, frames), ("views", lose_a_folder, tool)):
             seconds = [run(launch, program, folder / name) for _ in range(times)]
