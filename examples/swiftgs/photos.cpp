@@ -8,9 +8,13 @@
 
 #include <swiftgs/metrics.hpp>
 
+#include "team.hpp"
+
 namespace swiftgs::cli {
 
 std::vector<std::optional<Image>> photographs_of(const std::vector<View>& views, const std::string& folder) {
+  const Team& team = Team::here();
+  team.require_same("the folder of photographs", folder);
   if (folder.empty()) return {};
   std::map<std::string, std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
@@ -20,7 +24,10 @@ std::vector<std::optional<Image>> photographs_of(const std::vector<View>& views,
   for (const View& view : views) {
     const auto found = files.find(std::filesystem::path(view.camera.name).stem().string());
     photos.emplace_back();
+    team.require_same(folder + ": the photograph of " + view.name,
+                      found == files.end() ? "none" : found->second.filename().string());
     if (found == files.end()) continue;
+    team.require_same_file(found->second.string());
     Image photo = read_image(found->second);
     if (photo.width != view.camera.width || photo.height != view.camera.height || photo.channels != 3)
       throw std::invalid_argument(

@@ -13,8 +13,9 @@
 namespace swiftgs::cli {
 
 /// The photograph of each view: the file in `folder` with the name of the view's camera, whatever its
-/// extension; nothing where there is none. Empty where no view has one, or `folder` is empty. Throws
-/// `std::invalid_argument` if one is not an RGB image of the view's size.
+/// extension; nothing where there is none. Empty where no view has one, or `folder` is empty. All processes
+/// of the team call it with the same views. Throws `std::invalid_argument` if one is not an RGB image of the
+/// view's size, or not the same file in all processes.
 std::vector<std::optional<Image>> photographs_of(const std::vector<View>& views, const std::string& folder);
 
 /// PSNR of `frame`, clamped to what a photograph can hold, against `photo`. @units{dB}

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Frames over ranks, one after the other, for tests that stop them: frames_in_a_loop FRAMES [RANK]. Rank 0
-// writes each image. RANK throws as soon as there is a file `throw`, and writes to `thrown.txt` when that
-// was.
+// writes each image, and behind it a scene, which takes a while, in place of the last one. RANK throws as
+// soon as there is a file `throw`, and writes to `thrown.txt` when that was.
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -13,6 +13,7 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/cpu.hpp>
 #include <swiftgs/io/image.hpp>
+#include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/mpi.hpp>
 #include <swiftgs/swiftgs.hpp>
 
@@ -24,6 +25,8 @@ int main(int argc, char** argv) {
     DistributedRenderer<Cpu, EarlySort, PerPixel, Ellipse> renderer(ranks, Cpu(1));
     const auto part = renderer.backend().upload(
         make_builtin_scene(5'000, {std::size_t(ranks.rank()), std::size_t(ranks.size())}));
+    const Scene long_to_write = make_builtin_scene(20'000);
+    const auto name_of = [](int k) { return "scene-" + std::to_string(k) + ".ply"; };
     Frame frame;
     for (int k = 0; k < frames; ++k) {
       if (ranks.rank() == thrower && std::filesystem::exists("throw")) {
@@ -31,7 +34,10 @@ int main(int argc, char** argv) {
         throw std::runtime_error("thrown by a test");
       }
       renderer.render(part.view(), builtin_camera(300, 200), {}, frame);
-      if (ranks.rank() == 0) write_png("frame-" + std::to_string(k) + ".png", frame);
+      if (ranks.rank() != 0) continue;
+      write_png("frame-" + std::to_string(k) + ".png", frame);
+      write_scene(name_of(k), long_to_write);
+      std::filesystem::remove(name_of(k - 1));
     }
     return 0;
   });

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests that stop ranks share: which processes a run has, and whether its files are whole."""
+"""What tests that stop ranks share: how a run starts and ends, its processes, and whether its files are whole."""
+import contextlib
 import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
+import sys
 
 RANKS = 3
 
@@ -14,15 +17,41 @@ def require(holds, what):
         raise SystemExit(f"ranks: {what}")
 
 
-def start(launch, command, folder, apart=None):
-    """Runs `command` on ranks in `folder`, made anew; the last of them in the folder `apart` of it if that is named."""
+def skip_without_unnamed_files(folder):
+    """Ends a test that what is stopped leaves nothing, where unfinished files have names."""
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        os.close(os.open(folder, os.O_TMPFILE | os.O_WRONLY))
+    except OSError as error:
+        print(f"skipped: {folder}: this file system has no files without a name: {error.strerror}")
+        sys.exit(77)
+
+
+@contextlib.contextmanager
+def running(launch, command, folder, apart=None):
+    """Runs `command` on ranks in `folder`, made anew; the last of them in the folder `apart` of it if that is named.
+
+    Yields the launcher. What still runs after the block is ended, however the block was left.
+    """
     shutil.rmtree(folder, ignore_errors=True)
     (folder / (apart or "")).mkdir(parents=True)
     arguments = ["-n", str(RANKS), *command]
     if apart:
         arguments = ["-n", str(RANKS - 1), *command, ":", "-n", "1", "-wdir", apart, *command]
     with open(folder / "stdout.txt", "wb") as out, open(folder / "stderr.txt", "wb") as err:
-        return subprocess.Popen([launch, *arguments], cwd=folder, stdout=out, stderr=err)
+        started = subprocess.Popen([launch, *arguments], cwd=folder, stdout=out, stderr=err)
+    try:
+        yield started
+    finally:
+        started.terminate()
+        try:
+            started.wait(timeout=10)
+        except subprocess.TimeoutExpired:
+            started.kill()
+            started.wait()
+        for rank in ranks_of(command[0], folder):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(rank, signal.SIGKILL)
 
 
 def ranks_of(program, folder):
@@ -46,6 +75,11 @@ def check_files(folder, rows, others=()):
             continue
         if path.suffix == ".png":
             require(path.read_bytes().endswith(b"IEND\xae\x42\x60\x82"), f"{path} is no whole image")
+        elif path.suffix == ".ply":
+            head, _, rows_of_floats = path.read_bytes().partition(b"end_header\n")
+            counts = [int(line.split()[2]) for line in head.split(b"\n") if line.startswith(b"element vertex ")]
+            sizes = [4 * count * head.count(b"property float ") for count in counts]
+            require([len(rows_of_floats)] == sizes, f"{path} is no whole scene")
         elif path.name == "results.json":
             require(len(json.loads(path.read_bytes())["rows"]) == rows, f"{path} does not hold all rows")
         else:

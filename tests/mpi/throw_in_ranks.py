@@ -17,16 +17,19 @@ import subprocess
 import sys
 import time
 
-from ranks_of_run import RANKS, check_files, ranks_of, require, start
+from ranks_of_run import RANKS, check_files, ranks_of, require, running, skip_without_unnamed_files
 
 SECONDS = 1.0
 BUSY = 2
 VIEWS = 2000  # small ones: the next image is never far
+FRAMES = 10_000  # more than are drawn before one throws
+# Ends with the process that it is told of, even one that is killed.
+LOOP = "import os, sys\nwhile os.getppid() == int(sys.argv[1]): pass"
 
 
 @contextlib.contextmanager
 def busy_cores():
-    busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(BUSY)]
+    busy = [subprocess.Popen([sys.executable, "-c", LOOP, str(os.getpid())]) for _ in range(BUSY)]
     try:
         yield
     finally:
@@ -74,12 +77,12 @@ def finish(started, folder, line):
 
 
 def throw_between_frames(launch, program, folder):
-    started = start(launch, [program, "1000000", "1"], folder)
-    wait_for("the first frame", lambda: (folder / "frame-0.png").exists(), started)
-    handles = watch(started, program, folder)
-    (folder / "throw").touch()
-    gone = await_end(handles)
-    finish(started, folder, "frames_in_a_loop: rank 1 of 3: thrown by a test\n")
+    with running(launch, [program, str(FRAMES), "1"], folder) as started:
+        wait_for("the first frame", lambda: (folder / "frame-0.png").exists(), started)
+        handles = watch(started, program, folder)
+        (folder / "throw").touch()
+        gone = await_end(handles)
+        finish(started, folder, "frames_in_a_loop: rank 1 of 3: thrown by a test\n")
     check_files(folder, 0, ("throw", "thrown.txt"))
     return gone - 1e-9 * int((folder / "thrown.txt").read_text())
 
@@ -90,14 +93,15 @@ def lose_a_folder(launch, program, folder):
     folder.parent.mkdir(parents=True, exist_ok=True)
     cameras = folder.parent / "cameras.json"
     cameras.write_text(json.dumps([{"id": k, "img_name": str(k), **camera} for k in range(VIEWS)]))
-    started = start(launch, [program, *f"render builtin:500 --cameras {cameras} --views all".split()], folder, "last")
     images = folder / "last" / "renders"
-    wait_for("the first image of the last rank", (images / f"{RANKS - 1}.png").exists, started)
-    handles = watch(started, program, folder)
-    begun = time.monotonic()  # a little before the next image finds it gone
-    images.rename(folder / "gone")
-    gone = await_end(handles)
-    finish(started, folder, ": No such file or directory\n")
+    command = [program, *f"render builtin:500 --cameras {cameras} --views all".split()]
+    with running(launch, command, folder, "last") as started:
+        wait_for("the first image of the last rank", (images / f"{RANKS - 1}.png").exists, started)
+        handles = watch(started, program, folder)
+        begun = time.monotonic()  # a little before the next image finds it gone
+        images.rename(folder / "gone")
+        gone = await_end(handles)
+        finish(started, folder, ": No such file or directory\n")
     check_files(folder, VIEWS)
     return gone - begun
 
@@ -105,6 +109,7 @@ def lose_a_folder(launch, program, folder):
 def main():
     launch, tool, frames = map(os.path.realpath, sys.argv[1:4])
     folder, times = pathlib.Path(sys.argv[4]).resolve(), int(sys.argv[5])
+    skip_without_unnamed_files(folder)
     with busy_cores():
         for name, run, program in (("frames", throw_between_frames, frames), ("views", lose_a_folder, tool)):
             seconds = [run(launch, program, folder / name) for _ in range(times)]
