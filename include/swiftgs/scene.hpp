@@ -64,8 +64,8 @@ struct SceneView {
   Span<const float> opacities;
   Span<const vec3> sh0;
   Span<const float> sh_rest;
-  /// @shape{ceil(N / chunk_size)}, true of what the arrays hold whenever a frame is drawn. Empty: no chunk is
-  /// skipped.
+  /// Must match the arrays whenever a frame is drawn. Empty: no chunk is skipped.
+  /// @shape{ceil(N / chunk_size)}
   Span<const ChunkBounds> chunks{};
   int sh_degree = 0;  ///< bands to evaluate
   int sh_stride = 0;  ///< floats a Gaussian in `sh_rest`

@@ -30,7 +30,7 @@ Outcome on_ranks(const TemporaryFolder& place, int ranks, const std::string& arg
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(out), content_of(err)};
 }
 
-/// Runs the tool on rank 0 and another on rank 1: each text is what a launcher is told of one.
+/// Runs two commands as ranks 0 and 1. `first` and `second` are their parts of the launcher's command line.
 Outcome on_unlike_ranks(const TemporaryFolder& place, const std::string& first, const std::string& second) {
   const std::string err = (place / "err.txt").string();
   const int status = std::system(("cd '" + place.path().string() + "' && '" SWIFTGS_LAUNCH "' -n 1 " + first +

@@ -36,8 +36,8 @@ void check(ncclResult_t result, const char* call) {
 class Devices {
  public:
   explicit Devices(int device) : device_(device) {
-    // What ranks wait for goes before what the backend does beside it. Without the flag the default stream,
-    // on which backends work, would wait for this one.
+    // High priority: other ranks wait for this stream. Non-blocking: backends work on the default stream,
+    // which would otherwise wait for it.
     int least = 0, greatest = 0;
     check(cudaDeviceGetStreamPriorityRange(&least, &greatest), "cudaDeviceGetStreamPriorityRange");
     check(cudaStreamCreateWithPriority(&stream_, cudaStreamNonBlocking, greatest),
