@@ -17,8 +17,8 @@
 #include <swiftgs/footprint.hpp>
 #include <swiftgs/shade_stage.hpp>
 #include <swiftgs/splats.hpp>
+#include <swiftgs/tiles.hpp>
 #include <swiftgs/type_list.hpp>
-#include <swiftgs/view.hpp>
 
 namespace swiftgs {
 
@@ -31,7 +31,7 @@ template <class Bounds>
 struct BandsOfSplat {
   SplatsView splats;
   Span<const Footprint> footprints;
-  const View* views;
+  const TileGrid* grids;  ///< of each view
   Bounds bounds;
   const std::uint16_t* rank_of_row;  ///< @shape{rows of the sheet}
 
@@ -46,7 +46,7 @@ struct BandsOfSplat {
   SWIFTGS_HD TileRun sheet_rows(std::size_t i) const {
     const Footprint& footprint = footprints[i];
     if (footprint.count == 0) return {};
-    const TileGrid& grid = views[splats.view(i)].grid;
+    const TileGrid& grid = grids[splats.view(i)];
     if (footprint.mask != 0) {
       const int first = int(footprint.first / grid.stride);
       return {first, first + int(highest_bit(footprint.mask)) / Footprint::side + 1};
@@ -159,13 +159,14 @@ template <class B>
 struct PackedSplats {
   typename B::template Buffer<std::uint32_t> places, ids, begins;
   typename B::template Buffer<std::uint16_t> rank_of_row, of_view;
+  typename B::template Buffer<TileGrid> grids;
   typename B::template Buffer<SplatShape> shapes;
   typename B::template Buffer<float> depths;
   typename B::template Buffer<SplatColour> colours;
 
   static auto buffers(auto& self) {
-    return std::tie(self.places, self.ids, self.begins, self.rank_of_row, self.of_view, self.shapes,
-                    self.depths, self.colours);
+    return std::tie(self.places, self.ids, self.begins, self.rank_of_row, self.of_view, self.grids,
+                    self.shapes, self.depths, self.colours);
   }
 };
 

@@ -214,7 +214,8 @@ class DistributedRenderer {
       check_instances(report.instances);
       capacity_ = std::size_t(report.visible + report.visible / 8 + 1);
     }
-    exchange_.list(backend_, splats_, footprints_, whole_, plan_->cuts());
+    // A device's `splats_.count` is what there was room for.
+    exchange_.list(backend_, splats_, std::size_t(mine.visible), footprints_, whole_, plan_->cuts());
     const auto own = ranks_.rank();
     mine.sent = exchange_.begins()[std::size_t(ranks_.size())] - exchange_.count_for(own);
     mine.first_row = plan_->cuts()[std::size_t(own)];

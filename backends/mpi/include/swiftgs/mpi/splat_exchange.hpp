@@ -20,6 +20,8 @@
 #include <swiftgs/mpi/staging.hpp>
 #include <swiftgs/shade_stage.hpp>
 #include <swiftgs/splats.hpp>
+#include <swiftgs/tiles.hpp>
+#include <swiftgs/view.hpp>
 
 namespace swiftgs {
 
@@ -32,24 +34,25 @@ class SplatExchange {
   /// Whether messages go by a `DirectLink`.
   void set_direct(bool direct) { direct_ = direct; }
 
-  /// Sorts out which of `splats` go to which rank; waits for their number. Not collective. Throws
-  /// `CapacityError`.
+  /// Sorts out which of the first `count` of `splats`, all that there are, go to which rank; waits for their
+  /// number. Not collective. Throws `CapacityError`.
   template <class Bounds>
-  void list(B& b, const Splats<B>& splats, const Footprints<B, Bounds>& footprints, const Views& views,
-            const BandCuts& cuts) {
-    const std::size_t ranks = cuts.size() - 1, count = splats.count;
+  void list(B& b, const Splats<B>& splats, std::size_t count, const Footprints<B, Bounds>& footprints,
+            const Views& views, const BandCuts& cuts) {
+    const std::size_t ranks = cuts.size() - 1;
     begins_.assign(ranks + 1, 0);
     if (count == 0) return;
     rank_of_row_.clear();
     for (std::size_t r = 0; r < ranks; ++r) rank_of_row_.resize(cuts[r + 1], std::uint16_t(r));
-    packed_.rank_of_row.reset(rank_of_row_.size());
-    copy_from_host(b, rank_of_row_.data(), packed_.rank_of_row.data(),
-                   rank_of_row_.size() * sizeof(std::uint16_t));
+    store(b, rank_of_row_, packed_.rank_of_row);
+    grids_.clear();
+    for (const View& view : views) grids_.push_back(view.grid);
+    store(b, grids_, packed_.grids);
 
     const std::size_t parts = (count + packed_at_once - 1) / packed_at_once;
     packed_.places.reset(ranks * parts), packed_.begins.reset(ranks);
     std::uint32_t* const places = packed_.places.data();
-    const BandsOfSplat<Bounds> bands{splats.view(), footprints.view().each, views.reachable(), Bounds{},
+    const BandsOfSplat<Bounds> bands{splats.view(), footprints.view().each, packed_.grids.data(), Bounds{},
                                      packed_.rank_of_row.data()};
     b.for_each(parts, CountForBands<Bounds>{bands, count, parts, int(ranks), places});
     const std::uint64_t all = b.exclusive_scan(Span{places, ranks * parts});
@@ -180,6 +183,11 @@ class SplatExchange {
     static auto buffers(auto& self) { return std::tie(self.packed, self.joined); }
   };
 
+  template <class T>
+  static void store(B& b, const std::vector<T>& from, typename B::template Buffer<T>& to) {
+    to.reset(from.size());
+    copy_from_host(b, from.data(), to.data(), from.size() * sizeof(T));
+  }
   static void require_fits(const char* what, std::uint64_t count) {
     constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
     if (count > most) throw CapacityError(what, count, most);
@@ -205,6 +213,7 @@ class SplatExchange {
   Both<std::uint16_t> of_view_;
   Both<SplatColour> colours_;
   std::vector<std::uint16_t> rank_of_row_;
+  std::vector<TileGrid> grids_;
   std::vector<std::uint32_t> picked_;
   std::vector<std::uint64_t> begins_, to_begins_;
   bool direct_ = false;
