@@ -2,6 +2,7 @@
 
 // Arrays from device to device by NCCL. Who sends what to whom is agreed by MPI before, and faults of frames
 // are told by MPI after. A call of NCCL that fails ends the program, as one of MPI does.
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <memory>
@@ -148,6 +149,7 @@ struct Place {
   char bus[32] = {};
   int device = 0;
   int direct = 0;  ///< whether it may
+  int shares = 0;  ///< whether NCCL was told that ranks may share a device
 
   bool operator==(const Place& other) const {
     return std::strcmp(machine, other.machine) == 0 && std::strcmp(bus, other.bus) == 0;
@@ -156,6 +158,8 @@ struct Place {
 
 Place place_of(const Ranks& ranks) {
   Place place{.direct = ranks.direct() && nccl()};
+  const char* const shares = std::getenv("NCCL_MULTI_RANK_GPU_ENABLE");
+  place.shares = shares && std::atoi(shares) != 0;
   int length = 0;
   mpi::check(MPI_Get_processor_name(place.machine, &length), "MPI_Get_processor_name");
   check(cudaGetDevice(&place.device), "cudaGetDevice");
@@ -163,12 +167,13 @@ Place place_of(const Ranks& ranks) {
   return place;
 }
 
-/// Whether NCCL may join them: it knows ranks by their devices.
+/// Whether NCCL may join them: it knows ranks by their devices, unless it was told otherwise.
 bool can_be_joined(const std::vector<Place>& places) {
   bool can = places.size() > 1;
   for (std::size_t r = 0; r < places.size(); ++r) {
     can = can && places[r].direct != 0;
-    for (std::size_t other = 0; other < r; ++other) can = can && !(places[r] == places[other]);
+    for (std::size_t other = 0; other < r; ++other)
+      can = can && (!(places[r] == places[other]) || (places[r].shares && places[other].shares));
   }
   return can;
 }

@@ -49,7 +49,8 @@ class Staging<Cuda, T> {
   GrowingBuffer<T, PinnedMemory> host_;
 };
 
-/// NCCL, in a build that has it, where `Ranks::direct` holds on all ranks and each has a device of its own.
+/// NCCL, in a build that has it, where `Ranks::direct` holds on all ranks and each has a device of its own,
+/// or NCCL_MULTI_RANK_GPU_ENABLE lets them share one (NCCL 2.30).
 SWIFTGS_API std::unique_ptr<DirectLink> direct_link(const Ranks& ranks, Cuda& cuda);
 
 /// Makes a device of this machine the current one: ranks of one machine take its devices in turn. Call it
