@@ -41,7 +41,7 @@ print(renderer.times, renderer.statistics, sep="\n")
 nearness = 1 / np.maximum(frame.depth, 1e-6)
 low, high = np.percentile(nearness[frame.alpha > 0.5], (2, 98))
 brightness = np.clip((nearness - low) / max(high - low, 1e-9), 0, 1) * frame.alpha
-depth_image = np.ascontiguousarray(np.repeat(brightness[..., None], 3, axis=2))
+depth_image = np.repeat(brightness[..., None], 3, axis=2).astype(np.float32)
 
 # %% [markdown]
 # The same scene without its faint half, and how far that is from the whole one.
