@@ -28,6 +28,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 BUILT = pathlib.Path(os.environ.get("SWIFTGS_GSPLAT_BUILD", ROOT / "build/gsplat"))
 sys.path[:0] = [str(BUILT), str(ROOT / "tests/python")]
 
+# Views that are drawn in float64 too, of each scene.
+SEEN_IN_FLOAT64 = 4
+
 # What a comparison does not need is left out, since it takes most of the time of a build.
 LEAN = {"BUILD_EXPERIMENTAL": "0", "BUILD_2DGS": "0", "BUILD_3DGUT": "0", "BUILD_ADAM": "0", "BUILD_RELOC": "0",
         "BUILD_LOSSES": "0", "NUM_CHANNELS": "1,2,3,4"}
@@ -124,25 +127,32 @@ def measure(calls, rounds):
     return {name: statistics.median(times) for name, times in found.items()}
 
 
-def errors(case, small):
-    """dB between both in all views, and of each from float64 in the first view at a smaller size."""
-    import float64  # pylint: disable=import-outside-toplevel
+def between(case):
+    """dB between both, of each view."""
     import gsplat  # pylint: disable=import-outside-toplevel
     import swiftgs  # pylint: disable=import-outside-toplevel
     from conftest import decibels  # pylint: disable=import-outside-toplevel
     arguments = case.arguments()
     ours, theirs = swiftgs.rasterization(**arguments)[0], gsplat.rasterization(**arguments)[0]
-    between = [float(decibels(a.cpu(), b.cpu())) for a, b in zip(ours, theirs)]
-    camera, scene = case.cameras[0].scaled(small), case.scene
-    wanted = float64.render(scene.means, scene.rotations, scene.scales, scene.opacities, scene.sh, camera.viewmat,
-                            camera.K, camera.width, camera.height)
-    arguments = case.arguments([camera])
-    return {"between_db": between, "float64_size": [camera.width, camera.height],
-            "swiftgs_db": float(decibels(swiftgs.rasterization(**arguments)[0][0].cpu(), wanted)),
-            "gsplat_db": float(decibels(gsplat.rasterization(**arguments)[0][0].cpu(), wanted))}
+    return [float(decibels(a.cpu(), b.cpu())) for a, b in zip(ours, theirs)]
 
 
-def row(case, rounds, small):
+def from_float64(case, small):
+    """How far each is from float64 in views of a smaller size."""
+    import float64  # pylint: disable=import-outside-toplevel
+    import gsplat  # pylint: disable=import-outside-toplevel
+    import swiftgs  # pylint: disable=import-outside-toplevel
+    found = []
+    for camera in case.cameras:
+        arguments = case.arguments([camera.scaled(small)])
+        wanted = float64.render_first(arguments)
+        distances = {name: float64.distance(each.rasterization(**arguments)[0][0].cpu(), wanted)
+                     for name, each in (("swiftgs", swiftgs), ("gsplat", gsplat))}
+        found.append({"size": [arguments["width"], arguments["height"]], **distances})
+    return found
+
+
+def row(case, rounds):
     import gsplat  # pylint: disable=import-outside-toplevel
     import torch  # pylint: disable=import-outside-toplevel
     import swiftgs  # pylint: disable=import-outside-toplevel
@@ -159,7 +169,7 @@ def row(case, rounds, small):
         "gsplat": lambda: gsplat.rasterization(**arguments),
         "gsplat, not packed": lambda: gsplat.rasterization(**arguments, packed=False)}, rounds)
     return {"scene": case.name, "gaussians": len(case.scene), "views": count, "size": list(size), "ms": times,
-            **errors(case, small)}
+            "between_db": between(case)}
 
 
 def run(arguments):
@@ -168,20 +178,28 @@ def run(arguments):
     import swiftgs  # pylint: disable=import-outside-toplevel
     random.seed(1)
     with torch.no_grad():
-        rows = [row(Case(scene, batch, arguments.scale), arguments.rounds, arguments.small)
+        rows = [row(Case(scene, batch, arguments.scale), arguments.rounds)
                 for scene in arguments.scenes for batch in arguments.views]
+        exactness = {each: from_float64(Case(each, SEEN_IN_FLOAT64, arguments.scale), arguments.small)
+                     for each in arguments.scenes}
     results = {"format": "swiftgs-beside-gsplat", "version": 1, "gpu": torch.cuda.get_device_name(),
-               "torch": torch.__version__, "gsplat": gsplat.__version__, "swiftgs": swiftgs.__version__, "rows": rows}
+               "torch": torch.__version__, "gsplat": gsplat.__version__, "swiftgs": swiftgs.__version__, "rows": rows,
+               "from_float64": exactness}
     if arguments.json:
         arguments.json.write_text(json.dumps(results, indent=1) + "\n")
     names = list(rows[0]["ms"])
-    print("| scene | views | size | " + " | ".join(f"{name}, ms" for name in names) +
-          " | dB between, least | swiftgs from float64, dB | gsplat from float64, dB |")
-    print("| --- | ---: | --- | " + " | ".join("---:" for _ in range(len(names) + 3)) + " |")
+    print("| scene | views | size | " + " | ".join(f"{name}, ms" for name in names) + " | dB between, least |")
+    print("| --- | ---: | --- | " + " | ".join("---:" for _ in range(len(names) + 1)) + " |")
     for each in rows:
         print(f"| {each['scene']} | {each['views']} | {'x'.join(map(str, each['size']))} | " +
-              " | ".join(f"{each['ms'][name]:.3f}" for name in names) +
-              f" | {min(each['between_db']):.1f} | {each['swiftgs_db']:.1f} | {each['gsplat_db']:.1f} |")
+              " | ".join(f"{each['ms'][name]:.3f}" for name in names) + f" | {min(each['between_db']):.1f} |")
+    print("\n| scene | renderer | dB from float64, by view | pixels that decide otherwise | dB of the others |")
+    print("| --- | --- | --- | --- | --- |")
+    for scene, views in exactness.items():
+        for name in ("swiftgs", "gsplat"):
+            cells = (", ".join(format(view[name][key], form) for view in views)
+                     for key, form in (("db", ".1f"), ("otherwise", ""), ("db_of_others", ".1f")))
+            print(f"| {scene} | {name} | {' | '.join(cells)} |")
 
 
 def main():

@@ -5,7 +5,21 @@ It is written from docs/conventions.md, apart from the library's own reference, 
 """
 import numpy as np
 
+# What rounding alone changes of a pixel stays below this. More of it is a decision of float32 that falls out the other
+# way: whether a splat reaches ALPHA_MIN, or transmittance STOP.
+DECIDED = 1e-5
+
 NEAR, BLUR, ALPHA_MIN, ALPHA_MAX, STOP, MARGIN, TILE = 0.01, 0.3, 1 / 255, 0.99, 1e-4, 0.3, 16
+
+
+def distance(found, wanted):
+    """How far an image is from that of `render`: decibels, how many of its pixels decide otherwise, and decibels of
+    the others, which tell how well a renderer rounds."""
+    off = np.abs(np.asarray(found, np.float64) - wanted)
+    otherwise = off.max(axis=-1) > DECIDED
+    of_all, of_others = np.mean(off ** 2), np.mean(off[~otherwise] ** 2)
+    return {"db": float(-10 * np.log10(of_all)), "otherwise": int(otherwise.sum()),
+            "db_of_others": float(-10 * np.log10(of_others))}
 
 
 def basis(d):
@@ -73,3 +87,12 @@ def render(means, quats, scales, opacities, sh, viewmat, K, width, height):
             drawn = np.where(left_over > STOP, alpha * before, 0)  # left_over falls, so that nothing comes behind
             image[top:top + TILE, left:left + TILE] = (drawn @ colour[here]).reshape(*xs.shape, 3)
     return image
+
+
+def render_first(arguments):
+    """The first view of what `rasterization` is given: the same floats, so that rounding them is nobody's error."""
+    names = ("means", "quats", "scales", "opacities", "colors", "viewmats", "Ks")
+    means, quats, scales, opacities, sh, viewmats, matrices = (
+        arguments[name].cpu().numpy() if hasattr(arguments[name], "cpu") else arguments[name] for name in names)
+    return render(means, quats, scales, opacities, sh, viewmats[0], matrices[0], arguments["width"],
+                  arguments["height"])
