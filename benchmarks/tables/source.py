@@ -9,7 +9,8 @@ RESULTS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 # all files. Whoever measures anew changes them here.
 FOLDERS = {"gpu": "2026-11-21-nvidia-h200", "cpu": "2026-11-21-intel-xeon-16-cores",
            "cpu2": "2026-11-21-intel-xeon-2-cores", "amd": "2026-11-22-amd-epyc-2-cores",
-           "h200": "2026-11-22-nvidia-h200", "xeon": "2026-11-23-intel-xeon-2-cores"}
+           "h200": "2026-11-22-nvidia-h200", "xeon": "2026-11-23-intel-xeon-2-cores",
+           "hopper": "2026-11-23-nvidia-h200"}
 
 
 class Source:

@@ -69,7 +69,9 @@ class Tables(unittest.TestCase):
             shutil.copy(pathlib.Path(RESULTS) / FOLDERS[machine] / "ulps.json", cls.results / FOLDERS[machine])
         shutil.copy(pathlib.Path(RESULTS) / FOLDERS["amd"] / "formats.json", cls.results / FOLDERS["amd"])
         synthetic_folder.write(cls.results / FOLDERS["xeon"], "cpu")
-        shutil.copy(pathlib.Path(RESULTS) / FOLDERS["xeon"] / "python.json", cls.results / FOLDERS["xeon"])
+        synthetic_folder.write(cls.results / FOLDERS["hopper"], "cpu")
+        for machine, name in (("xeon", "python.json"), ("hopper", "python.json"), ("hopper", "beside-gsplat.json")):
+            shutil.copy(pathlib.Path(RESULTS) / FOLDERS[machine] / name, cls.results / FOLDERS[machine])
 
     @classmethod
     def tearDownClass(cls):
@@ -485,6 +487,32 @@ class Tables(unittest.TestCase):
             code, text, _, error = self.update(page, results=folder.parent)
             self.assertEqual((code, text), (2, page))
             self.assertRegex(error, r"\A[^\n]+/python.json: [^\n]+\n\Z")
+            self.assertIn(message, error)
+
+    def test_gsplat_is_shown_by_its_times_and_by_decisions_apart_from_rounding(self):
+        folder = self.place / "gsplat" / FOLDERS["hopper"]
+        folder.mkdir(parents=True)
+        ms = {"swiftgs": 1, "swiftgs, matrices on the host": 0.9, "swiftgs, scene kept": 0.5, "gsplat": 2,
+              "gsplat, not packed": 1.5}
+        row = {"scene": "fox", "gaussians": 5000, "views": 2, "ms": ms, "between_db": [106.0, 99.5]}
+        ours, theirs = {"db": 110.0, "otherwise": 2, "db_of_others": 134.5}, {"db": 102.0, "otherwise": 12,
+                                                                             "db_of_others": 131.0}
+        good = {"format": "swiftgs-beside-gsplat", "version": 1, "rows": [row],
+                "from_float64": {"fox": [{"swiftgs": ours, "gsplat": theirs}] * 2}}
+        page = "".join(f"<!-- table: {name} hopper -->\n<!-- end -->\n" for name in ("beside-gsplat", "gsplat-exactness"))
+        synthetic_folder.synthetic.write(folder / "beside-gsplat.json", good)
+        code, text, _, error = self.update(page, results=folder.parent)
+        self.assertEqual((code, error), (0, ""))
+        self.assertIn("| fox, 5,000 | 2 | 1.00 | 0.900 | 0.500 | 2.00 | 1.50 | 99.5 |", text)
+        self.assertIn("| fox | swiftgs | 110.0, 110.0 | 2, 2 | 134.5, 134.5 |", text)
+        self.assertIn("| fox | gsplat | 102.0, 102.0 | 12, 12 | 131.0, 131.0 |", text)
+        for broken, message in (({"rows": [{**row, "ms": {}}]}, "swiftgs: expected a number"),
+                                ({"rows": [{**row, "between_db": []}]}, "a list between_db that is not empty"),
+                                ({"from_float64": {"fox": [{}]}}, "expected an object"),
+                                ({"from_float64": {"fox": 1}}, "from_float64.fox: expected a list of objects")):
+            synthetic_folder.synthetic.write(folder / "beside-gsplat.json", {**good, **broken})
+            code, text, _, error = self.update(page, results=folder.parent)
+            self.assertEqual((code, text), (2, page))
             self.assertIn(message, error)
 
     def test_a_cost_says_whether_its_frames_were_compared_with_float64(self):
