@@ -33,9 +33,14 @@ void advise_large_pages(const void* memory, std::size_t bytes) {
 #endif
 }
 
-template <class T>
-void advise_large_pages(const std::vector<T>& array) {
-  advise_large_pages(array.data(), array.size() * sizeof(T));
+HostScene in_large_pages(HostScene scene) {
+  const SceneView view = scene.view();
+  const auto advise = [](const auto& array) {
+    advise_large_pages(array.data, array.size * sizeof(*array.data));
+  };
+  advise(view.means), advise(view.scales), advise(view.rotations);
+  advise(view.opacities), advise(view.sh0), advise(view.sh_rest);
+  return scene;
 }
 
 }  // namespace
@@ -54,10 +59,11 @@ void* LargePageMemory::allocate(std::size_t bytes) {
 void LargePageMemory::release(void* memory) { std::free(memory); }
 
 Cpu::SceneOn Cpu::upload(std::shared_ptr<const Scene> scene) const {
-  SceneOn uploaded(scene);
-  advise_large_pages(scene->means), advise_large_pages(scene->scales), advise_large_pages(scene->rotations);
-  advise_large_pages(scene->opacities), advise_large_pages(scene->sh0), advise_large_pages(scene->sh_rest);
-  return uploaded;
+  return in_large_pages(SceneOn(*this, std::move(scene)));
+}
+
+Cpu::SceneOn Cpu::upload(const SceneArrays& arrays, std::optional<SceneOn>& reuse) const {
+  return in_large_pages(SceneOn::copy(*this, arrays, reuse));
 }
 
 }  // namespace swiftgs

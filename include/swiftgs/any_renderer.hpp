@@ -37,7 +37,7 @@ class SWIFTGS_API AnyRenderer {
   /// in stream order. That waits only where memory has to grow: memory of the scene before is taken again,
   /// unless it was ever shared. On a device Gaussians with a NaN or an infinity are not drawn, since no pass
   /// checks them; hosts refuse them. Throws `std::invalid_argument` as `validate`. After any other exception
-  /// a renderer of a device has no scene.
+  /// the renderer has no scene.
   virtual void set_scene(const SceneArrays& arrays) = 0;
 
   /// Shares the scene that `other` has uploaded, without another copy. Returns false, and changes nothing, if
@@ -140,12 +140,7 @@ class RendererOf final : public RendererOn<B> {
     this->scene_.emplace(renderer_.backend().upload(std::move(scene)));
   }
   void set_scene(const SceneArrays& arrays) override {
-    const B& backend = renderer_.backend();
-    validate(arrays);
-    if constexpr (B::reaches_host_memory)
-      set_scene(std::make_shared<const Scene>(to_scene(backend, arrays)));
-    else
-      this->scene_.emplace(backend.upload(arrays, this->scene_));
+    this->scene_.emplace(renderer_.backend().upload(arrays, this->scene_));
   }
   void render(Span<const Camera> cameras, const RenderSettings& settings, Span<Frame> frames) override {
     renderer_.render(this->scene(), cameras, settings, frames);

@@ -2,33 +2,53 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include <swiftgs/chunks.hpp>
 #include <swiftgs/scene.hpp>
+#include <swiftgs/scene_arrays.hpp>
 
 namespace swiftgs {
 
-/// The scene of a host backend: shared, never copied.
+/// The scene of a host backend: shared, never copied, or copied from arrays.
 class HostScene {
  public:
-  /// Throws `std::invalid_argument` as `validate` and `validate_numbers` do.
-  explicit HostScene(Scene scene) : HostScene(std::make_shared<const Scene>(std::move(scene))) {}
-  explicit HostScene(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {
+  /// Loops of `backend` look at it. Throws `std::invalid_argument` as `validate` and `validate_numbers` do.
+  template <class B>
+  HostScene(const B& backend, std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {
     if (!scene_) throw std::invalid_argument("upload: expected a scene");
     view_ = swiftgs::view(*scene_);
-    validate_numbers(*scene_);
+    validate_numbers(backend, *scene_);
     chunks_ = std::make_shared<const std::vector<ChunkBounds>>(chunk_bounds(view_));
     view_.chunks = {chunks_->data(), chunks_->size()};
     view_.identity = new_scene_identity();
   }
 
+  /// A copy of `arrays`, in the memory of `reuse` if that is such a copy and was never shared. Throws as
+  /// above; `reuse` is empty then, unless it is `validate` that throws.
+  template <class B>
+  static HostScene copy(const B& backend, const SceneArrays& arrays, std::optional<HostScene>& reuse) {
+    validate(arrays);
+    std::shared_ptr<Scene> scene;
+    if (std::optional<HostScene> before = std::exchange(reuse, std::nullopt))
+      if (before->copied_.use_count() == of_one_copy) scene = std::move(before->copied_);
+    if (!scene) scene = std::make_shared<Scene>();
+    copy_scene(backend, arrays, *scene);
+    HostScene out(backend, scene);
+    out.copied_ = std::move(scene);
+    return out;
+  }
+
   SceneView view() const { return view_; }
 
  private:
+  static constexpr long of_one_copy = 2;  // `scene_` and `copied_`
+
   std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<Scene> copied_;  ///< the same where it is of arrays
   std::shared_ptr<const std::vector<ChunkBounds>> chunks_;
   SceneView view_;
 };

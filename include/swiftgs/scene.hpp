@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include <swiftgs/api.hpp>
+#include <swiftgs/count.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/span.hpp>
 
@@ -102,38 +104,75 @@ inline bool is_not_finite(float value) {
   return (__builtin_bit_cast(std::uint32_t, value) & 0x7f800000u) == 0x7f800000u;
 }
 
+/// Floats that are looked at before it is asked whether one was not finite.
+inline constexpr std::size_t finite_block = 1 << 14;
+
+/// Whether all of `count` floats are finite. The sum's sign bit is set where all bits of the exponent are,
+/// which compilers work out for many floats at once.
+inline bool are_finite(const float* values, std::size_t count) {
+  std::uint32_t found = 0;
+  for (std::size_t i = 0; i < count; ++i)
+    found |= (__builtin_bit_cast(std::uint32_t, values[i]) & 0x7f800000u) + 0x00800000u;
+  return (found & 0x80000000u) == 0;
+}
+
 /// Throws `std::invalid_argument` at the first of `count` floats that is not finite. Gaussian i has the
 /// `width` floats from `width` i on.
 inline void require_finite(const char* array, const float* values, std::size_t count, std::size_t width) {
-  constexpr std::size_t block = 1 << 14;
-  for (std::size_t begin = 0; begin < count; begin += block) {
-    const std::size_t end = count - begin < block ? count : begin + block;
-    bool found = false;
-    for (std::size_t i = begin; i < end; ++i) found |= is_not_finite(values[i]);
-    for (std::size_t i = begin; found && i < end; ++i)
+  for (std::size_t begin = 0; begin < count; begin += finite_block) {
+    const std::size_t end = count - begin < finite_block ? count : begin + finite_block;
+    if (are_finite(values + begin, end - begin)) continue;
+    for (std::size_t i = begin; i < end; ++i)
       if (is_not_finite(values[i]))
         throw std::invalid_argument("scene: " + std::string(array) + " of Gaussian " +
                                     std::to_string(i / width) + " is " + std::to_string(values[i]) +
                                     ", expected finite numbers");
   }
 }
+
+/// Notes in `found` whether a block of floats has one that is not finite.
+struct FindNotFinite {
+  const float* values;
+  std::size_t count;
+  std::atomic<bool>* found;
+
+  void operator()(std::size_t block) const {
+    const std::size_t begin = block * finite_block;
+    if (!are_finite(values + begin, std::min(finite_block, count - begin)))
+      found->store(true, std::memory_order_relaxed);
+  }
+};
+
+/// f(name of an array, its floats) for each array of `scene` that is not empty.
+template <class F>
+void for_each_array(const Scene& scene, const F& f) {
+  const auto call = [&](const char* array, const auto& values) {
+    if (values.empty()) return;
+    f(array, Span<const float>{reinterpret_cast<const float*>(values.data()),
+                               values.size() * sizeof(values[0]) / sizeof(float)});
+  };
+  call("means", scene.means), call("scales", scene.scales), call("rotations", scene.rotations);
+  call("opacities", scene.opacities), call("sh0", scene.sh0), call("sh_rest", scene.sh_rest);
+}
 }  // namespace detail
 
 /// Throws `std::invalid_argument` naming the first Gaussian with a number that is NaN or infinite. Reads
 /// every array once; `scene` is valid.
 inline void validate_numbers(const Scene& scene) {
-  const auto require = [&](const char* array, const auto& values) {
-    if (values.empty()) return;
-    const std::size_t floats = values.size() * sizeof(values[0]) / sizeof(float);
-    detail::require_finite(array, reinterpret_cast<const float*>(values.data()), floats,
-                           floats / scene.size());
-  };
-  require("means", scene.means);
-  require("scales", scene.scales);
-  require("rotations", scene.rotations);
-  require("opacities", scene.opacities);
-  require("sh0", scene.sh0);
-  require("sh_rest", scene.sh_rest);
+  detail::for_each_array(scene, [&](const char* array, Span<const float> values) {
+    detail::require_finite(array, values.data, values.size, values.size / scene.size());
+  });
+}
+
+/// The same by loops of `backend`, which reaches the host's memory.
+template <class B>
+void validate_numbers(const B& backend, const Scene& scene) {
+  std::atomic<bool> found = false;
+  detail::for_each_array(scene, [&](const char*, Span<const float> values) {
+    const std::size_t blocks = (values.size + detail::finite_block - 1) / detail::finite_block;
+    backend.for_each(Count(blocks), detail::FindNotFinite{values.data, values.size, &found});
+  });
+  if (found) validate_numbers(scene);
 }
 
 /// The highest band with a coefficient other than zero: what is above it need not be read to render the

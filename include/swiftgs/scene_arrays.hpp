@@ -4,6 +4,7 @@
 /// @file
 /// Gaussians in arrays of the caller, and how they become a scene.
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -114,6 +115,19 @@ struct CopyVectors {
   }
 };
 
+/// Copies rows of `stored` floats, one a Gaussian, to rows of `kept`; what is left of those becomes 0.
+struct CopyRows {
+  FloatArray from;
+  float* to = nullptr;
+  std::size_t stored = 0, kept = 0;
+
+  void operator()(std::size_t i) const {
+    float* const row = to + i * kept;
+    std::copy_n(row_of(from, i, stored), stored, row);
+    std::fill(row + stored, row + kept, 0.0f);
+  }
+};
+
 struct CopyRotations {
   FloatArray from;
   Quaternion* to = nullptr;
@@ -152,9 +166,25 @@ void copy_arrays(const B& backend, const SceneArrays& from, const SceneRoom& to)
   backend.for_each(n,
                    CopyVectors{from.sh0, to.sh0, 1, 1, from.plain_colours ? Turn::from_colour : Turn::none});
   const auto stored = std::uint32_t(sh_rest_count(from.sh_degree)), kept = std::uint32_t(to.sh_stride) / 3;
-  if (kept != 0)
+  if (kept == 0) return;
+  if constexpr (B::reaches_host_memory)
+    backend.for_each(n, detail::CopyRows{from.sh_rest, to.sh_rest, 3 * stored, 3 * kept});
+  else
     backend.for_each(Count{from.count * kept},
                      CopyVectors{from.sh_rest, reinterpret_cast<vec3*>(to.sh_rest), stored, kept});
+}
+
+/// Makes `scene` a copy of arrays on the host that were validated; takes its memory again.
+template <class B>
+void copy_scene(const B& backend, const SceneArrays& arrays, Scene& scene) {
+  const int stride = 3 * sh_rest_count(arrays.sh_degree);
+  scene.sh_degree = arrays.sh_degree;
+  scene.means.resize(arrays.count), scene.scales.resize(arrays.count);
+  scene.rotations.resize(arrays.count), scene.opacities.resize(arrays.count);
+  scene.sh0.resize(arrays.count), scene.sh_rest.resize(arrays.count * std::size_t(stride));
+  copy_arrays(backend, arrays,
+              {scene.means.data(), scene.scales.data(), scene.rotations.data(), scene.opacities.data(),
+               scene.sh0.data(), scene.sh_rest.data(), stride});
 }
 
 /// A scene of its own of arrays on the host. Throws as `validate`.
@@ -162,14 +192,7 @@ template <class B>
 Scene to_scene(const B& backend, const SceneArrays& arrays) {
   validate(arrays);
   Scene scene;
-  scene.sh_degree = arrays.sh_degree;
-  const int stride = 3 * sh_rest_count(arrays.sh_degree);
-  scene.means.resize(arrays.count), scene.scales.resize(arrays.count);
-  scene.rotations.resize(arrays.count), scene.opacities.resize(arrays.count);
-  scene.sh0.resize(arrays.count), scene.sh_rest.resize(arrays.count * std::size_t(stride));
-  copy_arrays(backend, arrays,
-              {scene.means.data(), scene.scales.data(), scene.rotations.data(), scene.opacities.data(),
-               scene.sh0.data(), scene.sh_rest.data(), stride});
+  copy_scene(backend, arrays, scene);
   return scene;
 }
 

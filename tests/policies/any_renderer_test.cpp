@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -91,9 +92,33 @@ TEST_CASE("any renderer: arrays of any layout are drawn as the scene that has th
     renderer->set_scene(lower);
     renderer->render(small_camera(), {}, drawn);
     CHECK(psnr(drawn.colour, expected.colour) < 90);
+    Frame again;
     lower.means.stride = 8;
     CHECK_THROWS_WITH_AS(renderer->set_scene(lower), doctest::Contains("means: stride is 8 bytes, expected"),
                          std::invalid_argument);
+    renderer->render(small_camera(), {}, again);  // the scene of before
+    CHECK(again.colour == drawn.colour);
+
+    // Another renderer that shares a scene keeps it when this one takes other arrays.
+    const std::unique_ptr<AnyRenderer> other = make_renderer(name);
+    CHECK(other->share_scene(*renderer));
+    renderer->set_scene(arrays);
+    other->render(small_camera(), {}, again);
+    CHECK(again.colour == drawn.colour);
+    SceneArrays few = arrays;
+    few.count = 10;
+    renderer->set_scene(few);
+    renderer->set_scene(arrays);
+    renderer->render(small_camera(), {}, again);
+    CHECK(psnr(again.colour, expected.colour) > 90);
+
+    std::vector<float> means(3 * arrays.count, 1.0f);
+    means[3 * 7 + 1] = std::numeric_limits<float>::quiet_NaN();
+    SceneArrays wrong = arrays;
+    wrong.means = {means.data()};
+    CHECK_THROWS_WITH_AS(renderer->set_scene(wrong),
+                         doctest::Contains("means of Gaussian 7 is nan, expected"), std::invalid_argument);
+    CHECK_THROWS_AS(renderer->render(small_camera(), {}, again), std::logic_error);
   }
 }
 

@@ -218,7 +218,7 @@ TEST_CASE_TEMPLATE("memory hook: all memory of a renderer comes from it and goes
   CHECK(memory.allocations() > 10);
   if constexpr (std::is_same_v<B, Serial>) {
     const std::size_t before = own_allocations;
-    Renderer<B, EarlySort, Usual, Ellipse>().render(HostScene(scene), cameras[0]);
+    Renderer<B, EarlySort, Usual, Ellipse>().render(Serial().upload(scene), cameras[0]);
     CHECK(own_allocations > before);  // the counter counts
   }
 }
@@ -506,7 +506,8 @@ TEST_CASE_TEMPLATE("memory hook: a renderer works on after any of its allocation
   const Scene scene = random_scene(1000, 1, 10);
   const std::vector<Camera> cameras = cameras_of(5, 2);
   Images expected(cameras);
-  Renderer<B, typename T::SortPolicy, Usual, Ellipse>().render_into(HostScene(scene).view(), expected.span());
+  Renderer<B, typename T::SortPolicy, Usual, Ellipse>().render_into(Serial().upload(scene).view(),
+                                                                    expected.span());
   for (const auto by : {CountedMemory::Refusal::null, CountedMemory::Refusal::exception}) {
     CountedMemory memory;
     Renderer<B, typename T::SortPolicy, Usual, Ellipse> renderer(make<B>(memory.hook(), 2));

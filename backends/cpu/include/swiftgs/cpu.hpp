@@ -69,6 +69,8 @@ class SWIFTGS_API Cpu {
   /// Shares `scene` without copying it, and asks for its arrays to be moved to large pages.
   SceneOn upload(std::shared_ptr<const Scene> scene) const;
   SceneOn upload(Scene scene) const { return upload(std::make_shared<const Scene>(std::move(scene))); }
+  /// As `HostScene::copy`, in large pages too.
+  SceneOn upload(const SceneArrays& arrays, std::optional<SceneOn>& reuse) const;
 
   template <class T>
   void download(Span<const T> from, T* to) const {
