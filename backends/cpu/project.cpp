@@ -176,8 +176,12 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   const Vec var_x = hn::Add(xx, blur), var_y = hn::Add(yy, blur);
   const Vec inv_sigma_y = hn::Div(one, hn::Sqrt(var_y));
   const Vec3 c = Scale(CrossOfAxes(v, tx, ty, jx, jy, scale, axes), inv_sigma_y);
-  const Vec sharp = Dot(c, c);
   const Vec inv_var_y = hn::Mul(inv_sigma_y, inv_sigma_y);
+  const Vec unshared = hn::Mul(xx, hn::Mul(hn::Mul(yy, inv_sigma_y), inv_sigma_y));
+  const Vec shared = hn::Mul(xy, inv_sigma_y);
+  const Vec twice = hn::Mul(hn::Add(shared, shared), shared);
+  const Vec sharp =
+      hn::IfThenElse(hn::Gt(twice, unshared), Dot(c, c), hn::NegMulAdd(shared, shared, unshared));
   const Vec var_x_given_y = hn::MulAdd(blur, hn::Mul(hn::Add(xx, var_y), inv_var_y), sharp);
   const Vec largest = hn::Set(d, largest_variance);
   visible = hn::And(visible, hn::And(hn::Gt(var_x_given_y, hn::Zero(d)), hn::Gt(var_y, hn::Zero(d))));

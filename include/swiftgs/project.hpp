@@ -113,14 +113,19 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gau
   const ImageAxes m = image_axes(v, tx, ty, z, g.scale, g.rotation);
 
   // Factor the blurred covariance. Its determinant is |m.x cross m.y|^2 + blur (trace + blur), a sum of
-  // squares (Lagrange's identity); the textbook xx yy - xy^2 loses all digits of a needle's.
+  // squares (Lagrange's identity); the textbook xx yy - xy^2 loses all digits of a needle's. Where it loses
+  // none it is better: rows that are hardly correlated have a width of x that the rounding of y's row does
+  // not move, but that of their cross product does, as with a disk that is seen edge-on.
   const float xx = m.x.x * m.x.x + m.x.y * m.x.y + m.x.z * m.x.z;
   const float yy = m.y.x * m.y.x + m.y.y * m.y.y + m.y.z * m.y.z;
   const float xy = m.x.x * m.y.x + m.x.y * m.y.y + m.x.z * m.y.z;
   const float var_y = yy + v.blur;
   const float inv_sigma_y = 1 / std::sqrt(var_y);
   const vec3 c = m.cross * inv_sigma_y;
-  const float sharp = c.x * c.x + c.y * c.y + c.z * c.z;  // determinant without blur / var_y
+  const float crossed = c.x * c.x + c.y * c.y + c.z * c.z;
+  const float unshared = xx * (yy * inv_sigma_y * inv_sigma_y), shared = xy * inv_sigma_y;
+  // Determinant without blur / var_y.
+  const float sharp = 2 * shared * shared > unshared ? crossed : unshared - shared * shared;
   const float var_x_given_y = sharp + v.blur * ((xx + yy + v.blur) * inv_sigma_y * inv_sigma_y);
   if (!(var_x_given_y > 0 && var_y > 0 && xx + v.blur <= largest_variance && var_y <= largest_variance &&
         var_x_given_y < INFINITY))

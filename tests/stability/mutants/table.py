@@ -106,8 +106,9 @@ MUTANTS = [
            "image.x.z * image.y.x - image.x.x * image.y.z,\n"
            "                     image.x.x * image.y.y - image.x.y * image.y.x);\n  return image;\n}"),
     Mutant("project: determinant as a difference", I + "project.hpp",
-           "const float sharp = c.x * c.x + c.y * c.y + c.z * c.z;",
-           "const float sharp = (xx * yy - xy * xy) * inv_sigma_y * inv_sigma_y + 0 * c.x;"),
+           "> unshared ? crossed :", "> 2 * unshared ? crossed :"),
+    Mutant("project: determinant of hardly correlated rows by their cross product", I + "project.hpp",
+           "> unshared ? crossed :", ">= 0 ? crossed :"),
     Mutant("project: no excess of quaternions that are not unit", I + "project.hpp",
            "const float along = 4 * excess *", "const float along = 0 * excess *"),
     Mutant("project: to_base_2 off by 1e-6", I + "project.hpp", "float(0.84932180028801904272)",
@@ -243,6 +244,8 @@ MUTANTS = [
            "const Vec3 c = Scale(Vec3{hn::Sub(hn::Mul(mx.y, my.z), hn::Mul(mx.z, my.y)), hn::Sub(hn::Mul(mx.z, my.x), "
            "hn::Mul(mx.x, my.z)),\n"
            "                        hn::Sub(hn::Mul(mx.x, my.y), hn::Mul(mx.y, my.x))}, inv_sigma_y);"),
+    Mutant("cpu project: determinant of hardly correlated rows by their cross product", CPU + "project.cpp",
+           "hn::Gt(twice, unshared)", "hn::Ge(twice, hn::Zero(d))"),
     Mutant("cpu project: no excess of quaternions that are not unit", CPU + "project.cpp",
            "const Vec along = hn::Mul(axes.excess, Dot(axes.turn, normal));", "const Vec along = hn::Zero(d);"),
     Mutant("cpu project: blur times 1.0001", CPU + "project.cpp", "blur = hn::Set(d, v.blur);",
