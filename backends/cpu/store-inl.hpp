@@ -82,15 +82,19 @@ HWY_INLINE void CopyWords(void* to, const void* from, std::size_t bytes) {
   for (; i < bytes; i += 4) std::memcpy(out + i, in + i, 4);
 }
 
+/// Where the colours of a square's row lie; null where the frame has none.
+HWY_INLINE unsigned char* ColoursOfRow(const FrameView& frame, const PlacedSquare& square, std::size_t row) {
+  if (!frame.colour.data) return nullptr;
+  auto* const whole = static_cast<unsigned char*>(frame.colour.row(std::size_t(square.y0) + row));
+  return whole + std::size_t(square.x0) * bytes_per_pixel(frame.format);
+}
+
 /// Asks for the memory of the pixels' colours, so that the processor has it when they are written.
 HWY_INLINE void PrefetchPixels(const FrameView& frame, const PlacedSquare& square) {
-  if (!frame.colour.data) return;
-  const std::size_t pixel = bytes_per_pixel(frame.format);
-  for (std::size_t row = 0; row < std::size_t(square.rows); ++row) {
-    const auto* to = static_cast<const unsigned char*>(frame.colour.row(std::size_t(square.y0) + row));
-    for (std::size_t at = 0; at < std::size_t(square.columns) * pixel; at += 64)
-      hwy::Prefetch(to + std::size_t(square.x0) * pixel + at);
-  }
+  const std::size_t bytes = std::size_t(square.columns) * bytes_per_pixel(frame.format);
+  for (std::size_t row = 0; row < std::size_t(square.rows); ++row)
+    if (const unsigned char* to = ColoursOfRow(frame, square, row))
+      for (std::size_t at = 0; at < bytes; at += 64) hwy::Prefetch(to + at);
 }
 
 /// Writes the outputs that are asked for, as `store_pixel` does. Turns `state` into rows.
@@ -108,9 +112,7 @@ HWY_INLINE void StoreSquare(const View& view, const PlacedSquare& square, Square
     alignas(64) unsigned char colours[4 * sizeof(float) * square_side];
     alignas(64) float alphas[square_side], depths[square_side];
     const std::size_t y = std::size_t(square.y0) + row;
-    unsigned char* const to =
-        frame.colour.data ? static_cast<unsigned char*>(frame.colour.row(y)) + std::size_t(square.x0) * pixel
-                          : nullptr;
+    unsigned char* const to = ColoursOfRow(frame, square, row);
     unsigned char* const by = whole && to ? to : colours;
     if (frame.over) LoadRow(frame, square, y, below);
     for (std::size_t column = 0; column < square_side; column += lanes) {
