@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""usage: find_slowdown.py COMPARE FOLDER
+"""usage: find_slowdown.py COMPARE FOLDER MEASURE
 
 Asks COMPARE what moved from before.json in FOLDER to after.json, which rasterizes 5 % slower, and to same.json, which
-is the same renderer measured again. Fails unless of the first it is rasterization that is slower, with what holds it,
-and nothing else, and of the second nothing at all. Exit code 77 where the machine was too busy to tell 5 %.
+is the same renderer measured again. Of the first it must be rasterization that is slower, with what holds it, and
+nothing else, and of the second nothing at all. COMPARE names what moved by 2.6 standard errors, and of the stages that
+did not change chance moves one so far now and then, other programs more often. So MEASURE may write other files twice,
+and the test fails where three measurements are judged wrongly. Exit code 77 where the machine was too busy to tell 5 %.
 """
 import math
 import pathlib
@@ -37,22 +39,34 @@ def noise(*files):
     return math.hypot(*(standard_error(read(name).rows[0].ms["raster"]) for name in files))
 
 
-def main(compare, folder):
+def wrong(compare, folder):
+    """What is wrong with what COMPARE says; nothing where all is well."""
     code, named = compared(compare, f"{folder}/before.json", f"{folder}/same.json")
     if code != 0 or named:
-        sys.exit(f"expected exit code 0 and no stage for the same renderer; got {code}, {sorted(named)}")
+        return f"expected exit code 0 and no stage for the same renderer; got {code}, {sorted(named)}"
     code, named = compared(compare, f"{folder}/before.json", f"{folder}/after.json")
     if "raster" not in {stage for stage, _ in named}:
-        found = noise(f"{folder}/before.json", f"{folder}/after.json")
-        if found > NOISE:
-            print(f"skipped: a standard error of {100 * found:.1f} % is too much to tell 5 %; expected a quiet machine")
-            sys.exit(77)
-        sys.exit("the slower rasterization was not found")
+        return "the slower rasterization was not found"
     if code != 1:
-        sys.exit(f"expected exit code 1, something is slower; got {code}")
+        return f"expected exit code 1, something is slower; got {code}"
     others = {(stage, word) for stage, word in named if stage in ("project", "sort") or word not in SLOWER}
-    if others:
-        sys.exit(f"expected nothing but raster, total and wall, slower; named were {sorted(others)}")
+    return f"expected nothing but raster, total and wall, slower; named were {sorted(others)}" if others else ""
+
+
+def main(compare, folder, measure):
+    least = math.inf
+    for left in (2, 1, 0):
+        found = wrong(compare, folder)
+        if not found:
+            return
+        print(found)
+        least = min(least, noise(f"{folder}/before.json", f"{folder}/after.json"))
+        if left:
+            subprocess.run([measure, folder], check=True)
+    if least > NOISE:
+        print(f"skipped: a standard error of {100 * least:.1f} % is too much to tell 5 %; expected a quiet machine")
+        sys.exit(77)
+    sys.exit("three measurements were judged wrongly")
 
 
 if __name__ == "__main__":

@@ -93,7 +93,8 @@ inline void read_gaussian(Numbers& numbers, StressCase& out) {
   const unsigned flags = numbers.byte(), more = numbers.byte();
   stress::Gaussian g;
   const double z = numbers.scale(0x1p-8, 0x1p24);
-  dvec3 pixel(numbers.in(-0.5, 1.5) * camera.width, numbers.in(-0.5, 1.5) * camera.height, 0);
+  // In braces, since those call from left to right with every compiler.
+  dvec3 pixel{numbers.in(-0.5, 1.5) * camera.width, numbers.in(-0.5, 1.5) * camera.height, 0};
   const double far_x = numbers.signed_scale(1e7), far_y = numbers.signed_scale(1e7);
   if (flags & 1) pixel.x += far_x;
   if (flags & 2) pixel.y += far_y;

@@ -44,8 +44,10 @@ def test_the_measurement_of_overhead_runs(tmp_path):
     for row in results["rows"]:
         assert row["scene"] == "builtin:500" and row["gaussians"] == 500 and row["size"] == [64, 36]
         assert set(row["python_ms"]) >= {"nothing", "out", "new"}
-        for time in (row["cpp_ms"], row["cpp_nothing_ms"], row["python_outside_us"], *row["python_ms"].values()):
+        for time in (row["cpp_ms"], row["cpp_nothing_ms"], *row["python_ms"].values()):
             assert 0 < time["p10"] <= time["median"] < 1000
+        for time in (row["cpp_outside_us"], row["python_outside_us"]):  # differences, which other programs may turn
+            assert np.isfinite([time["p10"], time["median"]]).all()
 
 
 def test_the_program_of_the_readme_draws_its_frame(tmp_path):
