@@ -170,7 +170,7 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   const Vec3 mx = Times(ImageAxis(v, 0, tx, jx, axes), scale);
   const Vec3 my = Times(ImageAxis(v, 1, ty, jy, axes), scale);
 
-  // Factor the blurred covariance; the determinant is a sum of squares (see `project_shape`).
+  // Factor the blurred covariance; the determinant is as in `project_shape`.
   const Vec one = hn::Set(d, 1.0f), blur = hn::Set(d, v.blur);
   const Vec xx = Dot(mx, mx), yy = Dot(my, my), xy = Dot(mx, my);
   const Vec var_x = hn::Add(xx, blur), var_y = hn::Add(yy, blur);

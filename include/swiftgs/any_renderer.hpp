@@ -37,7 +37,7 @@ class SWIFTGS_API AnyRenderer {
   /// in stream order. That waits only where memory has to grow: memory of the scene before is taken again,
   /// unless it was ever shared. On a device Gaussians with a NaN or an infinity are not drawn, since no pass
   /// checks them; hosts refuse them. Throws `std::invalid_argument` as `validate`. After any other exception
-  /// the renderer has no scene.
+  /// a renderer of a device has no scene, and one of a host has that of before.
   virtual void set_scene(const SceneArrays& arrays) = 0;
 
   /// Shares the scene that `other` has uploaded, without another copy. Returns false, and changes nothing, if

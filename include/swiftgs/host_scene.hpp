@@ -27,15 +27,17 @@ class HostScene {
     view_.identity = new_scene_identity();
   }
 
-  /// A copy of `arrays`, in the memory of `reuse` if that is such a copy and was never shared. Throws as
-  /// above; `reuse` is empty then, unless it is `validate` that throws.
+  /// A copy of `arrays`, in the memory of `reuse` if that is such a copy and nobody else has it. Throws
+  /// as above, and leaves `reuse` as it is then. `arrays` do not lie in it.
   template <class B>
   static HostScene copy(const B& backend, const SceneArrays& arrays, std::optional<HostScene>& reuse) {
     validate(arrays);
     std::shared_ptr<Scene> scene;
-    if (std::optional<HostScene> before = std::exchange(reuse, std::nullopt))
-      if (before->copied_.use_count() == of_one_copy) scene = std::move(before->copied_);
-    if (!scene) scene = std::make_shared<Scene>();
+    // Numbers that are refused must not reach the memory of a scene that stays.
+    if (reuse && reuse->copied_.use_count() == of_one_copy && would_be_finite(backend, arrays))
+      scene = std::move(std::exchange(reuse, std::nullopt)->copied_);
+    else
+      scene = std::make_shared<Scene>();
     copy_scene(backend, arrays, *scene);
     HostScene out(backend, scene);
     out.copied_ = std::move(scene);

@@ -5,6 +5,7 @@
 /// Gaussians in arrays of the caller, and how they become a scene.
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -100,32 +101,27 @@ struct CopyVectors {
   std::uint32_t stored = 1, kept = 1;
   Turn turn = Turn::none;
 
-  SWIFTGS_HD void operator()(std::size_t at) const {
+  SWIFTGS_HD vec3 value(std::size_t at) const {
     // Division in 64 bits would cost a device more than the copy.
     const std::size_t i = kept == 1 ? at : at >> 32 == 0 ? std::uint32_t(at) / kept : at / kept;
     const auto vector = std::uint32_t(at - i * kept);
-    vec3 value(0);
-    if (vector < stored) {
-      const float* const row = row_of(from, i, 3 * stored) + 3 * vector;
-      value = {row[0], row[1], row[2]};
-      if (turn == Turn::from_log) value = {std::exp(value.x), std::exp(value.y), std::exp(value.z)};
-      if (turn == Turn::from_colour) value = sh0_of(value);
-    }
-    to[at] = value;
+    if (vector >= stored) return vec3(0);
+    const float* const row = row_of(from, i, 3 * stored) + 3 * vector;
+    const vec3 found(row[0], row[1], row[2]);
+    if (turn == Turn::from_log) return {std::exp(found.x), std::exp(found.y), std::exp(found.z)};
+    return turn == Turn::from_colour ? sh0_of(found) : found;
   }
+  SWIFTGS_HD void operator()(std::size_t at) const { to[at] = value(at); }
 };
 
-/// Copies rows of `stored` floats, one a Gaussian, to rows of `kept`; what is left of those becomes 0.
+/// Copies rows of `width` floats, one a Gaussian.
 struct CopyRows {
   FloatArray from;
   float* to = nullptr;
-  std::size_t stored = 0, kept = 0;
+  std::size_t width = 0;
 
-  void operator()(std::size_t i) const {
-    float* const row = to + i * kept;
-    std::copy_n(row_of(from, i, stored), stored, row);
-    std::fill(row + stored, row + kept, 0.0f);
-  }
+  const float* row(std::size_t i) const { return row_of(from, i, width); }
+  void operator()(std::size_t i) const { std::copy_n(row(i), width, to + i * width); }
 };
 
 struct CopyRotations {
@@ -133,10 +129,11 @@ struct CopyRotations {
   Quaternion* to = nullptr;
   bool any_length = false;
 
-  SWIFTGS_HD void operator()(std::size_t i) const {
+  SWIFTGS_HD Quaternion value(std::size_t i) const {
     const float* const q = row_of(from, i, 4);
-    to[i] = any_length ? normalised(q[0], q[1], q[2], q[3]) : Quaternion{q[0], q[1], q[2], q[3]};
+    return any_length ? normalised(q[0], q[1], q[2], q[3]) : Quaternion{q[0], q[1], q[2], q[3]};
   }
+  SWIFTGS_HD void operator()(std::size_t i) const { to[i] = value(i); }
 };
 
 struct CopyOpacities {
@@ -144,9 +141,44 @@ struct CopyOpacities {
   float* to = nullptr;
   bool from_logit = false;
 
-  SWIFTGS_HD void operator()(std::size_t i) const {
-    const float value = *row_of(from, i, 1);
-    to[i] = from_logit ? sigmoid(value) : value;
+  SWIFTGS_HD float value(std::size_t i) const {
+    const float found = *row_of(from, i, 1);
+    return from_logit ? sigmoid(found) : found;
+  }
+  SWIFTGS_HD void operator()(std::size_t i) const { to[i] = value(i); }
+};
+
+/// The loops that copy each array.
+struct ArrayCopies {
+  CopyVectors means, scales, sh0;
+  CopyRotations rotations;
+  CopyOpacities opacities;
+  CopyRows sh_rest;
+
+  ArrayCopies(const SceneArrays& from, const SceneRoom& to) {
+    using Turn = CopyVectors::Turn;
+    means = {from.means, to.means};
+    scales = {from.scales, to.scales, 1, 1, from.log_scales ? Turn::from_log : Turn::none};
+    sh0 = {from.sh0, to.sh0, 1, 1, from.plain_colours ? Turn::from_colour : Turn::none};
+    rotations = {from.rotations, to.rotations, from.any_rotations};
+    opacities = {from.opacities, to.opacities, from.logit_opacities};
+    sh_rest = {from.sh_rest, to.sh_rest, 3 * std::size_t(sh_rest_count(from.sh_degree))};
+  }
+};
+
+/// What `copy_arrays` would write of Gaussian i: notes in `found` whether it has a number that is not finite.
+struct FindNotFiniteValue {
+  ArrayCopies copies;
+  std::atomic<bool>* found;
+
+  void operator()(std::size_t i) const {
+    const auto finite = [](const auto& value) {
+      return are_finite(reinterpret_cast<const float*>(&value), sizeof value / sizeof(float));
+    };
+    if (!finite(copies.means.value(i)) || !finite(copies.scales.value(i)) || !finite(copies.sh0.value(i)) ||
+        !finite(copies.rotations.value(i)) || !finite(copies.opacities.value(i)) ||
+        !are_finite(copies.sh_rest.row(i), copies.sh_rest.width))
+      found->store(true, std::memory_order_relaxed);
   }
 };
 
@@ -155,23 +187,26 @@ struct CopyOpacities {
 /// Copies arrays that were validated by loops of `backend`, which reach both sides, and activates numbers.
 template <class B>
 void copy_arrays(const B& backend, const SceneArrays& from, const SceneRoom& to) {
-  using detail::CopyVectors;
-  using Turn = CopyVectors::Turn;
+  const detail::ArrayCopies copies(from, to);
   const Count n{from.count};
-  backend.for_each(n, CopyVectors{from.means, to.means});
-  backend.for_each(n,
-                   CopyVectors{from.scales, to.scales, 1, 1, from.log_scales ? Turn::from_log : Turn::none});
-  backend.for_each(n, detail::CopyRotations{from.rotations, to.rotations, from.any_rotations});
-  backend.for_each(n, detail::CopyOpacities{from.opacities, to.opacities, from.logit_opacities});
-  backend.for_each(n,
-                   CopyVectors{from.sh0, to.sh0, 1, 1, from.plain_colours ? Turn::from_colour : Turn::none});
+  backend.for_each(n, copies.means), backend.for_each(n, copies.scales);
+  backend.for_each(n, copies.rotations), backend.for_each(n, copies.opacities);
+  backend.for_each(n, copies.sh0);
   const auto stored = std::uint32_t(sh_rest_count(from.sh_degree)), kept = std::uint32_t(to.sh_stride) / 3;
   if (kept == 0) return;
   if constexpr (B::reaches_host_memory)
-    backend.for_each(n, detail::CopyRows{from.sh_rest, to.sh_rest, 3 * stored, 3 * kept});
+    backend.for_each(n, copies.sh_rest);
   else
     backend.for_each(Count{from.count * kept},
-                     CopyVectors{from.sh_rest, reinterpret_cast<vec3*>(to.sh_rest), stored, kept});
+                     detail::CopyVectors{from.sh_rest, reinterpret_cast<vec3*>(to.sh_rest), stored, kept});
+}
+
+/// Whether a copy of arrays on the host that were validated would have finite numbers alone.
+template <class B>
+bool would_be_finite(const B& backend, const SceneArrays& arrays) {
+  std::atomic<bool> found = false;
+  backend.for_each(Count{arrays.count}, detail::FindNotFiniteValue{{arrays, {}}, &found});
+  return !found;
 }
 
 /// Makes `scene` a copy of arrays on the host that were validated; takes its memory again.

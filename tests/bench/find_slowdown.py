@@ -21,6 +21,7 @@ from tables.results import STAGES, read  # noqa: E402
 SLOWER = {"slower", "worse"}  # COMPARE's words for means and for rows
 # What COMPARE and chance leave of 5 %: 2.6 standard errors for a mean to be named, and 2 for it to come out less.
 NOISE = math.log(1.05) / (2.6 + 2)
+NOT_FOUND = "the slower rasterization was not found"
 
 
 def compared(compare, before, after):
@@ -46,7 +47,7 @@ def wrong(compare, folder):
         return f"expected exit code 0 and no stage for the same renderer; got {code}, {sorted(named)}"
     code, named = compared(compare, f"{folder}/before.json", f"{folder}/after.json")
     if "raster" not in {stage for stage, _ in named}:
-        return "the slower rasterization was not found"
+        return NOT_FOUND
     if code != 1:
         return f"expected exit code 1, something is slower; got {code}"
     others = {(stage, word) for stage, word in named if stage in ("project", "sort") or word not in SLOWER}
@@ -54,16 +55,17 @@ def wrong(compare, folder):
 
 
 def main(compare, folder, measure):
-    least = math.inf
+    least, missed = math.inf, False
     for left in (2, 1, 0):
         found = wrong(compare, folder)
         if not found:
             return
         print(found)
+        missed |= found == NOT_FOUND
         least = min(least, noise(f"{folder}/before.json", f"{folder}/after.json"))
         if left:
             subprocess.run([measure, folder], check=True)
-    if least > NOISE:
+    if missed and least > NOISE:
         print(f"skipped: a standard error of {100 * least:.1f} % is too much to tell 5 %; expected a quiet machine")
         sys.exit(77)
     sys.exit("three measurements were judged wrongly")

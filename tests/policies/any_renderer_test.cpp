@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -118,7 +121,45 @@ TEST_CASE("any renderer: arrays of any layout are drawn as the scene that has th
     wrong.means = {means.data()};
     CHECK_THROWS_WITH_AS(renderer->set_scene(wrong),
                          doctest::Contains("means of Gaussian 7 is nan, expected"), std::invalid_argument);
-    CHECK_THROWS_AS(renderer->render(small_camera(), {}, again), std::logic_error);
+    renderer->render(small_camera(), {}, drawn);  // the scene of before
+    CHECK(again.colour == drawn.colour);
+  }
+}
+
+TEST_CASE_TEMPLATE("any renderer: hosts take memory of arrays again unless somebody else has it", B, Serial,
+                   Cpu) {
+  const B backend;
+  constexpr std::size_t count = 20'000;
+  std::vector<float> floats(4 * count, 0.5f);
+  const FloatArray all{floats.data()};
+  SceneArrays arrays;
+  arrays.count = count, arrays.means = all, arrays.scales = all, arrays.rotations = all;
+  arrays.opacities = all, arrays.sh0 = all;
+  std::optional<HostScene> scene;
+  scene.emplace(backend.upload(arrays, scene));
+  const vec3* const first = scene->view().means.data;
+  const std::uint64_t identity = scene->view().identity;
+  scene.emplace(backend.upload(arrays, scene));
+  CHECK(scene->view().means.data == first);
+  CHECK(scene->view().identity != identity);
+  {
+    const HostScene shared = *scene;
+    scene.emplace(backend.upload(arrays, scene));
+    CHECK(scene->view().means.data != first);
+    CHECK(shared.view().means[count - 1] == vec3(0.5f));
+  }
+
+  // A number of any block is found, and the scene stays.
+  for (const std::size_t at : {std::size_t(0), std::size_t(1) << 14, 3 * count - 1}) {
+    const std::string message = "means of Gaussian " + std::to_string(at / 3) + " is inf, expected";
+    CAPTURE(message);
+    const float kept = std::exchange(floats[at], std::numeric_limits<float>::infinity());
+    const vec3* const before = scene->view().means.data;
+    CHECK_THROWS_WITH_AS(scene.emplace(backend.upload(arrays, scene)), doctest::Contains(message.c_str()),
+                         std::invalid_argument);
+    CHECK(scene->view().means.data == before);
+    CHECK(scene->view().means[at / 3] == vec3(0.5f));
+    floats[at] = kept;
   }
 }
 

@@ -156,10 +156,17 @@ struct Place {
   }
 };
 
+/// 23007 for 2.30.7.
+int nccl_version() {
+  int version = 0;
+  check(nccl()->get_version(&version), "ncclGetVersion");
+  return version;
+}
+
 Place place_of(const Ranks& ranks) {
   Place place{.direct = ranks.direct() && nccl()};
   const char* const shares = std::getenv("NCCL_MULTI_RANK_GPU_ENABLE");
-  place.shares = shares && std::atoi(shares) != 0;
+  place.shares = place.direct != 0 && shares && std::atoi(shares) != 0 && nccl_version() >= 23000;
   int length = 0;
   mpi::check(MPI_Get_processor_name(place.machine, &length), "MPI_Get_processor_name");
   check(cudaGetDevice(&place.device), "cudaGetDevice");

@@ -11,6 +11,7 @@ namespace swiftgs {
 /// The functions of NCCL that are called. The library is loaded when ranks first ask for it: a build needs
 /// its header alone, and a program that finds no library goes by the host.
 struct NcclFunctions {
+  decltype(&ncclGetVersion) get_version;
   decltype(&ncclGetUniqueId) get_unique_id;
   decltype(&ncclCommInitRank) comm_init_rank;
   decltype(&ncclCommDestroy) comm_destroy;
@@ -38,6 +39,7 @@ inline const NcclFunctions* nccl() {
         function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, name));
         complete = complete && function;
       };
+      find(functions.get_version, "ncclGetVersion");
       find(functions.get_unique_id, "ncclGetUniqueId");
       find(functions.comm_init_rank, "ncclCommInitRank");
       find(functions.comm_destroy, "ncclCommDestroy");
