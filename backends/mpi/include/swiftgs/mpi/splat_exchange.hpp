@@ -34,8 +34,8 @@ class SplatExchange {
   /// Whether messages go by a `DirectLink`.
   void set_direct(bool direct) { direct_ = direct; }
 
-  /// Sorts out which of the first `count` of `splats`, all that there are, go to which rank; waits for their
-  /// number. Not collective. Throws `CapacityError`.
+  /// Sorts out which splats go to which rank, and waits for their number. `splats` holds `count`, and may
+  /// have room for more. Not collective. Throws `CapacityError`.
   template <class Bounds>
   void list(B& b, const Splats<B>& splats, std::size_t count, const Footprints<B, Bounds>& footprints,
             const Views& views, const BandCuts& cuts) {
