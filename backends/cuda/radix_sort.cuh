@@ -177,15 +177,14 @@ class DigitSum {
 };
 
 inline constexpr unsigned radix_threads = digits, radix_warps = radix_threads / warp_size;
-/// Pairs of a thread in one pass: as many as shared memory has room for with wide keys.
+/// Most pairs of a thread in one pass: as many as shared memory has room for with wide keys.
 template <class Key>
-inline constexpr unsigned radix_items = sizeof(Key) == 8 ? 12 : 16;
+inline constexpr unsigned most_radix_items = sizeof(Key) == 8 ? 12 : 16;
 /// Pairs of a block, a tile.
-template <class Key>
-inline constexpr unsigned radix_tile = radix_items<Key>* radix_threads;
+__host__ __device__ constexpr unsigned radix_tile(unsigned items) { return items * radix_threads; }
 
 /// What the threads of a block tell each other in a pass.
-template <class Key>
+template <class Key, unsigned items>
 struct RadixShared {
   std::uint32_t sums_of_warps[2][radix_warps];
   std::uint32_t first[digits];  ///< where the tile's pairs of a digit begin in it
@@ -193,8 +192,8 @@ struct RadixShared {
   union {
     std::uint32_t counts[radix_warps][digits];  ///< of each warp, then of the warps before it
     struct {
-      std::uint32_t values[radix_tile<Key>];
-      Key keys[radix_tile<Key>];
+      std::uint32_t values[radix_tile(items)];
+      Key keys[radix_tile(items)];
     } pairs;  ///< in the order of their digits
   };
 };
@@ -232,15 +231,16 @@ __device__ inline void end_sort(const TurnsView<RadixCounts>& turns, std::uint32
   if (threadIdx.x == 0) turns.counters->turn = turn_after(turn);
 }
 
-/// Sorts by one digit: a block a tile, and a thread a digit of it. Blocks without a tile have nothing to do.
-template <class Key>
+/// Sorts by one digit: a block a tile, and a thread a digit of it. Without `values`, they are the positions
+/// of the keys. Blocks without a tile have nothing to do.
+template <class Key, unsigned items>
 __global__ void __launch_bounds__(radix_threads)
     radix_pass(const Key* keys, const std::uint32_t* values, Key* sorted_keys, std::uint32_t* sorted_values,
                const Count all, const Pass pass, const TurnsView<RadixCounts> turns) {
   await_earlier();
   const std::uint32_t turn = read_turn(turns);
   const std::uint64_t n = all.get();
-  const std::uint32_t tiles = std::uint32_t((n + radix_tile<Key> - 1) / radix_tile<Key>);
+  const std::uint32_t tiles = std::uint32_t((n + radix_tile(items) - 1) / radix_tile(items));
   if (blockIdx.x >= tiles) {
     if (tiles == 0 && pass.last && blockIdx.x == 0) {
       __syncthreads();  // all threads have read the turn
@@ -249,11 +249,10 @@ __global__ void __launch_bounds__(radix_threads)
     return;
   }
   const Digit digit = pass.digit;
-  constexpr unsigned items = radix_items<Key>;
-  __shared__ RadixShared<Key> shared;
+  __shared__ RadixShared<Key, items> shared;
   const unsigned thread = threadIdx.x, warp = thread / warp_size;
-  const std::uint64_t tile_first = std::uint64_t(blockIdx.x) * radix_tile<Key>;
-  const unsigned size = unsigned(min(n - tile_first, std::uint64_t(radix_tile<Key>)));
+  const std::uint64_t tile_first = std::uint64_t(blockIdx.x) * radix_tile(items);
+  const unsigned size = unsigned(min(n - tile_first, std::uint64_t(radix_tile(items))));
 
   // Load: a warp from neighbouring places. What lies behind the end gets the highest digit, to come last.
   Key key[items];
@@ -267,7 +266,7 @@ __global__ void __launch_bounds__(radix_threads)
 #pragma unroll
   for (unsigned k = 0; k < items; ++k) {
     const unsigned item = first_item + k * warp_size;
-    value[k] = item < size ? values[tile_first + item] : 0;
+    value[k] = item >= size ? 0 : values ? values[tile_first + item] : std::uint32_t(tile_first + item);
   }
   // Of both copies, since a load that waits for the turn would take twice as long.
   const std::uint32_t of_even = turns.counters->copies[0].of_pass[pass.number][thread],
@@ -298,7 +297,7 @@ __global__ void __launch_bounds__(radix_threads)
     shared.counts[w][thread] = count;
     count += of_warp;
   }
-  const std::uint32_t added = thread == digit.highest() ? count - (radix_tile<Key> - size) : count;
+  const std::uint32_t added = thread == digit.highest() ? count - (radix_tile(items) - size) : count;
   sum.add(added);
   const std::uint32_t first = sum_below_in_block(count, shared.sums_of_warps[0]);
   const std::uint32_t of_digit = copy_of(turn) == 0 ? of_even : of_odd;
@@ -330,24 +329,60 @@ __global__ void __launch_bounds__(radix_threads)
   }
 }
 
-/// Starts the kernels of a sort. @see Cuda::sort_pairs
+/// Tiles that a multiprocessor should have at least.
+inline constexpr unsigned tiles_at_once = 2;
+
+/// The tiles of a sort: smaller ones where there would be too few for all multiprocessors.
 template <class Key>
-void run_radix_sort(Cuda& cuda, Pairs<Cuda, Key>& pairs, Count n, int bits, Turns<RadixCounts>& turns) {
+struct RadixTiles {
+  decltype(&radix_pass<Key, most_radix_items<Key>>) pass;
+  unsigned count;
+
+  RadixTiles(std::size_t pairs, unsigned least) {
+    if (use<most_radix_items<Key>>(pairs) < least && use<most_radix_items<Key> / 2>(pairs) < least)
+      use<most_radix_items<Key> / 4>(pairs);
+  }
+
+ private:
+  template <unsigned items>
+  unsigned use(std::size_t pairs) {
+    pass = radix_pass<Key, items>;
+    return count = blocks_for(pairs, radix_tile(items));
+  }
+};
+
+/// What a sort reads. Without values, they are the positions of the keys.
+template <class Key>
+struct UnsortedPairs {
+  const Key* keys;
+  const std::uint32_t* values;
+};
+
+/// Starts the kernels of a sort of what `from` has into `pairs`, which may be the same.
+template <class Key>
+void run_radix_sort(Cuda& cuda, UnsortedPairs<Key> from, Pairs<Cuda, Key>& pairs, Count n, int bits,
+                    Turns<RadixCounts>& turns) {
   if (n.most == 0 || bits == 0) return;
   const std::size_t most = std::numeric_limits<std::uint32_t>::max();
   if (n.most > most) throw CapacityError("pairs in one sort", n.most, most);
   const Digits passes{unsigned(bits)};
-  const unsigned tiles = blocks_for(n.most, radix_tile<Key>);
-  const TurnsView<RadixCounts> view = turns.begin(cuda, radix_words(tiles));
+  const RadixTiles<Key> tiles(n.most, tiles_at_once * unsigned(cuda.multiprocessors()));
+  const TurnsView<RadixCounts> view = turns.begin(cuda, radix_words(tiles.count));
   launch_early(cuda, "radix_histogram", radix_histogram<Key>, histogram_blocks(n.most), histogram_threads,
-               pairs.keys.data(), n, passes, view);
+               from.keys, n, passes, view);
   for (unsigned p = 0; p < passes.count; ++p) {
-    launch_early(cuda, "radix_pass", radix_pass<Key>, tiles, radix_threads, pairs.keys.data(),
-                 pairs.values.data(), pairs.spare_keys.data(), pairs.spare_values.data(), n, passes.pass(p),
-                 view);
+    launch_early(cuda, "radix_pass", tiles.pass, tiles.count, radix_threads, from.keys, from.values,
+                 pairs.spare_keys.data(), pairs.spare_values.data(), n, passes.pass(p), view);
     std::swap(pairs.keys, pairs.spare_keys), std::swap(pairs.values, pairs.spare_values);
+    from = {pairs.keys.data(), pairs.values.data()};
   }
   turns.end();
+}
+
+/// @see Cuda::sort_pairs
+template <class Key>
+void run_radix_sort(Cuda& cuda, Pairs<Cuda, Key>& pairs, Count n, int bits, Turns<RadixCounts>& turns) {
+  run_radix_sort<Key>(cuda, {pairs.keys.data(), pairs.values.data()}, pairs, n, bits, turns);
 }
 
 }  // namespace swiftgs::kernels

@@ -62,4 +62,9 @@ void Cuda::sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, Count n, int bits) {
   kernels::run_radix_sort(*this, pairs, n, bits, state_->sorts);
 }
 
+void Cuda::sort_positions(const std::uint32_t* keys, Count n, int bits, Pairs<Cuda, std::uint32_t>& pairs) {
+  pairs.reset(n.most);
+  kernels::run_radix_sort<std::uint32_t>(*this, {keys, nullptr}, pairs, n, bits, state_->sorts);
+}
+
 }  // namespace swiftgs

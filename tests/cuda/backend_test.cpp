@@ -91,7 +91,7 @@ TEST_CASE("cuda: sort_pairs sorts a million pairs and keeps the order of equal k
 TEST_CASE("cuda: sort_pairs sorts as many pairs as end a tile or a group of tiles, or nearly") {
   if (without_device()) return;
   Cuda cuda;
-  for (const std::size_t tile : {3072, 4096})
+  for (const std::size_t tile : {768, 1024, 4096})
     for (const std::size_t tiles : {1, 2, 7, 8, 9, 16, 63, 64, 65, 129})
       for (const int beyond : {-1, 0, 1}) {
         const std::size_t n = tile * tiles + std::size_t(beyond);
@@ -100,6 +100,41 @@ TEST_CASE("cuda: sort_pairs sorts as many pairs as end a tile or a group of tile
         CHECK(sorts(cuda, random_keys<std::uint32_t>(n, 6), 31));
         CHECK(sorts(cuda, random_keys<std::uint64_t>(n, 7), 44));
       }
+}
+
+TEST_CASE("cuda: sort_pairs sorts by tiles of every size") {
+  if (without_device()) return;
+  Cuda cuda;
+  // Tiles become larger where there are two for each multiprocessor.
+  const std::size_t tiles = 2 * std::size_t(cuda.multiprocessors());
+  const auto sorts_around = [&]<class Key>(std::size_t tile, int bits) {
+    for (const std::size_t n : {(tiles - 1) * tile, (tiles - 1) * tile + 1, tiles * tile + 1}) {
+      CAPTURE(n);
+      CHECK(sorts(cuda, random_keys<Key>(n, n), bits));
+    }
+  };
+  for (const std::size_t tile : {2048, 4096}) {
+    sorts_around.operator()<std::uint16_t>(tile, 13);
+    sorts_around.operator()<std::uint32_t>(tile, 31);
+  }
+  for (const std::size_t tile : {1536, 3072}) sorts_around.operator()<std::uint64_t>(tile, 44);
+}
+
+TEST_CASE("cuda: sort_positions sorts the positions of keys, and leaves the keys as they are") {
+  if (without_device()) return;
+  Cuda cuda;
+  Pairs<Cuda, std::uint32_t> pairs;
+  for (const std::size_t n : {0, 1, 1023, 1024, 1025, 30'001, 700'000, 1'200'000, 5}) {
+    CAPTURE(n);
+    std::vector<std::uint32_t> keys = random_keys<std::uint32_t>(n, n + 1), positions(n);
+    for (std::size_t i = 0; i < n; ++i) keys[i] &= 0x7fff00ff, positions[i] = std::uint32_t(i);
+    const DeviceBuffer<std::uint32_t> unsorted = to_device(keys);
+    cuda.sort_positions(unsorted.data(), n, 31, pairs);
+    CHECK(to_host(cuda, unsorted.span()) == keys);
+    stable_sort_pairs(keys, positions, 31);
+    CHECK(to_host(cuda, Span<const std::uint32_t>{pairs.values.data(), n}) == positions);
+    CHECK(to_host(cuda, Span<const std::uint32_t>{pairs.keys.data(), n}) == keys);
+  }
 }
 
 TEST_CASE(

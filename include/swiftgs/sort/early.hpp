@@ -20,35 +20,50 @@ struct SWIFTGS_API DepthPair {
   }
 };
 
+/// Memory of the order of splats by depth.
+template <class B>
+struct DepthOrderScratch {
+  Pairs<B, std::uint32_t> pairs;  ///< depth keys, indices
+
+  void reserve(B& b, const FrameRoom& room) {
+    pairs.reset_exactly(room.capacity.splats);
+    reserve_sort(b, room.capacity.splats);
+  }
+  static auto buffers(auto& self) { return std::tie(self.pairs); }
+};
+
+/// Indices of the splats, nearest first, equal depths in index order; they lie in `scratch`. Backends
+/// overload this.
+template <class B>
+const std::uint32_t* order_by_depth(B& b, const SplatsView& splats, DepthOrderScratch<B>& scratch) {
+  const Count count = splats.count();
+  Pairs<B, std::uint32_t>& pairs = scratch.pairs;
+  pairs.reset(count.most);
+  b.for_each(count, DepthPair{splats.depths.data, pairs.keys.data(), pairs.values.data()});
+  b.sort_pairs(pairs, count, depth_key_bits);
+  return pairs.values.data();
+}
+
 /// Early sorting (SwiftGS, section 4.1): sort the visible splats by depth once, emit their instances in that
 /// order, and sort those by tile alone. Depth is looked at once a splat instead of once an instance.
 struct EarlySort {
   static constexpr std::string_view name = "early";
-  using Loops = TypeList<DepthPair>;
+  using Loops = TypeList<>;
 
   template <class B>
   struct Scratch {
-    Pairs<B, std::uint32_t> depths;
+    DepthOrderScratch<B> depths;
     GroupScratch<B> group;
 
-    void reserve(B& b, const FrameRoom& room) {
-      depths.reset_exactly(room.capacity.splats);
-      reserve_sort(b, room.capacity.splats);
-      reserve_parts(b, room, group);
-    }
+    void reserve(B& b, const FrameRoom& room) { reserve_parts(b, room, depths, group); }
     static auto buffers(auto& self) { return std::tie(self.depths, self.group); }
   };
 
   template <class B, class Bounds>
   void build(B& b, const SortJob<Bounds>& job, const Bounds& bounds, Scratch<B>& scratch,
              TileLists<B>& lists) {
-    const Count splats = job.splats.count();
-    scratch.depths.reset(splats.most);
-    b.for_each(splats,
-               DepthPair{job.splats.depths.data, scratch.depths.keys.data(), scratch.depths.values.data()});
-    b.sort_pairs(scratch.depths, splats, depth_key_bits);
-
-    group_by_tile(b, job, bounds, scratch.depths.values.data(), scratch.group, lists);
+    const std::uint32_t* const order = order_by_depth(b, job.splats, scratch.depths);
+    group_by_tile(b, job, bounds, order, scratch.group, lists);
   }
 };
 

@@ -19,6 +19,7 @@
 #include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/all.hpp>
 #include <swiftgs/shade_stage.hpp>
+#include <swiftgs/sort/early.hpp>
 #include <swiftgs/sort/sort.hpp>
 
 namespace swiftgs {
@@ -193,6 +194,14 @@ FrameReport await_report(Cuda& cuda, Splats<Cuda>& splats, Footprints<Cuda, Boun
   splats.count = footprints.count = std::size_t(report.visible), splats.exact = nullptr;
   footprints.instances = std::size_t(report.instances), footprints.overflowed = nullptr;
   return report;
+}
+
+/// `order_by_depth` from the depths themselves, whose bits are their keys.
+inline const std::uint32_t* order_by_depth(Cuda& cuda, const SplatsView& splats,
+                                           DepthOrderScratch<Cuda>& scratch) {
+  const auto* const keys = reinterpret_cast<const std::uint32_t*>(splats.depths.data);
+  cuda.sort_positions(keys, splats.count(), depth_key_bits, scratch.pairs);
+  return scratch.pairs.values.data();
 }
 
 /// A splat, its depth key where the keys of instances hold one, and the place of its first instance.

@@ -155,6 +155,12 @@ class SWIFTGS_API Cuda {
   void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, Count n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, Count n, int bits);
 
+  /// As `sort_pairs` of the first `n` keys with their positions. `keys` stay as they are.
+  void sort_positions(const std::uint32_t* keys, Count n, int bits, Pairs<Cuda, std::uint32_t>& pairs);
+
+  /// Memory for the order in which blocks rasterize so many squares, kept from frame to frame.
+  std::uint32_t* square_order(std::size_t squares);
+
   /// Waits, and gives back the memory that scans, sorts and rasterizers keep.
   void trim();
 
