@@ -54,7 +54,7 @@ struct SquarePixel {
                   view().background);
     if constexpr (extras)
       if (input.job.counts)
-        add_counts(input.job.counts[BlockSquare::number()],
+        add_counts(input.job.counts[BlockSquare::number(input)],
                    counts_of_warp(counts, instances, warp_sum(evaluated), timer));
   }
 };

@@ -94,7 +94,7 @@ void add_contributions(Cuda& cuda, const ContributionJob& job) {
   kernels::with_views(job.raster.views, [&]<class ViewSource>(const ViewSource& views) {
     launch("add_contributions", kernels::add_contributions<ViewSource>, kernels::blocks_of(squares),
            kernels::raster_threads, cuda.stream(),
-           kernels::RasterInput<ViewSource>{job.raster, views, squares}, job.sums);
+           kernels::RasterInput<ViewSource>{job.raster, views, squares, nullptr}, job.sums);
   });
 }
 

@@ -8,6 +8,7 @@
 #include <cuda/atomic>
 
 #include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/block_square.cuh>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/raster/raster.hpp>
@@ -56,8 +57,8 @@ struct LongPart {
   unsigned live[pixels_of_lane];  ///< lanes whose pixel has not stopped
   std::uint32_t pieces;           ///< so far
   std::uint32_t blended;          ///< splats
-  std::uint32_t column, row;      ///< of its square
-  std::uint32_t part;             ///< of the square
+  SquareIndex square;
+  std::uint32_t part;  ///< of the square
   ResumeAt at;
 };
 

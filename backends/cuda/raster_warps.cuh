@@ -354,7 +354,8 @@ struct PieceJoiner {
 
   /// Leaves the rest of a list to another block, after so many pieces and splats. A piece behind the first
   /// that has not ended is left to it as a whole.
-  __device__ void hand_over(LongPart& part, ResumeAt at, std::uint32_t pieces, std::uint32_t blended) const {
+  __device__ void hand_over(LongPart& part, SquareIndex square, ResumeAt at, std::uint32_t pieces,
+                            std::uint32_t blended) const {
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
       const Pixel& pixel = lane.pixels[p];
@@ -370,7 +371,7 @@ struct PieceJoiner {
     }
     if (lane_index() == 0) {
       part.pieces = pieces, part.blended = blended;
-      part.column = blockIdx.x, part.row = BlockSquare::row(), part.part = threadIdx.x / warp_size;
+      part.square = square, part.part = threadIdx.x / warp_size;
       part.at = at;
     }
     // Others count what is left to them.
@@ -453,7 +454,7 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
 
   if (handed_over) {
     const ResumeAt next = walk.pieces() == 0 ? walk.here() : walk.behind(joiner.walked.end);
-    joiner.hand_over(*handed_over, next, walk.pieces(), walk.blended());
+    joiner.hand_over(*handed_over, BlockSquare::index(input), next, walk.pieces(), walk.blended());
     long_parts.hand_over(handed_over);
   } else {
     joiner.end(walk.pieces(), walk.blended() == begin_of_piece(walk.pieces()));
@@ -469,8 +470,9 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
   }
   if constexpr (extras)
     if (job.counts)
-      add_counts(job.counts[BlockSquare::number()], counts_of_warp(sum(blender.lane.counts), walk.visited(),
-                                                                   walk.blended() * pixels_of_part, timer));
+      add_counts(
+          job.counts[BlockSquare::number(input)],
+          counts_of_warp(sum(blender.lane.counts), walk.visited(), walk.blended() * pixels_of_part, timer));
 }
 }  // namespace kernels
 

@@ -18,7 +18,23 @@ struct RasterInput {
   RasterJob job;
   ViewSource views;
   Squares squares;
+  const std::uint32_t* order;  ///< @shape{squares} as `order_squares` has it
 };
+
+/// Where a square lies among those of a frame.
+struct SquareIndex {
+  std::uint32_t column, row;
+
+  /// In a word of `order_squares`.
+  __device__ static SquareIndex of(std::uint32_t word) { return {word & 0xffff, word >> 16}; }
+  __device__ std::uint32_t word() const { return row << 16 | column; }
+};
+
+/// The squares of a frame, those with the longest lists first: if a block began with one of them at the end,
+/// the frame would wait for it. Null, for their own order, where a device holds all blocks at once, or so few
+/// of them that the end is short.
+SWIFTGS_API const std::uint32_t* order_squares(Cuda& cuda, const TileListsView& lists,
+                                               const Squares& squares);
 
 /// A block for each square, in columns and rows as they lie in the images: no thread divides. A grid has room
 /// for 65,535 rows, and further ones are slices of it.
@@ -33,12 +49,10 @@ struct BlockSquare {
   int x, y;            ///< its first pixel in the view's frame
 
   template <class ViewSource>
-  __device__ explicit BlockSquare(const RasterInput<ViewSource>& input)
-      : BlockSquare(input, blockIdx.x, row()) {}
-  /// The square in this column and row of the frame.
+  __device__ explicit BlockSquare(const RasterInput<ViewSource>& input) : BlockSquare(input, index(input)) {}
   template <class ViewSource>
-  __device__ BlockSquare(const RasterInput<ViewSource>& input, std::uint32_t column, std::uint32_t row) {
-    const SquarePlace place = input.views.place(input.squares, column, row);
+  __device__ BlockSquare(const RasterInput<ViewSource>& input, SquareIndex index) {
+    const SquarePlace place = input.views.place(input.squares, index.column, index.row);
     view = place.view, x = place.x, y = place.y;
   }
 
@@ -54,8 +68,18 @@ struct BlockSquare {
     }
   }
 
-  __device__ static std::uint32_t row() { return blockIdx.z * gridDim.y + blockIdx.y; }
-  __device__ static std::uint32_t number() { return row() * gridDim.x + blockIdx.x; }
+  template <class ViewSource>
+  __device__ static SquareIndex index(const RasterInput<ViewSource>& input) {
+    const std::uint32_t row = blockIdx.z * gridDim.y + blockIdx.y;
+    return input.order ? SquareIndex::of(input.order[row * gridDim.x + blockIdx.x])
+                       : SquareIndex{blockIdx.x, row};
+  }
+  /// By rows.
+  template <class ViewSource>
+  __device__ static std::uint32_t number(const RasterInput<ViewSource>& input) {
+    const SquareIndex of = index(input);
+    return of.row * gridDim.x + of.column;
+  }
 
   /// Where its list is. From the block's index alone: a compiler that sees the same range for all threads
   /// spares loops over it the code for diverged warps, which is 3 % of a long list.
@@ -77,8 +101,9 @@ template <class F>
 void with_squares(Cuda& cuda, const RasterJob& job, const F& f) {
   const Squares squares = squares_of(job);
   if (job.counts) cuda.clear(job.counts, squares.size() * sizeof(SquareCounts));
+  const std::uint32_t* const order = order_squares(cuda, job.lists, squares);
   with_views(job.views, [&]<class ViewSource>(const ViewSource& views) {
-    const RasterInput<ViewSource> input{job, views, squares};
+    const RasterInput<ViewSource> input{job, views, squares, order};
     if (wants_extras(job))
       f.template operator()<true>(input);
     else

@@ -70,8 +70,9 @@ __global__ void __launch_bounds__(raster_pixels_threads)
 
   if (inside) store_pixel(frame, std::size_t(x), std::size_t(y), pixel, view.background);
   if (job.counts)
-    add_counts(job.counts[BlockSquare::number()], {visited, rows, warp_sum(pairs), warp_sum(inside && !live),
-                                                   0, 0, visited, timer.balanced_ps()});
+    add_counts(
+        job.counts[BlockSquare::number(input)],
+        {visited, rows, warp_sum(pairs), warp_sum(inside && !live), 0, 0, visited, timer.balanced_ps()});
 }
 
 template <RasterPolicy R>
