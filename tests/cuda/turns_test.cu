@@ -65,7 +65,7 @@ struct Sorting {
     return same_bits(to_host(cuda, Span<const Key>{pairs.keys.data(), n}), keys) &&
            same_bits(to_host(cuda, Span<const std::uint32_t>{pairs.values.data(), n}), values);
   }
-  bool large(std::uint64_t seed) { return sorts<std::uint32_t>(40 * 4096, 24, seed); }
+  bool large(std::uint64_t seed) { return sorts<std::uint32_t>(40 * 1024, 24, seed); }
   bool small(std::uint64_t seed) { return sorts<std::uint16_t>(10, 13, seed); }
 };
 
