@@ -76,7 +76,7 @@ def stress(backend, sizes):
 def write(folder, backend, older=False):
     """All files of a machine, of which those of growth may be older ones. Projection grows as Gaussians, rasterization
     as pixels, sorting as instances a tile."""
-    folder.mkdir(parents=True)
+    folder.mkdir(parents=True, exist_ok=True)
 
     def bench(name, rows):
         found = synthetic.file_of(rows)
@@ -90,7 +90,7 @@ def write(folder, backend, older=False):
     bench("all-views.json", matrix(backend))
     bench("bounds.json", matrix(backend))
     for when, sort in (("before", 1.0), ("after", 0.9)):
-        for what in ("frame", "views", "pieces", "blocks", "chunks"):
+        for what in ("frame", "views", "pieces", "blocks", "chunks", "tiles"):
             bench(f"{what}-{when}-{backend}.json",
                   [row(backend, BEST, scene, grow={"sort": sort}) for scene in GAUSSIANS])
     bench("vanilla.json", matrix(backend, conventions="inria"))

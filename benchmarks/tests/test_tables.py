@@ -69,7 +69,8 @@ class Tables(unittest.TestCase):
             shutil.copy(pathlib.Path(RESULTS) / FOLDERS[machine] / "ulps.json", cls.results / FOLDERS[machine])
         shutil.copy(pathlib.Path(RESULTS) / FOLDERS["amd"] / "formats.json", cls.results / FOLDERS["amd"])
         synthetic_folder.write(cls.results / FOLDERS["xeon"], "cpu")
-        synthetic_folder.write(cls.results / FOLDERS["hopper"], "cpu")
+        for backend in ("cuda", "cpu"):
+            synthetic_folder.write(cls.results / FOLDERS["hopper"], backend)
         for machine, name in (("xeon", "python.json"), ("hopper", "python.json"), ("hopper", "beside-gsplat.json")):
             shutil.copy(pathlib.Path(RESULTS) / FOLDERS[machine] / name, cls.results / FOLDERS[machine])
 
