@@ -24,7 +24,6 @@ __device__ unsigned class_of(TileRange list) {
 /// For one block.
 __global__ void __launch_bounds__(order_threads)
     fill_order(const TileListsView lists, const Squares squares, std::uint32_t* order) {
-  await_earlier();
   __shared__ std::uint32_t places[length_classes];
   if (threadIdx.x < length_classes) places[threadIdx.x] = 0;
   __syncthreads();
@@ -56,8 +55,8 @@ __global__ void __launch_bounds__(order_threads)
       [&](SquareIndex index, unsigned of_class) { order[atomicAdd(&places[of_class], 1u)] = index.word(); });
 }
 
-/// Blocks of a multiprocessor at once, about. In frames of more rounds of them than this, the end is short: on
-/// an H200 an order gains 6 of 144 microseconds in garden, which has 3.7 rounds, and nothing beyond 6.
+/// Blocks of a multiprocessor at once, about. In frames of more rounds of them than this, the end is short:
+/// on an H200 an order gains 6 of 144 microseconds in garden, which has 3.7 rounds, and nothing beyond 6.
 constexpr std::size_t blocks_at_once = 9, most_rounds = 8;
 
 }  // namespace
@@ -66,7 +65,7 @@ const std::uint32_t* order_squares(Cuda& cuda, const TileListsView& lists, const
   const std::size_t at_once = blocks_at_once * std::size_t(cuda.multiprocessors());
   if (squares.size() <= at_once || squares.size() > most_rounds * at_once) return nullptr;
   std::uint32_t* const order = cuda.square_order(squares.size());
-  launch_early(cuda, "fill_order", fill_order, 1, order_threads, lists, squares, order);
+  launch("fill_order", fill_order, 1, order_threads, cuda.stream(), lists, squares, order);
   return order;
 }
 

@@ -131,6 +131,31 @@ std::size_t wrong_in_replays(int replays, std::size_t views) {
 
 }  // namespace
 
+TEST_CASE("cuda record: a graph puts the squares of each frame in an order") {
+  if (without_device()) return;
+  // Squares enough for an order on devices of up to 200 multiprocessors.
+  constexpr int width = 800, height = 600;
+  Recording<> r;
+  DeviceBuffer<float> image, expected;
+  image.reset(3 * width * height), expected.reset(3 * width * height);
+  const std::vector<Camera> cameras = builtin_cameras(24, width, height);
+  const auto view = [&](int k, DeviceBuffer<float>& to) {
+    const FrameView frame{
+        .width = width, .height = height, .colour = {to.data(), 3 * width * std::ptrdiff_t(sizeof(float))}};
+    return std::vector<View>{make_view(cameras[std::size_t(k)], Conventions::gsplat(), frame, vec3(0.5f))};
+  };
+  r.reserve(span(view(0, image)), {8000, 400'000});
+  const Graph graph = r.capture();
+  for (const int k : {0, 7, 15, 0}) {
+    CAPTURE(k);
+    r.renderer.set_views(span(view(k, image)));
+    graph.run();
+    r.other.render_into(r.scene.view(), span(view(k, expected)));
+    CHECK(r.reported());
+    CHECK(to_host(r.cuda, std::as_const(image).span()) == to_host(r.cuda, std::as_const(expected).span()));
+  }
+}
+
 TEST_CASE("cuda record: a graph looks for the chunks that other cameras show") {
   if (without_device()) return;
   // More blocks than a projection without a list has.

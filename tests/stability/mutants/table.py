@@ -163,10 +163,10 @@ MUTANTS = [
            "return __builtin_bit_cast(std::uint32_t, depth) & ~1u;", quick=True),
     Mutant("splats: keys of 30 bits", I + "splats.hpp", "depth_key_bits = 31", "depth_key_bits = 30"),
     Mutant("sort: ties in descending order", I + "sort/early.hpp",
-           "b.sort_pairs(scratch.depths, splats, depth_key_bits);",
-           "std::reverse(scratch.depths.keys.data(), scratch.depths.keys.data() + splats);\n"
-           "    std::reverse(scratch.depths.values.data(), scratch.depths.values.data() + splats);\n"
-           "    b.sort_pairs(scratch.depths, splats, depth_key_bits);"),
+           "b.sort_pairs(pairs, count, depth_key_bits);",
+           "std::reverse(pairs.keys.data(), pairs.keys.data() + count.get());\n"
+           "  std::reverse(pairs.values.data(), pairs.values.data() + count.get());\n"
+           "  b.sort_pairs(pairs, count, depth_key_bits);"),
     Mutant("sort: ties in another order where the sort is standard", I + "sort/standard.hpp",
            "b.sort_pairs(scratch.instances,",
            "std::reverse(scratch.instances.keys.data(), scratch.instances.keys.data() + count);\n"
