@@ -335,12 +335,14 @@ inline constexpr unsigned tiles_at_once = 2;
 /// The tiles of a sort: smaller ones where there would be too few for all multiprocessors.
 template <class Key>
 struct RadixTiles {
-  decltype(&radix_pass<Key, most_radix_items<Key>>) pass;
+  static constexpr unsigned most = most_radix_items<Key>;
+  decltype(&radix_pass<Key, most>) pass;
   unsigned count;
+  unsigned at_most;  ///< of a sort of no more pairs
 
   RadixTiles(std::size_t pairs, unsigned least) {
-    if (use<most_radix_items<Key>>(pairs) < least && use<most_radix_items<Key> / 2>(pairs) < least)
-      use<most_radix_items<Key> / 4>(pairs);
+    if (use<most>(pairs) < least && use<most / 2>(pairs) < least) use<most / 4>(pairs);
+    at_most = std::max(count, std::min(blocks_for(pairs, radix_tile(most / 4)), 2 * least));
   }
 
  private:
@@ -350,6 +352,12 @@ struct RadixTiles {
     return count = blocks_for(pairs, radix_tile(items));
   }
 };
+
+/// Throws `CapacityError` where values could not number the pairs.
+inline void check_sort(Count n) {
+  const std::size_t most = std::numeric_limits<std::uint32_t>::max();
+  if (n.most > most) throw CapacityError("pairs in one sort", n.most, most);
+}
 
 /// What a sort reads. Without values, they are the positions of the keys.
 template <class Key>
@@ -363,11 +371,10 @@ template <class Key>
 void run_radix_sort(Cuda& cuda, UnsortedPairs<Key> from, Pairs<Cuda, Key>& pairs, Count n, int bits,
                     Turns<RadixCounts>& turns) {
   if (n.most == 0 || bits == 0) return;
-  const std::size_t most = std::numeric_limits<std::uint32_t>::max();
-  if (n.most > most) throw CapacityError("pairs in one sort", n.most, most);
+  check_sort(n);
   const Digits passes{unsigned(bits)};
   const RadixTiles<Key> tiles(n.most, tiles_at_once * unsigned(cuda.multiprocessors()));
-  const TurnsView<RadixCounts> view = turns.begin(cuda, radix_words(tiles.count));
+  const TurnsView<RadixCounts> view = turns.begin(cuda, radix_words(tiles.at_most));
   launch_early(cuda, "radix_histogram", radix_histogram<Key>, histogram_blocks(n.most), histogram_threads,
                from.keys, n, passes, view);
   for (unsigned p = 0; p < passes.count; ++p) {

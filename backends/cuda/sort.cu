@@ -63,6 +63,7 @@ void Cuda::sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, Count n, int bits) {
 }
 
 void Cuda::sort_positions(const std::uint32_t* keys, Count n, int bits, Pairs<Cuda, std::uint32_t>& pairs) {
+  kernels::check_sort(n);
   pairs.reset(n.most);
   kernels::run_radix_sort<std::uint32_t>(*this, {keys, nullptr}, pairs, n, bits, state_->sorts);
 }

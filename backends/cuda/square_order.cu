@@ -10,7 +10,7 @@ namespace {
 
 constexpr unsigned order_threads = 1024;
 
-/// Lists of a class differ in length by a quarter at most. The longest are in class 0.
+/// Lists of a class differ in length by a quarter at most. Longer lists are in lower classes.
 constexpr unsigned length_classes = 128;
 static_assert(length_classes % warp_size == 0 && length_classes <= order_threads);
 
@@ -55,16 +55,21 @@ __global__ void __launch_bounds__(order_threads)
       [&](SquareIndex index, unsigned of_class) { order[atomicAdd(&places[of_class], 1u)] = index.word(); });
 }
 
-/// Blocks of a multiprocessor at once, about. In frames of more rounds of them than this, the end is short:
-/// on an H200 an order gains 6 of 144 microseconds in garden, which has 3.7 rounds, and nothing beyond 6.
+/// Blocks of `raster_warps` that a multiprocessor holds at once. In frames of more rounds of them than this,
+/// the end is short: on an H200 an order gains 6 of 144 microseconds in garden, which has 3.7 rounds, and
+/// nothing beyond 6.
 constexpr std::size_t blocks_at_once = 9, most_rounds = 8;
 
 }  // namespace
 
 const std::uint32_t* order_squares(Cuda& cuda, const TileListsView& lists, const Squares& squares) {
   const std::size_t at_once = blocks_at_once * std::size_t(cuda.multiprocessors());
-  if (squares.size() <= at_once || squares.size() > most_rounds * at_once) return nullptr;
-  std::uint32_t* const order = cuda.square_order(squares.size());
+  if (squares.size() <= at_once) return nullptr;
+  // As much for every frame, so that none takes memory after a larger one.
+  std::uint32_t* const order = cuda.square_order(most_rounds * at_once);
+  // Words have 16 bits for a column, and a grid has no slices up to so many rows.
+  if (squares.size() > most_rounds * at_once || squares.rows > 32768 || squares.columns > 65535)
+    return nullptr;
   launch("fill_order", fill_order, 1, order_threads, cuda.stream(), lists, squares, order);
   return order;
 }

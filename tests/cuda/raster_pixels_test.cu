@@ -135,3 +135,51 @@ TEST_CASE("cuda raster pixels: a splat behind the caller's surface ends the pixe
   CHECK(difference(frame.pixels(cuda, frame.colour, 12), expected.frame.colour, 2e-5).part_above <= 0.001);
   CHECK(difference(frame.pixels(cuda, frame.alpha, 4), expected.frame.alpha, 2e-5).part_above <= 0.001);
 }
+
+TEST_CASE("cuda raster: squares come in the order of their lists, the longest first") {
+  if (without_device()) return;
+  Cuda cuda;
+  const auto multiprocessors = std::uint32_t(cuda.multiprocessors());
+  for (const int side : {16, 32, 64}) {
+    CAPTURE(side);
+    const auto of_tile = std::uint32_t(side / square_side);
+    const FrameTiles tiles{4, 5 * multiprocessors / (of_tile * of_tile) + 1, side};
+    const Squares squares(tiles);
+    std::vector<TileRange> lists(tiles.size());
+    Random random{std::uint64_t(side)};
+    for (TileRange& list : lists) {
+      const auto begin = std::uint32_t(random.bits() % 1000),
+                 length = std::uint32_t(random.scale(1, 1e5)) - 1;
+      list = length % 7 == 5 ? TileRange::undrawn() : TileRange{begin, begin + length};
+    }
+    const DeviceBuffer<TileRange> ranges = to_device(lists);
+    const std::uint32_t* const order = kernels::order_squares(cuda, {{}, ranges.span()}, squares);
+    REQUIRE(order);
+    const std::vector<std::uint32_t> words = to_host(cuda, Span<const std::uint32_t>{order, squares.size()});
+    std::vector<bool> seen(squares.size());
+    double least_before = 1e9;
+    bool each_once = true, descending = true;
+    for (const std::uint32_t word : words) {
+      const std::uint32_t column = word & 0xffff, row = word >> 16;
+      each_once = each_once && column < squares.columns && row < squares.rows &&
+                  !seen[row * squares.columns + column];
+      if (!each_once) break;
+      seen[row * squares.columns + column] = true;
+      const TileRange list = lists[row / of_tile * tiles.columns + column / of_tile];
+      const double length = list.drawn() ? list.end - list.begin : 0;
+      descending = descending && length <= 1.25 * least_before;
+      least_before = std::min(least_before, length);
+    }
+    CHECK(each_once);
+    CHECK(descending);
+  }
+  // Neither as many as begin at once, nor more than eight times as many.
+  for (const std::uint32_t count : {9 * multiprocessors, 72 * multiprocessors + 1}) {
+    const DeviceBuffer<TileRange> ranges = to_device(std::vector<TileRange>(count));
+    CHECK(kernels::order_squares(cuda, {{}, ranges.span()}, Squares({1, count})) == nullptr);
+  }
+  for (const std::uint32_t count : {9 * multiprocessors + 1, 72 * multiprocessors}) {
+    const DeviceBuffer<TileRange> ranges = to_device(std::vector<TileRange>(count));
+    CHECK(kernels::order_squares(cuda, {{}, ranges.span()}, Squares({1, count})) != nullptr);
+  }
+}

@@ -178,6 +178,20 @@ TEST_CASE_TEMPLATE("cuda turns: operations are counted on the device and begin a
   }
 }
 
+TEST_CASE("cuda turns: sorts of fewer pairs keep the memory of a larger one, whatever their tiles") {
+  if (without_device()) return;
+  Sorting sorting;
+  // Tiles are of 4096, 2048 or 1024 pairs, by these numbers of them.
+  const std::size_t tiles = 2 * std::size_t(sorting.cuda.multiprocessors());
+  CHECK(sorting.sorts<std::uint32_t>(tiles * 4096 + 1, 9, 1));
+  const std::uint64_t* const words = view_of(sorting.cuda, sorting.turns).words;
+  for (const std::size_t n : {(tiles - 1) * 4096, (tiles - 1) * 2048, tiles * 1024, std::size_t(1)}) {
+    CAPTURE(n);
+    CHECK(sorting.sorts<std::uint32_t>(n, 9, n));
+    CHECK(view_of(sorting.cuda, sorting.turns).words == words);
+  }
+}
+
 TEST_CASE_TEMPLATE("cuda turns: smaller operations clear the words of a larger one before its number returns",
                    Operations, Sorting, Projecting, Emitting) {
   if (without_device()) return;

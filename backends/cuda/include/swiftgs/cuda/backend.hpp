@@ -41,10 +41,11 @@ struct FrameTotals {
 /// All of them throw `DeviceError`, and `CapacityError` where the device's memory does not suffice.
 ///
 /// A recorded frame (`Renderer::record`) may be captured into a CUDA graph, as may `for_each`, `clear`, and
-/// `sort_pairs` of no more pairs than before. What waits, takes the time or copies from the host's memory
-/// throws `DeviceError` while the stream is being captured, before it calls CUDA, and the capture stays
-/// valid. CUDA does not allow to free memory then, so do not destroy or grow a buffer either. A graph holds
-/// addresses of the backend's memory: do not replay it once the backend is gone or its memory has grown.
+/// `sort_pairs` and `sort_positions` of no more pairs than before. What waits, takes the time or copies from
+/// the host's memory throws `DeviceError` while the stream is being captured, before it calls CUDA, and the
+/// capture stays valid. CUDA does not allow to free memory then, so do not destroy or grow a buffer either. A
+/// graph holds addresses of the backend's memory: do not replay it once the backend is gone or its memory has
+/// grown.
 class SWIFTGS_API Cuda {
   struct State;
 
@@ -155,11 +156,9 @@ class SWIFTGS_API Cuda {
   void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, Count n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, Count n, int bits);
 
-  /// As `sort_pairs` of the first `n` keys with their positions. `keys` stay as they are.
+  /// As `sort_pairs` of the first `n` keys with their positions, by one bit at least. `keys` are not of
+  /// `pairs`, and stay as they are.
   void sort_positions(const std::uint32_t* keys, Count n, int bits, Pairs<Cuda, std::uint32_t>& pairs);
-
-  /// Memory for the order in which blocks rasterize so many squares, kept from frame to frame.
-  std::uint32_t* square_order(std::size_t squares);
 
   /// Waits, and gives back the memory that scans, sorts and rasterizers keep.
   void trim();
@@ -174,6 +173,8 @@ class SWIFTGS_API Cuda {
   /// `trim`. Zeroed when it is allocated, and not again. Throws while the stream is being captured if it must
   /// grow.
   std::byte* raster_scratch(std::size_t bytes);
+  /// Such memory for the order in which blocks rasterize so many squares.
+  std::uint32_t* square_order(std::size_t squares);
   /// A word on the device that a rasterizer's kernels keep from frame to frame, 0 at first. Throws while the
   /// stream is being captured if it is not there yet.
   std::uint32_t* raster_word();

@@ -18,7 +18,7 @@ struct RasterInput {
   RasterJob job;
   ViewSource views;
   Squares squares;
-  const std::uint32_t* order;  ///< @shape{squares} as `order_squares` has it
+  const std::uint32_t* order;  ///< @shape{squares} as `order_squares` has it; null: by rows
 };
 
 /// Where a square lies among those of a frame.
@@ -31,8 +31,8 @@ struct SquareIndex {
 };
 
 /// The squares of a frame, those with the longest lists first: if a block began with one of them at the end,
-/// the frame would wait for it. Null, for their own order, where a device holds all blocks at once, or so few
-/// of them that the end is short.
+/// the frame would wait for it. Null, for an order by rows, where a device holds all blocks at once, and
+/// where there are so many that the end is short.
 SWIFTGS_API const std::uint32_t* order_squares(Cuda& cuda, const TileListsView& lists,
                                                const Squares& squares);
 
@@ -74,15 +74,16 @@ struct BlockSquare {
     return input.order ? SquareIndex::of(input.order[row * gridDim.x + blockIdx.x])
                        : SquareIndex{blockIdx.x, row};
   }
-  /// By rows.
+  /// Its number, counted by rows, as in `RasterJob::counts`.
   template <class ViewSource>
   __device__ static std::uint32_t number(const RasterInput<ViewSource>& input) {
     const SquareIndex of = index(input);
     return of.row * gridDim.x + of.column;
   }
 
-  /// Where its list is. From the block's index alone: a compiler that sees the same range for all threads
-  /// spares loops over it the code for diverged warps, which is 3 % of a long list.
+  /// Where its list is. From what all threads share, the block's index or a word at it: a compiler that sees
+  /// the same range for all threads spares loops over it the code for diverged warps, which is 3 % of a long
+  /// list.
   template <class ViewSource>
   __device__ TileRange list(const RasterInput<ViewSource>& input) const {
     const View& of = input.views[view];
