@@ -135,7 +135,7 @@ struct LongPartBlender {
         SquareCounts of_warp = counts_of_warp(counts, splats.position() - range.begin, evaluated, timer);
         of_warp.pieces = warp_sum(pieces_joined), of_warp.pixels_joined = warp_sum(pixels_joined);
         of_warp.longest_item = (splats.position() - part.at.position) / group.blocks;
-        add_counts(input.job.counts[part.square.row * input.squares.columns + part.square.column], of_warp);
+        add_counts(input.job.counts[part.square.number(input.squares.columns)], of_warp);
       }
   }
 

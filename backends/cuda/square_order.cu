@@ -67,8 +67,8 @@ const std::uint32_t* order_squares(Cuda& cuda, const TileListsView& lists, const
   if (squares.size() <= at_once) return nullptr;
   // As much for every frame, so that none takes memory after a larger one.
   std::uint32_t* const order = cuda.square_order(most_rounds * at_once);
-  // Words have 16 bits for a column, and a grid has no slices up to so many rows.
-  if (squares.size() > most_rounds * at_once || squares.rows > 32768 || squares.columns > 65535)
+  // Words have 16 bits for a column and for a row, and a grid in slices has more blocks than squares.
+  if (squares.size() > most_rounds * at_once || squares.rows > rows_of_slice || squares.columns > 65535)
     return nullptr;
   launch("fill_order", fill_order, 1, order_threads, cuda.stream(), lists, squares, order);
   return order;

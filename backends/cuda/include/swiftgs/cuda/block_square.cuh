@@ -28,6 +28,9 @@ struct SquareIndex {
   /// In a word of `order_squares`.
   __device__ static SquareIndex of(std::uint32_t word) { return {word & 0xffff, word >> 16}; }
   __device__ std::uint32_t word() const { return row << 16 | column; }
+
+  /// Counted by rows of so many squares, as in `RasterJob::counts`.
+  __device__ std::uint32_t number(std::uint32_t columns) const { return row * columns + column; }
 };
 
 /// The squares of a frame, those with the longest lists first: if a block began with one of them at the end,
@@ -36,10 +39,13 @@ struct SquareIndex {
 SWIFTGS_API const std::uint32_t* order_squares(Cuda& cuda, const TileListsView& lists,
                                                const Squares& squares);
 
+/// Rows of a grid that is not cut into slices.
+inline constexpr std::uint32_t rows_of_slice = 32768;
+
 /// A block for each square, in columns and rows as they lie in the images: no thread divides. A grid has room
 /// for 65,535 rows, and further ones are slices of it.
 inline dim3 blocks_of(const Squares& squares) {
-  const std::uint32_t rows = std::min(squares.rows, 32768u);
+  const std::uint32_t rows = std::min(squares.rows, rows_of_slice);
   return dim3(squares.columns, rows, (squares.rows + rows - 1) / rows);
 }
 
@@ -74,11 +80,9 @@ struct BlockSquare {
     return input.order ? SquareIndex::of(input.order[row * gridDim.x + blockIdx.x])
                        : SquareIndex{blockIdx.x, row};
   }
-  /// Its number, counted by rows, as in `RasterJob::counts`.
   template <class ViewSource>
   __device__ static std::uint32_t number(const RasterInput<ViewSource>& input) {
-    const SquareIndex of = index(input);
-    return of.row * gridDim.x + of.column;
+    return index(input).number(gridDim.x);
   }
 
   /// Where its list is. From what all threads share, the block's index or a word at it: a compiler that sees
