@@ -8,14 +8,13 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
-#include <tuple>
 #include <utility>
 
 #include <cuda/atomic>
 #include <cuda_runtime_api.h>
 
 #include <swiftgs/cuda.cuh>
-#include <swiftgs/sort/all.hpp>
+#include <swiftgs/sort/sort.hpp>
 
 #include "state.hpp"
 
@@ -51,8 +50,9 @@ bool Cuda::usable() {
   static const bool usable = [] {
     int devices = 0;
     cudaFuncAttributes kernel{};
-    const bool found = cudaGetDeviceCount(&devices) == cudaSuccess && devices > 0 &&
-                       cudaFuncGetAttributes(&kernel, kernels::for_each<ClearRanges>) == cudaSuccess;
+    const bool found =
+        cudaGetDeviceCount(&devices) == cudaSuccess && devices > 0 &&
+        cudaFuncGetAttributes(&kernel, kernels::for_each<ClearRanges>) == cudaSuccess;
     if (!found) cudaGetLastError();
     return found;
   }();
@@ -304,23 +304,9 @@ std::optional<double> Cuda::milliseconds(TimePoint from, TimePoint to) const {
   return ms;
 }
 
-namespace {
+template void Cuda::for_each(Count, const ClearRanges&) const;
+template void Cuda::for_each(Count, const FindRanges<std::uint16_t>&) const;
+template void Cuda::for_each(Count, const FindRanges<std::uint32_t>&) const;
+template void Cuda::for_each(Count, const FindRanges<std::uint64_t>&) const;
 
-template <class F>
-using Loop = void (Cuda::*)(Count, const F&) const;
-
-template <class... F>
-std::tuple<Loop<F>...> loops_of(TypeList<F...>) {
-  return {&Cuda::for_each<F>...};
-}
-
-template <class... Sorts>
-auto loops_of_sorts(TypeList<Sorts...>) {
-  return std::tuple_cat(loops_of(FinishLoops{}), loops_of(typename Sorts::Loops{})...);
-}
-
-/// An explicit instantiation cannot follow a list; taking addresses can.
-[[gnu::used]] const auto instantiated = loops_of_sorts(AllSorts{});
-
-}  // namespace
 }  // namespace swiftgs

@@ -110,7 +110,6 @@ std::vector<Camera> cameras_of(int frame, int views) {
 /// The same sort, as a program may write it: memory with `bytes` alone, and none reserved.
 struct PlainSort {
   static constexpr std::string_view name = "plain";
-  using Loops = TypeList<>;
   template <class B>
   struct Scratch {
     EarlySort::Scratch<B> early;

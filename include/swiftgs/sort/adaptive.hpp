@@ -23,7 +23,6 @@ namespace swiftgs {
 class AdaptiveSort {
  public:
   static constexpr std::string_view name = "adaptive";
-  using Loops = TypeList<>;  ///< beside those of its strategies
 
   /// Measures `frames_each` frames with either strategy. The first frame of either does not count, nor does
   /// one for which buffers grew.

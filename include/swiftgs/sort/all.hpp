@@ -8,8 +8,7 @@
 
 namespace swiftgs {
 
-/// The sorts of the library. The table of renderers has these. Each names in `Loops` the functors
-/// that it runs by `for_each` itself: a device's compiler must see them.
+/// The sorts of the library. The table of renderers has these.
 using AllSorts = TypeList<StandardSort, EarlySort, AdaptiveSort>;
 
 }  // namespace swiftgs

@@ -48,7 +48,6 @@ const std::uint32_t* order_by_depth(B& b, const SplatsView& splats, DepthOrderSc
 /// order, and sort those by tile alone. Depth is looked at once a splat instead of once an instance.
 struct EarlySort {
   static constexpr std::string_view name = "early";
-  using Loops = TypeList<>;
 
   template <class B>
   struct Scratch {

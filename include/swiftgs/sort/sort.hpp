@@ -150,10 +150,6 @@ struct SWIFTGS_API ClearRanges {
   }
 };
 
-/// Loops of `finish_lists`, for keys of every width.
-using FinishLoops =
-    TypeList<ClearRanges, FindRanges<std::uint16_t>, FindRanges<std::uint32_t>, FindRanges<std::uint64_t>>;
-
 /// Throws `CapacityError` where a frame has more instances than a tile list can index.
 inline void check_instances(std::uint64_t total) {
   if (total > max_instances) throw CapacityError("instances in one frame", total, max_instances);

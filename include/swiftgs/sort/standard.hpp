@@ -11,7 +11,6 @@ namespace swiftgs {
 /// gsplat.
 struct StandardSort {
   static constexpr std::string_view name = "standard";
-  using Loops = TypeList<>;
 
   template <class B>
   struct Scratch {
