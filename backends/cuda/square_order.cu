@@ -8,7 +8,9 @@
 namespace swiftgs::kernels {
 namespace {
 
-constexpr unsigned order_threads = 1024;
+/// Each block orders a share of the squares, every 16th: with one block, a frame would wait for it three
+/// times as long.
+constexpr unsigned order_blocks = 16, order_threads = 512;
 
 /// Lists of a class differ in length by a quarter at most. Longer lists are in lower classes.
 constexpr unsigned length_classes = 128;
@@ -21,7 +23,7 @@ __device__ unsigned class_of(TileRange list) {
   return length_classes - 1 - (4 * (octave - 1) + (length >> (octave - 2) & 3));
 }
 
-/// For one block.
+/// Of `order_blocks` blocks, the k-th puts the squares of its share on every place k modulo `order_blocks`.
 __global__ void __launch_bounds__(order_threads)
     fill_order(const TileListsView lists, const Squares squares, std::uint32_t* order) {
   __shared__ std::uint32_t places[length_classes];
@@ -29,7 +31,8 @@ __global__ void __launch_bounds__(order_threads)
   __syncthreads();
   const std::uint32_t count = std::uint32_t(squares.size());
   const auto for_each_square = [&](const auto& f) {
-    for (std::uint32_t s = threadIdx.x; s < count; s += order_threads) {
+    for (std::uint32_t s = threadIdx.x * order_blocks + blockIdx.x; s < count;
+         s += order_threads * order_blocks) {
       const SquareIndex index{s % squares.columns, s / squares.columns};
       const std::uint32_t tile =
           index.row / squares.of_tile * (squares.columns / squares.of_tile) + index.column / squares.of_tile;
@@ -51,8 +54,9 @@ __global__ void __launch_bounds__(order_threads)
     }
   }
   __syncthreads();
-  for_each_square(
-      [&](SquareIndex index, unsigned of_class) { order[atomicAdd(&places[of_class], 1u)] = index.word(); });
+  for_each_square([&](SquareIndex index, unsigned of_class) {
+    order[atomicAdd(&places[of_class], 1u) * order_blocks + blockIdx.x] = index.word();
+  });
 }
 
 /// Blocks of `raster_warps` that a multiprocessor holds at once. In frames of more rounds of them than this,
@@ -70,7 +74,7 @@ const std::uint32_t* order_squares(Cuda& cuda, const TileListsView& lists, const
   // Words have 16 bits for a column and for a row, and a grid in slices has more blocks than squares.
   if (squares.size() > most_rounds * at_once || squares.rows > rows_of_slice || squares.columns > 65535)
     return nullptr;
-  launch("fill_order", fill_order, 1, order_threads, cuda.stream(), lists, squares, order);
+  launch("fill_order", fill_order, order_blocks, order_threads, cuda.stream(), lists, squares, order);
   return order;
 }
 

@@ -33,9 +33,9 @@ struct SquareIndex {
   __device__ std::uint32_t number(std::uint32_t columns) const { return row * columns + column; }
 };
 
-/// The squares of a frame, those with the longest lists first: if a block began with one of them at the end,
-/// the frame would wait for it. Null, for an order by rows, where a device holds all blocks at once, and
-/// where there are so many that the end is short.
+/// The squares of a frame, roughly those with the longest lists first: if a block began with one of them at
+/// the end, the frame would wait for it. Null, for an order by rows, where a device holds all blocks at once,
+/// and where there are so many that the end is short.
 SWIFTGS_API const std::uint32_t* order_squares(Cuda& cuda, const TileListsView& lists,
                                                const Squares& squares);
 
