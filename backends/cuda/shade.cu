@@ -23,7 +23,7 @@ inline constexpr unsigned shade_threads = 128, shade_warps = shade_threads / war
 
 /// Blocks for each multiprocessor: enough to keep a device's memory busy, and few enough to leave room for
 /// what runs beside them.
-inline constexpr int shade_blocks = 4;
+inline constexpr int shade_blocks = 3;
 
 /// Copies the SH coefficients of the warp's Gaussians, `Word` by `Word`: lanes read neighbouring words, where
 /// a lane a Gaussian would touch 32 lines with each load. All copies are under way at once.
