@@ -80,7 +80,8 @@ class Renderer {
     validate(scene);
     for (const View& view : views) validate(view);
     check_ready(backend_);
-    const Views stored = store_views(backend_, views, view_storage_);
+    const FrameKey key = FrameKey::of(scene, views);
+    const Views stored = store_views(backend_, with_tiles(key, views), view_storage_);
     counted_ = timed_ = false;
     FrameReport report;
     if constexpr (B::reaches_host_memory) {
@@ -104,7 +105,7 @@ class Renderer {
       }
       lists_.instances = std::size_t(report.instances);
     }
-    report_ = report;
+    report_ = report, key_ = key;
     counted_ = measures.count, timed_ = measures.time;
     gaussians_ = scene.size();
   }
@@ -190,7 +191,7 @@ class Renderer {
     backend_.wait();
     std::apply([&](auto&... parts) { trim_parts(backend_, parts...); }, parts());
     if constexpr (requires { backend_.trim(); }) backend_.trim();
-    frames_ = {}, views_ = {};
+    frames_ = {}, views_ = {}, tiled_ = {};
     counted_ = false;
     capacity_ = {1, 1};
     recorded_ = {};
@@ -324,6 +325,21 @@ class Renderer {
                     view_storage_, recorded_storage_, frame_.colour, frame_.alpha, frame_.depth);
   }
 
+  /// The views of a frame, with coarser tiles if the last frame was of the same `key` and would have gained
+  /// by them. They hold until the next call.
+  Span<const View> with_tiles(const FrameKey& key, Span<const View> views) {
+    const auto pixels = std::uint64_t(key.width) * std::uint64_t(key.height);
+    if (B::reaches_host_memory || !Bounds::lossless || key != key_ ||
+        !coarse_tiles_gain(report_.visible, pixels))
+      return views;
+    tiled_.assign(views.begin(), views.end());
+    for (View& view : tiled_) view.grid = coarse(view);
+    // All views have tiles of one side.
+    const bool alike = std::all_of(tiled_.begin(), tiled_.end(),
+                                   [](const View& view) { return view.grid.side == coarse_tile_side; });
+    return alike ? Span<const View>{tiled_.data(), tiled_.size()} : views;
+  }
+
   static std::size_t with_room(std::uint64_t count) { return std::size_t(count + count / 8 + 1); }
 
   void make_room(const FrameReport& report) {
@@ -386,6 +402,8 @@ class Renderer {
   bool counted_ = false, timed_ = false;
   std::size_t gaussians_ = 0;
   FrameReport report_;       ///< of the last frame that was not recorded
+  FrameKey key_;             ///< its
+  std::vector<View> tiled_;  ///< of `with_tiles`
   Capacity capacity_{1, 1};  ///< of a device's frames; grows with them
   Views recorded_;           ///< in `recorded_storage_`
   std::optional<FrameRoom> reserved_;

@@ -17,6 +17,15 @@ inline constexpr int square_side = 16;
 
 /// Side of the tiles that a renderer lists splats for @units{pixels}.
 inline constexpr int default_tile_side = square_side;
+/// Side of those that a renderer takes on a device where an image is large for what it shows
+/// @units{pixels}: a sort of fewer instances gains more than rasterization loses.
+inline constexpr int coarse_tile_side = 2 * default_tile_side;
+
+/// Whether tiles of `coarse_tile_side` are quicker. Measured on an H200 (docs/decisions.md): with fewer than
+/// a splat for ten pixels they are, and in small images neither matters.
+constexpr bool coarse_tiles_gain(std::uint64_t splats, std::uint64_t pixels) {
+  return pixels >= 1'500'000 && 10 * splats < pixels;
+}
 
 /// Half-open range of tile columns or rows.
 struct TileRun {

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/builtin_scene.hpp>
@@ -201,6 +202,30 @@ TEST_CASE("cuda renderer: counts what it did and says how long it took") {
   CHECK(times.sort > 0);
   CHECK(times.raster > 0);
   CHECK(times.total == doctest::Approx(times.project + times.sort + times.raster).epsilon(0.05));
+}
+
+TEST_CASE("cuda renderer: a large image with few splats has the same bits by coarser tiles") {
+  if (without_device()) return;
+  Usual renderer;
+  const auto scene = renderer.backend().upload(random_scene(4000, 0, 3));
+  const auto tiles_of = [&](auto& by, const Camera& camera, const auto& of) {
+    const Frame frame = by.render(of, camera);
+    return std::pair{frame, by.lists().tiles};
+  };
+  const Camera large = forward_camera(1600, 1000);
+  const auto [first, fine] = tiles_of(renderer, large, scene);
+  const auto [second, coarse] = tiles_of(renderer, large, scene);
+  CHECK(fine == 100 * 63);
+  CHECK(coarse == 50 * 32);
+  CHECK(same_bits(first.colour, second.colour));
+
+  // Not after a frame of another size, nor in a small image, nor where bounds cut splats at tiles.
+  const Camera small = forward_camera(320, 200);
+  for (int i = 0; i < 2; ++i) CHECK(tiles_of(renderer, small, scene).second == 20 * 13);
+  CHECK(tiles_of(renderer, large, scene).second == fine);
+  Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, ThreeSigmaSquare> cutting;
+  const auto again = cutting.backend().upload(random_scene(4000, 0, 3));
+  for (int i = 0; i < 2; ++i) CHECK(tiles_of(cutting, large, again).second == fine);
 }
 
 TEST_CASE("cuda renderer: a scene in the memory of one that is gone is not sorted by what was learnt of it") {

@@ -219,6 +219,32 @@ TEST_CASE("view tiles: a part that does not begin at a tile or lie within the im
         "view: the frame has -3 pixels along y from 0 on, expected 1 or more within the camera's 75");
 }
 
+TEST_CASE("view tiles: coarse ones cover the same pixels, where a view begins at one") {
+  const Camera camera = forward_camera(300, 200);
+  for (const FirstPixel first : {FirstPixel{0, 0}, {32, 64}, {96, 0}, {16, 0}, {0, 48}, {48, 80}})
+    for (const int size : {1, 16, 17, 33, 64, 100}) {
+      CAPTURE(first.x);
+      CAPTURE(first.y);
+      CAPTURE(size);
+      View view = make_view(camera, Conventions(), {.width = size, .height = size + 5}, vec3(0), first);
+      const View fine = view;
+      view.grid = coarse(fine);
+      if (first.x % coarse_tile_side == 0 && first.y % coarse_tile_side == 0) {
+        CHECK(view.grid.side == coarse_tile_side);
+        CHECK(view.left() == first.x);
+        CHECK(view.top() == first.y);
+        check_tiles(view);
+        CHECK(coarse(view) == view.grid);  // no coarser
+      } else {
+        CHECK(view.grid == fine.grid);
+      }
+    }
+  CHECK(coarse_tiles_gain(0, 1'500'000));
+  CHECK_FALSE(coarse_tiles_gain(0, 1'499'999));
+  CHECK(coarse_tiles_gain(199'999, 2'000'000));
+  CHECK_FALSE(coarse_tiles_gain(200'000, 2'000'000));
+}
+
 TEST_CASE_TEMPLATE("view tiles: every list of a view is that of the view alone, with each sort and bounds", B,
                    SWIFTGS_TEST_BACKENDS) {
   const Scene scene = random_scene(2000, 0, 3);
