@@ -304,9 +304,10 @@ class Renderer {
             bytes_of(frame_.colour, frame_.alpha, frame_.depth, square_counts_)};
   }
 
-  /// The last frame's splats and tile lists, in the backend's memory, until the next frame.
+  /// The last frame's splats and tile lists, in the backend's memory, until the next frame; and its tiles.
   const Splats<B>& splats() const { return splats_; }
   const TileLists<B>& lists() const { return lists_; }
+  const FrameTiles& tiles() const { return tiles_; }
 
  private:
   /// Whether frames of both have the same size, and planes for the same outputs.
@@ -328,7 +329,9 @@ class Renderer {
   /// The views of a frame, with coarser tiles if the last frame was of the same `key` and would have gained
   /// by them. They hold until the next call.
   Span<const View> with_tiles(const FrameKey& key, Span<const View> views) {
-    const auto pixels = std::uint64_t(key.width) * std::uint64_t(key.height);
+    std::uint64_t pixels = 0;
+    for (const View& view : views)
+      pixels += std::uint64_t(view.frame.width) * std::uint64_t(view.frame.height);
     if (B::reaches_host_memory || !Bounds::lossless || key != key_ ||
         !coarse_tiles_gain(report_.visible, pixels))
       return views;
@@ -354,7 +357,8 @@ class Renderer {
     const auto take_time = [&](std::size_t point) {
       if (measures.time) points_[point] = backend_.now();
     };
-    const Squares squares(frame_tiles(views));
+    tiles_ = frame_tiles(views);
+    const Squares squares(tiles_);
     SquareCounts* counts = nullptr;
     if (measures.count) square_counts_.reset(squares.size()), counts = square_counts_.data();
 
@@ -391,6 +395,7 @@ class Renderer {
   Colours<B> colours_;
   typename Sort::template Scratch<B> sort_scratch_;
   TileLists<B> lists_;
+  FrameTiles tiles_;
   typename B::template Buffer<SquareCounts> square_counts_;
   ViewStorage<B> view_storage_, recorded_storage_;  ///< of `render_into` and of `record`
   struct {

@@ -210,18 +210,19 @@ TEST_CASE("cuda renderer: a large image with few splats has the same bits by coa
   const auto scene = renderer.backend().upload(random_scene(4000, 0, 3));
   const auto tiles_of = [&](auto& by, const Camera& camera, const auto& of) {
     const Frame frame = by.render(of, camera);
-    return std::pair{frame, by.lists().tiles};
+    CHECK(by.lists().tiles == by.tiles().size());
+    return std::pair{frame, by.tiles()};
   };
   const Camera large = forward_camera(1600, 1000);
   const auto [first, fine] = tiles_of(renderer, large, scene);
   const auto [second, coarse] = tiles_of(renderer, large, scene);
-  CHECK(fine == 100 * 63);
-  CHECK(coarse == 50 * 32);
+  CHECK(fine == FrameTiles{100, 63, 16});
+  CHECK(coarse == FrameTiles{50, 32, 32});
   CHECK(same_bits(first.colour, second.colour));
 
   // Not after a frame of another size, nor in a small image, nor where bounds cut splats at tiles.
   const Camera small = forward_camera(320, 200);
-  for (int i = 0; i < 2; ++i) CHECK(tiles_of(renderer, small, scene).second == 20 * 13);
+  for (int i = 0; i < 2; ++i) CHECK(tiles_of(renderer, small, scene).second == FrameTiles{20, 13, 16});
   CHECK(tiles_of(renderer, large, scene).second == fine);
   Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, ThreeSigmaSquare> cutting;
   const auto again = cutting.backend().upload(random_scene(4000, 0, 3));
