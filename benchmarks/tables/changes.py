@@ -8,7 +8,8 @@ from tables.source import machine_name
 
 def change(source, machine, what, backend):
     """Stages of each renderer on each scene in WHAT-before-BACKEND.json and WHAT-after-BACKEND.json."""
-    before, after = (Frames(source.results(machine, f"{what}-{when}-{backend}.json")) for when in ("before", "after"))
+    before, after = (Frames(source.results(machine, f"{what}-{when}-{backend}.json"), any_scale=True)
+                     for when in ("before", "after"))
     if before.of.keys() != after.of.keys():
         raise InputError(f"{before.results.path}, {after.results.path}: expected the same scenes and renderers in both")
     rows = []

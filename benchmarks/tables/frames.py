@@ -24,13 +24,18 @@ Scene = collections.namedtuple("Scene", "name gaussians")
 
 
 class Frames:
-    """The rows of one file at the scenes' own scale and enlargement, with one preset of conventions."""
+    """The rows of one file at the scenes' own enlargement, with one preset of conventions: at the scenes' own scale, or
+    with `any_scale` at one for each scene."""
 
-    def __init__(self, results, conventions="gsplat"):
+    def __init__(self, results, conventions="gsplat", any_scale=False):
         self.results, self.of, self.sizes = results, collections.defaultdict(list), {}
+        scales = {}
         for row in results.rows:
-            if (row.enlarge, row.scale, row.conventions) == (1, 1, conventions):
+            if (row.enlarge, row.conventions) == (1, conventions) and (any_scale or row.scale == 1):
                 scene = Scene(row.scene, row.gaussians)
+                if scales.setdefault(scene, row.scale) != row.scale:
+                    raise InputError(f"{results.path}: {row.scene} at scales {scales[scene]:g} and {row.scale:g}; "
+                                     "expected one")
                 self.of[scene, row.name].append(row)
                 self.sizes.setdefault(scene, f"{row.width}x{row.height}")
         self.scenes = list(self.sizes)
