@@ -10,8 +10,9 @@ def change(source, machine, what, backend):
     """Stages of each renderer on each scene in WHAT-before-BACKEND.json and WHAT-after-BACKEND.json."""
     before, after = (Frames(source.results(machine, f"{what}-{when}-{backend}.json"), any_scale=True)
                      for when in ("before", "after"))
-    if before.of.keys() != after.of.keys():
-        raise InputError(f"{before.results.path}, {after.results.path}: expected the same scenes and renderers in both")
+    if before.of.keys() != after.of.keys() or before.sizes != after.sizes:
+        raise InputError(f"{before.results.path}, {after.results.path}: expected the same scenes, sizes and renderers in "
+                         "both")
     rows = []
     for scene in after.scenes:
         for name in (name for of, name in after.of if of == scene):
