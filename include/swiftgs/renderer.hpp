@@ -110,10 +110,12 @@ class Renderer {
     gaussians_ = scene.size();
   }
 
-  /// Takes all memory that `record` needs for frames of `views` and `scene`: `set_views` may replace the
-  /// views by others whose frames have the same sizes, and `scene` may change. Without a `capacity`, room for
-  /// what the views show now and an eighth more; never for more splats than Gaussians in all views, nor for
-  /// more than `max_instances`. Draws nothing and waits. If it throws, `record` is refused until it succeeds.
+  /// Takes all memory that `record` needs for frames of `views` and `scene`, on the tiles of these views:
+  /// those of `render_into` may be coarser, so its `statistics` are no `capacity`. `set_views` may replace
+  /// the views by others whose frames have the same sizes, and `scene` may change. Without a `capacity`, room
+  /// for what the views show now and an eighth more; never for more splats than Gaussians in all views, nor
+  /// for more than `max_instances`. Draws nothing and waits. If it throws, `record` is refused until it
+  /// succeeds.
   void reserve(const SceneView& scene, Span<const View> views, Capacity capacity = {}) {
     validate(scene);
     reserved_.reset();
@@ -186,12 +188,13 @@ class Renderer {
   /// Gives back all memory that the renderer and its backend keep, uploaded scenes excluded, after waiting
   /// for all work submitted so far. The next frame takes it again. Views that were set and what was reserved
   /// are forgotten, so `record` is refused until the next `reserve`. Frames of `render_resident`, `splats`,
-  /// `lists` and the raster part of `statistics` are gone.
+  /// `lists`, `tiles` and the raster part of `statistics` are gone.
   void trim() {
     backend_.wait();
     std::apply([&](auto&... parts) { trim_parts(backend_, parts...); }, parts());
     if constexpr (requires { backend_.trim(); }) backend_.trim();
     frames_ = {}, views_ = {}, tiled_ = {};
+    tiles_ = {};
     counted_ = false;
     capacity_ = {1, 1};
     recorded_ = {};
@@ -335,12 +338,14 @@ class Renderer {
     if (B::reaches_host_memory || !Bounds::lossless || key != key_ ||
         !coarse_tiles_gain(report_.visible, pixels))
       return views;
-    tiled_.assign(views.begin(), views.end());
-    for (View& view : tiled_) view.grid = coarse(view);
     // All views have tiles of one side.
-    const bool alike = std::all_of(tiled_.begin(), tiled_.end(),
-                                   [](const View& view) { return view.grid.side == coarse_tile_side; });
-    return alike ? Span<const View>{tiled_.data(), tiled_.size()} : views;
+    tiled_.clear();
+    for (const View& view : views) {
+      tiled_.push_back(view);
+      tiled_.back().grid = coarse(view);
+      if (tiled_.back().grid.side == view.grid.side) return views;
+    }
+    return {tiled_.data(), tiled_.size()};
   }
 
   static std::size_t with_room(std::uint64_t count) { return std::size_t(count + count / 8 + 1); }

@@ -11,7 +11,7 @@ namespace swiftgs {
 struct Statistics {
   std::size_t gaussians = 0;  ///< in the scene
   std::size_t visible = 0;    ///< projected to splats; harmonics are evaluated for these
-  std::size_t instances = 0;  ///< pairs of splat and tile
+  std::size_t instances = 0;  ///< pairs of splat and tile, of the tiles that the frame had
   SquareCounts raster;        ///< summed over squares; zero unless requested
 
   double instances_a_visible() const { return visible ? double(instances) / double(visible) : 0.0; }

@@ -130,6 +130,38 @@ TEST_CASE(
   });
 }
 
+TEST_CASE("cuda views: large images have the bits of finer tiles, alone and among others") {
+  if (without_device()) return;
+  for_each_raster_renderer([&](auto& together, auto& alone) {
+    const DeviceScene scene = together.backend().upload(random_scene(2000, 1, 10));
+    const AskedView large{forward_camera(1601, 1003)}, small{turned_camera(100, 75, 0.1, 0.05)};
+    const auto side_after = [&](const std::vector<AskedView>& views) {
+      check_views<OnDevice>(together, alone, scene.view(), views);
+      return together.tiles().side;
+    };
+    CHECK(side_after({large}) == 32);
+    CHECK(side_after({small, large}) == 32);
+
+    // The first frame has finer tiles, and so has the second where a part begins within a coarser one.
+    const auto side_beside_part = [&](FirstPixel first) {
+      AskedView part{forward_camera(200, 150)};
+      part.first = first, part.width = 70, part.height = 50;
+      const std::vector<AskedView> views{large, part};
+      std::vector<PlanesMemory> drawn[2];
+      for (std::vector<PlanesMemory>& memories : drawn) {
+        PlacedViews<OnDevice> placed(views);
+        together.render_into(scene.view(), placed.span());
+        memories = placed.finish(together.backend());
+      }
+      CHECK(differing(drawn[1], drawn[0]) == 0);
+      return together.tiles().side;
+    };
+    CHECK(side_beside_part({16, 32}) == 16);
+    CHECK(side_after({small}) == 16);
+    CHECK(side_beside_part({32, 64}) == 32);
+  });
+}
+
 TEST_CASE("cuda views: several views of an empty scene are their backgrounds") {
   if (without_device()) return;
   Usual together, alone;
