@@ -72,27 +72,17 @@ class RunningSum {
   /// Sum of all blocks before this one, which adds `value`. For one whole warp.
   __device__ std::uint32_t before(std::uint32_t value) const {
     std::uint32_t sum = 0;
-    for (std::uint32_t end = blockIdx.x; end != 0; end -= min(end, window)) {
-      // Look at a window of blocks, the nearest on lane 0. Those before the first block add nothing.
-      SumWord words[words_of_lane];
-#pragma unroll
-      for (unsigned k = 0; k < words_of_lane; ++k) {
-        const unsigned back = lane_index() * words_of_lane + k;
-        words[k] = back < end ? read(end - 1 - back) : SumWord(tag_, SumWord::complete, 0);
-      }
+    for (std::uint32_t end = blockIdx.x; end != 0; end -= min(end, warp_size)) {
+      // Look at a block a lane, the nearest on lane 0. Those before the first block add nothing. To look at
+      // more of them at once takes longer: what is read again while blocks wait is in the way of what they
+      // publish.
+      const unsigned back = lane_index();
+      SumWord word = back < end ? read(end - 1 - back) : SumWord(tag_, SumWord::complete, 0);
+      while (word.tag() != tag_) word = read(end - 1 - back);
       // Add the nearest complete sum and the values after it.
-      std::uint32_t of_lane = 0;
-      bool found = false;
-#pragma unroll
-      for (unsigned k = 0; k < words_of_lane; ++k) {
-        const unsigned back = lane_index() * words_of_lane + k;
-        while (words[k].tag() != tag_) words[k] = read(end - 1 - back);
-        if (!found) of_lane += words[k].value();
-        found = found || words[k].known() == SumWord::complete;
-      }
-      const unsigned complete_lanes = __ballot_sync(whole_warp, found);
+      const unsigned complete_lanes = __ballot_sync(whole_warp, word.known() == SumWord::complete);
       const unsigned nearest = complete_lanes ? unsigned(__ffs(int(complete_lanes))) - 1 : warp_size;
-      sum += warp_sum(lane_index() <= nearest ? of_lane : 0);
+      sum += warp_sum(back <= nearest ? word.value() : 0);
       if (complete_lanes) break;
     }
     if (lane_index() == 0 && blockIdx.x != 0) publish(SumWord::complete, sum + value);
@@ -100,10 +90,6 @@ class RunningSum {
   }
 
  private:
-  /// A wide window, since many blocks that have not looked back yet lie between a block and the last that
-  /// has.
-  static constexpr unsigned words_of_lane = 4, window = words_of_lane * warp_size;
-
   __device__ void publish(std::uint32_t known, std::uint32_t value) const {
     SumWord(tag_, known, value).write(words_[blockIdx.x]);
   }
