@@ -335,7 +335,7 @@ class Renderer {
     std::uint64_t pixels = 0;
     for (const View& view : views)
       pixels += std::uint64_t(view.frame.width) * std::uint64_t(view.frame.height);
-    if (B::reaches_host_memory || !Bounds::lossless || key != key_ ||
+    if (!may_gain_by_coarse_tiles<B, Raster> || !Bounds::lossless || key != key_ ||
         !coarse_tiles_gain(report_.visible, pixels))
       return views;
     // All views have tiles of one side.

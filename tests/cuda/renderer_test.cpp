@@ -227,6 +227,14 @@ TEST_CASE("cuda renderer: a large image with few splats has the same bits by coa
   Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, ThreeSigmaSquare> cutting;
   const auto again = cutting.backend().upload(random_scene(4000, 0, 3));
   for (int i = 0; i < 2; ++i) CHECK(tiles_of(cutting, large, again).second == fine);
+
+  // Nor by rasterizers that evaluate what is listed at every pixel.
+  const auto stays_fine = [&]<class Raster>(Raster) {
+    Renderer<Cuda, EarlySort, Raster, Ellipse> other;
+    const auto uploaded = other.backend().upload(random_scene(4000, 0, 3));
+    for (int i = 0; i < 2; ++i) CHECK(tiles_of(other, large, uploaded).second == fine);
+  };
+  stays_fine(PerPixel()), stays_fine(AxisShared<HalfSplit>()), stays_fine(AxisSharedThreshold<HalfSplit>());
 }
 
 TEST_CASE("cuda renderer: a scene in the memory of one that is gone is not sorted by what was learnt of it") {

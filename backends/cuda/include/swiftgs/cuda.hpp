@@ -260,6 +260,16 @@ SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<FloatSplit>, const Ra
 SWIFTGS_API void rasterize(Cuda& cuda, AxisShared<FloatCholesky>, const RasterJob& job);
 SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<FloatCholesky>, const RasterJob& job);
 
+/// Warps of these four test each listed splat once. Threads of the others would evaluate it at every pixel.
+template <>
+inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisShared<FloatSplit>> = true;
+template <>
+inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisSharedThreshold<FloatSplit>> = true;
+template <>
+inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisShared<FloatCholesky>> = true;
+template <>
+inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisSharedThreshold<FloatCholesky>> = true;
+
 /// A rasterizer of the library.
 template <class R>
 concept LibraryRaster = RasterPolicy<R> && AllRasters::contains<R>;
