@@ -64,7 +64,8 @@ class Tables(unittest.TestCase):
         for path in (pathlib.Path(RESULTS) / FOLDERS["gpu"]).glob("*.csv"):
             shutil.copy(path, cls.results / FOLDERS["gpu"])
         synthetic_folder.write(cls.results / FOLDERS["amd"], "cpu")
-        synthetic_folder.write(cls.results / FOLDERS["h200"], "cuda")
+        for machine in ("h200", "latest"):
+            synthetic_folder.write(cls.results / FOLDERS[machine], "cuda")
         for machine in ("amd", "h200"):
             shutil.copy(pathlib.Path(RESULTS) / FOLDERS[machine] / "ulps.json", cls.results / FOLDERS[machine])
         shutil.copy(pathlib.Path(RESULTS) / FOLDERS["amd"] / "formats.json", cls.results / FOLDERS["amd"])
