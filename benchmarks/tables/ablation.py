@@ -34,18 +34,18 @@ def steps(source, machine):
     """Our Table 2 on a machine: means over views, how many times the baseline's speed, and the accuracy of each."""
     results = source.results(machine, "matrix.json")
     frames = Frames(results)
-    rows = []
+    photographs = {name: average([frames.mean_of(scene, name, "photo_psnr_db") for scene in frames.scenes])
+                   for _, name in STEPS + OUR_STEPS}
+    seen, rows = bool(known(photographs.values())), []
     for step, name in STEPS + OUR_STEPS:
         cells = [f"{ms(frames.mean(scene, name))} ({times(frames.speed_up(scene, name, BASELINE))})"
                  for scene in frames.scenes]
-        photographs = average([frames.mean_of(scene, name, "photo_psnr_db") for scene in frames.scenes])
         rows.append([step, f"`{name}`", *cells, times(frames.speed_up_of_all(name, BASELINE)),
-                     *([decibel(photographs)] if photographs is not None else []),
+                     *([decibel(photographs[name])] if seen else []),
                      decibel(min(known(frames.worst_psnr(scene, name) for scene in frames.scenes), default=None))])
-    beside = ["photographs, mean, dB"] if photographs is not None else []
-    return f"{machine_name(results)}, `{backend(machine)}`, milliseconds a frame:\n\n" + table(
-        ["step", "sort/raster/bounds", *map(label, frames.scenes), "geometric mean", *beside, "float64, worst, dB"], rows,
-        words=2)
+    header = ["step", "sort/raster/bounds", *map(label, frames.scenes), "geometric mean",
+              *(["photographs, mean, dB"] if seen else []), "float64, worst, dB"]
+    return f"{machine_name(results)}, `{backend(machine)}`, milliseconds a frame:\n\n" + table(header, rows, words=2)
 
 
 def known(values):

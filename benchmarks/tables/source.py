@@ -10,7 +10,7 @@ RESULTS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 FOLDERS = {"gpu": "2026-11-21-nvidia-h200", "cpu": "2026-11-21-intel-xeon-16-cores",
            "cpu2": "2026-11-21-intel-xeon-2-cores", "amd": "2026-11-22-amd-epyc-2-cores",
            "h200": "2026-11-22-nvidia-h200", "xeon": "2026-11-23-intel-xeon-2-cores",
-           "hopper": "2026-11-23-nvidia-h200", "latest": "2026-11-24-nvidia-h200"}
+           "hopper": "2026-11-23-nvidia-h200", "nvidia": "2026-11-24-nvidia-h200"}
 
 
 class Source:
@@ -57,7 +57,7 @@ class Source:
 
 def backend(machine):
     """The backend that a machine's results are of."""
-    return "cuda" if machine in ("gpu", "h200", "latest") else "cpu"
+    return "cuda" if machine in ("gpu", "h200", "nvidia") else "cpu"
 
 
 def processor(machine):

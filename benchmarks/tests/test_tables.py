@@ -14,9 +14,11 @@ import unittest
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import synthetic  # noqa: E402
 import synthetic_folder  # noqa: E402
 import update_tables  # noqa: E402
 from tables import blocks, calibration, ceilings, fits, paper  # noqa: E402
+from tables.frames import OURS  # noqa: E402
 from tables.results import OPTIONAL, STAGES, Duration, InputError, Results  # noqa: E402
 from tables.source import FOLDERS, RESULTS, Source  # noqa: E402
 
@@ -64,7 +66,7 @@ class Tables(unittest.TestCase):
         for path in (pathlib.Path(RESULTS) / FOLDERS["gpu"]).glob("*.csv"):
             shutil.copy(path, cls.results / FOLDERS["gpu"])
         synthetic_folder.write(cls.results / FOLDERS["amd"], "cpu")
-        for machine in ("h200", "latest"):
+        for machine in ("h200", "nvidia"):
             synthetic_folder.write(cls.results / FOLDERS[machine], "cuda")
         for machine in ("amd", "h200"):
             shutil.copy(pathlib.Path(RESULTS) / FOLDERS[machine] / "ulps.json", cls.results / FOLDERS[machine])
@@ -213,6 +215,21 @@ class Tables(unittest.TestCase):
         self.assertEqual(cells(text, "AR")[2:], ["3.10 (1.13x)"] * 3 + ["1.13x", "24.8", "60.0"])
         self.assertEqual(cells(text, "ES")[2:], ["3.30 (1.06x)"] * 3 + ["1.06x", "24.8", "102.0"])
         self.assertEqual(cells(text, "all, our terms")[2:], ["2.30 (1.52x)"] * 3 + ["1.52x", "24.8", "102.0"])
+
+    def test_steps_have_photographs_where_any_is_known(self):
+        changed = json.loads((self.results / FOLDERS["gpu"] / "matrix.json").read_text(encoding="utf-8"))
+        folder = self.place / "photographs"
+        (folder / FOLDERS["gpu"]).mkdir(parents=True)
+        for last, cell in ((OURS, ["-"]), ("", [])):
+            for row in changed["rows"]:
+                if row["renderer"].endswith(last):
+                    row["photo_psnr_db"] = None
+            synthetic.write(folder / FOLDERS["gpu"] / "matrix.json", changed)
+            code, text, _, error = self.update("<!-- table: steps gpu -->\n<!-- end -->\n", results=folder)
+            self.assertEqual((code, error), (0, ""))
+            self.assertEqual("photographs, mean, dB" in text, bool(cell))
+            self.assertEqual(cells(text, "and our bounds")[-1 - len(cell):-1], cell)
+            self.assertEqual(len({line.count("|") for line in text.splitlines() if line.startswith("|")}), 1)
 
     def test_the_headline_has_ten_renderers_on_every_machine_and_the_least_psnr(self):
         text = self.table("headline gpu cpu")

@@ -329,8 +329,8 @@ class Renderer {
                     view_storage_, recorded_storage_, frame_.colour, frame_.alpha, frame_.depth);
   }
 
-  /// The views of a frame, with coarser tiles if the last frame was of the same `key` and would have gained
-  /// by them. They hold until the next call.
+  /// The views of a frame, with coarser tiles if the rasterizer may gain by them, bounds are lossless, and
+  /// the last frame was of the same `key` and would have gained. They hold until the next call.
   Span<const View> with_tiles(const FrameKey& key, Span<const View> views) {
     std::uint64_t pixels = 0;
     for (const View& view : views)

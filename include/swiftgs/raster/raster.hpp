@@ -107,9 +107,9 @@ concept RasterPolicy = AlphaKernel<typename R::Kernel> && requires {
   { R::name } -> std::convertible_to<std::string_view>;
 };
 
-/// Whether `R` on backend `B` draws some frames sooner by coarser tiles (`coarse_tiles_gain`). Their lists
-/// hold more splats that a square does not touch, so a rasterizer must refuse those at little cost. Backends
-/// specialise it.
+/// Whether `R` on backend `B` draws some frames sooner by coarser tiles (`coarse_tiles_gain`). Lists of
+/// coarser tiles hold more splats that a square does not touch, so a rasterizer must refuse those at little
+/// cost. Backends specialise it.
 template <class B, class R>
 inline constexpr bool may_gain_by_coarse_tiles = false;
 

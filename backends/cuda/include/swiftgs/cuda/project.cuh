@@ -48,19 +48,21 @@ __device__ inline Gaussian load_gaussian(const SceneView& scene, std::size_t i) 
   return g;
 }
 
-/// How many blocks ahead of its own a block asks for Gaussians. Frames take as long with 256 and with 1,024.
+/// How many blocks ahead of its own a block prefetches Gaussians; so many blocks take 2.9 MB. On an H200,
+/// projection takes as long with 256 and with 1,024, and longer with 2,400.
 inline constexpr unsigned prefetch_ahead = 512;
 
-/// Has the second-level cache load the elements of a chunk that begins there: a line a thread.
+/// Prefetches the elements of the chunk that begins at `first` to the second-level cache, a line a thread.
 template <class T>
 __device__ void prefetch_chunk(const T* first) {
   constexpr unsigned line = 128;
+  static_assert(chunk_size * sizeof(T) % line == 0);
   if (threadIdx.x < chunk_size * sizeof(T) / line)
     asm volatile("prefetch.global.L2 [%0];" ::"l"(reinterpret_cast<const char*>(first) + threadIdx.x * line));
 }
 
-/// The same for all that projection reads of the chunk's Gaussians, if the chunk is full. A block waits for
-/// those before it, so one load that takes long would hold up all that are under way.
+/// Prefetches all that projection reads of a chunk, if it is full. A block waits for all before it, so one
+/// slow load would hold up all that run.
 __device__ inline void prefetch_gaussians(const SceneView& scene, std::size_t chunk) {
   const std::size_t first = chunk * chunk_size;
   if (first + chunk_size > scene.size()) return;
@@ -98,11 +100,11 @@ __global__ void __launch_bounds__(project_threads, project_blocks<ViewSource>)
   await_earlier();
   // The first block counts even where none has something to show.
   const std::uint32_t listed = list.size(), last = max(listed, 1u) - 1;
-  const std::uint32_t later = blockIdx.x + prefetch_ahead;
   if (blockIdx.x > last) return;
   const unsigned warp = threadIdx.x / warp_size;
   const std::uint32_t loaded_turn = threadIdx.x == 0 ? read_turn(turns) : 0;
   const std::uint32_t block = listed == 0 ? 0 : list[blockIdx.x];
+  const std::uint32_t later = blockIdx.x + prefetch_ahead;
   if (later <= last) prefetch_gaussians(scene, list[later] / views.size());
   const std::uint32_t of_view = block % views.size(), group = block / views.size();
 

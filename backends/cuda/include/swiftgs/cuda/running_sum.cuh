@@ -73,8 +73,8 @@ class RunningSum {
   __device__ std::uint32_t before(std::uint32_t value) const {
     std::uint32_t sum = 0;
     for (std::uint32_t end = blockIdx.x; end != 0; end -= min(end, warp_size)) {
-      // Look at a block a lane, the nearest on lane 0. Those before the first block add nothing. To look at
-      // more of them at once takes longer: what is read again while blocks wait is in the way of what they
+      // Look at a block a lane, the nearest on lane 0. Those before the first block add nothing. Looking at
+      // 128 or more at once takes longer: what blocks read again while they wait is in the way of what others
       // publish.
       const unsigned back = lane_index();
       SumWord word = back < end ? read(end - 1 - back) : SumWord(tag_, SumWord::complete, 0);
