@@ -110,12 +110,12 @@ class Renderer {
     gaussians_ = scene.size();
   }
 
-  /// Takes all memory that `record` needs for frames of `views` and `scene`, on the tiles of these views:
-  /// those of `render_into` may be coarser, so its `statistics` are no `capacity`. `set_views` may replace
-  /// the views by others whose frames have the same sizes, and `scene` may change. Without a `capacity`, room
-  /// for what the views show now and an eighth more; never for more splats than Gaussians in all views, nor
-  /// for more than `max_instances`. Draws nothing and waits. If it throws, `record` is refused until it
-  /// succeeds.
+  /// Takes all memory that `record` needs for frames of `views` and `scene`. `set_views` may replace the
+  /// views by others whose frames have the same sizes, and `scene` may change. Without a `capacity` it makes
+  /// room for what the views show now and an eighth more, at most for all Gaussians in all views and for
+  /// `max_instances`. A capacity counts instances on the tiles of these views; tiles of `render_into` may be
+  /// coarser, and its `statistics` then too small. Draws nothing and waits. If it throws, `record` is refused
+  /// until it succeeds.
   void reserve(const SceneView& scene, Span<const View> views, Capacity capacity = {}) {
     validate(scene);
     reserved_.reset();
@@ -194,7 +194,6 @@ class Renderer {
     std::apply([&](auto&... parts) { trim_parts(backend_, parts...); }, parts());
     if constexpr (requires { backend_.trim(); }) backend_.trim();
     frames_ = {}, views_ = {}, tiled_ = {};
-    tiles_ = {};
     counted_ = false;
     capacity_ = {1, 1};
     recorded_ = {};
@@ -310,7 +309,7 @@ class Renderer {
   /// The last frame's splats and tile lists, in the backend's memory, until the next frame; and its tiles.
   const Splats<B>& splats() const { return splats_; }
   const TileLists<B>& lists() const { return lists_; }
-  const FrameTiles& tiles() const { return tiles_; }
+  const FrameTiles& tiles() const { return footprints_.tiles; }
 
  private:
   /// Whether frames of both have the same size, and planes for the same outputs.
@@ -332,12 +331,11 @@ class Renderer {
   /// The views of a frame, with coarser tiles if the rasterizer may gain by them, bounds are lossless, and
   /// the last frame was of the same `key` and would have gained. They hold until the next call.
   Span<const View> with_tiles(const FrameKey& key, Span<const View> views) {
+    if (!may_gain_by_coarse_tiles<B, Raster> || !Bounds::lossless || key != key_) return views;
     std::uint64_t pixels = 0;
     for (const View& view : views)
       pixels += std::uint64_t(view.frame.width) * std::uint64_t(view.frame.height);
-    if (!may_gain_by_coarse_tiles<B, Raster> || !Bounds::lossless || key != key_ ||
-        !coarse_tiles_gain(report_.visible, pixels))
-      return views;
+    if (!coarse_tiles_gain(report_.visible, pixels)) return views;
     // All views have tiles of one side.
     tiled_.clear();
     for (const View& view : views) {
@@ -362,8 +360,7 @@ class Renderer {
     const auto take_time = [&](std::size_t point) {
       if (measures.time) points_[point] = backend_.now();
     };
-    tiles_ = frame_tiles(views);
-    const Squares squares(tiles_);
+    const Squares squares(frame_tiles(views));
     SquareCounts* counts = nullptr;
     if (measures.count) square_counts_.reset(squares.size()), counts = square_counts_.data();
 
@@ -400,7 +397,6 @@ class Renderer {
   Colours<B> colours_;
   typename Sort::template Scratch<B> sort_scratch_;
   TileLists<B> lists_;
-  FrameTiles tiles_;
   typename B::template Buffer<SquareCounts> square_counts_;
   ViewStorage<B> view_storage_, recorded_storage_;  ///< of `render_into` and of `record`
   struct {

@@ -18,8 +18,8 @@ inline constexpr int square_side = 16;
 /// Side of the tiles that a renderer lists splats for, unless coarser ones are quicker @units{pixels}.
 inline constexpr int default_tile_side = square_side;
 
-/// Side of those that a renderer takes where an image is large for what it shows, within lossless bounds and
-/// if its rasterizer may gain @units{pixels}: a sort of fewer instances gains more than rasterization loses.
+/// Side of coarser tiles @units{pixels}. A renderer takes them for large images with few splats, if bounds are
+/// lossless and its rasterizer may gain: the sort of fewer instances gains more than rasterization loses.
 inline constexpr int coarse_tile_side = 2 * default_tile_side;
 
 /// Whether tiles of `coarse_tile_side` are quicker. Measured on an H200 (docs/decisions.md): with fewer than

@@ -228,7 +228,7 @@ TEST_CASE("cuda renderer: a large image with few splats has the same bits by coa
   const auto again = cutting.backend().upload(random_scene(4000, 0, 3));
   for (int i = 0; i < 2; ++i) CHECK(tiles_of(cutting, large, again).second == fine);
 
-  // Nor by rasterizers that evaluate what is listed at every pixel.
+  // Rasterizers that evaluate each listed splat at every pixel keep fine tiles.
   const auto stays_fine = [&]<class Raster>(Raster) {
     Renderer<Cuda, EarlySort, Raster, Ellipse> other;
     const auto uploaded = other.backend().upload(random_scene(4000, 0, 3));
