@@ -82,7 +82,8 @@ HWY_INLINE Runs TilesMeeting(Vec low, Vec high, int side, TileRun among) {
   return {ClampedFloor(first, among), ClampedFloor(hn::Add(last, All(1.0f)), among)};
 }
 
-HWY_INLINE Vec HalfHeight(const Shapes& s) { return hn::Div(hn::Sqrt(s.reach), s.l2); }
+HWY_INLINE Vec Inverse(Vec v) { return hn::Div(All(1.0f), v); }
+HWY_INLINE Vec HalfHeight(const Shapes& s) { return hn::Mul(hn::Sqrt(s.reach), Inverse(s.l2)); }
 HWY_INLINE Vec Slack(Vec half_width, Vec half_height) {
   return hn::Add(All(1e-2f), hn::Mul(All(1e-4f), hn::Add(half_width, half_height)));
 }
@@ -135,7 +136,8 @@ class VectorEllipse {
   HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
     shapes_ = s, side_ = grid.side;
     height_ = HalfHeight(s), slack_ = Slack(s.half_width, height_);
-    const Vec slope = hn::Div(s.l1, s.l2);
+    inverse_l0_ = Inverse(s.l0);
+    const Vec slope = hn::Mul(s.l1, Inverse(s.l2));
     steepest_ = hn::Div(hn::Mul(height_, slope), hn::Sqrt(hn::Add(All(1.0f), hn::Mul(slope, slope))));
     return VectorOpacityBox().Rect(s, grid);
   }
@@ -163,7 +165,7 @@ class VectorEllipse {
   HWY_INLINE Vec Edge(Vec y, Vec sign) const {
     const Vec v = hn::Mul(shapes_.l2, y);
     const Vec rest = hn::Max(hn::Sub(shapes_.reach, hn::Mul(v, v)), hn::Zero(F32()));
-    return hn::Div(hn::Sub(hn::Mul(sign, hn::Sqrt(rest)), hn::Mul(shapes_.l1, y)), shapes_.l0);
+    return hn::Mul(hn::Sub(hn::Mul(sign, hn::Sqrt(rest)), hn::Mul(shapes_.l1, y)), inverse_l0_);
   }
   HWY_INLINE VecI Within(VecI tile, const Runs& runs) const {
     return hn::Min(hn::Max(tile, runs.begin), runs.end);
@@ -171,7 +173,7 @@ class VectorEllipse {
 
   Shapes shapes_;
   int side_;
-  Vec height_, slack_, steepest_;
+  Vec inverse_l0_, height_, slack_, steepest_;
 };
 
 /// Footprints of `lanes` splats. Those too large for a mask are left to the scalar bounds.

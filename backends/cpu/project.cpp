@@ -77,15 +77,14 @@ HWY_INLINE Axes LocalAxesOf(const Quaternion* HWY_RESTRICT rotations) {
   hn::LoadInterleaved4(d, &rotations->w, w, x, y, z);
   const Vec one = hn::Set(d, 1.0f);
   const Vec x2 = hn::Add(x, x), y2 = hn::Add(y, y), z2 = hn::Add(z, z);
-  const Vec xx = hn::Mul(x, x2), yy = hn::Mul(y, y2), zz = hn::Mul(z, z2);
-  const Vec xy = hn::Mul(x, y2), xz = hn::Mul(x, z2), yz = hn::Mul(y, z2);
   const Vec wx = hn::Mul(w, x2), wy = hn::Mul(w, y2), wz = hn::Mul(w, z2);
-  const Vec squares = hn::Add(hn::MulAdd(w, w, hn::Mul(x, x)), hn::MulAdd(y, y, hn::Mul(z, z)));
-  return {{{hn::Sub(one, hn::Add(yy, zz)), hn::Add(xy, wz), hn::Sub(xz, wy)},
-           {hn::Sub(xy, wz), hn::Sub(one, hn::Add(xx, zz)), hn::Add(yz, wx)},
-           {hn::Add(xz, wy), hn::Sub(yz, wx), hn::Sub(one, hn::Add(xx, yy))}},
-          {x, y, z},
-          hn::Mul(hn::Set(d, 4.0f), hn::Sub(squares, one))};
+  const Vec without_y = hn::NegMulAdd(y2, y, one), without_z = hn::NegMulAdd(z2, z, one);
+  const Vec3 turn{x, y, z};
+  return {{{hn::NegMulAdd(y2, y, without_z), hn::MulAdd(x2, y, wz), hn::MulSub(x2, z, wy)},
+           {hn::MulSub(x2, y, wz), hn::NegMulAdd(x2, x, without_z), hn::MulAdd(y2, z, wx)},
+           {hn::MulAdd(x2, z, wy), hn::MulSub(y2, z, wx), hn::NegMulAdd(x2, x, without_y)}},
+          turn,
+          hn::Mul(hn::Set(d, 4.0f), hn::Sub(hn::MulAdd(w, w, Dot(turn, turn)), one))};
 }
 
 HWY_INLINE Vec3 Times(const Vec3& a, const Vec3& b) {
@@ -95,31 +94,28 @@ HWY_INLINE Vec3 DotColumns(const Vec3& v, const Axes& axes) {
   return {Dot(v, axes.column[0]), Dot(v, axes.column[1]), Dot(v, axes.column[2])};
 }
 
-/// One axis of the image against the Gaussian's three, which are not scaled: a row of J W R.
-HWY_INLINE Vec3 ImageAxis(const ViewConstants& v, int row, Vec tangent, Vec focal_over_z, const Axes& axes) {
+/// A row of J W R S; `scale` has the focal length over z in it.
+HWY_INLINE Vec3 ImageAxis(const ViewConstants& v, int row, Vec tangent, const Vec3& scale, const Axes& axes) {
   const F32 d;
   const auto component = [&](int k) HWY_ATTR {
-    return hn::Mul(focal_over_z, hn::NegMulAdd(tangent, hn::Set(d, float(v.rotation[2][k])),
-                                               hn::Set(d, float(v.rotation[row][k]))));
+    return hn::NegMulAdd(tangent, hn::Set(d, v.axes[2][k]), hn::Set(d, v.axes[row][k]));
   };
-  return DotColumns({component(0), component(1), component(2)}, axes);
+  return Times(scale, DotColumns({component(0), component(1), component(2)}, axes));
 }
 
 /// Cross product of the rows of J W R S, by cofactors (see `image_axes`).
-HWY_INLINE Vec3 CrossOfAxes(const ViewConstants& v, Vec tx, Vec ty, Vec jx, Vec jy, const Vec3& scale,
+HWY_INLINE Vec3 CrossOfAxes(const ViewConstants& v, Vec tx, Vec ty, const Vec3& sx, const Vec3& sy,
                             const Axes& axes) {
   const F32 d;
   const auto component = [&](int k) HWY_ATTR {
-    const Vec sideways =
-        hn::MulAdd(tx, hn::Set(d, v.cofactors[0][k]), hn::Mul(ty, hn::Set(d, v.cofactors[1][k])));
-    return hn::Add(hn::Set(d, v.cofactors[2][k]), sideways);
+    return hn::MulAdd(tx, hn::Set(d, v.cofactors[0][k]),
+                      hn::MulAdd(ty, hn::Set(d, v.cofactors[1][k]), hn::Set(d, v.cofactors[2][k])));
   };
   const Vec3 normal{component(0), component(1), component(2)};
   const Vec along = hn::Mul(axes.excess, Dot(axes.turn, normal));
   const Vec3 across = DotColumns(normal, axes);
   const Vec3 sum{hn::MulAdd(along, axes.turn.x, across.x), hn::MulAdd(along, axes.turn.y, across.y),
                  hn::MulAdd(along, axes.turn.z, across.z)};
-  const Vec3 sx = Scale(scale, jx), sy = Scale(scale, jy);
   return Times({hn::Mul(sx.y, sy.z), hn::Mul(sx.z, sy.x), hn::Mul(sx.x, sy.y)}, sum);
 }
 
@@ -166,16 +162,17 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   const Vec ty = hn::Min(hn::Max(Demote(y_over_z), hn::Set(d, v.tan_y_min)), hn::Set(d, v.tan_y_max));
   const Axes axes = LocalAxesOf(group.rotations);
   const Vec3 scale = LoadVec3(group.scales);
-  const Vec jx = hn::Div(hn::Set(d, float(v.fx)), z), jy = hn::Div(hn::Set(d, float(v.fy)), z);
-  const Vec3 mx = Times(ImageAxis(v, 0, tx, jx, axes), scale);
-  const Vec3 my = Times(ImageAxis(v, 1, ty, jy, axes), scale);
+  const Vec over_z = Demote(inverse_z);
+  const Vec3 sx = Scale(scale, hn::Mul(hn::Set(d, v.focal_x), over_z));
+  const Vec3 sy = Scale(scale, hn::Mul(hn::Set(d, v.focal_y), over_z));
+  const Vec3 mx = ImageAxis(v, 0, tx, sx, axes), my = ImageAxis(v, 1, ty, sy, axes);
 
   // Factor the blurred covariance; the determinant is as in `project_shape`.
   const Vec one = hn::Set(d, 1.0f), blur = hn::Set(d, v.blur);
   const Vec xx = Dot(mx, mx), yy = Dot(my, my), xy = Dot(mx, my);
   const Vec var_x = hn::Add(xx, blur), var_y = hn::Add(yy, blur);
   const Vec inv_sigma_y = hn::Div(one, hn::Sqrt(var_y));
-  const Vec3 c = Scale(CrossOfAxes(v, tx, ty, jx, jy, scale, axes), inv_sigma_y);
+  const Vec3 c = Scale(CrossOfAxes(v, tx, ty, sx, sy, axes), inv_sigma_y);
   const Vec inv_var_y = hn::Mul(inv_sigma_y, inv_sigma_y);
   const Vec unshared = hn::Mul(xx, hn::Mul(hn::Mul(yy, inv_sigma_y), inv_sigma_y));
   const Vec shared = hn::Mul(xy, inv_sigma_y);
@@ -201,7 +198,8 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   const Vec l2 = hn::Mul(hn::Set(d, to_base_2), inv_sigma_y);
   const Vec reach = hn::Max(hn::CallLog2(d, hn::Div(opacity, alpha_min)), hn::Zero(d));
   const Vec extent = hn::Mul(hn::Sqrt(reach), hn::Set(d, 1 / to_base_2));
-  const Vec half_width = hn::Mul(extent, hn::Sqrt(var_x)), half_height = hn::Mul(extent, hn::Sqrt(var_y));
+  const Vec half_width = hn::Mul(extent, hn::Sqrt(var_x)),
+            half_height = hn::Mul(extent, hn::Mul(var_y, inv_sigma_y));
   const auto reaches = [&](Vec x, Vec y, float left, float top, float right, float bottom) HWY_ATTR {
     return hn::And(hn::And(hn::Ge(hn::Add(mean_x, x), hn::Set(d, left + 0.5f)),
                            hn::Ge(hn::Add(mean_y, y), hn::Set(d, top + 0.5f))),

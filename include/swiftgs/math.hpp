@@ -4,6 +4,8 @@
 /// @file
 /// Vectors for host and device code, and the marker of functions that run on both.
 
+#include <cmath>
+
 #if defined(__CUDACC__)
 #define SWIFTGS_HD __host__ __device__
 #else
@@ -42,6 +44,35 @@ struct Quaternion {
   float w = 1, x = 0, y = 0, z = 0;
   bool operator==(const Quaternion&) const = default;
 };
+
+/// a . b, each product fused with the sum of those after it.
+SWIFTGS_HD inline float dot(const vec3& a, const vec3& b) {
+  return std::fma(a.x, b.x, std::fma(a.y, b.y, a.z * b.z));
+}
+
+/// 1 / sqrt(x) for x > 0, 2 units in the last place.
+SWIFTGS_HD inline float inverse_sqrt(float x) {
+#if defined(__CUDA_ARCH__)
+  // Newton's step from the special function unit's result: six instructions in place of twenty.
+  const float near = rsqrtf(x);
+  return std::fma(near, std::fma(-0.5f * x * near, near, 0.5f), near);
+#else
+  return 1 / std::sqrt(x);
+#endif
+}
+
+/// 1 / x for x from 2^-126 to the largest float, 2 units in the last place.
+SWIFTGS_HD inline double inverse(double x) {
+#if defined(__CUDA_ARCH__)
+  float near;
+  asm("rcp.approx.f32 %0, %1;" : "=f"(near) : "f"(float(x)));
+  double y = near;
+  y = std::fma(y, std::fma(-x, y, 1.0), y);
+  return std::fma(y, std::fma(-x, y, 1.0), y);
+#else
+  return 1 / x;
+#endif
+}
 
 /// log2(e): exp(v) = exp2(log2_e * v).
 inline constexpr double log2_e = 1.4426950408889634;

@@ -41,43 +41,46 @@ struct ImageAxes {
 struct LocalAxes {
   vec3 column[3];
 
-  SWIFTGS_HD explicit LocalAxes(Quaternion q)
-      : column{
-            vec3(1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + q.w * q.z), 2 * (q.x * q.z - q.w * q.y)),
-            vec3(2 * (q.x * q.y - q.w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z + q.w * q.x)),
-            vec3(2 * (q.x * q.z + q.w * q.y), 2 * (q.y * q.z - q.w * q.x),
-                 1 - 2 * (q.x * q.x + q.y * q.y))} {}
+  SWIFTGS_HD explicit LocalAxes(Quaternion q) {
+    const float x2 = 2 * q.x, y2 = 2 * q.y, z2 = 2 * q.z;
+    const float wx = q.w * x2, wy = q.w * y2, wz = q.w * z2;
+    column[0] =
+        vec3(std::fma(-y2, q.y, std::fma(-z2, q.z, 1.0f)), std::fma(x2, q.y, wz), std::fma(x2, q.z, -wy));
+    column[1] =
+        vec3(std::fma(x2, q.y, -wz), std::fma(-x2, q.x, std::fma(-z2, q.z, 1.0f)), std::fma(y2, q.z, wx));
+    column[2] =
+        vec3(std::fma(x2, q.z, wy), std::fma(y2, q.z, -wx), std::fma(-x2, q.x, std::fma(-y2, q.y, 1.0f)));
+  }
 };
 
-/// Axes of a Gaussian at camera-space direction (tx, ty, 1) and depth z, by the linearised projection
-/// (Zwicker et al. 2001, EWA splatting, equation 29).
+/// Axes of a Gaussian at camera-space direction (tx, ty, 1) and depth 1 / inverse_z, by the linearised
+/// projection (Zwicker et al. 2001, EWA splatting, equation 29).
 ///
 /// Far off the axis the two rows are nearly parallel, and their cross product would cancel. It is made of
 /// cofactors instead: for rows W0, W1, W2 of the camera's rotation
 ///   (W0 - tx W2) cross (W1 - ty W2) = C2 + tx C0 + ty C1,   C the cofactors of W,
 /// and the cofactors of the matrix of a quaternion (w, v) are that matrix + 4 (|q|^2 - 1) v v^T.
-SWIFTGS_HD inline ImageAxes image_axes(const ViewConstants& v, float tx, float ty, float z, vec3 scale,
-                                       Quaternion q) {
-  const float jx = float(v.fx) / z, jy = float(v.fy) / z;
+SWIFTGS_HD inline ImageAxes image_axes(const ViewConstants& v, float tx, float ty, float inverse_z,
+                                       vec3 scale, Quaternion q) {
   vec3 row_x, row_y, normal;
   for (int k = 0; k < 3; ++k) {
-    const float forward = float(v.rotation[2][k]);
-    row_x[k] = jx * (float(v.rotation[0][k]) - tx * forward);
-    row_y[k] = jy * (float(v.rotation[1][k]) - ty * forward);
-    normal[k] = v.cofactors[2][k] + (tx * v.cofactors[0][k] + ty * v.cofactors[1][k]);
+    row_x[k] = std::fma(-tx, v.axes[2][k], v.axes[0][k]);
+    row_y[k] = std::fma(-ty, v.axes[2][k], v.axes[1][k]);
+    normal[k] = std::fma(tx, v.cofactors[0][k], std::fma(ty, v.cofactors[1][k], v.cofactors[2][k]));
   }
-  const float excess = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1;
   const vec3 turn(q.x, q.y, q.z);
-  const float along = 4 * excess * (turn.x * normal.x + turn.y * normal.y + turn.z * normal.z);
+  const float excess = std::fma(q.w, q.w, dot(turn, turn)) - 1;
+  const float along = 4 * excess * dot(turn, normal);
 
   const LocalAxes axes(q);
+  const vec3 scale_x = v.focal_x * inverse_z * scale, scale_y = v.focal_y * inverse_z * scale;
   ImageAxes image;
   for (int k = 0; k < 3; ++k) {
     const vec3 axis = axes.column[k];
-    image.x[k] = scale[k] * (row_x.x * axis.x + row_x.y * axis.y + row_x.z * axis.z);
-    image.y[k] = scale[k] * (row_y.x * axis.x + row_y.y * axis.y + row_y.z * axis.z);
-    const float across = axis.x * normal.x + axis.y * normal.y + axis.z * normal.z + along * turn[k];
-    image.cross[k] = (jx * scale[(k + 1) % 3]) * (jy * scale[(k + 2) % 3]) * across;
+    image.x[k] = scale_x[k] * dot(row_x, axis);
+    image.y[k] = scale_y[k] * dot(row_y, axis);
+    const float across = std::fma(along, turn[k], dot(axis, normal));
+    image.cross[k] = scale_x[(k + 1) % 3] * scale_y[(k + 2) % 3] * across;
   }
   return image;
 }
@@ -101,32 +104,32 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gau
   const double d[3] = {mean.x - v.centre[0], mean.y - v.centre[1], mean.z - v.centre[2]};
   double p[3];
   for (int row = 0; row < 3; ++row)
-    p[row] = v.rotation[row][0] * d[0] + v.rotation[row][1] * d[1] + v.rotation[row][2] * d[2];
+    p[row] =
+        std::fma(v.rotation[row][0], d[0], std::fma(v.rotation[row][1], d[1], v.rotation[row][2] * d[2]));
   const float z = float(p[2]);
   if (!(z > v.near_plane && z <= v.far_plane)) return out;
-  const double x_over_z = p[0] / p[2], y_over_z = p[1] / p[2];
+  const double inverse_z = inverse(p[2]), x_over_z = p[0] * inverse_z, y_over_z = p[1] * inverse_z;
 
   // Linearise within the limits of the conventions.
   float tx = float(x_over_z), ty = float(y_over_z);
   tx = tx < v.tan_x_min ? v.tan_x_min : tx > v.tan_x_max ? v.tan_x_max : tx;
   ty = ty < v.tan_y_min ? v.tan_y_min : ty > v.tan_y_max ? v.tan_y_max : ty;
-  const ImageAxes m = image_axes(v, tx, ty, z, g.scale, g.rotation);
+  const ImageAxes m = image_axes(v, tx, ty, float(inverse_z), g.scale, g.rotation);
 
   // Factor the blurred covariance. Its determinant is |m.x cross m.y|^2 + blur (trace + blur), a sum of
   // squares (Lagrange's identity); the textbook xx yy - xy^2 loses all digits of a needle's. Where it loses
   // none it is better: rows that are hardly correlated have a width of x that the rounding of y's row does
   // not move, but that of their cross product does, as with a disk that is seen edge-on.
-  const float xx = m.x.x * m.x.x + m.x.y * m.x.y + m.x.z * m.x.z;
-  const float yy = m.y.x * m.y.x + m.y.y * m.y.y + m.y.z * m.y.z;
-  const float xy = m.x.x * m.y.x + m.x.y * m.y.y + m.x.z * m.y.z;
+  const float xx = dot(m.x, m.x), yy = dot(m.y, m.y), xy = dot(m.x, m.y);
   const float var_y = yy + v.blur;
-  const float inv_sigma_y = 1 / std::sqrt(var_y);
+  const float inv_sigma_y = inverse_sqrt(var_y);
   const vec3 c = m.cross * inv_sigma_y;
-  const float crossed = c.x * c.x + c.y * c.y + c.z * c.z;
+  const float crossed = dot(c, c);
   const float unshared = xx * (yy * inv_sigma_y * inv_sigma_y), shared = xy * inv_sigma_y;
   // Determinant without blur / var_y.
-  const float sharp = 2 * shared * shared > unshared ? crossed : unshared - shared * shared;
-  const float var_x_given_y = sharp + v.blur * ((xx + yy + v.blur) * inv_sigma_y * inv_sigma_y);
+  const float sharp = 2 * shared * shared > unshared ? crossed : std::fma(-shared, shared, unshared);
+  const float inv_var_y = inv_sigma_y * inv_sigma_y;
+  const float var_x_given_y = std::fma(v.blur, (xx + var_y) * inv_var_y, sharp);
   if (!(var_x_given_y > 0 && var_y > 0 && xx + v.blur <= largest_variance && var_y <= largest_variance &&
         var_x_given_y < INFINITY))
     return out;
@@ -139,15 +142,15 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gau
 
   const float to_base_2 = float(0.84932180028801904272);  // sqrt(log2(e) / 2)
   SplatShape& s = out.shape;
-  s.mean = vec2(float(v.fx * x_over_z + v.cx), float(v.fy * y_over_z + v.cy));
-  s.l0 = to_base_2 / std::sqrt(var_x_given_y);
-  s.l1 = -s.l0 * xy * inv_sigma_y * inv_sigma_y;
+  s.mean = vec2(float(std::fma(v.fx, x_over_z, v.cx)), float(std::fma(v.fy, y_over_z, v.cy)));
+  s.l0 = to_base_2 * inverse_sqrt(var_x_given_y);
+  s.l1 = -s.l0 * (xy * inv_var_y);
   s.l2 = to_base_2 * inv_sigma_y;
   s.opacity = opacity;
   s.reach = std::log2(opacity / v.alpha_min);
-  const float extent = std::sqrt(s.reach) / to_base_2;
+  const float extent = std::sqrt(s.reach) * (1 / to_base_2);
   s.half_width = extent * std::sqrt(xx + v.blur);
-  const float half_height = extent * std::sqrt(var_y);
+  const float half_height = extent * (var_y * inv_sigma_y);
 
   out.depth = z;
   out.visible = s.mean.x + s.half_width >= 0.5f && s.mean.x - s.half_width <= v.width - 0.5f &&

@@ -14,9 +14,11 @@ namespace swiftgs {
 /// The pose stays in double: rounding it to float moves splats by more than all later arithmetic does.
 struct ViewConstants {
   double rotation[3][3];           ///< rows: world to camera
+  float axes[3][3];                ///< the rotation in float
   float cofactors[3][3];           ///< of the rotation as it is given, by rows; computed in double
   double centre[3];                ///< camera centre in the world
   double fx, fy, cx, cy;           ///< @units{pixels}
+  float focal_x, focal_y;          ///< fx and fy in float @units{pixels}
   float width, height;             ///< of the image @units{pixels}
   float left, top, right, bottom;  ///< part of it that is shown @units{pixels}
   float tan_x_min, tan_x_max;      ///< limits of x/z where the projection is linearised
@@ -36,7 +38,10 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
   const dvec3 centre = camera.centre();
   for (int row = 0; row < 3; ++row) {
     v.centre[row] = centre[row];
-    for (int column = 0; column < 3; ++column) v.rotation[row][column] = camera.rotation[column][row];
+    for (int column = 0; column < 3; ++column) {
+      v.rotation[row][column] = camera.rotation[column][row];
+      v.axes[row][column] = float(v.rotation[row][column]);
+    }
   }
   for (int row = 0; row < 3; ++row) {
     const double* a = v.rotation[(row + 1) % 3];
@@ -45,6 +50,7 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
     for (int column = 0; column < 3; ++column) v.cofactors[row][column] = float(cofactors[column]);
   }
   v.fx = camera.fx, v.fy = camera.fy, v.cx = camera.cx, v.cy = camera.cy;
+  v.focal_x = float(v.fx), v.focal_y = float(v.fy);
   v.width = float(camera.width), v.height = float(camera.height);
   v.left = v.top = 0, v.right = v.width, v.bottom = v.height;
 

@@ -24,10 +24,13 @@ bool within(float a, float b, std::int64_t steps) {
   return a == b || (a * b > 0 && std::abs(bits(a) - bits(b)) <= steps);
 }
 
-/// The logarithm in `reach` is the one function that rounds differently; what is made of it follows.
+/// The logarithm, 1 / z and 1 / sqrt round differently, the last by up to 2 floats; what is made of them
+/// follows. `l0` is made of the difference of two numbers with that root's square in them, up to twice as
+/// large as what is left, and `l1` of `l0` and that square; 6 floats were measured. tests/stability compares
+/// both with exact values.
 bool close(const SplatShape& a, const SplatShape& b) {
   const bool same_place = within(a.mean.x, b.mean.x, 2) && within(a.mean.y, b.mean.y, 2);
-  const bool same_form = within(a.l0, b.l0, 4) && within(a.l1, b.l1, 4) && within(a.l2, b.l2, 4);
+  const bool same_form = within(a.l0, b.l0, 8) && within(a.l1, b.l1, 8) && within(a.l2, b.l2, 4);
   return same_place && same_form && within(a.opacity, b.opacity, 4) &&
          std::abs(a.reach - b.reach) <= 1e-6f * std::max(1.0f, b.reach) &&
          std::abs(a.half_width - b.half_width) <= 1e-5f * b.half_width + 1e-3f;

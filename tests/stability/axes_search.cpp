@@ -62,7 +62,7 @@ std::vector<Worst> search_axes(int effort) {
     Search<Candidate> search(2, 120, effort, ++seed);
     const auto judge = [&](const std::vector<Candidate>& candidates, const auto& offer) {
       for (const Candidate& c : candidates) {
-        const ImageAxes got = image_axes(v, c.tx, c.ty, c.z, c.scale, c.rotation);
+        const ImageAxes got = image_axes(v, c.tx, c.ty, 1 / c.z, c.scale, c.rotation);
         const Inputs in = inputs_of(v, c);
         const Results exact = exactly(v, in);
         Results moved{}, errors;

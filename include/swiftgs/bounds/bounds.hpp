@@ -82,7 +82,9 @@ SWIFTGS_HD inline float bounds_slack(float half_width, float half_height) {
 }
 
 /// Half the height of the ellipse s <= reach @units{pixels}.
-SWIFTGS_HD inline float half_height(const SplatShape& shape) { return std::sqrt(shape.reach) / shape.l2; }
+SWIFTGS_HD inline float half_height(const SplatShape& shape) {
+  return std::sqrt(shape.reach) * (1 / shape.l2);
+}
 
 /// Tiles that the box of the ellipse s <= reach touches.
 SWIFTGS_HD inline TileRect opacity_box(const SplatShape& shape, TileGrid grid) {

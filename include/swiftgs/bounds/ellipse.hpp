@@ -19,13 +19,13 @@ struct SWIFTGS_API Ellipse {
         : rect(opacity_box(shape, grid)),
           side_(grid.side),
           mean_(shape.mean),
-          l0_(shape.l0),
+          inverse_l0_(1 / shape.l0),
           l1_(shape.l1),
           l2_(shape.l2),
           reach_(shape.reach),
           height_(half_height(shape)),
           slack_(bounds_slack(shape.half_width, height_)) {
-      const float slope = l1_ / l2_;
+      const float slope = l1_ * (1 / l2_);
       steepest_ = height_ * slope / std::sqrt(1 + slope * slope);
     }
 
@@ -48,12 +48,12 @@ struct SWIFTGS_API Ellipse {
     /// x = (u - l1 y) / l0 with u^2 + (l2 y)^2 = reach.
     SWIFTGS_HD float edge(float y, float sign) const {
       const float v = l2_ * y, rest = reach_ - v * v;
-      return (sign * std::sqrt(rest > 0 ? rest : 0.0f) - l1_ * y) / l0_;
+      return (sign * std::sqrt(rest > 0 ? rest : 0.0f) - l1_ * y) * inverse_l0_;
     }
 
     int side_;
     vec2 mean_;
-    float l0_, l1_, l2_, reach_;
+    float inverse_l0_, l1_, l2_, reach_;
     float height_, slack_;
     float steepest_;  ///< the rightmost point lies at y = -steepest, the leftmost at +steepest
   };

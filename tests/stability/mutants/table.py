@@ -83,8 +83,8 @@ MUTANTS = [
            "float(mean.z - v.centre[2])};\n  float p[3];",
            quick=True),
     Mutant("project: camera space rounded to float after the rotation", I + "project.hpp",
-           "const double x_over_z = p[0] / p[2], y_over_z = p[1] / p[2];",
-           "const double x_over_z = float(p[0]) / float(p[2]), y_over_z = float(p[1]) / float(p[2]);"),
+           "inverse(p[2]), x_over_z = p[0] * inverse_z, y_over_z = p[1] * inverse_z;",
+           "inverse(float(p[2])), x_over_z = float(p[0]) * inverse_z, y_over_z = float(p[1]) * inverse_z;"),
     Mutant("project: camera's centre in float", I + "project.hpp",
            "{mean.x - v.centre[0],", "{mean.x - float(v.centre[0]),"),
     Mutant("project: depth by a float sum", I + "project.hpp", "const float z = float(p[2]);",
@@ -240,7 +240,7 @@ MUTANTS = [
            "const Vec mean_x = Demote(ScaleAdd(x_over_z, v.fx, v.cx))",
            "const Vec mean_x = Demote(ScaleAdd(Promote(Demote(x_over_z)), v.fx, v.cx))"),
     Mutant("cpu project: cross product of rows", CPU + "project.cpp",
-           "const Vec3 c = Scale(CrossOfAxes(v, tx, ty, jx, jy, scale, axes), inv_sigma_y);",
+           "const Vec3 c = Scale(CrossOfAxes(v, tx, ty, sx, sy, axes), inv_sigma_y);",
            "const Vec3 c = Scale(Vec3{hn::Sub(hn::Mul(mx.y, my.z), hn::Mul(mx.z, my.y)), hn::Sub(hn::Mul(mx.z, my.x), "
            "hn::Mul(mx.x, my.z)),\n"
            "                        hn::Sub(hn::Mul(mx.x, my.y), hn::Mul(mx.y, my.x))}, inv_sigma_y);"),
