@@ -90,7 +90,8 @@ def write(folder, backend, older=False):
     bench("all-views.json", matrix(backend))
     bench("bounds.json", matrix(backend))
     for when, sort in (("before", 1.0), ("after", 0.9)):
-        for what in ("frame", "views", "pieces", "blocks", "chunks", "tiles", "coarse", "large", "order"):
+        for what in ("frame", "views", "pieces", "blocks", "chunks", "tiles", "coarse", "large", "order", "fused",
+                     "fused-large"):
             bench(f"{what}-{when}-{backend}.json",
                   [row(backend, BEST, scene, grow={"sort": sort}) for scene in GAUSSIANS])
     bench("vanilla.json", matrix(backend, conventions="inria"))

@@ -66,14 +66,16 @@ class Tables(unittest.TestCase):
         for path in (pathlib.Path(RESULTS) / FOLDERS["gpu"]).glob("*.csv"):
             shutil.copy(path, cls.results / FOLDERS["gpu"])
         synthetic_folder.write(cls.results / FOLDERS["amd"], "cpu")
-        for machine in ("h200", "nvidia"):
-            synthetic_folder.write(cls.results / FOLDERS[machine], "cuda")
+        synthetic_folder.write(cls.results / FOLDERS["h200"], "cuda")
         for machine in ("amd", "h200"):
             shutil.copy(pathlib.Path(RESULTS) / FOLDERS[machine] / "ulps.json", cls.results / FOLDERS[machine])
         shutil.copy(pathlib.Path(RESULTS) / FOLDERS["amd"] / "formats.json", cls.results / FOLDERS["amd"])
-        synthetic_folder.write(cls.results / FOLDERS["xeon"], "cpu")
-        for backend in ("cuda", "cpu"):
-            synthetic_folder.write(cls.results / FOLDERS["hopper"], backend)
+        for machine in ("xeon", "xeon24"):
+            synthetic_folder.write(cls.results / FOLDERS[machine], "cpu")
+        # The last one written gives the files that have no backend in their names.
+        for machine in ("hopper", "nvidia"):
+            for backend in ("cpu", "cuda"):
+                synthetic_folder.write(cls.results / FOLDERS[machine], backend)
         for machine, name in (("xeon", "python.json"), ("hopper", "python.json"), ("hopper", "beside-gsplat.json")):
             shutil.copy(pathlib.Path(RESULTS) / FOLDERS[machine] / name, cls.results / FOLDERS[machine])
 
