@@ -4,11 +4,12 @@
 # Installs what is missing, builds everything with warnings as errors, for CUDA where nvcc is there, and runs every
 # test: units, header and compile-fail checks, installation, documentation, hard frames again for this processor and
 # under sanitizers, and the fuzz targets for a few seconds each.
-# Says why tests were skipped, then ends with one line, 'N passed, N failed, N skipped', and fails when one test did.
+# Says why tests were skipped and which failed, then ends with one line, 'N passed, N failed, N skipped', and fails when
+# one test did.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
-passed=0 failed=0 skipped=0 reasons=
+passed=0 failed=0 skipped=0 reasons= failed_names=
 
 # Runs the workflow preset $1 and adds its results, which ctest leaves in JUnit form.
 run_workflow() {
@@ -21,6 +22,7 @@ run_workflow() {
     tests=$(attribute tests) failures=$(attribute failures)
     not_run=$(($(attribute skipped) + $(attribute disabled)))
     reasons+=$(sed -n '/<skipped /,/<[/]testcase>/s/^\(.*MESSAGE: \|.*<system-out>\)\{0,1\}skipped: \([^<]*\).*/\2/p' "$results")$'\n'
+    failed_names+=$(sed -n "s/.*<testcase name=\"\([^\"]*\)\".* status=\"fail\".*/test: failed in $1: \1/p" "$results")$'\n'
   fi
   # A workflow that ends before its tests, or says that it failed when no test did, is a failure of its own.
   [ "$status" -ne 0 ] && [ "$failures" -eq 0 ] && tests=$((tests + 1)) failures=1
@@ -49,5 +51,6 @@ else
 fi
 
 sort <<<"$reasons" | uniq -c | sed -n 's/^ *\([0-9][0-9]*\) \(..*\)/test: \1 skipped, \2/p'
+sed '/^$/d' <<<"$failed_names"
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]
