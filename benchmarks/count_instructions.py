@@ -243,8 +243,8 @@ what blends are in `whole loop` alone.
 What differs from the paper's counts, and why:
 
 - The paper counts arithmetic alone; loads, tests and moves, a zero for what is skipped, are instructions here too.
-- In the kernels of the float terms a lane has two pixels of a column, so that one 16-byte load, which all lanes of a warp
-  read at once, serves two pairs, and what depends on the column is computed for both.
+- In the kernels of the float terms a lane has two pixels of a row, so that one 16-byte load, which all lanes of a warp
+  read at once, serves two pairs, and what depends on the row is computed for both.
 - The exponent is kept in base 2 and joined to log2(opacity) by the fused multiply-adds that compute it, in the kernels of
   the float terms: neither the multiplication by log2(e), nor the one by opacity is left, which are two of the three
   instructions that the paper's threshold saves.

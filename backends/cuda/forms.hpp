@@ -6,9 +6,9 @@
 ///
 /// Those of a lane's pixels have three functions. `prepare` finds the terms of a splat as a part of a tile
 /// sees it, its mean relative to the part's first pixel; `evaluate` finds log2(alpha) of the lane's pixels
-/// from the place of the first within the part. `evaluate_one` finds the same bits of one pixel, `below` rows
-/// under that place. Terms are a quadruple and a `Rest`, apart because shared memory is read by words of 16
-/// bytes; cleared, they show nothing.
+/// from the place of the first within the part. `evaluate_one` finds the same bits of one pixel, `right`
+/// columns beside that place. Terms are a quadruple and a `Rest`, apart because shared memory is read by
+/// words of 16 bytes; cleared, they show nothing.
 
 #include <cmath>
 
@@ -21,12 +21,12 @@
 
 namespace swiftgs::kernels {
 
-/// Pixels of a lane are of one column, so what depends on the column is computed once.
+/// Pixels of a lane are of one row, so what depends on the row is computed once.
 inline constexpr unsigned pixels_of_lane = 2;
-inline constexpr float rows_between = 4;
+inline constexpr unsigned columns_between = 4;
 
 /// `FloatCholesky` in registers: u = l0 x + l1 y + c and v = l2 y + d at pixel (x, y) of the part, s = u^2 +
-/// v^2. From one pixel of a lane to the next, u and v grow by what depends on the splat alone.
+/// v^2. Pixels of a lane share v, and from one to the next u grows by what depends on the splat alone.
 struct CholeskyForm {
   static constexpr unsigned blocks = 9;  ///< of a multiprocessor at once: 56 registers a thread
   using Rest = float2;                   ///< c, d; the quadruple is l0, l1, l2, log2(opacity)
@@ -42,21 +42,18 @@ struct CholeskyForm {
 
   SWIFTGS_HD static void evaluate(const float4& terms, const Rest& rest, float x, float y,
                                   float (&exponents)[pixels_of_lane]) {
-    const float u = fmaf(terms.x, x, fmaf(terms.y, y, rest.x)), v = fmaf(terms.z, y, rest.y);
-    const float lower_u = fmaf(terms.y, rows_between, u);
-    const float lower_v = fmaf(terms.z, rows_between, v);
-    exponents[0] = fmaf(-u, u, fmaf(-v, v, terms.w));
-    exponents[1] = fmaf(-lower_u, lower_u, fmaf(-lower_v, lower_v, terms.w));
+    for (unsigned p = 0; p < pixels_of_lane; ++p)
+      exponents[p] = evaluate_one(terms, rest, x, y, float(p * columns_between));
   }
-  SWIFTGS_HD static float evaluate_one(const float4& terms, const Rest& rest, float x, float y, float below) {
-    const float u = fmaf(terms.y, below, fmaf(terms.x, x, fmaf(terms.y, y, rest.x)));
-    const float v = fmaf(terms.z, below, fmaf(terms.z, y, rest.y));
-    return fmaf(-u, u, fmaf(-v, v, terms.w));
+  SWIFTGS_HD static float evaluate_one(const float4& terms, const Rest& rest, float x, float y, float right) {
+    const float v = fmaf(terms.z, y, rest.y), row = fmaf(-v, v, terms.w);
+    const float u = fmaf(terms.x, right, fmaf(terms.x, x, fmaf(terms.y, y, rest.x)));
+    return fmaf(-u, u, row);
   }
 };
 
 /// `FloatSplit` in registers, measured from the part's first pixel: s = a x^2 + b x y + c y^2 + d x + e y +
-/// g. What depends on the column alone is computed once for both pixels of a lane.
+/// g. What depends on the row alone is computed once for both pixels of a lane.
 struct SplitForm {
   static constexpr unsigned blocks = 8;
   using Rest = float4;  ///< d, e, log2(opacity), unused; the quadruple is a, b, c, log2(opacity) - g
@@ -78,14 +75,14 @@ struct SplitForm {
 
   SWIFTGS_HD static void evaluate(const float4& terms, const Rest& rest, float x, float y,
                                   float (&exponents)[pixels_of_lane]) {
-    for (int p = 0; p < int(pixels_of_lane); ++p)
-      exponents[p] = evaluate_one(terms, rest, x, y, float(p) * rows_between);
+    for (unsigned p = 0; p < pixels_of_lane; ++p)
+      exponents[p] = evaluate_one(terms, rest, x, y, float(p * columns_between));
   }
-  SWIFTGS_HD static float evaluate_one(const float4& terms, const Rest& rest, float x, float y, float below) {
-    const float mixed = fmaf(terms.y, x, rest.y), column = fmaf(-x, fmaf(terms.x, x, rest.x), terms.w);
-    const float at = y + below;
+  SWIFTGS_HD static float evaluate_one(const float4& terms, const Rest& rest, float x, float y, float right) {
+    const float mixed = fmaf(terms.y, y, rest.x), row = fmaf(-y, fmaf(terms.z, y, rest.y), terms.w);
+    const float at = x + right;
     // Rounding may make s negative where it is nearly zero.
-    return fminf(fmaf(-at, fmaf(terms.z, at, mixed), column), rest.z);
+    return fminf(fmaf(-at, fmaf(terms.x, at, mixed), row), rest.z);
   }
 };
 

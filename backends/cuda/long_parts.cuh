@@ -28,6 +28,16 @@ inline constexpr unsigned part_side = 8, pixels_of_part = part_side * part_side;
 /// The p-th pixel of this lane.
 __device__ inline unsigned pixel_of_part(unsigned p) { return p * warp_size + lane_index(); }
 
+/// Where a pixel lies within its part. The first 32 are its left half.
+struct PlaceInPart {
+  unsigned column, row;
+
+  __device__ explicit PlaceInPart(unsigned pixel) {
+    column = pixel % columns_between + pixel / warp_size * columns_between;
+    row = pixel % warp_size / columns_between;
+  }
+};
+
 /// Pixels behind some pieces.
 template <bool with_depth, unsigned count>
 struct JoinedPixels {

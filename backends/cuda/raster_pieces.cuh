@@ -219,13 +219,17 @@ struct LongPartBlender {
       const unsigned slot = share.slot + p * warp_size;
       const bool live = is_live<pixel_count>(round, slot);
       const unsigned pixel = pixel_in<pixel_count>(slot, live);
-      const unsigned column = pixel % part_side, row = pixel / part_side, half = unsigned(rows_between);
-      if (p == 0) lane.x = float(column), lane.y = float(row % half), lane.below = float(row / half * half);
+      const PlaceInPart at(pixel);
+      if (p == 0) {
+        const unsigned first = at.column % columns_between;
+        lane.x = float(first), lane.right = float(at.column - first), lane.y = float(at.row);
+      }
       // A pixel that stops by the transmittance before the round stops in this piece or an earlier one.
       const float before = shared.joined.totals[pixel].w;
       befores[p] = !live ? -1 : share.piece == 0 ? before : most_before(before);
       if constexpr (extras)
-        lane.occluders[p] = PixelPlace(view.frame, place.x + int(column), place.y + int(row), true).occluder;
+        lane.occluders[p] =
+            PixelPlace(view.frame, place.x + int(at.column), place.y + int(at.row), true).occluder;
     }
     const unsigned first_of_warp = group.rank * round.pieces_of_block() + warp() * round.pieces_of_warp;
     const std::uint32_t most = round.splats_of(first_of_warp);

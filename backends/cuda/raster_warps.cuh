@@ -18,7 +18,7 @@ namespace swiftgs {
 namespace kernels {
 
 /// A square is four parts, each a warp's own: it walks the list by itself and never waits for the others. A
-/// lane has two pixels of one column, four rows apart.
+/// lane has two pixels of one row, four columns apart.
 inline constexpr unsigned parts_of_square = 4;
 inline constexpr unsigned raster_threads = parts_of_square * warp_size;
 
@@ -44,7 +44,8 @@ struct PartPlace {
   __device__ PartPlace(const BlockSquare& square, unsigned part) {
     x = square.x + int(part % 2 * part_side);
     y = square.y + int(part / 2 * part_side);
-    column = int(lane_index() % part_side), row = int(lane_index() / part_side);
+    const PlaceInPart first(pixel_of_part(0));
+    column = int(first.column), row = int(first.row);
   }
   __device__ bool outside(const FrameView& frame) const { return x >= frame.width || y >= frame.height; }
   /// In the image.
@@ -53,7 +54,7 @@ struct PartPlace {
   }
   /// The lane's p-th pixel.
   __device__ PixelPlace pixel(const FrameView& frame, unsigned p, bool extras) const {
-    return PixelPlace(frame, x + column, y + row + int(p) * int(rows_between), extras);
+    return PixelPlace(frame, x + column + int(p * columns_between), y + row, extras);
   }
 };
 
@@ -209,7 +210,7 @@ struct Queue : TermsQueue<Form> {
 template <class Form, bool threshold, bool extras, unsigned pixel_count>
 struct LaneBlender {
   BlendRules rules;
-  float x, y, below;  ///< the first pixel within the part; one pixel lies `below` rows under it
+  float x, y, right;  ///< the first pixel within the part; one pixel lies `right` columns beside it
   Pixel pixels[pixel_count];
   float occluders[pixel_count];
   ThreadCounts counts[pixel_count];
@@ -244,7 +245,7 @@ struct LaneBlender {
                            float (&alphas)[pixel_count]) const {
     float exponents[pixel_count];
     if constexpr (pixel_count == 1)
-      exponents[0] = Form::evaluate_one(terms, rest, x, y, below);
+      exponents[0] = Form::evaluate_one(terms, rest, x, y, right);
     else
       Form::evaluate(terms, rest, x, y, exponents);
 #pragma unroll

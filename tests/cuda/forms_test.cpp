@@ -62,13 +62,13 @@ void check_form(const ErrorOf& error_of) {
     typename Form::Rest rest;
     Form::prepare(shape, shape.mean - first, rules.log2_alpha_min, terms, rest);
     for (int lane = 0; lane < 32; ++lane) {
-      const int x = lane % part, y = lane / part;
+      const int x = lane % (part / 2), y = lane / (part / 2);
       float exponents[pixels_of_lane];
       Form::evaluate(terms, rest, float(x), float(y), exponents);
       for (unsigned p = 0; p < pixels_of_lane; ++p) {
-        const float one = Form::evaluate_one(terms, rest, float(x), float(y), float(p) * rows_between);
+        const float one = Form::evaluate_one(terms, rest, float(x), float(y), float(p * columns_between));
         unlike += !(one == exponents[p]);
-        const double at_x = double(first.x) + x, at_y = double(first.y) + y + p * 4.0;
+        const double at_x = double(first.x) + x + p * columns_between, at_y = double(first.y) + y;
         const ExactSquare exact(shape, at_x, at_y);
         const double exponent = std::log2(double(shape.opacity)) - exact.s, error = error_of(exact, shape);
         worst.add(double(exponents[p]) - exponent, error);

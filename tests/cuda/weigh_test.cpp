@@ -39,7 +39,7 @@ std::vector<std::uint64_t> weights_in_part(const SplatSet& splats, Span<const st
       CholeskyForm::Rest rest;
       CholeskyForm::prepare(shape, shape.mean - first_centre, rules.log2_alpha_min, terms, rest);
       float exponents[pixels_of_lane];
-      CholeskyForm::evaluate(terms, rest, float(lane % 8), float(lane / 8), exponents);
+      CholeskyForm::evaluate(terms, rest, float(lane % 4), float(lane / 4), exponents);
       for (unsigned p = 0; p < pixels_of_lane; ++p)
         parts[id] += weight_parts(weigh(pixels[p], alpha_of<true>(exponents[p], rules)));
     }

@@ -411,9 +411,9 @@ MUTANTS = [
            sources=("raster_float_split.cu",),
            also=(("make_float4(2 * s.l0 * u, 2 * fmaf(s.l1, u, s.l2 * v), log2_opacity, 0)",
                   "make_float4(mean.x, mean.y, log2_opacity, 0)"),
-                 ("mixed = fmaf(terms.y, x, rest.y), column = fmaf(-x, fmaf(terms.x, x, rest.x), terms.w);",
-                  "dx = x - rest.x, mixed = terms.y * dx, column = fmaf(-dx, terms.x * dx, terms.w);"),
-                 ("const float at = y + below;", "const float at = y + below - rest.y;"))),
+                 ("mixed = fmaf(terms.y, y, rest.x), row = fmaf(-y, fmaf(terms.z, y, rest.y), terms.w);",
+                  "dy = y - rest.y, mixed = terms.y * dy, row = fmaf(-dy, terms.z * dy, terms.w);"),
+                 ("const float at = x + right;", "const float at = x + right - rest.x;"))),
     # The reference.
     Mutant("reference: trials leave the factor as it is", I + "reference/variation.hpp",
            "nudge(factor.l0), nudge(factor.l1), nudge(factor.l2);", "", "reference"),
