@@ -11,11 +11,12 @@ reads what was executed. RESULTS.json, of `swiftgs bench`, brings the pairs that
 --listing prints the counted instructions of each kernel, marked as the counts take them.
 
 How it counts. The loop over pairs is the innermost loop that holds MUFU.EX2, one for each pair of a pass. From each
-MUFU.EX2 on, alpha is the first FMNMX that its result reaches: alpha cut at alpha_max. What alpha is computed from,
-backwards and within the loop, predicates included, is the alpha stage (A), as is the comparison of alpha with zero and
-its branch, where there is one (T). What only makes the addresses of its loads is counted apart (+), since it is shared
-by a pass. The test is the FSETP of the stage that the exponent or alpha goes through; a pair that it rejects does not
-execute what its predicate guards or its branch skips (k). A warp issues what any of its lanes executes.
+MUFU.EX2 on, alpha is the first FMNMX or saturated operation that its result reaches: alpha cut at alpha_max. What alpha
+is computed from, backwards and within the loop, predicates included, is the alpha stage (A), as is the comparison of
+alpha with zero and its branch, where there is one (T). What only makes the addresses of its loads is counted apart (+),
+since it is shared by a pass. The test is the FSETP or FSET of the stage that the exponent or alpha goes through; a pair
+that it rejects does not execute what its predicate guards or its branch skips (k). A warp issues what any of its lanes
+executes.
 """
 import argparse
 import re
@@ -27,7 +28,7 @@ from tables.results import InputError, read
 
 PAPER = {("per-pixel", False): "12", ("half-split", False): "9.625", ("half-split", True): "9.625, 25 % fewer skipped"}
 MINI_BATCH = 8  # splats whose shared terms the kernels of HalfSplit compute together
-LOADS, TESTS, MOVES = ("LD", "ULD"), ("FSETP", "ISETP", "PLOP", "BRA"), ("IMAD.MOV", "MOV", "CS2R")
+LOADS, TESTS, MOVES = ("LD", "ULD"), ("FSET", "ISETP", "PLOP", "BRA"), ("IMAD.MOV", "MOV", "CS2R")
 FORMS = ("per-pixel", "half-split", "float-split", "float-cholesky")
 
 
@@ -67,17 +68,18 @@ class Kernel:
         return range(self.first, self.last + 1)
 
     def alpha_after(self, start):
-        """Index of the FMNMX that first takes what the exponential at `start` makes."""
+        """Index of the cut that first takes what the exponential at `start` makes."""
         made = set(self.code[start].dests)
         for n in range(start + 1, self.last + 1):
             i = self.code[n]
             if made & set(i.sources):
-                if i.opcode == "FMNMX":
+                if i.opcode == "FMNMX" or i.opcode.endswith(".SAT"):
                     return n
                 made |= set(i.dests)
             elif i.guard is None:
                 made -= set(i.dests)
-        raise ValueError(f"{self.code[start].at:#x}: expected an FMNMX after {self.code[start].text}")
+        raise ValueError(f"{self.code[start].at:#x}: expected an FMNMX or a saturated operation after "
+                         f"{self.code[start].text}")
 
     def sources_of(self, n, addresses):
         i = self.code[n]
@@ -249,9 +251,10 @@ What differs from the paper's counts, and why:
   the float terms: neither the multiplication by log2(e), nor the one by opacity is left, which are two of the three
   instructions that the paper's threshold saves.
 - What the threshold could still save is `MUFU.EX2` and the cut at alpha_max. The half kernels leave them out where a lane
-  skips, by predicates: a warp issues them where any of its 32 lanes keeps the pair. The float kernels select minus
-  infinity instead and take its exponential, which issues less: on Hopper `MUFU` has an eighth of the rate of `FFMA`, but a
-  pipe of its own, which one exponential in twenty instructions does not fill. So a skipped pair is no cheaper there.
+  skips, by predicates: a warp issues them where any of its 32 lanes keeps the pair. The float kernels multiply by 0
+  instead, which issues less: on Hopper `MUFU` has an eighth of the rate of `FFMA`, but a pipe of its own, which one
+  exponential in twenty instructions does not fill. So a skipped pair is no cheaper there. The product also cuts alpha, by
+  saturation, since alpha is in units of alpha_max.
 - Without the threshold the exponential is evaluated first and alpha is tested: one test either way, so the static
   counts of a kept pair are nearly the same.
 - HalfSplit joins halves that must first become floats: a conversion each, on Hopper as `HADD2.F32`.

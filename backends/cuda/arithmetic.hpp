@@ -21,6 +21,15 @@ SWIFTGS_HD inline float exp2_approx(float x) {
 #endif
 }
 
+/// x cut to 0 and 1; 0 for NaN. Devices have it for nothing, with the operation that finds x.
+SWIFTGS_HD inline float saturate(float x) {
+#if defined(__CUDA_ARCH__)
+  return __saturatef(x);
+#else
+  return x > 0 ? std::fmin(x, 1.0f) : 0.0f;
+#endif
+}
+
 /// a / b: 2 units in the last place, for b up to 2^126.
 SWIFTGS_HD inline float divide_approx(float a, float b) {
 #if defined(__CUDA_ARCH__)

@@ -17,18 +17,14 @@
 
 namespace swiftgs::kernels {
 
-/// Alpha of a pixel from its exponent log2(alpha), 0 where it skips the splat. With the dynamic threshold
-/// (SwiftGS, section 5.2) the exponent decides, before the exponential. A lane that skips cannot leave its
-/// warp: its exponential is that of minus infinity, and nothing after it asks again.
+/// Alpha / alpha_max of a pixel from its log2, 0 where the pixel skips the splat: in this unit alpha is cut
+/// where devices saturate. With the dynamic threshold (SwiftGS, section 5.2) the exponent decides, before the
+/// exponential. A lane that skips cannot leave its warp: it multiplies by 0, and nothing after it asks again.
 template <bool threshold>
-SWIFTGS_HD float alpha_of(float exponent, const BlendRules& rules) {
-  if constexpr (threshold) {
-    const bool kept = exponent >= rules.log2_alpha_min;
-    return fminf(exp2_approx(kept ? exponent : -INFINITY), rules.alpha_max);
-  } else {
-    const float alpha = exp2_approx(exponent);
-    return alpha >= rules.alpha_min ? fminf(alpha, rules.alpha_max) : 0.0f;
-  }
+SWIFTGS_HD float relative_alpha(float exponent, const BlendRules& rules) {
+  const float alpha = exp2_approx(exponent), least = rules.log2_relative_min;
+  const bool kept = threshold ? exponent >= least : alpha >= exp2_approx(least);
+  return saturate(alpha * (kept ? 1.0f : 0.0f));
 }
 
 /// Alpha of a pixel from s, where log2(alpha) = log2(opacity) - s, of which `reach` is the largest that is
@@ -48,6 +44,8 @@ SWIFTGS_HD float alpha_of_square(float s, float reach, float opacity, const Blen
 
 /// A pixel while splats are blended into it. When it stops, its transmittance becomes zero, so that whatever
 /// follows adds nothing. `stop_below` holds it from then on, negated: the pixel does not stop again.
+///
+/// Where alphas are in units of alpha_max, so are weights, colour and depth, but transmittances are not.
 struct Pixel {
   float red = 0, green = 0, blue = 0, depth = 0;
   float transmittance = 0;
@@ -62,9 +60,14 @@ struct Pixel {
     red = fmaf(weight, r, red), green = fmaf(weight, g, green), blue = fmaf(weight, b, blue);
   }
 
-  /// What is left of 1, of which `alpha` was covered.
+  /// What a splat leaves of a transmittance.
   SWIFTGS_HD static float dimmed(float transmittance, float alpha) {
     return fmaf(-alpha, transmittance, transmittance);
+  }
+  /// The same where alphas are in units of alpha_max, by the splat's weight. It is rounded too, by less than
+  /// alpha is.
+  SWIFTGS_HD static float dimmed(float transmittance, float weight, float alpha_max) {
+    return fmaf(-alpha_max, weight, transmittance);
   }
 
   SWIFTGS_HD BlendedPixel blended() const {
@@ -149,11 +152,12 @@ struct ThreadCounts {
   std::uint32_t pairs = 0, stopped = 0;
 };
 
-/// Blends one splat into a pixel, front to back; `alpha` is 0 where the pixel skips it.
+/// Blends one splat into a pixel, front to back, which leaves the transmittance `left`; `alpha` is 0 where
+/// the pixel skips it.
 template <bool extras>
-SWIFTGS_HD void blend(Pixel& pixel, float alpha, const float4& colour, float occluder, ThreadCounts& counts) {
+SWIFTGS_HD void blend(Pixel& pixel, float alpha, float left, const float4& colour, float occluder,
+                      ThreadCounts& counts) {
   if (!(alpha > 0)) return;
-  const float left = Pixel::dimmed(pixel.transmittance, alpha);
   if (left < pixel.stop_below || (extras && pixel.live() && colour.w >= occluder)) {
     if (extras) ++counts.stopped;
     pixel.stop();
@@ -172,7 +176,7 @@ inline constexpr unsigned group_size = 4;
 /// the whole group, whether one stops, since transmittance only falls; if so, undoes the weights of that
 /// pixel from the stopping splat on. One test lets the compiler evaluate all alphas before it branches.
 template <unsigned count>
-SWIFTGS_HD void weigh_group(Pixel (&pixels)[count], const float (&alphas)[count][group_size],
+SWIFTGS_HD void weigh_group(Pixel (&pixels)[count], const float (&alphas)[count][group_size], float alpha_max,
                             float (&weights)[count][group_size]) {
   float left[count][group_size + 1];
   bool some_stop = false;
@@ -180,7 +184,7 @@ SWIFTGS_HD void weigh_group(Pixel (&pixels)[count], const float (&alphas)[count]
     left[p][0] = pixels[p].transmittance;
     for (unsigned k = 0; k < group_size; ++k) {
       weights[p][k] = alphas[p][k] * left[p][k];
-      left[p][k + 1] = Pixel::dimmed(left[p][k], alphas[p][k]);
+      left[p][k + 1] = Pixel::dimmed(left[p][k], weights[p][k], alpha_max);
     }
     pixels[p].transmittance = left[p][group_size];
     some_stop = some_stop || left[p][group_size] < pixels[p].stop_below;

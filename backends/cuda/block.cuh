@@ -44,7 +44,8 @@ struct SquarePixel {
 
   __device__ void blend(float alpha, const float4& colour) {
     if constexpr (extras) ++evaluated;
-    kernels::blend<extras>(pixel, alpha, colour, place.occluder, counts);
+    const float left = Pixel::dimmed(pixel.transmittance, alpha);
+    kernels::blend<extras>(pixel, alpha, left, colour, place.occluder, counts);
   }
 
   /// Writes the pixel, and the counts of a square that visited so many instances.

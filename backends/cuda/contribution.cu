@@ -50,7 +50,7 @@ struct WeightBlender {
       std::uint64_t parts = 0;
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p)
-        parts += weight_parts(weigh(pixels[p], alpha_of<true>(exponents[p], rules)));
+        parts += weight_parts(weigh(pixels[p], relative_alpha<true>(exponents[p], rules), rules.alpha_max));
       if (!__any_sync(whole_warp, parts != 0)) continue;
       const std::uint64_t of_part = wide_warp_sum(parts);
       if (lane_index() == k) sum = of_part;

@@ -5,10 +5,10 @@
 /// Forms of the exponent. For hosts too, which test it.
 ///
 /// Those of a lane's pixels have three functions. `prepare` finds the terms of a splat as a part of a tile
-/// sees it, its mean relative to the part's first pixel; `evaluate` finds log2(alpha) of the lane's pixels
-/// from the place of the first within the part. `evaluate_one` finds the same bits of one pixel, `right`
-/// columns beside that place. Terms are a quadruple and a `Rest`, apart because shared memory is read by
-/// words of 16 bytes; cleared, they show nothing.
+/// sees it, its mean relative to the part's first pixel; `evaluate` finds log2(alpha / alpha_max) of the
+/// lane's pixels from the place of the first within the part. `evaluate_one` finds the same bits of one
+/// pixel, `right` columns beside that place. Terms are a quadruple and a `Rest`, apart because shared memory
+/// is read by words of 16 bytes; cleared, they show nothing.
 
 #include <cmath>
 
@@ -29,11 +29,11 @@ inline constexpr unsigned columns_between = 4;
 /// v^2. Pixels of a lane share v, and from one to the next u grows by what depends on the splat alone.
 struct CholeskyForm {
   static constexpr unsigned blocks = 9;  ///< of a multiprocessor at once: 56 registers a thread
-  using Rest = float2;                   ///< c, d; the quadruple is l0, l1, l2, log2(opacity)
+  using Rest = float2;                   ///< c, d; the quadruple is l0, l1, l2, log2(opacity / alpha_max)
 
-  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float log2_alpha_min, float4& terms,
+  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float log2_relative_min, float4& terms,
                                  Rest& rest) {
-    terms = make_float4(s.l0, s.l1, s.l2, s.reach + log2_alpha_min);
+    terms = make_float4(s.l0, s.l1, s.l2, s.reach + log2_relative_min);
     rest = make_float2(-fmaf(s.l0, mean.x, s.l1 * mean.y), -s.l2 * mean.y);
   }
   SWIFTGS_HD static void clear(float4& terms, Rest& rest) {
@@ -42,8 +42,13 @@ struct CholeskyForm {
 
   SWIFTGS_HD static void evaluate(const float4& terms, const Rest& rest, float x, float y,
                                   float (&exponents)[pixels_of_lane]) {
-    for (unsigned p = 0; p < pixels_of_lane; ++p)
-      exponents[p] = evaluate_one(terms, rest, x, y, float(p * columns_between));
+    const float v = fmaf(terms.z, y, rest.y), row = fmaf(-v, v, terms.w);
+    const float first = fmaf(terms.x, x, fmaf(terms.y, y, rest.x));
+    for (unsigned p = 0; p < pixels_of_lane; ++p) {
+      // 0 times a term, which compilers must not leave out, is left out.
+      const float u = p == 0 ? first : fmaf(terms.x, float(p * columns_between), first);
+      exponents[p] = fmaf(-u, u, row);
+    }
   }
   SWIFTGS_HD static float evaluate_one(const float4& terms, const Rest& rest, float x, float y, float right) {
     const float v = fmaf(terms.z, y, rest.y), row = fmaf(-v, v, terms.w);
@@ -56,15 +61,15 @@ struct CholeskyForm {
 /// g. What depends on the row alone is computed once for both pixels of a lane.
 struct SplitForm {
   static constexpr unsigned blocks = 8;
-  using Rest = float4;  ///< d, e, log2(opacity), unused; the quadruple is a, b, c, log2(opacity) - g
+  using Rest = float4;  ///< d, e, h = log2(opacity / alpha_max), unused; the quadruple is a, b, c, h - g
 
-  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float log2_alpha_min, float4& terms,
+  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float log2_relative_min, float4& terms,
                                  Rest& rest) {
-    const float log2_opacity = s.reach + log2_alpha_min;
+    const float h = s.reach + log2_relative_min;
     const float u = -fmaf(s.l0, mean.x, s.l1 * mean.y), v = -s.l2 * mean.y;
     const float a = s.l0 * s.l0, c = fmaf(s.l1, s.l1, s.l2 * s.l2), g = fmaf(u, u, v * v);
-    terms = make_float4(a, 2 * s.l0 * s.l1, c, log2_opacity - g);
-    rest = make_float4(2 * s.l0 * u, 2 * fmaf(s.l1, u, s.l2 * v), log2_opacity, 0);
+    terms = make_float4(a, 2 * s.l0 * s.l1, c, h - g);
+    rest = make_float4(2 * s.l0 * u, 2 * fmaf(s.l1, u, s.l2 * v), h, 0);
     // Larger squares could overflow, and `fminf` would turn a difference of infinities into full opacity.
     const float largest = 1e30f;
     if (!(a < largest && c < largest && g < largest)) clear(terms, rest);

@@ -125,10 +125,8 @@ struct LongPartBlender {
     }
 
     if (group.rank == 0 && warp() < pixels_of_lane) {
-      const PixelPlace pixel = place.pixel(view.frame, warp(), false);
-      if (pixel.inside)
-        store_pixel(view.frame, std::size_t(pixel.x), std::size_t(pixel.y),
-                    shared.joined.load(pixel_of_part(warp())).blended(), view.background);
+      const JoinedPixel pixel = shared.joined.load(pixel_of_part(warp()));
+      store_relative(view, place.pixel(view.frame, warp(), false), pixel.blended());
     }
     if constexpr (extras)
       if (input.job.counts) {
@@ -298,7 +296,7 @@ struct LongPartBlender {
       const unsigned slot = half + lane_index();
       if (k + share.slot < count) {
         fetch_colour(input.job, queue, slot, id);
-        Form::prepare(shape, shape.mean - first_centre, rules.log2_alpha_min, queue.terms[slot],
+        Form::prepare(shape, shape.mean - first_centre, rules.log2_relative_min, queue.terms[slot],
                       queue.rests[slot]);
       } else {
         Form::clear(queue.terms[slot], queue.rests[slot]);

@@ -58,6 +58,13 @@ struct PartPlace {
   }
 };
 
+/// Writes a pixel, if it lies in the image, from colour and depth in units of alpha_max.
+__device__ inline void store_relative(const View& view, const PixelPlace& at, BlendedPixel pixel) {
+  if (!at.inside) return;
+  pixel.colour *= view.rules.alpha_max, pixel.depth *= view.rules.alpha_max;
+  store_pixel(view.frame, std::size_t(at.x), std::size_t(at.y), pixel, view.background);
+}
+
 /// Where a walk was when a piece ended.
 struct PieceEnd {
   std::uint32_t at;       ///< the next instance to visit
@@ -82,7 +89,7 @@ class ListWalk {
       : job_(&job),
         range_(range),
         first_centre_(first_centre),
-        log2_alpha_min_(rules.log2_alpha_min),
+        log2_relative_min_(rules.log2_relative_min),
         queue_(&queue),
         some_hidden_(job.colours.some_hidden()),
         at_(range.begin) {
@@ -110,7 +117,7 @@ class ListWalk {
         const unsigned slot =
             (begun_ * queue_half + waiting_ + unsigned(__popc(lanes & lanes_below()))) % queue_size;
         blender.fill(slot, id);
-        Form::prepare(shape, shape.mean - first_centre_, log2_alpha_min_, queue_->terms[slot],
+        Form::prepare(shape, shape.mean - first_centre_, log2_relative_min_, queue_->terms[slot],
                       queue_->rests[slot]);
       }
       waiting_ += unsigned(__popc(lanes));
@@ -177,7 +184,7 @@ class ListWalk {
   const RasterJob* job_;
   TileRange range_;
   vec2 first_centre_;
-  float log2_alpha_min_;
+  float log2_relative_min_;
   TermsQueue<Form>* queue_;
   bool some_hidden_;
   std::uint32_t at_, next_id_, later_id_;
@@ -222,8 +229,11 @@ struct LaneBlender {
         float alphas[pixel_count];
         evaluate(queue.terms[k], queue.rests[k], alphas);
 #pragma unroll
-        for (unsigned p = 0; p < pixel_count; ++p)
-          blend<true>(pixels[p], alphas[p], queue.colours[k], occluders[p], counts[p]);
+        for (unsigned p = 0; p < pixel_count; ++p) {
+          const float before = pixels[p].transmittance;
+          const float left = Pixel::dimmed(before, alphas[p] * before, rules.alpha_max);
+          blend<true>(pixels[p], alphas[p], left, queue.colours[k], occluders[p], counts[p]);
+        }
       }
     } else {
       // Pointers, which the loop advances: an index would be multiplied in each round.
@@ -240,7 +250,7 @@ struct LaneBlender {
   __device__ bool all_stopped() const { return kernels::all_stopped(pixels); }
 
  private:
-  /// Alphas of the pixels for a splat.
+  /// Alphas of the pixels for a splat, in units of alpha_max.
   __device__ void evaluate(const float4& terms, const typename Form::Rest& rest,
                            float (&alphas)[pixel_count]) const {
     float exponents[pixel_count];
@@ -249,7 +259,7 @@ struct LaneBlender {
     else
       Form::evaluate(terms, rest, x, y, exponents);
 #pragma unroll
-    for (unsigned p = 0; p < pixel_count; ++p) alphas[p] = alpha_of<threshold>(exponents[p], rules);
+    for (unsigned p = 0; p < pixel_count; ++p) alphas[p] = relative_alpha<threshold>(exponents[p], rules);
   }
 
   __device__ void blend_group(const float4* terms, const typename Form::Rest* rests, const float4* colours) {
@@ -261,7 +271,7 @@ struct LaneBlender {
 #pragma unroll
       for (unsigned p = 0; p < pixel_count; ++p) alphas[p][k] = of_splat[p];
     }
-    weigh_group(pixels, alphas, weights);
+    weigh_group(pixels, alphas, rules.alpha_max, weights);
 
 #pragma unroll
     for (unsigned k = 0; k < group_size; ++k) {
@@ -462,12 +472,8 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
     // Found again: kept in registers during the walk, places would cost a block in nine.
     const PartPlace same(BlockSquare(input), threadIdx.x / warp_size);
 #pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) {
-      const PixelPlace pixel = same.pixel(view.frame, p, extras);
-      if (pixel.inside)
-        store_pixel(view.frame, std::size_t(pixel.x), std::size_t(pixel.y), blender.lane.pixels[p].blended(),
-                    view.background);
-    }
+    for (unsigned p = 0; p < pixels_of_lane; ++p)
+      store_relative(view, same.pixel(view.frame, p, extras), blender.lane.pixels[p].blended());
   }
   if constexpr (extras)
     if (job.counts)

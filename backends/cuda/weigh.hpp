@@ -5,18 +5,18 @@
 
 namespace swiftgs::kernels {
 
-/// Dims a pixel by one splat as `blend` does, and returns the splat's weight; `alpha` is 0 where the pixel
-/// skips the splat.
-SWIFTGS_HD inline float weigh(Pixel& pixel, float alpha) {
+/// Dims a pixel by one splat, and returns the splat's weight; `alpha` is in units of alpha_max, and 0 where
+/// the pixel skips the splat.
+SWIFTGS_HD inline float weigh(Pixel& pixel, float alpha, float alpha_max) {
   if (!(alpha > 0)) return 0;
-  const float left = Pixel::dimmed(pixel.transmittance, alpha);
+  const float weight = alpha * pixel.transmittance;
+  const float left = Pixel::dimmed(pixel.transmittance, weight, alpha_max);
   if (left < pixel.stop_below) {
     pixel.stop();
     return 0;
   }
-  const float weight = alpha * pixel.transmittance;
   pixel.transmittance = left;
-  return weight;
+  return weight * alpha_max;
 }
 
 }  // namespace swiftgs::kernels

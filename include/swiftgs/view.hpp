@@ -29,11 +29,12 @@ struct BlendRules {
   float alpha_max = 0;   ///< more is cut
   float stop_below = 0;  ///< a pixel ends before the splat that would bring its transmittance below this
   float log2_alpha_min = 0;
+  float log2_relative_min = 0;  ///< log2(alpha_min / alpha_max)
 
   static BlendRules from(const Conventions& c) {
     const float stop = c.stop + 0.0f;  // never -0: backends look at its sign
     return {c.alpha_min, c.alpha_max, c.stop_at_equal ? std::nextafter(stop, 1.0f) : stop,
-            std::log2(c.alpha_min)};
+            std::log2(c.alpha_min), float(std::log2(double(c.alpha_min) / double(c.alpha_max)))};
   }
 };
 

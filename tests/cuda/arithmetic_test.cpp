@@ -32,7 +32,7 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
 /// A power of two as threshold, so that the exponential meets it exactly.
-constexpr BlendRules rules{1.0f / 256, 0.75f, 0.25f, -8};
+constexpr BlendRules rules{1.0f / 256, 0.75f, 0.25f, -8, -7.5849625f};
 
 float above(float x) { return std::nextafter(x, infinity); }
 float below(float x) { return std::nextafter(x, -infinity); }
@@ -40,19 +40,22 @@ float below(float x) { return std::nextafter(x, -infinity); }
 }  // namespace
 
 TEST_CASE("cuda arithmetic: alpha is kept from its least on and cut at its largest") {
-  CHECK(alpha_of<false>(-8, rules) == rules.alpha_min);
-  CHECK(alpha_of<true>(-8, rules) == rules.alpha_min);
-  CHECK(alpha_of<false>(-8.00001f, rules) == 0);
-  CHECK(alpha_of<true>(below(-8), rules) == 0);
-  CHECK(alpha_of<false>(-1, rules) == 0.5f);
-  CHECK(alpha_of<true>(-1, rules) == 0.5f);
-  for (const float large : {-0.4f, 0.0f, 3.0f, infinity}) {
-    CHECK(alpha_of<false>(large, rules) == rules.alpha_max);
-    CHECK(alpha_of<true>(large, rules) == rules.alpha_max);
+  // In units of alpha_max: 1/256 is 1/192.
+  const float least = rules.log2_relative_min, alpha_min = std::exp2(least);
+  CHECK(alpha_min * rules.alpha_max == doctest::Approx(double(rules.alpha_min)).epsilon(1e-6));
+  CHECK(relative_alpha<false>(least, rules) == alpha_min);
+  CHECK(relative_alpha<true>(least, rules) == alpha_min);
+  CHECK(relative_alpha<false>(least - 1e-5f, rules) == 0);
+  CHECK(relative_alpha<true>(below(least), rules) == 0);
+  CHECK(relative_alpha<false>(-1, rules) == 0.5f);
+  CHECK(relative_alpha<true>(-1, rules) == 0.5f);
+  for (const float large : {0.0f, 1e-6f, 3.0f, infinity}) {
+    CHECK(relative_alpha<false>(large, rules) == 1);
+    CHECK(relative_alpha<true>(large, rules) == 1);
   }
   for (const float nothing : {-infinity, -1000.0f, not_a_number}) {
-    CHECK(alpha_of<false>(nothing, rules) == 0);
-    CHECK(alpha_of<true>(nothing, rules) == 0);
+    CHECK(relative_alpha<false>(nothing, rules) == 0);
+    CHECK(relative_alpha<true>(nothing, rules) == 0);
   }
 }
 
@@ -86,8 +89,8 @@ TEST_CASE("cuda arithmetic: splats that fill a group up show nothing") {
     float exponents[pixels_of_lane];
     Form::evaluate(terms, rest, 7, 3, exponents);
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
-      CHECK(alpha_of<false>(exponents[p], rules) == 0);
-      CHECK(alpha_of<true>(exponents[p], rules) == 0);
+      CHECK(relative_alpha<false>(exponents[p], rules) == 0);
+      CHECK(relative_alpha<true>(exponents[p], rules) == 0);
     }
   };
   check(CholeskyForm());

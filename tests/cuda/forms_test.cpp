@@ -29,6 +29,9 @@ struct Worst {
   }
 };
 
+/// log2 of alpha_max, the unit of alphas that forms find.
+const double log2_unit = std::log2(double(rules.alpha_max));
+
 /// Whether `alpha` is what `rules` make of 2^exponent, which may be off by `error`.
 bool alpha_allowed(float alpha, double exponent, double error) {
   const double slack = error + 4 * epsilon, minimum = double(rules.alpha_min),
@@ -60,7 +63,7 @@ void check_form(const ErrorOf& error_of) {
   for_each_splat_and_part([&](const SplatShape& shape, vec2 first, bool usual) {
     float4 terms;
     typename Form::Rest rest;
-    Form::prepare(shape, shape.mean - first, rules.log2_alpha_min, terms, rest);
+    Form::prepare(shape, shape.mean - first, rules.log2_relative_min, terms, rest);
     for (int lane = 0; lane < 32; ++lane) {
       const int x = lane % (part / 2), y = lane / (part / 2);
       float exponents[pixels_of_lane];
@@ -71,11 +74,14 @@ void check_form(const ErrorOf& error_of) {
         const double at_x = double(first.x) + x + p * columns_between, at_y = double(first.y) + y;
         const ExactSquare exact(shape, at_x, at_y);
         const double exponent = std::log2(double(shape.opacity)) - exact.s, error = error_of(exact, shape);
-        worst.add(double(exponents[p]) - exponent, error);
-        if (usual && exact.s <= double(shape.reach))
-          worst_usual.add(double(exponents[p]) - exponent, 1e-4), ++kept;
-        wrong_alphas += !alpha_allowed(alpha_of<false>(exponents[p], rules), exponent, error);
-        wrong_alphas += !alpha_allowed(alpha_of<true>(exponents[p], rules), exponent, error);
+        const double off = double(exponents[p]) + log2_unit - exponent;
+        worst.add(off, error);
+        if (usual && exact.s <= double(shape.reach)) worst_usual.add(off, 1e-4), ++kept;
+        const auto is_wrong = [&](float relative) {
+          return !alpha_allowed(relative * rules.alpha_max, exponent, error);
+        };
+        wrong_alphas += is_wrong(relative_alpha<false>(exponents[p], rules));
+        wrong_alphas += is_wrong(relative_alpha<true>(exponents[p], rules));
       }
     }
   });
@@ -102,7 +108,7 @@ TEST_CASE("cuda arithmetic: the split form takes s that rounding makes negative 
   const SplatShape shape = make_splat(3.5, 2.5, 2, 1, 0.4, 0.8);
   float4 terms;
   SplitForm::Rest rest;
-  SplitForm::prepare(shape, shape.mean - vec2(0.5f), std::log2(rules.alpha_min), terms, rest);
+  SplitForm::prepare(shape, shape.mean - vec2(0.5f), rules.log2_relative_min, terms, rest);
   float exponents[pixels_of_lane];
   SplitForm::evaluate(terms, rest, 3, 2, exponents);
   CHECK(exponents[0] == doctest::Approx(rest.z).epsilon(1e-6));
@@ -117,7 +123,7 @@ TEST_CASE("cuda arithmetic: the split form shows nothing of a splat whose square
   shape.l0 = 1e25f;
   float4 terms;
   SplitForm::Rest rest;
-  SplitForm::prepare(shape, shape.mean - vec2(0.5f), std::log2(rules.alpha_min), terms, rest);
+  SplitForm::prepare(shape, shape.mean - vec2(0.5f), rules.log2_relative_min, terms, rest);
   float exponents[pixels_of_lane];
   SplitForm::evaluate(terms, rest, 3, 2, exponents);
   CHECK(exponents[0] == -INFINITY);

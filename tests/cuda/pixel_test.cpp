@@ -23,6 +23,10 @@ namespace {
 
 float above(float x) { return std::nextafter(x, 1.0f); }
 
+/// The largest alpha, in units of which kernels blend. A power of two, so that it rounds nothing; alphas here
+/// may be larger.
+constexpr float unit = 0.5f;
+
 /// A rasterizer whose alpha is the splat's opacity in every pixel.
 struct GivenAlpha {
   static constexpr std::string_view name = "given-alpha";
@@ -81,14 +85,23 @@ Blended blend_by_serial(const std::vector<Layer>& layers, float stop_below, cons
   return out;
 }
 
+/// Blends a layer as kernels do with extras.
+template <bool extras>
+void blend_one(Pixel& pixel, const Layer& layer, float occluder, ThreadCounts& counts) {
+  const float alpha = layer.alpha / unit;
+  const float left = Pixel::dimmed(pixel.transmittance, alpha * pixel.transmittance, unit);
+  blend<extras>(pixel, alpha, left, layer.colour(), occluder, counts);
+}
+
 Blended blend_by_kernels(const std::vector<Layer>& layers, float stop_below, const float* occluder) {
   Pixel pixel;
   pixel.start(stop_below);
   ThreadCounts counts;
-  for (const Layer& layer : layers)
-    blend<true>(pixel, layer.alpha, layer.colour(), occluder ? *occluder : INFINITY, counts);
+  for (const Layer& layer : layers) blend_one<true>(pixel, layer, occluder ? *occluder : INFINITY, counts);
+  BlendedPixel blended = pixel.blended();
+  blended.colour *= unit, blended.depth *= unit;
   Blended out;
-  store_pixel(out.frame(), 0, 0, pixel.blended(), vec3(0));
+  store_pixel(out.frame(), 0, 0, blended, vec3(0));
   out.pairs = counts.pairs, out.stopped = counts.stopped;
   return out;
 }
@@ -102,8 +115,8 @@ bool same_bits(const Pixel& a, const Pixel& b) {
 void blend_together(Pixel& pixel, const Layer* first) {
   Pixel pixels[] = {pixel};
   float alphas[1][group_size], weights[1][group_size];
-  for (unsigned k = 0; k < group_size; ++k) alphas[0][k] = first[k].alpha;
-  weigh_group(pixels, alphas, weights);
+  for (unsigned k = 0; k < group_size; ++k) alphas[0][k] = first[k].alpha / unit;
+  weigh_group(pixels, alphas, unit, weights);
   pixel = pixels[0];
   for (unsigned k = 0; k < group_size; ++k)
     pixel.add(weights[0][k], first[k].rgb.x, first[k].rgb.y, first[k].rgb.z);
@@ -150,7 +163,7 @@ TEST_CASE("cuda arithmetic: a pixel ends before the splat that brings it to the 
     Pixel pixel;
     pixel.start(stop_below);
     blend_together(pixel, halves.data());
-    CHECK(pixel.red == 1 - left);
+    CHECK(pixel.red * unit == 1 - left);
     CHECK(pixel.blended().transmittance == left);
     CHECK_FALSE(pixel.live());
   }
@@ -174,7 +187,7 @@ TEST_CASE("cuda arithmetic: a group is blended as its splats one by one wherever
     blend_together(together, layers.data());
     unsigned stopped_at = group_size;
     for (unsigned k = 0; k < group_size; ++k) {
-      blend<false>(single, layers[k].alpha, layers[k].colour(), INFINITY, counts);
+      blend_one<false>(single, layers[k], INFINITY, counts);
       if (stopped_at == group_size && !single.live()) stopped_at = k;
     }
     ++stops[stopped_at];
@@ -194,7 +207,7 @@ TEST_CASE("cuda arithmetic: a group meets the limit exactly as its splats one by
       ThreadCounts counts;
       together.start(stop_below), single.start(stop_below);
       blend_together(together, halves.data());
-      for (const Layer& layer : halves) blend<false>(single, layer.alpha, layer.colour(), INFINITY, counts);
+      for (const Layer& layer : halves) blend_one<false>(single, layer, INFINITY, counts);
       CHECK(same_bits(together, single));
       CHECK(together.blended().transmittance == (stop_below == limit ? limit : 2 * limit));
       CHECK(together.live() == (stop_below == limit && place == group_size - 1));
@@ -211,7 +224,7 @@ TEST_CASE("cuda arithmetic: groups one after another are blended as all splats o
     ThreadCounts counts;
     together.start(1e-4f), single.start(1e-4f);
     for (std::size_t k = 0; k < layers.size(); k += group_size) blend_together(together, &layers[k]);
-    for (const Layer& layer : layers) blend<false>(single, layer.alpha, layer.colour(), INFINITY, counts);
+    for (const Layer& layer : layers) blend_one<false>(single, layer, INFINITY, counts);
     differences += !same_bits(together, single), stopped += !single.live();
   }
   CHECK(differences == 0);
@@ -224,7 +237,7 @@ TEST_CASE("cuda arithmetic: a pixel outside of the image takes nothing") {
   const std::vector<Layer> layers = random_layers(random, 8, 0.9);
   Pixel pixel;
   ThreadCounts counts;
-  for (const Layer& layer : layers) blend<true>(pixel, layer.alpha, layer.colour(), 2, counts);
+  for (const Layer& layer : layers) blend_one<true>(pixel, layer, 2, counts);
   for (std::size_t k = 0; k < layers.size(); k += group_size) blend_together(pixel, &layers[k]);
   CHECK(same_bits(pixel, Pixel()));
   CHECK(counts.pairs == 0);
@@ -301,7 +314,7 @@ TEST_CASE("cuda arithmetic: a pixel in pieces is as exact as a pixel at once") {
       red += double(layer.alpha) * transmittance * double(layer.rgb.x), transmittance = next;
     }
     const JoinedPixel joined = blend_in_turn(layers, 1e-4f);
-    CHECK(double(joined.total.x) == doctest::Approx(red).epsilon(4e-6));
+    CHECK(double(joined.total.x * unit) == doctest::Approx(red).epsilon(4e-6));
     CHECK(double(joined.total.w) ==
           doctest::Approx(transmittance).epsilon(0.03));  // may stop a splat earlier
   }
@@ -347,6 +360,6 @@ TEST_CASE("cuda arithmetic: a piece stops where the limit is reached by all piec
   for (const float limit : {0.24f, 0.26f}) {
     const JoinedPixel joined = blend_in_turn(layers, limit);
     CHECK(joined.total.w == doctest::Approx(limit < 0.25f ? 0.25 : 0.5).epsilon(3e-7));
-    CHECK(joined.total.x == doctest::Approx(1 - double(joined.total.w)).epsilon(3e-7));
+    CHECK(joined.total.x * unit == doctest::Approx(1 - double(joined.total.w)).epsilon(3e-7));
   }
 }

@@ -45,7 +45,8 @@ constexpr double crossing = 0.011;
 /// Thresholds that are powers of two, so that every arithmetic meets them exactly.
 DrawSettings exact_settings(float stop, bool stop_at_equal) {
   Conventions conventions;
-  conventions.alpha_min = 1.0f / 256, conventions.stop = stop, conventions.stop_at_equal = stop_at_equal;
+  conventions.alpha_min = 1.0f / 256, conventions.alpha_max = 1;
+  conventions.stop = stop, conventions.stop_at_equal = stop_at_equal;
   DrawSettings settings;
   settings.rules = BlendRules::from(conventions);
   return settings;

@@ -37,11 +37,12 @@ std::vector<std::uint64_t> weights_in_part(const SplatSet& splats, Span<const st
       if (!box_touched(shape, first_centre, 8)) continue;
       float4 terms;
       CholeskyForm::Rest rest;
-      CholeskyForm::prepare(shape, shape.mean - first_centre, rules.log2_alpha_min, terms, rest);
+      CholeskyForm::prepare(shape, shape.mean - first_centre, rules.log2_relative_min, terms, rest);
       float exponents[pixels_of_lane];
       CholeskyForm::evaluate(terms, rest, float(lane % 4), float(lane / 4), exponents);
       for (unsigned p = 0; p < pixels_of_lane; ++p)
-        parts[id] += weight_parts(weigh(pixels[p], alpha_of<true>(exponents[p], rules)));
+        parts[id] +=
+            weight_parts(weigh(pixels[p], relative_alpha<true>(exponents[p], rules), rules.alpha_max));
     }
   }
   return parts;
@@ -50,6 +51,7 @@ std::vector<std::uint64_t> weights_in_part(const SplatSet& splats, Span<const st
 }  // namespace
 
 TEST_CASE("cuda arithmetic: a weight is what the pixel is dimmed by until it stops") {
+  const float unit = 0.75f;
   Random random(1);
   int stopped = 0;
   for (int i = 0; i < 5000; ++i) {
@@ -59,11 +61,12 @@ TEST_CASE("cuda arithmetic: a weight is what the pixel is dimmed by until it sto
     for (int k = 0; k < 40; ++k) {
       const float alpha = random.in(0, 1) < 0.3 ? 0.0f : random.f(1.0 / 255, i % 2 ? 0.99 : 0.05);
       const float before = blended.transmittance;
-      blend<false>(blended, alpha, make_float4(0, 0, 0, 1), INFINITY, counts);
-      const float weight = weigh(weighed, alpha);
+      blend<false>(blended, alpha, Pixel::dimmed(before, alpha * before, unit), make_float4(0, 0, 0, 1),
+                   INFINITY, counts);
+      const float weight = weigh(weighed, alpha, unit);
       REQUIRE(weighed.transmittance == blended.transmittance);
       REQUIRE(weighed.live() == blended.live());
-      REQUIRE(weight == (blended.live() ? alpha * before : 0.0f));
+      REQUIRE(weight == (blended.live() ? alpha * before * unit : 0.0f));
     }
     stopped += !blended.live();
   }

@@ -28,7 +28,7 @@ StressCase exact_case() {
   StressCase out;
   out.camera = stress::forward_camera({40, 40}, 32);
   out.camera.cx = out.camera.cy = centre + 0.5;
-  out.conventions.alpha_min = 0.25f;
+  out.conventions.alpha_min = 0.25f, out.conventions.alpha_max = 1;
   out.background = vec3(0);
   return out;
 }
