@@ -10,8 +10,8 @@ RESULTS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 FOLDERS = {"gpu": "2026-11-21-nvidia-h200", "cpu": "2026-11-21-intel-xeon-16-cores",
            "cpu2": "2026-11-21-intel-xeon-2-cores", "amd": "2026-11-22-amd-epyc-2-cores",
            "h200": "2026-11-22-nvidia-h200", "xeon": "2026-11-23-intel-xeon-2-cores",
-           "hopper": "2026-11-23-nvidia-h200", "nvidia": "2026-11-24-nvidia-h200",
-           "xeon24": "2026-11-24-intel-xeon-2-cores"}
+           "hopper": "2026-11-23-nvidia-h200", "nvidia24": "2026-11-24-nvidia-h200",
+           "xeon24": "2026-11-24-intel-xeon-2-cores", "nvidia": "2026-11-25-nvidia-h200"}
 
 
 class Source:

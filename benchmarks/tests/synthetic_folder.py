@@ -91,9 +91,10 @@ def write(folder, backend, older=False):
     bench("bounds.json", matrix(backend))
     for when, sort in (("before", 1.0), ("after", 0.9)):
         for what in ("frame", "views", "pieces", "blocks", "chunks", "tiles", "coarse", "large", "order", "fused",
-                     "fused-large"):
+                     "fused-large", "blend", "blend-large"):
             bench(f"{what}-{when}-{backend}.json",
-                  [row(backend, BEST, scene, grow={"sort": sort}) for scene in GAUSSIANS])
+                  [row(backend, BEST, scene, grow={"sort": sort}, **({"psnr_db": None} if what == "coarse" else {}))
+                   for scene in GAUSSIANS])
     bench("vanilla.json", matrix(backend, conventions="inria"))
     bench("pruned.json", matrix(backend, ("garden", "fox"), "-pruned", conventions="inria"))
     gaussians = [({"gaussians": n}, {"project": n / 1e6}) for n in (100000, 1000000, 10000000)]

@@ -73,7 +73,7 @@ class Tables(unittest.TestCase):
         for machine in ("xeon", "xeon24"):
             synthetic_folder.write(cls.results / FOLDERS[machine], "cpu")
         # The last one written gives the files that have no backend in their names.
-        for machine in ("hopper", "nvidia"):
+        for machine in ("hopper", "nvidia24", "nvidia"):
             for backend in ("cpu", "cuda"):
                 synthetic_folder.write(cls.results / FOLDERS[machine], backend)
         for machine, name in (("xeon", "python.json"), ("hopper", "python.json"), ("hopper", "beside-gsplat.json")):
@@ -296,7 +296,8 @@ class Tables(unittest.TestCase):
         text = self.table("change gpu frame cuda")
         self.assertEqual(cells(text, "garden, 1.5 M")[2:],
                          ["0.500 → 0.500 (+0.0 %)", "0.800 → 0.720 (-10.0 %)", "1.00 → 1.00 (+0.0 %)",
-                          "2.30 → 2.22 (-3.5 %)"])
+                          "2.30 → 2.22 (-3.5 %)", "102.0 → 102.0"])
+        self.assertNotIn("dB", self.table("change gpu coarse cuda"))
 
     def test_bounds_stand_from_the_widest_to_the_tightest(self):
         text = self.table("bounds gpu")
