@@ -253,7 +253,7 @@ What differs from the paper's counts, and why:
 - What the threshold could still save is `MUFU.EX2` and the cut at alpha_max. The half kernels leave them out where a lane
   skips, by predicates: a warp issues them where any of its 32 lanes keeps the pair. The float kernels multiply by 0
   instead, which issues less: on Hopper `MUFU` has an eighth of the rate of `FFMA`, but a pipe of its own, which one
-  exponential in twenty instructions does not fill. So a skipped pair is no cheaper there. The product also cuts alpha, by
+  exponential in 14 instructions does not fill. So a skipped pair is no cheaper there. The product also cuts alpha, by
   saturation, since alpha is in units of alpha_max.
 - Without the threshold the exponential is evaluated first and alpha is tested: one test either way, so the static
   counts of a kept pair are nearly the same.

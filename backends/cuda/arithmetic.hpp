@@ -21,12 +21,21 @@ SWIFTGS_HD inline float exp2_approx(float x) {
 #endif
 }
 
-/// x cut to 0 and 1; 0 for NaN. Devices have it for nothing, with the operation that finds x.
+/// x cut to 0 and 1; 0 for NaN. Devices do it in the instruction that computes x.
 SWIFTGS_HD inline float saturate(float x) {
 #if defined(__CUDA_ARCH__)
   return __saturatef(x);
 #else
   return x > 0 ? std::fmin(x, 1.0f) : 0.0f;
+#endif
+}
+
+/// a * b, rounded by itself: compilers do not join it with an addition.
+SWIFTGS_HD inline float multiply_rounded(float a, float b) {
+#if defined(__CUDA_ARCH__)
+  return __fmul_rn(a, b);
+#else
+  return a * b;
 #endif
 }
 

@@ -18,8 +18,9 @@
 namespace swiftgs::kernels {
 
 /// Alpha / alpha_max of a pixel from its log2, 0 where the pixel skips the splat: in this unit alpha is cut
-/// where devices saturate. With the dynamic threshold (SwiftGS, section 5.2) the exponent decides, before the
-/// exponential. A lane that skips cannot leave its warp: it multiplies by 0, and nothing after it asks again.
+/// where devices saturate. With the dynamic threshold (SwiftGS, section 5.2) the exponent decides, not its
+/// exponential. A lane that skips cannot leave its warp: it takes the exponential, multiplies it by 0, and
+/// nothing after it asks again.
 template <bool threshold>
 SWIFTGS_HD float relative_alpha(float exponent, const BlendRules& rules) {
   const float alpha = exp2_approx(exponent), least = rules.log2_relative_min;
@@ -45,7 +46,9 @@ SWIFTGS_HD float alpha_of_square(float s, float reach, float opacity, const Blen
 /// A pixel while splats are blended into it. When it stops, its transmittance becomes zero, so that whatever
 /// follows adds nothing. `stop_below` holds it from then on, negated: the pixel does not stop again.
 ///
-/// Where alphas are in units of alpha_max, so are weights, colour and depth, but transmittances are not.
+/// Kernels of `FloatCholesky` and `FloatSplit`, and contributions, blend alphas in units of alpha_max:
+/// weights, colour and depth are in that unit too, transmittances are not. Other kernels blend alphas as they
+/// are.
 struct Pixel {
   float red = 0, green = 0, blue = 0, depth = 0;
   float transmittance = 0;
@@ -64,8 +67,8 @@ struct Pixel {
   SWIFTGS_HD static float dimmed(float transmittance, float alpha) {
     return fmaf(-alpha, transmittance, transmittance);
   }
-  /// The same where alphas are in units of alpha_max, by the splat's weight. It is rounded too, by less than
-  /// alpha is.
+  /// The same where alphas are in units of alpha_max, by the splat's weight. The weight is rounded, by less
+  /// than alpha is.
   SWIFTGS_HD static float dimmed(float transmittance, float weight, float alpha_max) {
     return fmaf(-alpha_max, weight, transmittance);
   }
@@ -152,8 +155,8 @@ struct ThreadCounts {
   std::uint32_t pairs = 0, stopped = 0;
 };
 
-/// Blends one splat into a pixel, front to back, which leaves the transmittance `left`; `alpha` is 0 where
-/// the pixel skips it.
+/// Blends one splat into a pixel, front to back; `alpha` is 0 where the pixel skips it, and `left` the
+/// transmittance behind it.
 template <bool extras>
 SWIFTGS_HD void blend(Pixel& pixel, float alpha, float left, const float4& colour, float occluder,
                       ThreadCounts& counts) {

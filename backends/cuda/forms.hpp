@@ -7,8 +7,8 @@
 /// Those of a lane's pixels have three functions. `prepare` finds the terms of a splat as a part of a tile
 /// sees it, its mean relative to the part's first pixel; `evaluate` finds log2(alpha / alpha_max) of the
 /// lane's pixels from the place of the first within the part. `evaluate_one` finds the same bits of one
-/// pixel, `right` columns beside that place. Terms are a quadruple and a `Rest`, apart because shared memory
-/// is read by words of 16 bytes; cleared, they show nothing.
+/// pixel, `right` columns to the right of that place. Terms are a quadruple and a `Rest`, apart because
+/// shared memory is read by words of 16 bytes; cleared, they show nothing.
 
 #include <cmath>
 
@@ -45,7 +45,7 @@ struct CholeskyForm {
     const float v = fmaf(terms.z, y, rest.y), row = fmaf(-v, v, terms.w);
     const float first = fmaf(terms.x, x, fmaf(terms.y, y, rest.x));
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
-      // 0 times a term, which compilers must not leave out, is left out.
+      // Compilers keep a product with 0, so the first pixel has none.
       const float u = p == 0 ? first : fmaf(terms.x, float(p * columns_between), first);
       exponents[p] = fmaf(-u, u, row);
     }

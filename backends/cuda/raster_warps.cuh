@@ -58,10 +58,13 @@ struct PartPlace {
   }
 };
 
-/// Writes a pixel, if it lies in the image, from colour and depth in units of alpha_max.
+/// Writes a pixel, if it lies in the image, from colour and depth in units of alpha_max. All kernels round
+/// alike.
 __device__ inline void store_relative(const View& view, const PixelPlace& at, BlendedPixel pixel) {
   if (!at.inside) return;
-  pixel.colour *= view.rules.alpha_max, pixel.depth *= view.rules.alpha_max;
+  const float alpha_max = view.rules.alpha_max;
+  for (int c = 0; c < 3; ++c) pixel.colour[c] = multiply_rounded(pixel.colour[c], alpha_max);
+  pixel.depth = multiply_rounded(pixel.depth, alpha_max);
   store_pixel(view.frame, std::size_t(at.x), std::size_t(at.y), pixel, view.background);
 }
 
@@ -217,7 +220,7 @@ struct Queue : TermsQueue<Form> {
 template <class Form, bool threshold, bool extras, unsigned pixel_count>
 struct LaneBlender {
   BlendRules rules;
-  float x, y, right;  ///< the first pixel within the part; one pixel lies `right` columns beside it
+  float x, y, right;  ///< the first pixel within the part; one pixel lies `right` columns to the right of it
   Pixel pixels[pixel_count];
   float occluders[pixel_count];
   ThreadCounts counts[pixel_count];

@@ -117,8 +117,7 @@ std::uint64_t views_identity(Span<const View> views) {
     add(c.fx, c.fy, c.cx, c.cy, c.width, c.height, c.left, c.top, c.right, c.bottom);
     add(c.tan_x_min, c.tan_x_max, c.tan_y_min, c.tan_y_max, c.near_plane, c.far_plane);
     add(c.blur, c.min_compensation, c.alpha_min, c.antialiased);
-    add(view.rules.alpha_min, view.rules.alpha_max, view.rules.stop_below);
-    add(view.rules.log2_alpha_min, view.rules.log2_relative_min);
+    add(view.rules.alpha_min, view.rules.alpha_max, view.rules.stop_below, view.rules.log2_alpha_min);
     add(view.grid.columns.begin, view.grid.columns.end, view.grid.rows.begin, view.grid.rows.end);
     add(view.grid.side, view.frame.width, view.frame.height);
   }

@@ -25,7 +25,7 @@ float above(float x) { return std::nextafter(x, 1.0f); }
 
 /// The largest alpha, in units of which kernels blend. A power of two, so that it rounds nothing; alphas here
 /// may be larger.
-constexpr float unit = 0.5f;
+constexpr float exact_unit = 0.5f;
 
 /// A rasterizer whose alpha is the splat's opacity in every pixel.
 struct GivenAlpha {
@@ -87,7 +87,8 @@ Blended blend_by_serial(const std::vector<Layer>& layers, float stop_below, cons
 
 /// Blends a layer as kernels do with extras.
 template <bool extras>
-void blend_one(Pixel& pixel, const Layer& layer, float occluder, ThreadCounts& counts) {
+void blend_one(Pixel& pixel, const Layer& layer, float occluder, ThreadCounts& counts,
+               float unit = exact_unit) {
   const float alpha = layer.alpha / unit;
   const float left = Pixel::dimmed(pixel.transmittance, alpha * pixel.transmittance, unit);
   blend<extras>(pixel, alpha, left, layer.colour(), occluder, counts);
@@ -99,7 +100,7 @@ Blended blend_by_kernels(const std::vector<Layer>& layers, float stop_below, con
   ThreadCounts counts;
   for (const Layer& layer : layers) blend_one<true>(pixel, layer, occluder ? *occluder : INFINITY, counts);
   BlendedPixel blended = pixel.blended();
-  blended.colour *= unit, blended.depth *= unit;
+  blended.colour *= exact_unit, blended.depth *= exact_unit;
   Blended out;
   store_pixel(out.frame(), 0, 0, blended, vec3(0));
   out.pairs = counts.pairs, out.stopped = counts.stopped;
@@ -112,7 +113,7 @@ bool same_bits(const Pixel& a, const Pixel& b) {
 }
 
 /// Blends four layers from `first` on as kernels do without extras.
-void blend_together(Pixel& pixel, const Layer* first) {
+void blend_together(Pixel& pixel, const Layer* first, float unit = exact_unit) {
   Pixel pixels[] = {pixel};
   float alphas[1][group_size], weights[1][group_size];
   for (unsigned k = 0; k < group_size; ++k) alphas[0][k] = first[k].alpha / unit;
@@ -163,7 +164,7 @@ TEST_CASE("cuda arithmetic: a pixel ends before the splat that brings it to the 
     Pixel pixel;
     pixel.start(stop_below);
     blend_together(pixel, halves.data());
-    CHECK(pixel.red * unit == 1 - left);
+    CHECK(pixel.red * exact_unit == 1 - left);
     CHECK(pixel.blended().transmittance == left);
     CHECK_FALSE(pixel.live());
   }
@@ -177,6 +178,7 @@ TEST_CASE("cuda arithmetic: a group is blended as its splats one by one wherever
   for (int i = 0; i < 40'000; ++i) {
     std::vector<Layer> layers = random_layers(random, group_size, 0.9);
     const unsigned place = unsigned(i) % (group_size + 1);
+    const float unit = i % 2 ? 0.99f : exact_unit;
     if (place < group_size) layers[place].alpha = random.f(0.9, 1);
     Pixel together, single;
     ThreadCounts counts;
@@ -184,10 +186,10 @@ TEST_CASE("cuda arithmetic: a group is blended as its splats one by one wherever
     together.transmittance = random.f(stop_below, i % 3 ? 1.2e-3 : 1);
     together.red = random.f(0, 1);
     single = together;
-    blend_together(together, layers.data());
+    blend_together(together, layers.data(), unit);
     unsigned stopped_at = group_size;
     for (unsigned k = 0; k < group_size; ++k) {
-      blend_one<false>(single, layers[k], INFINITY, counts);
+      blend_one<false>(single, layers[k], INFINITY, counts, unit);
       if (stopped_at == group_size && !single.live()) stopped_at = k;
     }
     ++stops[stopped_at];
@@ -220,11 +222,12 @@ TEST_CASE("cuda arithmetic: groups one after another are blended as all splats o
   int differences = 0, stopped = 0;
   for (int i = 0; i < 3000; ++i) {
     const std::vector<Layer> layers = random_layers(random, 40, random.scale(0.05, 1));
+    const float unit = i % 2 ? 0.99f : exact_unit;
     Pixel together, single;
     ThreadCounts counts;
     together.start(1e-4f), single.start(1e-4f);
-    for (std::size_t k = 0; k < layers.size(); k += group_size) blend_together(together, &layers[k]);
-    for (const Layer& layer : layers) blend_one<false>(single, layer, INFINITY, counts);
+    for (std::size_t k = 0; k < layers.size(); k += group_size) blend_together(together, &layers[k], unit);
+    for (const Layer& layer : layers) blend_one<false>(single, layer, INFINITY, counts, unit);
     differences += !same_bits(together, single), stopped += !single.live();
   }
   CHECK(differences == 0);
@@ -314,7 +317,7 @@ TEST_CASE("cuda arithmetic: a pixel in pieces is as exact as a pixel at once") {
       red += double(layer.alpha) * transmittance * double(layer.rgb.x), transmittance = next;
     }
     const JoinedPixel joined = blend_in_turn(layers, 1e-4f);
-    CHECK(double(joined.total.x * unit) == doctest::Approx(red).epsilon(4e-6));
+    CHECK(double(joined.total.x * exact_unit) == doctest::Approx(red).epsilon(4e-6));
     CHECK(double(joined.total.w) ==
           doctest::Approx(transmittance).epsilon(0.03));  // may stop a splat earlier
   }
@@ -360,6 +363,6 @@ TEST_CASE("cuda arithmetic: a piece stops where the limit is reached by all piec
   for (const float limit : {0.24f, 0.26f}) {
     const JoinedPixel joined = blend_in_turn(layers, limit);
     CHECK(joined.total.w == doctest::Approx(limit < 0.25f ? 0.25 : 0.5).epsilon(3e-7));
-    CHECK(joined.total.x * unit == doctest::Approx(1 - double(joined.total.w)).epsilon(3e-7));
+    CHECK(joined.total.x * exact_unit == doctest::Approx(1 - double(joined.total.w)).epsilon(3e-7));
   }
 }

@@ -61,8 +61,13 @@ float above(float v) { return stress::stepped(v, 1); }
 float below(float v) { return stress::stepped(v, -1); }
 
 TEST_CASE(SWIFTGS_STABILITY ": alpha that equals the least is kept and less is skipped") {
-  check_shown(exact_case(), dot(2, 0.25f), true, 0.25f);
-  check_shown(exact_case(), dot(2, below(0.25f)), false);
+  for (const float alpha_max : {0.99f, 1.0f}) {
+    CAPTURE(alpha_max);
+    StressCase settings = exact_case();
+    settings.conventions.alpha_max = alpha_max;
+    check_shown(settings, dot(2, 0.25f), true, 0.25f);
+    check_shown(settings, dot(2, below(0.25f)), false);
+  }
 }
 
 TEST_CASE(SWIFTGS_STABILITY ": alpha is cut at the largest") {
