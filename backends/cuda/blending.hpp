@@ -69,7 +69,7 @@ struct Pixel {
   }
   /// The same where alphas are in units of alpha_max, by the splat's weight. The weight is rounded, by less
   /// than alpha is.
-  SWIFTGS_HD static float dimmed(float transmittance, float weight, float alpha_max) {
+  SWIFTGS_HD static float dimmed_relative(float transmittance, float weight, float alpha_max) {
     return fmaf(-alpha_max, weight, transmittance);
   }
 
@@ -187,7 +187,7 @@ SWIFTGS_HD void weigh_group(Pixel (&pixels)[count], const float (&alphas)[count]
     left[p][0] = pixels[p].transmittance;
     for (unsigned k = 0; k < group_size; ++k) {
       weights[p][k] = alphas[p][k] * left[p][k];
-      left[p][k + 1] = Pixel::dimmed(left[p][k], weights[p][k], alpha_max);
+      left[p][k + 1] = Pixel::dimmed_relative(left[p][k], weights[p][k], alpha_max);
     }
     pixels[p].transmittance = left[p][group_size];
     some_stop = some_stop || left[p][group_size] < pixels[p].stop_below;

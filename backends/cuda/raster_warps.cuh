@@ -234,7 +234,7 @@ struct LaneBlender {
 #pragma unroll
         for (unsigned p = 0; p < pixel_count; ++p) {
           const float before = pixels[p].transmittance;
-          const float left = Pixel::dimmed(before, alphas[p] * before, rules.alpha_max);
+          const float left = Pixel::dimmed_relative(before, alphas[p] * before, rules.alpha_max);
           blend<true>(pixels[p], alphas[p], left, queue.colours[k], occluders[p], counts[p]);
         }
       }

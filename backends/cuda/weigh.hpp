@@ -10,7 +10,7 @@ namespace swiftgs::kernels {
 SWIFTGS_HD inline float weigh(Pixel& pixel, float alpha, float alpha_max) {
   if (!(alpha > 0)) return 0;
   const float weight = alpha * pixel.transmittance;
-  const float left = Pixel::dimmed(pixel.transmittance, weight, alpha_max);
+  const float left = Pixel::dimmed_relative(pixel.transmittance, weight, alpha_max);
   if (left < pixel.stop_below) {
     pixel.stop();
     return 0;

@@ -23,8 +23,8 @@ namespace {
 
 float above(float x) { return std::nextafter(x, 1.0f); }
 
-/// The largest alpha, in units of which kernels blend. A power of two, so that it rounds nothing; alphas here
-/// may be larger.
+/// alpha_max of most tests here, by which alphas are divided before kernels blend them. A power of two rounds
+/// nothing. Alphas may be larger.
 constexpr float exact_unit = 0.5f;
 
 /// A rasterizer whose alpha is the splat's opacity in every pixel.
@@ -90,7 +90,7 @@ template <bool extras>
 void blend_one(Pixel& pixel, const Layer& layer, float occluder, ThreadCounts& counts,
                float unit = exact_unit) {
   const float alpha = layer.alpha / unit;
-  const float left = Pixel::dimmed(pixel.transmittance, alpha * pixel.transmittance, unit);
+  const float left = Pixel::dimmed_relative(pixel.transmittance, alpha * pixel.transmittance, unit);
   blend<extras>(pixel, alpha, left, layer.colour(), occluder, counts);
 }
 
