@@ -9,6 +9,7 @@
 #include <string_view>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include <swiftgs/count.hpp>
 #include <swiftgs/memory_hook.hpp>
@@ -30,11 +31,27 @@ void for_each_buffer(Part& part, const F& f) {
   else
     f(part);
 }
+
+template <class Part>
+constexpr bool has_bytes() {
+  if constexpr (requires(const Part& part) { Part::buffers(part); })
+    return []<class... Parts>(std::type_identity<std::tuple<const Parts&...>>) {
+      return (has_bytes<Parts>() && ...);
+    }(std::type_identity<decltype(Part::buffers(std::declval<const Part&>()))>());
+  else
+    return requires(const Part& part) {
+      { part.bytes() } -> std::convertible_to<std::size_t>;
+    };
+}
 }  // namespace detail
 
-/// Memory of all `parts`: buffers, structs that list their `buffers`, and structs with a member `bytes`.
+/// A buffer, a struct that lists its `buffers`, or a struct with a member `bytes`.
+template <class Part>
+concept HasBytes = detail::has_bytes<Part>();
+
+/// Memory of all `parts`.
 /// @units{bytes}
-template <class... Parts>
+template <HasBytes... Parts>
 std::size_t bytes_of(const Parts&... parts) {
   std::size_t bytes = 0;
   (detail::for_each_buffer(parts, [&](const auto& buffer) { bytes += buffer.bytes(); }), ...);

@@ -65,15 +65,14 @@ void check_footprints(const SortJob<Bounds>& job) {
 
 /// Policy `S` builds tile lists on backend `B` within bounds `Bounds`: for every tile the ids of the splats
 /// that may touch it, nearest first, equal depths by ascending index. An object of `S` may keep what it
-/// learnt from earlier frames. `Scratch<B>` is the memory that it works in: `bytes_of` it must compile, so it
-/// lists its `buffers` or has a member `bytes`. Its member `reserve(b, room)` takes the memory of frames with
+/// learnt from earlier frames. `Scratch<B>` is the memory that it works in: it lists its `buffers` or has a
+/// member `bytes`. Its member `reserve(b, room)` takes the memory of frames with
 /// such room on hosts; without it, recorded frames there may allocate.
 template <class S, class B, class Bounds>
-concept SortsOn = BackendPolicy<B> && BoundsPolicy<Bounds> &&
+concept SortsOn = BackendPolicy<B> && BoundsPolicy<Bounds> && HasBytes<typename S::template Scratch<B>> &&
     requires(S sort, B& b, const SortJob<Bounds>& job, const Bounds& bounds,
              typename S::template Scratch<B>& scratch, TileLists<B>& lists) {
   { S::name } -> std::convertible_to<std::string_view>;
-  { bytes_of(scratch) } -> std::same_as<std::size_t>;
   sort.build(b, job, bounds, scratch, lists);
 };
 

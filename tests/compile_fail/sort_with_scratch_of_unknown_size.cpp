@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// expected: HasBytes
+#include <swiftgs/swiftgs.hpp>
+
+struct Unsorted {
+  static constexpr std::string_view name = "unsorted";
+  template <class B>
+  struct Scratch {
+    int x = 0;
+#ifdef SWIFTGS_EXPECT_COMPILE
+    std::size_t bytes() const { return 0; }
+#endif
+  };
+  template <class B, class Bounds>
+  void build(B&, const swiftgs::SortJob<Bounds>&, const Bounds&, Scratch<B>&, swiftgs::TileLists<B>&) {}
+};
+
+static_assert(swiftgs::SortsOn<Unsorted, swiftgs::Serial, swiftgs::Ellipse>);
