@@ -37,7 +37,9 @@ using glm::vec3;
 using glm::vec4;
 
 // Kernels of every backend read arrays of these as plain floats.
-static_assert(sizeof(vec3) == 3 * sizeof(float) && alignof(vec3) == alignof(float));
+static_assert(
+    sizeof(vec3) == 3 * sizeof(float) && alignof(vec3) == alignof(float),
+    "glm::vec3 is padded, expected 3 floats: drop GLM_FORCE_DEFAULT_ALIGNED_GENTYPES or GLM_FORCE_ALIGNED");
 
 /// Hamilton quaternion, scalar part first. It is not a vec4, so that its order is never in doubt.
 struct Quaternion {
