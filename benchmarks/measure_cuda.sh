@@ -36,21 +36,18 @@ if [ -z "${SCENES:-}" ]; then
   for folder in "$SWIFTGS_SCENES"/*/; do [ -d "$folder" ] && SCENES+=" $(basename "$folder")"; done
 fi
 
-ask_gpu() { nvidia-smi --query-gpu="$1" --format=csv,noheader 2>/dev/null | sed -n 1p; }
 usable() { "$build/examples/swiftgs" list | grep '^cuda/.* runs here$' >/dev/null; }
 
 step_build() {
   "$root/cmake/setup.sh" test
-  local kind options=()
-  kind=$(ask_gpu compute_cap | tr -d .) || true
+  local options=()
   # The folder of headers is named because some packages take /usr for their own place.
   [ -z "${SWIFTGS_PREFIX:-}" ] ||
     options=("-DCMAKE_PREFIX_PATH=$SWIFTGS_PREFIX/usr" -DCMAKE_LIBRARY_ARCHITECTURE=x86_64-linux-gnu
              "-DCMAKE_CXX_FLAGS=-isystem $SWIFTGS_PREFIX/usr/include"
              "-DCMAKE_CUDA_FLAGS=-isystem $SWIFTGS_PREFIX/usr/include")
   cd "$root"
-  cmake --preset release -B "$build" -DSWIFTGS_BUILD_CUDA=ON "-DCMAKE_CUDA_ARCHITECTURES=${kind:-90}" \
-    "-DSWIFTGS_SCENES=$SWIFTGS_SCENES" "${options[@]}"
+  cmake --preset release -B "$build" -DSWIFTGS_BUILD_CUDA=ON "-DSWIFTGS_SCENES=$SWIFTGS_SCENES" "${options[@]}"
   cmake --build "$build" --parallel "$(nproc)"
 }
 

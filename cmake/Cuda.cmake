@@ -28,6 +28,10 @@ endif()
 option(SWIFTGS_BUILD_CUDA "Build swiftgs::cuda (needs nvcc 13 or newer)" ${swiftgs_cuda_found})
 
 if(SWIFTGS_BUILD_CUDA)
+  if(CMAKE_CUDA_ARCHITECTURES STREQUAL "native")
+    include(cmake/NativeGpus.cmake)
+    swiftgs_native_gpus(CMAKE_CUDA_ARCHITECTURES)
+  endif()
   # Not in the cache, where a project that embeds this one would find what is meant for it alone.
   set(swiftgs_architectures_chosen ON)
   if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES AND NOT DEFINED ENV{CUDAARCHS})

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""cmake/setup.sh: fails without what is needed, goes on without what is optional."""
+"""cmake/setup.sh: fails without what is needed, goes on without what is optional. Presets: kernels suit the machine."""
+import json
 import os
 import pathlib
+import shutil
 import subprocess
 import tempfile
 import unittest
@@ -89,6 +91,38 @@ class Setup(unittest.TestCase):
         self.assertEqual(code, 0)
         self.assertEqual([call.split()[-1] for call in calls], ["update", self.needed, self.optional])
         self.assertIn("going on without it", output)
+
+
+class NativeGpus(unittest.TestCase):
+    def kinds(self, nvidia_smi):
+        """What kernels are compiled for where `nvidia_smi` is the program of this name."""
+        with tempfile.TemporaryDirectory() as folder:
+            place = pathlib.Path(folder)
+            script = place / "ask.cmake"
+            script.write_text(f'include("{ROOT}/cmake/NativeGpus.cmake")\nswiftgs_native_gpus(kinds)\n'
+                              'message("kinds=${kinds}")\n', encoding="utf-8")
+            (place / "nvidia-smi").write_text(f"#!/bin/sh\n{nvidia_smi}\n", encoding="utf-8")
+            (place / "nvidia-smi").chmod(0o755)
+            ran = subprocess.run([shutil.which("cmake"), "-P", str(script)], capture_output=True, text=True, check=True,
+                                 env={"PATH": f"{place}:/usr/bin:/bin"})
+        return ran.stderr.strip()
+
+    def test_kernels_are_compiled_for_each_kind_of_gpu_here(self):
+        self.assertEqual(self.kinds("printf '8.9\\n12.0\\n8.9\\n'"), "kinds=89;120")
+
+    def test_gpus_that_nvcc_no_longer_knows_are_left_out(self):
+        self.assertEqual(self.kinds("printf '7.0\\n7.5\\n'"), "kinds=75")
+        self.assertEqual(self.kinds("echo 6.1"), "kinds=90")
+
+    def test_without_a_gpu_kernels_are_compiled_for_one_kind(self):
+        self.assertEqual(self.kinds("echo 'NVIDIA-SMI has failed: no driver'; exit 9"), "kinds=90")
+        self.assertEqual(self.kinds("echo 'No devices were found'"), "kinds=90")
+
+    def test_presets_ask_for_the_gpus_of_the_machine(self):
+        presets = json.loads((ROOT / "CMakePresets.json").read_text(encoding="utf-8"))["configurePresets"]
+        kinds = {preset["name"]: preset["cacheVariables"]["CMAKE_CUDA_ARCHITECTURES"] for preset in presets
+                 if "CMAKE_CUDA_ARCHITECTURES" in preset.get("cacheVariables", {})}
+        self.assertEqual(kinds, {"release": "native", "debug": "native"})
 
 
 if __name__ == "__main__":
