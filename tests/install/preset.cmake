@@ -1,29 +1,48 @@
 # SPDX-License-Identifier: Apache-2.0
 
-# cmake -DROOT=<sources> -DFOLDER=<build> -DNINJA=<ninja> -DOPTIONS=... -P preset.cmake
+# cmake -DROOT=<sources> -DPRESET=<name> -DFOLDER=<build> -DNINJA=<ninja> -DOPTIONS=... -DLINES=... -DINSTALLED=...
+#       -P preset.cmake
 #
-# Configures by the preset `cpu`. Fails unless configuring says what is built, and unless building by it builds and
-# installs the libraries of the CPU and nothing else.
+# Configures by PRESET and installs what building by it would make. Fails unless configuring prints LINES, and unless
+# the programs and libraries that are installed are INSTALLED.
 file(REMOVE_RECURSE "${FOLDER}")
-execute_process(COMMAND ${CMAKE_COMMAND} --preset cpu -B "${FOLDER}" ${OPTIONS}
+execute_process(COMMAND ${CMAKE_COMMAND} --preset ${PRESET} -B "${FOLDER}" -DCMAKE_SKIP_RPATH=ON
+                        -DCMAKE_INSTALL_LIBDIR=lib ${OPTIONS}
   WORKING_DIRECTORY "${ROOT}" OUTPUT_VARIABLE said COMMAND_ERROR_IS_FATAL ANY)
-foreach(line IN ITEMS "backends: serial, cpu\n" "EXR:      (yes|no, OpenEXR)" "report:   no, " "tests:    no\n")
+foreach(line IN LISTS LINES)
   if(NOT said MATCHES "${line}")
     message(FATAL_ERROR "expected a line '${line}' when the preset is configured:\n${said}")
   endif()
 endforeach()
 
 file(READ "${ROOT}/CMakePresets.json" presets)
-string(REGEX MATCH "\"configurePreset\": \"cpu\", \"targets\": \\[\"install\"\\]" installs "${presets}")
-if(NOT installs)
-  message(FATAL_ERROR "expected the build preset `cpu` to install")
+string(REGEX MATCH "\"configurePreset\": \"${PRESET}\", \"targets\": \\[([^]]*)\\]" targets "${presets}")
+string(REGEX MATCHALL "[a-z_]+" targets "${CMAKE_MATCH_1}")
+if(PRESET STREQUAL "cpu" AND NOT targets STREQUAL "install")
+  message(FATAL_ERROR "expected the build preset `cpu` to install, found the targets '${targets}'")
 endif()
-# What building would run: to run it would compile the libraries once more.
-execute_process(COMMAND "${NINJA}" -C "${FOLDER}" -t commands install OUTPUT_VARIABLE commands COMMAND_ERROR_IS_FATAL ANY)
-string(REPLACE "${FOLDER}" "" commands "${commands}")
-string(REGEX MATCHALL "libswiftgs[_a-z]*[.](a|so)|cmake_install" made "${commands}")
-list(REMOVE_DUPLICATES made)
-list(SORT made)
-if(NOT made STREQUAL "cmake_install;libswiftgs.a;libswiftgs_c.so;libswiftgs_cpu.a;libswiftgs_io.a" OR commands MATCHES "${ROOT}/(tests|examples)/")
-  message(FATAL_ERROR "expected to build and install libswiftgs, libswiftgs_c, libswiftgs_cpu and libswiftgs_io alone: ${made}")
+
+# An empty file for each program and library that building links: to build would compile the sources once more.
+execute_process(COMMAND "${NINJA}" -C "${FOLDER}" -t commands ${targets}
+  OUTPUT_VARIABLE commands COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL " (-o|qc) [^ ]+" linked "${commands}")
+string(REGEX MATCHALL "cmake_symlink_library [^&]+" links "${commands}")
+foreach(file IN LISTS linked)
+  string(REGEX REPLACE "^ (-o|qc) " "" file "${file}")
+  if(NOT file MATCHES "[.]o$")
+    file(WRITE "${FOLDER}/${file}" "")
+  endif()
+endforeach()
+foreach(link IN LISTS links)
+  separate_arguments(link UNIX_COMMAND "${link}")
+  execute_process(COMMAND ${CMAKE_COMMAND} -E ${link} WORKING_DIRECTORY "${FOLDER}" COMMAND_ERROR_IS_FATAL ANY)
+endforeach()
+
+execute_process(COMMAND ${CMAKE_COMMAND} --install "${FOLDER}" --prefix "${FOLDER}/prefix" OUTPUT_QUIET
+  COMMAND_ERROR_IS_FATAL ANY)
+file(GLOB_RECURSE found LIST_DIRECTORIES false RELATIVE "${FOLDER}/prefix"
+  "${FOLDER}/prefix/bin/*" "${FOLDER}/prefix/*.a" "${FOLDER}/prefix/*.so" "${FOLDER}/prefix/*.py")
+list(SORT found)
+if(NOT found STREQUAL INSTALLED)
+  message(FATAL_ERROR "the preset ${PRESET}: expected to install ${INSTALLED}, found ${found}")
 endif()
