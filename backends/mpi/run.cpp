@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -34,12 +33,6 @@ void let_others_speak(const Ranks& ranks) {
 }
 
 }  // namespace
-
-bool started_by_launcher() {
-  // Of Open MPI, of PMIx and PMI, which MPICH, Intel MPI and Slurm bring.
-  constexpr std::array names{"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE"};
-  return std::any_of(names.begin(), names.end(), [](const char* name) { return std::getenv(name); });
-}
 
 int run_on_ranks(const std::string& program, const std::function<int(Ranks&)>& work) {
   int provided = 0;

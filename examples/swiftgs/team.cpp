@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include <swiftgs/launcher.hpp>
 #if defined(SWIFTGS_HAS_MPI)
 #include <swiftgs/mpi/identity.hpp>
 #include <swiftgs/mpi/ranks.hpp>
@@ -85,7 +86,13 @@ std::size_t Team::steps_told() const { return ranks ? ranks->steps_told() : 0; }
 
 #else
 
-int Team::run(int, char**, const std::function<int()>& work) { return work(); }
+int Team::run(int, char**, const std::function<int()>& work) {
+  if (started_with_others())
+    throw std::runtime_error(
+        "built without MPI and started by a launcher such as mpirun: each process would do all the work; "
+        "expected a build with SWIFTGS_BUILD_MPI, or one process");
+  return work();
+}
 int Team::rank() const { return 0; }
 int Team::size() const { return 1; }
 void Team::require_same(const std::string&, const std::string&) const {}

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <swiftgs/api.hpp>
+#include <swiftgs/launcher.hpp>
 #include <swiftgs/span.hpp>
 
 namespace swiftgs {
@@ -179,9 +180,5 @@ class SWIFTGS_API Failure {
 /// Where `work` throws, one line on standard error names the program, the rank and the error, and all ranks
 /// end with exit code 1, whatever they were doing.
 SWIFTGS_API int run_on_ranks(const std::string& program, const std::function<int(Ranks&)>& work);
-
-/// Whether a launcher of MPI started this process, by what it left in the environment. A program that asks
-/// first need not start MPI where it is alone.
-SWIFTGS_API bool started_by_launcher();
 
 }  // namespace swiftgs

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdlib>
+#include <initializer_list>
+#include <stdexcept>
+#include <utility>
+
+#include <doctest/doctest.h>
+
+#include "team.hpp"
+
+namespace {
+
+constexpr const char* refusal =
+    "built without MPI and started by a launcher such as mpirun: each process would do all the work; "
+    "expected a build with SWIFTGS_BUILD_MPI, or one process";
+
+/// What the tool does in an environment of these variables alone, as `NAME`, `VALUE` pairs.
+int run_with(std::initializer_list<std::pair<const char*, const char*>> variables) {
+  for (const char* name :
+       {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"})
+    unsetenv(name);
+  for (const auto& [name, value] : variables) setenv(name, value, 1);
+  return swiftgs::cli::Team::run(0, nullptr, [] { return 7; });
+}
+
+}  // namespace
+
+TEST_CASE("cli: a build without MPI refuses to be one of several processes of a launcher") {
+  CHECK_THROWS_WITH_AS(run_with({{"OMPI_COMM_WORLD_SIZE", "2"}, {"PMIX_RANK", "1"}}), refusal,
+                       std::runtime_error);
+  CHECK_THROWS_WITH_AS(run_with({{"PMI_RANK", "0"}, {"PMI_SIZE", "16"}}), refusal, std::runtime_error);
+  CHECK_THROWS_WITH_AS(run_with({{"PMIX_RANK", "0"}, {"SLURM_STEP_NUM_TASKS", "4"}}), refusal,
+                       std::runtime_error);
+  CHECK_THROWS_WITH_AS(run_with({{"PMIX_RANK", "0"}}), refusal, std::runtime_error);
+}
+
+TEST_CASE("cli: a build without MPI works alone and as the only process of a launcher") {
+  CHECK(run_with({}) == 7);
+  CHECK(run_with({{"OMPI_COMM_WORLD_SIZE", "1"}, {"PMIX_RANK", "0"}}) == 7);
+  CHECK(run_with({{"PMIX_RANK", "0"}, {"SLURM_STEP_NUM_TASKS", "1"}}) == 7);
+  CHECK(run_with({{"SLURM_STEP_NUM_TASKS", "4"}}) == 7);  // a shell within a job is no launcher of MPI
+}
