@@ -19,24 +19,24 @@ namespace {
 
 constexpr std::size_t page = std::size_t(2) << 20;
 
-/// Asks for whole large pages of [memory, memory + bytes), now rather than when the system gets round to it.
-/// Advice only: where it is refused, everything works all the same.
-void advise_large_pages(const void* memory, std::size_t bytes) {
+/// Asks for whole large pages of [memory, memory + bytes). Advice only: where it is refused, everything works
+/// all the same.
+void advise_large_pages(const void* memory, std::size_t bytes, LargePages pages) {
 #if defined(__linux__)
   const std::uintptr_t begin = (reinterpret_cast<std::uintptr_t>(memory) + page - 1) / page * page;
   const std::uintptr_t end = (reinterpret_cast<std::uintptr_t>(memory) + bytes) / page * page;
   if (begin >= end) return;
   (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-  (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_COLLAPSE);
+  if (pages == LargePages::now) (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_COLLAPSE);
 #else
-  (void)memory, (void)bytes;
+  (void)memory, (void)bytes, (void)pages;
 #endif
 }
 
-HostScene in_large_pages(HostScene scene) {
+HostScene in_large_pages(HostScene scene, LargePages pages) {
   const SceneView view = scene.view();
-  const auto advise = [](const auto& array) {
-    advise_large_pages(array.data, array.size * sizeof(*array.data));
+  const auto advise = [&](const auto& array) {
+    advise_large_pages(array.data, array.size * sizeof(*array.data), pages);
   };
   advise(view.means), advise(view.scales), advise(view.rotations);
   advise(view.opacities), advise(view.sh0), advise(view.sh_rest);
@@ -58,12 +58,12 @@ void* LargePageMemory::allocate(std::size_t bytes) {
 
 void LargePageMemory::release(void* memory) { std::free(memory); }
 
-Cpu::SceneOn Cpu::upload(std::shared_ptr<const Scene> scene) const {
-  return in_large_pages(SceneOn(*this, std::move(scene)));
+Cpu::SceneOn Cpu::upload(std::shared_ptr<const Scene> scene, LargePages pages) const {
+  return in_large_pages(SceneOn(*this, std::move(scene)), pages);
 }
 
 Cpu::SceneOn Cpu::upload(const SceneArrays& arrays, std::optional<SceneOn>& reuse) const {
-  return in_large_pages(SceneOn::copy(*this, arrays, reuse));
+  return in_large_pages(SceneOn::copy(*this, arrays, reuse), LargePages::later);
 }
 
 }  // namespace swiftgs

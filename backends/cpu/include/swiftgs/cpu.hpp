@@ -39,6 +39,12 @@ struct SWIFTGS_API LargePageMemory {
   static void release(void* memory);
 };
 
+/// When `Cpu::upload` has the arrays of a scene in large pages.
+enum class LargePages {
+  later,  ///< when the system gets round to it
+  now,    ///< before it returns: the system moves them, which takes as long as several frames
+};
+
 /// All cores, by oneTBB, with vector kernels that are chosen for the processor at run time. A frame has the
 /// same bits whatever the number of threads.
 class SWIFTGS_API Cpu {
@@ -66,10 +72,12 @@ class SWIFTGS_API Cpu {
   int threads_at_once() const;
   std::string device_name() const;
 
-  /// Shares `scene` without copying it, and asks for its arrays to be moved to large pages.
-  SceneOn upload(std::shared_ptr<const Scene> scene) const;
-  SceneOn upload(Scene scene) const { return upload(std::make_shared<const Scene>(std::move(scene))); }
-  /// As `HostScene::copy`, in large pages too.
+  /// Shares `scene` without copying it.
+  SceneOn upload(std::shared_ptr<const Scene> scene, LargePages pages = LargePages::later) const;
+  SceneOn upload(Scene scene, LargePages pages = LargePages::later) const {
+    return upload(std::make_shared<const Scene>(std::move(scene)), pages);
+  }
+  /// As `HostScene::copy`.
   SceneOn upload(const SceneArrays& arrays, std::optional<SceneOn>& reuse) const;
 
   template <class T>
