@@ -101,9 +101,26 @@ def test_quaternions_need_no_length_and_conventions_are_arguments(gsplat_argumen
     assert decibels(swiftgs.rasterization(**longer)[0], plain) > 90
     for change in ({"near_plane": 5.0}, {"far_plane": 5.0}, {"eps2d": 1.0}, {"rasterize_mode": "antialiased"}):
         assert decibels(swiftgs.rasterization(**gsplat_arguments, **change)[0], plain) < 60, change
-    for change in ({"packed": False}, {"tile_size": 8}, {"channel_chunk": 2}, {"segmented": True},
-                   {"rolling_shutter": "RollingShutterType.GLOBAL"}):
-        assert np.array_equal(swiftgs.rasterization(**gsplat_arguments, **change)[0], plain), change
+
+
+@pytest.mark.parametrize("change", [
+    {"packed": False}, {"tile_size": 8}, {"channel_chunk": 2}, {"segmented": True}, {"absgrad": True},
+    {"sparse_grad": True}, {"ut_params": object()}, {"ftheta_coeffs": object()}, {"renderer_config": object()},
+    {"extra_signals_sh_degree": 3}, {"radial_coeffs": np.zeros((1, 6))}, {"tangential_coeffs": np.zeros((1, 2))},
+    {"thin_prism_coeffs": np.zeros((1, 4))}, {"rolling_shutter": "RollingShutterType.GLOBAL"}], ids=str)
+def test_what_changes_no_image_is_taken(change, gsplat_arguments):
+    plain = swiftgs.rasterization(**gsplat_arguments)[0]
+    assert np.array_equal(swiftgs.rasterization(**gsplat_arguments, **change)[0], plain)
+
+
+def test_what_a_trainer_passes_for_evaluation_too():
+    one = np.ones((1, 3), np.float32)
+    image, _, _ = swiftgs.rasterization(
+        means=np.float32([[0, 0, 4]]), quats=np.float32([[1, 0, 0, 0]]), scales=one / 5, opacities=np.float32([0.9]),
+        colors=one, viewmats=np.eye(4)[None], Ks=np.array([[[64, 0, 32], [0, 64, 32], [0, 0, 1]]]), width=64, height=64,
+        packed=False, near_plane=0.01, far_plane=1e10, render_mode="RGB+ED", sparse_grad=False, absgrad=True,
+        rasterize_mode="classic")
+    assert image.shape == (1, 64, 64, 4) and 0.8 < image[0, 32, 32, 0] <= 0.9 and abs(image[0, 32, 32, 3] - 4) < 1e-3
 
 
 def test_other_orders_and_libraries_of_arrays(gsplat_arguments):
@@ -133,13 +150,13 @@ def test_a_renderer_of_the_callers(gsplat_arguments):
 
 
 REFUSED = {
-    "radius_clip": 1.0, "sparse_grad": True, "absgrad": True, "distributed": True, "camera_model": "fisheye",
+    "radius_clip": 1.0, "distributed": True, "camera_model": "fisheye",
     "covars": np.zeros((2000, 3, 3), np.float32), "with_ut": True, "with_eval3d": True, "return_normals": True,
-    "global_z_order": False, "rays": np.zeros(1), "radial_coeffs": np.zeros((1, 6)),
-    "tangential_coeffs": np.zeros((1, 2)), "thin_prism_coeffs": np.zeros((1, 4)), "ftheta_coeffs": object(),
+    "global_z_order": False, "rays": np.zeros(1), "radial_coeffs": np.array([[0.1, 0, 0, 0, 0, 0]]),
+    "tangential_coeffs": np.array([[0, 1e-3]]), "thin_prism_coeffs": np.full((1, 4), np.nan),
     "lidar_coeffs": object(), "external_distortion_coeffs": object(), "viewmats_rs": np.zeros((1, 4, 4)),
-    "ut_params": object(), "extra_signals": np.zeros((2000, 1)), "extra_signals_sh_degree": 3,
-    "renderer_config": object(), "rolling_shutter": "RollingShutterType.ROLLING_TOP_TO_BOTTOM", "render_mode": "d"}
+    "extra_signals": np.zeros((2000, 1)), "rolling_shutter": "RollingShutterType.ROLLING_TOP_TO_BOTTOM",
+    "render_mode": "d"}
 
 
 @pytest.mark.parametrize("name", REFUSED)

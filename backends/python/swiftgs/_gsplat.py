@@ -16,13 +16,12 @@ _MODES = ("RGB", "D", "ED", "RGB+D", "RGB+ED")
 _CAMERA = np.dtype(_c.Camera)
 _LAST_ROW = np.array([0, 0, 0, 1])
 
-# Arguments that gsplat has and this does not, with the one value that changes nothing.
+# Arguments that change an image or ask for another result, with the one value that does neither.
 _REFUSED: Dict[str, Any] = {
-    "radius_clip": 0.0, "sparse_grad": False, "absgrad": False, "distributed": False, "camera_model": "pinhole",
-    "covars": None, "with_ut": False, "with_eval3d": False, "return_normals": False, "global_z_order": True,
-    "rays": None, "radial_coeffs": None, "tangential_coeffs": None, "thin_prism_coeffs": None, "ftheta_coeffs": None,
-    "lidar_coeffs": None, "external_distortion_coeffs": None, "viewmats_rs": None, "ut_params": None,
-    "extra_signals": None, "extra_signals_sh_degree": None, "renderer_config": None}
+    "radius_clip": 0.0, "distributed": False, "camera_model": "pinhole", "covars": None, "with_ut": False,
+    "with_eval3d": False, "return_normals": False, "global_z_order": True, "rays": None, "lidar_coeffs": None,
+    "external_distortion_coeffs": None, "viewmats_rs": None, "extra_signals": None}
+_DISTORTIONS = ("radial_coeffs", "tangential_coeffs", "thin_prism_coeffs")
 
 _NAMES = {"rotations": "quats", "sh": "colors", "colours": "colors"}
 
@@ -61,9 +60,9 @@ def rasterization(
     "RGB+ED". On a device nothing of the Gaussians or the images visits the host, and the images are in the order of
     the library's current stream.
 
-    `packed`, `tile_size`, `channel_chunk` and `segmented` change nothing here. Other arguments are refused by name
-    unless they have their default. `renderer` is a `Renderer` of yours, which keeps the Gaussians as its scene; without
-    one each thread has its own. docs/python.md has a table of all arguments.
+    Arguments that change no image, such as `absgrad` and `packed`, are taken and not used. Those that would change it
+    are refused by name unless they have their default. `renderer` is a `Renderer` of yours, which keeps the Gaussians
+    as its scene; without one each thread has its own. docs/python.md has a table of all arguments.
     """
     arguments = locals()
     for name, default in _REFUSED.items():
@@ -71,6 +70,10 @@ def rasterization(
         if value is not default and (default is None or value != default):
             raise NotImplementedError(f"rasterization: {name} is {_short(value)}, expected {default!r}: nothing else "
                                       "is offered")
+    for name in _DISTORTIONS:
+        if arguments[name] is not None and _arrays.host(arguments[name], name).any():
+            raise NotImplementedError(f"rasterization: {name} is {_short(arguments[name])}, expected None or zeros: "
+                                      "distorted images are not offered")
     if rolling_shutter is not None and "GLOBAL" not in str(rolling_shutter):
         raise NotImplementedError(f"rasterization: rolling_shutter is {_short(rolling_shutter)}, expected GLOBAL: "
                                   "nothing else is offered")
@@ -78,7 +81,9 @@ def rasterization(
         raise NotImplementedError(f"rasterization: render_mode is {render_mode!r}, expected one of {', '.join(_MODES)}")
     if rasterize_mode not in ("classic", "antialiased"):
         raise ValueError(f"rasterization: rasterize_mode is {rasterize_mode!r}, expected 'classic' or 'antialiased'")
-    del packed, tile_size, channel_chunk, segmented
+    # Of the backward pass, of speed, and of what is refused above.
+    del sparse_grad, absgrad, packed, tile_size, channel_chunk, segmented, renderer_config
+    del ftheta_coeffs, ut_params, extra_signals_sh_degree
 
     cameras = _cameras(viewmats, Ks, width, height)
     count = len(cameras)
