@@ -227,9 +227,9 @@ void convert(const ConvertOptions& options) {
 }
 
 constexpr const char* more =
-    R"(Reads every format of docs/formats.md; the ending of OUT says what is written: .ply, .compressed.ply,
-.spz, .sog or .splat. Several scenes become one. Then, in this order: --degree, --transform, --crop,
---keep and --order. --transform and --crop may be given several times and act one after another.
+    R"(The ending of OUT says what is written: .ply, .compressed.ply, .spz, .sog or .splat.
+Several scenes become one. Then, in this order: --degree, --transform, --crop, --keep and --order.
+--transform and --crop may be given several times and act one after another.
 Prints what was read, left out and written.
 
 --transform scale:S, move:X,Y,Z, rotate:X,Y,Z,DEGREES about an axis through the origin, or matrix: and
@@ -247,7 +247,7 @@ Examples:
 
 void add_convert(CLI::App& app) {
   CLI::App* command = app.add_subcommand("convert", "Writes scenes in another format, joined and edited");
-  command->footer(more);
+  command->footer(std::string("Reads ") + scene_files + ".\n" + more);
   const auto options = std::make_shared<ConvertOptions>();
   command->add_option("FILE", options->files, "Scenes to read, and last the file to write")->required();
   add_scene_reading(*command, options->scene);

@@ -13,6 +13,7 @@
 #include <swiftgs/version.hpp>
 
 #include "commands.hpp"
+#include "options.hpp"
 #include "suggestion.hpp"
 #include "team.hpp"
 
@@ -74,7 +75,7 @@ std::string unexpected(const CLI::App& app, const std::vector<std::string>& argu
     if (std::find(left.begin(), left.end(), argument) == left.end()) continue;
     if (only_options && !is_option(argument)) continue;
     message += separator + ("'" + argument + "' is not expected");
-    if (argument.starts_with("--")) message += suggestion(argument.substr(0, argument.find('=')), options);
+    if (is_option(argument)) message += suggestion(argument.substr(0, argument.find('=')), options);
     separator = "; ";
   }
   return message;
@@ -127,7 +128,7 @@ std::vector<std::string> with_help_as_option(std::vector<std::string> arguments)
 
 int run(int argc, char** argv) {
   CLI::App app(about, "swiftgs");
-  app.footer(start_here);
+  app.footer(std::string(start_here) + "\nScenes are read from " + scene_files + ".");
   app.set_version_flag("--version", "swiftgs " + std::string(version));
   app.require_subcommand(0, 1);  // that none is there is said below: CLI11 would not name an unknown one
 

@@ -16,8 +16,8 @@ void add_scene(CLI::App& command, SceneOptions& options) {
   command
       .add_option(
           "SCENE", options.scene,
-          "A file of Gaussians (see docs/formats.md), the folder of a capture, builtin, or\nbuiltin:N for "
-          "N Gaussians")
+          std::string("A file, the folder of a capture, builtin, or builtin:N for N Gaussians; files are\n") +
+              scene_files)
       ->required();
   add_scene_reading(command, options);
 }

@@ -280,3 +280,11 @@ TEST_CASE("cli: help explains every command and gives examples") {
     if (command != "list") CHECK(contains(more, "\n  swiftgs " + command));
   }
 }
+
+TEST_CASE("cli: help names the files that are read") {
+  const TemporaryFolder place;
+  const std::string files =
+      ".ply, .compressed.ply, .spz, .sog, meta.json, lod-meta.json, .glb, .gltf, .splat or .ksplat";
+  for (const std::string command : {"", "info ", "render ", "check ", "convert ", "prune ", "calibrate "})
+    CHECK(contains(run(place, command + "--help").out, files));
+}

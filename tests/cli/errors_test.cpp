@@ -122,6 +122,11 @@ TEST_CASE("cli errors: arguments that are not known or missing") {
   // The unknown option's value takes the scene's place.
   fails(place, "render --backgrund 1,1,1 builtin:10",
         {"render: '--backgrund' is not expected, did you mean '--background'? (see"});
+  fails(place, "render --bogus",
+        {"swiftgs: render: '--bogus' is not expected (see swiftgs render --help)\n"});
+  fails(place, "render --camera a.json",
+        {"swiftgs: render: '--camera' is not expected, did you mean '--cameras'? (see"});
+  fails(place, "render builtin:10 -scale 0.5", {"is not expected, did you mean '--scale'? (see"});
   fails(place, "render builtin:10 here there",
         {"render: 'here' is not expected; 'there' is not expected (see"});
   fails(place, "render builtin:10 --scale big", {"swiftgs: --scale 'big': expected a number (see"});
