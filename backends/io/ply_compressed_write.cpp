@@ -17,10 +17,10 @@ namespace {
 /// What other writers clamp logarithms of scales to; one of 0 would have no range.
 constexpr float most_log_scale = 20;
 
-float log_of_scale(float scale) { return std::clamp(std::log(scale), -most_log_scale, most_log_scale); }
 vec3 log_scale_of(const Scene& scene, std::size_t i) {
   const vec3& scale = scene.scales[i];
-  return {log_of_scale(scale.x), log_of_scale(scale.y), log_of_scale(scale.z)};
+  return glm::clamp(vec3(log_of_scale(scale.x), log_of_scale(scale.y), log_of_scale(scale.z)),
+                    -most_log_scale, most_log_scale);
 }
 
 /// From 0 to 1 where the viewers that defined the format show it.
@@ -96,7 +96,7 @@ void note_clamped(const Scene& scene, std::vector<std::string>& notes) {
   for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       for (int axis = 0; axis < 3; ++axis)
-        scales.add(std::abs(std::log(scene.scales[i][axis])) > most_log_scale);
+        scales.add(std::abs(log_of_scale(scene.scales[i][axis])) > most_log_scale);
       for (std::size_t j = 0; j < rest; ++j) harmonics.add(std::abs(scene.sh_rest[i * rest + j]) > 4);
     }
   });

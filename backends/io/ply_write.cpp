@@ -37,7 +37,7 @@ void encode_row(const Scene& scene, std::size_t i, RowEncoder row) {
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t j = 0; j < count; ++j) row.add(rest[3 * j + c]);
   row.add(logit(scene.opacities[i]));
-  for (int axis = 0; axis < 3; ++axis) row.add(std::log(scene.scales[i][axis]));
+  for (int axis = 0; axis < 3; ++axis) row.add(log_of_scale(scene.scales[i][axis]));
   const Quaternion& q = scene.rotations[i];
   row.add(q.w), row.add(q.x), row.add(q.y), row.add(q.z);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -19,6 +20,10 @@ namespace swiftgs::io {
 /// The scene without numbers that are not finite, opacities outside 0 to 1 and scales below 0. Empty if
 /// `scene` has none. `write_scene` tells what becomes of them; `notes` get the counts.
 std::optional<Scene> encodable(const Scene& scene, std::vector<std::string>& notes);
+
+/// The logarithm of a scale, as files hold it; of 0 one whose exponential is 0 as a float, since few programs
+/// read an infinity.
+inline float log_of_scale(float scale) { return scale > 0 ? std::log(scale) : -104; }
 
 /// What a file holds that keeps all Gaussians and bands of `scene`, and whether it is antialiased.
 WrittenScene written_whole(std::string format, const Scene& scene);

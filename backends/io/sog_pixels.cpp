@@ -6,11 +6,10 @@
 #include <limits>
 #include <vector>
 
+#include "scene_encoding.hpp"
+
 namespace swiftgs::io {
 namespace {
-
-/// Beyond the logarithm of the smallest float, so that its exponential is 0 as a float.
-constexpr float logarithm_of_zero = -104;
 
 using Pixel = std::array<std::uint8_t, 4>;
 
@@ -92,11 +91,11 @@ Codebook scale_codebook(const Scene& scene) {
   numbers.reserve(3 * scene.size());
   for (const vec3& scale : scene.scales)
     for (int axis = 0; axis < 3; ++axis)
-      if (scale[axis] > 0) numbers.push_back({std::log(scale[axis])});
+      if (scale[axis] > 0) numbers.push_back({log_of_scale(scale[axis])});
   if (numbers.size() == 3 * scene.size()) return Codebook::of(std::move(numbers));
   // A scale of 0 is exact, and the others are not averaged with it.
   Codebook book = Codebook::of(std::move(numbers), 255);
-  book.prepend(logarithm_of_zero);
+  book.prepend(log_of_scale(0));
   return book;
 }
 
@@ -114,9 +113,7 @@ Codebook palette_codebook(const Palette& palette) {
 
 RgbaImage scale_image(const Scene& scene, Order order, const Codebook& codebook) {
   return image_of(order, [&](std::uint32_t i) {
-    const auto byte = [&](float scale) {
-      return codebook.byte_of(scale > 0 ? std::log(scale) : logarithm_of_zero);
-    };
+    const auto byte = [&](float scale) { return codebook.byte_of(log_of_scale(scale)); };
     const vec3& scale = scene.scales[i];
     return Pixel{byte(scale.x), byte(scale.y), byte(scale.z), 255};
   });

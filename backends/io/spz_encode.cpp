@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "scene_building.hpp"
+#include "scene_encoding.hpp"
 #include "spz_values.hpp"
 
 namespace swiftgs::io {
@@ -141,7 +142,7 @@ std::uint64_t encode_spz(const Scene& scene, const SpzEncoding& encoding, SpzAtt
       if (attribute == spz_positions)
         out.add_position(positions * double(encoding.flip.position(scene.means[i])[axis]));
       if (attribute == spz_colours) out.add(scene.sh0[i][axis] * (0.15f * 255) + 127.5f);
-      if (attribute == spz_scales) out.add((std::log(scene.scales[i][axis]) + 10) * 16);
+      if (attribute == spz_scales) out.add((log_of_scale(scene.scales[i][axis]) + 10) * 16);
     }
   }
   return out.clamped();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
@@ -38,6 +39,43 @@ TEST_CASE("writers: a scene of legal numbers is written whole and without a note
     CHECK(written.gaussians == 300);
     CHECK(load_scene(folder / name).size() == 300);
   }
+}
+
+TEST_CASE("writers: scales of 0 are written as finite numbers") {
+  const TemporaryFolder folder;
+  for (const bool all : {false, true})
+    for (const std::string& name : names) {
+      CAPTURE(name);
+      CAPTURE(all);
+      Scene scene = modest_scene(300);
+      for (std::size_t i = 0; i < scene.size(); ++i)
+        if (all)
+          scene.scales[i] = vec3(0.0f);
+        else if (i % 2 == 0)
+          scene.scales[i].z = 0;
+      write_scene(folder / name, scene);
+      const std::string content = content_of(folder / name);
+      const std::size_t header = content.find("end_header\n");
+      if (header != std::string::npos)  // floats: all of a PLY, and the ranges of a compressed one
+        for (std::size_t at = header + 11, k = 0; at + 4 <= content.size() && (name == "a.ply" || k < 36);
+             at += 4, ++k) {
+          float number = 0;
+          std::memcpy(&number, content.data() + at, 4);
+          CHECK(std::isfinite(number));
+        }
+      for (const char* word : {"inf", "nan", "null"})
+        if (name == "a.sog") CHECK(!contains(content.substr(0, content.find("means_l.webp")), word));
+      const SceneFile file = read_scene(folder / name);
+      CHECK(file.dropped_nonfinite == 0);
+      REQUIRE(file.scene.size() == 300);
+      // The least scale of the format: SPZ and compressed PLY have no 0, and their writers say so.
+      const float least = name == "a.spz"              ? std::exp(-10.0f)
+                          : name == "a.compressed.ply" ? std::exp(-20.0f)
+                                                       : 0;
+      std::size_t flat = 0;
+      for (const vec3& scale : file.scene.scales) flat += scale.z >= 0 && scale.z <= least * 1.0001f;
+      CHECK(flat == (all ? 300 : 150));
+    }
 }
 
 TEST_CASE("writers: every format leaves out or changes the same numbers and counts them") {
