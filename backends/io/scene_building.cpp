@@ -2,7 +2,11 @@
 #include "scene_building.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
 #include <string>
+#include <utility>
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -88,6 +92,11 @@ void drop_signs_of_scales(SceneFile& file) {
 }
 
 std::uint64_t drop_nonfinite(Scene& scene) {
+  std::vector<dvec3> none;
+  return drop_nonfinite(scene, none);
+}
+
+std::uint64_t drop_nonfinite(Scene& scene, std::vector<dvec3>& exact_means) {
   const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   std::vector<std::uint8_t> wanted(scene.size());
   for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
@@ -96,12 +105,48 @@ std::uint64_t drop_nonfinite(Scene& scene) {
   const auto dropped = std::uint64_t(std::count(wanted.begin(), wanted.end(), 0));
   if (dropped == 0) return 0;
   keep(scene.means, wanted);
+  if (!exact_means.empty()) keep(exact_means, wanted);
   keep(scene.scales, wanted);
   keep(scene.rotations, wanted);
   keep(scene.opacities, wanted);
   keep(scene.sh0, wanted);
   keep(scene.sh_rest, wanted, rest);
   return dropped;
+}
+
+bool note_rounded_means(SceneFile& file, double most) {
+  constexpr double seen = 1e-6;
+  vec3 lower(std::numeric_limits<float>::infinity()), upper = -lower;
+  double size = 0;
+  for (std::size_t i = 0; i < file.scene.size(); ++i) {
+    if (!renderable(file.scene, i)) continue;
+    const vec3 &mean = file.scene.means[i], &scale = file.scene.scales[i];
+    lower = glm::min(lower, mean), upper = glm::max(upper, mean);
+    for (int axis = 0; axis < 3; ++axis)
+      size = std::max({size, double(scale[axis]), double(upper[axis]) - double(lower[axis])});
+  }
+  if (!(most > seen * size)) return false;
+  char distance[32];
+  std::snprintf(distance, sizeof distance, "%.3g", most);
+  file.notes.push_back(
+      "Positions are so far from the origin that rounding them to float moves them by up to " +
+      std::string(distance) + " units of the scene.");
+  return true;
+}
+
+void keep_exact_means(SceneFile& file, std::vector<dvec3> exact_means) {
+  double most = 0;
+  for (std::size_t i = 0; i < exact_means.size(); ++i)
+    if (renderable(file.scene, i)) most = std::max(most, distance_to_float(exact_means[i], file.scene.means[i]));
+  if (most == 0 || !note_rounded_means(file, most)) return;
+  file.notes.back().pop_back();
+  file.notes.back() += "; 'swiftgs convert --transform move:X,Y,Z' moves them before.";
+  file.exact_means = std::move(exact_means);
+}
+
+void note_dropped(std::uint64_t dropped, std::vector<std::string>& notes) {
+  if (dropped != 0)
+    notes.push_back("Gaussians with a NaN or an infinity are left out: " + std::to_string(dropped) + ".");
 }
 
 }  // namespace swiftgs::io

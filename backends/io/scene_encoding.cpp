@@ -32,12 +32,11 @@ std::optional<Scene> encodable(const Scene& scene, std::vector<std::string>& not
   });
   if (infinite + opacities + negative == 0) return std::nullopt;
 
-  const auto note = [&](std::uint64_t count, const char* what) {
-    if (count != 0) notes.push_back(what + std::to_string(count) + ".");
-  };
-  note(infinite, "Gaussians with a NaN or an infinity are left out: ");
+  note_dropped(infinite, notes);
   note_clamped(opacities, "Opacities", "0 to 1", notes);
-  note(negative, "Scales below 0 are written without their sign, of Gaussians: ");
+  if (negative != 0)
+    notes.push_back(
+        "Scales below 0 are written without their sign, of Gaussians: " + std::to_string(negative) + ".");
   Scene result = scene;
   drop_nonfinite(result);
   for (float& opacity : result.opacities) opacity = std::clamp(opacity, 0.0f, 1.0f);

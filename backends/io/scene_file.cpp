@@ -6,34 +6,17 @@
 #include <swiftgs/io/scene_file.hpp>
 
 #include "bytes.hpp"
+#include "foreign_file.hpp"
 #include "ksplat_layout.hpp"
 #include "mapped_file.hpp"
 #include "name_ending.hpp"
+#include "scene_building.hpp"
 #include "scene_readers.hpp"
-#include "transforms_json.hpp"
+#include "spz_content.hpp"
 
 namespace swiftgs {
 namespace io {
 namespace {
-
-/// What people take for a scene most often deserves its name.
-std::string_view what_it_is(std::string_view text) {
-  const std::string_view beginning = text.substr(0, 1 << 16);
-  const auto starts_with = [&](std::string_view start) { return text.starts_with(start); };
-  const auto holds = [&](std::string_view word) { return beginning.find(word) != std::string_view::npos; };
-  if (text.empty()) return "an empty file";
-  if (starts_with("PK")) return holds(".usdc") || holds(".usda") ? "a USD archive" : "a ZIP archive";
-  if (starts_with("PXR-USDC") || starts_with("#usda")) return "a USD scene";
-  if (starts_with("version https://git-lfs")) return "a pointer of Git LFS, whose content is not there";
-  if (starts_with("<!DOCTYPE") || starts_with("<!doctype") || starts_with("<html")) return "a page of HTML";
-  if (starts_with("\x89PNG")) return "a PNG image";
-  if (starts_with("\xff\xd8\xff")) return "a JPEG image";
-  if (starts_with("{") || starts_with("[")) {
-    if (holds("\"img_name\"")) return "JSON of cameras (cameras.json)";
-    return is_transforms_json(beginning) ? "JSON of cameras (transforms.json)" : "JSON";
-  }
-  return "something else";
-}
 
 /// Whether JSON is a glTF; a SOG folder's, too, may have a member "asset".
 bool is_gltf(std::string_view text, std::string_view name) {
@@ -65,9 +48,7 @@ constexpr Reader readers[] = {
        return text.starts_with("ply\n") || text.starts_with("ply\r\n");
      },
      read_ply, true},
-    {[](std::string_view text, std::string_view) {
-       return text.starts_with("NGSP") || text.starts_with("\x1f\x8b");
-     },
+    {[](std::string_view text, std::string_view) { return text.starts_with("NGSP") || is_gzip_of_spz(text); },
      read_spz, true},
     {[](std::string_view text, std::string_view name) {
        return text.starts_with("glTF") || is_gltf(text, name);
@@ -88,7 +69,10 @@ constexpr Reader readers[] = {
      },
      read_streamed_sog},
     // Last, as nothing but the name tells.
-    {[](std::string_view, std::string_view name) { return has_ending(name, ".splat"); }, read_splat, true},
+    {[](std::string_view text, std::string_view name) {
+       return has_ending(name, ".splat") && !is_surely_foreign(text);
+     },
+     read_splat, true},
 };
 
 SceneFile read(const Source& source, const SceneReadOptions& options) {
@@ -103,9 +87,10 @@ SceneFile read(const Source& source, const SceneReadOptions& options) {
             "read in parts; 'swiftgs convert' writes one");
       SceneFile file = reader.read(source, options);
       file.bytes += source.bytes.size();
+      note_dropped(file.dropped_nonfinite, file.notes);
       return file;
     }
-  source.fail(0, "a scene of Gaussians, found " + std::string(what_it_is(text)));
+  source.fail(0, "a scene of Gaussians, found " + what_it_is(text));
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <new>
+#include <span>
 
 #include <zip.h>
 
+#include "listed.hpp"
 #include "sog_files.hpp"
 
 namespace swiftgs::io {
@@ -50,12 +52,26 @@ void unpack(const Source& entry, zip_t* archive, zip_uint64_t index, std::byte* 
 
 }  // namespace
 
+std::vector<std::string> names_in_bundle(std::string_view archive) {
+  std::vector<std::string> names;
+  try {
+    const auto zip = open_archive({std::as_bytes(std::span(archive)), "archive"});
+    const zip_int64_t count = zip_get_num_entries(zip.get(), 0);
+    for (zip_int64_t i = 0; i < count; ++i)
+      if (const char* name = zip_get_name(zip.get(), zip_uint64_t(i), ZIP_FL_ENC_RAW))
+        names.emplace_back(name);
+  } catch (const FormatError&) {
+  }
+  return names;
+}
+
 SogFiles files_of_bundle(const Source& bundle) {
   return [&bundle, archive = open_archive(bundle)](const std::string& name) {
     zip_stat_t status;
     zip_stat_init(&status);
     if (zip_stat(archive.get(), name.c_str(), ZIP_FL_ENC_RAW, &status) != 0)
-      bundle.fail(0, "a ZIP archive with '" + name + "' in it");
+      bundle.fail(0,
+                  "a ZIP archive with '" + name + "' in it, found " + listed(names_in_bundle(bundle.text())));
     SogFile file{.source{{}, bundle.name + ": " + name}};
     if (status.comp_size > bundle.bytes.size() || status.size / 16 > status.comp_size + 4096)
       file.source.fail(0, "an entry that unpacks to at most 16 times its size, found " +

@@ -5,6 +5,8 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "mapped_file.hpp"
 
@@ -27,6 +29,9 @@ using SogFiles = std::function<SogFile(const std::string& name)>;
 /// 16 times its packed size and 64 KiB more: images do not compress further, and `meta.json` is small.
 /// Entries take no bytes of their own: theirs are the bundle's, and may overlap in it.
 SogFiles files_of_bundle(const Source& bundle);
+
+/// The names of the entries of a ZIP archive; none where they cannot be listed.
+std::vector<std::string> names_in_bundle(std::string_view archive);
 
 /// The files beside `meta`, which must outlive what this returns. Throws `FormatError` if it comes from
 /// memory, where nothing lies beside it.

@@ -36,7 +36,7 @@ SpzHeader parse_spz_header(const Source& source, const std::byte* first) {
   expect(header.count >= 1 && header.count <= std::uint32_t(std::numeric_limits<std::int32_t>::max()), 8,
          "1 to 2147483647 Gaussians", header.count);
   expect(header.sh_degree <= 4, 12, "SH degree 0 to 4", byte(12));
-  expect(header.fractional_bits <= 30, 13, "0 to 30 fractional bits", byte(13));
+  expect(header.version == 1 || header.fractional_bits <= 30, 13, "0 to 30 fractional bits", byte(13));
   return header;
 }
 

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bytes.hpp"
@@ -79,6 +80,12 @@ SpzHeader parse_spz_header(const Source& source, const std::byte* first);
 /// The header of a whole file. Nothing else is unpacked or checked.
 SpzHeader read_spz_header(const Source& source);
 SpzHeader read_spz_gzip_header(const Source& source);  ///< of a file in gzip
+
+/// The first bytes, at most `most`, that a gzip file unpacks to; fewer where it is damaged.
+std::string gzip_beginning(std::string_view file, std::size_t most);
+
+/// Whether a gzip file unpacks to an SPZ, or to nothing that would tell.
+bool is_gzip_of_spz(std::string_view file);
 
 /// Reads extension records, which start at byte `offset` of the file. If they were unpacked, they have no
 /// such place, and errors name byte 0.

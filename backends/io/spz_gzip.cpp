@@ -96,6 +96,25 @@ SpzHeader read_spz_gzip_header(const Source& source) {
   return read_header(source, reader, ProgressMeter(none, source.name));
 }
 
+std::string gzip_beginning(std::string_view file, std::size_t most) {
+  const Source source{std::as_bytes(std::span(file)), "gzip"};
+  GzipReader reader(source);
+  std::string beginning(most, '\0');
+  std::size_t size = 0;
+  try {
+    while (size < most && reader.read(reinterpret_cast<std::byte*>(beginning.data() + size), 1) == 1) ++size;
+  } catch (const FormatError&) {
+  }
+  beginning.resize(size);
+  return beginning;
+}
+
+bool is_gzip_of_spz(std::string_view file) {
+  if (!file.starts_with("\x1f\x8b")) return false;
+  const std::string beginning = gzip_beginning(file, 4);
+  return beginning.size() < 4 || beginning == "NGSP";
+}
+
 SpzContent unpack_spz_gzip(const Source& source, const SpzUnpacking& unpacking) {
   GzipReader reader(source);
   SpzContent content{.header = read_header(source, reader, unpacking.progress)};

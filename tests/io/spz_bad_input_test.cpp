@@ -66,7 +66,7 @@ TEST_CASE("spz: a header that lies is refused before memory is taken") {
     parts = parts_of(version), parts.sh_degree = 5;
     CHECK(contains(complaint_about(pack_spz(parts)), "byte 12: expected SH degree"));
     parts = parts_of(version), parts.fractional_bits = 31;
-    CHECK(contains(complaint_about(pack_spz(parts)), "byte 13"));
+    CHECK(contains(complaint_about(pack_spz(parts)), "byte 13") == (version != 1));  // halves have none
   }
 }
 
@@ -81,8 +81,9 @@ TEST_CASE("spz: versions that do not exist are refused") {
 }
 
 TEST_CASE("spz: gzip around something else is refused") {
-  CHECK(contains(complaint_about(gzip("a text that is not a scene at all")), "'NGSP'"));
-  CHECK(contains(complaint_about(gzip("short")), "header"));
+  CHECK(
+      contains(complaint_about(gzip("a text that is not a scene at all")), "a gzip file of something else"));
+  CHECK(contains(complaint_about(gzip("sho")), "header"));
   std::string damaged = gzip_spz(parts_of(3));
   damaged[damaged.size() - 6] ^= 1;  // in the checksum
   CHECK(contains(complaint_about(damaged), "valid gzip stream"));

@@ -69,6 +69,7 @@ def test_gaussians_that_are_left_out_are_a_warning(tmp_path):
     with pytest.warns(UserWarning, match="1 of 3 Gaussians have a NaN"):
         scene = swiftgs.load(tmp_path / "a.ply")
     assert (len(scene), scene.dropped, scene.stored) == (2, 1, 3)
+    assert scene.notes == ("Gaussians with a NaN or an infinity are left out: 1.",)
 
 
 @pytest.mark.parametrize("make, kind, text", [

@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <swiftgs/api.hpp>
+#include <swiftgs/camera.hpp>
 #include <swiftgs/io/progress.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/scene_part.hpp>
@@ -42,6 +44,10 @@ struct SceneFile {
   std::uint64_t stored = 0;             ///< Gaussians in the file, or in the part of it that was asked for
   std::uint64_t dropped_nonfinite = 0;  ///< those of them with a NaN or an infinity that cannot be rendered
   std::vector<std::string> notes;       ///< what of the file the scene does not carry, a sentence each
+  std::optional<Camera> camera{};  ///< of the photograph that the scene was made of, where the file has it
+  /// Means as the file has them, for programs that move the scene before they round it. Empty unless rounding
+  /// to float moves one by more than a millionth of the scene's size, which is noted then.
+  std::vector<dvec3> exact_means{};
 };
 
 /// Reads a scene of any format that docs/formats.md lists. The content decides which; `.splat` files begin

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <zlib.h>
+
+#include <swiftgs/io/scene_file.hpp>
+
+#include "files.hpp"
+#include "ply_text.hpp"
+#include "spz_encoder.hpp"
+#include "zip_encoder.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+const std::string start = "a file: byte 0: expected a scene of Gaussians, found ";
+
+std::string complaint_about(const std::string& content, const std::string& name = "a file") {
+  return complaint([&] { read_scene(as_bytes(content), name); });
+}
+
+/// A tar archive as GNU tar 1.34 writes it, without the owner.
+std::string tar(const std::vector<std::pair<std::string, std::string>>& files) {
+  std::string archive;
+  for (const auto& [name, content] : files) {
+    std::string header(512, '\0');
+    header.replace(0, name.size(), name);
+    char size[12];
+    std::snprintf(size, sizeof size, "%011o", unsigned(content.size()));
+    header.replace(124, 11, size);
+    header.replace(257, 7, "ustar  ");
+    archive += header + content + std::string((512 - content.size() % 512) % 512, '\0');
+  }
+  return archive + std::string(1024, '\0');
+}
+
+const std::string scene = ply(plain_gaussian(), {.repeat = 20});
+
+}  // namespace
+
+TEST_CASE("archives: a ZIP is told by the scenes in it and with what to do") {
+  CHECK(complaint_about(zip({{"point_cloud.ply", scene}})) ==
+        start + "a ZIP archive with point_cloud.ply in it; unpack it and give that file");
+  CHECK(complaint_about(zip({{"a.ply", scene}, {"b.spz", ""}, {"cfg_args", ""}}, {.deflate = true})) ==
+        start + "a ZIP archive with a.ply, b.spz in it; unpack it and give one of these files");
+  CHECK(complaint_about(zip({{"a.txt", ""}, {"b.txt", ""}})) ==
+        start + "a ZIP archive of other files: a.txt, b.txt");
+  CHECK(contains(complaint_about(zip({{"scan/meta.json", "{}"}})),
+                 "a ZIP archive with 'meta.json' in it, found scan/meta.json"));
+  CHECK(complaint_about(zip({{"a.ply", scene}}).substr(0, 90)) == start + "a ZIP archive");
+}
+
+TEST_CASE("archives: a checkpoint of PyTorch is called one") {
+  // gsplat 1.5.3, ckpt_29999_rank0.pt; torch.save of PyTorch 2 names the folder after the file.
+  CHECK(complaint_about(zip({{"ckpt_29999_rank0/data.pkl", "x"}, {"ckpt_29999_rank0/data/0", "x"}})) ==
+        start + "a checkpoint of PyTorch; export a PLY with the program that trained it");
+}
+
+TEST_CASE("archives: a tar is told by the scenes in it") {
+  const std::string archive = tar({{"model/cfg_args", "x"}, {"model/point_cloud.ply", scene}});
+  const std::string with = " with model/point_cloud.ply in it; unpack it and give that file";
+  CHECK(complaint_about(archive) == start + "a tar archive" + with);
+  CHECK(complaint_about(gzip(archive)) == start + "a gzip file of a tar archive" + with);
+  CHECK(complaint_about(tar({{"a.txt", ""}})) == start + "a tar archive of other files: a.txt");
+  for (const std::size_t length : {512, 700, 1024, 1500})
+    CHECK(contains(complaint_about(archive.substr(0, length)),
+                   "a tar archive of other files: model/cfg_args") == (length < 1536));
+}
+
+TEST_CASE("archives: gzip is told by what is in it") {
+  CHECK(complaint_about(gzip(scene)) == start + "a gzip file of a PLY; unpack it with gunzip");
+  CHECK(complaint_about(gzip("glTF 2")) == start + "a gzip file of a glTF; unpack it with gunzip");
+  CHECK(complaint_about(gzip("<html>")) == start + "a gzip file of a page of HTML");
+  CHECK(complaint_about(gzip("something")) == start + "a gzip file of something else");
+  CHECK(contains(complaint_about(gzip("a")), "header in the gzip stream"));
+}
+
+TEST_CASE("archives: those that are not listed are named") {
+  CHECK(complaint_about("7z\xbc\xaf\x27\x1c") == start + "a 7z archive; unpack it and give the scene in it");
+  CHECK(complaint_about("Rar!\x1a\x07") == start + "a RAR archive; unpack it and give the scene in it");
+  CHECK(contains(complaint_about("\x28\xb5\x2f\xfd"), "packed by zstd; unpack it"));
+  CHECK(contains(complaint_about("\3757zXZ"), "packed by xz; unpack it"));
+  CHECK(contains(complaint_about("BZh9"), "packed by bzip2; unpack it"));
+}
+
+TEST_CASE("archives: the ending .splat makes no scene of a file that says what it is") {
+  const auto padded = [](std::string text) { return text.resize((text.size() / 32 + 1) * 32), text; };
+  for (const std::string& content : {padded(zip({{"a.splat", std::string(32, 'x')}})),
+                                     padded("version https://git-lfs.github.com/spec/v1"),
+                                     padded("<!DOCTYPE html>"), padded("7z\xbc\xaf\x27\x1c")})
+    CHECK(contains(complaint_about(content, "a.splat"), "expected a scene of Gaussians, found a"));
+  CHECK(complaint_about(padded("{}"), "a.splat") == "");  // a coordinate may begin so
+}
