@@ -35,6 +35,14 @@ double range_end(const Header& header, std::uint64_t place, double otherwise) {
   return value == 0 ? otherwise : value;
 }
 
+/// What bytes of coefficients stand for, which only level 2 has.
+void set_sh_range(const Header& header, KsplatLayout& layout) {
+  const double least = range_end(header, 36, -default_sh_range),
+               most = range_end(header, 40, default_sh_range);
+  for (int byte = 0; byte < 256; ++byte)
+    layout.sh_of_byte[std::size_t(byte)] = float(least + byte / 255.0 * (most - least));
+}
+
 /// Reads where the buckets of a section are, from `reader` at its start. At level 0 there are none, or they
 /// are of no use.
 void parse_buckets(const Header& header, ByteReader& reader, int level, KsplatSection& section) {
@@ -48,7 +56,7 @@ void parse_buckets(const Header& header, ByteReader& reader, int level, KsplatSe
                         std::to_string(section.full_buckets) + " full and " + std::to_string(partial) +
                         " others");
   std::uint64_t end = section.bucket_size * section.full_buckets;
-  if (end > room)
+  if (level > 0 && end > room)
     header.fail(
         32, "full buckets of at most " + std::to_string(room) + " Gaussians, found " + std::to_string(end));
   reader.expect(partial, 4, "counts of buckets");
@@ -107,10 +115,7 @@ KsplatLayout parse_ksplat(const Source& source) {
   KsplatLayout layout;
   layout.level = header.at<std::uint16_t>(20);
   if (layout.level > 2) header.fail(20, "compression level 0 to 2, found " + std::to_string(layout.level));
-  const double least = range_end(header, 36, -default_sh_range),
-               most = range_end(header, 40, default_sh_range);
-  for (int byte = 0; byte < 256; ++byte)
-    layout.sh_of_byte[std::size_t(byte)] = float(least + byte / 255.0 * (most - least));
+  if (layout.level == 2) set_sh_range(header, layout);
 
   const std::uint64_t sections = header.count(4);
   reader.expect(sections, section_header_bytes, "headers of sections");
