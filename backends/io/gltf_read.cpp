@@ -226,19 +226,23 @@ class GltfReader {
   }
 
   /// Moves Gaussians that have been turned to the scene's axes, as the movement is here.
-  void move(Scene& part, const Similarity& movement, const Instance& instance) const {
+  void move(Scene& part, const Similarity& movement, const Instance& instance) {
     const AxisFlip flip = axes();
     const dvec3 signs(flip.x, flip.y, flip.z);
     Similarity turned = movement;
     turned.translation = signs * movement.translation;
     for (int column = 0; column < 3; ++column)
       turned.rotation[column] = signs[column] * (signs * movement.rotation[column]);
+    const std::vector<vec3> before = part.means;
     try {
       transform(part, turned);
     } catch (const std::range_error&) {
       document_.item("nodes", instance.place->node, document_.root())
           .fail("a node that keeps Gaussians within the range of float");
     }
+    for (std::size_t i = 0; i < before.size(); ++i)
+      if (renderable(part, i))
+        rounding_ = std::max(rounding_, distance_to_float(turned(dvec3(before[i])), part.means[i]));
   }
 
   static void resize(Scene& scene, std::size_t count) {
@@ -265,6 +269,7 @@ class GltfReader {
   void finish() {
     file_.bytes = buffers_.size_beside();
     file_.dropped_nonfinite += drop_nonfinite(file_.scene);
+    note_rounded_means(file_, rounding_);
     std::size_t clamped = 0;
     for (float& opacity : file_.scene.opacities) {
       if (opacity >= 0 && opacity <= 1) continue;
@@ -287,6 +292,7 @@ class GltfReader {
   std::vector<Instance> instances_{};
   std::uint64_t count_ = 0;  ///< of Gaussians of all instances
   bool logarithmic_ = false;
+  double rounding_ = 0;  ///< largest distance that rounding has moved a mean
   std::string spz_format_{};
   SceneFile file_{};
 };

@@ -2,18 +2,55 @@
 #include "ply_fields.hpp"
 
 #include <algorithm>
+#include <unordered_set>
 
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs::io {
 
+namespace {
+
+std::string_view without_prefix(std::string_view name) {
+  for (const std::string_view prefix : {"scalar_", "scal_"})
+    if (name.starts_with(prefix)) name.remove_prefix(prefix.size());
+  return name;
+}
+
+}  // namespace
+
+double scalar_at(const std::byte* row, PlyField field, std::endian order) {
+  const std::byte* at = row + field.offset;
+  switch (field.type) {
+    case PlyType::i8:
+      return load<std::int8_t>(at, order);
+    case PlyType::u8:
+      return load<std::uint8_t>(at, order);
+    case PlyType::i16:
+      return load<std::int16_t>(at, order);
+    case PlyType::u16:
+      return load<std::uint16_t>(at, order);
+    case PlyType::i32:
+      return load<std::int32_t>(at, order);
+    case PlyType::u32:
+      return load<std::uint32_t>(at, order);
+    case PlyType::f32:
+      return load<float>(at, order);
+    default:
+      return load<double>(at, order);
+  }
+}
+
 PlyFields::PlyFields(const Source& source, const PlyElement& element, PlyEncoding encoding)
     : source_(source), element_(element) {
+  std::unordered_set<std::string_view> stored;
+  for (const PlyProperty& property : element.properties) stored.insert(property.name);
   for (const PlyProperty& property : element.properties) {
     if (property.list_count)
       fail("element '" + element.name + "' without list properties, found list '" + property.name + "'");
     const PlyType type = encoding == PlyEncoding::ascii ? PlyType::f64 : property.type;
-    fields_[property.name] = {.field = {type, row_bytes_}, .declared = property.type, .taken = false};
+    const std::string_view plain = without_prefix(property.name);
+    names_.push_back(stored.insert(plain).second ? plain : std::string_view(property.name));
+    fields_[names_.back()] = {.field = {type, row_bytes_}, .declared = property.type, .taken = false};
     row_bytes_ += size_of(type);
   }
 }
@@ -51,9 +88,9 @@ PlySh PlyFields::find_sh() {
 
 std::vector<std::string> PlyFields::untaken() const {
   std::vector<std::string> names;
-  for (const PlyProperty& property : element_.properties) {
-    const bool normal = property.name == "nx" || property.name == "ny" || property.name == "nz";
-    if (!normal && !fields_.at(property.name).taken) names.push_back(property.name);
+  for (const std::string_view name : names_) {
+    const bool normal = name == "nx" || name == "ny" || name == "nz";
+    if (!normal && !fields_.at(name).taken) names.emplace_back(name);
   }
   return names;
 }

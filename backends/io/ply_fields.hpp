@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -17,6 +18,9 @@ struct PlyField {
   std::size_t offset = 0;  ///< @units{bytes} from the start of the row
 };
 
+/// The number at `field` of a row. A double holds those of all types.
+double scalar_at(const std::byte* row, PlyField field, std::endian order);
+
 /// The coefficients f_rest_0, f_rest_1, ... of a row.
 struct PlySh {
   std::vector<PlyField> fields;  ///< in the scene's order: a coefficient after another, RGB innermost
@@ -24,8 +28,9 @@ struct PlySh {
   int stored_degree = 0;
 };
 
-/// The properties of an element without lists, found by name. All errors stand at the element's line in the
-/// header.
+/// The properties of an element without lists, found by name. CloudCompare puts `scalar_` before the names of
+/// properties that it does not know, and converters for it `scal_`; both are left out. All errors stand at
+/// the element's line in the header.
 class PlyFields {
  public:
   /// In an ascii file rows are taken to be parsed into an array of doubles first. Throws `FormatError` if
@@ -46,6 +51,9 @@ class PlyFields {
   /// count as taken, those of degrees that are not kept too.
   PlySh find_sh();
 
+  /// Names of all properties, in the order of the file.
+  std::vector<std::string> names() const { return {names_.begin(), names_.end()}; }
+
   /// Properties that were not taken, in the order of the file. Normals are left out: INRIA's files have them
   /// for programs that show points, and they are always 0.
   std::vector<std::string> untaken() const;
@@ -61,7 +69,8 @@ class PlyFields {
 
   const Source& source_;
   const PlyElement& element_;
-  std::unordered_map<std::string_view, Known> fields_;  ///< by names that `element_` holds
+  std::vector<std::string_view> names_;                 ///< of all properties, in the order of the file
+  std::unordered_map<std::string_view, Known> fields_;  ///< by `names_`
   std::size_t row_bytes_ = 0;
 };
 

@@ -3,26 +3,10 @@
 
 #include <algorithm>
 
+#include "listed.hpp"
 #include "tokens.hpp"
 
 namespace swiftgs::io {
-namespace {
-
-/// The first names, in one line. Long ones are cut, and characters other than printable ASCII become '?'.
-std::string listed(const std::vector<std::string>& names) {
-  constexpr std::size_t most = 12, longest = 40;
-  std::string list;
-  for (std::size_t i = 0; i < std::min(most, names.size()); ++i) {
-    std::string name = names[i].substr(0, longest);
-    for (char& c : name)
-      if (c < ' ' || c > '~') c = '?';
-    list += (i == 0 ? "" : ", ") + name + (names[i].size() > longest ? "..." : "");
-  }
-  if (names.size() > most) list += " and " + std::to_string(names.size() - most) + " more";
-  return list;
-}
-
-}  // namespace
 
 PlyModel model_of(const PlyHeader& header) {
   PlyModel model;
@@ -47,7 +31,7 @@ std::vector<std::string> notes_of(bool flat, bool unused_scale, const PlySh& sh)
   return notes;
 }
 
-void note_unread(const PlyHeader& header, std::initializer_list<std::string_view> read,
+void note_unread(const PlyHeader& header, const std::vector<std::string_view>& read,
                  const std::vector<std::string>& unread, std::vector<std::string>& notes) {
   if (!unread.empty())
     notes.push_back("Properties that a scene does not have were not read: " + listed(unread) + ".");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,7 +23,7 @@ std::vector<std::string> notes_of(bool flat, bool unused_scale, const PlySh& sh)
 
 /// Notes the properties `unread` of elements that were read, and the elements that were not: all with rows
 /// whose names are not in `read`.
-void note_unread(const PlyHeader& header, std::initializer_list<std::string_view> read,
+void note_unread(const PlyHeader& header, const std::vector<std::string_view>& read,
                  const std::vector<std::string>& unread, std::vector<std::string>& notes);
 
 }  // namespace swiftgs::io

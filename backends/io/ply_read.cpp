@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "mapped_file.hpp"
 #include "parallel.hpp"
 #include "ply_compressed.hpp"
 #include "ply_layout.hpp"
 #include "ply_model.hpp"
+#include "ply_photograph.hpp"
 #include "ply_rows.hpp"
 #include "scene_building.hpp"
 #include "scene_readers.hpp"
@@ -16,40 +20,40 @@ namespace {
 
 /// A field of a row in which every one is a little-endian float.
 struct LittleFloat {
-  float operator()(const std::byte* row, PlyField field) const { return load<float>(row + field.offset); }
+  float exact(const std::byte* row, PlyField field) const { return load<float>(row + field.offset); }
 };
 
 /// A field of any type and byte order.
 struct AnyScalar {
   std::endian order;
 
-  float operator()(const std::byte* row, PlyField field) const {
-    const std::byte* at = row + field.offset;
-    switch (field.type) {
-      case PlyType::i8:
-        return load<std::int8_t>(at, order);
-      case PlyType::u8:
-        return load<std::uint8_t>(at, order);
-      case PlyType::i16:
-        return load<std::int16_t>(at, order);
-      case PlyType::u16:
-        return load<std::uint16_t>(at, order);
-      case PlyType::i32:
-        return float(load<std::int32_t>(at, order));
-      case PlyType::u32:
-        return float(load<std::uint32_t>(at, order));
-      case PlyType::f32:
-        return load<float>(at, order);
-      default:
-        return float(load<double>(at, order));
-    }
+  double exact(const std::byte* row, PlyField field) const { return scalar_at(row, field, order); }
+};
+
+/// Makes Gaussian `i` as smooth as Mip-Splatting's 3D filter does: variances grow along the first `axes`
+/// local axes, and the opacity shrinks as the Gaussian grows.
+void smooth(Scene& scene, std::size_t i, int axes, double deviation) {
+  double kept = 1;
+  for (int axis = 0; axis < axes; ++axis) {
+    const double before = scene.scales[i][axis], after = std::hypot(before, deviation);
+    scene.scales[i][axis] = float(after);
+    if (after != 0) kept *= before / after;
   }
+  scene.opacities[i] = float(scene.opacities[i] * kept);
+}
+
+/// Where Gaussians go: their means twice, unless `exact_means` are empty.
+struct Decoded {
+  Scene& scene;
+  std::vector<dvec3>& exact_means;
 };
 
 /// Activates the Gaussian in `row` and stores it as number `i`.
 template <class Field>
-void decode_row(const PlyLayout& layout, const std::byte* row, const Field& field, Scene& scene,
+void decode_row(const PlyLayout& layout, const std::byte* row, const Field& of, const Decoded& to,
                 std::size_t i) {
+  Scene& scene = to.scene;
+  const auto field = [&](const std::byte* at, PlyField f) { return float(of.exact(at, f)); };
   const auto three = [&](const auto& f) {
     return vec3(field(row, f[0]), field(row, f[1]), field(row, f[2]));
   };
@@ -62,31 +66,36 @@ void decode_row(const PlyLayout& layout, const std::byte* row, const Field& fiel
   scene.sh0[i] = layout.byte_colour ? (colour / 255.0f - 0.5f) / float(sh_c0) : colour;
   float* rest = scene.sh_rest.data() + i * layout.sh.fields.size();
   for (const PlyField& f : layout.sh.fields) *rest++ = field(row, f);
+  if (layout.filter) smooth(scene, i, layout.flat ? 2 : 3, of.exact(row, *layout.filter));
+  if (to.exact_means.empty()) return;
+  for (int axis = 0; axis < 3; ++axis)
+    to.exact_means[i][axis] = of.exact(row, layout.mean[std::size_t(axis)]);
 }
 
 template <class Field>
 void decode_rows(const Source& source, std::uint64_t position, const PlyLayout& layout, const Field& field,
-                 const ProgressMeter& progress, Scene& scene) {
+                 const ProgressMeter& progress, const Decoded& to) {
   const std::byte* rows = source.bytes.data() + position;
-  for_parts(scene.size(), progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      decode_row(layout, rows + i * layout.row_bytes, field, scene, i);
+  for_parts(to.scene.size(), progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) decode_row(layout, rows + i * layout.row_bytes, field, to, i);
     let_go(source, position + begin * layout.row_bytes, position + end * layout.row_bytes);
   });
 }
 
-/// Decodes vertices from number `first` on, as many as `scene` has. The rows of all start at `position`.
+/// Decodes vertices from number `first` on, as many as there is room for. The rows of all start at
+/// `position`.
 void decode_vertices(const Source& source, const PlyHeader& header, const PlyElement& vertex,
                      const PlyLayout& layout, std::uint64_t position, std::size_t first,
-                     const ProgressMeter& progress, Scene& scene) {
+                     const ProgressMeter& progress, const Decoded& to) {
+  const std::size_t count = to.scene.size();
   if (header.encoding == PlyEncoding::ascii) {
     std::vector<double> row;
     for (std::size_t i = 0; i < first; ++i) position = parse_text_row(source, vertex, position, row);
-    for (std::size_t i = 0; i < scene.size(); ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
       position = parse_text_row(source, vertex, position, row);
       const auto* bytes = reinterpret_cast<const std::byte*>(row.data());
-      decode_row(layout, bytes, AnyScalar{std::endian::native}, scene, i);
-      if (i % (1 << 12) == 0) progress.report(double(i) / double(scene.size()));
+      decode_row(layout, bytes, AnyScalar{std::endian::native}, to, i);
+      if (i % (1 << 12) == 0) progress.report(double(i) / double(count));
     }
     progress.report(1);
     return;
@@ -95,9 +104,9 @@ void decode_vertices(const Source& source, const PlyHeader& header, const PlyEle
   const std::endian order =
       header.encoding == PlyEncoding::little_endian ? std::endian::little : std::endian::big;
   if (order == std::endian::little && layout.all_floats)
-    decode_rows(source, position, layout, LittleFloat{}, progress, scene);
+    decode_rows(source, position, layout, LittleFloat{}, progress, to);
   else
-    decode_rows(source, position, layout, AnyScalar{order}, progress, scene);
+    decode_rows(source, position, layout, AnyScalar{order}, progress, to);
 }
 
 }  // namespace
@@ -114,7 +123,7 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
   const ProgressMeter progress(options.progress, source.name);
   // Rows of binary files are where they are. Those of text are looked for, which takes a third of the time.
   const double locating = header.encoding == PlyEncoding::ascii ? 0.3 : 0.02;
-  const std::uint64_t vertices = locate_rows(source, header, progress.step(0, locating)).at(vertex.name);
+  const auto starts = locate_rows(source, header, progress.step(0, locating));
 
   SceneFile file;
   file.format = std::string("INRIA PLY (") + header.encoding_name() + ")";
@@ -122,10 +131,20 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
   file.stored = last - first;
   allocate(file.scene, file.stored, layout.sh.degree);
   file.scene.antialiased = model.antialiased;
-  decode_vertices(source, header, vertex, layout, vertices, first, progress.step(locating, 1), file.scene);
-  file.dropped_nonfinite = drop_nonfinite(file.scene);
+  std::vector<dvec3> exact_means;
+  if (layout.wide_means()) exact_means.resize(file.stored);
+  decode_vertices(source, header, vertex, layout, starts.at(vertex.name), first, progress.step(locating, 1),
+                  {file.scene, exact_means});
   file.notes = notes_of(layout.flat, layout.has_third_scale, layout.sh);
-  note_unread(header, {"vertex"}, layout.unread, file.notes);
+  if (layout.filter)
+    file.notes.push_back(
+        "The 3D filter of the Gaussians (filter_3D) is applied to scales and opacities; 'swiftgs convert "
+        "--antialiased yes' says that they were trained with a 2D filter too.");
+  std::vector<std::string_view> read = {"vertex"};
+  read_photograph(source, header, starts, file, read);
+  note_unread(header, read, layout.unread, file.notes);
+  keep_exact_means(file, std::move(exact_means));
+  file.dropped_nonfinite = drop_nonfinite(file.scene, file.exact_means);
   return file;
 }
 

@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file
+/// Files as public programs lay them out, put together here; each test names program and version.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <swiftgs/io/scene_file.hpp>
+
+#include "ply_text.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+SceneFile read(const std::string& content) { return read_scene(as_bytes(content), "test.ply"); }
+
+std::string all_notes(const SceneFile& file) {
+  std::string all;
+  for (const std::string& note : file.notes) all += note + "\n";
+  return all;
+}
+
+/// Checks what `plain_gaussian` says, whatever its layout.
+void check_gaussian(const SceneFile& file) {
+  REQUIRE(file.scene.size() == 1);
+  CHECK(file.scene.means[0] == vec3(1, 2, -3));
+  CHECK(file.scene.scales[0] == vec3(std::exp(-1.0f), std::exp(-2.0f), std::exp(-3.0f)));
+  CHECK(file.scene.rotations[0] == Quaternion{1, 0, 0, 0});
+  CHECK(file.scene.opacities[0] == 0.5f);
+  CHECK(file.scene.sh0[0] == vec3(0.25f, -0.5f, 0.75f));
+}
+
+std::vector<PlyValue> with_prefix(const std::string& prefix) {
+  std::vector<PlyValue> values = plain_gaussian();
+  for (PlyValue& value : values)
+    if (value.name.size() > 1) value.name.insert(0, prefix);
+  return values;
+}
+
+/// An element with one property of its own name, as SHARP's files have them.
+struct Extra {
+  std::string type, name;
+  std::vector<double> values;
+};
+
+std::string with_extras(const std::vector<Extra>& extras, const std::string& format) {
+  PlyParts parts{.format = format};
+  for (const Extra& extra : extras) {
+    parts.after += "element " + extra.name + " " + std::to_string(extra.values.size()) + "\nproperty " +
+                   extra.type + " " + extra.name + "\n";
+    for (const double value : extra.values)
+      if (format == "ascii")
+        parts.after_rows += std::to_string(value) + "\n";
+      else
+        append_value(parts.after_rows, extra.type, value, format == "binary_big_endian");
+  }
+  return ply(plain_gaussian(), parts);
+}
+
+const std::vector<double> identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+/// What SHARP 1.5.0 writes for a photograph of 48x32 pixels.
+std::vector<Extra> sharp_extras() {
+  return {{"float", "extrinsic", identity},   {"float", "intrinsic", {40, 0, 24, 0, 40, 16, 0, 0, 1}},
+          {"uint", "image_size", {48, 32}},   {"int", "frame", {1, 1}},
+          {"float", "disparity", {0.3, 0.4}}, {"uchar", "color_space", {0}},
+          {"uchar", "version", {1, 5, 0}}};
+}
+
+}  // namespace
+
+// Mip-Splatting, save_ply at 24af724 (2024), and RaDe-GS at 4e87e2f, which took it over.
+TEST_CASE("layouts: the 3D filter of Mip-Splatting grows scales and dims opacities") {
+  auto gaussian = plain_gaussian();
+  gaussian.push_back({"float", "filter_3D", 0.25});
+  for (const std::string format : {"binary_little_endian", "binary_big_endian", "ascii"}) {
+    const SceneFile file = read(ply(gaussian, {.format = format}));
+    double kept = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double before = std::exp(-1.0 - axis), after = std::sqrt(before * before + 0.0625);
+      CHECK(file.scene.scales[0][axis] == doctest::Approx(after).epsilon(1e-6));
+      kept *= before / after;
+    }
+    CHECK(file.scene.opacities[0] == doctest::Approx(0.5 * kept).epsilon(1e-6));
+    CHECK(contains(all_notes(file), "(filter_3D) is applied to scales and opacities"));
+    CHECK(!contains(all_notes(file), "not read"));
+  }
+  property(gaussian, "filter_3D").value = 0;  // as RaDe-GS resets it
+  check_gaussian(read(ply(gaussian)));
+}
+
+// Mip-Splatting, save_ply, of Gaussians that are flat: the factor of an axis without extent would be 0.
+TEST_CASE("layouts: the 3D filter leaves the missing axis of flat Gaussians alone") {
+  auto gaussian = plain_gaussian();
+  remove(gaussian, "scale_2");
+  gaussian.push_back({"float", "filter_3D", 0.25});
+  const SceneFile file = read(ply(gaussian));
+  CHECK(file.scene.scales[0].z == 0);
+  CHECK(file.scene.opacities[0] > 0.1f);
+}
+
+// Apple's ml-sharp, save_ply at 1390830, version 1.5.0.
+TEST_CASE("layouts: the camera of SHARP's photograph is read") {
+  for (const std::string format : {"binary_little_endian", "binary_big_endian", "ascii"}) {
+    const SceneFile file = read(with_extras(sharp_extras(), format));
+    check_gaussian(file);
+    REQUIRE(file.camera);
+    CHECK(file.camera->width == 48);
+    CHECK(file.camera->height == 32);
+    CHECK(file.camera->fx == 40);
+    CHECK(file.camera->cx == 24);
+    CHECK(file.camera->cy == 16);
+    CHECK(file.camera->rotation == dmat3(1.0));
+    CHECK(file.notes == std::vector<std::string>{"The file has a camera of its own, of 48x32 pixels."});
+  }
+  // A quarter turn about z and a step: the matrix is stored by rows.
+  std::vector<Extra> turned = sharp_extras();
+  turned[0].values = {0, -1, 0, 5, 1, 0, 0, 6, 0, 0, 1, 7, 0, 0, 0, 1};
+  const SceneFile file = read(with_extras(turned, "binary_little_endian"));
+  REQUIRE(file.camera);
+  CHECK(file.camera->rotation * dvec3(1, 0, 0) == dvec3(0, 1, 0));
+  CHECK(file.camera->translation == dvec3(5, 6, 7));
+}
+
+// What ml-sharp's load_ply calls legacy: twelve numbers with the rotation by columns, and four of the camera.
+TEST_CASE("layouts: the camera of an early SHARP is read") {
+  const SceneFile file = read(with_extras({{"float", "extrinsic", {0, 1, 0, 5, -1, 0, 0, 6, 0, 0, 1, 7}},
+                                           {"float", "intrinsic", {500, 501, 640, 480}}},
+                                          "binary_little_endian"));
+  REQUIRE(file.camera);
+  CHECK(file.camera->rotation * dvec3(1, 0, 0) == dvec3(0, 1, 0));
+  CHECK(file.camera->translation == dvec3(5, 6, 7));
+  CHECK(file.camera->fy == 501);
+  CHECK(file.camera->width == 640);
+  CHECK(file.camera->cy == 240);
+}
+
+// ml-sharp before it converted colours for other programs: color_space 1 is linear.
+TEST_CASE("layouts: linear colours of SHARP become sRGB") {
+  std::vector<Extra> extras = sharp_extras();
+  extras[5].values = {1};
+  const SceneFile file = read(with_extras(extras, "binary_little_endian"));
+  const double c0 = 0.28209479177387814, linear = 0.5 + c0 * 0.25;
+  const double srgb = 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+  CHECK(file.scene.sh0[0].x == doctest::Approx((srgb - 0.5) / c0).epsilon(1e-6));
+  CHECK(contains(all_notes(file), "The colours are linear (color_space) and become sRGB."));
+}
+
+TEST_CASE("layouts: a camera that is none is noted and refuses nothing") {
+  for (const std::size_t changed : {0, 1, 2}) {
+    std::vector<Extra> extras = sharp_extras();
+    extras[changed].values = {0, 0};
+    const SceneFile file = read(with_extras(extras, "binary_little_endian"));
+    check_gaussian(file);
+    CHECK(!file.camera);
+    CHECK(contains(all_notes(file), "Elements other than Gaussians were not read: extrinsic, intrinsic, "));
+  }
+}
+
+// CloudCompare 2.13 saves scalar fields so, and 3dgsconverter 0.7 wrote `scal_` for it; colours are added.
+TEST_CASE("layouts: names with the prefix of CloudCompare are those of Gaussians") {
+  for (const std::string prefix : {"scalar_", "scal_", "scalar_scal_"}) {
+    auto gaussian = with_prefix(prefix);
+    gaussian.insert(gaussian.begin() + 3,
+                    {{"uchar", "red", 1}, {"uchar", "green", 2}, {"uchar", "blue", 3}, {"float", "nx", 0}});
+    const SceneFile file = read(ply(gaussian));
+    check_gaussian(file);
+    CHECK(file.notes ==
+          std::vector<std::string>{"Properties that a scene does not have were not read: red, green, blue."});
+  }
+  auto both = plain_gaussian();
+  both.push_back({"float", "scalar_opacity", 9});  // the plain name counts
+  const SceneFile file = read(ply(both));
+  check_gaussian(file);
+  CHECK(contains(all_notes(file), "scalar_opacity"));
+}
+
+// Brush 0.3.0: alphabetical properties with the position last, and comments.
+TEST_CASE("layouts: Brush sorts properties by name") {
+  auto gaussian = plain_gaussian();
+  for (int i = 0; i < 24; ++i) gaussian.push_back({"float", "f_rest_" + std::to_string(i), 0.01 * i});
+  std::sort(gaussian.begin(), gaussian.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  const SceneFile file = read(
+      ply(gaussian,
+          {.before = "comment Exported from Brush\ncomment Vertical axis: y\ncomment SH degree: 2\ncomment "
+                     "SplatRenderMode: mip\n"}));
+  check_gaussian(file);
+  CHECK(file.scene.antialiased);
+  CHECK(file.scene.sh_degree == 2);
+  CHECK(file.scene.sh_rest[3 * 7 + 1] == doctest::Approx(0.15));  // green, the last coefficient
+  CHECK(file.notes.empty());
+}
+
+// OpenSplat 1.1.3: normals, and DC before the rest.
+TEST_CASE("layouts: OpenSplat is read without a note") {
+  auto gaussian = plain_gaussian();
+  gaussian.insert(gaussian.begin() + 3, {{"float", "nx", 0}, {"float", "ny", 0}, {"float", "nz", 0}});
+  const SceneFile file =
+      read(ply(gaussian, {.before = "comment Generated by opensplat at iteration 2000\n"}));
+  check_gaussian(file);
+  CHECK(file.notes.empty());
+}
+
+// nerfstudio 1.1.5, ns-export gaussian-splat --ply-color-mode rgb.
+TEST_CASE("layouts: nerfstudio's bytes of colour become harmonics") {
+  auto gaussian = plain_gaussian();
+  for (const char* name : {"f_dc_0", "f_dc_1", "f_dc_2"}) remove(gaussian, name);
+  gaussian.insert(gaussian.begin() + 3,
+                  {{"uchar", "red", 255}, {"uchar", "green", 0}, {"uchar", "blue", 51}});
+  const SceneFile file =
+      read(ply(gaussian, {.before = "comment Generated by Nerstudio 1.1.5\ncomment Vertical Axis: z\n"}));
+  const double c0 = 0.28209479177387814;
+  CHECK(0.5 + c0 * file.scene.sh0[0].x == doctest::Approx(1));
+  CHECK(0.5 + c0 * file.scene.sh0[0].z == doctest::Approx(0.2));
+  CHECK(file.notes.empty());
+}
+
+// gsplat 1.5.3, export_splats(format="ply_compressed"), of degree 0: an element `sh` without properties.
+TEST_CASE("layouts: gsplat's compressed PLY has an empty element of harmonics") {
+  std::string header = "ply\nformat binary_little_endian 1.0\nelement chunk 1\n", rows;
+  for (const char* part : {"", "scale_", "colour"})
+    for (const char* end : {"min_", "max_"})
+      for (int axis = 0; axis < 3; ++axis) {
+        const bool colour = part[0] == 'c';
+        header += std::string("property float ") + end + (colour ? "" : part) +
+                  (colour ? "rgb" : "xyz")[axis] + "\n";
+        append(rows, float(axis + 1));
+      }
+  header += "element vertex 1\n";
+  for (const char* name : {"packed_position", "packed_rotation", "packed_scale", "packed_color"})
+    header += std::string("property uint ") + name + "\n";
+  header += "element sh 1\nend_header\n";
+  // Ranges of one value divide by 0 there, so any fraction may be stored.
+  for (const std::uint32_t word : {0x80000000u, 0x20080200u, 0x7fffffffu, 0xff0000ffu}) append(rows, word);
+  const SceneFile file = read(header + rows);
+  REQUIRE(file.scene.size() == 1);
+  CHECK(file.scene.means[0] == vec3(1, 2, 3));
+  CHECK(file.scene.scales[0].z == doctest::Approx(std::exp(3.0)));
+  CHECK(file.scene.opacities[0] == 1);
+  CHECK(file.scene.sh_degree == 0);
+  CHECK(file.notes.empty());
+}
+
+// COLMAP 3.8 points3D.ply and fused.ply, nerfstudio's sparse_pc.ply, INRIA's input.ply, and Luma's scan.
+TEST_CASE("layouts: a point cloud is called one") {
+  const auto complaint_about = [](const std::string& content) { return complaint([&] { read(content); }); };
+  const std::vector<PlyValue> points = {{"float", "x", 0},   {"float", "y", 0},     {"float", "z", 0},
+                                        {"uchar", "red", 0}, {"uchar", "green", 0}, {"uchar", "blue", 0}};
+  CHECK(
+      complaint_about(ply(points)) ==
+      "test.ply: byte 36: expected Gaussians, found a point cloud: no Gaussians: properties x y z red green "
+      "blue");
+  auto normals = points;
+  normals.insert(normals.begin() + 3, {{"float", "nx", 0}, {"float", "ny", 0}, {"float", "nz", 0}});
+  CHECK(contains(complaint_about(ply(normals)), "no Gaussians: properties x y z nx ny nz red green blue"));
+  auto half = plain_gaussian();
+  remove(half, "rot_3");
+  CHECK(contains(complaint_about(ply(half)), "a property 'rot_3'"));
+}
+
+// Metashape and RealityCapture keep projected coordinates in double; Open3D 0.19 writes all properties so.
+TEST_CASE("layouts: positions that float cannot hold are told with the largest move") {
+  for (const std::string format : {"binary_little_endian", "binary_big_endian", "ascii"})
+    for (const std::string type : {"double", "int", "uint"}) {
+      CAPTURE(format);
+      CAPTURE(type);
+      auto gaussian = plain_gaussian();
+      for (PlyValue& value : gaussian)
+        if (type == "double") value.type = type;
+      property(gaussian, "y") = {type, "y", type == "double" ? 5403209.75 : 16777217 * 8 + 4};
+      PlyParts parts{.format = format};
+      if (format == "ascii" && type != "double") continue;  // of more digits than the text has
+      const SceneFile file = read(ply(gaussian, parts));
+      REQUIRE(file.exact_means.size() == 1);
+      CHECK(file.exact_means[0].y == property(gaussian, "y").value);
+      CHECK(
+          contains(all_notes(file), type == "double" ? "them by up to 0.25 units" : "them by up to 4 units"));
+    }
+}
+
+TEST_CASE("layouts: doubles near the origin are no news") {
+  auto gaussian = plain_gaussian();
+  for (PlyValue& value : gaussian) value.type = "double";
+  property(gaussian, "x").value = 0.1;
+  const SceneFile file = read(ply(gaussian));
+  CHECK(file.scene.means[0].x == 0.1f);
+  CHECK(file.exact_means.empty());
+  CHECK(file.notes.empty());
+}
+
+TEST_CASE("layouts: exact positions are those of the Gaussians that are kept") {
+  auto gaussian = plain_gaussian();
+  property(gaussian, "y") = {"double", "y", 5403209.75};
+  std::string content = ply(gaussian, {.repeat = 3});
+  const std::size_t row = 14 * 4 + 4, last = content.size() - row;
+  const double other = 5403211.25;
+  std::memcpy(content.data() + last + 4, &other, sizeof other);
+  const float infinite = std::numeric_limits<float>::infinity();
+  std::memcpy(content.data() + last - row, &infinite, sizeof infinite);  // x of the second
+  const SceneFile file = read(content);
+  CHECK(file.dropped_nonfinite == 1);
+  REQUIRE(file.exact_means.size() == 2);
+  CHECK(file.exact_means[0].y == 5403209.75);
+  CHECK(file.exact_means[1].y == other);
+  CHECK(file.notes.back() == "Gaussians with a NaN or an infinity are left out: 1.");
+}
