@@ -227,3 +227,12 @@ TEST_CASE("gltf: primitives of different degrees and instances of them make one 
     }
   }
 }
+
+// Cesium ion's tiles lie on the Earth: their nodes have translations of millions of metres.
+TEST_CASE("gltf: a node far from the origin is told with the largest rounding of its positions") {
+  GltfParts parts = encode_gltf(some_scene(12, 0));
+  parts.root["nodes"][0]["translation"] = {4'000'000.3, 0, 0};
+  const SceneFile file = read(parts);
+  REQUIRE(file.notes.size() == 1);
+  CHECK(contains(file.notes[0], "rounding them to float moves them by up to 0.1"));
+}
