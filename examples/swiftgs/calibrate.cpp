@@ -126,12 +126,15 @@ void calibrate(const CalibrateOptions& options) {
   std::vector<SizeGroup> groups =
       group_by_size(read_cameras_of(options.scene, view.cameras), view, options.scales);
   RenderSettings settings = settings_of(options.view);
-  const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
-  for (SizeGroup& group : groups) find_views(group.views, *scene), find_views(group.checked, *scene);
+  std::vector<std::string> notes;
+  const DrawnScene drawn = load_to_draw(options.scene, notes);
+  const auto scene = drawn.gaussians;
+  for (SizeGroup& group : groups)
+    find_views(group.views, *scene, drawn.camera), find_views(group.checked, *scene, drawn.camera);
   settings = settings_for(settings, *scene);
   const std::string checksum = scene_checksum(*scene);
   CalibrationStore store(calibration_files(options.scene, options.out));
-  CalibrationCheck check(options.json, options.scene);
+  CalibrationCheck check(options.json, options.scene, std::move(notes));
 
   for (const std::string& name : names) {
     const RendererWords words(name);

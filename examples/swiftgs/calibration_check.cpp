@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "json_text.hpp"
 #include "progress.hpp"
@@ -32,10 +33,13 @@ Regret regret_of(const std::vector<double>& standard, const std::vector<double>&
 
 }  // namespace
 
-CalibrationCheck::CalibrationCheck(const std::string& json, const SceneOptions& scene)
+CalibrationCheck::CalibrationCheck(const std::string& json, const SceneOptions& scene,
+                                   std::vector<std::string> notes)
     : file_(json),
       head_(json.empty() ? ResultHead() : head_of("swiftgs-calibration-check")),
-      scene_(builtin_size(scene.scene) ? "builtin" : capture_of(scene).name) {}
+      scene_(builtin_size(scene.scene) ? "builtin" : capture_of(scene).name) {
+  head_.notes = std::move(notes);
+}
 
 void CalibrationCheck::run(const SortTrio& sorts, const std::vector<View>& views,
                            const RenderSettings& settings, std::size_t gaussians) {

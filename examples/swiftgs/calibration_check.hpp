@@ -24,8 +24,9 @@ struct SortTrio {
 /// What the choice of a sort is worth, against both strategies on every view.
 class CalibrationCheck {
  public:
-  /// Rows go to `json`, a file that docs/results.md describes, unless that is empty.
-  CalibrationCheck(const std::string& json, const SceneOptions& scene);
+  /// Rows go to `json`, a file that docs/results.md describes, unless that is empty. `notes` are
+  /// `ResultHead::notes`.
+  CalibrationCheck(const std::string& json, const SceneOptions& scene, std::vector<std::string> notes);
 
   /// Times all three on `views`, at least one, of one size; prints means and regret, and adds a row to the
   /// file.

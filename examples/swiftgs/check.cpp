@@ -135,15 +135,18 @@ void check(const CheckOptions& options) {
   task.repeats = options.repeats;
   task.views = views_of(read_cameras_of(options.scene, options.view.cameras), options.view, "every:8");
   task.settings = settings_of(options.view);
-  task.scene = std::make_shared<const Scene>(load(options.scene).scene);
-  find_views(task.views, *task.scene);
+  std::vector<std::string> notes;
+  const DrawnScene drawn = load_to_draw(options.scene, notes);
+  task.scene = drawn.gaussians;
+  find_views(task.views, *task.scene, drawn.camera);
   task.settings = settings_for(task.settings, *task.scene);
   task.photos = photographs_of(task.views, photos_of(options.scene, options.view, options.photos));
   if (task.photos.empty() && !options.photos.empty())
     throw std::invalid_argument(options.photos + ": expected a photograph with the name of a view, such as " +
                                 task.views.front().name);
   ResultFile json(options.json);
-  const ResultHead head = json.is_wanted() ? head_of("swiftgs-check") : ResultHead();
+  ResultHead head = json.is_wanted() ? head_of("swiftgs-check") : ResultHead();
+  head.notes = std::move(notes);
 
   Progress progress(task.views.size() * (1 + entries.size()));
   const dvec3 background(task.settings.background);

@@ -2,6 +2,8 @@
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -10,6 +12,7 @@
 
 #include "commands.hpp"
 #include "json.hpp"
+#include "notes.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -18,10 +21,12 @@ struct CompareOptions {
   std::string a, b;
 };
 
-/// Drops alpha: colours are compared.
-Image colour_of(Image image) {
+/// The colours of the image in `file`, which are compared; says it if there is alpha.
+Image colour_of(const std::string& file, std::vector<std::string>& notes) {
+  Image image = read_image(file);
   const int channels = image.channels >= 3 ? 3 : 1;
   if (image.channels == channels) return image;
+  say_notes(file, {"Alpha is not compared."}, notes);
   Image colour{image.width, image.height, channels, {}};
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
     if (int(i % std::size_t(image.channels)) < channels) colour.pixels.push_back(image.pixels[i]);
@@ -34,7 +39,8 @@ std::string shape_of(const Image& image) {
 }
 
 void compare(const CompareOptions& options) {
-  const Image a = colour_of(read_image(options.a)), b = colour_of(read_image(options.b));
+  std::vector<std::string> notes;
+  const Image a = colour_of(options.a, notes), b = colour_of(options.b, notes);
   if (shape_of(a) != shape_of(b))
     throw std::invalid_argument(options.b + ": expected " + shape_of(a) + " as in " + options.a + ", found " +
                                 shape_of(b));

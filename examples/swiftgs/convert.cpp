@@ -20,6 +20,7 @@
 #include "convert_result.hpp"
 #include "distinct_files.hpp"
 #include "interruptible.hpp"
+#include "notes.hpp"
 #include "number_text.hpp"
 #include "options.hpp"
 #include "progress.hpp"
@@ -107,8 +108,20 @@ Edits edits_of(const ConvertOptions& options) {
   return edits;
 }
 
+/// Means of the Gaussians from number `first` on that the scene has rounded.
+struct ExactMeans {
+  std::size_t first;
+  std::vector<dvec3> means;
+};
+
+/// All inputs as one scene.
+struct Joined {
+  Scene scene;
+  std::vector<ExactMeans> exact;
+};
+
 /// What one input holds, and the row for it.
-Scene read(SceneOptions from, const std::string& name, ConvertProgress& progress, ConvertResult& result) {
+SceneFile read(SceneOptions from, const std::string& name, ConvertProgress& progress, ConvertResult& result) {
   from.scene = name;
   const auto begin = std::chrono::steady_clock::now();
   SceneFile file = load(from, progress.of_next_file("read " + name));
@@ -119,17 +132,23 @@ Scene read(SceneOptions from, const std::string& name, ConvertProgress& progress
                     .gaussians = file.scene.size(),
                     .sh_degree = file.scene.sh_degree,
                     .antialiased = file.scene.antialiased,
-                    .seconds = seconds_since(begin),
-                    .notes = std::move(file.notes)};
-  if (file.dropped_nonfinite != 0)
-    row.notes.push_back(std::to_string(file.dropped_nonfinite) +
-                        " Gaussians with numbers that are not finite were left out.");
+                    .seconds = seconds_since(begin)};
+  progress.clear();
+  say_notes(name, file.notes, result.head.notes);
   result.inputs.push_back(std::move(row));
-  return std::move(file.scene);
+  return file;
 }
 
-void edit(Scene& scene, const ConvertOptions& options, const Edits& edits, ConvertProgress& progress,
+/// Moves the scene, and rounds means that it has exactly only then.
+void move(Joined& all, const Similarity& by) {
+  transform(all.scene, by);
+  for (auto& [first, means] : all.exact)
+    for (std::size_t i = 0; i < means.size(); ++i) all.scene.means[first + i] = vec3(means[i] = by(means[i]));
+}
+
+void edit(Joined& all, const ConvertOptions& options, const Edits& edits, ConvertProgress& progress,
           ConvertResult& result) {
+  Scene& scene = all.scene;
   const auto step = [&](const std::string& what, const auto& make) {
     progress.begin(what);
     make();
@@ -138,7 +157,7 @@ void edit(Scene& scene, const ConvertOptions& options, const Edits& edits, Conve
   if (options.degree < scene.sh_degree)
     step("--degree " + std::to_string(options.degree),
          [&] { scene = with_degree(std::move(scene), options.degree); });
-  for (const auto& [what, by] : edits.transforms) step(what, [&, &by = by] { transform(scene, by); });
+  for (const auto& [what, by] : edits.transforms) step(what, [&, &by = by] { move(all, by); });
   for (const auto& [what, region] : edits.crops)
     step(what, [&, &region = region] {
       scene = std::visit([&](const auto& r) { return crop(scene, r); }, region);
@@ -150,12 +169,14 @@ void edit(Scene& scene, const ConvertOptions& options, const Edits& edits, Conve
   if (options.order) step("--order", [&] { scene = order_spatially(scene); });
 }
 
-/// All inputs as one scene.
-Scene read_all(const ConvertOptions& options, const std::vector<std::string>& inputs,
-               ConvertProgress& progress, ConvertResult& result) {
-  Scene all;
+Joined read_all(const ConvertOptions& options, const std::vector<std::string>& inputs,
+                ConvertProgress& progress, ConvertResult& result) {
+  Joined joined;
+  Scene& all = joined.scene;
   for (const std::string& name : inputs) {
-    Scene scene = read(options.scene, name, progress, result);
+    SceneFile file = read(options.scene, name, progress, result);
+    Scene& scene = file.scene;
+    if (!file.exact_means.empty()) joined.exact.push_back({all.size(), std::move(file.exact_means)});
     if (!options.antialiased.empty()) scene.antialiased = options.antialiased == "yes";
     if (&name == &inputs.front()) {
       all = std::move(scene);
@@ -169,7 +190,7 @@ Scene read_all(const ConvertOptions& options, const std::vector<std::string>& in
     }
     append(all, scene);
   }
-  return all;
+  return joined;
 }
 
 /// How to write `out`.
@@ -205,8 +226,9 @@ void convert(const ConvertOptions& options) {
   ConvertResult result;
   if (json.is_wanted()) result.head = head_of("swiftgs-convert");
   ConvertProgress progress(options.files.size(), out);
-  Scene scene = read_all(options, inputs, progress, result);
-  edit(scene, options, edits, progress, result);
+  Joined all = read_all(options, inputs, progress, result);
+  edit(all, options, edits, progress, result);
+  const Scene& scene = all.scene;
 
   const auto begin = std::chrono::steady_clock::now();
   write.progress = progress.of_next_file("write " + out);
@@ -219,8 +241,8 @@ void convert(const ConvertOptions& options) {
                    .gaussians = written.gaussians,
                    .sh_degree = written.sh_degree,
                    .antialiased = written.antialiased,
-                   .seconds = seconds_since(begin),
-                   .notes = std::move(written.notes)};
+                   .seconds = seconds_since(begin)};
+  say_notes(out, written.notes, result.head.notes);
   if (!json.is_standard_output() && !to_standard_output) print_table(result);
   if (json.is_wanted()) json.write(to_json(result));
   json.finish();

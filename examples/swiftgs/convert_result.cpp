@@ -17,18 +17,13 @@ Json json_of(const ConvertedFile& file) {
           {"gaussians", file.gaussians},
           {"sh_degree", file.sh_degree},
           {"antialiased", file.antialiased},
-          {"seconds", rounded(file.seconds, 4)},
-          {"notes", file.notes}};
+          {"seconds", rounded(file.seconds, 4)}};
 }
 
 void print_file(const char* verb, const ConvertedFile& file) {
   std::printf("%-10s %10zu %10" PRIu64 " %6d %12" PRIu64 " %8.2f  %s, %s\n", verb, file.gaussians,
               file.stored - file.gaussians, file.sh_degree, file.bytes, file.seconds, file.name.c_str(),
               file.format.c_str());
-}
-
-void print_notes(const ConvertedFile& file) {
-  for (const std::string& note : file.notes) std::printf("%s: %s\n", file.name.c_str(), note.c_str());
 }
 
 }  // namespace
@@ -52,8 +47,6 @@ void print_table(const ConvertResult& result) {
     before = step.gaussians;
   }
   print_file("written", result.output);
-  for (const ConvertedFile& input : result.inputs) print_notes(input);
-  print_notes(result.output);
 }
 
 }  // namespace swiftgs::cli

@@ -19,7 +19,6 @@ struct ConvertedFile {
   int sh_degree = 0;
   bool antialiased = false;
   double seconds = 0;
-  std::vector<std::string> notes;  ///< what was left out
 };
 
 /// What was done to the scene between reading and writing.

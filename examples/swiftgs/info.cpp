@@ -115,15 +115,16 @@ std::string to_json(const std::string& scene, const SceneFile& file, double seco
             {"dropped", file.dropped_nonfinite},
             {"sh_degree", file.scene.sh_degree},
             {"used_sh_degree", used_sh_degree(file.scene)},
-            {"antialiased", file.scene.antialiased},
-            {"notes", file.notes}};
+            {"antialiased", file.scene.antialiased}};
   Json percentiles{{"percent", Json::array()}};
   for (const double part : parts) percentiles["percent"].push_back(100 * part);
   for (const Distribution& distribution : distributions)
     for (const double part : parts)
       percentiles[distribution.member].push_back(rounded(distribution.at(part), 9));
   json["percentiles"] = percentiles;
-  return document_of(head_of("swiftgs-info"), members_of(json));
+  ResultHead head = head_of("swiftgs-info");
+  head.notes = file.notes;
+  return document_of(head, members_of(json));
 }
 
 void info(const InfoOptions& options) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -16,6 +17,7 @@
 #include "choice.hpp"
 #include "commands.hpp"
 #include "distinct_files.hpp"
+#include "notes.hpp"
 #include "options.hpp"
 #include "photos.hpp"
 #include "progress.hpp"
@@ -117,7 +119,8 @@ void prune(const PruneOptions& options) {
   const bool by_contribution = options.score == "contribution";
   const std::vector<View> views =
       by_contribution ? views_of(cameras, view, training_views) : std::vector<View>();
-  const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
+  std::vector<std::string> notes;
+  const auto scene = load_to_draw(options.scene, notes).gaussians;
   held_out.settings = settings_for(held_out.settings, *scene);
   if (Team::here().leads()) require_replaceable(options.out);
   ResultFile json(options.json);
@@ -137,8 +140,10 @@ void prune(const PruneOptions& options) {
                    options.keep, result.kept_weight)
           : choose(opacity_volumes(*scene), options.keep, result.kept_weight);
   const auto pruned = std::make_shared<const Scene>(subset(*scene, kept));
-  if (Team::here().leads()) write_scene(options.out, *pruned, {.ending = ".ply"});
   progress.clear();
+  if (Team::here().leads())
+    say_notes(options.out, write_scene(options.out, *pruned, {.ending = ".ply"}).notes, notes);
+  result.head.notes = std::move(notes);
   std::printf("%s: kept %zu of %zu Gaussians, with %.2f %% of the %s\n", options.out.c_str(), kept.size(),
               scene->size(), 100 * result.kept_weight,
               by_contribution ? "weight in the views" : "opacity times volume");

@@ -84,11 +84,14 @@ void render(const RenderOptions& options) {
   std::vector<View> views =
       views_of(read_cameras_of(options.scene, options.view.cameras), options.view, "all");
   RenderSettings settings = settings_of(options.view);
-  const auto scene = std::make_shared<const Scene>(load(options.scene).scene);
-  find_views(views, *scene);
+  std::vector<std::string> notes;
+  const DrawnScene drawn = load_to_draw(options.scene, notes);
+  const auto scene = drawn.gaussians;
+  find_views(views, *scene, drawn.camera);
   settings = settings_for(settings, *scene);
   ResultFile json(options.json);
-  const ResultHead head = json.is_wanted() ? head_of("swiftgs-render") : ResultHead();
+  ResultHead head = json.is_wanted() ? head_of("swiftgs-render") : ResultHead();
+  head.notes = std::move(notes);
   Numbered<RenderResult> numbered;
   std::filesystem::create_directories(options.out);
   renderer->set_scene(scene);

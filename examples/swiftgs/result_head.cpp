@@ -30,13 +30,14 @@ Json json_of(const Machine& m) {
 }  // namespace
 
 ResultHead head_of(std::string_view format) {
-  return {std::string(format), describe_machine(), command_line()};
+  return {.format = std::string(format), .machine = describe_machine(), .command = command_line()};
 }
 
 std::string document_of(const ResultHead& head, const std::vector<Member>& members) {
   std::string text =
       "{\"format\": " + text_of(head.format) + ", \"version\": " + std::to_string(version_of_formats) +
-      ",\n\"machine\": " + text_of(json_of(head.machine)) + ",\n\"command\": " + text_of(head.command);
+      ",\n\"machine\": " + text_of(json_of(head.machine)) + ",\n\"command\": " + text_of(head.command) +
+      ",\n\"notes\": " + text_of(Json(head.notes));
   for (const auto& [name, value] : members) text += ",\n\"" + name + "\": " + value;
   return text + "}\n";
 }

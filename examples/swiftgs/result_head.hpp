@@ -11,11 +11,12 @@
 /// What the result files of all commands have in common, as docs/results.md says.
 namespace swiftgs::cli {
 
-/// Which kind of results, from which machine and command.
+/// Which kind of results, from which machine and command, and what was said of the files.
 struct ResultHead {
   std::string format;
   Machine machine;
   std::string command;
+  std::vector<std::string> notes{};  ///< as `say_notes` says them
 };
 
 /// The head of the results of this run.

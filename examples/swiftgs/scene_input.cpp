@@ -4,9 +4,11 @@
 #include <charconv>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include <swiftgs/builtin_scene.hpp>
 
+#include "notes.hpp"
 #include "suggestion.hpp"
 #include "team.hpp"
 
@@ -64,6 +66,12 @@ SceneFile load(const SceneOptions& options, const swiftgs::Progress& progress) {
   file.format = "built in";
   file.stored = *size;
   return file;
+}
+
+DrawnScene load_to_draw(const SceneOptions& options, std::vector<std::string>& said) {
+  SceneFile file = load(options);
+  say_notes(capture_of(options).scene.string(), file.notes, said);
+  return {std::make_shared<const Scene>(std::move(file.scene)), std::move(file.camera)};
 }
 
 std::string cameras_of(const SceneOptions& scene, const std::string& cameras) {

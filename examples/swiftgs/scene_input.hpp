@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include <swiftgs/camera.hpp>
 #include <swiftgs/io/capture.hpp>
 #include <swiftgs/io/scene_file.hpp>
 
@@ -26,6 +29,15 @@ Capture capture_of(const SceneOptions& options);
 
 /// Loads the file or makes the built-in scene.
 SceneFile load(const SceneOptions& options, const swiftgs::Progress& progress = {});
+
+/// A scene to draw.
+struct DrawnScene {
+  std::shared_ptr<const Scene> gaussians;
+  std::optional<Camera> camera;  ///< that the file has
+};
+
+/// The same for a command that draws: says the file's notes, and adds them to `said` as `say_notes` does.
+DrawnScene load_to_draw(const SceneOptions& options, std::vector<std::string>& said);
 
 /// The cameras of `scene`: those that `--cameras` names, or else those in its folder where `scene` is the
 /// folder of a capture. Empty where there are none.

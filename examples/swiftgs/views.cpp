@@ -174,9 +174,12 @@ std::vector<View> views_left_out(const Cameras& cameras, const ViewOptions& opti
   return views_numbered(cameras, others, options.scale);
 }
 
-void find_views(std::vector<View>& views, const Scene& scene) {
-  for (View& view : views)
-    if (view.to_find_at > 0) view.camera = scaled(default_view(scene), view.to_find_at), view.to_find_at = 0;
+void find_views(std::vector<View>& views, const Scene& scene, const std::optional<Camera>& of_file) {
+  for (View& view : views) {
+    if (!(view.to_find_at > 0)) continue;
+    view.camera = scaled(of_file ? *of_file : default_view(scene), view.to_find_at), view.to_find_at = 0;
+    validate(view.camera);
+  }
 }
 
 RenderSettings settings_of(const ViewOptions& options) {

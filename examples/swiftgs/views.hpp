@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,8 +49,8 @@ std::vector<View> views_of(const Cameras& cameras, const ViewOptions& options,
 /// The views that `options.views`, which must not be empty, does not choose, scaled.
 std::vector<View> views_left_out(const Cameras& cameras, const ViewOptions& options);
 
-/// Finds in `scene` what `views` have yet to find.
-void find_views(std::vector<View>& views, const Scene& scene);
+/// Finds what `views` have yet to find: the camera of the scene's file, or else one for `scene`.
+void find_views(std::vector<View>& views, const Scene& scene, const std::optional<Camera>& of_file);
 
 /// What `options` say about conventions and background.
 RenderSettings settings_of(const ViewOptions& options);

@@ -37,11 +37,18 @@ inline Outcome swiftgs(const TemporaryFolder& place, const std::string& argument
   return run_after(place, "true", arguments);
 }
 
-/// The same, of a command that must end well and say nothing on standard error.
-inline Outcome run(const TemporaryFolder& place, const std::string& arguments) {
+/// The same, of a command that must end well. It may say notes of its files.
+inline Outcome run_noting(const TemporaryFolder& place, const std::string& arguments) {
   Outcome outcome = swiftgs(place, arguments);
   CAPTURE(arguments);
   CHECK(outcome.code == 0);
+  return outcome;
+}
+
+/// The same, of one that must say nothing on standard error.
+inline Outcome run(const TemporaryFolder& place, const std::string& arguments) {
+  Outcome outcome = run_noting(place, arguments);
+  CAPTURE(arguments);
   CHECK(outcome.err == "");
   return outcome;
 }

@@ -83,8 +83,8 @@ TEST_CASE("cli prune: writes one object of results with exactly these members") 
     std::set<std::string> members, side;
     for (const auto& item : result.items()) members.insert(item.key());
     for (const auto& item : result["after"].items()) side.insert(item.key());
-    CHECK(members == std::set<std::string>{"format", "version", "machine", "command", "scene", "score",
-                                           "keep", "backend", "conventions", "views", "held_out",
+    CHECK(members == std::set<std::string>{"format", "version", "machine", "command", "notes", "scene",
+                                           "score", "keep", "backend", "conventions", "views", "held_out",
                                            "kept_weight", "before", "after"});
     CHECK(side ==
           std::set<std::string>{"gaussians", "ms", "photo_psnr_db", "photo_ssim", "unpruned_psnr_db"});

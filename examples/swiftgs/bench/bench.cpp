@@ -125,9 +125,11 @@ class Matrix {
   }
 
   template <class Run>
-  void for_each_session(Results& results, const Run& run) const {
+  void for_each_session(Results& results, Progress& progress, const Run& run) const {
     for (const Input& input : inputs_) {
-      const Scene original = load(input.scene).scene;
+      progress.clear();
+      const DrawnScene drawn = load_to_draw(input.scene, results.head.notes);
+      const Scene& original = *drawn.gaussians;
       for (const std::optional<std::size_t> count : gaussians_)
         for (const double factor : enlarge_) {
           Session session;
@@ -135,7 +137,7 @@ class Matrix {
           session.scene = {name_of(input), session.gaussians->size(), original.size(),
                            factor,         original.sh_degree,        original.antialiased};
           results.scenes.push_back(session.scene);
-          for_each_view_set(input, session, run);
+          for_each_view_set(input, drawn.camera, session, run);
         }
     }
   }
@@ -170,7 +172,8 @@ class Matrix {
   }
 
   template <class Run>
-  void for_each_view_set(const Input& input, Session& session, const Run& run) const {
+  void for_each_view_set(const Input& input, const std::optional<Camera>& camera, Session& session,
+                         const Run& run) const {
     for (const std::optional<std::size_t> threads : threads_) {
       const ThreadLimit limit(threads);
       session.threads = limit.threads();
@@ -179,7 +182,7 @@ class Matrix {
           ViewOptions view = view_options(input);
           view.scale = scale, view.conventions = conventions;
           session.views = views_of(input.cameras, view, "");
-          find_views(session.views, *session.gaussians);
+          find_views(session.views, *session.gaussians, camera);
           session.settings = settings_for(settings_of(view), *session.gaussians);
           session.scale = scale, session.conventions = conventions;
           // What was measured of a scene does not hold for its variants.
@@ -229,13 +232,13 @@ void bench(const BenchOptions& options) {
     throw std::invalid_argument("--profile: expected one process, found " +
                                 std::to_string(Team::here().size()));
   if (options.profile)
-    return matrix.for_each_session(results,
+    return matrix.for_each_session(results, progress,
                                    [&](const Session& session) { profile(entries, session, progress); });
   Runner runner(
       entries,
       {options.plan, judged_views(options.errors), options.images, options.json, std::size_t(options.batch)},
       results, json, progress);
-  matrix.for_each_session(results, [&](const Session& session) { runner.run(session); });
+  matrix.for_each_session(results, progress, [&](const Session& session) { runner.run(session); });
   runner.join();
   progress.clear();
   print_tables(results.rows);
