@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ply_header.hpp"
 
-#include <charconv>
+#include <algorithm>
 #include <string_view>
 #include <unordered_set>
 #include <utility>
@@ -52,10 +52,9 @@ class HeaderParser {
   std::string_view next_line() {
     const std::string_view text = source_.text();
     line_start_ = position_;
-    const std::size_t end = text.find('\n', position_);
-    if (end == std::string_view::npos) fail("a PLY header line that ends in a line break");
-    std::string_view line = text.substr(position_, end - position_);
-    position_ = end + 1;
+    if (position_ == text.size()) fail("a PLY header that ends in a line 'end_header'");
+    std::string_view line = text.substr(line_start_, text.find('\n', line_start_) - line_start_);
+    position_ = std::min(line_start_ + line.size() + 1, text.size());
     if (line.ends_with('\r')) line.remove_suffix(1);
     return line;
   }

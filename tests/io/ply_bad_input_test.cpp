@@ -109,6 +109,18 @@ TEST_CASE("ply: a header line that means nothing is placed") {
   CHECK(contains(complaint_about(with(file, "property float x", "property list int float x")), "list 'x'"));
 }
 
+TEST_CASE("ply: a last line needs no line break in a header or in text") {
+  const std::string text = ply(plain_gaussian(), {.format = "ascii"});
+  const std::string rows = text.substr(0, text.find_last_not_of(" \r\n") + 1);
+  CHECK(complaint_about(rows) == "");
+  CHECK(complaint_about(rows + "\n") == "");
+  const std::string header = text.substr(0, text.find("end_header") + 10);
+  CHECK(complaint_about(with(header, "element vertex 1", "element vertex 0")) == "");
+  CHECK(contains(complaint_about(header), "1 rows of 'vertex'"));
+  CHECK(contains(complaint_about(header.substr(0, header.size() - 11)),
+                 "expected a PLY header that ends in a line 'end_header'"));
+}
+
 TEST_CASE("ply: packed vertices without chunks are refused") {
   CHECK(contains(complaint_about(ply({{"uint", "packed_position", 0}})), "an element 'chunk'"));
 }
