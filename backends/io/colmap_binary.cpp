@@ -8,34 +8,54 @@
 namespace swiftgs::io {
 namespace {
 
-ColmapIntrinsics parse_cameras(const Source& source) {
+/// What a camera's record begins with.
+struct Head {
+  std::uint32_t id;
+  const ColmapModel* model;
+};
+
+/// Throws `FormatError` for a model that is not known: nobody can tell where its record ends.
+Head read_head(const Source& source, ByteReader& reader) {
+  const auto id = reader.read<std::uint32_t>("a camera id");
+  const std::uint64_t start = reader.position();
+  const auto number = reader.read<std::int32_t>("a camera model");
+  const ColmapModel* model = colmap_model(number);
+  if (!model) refuse_model(source, start, "number " + std::to_string(number));
+  return {id, model};
+}
+
+Camera camera_at(const Source& source, std::uint64_t offset) {
+  ByteReader reader(source, offset);
+  const ColmapModel& model = *read_head(source, reader).model;
+  Camera camera;
+  camera.width = to_side(source, offset, double(reader.read<std::uint64_t>("a width")));
+  camera.height = to_side(source, offset, double(reader.read<std::uint64_t>("a height")));
+  std::array<double, ColmapModel::most_parameters> parameters{};
+  for (int p = 0; p < model.parameters; ++p) parameters[p] = reader.read<double>("a camera parameter");
+  set_intrinsics(camera, model, parameters, source, offset);
+  return camera;
+}
+
+ColmapCameras find_cameras(const Source& source) {
+  ColmapCameras cameras(source, camera_at);
   ByteReader reader(source);
   const auto count = reader.read<std::uint64_t>("the number of cameras");
-  constexpr std::uint64_t least_bytes = 4 + 4 + 8 + 8 + 3 * 8;
+  constexpr std::uint64_t least_bytes = 4 + 4 + 8 + 8 + 2 * 8;
   reader.expect(count, least_bytes, "cameras");
-  ColmapIntrinsics intrinsics;
   for (std::uint64_t i = 0; i < count; ++i) {
     const std::uint64_t start = reader.position();
-    const auto id = reader.read<std::uint32_t>("a camera id");
-    const std::uint64_t model_start = reader.position();
-    const ColmapModel model = colmap_model(source, model_start, reader.read<std::int32_t>("a camera model"));
-    Camera camera;
-    camera.width = to_side(source, start, double(reader.read<std::uint64_t>("a width")));
-    camera.height = to_side(source, start, double(reader.read<std::uint64_t>("a height")));
-    std::array<double, 4> parameters{};
-    for (int p = 0; p < model.parameters; ++p) parameters[p] = reader.read<double>("a camera parameter");
-    set_intrinsics(camera, parameters.data(), model.parameters);
-    if (!intrinsics.emplace(id, camera).second)
-      source.fail(start, "each camera id once, found " + std::to_string(id) + " again");
+    const Head head = read_head(source, reader);
+    reader.take(std::uint64_t(8 + 8 + 8 * head.model->parameters), "a camera's size and parameters");
+    cameras.add(head.id, start);
   }
   reader.expect_end("the last camera");
-  return intrinsics;
+  return cameras;
 }
 
 }  // namespace
 
 std::vector<Camera> parse_colmap_binary(const Source& cameras, const Source& images) {
-  const ColmapIntrinsics intrinsics = parse_cameras(cameras);
+  const ColmapCameras known = find_cameras(cameras);
   ByteReader reader(images);
   const auto count = reader.read<std::uint64_t>("the number of images");
   constexpr std::uint64_t least_bytes = 4 + 7 * 8 + 4 + 1 + 8, point_bytes = 24;
@@ -53,7 +73,7 @@ std::vector<Camera> parse_colmap_binary(const Source& cameras, const Source& ima
     const auto points = reader.read<std::uint64_t>("the number of points");
     reader.expect(points, point_bytes, "points");
     reader.take(points * point_bytes, "points");
-    result.push_back(place(images, start, intrinsics, {w, x, y, z, dvec3(tx, ty, tz), camera_id}, name));
+    result.push_back(known.place(images, start, {w, x, y, z, dvec3(tx, ty, tz), camera_id}, name));
   }
   reader.expect_end("the last image");
   return result;

@@ -1,48 +1,92 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "colmap_models.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <string>
+
+#include "camera_parsing.hpp"
 
 namespace swiftgs::io {
 namespace {
 
-/// In the order of COLMAP's numbers.
-constexpr std::string_view names[] = {"SIMPLE_PINHOLE",
-                                      "PINHOLE",
-                                      "SIMPLE_RADIAL",
-                                      "RADIAL",
-                                      "OPENCV",
-                                      "OPENCV_FISHEYE",
-                                      "FULL_OPENCV",
-                                      "FOV",
-                                      "SIMPLE_RADIAL_FISHEYE",
-                                      "RADIAL_FISHEYE",
-                                      "THIN_PRISM_FISHEYE",
-                                      "RAD_TAN_THIN_PRISM_FISHEYE",
-                                      "SIMPLE_DIVISION",
-                                      "DIVISION",
-                                      "SIMPLE_FISHEYE",
-                                      "FISHEYE",
-                                      "EUCM",
-                                      "EQUIRECTANGULAR"};
+constexpr int never = ColmapModel::never;
+
+/// In the order of COLMAP's numbers. EUCM is a pinhole where alpha is 0, whatever beta is.
+constexpr ColmapModel models[] = {{"SIMPLE_PINHOLE", 3, 1, 0},
+                                  {"PINHOLE", 4, 2, 0},
+                                  {"SIMPLE_RADIAL", 4, 1, 1},
+                                  {"RADIAL", 5, 1, 2},
+                                  {"OPENCV", 8, 2, 4},
+                                  {"OPENCV_FISHEYE", 8, 2, never},
+                                  {"FULL_OPENCV", 12, 2, 8},
+                                  {"FOV", 5, 2, 1},
+                                  {"SIMPLE_RADIAL_FISHEYE", 4, 1, never},
+                                  {"RADIAL_FISHEYE", 5, 1, never},
+                                  {"THIN_PRISM_FISHEYE", 12, 2, never},
+                                  {"RAD_TAN_THIN_PRISM_FISHEYE", 16, 2, never},
+                                  {"SIMPLE_DIVISION", 4, 1, 1},
+                                  {"DIVISION", 5, 2, 1},
+                                  {"SIMPLE_FISHEYE", 3, 1, never},
+                                  {"FISHEYE", 4, 2, never},
+                                  {"EUCM", 6, 2, 1},
+                                  {"EQUIRECTANGULAR", 2, 0, never}};
+
+dmat3 rotation_of(const Source& images, std::uint64_t offset, const ColmapPose& pose) {
+  const double length = std::sqrt(pose.w * pose.w + pose.x * pose.x + pose.y * pose.y + pose.z * pose.z);
+  if (!(length > 0) || !std::isfinite(length))
+    images.fail(offset, "a quaternion with a finite length above 0");
+  const double w = pose.w / length, x = pose.x / length, y = pose.y / length, z = pose.z / length;
+  return {dvec3(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)),
+          dvec3(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)),
+          dvec3(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))};
+}
 
 }  // namespace
 
-ColmapModel colmap_model(const Source& source, std::uint64_t offset, std::int32_t id) {
-  if (id >= 0 && id < std::ssize(names)) return colmap_model(source, offset, names[id]);
-  return colmap_model(source, offset, std::string_view("number " + std::to_string(id)));
+const ColmapModel* colmap_model(std::int32_t id) {
+  return id >= 0 && id < std::ssize(models) ? &models[id] : nullptr;
 }
 
-ColmapModel colmap_model(const Source& source, std::uint64_t offset, std::string_view name) {
-  if (name == "SIMPLE_PINHOLE") return {.parameters = 3};
-  if (name == "PINHOLE") return {.parameters = 4};
-  refuse_model(source, offset, name);
+const ColmapModel* colmap_model(std::string_view name) {
+  const auto* found = std::find_if(std::begin(models), std::end(models),
+                                   [&](const ColmapModel& model) { return model.name == name; });
+  return found == std::end(models) ? nullptr : found;
+}
+
+void set_intrinsics(Camera& camera, const ColmapModel& model, std::span<const double> parameters,
+                    const Source& source, std::uint64_t offset) {
+  if (model.zeros == ColmapModel::never) refuse_model(source, offset, model.name);
+  const auto rest = parameters.subspan(std::size_t(model.focal_lengths) + 2);
+  for (int i = 0; i < model.zeros; ++i)
+    if (rest[i] != 0)
+      refuse_model(source, offset, std::string(model.name) + " with a coefficient that is not 0");
+  camera.fx = parameters[0], camera.fy = parameters[model.focal_lengths - 1];
+  camera.cx = parameters[model.focal_lengths], camera.cy = parameters[model.focal_lengths + 1];
 }
 
 void refuse_model(const Source& source, std::uint64_t offset, std::string_view found) {
   source.fail(offset,
               "camera model PINHOLE or SIMPLE_PINHOLE (undistorted images), found " + std::string(found));
+}
+
+void ColmapCameras::add(std::uint32_t id, std::uint64_t offset) {
+  if (!offsets_.emplace(id, offset).second)
+    source_.fail(offset, "each camera id once, found " + std::to_string(id) + " again");
+}
+
+Camera ColmapCameras::place(const Source& images, std::uint64_t offset, const ColmapPose& pose,
+                            std::string_view name) const {
+  const auto found = offsets_.find(pose.camera_id);
+  if (found == offsets_.end())
+    images.fail(offset, "the id of a known camera, found " + std::to_string(pose.camera_id));
+  Camera camera = read_(source_, found->second);
+  camera.name = name;
+  camera.rotation = rotation_of(images, offset, pose);
+  camera.translation = pose.translation;
+  expect_valid(images, offset, camera);
+  return camera;
 }
 
 }  // namespace swiftgs::io

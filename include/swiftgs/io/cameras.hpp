@@ -20,10 +20,11 @@ namespace swiftgs {
 ///   there, the text files otherwise. Points are not needed,
 /// - the folder of a capture that holds one of these, as `find_capture` says.
 ///
-/// Camera models PINHOLE and SIMPLE_PINHOLE are read, and OPENCV in a transforms.json without distortion; any
-/// other is refused by name. `Camera::name` is the image's name as the file has it. Cameras of a
-/// transforms.json keep the order of the file, others are sorted by name. Throws `FormatError`,
-/// `std::system_error` if something cannot be read, and `std::invalid_argument` for a folder without cameras.
+/// Cameras are pinholes: COLMAP's PINHOLE and SIMPLE_PINHOLE, and its models whose coefficients are all 0.
+/// Any other is refused by name where an image uses it. `Camera::name` is the image's name as the file has
+/// it. Cameras of a transforms.json keep the order of the file, others are sorted by name. Throws
+/// `FormatError`, `std::system_error` if something cannot be read, and `std::invalid_argument` for a folder
+/// without cameras.
 SWIFTGS_API std::vector<Camera> read_cameras(const std::filesystem::path& path);
 
 }  // namespace swiftgs
