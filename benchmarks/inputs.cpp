@@ -47,7 +47,7 @@ std::vector<Capture> captures() {
 
 Input input_of(const Capture& capture) {
   Input input{capture.name, {}, [file = capture.scene] { return load_scene(file); }};
-  const std::vector<Camera> cameras = read_cameras(capture.cameras);
+  const std::vector<Camera> cameras = load_cameras(capture.cameras);
   for (std::size_t i = 0; i < cameras.size(); i += 8) input.views.push_back(cameras[i]);
   if (input.views.empty())
     throw std::invalid_argument(capture.name + ": expected at least one camera, found none");

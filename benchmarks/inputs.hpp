@@ -24,7 +24,7 @@ struct Input {
 ///
 /// Captures with cameras, as `find_capture` knows them, are looked for in the folder that the environment
 /// variable SWIFTGS_SCENES names, or else the build did; there may be none. Throws `std::invalid_argument`,
-/// naming what there is, for a name that is not known, and what `read_cameras` throws.
+/// naming what there is, for a name that is not known, and what `load_cameras` throws.
 std::vector<Input> inputs_named(const std::vector<std::string>& names);
 
 }  // namespace swiftgs::bench

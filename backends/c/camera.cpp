@@ -66,7 +66,7 @@ swiftgs_status swiftgs_cameras_read(const char* path, swiftgs_cameras** cameras)
   return guarded([&] {
     require_pointer(path, "path");
     require_pointer(cameras, "cameras");
-    *cameras = std::make_unique<swiftgs_cameras>(swiftgs_cameras{swiftgs::read_cameras(path)}).release();
+    *cameras = std::make_unique<swiftgs_cameras>(swiftgs_cameras{swiftgs::load_cameras(path)}).release();
   });
 }
 

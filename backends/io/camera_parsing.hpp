@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <swiftgs/camera.hpp>
+#include <swiftgs/io/cameras.hpp>
 
 #include "bytes.hpp"
 
@@ -14,7 +14,7 @@
 namespace swiftgs::io {
 
 /// An INRIA `cameras.json`.
-std::vector<Camera> parse_cameras_json(const Source& source);
+CameraFile parse_cameras_json(const Source& source);
 
 /// COLMAP's `cameras.bin` and `images.bin`.
 std::vector<Camera> parse_colmap_binary(const Source& cameras, const Source& images);

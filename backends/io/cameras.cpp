@@ -3,10 +3,13 @@
 #include <stdexcept>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include <swiftgs/io/cameras.hpp>
 
 #include "camera_parsing.hpp"
 #include "capture_parts.hpp"
+#include "listed.hpp"
 #include "mapped_file.hpp"
 #include "transforms_json.hpp"
 
@@ -16,43 +19,63 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<Camera> sorted_by_name(std::vector<Camera> cameras) {
-  std::stable_sort(cameras.begin(), cameras.end(),
+CameraFile sorted_by_name(CameraFile file) {
+  std::stable_sort(file.cameras.begin(), file.cameras.end(),
                    [](const Camera& a, const Camera& b) { return a.name < b.name; });
-  return cameras;
+  return file;
 }
 
-std::vector<Camera> read_colmap(const fs::path& folder, const char* ending,
-                                std::vector<Camera> (*parse)(const Source&, const Source&)) {
+CameraFile read_colmap(const fs::path& folder, const char* ending,
+                       std::vector<Camera> (*parse)(const Source&, const Source&)) {
   const fs::path cameras_path = folder / (std::string("cameras") + ending);
   const fs::path images_path = folder / (std::string("images") + ending);
   const MappedFile cameras(cameras_path), images(images_path);
   return sorted_by_name(
-      parse({cameras.bytes(), cameras_path.string()}, {images.bytes(), images_path.string()}));
+      {parse({cameras.bytes(), cameras_path.string()}, {images.bytes(), images_path.string()}), {}});
 }
 
-std::vector<Camera> read_model(const fs::path& folder) {
+CameraFile read_model(const fs::path& folder) {
   return is_colmap(folder, ".bin") ? read_colmap(folder, ".bin", parse_colmap_binary)
                                    : read_colmap(folder, ".txt", parse_colmap_text);
 }
 
-std::vector<Camera> read_json(const fs::path& path) {
+/// Notes a test split beside a training split, which may be all that a caller knows of the two.
+void note_other_split(const fs::path& path, std::vector<std::string>& notes) {
+  const std::string_view train = transforms_files[1], test = transforms_files[2];
+  if (path.filename() == train && fs::exists(fs::path(path).replace_filename(test)))
+    notes.push_back("The cameras of " + std::string(test) + " beside it were not read.");
+}
+
+/// What a file is that holds no cameras, as far as it is JSON.
+std::string found_in(std::string_view text) {
+  const nlohmann::json root = nlohmann::json::parse(text, nullptr, false);
+  if (!root.is_object()) return "";
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : root.items()) keys.push_back(key);
+  return ", found a JSON object with " + (keys.empty() ? "no keys" : "the keys " + listed(keys));
+}
+
+CameraFile read_json(const fs::path& path) {
   const MappedFile file(path);
   const Source source{file.bytes(), path.string()};
-  if (is_transforms_json(source.text()))
-    return read_transforms_json(source, path.has_parent_path() ? path.parent_path() : ".");
+  if (is_transforms_json(source.text())) {
+    CameraFile cameras = read_transforms_json(source, path.has_parent_path() ? path.parent_path() : ".");
+    note_other_split(path, cameras.notes);
+    return cameras;
+  }
   const std::size_t first = source.text().find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos || source.text()[first] != '[')
     source.fail(0,
                 "cameras: INRIA's cameras.json (a JSON array), a transforms.json (a JSON object with "
-                "'frames'), or the folder of a COLMAP model");
+                "'frames'), or the folder of a COLMAP model" +
+                    found_in(source.text()));
   return sorted_by_name(parse_cameras_json(source));
 }
 
 }  // namespace
 }  // namespace io
 
-std::vector<Camera> read_cameras(const std::filesystem::path& path) {
+CameraFile read_cameras(const std::filesystem::path& path) {
   const bool is_folder = std::filesystem::is_directory(path);
   const std::filesystem::path found = is_folder ? io::cameras_in(path) : path;
   if (found.empty())
@@ -62,5 +85,7 @@ std::vector<Camera> read_cameras(const std::filesystem::path& path) {
         "images.bin, or .txt), here or in sparse/0 or sparse");
   return std::filesystem::is_directory(found) ? io::read_model(found) : io::read_json(found);
 }
+
+std::vector<Camera> load_cameras(const std::filesystem::path& path) { return read_cameras(path).cameras; }
 
 }  // namespace swiftgs

@@ -87,8 +87,9 @@ fs::path scene_in(const fs::path& folder) {
     if (fs::path scene = scene_in(folder, other_endings, scenes); !scene.empty()) return scene;
   std::string found = scenes.empty() ? "none" : "";
   for (const std::string& scene : scenes) found += (found.empty() ? "" : ", ") + scene;
-  if (scenes.empty() && fs::exists(folder / "transforms.json"))
-    found = "transforms.json, which holds cameras alone";
+  for (const std::string_view file : transforms_files)
+    if (found == "none" && fs::exists(folder / file))
+      found = std::string(file) + ", which holds cameras alone";
   throw std::invalid_argument(folder.string() +
                               ": expected a capture, a folder with one .spz, .ply or .sog in it, or else one "
                               ".ksplat, .splat, .glb or .gltf, found " +
@@ -118,7 +119,8 @@ fs::path cameras_in(const fs::path& folder) {
   if (fs::path json = folder / "cameras.json"; fs::exists(json)) return json;
   for (const fs::path& place : {folder / "sparse" / "0", folder / "sparse", folder / "0"})
     if (holds_model(place)) return place;
-  if (fs::path json = folder / "transforms.json"; fs::exists(json)) return json;
+  for (const std::string_view file : transforms_files)
+    if (fs::path json = folder / file; fs::exists(json)) return json;
   return {};
 }
 

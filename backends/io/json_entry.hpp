@@ -44,6 +44,7 @@ class JsonEntry {
   const Source& source() const { return source_; }
   std::uint64_t offset() const { return offset_; }
   bool has(const char* key) const { return value_.contains(key); }
+  const nlohmann::json& members() const { return value_; }
   const nlohmann::json& member(const char* key) const;
 
   double number(const char* key) const { return to_number(member(key), key); }

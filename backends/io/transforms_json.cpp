@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transforms_json.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -9,10 +8,9 @@
 
 #include <glm/matrix.hpp>
 
+#include "camera_entry.hpp"
 #include "camera_parsing.hpp"
-#include "colmap_models.hpp"
 #include "image_parsing.hpp"
-#include "json_entry.hpp"
 #include "mapped_file.hpp"
 
 namespace swiftgs::io {
@@ -20,39 +18,42 @@ namespace {
 
 using nlohmann::json;
 
-/// A frame, and the object around all frames, whose members count where the frame has none of its own.
-struct Frame {
-  JsonEntry own, shared;
-
-  /// Whichever has `key`; null if neither has.
-  const JsonEntry* with(const char* key) const {
-    return own.has(key) ? &own : shared.has(key) ? &shared : nullptr;
-  }
-};
-
-bool is_zero(const json& value) {
-  const auto zero = [](const json& number) { return number.is_number() && number.get<double>() == 0; };
-  return value.is_array() ? std::all_of(value.begin(), value.end(), zero) : zero(value);
-}
-
-/// Throws `FormatError` that names the camera model or the distortion, unless the images have none.
-void expect_undistorted(const Frame& frame) {
-  if (const JsonEntry* entry = frame.with("camera_model")) {
-    const std::string name = entry->string("camera_model");
-    const ColmapModel* model = colmap_model(name);
-    if (!model || model->zeros == ColmapModel::never) refuse_model(entry->source(), entry->offset(), name);
-  }
-  for (const char* key : {"k1", "k2", "k3", "k4", "p1", "p2", "distortion_params"})
-    if (const JsonEntry* entry = frame.with(key); entry && !is_zero(entry->member(key)))
-      refuse_model(entry->source(), entry->offset(), std::string("'") + key + "' that is not 0");
-  // How instant-ngp marks its other lenses.
-  for (const char* key : {"is_fisheye", "ftheta_p0", "latlong", "equirectangular"})
-    if (const JsonEntry* entry = frame.with(key); entry && entry->member(key) != json(false))
-      refuse_model(entry->source(), entry->offset(), std::string("'") + key + "'");
-}
+/// What a frame or the object around it is asked for, and what no picture shows: where a trainer finds masks,
+/// depths and points, how it splits the images, and its own box.
+constexpr std::string_view read_keys[] = {"frames",
+                                          "file_path",
+                                          "transform_matrix",
+                                          "w",
+                                          "h",
+                                          "fl_x",
+                                          "fl_y",
+                                          "cx",
+                                          "cy",
+                                          "x_fov",
+                                          "y_fov",
+                                          "camera_angle_x",
+                                          "camera_angle_y",
+                                          "applied_transform",
+                                          "applied_scale",
+                                          "aabb_scale",
+                                          "colmap_im_id",
+                                          "depth_file_path",
+                                          "depth_path",
+                                          "enable_depth_loading",
+                                          "fisheye_crop_radius",
+                                          "integer_depth_scale",
+                                          "mask_path",
+                                          "orientation_override",
+                                          "ply_file_path",
+                                          "rotation",
+                                          "sharpness",
+                                          "test_filenames",
+                                          "timestamp",
+                                          "train_filenames",
+                                          "val_filenames"};
 
 /// Sets the size from the file, or else from the header of the frame's image in `folder`.
-void set_size(Camera& camera, const Frame& frame, const std::filesystem::path& folder) {
+void set_size(Camera& camera, const CameraEntry& frame, const std::filesystem::path& folder) {
   const JsonEntry *width = frame.with("w"), *height = frame.with("h");
   if (width && height) {
     camera.width = to_side(width->source(), width->offset(), width->number("w"));
@@ -60,8 +61,8 @@ void set_size(Camera& camera, const Frame& frame, const std::filesystem::path& f
     return;
   }
   if (folder.empty()) frame.own.fail("a frame with 'w' and 'h', or a file with its images beside it");
-  std::filesystem::path image = folder / camera.name;
-  if (!image.has_extension()) image += ".png";
+  std::filesystem::path image = folder / frame.own.string("file_path");
+  if (std::filesystem::path png = image; !exists(image) && exists(png += ".png")) image = png;
   try {
     const MappedFile file(image);
     const ImageSize size = image_size({file.bytes(), image.string()});
@@ -71,22 +72,32 @@ void set_size(Camera& camera, const Frame& frame, const std::filesystem::path& f
   }
 }
 
-/// The focal length along an image side, stored as pixels or as an angle of view; 0 if there is none.
-double focal_length(const Frame& frame, const char* pixels, const char* angle, int side) {
+/// Where a focal length is stored: as pixels, or as an angle of view in degrees or radians.
+struct FocalKeys {
+  const char *pixels, *degrees, *radians;
+};
+
+double length_of_angle(const JsonEntry& entry, const char* key, double to_radians, int side) {
+  const double radians = to_radians * entry.number(key);
+  if (!(radians > 0 && radians < std::numbers::pi))
+    entry.fail(std::string("an angle above 0 and below pi (180 degrees) in '") + key + "'");
+  return 0.5 * side / std::tan(0.5 * radians);
+}
+
+/// The focal length along an image side; 0 if there is none.
+double focal_length(const CameraEntry& frame, const FocalKeys& keys, int side) {
   for (const JsonEntry* entry : {&frame.own, &frame.shared}) {
-    if (entry->has(pixels)) return entry->number(pixels);
-    if (!entry->has(angle)) continue;
-    const double radians = entry->number(angle);
-    if (!(radians > 0 && radians < std::numbers::pi))
-      entry->fail(std::string("an angle above 0 and below pi in '") + angle + "'");
-    return 0.5 * side / std::tan(0.5 * radians);
+    if (entry->has(keys.pixels)) return entry->number(keys.pixels);
+    if (entry->has(keys.degrees)) return length_of_angle(*entry, keys.degrees, std::numbers::pi / 180, side);
+    if (entry->has(keys.radians)) return length_of_angle(*entry, keys.radians, 1, side);
   }
   return 0;
 }
 
-void set_intrinsics(Camera& camera, const Frame& frame) {
-  camera.fx = focal_length(frame, "fl_x", "camera_angle_x", camera.width);
-  camera.fy = focal_length(frame, "fl_y", "camera_angle_y", camera.height);
+void set_intrinsics(Camera& camera, const CameraEntry& frame) {
+  camera.fx = focal_length(frame, {"fl_x", "x_fov", "camera_angle_x"}, camera.width);
+  camera.fy = focal_length(frame, {"fl_y", "y_fov", "camera_angle_y"}, camera.height);
+  if (camera.fx == 0) camera.fx = camera.fy;
   if (camera.fx == 0) frame.own.fail("a focal length above 0 in 'fl_x', or 'camera_angle_x'");
   if (camera.fy == 0) camera.fy = camera.fx;
   const JsonEntry *cx = frame.with("cx"), *cy = frame.with("cy");
@@ -132,10 +143,10 @@ WorldChange world_change(const JsonEntry& root, const Source& dataparser) {
   return change;
 }
 
-Camera camera_of(const Frame& frame, const std::filesystem::path& folder, const WorldChange& change) {
-  expect_undistorted(frame);
+Camera camera_of(const CameraEntry& frame, const std::filesystem::path& folder, const WorldChange& change) {
+  expect_pinhole(frame);
   Camera camera;
-  camera.name = frame.own.string("file_path");
+  if (frame.own.has("file_path")) camera.name = frame.own.string("file_path");
   // The file has camera to world with OpenGL's axes: y up, z backwards.
   auto [axes, centre] = frame.own.affine("transform_matrix");
   axes[1] = -axes[1], axes[2] = -axes[2];
@@ -157,8 +168,8 @@ bool is_transforms_json(std::string_view text) {
          holds("\"fl_x\"");
 }
 
-std::vector<Camera> parse_transforms_json(const Source& source, const std::filesystem::path& folder,
-                                          const Source* dataparser) {
+CameraFile parse_transforms_json(const Source& source, const std::filesystem::path& folder,
+                                 const Source* dataparser) {
   const json value = parse_json(source);
   const JsonEntry root(source, value, 0, "a transforms.json");
   const json& frames = root.member("frames");
@@ -167,14 +178,24 @@ std::vector<Camera> parse_transforms_json(const Source& source, const std::files
   const std::string_view text = source.text();
   const std::vector<std::uint64_t> offsets =
       offsets_in(text, offset_of_member(text, text.find('{'), "frames"));
-  std::vector<Camera> cameras;
-  cameras.reserve(frames.size());
-  for (std::size_t i = 0; i < frames.size(); ++i)
-    cameras.push_back(camera_of({JsonEntry(source, frames[i], offsets[i], "a frame"), root}, folder, change));
-  return cameras;
+  CameraFile file;
+  UnreadKeys unread(read_keys);
+  unread.add(root);
+  file.cameras.reserve(frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const CameraEntry frame{JsonEntry(source, frames[i], offsets[i], "a frame"), root};
+    file.cameras.push_back(camera_of(frame, folder, change));
+    unread.add(frame.own);
+  }
+  if (!dataparser && (root.has("applied_transform") || root.has("applied_scale")))
+    file.notes.push_back(
+        "The cameras stay in the world of the file; for a scene that nerfstudio exported, put its "
+        "dataparser_transforms.json beside the file.");
+  unread.note(file.notes);
+  return file;
 }
 
-std::vector<Camera> read_transforms_json(const Source& source, const std::filesystem::path& folder) {
+CameraFile read_transforms_json(const Source& source, const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "dataparser_transforms.json";
   if (!std::filesystem::exists(path)) return parse_transforms_json(source, folder);
   const MappedFile file(path);

@@ -3,9 +3,8 @@
 
 #include <filesystem>
 #include <string_view>
-#include <vector>
 
-#include <swiftgs/camera.hpp>
+#include <swiftgs/io/cameras.hpp>
 
 #include "bytes.hpp"
 
@@ -20,10 +19,10 @@ bool is_transforms_json(std::string_view text);
 /// Its cameras in the order of the file, with the size of the images in `folder` where the file has none; an
 /// empty folder has no images. `dataparser` is nerfstudio's `dataparser_transforms.json`, which takes cameras
 /// to the world of the model that it trained, or null.
-std::vector<Camera> parse_transforms_json(const Source& source, const std::filesystem::path& folder = {},
-                                          const Source* dataparser = nullptr);
+CameraFile parse_transforms_json(const Source& source, const std::filesystem::path& folder = {},
+                                 const Source* dataparser = nullptr);
 
 /// The same with the `dataparser_transforms.json` that is in `folder`, if there is one.
-std::vector<Camera> read_transforms_json(const Source& source, const std::filesystem::path& folder);
+CameraFile read_transforms_json(const Source& source, const std::filesystem::path& folder);
 
 }  // namespace swiftgs::io

@@ -56,7 +56,7 @@ Scene part_named(const std::string& name, const ScenePart& part, const Ranks& ra
 
 Camera camera_of(const Options& options) {
   if (options.cameras.empty()) return scaled(builtin_camera(), options.scale);
-  const std::vector<Camera> cameras = read_cameras(options.cameras);
+  const std::vector<Camera> cameras = load_cameras(options.cameras);
   return scaled(cameras.at(options.view), options.scale);
 }
 

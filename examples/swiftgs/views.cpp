@@ -116,7 +116,8 @@ Cameras read_cameras_of(const SceneOptions& scene, const std::string& cameras) {
   const std::string file = cameras_of(scene, cameras);
   Cameras result;
   if (!file.empty()) {
-    result.all = read_cameras(file), result.of_file = true;
+    CameraFile read = read_cameras(file);
+    result.all = std::move(read.cameras), result.notes = std::move(read.notes), result.of_file = true;
     if (result.all.empty()) throw std::invalid_argument(file + ": expected at least one camera, found none");
   } else if (builtin_size(scene.scene)) {
     result.all = builtin_cameras();

@@ -25,6 +25,7 @@ struct View {
 /// All cameras that there are for a scene, in the order of their names.
 struct Cameras {
   std::vector<Camera> all;
+  std::vector<std::string> notes;  ///< what reading them brought up
   bool of_file = false;
   bool to_find = false;  ///< `all` is one camera that knows its image alone: the scene tells where it stands
 };

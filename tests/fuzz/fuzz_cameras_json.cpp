@@ -13,7 +13,7 @@ namespace {
 template <class Parse>
 void expect_cameras(Parse parse) {
   try {
-    for (const swiftgs::Camera& camera : parse()) swiftgs::validate(camera);
+    for (const swiftgs::Camera& camera : parse().cameras) swiftgs::validate(camera);
   } catch (const swiftgs::FormatError&) {
   }
 }

@@ -37,7 +37,7 @@ std::string complaint_about(const std::string& content) {
 
 TEST_CASE("cameras.json: a pose is inverted and the principal point is centred") {
   const TemporaryFolder folder;
-  const auto cameras = read_cameras(folder.write("anything", array(camera("a"))));
+  const auto cameras = load_cameras(folder.write("anything", array(camera("a"))));
   REQUIRE(cameras.size() == 1);
   const Camera& c = cameras[0];
   CHECK(c.name == "a");
@@ -55,7 +55,7 @@ TEST_CASE("cameras.json: a pose is inverted and the principal point is centred")
 TEST_CASE("cameras.json: cameras are sorted by image name") {
   const TemporaryFolder folder;
   const std::string content = array(camera("b") + ",\n " + camera("c") + " , " + camera("a"));
-  const auto cameras = read_cameras(folder.write("cameras.json", content));
+  const auto cameras = load_cameras(folder.write("cameras.json", content));
   REQUIRE(cameras.size() == 3);
   CHECK(cameras[0].name == "a");
   CHECK(cameras[1].name == "b");
@@ -97,6 +97,6 @@ TEST_CASE("cameras.json: JSON that is something else is refused") {
   CHECK(contains(complaint_about(std::string(100'000, '[')), "valid JSON"));
   const TemporaryFolder folder;
   for (const char* content : {"", "{}", "ply\n"})
-    CHECK_THROWS_AS(read_cameras(folder.write("a", content)), FormatError);
-  CHECK_THROWS_AS(read_cameras(folder / "missing"), std::system_error);
+    CHECK_THROWS_AS(load_cameras(folder.write("a", content)), FormatError);
+  CHECK_THROWS_AS(load_cameras(folder / "missing"), std::system_error);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -30,7 +31,7 @@ void write_colmap(const TemporaryFolder& place, const std::string& folder, const
   place.write(folder + "/images.txt", "1 1 0 0 0 0 0 5 1 " + image + "\n\n");
 }
 
-std::string camera_in(const fs::path& path) { return read_cameras(path).at(0).name; }
+std::string camera_in(const fs::path& path) { return load_cameras(path).at(0).name; }
 
 }  // namespace
 
@@ -121,7 +122,7 @@ TEST_CASE("capture: a scene's file has the cameras and photographs beside it") {
 
 TEST_CASE("capture: cameras are found in a folder in one order") {
   const TemporaryFolder place;
-  CHECK_THROWS_WITH_AS(read_cameras(place.path()),
+  CHECK_THROWS_WITH_AS(load_cameras(place.path()),
                        doctest::Contains("expected cameras.json, transforms.json, or a COLMAP model"),
                        std::invalid_argument);
   place.write("nerf/transforms.json", transforms_json);
@@ -141,6 +142,31 @@ TEST_CASE("capture: cameras are found in a folder in one order") {
   CHECK(camera_in(place.path()) == "a.jpg");
   write_colmap(place, ".", "of-itself");
   CHECK(camera_in(place.path()) == "of-itself");
+}
+
+// Blender's scenes of NeRF, and those of nerfstudio's blender data.
+TEST_CASE("capture: the cameras of a training split are found and those of a test split are told") {
+  const TemporaryFolder place;
+  const auto split = [](const std::string& name) {
+    std::string file = transforms_json;
+    return file.replace(file.find("of-transforms"), 13, "./" + name + "/r_0");
+  };
+  place.write("lego/lego.ply", "");
+  place.write("lego/transforms_test.json", split("test"));
+  CHECK(find_capture(place / "lego").cameras == place / "lego/transforms_test.json");
+  CHECK(read_cameras(place / "lego").notes.empty());
+  CHECK(camera_in(place / "lego") == "./test/r_0");
+  place.write("lego/transforms_train.json", split("train"));
+  CHECK(find_capture(place / "lego").cameras == place / "lego/transforms_train.json");
+  CHECK(camera_in(place / "lego") == "./train/r_0");
+  CHECK(read_cameras(place / "lego").notes ==
+        std::vector<std::string>{"The cameras of transforms_test.json beside it were not read."});
+  CHECK(read_cameras(place / "lego/transforms_test.json").notes.empty());
+  place.write("lego/transforms.json", transforms_json);
+  CHECK(camera_in(place / "lego") == "of-transforms");
+  place.write("nerf/transforms_train.json", split("train"));
+  CHECK_THROWS_WITH_AS(find_capture(place / "nerf"), doctest::Contains("found transforms_train.json"),
+                       std::invalid_argument);
 }
 
 TEST_CASE("capture: a scene is read from its folder") {

@@ -79,21 +79,21 @@ TEST_CASE("colmap: a model is found in its folder or below it and binary wins") 
   const TemporaryFolder folder;
   folder.write("text/cameras.txt", cameras_txt);
   folder.write("text/images.txt", images_txt);
-  const auto text = read_cameras(folder / "text");
+  const auto text = load_cameras(folder / "text");
   REQUIRE(text.size() == 3);
   CHECK(text[0].name == "a name.jpg");
   CHECK(text[2].name == "z.jpg");
 
   folder.write("both/sparse/0/cameras.txt", cameras_txt);
   folder.write("both/sparse/0/images.txt", images_txt);
-  CHECK(read_cameras(folder / "both").size() == 3);
+  CHECK(load_cameras(folder / "both").size() == 3);
   folder.write("both/sparse/0/cameras.bin", cameras_bin({{}}));
-  CHECK(read_cameras(folder / "both").size() == 3);
+  CHECK(load_cameras(folder / "both").size() == 3);
   folder.write("both/sparse/0/images.bin", images_bin({{}}));
-  CHECK(read_cameras(folder / "both").size() == 1);
-  CHECK(read_cameras(folder / "both/sparse/0").size() == 1);
-  CHECK(read_cameras(folder / "both/sparse").size() == 1);
-  CHECK_THROWS_AS(read_cameras(folder.path()), std::invalid_argument);
+  CHECK(load_cameras(folder / "both").size() == 1);
+  CHECK(load_cameras(folder / "both/sparse/0").size() == 1);
+  CHECK(load_cameras(folder / "both/sparse").size() == 1);
+  CHECK_THROWS_AS(load_cameras(folder.path()), std::invalid_argument);
 }
 
 TEST_CASE("colmap: a binary file that ends early is refused wherever it ends") {

@@ -27,7 +27,7 @@ void check_scene(const std::string& name, const std::string& cameras_path, std::
   CHECK(file.scene.size() == gaussians);
   CHECK(file.scene.sh_degree == 3);
   CHECK(!file.scene.antialiased);
-  const auto cameras = read_cameras(folder / cameras_path);
+  const auto cameras = load_cameras(folder / cameras_path);
   CHECK(cameras.size() == views);
   for (const Camera& camera : cameras) {
     CHECK(camera.width == width);
@@ -38,7 +38,7 @@ void check_scene(const std::string& name, const std::string& cameras_path, std::
 void check_photographs(const std::string& name, const std::string& cameras_path, std::size_t expected) {
   const std::filesystem::path folder = test::capture_or_skip(name, "photos");
   if (folder.empty()) return;
-  const auto cameras = read_cameras(folder / cameras_path);
+  const auto cameras = load_cameras(folder / cameras_path);
   std::size_t matched = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder / "photos"))
     for (const Camera& camera : cameras) {

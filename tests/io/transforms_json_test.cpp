@@ -52,7 +52,7 @@ json some_file() {
 
 std::vector<Camera> parse(const json& file) {
   const std::string content = file.dump();
-  return io::parse_transforms_json({as_bytes(content), "transforms.json"});
+  return io::parse_transforms_json({as_bytes(content), "transforms.json"}).cameras;
 }
 
 std::string complaint_about(const json& file) {
@@ -73,7 +73,7 @@ const json turn = {{0, -1, 0, 10}, {1, 0, 0, 20}, {0, 0, 1, 30}};
 std::vector<Camera> parse_in_model(const json& file, const json& dataparser) {
   const std::string content = file.dump(), change = dataparser.dump();
   const io::Source source{as_bytes(change), "dataparser_transforms.json"};
-  return io::parse_transforms_json({as_bytes(content), "transforms.json"}, {}, &source);
+  return io::parse_transforms_json({as_bytes(content), "transforms.json"}, {}, &source).cameras;
 }
 
 }  // namespace
@@ -110,14 +110,14 @@ TEST_CASE("transforms.json: a camera looks along its negative z axis with y up")
 
 TEST_CASE("transforms.json: content decides and cameras keep the order and the names of the file") {
   const TemporaryFolder folder;
-  const auto cameras = read_cameras(folder.write("anything", std::string("\n").append(some_file().dump())));
+  const auto cameras = load_cameras(folder.write("anything", std::string("\n").append(some_file().dump())));
   REQUIRE(cameras.size() == 2);
   CHECK(cameras[0].name == "images/b.jpg");
   CHECK(cameras[1].name == "./images/a.jpg");
   CHECK(cameras[1].height == 480);
   CHECK(cameras[1].fy == 510.5);
   check_pose(cameras[1], camera_looking);
-  CHECK(read_cameras(folder.write("none.json", R"({"frames": []})")).empty());
+  CHECK(load_cameras(folder.write("none.json", R"({"frames": []})")).empty());
 }
 
 TEST_CASE("transforms.json: what a frame has itself wins") {
@@ -156,21 +156,23 @@ TEST_CASE("transforms.json: angles of view stand for focal lengths and centres f
   CHECK(camera.fy == doctest::Approx(240));
   for (const double angle : {0.0, -1.0, pi, 7.0}) {
     file["camera_angle_x"] = angle;
-    CHECK(contains(complaint_about(file), "an angle above 0 and below pi in 'camera_angle_x'"));
+    CHECK(contains(complaint_about(file), "an angle above 0 and below pi (180 degrees) in 'camera_angle_x'"));
   }
   file.erase("camera_angle_x");
+  CHECK(parse(file).at(0).fx == doctest::Approx(240));
+  file.erase("camera_angle_y");
   CHECK(contains(complaint_about(file), "in 'fl_x', or 'camera_angle_x'"));
 }
 
 TEST_CASE("transforms.json: distortion and other camera models are refused by name") {
   json zero = some_file();
   zero["camera_model"] = "OPENCV", zero["is_fisheye"] = false;
-  for (const char* key : {"k1", "k2", "k3", "k4", "p1", "p2"}) zero[key] = 0.0;
+  for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"}) zero[key] = 0.0;
   zero["distortion_params"] = {0, 0.0, 0, 0, 0, 0};
   CHECK(parse(zero).size() == 2);
   const std::string expected = "expected camera model PINHOLE or SIMPLE_PINHOLE (undistorted images), found ";
   const std::string place = "transforms.json: byte 0: " + expected;
-  for (const char* key : {"k1", "k2", "k3", "k4", "p1", "p2"}) {
+  for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"}) {
     json file = zero;
     file[key] = -1e-9;
     CHECK(complaint_about(file) == place + "'" + key + "' that is not 0");
@@ -191,7 +193,8 @@ TEST_CASE("transforms.json: distortion and other camera models are refused by na
     file["camera_model"] = model;
     CHECK(complaint_about(file) == place + model);
   }
-  for (const char* key : {"is_fisheye", "ftheta_p0", "latlong", "equirectangular"}) {
+  for (const char* key : {"is_fisheye", "ftheta_p0", "latlong", "equirectangular", "orthographic",
+                          "from_mitsuba", "normal_mts_args"}) {
     json file = some_file();
     file[key] = true;
     CHECK(complaint_about(file) == place + "'" + key + "'");
@@ -207,7 +210,7 @@ TEST_CASE("transforms.json: the size is taken from the header of the image besid
   folder.write("nerf/train/r_0.png", image);
   json file = {{"camera_angle_x", 0.5 * pi}, {"frames", {frame("./train/r_0")}}};
   const auto path = folder.write("nerf/transforms_train.json", file.dump());
-  Camera camera = read_cameras(path).at(0);
+  Camera camera = load_cameras(path).at(0);
   CHECK(camera.name == "./train/r_0");
   CHECK(camera.width == 80);
   CHECK(camera.height == 60);
@@ -219,14 +222,20 @@ TEST_CASE("transforms.json: the size is taken from the header of the image besid
   CHECK(contains(complaint_about(file), "expected a frame with 'w' and 'h'"));
   file["frames"][0]["file_path"] = "train/r_1.jpg";
   folder.write("nerf/transforms_train.json", file.dump());
-  const std::string missing = complaint([&] { read_cameras(path); });
+  const std::string missing = complaint([&] { load_cameras(path); });
   CHECK(contains(missing, path.string() + ": byte "));
   CHECK(contains(missing, "expected a frame with 'w' and 'h', or its image ("));
   CHECK(contains(missing, "r_1.jpg: No such file"));
+  // A dot is not an extension: Blender writes frame.0001.
+  folder.write("nerf/train/frame.0001.png", image);
+  json dotted = file;
+  dotted.erase("w"), dotted["frames"][0]["file_path"] = "train/frame.0001";
+  CHECK(load_cameras(folder.write("nerf/dotted.json", dotted.dump())).at(0).width == 80);
+
   folder.write("nerf/train/r_1.jpg", "no image");
-  CHECK(contains(complaint([&] { read_cameras(path); }), "r_1.jpg: byte 0: expected an image"));
+  CHECK(contains(complaint([&] { load_cameras(path); }), "r_1.jpg: byte 0: expected an image"));
   folder.write("nerf/train/r_1.jpg", image.substr(0, 20));
-  CHECK(contains(complaint([&] { read_cameras(path); }), "expected a valid PNG"));
+  CHECK(contains(complaint([&] { load_cameras(path); }), "expected a valid PNG"));
 }
 
 TEST_CASE("transforms.json: cameras follow the model that nerfstudio trained") {
@@ -253,10 +262,10 @@ TEST_CASE("transforms.json: cameras follow the model that nerfstudio trained") {
 
   const TemporaryFolder folder;
   const auto path = folder.write("transforms.json", file.dump());
-  check_pose(read_cameras(path).at(0), plain);
+  check_pose(load_cameras(path).at(0), plain);
   folder.write("dataparser_transforms.json", dataparser.dump());
-  check_pose(read_cameras(path).at(0), moved);
-  check_pose(read_cameras(folder.path()).at(0), moved);
+  check_pose(load_cameras(path).at(0), moved);
+  check_pose(load_cameras(folder.path()).at(0), moved);
 }
 
 TEST_CASE("transforms.json: a world that cannot be changed is placed") {
@@ -314,21 +323,18 @@ TEST_CASE("transforms.json: the frame that is wrong is placed") {
   const std::string skewed = second_with("transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1.01, 0}});
   CHECK(contains(skewed, "expected a camera that can be rendered with"));
   CHECK(contains(skewed, "orthonormal rows"));
-  for (const char* key : {"file_path", "transform_matrix"}) {
-    json changed = file;
-    changed["frames"][1].erase(key);
-    const std::string message = complaint_about(changed);
-    CHECK(contains(message, std::string("expected a frame with '") + key + "'"));
-    CHECK(contains(message, std::to_string(changed.dump().rfind(key[0] == 'f' ? "{\"transform_matrix\""
-                                                                              : "{\"file_path\""))));
-  }
+  json changed = file;
+  changed["frames"][1].erase("transform_matrix");
+  const std::string message = complaint_about(changed);
+  CHECK(contains(message, "expected a frame with 'transform_matrix'"));
+  CHECK(contains(message, std::to_string(changed.dump().rfind("{\"file_path\""))));
   json number = file;
   number["frames"][1] = 7;
   CHECK(contains(complaint_about(number), "expected a frame (a JSON object)"));
   for (const double width : {0.0, -640.0, 65537.0, 640.5, 1e300}) {
-    json changed = file;
-    changed["w"] = width;
-    CHECK(contains(complaint_about(changed), "transforms.json: byte 0: expected a width"));
+    json wide = file;
+    wide["w"] = width;
+    CHECK(contains(complaint_about(wide), "transforms.json: byte 0: expected a width"));
   }
   CHECK(contains(second_with("fl_x", -500), "focal lengths of 1e-6 to 1e12 pixels"));
   CHECK(contains(second_with("cx", 1e10), "a principal point"));
@@ -369,6 +375,6 @@ TEST_CASE("transforms.json: JSON that is something else is refused") {
   CHECK(contains(refused(deep), "found 'k1' that is not 0"));
   const TemporaryFolder folder;
   for (const char* content : {R"({"transform": [], "scale": 1})", R"({"asset": {}})", "{}"})
-    CHECK(contains(complaint([&] { read_cameras(folder.write("transforms.json", content)); }),
+    CHECK(contains(complaint([&] { load_cameras(folder.write("transforms.json", content)); }),
                    "a transforms.json (a JSON object with 'frames')"));
 }

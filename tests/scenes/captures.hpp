@@ -38,7 +38,7 @@ inline std::filesystem::path capture_or_skip(const std::string& name, const std:
 
 inline TrainedCapture read_capture(const std::filesystem::path& folder) {
   const Capture found = find_capture(folder);
-  return {found.photos, std::make_shared<const Scene>(load_scene(found.scene)), read_cameras(found.cameras)};
+  return {found.photos, std::make_shared<const Scene>(load_scene(found.scene)), load_cameras(found.cameras)};
 }
 
 /// Whether `name`, a renderer's, holds `word`.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include <swiftgs/api.hpp>
@@ -9,11 +10,18 @@
 
 namespace swiftgs {
 
+/// Cameras and what reading them brought up.
+struct CameraFile {
+  std::vector<Camera> cameras;
+  std::vector<std::string>
+      notes;  ///< what of the file may change a picture and was not read, a sentence each
+};
+
 /// Reads cameras. `path` is one of
-/// - an INRIA `cameras.json`; its principal points are the image centres,
+/// - an INRIA `cameras.json`; its principal points are the image centres unless it has `cx` and `cy`,
 /// - a `transforms.json` of nerfstudio or instant-ngp, or Blender's `transforms_train.json`. Where it has no
-///   `w` and `h`, the header of the frame's image beside it tells the size (`file_path`, with `.png` if it
-///   has no extension). Cameras stay in the world of the file, unless nerfstudio's
+///   `w` and `h`, the header of the frame's image beside it tells the size (`file_path`, or with `.png` where
+///   that is not there). Cameras stay in the world of the file, unless nerfstudio's
 ///   `dataparser_transforms.json` lies beside it: then they are in the world of the splats that nerfstudio
 ///   exports,
 /// - the folder of a COLMAP sparse model, with `cameras` and `images`. The binary files are read if both are
@@ -25,6 +33,9 @@ namespace swiftgs {
 /// it. Cameras of a transforms.json keep the order of the file, others are sorted by name. Throws
 /// `FormatError`, `std::system_error` if something cannot be read, and `std::invalid_argument` for a folder
 /// without cameras.
-SWIFTGS_API std::vector<Camera> read_cameras(const std::filesystem::path& path);
+SWIFTGS_API CameraFile read_cameras(const std::filesystem::path& path);
+
+/// `read_cameras(path).cameras`.
+SWIFTGS_API std::vector<Camera> load_cameras(const std::filesystem::path& path);
 
 }  // namespace swiftgs

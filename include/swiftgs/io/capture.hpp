@@ -13,7 +13,7 @@ struct Capture {
   std::string name;               ///< of the scene: its file's without the ending
   std::filesystem::path scene;    ///< a file that `read_scene` takes
   std::filesystem::path cameras;  ///< what `read_cameras` takes
-  std::filesystem::path photos;   ///< a folder of photographs that have the names of cameras
+  std::filesystem::path photos;   ///< a folder of photographs that have the paths or names of images
 };
 
 /// Finds the parts of a capture. `path` is its folder, or the scene's file in it, which need not be there.
@@ -28,7 +28,8 @@ struct Capture {
 /// - the only file with one of these four endings.
 ///
 /// Cameras are a COLMAP model in the folder itself, `cameras.json`, a COLMAP model in `sparse/0`, `sparse` or
-/// `0`, or `transforms.json`, the first that is there. Photographs are in `photos`.
+/// `0`, `transforms.json`, `transforms_train.json` or `transforms_test.json`, the first that is there.
+/// Photographs are in `photos`.
 ///
 /// Throws `std::invalid_argument` where a folder holds no scene, or several and none is called NAME.
 SWIFTGS_API Capture find_capture(const std::filesystem::path& path);
