@@ -133,17 +133,18 @@ void check(const CheckOptions& options) {
   Task task;
   task.scene_name = capture_of(options.scene).name;
   task.repeats = options.repeats;
-  task.views = views_of(read_cameras_of(options.scene, options.view.cameras), options.view, "every:8");
+  const Cameras cameras = read_cameras_of(options.scene, options.view.cameras);
+  task.views = views_of(cameras, options.view, "every:8");
   task.settings = settings_of(options.view);
   std::vector<std::string> notes;
   const DrawnScene drawn = load_to_draw(options.scene, notes);
   task.scene = drawn.gaussians;
   find_views(task.views, *task.scene, drawn.camera);
   task.settings = settings_for(task.settings, *task.scene);
-  task.photos = photographs_of(task.views, photos_of(options.scene, options.view, options.photos));
+  task.photos = photographs_of(task.views, cameras, photos_of(options.scene, options.view, options.photos));
   if (task.photos.empty() && !options.photos.empty())
-    throw std::invalid_argument(options.photos + ": expected a photograph with the name of a view, such as " +
-                                task.views.front().name);
+    throw std::invalid_argument(options.photos + ": expected a photograph with the path of a view, such as " +
+                                task.views.front().camera.name);
   ResultFile json(options.json);
   ResultHead head = json.is_wanted() ? head_of("swiftgs-check") : ResultHead();
   head.notes = std::move(notes);
@@ -215,8 +216,9 @@ constexpr const char* more =
     R"(Times are medians of --repeats frames after one that is not counted. PSNR and the largest
 difference are against the float64 reference with the same conventions. The table has a row
 of means for each renderer, with the worst difference. In JSON, an infinite PSNR is null.
-Frames are also compared with the photographs that have the cameras' names, and results gain
-photo_psnr_db: those of --photos, or those in 'photos' of a capture at its own size.
+Frames are also compared with photographs, and results gain photo_psnr_db: with those of
+--photos, or those in 'photos' of a capture at its own size. An image has the photograph of
+its path below that folder, or of its name if no other image is called so.
 
 Examples:
   swiftgs check builtin:20000 --renderers 'serial/early/per-pixel/*'
@@ -235,7 +237,7 @@ void add_check(CLI::App& app) {
       ->capture_default_str();
   command->add_option(
       "--photos", options->photos,
-      "Folder with photographs that have the names of the views\n[photos in SCENE where it is "
+      "Folder with photographs that have the paths of the images\n[photos in SCENE where it is "
       "a folder, without --cameras and --scale]");
   add_json(*command, options->json);
   add_calibration(*command, options->calibration);

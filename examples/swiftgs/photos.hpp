@@ -12,11 +12,12 @@
 
 namespace swiftgs::cli {
 
-/// The photograph of each view: the file in `folder` with the name of the view's camera, whatever its
-/// extension; nothing where there is none. Empty where no view has one, or `folder` is empty. All processes
-/// of the team call it with the same views. Throws `std::invalid_argument` if one is not an RGB image of the
-/// view's size, or not the same file in all processes.
-std::vector<std::optional<Image>> photographs_of(const std::vector<View>& views, const std::string& folder);
+/// The photograph of each view, which is one of `cameras`, as `PhotoFolder` finds it in `folder`; nothing
+/// where there is none. Empty where no view has one, or `folder` is empty. All processes of the team call it
+/// with the same views. Throws `std::invalid_argument` as `PhotoFolder` does, and if one is not an RGB image
+/// of the view's size, or not the same file in all processes.
+std::vector<std::optional<Image>> photographs_of(const std::vector<View>& views, const Cameras& cameras,
+                                                 const std::string& folder);
 
 /// PSNR of `frame`, clamped to what a photograph can hold, against `photo`. @units{dB}
 double psnr_against(const Image& photo, const Frame& frame);

@@ -102,7 +102,7 @@ HeldOut held_out_of(const PruneOptions& options, const ViewOptions& view, const 
       .views = {}, .photos = {}, .settings = settings_of(view), .renderer = exact_renderer(backend)};
   if (view.views.empty()) return held_out;
   held_out.views = views_left_out(cameras, view);
-  held_out.photos = photographs_of(held_out.views, photos_of(options.scene, view, options.photos));
+  held_out.photos = photographs_of(held_out.views, cameras, photos_of(options.scene, view, options.photos));
   if (held_out.photos.empty() && !options.photos.empty())
     throw std::invalid_argument(options.photos + ": expected photographs of views that --views '" +
                                 view.views + "' leaves out");

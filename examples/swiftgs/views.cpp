@@ -12,6 +12,7 @@
 #include <swiftgs/io/cameras.hpp>
 
 #include "default_view.hpp"
+#include "image_name.hpp"
 #include "number_text.hpp"
 #include "scene_input.hpp"
 #include "suggestion.hpp"
@@ -19,13 +20,6 @@
 
 namespace swiftgs::cli {
 namespace {
-
-/// `name` without the extension of a file.
-std::string_view without_extension(std::string_view name) {
-  const std::size_t dot = name.rfind('.'), slash = name.find_last_of("/\\");
-  const bool has = dot != name.npos && dot > 0 && (slash == name.npos || dot > slash + 1);
-  return has ? name.substr(0, dot) : name;
-}
 
 /// The name under which an image of `camera` is stored: folders become part of it, the extension goes.
 std::string file_name(const Camera& camera, std::size_t number) {

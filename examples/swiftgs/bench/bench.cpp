@@ -189,8 +189,8 @@ class Matrix {
           if (session.gaussians->size() == session.scene.original && session.scene.enlarge == 1)
             session.calibrations = std::make_shared<Calibrations>(input.scene, view, session.gaussians, "");
           const bool photographed = !options_.profile && scale == 1;
-          session.photos =
-              photographs_of(session.views, photographed ? input.capture.photos.string() : std::string());
+          session.photos = photographs_of(session.views, input.cameras,
+                                          photographed ? input.capture.photos.string() : std::string());
           run(session);
         }
     }

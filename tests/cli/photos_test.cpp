@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/cameras.hpp"
+#include "cli/command.hpp"
+#include "cli/json_in.hpp"
+
+using nlohmann::json;
+using swiftgs::test::cameras_json;
+using swiftgs::test::contains;
+using swiftgs::test::json_in;
+using swiftgs::test::run;
+using swiftgs::test::TemporaryFolder;
+
+namespace {
+
+/// Two cameras whose images differ, called `names`.
+void write_cameras(const TemporaryFolder& place, const std::vector<std::string>& names) {
+  json cameras = json::parse(cameras_json(names));
+  for (std::size_t i = 0; i < names.size(); ++i) cameras[i]["position"] = {0.4 * double(i), -1, -4};
+  place.write("cameras.json", cameras.dump());
+}
+
+const std::string check =
+    "check builtin:200 --cameras cameras.json --repeats 1 --renderers serial/early/per-pixel/ellipse --json "
+    "r.json";
+
+/// Whether each view of `arguments`, in the order of the names, is compared with its own photograph, with
+/// none, or with another.
+std::string compared(const TemporaryFolder& place, const std::string& arguments) {
+  run(place, check + " " + arguments);
+  const json result = json_in(place / "r.json");
+  std::string told;
+  for (const json& row : result["rows"]) {
+    const json psnr = row.value("photo_psnr_db", json());
+    told += psnr.is_null() ? "none " : psnr > 50 ? "own " : "other ";
+  }
+  return told;
+}
+
+std::string refusal(const TemporaryFolder& place, const std::string& arguments) {
+  const auto outcome = swiftgs::test::swiftgs(place, arguments);
+  CAPTURE(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(swiftgs::test::lines_in(outcome.err) == 1);
+  return outcome.err;
+}
+
+/// Draws the cameras into files of these names in `folder`, one for each.
+void draw(const TemporaryFolder& place, const std::vector<std::string>& files) {
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    run(place, "render builtin:200 --cameras cameras.json --out drawn --views " + std::to_string(i) +
+                   " --json drawn.json");
+    const std::filesystem::path file = place / files[i];
+    std::filesystem::create_directories(file.parent_path());
+    std::filesystem::copy_file(place / std::string(json_in(place / "drawn.json")["rows"][0]["image"]), file);
+  }
+}
+
+}  // namespace
+
+// COLMAP 3.12's rig_configurator: a folder for each camera of a rig, with the same names in it.
+TEST_CASE("cli photographs: images in sub-folders are compared by their path") {
+  const TemporaryFolder place;
+  write_cameras(place, {"left/0001.png", "right/0001.png"});
+  draw(place, {"images/left/0001.png", "images/right/0001.png"});
+  CHECK(compared(place, "--views all --photos images") == "own own ");
+  CHECK(compared(place, "--views all --photos images/left") == "own none ");
+  CHECK(compared(place, "--views all --photos images/right/") == "none own ");
+  CHECK(compared(place, "--views left/0001 --photos ./images/left/.") == "own ");
+  // The other camera has the name, too, though it is not asked for.
+  CHECK(contains(refusal(place, check + " --views right/0001 --photos images/left"),
+                 "images/left: expected a photograph with the path of a view, such as right/0001.png"));
+
+  std::filesystem::create_directories(place / "flat");
+  std::filesystem::copy_file(place / "images/left/0001.png", place / "flat/0001.png");
+  CHECK(contains(refusal(place, check + " --views all --photos flat"),
+                 "flat: expected a photograph with the path of a view, such as left/0001.png"));
+  std::filesystem::remove(place / "images/right/0001.png");
+  CHECK(compared(place, "--views all --photos images") == "own none ");
+}
+
+// A transforms.json of nerfstudio names images/frame_00001.jpg; Windows writes backslashes.
+TEST_CASE("cli photographs: folders that lead to the images may be others") {
+  const TemporaryFolder place;
+  write_cameras(place, {"./images/a.jpg", "images/cam\\\\b.jpg"});
+  draw(place, {"photos/a.png", "photos/cam/b.png"});
+  CHECK(compared(place, "--views all --photos photos") == "own own ");
+  std::filesystem::rename(place / "photos", place / "images");
+  CHECK(compared(place, "--views all --photos images") == "own own ");
+  CHECK(compared(place, "--views all --photos images/cam") == "none own ");
+  // By a name that no other image and no other file has.
+  std::filesystem::create_directories(place / "images/jpeg");
+  std::filesystem::rename(place / "images/a.png", place / "images/jpeg/a.png");
+  CHECK(compared(place, "--views all --photos images") == "own own ");
+}
+
+TEST_CASE("cli photographs: names with dots keep them") {
+  const TemporaryFolder place;
+  // INRIA's cameras.json has names without extension.
+  write_cameras(place, {"frame.0001", "frame.0002.JPG"});
+  run(place, "render builtin:200 --cameras cameras.json --out photos");
+  CHECK(std::filesystem::exists(place / "photos/frame.0001.png"));
+  CHECK(std::filesystem::exists(place / "photos/frame.0002.png"));
+  CHECK(compared(place, "--views all --photos photos") == "own own ");
+  std::filesystem::remove(place / "photos/frame.0001.png");
+  CHECK(compared(place, "--views all --photos photos") == "none own ");
+}
+
+TEST_CASE("cli photographs: several photographs of one image are refused unless one has its extension") {
+  const TemporaryFolder place;
+  write_cameras(place, {"a", "b.png"});
+  draw(place, {"photos/a.png", "photos/b.png"});
+  std::filesystem::copy_file(place / "photos/a.png", place / "photos/b.jpg");
+  place.write("photos/a.txt", "of another kind");
+  CHECK(compared(place, "--views all --photos photos") == "own own ");
+  std::filesystem::copy_file(place / "photos/a.png", place / "photos/a.jpg");
+  CHECK(refusal(place, check + " --views all --photos photos") ==
+        "swiftgs: photos: expected one photograph of a, found a.jpg and a.png\n");
+}
