@@ -26,6 +26,7 @@
 #include <swiftgs/shade_stage.hpp>
 #include <swiftgs/sort/sort.hpp>
 #include <swiftgs/statistics.hpp>
+#include <swiftgs/tile_choice.hpp>
 #include <swiftgs/view.hpp>
 
 namespace swiftgs {
@@ -81,7 +82,9 @@ class Renderer {
     for (const View& view : views) validate(view);
     check_ready(backend_);
     const FrameKey key = FrameKey::of(scene, views);
-    const Views stored = store_views(backend_, with_tiles(key, views), view_storage_);
+    const bool may_be_coarse = may_gain_by_coarse_tiles<B, Raster> && Bounds::lossless;
+    const Views stored =
+        store_views(backend_, may_be_coarse ? tiles_.choose(key, views) : views, view_storage_);
     counted_ = timed_ = false;
     FrameReport report;
     if constexpr (B::reaches_host_memory) {
@@ -105,7 +108,7 @@ class Renderer {
       }
       lists_.instances = std::size_t(report.instances);
     }
-    report_ = report, key_ = key;
+    report_ = report, tiles_.learn(key, report.visible);
     counted_ = measures.count, timed_ = measures.time;
     gaussians_ = scene.size();
   }
@@ -193,7 +196,7 @@ class Renderer {
     backend_.wait();
     std::apply([&](auto&... parts) { trim_parts(backend_, parts...); }, parts());
     if constexpr (requires { backend_.trim(); }) backend_.trim();
-    frames_ = {}, views_ = {}, tiled_ = {};
+    frames_ = {}, views_ = {}, tiles_ = {};
     counted_ = false;
     capacity_ = {1, 1};
     recorded_ = {};
@@ -328,26 +331,6 @@ class Renderer {
                     view_storage_, recorded_storage_, frame_.colour, frame_.alpha, frame_.depth);
   }
 
-  /// The views of a frame, with coarser tiles if the rasterizer may gain by them, bounds are lossless, and
-  /// the last frame was of the same `key` and would have gained. They hold until the next call.
-  Span<const View> with_tiles(const FrameKey& key, Span<const View> views) {
-    if (!may_gain_by_coarse_tiles<B, Raster> || !Bounds::lossless || key != key_) return views;
-    std::uint64_t pixels = 0;
-    for (const View& view : views)
-      pixels += std::uint64_t(view.frame.width) * std::uint64_t(view.frame.height);
-    if (!coarse_tiles_gain(report_.visible, pixels)) return views;
-    // All views have tiles of one side.
-    tiled_.clear();
-    for (const View& view : views) {
-      tiled_.push_back(view);
-      tiled_.back().grid = coarse(view);
-      if (tiled_.back().grid.side == view.grid.side) return views;
-    }
-    return {tiled_.data(), tiled_.size()};
-  }
-
-  static std::size_t with_room(std::uint64_t count) { return std::size_t(count + count / 8 + 1); }
-
   void make_room(const FrameReport& report) {
     check_instances(report.instances);
     capacity_.splats = std::max(capacity_.splats, with_room(report.visible));
@@ -408,8 +391,7 @@ class Renderer {
   bool counted_ = false, timed_ = false;
   std::size_t gaussians_ = 0;
   FrameReport report_;       ///< of the last frame that was not recorded
-  FrameKey key_;             ///< its
-  std::vector<View> tiled_;  ///< of `with_tiles`
+  TileChoice tiles_;         ///< that learnt from it
   Capacity capacity_{1, 1};  ///< of a device's frames; grows with them
   Views recorded_;           ///< in `recorded_storage_`
   std::optional<FrameRoom> reserved_;

@@ -18,16 +18,6 @@ inline constexpr int square_side = 16;
 /// Side of the tiles that a renderer lists splats for, unless coarser ones are quicker @units{pixels}.
 inline constexpr int default_tile_side = square_side;
 
-/// Side of coarser tiles @units{pixels}. A renderer takes them for large images with few splats, if bounds are
-/// lossless and its rasterizer may gain: the sort of fewer instances gains more than rasterization loses.
-inline constexpr int coarse_tile_side = 2 * default_tile_side;
-
-/// Whether tiles of `coarse_tile_side` are quicker. Measured on an H200 (docs/decisions.md): with fewer than
-/// a splat for ten pixels they are, and in small images neither matters.
-constexpr bool coarse_tiles_gain(std::uint64_t splats, std::uint64_t pixels) {
-  return pixels >= 1'500'000 && 10 * splats < pixels;
-}
-
 /// Half-open range of tile columns or rows.
 struct TileRun {
   int begin = 0, end = 0;

@@ -88,19 +88,6 @@ inline View make_view(const Camera& camera, const Conventions& conventions, cons
   return view;
 }
 
-/// The tiles of a view, of `default_tile_side`, with `coarse_tile_side` in its place. The same tiles where
-/// they are of another side, or where the view begins within one that is as coarse.
-inline TileGrid coarse(const View& view) {
-  const TileGrid& grid = view.grid;
-  constexpr int times = coarse_tile_side / default_tile_side;
-  if (grid.side != default_tile_side || grid.columns.begin % times != 0 || grid.rows.begin % times != 0)
-    return grid;
-  const TileGrid whole = TileGrid::covering(view.frame.width, view.frame.height, coarse_tile_side);
-  const auto from = [](int begin, TileRun run) { return TileRun{begin / times, begin / times + run.size()}; };
-  return {from(grid.columns.begin, whole.columns), from(grid.rows.begin, whole.rows), whole.side, 0,
-          whole.stride};
-}
-
 /// Most views that one frame may have.
 inline constexpr std::size_t max_views = std::size_t(1) << 16;
 

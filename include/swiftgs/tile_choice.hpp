@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <swiftgs/sort/sort.hpp>
+#include <swiftgs/span.hpp>
+#include <swiftgs/tiles.hpp>
+#include <swiftgs/view.hpp>
+
+namespace swiftgs {
+
+/// Side of coarser tiles @units{pixels}. A renderer takes them for large images with few splats, if bounds are
+/// lossless and its rasterizer may gain: the sort of fewer instances gains more than rasterization loses.
+inline constexpr int coarse_tile_side = 2 * default_tile_side;
+
+/// Whether tiles of `coarse_tile_side` are quicker. Measured on an H200 (docs/decisions.md): with fewer than
+/// a splat for ten pixels they are, and in small images neither matters.
+constexpr bool coarse_tiles_gain(std::uint64_t splats, std::uint64_t pixels) {
+  return pixels >= 1'500'000 && 10 * splats < pixels;
+}
+
+/// The tiles of a view, of `default_tile_side`, with `coarse_tile_side` in its place. The same tiles where
+/// they are of another side, or where the view begins within one that is as coarse.
+inline TileGrid coarse(const View& view) {
+  const TileGrid& grid = view.grid;
+  constexpr int times = coarse_tile_side / default_tile_side;
+  if (grid.side != default_tile_side || grid.columns.begin % times != 0 || grid.rows.begin % times != 0)
+    return grid;
+  const TileGrid whole = TileGrid::covering(view.frame.width, view.frame.height, coarse_tile_side);
+  const auto from = [](int begin, TileRun run) { return TileRun{begin / times, begin / times + run.size()}; };
+  return {from(grid.columns.begin, whole.columns), from(grid.rows.begin, whole.rows), whole.side, 0,
+          whole.stride};
+}
+
+/// Chooses the side of a frame's tiles by what the frame before it showed.
+class TileChoice {
+ public:
+  /// The views of a frame, with coarser tiles if the frame before had the same `key` and would have gained by
+  /// them. They hold until the next call.
+  Span<const View> choose(const FrameKey& key, Span<const View> views) {
+    if (key != key_) return views;
+    std::uint64_t pixels = 0;
+    for (const View& view : views)
+      pixels += std::uint64_t(view.frame.width) * std::uint64_t(view.frame.height);
+    if (!coarse_tiles_gain(visible_, pixels)) return views;
+    // All views have tiles of one side.
+    coarse_.clear();
+    for (const View& view : views) {
+      coarse_.push_back(view);
+      coarse_.back().grid = coarse(view);
+      if (coarse_.back().grid.side == view.grid.side) return views;
+    }
+    return {coarse_.data(), coarse_.size()};
+  }
+
+  /// A frame with this key showed so many splats.
+  void learn(const FrameKey& key, std::uint64_t visible) { key_ = key, visible_ = visible; }
+
+ private:
+  FrameKey key_;
+  std::uint64_t visible_ = 0;
+  std::vector<View> coarse_;
+};
+
+}  // namespace swiftgs
