@@ -53,6 +53,8 @@ class [[nodiscard]] Shading {
  public:
   explicit Shading(const ColoursView& colours) : colours_(colours) {}
   ColoursView finish() { return colours_; }
+  /// The stream on which they are evaluated, if that is not the backend's: what waits for it finds them.
+  void* stream() const { return nullptr; }
 
  private:
   ColoursView colours_;

@@ -62,6 +62,12 @@ struct Splats {
     shapes.resize(splats), depths.resize(splats), gaussians.resize(splats);
     of_view.resize(views > 1 ? splats : 0);
   }
+  /// As `resize`, but keeps none.
+  void reset(std::size_t splats, std::size_t views) {
+    shapes.reset(splats), depths.reset(splats), gaussians.reset(splats);
+    of_view.reset(views > 1 ? splats : 0);
+  }
+  void set_count(std::size_t splats) { count = visible = splats; }
   SplatsView view() const {
     return {{shapes.data(), count},
             {depths.data(), count},

@@ -65,12 +65,12 @@ struct ViewStorage<Cuda> {
 SWIFTGS_API Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage,
                               ViewAccess access = ViewAccess::any);
 
-/// `Turns` has no counters for lists of blocks, only running sums.
-struct BlockCounts {};
+/// Of operations that `Turns` keeps running sums for alone.
+struct NoCounts {};
 
 /// Memory for the blocks of a projection whose chunks a view may show.
 struct BlockScratch {
-  Turns<BlockCounts> turns;
+  Turns<NoCounts> turns;
   DeviceBuffer<std::uint32_t> blocks;
   DeviceBuffer<std::uint32_t> count;  ///< of them
 
@@ -118,6 +118,8 @@ struct Splats<Cuda> {
     shapes.reset(splats), depths.reset(splats), gaussians.reset(splats);
     of_view.reset(views > 1 ? splats : 0);
   }
+  /// There are so many, and the host knows it.
+  void set_count(std::size_t splats) { count = splats, exact = nullptr, pending = {}; }
   SplatsView view() const {
     return {{shapes.data(), count},
             {depths.data(), count},
@@ -165,6 +167,8 @@ class [[nodiscard]] Shading<Cuda> {
     fork_.join();
     return {{colours_, splats_->count}, hidden_};
   }
+  /// Until `finish`.
+  void* stream() const { return fork_.stream(); }
 
  private:
   Cuda::Fork fork_;

@@ -29,7 +29,7 @@ inline constexpr unsigned list_threads = 256;
 template <class ViewSource>
 __global__ void __launch_bounds__(list_threads)
     list_blocks(const __grid_constant__ ViewSource views, const Span<const ChunkBounds> chunks,
-                std::uint32_t* blocks, std::uint32_t* count, const TurnsView<BlockCounts> turns) {
+                std::uint32_t* blocks, std::uint32_t* count, const TurnsView<NoCounts> turns) {
   __shared__ std::uint32_t shown_by_warp[list_threads / warp_size], shared_before;
   const std::uint32_t turn = read_turn(turns);
   const std::uint32_t block = blockIdx.x * list_threads + threadIdx.x, chunk = block / views.size();
@@ -71,7 +71,7 @@ inline BlockList run_list_blocks(Cuda& cuda, const FrameInput& input, unsigned b
                                  BlockScratch& scratch) {
   const unsigned grid = blocks_for(blocks, list_threads);
   scratch.blocks.reset(blocks), scratch.count.reset(1);
-  const TurnsView<BlockCounts> turns = scratch.turns.begin(cuda, grid);
+  const TurnsView<NoCounts> turns = scratch.turns.begin(cuda, grid);
   const Span<const ChunkBounds> chunks = only_scene(input.scenes).chunks;
   const bool listed = !chunks.empty() && blocks >= least_listed * unsigned(cuda.multiprocessors());
   if (listed)

@@ -74,7 +74,7 @@ __device__ inline void add_instances(FrameCounts& counts, std::uint32_t tiles) {
 
 inline constexpr unsigned bin_threads = 256;
 
-/// Finds footprints outside of projection.
+/// Finds footprints outside of projection, and counts the splats.
 template <class Bounds, class ViewSource>
 __global__ void __launch_bounds__(bin_threads)
     find_footprints(const __grid_constant__ SplatsView splats, const __grid_constant__ ViewSource views,
@@ -89,6 +89,7 @@ __global__ void __launch_bounds__(bin_threads)
   if (exists) footprints[i] = found;
   const std::uint32_t tiles = warp_sum(found.count);
   if (lane_index() == 0) add_instances(*counts, tiles);
+  if (i == 0) counts->visible = splats.size();
 }
 
 }  // namespace swiftgs::kernels

@@ -208,50 +208,51 @@ inline bool same_grids(const Views& a, const Views& b) {
                     [](const View& one, const View& other) { return one.grid == other.grid; });
 }
 
+/// Finds the footprints of all splats, whose number the host knows.
+template <BoundsPolicy Bounds>
+void run_find_footprints(Cuda& cuda, const Views& views, const Bounds& bounds, const Splats<Cuda>& splats,
+                         Footprints<Cuda, Bounds>& footprints) {
+  footprints.each.reset(splats.count), footprints.counts.reset(1), footprints.totals.reset(1);
+  cuda.clear(footprints.counts.data(), sizeof(FrameCounts));
+  if (splats.count == 0) return;
+  with_views(views, [&]<class ViewSource>(const ViewSource& source) {
+    launch("find_footprints", find_footprints<Bounds, ViewSource>, blocks_for(splats.count, bin_threads),
+           bin_threads, cuda.stream(), splats.view(), source, bounds, footprints.each.data(),
+           footprints.counts.data());
+  });
+}
+
 template <BoundsPolicy Bounds>
 void run_bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>& splats,
              Footprints<Cuda, Bounds>& footprints, const Limits& limits) {
   const FrameTiles tiles = frame_tiles(views);
-  if (limits.capacity.instances == 0) cuda.check_not_captured("bin");
+  const bool waits = limits.capacity.instances == 0;
+  if (waits) cuda.check_not_captured("bin");
   const PendingProjection pending = std::exchange(splats.pending, {});
   const PendingProjection found_by = std::exchange(footprints.found_by, {});
   const bool found = pending && found_by == pending && same_grids(views, footprints.views);
   footprints.tiles = tiles, footprints.views = views;
-
-  const bool none = !pending && splats.count == 0;  // as of an empty scene
-  if ((found || none) && limits.capacity.instances != 0) {
-    LastCounters<FrameCounts> counts = pending.counts;
-    FrameTotals* totals = pending.totals;
-    if (none) {
-      footprints.counts.reset(1), footprints.totals.reset(1);
-      cuda.clear(footprints.counts.data(), sizeof(FrameCounts));
-      counts = {footprints.counts.data()}, totals = footprints.totals.data();
+  LastCounters<FrameCounts> counts = pending.counts;
+  FrameTotals* totals = pending.totals;
+  if (!found) {
+    if (pending) {
+      cuda.settle(counts, {}, totals);
+      splats.count = std::size_t(cuda.await_report().visible), splats.exact = nullptr;
     }
-    cuda.settle(counts, limits, totals);
-    splats.count = footprints.count = splats.shapes.size(), splats.exact = &totals->splats;
-    footprints.instances = {limits.capacity.instances, &totals->instances};
-    footprints.overflowed = &totals->report.overflowed;
+    run_find_footprints(cuda, views, bounds, splats, footprints);
+    counts = {footprints.counts.data()}, totals = footprints.totals.data();
+  }
+  cuda.settle(counts, waits ? Limits{} : limits, totals);
+  if (waits) {
+    const FrameReport report = cuda.await_report();
+    splats.count = footprints.count = std::size_t(report.visible), splats.exact = nullptr;
+    footprints.instances = std::size_t(report.instances), footprints.overflowed = nullptr;
     return;
   }
-  FrameReport report{.visible = splats.count};
-  if (pending) {
-    cuda.settle(pending.counts, {}, pending.totals);
-    report = cuda.await_report();
-  }
-  splats.count = footprints.count = std::size_t(report.visible), splats.exact = nullptr;
-  if (!found) {
-    footprints.each.reset(splats.count), footprints.counts.reset(1), footprints.totals.reset(1);
-    cuda.clear(footprints.counts.data(), sizeof(FrameCounts));
-    if (splats.count != 0)
-      with_views(views, [&]<class ViewSource>(const ViewSource& source) {
-        launch("find_footprints", find_footprints<Bounds, ViewSource>, blocks_for(splats.count, bin_threads),
-               bin_threads, cuda.stream(), splats.view(), source, bounds, footprints.each.data(),
-               footprints.counts.data());
-      });
-    cuda.settle({footprints.counts.data()}, {}, footprints.totals.data());
-    report.instances = cuda.await_report().instances;
-  }
-  footprints.instances = std::size_t(report.instances), footprints.overflowed = nullptr;
+  if (found) splats.count = splats.shapes.size();
+  footprints.count = splats.count, splats.exact = &totals->splats;
+  footprints.instances = {limits.capacity.instances, &totals->instances};
+  footprints.overflowed = &totals->report.overflowed;
 }
 
 }  // namespace swiftgs::kernels
