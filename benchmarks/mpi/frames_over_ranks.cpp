@@ -2,7 +2,8 @@
 
 // Times of frames of one scene over ranks: mpirun -n N frames_over_ranks SCENE [options]. Prints a line of
 // JSON for each carrier: medians over frames, of each rank, and a checksum of the image, the same for any
-// number of ranks and any carrier.
+// number of ranks and any carrier. A rank alone also times `Renderer` on the same frame. With --views, each
+// rank holds the whole scene instead, and draws its share of the views with a `Renderer`.
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -37,6 +38,7 @@ struct Options {
   std::size_t view = 0;
   double scale = 1;
   int frames = 20, warm_ups = 8, threads = 0;
+  std::size_t views = 0;  ///< 0: one frame over ranks
   std::vector<std::string> carriers;  ///< one after the other; none for the one that renderers choose
 };
 
@@ -74,31 +76,60 @@ double median(std::vector<T> values) {
   return double(values[values.size() / 2]);
 }
 
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point begun) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begun).count();
+}
+
+template <class B>
+using OneRenderer = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
+template <class B>
+using RanksRenderer = DistributedRenderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
+
+/// Times of `draw`, which all ranks begin together and which waits for its own work, until the last is done.
+template <class Draw>
+std::vector<double> times_of(Ranks& ranks, const Options& options, const Draw& draw) {
+  std::vector<double> times;
+  for (int k = 0; k < options.warm_ups + options.frames; ++k) {
+    ranks.all(true);
+    const Clock::time_point begun = Clock::now();
+    draw();
+    std::vector<double> each = ranks.all_gather(ms_since(begun));
+    if (k >= options.warm_ups) times.push_back(*std::max_element(each.begin(), each.end()));
+  }
+  return times;
+}
+
 /// Times frames of a part, and prints a line on rank 0. Returns the checksum of the image, empty elsewhere.
 template <class B>
 std::string measure(Ranks& ranks, const Options& options, B backend, const SceneView& part,
                     const std::string& carrier) {
   ranks.set_direct(carrier != "host");
-  DistributedRenderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer(ranks,
-                                                                                          std::move(backend));
+  RanksRenderer<B> renderer(ranks, std::move(backend));
   if (!carrier.empty() && renderer.carrier() != carrier)
     throw std::invalid_argument("--carriers '" + carrier + "': expected '" + std::string(renderer.carrier()) +
                                 "', by which splats go in this build on these ranks");
   const Camera camera = camera_of(options);
-  Frame frame;
-  std::vector<double> with_image, without_image, imbalance;
+  std::vector<double> imbalance;
   std::vector<FrameCounters> counters;
-  for (int k = 0; k < options.warm_ups + options.frames; ++k) {
-    ranks.all(true);  // begin together
-    const auto begun = std::chrono::steady_clock::now();
-    renderer.render(part, camera, {}, frame);
-    const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begun;
-    if (k < options.warm_ups) continue;
+  const std::vector<double> with_bands = times_of(ranks, options, [&] {
+    renderer.render_bands(part, {&camera, 1}, {});
     counters.push_back(renderer.counters());
-    std::uint64_t longest = 0;
-    for (const RankCounters& rank : counters.back().ranks) longest = std::max(longest, rank.frame_ns);
-    with_image.push_back(taken.count()), without_image.push_back(1e-6 * double(longest));
     imbalance.push_back(counters.back().imbalance());
+  });
+  counters.erase(counters.begin(), counters.begin() + options.warm_ups);
+  imbalance.erase(imbalance.begin(), imbalance.begin() + options.warm_ups);
+  Frame frame;
+  const std::vector<double> with_image =
+      times_of(ranks, options, [&] { renderer.render(part, camera, {}, frame); });
+  std::optional<double> without_ranks;
+  if (ranks.size() == 1) {
+    OneRenderer<B> one;
+    without_ranks = median(times_of(ranks, options, [&] {
+      one.render_resident(part, camera, {});
+      one.backend().wait();
+    }));
   }
   if (ranks.rank() != 0) return {};
   Json each = Json::array();
@@ -122,31 +153,54 @@ std::string measure(Ranks& ranks, const Options& options, B backend, const Scene
                     {"waiting_ms", 1e-6 * of([](const C& c) { return c.traffic.waiting_ns; })},
                     {"stage_bytes", of([](const C& c) { return c.bytes; })}});
   }
-  const Json line{{"scene", options.scene},
+  Json line{{"scene", options.scene},
                   {"width", camera.width},
                   {"height", camera.height},
                   {"renderer", std::string(renderer.name)},
                   {"device", renderer.backend().device_name()},
                   {"carrier", std::string(renderer.carrier())},
                   {"frames", options.frames},
-                  {"ms", median(without_image)},
+                  {"ms", median(with_bands)},
                   {"ms_with_image", median(with_image)},
                   {"imbalance", median(imbalance)},
                   {"checksum", checksum_of(frame)},
                   {"ranks", each}};
+  if (without_ranks) line["ms_renderer"] = *without_ranks;
   std::printf("%s\n", line.dump().c_str());
   std::fflush(stdout);
   return line["checksum"];
 }
 
+/// Times all views of a scene that each rank holds, shared out among the ranks, and prints a line on rank 0.
+template <class B>
+void measure_views(Ranks& ranks, const Options& options, B backend, const SceneView& scene) {
+  const std::vector<Camera> cameras =
+      options.cameras.empty() ? builtin_cameras(int(options.views)) : load_cameras(options.cameras);
+  OneRenderer<B> renderer(std::move(backend));
+  const std::vector<double> all = times_of(ranks, options, [&] {
+    for (std::size_t view = std::size_t(ranks.rank()); view < options.views; view += std::size_t(ranks.size()))
+      renderer.render_resident(scene, scaled(cameras[view % cameras.size()], options.scale), {});
+    renderer.backend().wait();
+  });
+  if (ranks.rank() != 0) return;
+  const Json line{{"scene", options.scene},     {"views", options.views},
+                  {"scale", options.scale},     {"renderer", std::string(renderer.name)},
+                  {"device", renderer.backend().device_name()},
+                  {"ranks", ranks.size()},      {"ms_all_views", median(all)}};
+  std::printf("%s\n", line.dump().c_str());
+  std::fflush(stdout);
+}
+
 /// All carriers in turn, of one scene that stays where it is. `make` makes a backend.
 template <class Make>
 void measure_each(Ranks& ranks, const Options& options, const Make& make) {
-  const ScenePart own{std::size_t(ranks.rank()), std::size_t(ranks.size())};
+  const ScenePart own = options.views != 0 ? ScenePart{}
+                                           : ScenePart{std::size_t(ranks.rank()), std::size_t(ranks.size())};
   auto home = make();
   std::optional<Scene> read = part_named(options.scene, own, ranks);
   const auto part = home.upload(std::move(*read));
   read.reset();
+  if (options.views != 0) return measure_views(ranks, options, make(), part.view());
   std::string first;
   for (const std::string& carrier :
        options.carriers.empty() ? std::vector<std::string>{""} : options.carriers) {
@@ -165,6 +219,7 @@ int run(Ranks& ranks, int argc, char** argv) {
   app.add_option("--cameras", options.cameras, "File or folder of cameras [the built-in view]");
   app.add_option("--view", options.view, "Number of the camera");
   app.add_option("--scale", options.scale, "Factor of the image's sides");
+  app.add_option("--views", options.views, "Share out so many views of the whole scene, not one frame");
   app.add_option("--backend", options.backend, "cpu or cuda");
   app.add_option("--threads", options.threads, "Of each rank on the cpu; 0 for all");
   app.add_option("--carriers", options.carriers,

@@ -9,11 +9,12 @@
 #   strong    one scene on one rank and on two: garden at 3891x2520 and builtin:12000000 at 3840x2160
 #   weak      builtin:6000000 a rank
 #   large     100 million Gaussians on all ranks
+#   views     24 views of garden on one rank and shared out among all
 # Programs are those of SWIFTGS_BUILD, mpirun is LAUNCH, garden is GARDEN (its folder). RANKS names another number of
 # ranks than two. CARRIERS are what brings splats from rank to rank, in turns: host,nccl,host,nccl in a build with NCCL.
 # Images of all must be the same. OUTDIR/frames.jsonl has a line a run and carrier; model.py reads it.
 set -euo pipefail
-all_steps=(test one strong weak large)
+all_steps=(test one strong weak large views)
 [ $# -ge 1 ] || { echo "usage: benchmarks/mpi/measure_gpus.sh OUTDIR [${all_steps[*]}]" >&2; exit 2; }
 out=$1
 shift
@@ -51,6 +52,14 @@ step_strong() {
 }
 step_weak() {
   for n in 1 "$ranks"; do frames "$n" "builtin:$((6000000 * n))" --scale 3; done
+}
+step_views() {
+  for n in 1 "$ranks"; do
+    for scale in 1 3; do
+      $launch -n "$n" "$build/benchmarks/frames_over_ranks" "$garden/garden.spz" --cameras "$garden/cameras.json" \
+        --views 24 --scale "$scale" --backend cuda | tee -a "$out/views.jsonl"
+    done
+  done
 }
 step_large() { frames "$ranks" builtin:100000000 --scale 3 --frames 10; }
 
