@@ -97,10 +97,17 @@ void Exchange::all_to_all(const void* from, Span<const std::uint64_t> from_begin
   }
 }
 
-void Exchange::begin() {
+void Exchange::begin(void* stream) {
   if (!link_) return;
-  requests_->given = link_->begin({requests_->named.data(), requests_->named.size()});
+  requests_->given = link_->begin({requests_->named.data(), requests_->named.size()}, stream);
   requests_->named.clear();
+}
+
+void Exchange::join() {
+  if (!link_)
+    wait();
+  else if (requests_->given)
+    link_->order(*requests_->given);
 }
 
 bool Exchange::test() {

@@ -80,13 +80,14 @@ class AwayLink : public DirectLink {
   explicit AwayLink(Ranks ranks) : ranks_(std::move(ranks)) {}
 
   std::string_view name() const override { return "away"; }
-  std::uint64_t begin(Span<const Message> messages) override {
+  std::uint64_t begin(Span<const Message> messages, void*) override {
     Exchange& exchange = under_way_.emplace_back(ranks_);
     for (const Message& message : messages)
       message.from ? exchange.send(message.rank, message.from, message.bytes)
                    : exchange.receive(message.rank, message.to, message.bytes);
     return under_way_.size() - 1;
   }
+  void order(std::uint64_t begun) override { under_way_[std::size_t(begun)].wait(); }
   bool test(std::uint64_t begun) override { return under_way_[std::size_t(begun)].test(); }
 
  private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Frames over ranks with a device each, or one that they share, have the bits of one process.
+#include <cstdint>
 #include <cstdlib>
 #include <set>
 #include <string>
@@ -106,6 +107,22 @@ TEST_CASE("mpi cuda: a large frame with long lists draws the bits of one process
   const Scene scene = make_builtin_scene(400'000);
   compare_carriers<EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, {builtin_camera(1280, 720)},
                                                                            4);
+}
+
+TEST_CASE("mpi cuda: ranks take coarser tiles where one process does") {
+  if (!on_devices()) return;
+  const Scene scene = make_builtin_scene(30'000);
+  const std::vector<Camera> cameras{builtin_camera(1600, 1000)};
+  compare_carriers<EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, cameras);
+  DistributedRenderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer(ranks_here());
+  const auto part = renderer.backend().upload(part_of(scene, own_part()));
+  std::vector<std::uint64_t> rows;
+  for (int k = 0; k < 2; ++k) {
+    renderer.render_bands(part.view(), {cameras.data(), 1}, {});
+    rows.push_back(0);
+    for (const RankCounters& rank : renderer.counters().ranks) rows.back() += rank.rows;
+  }
+  CHECK(rows == std::vector<std::uint64_t>{63, 32});
 }
 
 TEST_CASE("mpi cuda: parts may be empty and messages cut") {

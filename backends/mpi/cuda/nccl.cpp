@@ -77,23 +77,26 @@ class Devices {
     return begun_;
   }
 
+  void order(std::uint64_t begun, cudaStream_t later) {
+    require_joined();
+    // Of two exchanges ago and more this is the event of a later one, which comes behind it.
+    check(cudaStreamWaitEvent(later, done_[begun % 2], 0), "cudaStreamWaitEvent");
+  }
+
   bool test(std::uint64_t begun) {
     require_joined();
     try {
+      const cudaError_t result = cudaEventQuery(done_[begun % 2]);
+      if (result == cudaSuccess) return true;
+      cudaGetLastError();  // or the next launch would be taken for a failed one
+      if (result != cudaErrorNotReady) check(result, "cudaEventQuery");
       ncclResult_t failed = ncclSuccess;
       check(nccl()->comm_get_async_error(comm_, &failed), "ncclCommGetAsyncError");
       check(failed, "NCCL between devices");
-      // Of two exchanges ago and more this is the event of a later one, which comes behind it.
-      const cudaError_t result = cudaEventQuery(done_[begun % 2]);
-      if (result == cudaErrorNotReady) {
-        cudaGetLastError();  // or the next launch would be taken for a failed one
-        return false;
-      }
-      check(result, "cudaEventQuery");
     } catch (const MpiError& error) {
       give_up(error);
     }
-    return true;
+    return false;
   }
 
  private:
@@ -135,7 +138,10 @@ class NcclLink : public DirectLink {
       : devices_(std::move(devices)), behind_(behind) {}
 
   std::string_view name() const override { return "nccl"; }
-  std::uint64_t begin(Span<const Message> messages) override { return devices_->begin(messages, behind_); }
+  std::uint64_t begin(Span<const Message> messages, void* stream) override {
+    return devices_->begin(messages, stream ? static_cast<cudaStream_t>(stream) : behind_);
+  }
+  void order(std::uint64_t begun) override { devices_->order(begun, behind_); }
   bool test(std::uint64_t begun) override { return devices_->test(begun); }
 
  private:

@@ -21,6 +21,26 @@ void copy_from_host(Cuda& cuda, const void* from, void* to, std::size_t bytes) {
              "cudaMemcpyAsync to the device");
 }
 
+FrameReport await_shares(Cuda& cuda, Shares<Cuda>& shares) {
+  if (!shares.awaited) return {};
+  shares.awaited = false;
+  FrameReport report = cuda.await_report();
+  if (report.overflowed != 0) return report;
+  const std::uint32_t* const posted = shares.posted.data();
+  for (std::size_t r = 1; r < shares.begins.size(); ++r) {
+    // Sums are of 32 bits. Those for one rank fit.
+    if (posted[r] < posted[r - 1])
+      require_indices("splats for all bands", (std::uint64_t(1) << 32) + posted[r]);
+    shares.begins[r] = posted[r];
+  }
+  const std::size_t all = std::size_t(shares.begins.back());
+  if (all > shares.capacity)
+    shares.capacity = all + all / 8, report.overflowed = 1;
+  else
+    shares.splats.set_count(all);
+  return report;
+}
+
 int take_device(const Ranks& ranks) {
   // Before anything may throw: all ranks take part in it.
   const int rank = ranks.rank_on_machine();

@@ -30,11 +30,14 @@ class SWIFTGS_API DirectLink {
 
   virtual std::string_view name() const = 0;
 
-  /// Begins messages, after all work that was submitted to the backend before. Does not wait for them.
-  /// Returns what to call them.
-  virtual std::uint64_t begin(Span<const Message> messages) = 0;
+  /// Begins messages, after all work that was submitted before: to the backend, or to `stream` of its device
+  /// if there is one (`Shading::stream`). Does not wait for them. Returns what to call them.
+  virtual std::uint64_t begin(Span<const Message> messages, void* stream) = 0;
 
-  /// Whether they have been sent and received. Work that is submitted then finds them.
+  /// Orders work that is submitted to the backend from now on after them.
+  virtual void order(std::uint64_t begun) = 0;
+
+  /// Whether they have been sent and received.
   virtual bool test(std::uint64_t begun) = 0;
 };
 

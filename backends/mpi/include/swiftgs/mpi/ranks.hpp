@@ -132,9 +132,12 @@ class SWIFTGS_API Exchange {
   void all_to_all(const void* from, Span<const std::uint64_t> from_begins, void* to,
                   Span<const std::uint64_t> to_begins, std::size_t element_bytes);
 
-  /// Gives the link, if there is one, all messages named so far; called once, and by all ranks. Messages of
-  /// MPI are under way as soon as they are named.
-  void begin();
+  /// Gives the link, if there is one, all messages named so far, to begin as `DirectLink::begin` says; called
+  /// once, and by all ranks. Messages of MPI are under way as soon as they are named.
+  void begin(void* stream = nullptr);
+
+  /// Orders later work of the link's backend after all messages. Without a link it waits for them.
+  void join();
 
   /// Lets messages go on, as some MPIs need from time to time. Returns whether all have arrived.
   bool test();

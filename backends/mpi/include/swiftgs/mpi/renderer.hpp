@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -20,8 +21,10 @@
 #include <swiftgs/mpi/direct_link.hpp>
 #include <swiftgs/mpi/identity.hpp>
 #include <swiftgs/mpi/ranks.hpp>
+#include <swiftgs/mpi/shares.hpp>
 #include <swiftgs/mpi/splat_exchange.hpp>
 #include <swiftgs/renderer.hpp>
+#include <swiftgs/tile_choice.hpp>
 
 namespace swiftgs {
 
@@ -43,19 +46,19 @@ class DistributedRenderer {
   /// Collective. Throws `std::invalid_argument` on all ranks if their builds of the program, or their
   /// renderers, differ, and `MpiError` if devices cannot be joined, after which the program has to end.
   explicit DistributedRenderer(Ranks ranks, B backend = B(), Sort sort = Sort())
-      : ranks_(std::move(ranks)), backend_(std::move(backend)), sort_(std::move(sort)) {
-    std::apply([&](auto&... all) { use_memory_of(backend_, all...); }, parts(*this));
+      : ranks_(std::move(ranks)), one_(std::move(backend), std::move(sort)) {
+    std::apply([&](auto&... all) { use_memory_of(this->backend(), all...); }, parts(*this));
     ranks_.require_same("the build of the program", build_identity());
     ranks_.require_same("the renderer", std::string(name));
     if (ranks_.size() > most_ranks)
       detail::refuse("ranks: their number", std::size_t(ranks_.size()), "65535 at most");
-    link_ = direct_link(ranks_, backend_);
+    link_ = direct_link(ranks_, this->backend());
     exchange_.set_direct(bool(link_));
   }
 
   const Ranks& ranks() const { return ranks_; }
-  B& backend() { return backend_; }
-  const B& backend() const { return backend_; }
+  B& backend() { return one_.backend(); }
+  const B& backend() const { return one_.backend(); }
   /// What brings splats from rank to rank: "host", which is MPI, or the name of a `DirectLink`.
   std::string_view carrier() const { return link_ ? link_->name() : "host"; }
 
@@ -80,7 +83,7 @@ class DistributedRenderer {
                                       const RenderSettings& settings) {
     Failure failure;
     failure.guard([&] { make_views(cameras, settings); });
-    const auto place = [&] { frames_.keep(backend_, settings.outputs, drawn_); };
+    const auto place = [&] { frames_.keep(backend(), settings.outputs, drawn_); };
     draw(part, {views_.data(), views_.size()}, failure, place, [] {});
     return drawn();
   }
@@ -104,10 +107,10 @@ class DistributedRenderer {
       if (B::reaches_host_memory && collects)
         for (DrawnPiece& each : drawn_) each.frame = rows_of(whole[each.piece.view], each.piece);
       else
-        frames_.keep(backend_, settings.outputs, drawn_);
+        frames_.keep(backend(), settings.outputs, drawn_);
     };
     draw(part, {views_.data(), views_.size()}, failure, place,
-         [&] { frames_.to_host(backend_, ranks_, drawn_, frames); });
+         [&] { frames_.to_host(backend(), ranks_, drawn_, frames); });
     frames_.collect(ranks_, bands_, frames);
   }
   void render(const SceneView& part, const Camera& camera, const RenderSettings& settings, Frame& frame) {
@@ -122,7 +125,8 @@ class DistributedRenderer {
 
   /// Of this rank's stages, and of what it sends and receives, in the backend's memory. @units{bytes}
   std::size_t memory() const {
-    return std::apply([](const auto&... all) { return bytes_of(all...); }, parts(*this));
+    return std::apply([](const auto&... all) { return bytes_of(all...); }, parts(*this)) +
+           one_.memory().total();
   }
 
  private:
@@ -137,8 +141,8 @@ class DistributedRenderer {
   };
 
   static auto parts(auto& self) {
-    return std::tie(self.whole_storage_, self.project_scratch_, self.splats_, self.footprints_, self.colours_,
-                    self.exchange_, self.band_storage_, self.band_footprints_, self.sort_scratch_,
+    return std::tie(self.whole_storage_, self.project_scratch_, self.splats_, self.footprints_, self.shares_,
+                    self.colours_, self.exchange_, self.band_storage_, self.band_footprints_, self.sort_scratch_,
                     self.lists_, self.frames_);
   }
 
@@ -160,11 +164,13 @@ class DistributedRenderer {
   template <class Place, class Finish>
   void draw(const SceneView& part, Span<const View> views, Failure& failure, const Place& place,
             const Finish& finish) {
+    if (ranks_.size() == 1) return draw_alone(part, views, failure, place, finish);
     const Clock::time_point begun = Clock::now();
     const Traffic before = ranks_.traffic();
     RankCounters mine{.gaussians = part.size()};
     drawn_.clear();
-    if (!complete_) plan_.reset();  // a rank may have failed before it planned what the others did
+    // A rank may have failed before it learnt what the others did.
+    if (!complete_) plan_.reset(), tiles_ = {};
     complete_ = false;
     failure.guard([&] { project_part(part, views, mine); });
     mine.project_ns = since(begun);
@@ -175,17 +181,26 @@ class DistributedRenderer {
     });
     failure.agree(ranks_);
 
-    // Colours are evaluated while shapes are under way, and are under way while those are sorted.
+    // Colours are evaluated while shapes are under way, and are under way while those are sorted. Not sooner:
+    // a device that is full of their evaluation would start to send when it is done.
     Exchange shapes(ranks_, link_.get()), colours(ranks_, link_.get());
-    failure.guard([&] { exchange_.pack_shapes(backend_, ranks_, splats_, bands_); });
-    exchange_.send_shapes(shapes, ranks_, bands_);
     std::optional<Shading<B>> shading;
     const PlacedScene placed{part};
-    failure.guard([&] { shading.emplace(shade(backend_, {whole_, {&placed, 1}}, splats_, colours_)); });
-    if (!link_) shapes.wait();  // MPI goes on in its own calls alone
-    failure.guard([&] { exchange_.pack_colours(backend_, ranks_, shading->finish()); });
-    exchange_.send_colours(colours);
-    failure.guard([&] { draw_band(part, shapes, colours, mine); });
+    failure.guard([&] { exchange_.stage_shapes(backend()); });
+    exchange_.send_shapes(shapes, bands_);
+    failure.guard([&] {
+      shading.emplace(shade(backend(), {whole_, {&placed, 1}}, shares_.splats, colours_));
+      exchange_.keep_shapes(backend(), shares_.splats.view());
+    });
+    bool sent = false;
+    const auto send_colours = [&] {
+      if (std::exchange(sent, true)) return;
+      if (!link_) failure.guard([&] { shading->finish(), exchange_.stage_colours(backend()); });
+      exchange_.send_colours(colours, link_ && shading ? shading->stream() : nullptr);
+    };
+    if (!link_) shapes.wait(), send_colours();  // MPI goes on in its own calls alone
+    failure.guard([&] { draw_band(part, shapes, send_colours, *shading, colours, mine); });
+    send_colours();  // where the band has failed or shows nothing
     shapes.wait(), colours.wait();
     failure.guard(finish);
     mine.frame_ns = since(begun);
@@ -193,31 +208,55 @@ class DistributedRenderer {
     learn(mine, failure);
   }
 
-  /// Finds the splats of this rank's Gaussians in all views, and which ranks they go to.
+  /// The same on a rank alone, whose band is all there is.
+  template <class Place, class Finish>
+  void draw_alone(const SceneView& scene, Span<const View> views, const Failure& failure, const Place& place,
+                  const Finish& finish) {
+    failure.agree(ranks_);
+    const Clock::time_point begun = Clock::now();
+    drawn_.clear();
+    std::vector<View> all(views.begin(), views.end());
+    for (const View& view : views)
+      drawn_.push_back({{std::uint32_t(drawn_.size()), 0, view.frame.height, view.frame.width}});
+    place();
+    for (std::size_t i = 0; i < all.size(); ++i) all[i].frame = drawn_[i].frame;
+    one_.render_into(scene, {all.data(), all.size()}, {.count = false, .time = true});
+    backend().wait();
+    finish();
+    const Statistics found = one_.statistics();
+    const StageTimes times = one_.times();
+    RankCounters mine{.gaussians = scene.size(), .visible = found.visible, .drawn = found.visible};
+    mine.instances = found.instances, mine.rows = one_.tiles().rows, mine.bytes = memory();
+    mine.project_ns = std::uint64_t(1e6 * times.project);
+    mine.band_ns = std::uint64_t(1e6 * (times.sort + times.raster)), mine.frame_ns = since(begun);
+    counters_ = {{mine}};
+  }
+
+  /// Finds the splats of this rank's Gaussians in all views, and shares them out among the ranks.
   void project_part(const SceneView& part, Span<const View> views, RankCounters& mine) {
     validate(part);
     for (const View& view : views) check_tiles(view), detail::require_finite_background(view.background);
-    check_ready(backend_);
-    whole_ = store_views(backend_, views, whole_storage_);
+    check_ready(backend());
+    const bool may_be_coarse = may_gain_by_coarse_tiles<B, Raster> && Bounds::lossless;
+    key_ = FrameKey::of({}, views);
+    whole_ = store_views(backend(), may_be_coarse ? tiles_.choose(key_, views) : views, whole_storage_);
     const std::uint32_t rows = frame_tiles(whole_).rows;
     if (!plan_ || plan_->rows() != rows) plan_.emplace(rows, ranks_.size());
     const PlacedScene placed{part};
     for (;;) {
       // As many instances as there may be: bands have their own, and these are not emitted.
       const Limits limits =
-          B::reaches_host_memory ? Limits{} : Limits{{capacity_, std::size_t(max_instances)}};
-      project(backend_, {whole_, {&placed, 1}, limits}, Bounds{}, project_scratch_, splats_, footprints_);
-      bin(backend_, whole_, Bounds{}, splats_, footprints_, limits);
-      const FrameReport report = await_report(backend_, splats_, footprints_, limits);
+          B::reaches_host_memory ? Limits{} : Limits{{capacity_.splats, std::size_t(max_instances)}};
+      project(backend(), {whole_, {&placed, 1}, limits}, Bounds{}, project_scratch_, splats_, footprints_);
+      share_out(backend(), whole_, Bounds{}, plan_->cuts(), splats_, footprints_, limits, shares_);
+      const FrameReport report = await_shares(backend(), shares_);
       mine.visible = report.visible;
       if (report.overflowed == 0) break;
       check_instances(report.instances);
-      capacity_ = std::size_t(report.visible + report.visible / 8 + 1);
+      capacity_.splats = std::max(capacity_.splats, with_room(report.visible));
     }
-    // A device's `splats_.count` is what there was room for.
-    exchange_.list(backend_, splats_, std::size_t(mine.visible), footprints_, whole_, plan_->cuts());
     const auto own = ranks_.rank();
-    mine.sent = exchange_.begins()[std::size_t(ranks_.size())] - exchange_.count_for(own);
+    mine.sent = shares_.begins.back() - shares_.count_for(own);
     mine.first_row = plan_->cuts()[std::size_t(own)];
     mine.rows = plan_->cuts()[std::size_t(own) + 1] - mine.first_row;
   }
@@ -229,7 +268,7 @@ class DistributedRenderer {
     std::vector<Offer> to(ranks, Offer{0, bool(failure), identity}), from(ranks);
     std::vector<std::uint64_t> places(ranks + 1);
     for (std::size_t r = 0; r < ranks; ++r) {
-      if (!failure) to[r].splats = exchange_.count_for(int(r));
+      if (!failure) to[r].splats = shares_.count_for(int(r));
       places[r + 1] = r + 1;
     }
     const Span<const std::uint64_t> begins{places.data(), places.size()};
@@ -256,34 +295,52 @@ class DistributedRenderer {
     bands_.clear();
     for (std::size_t r = 0; r + 1 < cuts.size(); ++r)
       bands_.push_back(band_of(whole_.each, cuts[r], cuts[r + 1]));
-    exchange_.make_room(backend_, ranks_, bands_, {counts_.data(), counts_.size()});
+    exchange_.make_room(backend(), ranks_, bands_, shares_, colours_, {counts_.data(), counts_.size()});
     for (const BandPiece& piece : bands_[std::size_t(ranks_.rank())].pieces) drawn_.push_back({piece});
   }
 
-  /// Bins, sorts and rasterizes the splats of this rank's band.
-  void draw_band(const SceneView& part, Exchange& shapes, Exchange& colours, RankCounters& mine) {
-    std::vector<View>& views = bands_[std::size_t(ranks_.rank())].views;
+  /// Bins, sorts and rasterizes the splats of this rank's band. Its time is that of this work: neither that
+  /// of messages, nor where the band is drawn again because there was no room for its instances.
+  template <class SendColours>
+  void draw_band(const SceneView& part, Exchange& shapes, const SendColours& send_colours,
+                 Shading<B>& shading, Exchange& colours, RankCounters& mine) {
+    Band& band = bands_[std::size_t(ranks_.rank())];
     Splats<B>& splats = exchange_.joined();
     mine.drawn = splats.count, mine.bytes = memory();
-    if (views.empty()) return;
-    for (std::size_t i = 0; i < views.size(); ++i) views[i].frame = drawn_[i].frame;
-    shapes.wait();
-    if (link_) backend_.wait();  // for the own part's colours: the band's time is that of its work
-    Clock::time_point begun = Clock::now();
-    const Views stored = store_views(backend_, {views.data(), views.size()}, band_storage_);
-    exchange_.shapes_arrived(backend_, ranks_);
-    bin(backend_, stored, Bounds{}, splats, band_footprints_);
-    SortJob<Bounds> job{splats.view(), band_footprints_.view(), FrameKey::of(part, stored)};
-    mine.instances = job.footprints.instances.most;
-    colours.test();
-    sort_.build(backend_, job, Bounds{}, sort_scratch_, lists_);
-    mine.band_ns = since(begun);
-    colours.wait();
-    begun = Clock::now();
-    exchange_.colours_arrived(backend_, ranks_);
-    rasterize(backend_, Raster{}, RasterJob{splats.view(), exchange_.colours(), lists_.view(), stored});
-    backend_.wait();
-    mine.band_ns += since(begun), mine.bytes = memory();
+    if (band.views.empty()) return;
+    for (std::size_t i = 0; i < band.views.size(); ++i) band.views[i].frame = drawn_[i].frame;
+    const Views stored = store_views(backend(), {band.views.data(), band.views.size()}, band_storage_);
+    shapes.join();
+    exchange_.shapes_arrived(backend(), band);
+    bool arrived = false;
+    std::array<typename B::TimePoint, 4> points{};
+    for (;;) {
+      splats.set_count(std::size_t(mine.drawn));
+      const Limits limits = B::reaches_host_memory ? Limits{} : Limits{{0, capacity_.instances}};
+      points[0] = backend().now();
+      bin(backend(), stored, Bounds{}, splats, band_footprints_, limits);
+      SortJob<Bounds> job{splats.view(), band_footprints_.view(), FrameKey::of(part, stored)};
+      one_.sort().build(backend(), job, Bounds{}, sort_scratch_, lists_);
+      points[1] = backend().now();
+      if (!std::exchange(arrived, true)) {
+        send_colours();  // the host has had time for it since the sort began
+        shading.finish();
+        colours.join();
+        exchange_.colours_arrived(backend(), colours_);
+      }
+      points[2] = backend().now();
+      rasterize(backend(), Raster{}, RasterJob{splats.view(), exchange_.colours(), lists_.view(), stored});
+      points[3] = backend().now();
+      const FrameReport report = await_report(backend(), splats, band_footprints_, limits);
+      mine.instances = report.instances;
+      if (report.overflowed == 0) break;
+      if constexpr (requires { one_.sort().discard(sort_scratch_); }) one_.sort().discard(sort_scratch_);
+      check_instances(report.instances);
+      capacity_.instances = std::min(with_room(report.instances), std::size_t(max_instances));
+    }
+    backend().wait();
+    const auto ms = [&](std::size_t k) { return backend().milliseconds(points[k], points[k + 1]).value_or(0); };
+    mine.band_ns = std::uint64_t(1e6 * (ms(0) + ms(2))), mine.bytes = memory();
   }
 
   /// Ends the frame on all ranks, and learns from their times.
@@ -296,24 +353,27 @@ class DistributedRenderer {
       taken.push_back(rank.band_ns);
     }
     counters_ = std::move(counters);
+    tiles_.learn(key_, counters_.visible());
     plan_->learn({taken.data(), taken.size()});
     complete_ = true;
   }
 
   Ranks ranks_;
-  B backend_;
+  Renderer<B, Sort, Raster, Bounds> one_;  ///< draws for a rank alone; has the backend and the sort
   std::unique_ptr<DirectLink> link_;
-  Sort sort_;
   ViewStorage<B> whole_storage_, band_storage_;
   ProjectScratch<B> project_scratch_;
   Splats<B> splats_;
   Footprints<B, Bounds> footprints_, band_footprints_;
-  Colours<B> colours_;
+  Shares<B> shares_;
+  Colours<B> colours_;  ///< of the shares
   SplatExchange<B> exchange_;
   typename Sort::template Scratch<B> sort_scratch_;
   TileLists<B> lists_;
   BandFrames<B> frames_;
   std::optional<BandPlan> plan_;
+  TileChoice tiles_;
+  FrameKey key_;                       ///< of the views alone
   Views whole_;                        ///< in `whole_storage_`
   std::vector<View> views_;            ///< of cameras
   std::uint64_t outputs_ = 0;          ///< what frames of cameras hold, as a number; 0: the caller's planes
@@ -321,8 +381,8 @@ class DistributedRenderer {
   std::vector<std::uint64_t> counts_;  ///< of splats that come from each rank
   std::vector<DrawnPiece> drawn_;
   FrameCounters counters_;
-  std::size_t capacity_ = 1;  ///< splats of a device's projection; grows
-  bool complete_ = false;     ///< whether all ranks drew the last frame
+  Capacity capacity_{1, 1};  ///< splats of a device's projection, instances of its band; grows
+  bool complete_ = false;    ///< whether all ranks drew the last frame
 };
 
 }  // namespace swiftgs

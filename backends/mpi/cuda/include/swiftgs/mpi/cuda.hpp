@@ -7,12 +7,15 @@
 
 #include <cstddef>
 #include <memory>
+#include <cstdint>
 #include <tuple>
+#include <vector>
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/growing_buffer.hpp>
 #include <swiftgs/mpi.hpp>
+#include <swiftgs/mpi/shares.hpp>
 
 namespace swiftgs {
 
@@ -48,6 +51,33 @@ class Staging<Cuda, T> {
   bool direct_ = false;
   GrowingBuffer<T, PinnedMemory> host_;
 };
+
+/// The device writes them within `capacity`, and tells the host where those for each rank begin.
+template <>
+struct Shares<Cuda> {
+  Splats<Cuda> splats;
+  std::vector<std::uint64_t> begins;  ///< once they are awaited
+  std::size_t capacity = 0;           ///< grows
+  DeviceBuffer<std::uint32_t> cuts, written;
+  BandCuts stored_cuts;                           ///< that `cuts` holds
+  Turns<NoCounts> turns;
+  GrowingBuffer<std::uint32_t, PinnedMemory> posted;  ///< `begins` as the device tells them
+  bool awaited = false;                               ///< whether it will
+
+  std::uint64_t count_for(int rank) const { return begins[std::size_t(rank) + 1] - begins[std::size_t(rank)]; }
+  static auto buffers(auto& self) { return std::tie(self.splats, self.cuts, self.written, self.turns); }
+};
+
+/// One kernel. Does not wait, and leaves the tiles as projection has found them.
+/// In the library for `AllBounds`; for others in `<swiftgs/mpi/cuda.cuh>`.
+template <BoundsPolicy Bounds>
+SWIFTGS_API void share_out(Cuda& cuda, const Views& views, const Bounds& bounds, const BandCuts& cuts,
+                           Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints, const Limits& limits,
+                           Shares<Cuda>& shares);
+
+/// Waits for the device to have shared them out. Makes room for the next `share_out` where this one had too
+/// little. Throws `CapacityError`.
+SWIFTGS_API FrameReport await_shares(Cuda& cuda, Shares<Cuda>& shares);
 
 /// NCCL, in a build that has it, where `Ranks::direct` holds on all ranks and each has a device of its own,
 /// or NCCL_MULTI_RANK_GPU_ENABLE lets them share one (NCCL 2.30).

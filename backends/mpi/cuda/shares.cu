@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What a device does for ranks, for all bounds of the library. <swiftgs/mpi/cuda.cuh> has it for bounds of the
+// caller.
+#include <tuple>
+
+#include <swiftgs/bounds/all.hpp>
+#include <swiftgs/mpi/cuda.cuh>
+
+namespace swiftgs {
+
+template <BoundsPolicy Bounds>
+void share_out(Cuda& cuda, const Views& views, const Bounds& bounds, const BandCuts& cuts,
+               Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints, const Limits& limits,
+               Shares<Cuda>& shares) {
+  kernels::run_share_out(cuda, views, bounds, cuts, splats, footprints, limits, shares);
+}
+
+namespace {
+
+template <class F>
+using Loop = void (Cuda::*)(Count, const F&) const;
+template <class Bounds>
+using ShareOut = void (*)(Cuda&, const Views&, const Bounds&, const BandCuts&, Splats<Cuda>&,
+                          Footprints<Cuda, Bounds>&, const Limits&, Shares<Cuda>&);
+
+template <class... F>
+std::tuple<Loop<F>...> loops_of(TypeList<F...>) {
+  return {&Cuda::for_each<F>...};
+}
+template <class... Bounds>
+std::tuple<ShareOut<Bounds>...> shares_within(TypeList<Bounds...>) {
+  return {&share_out<Bounds>...};
+}
+
+/// An explicit instantiation cannot follow a list; taking addresses can.
+[[gnu::used]] const auto instantiated =
+    std::tuple_cat(loops_of(ExchangeLoops{}), shares_within(AllBounds{}));
+
+}  // namespace
+}  // namespace swiftgs
