@@ -123,10 +123,10 @@ void calibrate(const CalibrateOptions& options) {
       distinct_sorts(options.renderers.empty() ? default_renderers() : options.renderers);
   ViewOptions view = options.view;
   if (options.check) view.views = options.check_views.empty() ? "all" : options.check_views;
-  std::vector<SizeGroup> groups =
-      group_by_size(read_cameras_of(options.scene, view.cameras), view, options.scales);
-  RenderSettings settings = settings_of(options.view);
   std::vector<std::string> notes;
+  std::vector<SizeGroup> groups =
+      group_by_size(read_cameras_of(options.scene, view.cameras, notes), view, options.scales);
+  RenderSettings settings = settings_of(options.view);
   const DrawnScene drawn = load_to_draw(options.scene, notes);
   const auto scene = drawn.gaussians;
   for (SizeGroup& group : groups)

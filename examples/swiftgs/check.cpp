@@ -133,10 +133,10 @@ void check(const CheckOptions& options) {
   Task task;
   task.scene_name = capture_of(options.scene).name;
   task.repeats = options.repeats;
-  const Cameras cameras = read_cameras_of(options.scene, options.view.cameras);
+  std::vector<std::string> notes;
+  const Cameras cameras = read_cameras_of(options.scene, options.view.cameras, notes);
   task.views = views_of(cameras, options.view, "every:8");
   task.settings = settings_of(options.view);
-  std::vector<std::string> notes;
   const DrawnScene drawn = load_to_draw(options.scene, notes);
   task.scene = drawn.gaussians;
   find_views(task.views, *task.scene, drawn.camera);

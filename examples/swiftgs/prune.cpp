@@ -114,12 +114,12 @@ void prune(const PruneOptions& options) {
   const ContributionsEntry& backend = contribution_backend(options.backend);
   ViewOptions view = options.view;
   if (view.views.empty() && has_cameras(options)) view.views = training_views;
-  const Cameras cameras = read_cameras_of(options.scene, view.cameras);
+  std::vector<std::string> notes;
+  const Cameras cameras = read_cameras_of(options.scene, view.cameras, notes);
   HeldOut held_out = held_out_of(options, view, cameras, std::string(backend.backend));
   const bool by_contribution = options.score == "contribution";
   const std::vector<View> views =
       by_contribution ? views_of(cameras, view, training_views) : std::vector<View>();
-  std::vector<std::string> notes;
   const auto scene = load_to_draw(options.scene, notes).gaussians;
   held_out.settings = settings_for(held_out.settings, *scene);
   if (Team::here().leads()) require_replaceable(options.out);

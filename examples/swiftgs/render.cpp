@@ -81,10 +81,10 @@ void render(const RenderOptions& options) {
                     {"--calibration", calibration_file(options.scene, options.calibration)}});
   const std::unique_ptr<AnyRenderer> renderer =
       make_renderer(options.renderer.empty() ? default_renderer() : options.renderer);
-  std::vector<View> views =
-      views_of(read_cameras_of(options.scene, options.view.cameras), options.view, "all");
-  RenderSettings settings = settings_of(options.view);
   std::vector<std::string> notes;
+  std::vector<View> views =
+      views_of(read_cameras_of(options.scene, options.view.cameras, notes), options.view, "all");
+  RenderSettings settings = settings_of(options.view);
   const DrawnScene drawn = load_to_draw(options.scene, notes);
   const auto scene = drawn.gaussians;
   find_views(views, *scene, drawn.camera);

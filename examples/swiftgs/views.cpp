@@ -13,6 +13,7 @@
 
 #include "default_view.hpp"
 #include "image_name.hpp"
+#include "notes.hpp"
 #include "number_text.hpp"
 #include "scene_input.hpp"
 #include "suggestion.hpp"
@@ -106,12 +107,14 @@ std::vector<View> views_numbered(const Cameras& cameras, const std::vector<std::
 
 }  // namespace
 
-Cameras read_cameras_of(const SceneOptions& scene, const std::string& cameras) {
+Cameras read_cameras_of(const SceneOptions& scene, const std::string& cameras,
+                        std::vector<std::string>& said) {
   const std::string file = cameras_of(scene, cameras);
   Cameras result;
   if (!file.empty()) {
     CameraFile read = read_cameras(file);
-    result.all = std::move(read.cameras), result.notes = std::move(read.notes), result.of_file = true;
+    result.all = std::move(read.cameras), result.of_file = true;
+    say_notes(file, read.notes, said);
     if (result.all.empty()) throw std::invalid_argument(file + ": expected at least one camera, found none");
   } else if (builtin_size(scene.scene)) {
     result.all = builtin_cameras();

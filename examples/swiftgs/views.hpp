@@ -25,7 +25,6 @@ struct View {
 /// All cameras that there are for a scene, in the order of their names.
 struct Cameras {
   std::vector<Camera> all;
-  std::vector<std::string> notes;  ///< what reading them brought up
   bool of_file = false;
   bool to_find = false;  ///< `all` is one camera that knows its image alone: the scene tells where it stands
 };
@@ -33,8 +32,9 @@ struct Cameras {
 /// The cameras of `scene`: those of the file or folder `cameras`; those of the folder, where `scene` is a
 /// capture's; of the built-in scene a front view and an orbit of 24. Any other scene has one view, to be
 /// found. It looks into no scene: cameras that cannot be read are refused before gigabytes of Gaussians are
-/// read.
-Cameras read_cameras_of(const SceneOptions& scene, const std::string& cameras);
+/// read. Says the notes of their file, and adds them to `said` as `say_notes` does.
+Cameras read_cameras_of(const SceneOptions& scene, const std::string& cameras,
+                        std::vector<std::string>& said);
 
 /// The numbers of the cameras that `text` chooses: `all`, `every:N` (0, N, 2N, ...), `except:N` (all others),
 /// or a list of numbers, of ranges as `3-7`, and of images' names, with or without extension. An image's name

@@ -58,6 +58,34 @@ TEST_CASE("cli notes: every command that reads a scene says them on standard err
   }
 }
 
+TEST_CASE("cli notes: every command that reads cameras says theirs before those of the scene") {
+  const std::string of_cameras =
+      "transforms.json: Keys that may change the picture were not read: rolling_shutter.";
+  for (const std::string command : {"render", "check", "bench", "prune", "calibrate"}) {
+    CAPTURE(command);
+    const Place place;
+    const json matrix = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 4}, {0, 0, 0, 1}};
+    const json frame = {{"file_path", "a.png"}, {"transform_matrix", matrix}};
+    const json file = {{"w", 16}, {"h", 12}, {"fl_x", 20}, {"rolling_shutter", {0, 0, 0.5}},
+                       {"frames", json::array({frame, frame})}};
+    place.write("transforms.json", file.dump());
+    // A capture, so that `bench` finds the cameras too.
+    std::string arguments = command + " . --json result.json";
+    if (command == "prune") arguments += " --keep 0.5 --views 0 --out " + (place / "small.ply").string();
+    if (command == "calibrate")
+      arguments += " --out b.json --check --views 0 --renderers serial/adaptive/per-pixel/ellipse";
+    if (command == "bench") arguments += " --min-frames 2 --max-frames 2" + one;
+    if (command == "check") arguments += " --repeats 1" + one;
+    const Outcome outcome = swiftgs::test::swiftgs(place, arguments);
+    CAPTURE(outcome.err);
+    CHECK(outcome.code == 0);
+    CHECK(contains(outcome.err, of_cameras + "\n"));
+    const json notes = json_in(place / "result.json")["notes"];
+    REQUIRE(notes.size() == 3);
+    CHECK(contains(notes[0].get<std::string>(), of_cameras));
+  }
+}
+
 TEST_CASE("cli notes: info lists them in its table") {
   const Place place;
   const Outcome outcome = swiftgs::test::run(place, "info scene.ply");

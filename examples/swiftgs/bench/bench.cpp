@@ -83,12 +83,13 @@ struct Input {
     // A folder brings its own.
     if (!capture.cameras.empty() && !std::filesystem::is_directory(name))
       cameras_file = capture.cameras.string();
-    cameras = read_cameras_of(scene, cameras_file);
+    cameras = read_cameras_of(scene, cameras_file, notes);
   }
 
   SceneOptions scene;
   Capture capture;
   std::string cameras_file;
+  std::vector<std::string> notes;  ///< of the cameras
   Cameras cameras;
 };
 
@@ -128,7 +129,9 @@ class Matrix {
   void for_each_session(Results& results, Progress& progress, const Run& run) const {
     for (const Input& input : inputs_) {
       progress.clear();
-      const DrawnScene drawn = load_to_draw(input.scene, results.head.notes);
+      std::vector<std::string>& notes = results.head.notes;
+      notes.insert(notes.end(), input.notes.begin(), input.notes.end());
+      const DrawnScene drawn = load_to_draw(input.scene, notes);
       const Scene& original = *drawn.gaussians;
       for (const std::optional<std::size_t> count : gaussians_)
         for (const double factor : enlarge_) {
