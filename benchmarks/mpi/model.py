@@ -12,7 +12,8 @@ The model:
 - projection and a band take a + b / N; both numbers follow from one rank and two,
 - each border between bands is crossed by as many splats as the one of two bands; D = V (1 + (N - 1) q) are drawn,
 - of those, (N - 1) / N times what two ranks measured go to another rank, 52 bytes each,
-- a rank sends and receives as fast as one of two did, with copies to the host and back where the host carries,
+- an exchange takes c + bytes / r for the rank that sends most; both numbers follow from the two-rank runs of a carrier
+  that sent least and most, and c is 0 where one run is all there is,
 - between machines the link carries what ranks of one send to the other, all through one link, after that,
 - images stay with their bands.
 """
@@ -22,15 +23,12 @@ import sys
 BYTES = 52  # of a splat: shape, depth and colour
 
 
-def parts(line):
-    ranks = line["ranks"]
-    return {
-        "project": max(rank["project_ms"] for rank in ranks),
-        "band": max(rank["band_ms"] for rank in ranks),
-        "drawn": sum(rank["drawn"] for rank in ranks),
-        "sent": sum(rank["sent"] for rank in ranks),
-        "ms": line["ms"],
-    }
+def slowest(line, what):
+    return max(rank[what] for rank in line["ranks"])
+
+
+def sum_of(line, what):
+    return sum(rank[what] for rank in line["ranks"])
 
 
 def shrinking(one, two):
@@ -39,39 +37,64 @@ def shrinking(one, two):
     return lambda n: one - b + b / n
 
 
+class Carrier:
+    """How long an exchange takes, from all runs on two ranks."""
+
+    def __init__(self, runs):
+        def point(line):
+            rest = line["ms"] - slowest(line, "project_ms") - slowest(line, "band_ms")
+            return BYTES * slowest(line, "sent"), max(rest, 1e-3)
+        points = sorted(point(run) for run in runs)
+        (least, short), (most, long) = points[0], points[-1]
+        self.rate = (most - least) / (long - short) if most > least and long > short else most / long  # bytes/ms
+        self.latency = max(short - least / self.rate, 0)
+
+    def ms(self, sent_bytes):
+        return self.latency + sent_bytes / self.rate
+
+
 class Model:
-    def __init__(self, one, two):
-        one, two = parts(one), parts(two)
-        self.project, self.band = shrinking(one["project"], two["project"]), shrinking(one["band"], two["band"])
-        self.visible = one["drawn"]
-        self.crossing = max(two["drawn"] / max(self.visible, 1) - 1, 0)
-        self.away = two["sent"] / max(two["drawn"] / 2, 1)
-        exchange = max(two["ms"] - two["project"] - two["band"], 1e-3)
-        self.rate = BYTES * two["sent"] / 2 / exchange  # of a rank @units{bytes/ms}
+    def __init__(self, one, two, carrier):
+        self.project = shrinking(slowest(one, "project_ms"), slowest(two, "project_ms"))
+        self.band = shrinking(slowest(one, "band_ms"), slowest(two, "band_ms"))
+        self.visible = sum_of(one, "drawn")
+        self.crossing = max(sum_of(two, "drawn") / max(self.visible, 1) - 1, 0)
+        self.away = sum_of(two, "sent") / max(sum_of(two, "drawn") / 2, 1)
+        self.uneven = slowest(two, "sent") / max(sum_of(two, "sent") / 2, 1)
+        self.carrier = carrier
 
     def sent_bytes(self, n):
-        """Of one rank."""
+        """Of the rank that sends most."""
         drawn = self.visible * (1 + (n - 1) * self.crossing)
-        return BYTES * self.away * drawn * (n - 1) / n / n
+        return BYTES * self.away * drawn * (n - 1) / n / n * self.uneven
 
     def ms(self, n, gigabits=None):
-        exchange = self.sent_bytes(n) / self.rate if n > 1 else 0
+        exchange = self.carrier.ms(self.sent_bytes(n)) if n > 1 else 0
         if gigabits:
             to_other_machine = self.sent_bytes(n) * (n / 2) / (n - 1)
             exchange += n / 2 * to_other_machine / (gigabits * 1e9 / 8 / 1e3)
         return self.project(n) + self.band(n) + exchange
 
 
-def main():
+def quickest_runs(lines):
+    """{(scene, width, height): {carrier: {ranks: line}}}; one rank, which sends nothing, has the carrier ''."""
     measured = {}
+    for line in lines:
+        size, ranks = (line["scene"], line["width"], line["height"]), len(line["ranks"])
+        runs = measured.setdefault(size, {}).setdefault(line["carrier"] if ranks > 1 else "", {})
+        if ranks not in runs or line["ms"] < runs[ranks]["ms"]:
+            runs[ranks] = line
+    return measured
+
+
+def main():
     with open(sys.argv[1], encoding="utf-8") as lines:
-        for text in lines:
-            line = json.loads(text)
-            size, ranks = (line["scene"], line["width"], line["height"]), len(line["ranks"])
-            # One rank sends nothing, and stands beside every carrier.
-            runs = measured.setdefault(size, {}).setdefault(line["carrier"] if ranks > 1 else "", {})
-            if ranks not in runs or line["ms"] < runs[ranks]["ms"]:
-                runs[ranks] = line
+        measured = quickest_runs(json.loads(text) for text in lines)
+    on_two = {}
+    for carriers in measured.values():
+        for carrier, runs in carriers.items():
+            if carrier and 2 in runs:
+                on_two.setdefault(carrier, []).append(runs[2])
     print("Computed by a model from measurements on one rank and on two.\n")
     print("| scene | size | by | 1, measured | 2, measured | 4 | 8 | 2 x 4, 100 Gb/s | 2 x 4, 400 Gb/s "
           "| MB a rank of 8 |")
@@ -81,7 +104,7 @@ def main():
         for carrier, runs in carriers.items():
             if not one or 2 not in runs:
                 continue
-            model = Model(one, runs[2])
+            model = Model(one, runs[2], Carrier(on_two[carrier]))
             name = scene.rsplit("/", 1)[-1]
             times = [one["ms"], runs[2]["ms"], model.ms(4), model.ms(8), model.ms(8, 100), model.ms(8, 400)]
             cells = [f"{ms:.2f} ms" for ms in times] + [f"{model.sent_bytes(8) / 1e6:.1f}"]
