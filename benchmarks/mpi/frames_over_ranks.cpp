@@ -38,7 +38,7 @@ struct Options {
   std::size_t view = 0;
   double scale = 1;
   int frames = 20, warm_ups = 8, threads = 0;
-  std::size_t views = 0;  ///< 0: one frame over ranks
+  std::size_t views = 0;              ///< 0: one frame over ranks
   std::vector<std::string> carriers;  ///< one after the other; none for the one that renderers choose
 };
 
@@ -102,11 +102,12 @@ std::vector<double> times_of(Ranks& ranks, const Options& options, const Draw& d
 }
 
 /// Times frames of a part, and prints a line on rank 0. Returns the checksum of the image, empty elsewhere.
-template <class B>
-std::string measure(Ranks& ranks, const Options& options, B backend, const SceneView& part,
+template <class Make>
+std::string measure(Ranks& ranks, const Options& options, const Make& make, const SceneView& part,
                     const std::string& carrier) {
+  using B = decltype(make());
   ranks.set_direct(carrier != "host");
-  RanksRenderer<B> renderer(ranks, std::move(backend));
+  RanksRenderer<B> renderer(ranks, make());
   if (!carrier.empty() && renderer.carrier() != carrier)
     throw std::invalid_argument("--carriers '" + carrier + "': expected '" + std::string(renderer.carrier()) +
                                 "', by which splats go in this build on these ranks");
@@ -125,7 +126,7 @@ std::string measure(Ranks& ranks, const Options& options, B backend, const Scene
       times_of(ranks, options, [&] { renderer.render(part, camera, {}, frame); });
   std::optional<double> without_ranks;
   if (ranks.size() == 1) {
-    OneRenderer<B> one;
+    OneRenderer<B> one(make());
     without_ranks = median(times_of(ranks, options, [&] {
       one.render_resident(part, camera, {});
       one.backend().wait();
@@ -154,17 +155,17 @@ std::string measure(Ranks& ranks, const Options& options, B backend, const Scene
                     {"stage_bytes", of([](const C& c) { return c.bytes; })}});
   }
   Json line{{"scene", options.scene},
-                  {"width", camera.width},
-                  {"height", camera.height},
-                  {"renderer", std::string(renderer.name)},
-                  {"device", renderer.backend().device_name()},
-                  {"carrier", std::string(renderer.carrier())},
-                  {"frames", options.frames},
-                  {"ms", median(with_bands)},
-                  {"ms_with_image", median(with_image)},
-                  {"imbalance", median(imbalance)},
-                  {"checksum", checksum_of(frame)},
-                  {"ranks", each}};
+            {"width", camera.width},
+            {"height", camera.height},
+            {"renderer", std::string(renderer.name)},
+            {"device", renderer.backend().device_name()},
+            {"carrier", std::string(renderer.carrier())},
+            {"frames", options.frames},
+            {"ms", median(with_bands)},
+            {"ms_with_image", median(with_image)},
+            {"imbalance", median(imbalance)},
+            {"checksum", checksum_of(frame)},
+            {"ranks", each}};
   if (without_ranks) line["ms_renderer"] = *without_ranks;
   std::printf("%s\n", line.dump().c_str());
   std::fflush(stdout);
@@ -178,15 +179,19 @@ void measure_views(Ranks& ranks, const Options& options, B backend, const SceneV
       options.cameras.empty() ? builtin_cameras(int(options.views)) : load_cameras(options.cameras);
   OneRenderer<B> renderer(std::move(backend));
   const std::vector<double> all = times_of(ranks, options, [&] {
-    for (std::size_t view = std::size_t(ranks.rank()); view < options.views; view += std::size_t(ranks.size()))
+    for (std::size_t view = std::size_t(ranks.rank()); view < options.views;
+         view += std::size_t(ranks.size()))
       renderer.render_resident(scene, scaled(cameras[view % cameras.size()], options.scale), {});
     renderer.backend().wait();
   });
   if (ranks.rank() != 0) return;
-  const Json line{{"scene", options.scene},     {"views", options.views},
-                  {"scale", options.scale},     {"renderer", std::string(renderer.name)},
+  const Json line{{"scene", options.scene},
+                  {"views", options.views},
+                  {"scale", options.scale},
+                  {"renderer", std::string(renderer.name)},
                   {"device", renderer.backend().device_name()},
-                  {"ranks", ranks.size()},      {"ms_all_views", median(all)}};
+                  {"ranks", ranks.size()},
+                  {"ms_all_views", median(all)}};
   std::printf("%s\n", line.dump().c_str());
   std::fflush(stdout);
 }
@@ -194,8 +199,8 @@ void measure_views(Ranks& ranks, const Options& options, B backend, const SceneV
 /// All carriers in turn, of one scene that stays where it is. `make` makes a backend.
 template <class Make>
 void measure_each(Ranks& ranks, const Options& options, const Make& make) {
-  const ScenePart own = options.views != 0 ? ScenePart{}
-                                           : ScenePart{std::size_t(ranks.rank()), std::size_t(ranks.size())};
+  const ScenePart own =
+      options.views != 0 ? ScenePart{} : ScenePart{std::size_t(ranks.rank()), std::size_t(ranks.size())};
   auto home = make();
   std::optional<Scene> read = part_named(options.scene, own, ranks);
   const auto part = home.upload(std::move(*read));
@@ -204,7 +209,7 @@ void measure_each(Ranks& ranks, const Options& options, const Make& make) {
   std::string first;
   for (const std::string& carrier :
        options.carriers.empty() ? std::vector<std::string>{""} : options.carriers) {
-    const std::string checksum = measure(ranks, options, make(), part.view(), carrier);
+    const std::string checksum = measure(ranks, options, make, part.view(), carrier);
     if (first.empty()) first = checksum;
     if (checksum != first)
       throw std::runtime_error("the image of carrier '" + carrier + "' has checksum " + checksum +
@@ -232,6 +237,8 @@ int run(Ranks& ranks, int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return ranks.rank() == 0 ? app.exit(error) : error.get_exit_code();
   }
+  if (options.views != 0 && (!options.carriers.empty() || options.view != 0))
+    throw std::invalid_argument("--views: expected neither --carriers nor --view, which are of one frame");
   if (options.backend == "cpu") {
     measure_each(ranks, options, [&] { return Cpu(options.threads); });
     return 0;

@@ -9,7 +9,8 @@ on two, prints what the model expects of 4 and 8 GPUs of one machine, and of as 
 400 Gb/s between them. Of several such runs it takes the quickest.
 
 The model:
-- projection and a band take a + b / N; both numbers follow from one rank and two,
+- projection takes P / N, and what two ranks took beyond P / 2 to share splats out and to learn the numbers,
+- a band takes a + b / N; both numbers follow from one rank and two,
 - each border between bands is crossed by as many splats as the one of two bands; D = V (1 + (N - 1) q) are drawn,
 - of those, (N - 1) / N times what two ranks measured go to another rank, 52 bytes each,
 - an exchange takes c + bytes / r for the rank that sends most; both numbers follow from the two-rank runs of a carrier
@@ -55,7 +56,9 @@ class Carrier:
 
 class Model:
     def __init__(self, one, two, carrier):
-        self.project = shrinking(slowest(one, "project_ms"), slowest(two, "project_ms"))
+        projection = slowest(one, "project_ms")
+        sharing = max(slowest(two, "project_ms") - projection / 2, 0)
+        self.project = lambda n: projection / n + sharing
         self.band = shrinking(slowest(one, "band_ms"), slowest(two, "band_ms"))
         self.visible = sum_of(one, "drawn")
         self.crossing = max(sum_of(two, "drawn") / max(self.visible, 1) - 1, 0)

@@ -29,23 +29,35 @@ class Model(unittest.TestCase):
         return [[cell.strip() for cell in row.strip("|").split(" | ")] for row in ran.stdout.splitlines()[4:]]
 
     def test_a_frame_without_messages_shrinks_by_its_parts(self):
-        # Projection is 0.2 + 0.8 / N, a band 0.5 + 1.5 / N; a few splats are sent.
+        # Projection takes 1 / N and 0.1 to share out, a band 0.5 + 1.5 / N; a few splats are sent.
         lines = [line("a", 1, 1000, 0, 1.0, 2.0), line("a", 2, 1000, 250, 0.6, 1.25),
                  line("b", 1, 10**8, 0, 1.0, 2.0), line("b", 2, 10**8, 25 * 10**6, 0.6, 1.25)]
         row = self.rows(lines)[0]
-        self.assertEqual(row[3:7], ["3.00 ms", "1.95 ms", f"{0.4 + 0.875 + LATENCY:.2f} ms",
-                                    f"{0.3 + 0.6875 + LATENCY:.2f} ms"])
+        self.assertEqual(row[3:7], ["3.00 ms", "1.95 ms", f"{0.35 + 0.875 + LATENCY:.2f} ms",
+                                    f"{0.225 + 0.6875 + LATENCY:.2f} ms"])
 
     def test_messages_take_what_carried_as_many_bytes(self):
-        lines = [line("a", 1, 1000, 0, 1.0, 2.0), line("a", 2, 1000, 250, 1.0, 2.0),
-                 line("b", 1, 10**8, 0, 1.0, 2.0), line("b", 2, 10**8, 25 * 10**6, 1.0, 2.0)]
+        lines = [line("a", 1, 1000, 0, 0.0, 3.0), line("a", 2, 1000, 250, 0.0, 3.0),
+                 line("b", 1, 10**8, 0, 0.0, 3.0), line("b", 2, 10**8, 25 * 10**6, 0.0, 3.0)]
         row = self.rows(lines)[1]
         sent = 52 * 10**8 * 7 / 64  # half of 10^8 / 2 went away on two ranks; of 8, each draws an eighth and keeps one
         sent *= 25 * 10**6 * 2 / (10**8 / 2)
         self.assertEqual(row[-1], f"{sent / 1e6:.1f}")
         self.assertEqual(row[6], f"{3 + LATENCY + sent * MS_PER_BYTE:.2f} ms")
-        # Four ranks of a machine send four sevenths of that to the other, through one link of 100 Gb/s.
-        self.assertEqual(row[7], f"{3 + LATENCY + sent * MS_PER_BYTE + 4 * sent * 4 / 7 / 12.5e6:.2f} ms")
+        # Four ranks of a machine send four sevenths of that to the other, through one link of 100 or 400 Gb/s.
+        between = 4 * sent * 4 / 7 / 12.5e6
+        self.assertEqual(row[7:9], [f"{3 + LATENCY + sent * MS_PER_BYTE + share * between:.2f} ms"
+                                    for share in (1, 0.25)])
+
+    def test_the_rank_that_sends_most_and_splats_of_two_bands_count(self):
+        two = line("a", 2, 10**8, 20 * 10**6, 0.0, 3.0)
+        # One rank sends twice as much as the other, and a tenth of the splats is drawn by both.
+        two["ranks"] = [{**two["ranks"][0], "sent": 20 * 10**6, "drawn": 55 * 10**6},
+                        {**two["ranks"][0], "sent": 10 * 10**6, "drawn": 55 * 10**6}]
+        row = self.rows([line("a", 1, 10**8, 0, 0.0, 3.0), two])[0]
+        away = 30e6 / 55e6
+        drawn = 10**8 * (1 + 7 * 0.1)
+        self.assertEqual(row[-1], f"{52 * away * drawn * 7 / 64 * 4 / 3 / 1e6:.1f}")
 
     def test_the_quickest_of_several_runs_counts_and_runs_on_one_rank_must_be_there(self):
         slow = line("a", 2, 1000, 250, 0.6, 1.25, ms=99.0)

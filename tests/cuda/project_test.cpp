@@ -353,6 +353,38 @@ TEST_CASE("cuda project: whether a splat is hidden is said of each frame anew") 
   for (const bool hidden : {false, true, true, false, false}) CHECK(hides(hidden ? hiding : usual) == hidden);
 }
 
+TEST_CASE("cuda project: tiles of splats whose number the host knows are found within limits") {
+  if (without_device()) return;
+  Stage stage;
+  const DeviceScene scene = stage.cuda.upload(random_scene(20'000, 0, 4));
+  const Camera camera = forward_camera(320, 200);
+  const SplatSet set = stage.run(scene.view(), camera, Conventions::gsplat(), Ellipse{});
+  const OneView frame(camera, Conventions::gsplat(), scene.view());
+  const std::uint64_t instances = stage.footprints(Ellipse{}).instances.get();
+  REQUIRE(instances > 1000);
+  Footprints<Cuda, Ellipse> footprints;
+  const auto report_within = [&](std::size_t room) {
+    stage.splats.set_count(set.shapes.size());
+    const Limits limits{{0, room}};
+    bin(stage.cuda, frame.views(), Ellipse{}, stage.splats, footprints, limits);
+    CHECK(footprints.instances.most == room);
+    return await_report(stage.cuda, stage.splats, footprints, limits);
+  };
+  for (const std::size_t room :
+       {std::size_t(1), std::size_t(instances - 1), std::size_t(instances), 2 * std::size_t(instances)}) {
+    CAPTURE(room);
+    const FrameReport report = report_within(room);
+    CHECK(report.visible == set.shapes.size());
+    CHECK(report.instances == instances);
+    CHECK((report.overflowed != 0) == (room < instances));
+    CHECK(same_bits(to_host(stage.cuda, footprints.view().each),
+                    to_host(stage.cuda, stage.footprints(Ellipse{}).view().each)));
+  }
+  stage.splats.set_count(0);
+  bin(stage.cuda, frame.views(), Ellipse{}, stage.splats, footprints, {{0, 10}});
+  CHECK(await_report(stage.cuda, stage.splats, footprints, {{0, 10}}).instances == 0);
+}
+
 TEST_CASE("cuda project: every run gives the same bits") {
   if (without_device()) return;
   Stage stage;

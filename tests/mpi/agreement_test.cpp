@@ -19,6 +19,11 @@ TEST_CASE("mpi agreement: where one rank fails all throw and can go on") {
                                [](const MemoryHook& memory) { return Cpu(1, memory); });
 }
 
+TEST_CASE("mpi agreement: a frame that one rank has no memory for leaves smaller ones as they were") {
+  draw_after_too_large_a_frame<Cpu>(hook_of<CacheLineMemory>(),
+                                    [](const MemoryHook& memory) { return Cpu(1, memory); });
+}
+
 TEST_CASE("mpi agreement: views that differ between ranks are refused on all of them") {
   if (ranks_here().size() == 1) return;
   DistributedRenderer<Cpu, EarlySort, PerPixel, Ellipse> distributed(ranks_here());

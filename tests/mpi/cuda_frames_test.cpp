@@ -89,6 +89,14 @@ TEST_CASE("mpi cuda: where one rank fails all throw and can go on") {
   });
 }
 
+TEST_CASE("mpi cuda: a frame that one rank has no memory for leaves smaller ones as they were") {
+  if (!on_devices()) return;
+  with_each_carrier([] {
+    draw_after_too_large_a_frame<Cuda>(hook_of<DeviceMemory>(),
+                                       [](const MemoryHook& memory) { return Cuda(nullptr, memory); });
+  });
+}
+
 TEST_CASE("mpi cuda: each policy draws the bits of one process") {
   if (!on_devices()) return;
   const Scene scene = make_builtin_scene(30'000);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <limits>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -11,16 +14,19 @@
 
 namespace swiftgs::test {
 
-/// Memory of a hook until it ends.
+/// Memory of a hook until it ends, or is asked for too much at once.
 struct LimitedMemory {
   MemoryHook of;
-  std::size_t left = 1000000;  ///< allocations
+  std::size_t left = 1000000;                                        ///< allocations
+  std::size_t most_bytes = std::numeric_limits<std::size_t>::max();  ///< of one
+  std::size_t largest = 0;                                           ///< so far @units{bytes}
 
   static void* allocate(void* self, std::size_t bytes) {
-    auto& [of, left] = *static_cast<LimitedMemory*>(self);
-    if (left == 0) throw CapacityError("bytes for this test", bytes, 0);
-    --left;
-    return of.allocate(of.context, bytes);
+    auto& limited = *static_cast<LimitedMemory*>(self);
+    if (limited.left == 0 || bytes > limited.most_bytes)
+      throw CapacityError("bytes for this test", bytes, limited.left == 0 ? 0 : limited.most_bytes);
+    --limited.left, limited.largest = std::max(limited.largest, bytes);
+    return limited.of.allocate(limited.of.context, bytes);
   }
   static void release(void* self, void* memory, std::size_t bytes) {
     const MemoryHook& of = static_cast<LimitedMemory*>(self)->of;
@@ -68,6 +74,42 @@ void fail_at_each_allocation(const MemoryHook& memory, const Make& make) {
     break;
   }
   CHECK(failures > 3);
+}
+
+/// A frame for which one rank has no memory fails on all, and smaller frames are drawn as before.
+template <class B, class Make>
+void draw_after_too_large_a_frame(const MemoryHook& memory, const Make& make) {
+  const Scene scene = make_builtin_scene(60'000);
+  const Camera small = builtin_camera(96, 64), large = builtin_camera(2400, 1350);
+  Renderer<B, EarlySort, PerPixel, Ellipse> one;
+  Frame expected, found;
+  one.render(one.backend().upload(part_of(scene, {0, 20})), small, all_outputs(), expected);
+
+  LimitedMemory limited{memory};
+  DistributedRenderer<B, EarlySort, PerPixel, Ellipse> distributed(
+      ranks_here(), make(MemoryHook{LimitedMemory::allocate, LimitedMemory::release, &limited}));
+  CAPTURE(distributed.carrier());
+  // Few Gaussians, then all of them.
+  const auto few = distributed.backend().upload(part_of(part_of(scene, {0, 20}), own_part()));
+  const auto all = distributed.backend().upload(part_of(scene, own_part()));
+  limited.largest = 0;
+  distributed.render(few.view(), small, all_outputs(), found);
+  if (ranks_here().rank() == ranks_here().size() - 1) limited.most_bytes = 2 * limited.largest;
+  bool failed = false;
+  try {
+    distributed.render(all.view(), large, all_outputs(), found);
+  } catch (const CapacityError&) {
+    failed = true;
+  } catch (const RankError&) {
+    failed = true;
+  }
+  CHECK(failed);
+  CHECK(distributed.drawn().size == 0);
+  CHECK(distributed.counters().ranks.empty());
+  for (int k = 0; k < 2; ++k) {
+    distributed.render(few.view(), small, all_outputs(), found);
+    if (ranks_here().rank() == 0) CHECK(same_bits(found, expected));
+  }
 }
 
 }  // namespace swiftgs::test

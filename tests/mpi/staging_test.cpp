@@ -45,6 +45,28 @@ TEST_CASE("mpi staging: messages between arrays without other memory bring the b
   compare_with_one_process(true);
 }
 
+TEST_CASE("mpi staging: frames of few and of many splats and views may take turns") {
+  const Scene scene = make_builtin_scene(3'000);
+  Renderer<Serial, EarlySort, PerPixel, Ellipse> one;
+  const auto whole = one.backend().upload(scene);
+  for (const bool direct : {false, true}) {
+    ranks_here().set_direct(direct);
+    DistributedRenderer<Away, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
+    ranks_here().set_direct(false);
+    const auto part = distributed.backend().upload(part_of(scene, own_part()));
+    for (const std::vector<Camera>& cameras :
+         {std::vector{builtin_camera(40, 20)}, some_cameras(), std::vector{builtin_camera(300, 200)},
+          std::vector{builtin_camera(40, 20)}, some_cameras()}) {
+      const Span<const Camera> all{cameras.data(), cameras.size()};
+      std::vector<Frame> expected(cameras.size()), found(cameras.size());
+      one.render(whole, all, all_outputs(), {expected.data(), expected.size()});
+      distributed.render(part.view(), all, all_outputs(), {found.data(), found.size()});
+      if (ranks_here().rank() == 0)
+        for (std::size_t i = 0; i < cameras.size(); ++i) CHECK(same_bits(found[i], expected[i]));
+    }
+  }
+}
+
 TEST_CASE("mpi staging: a link carries what goes by way of other memory otherwise") {
   const Camera camera = builtin_camera(190, 130);
   Frame frame;

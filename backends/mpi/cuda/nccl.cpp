@@ -80,7 +80,11 @@ class Devices {
   void order(std::uint64_t begun, cudaStream_t later) {
     require_joined();
     // Of two exchanges ago and more this is the event of a later one, which comes behind it.
-    check(cudaStreamWaitEvent(later, done_[begun % 2], 0), "cudaStreamWaitEvent");
+    try {
+      check(cudaStreamWaitEvent(later, done_[begun % 2], 0), "cudaStreamWaitEvent");
+    } catch (const MpiError& error) {
+      give_up(error);
+    }
   }
 
   bool test(std::uint64_t begun) {

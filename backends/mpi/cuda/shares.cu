@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What a device does for ranks, for all bounds of the library. <swiftgs/mpi/cuda.cuh> has it for bounds of the
-// caller.
+// What a device does for ranks, for all bounds of the library. <swiftgs/mpi/cuda.cuh> has it for bounds of
+// the caller.
 #include <tuple>
 
 #include <swiftgs/bounds/all.hpp>
@@ -34,8 +34,7 @@ std::tuple<ShareOut<Bounds>...> shares_within(TypeList<Bounds...>) {
 }
 
 /// An explicit instantiation cannot follow a list; taking addresses can.
-[[gnu::used]] const auto instantiated =
-    std::tuple_cat(loops_of(ExchangeLoops{}), shares_within(AllBounds{}));
+[[gnu::used]] const auto instantiated = std::tuple_cat(loops_of(ExchangeLoops{}), shares_within(AllBounds{}));
 
 }  // namespace
 }  // namespace swiftgs

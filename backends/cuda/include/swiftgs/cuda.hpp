@@ -183,8 +183,8 @@ SWIFTGS_API Shading<Cuda> shade(Cuda& cuda, const FrameInput& input, const Splat
                                 Colours<Cuda>& colours);
 
 /// Has the device compare the numbers of splats and of instances with `limits`. If those have no capacity of
-/// instances, it waits for the numbers. Finds the footprints of splats that `project` has not found them of,
-/// and waits then too. In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
+/// instances, it waits for the numbers. Finds footprints that `project` has not, and waits for the number of
+/// splats where the host does not know it. In the library for `AllBounds`; others: `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
 SWIFTGS_API void bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>& splats,
                      Footprints<Cuda, Bounds>& footprints, const Limits& limits = {});

@@ -237,7 +237,8 @@ void run_bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>&
   if (!found) {
     if (pending) {
       cuda.settle(counts, {}, totals);
-      splats.count = std::size_t(cuda.await_report().visible), splats.exact = nullptr;
+      const std::size_t visible = std::size_t(cuda.await_report().visible);
+      splats.count = std::min(visible, splats.shapes.size()), splats.exact = nullptr;
     }
     run_find_footprints(cuda, views, bounds, splats, footprints);
     counts = {footprints.counts.data()}, totals = footprints.totals.data();

@@ -20,7 +20,7 @@ struct RankCounters {
   std::uint64_t first_row = 0;   ///< of its band, in rows of tiles of the sheet
   std::uint64_t rows = 0;        ///< of its band
   Traffic traffic{};             ///< without the collection of images
-  std::uint64_t project_ns = 0;  ///< until it knew what to send @units{nanoseconds}
+  std::uint64_t project_ns = 0;  ///< until it knew what to send; alone, of projection @units{nanoseconds}
   std::uint64_t band_ns = 0;     ///< binning, sorting and rasterizing its band @units{nanoseconds}
   std::uint64_t frame_ns = 0;    ///< in all, without the collection @units{nanoseconds}
   std::uint64_t bytes = 0;       ///< memory of its stages, the scene excluded

@@ -154,12 +154,15 @@ class SWIFTGS_API Exchange {
 /// An error of this rank that all learn of before one of them goes on.
 class SWIFTGS_API Failure {
  public:
-  /// Calls `f`, unless there is a failure already, and keeps what it throws.
+  /// Calls `f`, unless there is a failure already, and keeps what it throws. Not an `MpiError`, of which
+  /// ranks cannot tell each other.
   template <class F>
   void guard(const F& f) {
     if (error_) return;
     try {
       f();
+    } catch (const MpiError&) {
+      throw;
     } catch (...) {
       error_ = std::current_exception();
     }

@@ -120,7 +120,7 @@ class DistributedRenderer {
   /// What this rank has drawn of the last frame: nothing if there are more ranks than rows of tiles.
   Span<const DrawnPiece> drawn() const { return {drawn_.data(), drawn_.size()}; }
 
-  /// What all ranks did for the last frame; the same on all.
+  /// What all ranks did for the last frame; the same on all. Empty if it failed.
   const FrameCounters& counters() const { return counters_; }
 
   /// Of this rank's stages, and of what it sends and receives, in the backend's memory. @units{bytes}
@@ -142,8 +142,8 @@ class DistributedRenderer {
 
   static auto parts(auto& self) {
     return std::tie(self.whole_storage_, self.project_scratch_, self.splats_, self.footprints_, self.shares_,
-                    self.colours_, self.exchange_, self.band_storage_, self.band_footprints_, self.sort_scratch_,
-                    self.lists_, self.frames_);
+                    self.colours_, self.exchange_, self.band_storage_, self.band_footprints_,
+                    self.sort_scratch_, self.lists_, self.frames_);
   }
 
   static std::uint64_t since(Clock::time_point begun) {
@@ -164,11 +164,27 @@ class DistributedRenderer {
   template <class Place, class Finish>
   void draw(const SceneView& part, Span<const View> views, Failure& failure, const Place& place,
             const Finish& finish) {
-    if (ranks_.size() == 1) return draw_alone(part, views, failure, place, finish);
+    drawn_.clear(), counters_ = {};
+    const Capacity room = capacity_;
+    try {
+      if (ranks_.size() == 1)
+        draw_alone(part, views, failure, place, finish);
+      else
+        draw_together(part, views, failure, place, finish);
+    } catch (...) {
+      // Or the next frame would ask for the memory that this one did not get.
+      capacity_ = room, shares_.forget_room();
+      drawn_.clear();
+      throw;
+    }
+  }
+
+  template <class Place, class Finish>
+  void draw_together(const SceneView& part, Span<const View> views, Failure& failure, const Place& place,
+                     const Finish& finish) {
     const Clock::time_point begun = Clock::now();
     const Traffic before = ranks_.traffic();
     RankCounters mine{.gaussians = part.size()};
-    drawn_.clear();
     // A rank may have failed before it learnt what the others did.
     if (!complete_) plan_.reset(), tiles_ = {};
     complete_ = false;
@@ -192,15 +208,17 @@ class DistributedRenderer {
       shading.emplace(shade(backend(), {whole_, {&placed, 1}}, shares_.splats, colours_));
       exchange_.keep_shapes(backend(), shares_.splats.view());
     });
-    bool sent = false;
-    const auto send_colours = [&] {
-      if (std::exchange(sent, true)) return;
-      if (!link_) failure.guard([&] { shading->finish(), exchange_.stage_colours(backend()); });
-      exchange_.send_colours(colours, link_ && shading ? shading->stream() : nullptr);
+    if (!link_) {
+      shapes.wait();  // MPI goes on in its own calls alone
+      failure.guard([&] { shading->finish(), exchange_.stage_colours(backend()); });
+    }
+    exchange_.send_colours(colours);
+    bool begun_colours = false;
+    const auto begin_colours = [&] {
+      if (!std::exchange(begun_colours, true)) colours.begin(link_ && shading ? shading->stream() : nullptr);
     };
-    if (!link_) shapes.wait(), send_colours();  // MPI goes on in its own calls alone
-    failure.guard([&] { draw_band(part, shapes, send_colours, *shading, colours, mine); });
-    send_colours();  // where the band has failed or shows nothing
+    failure.guard([&] { draw_band(part, shapes, begin_colours, *shading, colours, mine); });
+    begin_colours();  // where the band has failed or shows nothing
     shapes.wait(), colours.wait();
     failure.guard(finish);
     mine.frame_ns = since(begun);
@@ -214,7 +232,6 @@ class DistributedRenderer {
                   const Finish& finish) {
     failure.agree(ranks_);
     const Clock::time_point begun = Clock::now();
-    drawn_.clear();
     std::vector<View> all(views.begin(), views.end());
     for (const View& view : views)
       drawn_.push_back({{std::uint32_t(drawn_.size()), 0, view.frame.height, view.frame.width}});
@@ -299,10 +316,10 @@ class DistributedRenderer {
     for (const BandPiece& piece : bands_[std::size_t(ranks_.rank())].pieces) drawn_.push_back({piece});
   }
 
-  /// Bins, sorts and rasterizes the splats of this rank's band. Its time is that of this work: neither that
-  /// of messages, nor where the band is drawn again because there was no room for its instances.
-  template <class SendColours>
-  void draw_band(const SceneView& part, Exchange& shapes, const SendColours& send_colours,
+  /// Bins, sorts and rasterizes the splats of this rank's band. Its time counts this work alone: no messages,
+  /// and only the last pass where a band is drawn again for want of room.
+  template <class BeginColours>
+  void draw_band(const SceneView& part, Exchange& shapes, const BeginColours& begin_colours,
                  Shading<B>& shading, Exchange& colours, RankCounters& mine) {
     Band& band = bands_[std::size_t(ranks_.rank())];
     Splats<B>& splats = exchange_.joined();
@@ -323,7 +340,7 @@ class DistributedRenderer {
       one_.sort().build(backend(), job, Bounds{}, sort_scratch_, lists_);
       points[1] = backend().now();
       if (!std::exchange(arrived, true)) {
-        send_colours();  // the host has had time for it since the sort began
+        begin_colours();  // the host has had time for it since the sort began
         shading.finish();
         colours.join();
         exchange_.colours_arrived(backend(), colours_);
@@ -331,6 +348,7 @@ class DistributedRenderer {
       points[2] = backend().now();
       rasterize(backend(), Raster{}, RasterJob{splats.view(), exchange_.colours(), lists_.view(), stored});
       points[3] = backend().now();
+      shapes.wait(), colours.wait();  // sees faults of a link, which work that waits for messages would not
       const FrameReport report = await_report(backend(), splats, band_footprints_, limits);
       mine.instances = report.instances;
       if (report.overflowed == 0) break;
@@ -339,7 +357,9 @@ class DistributedRenderer {
       capacity_.instances = std::min(with_room(report.instances), std::size_t(max_instances));
     }
     backend().wait();
-    const auto ms = [&](std::size_t k) { return backend().milliseconds(points[k], points[k + 1]).value_or(0); };
+    const auto ms = [&](std::size_t k) {
+      return backend().milliseconds(points[k], points[k + 1]).value_or(0);
+    };
     mine.band_ns = std::uint64_t(1e6 * (ms(0) + ms(2))), mine.bytes = memory();
   }
 

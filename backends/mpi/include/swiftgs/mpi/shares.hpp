@@ -86,11 +86,10 @@ struct SplatsToShare {
     const std::size_t begin = part * shared_at_once, left = splats.size() - begin;
     const std::size_t end = begin + (left < shared_at_once ? left : shared_at_once);
     for (std::size_t i = begin; i < end; ++i) {
-      const TileRun rows =
-          sheet_rows(bounds, splats.shapes[i], footprints[i], views[splats.view(i)].grid);
+      const TileRun rows = sheet_rows(bounds, splats.shapes[i], footprints[i], views[splats.view(i)].grid);
       if (rows.size() == 0) continue;
-      for (std::uint32_t r = rank_of(std::uint32_t(rows.begin)); r < ranks && cuts[r] < std::uint32_t(rows.end);
-           ++r)
+      for (std::uint32_t r = rank_of(std::uint32_t(rows.begin));
+           r < ranks && cuts[r] < std::uint32_t(rows.end); ++r)
         f(r, i);
     }
   }
@@ -129,9 +128,8 @@ struct SWIFTGS_API WriteShares {
   ShareArrays to;
 
   SWIFTGS_HD void operator()(std::size_t part) const {
-    from.for_each(part, [&](std::uint32_t r, std::size_t i) {
-      to.write(places[r * parts + part]++, from.splats, i);
-    });
+    from.for_each(
+        part, [&](std::uint32_t r, std::size_t i) { to.write(places[r * parts + part]++, from.splats, i); });
   }
 };
 
@@ -155,10 +153,14 @@ template <class B>
 struct Shares {
   Splats<B> splats;
   std::vector<std::uint64_t> begins;  ///< of those for each rank, and the end @shape{ranks + 1}
-  FrameReport found;                  ///< what `share_out` was given
+  FrameReport found;                  ///< of the splats that were shared out
   typename B::template Buffer<std::uint32_t> cuts, places, picked;
 
-  std::uint64_t count_for(int rank) const { return begins[std::size_t(rank) + 1] - begins[std::size_t(rank)]; }
+  std::uint64_t count_for(int rank) const {
+    return begins[std::size_t(rank) + 1] - begins[std::size_t(rank)];
+  }
+  /// The next frame asks for no more memory than it needs.
+  void forget_room() {}
   static auto buffers(auto& self) { return std::tie(self.splats, self.cuts, self.places, self.picked); }
 };
 
@@ -178,8 +180,8 @@ void share_out(B& b, const Views& views, const Bounds& bounds, const BandCuts& c
   const std::size_t parts = (count + shared_at_once - 1) / shared_at_once;
   shares.places.reset(ranks * parts), shares.picked.reset(ranks);
   std::uint32_t* const places = shares.places.data();
-  const SplatsToShare<Bounds> from{splats.view(), footprints.view().each, views.reachable(), bounds,
-                                   shares.cuts.data(), std::uint32_t(ranks)};
+  const SplatsToShare<Bounds> from{splats.view(), footprints.view().each, views.reachable(),
+                                   bounds,        shares.cuts.data(),     std::uint32_t(ranks)};
   b.for_each(parts, CountShares<Bounds>{from, parts, places});
   const std::uint64_t all = b.exclusive_scan(Span{places, ranks * parts});
   require_indices("splats for all bands", all);
@@ -193,7 +195,8 @@ void share_out(B& b, const Views& views, const Bounds& bounds, const BandCuts& c
   b.for_each(parts, WriteShares<Bounds>{from, parts, places, ShareArrays::of(shares.splats)});
 }
 
-/// What `share_out` was given. If it overflowed, nothing was shared out and `share_out` must be repeated.
+/// The report of the splats that `share_out` was given. If it overflowed, nothing was shared out: project and
+/// share out again.
 template <BackendPolicy B>
 FrameReport await_shares(B&, const Shares<B>& shares) {
   return shares.found;

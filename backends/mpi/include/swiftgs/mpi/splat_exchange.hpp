@@ -133,9 +133,10 @@ class SplatExchange {
     const std::size_t begin = from_[own_], count = from_[own_ + 1] - begin, at = to_begins_[own_];
     const bool views = joined_.of_view.size() != 0;
     if (count != 0)
-      b.for_each(count, KeepShapes{shares.shapes.data + begin, shares.depths.data + begin,
-                                   views ? shares.of_view + begin : nullptr, joined_.shapes.data() + at,
-                                   joined_.depths.data() + at, views ? joined_.of_view.data() + at : nullptr});
+      b.for_each(count,
+                 KeepShapes{shares.shapes.data + begin, shares.depths.data + begin,
+                            views ? shares.of_view + begin : nullptr, joined_.shapes.data() + at,
+                            joined_.depths.data() + at, views ? joined_.of_view.data() + at : nullptr});
   }
   /// After the messages, and after `keep_shapes`.
   void shapes_arrived(B& b, const Band& band) {
@@ -148,23 +149,21 @@ class SplatExchange {
                  CountViewsFrom{std::uint16_t(band.pieces.front().view), joined_.of_view.data()});
   }
 
-  /// The same for colours, which are kept when all are there. A link begins to send them when the work of
-  /// `stream` is done, if there is one.
+  /// The same for colours, which are kept when all are there. A link begins with them when the caller says
+  /// so.
   void stage_colours(B& b) {
-    for_others(from_,
-               [&](std::size_t first, std::size_t last) { colours_.packed.to_host(b, first, last); });
+    for_others(from_, [&](std::size_t first, std::size_t last) { colours_.packed.to_host(b, first, last); });
   }
-  void send_colours(Exchange& exchange, void* stream) { send(exchange, colours_), exchange.begin(stream); }
+  void send_colours(Exchange& exchange) { send(exchange, colours_); }
   void colours_arrived(B& b, const Colours<B>& colours) {
     for_others(to_begins(),
                [&](std::size_t begin, std::size_t end) { colours_.joined.from_host(b, begin, end); });
     const std::size_t begin = from_[own_], count = from_[own_ + 1] - begin;
     b.for_each(1, ClearWord{joined_colours_.hidden.data()});
-    b.for_each(joined_colours_.each.size(),
-               JoinColours{{colours.each.data() + begin, count},
-                           std::size_t(to_begins_[own_]),
-                           joined_colours_.each.data(),
-                           joined_colours_.hidden.data()});
+    b.for_each(joined_colours_.each.size(), JoinColours{{colours.each.data() + begin, count},
+                                                        std::size_t(to_begins_[own_]),
+                                                        joined_colours_.each.data(),
+                                                        joined_colours_.hidden.data()});
   }
 
   Splats<B>& joined() { return joined_; }
@@ -203,9 +202,9 @@ class SplatExchange {
   Both<float> depths_;
   Both<std::uint16_t> of_view_;
   Both<SplatColour> colours_;
-  std::size_t own_ = 0;                   ///< this rank
-  Span<const std::uint64_t> from_{};      ///< `Shares::begins`
-  std::vector<std::uint64_t> to_begins_;  ///< of what each rank sends, where it is joined
+  std::size_t own_ = 0;                      ///< this rank
+  Span<const std::uint64_t> from_{};         ///< `Shares::begins`
+  std::vector<std::uint64_t> to_begins_;     ///< of what each rank sends, where it is joined
   bool direct_ = false, has_views_ = false;  ///< whether the frame has several views
 };
 

@@ -6,8 +6,8 @@
 /// where a `DirectLink` joins them, and by way of the host otherwise.
 
 #include <cstddef>
-#include <memory>
 #include <cstdint>
+#include <memory>
 #include <tuple>
 #include <vector>
 
@@ -56,15 +56,18 @@ class Staging<Cuda, T> {
 template <>
 struct Shares<Cuda> {
   Splats<Cuda> splats;
-  std::vector<std::uint64_t> begins;  ///< once they are awaited
-  std::size_t capacity = 0;           ///< grows
+  std::vector<std::uint64_t> begins;  ///< set by `await_shares`
+  std::size_t capacity = 0;           ///< room for splats; grows
   DeviceBuffer<std::uint32_t> cuts, written;
-  BandCuts stored_cuts;                           ///< that `cuts` holds
+  BandCuts stored_cuts;  ///< that `cuts` holds
   Turns<NoCounts> turns;
   GrowingBuffer<std::uint32_t, PinnedMemory> posted;  ///< `begins` as the device tells them
-  bool awaited = false;                               ///< whether it will
+  bool awaited = false;                               ///< whether a report is due
 
-  std::uint64_t count_for(int rank) const { return begins[std::size_t(rank) + 1] - begins[std::size_t(rank)]; }
+  std::uint64_t count_for(int rank) const {
+    return begins[std::size_t(rank) + 1] - begins[std::size_t(rank)];
+  }
+  void forget_room() { capacity = 0; }
   static auto buffers(auto& self) { return std::tie(self.splats, self.cuts, self.written, self.turns); }
 };
 
