@@ -14,7 +14,7 @@
 #include "structs.hpp"
 
 struct swiftgs_cameras {
-  std::vector<swiftgs::Camera> each;
+  swiftgs::CameraFile file;
 };
 
 namespace swiftgs::c {
@@ -24,12 +24,21 @@ constexpr const char* a_camera = "swiftgs_camera";
 
 dvec3 to_vector(const double (&v)[3]) { return dvec3(v[0], v[1], v[2]); }
 
-const Camera& at(const swiftgs_cameras* cameras, std::size_t index) {
+const CameraFile& file_of(const swiftgs_cameras* cameras) {
   require_pointer(cameras, "cameras");
-  if (index >= cameras->each.size())
-    throw std::invalid_argument("cameras: number " + std::to_string(index) + ", expected less than " +
-                                std::to_string(cameras->each.size()));
-  return cameras->each[index];
+  return cameras->file;
+}
+
+template <class T>
+const T& at(const std::vector<T>& list, std::size_t index, const char* what) {
+  if (index >= list.size())
+    throw std::invalid_argument(std::string(what) + ": number " + std::to_string(index) +
+                                ", expected less than " + std::to_string(list.size()));
+  return list[index];
+}
+
+const Camera& camera_at(const swiftgs_cameras* cameras, std::size_t index) {
+  return at(file_of(cameras).cameras, index, "cameras");
 }
 
 }  // namespace
@@ -66,7 +75,7 @@ swiftgs_status swiftgs_cameras_read(const char* path, swiftgs_cameras** cameras)
   return guarded([&] {
     require_pointer(path, "path");
     require_pointer(cameras, "cameras");
-    *cameras = std::make_unique<swiftgs_cameras>(swiftgs_cameras{swiftgs::load_cameras(path)}).release();
+    *cameras = std::make_unique<swiftgs_cameras>(swiftgs_cameras{swiftgs::read_cameras(path)}).release();
   });
 }
 
@@ -74,20 +83,35 @@ void swiftgs_cameras_free(swiftgs_cameras* cameras) { delete cameras; }
 
 swiftgs_status swiftgs_cameras_count(const swiftgs_cameras* cameras, size_t* count) {
   return guarded([&] {
-    require_pointer(cameras, "cameras");
+    const swiftgs::CameraFile& file = file_of(cameras);
     require_pointer(count, "count");
-    *count = cameras->each.size();
+    *count = file.cameras.size();
   });
 }
 
 swiftgs_status swiftgs_cameras_get(const swiftgs_cameras* cameras, size_t index, swiftgs_camera* camera) {
-  return guarded([&] { write_camera(camera, at(cameras, index)); });
+  return guarded([&] { write_camera(camera, camera_at(cameras, index)); });
 }
 
 swiftgs_status swiftgs_cameras_name(const swiftgs_cameras* cameras, size_t index, const char** name) {
   return guarded([&] {
     require_pointer(name, "name");
-    *name = at(cameras, index).name.c_str();
+    *name = camera_at(cameras, index).name.c_str();
+  });
+}
+
+swiftgs_status swiftgs_cameras_note_count(const swiftgs_cameras* cameras, size_t* count) {
+  return guarded([&] {
+    const swiftgs::CameraFile& file = file_of(cameras);
+    require_pointer(count, "count");
+    *count = file.notes.size();
+  });
+}
+
+swiftgs_status swiftgs_cameras_note(const swiftgs_cameras* cameras, size_t index, const char** note) {
+  return guarded([&] {
+    require_pointer(note, "note");
+    *note = at(file_of(cameras).notes, index, "notes").c_str();
   });
 }
 

@@ -24,6 +24,8 @@ void test_cameras(void) {
   const char* name = NULL;
   CHECK_OK(swiftgs_cameras_name(cameras, 1, &name));
   CHECK(name && strcmp(name, "b.png") == 0);
+  CHECK_OK(swiftgs_cameras_note_count(cameras, &count));
+  CHECK(count == 0);
 
   /* The file has the inverse: camera to world. Rows and columns must not change places. */
   swiftgs_camera camera = {.size = sizeof(camera)};
@@ -50,6 +52,35 @@ void test_cameras(void) {
   CHECK(fabs(camera.translation[2] - 5) < 1e-12 && fabs(camera.rotation[0] - 1) < 1e-12);
   swiftgs_cameras_free(cameras);
   swiftgs_cameras_free(NULL);
+}
+
+void test_camera_notes(void) {
+  write_text("c_camera_notes.json",
+             "{\"applied_scale\": 0.5, \"exposure\": 2, \"w\": 64, \"h\": 48, \"fl_x\": 50,"
+             " \"frames\": [{\"file_path\": \"a.png\","
+             " \"transform_matrix\": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}]}");
+  swiftgs_cameras* cameras = NULL;
+  CHECK_OK(swiftgs_cameras_read("c_camera_notes.json", &cameras));
+  size_t count = 0;
+  CHECK_OK(swiftgs_cameras_count(cameras, &count));
+  CHECK(count == 1);
+  CHECK_OK(swiftgs_cameras_note_count(cameras, &count));
+  CHECK(count == 2);
+  const char *first = NULL, *second = NULL;
+  CHECK_OK(swiftgs_cameras_note(cameras, 0, &first));
+  CHECK_OK(swiftgs_cameras_note(cameras, 1, &second));
+  CHECK(first && strstr(first, "dataparser_transforms.json"));
+  CHECK(second && strcmp(second, "Keys that may change the picture were not read: exposure.") == 0);
+
+  const char* none = NULL;
+  CHECK_ERROR(swiftgs_cameras_note(cameras, 2, &none), SWIFTGS_INVALID_ARGUMENT,
+              "notes: number 2, expected less than 2");
+  CHECK_ERROR(swiftgs_cameras_note(cameras, 0, NULL), SWIFTGS_INVALID_ARGUMENT, "note is NULL");
+  CHECK_ERROR(swiftgs_cameras_note(NULL, 0, &none), SWIFTGS_INVALID_ARGUMENT, "cameras is NULL");
+  CHECK_ERROR(swiftgs_cameras_note_count(NULL, &count), SWIFTGS_INVALID_ARGUMENT, "cameras is NULL");
+  CHECK_ERROR(swiftgs_cameras_note_count(cameras, NULL), SWIFTGS_INVALID_ARGUMENT, "count is NULL");
+  CHECK(none == NULL);
+  swiftgs_cameras_free(cameras);
 }
 
 void test_camera_errors(void) {

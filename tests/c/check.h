@@ -53,6 +53,7 @@ void test_progress(void);
 void test_arrays(void);
 void test_scene_errors(void);
 void test_cameras(void);
+void test_camera_notes(void);
 void test_camera_errors(void);
 void test_images(void);
 void test_table(void);

@@ -103,6 +103,7 @@ static const struct test_case cases[] = {
     {"arrays", test_arrays},
     {"scene_errors", test_scene_errors},
     {"cameras", test_cameras},
+    {"camera_notes", test_camera_notes},
     {"camera_errors", test_camera_errors},
     {"images", test_images},
     {"table", test_table},

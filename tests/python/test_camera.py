@@ -60,8 +60,19 @@ def test_cameras_of_a_file(tmp_path):
     cameras = swiftgs.load_cameras(tmp_path / "cameras.json")
     assert [camera.name for camera in cameras] == ["a.jpg", "b.jpg"]
     assert cameras[0].fy == 21 and np.array_equal(cameras[1].position, [0, 0, 1])
+    assert isinstance(cameras, list) and cameras == list(cameras) and cameras.notes == ()
     with pytest.raises(swiftgs.FileError, match="none.json"):
         swiftgs.load_cameras(tmp_path / "none.json")
+
+
+def test_what_is_not_read_of_a_file_of_cameras_is_noted(tmp_path):
+    frame = {"file_path": "a.png", "transform_matrix": np.eye(4).tolist(), "w": 64, "h": 48, "fl_x": 50, "exposure": 2}
+    (tmp_path / "transforms.json").write_text(json.dumps({"frames": [frame, frame], "applied_scale": 0.5}))
+    cameras = swiftgs.load_cameras(tmp_path)
+    assert len(cameras) == 2 and len(cameras.notes) == 2 and "dataparser_transforms.json" in cameras.notes[0]
+    assert cameras.notes[1] == "Keys that may change the picture were not read: exposure."
+    copied = pickle.loads(pickle.dumps(cameras))
+    assert isinstance(copied, swiftgs.Cameras) and copied == cameras and copied.notes == cameras.notes
 
 
 def test_conventions_are_those_of_the_library():

@@ -9,7 +9,7 @@
 """
 from ._arrays import DeviceArray
 from ._c import lib as _lib
-from ._camera import Camera, Conventions, load_cameras
+from ._camera import Camera, Cameras, Conventions, load_cameras
 from ._errors import (Cancelled, CapacityError, DeviceError, Error, FileError, FormatError, InternalError,
                       InvalidArgument, OrderError, OutOfMemory, Unavailable)
 from ._frame import Frame, load_image
@@ -20,8 +20,8 @@ from ._scene import Scene, load
 __version__ = _lib.version().decode()
 
 __all__ = [
-    "Camera", "Cancelled", "CapacityError", "Conventions", "DeviceArray", "DeviceError", "Error", "FileError",
-    "FormatError", "Frame", "InternalError", "InvalidArgument", "Memory", "OrderError", "OutOfMemory", "Renderer",
-    "RendererEntry", "Scene", "Statistics", "Times", "Unavailable", "list_renderers", "load", "load_cameras",
-    "load_image", "rasterization"
+    "Camera", "Cameras", "Cancelled", "CapacityError", "Conventions", "DeviceArray", "DeviceError", "Error",
+    "FileError", "FormatError", "Frame", "InternalError", "InvalidArgument", "Memory", "OrderError", "OutOfMemory",
+    "Renderer", "RendererEntry", "Scene", "Statistics", "Times", "Unavailable", "list_renderers", "load",
+    "load_cameras", "load_image", "rasterization"
 ]

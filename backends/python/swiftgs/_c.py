@@ -13,7 +13,7 @@ from typing import Any
 
 from ._errors import exception_of
 
-ABI_MAJOR, ABI_MINOR = 1, 1
+ABI_MAJOR, ABI_MINOR = 1, 2
 
 MEASURE_COUNTS, MEASURE_TIMES = 1, 2
 HOST, DEVICE = 0, 1
@@ -183,6 +183,8 @@ for _name, _arguments in {
         "cameras_count": (c_void_p, c_void_p),
         "cameras_get": (c_void_p, c_size_t, c_void_p),
         "cameras_name": (c_void_p, c_size_t, c_void_p),
+        "cameras_note_count": (c_void_p, c_void_p),
+        "cameras_note": (c_void_p, c_size_t, c_void_p),
         "camera_look_at": (c_void_p, c_void_p),
         "camera_scale": (c_void_p, c_double),
         "camera_builtin": (c_int32, c_int32, c_void_p),

@@ -160,13 +160,22 @@ def _camera_of(struct: bytes, name: str) -> Camera:
     return Camera.__new__(Camera)._take(_c.Camera.from_buffer_copy(struct), name)
 
 
-def load_cameras(path: Union[str, "os.PathLike[str]"]) -> List[Camera]:
+class Cameras(List[Camera]):
+    """The list of a file's cameras, with notes on the file."""
+
+    notes: Tuple[str, ...] = ()  #: a sentence for each thing of the file that may change a picture and was not read
+
+
+def load_cameras(path: Union[str, "os.PathLike[str]"]) -> Cameras:
     """The cameras of INRIA's cameras.json, of a transforms.json, of a COLMAP model or of a capture's folder.
 
-    Each has the name of its image. FormatError, FileError, or InvalidArgument for a folder without cameras.
+    Each has the name of its image. What of the file was not read and may change a picture is in `notes` of the list.
+    FormatError, FileError, or InvalidArgument for a folder without cameras.
     """
     cameras = Handle(lib.cameras_free, lib.cameras_read, os.fsencode(path))
-    found = []
+    found = Cameras()
+    found.notes = tuple(text_of(lib.cameras_note, cameras.pointer, index)
+                        for index in range(count_of(lib.cameras_note_count, cameras.pointer)))
     for index in range(count_of(lib.cameras_count, cameras.pointer)):
         struct = _c.Camera()
         lib.cameras_get(cameras.pointer, index, ctypes.byref(struct))

@@ -27,7 +27,7 @@ typedef struct swiftgs_camera {
   double cx, cy;          ///< principal point from the top left corner, at most 1e9 @units{pixels}
 } swiftgs_camera;
 
-/// Cameras of a file.
+/// Cameras of a file, and notes on it.
 typedef struct swiftgs_cameras swiftgs_cameras;
 
 /// Reads cameras: an INRIA cameras.json, a transforms.json of nerfstudio, instant-ngp or Blender, the folder
@@ -44,6 +44,13 @@ SWIFTGS_C_API swiftgs_status swiftgs_cameras_get(const swiftgs_cameras* cameras,
 /// The name of the image that a camera belongs to, as the file has it.
 SWIFTGS_C_API swiftgs_status swiftgs_cameras_name(const swiftgs_cameras* cameras, size_t index,
                                                   const char** name);
+
+/// How many notes reading brought up.
+SWIFTGS_C_API swiftgs_status swiftgs_cameras_note_count(const swiftgs_cameras* cameras, size_t* count);
+/// A sentence on what the file holds that may change a picture and was not read. `SWIFTGS_INVALID_ARGUMENT`
+/// beyond the last.
+SWIFTGS_C_API swiftgs_status swiftgs_cameras_note(const swiftgs_cameras* cameras, size_t index,
+                                                  const char** note);
 
 /// From where to where a camera looks, for `swiftgs_camera_look_at`.
 typedef struct swiftgs_look_at {
