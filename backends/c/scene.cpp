@@ -15,6 +15,7 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/io/scene_file.hpp>
 
+#include "camera.hpp"
 #include "error.hpp"
 #include "structs.hpp"
 
@@ -64,12 +65,12 @@ swiftgs_scene* own(swiftgs_scene scene) {
 swiftgs_scene* own(SceneFile file, const swiftgs_read_options& options) {
   hand_over(file.notes, options);
   return own({std::make_shared<const Scene>(std::move(file.scene)), std::move(file.format), file.stored,
-              file.dropped_nonfinite});
+              file.dropped_nonfinite, file.camera});
 }
 
 swiftgs_scene* own(Scene scene) {
   const std::uint64_t count = scene.size();
-  return own({std::make_shared<const Scene>(std::move(scene)), {}, count, 0});
+  return own({std::make_shared<const Scene>(std::move(scene)), {}, count});
 }
 
 swiftgs_scene_info info_of(const swiftgs_scene& from) {
@@ -171,6 +172,16 @@ swiftgs_status swiftgs_scene_get_arrays(const swiftgs_scene* scene, swiftgs_gaus
   return guarded([&] {
     require_pointer(scene, "scene");
     write_struct(gaussians, arrays_of(*scene->scene), "swiftgs_gaussians");
+  });
+}
+
+swiftgs_status swiftgs_scene_get_camera(const swiftgs_scene* scene, swiftgs_camera* camera) {
+  return guarded([&] {
+    require_pointer(scene, "scene");
+    if (scene->camera)
+      write_camera(camera, *scene->camera);
+    else
+      write_struct(camera, swiftgs_camera{}, "swiftgs_camera");
   });
 }
 

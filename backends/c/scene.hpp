@@ -3,15 +3,18 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <swiftgs/c/scene.h>
+#include <swiftgs/camera.hpp>
 #include <swiftgs/scene.hpp>
 
 struct swiftgs_scene {
   std::shared_ptr<const swiftgs::Scene> scene;
   std::string format{};
   std::uint64_t stored = 0, dropped = 0;
+  std::optional<swiftgs::Camera> camera{};
 };
 
 namespace swiftgs::c {

@@ -49,6 +49,7 @@ void test_structs(void);
 void test_threads(void);
 void test_turns(void);
 void test_scenes(void);
+void test_scene_camera(void);
 void test_progress(void);
 void test_arrays(void);
 void test_scene_errors(void);

@@ -99,6 +99,7 @@ static const struct test_case cases[] = {
     {"threads", test_threads},
     {"turns", test_turns},
     {"scenes", test_scenes},
+    {"scene_camera", test_scene_camera},
     {"progress", test_progress},
     {"arrays", test_arrays},
     {"scene_errors", test_scene_errors},

@@ -94,6 +94,32 @@ void test_scenes(void) {
   swiftgs_scene_free(NULL);
 }
 
+void test_scene_camera(void) {
+  write_text("c_scene_camera.ply",
+             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+             "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\n"
+             "property float scale_0\nproperty float scale_1\nproperty float scale_2\nproperty float rot_0\n"
+             "property float rot_1\nproperty float rot_2\nproperty float rot_3\n"
+             "element extrinsic 16\nproperty float extrinsic\n"
+             "element intrinsic 9\nproperty float intrinsic\n"
+             "element image_size 2\nproperty uint image_size\nend_header\n"
+             "0 0 1 0 0 0 0 0 0 0 1 0 0 0\n"
+             "0\n-1\n0\n5\n1\n0\n0\n6\n0\n0\n1\n7\n0\n0\n0\n1\n"
+             "40\n0\n24\n0\n41\n16\n0\n0\n1\n48\n32\n");
+  swiftgs_scene *scene = NULL, *made = make_scene();
+  CHECK_OK(swiftgs_scene_read("c_scene_camera.ply", NULL, &scene));
+  swiftgs_camera camera = {.size = sizeof(camera)};
+  CHECK_OK(swiftgs_scene_get_camera(scene, &camera));
+  CHECK(camera.width == 48 && camera.height == 32 && camera.fx == 40 && camera.fy == 41);
+  CHECK(camera.cx == 24 && camera.cy == 16 && camera.rotation[1] == -1 && camera.translation[2] == 7);
+  CHECK_OK(swiftgs_scene_get_camera(made, &camera));
+  CHECK(camera.size == sizeof(camera) && camera.width == 0 && camera.fx == 0 && camera.translation[2] == 0);
+  CHECK_ERROR(swiftgs_scene_get_camera(NULL, &camera), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
+  CHECK_ERROR(swiftgs_scene_get_camera(made, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_camera is NULL");
+  swiftgs_scene_free(scene);
+  swiftgs_scene_free(made);
+}
+
 struct heard {
   int calls, notes;
   double last;

@@ -72,6 +72,17 @@ def test_gaussians_that_are_left_out_are_a_warning(tmp_path):
     assert scene.notes == ("Gaussians with a NaN or an infinity are left out: 1.",)
 
 
+def test_the_camera_of_a_photograph_comes_with_its_scene(scene, tmp_path):
+    names = "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3".split()
+    elements = {"extrinsic": np.eye(4).ravel(), "intrinsic": [40, 0, 24, 0, 41, 16, 0, 0, 1], "image_size": [48, 32]}
+    header = "ply\nformat ascii 1.0\nelement vertex 1\n" + "".join(f"property float {name}\n" for name in names)
+    header += "".join(f"element {name} {len(of)}\nproperty float {name}\n" for name, of in elements.items())
+    rows = ["0 0 1 0 0 0 0 0 0 0 1 0 0 0", *(str(number) for of in elements.values() for number in of)]
+    (tmp_path / "a.ply").write_text(header + "end_header\n" + "\n".join(rows) + "\n")
+    assert swiftgs.load(tmp_path / "a.ply").camera == swiftgs.Camera(48, 32, 40, 41)
+    assert scene.camera is None
+
+
 @pytest.mark.parametrize("make, kind, text", [
     (lambda at: swiftgs.load(at / "none.ply"), swiftgs.FileError, "none.ply: No such file"),
     (lambda at: swiftgs.load(at / "bad.ply"), swiftgs.FormatError, "bad.ply: byte"),

@@ -216,6 +216,7 @@ for _name, _arguments in {
         "scene_builtin": (c_uint64, c_void_p),
         "scene_get_info": (c_void_p, c_void_p),
         "scene_get_arrays": (c_void_p, c_void_p),
+        "scene_get_camera": (c_void_p, c_void_p),
         "scene_write": (c_void_p, c_char_p, c_void_p)}.items():
     lib.add(_name, check, *_arguments)
 for _name in ("cameras_free", "picture_free", "renderer_free", "scene_free", "device_free"):

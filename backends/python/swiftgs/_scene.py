@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _c
 from ._c import Handle, OwnedFloats, lib
+from ._camera import Camera
 from ._gaussians import gaussians_of
 
 Path = Union[str, "os.PathLike[str]"]
@@ -75,6 +76,10 @@ class Scene:
         self._info = _c.SceneInfo()
         lib.scene_get_info(handle.pointer, ctypes.byref(self._info))
         self._format = (self._info.format or b"").decode()
+        camera = _c.Camera()
+        lib.scene_get_camera(handle.pointer, ctypes.byref(camera))
+        #: of the photograph that the scene was made of, where the file has it
+        self.camera: Optional[Camera] = Camera.__new__(Camera)._take(camera, "") if camera.width else None
 
     @classmethod
     def builtin(cls, count: int = 200_000) -> "Scene":

@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include <swiftgs/c/camera.h>
 #include <swiftgs/c/status.h>
 
 #ifdef __cplusplus
@@ -135,6 +136,10 @@ SWIFTGS_C_API swiftgs_status swiftgs_scene_get_info(const swiftgs_scene* scene, 
 /// until the scene is freed. Read them only.
 SWIFTGS_C_API swiftgs_status swiftgs_scene_get_arrays(const swiftgs_scene* scene,
                                                       swiftgs_gaussians* gaussians);
+
+/// Fills `camera`, whose size is set, with that of the photograph that the scene was made of. Where the file
+/// has none, all members but the size are zero: no renderer takes a camera of width 0.
+SWIFTGS_C_API swiftgs_status swiftgs_scene_get_camera(const swiftgs_scene* scene, swiftgs_camera* camera);
 
 typedef struct swiftgs_write_options {
   uint32_t size;              ///< `sizeof(swiftgs_write_options)`
