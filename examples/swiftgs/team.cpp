@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "team.hpp"
 
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
+#include <thread>
 
 #include <swiftgs/launcher.hpp>
 #if defined(SWIFTGS_HAS_MPI)
@@ -87,6 +89,11 @@ std::size_t Team::steps_told() const { return ranks ? ranks->steps_told() : 0; }
 #else
 
 int Team::run(int, char**, const std::function<int()>& work) {
+  if (started_behind_others()) {
+    // A launcher may end all at the first that fails: let the one that says why be it.
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    return 1;
+  }
   if (started_with_others())
     throw std::runtime_error(
         "built without MPI and started by a launcher such as mpirun: each process would do all the work; "

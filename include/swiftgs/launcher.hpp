@@ -16,11 +16,19 @@ inline bool started_by_launcher() {
   return std::any_of(names.begin(), names.end(), [](const char* name) { return std::getenv(name); });
 }
 
-/// Whether it may have started others too: true if it does not tell how many.
+/// Whether a launcher of MPI started this process and others. Where it does not tell how many it started,
+/// there may be others: true.
 inline bool started_with_others() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"})
     if (const char* count = std::getenv(name)) return started_by_launcher() && std::string_view(count) != "1";
   return started_by_launcher();
+}
+
+/// Whether the launcher tells that this process is not the first of those that it started.
+inline bool started_behind_others() {
+  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"})
+    if (const char* rank = std::getenv(name)) return started_with_others() && std::string_view(rank) != "0";
+  return false;
 }
 
 }  // namespace swiftgs
