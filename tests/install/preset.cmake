@@ -4,7 +4,7 @@
 #       -P preset.cmake
 #
 # Configures by PRESET and installs what building by it would make. Fails unless configuring prints LINES, and unless
-# the programs and libraries that are installed are INSTALLED.
+# the programs and libraries that are installed are INSTALLED. Without INSTALLED it fails if there is anything to install.
 file(REMOVE_RECURSE "${FOLDER}")
 execute_process(COMMAND ${CMAKE_COMMAND} --preset ${PRESET} -B "${FOLDER}" -DCMAKE_SKIP_RPATH=ON
                         -DCMAKE_INSTALL_LIBDIR=lib ${OPTIONS}
@@ -14,6 +14,13 @@ foreach(line IN LISTS LINES)
     message(FATAL_ERROR "expected a line '${line}' when the preset is configured:\n${said}")
   endif()
 endforeach()
+
+if(NOT INSTALLED)
+  if(EXISTS "${FOLDER}/cmake_install.cmake")
+    message(FATAL_ERROR "the preset ${PRESET}: expected nothing to install, as it builds no library or program alone")
+  endif()
+  return()
+endif()
 
 file(READ "${ROOT}/CMakePresets.json" presets)
 string(REGEX MATCH "\"configurePreset\": \"${PRESET}\", \"targets\": \\[([^]]*)\\]" targets "${presets}")
