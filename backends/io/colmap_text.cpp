@@ -92,8 +92,7 @@ void skip_points(Lines& lines) {
   std::size_t count = 0;
   double value;
   for (Tokens tokens(line); !tokens.at_end(); ++count)
-    if (const std::string_view word = tokens.next(); !to_number(word, value))
-      fail(word.substr(0, 40));
+    if (const std::string_view word = tokens.next(); !to_number(word, value)) fail(word.substr(0, 40));
   if (count % 3 != 0) fail(std::to_string(count) + " numbers");
 }
 
