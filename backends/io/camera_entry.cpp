@@ -12,7 +12,10 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* coefficients[] = {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "distortion_params"};
+/// Of COLMAP's models, by its names, and of nerfstudio's `distortion_params`. EUCM's `beta` does nothing
+/// where `alpha` is 0.
+constexpr const char* coefficients[] = {"k",  "k1", "k2", "k3",    "k4",    "k5",
+                                        "k6", "p1", "p2", "omega", "alpha", "distortion_params"};
 
 /// How instant-ngp marks its other lenses, and cameras whose own axes are Mitsuba's.
 constexpr const char* lenses[] = {"is_fisheye",   "ftheta_p0",    "latlong",        "equirectangular",
@@ -36,7 +39,7 @@ void expect_pinhole(const CameraEntry& entry) {
   }
   for (const char* key : coefficients)
     if (const JsonEntry* with = entry.with(key); with && !is_off(with->member(key)))
-      refuse_model(with->source(), with->offset(), std::string("'") + key + "' that is not 0");
+      refuse_model(with->source(), with->offset(), coefficient(key, with->member(key)));
   for (const char* key : lenses)
     if (const JsonEntry* with = entry.with(key); with && !is_off(with->member(key)))
       refuse_model(with->source(), with->offset(), std::string("'") + key + "'");

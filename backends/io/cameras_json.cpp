@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera_entry.hpp"
 #include "camera_parsing.hpp"
-#include "listed.hpp"
 
 namespace swiftgs::io {
 namespace {
@@ -13,10 +12,7 @@ constexpr std::string_view read_keys[] = {"id", "img_name", "width", "height",  
 /// Throws `FormatError` that lists the keys unless `entry` has the name that INRIA's cameras have.
 void expect_inria(const JsonEntry& entry) {
   if (entry.has("img_name")) return;
-  std::vector<std::string> keys;
-  for (const auto& [key, value] : entry.members().items()) keys.push_back(key);
-  entry.fail("a camera with 'img_name', as INRIA's cameras.json has, found " +
-             (keys.empty() ? "no keys" : "the keys " + listed(keys)));
+  entry.fail("a camera with 'img_name', as INRIA's cameras.json has, found " + listed_keys(entry.members()));
 }
 
 Camera camera_of(const JsonEntry& entry) {

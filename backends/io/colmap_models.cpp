@@ -7,30 +7,32 @@
 #include <string>
 
 #include "camera_parsing.hpp"
+#include "listed.hpp"
+#include "tokens.hpp"
 
 namespace swiftgs::io {
 namespace {
 
-constexpr int never = ColmapModel::never;
+constexpr std::string_view never = ColmapModel::never;
 
 /// In the order of COLMAP's numbers. EUCM is a pinhole where alpha is 0, whatever beta is.
-constexpr ColmapModel models[] = {{"SIMPLE_PINHOLE", 3, 1, 0},
-                                  {"PINHOLE", 4, 2, 0},
-                                  {"SIMPLE_RADIAL", 4, 1, 1},
-                                  {"RADIAL", 5, 1, 2},
-                                  {"OPENCV", 8, 2, 4},
+constexpr ColmapModel models[] = {{"SIMPLE_PINHOLE", 3, 1, ""},
+                                  {"PINHOLE", 4, 2, ""},
+                                  {"SIMPLE_RADIAL", 4, 1, "k"},
+                                  {"RADIAL", 5, 1, "k1 k2"},
+                                  {"OPENCV", 8, 2, "k1 k2 p1 p2"},
                                   {"OPENCV_FISHEYE", 8, 2, never},
-                                  {"FULL_OPENCV", 12, 2, 8},
-                                  {"FOV", 5, 2, 1},
+                                  {"FULL_OPENCV", 12, 2, "k1 k2 p1 p2 k3 k4 k5 k6"},
+                                  {"FOV", 5, 2, "omega"},
                                   {"SIMPLE_RADIAL_FISHEYE", 4, 1, never},
                                   {"RADIAL_FISHEYE", 5, 1, never},
                                   {"THIN_PRISM_FISHEYE", 12, 2, never},
                                   {"RAD_TAN_THIN_PRISM_FISHEYE", 16, 2, never},
-                                  {"SIMPLE_DIVISION", 4, 1, 1},
-                                  {"DIVISION", 5, 2, 1},
+                                  {"SIMPLE_DIVISION", 4, 1, "k"},
+                                  {"DIVISION", 5, 2, "k"},
                                   {"SIMPLE_FISHEYE", 3, 1, never},
                                   {"FISHEYE", 4, 2, never},
-                                  {"EUCM", 6, 2, 1},
+                                  {"EUCM", 6, 2, "alpha"},
                                   {"EQUIRECTANGULAR", 2, 0, never}};
 
 dmat3 rotation_of(const Source& images, std::uint64_t offset, const ColmapPose& pose) {
@@ -58,17 +60,24 @@ const ColmapModel* colmap_model(std::string_view name) {
 void set_intrinsics(Camera& camera, const ColmapModel& model, std::span<const double> parameters,
                     const Source& source, std::uint64_t offset) {
   if (model.zeros == ColmapModel::never) refuse_model(source, offset, model.name);
-  const auto rest = parameters.subspan(std::size_t(model.focal_lengths) + 2);
-  for (int i = 0; i < model.zeros; ++i)
-    if (rest[i] != 0)
-      refuse_model(source, offset, std::string(model.name) + " with a coefficient that is not 0");
+  const double* value = &parameters[std::size_t(model.focal_lengths) + 1];
+  for (Tokens names(model.zeros); !names.at_end();)
+    if (const std::string_view name = names.next(); *++value != 0)
+      refuse_model(source, offset, std::string(model.name) + " with " + coefficient(name, *value));
   camera.fx = parameters[0], camera.fy = parameters[model.focal_lengths - 1];
   camera.cx = parameters[model.focal_lengths], camera.cy = parameters[model.focal_lengths + 1];
 }
 
 void refuse_model(const Source& source, std::uint64_t offset, std::string_view found) {
-  source.fail(offset,
-              "camera model PINHOLE or SIMPLE_PINHOLE (undistorted images), found " + std::string(found));
+  source.fail(
+      offset,
+      "a pinhole of undistorted images (PINHOLE, SIMPLE_PINHOLE, or a model whose coefficients are all "
+      "0), found " +
+          std::string(found));
+}
+
+std::string coefficient(std::string_view name, const nlohmann::json& value) {
+  return std::string(name) + (value.is_primitive() ? " = " + listed({value.dump()}) : " that is not 0");
 }
 
 void ColmapCameras::add(std::uint32_t id, std::uint64_t offset) {

@@ -5,7 +5,10 @@
 #include <cstdint>
 #include <map>
 #include <span>
+#include <string>
 #include <string_view>
+
+#include <nlohmann/json.hpp>
 
 #include <swiftgs/camera.hpp>
 
@@ -18,9 +21,11 @@ struct ColmapModel {
   std::string_view name;
   int parameters;     ///< numbers behind the size
   int focal_lengths;  ///< the first of them, one or two
-  int zeros;  ///< numbers behind the principal point that are all 0 in a pinhole; `never` in no pinhole
+  /// Names of the numbers behind the principal point that are all 0 in a pinhole, the first of them;
+  /// `never` in no pinhole.
+  std::string_view zeros;
 
-  static constexpr int never = -1;
+  static constexpr std::string_view never = "never";
   static constexpr int most_parameters = 16;
 };
 
@@ -34,6 +39,9 @@ void set_intrinsics(Camera& camera, const ColmapModel& model, std::span<const do
 
 /// Throws `FormatError` that names what was found in place of a pinhole.
 [[noreturn]] void refuse_model(const Source& source, std::uint64_t offset, std::string_view found);
+
+/// A coefficient that is not 0 as messages name it: `k1 = 0.1`. Of a list only the name.
+std::string coefficient(std::string_view name, const nlohmann::json& value);
 
 /// A pose as COLMAP writes it: world to camera, Hamilton quaternion, scalar part first, of any length.
 struct ColmapPose {

@@ -5,6 +5,8 @@
 
 #include <glm/matrix.hpp>
 
+#include "listed.hpp"
+
 namespace swiftgs::io {
 
 using nlohmann::json;
@@ -18,6 +20,12 @@ json parse_json(const Source& source) {
   } catch (const json::exception&) {
     source.fail(0, "JSON with numbers that a double can hold");
   }
+}
+
+std::string listed_keys(const json& object) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : object.items()) keys.push_back(key);
+  return keys.empty() ? "no keys" : "the keys " + listed(keys);
 }
 
 std::vector<std::uint64_t> offsets_in(std::string_view text, std::uint64_t start) {

@@ -17,6 +17,9 @@ namespace swiftgs::io {
 /// All of `source`. Throws `FormatError` unless it is JSON whose numbers a double can hold.
 nlohmann::json parse_json(const Source& source);
 
+/// The keys of an object, as messages list them.
+std::string listed_keys(const nlohmann::json& object);
+
 /// Where the elements start of the array, or the members of the object, that starts at `start` of valid JSON.
 std::vector<std::uint64_t> offsets_in(std::string_view text, std::uint64_t start);
 
@@ -43,7 +46,11 @@ class JsonEntry {
 
   const Source& source() const { return source_; }
   std::uint64_t offset() const { return offset_; }
-  bool has(const char* key) const { return value_.contains(key); }
+  /// Whether it has `key`. Null means absent.
+  bool has(const char* key) const {
+    const auto found = value_.find(key);
+    return found != value_.end() && !found->is_null();
+  }
   const nlohmann::json& members() const { return value_; }
   const nlohmann::json& member(const char* key) const;
 

@@ -69,7 +69,7 @@ class LodMeta {
     return chunks;
   }
 
-  bool has_environment() const { return root_.has("environment") && !root_.member("environment").is_null(); }
+  bool has_environment() const { return root_.has("environment"); }
   Chunk environment() const {
     return {.name = file_name(root_.member("environment"), "environment"), .whole = true};
   }

@@ -19,7 +19,8 @@ namespace {
 using nlohmann::json;
 
 /// What a frame or the object around it is asked for, and what no picture shows: where a trainer finds masks,
-/// depths and points, how it splits the images, and its own box.
+/// depths and points, how it splits the images, and its own box. EUCM's `beta` shows in none while `alpha` is
+/// 0.
 constexpr std::string_view read_keys[] = {"frames",
                                           "file_path",
                                           "transform_matrix",
@@ -36,6 +37,7 @@ constexpr std::string_view read_keys[] = {"frames",
                                           "applied_transform",
                                           "applied_scale",
                                           "aabb_scale",
+                                          "beta",
                                           "colmap_im_id",
                                           "depth_file_path",
                                           "depth_path",
@@ -98,7 +100,9 @@ void set_intrinsics(Camera& camera, const CameraEntry& frame) {
   camera.fx = focal_length(frame, {"fl_x", "x_fov", "camera_angle_x"}, camera.width);
   camera.fy = focal_length(frame, {"fl_y", "y_fov", "camera_angle_y"}, camera.height);
   if (camera.fx == 0) camera.fx = camera.fy;
-  if (camera.fx == 0) frame.own.fail("a focal length above 0 in 'fl_x', or 'camera_angle_x'");
+  if (camera.fx == 0)
+    frame.own.fail(
+        "a focal length above 0 in 'fl_x', 'fl_y', 'x_fov', 'y_fov', 'camera_angle_x' or 'camera_angle_y'");
   if (camera.fy == 0) camera.fy = camera.fx;
   const JsonEntry *cx = frame.with("cx"), *cy = frame.with("cy");
   camera.cx = cx ? cx->number("cx") : 0.5 * camera.width;

@@ -92,11 +92,11 @@ TEST_CASE("camera layouts: nerfstudio tells distortion of a frame or of all") {
   for (const char* key : {"k1", "k2", "k3", "k4", "p1", "p2"}) file["frames"][1][key] = 0.0;
   CHECK(read(file).cameras.size() == 2);
   file["frames"][1]["k3"] = 1e-4;
-  CHECK(contains(refusal(file), "found 'k3' that is not 0"));
+  CHECK(contains(refusal(file), "found k3 = 0.0001"));
   file["frames"].erase(1), file["k4"] = -0.5;
   CHECK(contains(refusal(file),
-                 "byte 0: expected camera model PINHOLE or SIMPLE_PINHOLE (undistorted "
-                 "images), found 'k4' that is not 0"));
+                 "byte 0: expected a pinhole of undistorted images (PINHOLE, SIMPLE_PINHOLE, or a model "
+                 "whose coefficients are all 0), found k4 = -0.5"));
 }
 
 // nerfstudio 1.1.5, ns-process-data images: a turned world, which a scene trained on it does not have.
@@ -164,6 +164,25 @@ TEST_CASE("camera layouts: instant-ngp takes angles in degrees") {
   CHECK(contains(refusal(file), "an angle above 0 and below pi (180 degrees) in 'y_fov'"));
 }
 
+// COLMAP's names, in a file that a converter writes: FOV without an angle and EUCM without a share of the
+// sphere are pinholes.
+TEST_CASE("camera layouts: models of one coefficient are refused unless it is 0") {
+  json file = {{"camera_model", "EUCM"}, {"alpha", 0}, {"beta", 1}, {"fl_y", 500}, {"w", 640}, {"h", 480}};
+  file["frames"] = {{{"file_path", "a.png"}, {"transform_matrix", matrix}}};
+  CHECK(read(file).notes.empty());
+  check_intrinsics(read(file).cameras.at(0), 640, 480, 500, 500, 320, 240);
+  file["alpha"] = 0.5;
+  CHECK(contains(refusal(file), "found alpha = 0.5"));
+  file["alpha"] = nullptr, file["camera_model"] = "FOV", file["omega"] = 0;
+  CHECK(read(file).notes.empty());
+  file["omega"] = 0.9;
+  CHECK(contains(refusal(file), "found omega = 0.9"));
+  file["omega"] = nullptr, file["fl_y"] = nullptr;
+  CHECK(contains(
+      refusal(file),
+      "a focal length above 0 in 'fl_x', 'fl_y', 'x_fov', 'y_fov', 'camera_angle_x' or 'camera_angle_y'"));
+}
+
 // instant-ngp 2.0, src/nerf_loader.cu: keys that place cameras elsewhere, or move them while they expose.
 TEST_CASE("camera layouts: what instant-ngp does to cameras beyond a pinhole is noted or refused") {
   json file = {{"fl_x", 500}, {"w", 640}, {"h", 480}, {"scale", 0.5}, {"offset", {0.5, 0.5, 0.5}}};
@@ -219,9 +238,11 @@ TEST_CASE("camera layouts: principal points that other trainers add to cameras.j
   CHECK(read(json::array({camera}), "cameras.json").notes ==
         std::vector<std::string>{
             "Keys that may change the picture were not read: appearance_id, normalized_appearance_id."});
+  camera["cx"] = camera["cy"] = nullptr;
+  check_intrinsics(read(json::array({camera}), "cameras.json").cameras.at(0), 640, 480, 500, 510, 320, 240);
   camera["k1"] = 0.01;
   CHECK(contains(refusal(json::array({camera}), "cameras.json"),
-                 "cameras.json: byte 1: expected camera model PINHOLE"));
+                 "cameras.json: byte 1: expected a pinhole of undistorted images (PINHOLE"));
   // INRIA's own, and OpenSplat 1.1.5's.
   found = read(json::array({inria_camera()}), "cameras.json");
   CHECK(found.notes.empty());

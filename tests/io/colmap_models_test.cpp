@@ -18,6 +18,7 @@ struct Model {
   std::string name;
   bool two_lengths;
   int rest;
+  std::vector<std::string> coefficients{};  ///< their names, but for those that do nothing
 
   std::vector<double> parameters(double coefficient, int at = 0) const {
     std::vector<double> values = {50, 33, 22};
@@ -31,14 +32,14 @@ struct Model {
 /// Those that are pinholes where the coefficients are 0.
 const Model pinholes[] = {{0, "SIMPLE_PINHOLE", false, 0},
                           {1, "PINHOLE", true, 0},
-                          {2, "SIMPLE_RADIAL", false, 1},
-                          {3, "RADIAL", false, 2},
-                          {4, "OPENCV", true, 4},
-                          {6, "FULL_OPENCV", true, 8},
-                          {7, "FOV", true, 1},
-                          {12, "SIMPLE_DIVISION", false, 1},
-                          {13, "DIVISION", true, 1},
-                          {16, "EUCM", true, 2}};
+                          {2, "SIMPLE_RADIAL", false, 1, {"k"}},
+                          {3, "RADIAL", false, 2, {"k1", "k2"}},
+                          {4, "OPENCV", true, 4, {"k1", "k2", "p1", "p2"}},
+                          {6, "FULL_OPENCV", true, 8, {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"}},
+                          {7, "FOV", true, 1, {"omega"}},
+                          {12, "SIMPLE_DIVISION", false, 1, {"k"}},
+                          {13, "DIVISION", true, 1, {"k"}},
+                          {16, "EUCM", true, 2, {"alpha"}}};
 
 /// Those that never are.
 const Model others[] = {{5, "OPENCV_FISHEYE", true, 4},
@@ -80,20 +81,23 @@ TEST_CASE("colmap models: a model whose coefficients are 0 is a pinhole") {
 }
 
 TEST_CASE("colmap models: a coefficient that is not 0 is refused wherever it is") {
-  const std::string expected = "expected camera model PINHOLE or SIMPLE_PINHOLE (undistorted images), found ";
+  const std::string expected =
+      "expected a pinhole of undistorted images (PINHOLE, SIMPLE_PINHOLE, or a model whose coefficients are "
+      "all 0), found ";
   for (const Model& model : pinholes)
     for (int at = 0; at < model.rest; ++at) {
       CAPTURE(model.name);
       CAPTURE(at);
       const std::vector<double> parameters = model.parameters(-1e-5, at);
       // EUCM's beta does nothing where alpha is 0.
-      const bool harmless = model.name == "EUCM" && at == 1;
-      const std::string found = expected + model.name + " with a coefficient that is not 0";
+      const bool harmless = at >= int(model.coefficients.size());
       const std::string in_binary = complaint([&] { of_binary(model, parameters); });
       const std::string in_text = complaint([&] { of_text(model, parameters); });
       CHECK(in_binary.empty() == harmless);
       CHECK(in_text.empty() == harmless);
       if (harmless) continue;
+      const std::string found =
+          expected + model.name + " with " + model.coefficients[std::size_t(at)] + " = -1e-05";
       CHECK(in_binary == "cameras.bin: byte 8: " + found);
       CHECK(in_text == "cameras.txt: byte 0: " + found);
     }
