@@ -9,6 +9,7 @@
 
 #include "camera_parsing.hpp"
 #include "capture_parts.hpp"
+#include "json_entry.hpp"
 #include "listed.hpp"
 #include "mapped_file.hpp"
 #include "transforms_json.hpp"
@@ -39,30 +40,29 @@ CameraFile read_model(const fs::path& folder) {
                                    : read_colmap(folder, ".txt", parse_colmap_text);
 }
 
-/// Notes a test split beside a training split, which may be all that a caller knows of the two.
-void note_other_split(const fs::path& path, std::vector<std::string>& notes) {
-  const std::string_view train = transforms_files[1], test = transforms_files[2];
-  if (path.filename() == train && fs::exists(fs::path(path).replace_filename(test)))
-    notes.push_back("The cameras of " + std::string(test) + " beside it were not read.");
+/// Notes other splits beside the one at `path`, which was found in a folder: a caller may not know of them.
+void note_other_splits(const fs::path& path, std::vector<std::string>& notes) {
+  if (std::ranges::find(split_files, path.filename().string()) == split_files.end()) return;
+  std::vector<std::string> others;
+  for (const std::string_view split : split_files)
+    if (path.filename() != split && fs::exists(fs::path(path).replace_filename(split)))
+      others.emplace_back(split);
+  if (!others.empty())
+    notes.push_back("The cameras of " + path.filename().string() + " were read, those of " + listed(others) +
+                    " were not.");
 }
 
 /// What a file is that holds no cameras, as far as it is JSON.
 std::string found_in(std::string_view text) {
   const nlohmann::json root = nlohmann::json::parse(text, nullptr, false);
-  if (!root.is_object()) return "";
-  std::vector<std::string> keys;
-  for (const auto& [key, value] : root.items()) keys.push_back(key);
-  return ", found a JSON object with " + (keys.empty() ? "no keys" : "the keys " + listed(keys));
+  return root.is_object() ? ", found a JSON object with " + listed_keys(root) : "";
 }
 
 CameraFile read_json(const fs::path& path) {
   const MappedFile file(path);
   const Source source{file.bytes(), path.string()};
-  if (is_transforms_json(source.text())) {
-    CameraFile cameras = read_transforms_json(source, path.has_parent_path() ? path.parent_path() : ".");
-    note_other_split(path, cameras.notes);
-    return cameras;
-  }
+  if (is_transforms_json(source.text()))
+    return read_transforms_json(source, path.has_parent_path() ? path.parent_path() : ".");
   const std::size_t first = source.text().find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos || source.text()[first] != '[')
     source.fail(0,
@@ -83,7 +83,10 @@ CameraFile read_cameras(const std::filesystem::path& path) {
         path.string() +
         ": expected cameras.json, transforms.json, or a COLMAP model (cameras.bin and "
         "images.bin, or .txt), here or in sparse/0 or sparse");
-  return std::filesystem::is_directory(found) ? io::read_model(found) : io::read_json(found);
+  if (std::filesystem::is_directory(found)) return io::read_model(found);
+  CameraFile file = io::read_json(found);
+  if (is_folder) io::note_other_splits(found, file.notes);
+  return file;
 }
 
 std::vector<Camera> load_cameras(const std::filesystem::path& path) { return read_cameras(path).cameras; }

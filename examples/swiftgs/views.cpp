@@ -112,7 +112,7 @@ Cameras read_cameras_of(const SceneOptions& scene, const std::string& cameras,
   const std::string file = cameras_of(scene, cameras);
   Cameras result;
   if (!file.empty()) {
-    CameraFile read = read_cameras(file);
+    CameraFile read = read_cameras(cameras.empty() ? scene.scene : cameras);
     result.all = std::move(read.cameras), result.of_file = true;
     say_notes(file, read.notes, said);
     if (result.all.empty()) throw std::invalid_argument(file + ": expected at least one camera, found none");

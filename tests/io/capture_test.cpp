@@ -160,10 +160,19 @@ TEST_CASE("capture: the cameras of a training split are found and those of a tes
   CHECK(find_capture(place / "lego").cameras == place / "lego/transforms_train.json");
   CHECK(camera_in(place / "lego") == "./train/r_0");
   CHECK(read_cameras(place / "lego").notes ==
-        std::vector<std::string>{"The cameras of transforms_test.json beside it were not read."});
-  CHECK(read_cameras(place / "lego/transforms_test.json").notes.empty());
+        std::vector<std::string>{
+            "The cameras of transforms_train.json were read, those of transforms_test.json were not."});
+  for (const std::string typed : {"train", "test"})
+    CHECK(read_cameras(place / ("lego/transforms_" + typed + ".json")).notes.empty());
+  place.write("lego/transforms_val.json", split("val"));
+  CHECK(read_cameras(place / "lego").notes ==
+        std::vector<std::string>{"The cameras of transforms_train.json were read, those of "
+                                 "transforms_test.json, transforms_val.json were not."});
   place.write("lego/transforms.json", transforms_json);
   CHECK(camera_in(place / "lego") == "of-transforms");
+  CHECK(read_cameras(place / "lego").notes.empty());
+  place.write("ship/transforms_val.json", split("val"));
+  CHECK(camera_in(place / "ship") == "./val/r_0");
   place.write("nerf/transforms_train.json", split("train"));
   CHECK_THROWS_WITH_AS(find_capture(place / "nerf"), doctest::Contains("found transforms_train.json"),
                        std::invalid_argument);

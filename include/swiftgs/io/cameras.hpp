@@ -13,8 +13,8 @@ namespace swiftgs {
 /// Cameras and what reading them brought up.
 struct CameraFile {
   std::vector<Camera> cameras;
-  std::vector<std::string>
-      notes;  ///< what of the file may change a picture and was not read, a sentence each
+  /// What may change a picture and was not read, a sentence each.
+  std::vector<std::string> notes;
 };
 
 /// Reads cameras. `path` is one of

@@ -28,7 +28,7 @@ struct Capture {
 /// - the only file with one of these four endings.
 ///
 /// Cameras are a COLMAP model in the folder itself, `cameras.json`, a COLMAP model in `sparse/0`, `sparse` or
-/// `0`, `transforms.json`, `transforms_train.json` or `transforms_test.json`, the first that is there.
+/// `0`, `transforms.json`, or one that ends in `_train`, `_test` or `_val`, the first that is there.
 /// Photographs are in `photos`.
 ///
 /// Throws `std::invalid_argument` where a folder holds no scene, or several and none is called NAME.
