@@ -141,7 +141,8 @@ void check(const CheckOptions& options) {
   task.scene = drawn.gaussians;
   find_views(task.views, *task.scene, drawn.camera);
   task.settings = settings_for(task.settings, *task.scene);
-  task.photos = photographs_of(task.views, cameras, photos_of(options.scene, options.view, options.photos));
+  task.photos =
+      photographs_of(task.views, cameras, photos_of(options.scene, options.view, options.photos), notes);
   if (task.photos.empty() && !options.photos.empty())
     throw std::invalid_argument(options.photos + ": expected a photograph with the path of a view, such as " +
                                 task.views.front().camera.name);

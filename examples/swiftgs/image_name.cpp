@@ -8,9 +8,9 @@
 namespace swiftgs::cli {
 namespace {
 
-constexpr std::string_view endings[] = {"avif", "bmp",  "cr2", "dng", "exr",  "gif",  "heic",
-                                        "heif", "jpeg", "jpg", "jxl", "nef",  "pfm",  "png",
-                                        "ppm",  "raw",  "tga", "tif", "tiff", "webp", "arw"};
+constexpr std::string_view endings[] = {"arw",  "avif", "bmp",  "cr2", "cr3", "dng", "exr",  "gif",
+                                        "heic", "heif", "jpeg", "jpg", "jxl", "nef", "orf",  "pfm",
+                                        "png",  "ppm",  "raw",  "rw2", "tga", "tif", "tiff", "webp"};
 
 }  // namespace
 

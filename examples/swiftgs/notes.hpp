@@ -7,7 +7,8 @@
 namespace swiftgs::cli {
 
 /// Says on standard error what a reader or a writer notes of `file`, a line for each note, and adds the lines
-/// to `said`, which `ResultHead::notes` takes. Of several processes the first says it.
+/// to `said`, which `ResultHead::notes` takes. A line that is there already is not said again. Of several
+/// processes the first says it.
 void say_notes(const std::string& file, const std::vector<std::string>& notes,
                std::vector<std::string>& said);
 

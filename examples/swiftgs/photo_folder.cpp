@@ -19,6 +19,22 @@ std::string path_of(const Camera& camera) {
   return fs::path(path).lexically_normal().generic_string();
 }
 
+/// The files in `folder` and in all folders below it, linked ones too. A link to a folder that it lies in is
+/// not followed: it has no end.
+std::vector<fs::path> files_below(const fs::path& folder) {
+  std::vector<fs::path> files, around{fs::canonical(folder)};  // the folders that an entry lies in
+  fs::recursive_directory_iterator entry(folder, fs::directory_options::follow_directory_symlink);
+  for (; entry != fs::end(entry); ++entry) {
+    if (entry->is_regular_file()) files.push_back(entry->path());
+    if (!entry->is_directory()) continue;
+    around.resize(std::size_t(entry.depth()) + 1);
+    around.push_back(fs::canonical(entry->path()));
+    if (std::find(around.begin(), around.end() - 1, around.back()) != around.end() - 1)
+      entry.disable_recursion_pending();
+  }
+  return files;
+}
+
 /// Cuts the first folder off a path. False if there is none.
 bool cut_folder(std::string_view& path) {
   const std::size_t slash = path.find('/');
@@ -31,12 +47,11 @@ bool cut_folder(std::string_view& path) {
 
 PhotoFolder::PhotoFolder(const std::string& folder, const std::vector<Camera>& cameras)
     : folder_(folder), full_path_((fs::absolute(folder) / "").lexically_normal().generic_string()) {
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
-    const std::string path = entry.path().lexically_relative(folder).generic_string();
+  for (const fs::path& file : files_below(folder)) {
+    const std::string path = file.lexically_relative(folder).generic_string();
     const std::string_view name = without_extension(path);
-    by_path_[std::string(name)].push_back(entry.path());
-    by_name_[std::string(name.substr(name.rfind('/') + 1))].push_back(entry.path());
+    by_path_[std::string(name)].push_back(file);
+    by_name_[std::string(name.substr(name.rfind('/') + 1))].push_back(file);
   }
   std::set<std::string> paths;
   for (const Camera& camera : cameras) paths.insert(path_of(camera));

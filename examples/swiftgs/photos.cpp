@@ -7,23 +7,28 @@
 
 #include <swiftgs/metrics.hpp>
 
+#include "notes.hpp"
 #include "photo_folder.hpp"
 #include "team.hpp"
 
 namespace swiftgs::cli {
 
 std::vector<std::optional<Image>> photographs_of(const std::vector<View>& views, const Cameras& cameras,
-                                                 const std::string& folder) {
+                                                 const std::string& folder, std::vector<std::string>& said) {
   const Team& team = Team::here();
   team.require_same("the folder of photographs", folder);
   if (folder.empty()) return {};
   const PhotoFolder files(folder, cameras.all);
   std::vector<std::optional<Image>> photos;
+  std::vector<std::string> without;
   for (const View& view : views) {
     const std::filesystem::path found = files.photograph_of(view.camera);
     photos.emplace_back();
     team.require_same(folder + ": the photograph of " + view.name, found.empty() ? "none" : found.string());
-    if (found.empty()) continue;
+    if (found.empty()) {
+      without.push_back(view.camera.name);
+      continue;
+    }
     team.require_same_file(found.string());
     Image photo = read_image(found);
     if (photo.width != view.camera.width || photo.height != view.camera.height || photo.channels != 3)
@@ -33,8 +38,12 @@ std::vector<std::optional<Image>> photographs_of(const std::vector<View>& views,
                                   " with " + std::to_string(photo.channels) + " channels");
     photos.back() = std::move(photo);
   }
-  if (std::none_of(photos.begin(), photos.end(), [](const auto& photo) { return photo.has_value(); }))
-    return {};
+  if (without.size() == views.size()) return {};
+  if (!without.empty())
+    say_notes(folder,
+              {std::to_string(without.size()) + " of " + std::to_string(views.size()) +
+               " views have no photograph, such as " + without.front() + "."},
+              said);
   return photos;
 }
 

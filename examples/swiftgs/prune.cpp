@@ -97,12 +97,13 @@ std::vector<std::uint64_t> contributions_of(const ContributionsEntry& backend,
 }
 
 HeldOut held_out_of(const PruneOptions& options, const ViewOptions& view, const Cameras& cameras,
-                    const std::string& backend) {
+                    const std::string& backend, std::vector<std::string>& notes) {
   HeldOut held_out{
       .views = {}, .photos = {}, .settings = settings_of(view), .renderer = exact_renderer(backend)};
   if (view.views.empty()) return held_out;
   held_out.views = views_left_out(cameras, view);
-  held_out.photos = photographs_of(held_out.views, cameras, photos_of(options.scene, view, options.photos));
+  held_out.photos =
+      photographs_of(held_out.views, cameras, photos_of(options.scene, view, options.photos), notes);
   if (held_out.photos.empty() && !options.photos.empty())
     throw std::invalid_argument(options.photos + ": expected photographs of views that --views '" +
                                 view.views + "' leaves out");
@@ -116,7 +117,7 @@ void prune(const PruneOptions& options) {
   if (view.views.empty() && has_cameras(options)) view.views = training_views;
   std::vector<std::string> notes;
   const Cameras cameras = read_cameras_of(options.scene, view.cameras, notes);
-  HeldOut held_out = held_out_of(options, view, cameras, std::string(backend.backend));
+  HeldOut held_out = held_out_of(options, view, cameras, std::string(backend.backend), notes);
   const bool by_contribution = options.score == "contribution";
   const std::vector<View> views =
       by_contribution ? views_of(cameras, view, training_views) : std::vector<View>();

@@ -6,6 +6,9 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
 #include "cli/cameras.hpp"
 #include "cli/command.hpp"
 #include "cli/json_in.hpp"
@@ -15,6 +18,7 @@ using swiftgs::test::cameras_json;
 using swiftgs::test::contains;
 using swiftgs::test::json_in;
 using swiftgs::test::run;
+using swiftgs::test::run_noting;
 using swiftgs::test::TemporaryFolder;
 
 namespace {
@@ -33,7 +37,7 @@ const std::string check =
 /// Whether each view of `arguments`, in the order of the names, is compared with its own photograph, with
 /// none, or with another.
 std::string compared(const TemporaryFolder& place, const std::string& arguments) {
-  run(place, check + " " + arguments);
+  run_noting(place, check + " " + arguments);
   const json result = json_in(place / "r.json");
   std::string told;
   for (const json& row : result["rows"]) {
@@ -83,6 +87,37 @@ TEST_CASE("cli photographs: images in sub-folders are compared by their path") {
                  "flat: expected a photograph with the path of a view, such as left/0001.png"));
   std::filesystem::remove(place / "images/right/0001.png");
   CHECK(compared(place, "--views all --photos images") == "own none ");
+}
+
+TEST_CASE("cli photographs: views without one are counted where others have one") {
+  const TemporaryFolder place;
+  write_cameras(place, {"left/0001.png", "right/0001.png"});
+  draw(place, {"photos/left/0001.png", "photos/right/0001.png"});
+  CHECK(run(place, check + " --views all --photos photos").err.empty());
+  const std::string note = "photos: 1 of 2 views have no photograph, such as right/0001.png.";
+  std::filesystem::remove(place / "photos/right/0001.png");
+  CHECK(contains(run_noting(place, check + " --views all --photos photos").err, "swiftgs: " + note + "\n"));
+  CHECK(json_in(place / "r.json")["notes"] == json::array({note}));
+  // A capture is measured twice, and the note said once.
+  swiftgs::write_scene(place / "scene.ply", swiftgs::make_builtin_scene(50));
+  run_noting(
+      place,
+      "bench . --views all --gaussians 20,50 --renderers serial/early/per-pixel/ellipse --min-frames 2 "
+      "--max-frames 2 --json r.json");
+  CHECK(json_in(place / "r.json")["notes"] == json::array({"./" + note}));
+}
+
+// A data set is often a folder of links.
+TEST_CASE("cli photographs: linked folders are looked into") {
+  const TemporaryFolder place;
+  write_cameras(place, {"left/0001.png", "right/0001.png"});
+  draw(place, {"data/0001.png", "photos/right/0001.png"});
+  std::filesystem::create_directory_symlink(place / "data", place / "photos/left");
+  // Links without an end, to the folder itself and to one above it.
+  std::filesystem::create_directory_symlink(".", place / "photos/here");
+  std::filesystem::create_directory_symlink("../..", place / "photos/right/above");
+  std::filesystem::create_symlink("nowhere", place / "photos/left/broken.png");
+  CHECK(compared(place, "--views all --photos photos") == "own own ");
 }
 
 // A transforms.json of nerfstudio names images/frame_00001.jpg; Windows writes backslashes.

@@ -140,7 +140,13 @@ class Matrix {
           session.scene = {name_of(input), session.gaussians->size(), original.size(),
                            factor,         original.sh_degree,        original.antialiased};
           results.scenes.push_back(session.scene);
-          for_each_view_set(input, drawn.camera, session, run);
+          for_each_view_set(input, drawn.camera, session, [&] {
+            progress.clear();
+            const bool photographed = !options_.profile && session.scale == 1;
+            session.photos = photographs_of(session.views, input.cameras,
+                                            photographed ? input.capture.photos.string() : "", notes);
+            run(session);
+          });
         }
     }
   }
@@ -191,10 +197,7 @@ class Matrix {
           // What was measured of a scene does not hold for its variants.
           if (session.gaussians->size() == session.scene.original && session.scene.enlarge == 1)
             session.calibrations = std::make_shared<Calibrations>(input.scene, view, session.gaussians, "");
-          const bool photographed = !options_.profile && scale == 1;
-          session.photos = photographs_of(session.views, input.cameras,
-                                          photographed ? input.capture.photos.string() : std::string());
-          run(session);
+          run();
         }
     }
   }
