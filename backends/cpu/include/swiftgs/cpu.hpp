@@ -39,10 +39,10 @@ struct SWIFTGS_API LargePageMemory {
   static void release(void* memory);
 };
 
-/// When `Cpu::upload` has the arrays of a scene in large pages.
+/// When the system moves the arrays that `Cpu::upload` is given to large pages.
 enum class LargePages {
-  later,  ///< when the system gets round to it
-  now,    ///< before it returns: the system moves them, which takes as long as several frames
+  later,  ///< at some time after `upload` returns, or never
+  now,    ///< before `upload` returns, which then takes about as long as drawing several frames
 };
 
 /// All cores, by oneTBB, with vector kernels that are chosen for the processor at run time. A frame has the
@@ -72,7 +72,9 @@ class SWIFTGS_API Cpu {
   int threads_at_once() const;
   std::string device_name() const;
 
-  /// Shares `scene` without copying it.
+  /// Shares `scene` without copying it. Reads all of its numbers once, to validate them and to bound its
+  /// chunks, and advises the system to keep them in large pages, the caller's memory included. @sync Complete
+  /// when it returns, but for `LargePages::later`.
   SceneOn upload(std::shared_ptr<const Scene> scene, LargePages pages = LargePages::later) const;
   SceneOn upload(Scene scene, LargePages pages = LargePages::later) const {
     return upload(std::make_shared<const Scene>(std::move(scene)), pages);
