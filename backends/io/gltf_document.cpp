@@ -136,6 +136,16 @@ std::optional<GltfDocument::DataUri> GltfDocument::data_uri(const JsonEntry& ent
   return DataUri{uri, entry.offset()};
 }
 
+bool looks_like_gltf(std::string_view text) {
+  if (text.starts_with("glTF")) return true;
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == text.npos || text[first] != '{') return false;
+  const std::string_view beginning = text.substr(first, 1 << 16);
+  const auto holds = [&](std::string_view word) { return beginning.find(word) != beginning.npos; };
+  return holds("\"KHR_gaussian_splatting") || holds("\"KHR_spz_gaussian") ||
+         (holds("\"asset\"") && (holds("\"buffers\"") || holds("\"accessors\"") || holds("\"meshes\"")));
+}
+
 std::uint64_t whole_number(const JsonEntry& entry, const char* key, std::optional<std::uint64_t> otherwise) {
   if (otherwise && !entry.has(key)) return *otherwise;
   const json& value = entry.member(key);

@@ -72,6 +72,9 @@ class GltfDocument {
   std::map<std::string, std::vector<std::uint64_t>, std::less<>> offsets_{};  ///< of elements of arrays
 };
 
+/// Whether a file is a GLB, or JSON that a glTF alone has. A SOG folder's, too, may have a member "asset".
+bool looks_like_gltf(std::string_view text);
+
 /// The member `key` of `entry`, a whole number of at least 0, or `otherwise` if it is absent.
 std::uint64_t whole_number(const JsonEntry& entry, const char* key,
                            std::optional<std::uint64_t> otherwise = {});

@@ -7,6 +7,7 @@
 
 #include "bytes.hpp"
 #include "foreign_file.hpp"
+#include "gltf_document.hpp"
 #include "ksplat_layout.hpp"
 #include "mapped_file.hpp"
 #include "name_ending.hpp"
@@ -18,20 +19,13 @@ namespace swiftgs {
 namespace io {
 namespace {
 
-/// Whether JSON is a glTF; a SOG folder's, too, may have a member "asset".
-bool is_gltf(std::string_view text, std::string_view name) {
+bool is_object(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first == text.npos || text[first] != '{') return false;
-  const std::string_view beginning = text.substr(first, 1 << 16);
-  const auto holds = [&](std::string_view word) { return beginning.find(word) != beginning.npos; };
-  return has_ending(name, ".gltf") || holds("\"KHR_gaussian_splatting") || holds("\"KHR_spz_gaussian") ||
-         (holds("\"asset\"") && (holds("\"buffers\"") || holds("\"accessors\"") || holds("\"meshes\"")));
+  return first != text.npos && text[first] == '{';
 }
 
 bool is_object_with(std::string_view text, std::string_view key, std::string_view other_key) {
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  return first != text.npos && text[first] == '{' && text.find(key) != text.npos &&
-         text.find(other_key) != text.npos;
+  return is_object(text) && text.find(key) != text.npos && text.find(other_key) != text.npos;
 }
 
 /// A format that is told by its content, or by the name's ending.
@@ -51,7 +45,7 @@ constexpr Reader readers[] = {
     {[](std::string_view text, std::string_view) { return text.starts_with("NGSP") || is_gzip_of_spz(text); },
      read_spz, true},
     {[](std::string_view text, std::string_view name) {
-       return text.starts_with("glTF") || is_gltf(text, name);
+       return looks_like_gltf(text) || (has_ending(name, ".gltf") && is_object(text));
      },
      read_gltf},
     {[](std::string_view text, std::string_view name) {

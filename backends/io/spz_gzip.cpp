@@ -64,6 +64,9 @@ class GzipReader {
     }
   }
 
+  /// Bytes inflated so far, those before an error included.
+  std::size_t inflated() const { return stream_.total_out; }
+
   /// Throws unless the stream and the file end here.
   void expect_end() {
     std::byte extra;
@@ -100,12 +103,11 @@ std::string gzip_beginning(std::string_view file, std::size_t most) {
   const Source source{std::as_bytes(std::span(file)), "gzip"};
   GzipReader reader(source);
   std::string beginning(most, '\0');
-  std::size_t size = 0;
   try {
-    while (size < most && reader.read(reinterpret_cast<std::byte*>(beginning.data() + size), 1) == 1) ++size;
+    reader.read(reinterpret_cast<std::byte*>(beginning.data()), most);
   } catch (const FormatError&) {
   }
-  beginning.resize(size);
+  beginning.resize(reader.inflated());
   return beginning;
 }
 
