@@ -49,16 +49,19 @@ void parse_buckets(const Header& header, ByteReader& reader, int level, KsplatSe
   const std::uint64_t room = header.count(4);
   const std::uint64_t buckets = header.count(12), partial = header.count(36);
   section.bucket_size = header.count(8), section.full_buckets = header.count(32);
-  if (buckets > 0 && header.at<std::uint16_t>(20) != centre_bytes)
-    header.fail(20, "12 bytes for the centre of a bucket");
-  if (section.full_buckets + partial > buckets)
-    header.fail(32, "at most " + std::to_string(buckets) + " buckets, found " +
-                        std::to_string(section.full_buckets) + " full and " + std::to_string(partial) +
-                        " others");
+  const std::uint64_t bytes_of_centre = header.at<std::uint16_t>(20);
   std::uint64_t end = section.bucket_size * section.full_buckets;
-  if (level > 0 && end > room)
-    header.fail(
-        32, "full buckets of at most " + std::to_string(room) + " Gaussians, found " + std::to_string(end));
+  if (level > 0) {
+    if (buckets > 0 && bytes_of_centre != centre_bytes)
+      header.fail(20, "12 bytes for the centre of a bucket");
+    if (section.full_buckets + partial > buckets)
+      header.fail(32, "at most " + std::to_string(buckets) + " buckets, found " +
+                          std::to_string(section.full_buckets) + " full and " + std::to_string(partial) +
+                          " others");
+    if (end > room)
+      header.fail(
+          32, "full buckets of at most " + std::to_string(room) + " Gaussians, found " + std::to_string(end));
+  }
   reader.expect(partial, 4, "counts of buckets");
   section.partial_ends.reserve(partial);
   for (std::uint64_t i = 0; i < partial; ++i)
@@ -66,8 +69,7 @@ void parse_buckets(const Header& header, ByteReader& reader, int level, KsplatSe
   if (level > 0 && end < section.count)
     header.fail(32,
                 "buckets for " + std::to_string(section.count) + " Gaussians, found " + std::to_string(end));
-  reader.expect(buckets, centre_bytes, "centres of buckets");
-  section.centres = reader.take(buckets * centre_bytes, "centres of buckets");
+  section.centres = reader.take(buckets * bytes_of_centre, "centres of buckets");
   const double block = header.at<float>(16);
   const std::uint64_t range = header.count(24);
   section.middle = range == 0 ? default_middle : double(range);

@@ -245,6 +245,15 @@ TEST_CASE("ksplat: numbers of the header are refused only where they are used") 
     std::string changed = file;
     set(changed, 36, std::numeric_limits<float>::infinity());
     CHECK(contains(complaint_about(changed), "byte 36: expected a finite range") == (level == 2));
+    // More full buckets than there are, and none that would take bytes.
+    changed = file;
+    set(changed, 4096 + 32, 9u);
+    CHECK(contains(complaint_about(changed), "buckets, found 9 full") == (level > 0));
+    Section section = encode_section(exact_scene(9, 1), 0, 9, level, 4);
+    const std::size_t centres = level == 0 ? 0 : 3 * 12;
+    section.buckets.resize(section.buckets.size() - centres);
+    set(section.header, 12, 3u), set(section.header, 20, std::uint16_t(0));
+    CHECK(contains(complaint_about(ksplat({section}, level)), "12 bytes for the centre") == (level > 0));
   }
 }
 
