@@ -80,25 +80,32 @@ double srgb_of(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
 }
 
+void make_srgb(std::vector<vec3>& colours) {
+  for (vec3& sh0 : colours)
+    for (int c = 0; c < 3; ++c) sh0[c] = float((srgb_of(0.5 + sh_c0 * double(sh0[c])) - 0.5) / sh_c0);
+}
+
 }  // namespace
 
 void read_photograph(const Source& source, const PlyHeader& header,
                      const std::map<std::string, std::uint64_t>& starts, SceneFile& file,
                      std::vector<std::string_view>& read) {
   const Elements elements{source, header, starts};
+  if (const std::vector<double> space = elements.numbers("color_space"); !space.empty()) {
+    read.emplace_back("color_space");
+    if (space[0] != 0) {
+      make_srgb(file.scene.sh0);
+      file.notes.push_back("The colours are linear (color_space) and become sRGB.");
+    }
+  }
   file.camera = camera_of(elements);
   if (!file.camera) return;
-  file.notes.push_back("The file has a camera of its own, of " + std::to_string(file.camera->width) + "x" +
-                       std::to_string(file.camera->height) + " pixels.");
-  // The others tell of the training, and change no frame.
-  for (const char* name :
-       {"extrinsic", "intrinsic", "image_size", "color_space", "frame", "disparity", "version"})
+  file.notes.push_back("The file holds the camera of its photograph, of " +
+                       std::to_string(file.camera->width) + "x" + std::to_string(file.camera->height) +
+                       " pixels.");
+  // The last three tell of the training, and change no frame.
+  for (const char* name : {"extrinsic", "intrinsic", "image_size", "frame", "disparity", "version"})
     read.emplace_back(name);
-  const std::vector<double> space = elements.numbers("color_space");
-  if (space.empty() || space[0] == 0) return;
-  for (vec3& sh0 : file.scene.sh0)
-    for (int c = 0; c < 3; ++c) sh0[c] = float((srgb_of(0.5 + sh_c0 * double(sh0[c])) - 0.5) / sh_c0);
-  file.notes.push_back("The colours are linear (color_space) and become sRGB.");
 }
 
 }  // namespace swiftgs::io

@@ -55,7 +55,7 @@ TEST_CASE("cli layouts: a photograph's scene is drawn from its own camera") {
   place.write("photo.ply", photograph());
   const Outcome outcome = swiftgs::test::swiftgs(place, "render photo.ply --format pfm");
   CHECK(outcome.code == 0);
-  CHECK(outcome.err == "swiftgs: photo.ply: The file has a camera of its own, of 48x32 pixels.\n");
+  CHECK(outcome.err == "swiftgs: photo.ply: The file holds the camera of its photograph, of 48x32 pixels.\n");
   const Image image = read_image(place / "renders/view.pfm");
   CHECK(image.width == 48);
   CHECK(image.height == 32);

@@ -116,7 +116,8 @@ TEST_CASE("layouts: the camera of SHARP's photograph is read") {
     CHECK(file.camera->cx == 24);
     CHECK(file.camera->cy == 16);
     CHECK(file.camera->rotation == dmat3(1.0));
-    CHECK(file.notes == std::vector<std::string>{"The file has a camera of its own, of 48x32 pixels."});
+    CHECK(file.notes ==
+          std::vector<std::string>{"The file holds the camera of its photograph, of 48x32 pixels."});
   }
   // A quarter turn about z and a step: the matrix is stored by rows.
   std::vector<Extra> turned = sharp_extras();
@@ -141,22 +142,28 @@ TEST_CASE("layouts: the camera of an early SHARP is read") {
 }
 
 // ml-sharp before it converted colours for other programs: color_space 1 is linear.
-TEST_CASE("layouts: linear colours of SHARP become sRGB") {
+TEST_CASE("layouts: linear colours of SHARP become sRGB with or without a camera") {
   std::vector<Extra> extras = sharp_extras();
   extras[5].values = {1};
-  const SceneFile file = read(with_extras(extras, "binary_little_endian"));
-  const double c0 = 0.28209479177387814, linear = 0.5 + c0 * 0.25;
-  const double srgb = 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-  CHECK(file.scene.sh0[0].x == doctest::Approx((srgb - 0.5) / c0).epsilon(1e-6));
-  CHECK(contains(all_notes(file), "The colours are linear (color_space) and become sRGB."));
+  for (const bool camera : {true, false}) {
+    if (!camera) extras.erase(extras.begin(), extras.begin() + 3);
+    const SceneFile file = read(with_extras(extras, "binary_little_endian"));
+    CHECK(file.camera.has_value() == camera);
+    const double c0 = 0.28209479177387814, linear = 0.5 + c0 * 0.25;
+    const double srgb = 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+    CHECK(file.scene.sh0[0].x == doctest::Approx((srgb - 0.5) / c0).epsilon(1e-6));
+    CHECK(contains(all_notes(file), "The colours are linear (color_space) and become sRGB."));
+  }
 }
 
 TEST_CASE("layouts: a camera that is none is noted and refuses nothing") {
   for (const std::size_t changed : {0, 1, 2}) {
     std::vector<Extra> extras = sharp_extras();
     extras[changed].values = {0, 0};
+    check_gaussian(read(with_extras(extras, "binary_little_endian")));
+    extras[5].values = {1};  // linear colours become sRGB all the same
     const SceneFile file = read(with_extras(extras, "binary_little_endian"));
-    check_gaussian(file);
+    CHECK(file.scene.sh0[0].x > 0.3f);
     CHECK(!file.camera);
     CHECK(contains(all_notes(file), "Elements other than Gaussians were not read: extrinsic, intrinsic, "));
   }
@@ -251,10 +258,9 @@ TEST_CASE("layouts: a point cloud is called one") {
   const auto complaint_about = [](const std::string& content) { return complaint([&] { read(content); }); };
   const std::vector<PlyValue> points = {{"float", "x", 0},   {"float", "y", 0},     {"float", "z", 0},
                                         {"uchar", "red", 0}, {"uchar", "green", 0}, {"uchar", "blue", 0}};
-  CHECK(
-      complaint_about(ply(points)) ==
-      "test.ply: byte 36: expected Gaussians, found a point cloud: no Gaussians: properties x y z red green "
-      "blue");
+  CHECK(complaint_about(ply(points)) ==
+        "test.ply: byte 36: expected Gaussians, found a point cloud with no Gaussians: properties x y z red "
+      "green blue");
   auto normals = points;
   normals.insert(normals.begin() + 3, {{"float", "nx", 0}, {"float", "ny", 0}, {"float", "nz", 0}});
   CHECK(contains(complaint_about(ply(normals)), "no Gaussians: properties x y z nx ny nz red green blue"));
