@@ -46,13 +46,13 @@ void compare(const CompareOptions& options) {
                                 shape_of(b));
   const Comparison comparison{psnr(a.pixels, b.pixels),
                               ssim(a.width, a.height, a.channels, a.pixels, b.pixels),
-                              max_abs_difference(a.pixels, b.pixels)};
+                              max_abs_difference(a.pixels, b.pixels), notes};
   std::printf("%s\n", to_json(comparison).c_str());
 }
 
 constexpr const char* more =
-    R"(Prints psnr_db, ssim and max_abs. Images are PNG, JPEG, PFM or EXR of the same size; alpha
-is left out. Values are those of the files, 0 to 1 in files of integers. psnr_db of equal
+    R"(Prints psnr_db, ssim, max_abs and notes. Images are PNG, JPEG, PFM or EXR of the same size;
+alpha is left out. Values are those of the files, 0 to 1 in files of integers. psnr_db of equal
 images is null, as JSON has no infinity.
 
 Example:

@@ -12,6 +12,7 @@
 #include "commands.hpp"
 #include "distinct_files.hpp"
 #include "json_text.hpp"
+#include "notes.hpp"
 #include "options.hpp"
 #include "result_file.hpp"
 #include "result_head.hpp"
@@ -102,8 +103,8 @@ void print_info(const std::string& name, const SceneFile& file, double seconds, 
 
 Json or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
-std::string to_json(const std::string& scene, const SceneFile& file, double seconds, const Beside& beside,
-                    const std::vector<Distribution>& distributions) {
+std::string to_json(const std::string& scene, const std::string& path, const SceneFile& file, double seconds,
+                    const Beside& beside, const std::vector<Distribution>& distributions) {
   Json json{{"scene", scene},
             {"cameras", or_null(beside.cameras)},
             {"photos", or_null(beside.photos)},
@@ -123,7 +124,7 @@ std::string to_json(const std::string& scene, const SceneFile& file, double seco
       percentiles[distribution.member].push_back(rounded(distribution.at(part), 9));
   json["percentiles"] = percentiles;
   ResultHead head = head_of("swiftgs-info");
-  head.notes = file.notes;
+  head.notes = notes_of(path, file.notes);
   return document_of(head, members_of(json));
 }
 
@@ -140,7 +141,8 @@ void info(const InfoOptions& options) {
     print_info(options.scene.scene, file, seconds, beside);
     print_distributions(distributions);
   }
-  if (json.is_wanted()) json.write(to_json(capture.name, file, seconds, beside, distributions));
+  if (json.is_wanted())
+    json.write(to_json(capture.name, capture.scene.string(), file, seconds, beside, distributions));
   json.finish();
 }
 

@@ -45,8 +45,10 @@ Json object_of(const RenderResult& result) {
 }  // namespace
 
 std::string to_json(const Comparison& comparison) {
-  return text_of(
-      {{"psnr_db", comparison.psnr_db}, {"ssim", comparison.ssim}, {"max_abs", comparison.max_abs}});
+  return text_of({{"psnr_db", comparison.psnr_db},
+                  {"ssim", comparison.ssim},
+                  {"max_abs", comparison.max_abs},
+                  {"notes", comparison.notes}});
 }
 
 std::string to_json(const ResultHead& head, const std::vector<RenderResult>& results) {

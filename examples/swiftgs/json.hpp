@@ -16,6 +16,7 @@ namespace swiftgs::cli {
 /// How two images differ. JSON has no infinity: `psnr_db` of equal images is written as null.
 struct Comparison {
   double psnr_db = 0, ssim = 0, max_abs = 0;
+  std::vector<std::string> notes{};  ///< as `say_notes` says them
 };
 
 /// One frame of `check`, against the reference.

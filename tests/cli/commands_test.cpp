@@ -220,7 +220,8 @@ TEST_CASE("cli: an image compared with itself has no difference") {
   run(place, "render builtin:500 --scale 0.05");
   const Outcome outcome = run(place, "compare renders/front.png renders/front.png");
   const json result = json::parse(outcome.out);
-  CHECK(result.size() == 3);
+  CHECK(result.size() == 4);
+  CHECK(result["notes"] == json::array());
   CHECK(result["max_abs"] == 0);
   CHECK(result["ssim"].get<double>() == doctest::Approx(1));
   CHECK(result["psnr_db"].is_null());

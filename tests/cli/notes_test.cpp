@@ -66,7 +66,10 @@ TEST_CASE("cli notes: every command that reads cameras says theirs before those 
     const Place place;
     const json matrix = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 4}, {0, 0, 0, 1}};
     const json frame = {{"file_path", "a.png"}, {"transform_matrix", matrix}};
-    const json file = {{"w", 16}, {"h", 12}, {"fl_x", 20}, {"rolling_shutter", {0, 0, 0.5}},
+    const json file = {{"w", 16},
+                       {"h", 12},
+                       {"fl_x", 20},
+                       {"rolling_shutter", {0, 0, 0.5}},
                        {"frames", json::array({frame, frame})}};
     place.write("transforms.json", file.dump());
     // A capture, so that `bench` finds the cameras too.
@@ -91,6 +94,8 @@ TEST_CASE("cli notes: info lists them in its table") {
   const Outcome outcome = swiftgs::test::run(place, "info scene.ply");
   CHECK(contains(outcome.out, "note            " + left_out.substr(11) + "\n"));
   CHECK(contains(outcome.out, "note            " + not_read.substr(11) + "\n"));
+  swiftgs::test::run(place, "info scene.ply --json info.json");
+  CHECK(json_in(place / "info.json")["notes"] == json({not_read, left_out}));
 }
 
 TEST_CASE("cli notes: compare says that alpha is not compared") {
@@ -101,5 +106,6 @@ TEST_CASE("cli notes: compare says that alpha is not compared") {
   CAPTURE(outcome.err);
   CHECK(outcome.code == 0);
   CHECK(contains(outcome.err, "swiftgs: a.png: Alpha is not compared.\n"));
-  CHECK(json::parse(outcome.out).size() == 3);
+  const std::string note = "a.png: Alpha is not compared.";
+  CHECK(json::parse(outcome.out)["notes"] == json({note, note}));
 }
