@@ -240,9 +240,7 @@ class GltfReader {
       document_.item("nodes", instance.place->node, document_.root())
           .fail("a node that keeps Gaussians within the range of float");
     }
-    for (std::size_t i = 0; i < before.size(); ++i)
-      if (renderable(part, i))
-        rounding_ = std::max(rounding_, distance_to_float(turned(dvec3(before[i])), part.means[i]));
+    for (std::size_t i = 0; i < before.size(); ++i) rounding_.add(part, i, turned(dvec3(before[i])));
   }
 
   static void resize(Scene& scene, std::size_t count) {
@@ -292,7 +290,7 @@ class GltfReader {
   std::vector<Instance> instances_{};
   std::uint64_t count_ = 0;  ///< of Gaussians of all instances
   bool logarithmic_ = false;
-  double rounding_ = 0;  ///< largest distance that rounding has moved a mean
+  MeanRounding rounding_{};
   std::string spz_format_{};
   SceneFile file_{};
 };

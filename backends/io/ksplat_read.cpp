@@ -39,12 +39,12 @@ class BucketWalk {
   std::vector<std::uint64_t>::const_iterator partial_;
 };
 
-vec3 quantised_mean(const KsplatSection& section, const std::byte* record, std::uint64_t bucket) {
-  vec3 mean;
+dvec3 quantised_mean(const KsplatSection& section, const std::byte* record, std::uint64_t bucket) {
+  dvec3 mean;
   const std::byte* centre = section.centres + 12 * bucket;
   for (int axis = 0; axis < 3; ++axis) {
     const double stored = load<std::uint16_t>(record + 2 * axis);
-    mean[axis] = float((stored - section.middle) * section.unit + double(load<float>(centre + 4 * axis)));
+    mean[axis] = (stored - section.middle) * section.unit + double(load<float>(centre + 4 * axis));
   }
   return mean;
 }
@@ -65,10 +65,17 @@ std::array<float, 256> colours_of_bytes() {
   return colours;
 }
 
+/// Where Gaussians go.
+struct Decoded {
+  Scene& scene;
+  MeanRounding rounding{};
+};
+
 /// Decodes Gaussians [begin, end) of a section, the first of which is number 0.
 template <int Level>
-void decode(const KsplatLayout& layout, const KsplatSection& section, Scene& scene, std::uint64_t begin,
+void decode(const KsplatLayout& layout, const KsplatSection& section, Decoded& to, std::uint64_t begin,
             std::uint64_t end) {
+  Scene& scene = to.scene;
   constexpr std::size_t size = Level == 0 ? 4 : 2, colour_at = Level == 0 ? 40 : 20;
   const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   static const std::array<float, 256> colours = colours_of_bytes();
@@ -76,10 +83,12 @@ void decode(const KsplatLayout& layout, const KsplatSection& section, Scene& sce
   for (std::uint64_t local = begin; local < end; ++local) {
     const std::byte* record = section.records + local * section.record_bytes;
     const std::size_t i = section.first + local;
+    dvec3 mean;
     if constexpr (Level == 0)
-      scene.means[i] = {number<0>(record, 0), number<0>(record, 1), number<0>(record, 2)};
+      mean = {number<0>(record, 0), number<0>(record, 1), number<0>(record, 2)};
     else
-      scene.means[i] = quantised_mean(section, record, buckets.bucket_of(local));
+      mean = quantised_mean(section, record, buckets.bucket_of(local));
+    scene.means[i] = vec3(mean);
     const std::byte *scale = record + 3 * size, *rotation = record + 6 * size, *colour = record + colour_at;
     scene.scales[i] = {number<Level>(scale, 0), number<Level>(scale, 1), number<Level>(scale, 2)};
     scene.rotations[i] = normalised(number<Level>(rotation, 0), number<Level>(rotation, 1),
@@ -97,6 +106,7 @@ void decode(const KsplatLayout& layout, const KsplatSection& section, Scene& sce
             return number<Level>(sh, k);
         },
         scene.sh_rest.data() + i * rest);
+    to.rounding.add(scene, i, mean);
   }
 }
 
@@ -109,16 +119,18 @@ SceneFile read_ksplat(const Source& source, const SceneReadOptions& options) {
   file.format = ".ksplat (level " + std::to_string(layout.level) + ")";
   file.stored = layout.count;
   allocate(file.scene, layout.count, layout.sh_degree);
+  Decoded decoded{file.scene};
   constexpr auto decoders = std::array{decode<0>, decode<1>, decode<2>};
   const auto count = double(layout.count);
   for (const KsplatSection& section : layout.sections) {
     const auto part =
         progress.step(double(section.first) / count, double(section.first + section.count) / count);
     for_parts(section.count, part, [&](std::size_t begin, std::size_t end) {
-      decoders[std::size_t(layout.level)](layout, section, file.scene, begin, end);
+      decoders[std::size_t(layout.level)](layout, section, decoded, begin, end);
     });
   }
   drop_signs_of_scales(file);
+  note_rounded_means(file, decoded.rounding);
   file.dropped_nonfinite = drop_nonfinite(file.scene);
   return file;
 }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -46,6 +47,7 @@ void smooth(Scene& scene, std::size_t i, int axes, double deviation) {
 struct Decoded {
   Scene& scene;
   std::vector<dvec3>& exact_means;
+  MeanRounding& rounding;
 };
 
 /// Activates the Gaussian in `row` and stores it as number `i`.
@@ -67,9 +69,12 @@ void decode_row(const PlyLayout& layout, const std::byte* row, const Field& of, 
   float* rest = scene.sh_rest.data() + i * layout.sh.fields.size();
   for (const PlyField& f : layout.sh.fields) *rest++ = field(row, f);
   if (layout.filter) smooth(scene, i, layout.flat ? 2 : 3, of.exact(row, *layout.filter));
-  if (to.exact_means.empty()) return;
-  for (int axis = 0; axis < 3; ++axis)
-    to.exact_means[i][axis] = of.exact(row, layout.mean[std::size_t(axis)]);
+  if constexpr (!std::is_same_v<Field, LittleFloat>) {
+    const dvec3 exact(of.exact(row, layout.mean[0]), of.exact(row, layout.mean[1]),
+                      of.exact(row, layout.mean[2]));
+    to.rounding.add(scene, i, exact);
+    if (!to.exact_means.empty()) to.exact_means[i] = exact;
+  }
 }
 
 template <class Field>
@@ -132,18 +137,26 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
   allocate(file.scene, file.stored, layout.sh.degree);
   file.scene.antialiased = model.antialiased;
   std::vector<dvec3> exact_means;
-  if (layout.wide_means()) exact_means.resize(file.stored);
+  if (options.exact_means && layout.wide_means()) exact_means.resize(file.stored);
+  MeanRounding rounding;
   decode_vertices(source, header, vertex, layout, starts.at(vertex.name), first, progress.step(locating, 1),
-                  {file.scene, exact_means});
+                  {file.scene, exact_means, rounding});
   file.notes = notes_of(layout.flat, layout.has_third_scale, layout.sh);
   if (layout.filter)
     file.notes.push_back(
-        "The 3D filter of the Gaussians (filter_3D) is applied to scales and opacities; 'swiftgs convert "
-        "--antialiased yes' says that they were trained with a 2D filter too.");
+        "The 3D filter of the Gaussians (filter_3D) is applied to scales and opacities; add "
+        "--antialiased yes to 'swiftgs convert' if they were trained with Mip-Splatting's 2D filter.");
   std::vector<std::string_view> read = {"vertex"};
   read_photograph(source, header, starts, file, read);
   note_unread(header, read, layout.unread, file.notes);
-  keep_exact_means(file, std::move(exact_means));
+  if (!options.exact_means) {
+    if (note_rounded_means(file, rounding)) {
+      file.notes.back().pop_back();
+      file.notes.back() += "; 'swiftgs convert --transform move:X,Y,Z' moves them before it rounds them.";
+    }
+  } else if (!rounding_note(file.scene, rounding.most()).empty()) {
+    file.exact_means = std::move(exact_means);
+  }
   file.dropped_nonfinite = drop_nonfinite(file.scene, file.exact_means);
   return file;
 }

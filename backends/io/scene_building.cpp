@@ -114,34 +114,11 @@ std::uint64_t drop_nonfinite(Scene& scene, std::vector<dvec3>& exact_means) {
   return dropped;
 }
 
-bool note_rounded_means(SceneFile& file, double most) {
-  constexpr double seen = 1e-6;
-  vec3 lower(std::numeric_limits<float>::infinity()), upper = -lower;
-  double size = 0;
-  for (std::size_t i = 0; i < file.scene.size(); ++i) {
-    if (!renderable(file.scene, i)) continue;
-    const vec3 &mean = file.scene.means[i], &scale = file.scene.scales[i];
-    lower = glm::min(lower, mean), upper = glm::max(upper, mean);
-    for (int axis = 0; axis < 3; ++axis)
-      size = std::max({size, double(scale[axis]), double(upper[axis]) - double(lower[axis])});
-  }
-  if (!(most > seen * size)) return false;
-  char distance[32];
-  std::snprintf(distance, sizeof distance, "%.3g", most);
-  file.notes.push_back(
-      "Positions are so far from the origin that rounding them to float moves them by up to " +
-      std::string(distance) + " units of the scene.");
+bool note_rounded_means(SceneFile& file, const MeanRounding& rounding) {
+  std::string note = rounding_note(file.scene, rounding.most());
+  if (note.empty()) return false;
+  file.notes.push_back(std::move(note));
   return true;
-}
-
-void keep_exact_means(SceneFile& file, std::vector<dvec3> exact_means) {
-  double most = 0;
-  for (std::size_t i = 0; i < exact_means.size(); ++i)
-    if (renderable(file.scene, i)) most = std::max(most, distance_to_float(exact_means[i], file.scene.means[i]));
-  if (most == 0 || !note_rounded_means(file, most)) return;
-  file.notes.back().pop_back();
-  file.notes.back() += "; 'swiftgs convert --transform move:X,Y,Z' moves them before.";
-  file.exact_means = std::move(exact_means);
 }
 
 void note_dropped(std::uint64_t dropped, std::vector<std::string>& notes) {
@@ -150,3 +127,25 @@ void note_dropped(std::uint64_t dropped, std::vector<std::string>& notes) {
 }
 
 }  // namespace swiftgs::io
+
+namespace swiftgs {
+
+std::string rounding_note(const Scene& scene, double most) {
+  constexpr double seen = 1e-6;
+  vec3 lower(std::numeric_limits<float>::infinity()), upper = -lower;
+  double size = 0;
+  for (std::size_t i = 0; most > 0 && i < scene.size(); ++i) {
+    if (!io::renderable(scene, i)) continue;
+    const vec3 &mean = scene.means[i], &scale = scene.scales[i];
+    lower = glm::min(lower, mean), upper = glm::max(upper, mean);
+    for (int axis = 0; axis < 3; ++axis)
+      size = std::max({size, double(scale[axis]), double(upper[axis]) - double(lower[axis])});
+  }
+  if (!(most > seen * size)) return "";
+  char distance[32];
+  std::snprintf(distance, sizeof distance, "%.3g", most);
+  return "Positions are so far from the origin that rounding them to float moves them by up to " +
+         std::string(distance) + " units of the scene.";
+}
+
+}  // namespace swiftgs

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include <swiftgs/activation.hpp>
 #include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/sh.hpp>
 
@@ -33,18 +35,25 @@ void drop_signs_of_scales(SceneFile& file);
 std::uint64_t drop_nonfinite(Scene& scene, std::vector<dvec3>& exact_means);
 std::uint64_t drop_nonfinite(Scene& scene);
 
-/// How far `rounded` is from `exact` along an axis.
-inline double distance_to_float(const dvec3& exact, const vec3& rounded) {
-  const dvec3 moved = glm::abs(exact - dvec3(rounded));
-  return std::max({moved.x, moved.y, moved.z});
-}
+/// How far rounding to float moves means: the largest distance, of Gaussians that can be rendered.
+class MeanRounding {
+ public:
+  /// Compares Gaussian `i`, when it is decoded, with its `exact` mean. Threads may call it at once.
+  void add(const Scene& scene, std::size_t i, const dvec3& exact) {
+    const dvec3 moved = exact - dvec3(scene.means[i]);
+    const double distance = std::sqrt(detail::dot(moved, moved));
+    double most = most_.load(std::memory_order_relaxed);
+    while (distance > most && renderable(scene, i) && !most_.compare_exchange_weak(most, distance)) {
+    }
+  }
+  double most() const { return most_; }
 
-/// Notes that rounding has moved means by up to `most`, if that can be seen: if it is more than a millionth of
-/// the scene's size. Returns whether it is.
-bool note_rounded_means(SceneFile& file, double most);
+ private:
+  std::atomic<double> most_ = 0;
+};
 
-/// Sets `file.exact_means` and notes it, if it can be seen that the scene has them rounded.
-void keep_exact_means(SceneFile& file, std::vector<dvec3> exact_means);
+/// Adds `rounding_note` of the scene to the notes. Returns whether there is one.
+bool note_rounded_means(SceneFile& file, const MeanRounding& rounding);
 
 /// Adds a note of so many Gaussians that `drop_nonfinite` removed, unless they are none.
 void note_dropped(std::uint64_t dropped, std::vector<std::string>& notes);

@@ -9,6 +9,7 @@
 #include <swiftgs/scene.hpp>
 
 #include "progress_meter.hpp"
+#include "scene_building.hpp"
 #include "sog_files.hpp"
 #include "sog_image.hpp"
 #include "sog_meta.hpp"
@@ -62,6 +63,6 @@ struct SogRange {
 };
 
 SogOddities decode_gaussians(const SogContent& sog, const SogPixels& pixels, const SogRange& range,
-                             const ProgressMeter& progress, Scene& scene);
+                             const ProgressMeter& progress, Scene& scene, MeanRounding& rounding);
 
 }  // namespace swiftgs::io

@@ -18,11 +18,11 @@ class MeanDecoder {
   explicit MeanDecoder(const SogMeta& meta)
       : least_(meta.mean_min), step_((meta.mean_max - meta.mean_min) / 65535.0) {}
 
-  vec3 operator()(const std::uint8_t* low, const std::uint8_t* high) const {
-    vec3 mean;
+  dvec3 operator()(const std::uint8_t* low, const std::uint8_t* high) const {
+    dvec3 mean;
     for (int axis = 0; axis < 3; ++axis) {
       const double logarithm = least_[axis] + step_[axis] * (low[axis] | high[axis] << 8);
-      mean[axis] = float(std::copysign(std::exp(std::abs(logarithm)) - 1, logarithm));
+      mean[axis] = std::copysign(std::exp(std::abs(logarithm)) - 1, logarithm);
     }
     return mean;
   }
@@ -66,7 +66,7 @@ vec3 three(const std::array<SogMeta::Table, 3>& tables, const std::uint8_t* pixe
 }  // namespace
 
 SogOddities decode_gaussians(const SogContent& sog, const SogPixels& pixels, const SogRange& range,
-                             const ProgressMeter& progress, Scene& scene) {
+                             const ProgressMeter& progress, Scene& scene, MeanRounding& rounding) {
   const std::size_t rest = 3 * std::size_t(sh_rest_count(sog.sh_degree));
   const std::size_t stride = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   const MeanDecoder mean(sog.meta);
@@ -77,7 +77,8 @@ SogOddities decode_gaussians(const SogContent& sog, const SogPixels& pixels, con
     for (std::size_t i = begin; i < end; ++i) {
       const auto pixel = [&](SogImageKind kind) { return pixels.images[kind].get() + 4 * (range.first + i); };
       const std::size_t to = range.to + i;
-      scene.means[to] = mean(pixel(sog_means_low), pixel(sog_means_high));
+      const dvec3 exact = mean(pixel(sog_means_low), pixel(sog_means_high));
+      scene.means[to] = vec3(exact);
       scene.scales[to] = three(sog.meta.scales, pixel(sog_scales));
       if (RotationDecoder::is_valid(pixel(sog_rotations)))
         scene.rotations[to] = rotation(pixel(sog_rotations));
@@ -85,13 +86,15 @@ SogOddities decode_gaussians(const SogContent& sog, const SogPixels& pixels, con
         ++odd.rotations;
       scene.sh0[to] = three(sog.meta.colours, pixel(sog_colours));
       scene.opacities[to] = sog.meta.opacities[pixel(sog_colours)[3]];
-      if (rest == 0) continue;
-      const std::size_t label = pixel(sog_sh_labels)[0] | std::size_t(pixel(sog_sh_labels)[1]) << 8;
-      if (label < sog.palette_size)
-        std::memcpy(scene.sh_rest.data() + to * stride, pixels.palette.data() + label * rest,
-                    rest * sizeof(float));
-      else
-        ++odd.labels;
+      if (rest != 0) {
+        const std::size_t label = pixel(sog_sh_labels)[0] | std::size_t(pixel(sog_sh_labels)[1]) << 8;
+        if (label < sog.palette_size)
+          std::memcpy(scene.sh_rest.data() + to * stride, pixels.palette.data() + label * rest,
+                      rest * sizeof(float));
+        else
+          ++odd.labels;
+      }
+      rounding.add(scene, to, exact);
     }
     odd_labels += odd.labels, odd_rotations += odd.rotations;
   });

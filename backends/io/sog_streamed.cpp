@@ -165,7 +165,7 @@ void decode_chunk(const SogFiles& open, const Chunk& chunk, const ProgressMeter&
   const Progress none;
   const ProgressMeter silent(none, file.source.name);
   for (const SogRange& range : chunk.ranges)
-    findings.add(sog.meta, decode_gaussians(sog, pixels, range, silent, scene));
+    findings.add(sog.meta, decode_gaussians(sog, pixels, range, silent, scene, findings.rounding()));
   progress.report(1);
 }
 

@@ -121,8 +121,10 @@ struct Joined {
 };
 
 /// What one input holds, and the row for it.
-SceneFile read(SceneOptions from, const std::string& name, ConvertProgress& progress, ConvertResult& result) {
-  from.scene = name;
+SceneFile read(const ConvertOptions& options, const std::string& name, ConvertProgress& progress,
+               ConvertResult& result) {
+  SceneOptions from = options.scene;
+  from.scene = name, from.exact_means = !options.transforms.empty();
   const auto begin = std::chrono::steady_clock::now();
   SceneFile file = load(from, progress.of_next_file("read " + name));
   ConvertedFile row{.name = name,
@@ -146,6 +148,16 @@ void move(Joined& all, const Similarity& by) {
     for (std::size_t i = 0; i < means.size(); ++i) all.scene.means[first + i] = vec3(means[i] = by(means[i]));
 }
 
+/// The note of what rounding still moves when all is moved, if it can be seen.
+std::vector<std::string> rounding_notes(const Joined& all) {
+  double most = 0;
+  for (const auto& [first, means] : all.exact)
+    for (std::size_t i = 0; i < means.size(); ++i)
+      most = std::max(most, glm::length(means[i] - dvec3(all.scene.means[first + i])));
+  const std::string note = rounding_note(all.scene, most);
+  return note.empty() ? std::vector<std::string>{} : std::vector{note};
+}
+
 void edit(Joined& all, const ConvertOptions& options, const Edits& edits, ConvertProgress& progress,
           ConvertResult& result) {
   Scene& scene = all.scene;
@@ -158,6 +170,10 @@ void edit(Joined& all, const ConvertOptions& options, const Edits& edits, Conver
     step("--degree " + std::to_string(options.degree),
          [&] { scene = with_degree(std::move(scene), options.degree); });
   for (const auto& [what, by] : edits.transforms) step(what, [&, &by = by] { move(all, by); });
+  if (!all.exact.empty()) {
+    progress.clear();
+    say_notes(options.files.back(), rounding_notes(all), result.head.notes);
+  }
   for (const auto& [what, region] : edits.crops)
     step(what, [&, &region = region] {
       scene = std::visit([&](const auto& r) { return crop(scene, r); }, region);
@@ -174,7 +190,7 @@ Joined read_all(const ConvertOptions& options, const std::vector<std::string>& i
   Joined joined;
   Scene& all = joined.scene;
   for (const std::string& name : inputs) {
-    SceneFile file = read(options.scene, name, progress, result);
+    SceneFile file = read(options, name, progress, result);
     Scene& scene = file.scene;
     if (!file.exact_means.empty()) joined.exact.push_back({all.size(), std::move(file.exact_means)});
     if (!options.antialiased.empty()) scene.antialiased = options.antialiased == "yes";

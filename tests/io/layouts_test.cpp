@@ -17,7 +17,9 @@ using namespace swiftgs::test;
 
 namespace {
 
-SceneFile read(const std::string& content) { return read_scene(as_bytes(content), "test.ply"); }
+SceneFile read(const std::string& content, const SceneReadOptions& options = {}) {
+  return read_scene(as_bytes(content), "test.ply", options);
+}
 
 std::string all_notes(const SceneFile& file) {
   std::string all;
@@ -260,7 +262,7 @@ TEST_CASE("layouts: a point cloud is called one") {
                                         {"uchar", "red", 0}, {"uchar", "green", 0}, {"uchar", "blue", 0}};
   CHECK(complaint_about(ply(points)) ==
         "test.ply: byte 36: expected Gaussians, found a point cloud with no Gaussians: properties x y z red "
-      "green blue");
+        "green blue");
   auto normals = points;
   normals.insert(normals.begin() + 3, {{"float", "nx", 0}, {"float", "ny", 0}, {"float", "nz", 0}});
   CHECK(contains(complaint_about(ply(normals)), "no Gaussians: properties x y z nx ny nz red green blue"));
@@ -278,14 +280,18 @@ TEST_CASE("layouts: positions that float cannot hold are told with the largest m
       auto gaussian = plain_gaussian();
       for (PlyValue& value : gaussian)
         if (type == "double") value.type = type;
-      property(gaussian, "y") = {type, "y", type == "double" ? 5403209.75 : 16777217 * 8 + 4};
+      for (const char* axis : {"x", "y"})
+        property(gaussian, axis) = {type, axis, type == "double" ? 5403209.75 : 16777217 * 8 + 4};
       PlyParts parts{.format = format};
       if (format == "ascii" && type != "double") continue;  // of more digits than the text has
       const SceneFile file = read(ply(gaussian, parts));
-      REQUIRE(file.exact_means.size() == 1);
-      CHECK(file.exact_means[0].y == property(gaussian, "y").value);
-      CHECK(
-          contains(all_notes(file), type == "double" ? "them by up to 0.25 units" : "them by up to 4 units"));
+      CHECK(file.exact_means.empty());
+      CHECK(contains(all_notes(file),
+                     type == "double" ? "them by up to 0.354 units" : "them by up to 5.66 units"));
+      const SceneFile exact = read(ply(gaussian, parts), {.exact_means = true});
+      REQUIRE(exact.exact_means.size() == 1);
+      CHECK(exact.exact_means[0].y == property(gaussian, "y").value);
+      CHECK(exact.notes.empty());
     }
 }
 
@@ -295,8 +301,8 @@ TEST_CASE("layouts: doubles near the origin are no news") {
   property(gaussian, "x").value = 0.1;
   const SceneFile file = read(ply(gaussian));
   CHECK(file.scene.means[0].x == 0.1f);
-  CHECK(file.exact_means.empty());
   CHECK(file.notes.empty());
+  CHECK(read(ply(gaussian), {.exact_means = true}).exact_means.empty());
 }
 
 TEST_CASE("layouts: exact positions are those of the Gaussians that are kept") {
@@ -308,7 +314,7 @@ TEST_CASE("layouts: exact positions are those of the Gaussians that are kept") {
   std::memcpy(content.data() + last + 4, &other, sizeof other);
   const float infinite = std::numeric_limits<float>::infinity();
   std::memcpy(content.data() + last - row, &infinite, sizeof infinite);  // x of the second
-  const SceneFile file = read(content);
+  const SceneFile file = read(content, {.exact_means = true});
   CHECK(file.dropped_nonfinite == 1);
   REQUIRE(file.exact_means.size() == 2);
   CHECK(file.exact_means[0].y == 5403209.75);

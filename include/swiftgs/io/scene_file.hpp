@@ -34,6 +34,9 @@ struct SceneReadOptions {
   /// Of the file's Gaussians: reads these alone. Of PLY files, compressed ones included, and of `.splat` it
   /// touches no other bytes, of text PLY none behind them. An SPZ is unpacked as a whole, and a part decoded.
   ScenePart part{};
+  /// Keep positions that float cannot hold as `SceneFile::exact_means` instead of noting their rounding.
+  /// Takes 24 bytes a Gaussian more while a PLY of text or of doubles is read.
+  bool exact_means = false;
 };
 
 /// A scene and what reading it brought up.
@@ -44,11 +47,18 @@ struct SceneFile {
   std::uint64_t stored = 0;             ///< Gaussians in the file, or in the part of it that was asked for
   std::uint64_t dropped_nonfinite = 0;  ///< those of them with a NaN or an infinity that cannot be rendered
   std::vector<std::string> notes;       ///< what of the file the scene does not carry, a sentence each
-  std::optional<Camera> camera{};  ///< of the photograph that the scene was made of, where the file has it
-  /// Means as the file has them, for programs that move the scene before they round it. Empty unless rounding
-  /// to float moves one by more than a millionth of the scene's size, which is noted then.
+  /// Of the photograph that the scene was made of, where the file has it: @units{pixels}, and world units of
+  /// the scene.
+  std::optional<Camera> camera{};
+  /// Means as a PLY has them, for programs that move the scene before they round it: @shape{N, 3} like
+  /// `scene.means`, in the same units. Empty unless `SceneReadOptions::exact_means` asks for them and
+  /// `rounding_note` would say that rounding moves them.
   std::vector<dvec3> exact_means{};
 };
+
+/// The note that rounding to float moved means of `scene` by up to `most`, in units of the scene. Empty if
+/// that cannot be seen: if it is at most a millionth of the scene's size.
+SWIFTGS_API std::string rounding_note(const Scene& scene, double most);
 
 /// Reads a scene of any format that docs/formats.md lists. The content decides which; `.splat` files begin
 /// with nothing of their own and go by their name's ending. A text glTF names files in its folder. `path` may
