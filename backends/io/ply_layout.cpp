@@ -35,7 +35,8 @@ PlyLayout find_layout(const Source& source, const PlyElement& vertex, PlyEncodin
   PlyFields fields(source, vertex, encoding);
   if (fields.has("packed_position")) fields.fail("an element 'chunk' beside the packed vertices");
   if (holds_points_alone(fields))
-    fields.fail("Gaussians, found a point cloud with no Gaussians: properties " + listed(fields.names(), " "));
+    fields.fail("Gaussians, found a point cloud with no Gaussians: properties " +
+                listed(fields.names(), " "));
   PlyLayout layout;
   const auto three = [&](const char* a, const char* b, const char* c) {
     return std::array{fields.take(a), fields.take(b), fields.take(c)};
