@@ -34,7 +34,9 @@ std::string lower(std::string_view text) {
 
 std::string suggestion(std::string_view word, const std::vector<std::string>& known) {
   const std::string* nearest = nullptr;
-  std::size_t least = 1 + word.size() / 3;
+  // The dashes of an option are no letters of its name.
+  const std::size_t letters = word.size() - std::min(word.find_first_not_of('-'), word.size());
+  std::size_t least = 1 + letters / 3;
   for (const std::string& name : known)
     if (const std::size_t edits = edits_between(lower(word), lower(name));
         edits < least || (!nearest && edits == least))

@@ -19,6 +19,7 @@ using swiftgs::test::contains;
 using swiftgs::test::json_in;
 using swiftgs::test::Outcome;
 using swiftgs::test::run;
+using swiftgs::test::run_noting;
 using swiftgs::test::TemporaryFolder;
 using swiftgs::test::write_colmap;
 
@@ -79,7 +80,7 @@ TEST_CASE("cli captures: photographs of the folder are compared with where views
   CHECK(contains(run(place, "info garden").out, "photographs     garden/photos\n"));
 
   const auto checked = [&](const std::string& arguments) {
-    run(place, "check " + arguments + " --repeats 1 --json r.json" + serial);
+    run_noting(place, "check " + arguments + " --repeats 1 --json r.json" + serial);
     return json_in(place / "r.json")["rows"];
   };
   const json rows = checked("garden --views all");

@@ -21,6 +21,7 @@ using swiftgs::test::content_of;
 using swiftgs::test::json_in;
 using swiftgs::test::Outcome;
 using swiftgs::test::run;
+using swiftgs::test::run_noting;
 using swiftgs::test::TemporaryFolder;
 namespace fs = std::filesystem;
 
@@ -258,9 +259,13 @@ TEST_CASE("cli: check writes one object a renderer and view with exactly these m
 TEST_CASE("cli: check compares with the photographs that have the names of the views") {
   const TemporaryFolder place;
   run(place, "render builtin:1000 --scale 0.05 --out photos");
-  run(place,
-      "check builtin:1000 --scale 0.05 --views 0,1 --repeats 1 --photos photos --json results.json "
-      "--renderers serial/early/per-pixel/ellipse");
+  const std::string err =
+      run_noting(
+          place,
+          "check builtin:1000 --scale 0.05 --views 0,1 --repeats 1 --photos photos --json results.json "
+          "--renderers serial/early/per-pixel/ellipse")
+          .err;
+  CHECK(err == "swiftgs: photos: 1 of 2 views have no photograph, such as orbit-00.\n");
   const json results = json_in(place / "results.json")["rows"];
   REQUIRE(results.size() == 2);
   // The photograph is this very frame in 8 bits.
