@@ -37,7 +37,7 @@ const ColmapModel* colmap_model(std::string_view name);
 void set_intrinsics(Camera& camera, const ColmapModel& model, std::span<const double> parameters,
                     const Source& source, std::uint64_t offset);
 
-/// Throws `FormatError` that names what was found in place of a pinhole.
+/// Throws `FormatError`: expected a pinhole, and names `found`.
 [[noreturn]] void refuse_model(const Source& source, std::uint64_t offset, std::string_view found);
 
 /// A coefficient that is not 0 as messages name it: `k1 = 0.1`. Of a list only the name.

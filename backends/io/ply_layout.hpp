@@ -30,7 +30,7 @@ struct PlyLayout {
 };
 
 /// The layout of `vertex`. In an ascii file rows are taken to be parsed into an array of doubles first.
-/// Throws `FormatError` that names the property which is missing, or says that there are only points.
+/// Throws `FormatError` with the name of the missing property, or the properties of a point cloud.
 PlyLayout find_layout(const Source& source, const PlyElement& vertex, PlyEncoding encoding);
 
 }  // namespace swiftgs::io

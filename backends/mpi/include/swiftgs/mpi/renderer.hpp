@@ -185,7 +185,7 @@ class DistributedRenderer {
     const Clock::time_point begun = Clock::now();
     const Traffic before = ranks_.traffic();
     RankCounters mine{.gaussians = part.size()};
-    // A rank may have failed before it learnt what the others did.
+    // Ranks that failed apart from each other may have learnt different costs.
     if (!complete_) plan_.reset(), tiles_ = {};
     complete_ = false;
     failure.guard([&] { project_part(part, views, mine); });

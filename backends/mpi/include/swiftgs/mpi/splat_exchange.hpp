@@ -23,7 +23,7 @@
 
 namespace swiftgs {
 
-/// Copies what a rank keeps of its own splats.
+/// Copies the splats that a rank sends to itself.
 struct SWIFTGS_API KeepShapes {
   const SplatShape* shapes;
   const float* depths;
