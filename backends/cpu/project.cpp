@@ -5,6 +5,7 @@
 
 #include <swiftgs/chunks.hpp>
 #include <swiftgs/cpu.hpp>
+#include <swiftgs/project.hpp>
 
 // Compile the rest of this file for every target; the order of these lines matters.
 // clang-format off
@@ -63,12 +64,9 @@ HWY_INLINE Vec3 LoadVec3(const vec3* HWY_RESTRICT v) {
   return out;
 }
 
-/// A Gaussian's own axes, not scaled: columns of the rotation matrix of (w, turn), and 4 (|q|^2 - 1), by
-/// which its cofactors exceed it (see `image_axes`).
+/// Columns of the rotation matrix of a Gaussian's quaternion.
 struct Axes {
   Vec3 column[3];
-  Vec3 turn;
-  Vec excess;
 };
 
 HWY_INLINE Axes LocalAxesOf(const Quaternion* HWY_RESTRICT rotations) {
@@ -79,44 +77,40 @@ HWY_INLINE Axes LocalAxesOf(const Quaternion* HWY_RESTRICT rotations) {
   const Vec x2 = hn::Add(x, x), y2 = hn::Add(y, y), z2 = hn::Add(z, z);
   const Vec wx = hn::Mul(w, x2), wy = hn::Mul(w, y2), wz = hn::Mul(w, z2);
   const Vec without_y = hn::NegMulAdd(y2, y, one), without_z = hn::NegMulAdd(z2, z, one);
-  const Vec3 turn{x, y, z};
   return {{{hn::NegMulAdd(y2, y, without_z), hn::MulAdd(x2, y, wz), hn::MulSub(x2, z, wy)},
            {hn::MulSub(x2, y, wz), hn::NegMulAdd(x2, x, without_z), hn::MulAdd(y2, z, wx)},
-           {hn::MulAdd(x2, z, wy), hn::MulSub(y2, z, wx), hn::NegMulAdd(x2, x, without_y)}},
-          turn,
-          hn::Mul(hn::Set(d, 4.0f), hn::Sub(hn::MulAdd(w, w, Dot(turn, turn)), one))};
+           {hn::MulAdd(x2, z, wy), hn::MulSub(y2, z, wx), hn::NegMulAdd(x2, x, without_y)}}};
 }
 
-HWY_INLINE Vec3 Times(const Vec3& a, const Vec3& b) {
-  return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)};
-}
-HWY_INLINE Vec3 DotColumns(const Vec3& v, const Axes& axes) {
-  return {Dot(v, axes.column[0]), Dot(v, axes.column[1]), Dot(v, axes.column[2])};
-}
-
-/// A row of J W R S; `scale` has the focal length over z in it.
-HWY_INLINE Vec3 ImageAxis(const ViewConstants& v, int row, Vec tangent, const Vec3& scale, const Axes& axes) {
+/// A row of J W R S; `pixels` is the focal length over z.
+HWY_INLINE Vec3 ImageAxis(const ViewConstants& v, int row, Vec tangent, Vec pixels, const Vec3& scale,
+                          const Axes& axes) {
   const F32 d;
   const auto component = [&](int k) HWY_ATTR {
     return hn::NegMulAdd(tangent, hn::Set(d, v.axes[2][k]), hn::Set(d, v.axes[row][k]));
   };
-  return Times(scale, DotColumns({component(0), component(1), component(2)}, axes));
+  const Vec3 seen{component(0), component(1), component(2)};
+  return {hn::Mul(hn::Mul(pixels, scale.x), Dot(seen, axes.column[0])),
+          hn::Mul(hn::Mul(pixels, scale.y), Dot(seen, axes.column[1])),
+          hn::Mul(hn::Mul(pixels, scale.z), Dot(seen, axes.column[2]))};
 }
 
-/// Cross product of the rows of J W R S, by cofactors (see `image_axes`).
-HWY_INLINE Vec3 CrossOfAxes(const ViewConstants& v, Vec tx, Vec ty, const Vec3& sx, const Vec3& sy,
-                            const Axes& axes) {
+HWY_INLINE Vec3 Cross(const Vec3& a, const Vec3& b) {
+  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
+          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
+}
+
+/// Vector form of `needs_double`.
+HWY_INLINE Mask NeedsDouble(Vec tx, Vec ty, Vec pixels_x, Vec pixels_y, const Vec3& scale, Vec mean_x,
+                            Vec mean_y) {
   const F32 d;
-  const auto component = [&](int k) HWY_ATTR {
-    return hn::MulAdd(tx, hn::Set(d, v.cofactors[0][k]),
-                      hn::MulAdd(ty, hn::Set(d, v.cofactors[1][k]), hn::Set(d, v.cofactors[2][k])));
-  };
-  const Vec3 normal{component(0), component(1), component(2)};
-  const Vec along = hn::Mul(axes.excess, Dot(axes.turn, normal));
-  const Vec3 across = DotColumns(normal, axes);
-  const Vec3 sum{hn::MulAdd(along, axes.turn.x, across.x), hn::MulAdd(along, axes.turn.y, across.y),
-                 hn::MulAdd(along, axes.turn.z, across.z)};
-  return Times({hn::Mul(sx.y, sy.z), hn::Mul(sx.z, sy.x), hn::Mul(sx.x, sy.y)}, sum);
+  const Vec one = hn::Set(d, 1.0f), xx = hn::Mul(tx, tx), yy = hn::Mul(ty, ty);
+  const Vec length =
+      hn::Mul(Dot(scale, scale), hn::MulAdd(hn::Mul(pixels_x, pixels_x), hn::Add(one, xx),
+                                            hn::Mul(hn::Mul(pixels_y, pixels_y), hn::Add(one, yy))));
+  const Vec near = hn::Min(hn::Abs(mean_x), hn::Abs(mean_y));
+  const Vec most = hn::MulAdd(hn::Mul(hn::Set(d, 4.0f), near), near, hn::Set(d, 512.0f));
+  return hn::Not(hn::And(hn::Le(length, most), hn::Le(hn::Add(xx, yy), hn::Set(d, 16.0f))));
 }
 
 /// Consecutive Gaussians of a scene, `lanes` of which may be read.
@@ -125,6 +119,42 @@ struct Group {
   const vec3* scales;
   const Quaternion* rotations;
   const float* opacities;
+};
+
+/// Lanes of a group that `project_shape` projects in double.
+class ScalarLanes {
+ public:
+  /// Projects the lanes of `in_double`; returns `visible` with what was found of them.
+  HWY_INLINE Mask project(const ViewConstants& v, const Group& group, Mask in_double, Mask visible) {
+    const hn::RebindToUnsigned<F32> d;
+    alignas(64) std::uint32_t shown[lanes];
+    hn::Store(hn::VecFromMask(d, hn::RebindMask(d, in_double)), d, chosen_);
+    hn::Store(hn::VecFromMask(d, hn::RebindMask(d, visible)), d, shown);
+    for (std::size_t k = 0; k < lanes; ++k) {
+      if (chosen_[k] == 0) continue;
+      const ProjectedShape splat =
+          project_shape(v, {group.means[k], group.scales[k], group.rotations[k], group.opacities[k]});
+      shapes_[k] = splat.shape;
+      shown[k] = splat.visible ? ~0u : 0;
+    }
+    return hn::RebindMask(F32(), hn::MaskFromVec(hn::Load(d, shown)));
+  }
+
+  /// Puts them in their places among the visible lanes, which lie together at `shapes`.
+  HWY_INLINE void store(Mask visible, SplatShape* shapes) const {
+    const hn::RebindToUnsigned<F32> d;
+    alignas(64) std::uint32_t shown[lanes];
+    hn::Store(hn::VecFromMask(d, hn::RebindMask(d, visible)), d, shown);
+    for (std::size_t k = 0, place = 0; k < lanes; ++k) {
+      if (shown[k] == 0) continue;
+      if (chosen_[k] != 0) shapes[place] = shapes_[k];
+      ++place;
+    }
+  }
+
+ private:
+  alignas(64) std::uint32_t chosen_[lanes];
+  SplatShape shapes_[lanes];
 };
 
 /// Visible splats of a task, in the order of their Gaussians.
@@ -163,22 +193,23 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   const Axes axes = LocalAxesOf(group.rotations);
   const Vec3 scale = LoadVec3(group.scales);
   const Vec over_z = Demote(inverse_z);
-  const Vec3 sx = Scale(scale, hn::Mul(hn::Set(d, v.focal_x), over_z));
-  const Vec3 sy = Scale(scale, hn::Mul(hn::Set(d, v.focal_y), over_z));
-  const Vec3 mx = ImageAxis(v, 0, tx, sx, axes), my = ImageAxis(v, 1, ty, sy, axes);
+  const Vec pixels_x = hn::Mul(hn::Set(d, v.focal_x), over_z);
+  const Vec pixels_y = hn::Mul(hn::Set(d, v.focal_y), over_z);
+  const Vec mean_x = Demote(ScaleAdd(x_over_z, v.fx, v.cx)), mean_y = Demote(ScaleAdd(y_over_z, v.fy, v.cy));
+  ScalarLanes scalar;
+  const Mask in_double = hn::And(visible, NeedsDouble(tx, ty, pixels_x, pixels_y, scale, mean_x, mean_y));
+  const bool any_in_double = !hn::AllFalse(d, in_double);
+  const Vec3 mx = ImageAxis(v, 0, tx, pixels_x, scale, axes);
+  const Vec3 my = ImageAxis(v, 1, ty, pixels_y, scale, axes);
 
-  // Factor the blurred covariance; the determinant is as in `project_shape`.
+  // Factor the blurred covariance as `factor` does.
   const Vec one = hn::Set(d, 1.0f), blur = hn::Set(d, v.blur);
   const Vec xx = Dot(mx, mx), yy = Dot(my, my), xy = Dot(mx, my);
   const Vec var_x = hn::Add(xx, blur), var_y = hn::Add(yy, blur);
   const Vec inv_sigma_y = hn::Div(one, hn::Sqrt(var_y));
-  const Vec3 c = Scale(CrossOfAxes(v, tx, ty, sx, sy, axes), inv_sigma_y);
+  const Vec3 c = Scale(Cross(mx, my), inv_sigma_y);
   const Vec inv_var_y = hn::Mul(inv_sigma_y, inv_sigma_y);
-  const Vec unshared = hn::Mul(xx, hn::Mul(hn::Mul(yy, inv_sigma_y), inv_sigma_y));
-  const Vec shared = hn::Mul(xy, inv_sigma_y);
-  const Vec twice = hn::Mul(hn::Add(shared, shared), shared);
-  const Vec sharp =
-      hn::IfThenElse(hn::Gt(twice, unshared), Dot(c, c), hn::NegMulAdd(shared, shared, unshared));
+  const Vec sharp = Dot(c, c);
   const Vec var_x_given_y = hn::MulAdd(blur, hn::Mul(hn::Add(xx, var_y), inv_var_y), sharp);
   const Vec largest = hn::Set(d, largest_variance);
   visible = hn::And(visible, hn::And(hn::Gt(var_x_given_y, hn::Zero(d)), hn::Gt(var_y, hn::Zero(d))));
@@ -191,13 +222,12 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
     visible = hn::And(visible, hn::Ge(opacity, alpha_min));
   }
 
-  const float to_base_2 = 0.84932180028801904272f;  // sqrt(log2(e) / 2)
-  const Vec mean_x = Demote(ScaleAdd(x_over_z, v.fx, v.cx)), mean_y = Demote(ScaleAdd(y_over_z, v.fy, v.cy));
-  const Vec l0 = hn::Div(hn::Set(d, to_base_2), hn::Sqrt(var_x_given_y));
+  const Vec root = hn::Set(d, float(to_base_2));
+  const Vec l0 = hn::Div(root, hn::Sqrt(var_x_given_y));
   const Vec l1 = hn::Neg(hn::Mul(l0, hn::Mul(xy, inv_var_y)));
-  const Vec l2 = hn::Mul(hn::Set(d, to_base_2), inv_sigma_y);
+  const Vec l2 = hn::Mul(root, inv_sigma_y);
   const Vec reach = hn::Max(hn::CallLog2(d, hn::Div(opacity, alpha_min)), hn::Zero(d));
-  const Vec extent = hn::Mul(hn::Sqrt(reach), hn::Set(d, 1 / to_base_2));
+  const Vec extent = hn::Mul(hn::Sqrt(reach), hn::Set(d, float(1 / to_base_2)));
   const Vec half_width = hn::Mul(extent, hn::Sqrt(var_x)),
             half_height = hn::Mul(extent, hn::Mul(var_y, inv_sigma_y));
   const auto reaches = [&](Vec x, Vec y, float left, float top, float right, float bottom) HWY_ATTR {
@@ -211,6 +241,7 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
       hn::Add(hn::Set(d, 2e-2f), hn::Mul(hn::Set(d, 2e-4f), hn::Add(half_width, half_height)));
   visible = hn::And(visible, reaches(hn::Add(half_width, slack), hn::Add(half_height, slack), v.left, v.top,
                                      v.right, v.bottom));
+  if (any_in_double) visible = scalar.project(v, group, in_double, visible);
   if (hn::AllFalse(d, visible)) return;
 
   // Move visible lanes to the front, and from arrays of members to an array of structures.
@@ -227,6 +258,7 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
     std::memcpy(shape, front + 4 * i, 4 * sizeof(float));
     std::memcpy(shape + 4, back + 4 * i, 4 * sizeof(float));
   }
+  if (any_in_double) scalar.store(visible, out.shapes + out.count);
   out.count += count;
 }
 

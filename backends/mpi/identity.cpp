@@ -111,7 +111,7 @@ std::uint64_t views_identity(Span<const View> views) {
   for (const View& view : views) {
     const ViewConstants& c = view.camera;
     for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column) add(c.rotation[row][column], c.cofactors[row][column]);
+      for (int column = 0; column < 3; ++column) add(c.rotation[row][column]);
       add(c.centre[row], view.background[row]);
     }
     add(c.fx, c.fy, c.cx, c.cy, c.width, c.height, c.left, c.top, c.right, c.bottom);

@@ -2,7 +2,7 @@
 #pragma once
 
 /// @file
-/// Vectors for host and device code, and the marker of functions that run on both.
+/// Vectors for host and device code, and markers of functions.
 
 #include <cmath>
 
@@ -11,6 +11,7 @@
 #else
 #define SWIFTGS_HD
 #endif
+#define SWIFTGS_NOINLINE __attribute__((noinline))
 
 #if defined(__CUDACC__)
 // GLM marks its functions for the device only when it has seen <cuda.h>, and then draws a warning for each
@@ -36,6 +37,10 @@ using glm::vec2;
 using glm::vec3;
 using glm::vec4;
 
+/// `vec3` or `dvec3`.
+template <class Real>
+using Vector3 = glm::vec<3, Real>;
+
 // Kernels of every backend read arrays of these as plain floats.
 static_assert(
     sizeof(vec3) == 3 * sizeof(float) && alignof(vec3) == alignof(float),
@@ -48,7 +53,8 @@ struct Quaternion {
 };
 
 /// a . b, each product fused with the sum of those after it.
-SWIFTGS_HD inline float dot(const vec3& a, const vec3& b) {
+template <class Real>
+SWIFTGS_HD Real dot(const Vector3<Real>& a, const Vector3<Real>& b) {
   return std::fma(a.x, b.x, std::fma(a.y, b.y, a.z * b.z));
 }
 
@@ -62,6 +68,8 @@ SWIFTGS_HD inline float inverse_sqrt(float x) {
   return 1 / std::sqrt(x);
 #endif
 }
+
+SWIFTGS_HD inline double inverse_sqrt(double x) { return 1 / std::sqrt(x); }
 
 /// 1 / x for x from 2^-126 to the largest float, 2 units in the last place.
 SWIFTGS_HD inline double inverse(double x) {

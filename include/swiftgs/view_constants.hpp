@@ -15,7 +15,6 @@ namespace swiftgs {
 struct ViewConstants {
   double rotation[3][3];           ///< rows: world to camera
   float axes[3][3];                ///< the rotation in float
-  float cofactors[3][3];           ///< of the rotation as it is given, by rows; computed in double
   double centre[3];                ///< camera centre in the world
   double fx, fy, cx, cy;           ///< @units{pixels}
   float focal_x, focal_y;          ///< fx and fy in float @units{pixels}
@@ -28,6 +27,22 @@ struct ViewConstants {
   float min_compensation;
   float alpha_min;
   bool antialiased;
+
+  /// x/z and y/z within their limits.
+  template <class Real>
+  SWIFTGS_HD Real clamped_x(Real tangent) const {
+    return clamped<Real>(tangent, tan_x_min, tan_x_max);
+  }
+  template <class Real>
+  SWIFTGS_HD Real clamped_y(Real tangent) const {
+    return clamped<Real>(tangent, tan_y_min, tan_y_max);
+  }
+
+ private:
+  template <class Real>
+  SWIFTGS_HD static Real clamped(Real tangent, Real least, Real most) {
+    return tangent < least ? least : tangent > most ? most : tangent;
+  }
 };
 
 /// Throws `std::invalid_argument` for an invalid `camera` or `conventions`.
@@ -42,12 +57,6 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
       v.rotation[row][column] = camera.rotation[column][row];
       v.axes[row][column] = float(v.rotation[row][column]);
     }
-  }
-  for (int row = 0; row < 3; ++row) {
-    const double* a = v.rotation[(row + 1) % 3];
-    const double* b = v.rotation[(row + 2) % 3];
-    const dvec3 cofactors = detail::cross(dvec3(a[0], a[1], a[2]), dvec3(b[0], b[1], b[2]));
-    for (int column = 0; column < 3; ++column) v.cofactors[row][column] = float(cofactors[column]);
   }
   v.fx = camera.fx, v.fy = camera.fy, v.cx = camera.cx, v.cy = camera.cy;
   v.focal_x = float(v.fx), v.focal_y = float(v.fy);

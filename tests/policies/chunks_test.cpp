@@ -32,7 +32,7 @@ ViewConstants random_camera(Random& random) {
   const int width = 16 * int(random.in(2, 40)), height = 16 * int(random.in(2, 40));
   Camera camera = forward_camera(width, height, width * random.scale(0.2, 20));
   camera.cx += width * random.in(-0.5, 0.5), camera.cy += height * random.in(-0.5, 0.5);
-  const LocalAxes axes(random_rotation(random));
+  const LocalAxes<float> axes(random_rotation(random));
   for (int column = 0; column < 3; ++column)
     for (int row = 0; row < 3; ++row) camera.rotation[column][row] = double(axes.column[column][row]);
   camera.translation = dvec3(random_point(random, random.bits() % 4 == 0 ? 1e6 : 10));

@@ -39,12 +39,12 @@ struct Member {
 };
 constexpr Member members[] = {
     {"mean", {1, 1}, {1, 1}},          // 0; 0
-    {"l0", {2, 2}, {32, 32}},          // 1; 24, since the cofactors of a flake that is seen edge-on cancel
-    {"l1", {3, 3}, {32, 32}},          // 2; 26, has the digits of l0
+    {"l0", {2, 2}, {24, 24}},          // 1; 17, of the minors of a flake that is seen edge-on
+    {"l1", {3, 3}, {28, 28}},          // 2; 22, has the digits of l0
     {"l2", {1, 1}, {9, 9}},            // 0; 7
-    {"opacity", {0, 0}, {0, 26}},      // 0; 20, by the root of the cofactors' sum over the variance in l0
-    {"reach", {1.5, 3}, {1.5, 21}},    // 1 and 2; 1 and 16.5, of the logarithm, and of such an opacity
-    {"half_width", {5, 5}, {13, 18}},  // 4; 10 and 14
+    {"opacity", {0, 0}, {0, 16}},      // 0; 11, by the root of the minors' sum over the variance in l0
+    {"reach", {1.5, 3}, {1.5, 12}},    // 1 and 2; 1 and 8, of the logarithm, and of such an opacity
+    {"half_width", {5, 5}, {13, 13}},  // 4; 9
     {"depth", {1, 1}, {1, 1}}};        // 0; 0
 using Apart = std::array<double, std::size(members)>;
 

@@ -67,7 +67,7 @@ inline Gaussian draw_gaussian(Random& random, const ViewConstants& v) {
     for (int r = 0; r < 3; ++r) world[k] += v.rotation[r][k] * p[r];
   if (random.bits() % 3 == 0) {
     // Take a direction within the plane of two of the Gaussian's axes, where that is in front of the camera.
-    const LocalAxes axes(g.rotation);
+    const LocalAxes<float> axes(g.rotation);
     const double angle = random.in(0, 6.2831853);
     double ahead = 0, along[3];
     for (int k = 0; k < 3; ++k) {

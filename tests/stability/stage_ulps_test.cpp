@@ -60,12 +60,6 @@ void check_against_the_record(std::vector<Worst> (*search)(int effort)) {
 
 }  // namespace
 
-#if !defined(SWIFTGS_SEARCH_ON_DEVICE)
-TEST_CASE(SWIFTGS_STAGES ": the image axes of a Gaussian err no more than is recorded") {
-  check_against_the_record(search_axes);
-}
-#endif
-
 TEST_CASE(SWIFTGS_STAGES ": projection errs no more than is recorded on any vector target") {
   check_against_the_record(search_projection);
 }

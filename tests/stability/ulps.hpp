@@ -98,9 +98,8 @@ inline std::vector<Worst> rows_of_targets(std::vector<Worst> rows) {
   return rows;
 }
 
-/// The searches of each file. That of the axes is of hosts alone: on a device they are part of projection.
-/// `effort` is how often each is repeated with other seeds: tests take 1, the table 4.
-std::vector<Worst> search_axes(int effort);
+/// The searches of each file. `effort` is how often each is repeated with other seeds: tests take 1, the
+/// table 4.
 std::vector<Worst> search_projection(int effort);
 std::vector<Worst> search_harmonics(int effort);
 std::vector<Worst> search_exp2(int effort);

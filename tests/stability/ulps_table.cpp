@@ -25,13 +25,8 @@ constexpr const char* program = "ulps_table";
 
 std::vector<Worst> all(int effort) {
   std::vector<Worst> rows;
-  for (const auto search : {
-         search_projection,
-#if !defined(SWIFTGS_SEARCH_ON_DEVICE)
-             search_axes,
-#endif
-             search_harmonics, search_exp2, search_alpha, search_transmittance
-       })
+  for (const auto search :
+       {search_projection, search_harmonics, search_exp2, search_alpha, search_transmittance})
     for (const Worst& row : rows_of_targets(search(effort))) rows.push_back(row);
   return rows;
 }

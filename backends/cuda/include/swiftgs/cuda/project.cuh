@@ -85,14 +85,13 @@ struct SharedCamera {
 
 /// Blocks that a multiprocessor holds at least. With stored views a ninth block is worth a few spilled
 /// registers: two views of 1.5 M Gaussians take 0.159 ms instead of 0.166. Blocks that keep their Gaussians
-/// for two views take 0.159 ms at best.
-template <class ViewSource>
-inline constexpr unsigned project_blocks = ViewSource::only ? 1 : 9;
+/// for two views take 0.159 ms at best. The few splats that are projected in double spill more.
+inline constexpr unsigned project_blocks = 9;
 
 /// Projects the Gaussians of one block in one view and appends the visible ones to those of the blocks before
 /// it. The blocks of some Gaussians for all views follow each other: they find them in the cache.
 template <class Bounds, class ViewSource>
-__global__ void __launch_bounds__(project_threads, project_blocks<ViewSource>)
+__global__ void __launch_bounds__(project_threads, project_blocks)
     project(const __grid_constant__ ViewSource views, const __grid_constant__ SceneView scene,
             const Bounds bounds, const BlockList list, const ProjectOutput output,
             const TurnsView<FrameCounts> turns) {
