@@ -30,23 +30,24 @@ ImageSize size_named(const std::string& text) {
 
 }  // namespace
 
-std::vector<const StressFamily*> families_named(const std::string& names) {
+std::vector<const StressFamily*> families_named(const std::string& names,
+                                                const std::vector<StressFamily>& families) {
   std::vector<std::string> wanted;
   if (!names.empty()) wanted = list_of("--families", names);
   for (const std::string& name : wanted) {
     std::string valid;
     bool found = false;
-    for (const StressFamily& family : stress_families()) {
+    for (const StressFamily& family : families) {
       found |= family.name == name;
       valid += (valid.empty() ? "" : ", ") + std::string(family.name);
     }
     if (!found) throw std::invalid_argument("--families '" + name + "': expected some of " + valid);
   }
-  std::vector<const StressFamily*> families;
-  for (const StressFamily& family : stress_families())
+  std::vector<const StressFamily*> chosen;
+  for (const StressFamily& family : families)
     if (wanted.empty() || std::find(wanted.begin(), wanted.end(), family.name) != wanted.end())
-      families.push_back(&family);
-  return families;
+      chosen.push_back(&family);
+  return chosen;
 }
 
 std::vector<double> severities_named(const std::string& text, const StressFamily& family) {
@@ -79,7 +80,7 @@ std::vector<StressPoint> points_of(const std::string& families, const std::strin
                                    const std::string& sizes) {
   std::vector<StressPoint> points;
   for (const ImageSize size : sizes_named(sizes))
-    for (const StressFamily* family : families_named(families))
+    for (const StressFamily* family : families_named(families, stress_families()))
       for (const double severity : severities_named(severities, *family))
         points.push_back({family, severity, size});
   return points;

@@ -15,9 +15,10 @@ struct StressPoint {
   ImageSize size;
 };
 
-/// The families that `names` lists, all where it is empty, in the order of `stress_families`. Throws
+/// Those of `families` that `names` lists, all where it is empty, in their order. Throws
 /// `std::invalid_argument` with the valid names.
-std::vector<const StressFamily*> families_named(const std::string& names);
+std::vector<const StressFamily*> families_named(const std::string& names,
+                                                const std::vector<StressFamily>& families);
 
 /// The severities of `family` that `text` asks for: `max`, `all`, or numbers. Throws `std::invalid_argument`
 /// for a number outside of the family's own range: a scene of any size could follow from it.

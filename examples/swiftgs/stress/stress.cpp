@@ -14,6 +14,7 @@
 #include "options.hpp"
 #include "progress.hpp"
 #include "result_file.hpp"
+#include "stress/search.hpp"
 #include "stress/sweep.hpp"
 #include "stress/table.hpp"
 #include "team.hpp"
@@ -70,6 +71,7 @@ void require_promises(const std::vector<StressRow>& rows) {
 }  // namespace
 
 void stress(const StressOptions& options, const std::vector<RendererEntry>& entries) {
+  if (options.search) return search(options, entries);
   const std::vector<StressPoint> points = points_of(options.families, options.severities, options.sizes);
   if (options.seeds < 1 || options.seeds > most_seeds)
     throw std::invalid_argument("--seeds " + std::to_string(options.seeds) + ": expected 1 to " +
@@ -113,11 +115,15 @@ void add_stress(CLI::App& app) {
   command->add_option("--renderers", options->renderers, "Names with * for any text, separated by commas")
       ->capture_default_str();
   command->add_option("--families", options->families, "Names separated by commas [all]");
-  command->add_option("--severity", options->severities, "How hard: all, max, or numbers")
-      ->capture_default_str();
-  command->add_option("--seeds", options->seeds, "How many frames of each family and severity")
-      ->capture_default_str();
-  command->add_option("--size", options->sizes, "Sizes of images, as 64x48,960x540")->capture_default_str();
+  const auto of_sweep = {
+      command->add_option("--severity", options->severities, "How hard: all, max, or numbers"),
+      command->add_option("--seeds", options->seeds, "How many frames of each family and severity"),
+      command->add_option("--size", options->sizes, "Sizes of images, as 64x48,960x540")};
+  for (CLI::Option* option : of_sweep) option->capture_default_str();
+  CLI::Option* search =
+      command->add_option("--search", options->search, "Search for worse frames, for so many seconds");
+  command->add_option("--seed", options->seed, "Of the search")->capture_default_str()->needs(search);
+  for (CLI::Option* option : of_sweep) search->excludes(option);
   command->add_option("--threads", options->threads, "Threads of the cpu backend and of the reference [all]");
   add_json(*command, options->json);
   command->callback([options] { stress(*options, renderers_matching(options->renderers)); });

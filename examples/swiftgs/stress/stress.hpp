@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,8 @@ struct StressOptions {
   int seeds = 8;
   std::optional<std::size_t> threads;
   std::string json;
+  std::optional<double> search;  ///< for so long, in place of the families' own frames @units{seconds}
+  std::uint64_t seed = 1;        ///< of the search
 };
 
 /// Runs the command with renderers of any table: prints tables and writes the file. Throws

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stress/search_results.hpp"
+
+#include <cstddef>
+#include <cstdio>
+
+#include "json_text.hpp"
+#include "renderer_words.hpp"
+#include "stress/table.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+Json json_of(const vec3& v) { return {v.x, v.y, v.z}; }
+Json json_of(const dvec3& v) { return {v.x, v.y, v.z}; }
+
+Json json_of(const Camera& c) {
+  Json rows = Json::array();
+  for (int row = 0; row < 3; ++row)
+    rows.push_back({c.rotation[0][row], c.rotation[1][row], c.rotation[2][row]});
+  return {
+      {"width", c.width}, {"height", c.height}, {"fx", c.fx},       {"fy", c.fy},
+      {"cx", c.cx},       {"cy", c.cy},         {"rotation", rows}, {"translation", json_of(c.translation)}};
+}
+
+Json json_of(const Conventions& k) {
+  return {{"near_plane", k.near_plane},
+          {"cull_at_near", k.cull_at_near},
+          {"far_plane", k.far_plane},
+          {"clamp", k.clamp == Conventions::JacobianClamp::around_image ? "around_image" : "around_centre"},
+          {"blur", k.blur},
+          {"antialiased", k.antialiased},
+          {"min_compensation", k.min_compensation},
+          {"alpha_min", k.alpha_min},
+          {"alpha_max", k.alpha_max},
+          {"stop", k.stop},
+          {"stop_at_equal", k.stop_at_equal}};
+}
+
+Json json_of(const Scene& scene, std::size_t i) {
+  const Quaternion& q = scene.rotations[i];
+  const auto rest = std::ptrdiff_t(3 * sh_rest_count(scene.sh_degree));
+  const auto begin = scene.sh_rest.begin() + std::ptrdiff_t(i) * rest;
+  return {{"mean", json_of(scene.means[i])},  {"scale", json_of(scene.scales[i])},
+          {"rotation", {q.w, q.x, q.y, q.z}}, {"opacity", scene.opacities[i]},
+          {"sh0", json_of(scene.sh0[i])},     {"sh_rest", std::vector<float>(begin, begin + rest)}};
+}
+
+Json json_of(const SearchRow& row) {
+  const RendererWords words(row.renderer);
+  return {{"family", row.family},     {"renderer", row.renderer},
+          {"backend", words.backend}, {"sort", words.sort},
+          {"raster", words.raster},   {"bounds", words.bounds},
+          {"plane", row.plane},       {"tries", row.tries},
+          {"excess", row.excess},     {"error", row.error.empty() ? Json() : Json(row.error)}};
+}
+
+}  // namespace
+
+std::string case_text(const StressCase& drawn) {
+  Json gaussians = Json::array();
+  for (std::size_t i = 0; i < drawn.scene.size(); ++i) gaussians.push_back(json_of(drawn.scene, i));
+  return text_of({{"camera", json_of(drawn.camera)},
+                  {"conventions", json_of(drawn.conventions)},
+                  {"background", json_of(drawn.background)},
+                  {"sh_degree", drawn.scene.sh_degree},
+                  {"gaussians", gaussians}});
+}
+
+std::string to_json(const ResultHead& head, const std::vector<SearchRow>& rows) {
+  return document_of(head, {{"rows", array_of(rows, [](const SearchRow& row) {
+                               std::string text = text_of(json_of(row));
+                               text.pop_back();
+                               return text + ",\"case\":" + row.drawn + "}";
+                             })}});
+}
+
+void print_search(const std::vector<SearchRow>& rows) {
+  for (std::size_t i = 0; i < rows.size();) {
+    const std::string& renderer = rows[i].renderer;
+    std::printf("%s%s: %llu frames\n\n  %-20s %12s %12s\n", i > 0 ? "\n" : "", renderer.c_str(),
+                static_cast<unsigned long long>(rows[i].tries), "worst excess, from", "of colour",
+                "of depth");
+    const SearchRow* worst = &rows[i];
+    for (; i < rows.size() && rows[i].renderer == renderer; i += 2) {
+      const SearchRow &colour = rows[i], &depth = rows[i + 1];
+      std::printf("  %-20s %12s %12s%s%s\n", colour.family.c_str(), ratio_text(colour.excess).c_str(),
+                  ratio_text(depth.excess).c_str(), colour.error.empty() ? "" : "  ", colour.error.c_str());
+      for (const SearchRow* row : {&colour, &depth})
+        if (row->excess > worst->excess) worst = row;
+    }
+    std::printf("\n%s: worst excess %s, of %s, from %s\n", renderer.c_str(),
+                ratio_text(worst->excess).c_str(), worst->plane.c_str(), worst->family.c_str());
+  }
+}
+
+}  // namespace swiftgs::cli

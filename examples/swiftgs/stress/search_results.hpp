@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <swiftgs/stress/case.hpp>
+
+#include "result_head.hpp"
+
+/// What `stress --search` finds, as docs/results.md describes its file, member by member.
+namespace swiftgs::cli {
+
+/// The worst frame of one renderer, of colours or of depth, that a search found from one family.
+struct SearchRow {
+  std::string renderer, family, plane;
+  std::uint64_t tries = 0;  ///< frames that were drawn, of all families
+  double excess = 0;
+  std::string error;  ///< what the renderer threw, or what is wrong with its frame; or empty
+  std::string drawn;  ///< the frame, as `case_text` has it
+
+  static auto members(auto& self) {
+    return std::tie(self.renderer, self.family, self.plane, self.tries, self.excess, self.error, self.drawn);
+  }
+};
+
+/// A frame as JSON, with all digits of its numbers.
+std::string case_text(const StressCase& drawn);
+
+/// The document of `--json`.
+std::string to_json(const ResultHead& head, const std::vector<SearchRow>& rows);
+
+/// Prints a table for each renderer: a row a family.
+void print_search(const std::vector<SearchRow>& rows);
+
+}  // namespace swiftgs::cli
