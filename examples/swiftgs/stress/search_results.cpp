@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stress/search_results.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdio>
 
@@ -76,21 +77,20 @@ std::string to_json(const ResultHead& head, const std::vector<SearchRow>& rows) 
 }
 
 void print_search(const std::vector<SearchRow>& rows) {
-  for (std::size_t i = 0; i < rows.size();) {
-    const std::string& renderer = rows[i].renderer;
-    std::printf("%s%s: %llu frames\n\n  %-20s %12s %12s\n", i > 0 ? "\n" : "", renderer.c_str(),
-                static_cast<unsigned long long>(rows[i].tries), "worst excess, from", "of colour",
-                "of depth");
-    const SearchRow* worst = &rows[i];
-    for (; i < rows.size() && rows[i].renderer == renderer; i += 2) {
-      const SearchRow &colour = rows[i], &depth = rows[i + 1];
-      std::printf("  %-20s %12s %12s%s%s\n", colour.family.c_str(), ratio_text(colour.excess).c_str(),
-                  ratio_text(depth.excess).c_str(), colour.error.empty() ? "" : "  ", colour.error.c_str());
-      for (const SearchRow* row : {&colour, &depth})
-        if (row->excess > worst->excess) worst = row;
-    }
-    std::printf("\n%s: worst excess %s, of %s, from %s\n", renderer.c_str(),
-                ratio_text(worst->excess).c_str(), worst->plane.c_str(), worst->family.c_str());
+  constexpr std::size_t most_shown = 5;
+  for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
+    const std::string& renderer = rows[begin].renderer;
+    std::vector<const SearchRow*> shown;
+    for (; end < rows.size() && rows[end].renderer == renderer; ++end) shown.push_back(&rows[end]);
+    std::stable_sort(shown.begin(), shown.end(),
+                     [](const SearchRow* a, const SearchRow* b) { return a->excess > b->excess; });
+    std::printf("%s%s: worst excess %s in %llu frames\n", begin > 0 ? "\n" : "", renderer.c_str(),
+                ratio_text(shown.front()->excess).c_str(),
+                static_cast<unsigned long long>(rows[begin].tries));
+    shown.resize(std::min(shown.size(), most_shown));
+    for (const SearchRow* row : shown)
+      std::printf("  %10s of %-6s from %s%s%s\n", ratio_text(row->excess).c_str(), row->plane.c_str(),
+                  row->family.c_str(), row->error.empty() ? "" : ": ", row->error.c_str());
   }
 }
 

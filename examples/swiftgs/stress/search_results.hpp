@@ -32,7 +32,7 @@ std::string case_text(const StressCase& drawn);
 /// The document of `--json`.
 std::string to_json(const ResultHead& head, const std::vector<SearchRow>& rows);
 
-/// Prints a table for each renderer: a row a family.
+/// Prints a table for each renderer: what it draws worst, a row a family and plane.
 void print_search(const std::vector<SearchRow>& rows);
 
 }  // namespace swiftgs::cli

@@ -35,6 +35,10 @@ before the ratio is taken. 'loose' is the largest share of a pixel's weight that
 the form's allowance decide. A pixel is not judged if they decide all of it; 'judged' is the share
 of pixels that are. The excess is the ratio after the error that the rasterizer's form of the
 exponent is allowed is subtracted too. Only the split forms are allowed one.
+--search SECONDS climbs instead: it changes small frames of all families, and of lone Gaussians that
+point at the camera, and keeps what is drawn worse. Where sorts differ alone, frames must be equal.
+--json writes the worst frames with all digits. The frames follow from --seed; how many there are
+depends on the time.
 --severity is all, max, or numbers in the units of each family. The columns are rasterizers;
 docs/results.md describes the JSON.
 Exit code 0: every excess is 10 or less. Exit code 1: an excess is above 10, a renderer failed,
@@ -44,7 +48,8 @@ three-sigma-square does, do not pass.
 Examples:
   swiftgs stress --json stress.json
   swiftgs stress --renderers 'cuda/early/*/ellipse' --families needles,mixtures --severity max
-  swiftgs stress --families needles --severity 1e3,1e5 --seeds 64 --size 64x48,960x540)";
+  swiftgs stress --families needles --severity 1e3,1e5 --seeds 64 --size 64x48,960x540
+  swiftgs stress --search 60 --renderers 'serial/*/per-pixel/ellipse' --json worst.json)";
 
 /// Throws unless every renderer keeps what its form promises.
 void require_promises(const std::vector<StressRow>& rows) {
@@ -121,7 +126,7 @@ void add_stress(CLI::App& app) {
       command->add_option("--size", options->sizes, "Sizes of images, as 64x48,960x540")};
   for (CLI::Option* option : of_sweep) option->capture_default_str();
   CLI::Option* search =
-      command->add_option("--search", options->search, "Search for worse frames, for so many seconds");
+      command->add_option("--search", options->search, "Climb towards worse frames, for so many seconds");
   command->add_option("--seed", options->seed, "Of the search")->capture_default_str()->needs(search);
   for (CLI::Option* option : of_sweep) search->excludes(option);
   command->add_option("--threads", options->threads, "Threads of the cpu backend and of the reference [all]");

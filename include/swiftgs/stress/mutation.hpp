@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <stdexcept>
 
+#include <swiftgs/edit/select.hpp>
 #include <swiftgs/stress/lone.hpp>
 #include <swiftgs/stress/thresholds.hpp>
 
@@ -150,7 +151,10 @@ inline StressCase mutated(Random& random, const StressCase& parent) {
   StressCase out = parent;
   const int changes = 1 + random.below(4);
   for (int change = 0; change < changes; ++change) {
-    if (out.scene.size() == 0 || random.below(4) == 0)
+    if (out.scene.size() > 1 && random.below(16) == 0) {
+      const auto removed = std::uint32_t(random.below(int(out.scene.size())));
+      out.scene = subset(out.scene, select(out.scene, [&](std::size_t i) { return i != removed; }));
+    } else if (out.scene.size() == 0 || random.below(4) == 0)
       move_camera(random, out);
     else
       move_gaussian(random, out, std::size_t(random.below(int(out.scene.size()))));
