@@ -99,7 +99,6 @@ class Renderer {
           enqueue(scene, stored, measures, limits);
           report = await_report(backend_, splats_, footprints_, limits);
           if (report.overflowed == 0) break;
-          if constexpr (requires { sort_.discard(sort_scratch_); }) sort_.discard(sort_scratch_);
           make_room(report);
         }
       } catch (...) {
@@ -357,10 +356,11 @@ class Renderer {
     if constexpr (B::reaches_host_memory)
       if (await_report(backend_, splats_, footprints_, limits).overflowed != 0) return;
 
-    SortJob<Bounds> sorted{splats_.view(), footprints_.view(), FrameKey::of(scene, views)};
-    sorted.measure = limits.draw && !limits.report;
-    sorted.rehearse = !limits.draw;
-    sort_.build(backend_, sorted, Bounds{}, sort_scratch_, lists_);
+    const FrameUse use = !limits.draw    ? FrameUse::rehearsed
+                         : limits.report ? FrameUse::recorded
+                                         : FrameUse::drawn;
+    const SortJob<Bounds> job{splats_.view(), footprints_.view(), FrameKey::of(scene, views), use};
+    sort_.build(backend_, job, Bounds{}, sort_scratch_, lists_);
     take_time(2);
 
     rasterize(backend_, Raster{}, RasterJob{splats_.view(), shading.finish(), lists_.view(), views, counts});

@@ -85,11 +85,11 @@ TEST_CASE_TEMPLATE("sort: the three sorts give the same bits", B, SWIFTGS_TEST_B
     const TileLists<B> standard = build_lists<StandardSort, Bounds>(backend, job);
     CHECK(standard.instances > 50'000);
     CHECK(same_bits(standard, build_lists<EarlySort, Bounds>(backend, job)));
-    // Fresh, an adaptive sort runs one strategy first and the other in the next frame.
+    // An adaptive sort runs one sort in its first frame and the other in the next.
     AdaptiveSort adaptive;
     AdaptiveSort::Scratch<B> scratch;
+    TileLists<B> lists;
     for (int frame = 0; frame < 12; ++frame) {
-      TileLists<B> lists;
       build_again<Bounds>(backend, adaptive, job, scratch, lists);
       CHECK(same_bits(standard, lists));
     }

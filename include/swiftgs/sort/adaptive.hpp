@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
+#include <cstddef>
 #include <optional>
 #include <string_view>
 #include <tuple>
@@ -16,169 +16,136 @@
 
 namespace swiftgs {
 
-/// Adaptive early sorting (SwiftGS, section 4.2): measures both strategies on the frames that it renders,
-/// then keeps the one with the lower mean, until the scene or the image size changes. Stored
-/// measurements replace the warm-up. Frames of a scene without identity are sorted early and never measured.
-/// Every frame is correct, measured or not.
+/// Adaptive early sorting (SwiftGS, section 4.2): measures both sorts on the frames that it draws, in turn,
+/// then keeps the one with the lower mean, until the scene or the image size changes. Saved measurements
+/// replace the warm-up. Recorded frames and frames of a scene without identity are never measured; until a
+/// sort is chosen they are sorted early. Every frame is correct, measured or not.
 class AdaptiveSort {
  public:
   static constexpr std::string_view name = "adaptive";
 
-  /// Measures `frames_each` frames with either strategy. The first frame of either does not count, nor does
-  /// one for which buffers grew.
+  /// Measures `frames_each` frames with either sort. The first frame of either does not count, nor does one
+  /// for which buffers grew.
   explicit AdaptiveSort(int frames_each = 3) : frames_each_(std::max(frames_each, 1)) {}
 
-  /// The paper's budget: a fifth of `views`, half of it with either strategy.
-  static AdaptiveSort for_views(int views) { return AdaptiveSort(views / 10); }
-
-  /// Starts with what `use` takes.
-  explicit AdaptiveSort(std::vector<SortCalibration> saved, int frames_each = 3) : AdaptiveSort(frames_each) {
-    use(std::move(saved));
-  }
-
-  /// Takes earlier measurements of one scene, one for each image size, in place of any before. They hold for
-  /// the first scene of as many Gaussians that comes at one of these sizes: its frames at any of them are
-  /// sorted by what was measured, from the first on, and not measured again. At other sizes, and of other
-  /// scenes, frames are measured as without. Whether the measurements are of this backend and these bounds is
-  /// for the caller to know.
+  /// Takes earlier measurements, one for each image size, in place of any before. They hold for every scene
+  /// of as many Gaussians. The caller ensures that they are of this scene, backend and bounds.
   void use(std::vector<SortCalibration> saved) {
     saved_ = std::move(saved);
-    saved_scene_ = 0;
-    key_ = {};  // looks the next frame's up
-    measured_ = {};
-    decided_ = false;
+    start_over({});  // the next frame looks its own up
   }
 
-  /// What is known of the last frame's scene and size, or nothing while frames are still being measured or if
-  /// the frame had several views.
+  /// The measurement of the last frame's scene and size. No value while frames are still being measured, or
+  /// if the frame had several views.
   std::optional<SortCalibration> calibration() const {
     if (!decided_ || key_.views != 1) return std::nullopt;
     return SortCalibration{key_.gaussians, int(key_.width), int(key_.height), measured_[0].mean(),
                            measured_[1].mean()};
   }
 
+  /// A measured frame whose end the backend's clock has not told yet.
+  template <class B>
+  struct Trial {
+    bool early;
+    std::array<std::size_t, 2> room;
+    typename B::TimePoint from, to;
+    int asked = 0;
+  };
+
   template <class B>
   struct Scratch {
     StandardSort::Scratch<B> standard;
     EarlySort::Scratch<B> early;
-    std::optional<typename B::TimePoint> from, to;  ///< measurement whose end has not been seen yet
-    bool pending_early = false;
-    int waited = 0;  ///< frames for that end
+    std::optional<Trial<B>> trial;
 
-    void reserve(B& b, const FrameRoom& room) { standard.reserve(b, room), early.reserve(b, room); }
+    void reserve(B& b, const FrameRoom& room) { reserve_parts(b, room, standard, early); }
     static auto buffers(auto& self) { return std::tie(self.standard, self.early); }
   };
 
   template <class B, class Bounds>
   void build(B& b, const SortJob<Bounds>& job, const Bounds& bounds, Scratch<B>& scratch,
              TileLists<B>& lists) {
-    if (job.rehearse) {
-      StandardSort{}.build(b, job, bounds, scratch.standard, lists);
-      EarlySort{}.build(b, job, bounds, scratch.early, lists);
-      return;
-    }
-    start_over_where_stale(job.key, scratch);
-    if (job.key.scene == 0) {
-      EarlySort{}.build(b, job, bounds, scratch.early, lists);
-      return;
-    }
-    if (!job.measure) {
-      if (decided_ && !early_)
-        StandardSort{}.build(b, job, bounds, scratch.standard, lists);
-      else
+    const auto sort = [&](bool early) {
+      if (early)
         EarlySort{}.build(b, job, bounds, scratch.early, lists);
-      return;
-    }
-    collect(b, scratch);
-    const bool measure = !decided_ && !scratch.to;
-    const bool early =
-        decided_ ? early_
-                 : measured_[1].frames + measured_[1].warm_ups < measured_[0].frames + measured_[0].warm_ups;
-    // Buffers change places between the scratch and the lists. Lists that come empty may be new in every
-    // frame, and are no reason to measure none, unless the scratch is empty too, as after `Renderer::trim`.
-    const std::size_t held = bytes_of(scratch, lists);
-    const bool compare = held == 0 || bytes_of(lists) != 0;
-    if (measure) scratch.from = b.now();
-    if (early)
-      EarlySort{}.build(b, job, bounds, scratch.early, lists);
-    else
-      StandardSort{}.build(b, job, bounds, scratch.standard, lists);
-    const bool grew = compare && bytes_of(scratch, lists) != held;
-    if (measure && grew)
-      scratch.from.reset(), measured_[early].warm_ups = 1;
-    else if (measure)
-      scratch.to = b.now(), scratch.pending_early = early;
-    // A device's frame may turn out to have had no room: its renderer discards it before the next.
-    if (!job.footprints.instances.exact) collect(b, scratch);
-  }
+      else
+        StandardSort{}.build(b, job, bounds, scratch.standard, lists);
+    };
+    if (job.use == FrameUse::rehearsed) return sort(false), sort(true);
+    if (job.key != key_) start_over(job.key), scratch.trial.reset();
+    if (job.use == FrameUse::recorded || job.key.scene == 0) return sort(early_ || !decided_);
 
-  /// Does not count the last frame, which overflowed.
-  template <class B>
-  void discard(Scratch<B>& scratch) {
-    scratch.from.reset(), scratch.to.reset(), scratch.waited = 0;
+    const std::array<std::size_t, 2> room{room_of(job.splats.count()), room_of(job.footprints.instances)};
+    // A device's frame that had too little room is drawn again with more: its time says nothing.
+    if (scratch.trial && scratch.trial->room != room) scratch.trial.reset();
+    collect(b, scratch.trial);
+    if (decided_ || scratch.trial) return sort(decided_ ? early_ : next_is_early());
+
+    const bool early = next_is_early();
+    const std::size_t held = bytes_of(scratch, lists);
+    const auto from = b.now();
+    sort(early);
+    if (bytes_of(scratch, lists) != held)
+      measured_[early].warm = true;
+    else
+      scratch.trial = Trial<B>{early, room, from, b.now()};
+    if (!job.footprints.instances.exact) collect(b, scratch.trial);
   }
 
  private:
-  static constexpr int most_frames_waited = 100;
   struct Measured {
     double total_ms = 0;
     int frames = 0;
-    int warm_ups = 0;
+    bool warm = false;  ///< whether the frame that does not count has been
     double mean() const { return frames ? total_ms / frames : 0; }
   };
 
-  template <class Pending>
-  void start_over_where_stale(const FrameKey& key, Pending& pending) {
-    if (key == key_) return;
+  /// What a device has room for. 0 where the host has counted, since frames then always fit.
+  static std::size_t room_of(const Count& count) { return count.exact ? count.most : 0; }
+
+  bool next_is_early() const {
+    const auto& [standard, early] = measured_;
+    return early.frames + early.warm < standard.frames + standard.warm;
+  }
+
+  void start_over(const FrameKey& key) {
     key_ = key;
     measured_ = {};
     decided_ = false;
-    pending.from.reset(), pending.to.reset(), pending.waited = 0;
-    if (const SortCalibration* saved = saved_for(key)) {
-      measured_ = {{{saved->standard_ms, 1, 0}, {saved->early_ms, 1, 0}}};
-      early_ = saved->prefers_early();
-      decided_ = true;
-    }
+    if (key.scene == 0 || key.views != 1) return;
+    for (const SortCalibration& saved : saved_)
+      if (saved.gaussians == key.gaussians && saved.width == key.width && saved.height == key.height) {
+        measured_ = {{{saved.standard_ms, 1, true}, {saved.early_ms, 1, true}}};
+        decide();
+      }
   }
 
-  const SortCalibration* saved_for(const FrameKey& key) {
-    if (key.scene == 0 || (saved_scene_ != 0 && saved_scene_ != key.scene)) return nullptr;
-    const auto found = std::find_if(saved_.begin(), saved_.end(), [&](const SortCalibration& saved) {
-      return saved.gaussians == key.gaussians && saved.width == key.width && saved.height == key.height &&
-             key.views == 1;
-    });
-    if (found == saved_.end()) return nullptr;
-    saved_scene_ = key.scene;
-    return &*found;
+  void decide() {
+    decided_ = true;
+    early_ = measured_[1].mean() <= measured_[0].mean();
   }
 
-  /// Adds a measurement once its end has been reached; never waits for one.
+  /// Counts a trial once its end has been reached; never waits for it.
   template <class B>
-  void collect(B& b, Scratch<B>& scratch) {
-    if (!scratch.to) return;
-    const std::optional<double> ms = b.milliseconds(*scratch.from, *scratch.to);
+  void collect(B& b, std::optional<Trial<B>>& trial) {
+    if (!trial) return;
+    const std::optional<double> ms = b.milliseconds(trial->from, trial->to);
     // A clock may forget points that were not asked for in time: measure again then.
-    if (!ms && ++scratch.waited < most_frames_waited) return;
-    scratch.from.reset(), scratch.to.reset(), scratch.waited = 0;
+    constexpr int most_asked = 100;
+    if (!ms && ++trial->asked < most_asked) return;
+    Measured& m = measured_[trial->early];
+    trial.reset();
     if (!ms) return;
-    Measured& m = measured_[scratch.pending_early];
-    if (m.warm_ups == 0) {
-      m.warm_ups = 1;
-      return;
-    }
+    if (!std::exchange(m.warm, true)) return;
     m.total_ms += *ms, ++m.frames;
-    if (measured_[0].frames >= frames_each_ && measured_[1].frames >= frames_each_) {
-      decided_ = true;
-      early_ = measured_[1].mean() <= measured_[0].mean();
-    }
+    if (measured_[0].frames >= frames_each_ && measured_[1].frames >= frames_each_) decide();
   }
 
   int frames_each_;
   std::vector<SortCalibration> saved_;
-  std::uint64_t saved_scene_ = 0;  ///< which of all scenes `saved_` is of, once it has come
   FrameKey key_;
   std::array<Measured, 2> measured_{};  ///< standard, early
-  bool early_ = false;
+  bool early_ = false;                  ///< what was chosen, once `decided_`
   bool decided_ = false;
 };
 

@@ -22,7 +22,7 @@
 
 namespace swiftgs {
 
-/// A scene and the sizes of the images that show it. A choice of sort strategy holds for one key.
+/// A scene and the sizes of the images that show it. What one frame teaches holds for frames of the same key.
 struct FrameKey {
   std::uint64_t scene = 0;  ///< `SceneView::identity`
   std::size_t gaussians = 0;
@@ -40,14 +40,20 @@ struct FrameKey {
   bool operator==(const FrameKey&) const = default;
 };
 
+/// What a frame is for.
+enum class FrameUse {
+  drawn,
+  recorded,  ///< may run again, and asks the backend for nothing
+  rehearsed  ///< draws nothing: a sort takes all memory that later frames of this room may need
+};
+
 /// What a sort turns into tile lists within `Bounds`, of the views of the footprints.
 template <BoundsPolicy Bounds>
 struct SortJob {
   SplatsView splats;
   FootprintsView<Bounds> footprints;  ///< of these splats
   FrameKey key;
-  bool measure = true;    ///< a sort that measures its frames may measure this one
-  bool rehearse = false;  ///< draws nothing: take memory for every strategy that a later frame may choose
+  FrameUse use = FrameUse::drawn;
 
   /// Of the view that splat i is of.
   SWIFTGS_HD const TileGrid& grid(std::size_t i) const {

@@ -352,7 +352,6 @@ class DistributedRenderer {
       const FrameReport report = await_report(backend(), splats, band_footprints_, limits);
       mine.instances = report.instances;
       if (report.overflowed == 0) break;
-      if constexpr (requires { one_.sort().discard(sort_scratch_); }) one_.sort().discard(sort_scratch_);
       check_instances(report.instances);
       capacity_.instances = std::min(with_room(report.instances), std::size_t(max_instances));
     }
