@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include <swiftgs/sort/calibration.hpp>
+#include <swiftgs/sort/adaptive.hpp>
 #include <swiftgs/statistics.hpp>
 
 #include "error.hpp"
@@ -24,11 +24,6 @@ swiftgs_statistics to_struct(const Statistics& from) {
   to.longest_item = from.raster.longest_item;
   to.balanced_ms = from.balanced_ms();
   return to;
-}
-
-SortCalibration to_calibration(const swiftgs_calibration& from) {
-  require_zero(from.reserved, "swiftgs_calibration");
-  return {std::size_t(from.gaussians), from.width, from.height, from.standard_ms, from.early_ms};
 }
 
 }  // namespace
@@ -79,8 +74,11 @@ swiftgs_status swiftgs_renderer_use_calibrations(swiftgs_renderer* renderer,
   return guarded([&] {
     const Turn any = of(renderer);
     std::vector<swiftgs::SortCalibration> saved;
-    for_each_struct(calibrations, count, "swiftgs_calibration",
-                    [&](const swiftgs_calibration& each) { saved.push_back(to_calibration(each)); });
+    for_each_struct(calibrations, count, "swiftgs_calibration", [&](const swiftgs_calibration& from) {
+      require_zero(from.reserved, "swiftgs_calibration");
+      saved.push_back(
+          {std::size_t(from.gaussians), from.width, from.height, from.standard_ms, from.early_ms});
+    });
     any->use_calibrations(std::move(saved));
   });
 }

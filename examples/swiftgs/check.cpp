@@ -13,7 +13,6 @@
 #include <swiftgs/reference.hpp>
 #include <swiftgs/span.hpp>
 
-#include "calibrations.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
 #include "distinct_files.hpp"
@@ -35,7 +34,6 @@ struct CheckOptions {
   std::string renderers = "*";  ///< glob
   std::string photos;           ///< folder of photographs, or empty for that of the capture
   std::string json;             ///< file to write, or empty
-  std::string calibration;      ///< file, or empty for the one beside the scene
   int repeats = 3;              ///< frames that are timed, after one that is not
 };
 
@@ -127,8 +125,7 @@ void check(const CheckOptions& options) {
     throw std::invalid_argument("--repeats " + std::to_string(options.repeats) + ": expected at least 1");
   require_distinct({{"--json", options.json}},
                    {{"SCENE", capture_of(options.scene).scene.string()},
-                    {"--cameras", cameras_of(options.scene, options.view.cameras)},
-                    {"--calibration", calibration_file(options.scene, options.calibration)}});
+                    {"--cameras", cameras_of(options.scene, options.view.cameras)}});
   const std::vector<RendererEntry> entries = renderers_matching(options.renderers);
   Task task;
   task.scene_name = capture_of(options.scene).name;
@@ -175,13 +172,11 @@ void check(const CheckOptions& options) {
   };
   progress.clear();
   print_header(width, with_photos);
-  Calibrations calibrations(options.scene, options.view, task.scene, options.calibration);
   std::uint64_t numbered_from = 0;
   for (const RendererEntry& entry : entries) {
     // Only one renderer at a time holds memory.
     const std::unique_ptr<AnyRenderer> renderer = entry.make();
     renderer->set_scene(task.scene);
-    calibrations.hand_to(*renderer, task.views);
     Frame frame;
     std::vector<CheckResult> of_renderer;
     for (std::size_t view = 0; view < views; ++view) {
@@ -241,7 +236,6 @@ void add_check(CLI::App& app) {
       "Folder with photographs that have the paths of the images\n[photos in SCENE where it is "
       "a folder, without --cameras and --scale]");
   add_json(*command, options->json);
-  add_calibration(*command, options->calibration);
   command->add_option("--repeats", options->repeats, "How many frames are timed")->capture_default_str();
   command->callback([options] { check(*options); });
 }

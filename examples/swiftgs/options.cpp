@@ -32,16 +32,6 @@ void add_scene_reading(CLI::App& command, SceneOptions& options) {
       ->capture_default_str();
 }
 
-void add_cameras(CLI::App& command, ViewOptions& options) {
-  command.add_option("--cameras", options.cameras,
-                     "A cameras.json, a transforms.json or a COLMAP model, or a folder\nthat holds one "
-                     "[those of SCENE where it is a folder]");
-  command
-      .add_option("--conventions", options.conventions,
-                  "Conventions that the scene was trained with: gsplat or inria")
-      ->capture_default_str();
-}
-
 CLI::Option* add_view_choice(CLI::App& command, const char* name, std::string& views,
                              const std::string& what) {
   return command.add_option(
@@ -50,7 +40,13 @@ CLI::Option* add_view_choice(CLI::App& command, const char* name, std::string& v
 }
 
 void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views) {
-  add_cameras(command, options);
+  command.add_option("--cameras", options.cameras,
+                     "A cameras.json, a transforms.json or a COLMAP model, or a folder\nthat holds one "
+                     "[those of SCENE where it is a folder]");
+  command
+      .add_option("--conventions", options.conventions,
+                  "Conventions that the scene was trained with: gsplat or inria")
+      ->capture_default_str();
   add_view_choice(command, "--views", options.views, "Views")
       ->default_str(default_views + " with cameras, else 0");
   command.add_option("--scale", options.scale, "Factor of the images' sides")->capture_default_str();
@@ -77,12 +73,6 @@ void require_keep(double part) {
   if (!(part > 0 && part <= 1))
     throw std::invalid_argument("--keep " + text_of_number(part) +
                                 ": expected a part of the Gaussians above 0 and at most 1");
-}
-
-void add_calibration(CLI::App& command, std::string& file) {
-  command.add_option("--calibration", file,
-                     "For renderers with the sort 'adaptive': what 'swiftgs calibrate' wrote\n"
-                     "[SCENE.sort.json, and that in ~/.cache/swiftgs]");
 }
 
 }  // namespace swiftgs::cli

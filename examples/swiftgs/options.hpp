@@ -37,9 +37,6 @@ void add_scene(CLI::App& command, SceneOptions& options);
 /// Adds those of them that say how to read it.
 void add_scene_reading(CLI::App& command, SceneOptions& options);
 
-/// Adds those options of views that say what there is to see: cameras and conventions.
-void add_cameras(CLI::App& command, ViewOptions& options);
-
 /// Adds an option that chooses views; `what` begins its description.
 CLI::Option* add_view_choice(CLI::App& command, const char* name, std::string& views,
                              const std::string& what);
@@ -58,8 +55,5 @@ void require_batch(int batch);
 
 /// Throws `std::invalid_argument` unless `--keep` is a part above 0 and at most 1.
 void require_keep(double part);
-
-/// Adds the option that names a file with what `calibrate` measured.
-void add_calibration(CLI::App& command, std::string& file);
 
 }  // namespace swiftgs::cli

@@ -11,8 +11,8 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/io/image.hpp>
+#include <swiftgs/io/sort_calibrations.hpp>
 
-#include "calibrations.hpp"
 #include "choice.hpp"
 #include "commands.hpp"
 #include "distinct_files.hpp"
@@ -33,7 +33,7 @@ struct RenderOptions {
   std::string renderer;  ///< empty for `default_renderer()`
   std::string out = "renders";
   std::string format = "png";
-  std::string calibration;  ///< file, or empty for the one beside the scene
+  std::string calibration;  ///< file that `calibrate` wrote, or empty
   std::string json;         ///< file for the results, or empty
   int batch = 1;
   bool stats = false;
@@ -71,6 +71,21 @@ void print(const RenderResult& result) {
   std::printf("  %-32s %.3f\n", "balanced, ms", times.balanced);
 }
 
+/// Has `renderer` choose its sort by `file`, which must have the size of each view.
+void use_calibration(AnyRenderer& renderer, const std::string& file, const Scene& scene,
+                     const std::vector<View>& views) {
+  std::vector<SortCalibration> found = find_sort_calibrations(
+      file, {geometry_checksum(scene), renderer.device_name(), std::string(renderer.name())});
+  for (const View& view : views)
+    if (std::none_of(found.begin(), found.end(), [&](const SortCalibration& saved) {
+          return saved.width == view.camera.width && saved.height == view.camera.height;
+        }))
+      throw std::runtime_error(file + ": expected a calibration at " + std::to_string(view.camera.width) +
+                               "x" + std::to_string(view.camera.height) + ", as the view " + view.name +
+                               " has");
+  renderer.use_calibrations(std::move(found));
+}
+
 void render(const RenderOptions& options) {
   const Writer write = writer_of(options.format);
   require_batch(options.batch);
@@ -78,7 +93,7 @@ void render(const RenderOptions& options) {
   require_distinct({{"--json", options.json}},
                    {{"SCENE", capture.scene.string()},
                     {"--cameras", cameras_of(options.scene, options.view.cameras)},
-                    {"--calibration", calibration_file(options.scene, options.calibration)}});
+                    {"--calibration", options.calibration}});
   const std::unique_ptr<AnyRenderer> renderer =
       make_renderer(options.renderer.empty() ? default_renderer() : options.renderer);
   std::vector<std::string> notes;
@@ -95,7 +110,7 @@ void render(const RenderOptions& options) {
   Numbered<RenderResult> numbered;
   std::filesystem::create_directories(options.out);
   renderer->set_scene(scene);
-  Calibrations(options.scene, options.view, scene, options.calibration).hand_to(*renderer, views);
+  if (!options.calibration.empty()) use_calibration(*renderer, options.calibration, *scene, views);
 
   const std::size_t batch = std::min(std::size_t(options.batch), views.size());
   std::vector<Camera> cameras;
@@ -195,7 +210,8 @@ void add_render(CLI::App& app) {
   command->add_option("--format", options->format, "Format of the images: png, pfm or exr")
       ->capture_default_str();
   add_batch(*command, options->batch);
-  add_calibration(*command, options->calibration);
+  command->add_option("--calibration", options->calibration,
+                      "For renderers with the sort 'adaptive': a file of 'swiftgs calibrate'");
   add_json(*command, options->json);
   command->add_flag("--stats", options->stats, "Print what each frame had to do");
   command->callback([options] { render(*options); });

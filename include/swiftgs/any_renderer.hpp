@@ -13,7 +13,7 @@
 #include <swiftgs/api.hpp>
 #include <swiftgs/renderer.hpp>
 #include <swiftgs/scene_arrays.hpp>
-#include <swiftgs/sort/calibration.hpp>
+#include <swiftgs/sort/adaptive.hpp>
 #include <swiftgs/type_list.hpp>
 
 namespace swiftgs {

@@ -232,17 +232,3 @@ TEST_CASE("bench: results that are there stay until there are new ones") {
   REQUIRE(swiftgs::test::swiftgs(place, command + " --enlarge 0").code == 1);
   CHECK(content_of(place / "r.json") == before);
 }
-
-TEST_CASE("bench: a sort is calibrated where a file was found and not where it has adapted meanwhile") {
-  const TemporaryFolder place;
-  const std::string renderer = " --renderers 'serial/adaptive/per-pixel/ellipse' --errors none";
-  // Views enough to decide on the way.
-  run(place, "bench builtin:100 --views all" + renderer + quick);
-  for (const Json& row : json_in(place / "r.json").at("rows")) CHECK(row.at("calibrated") == false);
-  run(place, "prune builtin:100 --keep 1 --score opacity-volume --out scene.ply");
-  run(place, "calibrate scene.ply --scale 0.1 --renderers 'serial/adaptive/*/ellipse'");
-  run(place, "bench scene.ply" + renderer + quick);
-  const Json rows = json_in(place / "r.json").at("rows");
-  REQUIRE(rows.size() == 1);
-  CHECK(rows[0].at("calibrated") == true);
-}

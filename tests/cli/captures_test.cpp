@@ -60,9 +60,7 @@ TEST_CASE("cli captures: every command takes the folder of a capture for its sce
   CHECK(contains(run(place, "check garden --repeats 1 --views 1" + serial).out, " b "));
   run(place, "prune garden --keep 0.5 --views 0 --backend serial --out small.ply");
   CHECK(swiftgs::load_scene(place / "small.ply").size() == 50);
-  run(place, "calibrate garden --renderers 'serial/adaptive/*/ellipse'");
-  CHECK(std::filesystem::exists(place / "garden/scene.ply.sort.json"));
-  run(place, "render garden --renderer serial/adaptive/per-pixel/ellipse --out images");
+  run(place, "calibrate garden --renderer serial/adaptive/per-pixel/ellipse --out sorts.json");
   run(place, "bench garden --errors none --views 1 --max-frames 2 --min-frames 2 --json r.json" + serial);
   const json row = json_in(place / "r.json")["rows"][0];
   CHECK(row["scene"] == "scene");
@@ -122,8 +120,8 @@ TEST_CASE("cli captures: a folder that is none says what is in it") {
         "swiftgs: empty: expected a capture, a folder with one .spz, .ply or .sog in it, or else one "
         ".ksplat, .splat, .glb or .gltf, found none\n");
   place.write("two/a.ply", ""), place.write("two/b.spz", "");
-  for (const std::string command :
-       {"render two", "check two", "bench two", "calibrate two", "prune two --keep 1 --out x.ply"})
+  for (const std::string command : {"render two", "check two", "bench two", "calibrate two --out x.json",
+                                    "prune two --keep 1 --out x.ply"})
     CHECK(contains(refusal(place, command), "found a.ply, b.spz"));
   place.write("sog/meta.json", "{}");
   CHECK(contains(refusal(place, "render sog"), "sog/meta.json: byte 0: expected a scene of Gaussians"));
@@ -180,8 +178,7 @@ TEST_CASE("cli views: an empty choice is refused by every command") {
   const TemporaryFolder place;
   for (const std::string command :
        {"render builtin:20 --views", "check builtin:20 --views", "bench builtin:20 --views",
-        "prune builtin:20 --keep 1 --out x.ply --views",
-        "calibrate builtin:20 --out c.json --check --check-views"})
+        "prune builtin:20 --keep 1 --out x.ply --views", "calibrate builtin:20 --out c.json --views"})
     for (const std::string empty : {" ''", "="}) {
       const std::string told = refusal(place, command + empty);
       CHECK(contains(told, "views: expected "));
@@ -195,7 +192,8 @@ TEST_CASE("cli cameras: cameras are refused before the scene is looked at") {
   place.write("capture/cameras.json", "[{\"id\": 0}]");
   place.write("capture/scene.ply", "no scene");
   place.write("cameras.json", cameras_json({"a.jpg"}));
-  const std::string commands[] = {"render", "check", "calibrate", "prune --keep 1 --out x.ply", "bench"};
+  const std::string commands[] = {"render", "check", "calibrate --out x.json", "prune --keep 1 --out x.ply",
+                                  "bench"};
   for (const std::string& command : commands) {
     CAPTURE(command);
     CHECK(contains(refusal(place, command + " capture"), "capture/cameras.json: byte "));
@@ -203,11 +201,10 @@ TEST_CASE("cli cameras: cameras are refused before the scene is looked at") {
     const bool bench = command == "bench";
     if (!bench)
       CHECK(contains(refusal(place, command + " missing.ply --cameras broken.json"), "broken.json: byte "));
-    if (command != "calibrate")
-      CHECK(contains(
-          refusal(place, command + (bench ? " capture/missing.ply" : " missing.ply --cameras cameras.json") +
-                             " --views 99"),
-          bench ? "capture/cameras.json: byte " : "--views '99'"));
+    CHECK(contains(
+        refusal(place, command + (bench ? " capture/missing.ply" : " missing.ply --cameras cameras.json") +
+                           " --views 99"),
+        bench ? "capture/cameras.json: byte " : "--views '99'"));
   }
   CHECK(contains(refusal(place, "render missing.ply --background red"), "--background 'red'"));
   CHECK(contains(refusal(place, "render missing.ply --views 1"), "--views '1'"));

@@ -24,11 +24,9 @@ struct Outcome {
 inline Outcome run_after(const TemporaryFolder& place, const std::string& first,
                          const std::string& arguments) {
   const std::string out = (place / "stdout.txt").string(), err = (place / "stderr.txt").string();
-  // No test finds what the user has calibrated, or adds to it.
-  const int status =
-      std::system(("cd '" + place.path().string() + "' && export XDG_CACHE_HOME=\"$PWD/cache\" && " + first +
-                   " && '" SWIFTGS_CLI "' " + arguments + " >'" + out + "' 2>'" + err + "'")
-                      .c_str());
+  const int status = std::system(("cd '" + place.path().string() + "' && " + first +
+                                  " && '" SWIFTGS_CLI "' " + arguments + " >'" + out + "' 2>'" + err + "'")
+                                     .c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(out), content_of(err)};
 }
 

@@ -131,7 +131,7 @@ TEST_CASE("cli errors: arguments that are not known or missing") {
         {"render: 'here' is not expected; 'there' is not expected (see"});
   fails(place, "render builtin:10 --scale big", {"swiftgs: --scale 'big': expected a number (see"});
   fails(place, "check builtin:10 --repeats 1.5", {"swiftgs: --repeats '1.5': expected a whole number (see"});
-  fails(place, "calibrate builtin:10 --scale 1,x", {"swiftgs: --scale '1,x': expected a number (see"});
+  fails(place, "calibrate builtin:10", {"swiftgs: calibrate: expected --out (see"});
   fails(place, "render builtin:10 --scale", {"swiftgs: --scale: expected a value, found nothing (see"});
   fails(place, "render builtin:10 --out=", {"swiftgs: --out: expected a value, found nothing (see"});
   fails(place, "render builtin:10 --out a --out b", {"swiftgs: --out: expected one value, found 2 (see"});
@@ -151,7 +151,7 @@ TEST_CASE("cli errors: no option or argument takes an empty value") {
     refuses("check builtin:10 " + name + " ''", name);
   for (const std::string name : {"--gaussians", "--threads", "--images", "--errors", "--precision"})
     refuses("bench builtin:10 " + name + " ''", name);
-  for (const std::string name : {"--scale", "--check-views", "--out"})
+  for (const std::string name : {"--renderer", "--out"})
     refuses("calibrate builtin:10 " + name + " ''", name);
   for (const std::string name : {"--families", "--severity", "--size"})
     refuses("stress " + name + " ''", name);

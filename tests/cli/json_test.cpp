@@ -42,9 +42,6 @@ const Command commands[] = {
     {"prune", "prune builtin:50 --keep 0.5 --out small.ply --scale 0.02 --backend serial"},
     {"stress",
      "stress --families needles --severity 100 --seeds 1 --renderers serial/early/per-pixel/ellipse"},
-    {"calibration-check",
-     "calibrate builtin:50 --out b.json --check --scale 0.02 --renderers "
-     "'serial/adaptive/per-pixel/ellipse'"},
 };
 
 std::set<std::string> members_of(const json& object) {

@@ -44,9 +44,7 @@ TEST_CASE("cli notes: every command that reads a scene says them on standard err
   for (const std::string arguments :
        {"render scene.ply --scale 0.02", "check scene.ply --scale 0.02 --repeats 1",
         "bench scene.ply --scales 0.05 --min-frames 2 --max-frames 2",
-        "prune scene.ply --keep 0.5 --score opacity-volume --out small.ply",
-        "calibrate scene.ply --out b.json --check --scale 0.02 --renderers serial/adaptive/per-pixel/ellipse",
-        "convert scene.ply b.ply"}) {
+        "prune scene.ply --keep 0.5 --score opacity-volume --out small.ply", "convert scene.ply b.ply"}) {
     CAPTURE(arguments);
     const Place place;
     const bool picks = arguments.starts_with("check") || arguments.starts_with("bench");
@@ -61,7 +59,7 @@ TEST_CASE("cli notes: every command that reads a scene says them on standard err
 TEST_CASE("cli notes: every command that reads cameras says theirs before those of the scene") {
   const std::string of_cameras =
       "transforms.json: Keys that may change the picture were not read: rolling_shutter.";
-  for (const std::string command : {"render", "check", "bench", "prune", "calibrate"}) {
+  for (const std::string command : {"render", "check", "bench", "prune"}) {
     CAPTURE(command);
     const Place place;
     const json matrix = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 4}, {0, 0, 0, 1}};
@@ -75,8 +73,6 @@ TEST_CASE("cli notes: every command that reads cameras says theirs before those 
     // A capture, so that `bench` finds the cameras too.
     std::string arguments = command + " . --json result.json";
     if (command == "prune") arguments += " --keep 0.5 --views 0 --out " + (place / "small.ply").string();
-    if (command == "calibrate")
-      arguments += " --out b.json --check --check-views 0 --renderers serial/adaptive/per-pixel/ellipse";
     if (command == "bench") arguments += " --min-frames 2 --max-frames 2" + one;
     if (command == "check") arguments += " --repeats 1" + one;
     const Outcome outcome = swiftgs::test::swiftgs(place, arguments);

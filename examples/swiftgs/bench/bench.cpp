@@ -194,9 +194,6 @@ class Matrix {
           find_views(session.views, *session.gaussians, camera);
           session.settings = settings_for(settings_of(view), *session.gaussians);
           session.scale = scale, session.conventions = conventions;
-          // What was measured of a scene does not hold for its variants.
-          if (session.gaussians->size() == session.scene.original && session.scene.enlarge == 1)
-            session.calibrations = std::make_shared<Calibrations>(input.scene, view, session.gaussians, "");
           run();
         }
     }

@@ -54,7 +54,6 @@ void profile(const std::vector<RendererEntry>& entries, const Session& session, 
     progress.start(session.scene.scene + " " + std::string(entry.name));
     const std::unique_ptr<AnyRenderer> renderer = entry.make();
     renderer->set_scene(session.gaussians);
-    if (session.calibrations) session.calibrations->hand_to(*renderer, session.views);
     draw_marked(*renderer, session, mark_of(*renderer));
     progress.clear();
     print_frames(*renderer, session);

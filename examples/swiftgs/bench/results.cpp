@@ -51,7 +51,6 @@ Json json_of(const RowResult& r) {
   json["raster"] = words.raster, json["bounds"] = words.bounds;
   json["frames"] = r.frames;
   json["batch"] = r.batch;
-  json["calibrated"] = r.calibrated;
   json["ms"] = {{"project", json_of(r.ms.project)},
                 {"sort", json_of(r.ms.sort)},
                 {"raster", json_of(r.ms.raster)},

@@ -77,8 +77,7 @@ struct RowResult {
   int threads = 0;
   std::string renderer;
   int frames = 0;
-  std::size_t batch = 1;    ///< views of each frame; `ms` are its durations over their number
-  bool calibrated = false;  ///< an adaptive sort had saved measurements for all views
+  std::size_t batch = 1;  ///< views of each frame; `ms` are its durations over their number
   Durations ms;
   std::optional<Errors> errors;
   std::optional<PhotoErrors> photo;
@@ -90,10 +89,10 @@ struct RowResult {
   std::string image, error_image;
 
   static auto members(auto& self) {
-    return std::tie(self.place, self.threads, self.renderer, self.frames, self.batch, self.calibrated,
-                    self.ms, self.errors, self.photo, self.visible, self.instances, self.contributing_pairs,
-                    self.pieces, self.pixels_joined, self.longest_item, self.counted_ms, self.bytes,
-                    self.device_bytes, self.host_bytes, self.image, self.error_image);
+    return std::tie(self.place, self.threads, self.renderer, self.frames, self.batch, self.ms, self.errors,
+                    self.photo, self.visible, self.instances, self.contributing_pairs, self.pieces,
+                    self.pixels_joined, self.longest_item, self.counted_ms, self.bytes, self.device_bytes,
+                    self.host_bytes, self.image, self.error_image);
   }
 };
 

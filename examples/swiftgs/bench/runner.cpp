@@ -83,7 +83,6 @@ std::vector<Runner::Subject> Runner::prepare(const Session& session, std::size_t
     if (std::none_of(subjects.begin(), subjects.end(),
                      [&](const Subject& other) { return renderer.share_scene(*other.renderer); }))
       renderer.set_scene(session.gaussians);
-    subject.calibrated = session.calibrations && session.calibrations->hand_to(renderer, session.views);
     release_free_memory();
     const std::uint64_t device = device_bytes(renderer), host = resident_memory();
     // Every frame once, so that nothing grows later.
@@ -146,7 +145,6 @@ RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subj
   row.frames = samples.frames();
   row.batch = options_.batch;
   row.ms = samples.summary();
-  row.calibrated = subject.calibrated;
   row.bytes = renderer.memory();
   row.device_bytes = subject.device_bytes, row.host_bytes = subject.host_bytes;
 

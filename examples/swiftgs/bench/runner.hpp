@@ -14,7 +14,6 @@
 #include "bench/judge.hpp"
 #include "bench/measure.hpp"
 #include "bench/results.hpp"
-#include "calibrations.hpp"
 #include "progress.hpp"
 #include "result_file.hpp"
 #include "team.hpp"
@@ -32,7 +31,6 @@ struct Session {
   std::string conventions;
   RenderSettings settings;
   int threads = 0;
-  std::shared_ptr<Calibrations> calibrations{};  ///< what is known of the scene's sort, or none
 };
 
 /// Measures renderers on sessions and adds what it finds to results.
@@ -65,7 +63,6 @@ class Runner {
   struct Subject {
     std::unique_ptr<AnyRenderer> renderer;
     std::uint64_t device_bytes = 0, host_bytes = 0;
-    bool calibrated = false;
   };
 
   /// Of the frame that is timed for a view: the view and those after it, and the first ones after the last.

@@ -10,11 +10,20 @@
 #include <utility>
 #include <vector>
 
-#include <swiftgs/sort/calibration.hpp>
 #include <swiftgs/sort/early.hpp>
 #include <swiftgs/sort/standard.hpp>
 
 namespace swiftgs {
+
+/// Mean times of the standard and the early sort, of one view of a scene at one image size.
+struct SortCalibration {
+  std::size_t gaussians = 0;
+  int width = 0, height = 0;
+  double standard_ms = 0, early_ms = 0;  ///< @units{milliseconds}
+
+  bool prefers_early() const { return early_ms <= standard_ms; }
+  bool operator==(const SortCalibration&) const = default;
+};
 
 /// Adaptive early sorting (SwiftGS, section 4.2): measures both sorts on the frames that it draws, in turn,
 /// then keeps the one with the lower mean, until the scene or the image size changes. Saved measurements
@@ -79,9 +88,9 @@ class AdaptiveSort {
     // A device's frame that had too little room is drawn again with more: its time says nothing.
     if (scratch.trial && scratch.trial->room != room) scratch.trial.reset();
     collect(b, scratch.trial);
-    if (decided_ || scratch.trial) return sort(decided_ ? early_ : next_is_early());
+    const bool early = decided_ ? early_ : measured_[1].turns() < measured_[0].turns();
+    if (decided_ || scratch.trial) return sort(early);
 
-    const bool early = next_is_early();
     const std::size_t held = bytes_of(scratch, lists);
     const auto from = b.now();
     sort(early);
@@ -97,16 +106,12 @@ class AdaptiveSort {
     double total_ms = 0;
     int frames = 0;
     bool warm = false;  ///< whether the frame that does not count has been
-    double mean() const { return frames ? total_ms / frames : 0; }
+    int turns() const { return frames + warm; }
+    double mean() const { return total_ms / frames; }
   };
 
   /// What a device has room for. 0 where the host has counted, since frames then always fit.
   static std::size_t room_of(const Count& count) { return count.exact ? count.most : 0; }
-
-  bool next_is_early() const {
-    const auto& [standard, early] = measured_;
-    return early.frames + early.warm < standard.frames + standard.warm;
-  }
 
   void start_over(const FrameKey& key) {
     key_ = key;
@@ -131,12 +136,10 @@ class AdaptiveSort {
     if (!trial) return;
     const std::optional<double> ms = b.milliseconds(trial->from, trial->to);
     // A clock may forget points that were not asked for in time: measure again then.
-    constexpr int most_asked = 100;
-    if (!ms && ++trial->asked < most_asked) return;
+    if (!ms && ++trial->asked < 100) return;
     Measured& m = measured_[trial->early];
     trial.reset();
-    if (!ms) return;
-    if (!std::exchange(m.warm, true)) return;
+    if (!ms || !std::exchange(m.warm, true)) return;
     m.total_ms += *ms, ++m.frames;
     if (measured_[0].frames >= frames_each_ && measured_[1].frames >= frames_each_) decide();
   }
