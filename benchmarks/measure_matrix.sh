@@ -13,8 +13,6 @@
 #   occupancy  scaling-occupancy.json: scales of all Gaussians from an eighth to eight times theirs (four on a CPU);
 #              tiles get no sparser than by one for each splat in view
 #   prune      prune-SCENE-SCORE.json, and pruned.json: a tenth of each capture
-#   calibrate  calibration-SCENE.json, at half, one and two times the images' sides, of pruned captures too where they are;
-#              calibration-SCENE.sort.json, the choices
 #   stress     stress.json: every rasterizer on every family of hard frames at every severity, 64x48, 16 seeds;
 #              stress-large.json: three families at 960x540 and 1920x1080, 2 seeds. A CPU has the serial backend beside it
 # BACKEND is cuda or cpu; by default cuda where it runs. Scenes are the built-in one and the captures in
@@ -27,7 +25,7 @@
 # reference, which takes longer than all frames together, is rendered for the first three views of a scene.
 # Nothing else should run meanwhile. A part that fails says so, and the others run.
 set -euo pipefail
-all_parts=(matrix vanilla all-views gaussians pixels threads occupancy prune calibrate stress)
+all_parts=(matrix vanilla all-views gaussians pixels threads occupancy prune stress)
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 [ $# -ge 1 ] || { echo "usage: benchmarks/measure_matrix.sh OUTDIR [${all_parts[*]}]" >&2; exit 2; }
 out=$1
@@ -54,11 +52,9 @@ runs_here "$backend" || { echo "measure: no renderer of the backend '$backend' r
 if [ "$backend" = cuda ]; then
   views=${VIEWS:-every:8} least=${MIN_FRAMES:-15} most=${MAX_FRAMES:-60} precision=${PRECISION:-0.01}
   sizes_of_builtin=(builtin builtin:1000000 builtin:4000000) enlarge=0.125,0.25,0.5,1,2,4,8
-  sorts='cuda/adaptive/*/*'
 else
   views=${VIEWS:-every:24} least=${MIN_FRAMES:-6} most=${MAX_FRAMES:-12} precision=${PRECISION:-0.02}
   sizes_of_builtin=(builtin builtin:1000000) enlarge=0.125,0.25,0.5,1,2,4
-  sorts='cpu/adaptive/*/ellipse'
 fi
 
 # part_of_capture FOLDER MEMBER: what `swiftgs info` finds in the folder of a capture, as `cameras` or `photos`; nothing
@@ -160,28 +156,6 @@ part_prune() {
   done
   [ ${#pruned[@]} -eq 0 ] || bench pruned.json "${pruned[@]}" --renderers "$vanilla" --conventions inria \
     --views "$views" --errors 1
-}
-
-# calibrate NAME SCENE ARGUMENT...
-calibrate() {
-  local name=$1
-  shift
-  "$swiftgs" calibrate "$@" --scale 0.5,1,2 --renderers "$sorts" --check --check-views every:8 \
-    --out "$out/calibration-$name.sort.json" --json "$out/calibration-$name.json"
-  leave_folders_out "$out/calibration-$name.json"
-}
-
-# Pruned captures, where part prune has left them, and a small built-in scene are there because the standard sort may be
-# the quicker one where there is little to sort.
-part_calibrate() {
-  local capture name pruned
-  for capture in ${captures[@]+"${captures[@]}"}; do
-    name=$(basename "$capture") pruned=$out/pruned/$name-pruned
-    calibrate "$name" "$capture"
-    [ ! -e "$pruned/$name-pruned.ply" ] || calibrate "$name-pruned" "$pruned"
-  done
-  calibrate builtin builtin:1000000
-  calibrate builtin-100000 builtin:100000
 }
 
 # stress FILE ARGUMENT...: a ratio above 10 fails, and the file is kept.

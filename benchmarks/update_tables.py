@@ -15,14 +15,14 @@ import sys
 
 sys.dont_write_bytecode = True
 
-from tables import (ablation, accuracy, balance, blocks, bounds, calibration, changes, formats, gaps,  # noqa: E402
-                    growth, gsplat, instructions, kernels, pruning, python, redundancy, stability, stages, summary,
+from tables import (ablation, accuracy, balance, blocks, bounds, changes, formats, gaps, growth,  # noqa: E402
+                    gsplat, instructions, kernels, pruning, python, redundancy, stability, stages, summary,
                     ulps)
 from tables.results import InputError  # noqa: E402
 from tables.source import RESULTS, Source  # noqa: E402
 
 
-MODULES = (ablation, accuracy, balance, bounds, calibration, changes, formats, gaps, growth, gsplat, instructions,
+MODULES = (ablation, accuracy, balance, bounds, changes, formats, gaps, growth, gsplat, instructions,
            kernels, pruning, python, redundancy, stability, stages, summary, ulps)
 TABLES = {name: function for module in MODULES for name, function in module.TABLES.items()}
 

@@ -111,13 +111,6 @@ def write(folder, backend, older=False):
     synthetic.write(folder / "stress.json", stress(backend, ((64, 48),)))
     synthetic.write(folder / "stress-large.json", stress(backend, ((960, 540), (1920, 1080))))
     for scene in ("fox", "garden"):
-        synthetic.write(folder / f"calibration-{scene}.sort.json", {"format": "swiftgs-sort-calibrations"})
-        synthetic.write(folder / f"calibration-{scene}.json", {
-            "format": "swiftgs-calibration-check", "version": 1, "machine": {}, "rows": [
-                {"scene": scene, "gaussians": GAUSSIANS[scene], "width": 1297, "height": 840, "device": "a device",
-                 "backend": backend, "bounds": "ellipse", "views": 3, "choice": "early", "standard_ms": 1.0,
-                 "early_ms": 0.9, "adaptive_ms": 0.909, "regret": 0.01 if scene == "fox" else 0.02,
-                 "regret_error": 0.001, "sort_regret": 0.03, "sort_regret_error": 0.002}]})
         for score in ("contribution", "opacity-volume"):
             side = {"gaussians": GAUSSIANS[scene], "photo_psnr_db": 24.8, "unpruned_psnr_db": None}
             (folder / f"prune-{scene}-{score}.json").write_text(json.dumps(

@@ -17,7 +17,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import synthetic  # noqa: E402
 import synthetic_folder  # noqa: E402
 import update_tables  # noqa: E402
-from tables import blocks, calibration, ceilings, fits, paper  # noqa: E402
+from tables import blocks, ceilings, fits, paper  # noqa: E402
 from tables.frames import OURS  # noqa: E402
 from tables.results import OPTIONAL, STAGES, Duration, InputError, Results  # noqa: E402
 from tables.source import FOLDERS, RESULTS, Source  # noqa: E402
@@ -313,34 +313,6 @@ class Tables(unittest.TestCase):
         self.assertEqual(cells(self.table("prune-quality gpu"), "garden")[1:],
                          ["contribution", "1.5 M", "0.02 M", "90.0 %", "24.80", "23.50", "28.25"])
 
-    def test_the_largest_regret_of_a_choice_is_named(self):
-        text = self.table("regret cpu")
-        self.assertEqual(cells(text, "garden, 1.5 M")[1:], ["1297x840", "ellipse", "early", "1.00", "0.900", "0.909",
-                                                            "+2.0 ± 0.1 %", "+3.0 ± 0.2 %"])
-        self.assertIn("The largest regret of a frame is +2.0 ± 0.1 %, of 2 choices.", text)
-        self.assertIn("For the frame the limit of 3 % holds on all 2 rows, with two standard errors added. For the "
-                      "sort alone the limit of 3 % holds on 0 of 2 rows, with two standard errors added; 2 are within "
-                      "two standard errors of it (fox, 1297x840, ellipse; garden, 1297x840, ellipse).",
-                      text.replace("\n", " "))
-
-    def test_a_choice_that_loses_more_than_its_errors_allow_is_named(self):
-        rows = [{"scene": scene, "width": 4, "height": 3, "bounds": "ellipse", "regret": regret, "regret_error": 0.01}
-                for scene, regret in (("below", 0.009), ("near", 0.02), ("beyond", 0.04), ("above", 0.051))]
-        self.assertEqual(calibration.limit(rows, "the frame", "regret"),
-                         "For the frame the limit of 3 % holds on 1 of 4 rows, with two standard errors added; 2 are "
-                         "within two standard errors of it (near, 4x3, ellipse; beyond, 4x3, ellipse); 1 is above it "
-                         "by more (above, 4x3, ellipse).")
-
-    def test_no_calibrated_choice_loses_more_than_the_limit(self):
-        source, root = Source(), pathlib.Path(RESULTS)
-        checked = [machine for machine in FOLDERS if list((root / FOLDERS[machine]).glob("calibration-*.json"))]
-        self.assertIn("gpu", checked)
-        for machine in checked:
-            for row in calibration.rows_of(source, machine):
-                for member in ("regret", "sort_regret"):
-                    least = row[member] - calibration.ERRORS * row[f"{member}_error"]
-                    self.assertLessEqual(least, calibration.LIMIT, f"{member} of {machine}: {row}")
-
     def test_growth_is_fitted_and_its_turning_points_found(self):
         text = self.table("exponents gpu gaussians pixels occupancy")
         best = f"`{'/'.join(synthetic_folder.BEST)}`"
@@ -447,8 +419,7 @@ class Tables(unittest.TestCase):
     def test_a_broken_file_of_other_commands_is_one_line(self):
         folder = self.place / "broken" / FOLDERS["cpu"]
         folder.mkdir(parents=True)
-        for name, table, form in (("calibration-fox.json", "regret", "swiftgs-calibration-check"),
-                                  ("prune-fox-contribution.json", "prune-quality", "swiftgs-prune"),
+        for name, table, form in (("prune-fox-contribution.json", "prune-quality", "swiftgs-prune"),
                                   ("ulps.json", "ulps", "swiftgs-ulps")):
             page = f"<!-- table: {table} cpu -->\n<!-- end -->\n"
             missing = "before" if table == "prune-quality" else "rows"
@@ -556,7 +527,6 @@ class Tables(unittest.TestCase):
     def test_the_commands_of_a_folder_are_listed(self):
         text = self.table("files gpu")
         self.assertEqual(cells(text, "`matrix.json`")[1:], ["`000000000000`", "`swiftgs bench`"])
-        self.assertNotIn("calibration", text)
 
     def test_both_sorts_stand_side_by_side_along_an_axis(self):
         self.assertEqual(cells(self.table("sort-growth gpu gaussians"), "garden")[1:],
