@@ -10,6 +10,7 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/edit.hpp>
 #include <swiftgs/metrics.hpp>
+#include <swiftgs/reference.hpp>
 #include <swiftgs/reference/colour.hpp>
 #include <swiftgs/swiftgs.hpp>
 
@@ -151,6 +152,44 @@ TEST_CASE("edit: a moved scene seen by a moved camera is the same image") {
     // Harmonics that stay behind are another image.
     moved.sh_rest = scene.sh_rest;
     CHECK(psnr(image(moved, transformed(camera, by)), expected) < 60);
+  }
+}
+
+TEST_CASE("edit: a moved scene whose rotations are not of unit length is the same image") {
+  const Camera camera = builtin_cameras(1, 320, 180).front();
+  Random random(5);
+  for (const double length : {0.5, 0.7071067811865476, 0.9, 1.001, 1.1, 2.0}) {
+    CAPTURE(length);
+    Scene scene = make_builtin_scene(5'000);
+    for (Quaternion& q : scene.rotations)
+      q = rounded({length * q.w, length * q.x, length * q.y, length * q.z});
+    const Similarity by = random_similarity(random, 1.7);
+    Scene moved = scene;
+    transform(moved, by);
+    const Conventions conventions = Conventions::gsplat();
+    const ReferenceFrame expected = render_reference(scene, camera, conventions),
+                         frame = render_reference(moved, transformed(camera, by), conventions);
+    CHECK(psnr(frame.colour, expected.colour) >= 100);
+  }
+}
+
+TEST_CASE("edit: principal axes are those of the ellipsoid even where some have no length") {
+  Random random(6);
+  for (int i = 0; i < 1000; ++i) {
+    const dmat3 axes = random_matrix(random), before = random_matrix(random);
+    dvec3 lengths(1, std::exp(random.in(-20, 0)), std::exp(random.in(-40, 0)));
+    if (i % 5 == 0) lengths.z = 0;
+    if (i % 10 == 0) lengths.y = 0;
+    if (i % 20 == 0) lengths.x = 0;
+    const auto matrix = [&](const dmat3& u, const dvec3& s) {
+      return dmat3(u[0] * s.x, u[1] * s.y, u[2] * s.z);
+    };
+    const dmat3 columns = matrix(axes, lengths) * before;
+    const detail::PrincipalAxes found = detail::principal_axes(columns);
+    CHECK(largest(found.directions * glm::transpose(found.directions) - dmat3(1.0)) < 1e-14);
+    CHECK(glm::determinant(found.directions) > 0);
+    const dmat3 is = matrix(found.directions, found.lengths);
+    CHECK(largest(is * glm::transpose(is) - columns * glm::transpose(columns)) < 1e-14);
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/edit/finite.hpp>
+#include <swiftgs/edit/principal_axes.hpp>
 #include <swiftgs/edit/sh_rotation.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/rotation.hpp>
@@ -51,21 +52,52 @@ inline Similarity inverse(const Similarity& by) {
   return back;
 }
 
+namespace detail {
+
+/// What makes the ellipsoid of a Gaussian.
+struct Shape {
+  dvec3 scale;
+  DQuaternion rotation;
+};
+
+/// The shape that a movement makes of one. A quaternion q that is not of unit length stands for a matrix that
+/// is not orthogonal, and no quaternion for the rotated matrix: the shape gets its principal axes.
+inline Shape moved(const Shape& shape, const Similarity& by, const DQuaternion& turn) {
+  const DQuaternion& q = shape.rotation;
+  const double off = std::abs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1);
+  const double rounding = 0x1p-21;  // of four floats, and of what made them
+  const bool finite = is_finite(off) && is_finite(vec3(shape.scale));
+  if (off <= rounding || !finite || by.rotation == dmat3(1.0)) return {by.scale * shape.scale, turn * q};
+  dmat3 columns = matrix_of(q);
+  for (int axis = 0; axis < 3; ++axis) columns[axis] *= shape.scale[axis];
+  const PrincipalAxes axes = principal_axes(columns);
+  return {by.scale * axes.lengths, turn * quaternion_of(axes.directions)};
+}
+
+}  // namespace detail
+
 /// Moves all Gaussians: means, scales, rotations, and harmonics in all bands. Computed in double and rounded
-/// to float once, so the farther from the origin, the coarser. Linear in the number of Gaussians.
+/// to float once, so the farther from the origin, the coarser. Where the movement rotates, rotations that are
+/// not of unit length become so, with the scales of the same ellipsoid. Linear in the number of Gaussians.
 /// Throws `std::invalid_argument` as `validate` does of the scene and the movement, and `std::range_error` if
 /// a mean, scale or coefficient would leave the range of float, or a scale become 0; then nothing has moved.
 /// Numbers that are NaN or infinite stay so.
 inline void transform(Scene& scene, const Similarity& by) {
   validate(scene), validate(by);
+  const DQuaternion turn = quaternion_of(by.rotation);
   const auto moved = [&](std::size_t i) { return vec3(by(dvec3(scene.means[i]))); };
-  const auto grown = [&](std::size_t i) { return vec3(by.scale * dvec3(scene.scales[i])); };
+  const auto shape = [&](std::size_t i) {
+    const Quaternion& q = scene.rotations[i];
+    return detail::moved({dvec3(scene.scales[i]), {q.w, q.x, q.y, q.z}}, by, turn);
+  };
   const std::size_t stride = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   for (std::size_t i = 0; i < scene.size(); ++i) {
     bool fits = detail::is_finite(moved(i)) || !detail::is_finite(scene.means[i]);
+    const dvec3 grown = shape(i).scale;
     for (int axis = 0; axis < 3; ++axis) {
-      const float before = scene.scales[i][axis], after = grown(i)[axis];
-      fits = fits && (detail::is_finite(after) || !detail::is_finite(before)) && (after != 0 || before == 0);
+      const float after = float(grown[axis]);
+      fits = fits && (detail::is_finite(after) || !detail::is_finite(scene.scales[i])) &&
+             (after != 0 || grown[axis] == 0);
     }
     // A rotation makes no coefficient of band 3 more than sqrt(7) times as large as the largest was.
     for (std::size_t k = 0; k < stride; ++k) {
@@ -77,12 +109,11 @@ inline void transform(Scene& scene, const Similarity& by) {
                              " would leave the range of float; expected a movement that keeps it there");
   }
 
-  const DQuaternion turn = quaternion_of(by.rotation);
   const ShRotation harmonics(by.rotation, scene.sh_degree);
   for (std::size_t i = 0; i < scene.size(); ++i) {
-    scene.means[i] = moved(i), scene.scales[i] = grown(i);
-    const Quaternion& q = scene.rotations[i];
-    scene.rotations[i] = rounded(turn * DQuaternion{q.w, q.x, q.y, q.z});
+    const detail::Shape after = shape(i);
+    scene.means[i] = moved(i), scene.scales[i] = vec3(after.scale),
+    scene.rotations[i] = rounded(after.rotation);
     if (stride != 0) harmonics.apply(scene.sh_rest.data() + i * stride);
   }
 }
