@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include <cfenv>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -15,30 +14,11 @@
 
 #include <swiftgs/cpu.hpp>
 #include <swiftgs/processor_name.hpp>
+#include <swiftgs/round_to_nearest.hpp>
 
 #include "parts.hpp"
 
 namespace swiftgs {
-
-namespace {
-
-/// Rounds to nearest until it is destroyed: kernels reduce arguments by it, whatever mode the caller has set.
-class RoundToNearest {
- public:
-  RoundToNearest() : saved_(std::fegetround()) {
-    if (saved_ != FE_TONEAREST) std::fesetround(FE_TONEAREST);
-  }
-  ~RoundToNearest() {
-    if (saved_ != FE_TONEAREST) std::fesetround(saved_);
-  }
-  RoundToNearest(const RoundToNearest&) = delete;
-  RoundToNearest& operator=(const RoundToNearest&) = delete;
-
- private:
-  int saved_;
-};
-
-}  // namespace
 
 struct Cpu::Arena {
   tbb::task_arena arena;

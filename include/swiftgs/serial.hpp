@@ -20,7 +20,8 @@
 
 namespace swiftgs {
 
-/// Backend of one thread and the standard library. Read it first; copy it to write your own.
+/// Backend of one thread and the standard library. Read it first; copy it to write your own. Its loops round
+/// in the mode that the calling thread has set, and flush denormal numbers where that thread does.
 class Serial {
  public:
   static constexpr std::string_view name = "serial";

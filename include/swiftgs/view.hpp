@@ -16,6 +16,7 @@
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/round_to_nearest.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/tiles.hpp>
@@ -65,9 +66,11 @@ struct FirstPixel {
 
 /// A view through `camera` into `frame`, with tiles of the usual side. A frame smaller than the camera's
 /// image shows the part of it that begins at `first`; the parts of several views make up one image, bit for
-/// bit. Throws as `view_constants`, and `std::invalid_argument` if the frame does not lie within the image.
+/// bit. Rounds to nearest. Throws as `view_constants`, and `std::invalid_argument` if the frame does not lie
+/// within the image.
 inline View make_view(const Camera& camera, const Conventions& conventions, const FrameView& frame,
                       vec3 background = vec3(0), FirstPixel first = {}) {
+  const RoundToNearest scope;
   View view{view_constants(camera, conventions), BlendRules::from(conventions), background, {}, frame};
   const auto run = [](const char* name, int begin, int size, int whole) {
     const int side = default_tile_side;

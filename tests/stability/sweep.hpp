@@ -137,6 +137,11 @@ class Sweep {
     give(std::get<Pair<AxisShared<FloatCholesky>>>(pairs_));
   }
 
+  /// What each rasterizer draws.
+  std::vector<Frame> frames(const StressCase& drawn) {
+    return std::apply([&](auto&... pair) { return std::vector<Frame>{draw_(pair.first, drawn)...}; }, pairs_);
+  }
+
   /// Splats of the case as they are projected.
   std::vector<SplatShape> shapes(const StressCase& drawn) {
     auto& renderer = std::get<Pair<Usual>>(pairs_).first;

@@ -17,12 +17,23 @@ namespace swiftgs::test {
 struct Environment {
   std::string_view name;
   int rounding;
-  bool flush;
+  bool flush = false;
+  bool vectors_alone = false;  ///< on x86 the mode is that of MXCSR, and the x87 rounds to nearest
 };
+/// The usual one is the first.
 inline constexpr Environment environments[] = {
-    {"to nearest", FE_TONEAREST, false},   {"upward", FE_UPWARD, false},
-    {"downward", FE_DOWNWARD, false},      {"towards zero", FE_TOWARDZERO, false},
-    {"flush to zero", FE_TONEAREST, true}, {"flush to zero upward", FE_UPWARD, true},
+    {.name = "to nearest", .rounding = FE_TONEAREST},
+    {.name = "upward", .rounding = FE_UPWARD},
+    {.name = "downward", .rounding = FE_DOWNWARD},
+    {.name = "towards zero", .rounding = FE_TOWARDZERO},
+    {.name = "flush to zero", .rounding = FE_TONEAREST, .flush = true},
+    {.name = "flush to zero upward", .rounding = FE_UPWARD, .flush = true},
+#if defined(__SSE__)
+    {.name = "vectors to nearest", .rounding = FE_TONEAREST, .vectors_alone = true},
+    {.name = "vectors upward", .rounding = FE_UPWARD, .vectors_alone = true},
+    {.name = "vectors downward", .rounding = FE_DOWNWARD, .vectors_alone = true},
+    {.name = "vectors towards zero", .rounding = FE_TOWARDZERO, .vectors_alone = true},
+#endif
 };
 
 /// Sets the environment of this thread until it is destroyed.
@@ -33,7 +44,9 @@ class ScopedEnvironment {
     std::fesetround(environment.rounding);
 #if defined(__SSE__)
     // Bit 15 flushes results, bit 6 takes denormal operands as zero.
-    if (environment.flush) _mm_setcsr(_mm_getcsr() | 0x8040);
+    const unsigned vectors = _mm_getcsr() | (environment.flush ? 0x8040 : 0);
+    if (environment.vectors_alone) std::fesetround(FE_TONEAREST);
+    _mm_setcsr(vectors);
 #endif
   }
   ~ScopedEnvironment() { std::fesetenv(&saved_); }

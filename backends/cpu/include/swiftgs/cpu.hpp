@@ -46,7 +46,7 @@ enum class LargePages {
 };
 
 /// All cores, by oneTBB, with vector kernels that are chosen for the processor at run time. A frame has the
-/// same bits whatever the number of threads.
+/// same bits whatever the number of threads, and whatever mode of rounding the calling thread has set.
 class SWIFTGS_API Cpu {
  public:
   static constexpr std::string_view name = "cpu";
