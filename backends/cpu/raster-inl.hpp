@@ -34,8 +34,10 @@ constexpr std::size_t batch_size = 64;
 constexpr std::size_t at_once = lanes == 16 ? 4 : 2;
 
 /// Exponents below are raised to it: far less than any alpha that shows, and far from results that are
-/// denormal, on which processors are slow.
-constexpr float least_exponent = -64.0f;
+/// denormal, on which processors are slow, unless the conventions have pixels show such alphas.
+inline float LeastExponent(const BlendRules& rules) {
+  return std::max(-126.0f, std::min(-64.0f, rules.log2_alpha_min - 1));
+}
 
 /// A bit for each group and for each row of a square that a splat touches.
 struct Touched {
@@ -71,7 +73,7 @@ HWY_INLINE void VisitRows(const SplatShape& shape, vec2 first_centre, float log2
                           CholeskyTerms& HWY_RESTRICT terms, const Visit& visit) {
   const F32 d;
   const Vec l0 = hn::Set(d, shape.l0), l1 = hn::Set(d, shape.l1), l2 = hn::Set(d, shape.l2);
-  const Vec log2_opacity = hn::Set(d, shape.reach + log2_alpha_min);
+  const Vec log2_opacity = hn::Set(d, swiftgs::log2_opacity(shape, log2_alpha_min, 1));
   const float first_dx = first_centre.x - shape.mean.x, first_dy = first_centre.y - shape.mean.y;
   for (std::size_t i = 0; i < square_side; i += lanes)
     hn::Store(hn::Mul(l0, hn::Add(hn::Set(d, first_dx), hn::Iota(d, float(i)))), d, terms.p + i);

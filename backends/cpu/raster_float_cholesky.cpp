@@ -21,7 +21,8 @@ class FloatCholeskyForm {
  public:
   using Groups = Blocks;
 
-  explicit FloatCholeskyForm(const BlendRules& rules) : rules_(rules) {}
+  explicit FloatCholeskyForm(const BlendRules& rules)
+      : rules_(rules), least_exponent_(LeastExponent(rules)) {}
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                              float log2_alpha_min) {
@@ -42,7 +43,7 @@ class FloatCholeskyForm {
       Exp2(d, alpha, kept);
       for (std::size_t i = 0; i < at_once; ++i) alpha[i] = hn::Min(alpha[i], hn::Set(d, rules_.alpha_max));
     } else {
-      for (std::size_t i = 0; i < at_once; ++i) alpha[i] = hn::Max(alpha[i], hn::Set(d, least_exponent));
+      for (std::size_t i = 0; i < at_once; ++i) alpha[i] = hn::Max(alpha[i], hn::Set(d, least_exponent_));
       Exp2(d, alpha);
       for (std::size_t i = 0; i < at_once; ++i) alpha[i] = CutAlpha(rules_, alpha[i]);
     }
@@ -50,6 +51,7 @@ class FloatCholeskyForm {
 
  private:
   BlendRules rules_;
+  float least_exponent_;
   CholeskyTerms terms_[batch_size];
 };
 

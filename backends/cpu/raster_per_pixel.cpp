@@ -20,7 +20,7 @@ class PerPixelForm {
  public:
   using Groups = Rows;
 
-  explicit PerPixelForm(const BlendRules& rules) : rules_(rules) {}
+  explicit PerPixelForm(const BlendRules& rules) : rules_(rules), least_exponent_(LeastExponent(rules)) {}
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                              float log2_alpha_min) {
@@ -46,7 +46,7 @@ class PerPixelForm {
     const Vec u = hn::MulAdd(hn::Set(d, splat.l0), dx, hn::Mul(hn::Set(d, splat.l1), dy));
     const Vec v = hn::Mul(hn::Set(d, splat.l2), dy);
     const Vec exponent = hn::Neg(hn::MulAdd(u, u, hn::Mul(v, v)));
-    const Vec fall = Exp2(d, hn::Max(exponent, hn::Set(d, least_exponent)));
+    const Vec fall = Exp2(d, hn::Max(exponent, hn::Set(d, least_exponent_)));
     return CutAlpha(rules_, hn::Mul(hn::Set(d, splat.opacity), fall));
   }
 
@@ -55,6 +55,7 @@ class PerPixelForm {
     float l0, l1, l2, opacity;
   };
   BlendRules rules_;
+  float least_exponent_;
   Splat splats_[batch_size];
 };
 

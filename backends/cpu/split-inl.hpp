@@ -22,12 +22,13 @@ class SplitForm {
  public:
   using Groups = Rows;
 
-  explicit SplitForm(const BlendRules& rules) : rules_(rules) {}
+  explicit SplitForm(const BlendRules& rules) : rules_(rules), least_exponent_(LeastExponent(rules)) {}
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                              float log2_alpha_min) {
     Terms& HWY_RESTRICT t = terms_[k];
-    t.opacity = shape.opacity, t.log2_opacity = shape.reach + log2_alpha_min, t.reach = shape.reach;
+    t.opacity = shape.opacity, t.reach = shape.reach;
+    t.log2_opacity = log2_opacity(shape, log2_alpha_min, 1);
     Split::Prepare(shape, first_centre, t);
     return PrepareRows(shape, first_centre, log2_alpha_min);
   }
@@ -51,7 +52,7 @@ class SplitForm {
       Exp2(d, alpha, kept);
       return hn::Min(alpha[0], hn::Set(d, rules_.alpha_max));
     } else {
-      const Vec fall = Exp2(d, hn::Max(hn::Neg(s), hn::Set(d, least_exponent)));
+      const Vec fall = Exp2(d, hn::Max(hn::Neg(s), hn::Set(d, least_exponent_)));
       return hn::IfThenElseZero(valid, CutAlpha(rules_, hn::Mul(hn::Set(d, t.opacity), fall)));
     }
   }
@@ -62,6 +63,7 @@ class SplitForm {
     float opacity, log2_opacity, reach;
   };
   BlendRules rules_;
+  float least_exponent_;
   Terms terms_[batch_size];
 };
 

@@ -31,9 +31,9 @@ struct CholeskyForm {
   static constexpr unsigned blocks = 9;  ///< of a multiprocessor at once: 56 registers a thread
   using Rest = float2;                   ///< c, d; the quadruple is l0, l1, l2, log2(opacity / alpha_max)
 
-  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float log2_relative_min, float4& terms,
+  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, const BlendRules& rules, float4& terms,
                                  Rest& rest) {
-    terms = make_float4(s.l0, s.l1, s.l2, s.reach + log2_relative_min);
+    terms = make_float4(s.l0, s.l1, s.l2, log2_opacity(s, rules.log2_relative_min, rules.alpha_max));
     rest = make_float2(-fmaf(s.l0, mean.x, s.l1 * mean.y), -s.l2 * mean.y);
   }
   SWIFTGS_HD static void clear(float4& terms, Rest& rest) {
@@ -63,9 +63,9 @@ struct SplitForm {
   static constexpr unsigned blocks = 8;
   using Rest = float4;  ///< d, e, h = log2(opacity / alpha_max), unused; the quadruple is a, b, c, h - g
 
-  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float log2_relative_min, float4& terms,
+  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, const BlendRules& rules, float4& terms,
                                  Rest& rest) {
-    const float h = s.reach + log2_relative_min;
+    const float h = log2_opacity(s, rules.log2_relative_min, rules.alpha_max);
     const float u = -fmaf(s.l0, mean.x, s.l1 * mean.y), v = -s.l2 * mean.y;
     const float a = s.l0 * s.l0, c = fmaf(s.l1, s.l1, s.l2 * s.l2), g = fmaf(u, u, v * v);
     terms = make_float4(a, 2 * s.l0 * s.l1, c, h - g);

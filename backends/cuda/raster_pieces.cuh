@@ -296,8 +296,7 @@ struct LongPartBlender {
       const unsigned slot = half + lane_index();
       if (k + share.slot < count) {
         fetch_colour(input.job, queue, slot, id);
-        Form::prepare(shape, shape.mean - first_centre, rules.log2_relative_min, queue.terms[slot],
-                      queue.rests[slot]);
+        Form::prepare(shape, shape.mean - first_centre, rules, queue.terms[slot], queue.rests[slot]);
       } else {
         Form::clear(queue.terms[slot], queue.rests[slot]);
         queue.colours[slot] = make_float4(0, 0, 0, 0);

@@ -92,7 +92,7 @@ class ListWalk {
       : job_(&job),
         range_(range),
         first_centre_(first_centre),
-        log2_relative_min_(rules.log2_relative_min),
+        rules_(&rules),
         queue_(&queue),
         some_hidden_(job.colours.some_hidden()),
         at_(range.begin) {
@@ -120,8 +120,7 @@ class ListWalk {
         const unsigned slot =
             (begun_ * queue_half + waiting_ + unsigned(__popc(lanes & lanes_below()))) % queue_size;
         blender.fill(slot, id);
-        Form::prepare(shape, shape.mean - first_centre_, log2_relative_min_, queue_->terms[slot],
-                      queue_->rests[slot]);
+        Form::prepare(shape, shape.mean - first_centre_, *rules_, queue_->terms[slot], queue_->rests[slot]);
       }
       waiting_ += unsigned(__popc(lanes));
 
@@ -187,7 +186,7 @@ class ListWalk {
   const RasterJob* job_;
   TileRange range_;
   vec2 first_centre_;
-  float log2_relative_min_;
+  const BlendRules* rules_;
   TermsQueue<Form>* queue_;
   bool some_hidden_;
   std::uint32_t at_, next_id_, later_id_;

@@ -63,7 +63,7 @@ void check_form(const ErrorOf& error_of) {
   for_each_splat_and_part([&](const SplatShape& shape, vec2 first, bool usual) {
     float4 terms;
     typename Form::Rest rest;
-    Form::prepare(shape, shape.mean - first, rules.log2_relative_min, terms, rest);
+    Form::prepare(shape, shape.mean - first, rules, terms, rest);
     for (int lane = 0; lane < 32; ++lane) {
       const int x = lane % (part / 2), y = lane / (part / 2);
       float exponents[pixels_of_lane];
@@ -108,7 +108,7 @@ TEST_CASE("cuda arithmetic: the split form takes s that rounding makes negative 
   const SplatShape shape = make_splat(3.5, 2.5, 2, 1, 0.4, 0.8);
   float4 terms;
   SplitForm::Rest rest;
-  SplitForm::prepare(shape, shape.mean - vec2(0.5f), rules.log2_relative_min, terms, rest);
+  SplitForm::prepare(shape, shape.mean - vec2(0.5f), rules, terms, rest);
   float exponents[pixels_of_lane];
   SplitForm::evaluate(terms, rest, 3, 2, exponents);
   CHECK(exponents[0] == doctest::Approx(rest.z).epsilon(1e-6));
@@ -123,7 +123,7 @@ TEST_CASE("cuda arithmetic: the split form shows nothing of a splat whose square
   shape.l0 = 1e25f;
   float4 terms;
   SplitForm::Rest rest;
-  SplitForm::prepare(shape, shape.mean - vec2(0.5f), rules.log2_relative_min, terms, rest);
+  SplitForm::prepare(shape, shape.mean - vec2(0.5f), rules, terms, rest);
   float exponents[pixels_of_lane];
   SplitForm::evaluate(terms, rest, 3, 2, exponents);
   CHECK(exponents[0] == -INFINITY);

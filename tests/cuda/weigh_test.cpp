@@ -37,7 +37,7 @@ std::vector<std::uint64_t> weights_in_part(const SplatSet& splats, Span<const st
       if (!box_touched(shape, first_centre, 8)) continue;
       float4 terms;
       CholeskyForm::Rest rest;
-      CholeskyForm::prepare(shape, shape.mean - first_centre, rules.log2_relative_min, terms, rest);
+      CholeskyForm::prepare(shape, shape.mean - first_centre, rules, terms, rest);
       float exponents[pixels_of_lane];
       CholeskyForm::evaluate(terms, rest, float(lane % 4), float(lane / 4), exponents);
       for (unsigned p = 0; p < pixels_of_lane; ++p)

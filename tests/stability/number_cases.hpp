@@ -78,6 +78,20 @@ TEST_CASE(SWIFTGS_STABILITY ": opacities of 0 and 1 and between with denormal on
   check_drawn(drawn);
 }
 
+TEST_CASE(SWIFTGS_STABILITY ": alphas are shown down to the least that conventions may name") {
+  for (const float alpha_min : {1e-10f, 1e-20f, 1e-30f, 0x1p-126f}) {
+    CAPTURE(alpha_min);
+    StressCase drawn = usual_scene(21);
+    drawn.conventions.alpha_min = alpha_min;
+    check_drawn(drawn);
+    // One splat whose mean is off the image, so that pixels show its tail alone.
+    drawn.scene = {};
+    drawn.background = vec3(0);
+    stress::add(drawn.scene, {.mean = {-2.2f, 0, 2}, .scale = vec3(0.1f), .opacity = 0.7f});
+    check_drawn(drawn);
+  }
+}
+
 TEST_CASE(SWIFTGS_STABILITY ": numbers that are not finite are left out among others that are drawn") {
   const float wild[] = {NAN, INFINITY, -INFINITY};
   StressCase drawn = usual_scene(10, 300);

@@ -128,6 +128,17 @@ SWIFTGS_HD inline bool row_touched(const SplatShape& shape, float first_x, float
   return nearest * nearest + v * v <= shape.reach;
 }
 
+/// log2(opacity / unit) of a splat, where `log2_min` is log2(alpha_min / unit). Their sum with the reach costs
+/// no logarithm, but a long reach is rounded more coarsely than the pixels' own arithmetic.
+SWIFTGS_HD inline float log2_opacity(const SplatShape& shape, float log2_min, float unit) {
+  if (log2_min >= -16) return shape.reach + log2_min;
+#if defined(__CUDA_ARCH__)
+  return __log2f(shape.opacity) - __log2f(unit);  // within 2^-22 of the larger magnitude or of 1
+#else
+  return std::log2(shape.opacity) - std::log2(unit);
+#endif
+}
+
 /// Transmittance behind a splat of `alpha`, T (1 - alpha). Backends that have fused multiply-adds compute
 /// fma(-alpha, T, T); this errs by no more than one rounding beyond it.
 /// - Up to 1/2, 1 - alpha would round the same way for every splat of an opacity, and a thousand layers add
