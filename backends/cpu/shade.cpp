@@ -112,7 +112,10 @@ bool ShadeRange(const ViewConstants& v, const SceneView& scene, const std::uint3
       const auto channel = [&](int c) { return 0.5f + float(sh::c0) * sh0[c] + rgb[c]; };
       const vec3 colour(channel(0), channel(1), channel(2));
       colours[first + k] = splat_colour(colour, depths[first + k]);
-      some_hidden = some_hidden || is_hidden(colours[first + k]);
+      if (is_hidden(colours[first + k])) {
+        colours[first + k] = large_splat_colour(v, scene, id, depths[first + k]);
+        some_hidden = some_hidden || is_hidden(colours[first + k]);
+      }
     }
   }
   return some_hidden;

@@ -111,7 +111,8 @@ __global__ void __launch_bounds__(shade_threads)
       const vec3 rgb =
           colour_of(scene.sh_degree, scene.sh0[id], rest + lane_index() * rest_pitch(scene.sh_degree),
                     view_direction(camera, scene.means[id]));
-      const SplatColour colour = splat_colour(rgb, all.depths[at]);
+      SplatColour colour = splat_colour(rgb, all.depths[at]);
+      if (is_hidden(colour)) colour = large_splat_colour(camera, scene, id, all.depths[at]);
       colours[at] = colour;
       if (is_hidden(colour)) *hidden = 1;
     }

@@ -60,6 +60,18 @@ SWIFTGS_HD inline vec3 sh_colour(int degree, vec3 sh0, const float* rest, vec3 d
   return colour;
 }
 
+/// The same where a term or a partial sum leaves the range of float though the colour does not: infinite or
+/// not a number only if the colour is.
+SWIFTGS_HD inline vec3 large_sh_colour(int degree, vec3 sh0, const float* rest, vec3 d) {
+  const float smaller = 0x1p-6f;  // 16 terms of at most 2.9 times the largest float, a sixty-fourth of each
+  float basis[sh_rest_count(max_sh_degree)];
+  sh_basis(degree, d, basis);
+  vec3 colour = vec3(0.5f * smaller) + float(sh::c0) * (smaller * sh0);
+  for (int k = 0; k < sh_rest_count(degree); ++k)
+    for (int c = 0; c < 3; ++c) colour[c] += basis[k] * (smaller * rest[3 * k + c]);
+  return colour / smaller;
+}
+
 /// Colour of Gaussian `i` seen in the unit direction `d`, before it is cut below at 0.
 SWIFTGS_HD inline vec3 sh_colour(const SceneView& scene, std::size_t i, vec3 d) {
   return sh_colour(scene.sh_degree, scene.sh0[i], scene.sh_rest.data + i * std::size_t(scene.sh_stride), d);

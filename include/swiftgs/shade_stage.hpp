@@ -14,6 +14,14 @@
 
 namespace swiftgs {
 
+/// The colour of a splat that a usual sum of floats would hide: hidden only if the colour is not finite.
+SWIFTGS_HD inline SplatColour large_splat_colour(const ViewConstants& camera, const SceneView& scene,
+                                                 std::size_t i, float depth) {
+  const float* rest = scene.sh_rest.data + i * std::size_t(scene.sh_stride);
+  const vec3 direction = view_direction(camera, scene.means[i]);
+  return splat_colour(large_sh_colour(scene.sh_degree, scene.sh0[i], rest, direction), depth);
+}
+
 /// Evaluates the colour of splat i: the only place that reads spherical harmonics.
 struct SWIFTGS_API ShadeSplats {
   const View* views;
@@ -23,8 +31,11 @@ struct SWIFTGS_API ShadeSplats {
   std::uint32_t* hidden;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
-    const vec3 rgb = project_colour(views[splats.view(i)].camera, scene, splats.gaussians[i]);
-    colours[i] = splat_colour(rgb, splats.depths[i]);
+    const ViewConstants& camera = views[splats.view(i)].camera;
+    const std::size_t id = splats.gaussians[i];
+    colours[i] = splat_colour(project_colour(camera, scene, id), splats.depths[i]);
+    if (!is_hidden(colours[i])) return;
+    colours[i] = large_splat_colour(camera, scene, id, splats.depths[i]);
     if (is_hidden(colours[i])) note_hidden();
   }
 

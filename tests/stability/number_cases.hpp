@@ -92,6 +92,19 @@ TEST_CASE(SWIFTGS_STABILITY ": alphas are shown down to the least that conventio
   }
 }
 
+TEST_CASE(SWIFTGS_STABILITY ": a colour that is finite is drawn though its terms or their sums are not") {
+  StressCase drawn = usual_scene(22);
+  Scene& scene = drawn.scene;
+  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  const float largest = std::numeric_limits<float>::max();
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    scene.sh0[i] = vec3(i % 2 ? largest : 1e38f);
+    for (std::size_t k = 0; k < rest; ++k)
+      scene.sh_rest[i * rest + k] = (i >> k / 3 & 1 ? 1.0f : -1.0f) * (i % 3 ? largest : 1e38f);
+  }
+  check_drawn(drawn);
+}
+
 TEST_CASE(SWIFTGS_STABILITY ": numbers that are not finite are left out among others that are drawn") {
   const float wild[] = {NAN, INFINITY, -INFINITY};
   StressCase drawn = usual_scene(10, 300);
