@@ -54,6 +54,10 @@ struct Conventions {
   bool operator==(const Conventions&) const = default;
 };
 
+/// Least depth of a Gaussian that is drawn, whatever the near plane: over less, the longest focal length is
+/// more than a float holds.
+inline constexpr float least_depth = 1e-26f;
+
 /// Throws `std::invalid_argument` that names the first invalid number.
 inline void validate(const Conventions& c) {
   const auto require = [](bool holds, const char* expected) {

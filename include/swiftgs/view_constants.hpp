@@ -74,8 +74,8 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
     v.tan_y_max = float(1.3 * half_y), v.tan_y_min = -v.tan_y_max;
   }
   // A strict comparison serves both presets: z >= near is z > the float before near.
-  v.near_plane =
-      conventions.cull_at_near ? conventions.near_plane : std::nextafter(conventions.near_plane, 0.0f);
+  const float near_plane = std::fmax(conventions.near_plane, least_depth);
+  v.near_plane = conventions.cull_at_near ? near_plane : std::nextafter(near_plane, 0.0f);
   // A depth that no float holds would be infinite, and 0 * depth not a number.
   v.far_plane = std::fmin(conventions.far_plane, std::numeric_limits<float>::max());
   v.blur = conventions.blur;

@@ -102,6 +102,21 @@ TEST_CASE(SWIFTGS_STABILITY ": depths on a plane are drawn as the preset says") 
   }
 }
 
+TEST_CASE(SWIFTGS_STABILITY ": with a near plane of 0 depths are drawn down to the least") {
+  StressCase settings = exact_case();
+  settings.conventions.near_plane = 0;
+  for (const double focal : {32.0, 1e12}) {
+    CAPTURE(focal);
+    settings.camera.fx = settings.camera.fy = focal;
+    for (const float z : {above(least_depth), below(least_depth), 1e-38f, 1e-40f, 0.0f}) {
+      CAPTURE(z);
+      StressGaussian splat = dot(z, 0.5f);
+      splat.scale = vec3(float(3.2 * double(z) / focal));
+      check_shown(settings, splat, z >= least_depth);
+    }
+  }
+}
+
 TEST_CASE(SWIFTGS_STABILITY ": equal depths are drawn by index and the least difference by depth") {
   const vec3 red(1, 0, 0), green(0, 1, 0);
   const vec3 red_first(0.5f, 0.25f, 0), green_first(0.25f, 0.5f, 0);

@@ -145,7 +145,8 @@ inline void cut_to_three_sigma_square(Splat& splat) {
 /// Whether a Gaussian of camera-space depth `depth` is drawn. Depth is a float, to the planes as to the
 /// order.
 inline bool is_between_planes(float depth, const Conventions& k) {
-  const bool near_enough = k.cull_at_near ? depth > k.near_plane : depth >= k.near_plane;
+  const float near_plane = std::max(k.near_plane, least_depth);
+  const bool near_enough = k.cull_at_near ? depth > near_plane : depth >= near_plane;
   return near_enough && depth <= k.far_plane && std::isfinite(depth);
 }
 
