@@ -110,6 +110,7 @@ TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
       worst.psnr_db = std::min(worst.psnr_db, verdict.psnr_db);
       worst.max_abs = std::max(worst.max_abs, verdict.max_abs);
       worst.loosest = std::max(worst.loosest, verdict.loosest);
+      worst.allowed = std::max(worst.allowed, verdict.allowed);
       worst.judged = std::min(worst.judged, verdict.judged);
       worst.flips += verdict.flips;
     }
@@ -121,6 +122,7 @@ TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
     CHECK(rows[i].psnr_db == worst.psnr_db);
     CHECK(rows[i].max_abs == worst.max_abs);
     CHECK(rows[i].loosest == worst.loosest);
+    CHECK(rows[i].allowed == worst.allowed);
     CHECK(rows[i].judged == worst.judged);
     CHECK(rows[i].flips == worst.flips);
     CHECK(rows[i].worst_seed == worst_seed);
@@ -134,6 +136,7 @@ TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
     CHECK(json.at("psnr_db") == worst.psnr_db);
     CHECK(json.at("max_abs") == worst.max_abs);
     CHECK(json.at("loosest") == worst.loosest);
+    CHECK(json.at("allowed") == worst.allowed);
     CHECK(json.at("judged") == worst.judged);
   }
 }

@@ -26,7 +26,8 @@ Json json_of(const StressRow& r) {
   const auto number = [&](const char* name, const auto& value) { json[name] = drawn ? Json(value) : Json(); };
   number("ratio", r.ratio), number("excess", r.excess), number("depth_excess", r.depth_excess);
   number("psnr_db", r.psnr_db), number("max_abs", r.max_abs);
-  number("flips", r.flips), number("loosest", r.loosest), number("judged", r.judged);
+  number("flips", r.flips), number("loosest", r.loosest), number("allowed", r.allowed),
+      number("judged", r.judged);
   number("worst_seed", r.worst_seed), number("worst_pixel", r.worst_pixel);
   return json;
 }

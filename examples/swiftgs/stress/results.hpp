@@ -26,6 +26,7 @@ struct StressRow {
   int failed = 0;  ///< of these, where the renderer threw
 
   double ratio = 0, excess = 0, depth_excess = 0, psnr_db = 0, max_abs = 0, loosest = 0;
+  double allowed = 0;       ///< as in `StressVerdict`
   double judged = 1;        ///< least share of pixels that are judged, as in `StressVerdict`
   std::uint64_t flips = 0;  ///< sum over the seeds
   std::uint64_t worst_seed = 0;
@@ -35,11 +36,13 @@ struct StressRow {
   static auto members(auto& self) {
     return std::tie(self.family, self.severity_label, self.severity, self.width, self.height, self.renderer,
                     self.seeds, self.failed, self.ratio, self.excess, self.depth_excess, self.psnr_db,
-                    self.max_abs, self.loosest, self.judged, self.flips, self.worst_seed, self.worst_pixel,
-                    self.error);
+                    self.max_abs, self.loosest, self.allowed, self.judged, self.flips, self.worst_seed,
+                    self.worst_pixel, self.error);
   }
   /// Whether every seed was drawn about as exactly as floats can. NaN is not.
   bool is_exact() const { return failed == 0 && ratio <= stress_gate; }
+  /// Whether the form of the exponent may err by more than a picture of 8 bits hides.
+  bool may_show() const { return allowed > 1.0 / 255; }
   /// Whether every seed was drawn within what the renderer's form of the exponent promises.
   bool keeps_promise() const { return failed == 0 && excess <= stress_gate; }
 };

@@ -34,7 +34,8 @@ whether it is drawn or which is in front. The error that such a decision can cau
 before the ratio is taken. 'loose' is the largest share of a pixel's weight that such decisions and
 the form's allowance decide. A pixel is not judged if they decide all of it; 'judged' is the share
 of pixels that are. The excess is the ratio after the error that the rasterizer's form of the
-exponent is allowed is subtracted too. Only the split forms are allowed one.
+exponent is allowed is subtracted too. Only the split forms are allowed one. A warning names the
+renderers and families in which that error may be more than 1/255 of a colour.
 --search SECONDS climbs instead: it changes small frames of all families, and of lone Gaussians that
 point at the camera, and keeps what is drawn worse. Where sorts differ alone, frames must be equal.
 --json writes the worst frames with all digits. The frames follow from --seed; how many there are

@@ -23,7 +23,8 @@ void add(StressRow& row, const StressVerdict& verdict, std::uint64_t seed) {
   if (is_worse(verdict.depth_excess, row.depth_excess)) row.depth_excess = verdict.depth_excess;
   if (is_worse(-verdict.psnr_db, -row.psnr_db)) row.psnr_db = verdict.psnr_db;
   if (is_worse(verdict.max_abs, row.max_abs)) row.max_abs = verdict.max_abs;
-  row.loosest = std::max(row.loosest, verdict.loosest), row.judged = std::min(row.judged, verdict.judged);
+  row.loosest = std::max(row.loosest, verdict.loosest), row.allowed = std::max(row.allowed, verdict.allowed);
+  row.judged = std::min(row.judged, verdict.judged);
   row.flips += verdict.flips;
 }
 

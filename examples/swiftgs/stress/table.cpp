@@ -145,6 +145,23 @@ void print_verdict(const Rows& rows) {
   std::printf("\n");
 }
 
+/// From where on the form of one renderer is allowed errors that show, in a line.
+void print_warning(const Rows& rows) {
+  std::string shown;
+  for (const Rows& family : grouped(rows, [](const StressRow& row) { return row.family; })) {
+    const auto first =
+        std::find_if(family.begin(), family.end(), [](const StressRow* row) { return row->may_show(); });
+    if (first == family.end()) continue;
+    char weight[32];
+    std::snprintf(weight, sizeof weight, " (%.2g)", (*first)->allowed);
+    shown +=
+        (shown.empty() ? "" : ", ") + (*first)->family + " " + severity_text((*first)->severity) + weight;
+  }
+  if (!shown.empty())
+    std::printf("warning: %s: its form may err by more than 1/255 of a colour from %s; expected less\n",
+                rows.front()->renderer.c_str(), shown.c_str());
+}
+
 constexpr const char* legend = R"(
 A cell: the largest severity up to which the ratio stays at or below 10 ('-': none) and, at the greatest
 severity, the worst ratio; the largest absolute error and the least PSNR; 'loose', the largest weight that
@@ -174,6 +191,7 @@ void print_stress(const std::vector<StressRow>& rows) {
     print_block(one);
     std::printf("\n");
     for (const Rows& renderer : grouped(one, renderer_of)) print_verdict(renderer);
+    for (const Rows& renderer : grouped(one, renderer_of)) print_warning(renderer);
   }
   std::printf("%s", legend);
   for (const StressRow& row : rows)

@@ -26,6 +26,7 @@ struct StressVerdict {
   double psnr_db = 0;           ///< of colour, for a peak of 1, or the reference's where that is more
   double max_abs = 0;           ///< of colour
   double loosest = 0;           ///< largest weight that the form leaves open in a pixel
+  double allowed = 0;           ///< largest part of that which no decision accounts for, but the form's error
   double judged = 1;            ///< share of pixels of which it leaves less than the whole weight open
   std::uint64_t flips = 0;      ///< pixels where a loose decision fell out the other way
   std::size_t worst_pixel = 0;  ///< of `ratio`
@@ -79,6 +80,7 @@ inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame
     out.excess = std::max(out.excess, ratio(allowed[i]));
     out.flips += decisions[i] > 0 && of_pixel <= 10 && ratio(0) > 10;
     out.loosest = std::max(out.loosest, allowed[i]);
+    out.allowed = std::max(out.allowed, std::min(1.0, allowed[i]) - std::min(1.0, decisions[i]));
     if (frame.depth.empty() || covered == 0) continue;
     // Depth is divided by alpha: where little is covered, the rounding of transmittance is much of both.
     const double z = reference.frame.depth[i], loose = allowed[i] / std::max(covered - allowed[i], 1e-9);
