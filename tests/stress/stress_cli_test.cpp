@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <swiftgs/bounds/all.hpp>
+#include <swiftgs/sort/all.hpp>
 #include <swiftgs/version.hpp>
 
 #include "cli/command.hpp"
@@ -120,6 +121,36 @@ TEST_CASE("stress: terms that lose the digits that their form may lose end with 
   CHECK(outcome.out.find("ellipse: loses digits from needles 1e4;") != std::string::npos);
 }
 
+TEST_CASE("stress: a search prints what it found and writes a row for each family and plane") {
+  const TemporaryFolder place;
+  const std::string text =
+      run(place,
+          "stress --search 0.3 --seed 7 --families equal-stacks,backgrounds --json r.json"
+          " --renderers 'serial/*/per-pixel/ellipse'")
+          .out;
+  CHECK(text.find("serial/early/per-pixel/ellipse: worst excess ") != std::string::npos);
+  CHECK(text.find(" of colour from equal-stacks\n") != std::string::npos);
+  const Json results = json_in(place / "r.json");
+  CHECK(results.at("format") == "swiftgs-stress-search");
+  CHECK(results.at("version") == 1);
+  REQUIRE(results.at("rows").size() == swiftgs::AllSorts::size * 2 * 2);
+  std::set<std::string> planes;
+  for (const Json& row : results.at("rows")) {
+    CAPTURE(row.dump());
+    planes.insert(row.at("family").get<std::string>() + row.at("plane").get<std::string>());
+    CHECK(row.at("renderer").get<std::string>().find(row.at("sort").get<std::string>()) != std::string::npos);
+    CHECK(row.at("tries") > 0);
+    CHECK(row.at("excess") <= 10);
+    CHECK(row.at("error").is_null());
+    if (row.at("excess") > 0) {
+      CHECK(row.at("case").at("camera").at("width") == 16);
+      CHECK(row.at("case").at("gaussians").size() > 0);
+    }
+  }
+  CHECK(planes == std::set<std::string>{"backgroundscolour", "backgroundsdepth", "equal-stackscolour",
+                                        "equal-stacksdepth"});
+}
+
 TEST_CASE("stress: options that make no sense are one line with what was typed and expected") {
   fails("--families needle" + one, {"--families 'needle'", "expected some of needles, pancakes", "mixtures"});
   fails("--families needles,needles" + one, {"--families 'needles,needles'", "once"});
@@ -132,6 +163,12 @@ TEST_CASE("stress: options that make no sense are one line with what was typed a
   fails("--size 64x48x" + one, {"--size '64x48x'", "WIDTHxHEIGHT"});
   fails("--seeds 0", {"--seeds 0", "1 to"});
   fails("--seeds many", {"--seeds", "many"});
+  fails("--search 0", {"--search 0", "above 0"});
+  fails("--search soon", {"--search", "soon"});
+  fails("--search 1 --families needle", {"--families 'needle'", "edge-on-disks"});
+  fails("--search 1 --seeds 3", {"--seeds", "--search"});
+  fails("--search 1 --size 16x16", {"--size", "--search"});
+  fails("--seed 3", {"--seed", "--search"});
   fails("--threads 0" + one, {"--threads", "1 to"});
   fails("--renderers nothing", {"--renderers 'nothing'", "swiftgs list"});
   fails("--json no/such/folder/r.json" + one, {"no/such/folder"});

@@ -150,6 +150,23 @@ TEST_CASE("stress: a renderer that is off by a thousandth is named and the exact
   CHECK(message.find("serial/early/off-by-a-thousandth/ellipse on needles at 1e10") != message.npos);
 }
 
+TEST_CASE("stress: a search names the renderer that is off by a thousandth and writes its frames") {
+  test::TemporaryFolder place;
+  cli::StressOptions options;
+  options.families = "on-stops", options.search = 0.2, options.json = (place / "r.json").string();
+  CHECK(message_of(options, entries<PerPixel>()) == "");
+  const std::string message = message_of(options, entries<PerPixel, Off>());
+  CAPTURE(message);
+  CHECK(message.starts_with("stress: expected an excess up to 10; 1 of 4 rows are above, the worst "));
+  CHECK(message.ends_with(" of serial/early/off-by-a-thousandth/ellipse on on-stops"));
+  const auto rows = test::json_in(place / "r.json").at("rows");
+  REQUIRE(rows.size() == 4);
+  CHECK(rows[2].at("excess") > 10);
+  CHECK(rows[2].at("plane") == "colour");
+  CHECK(rows[2].at("case").at("gaussians").size() > 0);
+  CHECK(message_of(options, entries<Throwing>()).ends_with("throwing/ellipse on on-stops: no \"memory\""));
+}
+
 TEST_CASE("stress: a frame with a value that is no number has an infinite ratio") {
   const cli::StressOptions options = options_of("needles", "max", 1);
   const std::string message = message_of(options, entries<Off, NoNumber, PerPixel>());

@@ -98,9 +98,12 @@ inline void move_gaussian(Random& random, StressCase& drawn, std::size_t i) {
       const LongestAxis longest(drawn, i);
       return turn_gaussian(q, turn_between(longest.axis, unit_vector(longest.axis + longest.ray)));
     }
-    case 2:
-      scene.scales[i] *= float(random.scale(0.1, 10));
+    case 2: {  // one scale, or all
+      const int axis = random.below(4);
+      const auto factor = float(random.scale(0.1, 10));
+      for (int k = 0; k < 3; ++k) scene.scales[i][k] *= axis == 3 || axis == k ? factor : 1;
       return;
+    }
     default:
       move_number(random, *numbers[std::size_t(random.below(int(numbers.size())))]);
   }

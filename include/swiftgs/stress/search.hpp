@@ -112,7 +112,7 @@ inline std::string without_sort(const std::string& name) {
 /// climbs many hills.
 class StressSearch {
  public:
-  static constexpr ImageSize size{16, 16};
+  static constexpr ImageSize one_tile{16, 16}, several_tiles{40, 24};
   static constexpr int most_gaussians = 4;
   /// Weight of a pixel that may change hands. A frame that leaves more open is no find.
   static constexpr double most_loose = 0.1;
@@ -172,6 +172,7 @@ class StressSearch {
   /// A frame of some of the Gaussians of a family, mostly of one.
   StressCase start(const StressFamily& family) {
     const double severity = family.severities[std::size_t(random_.below(int(family.severities.size())))];
+    const ImageSize size = random_.below(8) ? one_tile : several_tiles;
     StressCase made = family.make(severity, std::uint64_t(random_.below(1 << 30)), size);
     const int most = 1 + random_.below(most_gaussians), count = 1 + random_.below(most);
     if (made.scene.size() <= std::size_t(count)) return made;

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <swiftgs/serial.hpp>
+#include <swiftgs/stress/search.hpp>
+#include <swiftgs/swiftgs.hpp>
+
+#include "stress/search_results.hpp"
+
+namespace swiftgs {
+namespace {
+
+constexpr double gate = 10;
+
+template <class Raster, class Sort = EarlySort>
+StressSubject subject() {
+  using Drawn = Renderer<Serial, Sort, Raster, Ellipse>;
+  const auto renderer = std::make_shared<Drawn>();
+  return {std::string(Drawn::name), [renderer](const StressCase& drawn) {
+            return renderer->render(renderer->backend().upload(drawn.scene), drawn.camera,
+                                    {.conventions = drawn.conventions,
+                                     .background = drawn.background,
+                                     .outputs = {.alpha = true, .depth = true}});
+          }};
+}
+
+/// The subject, but `change(case, frame)` spoils its frames.
+template <class Change>
+StressSubject spoiled(StressSubject subject, Change change) {
+  return {subject.name, [subject, change](const StressCase& drawn) {
+            Frame frame = subject.draw(drawn);
+            change(drawn, frame);
+            return frame;
+          }};
+}
+
+/// Stores the factor with the digits of a bfloat16.
+struct Bfloat : PerPixel {
+  static constexpr std::string_view name = "bfloat";
+};
+
+float with_eight_bits(float value) {
+  const float scale = std::ldexp(1.0f, std::ilogb(value) - 7);
+  return value == 0 ? 0 : std::nearbyint(value / scale) * scale;
+}
+
+void rasterize(Serial& serial, Bfloat, const RasterJob& job) {
+  std::vector<SplatShape> rounded(job.splats.shapes.data, job.splats.shapes.data + job.splats.shapes.size);
+  for (SplatShape& shape : rounded) {
+    shape.l0 = with_eight_bits(shape.l0);
+    shape.l1 = with_eight_bits(shape.l1);
+    shape.l2 = with_eight_bits(shape.l2);
+  }
+  RasterJob with = job;
+  with.splats.shapes = {rounded.data(), rounded.size()};
+  rasterize(serial, PerPixel{}, with);
+}
+
+double worst_of(const StressSearch& search) {
+  double worst = 0;
+  for (std::size_t family = 0; family < search.families().size(); ++family)
+    worst = std::max(worst, search.worst(0, StressSearch::colour, family).excess);
+  return worst;
+}
+
+/// Tries until the excess is above the gate, at most `most`.
+std::uint64_t tries_to_find(StressSearch& search, std::uint64_t most) {
+  while (search.tries() < most && !(worst_of(search) > gate)) search.try_one();
+  return search.tries();
+}
+
+bool same_case(const StressCase& a, const StressCase& b) {
+  return a.scene.means == b.scene.means && a.scene.scales == b.scene.scales &&
+         a.scene.rotations == b.scene.rotations && a.scene.opacities == b.scene.opacities &&
+         a.scene.sh0 == b.scene.sh0 && a.scene.sh_rest == b.scene.sh_rest && a.camera.fx == b.camera.fx &&
+         a.camera.fy == b.camera.fy && a.camera.cx == b.camera.cx && a.camera.cy == b.camera.cy &&
+         a.camera.rotation == b.camera.rotation && a.camera.translation == b.camera.translation &&
+         a.conventions == b.conventions;
+}
+
+}  // namespace
+
+TEST_CASE("search: the same seed and number of tries find the same and another seed does not") {
+  const auto search = [](std::uint64_t seed) {
+    StressSearch out({subject<PerPixel>()}, search_families(), seed);
+    out.run(1500);
+    return out;
+  };
+  const StressSearch first = search(5), again = search(5), other = search(6);
+  std::size_t found = 0, differing = 0;
+  for (std::size_t family = 0; family < search_families().size(); ++family)
+    for (const StressSearch::Plane plane : {StressSearch::colour, StressSearch::depth}) {
+      const StressFind &a = first.worst(0, plane, family), &b = again.worst(0, plane, family);
+      CHECK(a.excess == b.excess);
+      CHECK(same_case(a.drawn, b.drawn));
+      found += a.excess > 0;
+      differing += !same_case(a.drawn, other.worst(0, plane, family).drawn);
+    }
+  CHECK(found > search_families().size());
+  CHECK(differing > search_families().size());
+}
+
+TEST_CASE("search: a factor that is rounded to eight bits is found at once") {
+  StressSearch search({subject<Bfloat>()}, search_families(), 1);
+  CHECK(tries_to_find(search, 200) < 200);
+}
+
+TEST_CASE("search: a defect that only thin splats have is climbed to") {
+  // The excess grows with thinness, up to what no family begins with.
+  const auto spoil = [](const StressCase& drawn, Frame& frame) {
+    double thinness = 0;
+    for (const vec3 s : drawn.scene.scales)
+      thinness = std::max(thinness,
+                          std::log10(double(std::max({s.x, s.y, s.z})) / double(std::min({s.x, s.y, s.z}))));
+    const auto off = float(1e-10 * std::pow(std::min(thinness, 30.0), 3));
+    for (float& value : frame.colour) value += off;
+  };
+  std::vector<StressFamily> families;
+  for (const StressFamily& family : stress_families())
+    if (family.name == "needles") families.push_back(family);
+  StressSearch search({spoiled(subject<PerPixel>(), spoil)}, families, 1);
+  const std::uint64_t tries = tries_to_find(search, 4000);
+  CHECK(tries > 20);
+  CHECK(tries < 4000);
+}
+
+TEST_CASE("search: a renderer that throws or leaves out a number or differs between sorts is a find") {
+  const auto throwing = [](const StressCase&, Frame&) { throw std::runtime_error("no memory"); };
+  const auto no_number = [](const StressCase&, Frame& frame) {
+    frame.depth[3] = std::numeric_limits<float>::quiet_NaN();
+  };
+  const auto off = [](const StressCase&, Frame& frame) {
+    frame.alpha[7] = std::nextafter(frame.alpha[7], 2.0f);
+  };
+  StressSearch search({subject<PerPixel>(), spoiled(subject<PerPixel, StandardSort>(), off),
+                       spoiled(subject<AxisShared<FloatSplit>>(), throwing),
+                       spoiled(subject<AxisShared<FloatCholesky>>(), no_number)},
+                      {stress_families().front()}, 1);
+  search.run(8);
+  const auto error = [&](std::size_t subject) {
+    return search.worst(subject, StressSearch::colour, 0).error;
+  };
+  CHECK(error(0) == "");
+  CHECK(error(1) == "the frame differs from that of serial/early/per-pixel/ellipse");
+  CHECK(error(2) == "no memory");
+  CHECK(error(3) == "a value is not finite");
+  CHECK(std::isinf(search.worst(1, StressSearch::colour, 0).excess));
+  CHECK(search.worst(1, StressSearch::colour, 0).drawn.scene.size() > 0);
+}
+
+TEST_CASE("search: frames of all families lie within the limits and changed ones mostly do") {
+  stress::Random random(3);
+  int valid = 0, changed = 0;
+  for (const StressFamily& family : stress::lone_families())
+    for (const double severity : family.severities)
+      for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        const StressCase made = family.make(severity, seed, StressSearch::one_tile);
+        CAPTURE(family.name);
+        CAPTURE(severity);
+        CAPTURE(seed);
+        CHECK(stress::is_valid(made));
+        ++changed, valid += stress::is_valid(stress::mutated(random, made));
+      }
+  CHECK(valid > changed / 2);
+}
+
+TEST_CASE("search: the JSON of a frame has all digits of its numbers") {
+  const StressCase made =
+      stress::usual_case(*std::make_unique<stress::Random>(4), StressSearch::one_tile, 3, 1);
+  const auto json = nlohmann::json::parse(cli::case_text(made));
+  CHECK(json.at("camera").at("fx") == made.camera.fx);
+  CHECK(json.at("conventions").at("blur").get<float>() == made.conventions.blur);
+  REQUIRE(json.at("gaussians").size() == 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& gaussian = json.at("gaussians").at(i);
+    for (int k = 0; k < 3; ++k) {
+      CHECK(gaussian.at("mean").at(std::size_t(k)).get<float>() == made.scene.means[i][k]);
+      CHECK(gaussian.at("scale").at(std::size_t(k)).get<float>() == made.scene.scales[i][k]);
+    }
+    CHECK(gaussian.at("rotation").at(0).get<float>() == made.scene.rotations[i].w);
+    CHECK(gaussian.at("rotation").at(3).get<float>() == made.scene.rotations[i].z);
+    CHECK(gaussian.at("opacity").get<float>() == made.scene.opacities[i]);
+    REQUIRE(gaussian.at("sh_rest").size() == 9);
+    for (std::size_t k = 0; k < 9; ++k)
+      CHECK(gaussian.at("sh_rest").at(k).get<float>() == made.scene.sh_rest[9 * i + k]);
+  }
+}
+
+}  // namespace swiftgs
