@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Chunks that show one Gaussian at the border of what a view shows: the least that no view may hide.
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/chunks.hpp>
+#include <swiftgs/project.hpp>
+#include <swiftgs/view.hpp>
+
+#include "policies/random_splats.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+/// Kinds of cameras, each odd in one way; the last in all.
+enum class Kind { ordinary, uneven_focal, principal_point_off, turned, far_from_origin, part, all, kinds };
+
+ViewConstants odd_camera(Random& random, Kind kind) {
+  const auto is = [&](Kind one) { return kind == one || kind == Kind::all; };
+  const int width = 16 * int(random.in(2, 120)), height = 16 * int(random.in(2, 120));
+  Camera camera = forward_camera(width, height, width * random.scale(0.3, 20));
+  if (is(Kind::uneven_focal)) camera.fy = camera.fx * random.scale(0.02, 50);
+  if (is(Kind::principal_point_off))
+    camera.cx = width * random.in(-4, 5), camera.cy = height * random.in(-4, 5);
+  if (is(Kind::turned)) {
+    const LocalAxes axes(random_rotation(random));
+    for (int column = 0; column < 3; ++column) camera.rotation[column] = dvec3(axes.column[column]);
+  }
+  const double far = is(Kind::far_from_origin) ? 1e5 : 3;
+  for (int axis = 0; axis < 3; ++axis) camera.translation[axis] = random.in(-far, far);
+  Conventions conventions = random.bits() % 2 == 0 ? Conventions::gsplat() : Conventions::inria();
+  conventions.far_plane = float(random.scale(30, 300));
+  conventions.blur = random.bits() % 4 == 0 ? 0.0f : random.f(0.01, 2);
+  FrameView frame{.width = width, .height = height};
+  FirstPixel first;
+  if (is(Kind::part)) {
+    first.x = 16 * int(random.in(0, width / 16)), first.y = 16 * int(random.in(0, height / 16));
+    frame.width = 16, frame.height = 16;
+  }
+  return make_view(camera, conventions, frame, vec3(0), first).camera;
+}
+
+/// A Gaussian whose splat is as wide as bounds say: a ball, or one that a quaternion of another length than 1
+/// lengthens.
+Gaussian widest(Random& random, const ViewConstants& view) {
+  Gaussian g{};
+  g.scale = vec3(float(random.scale(1e-6, 3)));
+  g.rotation = random_rotation(random);
+  if (random.bits() % 3 == 0) {
+    const float length = random.f(0.5, 1.5);
+    if (random.bits() % 2 == 0) g.rotation.w = 0;
+    for (float* part : {&g.rotation.w, &g.rotation.x, &g.rotation.y, &g.rotation.z}) *part *= length;
+  }
+  g.opacity = float(view.alpha_min * random.scale(1.01, 255));
+  return g;
+}
+
+/// Where something stands in an image. @units{pixels}
+struct Place {
+  double x, y, z;
+};
+
+vec3 world(const ViewConstants& view, const Place& at) {
+  const double p[3] = {at.z * (at.x - view.cx) / view.fx, at.z * (at.y - view.cy) / view.fy, at.z};
+  vec3 point;
+  for (int k = 0; k < 3; ++k)
+    point[k] = float(view.centre[k] + p[0] * view.rotation[0][k] + p[1] * view.rotation[1][k] +
+                     p[2] * view.rotation[2][k]);
+  return point;
+}
+
+/// What ends what a view shows.
+enum class Border { left, right, top, bottom, near_plane, far_plane, borders };
+
+bool is_plane(Border border) { return border == Border::near_plane || border == Border::far_plane; }
+
+/// Moves a place out of the view; by pixels, or, through the planes, by so many times its depth.
+Place moved_out(Place at, Border border, double by) {
+  if (border == Border::left) at.x -= by;
+  if (border == Border::right) at.x += by;
+  if (border == Border::top) at.y -= by;
+  if (border == Border::bottom) at.y += by;
+  if (border == Border::near_plane) at.z /= 1 + by;
+  if (border == Border::far_plane) at.z *= 1 + by;
+  return at;
+}
+
+/// The direction of camera space that leads out of the view.
+dvec3 outwards(const ViewConstants& view, Border border) {
+  if (border == Border::left) return {-view.fx, 0, view.left - view.cx};
+  if (border == Border::right) return {view.fx, 0, view.cx - view.right};
+  if (border == Border::top) return {0, -view.fy, view.top - view.cy};
+  if (border == Border::bottom) return {0, view.fy, view.cy - view.bottom};
+  return {0, 0, border == Border::near_plane ? -1 : 1};
+}
+
+/// A Gaussian that is visible and would not be a little further out.
+struct AtBorder {
+  Gaussian gaussian;
+  Place place;
+  double reach = 0;  ///< how far outside the view its mean is @units{pixels}
+};
+
+std::optional<AtBorder> at_border(Random& random, const ViewConstants& view, Border border) {
+  Gaussian g = widest(random, view);
+  const double y = random.in(view.top, view.bottom), x = random.in(view.left, view.right);
+  const Place within{x, y, random.scale(0.3, 25)};
+  double inside = 0, outside = is_plane(border) ? 1000 : random.scale(1e3, 1e6);
+  const auto visible = [&](double by) {
+    g.mean = world(view, moved_out(within, border, by));
+    return project_shape(view, g).visible;
+  };
+  if (!visible(inside) || visible(outside)) return std::nullopt;
+  for (int step = 0; step < 50; ++step) {
+    const double middle = (inside + outside) / 2;
+    (visible(middle) ? inside : outside) = middle;
+  }
+  g.mean = world(view, moved_out(within, border, inside));
+  return AtBorder{g, moved_out(within, border, inside), inside};
+}
+
+/// A chunk of `g` and of one that cannot be seen. The second is so far out that `g` is the corner of the box
+/// nearest to what the view shows.
+Scene chunk_of(Random& random, const ViewConstants& view, Border border, const Gaussian& g) {
+  Scene scene;
+  const dvec3 out = outwards(view, border);
+  vec3 corner = g.mean;
+  for (int k = 0; k < 3; ++k) {
+    double along = 0;
+    for (int row = 0; row < 3; ++row) along += view.rotation[row][k] * out[row];
+    corner[k] += float(std::copysign(random.scale(1e-4, 1e3), along));
+  }
+  for (const vec3 mean : {g.mean, corner}) {
+    scene.means.push_back(mean), scene.scales.push_back(g.scale), scene.rotations.push_back(g.rotation);
+    scene.opacities.push_back(g.opacity), scene.sh0.push_back(vec3(0));
+  }
+  scene.scales[1] = vec3(0), scene.opacities[1] = 0;
+  return scene;
+}
+
+bool hides(Random& random, const ViewConstants& view, Border border, const Gaussian& g) {
+  const Scene scene = chunk_of(random, view, border, g);
+  return ChunkCuller(view).hides(detail::bounds_of_chunk(swiftgs::view(scene), 0));
+}
+
+}  // namespace
+
+TEST_CASE(
+    "chunks: none is hidden that shows a Gaussian at a border of the view, and most a little beyond are") {
+  for (int kind = 0; kind < int(Kind::kinds); ++kind)
+    for (int side = 0; side < int(Border::borders); ++side) {
+      CAPTURE(kind);
+      CAPTURE(side);
+      const auto border = Border(side);
+      Random random(std::uint64_t(kind * int(Border::borders) + side));
+      int pairs = 0, wrong = 0, hidden = 0;
+      for (int round = 0; round < 6'000; ++round) {
+        const ViewConstants view = odd_camera(random, Kind(kind));
+        const std::optional<AtBorder> found = at_border(random, view, border);
+        if (!found) continue;
+        ++pairs, wrong += hides(random, view, border, found->gaussian);
+        Gaussian beyond = found->gaussian;
+        beyond.mean =
+            world(view, moved_out(found->place, border, is_plane(border) ? 0.01 : 3 + 0.1 * found->reach));
+        hidden += hides(random, view, border, beyond);
+      }
+      CHECK(wrong == 0);
+      CHECK(pairs > 4'000);
+      CHECK(hidden > 0.5 * pairs);
+    }
+}
