@@ -182,8 +182,8 @@ void test_occluder(void) {
 }
 
 /* Alpha of a pixel whose centre a Gaussian of opacity 1/2 lies on, 2 in front of the camera. */
-static float alpha_of_one(const swiftgs_conventions* conventions) {
-  const float mean[3] = {0, 0, 2}, scale[3] = {0.01f, 0.01f, 0.01f}, rotation[4] = {1, 0, 0, 0}, half = 0.5f;
+static float alpha_at(float x, double cx, float size, const swiftgs_conventions* conventions) {
+  const float mean[3] = {x, 0, 2}, scale[3] = {size, size, size}, rotation[4] = {1, 0, 0, 0}, half = 0.5f;
   swiftgs_gaussians one = {.size = sizeof(one), .count = 1};
   one.means.data = one.sh0.data = mean, one.scales.data = scale, one.rotations.data = rotation;
   one.opacities.data = &half;
@@ -198,7 +198,7 @@ static float alpha_of_one(const swiftgs_conventions* conventions) {
                                  .rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
                                  .fx = 1,
                                  .fy = 1,
-                                 .cx = 0.5,
+                                 .cx = cx,
                                  .cy = 0.5};
   float alpha = -1;
   const swiftgs_view view = {
@@ -208,6 +208,10 @@ static float alpha_of_one(const swiftgs_conventions* conventions) {
   swiftgs_renderer_free(renderer);
   swiftgs_scene_free(scene);
   return alpha;
+}
+
+static float alpha_of_one(const swiftgs_conventions* conventions) {
+  return alpha_at(0, 0.5, 0.01f, conventions);
 }
 
 void test_each_convention(void) {
@@ -233,6 +237,11 @@ void test_each_convention(void) {
   CHECK(alpha_of_one(&c) < 0.25f); /* a splat much smaller than a pixel */
   c.min_compensation = 1;
   CHECK(alpha_of_one(&c) == 0.5f);
+  /* Far off the axis and in the middle of the image; its blurred covariance depends on the tangent. */
+  c = gsplat, c.antialiased = 1;
+  const float around_image = alpha_at(8, -3.5, 1, &c);
+  c.clamp = SWIFTGS_CLAMP_AROUND_CENTRE;
+  CHECK(around_image > alpha_at(8, -3.5, 1, &c) + 0.01f);
 }
 
 void test_conventions(void) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <numeric>
@@ -49,6 +51,31 @@ TEST_CASE("edit: spatial order follows Morton's curve, x first") {
   for (std::uint32_t i = 0; i < 8; ++i)
     scene.means[7 - i] = vec3(float(i >> 2 & 1), float(i >> 1 & 1), float(i & 1));
   CHECK(spatial_order(scene) == Indices{7, 6, 5, 4, 3, 2, 1, 0});
+}
+
+TEST_CASE("edit: spatial order compares all bits of cells from the highest on and x before y before z") {
+  // Cells are whole numbers here. Half of them differ from another in one bit alone.
+  constexpr std::uint32_t last = (1u << 21) - 1;
+  Random random(4);
+  std::vector<std::array<std::uint32_t, 3>> cells = {{0, 0, 0}, {last, last, last}};
+  while (cells.size() < 400) {
+    std::array<std::uint32_t, 3> cell;
+    for (std::uint32_t& number : cell) number = std::uint32_t(random.bits()) & last;
+    cells.push_back(cell);
+    cell[random.bits() % 3] ^= 1u << random.bits() % 21;
+    cells.push_back(cell);
+  }
+  Scene scene = random_scene(cells.size(), 0, 3);
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    scene.means[i] = vec3(float(cells[i][0]), float(cells[i][1]), float(cells[i][2]));
+  Indices expected = all(cells.size());
+  std::stable_sort(expected.begin(), expected.end(), [&](std::uint32_t a, std::uint32_t b) {
+    for (std::uint32_t bit = 1u << 20; bit != 0; bit >>= 1)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        if ((cells[a][axis] & bit) != (cells[b][axis] & bit)) return (cells[b][axis] & bit) != 0;
+    return false;
+  });
+  CHECK(spatial_order(scene) == expected);
 }
 
 TEST_CASE("edit: spatial order has every Gaussian once, and keeps neighbours together") {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -66,6 +68,29 @@ TEST_CASE("edit: regions keep the Gaussians whose means lie in them, borders inc
   Scene hidden = scene;
   hidden.means[3].y = std::numeric_limits<float>::quiet_NaN();
   CHECK(crop(hidden, Box{dvec3(-infinity), dvec3(infinity)}).size() == 9);
+}
+
+TEST_CASE("edit: regions have the same borders along every axis") {
+  for (int axis = 0; axis < 3; ++axis) {
+    CAPTURE(axis);
+    Scene scene = line(10);
+    for (vec3& mean : scene.means) std::swap(mean.x, mean[axis]);
+    const auto places = [&](const Scene& part) {
+      std::vector<float> places;
+      for (const vec3& mean : part.means) places.push_back(mean[axis]);
+      return places;
+    };
+    const auto on_axis = [&](double at, double beside) {
+      dvec3 p(beside);
+      p[axis] = at;
+      return p;
+    };
+    CHECK(places(crop(scene, Box{on_axis(2, -1), on_axis(4, 1)})) == std::vector<float>{2, 3, 4});
+    CHECK(places(crop(scene, Box{on_axis(2, 0), on_axis(4, 0)})) == std::vector<float>{2, 3, 4});
+    CHECK(places(crop(scene, Sphere{on_axis(5, 0), 1})) == std::vector<float>{4, 5, 6});
+    CHECK(places(crop(scene, Sphere{on_axis(5, 3), std::sqrt(18.0) + 0.01})) == std::vector<float>{5});
+    CHECK(places(crop(scene, HalfSpace{on_axis(-2, 0), -4})) == std::vector<float>{0, 1, 2});
+  }
 }
 
 TEST_CASE("edit: regions that are none are refused") {

@@ -193,6 +193,26 @@ TEST_CASE("edit: principal axes are those of the ellipsoid even where some have 
   }
 }
 
+TEST_CASE("edit: harmonics that a rotation would take out of the range of float are refused") {
+  Random random(9);
+  int moved = 0, refused = 0, infinite = 0;
+  for (int round = 0; round < 2'000; ++round) {
+    Scene scene = random_scene(1, 3, 1);
+    const float largest = random.f(0.5e38, 3.4e38);
+    for (float& coefficient : scene.sh_rest) coefficient = random.bits() % 2 == 0 ? largest : -largest;
+    try {
+      transform(scene, random_similarity(random, 1));
+      ++moved;
+    } catch (const std::range_error&) {
+      ++refused;
+    }
+    for (const float coefficient : scene.sh_rest) infinite += !std::isfinite(coefficient);
+  }
+  CHECK(infinite == 0);
+  CHECK(moved > 200);
+  CHECK(refused > 200);
+}
+
 TEST_CASE("edit: bad movements are refused, and one out of the range of float moves nothing") {
   Scene scene = random_scene(3, 1, 2);
   scene.means[2].x = 3e38f;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <vector>
@@ -73,6 +74,26 @@ TEST_CASE("mpi bands: bands that are even stay where they are") {
   CHECK(plan.cuts() == before);
   plan.learn(span({1'000'000, 1'000'000, 1'000'000, 9'000'000}));
   CHECK(plan.cuts() != before);
+}
+
+TEST_CASE("mpi bands: they move where a rank takes a twentieth longer than the mean") {
+  const BandPlan first(400, 4);
+  BandPlan slower = first, slow = first;
+  slow.learn(span({1'000'000, 1'000'000, 1'000'000, 1'060'000}));
+  CHECK(slow.cuts() == first.cuts());
+  slower.learn(span({1'000'000, 1'000'000, 1'000'000, 1'080'000}));
+  CHECK(slower.cuts() != first.cuts());
+}
+
+TEST_CASE("mpi bands: rows that cost alike are cut at the nearest row") {
+  for (const std::uint32_t rows : {45u, 158u, 1000u})
+    for (const int ranks : {2, 3, 7, 16}) {
+      CAPTURE(rows);
+      CAPTURE(ranks);
+      const BandPlan plan(rows, ranks);
+      for (int r = 0; r <= ranks; ++r)
+        CHECK(std::abs(double(plan.cuts()[std::size_t(r)]) - double(rows) * r / ranks) <= 0.5 + 0.1);
+    }
 }
 
 TEST_CASE("mpi bands: a band over several views has the rows of each") {

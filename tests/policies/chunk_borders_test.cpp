@@ -47,12 +47,15 @@ ViewConstants odd_camera(Random& random, Kind kind) {
   return make_view(camera, conventions, frame, vec3(0), first).camera;
 }
 
-/// A Gaussian whose splat is as wide as bounds say: a ball, or one that a quaternion of another length than 1
-/// lengthens.
+/// A Gaussian whose splat is about as wide as bounds say: a ball, a needle, or one that a quaternion of
+/// another length than 1 lengthens.
 Gaussian widest(Random& random, const ViewConstants& view) {
   Gaussian g{};
   g.scale = vec3(float(random.scale(1e-6, 3)));
   g.rotation = random_rotation(random);
+  const int axis = int(random.in(0, 3));
+  g.scale[axis] *= -1;  // signs mean nothing
+  if (random.bits() % 4 == 0) g.scale[(axis + 1) % 3] *= 0.01f, g.scale[(axis + 2) % 3] *= 0.01f;
   if (random.bits() % 3 == 0) {
     const float length = random.f(0.5, 1.5);
     if (random.bits() % 2 == 0) g.rotation.w = 0;
