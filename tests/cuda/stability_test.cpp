@@ -17,3 +17,5 @@ bool unavailable() { return without_device(); }
 #include "stability/edge_cases.hpp"
 #include "stability/number_cases.hpp"
 #include "stability/sweep_cases.hpp"
+// Uses what the cases of the sweep define.
+#include "stability/found_cases.hpp"
