@@ -1,31 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Defects that the stability tests must notice.
-
-A mutant replaces an exact text, which its file has once, in one file. A file of `backends/cpu` or `backends/cuda` is
-compiled into that backend, any other into the serial one or, where `suite` says so, into the backend or the reference
-that it names. `sources` are the sources of the cpu or cuda backend that are compiled with the defect; of a header they
-must be named. `also` are further texts of the file, each with what replaces it. `equivalent` says why no image can show
-the mutant: the suite must then pass. `quick` marks the selection that ctest runs.
-"""
-from dataclasses import dataclass
-
-
-@dataclass(frozen=True)
-class Mutant:
-    name: str
-    file: str
-    old: str
-    new: str
-    suite: str = ""
-    sources: tuple = ()
-    also: tuple = ()
-    equivalent: str = ""
-    quick: bool = False
-
-    def backend(self):
-        folder = self.file.split("/")[1]
-        return self.suite or (folder if self.file.startswith("backends/") else "serial")
-
+"""Defects that the stability tests must notice."""
+from mutant import Mutant
 
 I = "include/swiftgs/"
 CPU = "backends/cpu/"
@@ -48,7 +23,7 @@ def harmonics():
     for name, value in text.items():
         line = f"inline constexpr double {name} = {value};"
         off = f"inline constexpr double {name} = {value} + 2e-4;"
-        yield Mutant(f"harmonics: {name} off by 2e-4", I + "sh.hpp", line, off, quick=name == "c0")
+        yield Mutant(f"harmonics: {name} off by 2e-4", I + "sh.hpp", line, off)
         if name in ("c0", "c1", "c22", "c33"):
             yield Mutant(f"cpu harmonics: {name} off by 2e-4", I + "sh.hpp", line, off, "cpu", ("shade.cpp",))
 
@@ -92,7 +67,7 @@ MUTANTS = [
            " float(v.rotation[2][2]) * float(d[2]);"),
     Mutant("project: means on 1/4096 pixel", I + "project.hpp", "s.l0 = f.l0,",
            "s.mean = vec2(std::round(s.mean.x * 4096) / 4096, std::round(s.mean.y * 4096) / 4096);\n"
-           "  s.l0 = f.l0,", quick=True),
+           "  s.l0 = f.l0,"),
     Mutant("project: means on 1/1024 pixel", I + "project.hpp", "s.l0 = f.l0,",
            "s.mean = vec2(std::round(s.mean.x * 1024) / 1024, std::round(s.mean.y * 1024) / 1024);\n"
            "  s.l0 = f.l0,"),
@@ -223,8 +198,7 @@ MUTANTS = [
     Mutant("raster: half-split a term short", I + "raster/terms.hpp",
            "to_float(x.square) + to_float(y.square) + to_float(x.mixed) * to_float(y.offset)",
            "to_float(x.square) + to_float(y.square)"),
-    Mutant("raster: background times alpha", I + "store_pixel.hpp", "pixel.transmittance * below", "alpha * below",
-           quick=True),
+    Mutant("raster: background times alpha", I + "store_pixel.hpp", "pixel.transmittance * below", "alpha * below"),
     Mutant("raster: depth is not divided by alpha", I + "store_pixel.hpp", "alpha > 0 ? pixel.depth / alpha : 0.0f",
            "pixel.depth"),
     # The cpu backend's own arithmetic.

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Defects that one program of the tests must notice: the stability tests draw nothing that has them.
+
+Paths in `test` begin at the folder `tests` of a build.
+"""
+from mutant import Mutant
+
+I = "include/swiftgs/"
+EDIT = "edit/edit_test"
+CHUNKS = "policies/chunk_borders_test"
+BANDS = "mpi/mpi_bands_test"
+
+NAMED = [
+    # Chunks.
+    Mutant("chunks: half the box 2e-4 too small", I + "chunks.hpp", "half[k] = 0.5 *", "half[k] = 0.4999 *",
+           test=CHUNKS, quick=True),
+    Mutant("chunks: the near plane 1e-4 too far", I + "chunks.hpp", "most(0, 0, 1) <= v.near_plane ",
+           "most(0, 0, 1) <= 1.0001f * v.near_plane ", test=CHUNKS, quick=True),
+    Mutant("chunks: the slack of projection left out", I + "chunks.hpp", "wide_ = 1.001 * of_x + 3e-4 * of_y",
+           "wide_ = of_x", test=CHUNKS),
+    Mutant("chunks: the farther limit of the Jacobian alone", I + "chunks.hpp", "at_low > at_high ? at_low : at_high",
+           "at_high", test=CHUNKS),
+    Mutant("chunks: quaternions lengthen by their square alone", I + "chunks.hpp",
+           "return squares + std::fabs(1 - squares);", "return squares;", test=CHUNKS),
+    # Edits.
+    Mutant("edit: the last bit of a cell is lost", I + "edit/order.hpp", "0x1249249249249249", "0x1249249249249248",
+           test=EDIT),
+    Mutant("edit: a box is open at its lower border along y", I + "edit/select.hpp", "p.y >= low.y", "p.y > low.y",
+           test=EDIT),
+    Mutant("edit: a sphere measures y from z of its centre", I + "edit/select.hpp", "p.y - centre.y", "p.y - centre.z",
+           test=EDIT, quick=True),
+    Mutant("edit: harmonics up to 2e38 are rotated", I + "edit/transform.hpp", "coefficient < 1e38f",
+           "coefficient < 2e38f", test=EDIT),
+    # Bands and the exchange of splats.
+    Mutant("bands: cuts move from a fifth on", "backends/mpi/bands.cpp", "20 * slowest > 21 *",
+           "10 * slowest > 12 *", test=BANDS),
+    Mutant("bands: the row in which the sum passes goes to the later rank", "backends/mpi/bands.cpp",
+           "before + costs[row] / 2 < wanted", "before + costs[row] < wanted", test=BANDS),
+    Mutant("exchange: splats of later ranks are not noted as hidden",
+           "backends/mpi/include/swiftgs/mpi/splat_exchange.hpp", "if (!is_hidden(joined[i])) return;",
+           "if (i >= at || !is_hidden(joined[i])) return;", test="mpi/launch -n 3 mpi/mpi_frames_test"),
+    Mutant("exchange: a rank's own splats count as sent", "backends/mpi/include/swiftgs/mpi/renderer.hpp",
+           "mine.sent = shares_.begins.back() - shares_.count_for(own);", "mine.sent = shares_.begins.back();",
+           test="mpi/launch -n 3 mpi/mpi_frames_test"),
+    # Files.
+    Mutant("spz: bytes that are rounded to the ends count as clamped", "backends/io/spz_encode.cpp",
+           "!(value > -0.5f && value < 255.5f);\n    *to_++", "!(value > 0 && value < 255);\n    *to_++",
+           test="io/io_scene_test"),
+    # The interface of C.
+    Mutant("c: the limits of the Jacobian are gsplat's", "backends/c/view.cpp",
+           "  to.clamp = Conventions::JacobianClamp(from.clamp);\n", "", test="c/c_test each_convention"),
+]
