@@ -76,9 +76,9 @@ TEST_CASE("edit: regions have the same borders along every axis") {
     Scene scene = line(10);
     for (vec3& mean : scene.means) std::swap(mean.x, mean[axis]);
     const auto places = [&](const Scene& part) {
-      std::vector<float> places;
-      for (const vec3& mean : part.means) places.push_back(mean[axis]);
-      return places;
+      std::vector<float> found;
+      for (const vec3& mean : part.means) found.push_back(mean[axis]);
+      return found;
     };
     const auto on_axis = [&](double at, double beside) {
       dvec3 p(beside);

@@ -30,7 +30,7 @@ ViewConstants odd_camera(Random& random, Kind kind) {
   if (is(Kind::principal_point_off))
     camera.cx = width * random.in(-4, 5), camera.cy = height * random.in(-4, 5);
   if (is(Kind::turned)) {
-    const LocalAxes axes(random_rotation(random));
+    const LocalAxes<float> axes(random_rotation(random));
     for (int column = 0; column < 3; ++column) camera.rotation[column] = dvec3(axes.column[column]);
   }
   const double far = is(Kind::far_from_origin) ? 1e5 : 3;
