@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Injects each defect of table.py and named.py and runs the tests that must notice it: the one that the defect names, or
-the stability tests of the backend that has it.
+"""Injects each defect of table.py and named.py and runs the tests that must notice it: the program that the defect
+names, or the stability tests of the backend that has it.
 
     run.py BUILD [--quick] [--only WORDS] [--jobs N] [--compiler 'ccache c++'] [--include FOLDER]...
     run.py BUILD --build-only FOLDER [--only WORDS] [--nvcc nvcc] [--architecture 90]
     run.py --run FOLDER [--only WORDS] [--jobs N]
 
 Works in the folder BUILD and leaves the sources alone: a mutant's file lies in a folder that the compiler searches
-first. Reports which defects the tests noticed; exits with 1 where one went unnoticed or did not compile.
+first, or in a copy of the project. Reports which defects the tests noticed; exits with 1 where one went unnoticed or
+did not compile.
 
 The first form tries the defects of the host's backends. Those of the cuda backend need nvcc, and then a GPU: the second
 form builds them on any machine with nvcc, the third runs what lies in FOLDER on a machine with a GPU.
