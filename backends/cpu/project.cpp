@@ -124,7 +124,7 @@ struct Group {
 /// Lanes of a group that `project_shape` projects in double.
 class ScalarLanes {
  public:
-  /// Projects the lanes of `in_double`; returns `visible` with what was found of them.
+  /// Projects the lanes of `in_double`; returns `visible` with these lanes updated.
   HWY_INLINE Mask project(const ViewConstants& v, const Group& group, Mask in_double, Mask visible) {
     const hn::RebindToUnsigned<F32> d;
     alignas(64) std::uint32_t shown[lanes];

@@ -60,7 +60,7 @@ struct LocalAxes {
 };
 
 /// Where a projection is linearised (Zwicker et al. 2001, EWA splatting, equation 29): at the camera-space
-/// direction (tx, ty, 1), for a depth of which `x` and `y` are the focal lengths over it.
+/// direction (tx, ty, 1). `x` and `y` are the focal lengths divided by the depth.
 template <class Real>
 struct Linearisation {
   Real tx, ty;
