@@ -109,8 +109,8 @@ HWY_INLINE Mask NeedsDouble(Vec tx, Vec ty, Vec pixels_x, Vec pixels_y, const Ve
       hn::Mul(Dot(scale, scale), hn::MulAdd(hn::Mul(pixels_x, pixels_x), hn::Add(one, xx),
                                             hn::Mul(hn::Mul(pixels_y, pixels_y), hn::Add(one, yy))));
   const Vec near = hn::Min(hn::Abs(mean_x), hn::Abs(mean_y));
-  const Vec most = hn::MulAdd(hn::Mul(hn::Set(d, 4.0f), near), near, hn::Set(d, 512.0f));
-  return hn::Not(hn::And(hn::Le(length, most), hn::Le(hn::Add(xx, yy), hn::Set(d, 16.0f))));
+  const Vec most = hn::MulAdd(hn::Mul(hn::Set(d, float_lengths_per_mean), near), near, hn::Set(d, float_length_squared));
+  return hn::Not(hn::And(hn::Le(length, most), hn::Le(hn::Add(xx, yy), hn::Set(d, float_tangent_squared))));
 }
 
 /// Consecutive Gaussians of a scene, `lanes` of which may be read.
@@ -127,33 +127,29 @@ class ScalarLanes {
   /// Projects the lanes of `in_double`; returns `visible` with these lanes updated.
   HWY_INLINE Mask project(const ViewConstants& v, const Group& group, Mask in_double, Mask visible) {
     const hn::RebindToUnsigned<F32> d;
-    alignas(64) std::uint32_t shown[lanes];
     hn::Store(hn::VecFromMask(d, hn::RebindMask(d, in_double)), d, chosen_);
-    hn::Store(hn::VecFromMask(d, hn::RebindMask(d, visible)), d, shown);
+    hn::Store(hn::VecFromMask(d, hn::RebindMask(d, visible)), d, shown_);
     for (std::size_t k = 0; k < lanes; ++k) {
       if (chosen_[k] == 0) continue;
       const ProjectedShape splat =
           project_shape(v, {group.means[k], group.scales[k], group.rotations[k], group.opacities[k]});
       shapes_[k] = splat.shape;
-      shown[k] = splat.visible ? ~0u : 0;
+      shown_[k] = splat.visible ? ~0u : 0;
     }
-    return hn::RebindMask(F32(), hn::MaskFromVec(hn::Load(d, shown)));
+    return hn::RebindMask(F32(), hn::MaskFromVec(hn::Load(d, shown_)));
   }
 
   /// Puts them in their places among the visible lanes, which lie together at `shapes`.
-  HWY_INLINE void store(Mask visible, SplatShape* shapes) const {
-    const hn::RebindToUnsigned<F32> d;
-    alignas(64) std::uint32_t shown[lanes];
-    hn::Store(hn::VecFromMask(d, hn::RebindMask(d, visible)), d, shown);
-    for (std::size_t k = 0, place = 0; k < lanes; ++k) {
-      if (shown[k] == 0) continue;
-      if (chosen_[k] != 0) shapes[place] = shapes_[k];
-      ++place;
+  HWY_INLINE void store(SplatShape* shapes) const {
+    for (std::size_t k = 0; k < lanes; ++k) {
+      if (shown_[k] == 0) continue;
+      if (chosen_[k] != 0) *shapes = shapes_[k];
+      ++shapes;
     }
   }
 
  private:
-  alignas(64) std::uint32_t chosen_[lanes];
+  alignas(64) std::uint32_t chosen_[lanes], shown_[lanes];
   SplatShape shapes_[lanes];
 };
 
@@ -258,7 +254,7 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
     std::memcpy(shape, front + 4 * i, 4 * sizeof(float));
     std::memcpy(shape + 4, back + 4 * i, 4 * sizeof(float));
   }
-  if (any_in_double) scalar.store(visible, out.shapes + out.count);
+  if (any_in_double) scalar.store(out.shapes + out.count);
   out.count += count;
 }
 

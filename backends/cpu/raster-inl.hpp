@@ -33,11 +33,9 @@ constexpr std::size_t batch_size = 64;
 /// Splats whose alphas are evaluated together: as many as there are registers for.
 constexpr std::size_t at_once = lanes == 16 ? 4 : 2;
 
-/// Exponents below are raised to it: far less than any alpha that shows, and far from results that are
-/// denormal, on which processors are slow, unless the conventions have pixels show such alphas.
-inline float LeastExponent(const BlendRules& rules) {
-  return std::max(-126.0f, std::min(-64.0f, rules.log2_alpha_min - 1));
-}
+/// Exponents below are raised to it. -64 is less than any alpha that shows, whatever the opacity up to 2^24,
+/// and far from denormal results, on which processors are slow. Conventions that show such alphas need more.
+inline float LeastExponent(const BlendRules& rules) { return rules.log2_alpha_min < -40 ? -126.0f : -64.0f; }
 
 /// A bit for each group and for each row of a square that a splat touches.
 struct Touched {

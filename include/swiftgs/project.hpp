@@ -120,22 +120,31 @@ SWIFTGS_HD SplatFactor factor(const ImageAxes<Real>& m, Real blur) {
   out.l0 = float(l0), out.l1 = float(-l0 * (xy * inv_var_y)), out.l2 = float(Real(to_base_2) * inv_sigma_y);
   out.var_x = float(var_x), out.var_y = float(var_y);
   out.sharpness = float(sharp / var_x_given_y);
+  // In double, l0 and l1 may leave the range of float where the variances do not.
   out.valid = var_x_given_y > 0 && var_y > 0 && var_x <= Real(largest_variance) &&
-              var_y <= Real(largest_variance) && var_x_given_y < Real(INFINITY);
+              var_y <= Real(largest_variance) && var_x_given_y < Real(INFINITY) &&
+              std::fabs(out.l0) < INFINITY && std::fabs(out.l1) < INFINITY;
   return out;
 }
 
+/// Splats within all three limits are factored in float. @see needs_double
+inline constexpr float float_length_squared = 512;  ///< of a Gaussian seen from its side @units{pixels^2}
+inline constexpr float float_lengths_per_mean = 4;  ///< as much more for each pixel^2 of the mean
+inline constexpr float float_tangent_squared = 16;  ///< of the direction to the Gaussian
+
 /// Whether rounding the rows of `ImageAxes` to float may move a splat visibly more than rounding its stored
 /// mean to float does. A row errs by some 2^-22 of the Gaussian's length as it would be seen from its side;
-/// `mean` by 2^-24 of itself. A needle that points at the camera or lies beside the image's first row or
-/// column is longer than this. Far off the axis the rows are nearly parallel and their minors cancel.
+/// `mean` by 2^-24 of itself. The limit on the length weighs one against the other: a needle that points at
+/// the camera exceeds it, and so does one beside the image's first row or column. Far off the axis the rows
+/// are nearly parallel and their minors cancel.
 ///
 /// In captures 0.04 % to 0.7 % of the visible splats need it.
 SWIFTGS_HD inline bool needs_double(const Linearisation<float>& at, vec3 scale, vec2 mean) {
   const float xx = at.tx * at.tx, yy = at.ty * at.ty;
   const float length = dot(scale, scale) * std::fma(at.x * at.x, 1 + xx, at.y * at.y * (1 + yy));
   const float near = std::fmin(std::fabs(mean.x), std::fabs(mean.y));
-  return !(length <= std::fma(4 * near, near, 512.0f) && xx + yy <= 16);
+  return !(length <= std::fma(float_lengths_per_mean * near, near, float_length_squared) &&
+           xx + yy <= float_tangent_squared);
 }
 
 /// `factor` in double, for the few splats that need it. Not inlined: it would cost the others registers.

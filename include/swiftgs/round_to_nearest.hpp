@@ -19,7 +19,8 @@ class RoundToNearest {
     if ((saved_ & unusual) != 0) _mm_setcsr(saved_ & ~unusual);
   }
   ~RoundToNearest() {
-    if ((saved_ & unusual) != 0) _mm_setcsr(saved_);
+    // Exceptions that were raised meanwhile stay flagged.
+    if ((saved_ & unusual) != 0) _mm_setcsr((_mm_getcsr() & ~unusual) | (saved_ & unusual));
   }
 #else
   RoundToNearest() : saved_(std::fegetround()) {

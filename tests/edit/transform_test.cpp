@@ -229,7 +229,13 @@ TEST_CASE("edit: bad movements are refused, and one out of the range of float mo
   scene.means[2].x = 0, scene.scales[2].y = 3e38f;
   CHECK_THROWS_WITH_AS(transform(scene, Similarity{.scale = 2}), doctest::Contains("Gaussian 2"),
                        std::range_error);
-  scene.scales[2].y = before.scales[2].y, scene.sh_rest.back() = -3e38f;
+  // An infinite length stays so and excuses no other axis.
+  scene.scales[2].x = INFINITY;
+  CHECK_THROWS_AS(transform(scene, Similarity{.scale = 2}), std::range_error);
+  Scene tiny = random_scene(1, 0, 2);
+  tiny.scales[0] = vec3(1e-20f);
+  CHECK_THROWS_AS(transform(tiny, Similarity{.scale = 1e-310}), std::range_error);  // 0 in double already
+  scene.scales[2] = before.scales[2], scene.sh_rest.back() = -3e38f;
   CHECK_THROWS_WITH_AS(transform(scene, {}), doctest::Contains("Gaussian 2"), std::range_error);
   scene.means[2].x = before.means[2].x, scene.sh_rest.back() = before.sh_rest.back();
   CHECK((scene.means == before.means));

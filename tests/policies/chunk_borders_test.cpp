@@ -79,7 +79,7 @@ vec3 world(const ViewConstants& view, const Place& at) {
   return point;
 }
 
-/// What ends what a view shows.
+/// The four edges of the image, the two planes, and `borders`, their number.
 enum class Border { left, right, top, bottom, near_plane, far_plane, borders };
 
 bool is_plane(Border border) { return border == Border::near_plane || border == Border::far_plane; }

@@ -60,18 +60,19 @@ struct Shape {
   DQuaternion rotation;
 };
 
-/// The shape that a movement makes of one. A quaternion q that is not of unit length stands for a matrix that
-/// is not orthogonal, and no quaternion for the rotated matrix: the shape gets its principal axes.
-inline Shape moved(const Shape& shape, const Similarity& by, const DQuaternion& turn) {
+/// The shape that the rotation of `by` makes of one; `turn` is that rotation. A quaternion q that is not of
+/// unit length stands for a matrix that is not orthogonal, and no quaternion for the rotated matrix: the shape
+/// gets its principal axes.
+inline Shape rotated(const Shape& shape, const Similarity& by, const DQuaternion& turn) {
   const DQuaternion& q = shape.rotation;
   const double off = std::abs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1);
   const double rounding = 0x1p-21;  // of four floats, and of what made them
   const bool finite = is_finite(off) && is_finite(vec3(shape.scale));
-  if (off <= rounding || !finite || by.rotation == dmat3(1.0)) return {by.scale * shape.scale, turn * q};
+  if (off <= rounding || !finite || by.rotation == dmat3(1.0)) return {shape.scale, turn * q};
   dmat3 columns = matrix_of(q);
   for (int axis = 0; axis < 3; ++axis) columns[axis] *= shape.scale[axis];
   const PrincipalAxes axes = principal_axes(columns);
-  return {by.scale * axes.lengths, turn * quaternion_of(axes.directions)};
+  return {axes.lengths, turn * quaternion_of(axes.directions)};
 }
 
 }  // namespace detail
@@ -88,16 +89,16 @@ inline void transform(Scene& scene, const Similarity& by) {
   const auto moved = [&](std::size_t i) { return vec3(by(dvec3(scene.means[i]))); };
   const auto shape = [&](std::size_t i) {
     const Quaternion& q = scene.rotations[i];
-    return detail::moved({dvec3(scene.scales[i]), {q.w, q.x, q.y, q.z}}, by, turn);
+    return detail::rotated({dvec3(scene.scales[i]), {q.w, q.x, q.y, q.z}}, by, turn);
   };
   const std::size_t stride = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   for (std::size_t i = 0; i < scene.size(); ++i) {
     bool fits = detail::is_finite(moved(i)) || !detail::is_finite(scene.means[i]);
-    const dvec3 grown = shape(i).scale;
+    const dvec3 before = shape(i).scale;
     for (int axis = 0; axis < 3; ++axis) {
-      const float after = float(grown[axis]);
-      fits = fits && (detail::is_finite(after) || !detail::is_finite(scene.scales[i])) &&
-             (after != 0 || grown[axis] == 0);
+      const float after = float(by.scale * before[axis]);
+      fits = fits && (detail::is_finite(after) || !detail::is_finite(before[axis])) &&
+             (after != 0 || before[axis] == 0);
     }
     // A rotation makes no coefficient of band 3 more than sqrt(7) times as large as the largest was.
     for (std::size_t k = 0; k < stride; ++k) {
@@ -112,7 +113,7 @@ inline void transform(Scene& scene, const Similarity& by) {
   const ShRotation harmonics(by.rotation, scene.sh_degree);
   for (std::size_t i = 0; i < scene.size(); ++i) {
     const detail::Shape after = shape(i);
-    scene.means[i] = moved(i), scene.scales[i] = vec3(after.scale),
+    scene.means[i] = moved(i), scene.scales[i] = vec3(by.scale * after.scale);
     scene.rotations[i] = rounded(after.rotation);
     if (stride != 0) harmonics.apply(scene.sh_rest.data() + i * stride);
   }

@@ -128,8 +128,8 @@ SWIFTGS_HD inline bool row_touched(const SplatShape& shape, float first_x, float
   return nearest * nearest + v * v <= shape.reach;
 }
 
-/// log2(opacity / unit) of a splat, where `log2_min` is log2(alpha_min / unit). Their sum with the reach costs
-/// no logarithm, but a long reach is rounded more coarsely than the pixels' own arithmetic.
+/// log2(opacity / unit) of a splat, where `log2_min` is log2(alpha_min / unit). Reach + `log2_min` is the same
+/// and costs no logarithm, but loses digits where both are large: with a tiny alpha_min.
 SWIFTGS_HD inline float log2_opacity(const SplatShape& shape, float log2_min, float unit) {
   if (log2_min >= -16) return shape.reach + log2_min;
 #if defined(__CUDA_ARCH__)

@@ -36,3 +36,5 @@ bool unavailable() { return false; }
 #include "stability/edge_cases.hpp"
 #include "stability/number_cases.hpp"
 #include "stability/sweep_cases.hpp"
+// Uses functions of the sweep's cases.
+#include "stability/found_cases.hpp"
