@@ -50,7 +50,8 @@ void visit_instances(const EmissionJob& job, Part part, F f) {
           &context);
       continue;
     }
-    detail::for_each_masked_tile(footprint, job.tiles.columns, [&](std::uint32_t tile) { f(tile, id); });
+    detail::for_each_masked_tile(footprint, job.views.tiles.columns,
+                                 [&](std::uint32_t tile) { f(tile, id); });
   }
 }
 
@@ -90,7 +91,7 @@ void GroupScratch<Cpu>::reserve(Cpu& cpu, const FrameRoom& room) {
 
 void group_by_tile(Cpu& cpu, const EmissionJob& job, GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists) {
   check_instances(job.instances);
-  const std::size_t splats = job.splats.size(), tiles = job.tiles.size();
+  const std::size_t splats = job.splats.size(), tiles = job.views.tiles.size();
   const std::size_t parts = group_parts(cpu, splats, tiles);
   lists.instances = lists.tiles = 0;
   lists.ids.reset(std::size_t(job.instances)), lists.ranges.reset(tiles);

@@ -109,7 +109,8 @@ HWY_INLINE Mask NeedsDouble(Vec tx, Vec ty, Vec pixels_x, Vec pixels_y, const Ve
       hn::Mul(Dot(scale, scale), hn::MulAdd(hn::Mul(pixels_x, pixels_x), hn::Add(one, xx),
                                             hn::Mul(hn::Mul(pixels_y, pixels_y), hn::Add(one, yy))));
   const Vec near = hn::Min(hn::Abs(mean_x), hn::Abs(mean_y));
-  const Vec most = hn::MulAdd(hn::Mul(hn::Set(d, float_lengths_per_mean), near), near, hn::Set(d, float_length_squared));
+  const Vec most =
+      hn::MulAdd(hn::Mul(hn::Set(d, float_lengths_per_mean), near), near, hn::Set(d, float_length_squared));
   return hn::Not(hn::And(hn::Le(length, most), hn::Le(hn::Add(xx, yy), hn::Set(d, float_tangent_squared))));
 }
 
@@ -306,8 +307,11 @@ constexpr std::size_t task_size = 32 * chunk_size;
 constexpr std::size_t task_count(std::size_t gaussians) { return (gaussians + task_size - 1) / task_size; }
 
 /// Appends the splats of one view, if there is room for them.
-void project_view(Cpu& cpu, const Views& views, std::size_t view, const SceneView& scene,
-                  std::size_t capacity, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
+void project_view(Cpu& cpu, const FramePlan& plan, std::size_t view, ProjectScratch<Cpu>& scratch,
+                  Splats<Cpu>& splats) {
+  const Views& views = plan.views;
+  const SceneView& scene = plan.scene;
+  const std::size_t capacity = plan.limits.capacity.splats;
   const ViewConstants& camera = views.each[view].camera;
   // Each task projects to a place of its own.
   const std::size_t n = scene.size(), tasks = task_count(n);
@@ -349,12 +353,9 @@ void ProjectScratch<Cpu>::reserve(Cpu&, const FrameRoom& room) {
   counts.reset_exactly(task_count(n));
 }
 
-void project(Cpu& cpu, const FrameInput& input, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
-  frame_tiles(input.views);
+void project(Cpu& cpu, const FramePlan& plan, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {
   splats.count = splats.visible = 0;
-  for (std::size_t view = 0; view < input.views.size(); ++view)
-    project_view(cpu, input.views, view, only_scene(input.scenes), input.limits.capacity.splats, scratch,
-                 splats);
+  for (std::size_t view = 0; view < plan.views.size(); ++view) project_view(cpu, plan, view, scratch, splats);
 }
 
 }  // namespace swiftgs

@@ -130,17 +130,15 @@ namespace {
 HWY_EXPORT(ShadeRange);
 }
 
-Shading<Cpu> shade(Cpu& cpu, const FrameInput& input, const Splats<Cpu>& splats, Colours<Cpu>& colours) {
-  frame_tiles(input.views);
-  const SceneView& scene = only_scene(input.scenes);
+Shading<Cpu> shade(Cpu& cpu, const FramePlan& plan, const Splats<Cpu>& splats, Colours<Cpu>& colours) {
   constexpr std::size_t grain = 1024;
   colours.each.reset(splats.count), colours.hidden.reset(1);
   std::uint32_t* const hidden = colours.hidden.data();
   *hidden = 0;
   for_parts_of_views(cpu, splats.view(), grain, [&](std::size_t view, std::size_t begin, std::size_t end) {
-    if (HWY_DYNAMIC_DISPATCH(ShadeRange)(input.views.each[view].camera, scene,
-                                         splats.gaussians.data() + begin, splats.depths.data() + begin,
-                                         end - begin, colours.each.data() + begin))
+    if (HWY_DYNAMIC_DISPATCH(ShadeRange)(plan.views[view].camera, plan.scene, splats.gaussians.data() + begin,
+                                         splats.depths.data() + begin, end - begin,
+                                         colours.each.data() + begin))
       std::atomic_ref(*hidden).store(1, std::memory_order_relaxed);
   });
   return Shading<Cpu>({{colours.each.data(), splats.count}, hidden});

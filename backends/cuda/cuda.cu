@@ -50,9 +50,8 @@ bool Cuda::usable() {
   static const bool usable = [] {
     int devices = 0;
     cudaFuncAttributes kernel{};
-    const bool found =
-        cudaGetDeviceCount(&devices) == cudaSuccess && devices > 0 &&
-        cudaFuncGetAttributes(&kernel, kernels::for_each<ClearRanges>) == cudaSuccess;
+    const bool found = cudaGetDeviceCount(&devices) == cudaSuccess && devices > 0 &&
+                       cudaFuncGetAttributes(&kernel, kernels::for_each<ClearRanges>) == cudaSuccess;
     if (!found) cudaGetLastError();
     return found;
   }();
@@ -130,15 +129,16 @@ __global__ void settle(const LastCounters<FrameCounts> counts, const Limits limi
 Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage, ViewAccess access) {
   storage.each.assign(views.begin(), views.end());
   number_tiles({storage.each.data(), storage.each.size()});
-  const Span<const View> each{storage.each.data(), storage.each.size()};
-  if (each.size == 0 || (each.size == 1 && access == ViewAccess::any)) return each;
+  Views out(storage.each.data(), storage.each.size());
+  if (out.size() == 1 && access == ViewAccess::any) return out;
   cuda.check_not_captured("store_views");
-  storage.stored.reset(each.size);
+  storage.stored.reset(out.size());
   // The host's memory may change again as soon as this returns, since it is not pinned.
-  check_cuda(cudaMemcpyAsync(storage.stored.data(), each.data, each.size * sizeof(View),
+  check_cuda(cudaMemcpyAsync(storage.stored.data(), out.each.data, out.size() * sizeof(View),
                              cudaMemcpyHostToDevice, cuda.stream()),
              "cudaMemcpyAsync of views");
-  return {each, storage.stored.data()};
+  out.stored = storage.stored.data();
+  return out;
 }
 
 Cuda::Fork Cuda::fork() {

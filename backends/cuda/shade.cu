@@ -121,9 +121,7 @@ __global__ void __launch_bounds__(shade_threads)
 }
 }  // namespace kernels
 
-Shading<Cuda> shade(Cuda& cuda, const FrameInput& input, const Splats<Cuda>& splats, Colours<Cuda>& colours) {
-  frame_tiles(input.views);
-  const SceneView& scene = only_scene(input.scenes);
+Shading<Cuda> shade(Cuda& cuda, const FramePlan& plan, const Splats<Cuda>& splats, Colours<Cuda>& colours) {
   const std::size_t most = splats.pending ? splats.shapes.size() : splats.count;
   SplatsView all = splats.view();
   all.shapes.size = most;
@@ -137,9 +135,9 @@ Shading<Cuda> shade(Cuda& cuda, const FrameInput& input, const Splats<Cuda>& spl
                                    unsigned(cuda.multiprocessors() * kernels::shade_blocks));
   Cuda::Fork fork = cuda.fork();
   if (blocks != 0)
-    kernels::with_views(input.views, [&]<class ViewSource>(const ViewSource& views) {
-      launch("shade", kernels::shade<ViewSource>, blocks, kernels::shade_threads, fork.stream(), views, scene,
-             splats.pending.counts, all, colours.each.data(), hidden);
+    kernels::with_views(plan.views, [&]<class ViewSource>(const ViewSource& views) {
+      launch("shade", kernels::shade<ViewSource>, blocks, kernels::shade_threads, fork.stream(), views,
+             plan.scene, splats.pending.counts, all, colours.each.data(), hidden);
     });
   return Shading<Cuda>(std::move(fork), splats, colours.each.data(), hidden);
 }

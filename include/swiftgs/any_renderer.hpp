@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -11,7 +13,7 @@
 #include <vector>
 
 #include <swiftgs/api.hpp>
-#include <swiftgs/renderer.hpp>
+#include <swiftgs/bound_renderer.hpp>
 #include <swiftgs/scene_arrays.hpp>
 #include <swiftgs/sort/adaptive.hpp>
 #include <swiftgs/type_list.hpp>
@@ -96,22 +98,64 @@ class SWIFTGS_API AnyRenderer {
 
 /// One row of the table of renderers.
 struct RendererEntry {
-  std::string_view name;  ///< BACKEND/SORT/RASTER/BOUNDS
-  bool usable = false;    ///< whether it can run on this machine
-  std::unique_ptr<AnyRenderer> (*make_with)(const BackendOptions& options) = nullptr;
+  std::string name;     ///< BACKEND/SORT/RASTER/BOUNDS
+  bool usable = false;  ///< whether it can run on this machine
+  std::function<std::unique_ptr<AnyRenderer>(const BackendOptions&)> make_with;
 
   std::unique_ptr<AnyRenderer> make(const BackendOptions& options = {}) const { return make_with(options); }
 };
 
-/// Common part of the renderers on backend `B`.
+/// `AnyRenderer` on backend `B`: a `BoundRenderer` with its name and scene.
 template <class B>
-class SWIFTGS_API RendererOn : public AnyRenderer {
+class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
  public:
+  /// `adaptive` is the sort of `policies`, if it is adaptive.
+  AnyRendererOn(std::string name, const BackendOptions& options, StagePolicies<B> policies,
+                AdaptiveSort* adaptive)
+      : name_(std::move(name)),
+        renderer_(make_backend(std::type_identity<B>(), options), std::move(policies)),
+        adaptive_(adaptive) {}
+
+  std::string_view name() const override { return name_; }
+  void set_scene(std::shared_ptr<const Scene> scene) override {
+    scene_.emplace(renderer_.backend().upload(std::move(scene)));
+  }
+  void set_scene(const SceneArrays& arrays) override {
+    scene_.emplace(renderer_.backend().upload(arrays, scene_));
+  }
   bool share_scene(const AnyRenderer& other) override {
-    const auto* like = dynamic_cast<const RendererOn*>(&other);
+    const auto* like = dynamic_cast<const AnyRendererOn*>(&other);
     if (!like || !like->scene_) return false;
     scene_ = like->scene_;
     return true;
+  }
+  void render(Span<const Camera> cameras, const RenderSettings& settings, Span<Frame> frames) override {
+    renderer_.render(scene(), cameras, settings, frames);
+  }
+  Span<const FrameView> render_resident(Span<const Camera> cameras, const RenderSettings& settings) override {
+    const Span<const FrameView> frames = renderer_.render_resident(scene().view(), cameras, settings);
+    renderer_.backend().wait();
+    return frames;
+  }
+  void render_into(Span<const View> views, Measures measures) override {
+    renderer_.render_into(scene().view(), views, measures);
+  }
+  void reserve(Span<const View> views, Capacity capacity) override {
+    renderer_.reserve(scene().view(), views, capacity);
+  }
+  void set_views(Span<const View> views) override { renderer_.set_views(views); }
+  void record(FrameReport* report) override { renderer_.record(scene().view(), report); }
+  void wait() override { renderer_.backend().wait(); }
+  StageTimes times() override { return renderer_.times(); }
+  Statistics statistics() const override { return renderer_.statistics(); }
+  StageMemory memory() const override { return renderer_.memory(); }
+  void trim() override { renderer_.trim(); }
+  std::string device_name() const override { return renderer_.backend().device_name(); }
+  void use_calibrations(std::vector<SortCalibration> saved) override {
+    if (adaptive_) adaptive_->use(std::move(saved));
+  }
+  std::optional<SortCalibration> calibration() const override {
+    return adaptive_ ? adaptive_->calibration() : std::nullopt;
   }
   std::optional<MemoryUse> device_memory() const override {
     if constexpr (B::reaches_host_memory)
@@ -120,83 +164,62 @@ class SWIFTGS_API RendererOn : public AnyRenderer {
       return B::memory_use();
   }
 
- protected:
+ private:
   const typename B::SceneOn& scene() const {
     if (!scene_) throw std::logic_error("render: expected a scene before the first frame");
     return *scene_;
   }
-  std::optional<typename B::SceneOn> scene_;  ///< copies share the memory
+
+  std::string name_;
+  BoundRenderer<B> renderer_;
+  AdaptiveSort* adaptive_;                      ///< in `renderer_`
+  std::optional<typename B::SceneOn> scene_{};  ///< copies share the memory
 };
 
-/// `AnyRenderer` of one combination.
-template <class R, class B>
-class RendererOf final : public RendererOn<B> {
- public:
-  explicit RendererOf(const BackendOptions& options = {})
-      : renderer_(make_backend(std::type_identity<B>(), options)) {}
+namespace detail {
+/// A sort within bounds of which each renderer gets one of its own.
+template <class B>
+struct MadeSort {
+  std::unique_ptr<SortStage<B>> stage;
+  AdaptiveSort* adaptive = nullptr;  ///< the sort, if it is adaptive
 
-  std::string_view name() const override { return R::name; }
-  void set_scene(std::shared_ptr<const Scene> scene) override {
-    this->scene_.emplace(renderer_.backend().upload(std::move(scene)));
+  template <class Sort, class Bounds>
+  static MadeSort make() {
+    auto stage = std::make_unique<SortStageOf<B, Sort, Bounds>>();
+    AdaptiveSort* adaptive = nullptr;
+    if constexpr (std::is_same_v<Sort, AdaptiveSort>) adaptive = &stage->sort;
+    return {std::move(stage), adaptive};
   }
-  void set_scene(const SceneArrays& arrays) override {
-    this->scene_.emplace(renderer_.backend().upload(arrays, this->scene_));
-  }
-  void render(Span<const Camera> cameras, const RenderSettings& settings, Span<Frame> frames) override {
-    renderer_.render(this->scene(), cameras, settings, frames);
-  }
-  Span<const FrameView> render_resident(Span<const Camera> cameras, const RenderSettings& settings) override {
-    const Span<const FrameView> frames = renderer_.render_resident(this->scene().view(), cameras, settings);
-    renderer_.backend().wait();
-    return frames;
-  }
-  void render_into(Span<const View> views, Measures measures) override {
-    renderer_.render_into(this->scene().view(), views, measures);
-  }
-  void reserve(Span<const View> views, Capacity capacity) override {
-    renderer_.reserve(this->scene().view(), views, capacity);
-  }
-  void set_views(Span<const View> views) override { renderer_.set_views(views); }
-  void record(FrameReport* report) override { renderer_.record(this->scene().view(), report); }
-  void wait() override { renderer_.backend().wait(); }
-  StageTimes times() override { return renderer_.times(); }
-  Statistics statistics() const override { return renderer_.statistics(); }
-  StageMemory memory() const override { return renderer_.memory(); }
-  void trim() override { renderer_.trim(); }
-  std::string device_name() const override { return renderer_.backend().device_name(); }
-  void use_calibrations(std::vector<SortCalibration> saved) override {
-    if constexpr (takes_calibrations) renderer_.sort().use(std::move(saved));
-  }
-  std::optional<SortCalibration> calibration() const override {
-    if constexpr (takes_calibrations)
-      return renderer_.sort().calibration();
-    else
-      return std::nullopt;
-  }
-
- private:
-  static constexpr bool takes_calibrations = requires(R renderer, std::vector<SortCalibration> saved) {
-    renderer.sort().use(std::move(saved));
-  };
-  R renderer_;
 };
+}  // namespace detail
 
-/// Appends every combination of `backend` with the given sorts, rasterizers and bounds to `table`.
+/// Appends every combination of backend `B` with the given sorts, rasterizers and bounds to `table`.
 /// backends/table.cpp holds the library's lists. A policy on a device also needs code that its compiler
 /// makes.
 template <class B, class... Sorts, class... Rasters, class... Bounds>
 void append_renderers(std::vector<RendererEntry>& table, TypeList<Sorts...>, TypeList<Rasters...>,
                       TypeList<Bounds...>) {
-  const auto add = [&]<class S, class R, class Bd>() {
-    using Combination = Renderer<B, S, R, Bd>;
-    table.push_back(
-        {Combination::name, B::usable(), [](const BackendOptions& options) -> std::unique_ptr<AnyRenderer> {
-           return std::make_unique<RendererOf<Combination, B>>(options);
-         }});
+  using MakeSort = detail::MadeSort<B> (*)();
+  const std::vector<BoundsStages<B>> all_bounds{BoundsStages<B>::template of<Bounds>()...};
+  const std::vector<RasterStage<B>> all_rasters{RasterStage<B>::template of<Rasters>()...};
+  const auto append = [&](std::string_view sort, const std::vector<MakeSort>& within) {
+    for (const RasterStage<B>& raster : all_rasters)
+      for (std::size_t k = 0; k < all_bounds.size(); ++k) {
+        const BoundsStages<B>& bounds = all_bounds[k];
+        std::string name{B::name};
+        for (const std::string_view word : {sort, raster.name, bounds.name}) name.append("/").append(word);
+        const auto make = [=, make_sort = within[k]](const BackendOptions& options) {
+          detail::MadeSort<B> made = make_sort();
+          return std::unique_ptr<AnyRenderer>(std::make_unique<AnyRendererOn<B>>(
+              name, options, StagePolicies<B>{bounds, std::move(made.stage), raster}, made.adaptive));
+        };
+        table.push_back({name, B::usable(), make});
+      }
   };
-  const auto each_bounds = [&]<class S, class R>() { (add.template operator()<S, R, Bounds>(), ...); };
-  const auto each_raster = [&]<class S>() { (each_bounds.template operator()<S, Rasters>(), ...); };
-  (each_raster.template operator()<Sorts>(), ...);
+  const auto append_sort = [&]<class Sort>() {
+    append(Sort::name, {&detail::MadeSort<B>::template make<Sort, Bounds>...});
+  };
+  (append_sort.template operator()<Sorts>(), ...);
 }
 
 /// Every renderer of this build, whether or not it can run here. Defined in the library that joins the

@@ -21,15 +21,13 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
-#include <swiftgs/bin_stage.hpp>
 #include <swiftgs/bounds/ellipse.hpp>
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
-#include <swiftgs/shade_stage.hpp>
 #include <swiftgs/sort/early.hpp>
+#include <swiftgs/stages.hpp>
 
 namespace swiftgs {
 
@@ -168,14 +166,15 @@ class Contributions {
  public:
   /// Uploads `scene` to `backend`. Throws as `upload` does, and `CapacityError` beyond 2^32 - 1 Gaussians.
   explicit Contributions(std::shared_ptr<const Scene> scene, B backend = B())
-      : backend_(std::move(backend)),
-        scene_(backend_.upload(scene)),
+      : stages_(std::move(backend), BoundsStages<B>::template of<Ellipse>(),
+                std::make_unique<SortStageOf<B, EarlySort, Ellipse>>()),
+        scene_(stages_.backend().upload(scene)),
         colours_may_overflow_(colours_may_overflow(*scene)) {
-    use_memory_of(backend_, sums_, project_scratch_, splats_, footprints_, colours_, sort_scratch_, lists_);
+    use_memory_of(stages_.backend(), sums_);
     const std::size_t n = scene_.view().size(), most = std::numeric_limits<std::uint32_t>::max();
     if (n > most) throw CapacityError("Gaussians", n, most);
     sums_.reset(n);
-    backend_.for_each(n, ClearSums{sums_.data()});
+    stages_.backend().for_each(n, ClearSums{sums_.data()});
   }
 
   /// Adds the weights in one view. Throws `std::invalid_argument` for an invalid camera or conventions, and
@@ -187,24 +186,11 @@ class Contributions {
     if (pixels > max_contribution_pixels)
       throw CapacityError("pixels of all views", pixels, max_contribution_pixels);
 
-    check_ready(backend_);
-    const PlacedScene instance{scene_.view()};
-    const FrameInput input{Span{&view, 1}, {&instance, 1}};
-    project(backend_, input, Ellipse{}, project_scratch_, splats_, footprints_);
-    std::optional<Shading<B>> shading;
-    if (colours_may_overflow_ || centre_is_extreme(view.camera))
-      shading.emplace(shade(backend_, input, splats_, colours_));
-    bin(backend_, input.views, Ellipse{}, splats_, footprints_);
-    EarlySort().build(
-        backend_,
-        SortJob<Ellipse>{splats_.view(), footprints_.view(), FrameKey::of(instance.scene, input.views)},
-        Ellipse{}, sort_scratch_, lists_);
-
-    const RasterJob raster{.splats = splats_.view(),
-                           .colours = shading ? shading->finish() : ColoursView{},
-                           .lists = lists_.view(),
-                           .views = input.views};
-    add_contributions(backend_, ContributionJob{raster, sums_.data()});
+    check_ready(stages_.backend());
+    const FramePlan plan(Views(&view, 1), scene_.view());
+    const bool shaded = colours_may_overflow_ || centre_is_extreme(view.camera);
+    const auto add = [&](const RasterJob& job) { add_contributions(stages_.backend(), {job, sums_.data()}); };
+    stages_.run(plan, shaded, add, [](std::size_t) {});
     pixels_ = pixels;
   }
 
@@ -212,12 +198,12 @@ class Contributions {
   /// @shape{Gaussians}
   std::vector<std::uint64_t> sums() const {
     std::vector<std::uint64_t> sums(sums_.size());
-    backend_.download(sums_.span(), sums.data());
+    stages_.backend().download(sums_.span(), sums.data());
     return sums;
   }
 
   /// Number of visible Gaussians in the last added view.
-  std::size_t visible() const { return splats_.count; }
+  std::size_t visible() const { return stages_.splats().count; }
 
  private:
   static bool centre_is_extreme(const ViewConstants& camera) {
@@ -225,16 +211,10 @@ class Contributions {
     return detail::is_extreme(centre[0]) || detail::is_extreme(centre[1]) || detail::is_extreme(centre[2]);
   }
 
-  B backend_;
+  Stages<B> stages_;
   typename B::SceneOn scene_;
   bool colours_may_overflow_;
   typename B::template Buffer<std::uint64_t> sums_;
-  ProjectScratch<B> project_scratch_;
-  Splats<B> splats_;
-  Footprints<B, Ellipse> footprints_;
-  Colours<B> colours_;
-  EarlySort::Scratch<B> sort_scratch_;
-  TileLists<B> lists_;
   std::uint64_t pixels_ = 0;
 };
 

@@ -28,9 +28,6 @@ struct Capacity {
   std::size_t instances = 0;  ///< pairs of splat and tile
 };
 
-/// Room for `count` and an eighth more, so that the next frame need not grow.
-inline std::size_t with_room(std::uint64_t count) { return std::size_t(count + count / 8 + 1); }
-
 /// What a frame took. If it overflowed it drew nothing; a frame needs room for these numbers.
 struct FrameReport {
   std::uint64_t visible = 0;     ///< Gaussians, of all views

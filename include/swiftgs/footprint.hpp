@@ -25,26 +25,23 @@ struct alignas(16) Footprint {
 };
 static_assert(sizeof(Footprint) == 16);
 
-/// The tiles of each splat of a frame within `Bounds`. Holds for these bounds and these views alone.
-template <BoundsPolicy Bounds>
+/// The tiles of each splat of a frame. Holds for the bounds that found them and for these views alone.
 struct FootprintsView {
   Span<const Footprint> each{};  ///< @shape{splats}
   Count instances;               ///< sum of their counts
-  FrameTiles tiles;              ///< of all views
   Views views;
   const std::uint64_t* overflowed = nullptr;  ///< not 0: the frame has no room for them; null: it has
 };
 
 /// Storage of one frame's footprints on backend `B`.
-template <class B, BoundsPolicy Bounds>
+template <class B>
 struct Footprints {
   typename B::template Buffer<Footprint> each;
   std::size_t count = 0;  ///< splats
   std::uint64_t instances = 0;
-  FrameTiles tiles;
   Views views;
 
-  FootprintsView<Bounds> view() const { return {{each.data(), count}, std::size_t(instances), tiles, views}; }
+  FootprintsView view() const { return {{each.data(), count}, std::size_t(instances), views}; }
   void reserve(B&, const FrameRoom& room) { each.reset_exactly(room.capacity.splats); }
   static auto buffers(auto& self) { return std::tie(self.each); }
 };

@@ -9,9 +9,9 @@
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/footprint.hpp>
+#include <swiftgs/frame_plan.hpp>
 #include <swiftgs/project.hpp>
 #include <swiftgs/splats.hpp>
-#include <swiftgs/view.hpp>
 
 namespace swiftgs {
 
@@ -64,13 +64,15 @@ namespace detail {
 /// fuses multiplications and additions may do so differently in each copy, and lossless bounds must draw the
 /// same bits.
 template <BackendPolicy B>
-[[gnu::noinline]] void project_splats(B& b, const Views& views, const SceneView& scene, std::size_t capacity,
-                                      ProjectScratch<B>& scratch, Splats<B>& splats) {
-  const std::size_t n = scene.size();
+[[gnu::noinline]] void project_splats(B& b, const FramePlan& plan, ProjectScratch<B>& scratch,
+                                      Splats<B>& splats) {
+  const Views& views = plan.views;
+  const std::size_t n = plan.scene.size(), capacity = plan.limits.capacity.splats;
   scratch.projected.reset(n), scratch.slots.reset(n);
   splats.count = splats.visible = 0;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    b.for_each(n, ProjectShapes{views.each[v].camera, scene, scratch.projected.data(), scratch.slots.data()});
+    b.for_each(
+        n, ProjectShapes{views.each[v].camera, plan.scene, scratch.projected.data(), scratch.slots.data()});
     const std::size_t visible = std::size_t(b.exclusive_scan(Span{scratch.slots.data(), n}));
     const std::size_t before = splats.count;
     splats.visible += visible;
@@ -86,17 +88,14 @@ template <BackendPolicy B>
 }  // namespace detail
 
 /// Projects a scene: one splat for each Gaussian that is visible in a view. Reads no spherical harmonics.
-/// Counts the splats that the limits have no room for, and leaves them out. Throws as `frame_tiles` and
-/// `only_scene`.
+/// Counts the splats that the limits have no room for, and leaves them out.
 ///
 /// Backends overload this. An overload may also find `footprints` within `bounds`, if that costs little while
 /// the shapes are at hand; the backend's `bin` then only settles their number.
 template <BackendPolicy B, BoundsPolicy Bounds>
-void project(B& b, const FrameInput& input, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
-             Footprints<B, Bounds>&) {
-  frame_tiles(input.views);
-  detail::project_splats(b, input.views, only_scene(input.scenes), input.limits.capacity.splats, scratch,
-                         splats);
+void project(B& b, const FramePlan& plan, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
+             Footprints<B>&) {
+  detail::project_splats(b, plan, scratch, splats);
 }
 
 }  // namespace swiftgs

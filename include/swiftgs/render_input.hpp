@@ -83,10 +83,9 @@ inline void validate(const FrameView& frame) {
   detail::require_for_render(frame.colour.data || !frame.over, "colour to render over");
 }
 
-/// Throws `std::invalid_argument` where nothing can be rendered of `view`, however its tiles are numbered.
+/// Throws `std::invalid_argument` where nothing can be rendered of `view`; `Views` checks its tiles.
 inline void validate(const View& view) {
   validate(view.frame);
-  check_tiles(view);
   detail::require_finite_background(view.background);
 }
 

@@ -8,9 +8,9 @@
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/colours.hpp>
+#include <swiftgs/frame_plan.hpp>
 #include <swiftgs/project.hpp>
 #include <swiftgs/splats.hpp>
-#include <swiftgs/view.hpp>
 
 namespace swiftgs {
 
@@ -71,15 +71,13 @@ class [[nodiscard]] Shading {
   ColoursView colours_;
 };
 
-/// Evaluates the colours of `splats`, which were projected from `input`. The sort does not read them: a
-/// backend may run this beside it. Throws as `frame_tiles` and `only_scene`.
+/// Evaluates the colours of `splats`, which were projected by `plan`. The sort does not read them: a backend
+/// may run this beside it.
 template <BackendPolicy B>
-Shading<B> shade(B& b, const FrameInput& input, const Splats<B>& splats, Colours<B>& colours) {
-  frame_tiles(input.views);
-  const SceneView& scene = only_scene(input.scenes);
+Shading<B> shade(B& b, const FramePlan& plan, const Splats<B>& splats, Colours<B>& colours) {
   colours.each.reset(splats.count), colours.hidden.reset(1);
   b.for_each(1, ClearWord{colours.hidden.data()});
-  b.for_each(splats.count, ShadeSplats{input.views.reachable(), scene, splats.view(), colours.each.data(),
+  b.for_each(splats.count, ShadeSplats{plan.views.reachable(), plan.scene, splats.view(), colours.each.data(),
                                        colours.hidden.data()});
   return Shading<B>({{colours.each.data(), splats.count}, colours.hidden.data()});
 }

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <swiftgs/sort/sort.hpp>
+#include <swiftgs/frame_plan.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/tiles.hpp>
 #include <swiftgs/view.hpp>
@@ -21,12 +21,14 @@ constexpr bool coarse_tiles_gain(std::uint64_t splats, std::uint64_t pixels) {
   return pixels >= 1'500'000 && 10 * splats < pixels;
 }
 
-/// The tiles of a view, of `default_tile_side`, with `coarse_tile_side` in its place. The same tiles where
-/// they are of another side, or where the view begins within one that is as coarse.
+/// The tiles of a view, of `default_tile_side`, with `coarse_tile_side` in its place. Unchanged if they have
+/// another side, do not cover the frame, or begin within a tile that is as coarse.
 inline TileGrid coarse(const View& view) {
   const TileGrid& grid = view.grid;
   constexpr int times = coarse_tile_side / default_tile_side;
-  if (grid.side != default_tile_side || grid.columns.begin % times != 0 || grid.rows.begin % times != 0)
+  const TileGrid usual = TileGrid::covering(view.frame.width, view.frame.height);
+  if (grid.side != usual.side || grid.columns.begin % times != 0 || grid.rows.begin % times != 0 ||
+      grid.columns.size() != usual.columns.size() || grid.rows.size() != usual.rows.size())
     return grid;
   const TileGrid whole = TileGrid::covering(view.frame.width, view.frame.height, coarse_tile_side);
   const auto from = [](int begin, TileRun run) { return TileRun{begin / times, begin / times + run.size()}; };

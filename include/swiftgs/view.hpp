@@ -94,25 +94,6 @@ inline View make_view(const Camera& camera, const Conventions& conventions, cons
 /// Most views that one frame may have.
 inline constexpr std::size_t max_views = std::size_t(1) << 16;
 
-/// The views of a frame.
-struct Views {
-  Span<const View> each;         ///< in the host's memory, their tiles numbered by `number_tiles`
-  const View* stored = nullptr;  ///< the same where a device's loops read them; null: handed to each loop
-
-  Views() = default;
-  Views(Span<const View> views, const View* stored_views = nullptr) : each(views), stored(stored_views) {}
-  Views(const View* first, std::size_t count) : each{first, count} {}
-
-  const View& operator[](std::size_t i) const { return each[i]; }
-
-  /// Where loops of the backend read them.
-  SWIFTGS_HD const View* reachable() const { return stored ? stored : each.data; }
-
-  const View* begin() const { return each.begin(); }
-  const View* end() const { return each.end(); }
-  std::size_t size() const { return each.size; }
-};
-
 /// Numbers the tiles of all views, one grid below the other.
 inline void number_tiles(Span<View> views) {
   std::uint32_t columns = 0, rows = 0;
@@ -123,6 +104,7 @@ inline void number_tiles(Span<View> views) {
   }
 }
 
+namespace detail {
 /// Throws `std::invalid_argument` if the frame of `view` has no pixels or too many, or if its tiles do not
 /// cover it.
 inline void check_tiles(const View& view) {
@@ -133,14 +115,13 @@ inline void check_tiles(const View& view) {
                                 std::to_string(max_image_side) + " a side");
   const TileGrid& grid = view.grid;
   if (grid.side < square_side || (grid.side & (grid.side - 1)) != 0)
-    detail::refuse("tiles: the side", std::size_t(grid.side),
-                   "a power of two of at least " + std::to_string(square_side) + " pixels");
+    refuse("tiles: the side", std::size_t(grid.side),
+           "a power of two of at least " + std::to_string(square_side) + " pixels");
   const TileGrid needed = TileGrid::covering(view.frame.width, view.frame.height, grid.side);
   const auto check_run = [](const char* name, TileRun found, TileRun expected) {
     const std::string of = std::string("tiles: the ");
     if (found.size() != expected.size())
-      detail::refuse((of + "number of " + name).c_str(), std::size_t(found.size()),
-                     std::to_string(expected.size()));
+      refuse((of + "number of " + name).c_str(), std::size_t(found.size()), std::to_string(expected.size()));
     if (found.begin < 0)
       throw std::invalid_argument(of + "first of the " + name + " is " + std::to_string(found.begin) +
                                   ", expected 0 or more");
@@ -149,19 +130,18 @@ inline void check_tiles(const View& view) {
   check_run("rows", grid.rows, needed.rows);
 }
 
-/// The tiles of all views. Throws `std::invalid_argument` if there are no or too many views, as
-/// `check_tiles`, or if tiles are not numbered; and `CapacityError` beyond `max_frame_tiles`.
-inline FrameTiles frame_tiles(const Views& views) {
-  if (views.size() < 1 || views.size() > max_views)
-    detail::refuse("frame: the number of views", views.size(), "1 to " + std::to_string(max_views));
-  FrameTiles tiles{.columns = views.each[0].grid.stride, .rows = 0, .side = views.each[0].grid.side};
+/// The tiles of all views. Throws as the constructor of `Views`.
+inline FrameTiles frame_tiles(Span<const View> views) {
+  if (views.size < 1 || views.size > max_views)
+    refuse("frame: the number of views", views.size, "1 to " + std::to_string(max_views));
+  FrameTiles tiles{.columns = views[0].grid.stride, .rows = 0, .side = views[0].grid.side};
   std::uint64_t rows = 0;
   for (const View& view : views) {
     check_tiles(view);
     const TileGrid& grid = view.grid;
     if (grid.side != tiles.side)
-      detail::refuse("tiles: the side", std::size_t(grid.side),
-                     "that of the first view, " + std::to_string(tiles.side));
+      refuse("tiles: the side", std::size_t(grid.side),
+             "that of the first view, " + std::to_string(tiles.side));
     const std::uint64_t first = rows * tiles.columns;
     if (grid.stride != tiles.columns || grid.stride < std::uint32_t(grid.columns.size()) ||
         grid.first != first)
@@ -176,6 +156,31 @@ inline FrameTiles frame_tiles(const Views& views) {
   tiles.rows = std::uint32_t(rows);
   return tiles;
 }
+}  // namespace detail
+
+/// The views of a frame, checked and numbered.
+struct Views {
+  Span<const View> each;         ///< in the host's memory
+  const View* stored = nullptr;  ///< the same where a device's loops read them; null: handed to each loop
+  FrameTiles tiles;              ///< of all views
+
+  Views() = default;
+  /// Throws `std::invalid_argument` if there are no or too many views, if the frame of one has no pixels or
+  /// too many, if its tiles do not cover it, or if tiles are not numbered as `number_tiles` does; and
+  /// `CapacityError` beyond `max_frame_tiles`.
+  Views(Span<const View> views, const View* stored_views = nullptr)
+      : each(views), stored(stored_views), tiles(detail::frame_tiles(views)) {}
+  Views(const View* first, std::size_t count) : Views(Span<const View>{first, count}) {}
+
+  const View& operator[](std::size_t i) const { return each[i]; }
+
+  /// Where loops of the backend read them.
+  SWIFTGS_HD const View* reachable() const { return stored ? stored : each.data; }
+
+  const View* begin() const { return each.begin(); }
+  const View* end() const { return each.end(); }
+  std::size_t size() const { return each.size; }
+};
 
 /// Index of the view that tile number `tile` belongs to.
 SWIFTGS_HD inline std::uint32_t view_of_tile(const View* views, std::uint32_t count, std::uint32_t tile) {
@@ -204,26 +209,14 @@ enum class ViewAccess {
   stored,  ///< from memory of the device, which recorded frames read again
 };
 
-/// Copies `views` and numbers their tiles. What it returns holds until the next call. Backends that do not
-/// reach the host's memory overload this.
+/// Copies `views` and numbers their tiles. What it returns holds until the next call. Throws as `Views`.
+/// Backends that do not reach the host's memory overload this.
 template <class B>
 Views store_views(B&, Span<const View> views, ViewStorage<B>& storage, ViewAccess = ViewAccess::any) {
   storage.each.assign(views.begin(), views.end());
   number_tiles({storage.each.data(), storage.each.size()});
-  return Span<const View>{storage.each.data(), storage.each.size()};
+  return Views(storage.each.data(), storage.each.size());
 }
-
-/// A scene as it appears in a frame.
-struct PlacedScene {
-  SceneView scene;
-};
-
-/// What is projected and shaded. Stages read both spans before they return.
-struct FrameInput {
-  Views views;
-  Span<const PlacedScene> scenes;
-  Limits limits{};
-};
 
 /// A square of a view.
 struct SquarePlace {
@@ -251,11 +244,5 @@ struct Squares {
     return {view, int(column) * square_side, int(row - first_row) * square_side};
   }
 };
-
-/// The one scene of a frame. Throws `std::invalid_argument` if there is another number of scenes.
-inline const SceneView& only_scene(Span<const PlacedScene> scenes) {
-  if (scenes.size != 1) detail::refuse("frame: the number of scenes", scenes.size, "1");
-  return scenes[0].scene;
-}
 
 }  // namespace swiftgs

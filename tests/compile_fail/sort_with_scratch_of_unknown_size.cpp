@@ -12,7 +12,7 @@ struct Unsorted {
 #endif
   };
   template <class B, class Bounds>
-  void build(B&, const swiftgs::SortJob<Bounds>&, const Bounds&, Scratch<B>&, swiftgs::TileLists<B>&) {}
+  void build(B&, const swiftgs::SortJob&, const Bounds&, Scratch<B>&, swiftgs::TileLists<B>&) {}
 };
 
 static_assert(swiftgs::SortsOn<Unsorted, swiftgs::Serial, swiftgs::Ellipse>);

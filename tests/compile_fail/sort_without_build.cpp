@@ -10,7 +10,7 @@ struct Unsorted {
   };
 #ifdef SWIFTGS_EXPECT_COMPILE
   template <class B, class Bounds>
-  void build(B&, const swiftgs::SortJob<Bounds>&, const Bounds&, Scratch<B>&, swiftgs::TileLists<B>&) {}
+  void build(B&, const swiftgs::SortJob&, const Bounds&, Scratch<B>&, swiftgs::TileLists<B>&) {}
 #endif
 };
 

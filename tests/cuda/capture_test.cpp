@@ -128,22 +128,22 @@ TEST_CASE("cuda capture: what a host would wait for, and what began before, is r
   const OneView frame(camera, Conventions::gsplat(), scene.view());
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
-  Footprints<Cuda, Ellipse> footprints;
+  Footprints<Cuda> footprints;
   Colours<Cuda> colours;
 
   // Colours are under way, and numbers of the projection still to be read, when the capture begins.
-  project(cuda, frame.input(), Ellipse{}, scratch, splats, footprints);
-  Shading<Cuda> begun = shade(cuda, frame.input(), splats, colours);
+  project(cuda, frame.plan(), Ellipse{}, scratch, splats, footprints);
+  Shading<Cuda> begun = shade(cuda, frame.plan(), splats, colours);
   for (const cudaStreamCaptureMode mode : modes)
     CHECK(nodes_of(capture(stream.get(), mode, [&] {
             refused("join", [&] { (void)begun.finish(); });
-            refused("bin", [&] { bin(cuda, frame.views(), Ellipse{}, splats, footprints); });
+            refused("bin", [&] { bin(cuda, frame.plan(), Ellipse{}, splats, footprints); });
           })) == 0);
   CHECK(begun.finish().each.data == colours.each.data());
-  bin(cuda, frame.views(), Ellipse{}, splats, footprints);
+  bin(cuda, frame.plan(), Ellipse{}, splats, footprints);
   EarlySort::Scratch<Cuda> memory;
   TileLists<Cuda> lists;
-  EarlySort().build(cuda, SortJob<Ellipse>{splats.view(), footprints.view(), {}}, Ellipse{}, memory, lists);
+  EarlySort().build(cuda, SortJob{splats.view(), footprints.view(), {}}, Ellipse{}, memory, lists);
   Serial serial;
   const SplatSet set = to_host(cuda, splats.view());
   CHECK(host_lists(cuda, lists) ==

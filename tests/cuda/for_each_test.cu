@@ -159,9 +159,9 @@ TEST_CASE("cuda: projection takes bounds of the caller") {
   const OneView frame(forward_camera(300, 200), Conventions::gsplat(), uploaded.view());
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
-  Footprints<Cuda, EvenRows> footprints;
-  project(cuda, frame.input(), EvenRows{}, scratch, splats, footprints);
-  bin(cuda, frame.views(), EvenRows{}, splats, footprints);
+  Footprints<Cuda> footprints;
+  project(cuda, frame.plan(), EvenRows{}, scratch, splats, footprints);
+  bin(cuda, frame.plan(), EvenRows{}, splats, footprints);
   const SplatSet set = to_host(cuda, splats.view());
   REQUIRE(set.shapes.size() > 100);
   std::uint64_t tiles = 0;

@@ -92,22 +92,22 @@ struct Stage {
   Splats<Cuda> splats;
   Colours<Cuda> colours;
   template <class... Bounds>
-  static std::tuple<Footprints<Cuda, Bounds>...> footprints_within(TypeList<Bounds...>);
+  static std::tuple<Footprints<Cuda>...> footprints_within(TypeList<Bounds...>);
   decltype(footprints_within(AllBounds())) all_footprints;
 
   template <class Bounds>
   SplatSet run(const SceneView& scene, const Camera& camera, const Conventions& conventions, Bounds bounds) {
     const OneView frame(camera, conventions, scene);
-    project(cuda, frame.input(), bounds, scratch, splats, footprints(bounds));
-    Shading<Cuda> shading = shade(cuda, frame.input(), splats, colours);
-    bin(cuda, frame.views(), bounds, splats, footprints(bounds));
+    project(cuda, frame.plan(), bounds, scratch, splats, footprints(bounds));
+    Shading<Cuda> shading = shade(cuda, frame.plan(), splats, colours);
+    bin(cuda, frame.plan(), bounds, splats, footprints(bounds));
     return to_host(cuda, splats.view(), shading.finish());
   }
 
   /// Those of the frame before, if it was projected within these bounds.
   template <class Bounds>
-  Footprints<Cuda, Bounds>& footprints(Bounds) {
-    return std::get<Footprints<Cuda, Bounds>>(all_footprints);
+  Footprints<Cuda>& footprints(Bounds) {
+    return std::get<Footprints<Cuda>>(all_footprints);
   }
 
   /// Whether the tiles of every splat are those of the bounds.
@@ -116,8 +116,9 @@ struct Stage {
     const TileGrid grid = TileGrid::covering(camera.width, camera.height);
     const std::vector<Footprint> found = to_host(cuda, footprints(bounds).view().each);
     std::uint64_t sum = 0;
-    bool same = found.size() == set.shapes.size() &&
-                footprints(bounds).tiles == tiles_of_frame(view_without_camera(camera.width, camera.height));
+    bool same =
+        found.size() == set.shapes.size() &&
+        footprints(bounds).views.tiles == tiles_of_frame(view_without_camera(camera.width, camera.height));
     for (std::size_t i = 0; same && i < found.size(); ++i) {
       const Footprint expected = find_footprint(bounds, set.shapes[i], grid);
       same = found[i].count == expected.count &&
@@ -132,11 +133,11 @@ SplatSet project_on_host(const SceneView& scene, const Camera& camera, const Con
   Serial serial;
   ProjectScratch<Serial> scratch;
   Splats<Serial> splats;
-  Footprints<Serial, Ellipse> footprints;
+  Footprints<Serial> footprints;
   const OneView frame(camera, conventions, scene);
-  project(serial, frame.input(), Ellipse{}, scratch, splats, footprints);
+  project(serial, frame.plan(), Ellipse{}, scratch, splats, footprints);
   Colours<Serial> colours;
-  const ColoursView shaded = shade(serial, frame.input(), splats, colours).finish();
+  const ColoursView shaded = shade(serial, frame.plan(), splats, colours).finish();
   const auto to_vector = [](auto span) { return std::vector(span.begin(), span.end()); };
   const SplatsView view = splats.view();
   return {to_vector(view.shapes), to_vector(view.depths), to_vector(view.gaussians), to_vector(shaded.each)};
@@ -324,8 +325,8 @@ TEST_CASE("cuda project: colours of a frame that is given up do not get into the
   const SplatSet expected = other.run(scene.view(), near, Conventions::gsplat(), Ellipse{});
   for (int i = 0; i < 20; ++i) {
     const OneView frame(wide, Conventions::gsplat(), scene.view());
-    project(stage.cuda, frame.input(), Ellipse{}, stage.scratch, stage.splats, stage.footprints(Ellipse{}));
-    (void)shade(stage.cuda, frame.input(), stage.splats, stage.colours);
+    project(stage.cuda, frame.plan(), Ellipse{}, stage.scratch, stage.splats, stage.footprints(Ellipse{}));
+    (void)shade(stage.cuda, frame.plan(), stage.splats, stage.colours);
     CHECK(
         same_bits(stage.run(scene.view(), near, Conventions::gsplat(), Ellipse{}).colours, expected.colours));
   }
@@ -339,15 +340,15 @@ TEST_CASE("cuda project: whether a splat is hidden is said of each frame anew") 
   const Camera camera = forward_camera(320, 200);
   const auto hides = [&](const DeviceScene& scene) {
     const OneView frame(camera, Conventions::gsplat(), scene.view());
-    Footprints<Cuda, Ellipse>& footprints = stage.footprints(Ellipse{});
-    project(stage.cuda, frame.input(), Ellipse{}, stage.scratch, stage.splats, footprints);
+    Footprints<Cuda>& footprints = stage.footprints(Ellipse{});
+    project(stage.cuda, frame.plan(), Ellipse{}, stage.scratch, stage.splats, footprints);
     const auto word = [&](Shading<Cuda> shading) {
       return to_host(stage.cuda, Span<const std::uint32_t>{shading.finish().hidden, 1}).at(0);
     };
-    const std::uint32_t counted_there = word(shade(stage.cuda, frame.input(), stage.splats, stage.colours));
-    bin(stage.cuda, frame.views(), Ellipse{}, stage.splats, footprints);
+    const std::uint32_t counted_there = word(shade(stage.cuda, frame.plan(), stage.splats, stage.colours));
+    bin(stage.cuda, frame.plan(), Ellipse{}, stage.splats, footprints);
     REQUIRE(stage.splats.count > 100);
-    CHECK(word(shade(stage.cuda, frame.input(), stage.splats, stage.colours)) == counted_there);
+    CHECK(word(shade(stage.cuda, frame.plan(), stage.splats, stage.colours)) == counted_there);
     return counted_there != 0;
   };
   for (const bool hidden : {false, true, true, false, false}) CHECK(hides(hidden ? hiding : usual) == hidden);
@@ -362,11 +363,11 @@ TEST_CASE("cuda project: tiles of splats whose number the host knows are found w
   const OneView frame(camera, Conventions::gsplat(), scene.view());
   const std::uint64_t instances = stage.footprints(Ellipse{}).instances.get();
   REQUIRE(instances > 1000);
-  Footprints<Cuda, Ellipse> footprints;
+  Footprints<Cuda> footprints;
   const auto report_within = [&](std::size_t room) {
     stage.splats.set_count(set.shapes.size());
     const Limits limits{{0, room}};
-    bin(stage.cuda, frame.views(), Ellipse{}, stage.splats, footprints, limits);
+    bin(stage.cuda, frame.plan(limits), Ellipse{}, stage.splats, footprints);
     CHECK(footprints.instances.most == room);
     return await_report(stage.cuda, stage.splats, footprints, limits);
   };
@@ -381,7 +382,7 @@ TEST_CASE("cuda project: tiles of splats whose number the host knows are found w
                     to_host(stage.cuda, stage.footprints(Ellipse{}).view().each)));
   }
   stage.splats.set_count(0);
-  bin(stage.cuda, frame.views(), Ellipse{}, stage.splats, footprints, {{0, 10}});
+  bin(stage.cuda, frame.plan({{0, 10}}), Ellipse{}, stage.splats, footprints);
   CHECK(await_report(stage.cuda, stage.splats, footprints, {{0, 10}}).instances == 0);
 }
 

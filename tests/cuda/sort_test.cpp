@@ -23,7 +23,7 @@ struct Sorts {
   TileLists<B> lists;
 
   template <class Bounds, class F>
-  void for_each(B& backend, const SortJob<Bounds>& job, const F& f) {
+  void for_each(B& backend, const SortJob& job, const F& f) {
     const auto run = [&](auto& sort, auto& scratch) {
       sort.build(backend, job, Bounds{}, scratch, lists);
       f(sort.name, host_lists(backend, lists));
@@ -86,14 +86,14 @@ TEST_CASE("cuda sort: lists from footprints that projection found are the serial
     const OneView frame(camera, Conventions::gsplat(), scene.view());
     for_each_type(AllBounds(), [&]<class Bounds>(Bounds bounds) {
       CAPTURE(Bounds::name);
-      Footprints<Cuda, Bounds> footprints;
-      project(cuda, frame.input(), bounds, scratch, splats, footprints);
-      bin(cuda, frame.views(), bounds, splats, footprints);
+      Footprints<Cuda> footprints;
+      project(cuda, frame.plan(), bounds, scratch, splats, footprints);
+      bin(cuda, frame.plan(), bounds, splats, footprints);
       const SplatSet set = to_host(cuda, splats.view());
       const HostLists expected =
           host_lists(serial, build_lists<StandardSort, Bounds>(serial, set.job(700, 500)));
       const FrameKey key{scene.view().identity, n, 700, 500};
-      sorts.for_each(cuda, SortJob<Bounds>{splats.view(), footprints.view(), key},
+      sorts.for_each(cuda, SortJob{splats.view(), footprints.view(), key},
                      [&](std::string_view name, const HostLists& lists) {
                        CAPTURE(name);
                        CHECK(lists == expected);
@@ -108,31 +108,31 @@ TEST_CASE("cuda sort: footprints are found again where projection found those of
   const DeviceScene scene = cuda.upload(random_scene(3000, 0, 11));
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
-  Footprints<Cuda, OpacityBox> boxes;
-  Footprints<Cuda, Ellipse> ellipses;
+  Footprints<Cuda> boxes;
+  Footprints<Cuda> ellipses;
   const OneView frame(forward_camera(700, 500), Conventions::gsplat(), scene.view());
   const View turned = view_without_camera(500, 700);
-  project(cuda, frame.input(), OpacityBox{}, scratch, splats, boxes);
-  bin(cuda, frame.views(), Ellipse{}, splats, ellipses);
+  project(cuda, frame.plan(), OpacityBox{}, scratch, splats, boxes);
+  bin(cuda, frame.plan(), Ellipse{}, splats, ellipses);
   const SplatSet set = to_host(cuda, splats.view());
-  const auto found_by = [&]<class Bounds>(const Footprints<Cuda, Bounds>& footprints, const View& of) {
+  const auto found_by = [&]<class Bounds>(const Footprints<Cuda>& footprints, const View& of) {
     std::uint64_t tiles = 0;
     for (const SplatShape& shape : set.shapes) tiles += find_footprint(Bounds{}, shape, of.grid).count;
     return footprints.instances.most == tiles && footprints.count == set.shapes.size() &&
-           footprints.tiles == tiles_of_frame(of) && footprints.views[0].grid == of.grid;
+           footprints.views.tiles == tiles_of_frame(of) && footprints.views[0].grid == of.grid;
   };
   REQUIRE(set.shapes.size() > 100);
   CHECK(found_by(ellipses, frame.view));
-  bin(cuda, frame.views(), OpacityBox{}, splats, boxes);
+  bin(cuda, frame.plan(), OpacityBox{}, splats, boxes);
   CHECK(found_by(boxes, frame.view));
-  bin(cuda, {&turned, 1}, OpacityBox{}, splats, boxes);
+  bin(cuda, plan_without_scene({&turned, 1}), OpacityBox{}, splats, boxes);
   CHECK(found_by(boxes, turned));
 
   // Footprints that are left over from a projection are not those of other splats.
-  project(cuda, frame.input(), OpacityBox{}, scratch, splats, boxes);
+  project(cuda, frame.plan(), OpacityBox{}, scratch, splats, boxes);
   Splats<Cuda> own;
   CopySplats<Cuda>::copy(DeviceSplats(set).view(), own);
-  bin(cuda, frame.views(), OpacityBox{}, own, boxes);
+  bin(cuda, frame.plan(), OpacityBox{}, own, boxes);
   CHECK(found_by(boxes, frame.view));
 }
 

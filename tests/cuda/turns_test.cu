@@ -81,9 +81,9 @@ struct Projecting {
                                                                         ProjectScratch<Cuda>& memory) {
     const OneView frame(forward_camera(320, 200), Conventions::gsplat(), scene);
     Splats<Cuda> splats;
-    Footprints<Cuda, Ellipse> footprints;
-    project(cuda, frame.input(), Ellipse{}, memory, splats, footprints);
-    bin(cuda, frame.views(), Ellipse{}, splats, footprints);
+    Footprints<Cuda> footprints;
+    project(cuda, frame.plan(), Ellipse{}, memory, splats, footprints);
+    bin(cuda, frame.plan(), Ellipse{}, splats, footprints);
     return {to_host(cuda, splats.view()), footprints.instances.most, to_host(cuda, footprints.view().each)};
   }
   bool projects(std::size_t n, std::uint64_t seed) {
@@ -107,7 +107,7 @@ struct Emitting {
   InstanceScratch<Cuda> scratch;
   Turns<std::uint32_t>& turns = scratch.turns;
 
-  std::pair<std::vector<std::uint64_t>, std::vector<std::uint32_t>> emitted(const SortJob<Ellipse>& job,
+  std::pair<std::vector<std::uint64_t>, std::vector<std::uint32_t>> emitted(const SortJob& job,
                                                                             InstanceScratch<Cuda>& memory) {
     Pairs<Cuda, std::uint64_t> instances;
     const std::size_t count = emit_instances(cuda, job, Ellipse{}, nullptr, memory, instances).most;

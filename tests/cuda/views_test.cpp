@@ -200,13 +200,13 @@ TEST_CASE(
         make_view(view.camera, view.conventions, {.width = view.camera.width, .height = view.camera.height}));
   ViewStorage<Cuda> storage;
   const Views views = store_views(cuda, Span<const View>{asked.data(), asked.size()}, storage);
-  const PlacedScene placed{scene.view()};
+  const FramePlan plan(views, scene.view());
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
-  Footprints<Cuda, OpacityBox> boxes;
-  Footprints<Cuda, Ellipse> ellipses;
-  project(cuda, {views, {&placed, 1}}, OpacityBox{}, scratch, splats, boxes);
-  bin(cuda, views, Ellipse{}, splats, ellipses);
+  Footprints<Cuda> boxes;
+  Footprints<Cuda> ellipses;
+  project(cuda, plan, OpacityBox{}, scratch, splats, boxes);
+  bin(cuda, plan, Ellipse{}, splats, ellipses);
   const SplatsView found = splats.view();
   REQUIRE(found.size() > 500);
   const std::vector<SplatShape> shapes = to_host(cuda, found.shapes);

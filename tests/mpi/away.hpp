@@ -43,22 +43,21 @@ inline Views store_views(Away&, Span<const View> views, ViewStorage<Away>& stora
   return {{storage.each.data(), storage.each.size()}, storage.each.data()};
 }
 
-template <BoundsPolicy Bounds>
-FrameReport await_report(Away&, const Splats<Away>& splats, const Footprints<Away, Bounds>& footprints,
-                         const Limits& limits) {
+inline FrameReport await_report(Away&, const Splats<Away>& splats, const Footprints<Away>& footprints,
+                                const Limits& limits) {
   FrameReport report{splats.visible, footprints.instances, 0};
   report.overflowed = !limits.fit(report);
   return report;
 }
 
 template <BoundsPolicy Bounds>
-void bin(Away& away, const Views& views, const Bounds& bounds, Splats<Away>& splats,
-         Footprints<Away, Bounds>& footprints, const Limits& = {}) {
-  footprints.tiles = frame_tiles(views), footprints.views = views;
+void bin(Away& away, const FramePlan& plan, const Bounds& bounds, Splats<Away>& splats,
+         Footprints<Away>& footprints) {
+  footprints.views = plan.views;
   footprints.each.reset(splats.count);
   footprints.count = splats.count, footprints.instances = 0;
   away.for_each(splats.count,
-                FindFootprint<Bounds>{splats.view(), views.reachable(), bounds, footprints.each.data()});
+                FindFootprint<Bounds>{splats.view(), plan.views.reachable(), bounds, footprints.each.data()});
   for (const Footprint& footprint : footprints.view().each) footprints.instances += footprint.count;
 }
 

@@ -70,7 +70,7 @@ struct Session {
       SortInput input = splats.job(width, height);
       input.key.scene = scene, input.key.views = views;
       const Binned<ScriptedBackend, Ellipse> binned(backend, input, Ellipse{});
-      SortJob<Ellipse> job = binned.job();
+      SortJob job = binned.job();
       job.use = use;
       const auto instances = std::uint32_t(job.footprints.instances.most);
       if (device_counts) job.footprints.instances.exact = &instances;

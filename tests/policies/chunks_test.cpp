@@ -90,11 +90,11 @@ template <class B>
 struct Projected {
   ProjectScratch<B> scratch;
   Splats<B> splats;
-  Footprints<B, Ellipse> footprints;
+  Footprints<B> footprints;
 
   Projected(B& backend, const Camera& camera, const SceneView& scene) {
     const OneView frame(camera, Conventions::gsplat(), scene);
-    project(backend, frame.input(), Ellipse(), scratch, splats, footprints);
+    project(backend, frame.plan(), Ellipse(), scratch, splats, footprints);
   }
   bool operator==(const Projected& other) const {
     return splats.count == other.splats.count &&

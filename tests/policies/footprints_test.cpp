@@ -28,9 +28,9 @@ void check_footprints_on(B& backend) {
       CAPTURE(Bounds::name);
       const TileGrid grid = TileGrid::covering(700, 500, side);
       const Binned<B, Bounds> binned(backend, splats.job(700, 500, side), bounds);
-      const FootprintsView<Bounds> found = binned.footprints.view();
+      const FootprintsView found = binned.footprints.view();
       REQUIRE(found.each.size == splats.shapes.size());
-      CHECK(found.tiles == tiles_of_frame(binned.view));
+      CHECK(found.views.tiles == tiles_of_frame(binned.view));
       std::uint64_t instances = 0, other = 0;
       for (std::size_t i = 0; i < found.each.size; ++i) {
         const Footprint expected = find_footprint(bounds, splats.shapes[i], grid);
@@ -59,9 +59,9 @@ void check_footprints_of_views_on(B& backend) {
       CopySplats<B>::copy(set.view(), splats);
       splats.resize(splats.count, 2);
       for (std::size_t i = 0; i < splats.count; ++i) splats.of_view.data()[i] = i / 7 % 2;
-      Footprints<B, Bounds> footprints;
-      bin(backend, {views, 2}, bounds, splats, footprints);
-      const FootprintsView<Bounds> found = footprints.view();
+      Footprints<B> footprints;
+      bin(backend, plan_without_scene({views, 2}), bounds, splats, footprints);
+      const FootprintsView found = footprints.view();
       REQUIRE(found.each.size == set.shapes.size());
       std::uint64_t instances = 0, other = 0, in_part = 0;
       for (std::size_t i = 0; i < found.each.size; ++i) {
@@ -120,7 +120,7 @@ TEST_CASE_TEMPLATE("footprints: those that say another number of instances are r
   B backend = make_backend<B>();
   const SplatSet splats = random_splats(20, 64, 48, 1);
   const Binned<B, Ellipse> binned(backend, splats.job(64, 48), Ellipse{});
-  SortJob<Ellipse> job = binned.job();
+  SortJob job = binned.job();
   const std::string sum = std::to_string(job.footprints.instances.most);
   job.footprints.instances = 1;
   const std::string expected =
@@ -139,7 +139,7 @@ TEST_CASE_TEMPLATE("footprints: those of another number of splats are refused", 
   const SplatSet splats = random_splats(20, 64, 48, 1);
   const Footprint some[3];
   const View view = view_without_camera(64, 48);
-  const SortJob<Ellipse> job{splats.view(), {{some, 3}, 3, tiles_of_frame(view), {&view, 1}}, {}};
+  const SortJob job{splats.view(), {{some, 3}, 3, {&view, 1}}, {}};
   const auto check = [&]<class Sort>(Sort sort) {
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;

@@ -116,8 +116,7 @@ struct PlainSort {
     std::size_t bytes() const { return bytes_of(early); }
   };
   template <class B, class Bounds>
-  void build(B& b, const SortJob<Bounds>& job, const Bounds& bounds, Scratch<B>& scratch,
-             TileLists<B>& lists) {
+  void build(B& b, const SortJob& job, const Bounds& bounds, Scratch<B>& scratch, TileLists<B>& lists) {
     EarlySort{}.build(b, job, bounds, scratch.early, lists);
   }
 };
@@ -304,15 +303,16 @@ TEST_CASE("trim: the adaptive sort does not count frames that take memory again"
 }
 
 TEST_CASE("trim: of a renderer that was chosen at run time keeps the scene") {
-  RendererOf<Renderer<Cpu, EarlySort, Usual, Ellipse>, Cpu> renderer;
-  renderer.set_scene(std::make_shared<const Scene>(random_scene(500, 1, 5)));
-  AnyRenderer& any = renderer;
+  std::vector<RendererEntry> table;
+  append_renderers<Cpu>(table, TypeList<EarlySort>{}, TypeList<Usual>{}, TypeList<Ellipse>{});
+  const std::unique_ptr<AnyRenderer> renderer = table.front().make();
+  renderer->set_scene(std::make_shared<const Scene>(random_scene(500, 1, 5)));
   Frame before, after;
-  any.render(forward_camera(64, 48), {}, before);
-  CHECK(all_of(any.memory()) > 0);
-  any.trim();
-  CHECK(all_of(any.memory()) == 0);
-  any.render(forward_camera(64, 48), {}, after);
+  renderer->render(forward_camera(64, 48), {}, before);
+  CHECK(all_of(renderer->memory()) > 0);
+  renderer->trim();
+  CHECK(all_of(renderer->memory()) == 0);
+  renderer->render(forward_camera(64, 48), {}, after);
   CHECK(same_bits(after.colour, before.colour));
 }
 

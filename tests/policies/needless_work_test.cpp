@@ -53,11 +53,11 @@ template <class B>
 std::vector<SplatColour> colours(B& backend, const SceneView& scene, const Camera& camera) {
   ProjectScratch<B> scratch;
   Splats<B> splats;
-  Footprints<B, Ellipse> footprints;
+  Footprints<B> footprints;
   const OneView frame(camera, Conventions::gsplat(), scene);
-  project(backend, frame.input(), Ellipse(), scratch, splats, footprints);
+  project(backend, frame.plan(), Ellipse(), scratch, splats, footprints);
   Colours<B> colours;
-  const ColoursView shaded = shade(backend, frame.input(), splats, colours).finish();
+  const ColoursView shaded = shade(backend, frame.plan(), splats, colours).finish();
   return {shaded.each.begin(), shaded.each.end()};
 }
 

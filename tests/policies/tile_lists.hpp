@@ -43,15 +43,15 @@ struct Binned {
       : key(input.key),
         view(view_without_camera(int(input.key.width), int(input.key.height), input.grid.side)) {
     CopySplats<B>::copy(input.splats, splats);
-    bin(backend, {&view, 1}, bounds, splats, footprints);
+    bin(backend, plan_without_scene({&view, 1}), bounds, splats, footprints);
   }
   Binned(const Binned&) = delete;
   Binned& operator=(const Binned&) = delete;
 
-  SortJob<Bounds> job() const { return {splats.view(), footprints.view(), key}; }
+  SortJob job() const { return {splats.view(), footprints.view(), key}; }
 
   Splats<B> splats;
-  Footprints<B, Bounds> footprints;
+  Footprints<B> footprints;
   FrameKey key;
   View view;  ///< the footprints refer to it
 };

@@ -46,7 +46,7 @@ std::string refusal(const F& make) {
 }
 
 std::string refusal_of(const std::vector<View>& views) {
-  return refusal([&] { frame_tiles({views.data(), views.size()}); });
+  return refusal([&] { Views(views.data(), views.size()); });
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ TEST_CASE("view tiles: each number belongs to one tile of one view or to none") 
       CAPTURE(count);
       CAPTURE(side);
       const std::vector<View> views = random_views(random, count, side);
-      const FrameTiles tiles = frame_tiles({views.data(), views.size()});
+      const FrameTiles tiles = Views(views.data(), views.size()).tiles;
       CHECK(tiles.side == side);
       std::vector<int> used(tiles.size());
       std::size_t expected = 0, wrong_view = 0, wrong_pixel = 0;
@@ -93,7 +93,7 @@ TEST_CASE("view tiles: each pixel of each view lies in one square that has the l
       CAPTURE(side);
       const std::vector<View> each = random_views(random, count, side);
       const Views views{each.data(), each.size()};
-      const FrameTiles tiles = frame_tiles(views);
+      const FrameTiles& tiles = views.tiles;
       std::vector<TileRange> ranges(tiles.size());
       for (std::uint32_t tile = 0; tile < ranges.size(); ++tile) ranges[tile] = {tile, tile + 1};
       const RasterJob job{{}, {}, {{}, {ranges.data(), ranges.size()}}, views};
@@ -174,18 +174,18 @@ TEST_CASE("view tiles: numbers of another order, other sides and no views are re
 TEST_CASE("view tiles: as many as there may be are accepted and a view more is a capacity error") {
   std::vector<View> views(128, view_without_camera(max_image_side, max_image_side));
   number_tiles({views.data(), views.size()});
-  const FrameTiles tiles = frame_tiles({views.data(), views.size()});
+  const FrameTiles tiles = Views(views.data(), views.size()).tiles;
   CHECK(tiles.size() == max_frame_tiles);
   CHECK(tiles.key_bits() == 31);
   views.push_back(view_without_camera(max_image_side, 16));
   number_tiles({views.data(), views.size()});
-  CHECK_THROWS_WITH_AS(frame_tiles({views.data(), views.size()}),
+  CHECK_THROWS_WITH_AS(Views(views.data(), views.size()),
                        "tiles in one frame: 2147487744 needed, the limit is 2147483648", CapacityError);
   // Small views count as much as the widest.
   std::vector<View> narrow(65536, view_without_camera(1, 160));
   narrow[0] = view_without_camera(max_image_side, 16);
   number_tiles({narrow.data(), narrow.size()});
-  CHECK_THROWS_AS(frame_tiles({narrow.data(), narrow.size()}), CapacityError);
+  CHECK_THROWS_AS(Views(narrow.data(), narrow.size()), CapacityError);
 }
 
 TEST_CASE("view tiles: a part that does not begin at a tile or lie within the image is refused in words") {
@@ -233,7 +233,7 @@ TEST_CASE("view tiles: coarse ones cover the same pixels, where a view begins at
         CHECK(view.grid.side == coarse_tile_side);
         CHECK(view.left() == first.x);
         CHECK(view.top() == first.y);
-        check_tiles(view);
+        Views(&view, 1);
         CHECK(coarse(view) == view.grid);  // no coarser
       } else {
         CHECK(view.grid == fine.grid);

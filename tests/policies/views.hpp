@@ -291,7 +291,7 @@ void check_lists(R& together, R& alone, const SceneView& scene) {
   const Lists lists = gaussians_of_lists(together);
   std::vector<View> numbered = views;
   number_tiles({numbered.data(), numbered.size()});
-  REQUIRE(lists.size() == frame_tiles({numbered.data(), numbered.size()}).size());
+  REQUIRE(lists.size() == Views(numbered.data(), numbered.size()).tiles.size());
   std::size_t instances = 0, listed = 0, different = 0;
   for (const std::vector<std::uint32_t>& list : lists) listed += list.size();
   for (std::size_t v = 0; v < views.size(); ++v) {

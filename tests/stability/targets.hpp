@@ -139,15 +139,14 @@ struct Projected {
 template <class B>
 Projected project_to_host(B& backend, const View& view, const Scene& scene) {
   const auto uploaded = backend.upload(scene);
-  const PlacedScene instance{uploaded.view()};
-  const FrameInput input{{&view, 1}, {&instance, 1}};
+  const FramePlan plan({&view, 1}, uploaded.view());
   ProjectScratch<B> scratch;
   Splats<B> splats;
-  Footprints<B, Ellipse> footprints;
+  Footprints<B> footprints;
   Colours<B> colours;
-  project(backend, input, Ellipse(), scratch, splats, footprints);
-  Shading<B> shading = shade(backend, input, splats, colours);
-  bin(backend, input.views, Ellipse(), splats, footprints);
+  project(backend, plan, Ellipse(), scratch, splats, footprints);
+  Shading<B> shading = shade(backend, plan, splats, colours);
+  bin(backend, plan, Ellipse(), splats, footprints);
   const auto to_host = [&]<class T>(Span<const T> from) {
     std::vector<T> to(from.size);
     backend.download(from, to.data());

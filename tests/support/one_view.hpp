@@ -6,6 +6,7 @@
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/frame_plan.hpp>
 #include <swiftgs/view.hpp>
 
 namespace swiftgs::test {
@@ -13,13 +14,13 @@ namespace swiftgs::test {
 /// One view of one scene.
 struct OneView {
   View view;
-  PlacedScene scene;
+  SceneView scene;
 
   OneView(const Camera& camera, const Conventions& conventions, const SceneView& of)
       : view(make_view(camera, conventions, {.width = camera.width, .height = camera.height})), scene{of} {}
 
   Span<const View> views() const { return {&view, 1}; }
-  FrameInput input() const { return {views(), {&scene, 1}}; }
+  FramePlan plan(const Limits& limits = {}) const { return {views(), scene, limits}; }
 };
 
 /// A view of splats that no camera projected.
@@ -27,7 +28,10 @@ inline View view_without_camera(int width, int height, int tile_side = default_t
   return {.grid = TileGrid::covering(width, height, tile_side), .frame = {.width = width, .height = height}};
 }
 
+/// Plan of stages that look at views alone.
+inline FramePlan plan_without_scene(const Views& views) { return {views, {}}; }
+
 /// The tiles of a frame of one view.
-inline FrameTiles tiles_of_frame(const View& view) { return frame_tiles({&view, 1}); }
+inline FrameTiles tiles_of_frame(const View& view) { return Views(&view, 1).tiles; }
 
 }  // namespace swiftgs::test

@@ -10,10 +10,9 @@
 namespace swiftgs {
 
 template <BoundsPolicy Bounds>
-void share_out(Cuda& cuda, const Views& views, const Bounds& bounds, const BandCuts& cuts,
-               Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints, const Limits& limits,
-               Shares<Cuda>& shares) {
-  kernels::run_share_out(cuda, views, bounds, cuts, splats, footprints, limits, shares);
+void share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const BandCuts& cuts,
+               Splats<Cuda>& splats, Footprints<Cuda>& footprints, Shares<Cuda>& shares) {
+  kernels::run_share_out(cuda, plan, bounds, cuts, splats, footprints, shares);
 }
 
 namespace {
@@ -21,8 +20,8 @@ namespace {
 template <class F>
 using Loop = void (Cuda::*)(Count, const F&) const;
 template <class Bounds>
-using ShareOut = void (*)(Cuda&, const Views&, const Bounds&, const BandCuts&, Splats<Cuda>&,
-                          Footprints<Cuda, Bounds>&, const Limits&, Shares<Cuda>&);
+using ShareOut = void (*)(Cuda&, const FramePlan&, const Bounds&, const BandCuts&, Splats<Cuda>&,
+                          Footprints<Cuda>&, Shares<Cuda>&);
 
 template <class... F>
 std::tuple<Loop<F>...> loops_of(TypeList<F...>) {

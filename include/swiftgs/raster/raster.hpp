@@ -53,10 +53,10 @@ struct RasterJob {
   SquareCounts* counts = nullptr;  ///< @shape{squares} filled where not null
 };
 
-/// The squares of `job`. Throws as `frame_tiles`, and `std::invalid_argument` if the lists are not of as many
-/// tiles as the views have.
+/// The squares of `job`. Throws `std::invalid_argument` if the lists are not of as many tiles as the views
+/// have.
 inline Squares squares_of(const RasterJob& job) {
-  const FrameTiles tiles = frame_tiles(job.views);
+  const FrameTiles& tiles = job.views.tiles;
   if (job.lists.ranges.size != tiles.size())
     detail::refuse("rasterize: the number of lists", job.lists.ranges.size,
                    "a list for each of the frame's " + std::to_string(tiles.size()) + " tiles");
@@ -128,8 +128,8 @@ SWIFTGS_HD inline bool row_touched(const SplatShape& shape, float first_x, float
   return nearest * nearest + v * v <= shape.reach;
 }
 
-/// log2(opacity / unit) of a splat, where `log2_min` is log2(alpha_min / unit). Reach + `log2_min` is the same
-/// and costs no logarithm, but loses digits where both are large: with a tiny alpha_min.
+/// log2(opacity / unit) of a splat, where `log2_min` is log2(alpha_min / unit). Reach + `log2_min` is the
+/// same and costs no logarithm, but loses digits where both are large: with a tiny alpha_min.
 SWIFTGS_HD inline float log2_opacity(const SplatShape& shape, float log2_min, float unit) {
   if (log2_min >= -16) return shape.reach + log2_min;
 #if defined(__CUDA_ARCH__)

@@ -72,8 +72,7 @@ class AdaptiveSort {
   };
 
   template <class B, class Bounds>
-  void build(B& b, const SortJob<Bounds>& job, const Bounds& bounds, Scratch<B>& scratch,
-             TileLists<B>& lists) {
+  void build(B& b, const SortJob& job, const Bounds& bounds, Scratch<B>& scratch, TileLists<B>& lists) {
     const auto sort = [&](bool early) {
       if (early)
         EarlySort{}.build(b, job, bounds, scratch.early, lists);

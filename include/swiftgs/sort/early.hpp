@@ -59,8 +59,7 @@ struct EarlySort {
   };
 
   template <class B, class Bounds>
-  void build(B& b, const SortJob<Bounds>& job, const Bounds& bounds, Scratch<B>& scratch,
-             TileLists<B>& lists) {
+  void build(B& b, const SortJob& job, const Bounds& bounds, Scratch<B>& scratch, TileLists<B>& lists) {
     const std::uint32_t* const order = order_by_depth(b, job.splats, scratch.depths);
     group_by_tile(b, job, bounds, order, scratch.group, lists);
   }

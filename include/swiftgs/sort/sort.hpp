@@ -16,42 +16,18 @@
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/footprint.hpp>
+#include <swiftgs/frame_capacity.hpp>
+#include <swiftgs/frame_plan.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/tiles.hpp>
 #include <swiftgs/type_list.hpp>
 
 namespace swiftgs {
 
-/// A scene and the sizes of the images that show it. What one frame teaches holds for frames of the same key.
-struct FrameKey {
-  std::uint64_t scene = 0;  ///< `SceneView::identity`
-  std::size_t gaussians = 0;
-  /// Of all views, one below the other. @units{pixels}
-  std::int64_t width = 0, height = 0;
-  std::size_t views = 1;
-
-  static FrameKey of(const SceneView& scene, const Views& views) {
-    FrameKey key{.scene = scene.identity, .gaussians = scene.size(), .views = views.size()};
-    for (const View& view : views)
-      key.width = std::max<std::int64_t>(key.width, view.frame.width), key.height += view.frame.height;
-    return key;
-  }
-
-  bool operator==(const FrameKey&) const = default;
-};
-
-/// What a frame is for.
-enum class FrameUse {
-  drawn,
-  recorded,  ///< may run again, and asks the backend for nothing
-  rehearsed  ///< draws nothing: a sort takes all memory that later frames of this room may need
-};
-
-/// What a sort turns into tile lists within `Bounds`, of the views of the footprints.
-template <BoundsPolicy Bounds>
+/// What a sort turns into tile lists, of the views of the footprints.
 struct SortJob {
   SplatsView splats;
-  FootprintsView<Bounds> footprints;  ///< of these splats
+  FootprintsView footprints;  ///< of these splats
   FrameKey key;
   FrameUse use = FrameUse::drawn;
 
@@ -62,8 +38,7 @@ struct SortJob {
 };
 
 /// Throws `std::invalid_argument` if the footprints of `job` are of another number of splats.
-template <BoundsPolicy Bounds>
-void check_footprints(const SortJob<Bounds>& job) {
+inline void check_footprints(const SortJob& job) {
   if (job.footprints.each.size != job.splats.size())
     throw std::invalid_argument("sort: there are footprints of " + std::to_string(job.footprints.each.size) +
                                 " splats, expected those of " + std::to_string(job.splats.size()));
@@ -76,8 +51,8 @@ void check_footprints(const SortJob<Bounds>& job) {
 /// such room on hosts; without it, recorded frames there may allocate.
 template <class S, class B, class Bounds>
 concept SortsOn = BackendPolicy<B> && BoundsPolicy<Bounds> && HasBytes<typename S::template Scratch<B>> &&
-    requires(S sort, B& b, const SortJob<Bounds>& job, const Bounds& bounds,
-             typename S::template Scratch<B>& scratch, TileLists<B>& lists) {
+    requires(S sort, B& b, const SortJob& job, const Bounds& bounds, typename S::template Scratch<B>& scratch,
+             TileLists<B>& lists) {
   { S::name } -> std::convertible_to<std::string_view>;
   sort.build(b, job, bounds, scratch, lists);
 };
@@ -94,7 +69,7 @@ struct SWIFTGS_API CountTiles {
 /// Writes one (key, id) pair for each tile of splat `order[i]`, from `offsets[i]` on.
 template <class Bounds, class Key>
 struct EmitInstances {
-  SortJob<Bounds> job;
+  SortJob job;
   Bounds bounds;
   const std::uint32_t* order;
   const std::uint32_t* offsets;
@@ -155,11 +130,6 @@ struct SWIFTGS_API ClearRanges {
   }
 };
 
-/// Throws `CapacityError` where a frame has more instances than a tile list can index.
-inline void check_instances(std::uint64_t total) {
-  if (total > max_instances) throw CapacityError("instances in one frame", total, max_instances);
-}
-
 /// Throws `std::invalid_argument` if footprints do not have as many instances as they say.
 inline void check_sum(std::uint64_t said, std::uint64_t sum) {
   if (said != sum)
@@ -180,7 +150,7 @@ struct InstanceScratch {
 /// many there are. Keys of 64 bits hold tile above depth, narrower ones the tile alone. Throws
 /// `CapacityError` beyond `max_instances`. Backends overload this.
 template <class B, class Bounds, class Key>
-Count emit_instances(B& b, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
+Count emit_instances(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                      InstanceScratch<B>& scratch, Pairs<B, Key>& instances) {
   check_footprints(job);
   const std::size_t splats = job.splats.size();
@@ -198,10 +168,10 @@ Count emit_instances(B& b, const SortJob<Bounds>& job, const Bounds& bounds, con
 
 /// Hands the sorted instances over to `lists`; the old ids become room for the next frame, which allocates
 /// nothing if it is no larger.
-template <class B, BoundsPolicy Bounds, class Key>
-void finish_lists(B& b, const FootprintsView<Bounds>& footprints, Count count, int tile_shift,
+template <class B, class Key>
+void finish_lists(B& b, const FootprintsView& footprints, Count count, int tile_shift,
                   Pairs<B, Key>& instances, TileLists<B>& lists) {
-  const std::size_t tiles = footprints.tiles.size();
+  const std::size_t tiles = footprints.views.tiles.size();
   lists.tiles = lists.instances = 0;
   lists.ranges.reset(tiles);
   b.for_each(tiles, ClearRanges{lists.ranges.data(), footprints.overflowed});
@@ -230,10 +200,10 @@ struct GroupScratch {
 /// Lists for every tile the splats that may touch it, in the given order: emits the instances in that order
 /// and sorts them by tile alone, stably and by as few bits as the tiles need. Backends overload this.
 template <class B, class Bounds>
-void group_by_tile(B& b, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
+void group_by_tile(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<B>& scratch, TileLists<B>& lists) {
   const Count count = emit_instances(b, job, bounds, order, scratch.emission, scratch.instances);
-  b.sort_pairs(scratch.instances, count, job.footprints.tiles.key_bits());
+  b.sort_pairs(scratch.instances, count, job.footprints.views.tiles.key_bits());
   finish_lists(b, job.footprints, count, 0, scratch.instances, lists);
 }
 

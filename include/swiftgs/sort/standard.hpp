@@ -26,10 +26,9 @@ struct StandardSort {
   };
 
   template <class B, class Bounds>
-  void build(B& b, const SortJob<Bounds>& job, const Bounds& bounds, Scratch<B>& scratch,
-             TileLists<B>& lists) {
+  void build(B& b, const SortJob& job, const Bounds& bounds, Scratch<B>& scratch, TileLists<B>& lists) {
     const Count count = emit_instances(b, job, bounds, nullptr, scratch.emission, scratch.instances);
-    b.sort_pairs(scratch.instances, count, job.footprints.tiles.key_bits() + depth_key_bits);
+    b.sort_pairs(scratch.instances, count, job.footprints.views.tiles.key_bits() + depth_key_bits);
     finish_lists(b, job.footprints, count, depth_key_bits, scratch.instances, lists);
   }
 };

@@ -153,18 +153,17 @@ struct ProjectScratch<Cpu> {
 };
 
 /// Vector kernel of the projection: a lane a Gaussian.
-SWIFTGS_API void project(Cpu& cpu, const FrameInput& input, ProjectScratch<Cpu>& scratch,
-                         Splats<Cpu>& splats);
+SWIFTGS_API void project(Cpu& cpu, const FramePlan& plan, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats);
 
 /// Projection itself has no use for bounds.
 template <BoundsPolicy Bounds>
-void project(Cpu& cpu, const FrameInput& input, const Bounds&, ProjectScratch<Cpu>& scratch,
-             Splats<Cpu>& splats, Footprints<Cpu, Bounds>&) {
-  project(cpu, input, scratch, splats);
+void project(Cpu& cpu, const FramePlan& plan, const Bounds&, ProjectScratch<Cpu>& scratch,
+             Splats<Cpu>& splats, Footprints<Cpu>&) {
+  project(cpu, plan, scratch, splats);
 }
 
 /// Vector kernel of the shading.
-SWIFTGS_API Shading<Cpu> shade(Cpu& cpu, const FrameInput& input, const Splats<Cpu>& splats,
+SWIFTGS_API Shading<Cpu> shade(Cpu& cpu, const FramePlan& plan, const Splats<Cpu>& splats,
                                Colours<Cpu>& colours);
 
 /// f(view, begin, end) for consecutive splats of one view each, in parallel.
@@ -198,21 +197,21 @@ SWIFTGS_API void find_footprints(const Ellipse& bounds, const SplatShape* shapes
 /// Footprints in the order in which the splats lie in memory: emission in depth order then jumps among 16
 /// bytes a splat.
 template <BoundsPolicy Bounds>
-void bin(Cpu& cpu, const Views& views, const Bounds& bounds, Splats<Cpu>& splats,
-         Footprints<Cpu, Bounds>& footprints, const Limits& limits = {}) {
-  footprints.tiles = frame_tiles(views), footprints.views = views;
+void bin(Cpu& cpu, const FramePlan& plan, const Bounds& bounds, Splats<Cpu>& splats,
+         Footprints<Cpu>& footprints) {
+  footprints.views = plan.views;
   constexpr std::size_t grain = 1024;
   footprints.each.reset(splats.count);
   footprints.count = splats.count, footprints.instances = 0;
   const SplatShape* const shapes = splats.shapes.data();
   Footprint* const out = footprints.each.data();
   for_parts_of_views(cpu, splats.view(), grain, [&](std::size_t view, std::size_t begin, std::size_t end) {
-    find_footprints(bounds, shapes + begin, end - begin, views.each[view].grid, out + begin);
+    find_footprints(bounds, shapes + begin, end - begin, plan.views[view].grid, out + begin);
     std::uint64_t instances = 0;
     for (std::size_t i = begin; i < end; ++i) instances += out[i].count;
     std::atomic_ref(footprints.instances).fetch_add(instances, std::memory_order_relaxed);
   });
-  if (limits.report) *limits.report = await_report(cpu, splats, footprints, limits);
+  if (plan.limits.report) *plan.limits.report = await_report(cpu, splats, footprints, plan.limits);
 }
 
 /// Tiles of one large splat by bounds of any type: calls f(context, tile) as `for_each_tile` does.
@@ -244,17 +243,15 @@ struct EmissionJob {
   SplatsView splats;
   Span<const Footprint> footprints;
   std::uint64_t instances;
-  FrameTiles tiles;
   Views views;
   LargeTiles large;
   const std::uint32_t* order;  ///< of the splats; null: index order
 
   template <BoundsPolicy Bounds>
-  EmissionJob(const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order_)
+  EmissionJob(const SortJob& job, const Bounds& bounds, const std::uint32_t* order_)
       : splats(job.splats),
         footprints(job.footprints.each),
         instances(job.footprints.instances.most),
-        tiles(job.footprints.tiles),
         views(job.footprints.views),
         large(bounds),
         order(order_) {
@@ -265,7 +262,7 @@ struct EmissionJob {
 /// Emission in parallel. Throws as the generic one.
 SWIFTGS_API Count emit_instances(Cpu& cpu, const EmissionJob& job, Pairs<Cpu, std::uint64_t>& instances);
 template <BoundsPolicy Bounds>
-Count emit_instances(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
+Count emit_instances(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                      InstanceScratch<Cpu>&, Pairs<Cpu, std::uint64_t>& instances) {
   return emit_instances(cpu, EmissionJob(job, bounds, order), instances);
 }
@@ -282,7 +279,7 @@ struct GroupScratch<Cpu> {
 SWIFTGS_API void group_by_tile(Cpu& cpu, const EmissionJob& job, GroupScratch<Cpu>& scratch,
                                TileLists<Cpu>& lists);
 template <BoundsPolicy Bounds>
-void group_by_tile(Cpu& cpu, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
+void group_by_tile(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists) {
   group_by_tile(cpu, EmissionJob(job, bounds, order), scratch, lists);
 }

@@ -23,19 +23,19 @@ template <class Bounds>
 concept OwnBounds = BoundsPolicy<Bounds> && !AllBounds::contains<Bounds>;
 
 template <OwnBounds Bounds>
-void project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
-             Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints) {
-  kernels::run_project(cuda, input, bounds, scratch, splats, footprints);
+void project(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
+             Splats<Cuda>& splats, Footprints<Cuda>& footprints) {
+  kernels::run_project(cuda, plan, bounds, scratch, splats, footprints);
 }
 
 template <OwnBounds Bounds>
-void bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>& splats,
-         Footprints<Cuda, Bounds>& footprints, const Limits& limits = {}) {
-  kernels::run_bin(cuda, views, bounds, splats, footprints, limits);
+void bin(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Splats<Cuda>& splats,
+         Footprints<Cuda>& footprints) {
+  kernels::run_bin(cuda, plan, bounds, splats, footprints);
 }
 
 template <OwnBounds Bounds, class Key>
-Count emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
+Count emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                      InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances) {
   return kernels::run_emission(cuda, job, bounds, order, scratch, instances);
 }

@@ -131,28 +131,26 @@ struct Splats<Cuda> {
 };
 
 /// Footprints, which projection finds. The buffer has room for as many as those of the splats.
-template <BoundsPolicy Bounds>
-struct Footprints<Cuda, Bounds> {
+template <>
+struct Footprints<Cuda> {
   DeviceBuffer<Footprint> each;
   DeviceBuffer<FrameCounts> counts;  ///< of splats of your own
   std::size_t count = 0;             ///< splats, at most
   Count instances;
-  FrameTiles tiles;
   Views views;
   const std::uint64_t* overflowed = nullptr;
   DeviceBuffer<FrameTotals> totals;  ///< of splats of your own
   PendingProjection found_by;
 
-  FootprintsView<Bounds> view() const { return {{each.data(), count}, instances, tiles, views, overflowed}; }
+  FootprintsView view() const { return {{each.data(), count}, instances, views, overflowed}; }
   static auto buffers(auto& self) { return std::tie(self.each, self.counts, self.totals); }
 };
 
 /// One kernel: projects, compacts in the order of the Gaussians and finds tiles. Does not wait.
 /// In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
-SWIFTGS_API void project(Cuda& cuda, const FrameInput& input, const Bounds& bounds,
-                         ProjectScratch<Cuda>& scratch, Splats<Cuda>& splats,
-                         Footprints<Cuda, Bounds>& footprints);
+SWIFTGS_API void project(Cuda& cuda, const FramePlan& plan, const Bounds& bounds,
+                         ProjectScratch<Cuda>& scratch, Splats<Cuda>& splats, Footprints<Cuda>& footprints);
 
 /// Colours that are evaluated beside the sort, on a fork.
 template <>
@@ -179,20 +177,19 @@ class [[nodiscard]] Shading<Cuda> {
 
 /// Evaluates the colours of `splats`, whose number it reads where the device keeps it, beside all later work
 /// until `Shading::finish`.
-SWIFTGS_API Shading<Cuda> shade(Cuda& cuda, const FrameInput& input, const Splats<Cuda>& splats,
+SWIFTGS_API Shading<Cuda> shade(Cuda& cuda, const FramePlan& plan, const Splats<Cuda>& splats,
                                 Colours<Cuda>& colours);
 
-/// Has the device compare the numbers of splats and of instances with `limits`. If those have no capacity of
-/// instances, it waits for the numbers. Finds footprints that `project` has not, and waits for the number of
-/// splats where the host does not know it. In the library for `AllBounds`; others: `<swiftgs/cuda.cuh>`.
+/// Has the device compare the numbers of splats and of instances with the limits. If those have no capacity
+/// of instances, it waits for the numbers. Finds footprints that `project` has not, and waits for the number
+/// of splats where the host does not know it. In the library for `AllBounds`; others: `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
-SWIFTGS_API void bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>& splats,
-                     Footprints<Cuda, Bounds>& footprints, const Limits& limits = {});
+SWIFTGS_API void bin(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Splats<Cuda>& splats,
+                     Footprints<Cuda>& footprints);
 
 /// Waits for the device to have compared them. The counts of `splats` and `footprints` are exact then.
-template <BoundsPolicy Bounds>
-FrameReport await_report(Cuda& cuda, Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints,
-                         const Limits&) {
+inline FrameReport await_report(Cuda& cuda, Splats<Cuda>& splats, Footprints<Cuda>& footprints,
+                                const Limits&) {
   const FrameReport report = cuda.await_report();
   if (report.overflowed) return report;
   splats.count = footprints.count = std::size_t(report.visible), splats.exact = nullptr;
@@ -227,7 +224,7 @@ struct InstanceScratch<Cuda> {
 /// many instances as they say: to check would be to wait.
 /// In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds, class Key>
-SWIFTGS_API Count emit_instances(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
+SWIFTGS_API Count emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds,
                                  const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
                                  Pairs<Cuda, Key>& instances);
 
@@ -243,14 +240,14 @@ struct GroupScratch<Cuda> {
 
 /// `group_by_tile` with keys no wider than the tiles need.
 template <BoundsPolicy Bounds>
-void group_by_tile(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
+void group_by_tile(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<Cuda>& scratch, TileLists<Cuda>& lists) {
   const auto group = [&](auto& instances) {
     const Count count = emit_instances(cuda, job, bounds, order, scratch.emission, instances);
-    cuda.sort_pairs(instances, count, job.footprints.tiles.key_bits());
+    cuda.sort_pairs(instances, count, job.footprints.views.tiles.key_bits());
     finish_lists(cuda, job.footprints, count, 0, instances, lists);
   };
-  job.footprints.tiles.key_bits() <= 16 ? group(scratch.narrow) : group(scratch.wide);
+  job.footprints.views.tiles.key_bits() <= 16 ? group(scratch.narrow) : group(scratch.wide);
 }
 
 /// A thread a pixel, splats in shared memory.

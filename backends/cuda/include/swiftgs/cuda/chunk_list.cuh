@@ -67,15 +67,14 @@ inline constexpr unsigned least_listed = 16;
 
 /// The blocks of a projection of `blocks` blocks, in memory of `scratch`. Takes that memory also for a scene
 /// without chunks: a recorded frame may draw one with chunks later.
-inline BlockList run_list_blocks(Cuda& cuda, const FrameInput& input, unsigned blocks,
-                                 BlockScratch& scratch) {
+inline BlockList run_list_blocks(Cuda& cuda, const FramePlan& plan, unsigned blocks, BlockScratch& scratch) {
   const unsigned grid = blocks_for(blocks, list_threads);
   scratch.blocks.reset(blocks), scratch.count.reset(1);
   const TurnsView<NoCounts> turns = scratch.turns.begin(cuda, grid);
-  const Span<const ChunkBounds> chunks = only_scene(input.scenes).chunks;
+  const Span<const ChunkBounds> chunks = plan.scene.chunks;
   const bool listed = !chunks.empty() && blocks >= least_listed * unsigned(cuda.multiprocessors());
   if (listed)
-    with_views(input.views, [&]<class ViewSource>(const ViewSource& views) {
+    with_views(plan.views, [&]<class ViewSource>(const ViewSource& views) {
       launch("list_blocks", list_blocks<ViewSource>, grid, list_threads, cuda.stream(), views, chunks,
              scratch.blocks.data(), scratch.count.data(), turns);
     });

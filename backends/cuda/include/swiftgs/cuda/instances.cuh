@@ -182,7 +182,7 @@ __global__ void __launch_bounds__(emit_threads)
 }
 
 template <BoundsPolicy Bounds, class Key>
-Count run_emission(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds, const std::uint32_t* order,
+Count run_emission(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                    InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances) {
   check_footprints(job);
   const Count splats = job.splats.count(), total = job.footprints.instances;
@@ -194,8 +194,8 @@ Count run_emission(Cuda& cuda, const SortJob<Bounds>& job, const Bounds& bounds,
   const TurnsView<std::uint32_t> turns = scratch.turns.begin(cuda, blocks);
   const Instances<Key> out{instances.keys.data(), instances.values.data(), std::uint32_t(total.most)};
   launch_early(cuda, "emit_instances", emit_instances<Key>, blocks, emit_threads, job.footprints.each.data,
-               splats, job.splats.depths.data, job.footprints.tiles.columns, order, out, scratch.large.data(),
-               turns);
+               splats, job.splats.depths.data, job.footprints.views.tiles.columns, order, out,
+               scratch.large.data(), turns);
   with_views(job.footprints.views, [&]<class ViewSource>(const ViewSource& views) {
     launch_early(cuda, "emit_large", emit_large<Bounds, Key, ViewSource>, emit_large_blocks, emit_threads,
                  job.splats, views, bounds, out, LargeSplats{scratch.large.data(), turns.last()});

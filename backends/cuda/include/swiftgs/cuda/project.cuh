@@ -168,31 +168,30 @@ __global__ void __launch_bounds__(project_threads, project_blocks)
 }
 
 template <BoundsPolicy Bounds>
-void run_project(Cuda& cuda, const FrameInput& input, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
-                 Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints) {
-  footprints.tiles = frame_tiles(input.views), footprints.views = input.views;
-  const SceneView& scene = only_scene(input.scenes);
-  const std::size_t n = scene.size() * input.views.size();
+void run_project(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
+                 Splats<Cuda>& splats, Footprints<Cuda>& footprints) {
+  footprints.views = plan.views;
+  const SceneView& scene = plan.scene;
+  const std::size_t n = scene.size() * plan.views.size();
   const std::size_t most_splats = std::numeric_limits<std::uint32_t>::max();
   if (n > most_splats) throw CapacityError("Gaussians in all views", n, most_splats);
-  const std::size_t limit = input.limits.capacity.splats, capacity = limit == 0 ? n : std::min(limit, n);
+  const std::size_t limit = plan.limits.capacity.splats, capacity = limit == 0 ? n : std::min(limit, n);
   splats.count = footprints.count = 0, footprints.instances = 0;
   splats.exact = nullptr, footprints.overflowed = nullptr;
   splats.pending = footprints.found_by = {};
-  splats.reset(capacity, input.views.size()), footprints.each.reset(capacity);
+  splats.reset(capacity, plan.views.size()), footprints.each.reset(capacity);
   scratch.hidden.reset(1), scratch.totals.reset(1);
   // An empty scene needs these, and a recorded frame of one must not allocate.
   footprints.counts.reset(1), footprints.totals.reset(1);
   if (n == 0) return;
-  const ProjectOutput output{
-      splats.shapes.data(),    splats.depths.data(),
-      splats.gaussians.data(), input.views.size() > 1 ? splats.of_view.data() : nullptr,
-      footprints.each.data(),  scratch.hidden.data(),
-      std::uint32_t(capacity)};
-  const unsigned blocks = blocks_for(scene.size(), project_threads) * unsigned(input.views.size());
-  const BlockList list = run_list_blocks(cuda, input, blocks, scratch.shown);
+  const ProjectOutput output{splats.shapes.data(),    splats.depths.data(),
+                             splats.gaussians.data(), plan.views.size() > 1 ? splats.of_view.data() : nullptr,
+                             footprints.each.data(),  scratch.hidden.data(),
+                             std::uint32_t(capacity)};
+  const unsigned blocks = blocks_for(scene.size(), project_threads) * unsigned(plan.views.size());
+  const BlockList list = run_list_blocks(cuda, plan, blocks, scratch.shown);
   const TurnsView<FrameCounts> turns = scratch.turns.begin(cuda, blocks);
-  with_views(input.views, [&]<class ViewSource>(const ViewSource& views) {
+  with_views(plan.views, [&]<class ViewSource>(const ViewSource& views) {
     launch_early(cuda, "project", project<Bounds, ViewSource>, blocks, project_threads, views, scene, bounds,
                  list, output, turns);
   });
@@ -210,7 +209,7 @@ inline bool same_grids(const Views& a, const Views& b) {
 /// Finds the footprints of all splats, whose number the host knows.
 template <BoundsPolicy Bounds>
 void run_find_footprints(Cuda& cuda, const Views& views, const Bounds& bounds, const Splats<Cuda>& splats,
-                         Footprints<Cuda, Bounds>& footprints) {
+                         Footprints<Cuda>& footprints) {
   footprints.each.reset(splats.count), footprints.counts.reset(1), footprints.totals.reset(1);
   cuda.clear(footprints.counts.data(), sizeof(FrameCounts));
   if (splats.count == 0) return;
@@ -222,15 +221,16 @@ void run_find_footprints(Cuda& cuda, const Views& views, const Bounds& bounds, c
 }
 
 template <BoundsPolicy Bounds>
-void run_bin(Cuda& cuda, const Views& views, const Bounds& bounds, Splats<Cuda>& splats,
-             Footprints<Cuda, Bounds>& footprints, const Limits& limits) {
-  const FrameTiles tiles = frame_tiles(views);
+void run_bin(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Splats<Cuda>& splats,
+             Footprints<Cuda>& footprints) {
+  const Views& views = plan.views;
+  const Limits& limits = plan.limits;
   const bool waits = limits.capacity.instances == 0;
   if (waits) cuda.check_not_captured("bin");
   const PendingProjection pending = std::exchange(splats.pending, {});
   const PendingProjection found_by = std::exchange(footprints.found_by, {});
   const bool found = pending && found_by == pending && same_grids(views, footprints.views);
-  footprints.tiles = tiles, footprints.views = views;
+  footprints.views = views;
   LastCounters<FrameCounts> counts = pending.counts;
   FrameTotals* totals = pending.totals;
   if (!found) {

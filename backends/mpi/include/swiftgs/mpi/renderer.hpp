@@ -165,15 +165,13 @@ class DistributedRenderer {
   void draw(const SceneView& part, Span<const View> views, Failure& failure, const Place& place,
             const Finish& finish) {
     drawn_.clear(), counters_ = {};
-    const Capacity room = capacity_;
     try {
       if (ranks_.size() == 1)
         draw_alone(part, views, failure, place, finish);
       else
         draw_together(part, views, failure, place, finish);
     } catch (...) {
-      // Or the next frame would ask for the memory that this one did not get.
-      capacity_ = room, shares_.forget_room();
+      shares_.forget_room();
       drawn_.clear();
       throw;
     }
@@ -186,7 +184,7 @@ class DistributedRenderer {
     const Traffic before = ranks_.traffic();
     RankCounters mine{.gaussians = part.size()};
     // Ranks that failed apart from each other may have learnt different costs.
-    if (!complete_) plan_.reset(), tiles_ = {};
+    if (!complete_) band_plan_.reset(), tiles_ = {};
     complete_ = false;
     failure.guard([&] { project_part(part, views, mine); });
     mine.project_ns = since(begun);
@@ -201,11 +199,10 @@ class DistributedRenderer {
     // a device that is full of their evaluation would start to send when it is done.
     Exchange shapes(ranks_, link_.get()), colours(ranks_, link_.get());
     std::optional<Shading<B>> shading;
-    const PlacedScene placed{part};
     failure.guard([&] { exchange_.stage_shapes(backend()); });
     exchange_.send_shapes(shapes, bands_);
     failure.guard([&] {
-      shading.emplace(shade(backend(), {whole_, {&placed, 1}}, shares_.splats, colours_));
+      shading.emplace(shade(backend(), FramePlan(whole_, part), shares_.splats, colours_));
       exchange_.keep_shapes(backend(), shares_.splats.view());
     });
     if (!link_) {
@@ -251,31 +248,26 @@ class DistributedRenderer {
 
   /// Finds the splats of this rank's Gaussians in all views, and shares them out among the ranks.
   void project_part(const SceneView& part, Span<const View> views, RankCounters& mine) {
-    validate(part);
-    for (const View& view : views) check_tiles(view), detail::require_finite_background(view.background);
+    for (const View& view : views) detail::require_finite_background(view.background);
     check_ready(backend());
     const bool may_be_coarse = may_gain_by_coarse_tiles<B, Raster> && Bounds::lossless;
     key_ = FrameKey::of({}, views);
     whole_ = store_views(backend(), may_be_coarse ? tiles_.choose(key_, views) : views, whole_storage_);
-    const std::uint32_t rows = frame_tiles(whole_).rows;
-    if (!plan_ || plan_->rows() != rows) plan_.emplace(rows, ranks_.size());
-    const PlacedScene placed{part};
-    for (;;) {
+    const std::uint32_t rows = whole_.tiles.rows;
+    if (!band_plan_ || band_plan_->rows() != rows) band_plan_.emplace(rows, ranks_.size());
+    FramePlan plan(whole_, part);
+    const FrameReport report = whole_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
       // As many instances as there may be: bands have their own, and these are not emitted.
-      const Limits limits =
-          B::reaches_host_memory ? Limits{} : Limits{{capacity_.splats, std::size_t(max_instances)}};
-      project(backend(), {whole_, {&placed, 1}, limits}, Bounds{}, project_scratch_, splats_, footprints_);
-      share_out(backend(), whole_, Bounds{}, plan_->cuts(), splats_, footprints_, limits, shares_);
-      const FrameReport report = await_shares(backend(), shares_);
-      mine.visible = report.visible;
-      if (report.overflowed == 0) break;
-      check_instances(report.instances);
-      capacity_.splats = std::max(capacity_.splats, with_room(report.visible));
-    }
+      if (!B::reaches_host_memory) plan.limits = {{capacity.splats, std::size_t(max_instances)}};
+      project(backend(), plan, Bounds{}, project_scratch_, splats_, footprints_);
+      share_out(backend(), plan, Bounds{}, band_plan_->cuts(), splats_, footprints_, shares_);
+      return await_shares(backend(), shares_);
+    });
+    mine.visible = report.visible;
     const auto own = ranks_.rank();
     mine.sent = shares_.begins.back() - shares_.count_for(own);
-    mine.first_row = plan_->cuts()[std::size_t(own)];
-    mine.rows = plan_->cuts()[std::size_t(own) + 1] - mine.first_row;
+    mine.first_row = band_plan_->cuts()[std::size_t(own)];
+    mine.rows = band_plan_->cuts()[std::size_t(own) + 1] - mine.first_row;
   }
 
   /// Tells each rank how many splats come, and learns whether all can go on.
@@ -308,7 +300,7 @@ class DistributedRenderer {
   }
 
   void make_room() {
-    const BandCuts& cuts = plan_->cuts();
+    const BandCuts& cuts = band_plan_->cuts();
     bands_.clear();
     for (std::size_t r = 0; r + 1 < cuts.size(); ++r)
       bands_.push_back(band_of(whole_.each, cuts[r], cuts[r + 1]));
@@ -331,12 +323,13 @@ class DistributedRenderer {
     exchange_.shapes_arrived(backend(), band);
     bool arrived = false;
     std::array<typename B::TimePoint, 4> points{};
-    for (;;) {
+    FramePlan plan(stored, part);
+    const FrameReport report = band_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
       splats.set_count(std::size_t(mine.drawn));
-      const Limits limits = B::reaches_host_memory ? Limits{} : Limits{{0, capacity_.instances}};
+      if (!B::reaches_host_memory) plan.limits = {{0, capacity.instances}};
       points[0] = backend().now();
-      bin(backend(), stored, Bounds{}, splats, band_footprints_, limits);
-      SortJob<Bounds> job{splats.view(), band_footprints_.view(), FrameKey::of(part, stored)};
+      bin(backend(), plan, Bounds{}, splats, band_footprints_);
+      SortJob job{splats.view(), band_footprints_.view(), plan.key()};
       one_.sort().build(backend(), job, Bounds{}, sort_scratch_, lists_);
       points[1] = backend().now();
       if (!std::exchange(arrived, true)) {
@@ -349,12 +342,9 @@ class DistributedRenderer {
       rasterize(backend(), Raster{}, RasterJob{splats.view(), exchange_.colours(), lists_.view(), stored});
       points[3] = backend().now();
       shapes.wait(), colours.wait();  // sees faults of a link, which work that waits for messages would not
-      const FrameReport report = await_report(backend(), splats, band_footprints_, limits);
-      mine.instances = report.instances;
-      if (report.overflowed == 0) break;
-      check_instances(report.instances);
-      capacity_.instances = std::min(with_room(report.instances), std::size_t(max_instances));
-    }
+      return await_report(backend(), splats, band_footprints_, plan.limits);
+    });
+    mine.instances = report.instances;
     backend().wait();
     const auto ms = [&](std::size_t k) {
       return backend().milliseconds(points[k], points[k + 1]).value_or(0);
@@ -373,7 +363,7 @@ class DistributedRenderer {
     }
     counters_ = std::move(counters);
     tiles_.learn(key_, counters_.visible());
-    plan_->learn({taken.data(), taken.size()});
+    band_plan_->learn({taken.data(), taken.size()});
     complete_ = true;
   }
 
@@ -383,14 +373,14 @@ class DistributedRenderer {
   ViewStorage<B> whole_storage_, band_storage_;
   ProjectScratch<B> project_scratch_;
   Splats<B> splats_;
-  Footprints<B, Bounds> footprints_, band_footprints_;
+  Footprints<B> footprints_, band_footprints_;
   Shares<B> shares_;
   Colours<B> colours_;  ///< of the shares
   SplatExchange<B> exchange_;
   typename Sort::template Scratch<B> sort_scratch_;
   TileLists<B> lists_;
   BandFrames<B> frames_;
-  std::optional<BandPlan> plan_;
+  std::optional<BandPlan> band_plan_;
   TileChoice tiles_;
   FrameKey key_;                       ///< of the views alone
   Views whole_;                        ///< in `whole_storage_`
@@ -400,8 +390,8 @@ class DistributedRenderer {
   std::vector<std::uint64_t> counts_;  ///< of splats that come from each rank
   std::vector<DrawnPiece> drawn_;
   FrameCounters counters_;
-  Capacity capacity_{1, 1};  ///< splats of a device's projection, instances of its band; grows
-  bool complete_ = false;    ///< whether all ranks drew the last frame
+  FrameCapacity whole_capacity_, band_capacity_;  ///< of a device's projection, and of its band
+  bool complete_ = false;                         ///< whether all ranks drew the last frame
 };
 
 }  // namespace swiftgs

@@ -164,14 +164,14 @@ struct Shares {
   static auto buffers(auto& self) { return std::tie(self.splats, self.cuts, self.places, self.picked); }
 };
 
-/// Finds the tiles of `splats`, which were projected from `views` within `limits`, and shares the splats out
-/// among the ranks of `cuts`. `await_shares` tells how many there are. Backends overload both.
+/// Finds the tiles of `splats`, which were projected by `plan`, and shares the splats out among the ranks of
+/// `cuts`. `await_shares` tells how many there are. Backends overload both.
 template <BackendPolicy B, BoundsPolicy Bounds>
-void share_out(B& b, const Views& views, const Bounds& bounds, const BandCuts& cuts, Splats<B>& splats,
-               Footprints<B, Bounds>& footprints, const Limits& limits, Shares<B>& shares) {
+void share_out(B& b, const FramePlan& plan, const Bounds& bounds, const BandCuts& cuts, Splats<B>& splats,
+               Footprints<B>& footprints, Shares<B>& shares) {
   const std::size_t ranks = cuts.size() - 1;
-  bin(b, views, bounds, splats, footprints, limits);
-  shares.found = await_report(b, splats, footprints, limits);
+  bin(b, plan, bounds, splats, footprints);
+  shares.found = await_report(b, splats, footprints, plan.limits);
   shares.begins.assign(ranks + 1, 0), shares.splats.set_count(0);
   const std::size_t count = std::size_t(shares.found.visible);
   if (shares.found.overflowed != 0 || count == 0) return;
@@ -180,7 +180,7 @@ void share_out(B& b, const Views& views, const Bounds& bounds, const BandCuts& c
   const std::size_t parts = (count + shared_at_once - 1) / shared_at_once;
   shares.places.reset(ranks * parts), shares.picked.reset(ranks);
   std::uint32_t* const places = shares.places.data();
-  const SplatsToShare<Bounds> from{splats.view(), footprints.view().each, views.reachable(),
+  const SplatsToShare<Bounds> from{splats.view(), footprints.view().each, plan.views.reachable(),
                                    bounds,        shares.cuts.data(),     std::uint32_t(ranks)};
   b.for_each(parts, CountShares<Bounds>{from, parts, places});
   const std::uint64_t all = b.exclusive_scan(Span{places, ranks * parts});
@@ -190,7 +190,7 @@ void share_out(B& b, const Views& views, const Bounds& bounds, const BandCuts& c
   b.download(Span<const std::uint32_t>{shares.picked.data(), ranks}, picked.data());
   shares.begins.assign(picked.begin(), picked.end());
   shares.begins.push_back(all);
-  shares.splats.reset(std::size_t(all), views.size());
+  shares.splats.reset(std::size_t(all), plan.views.size());
   shares.splats.set_count(std::size_t(all));
   b.for_each(parts, WriteShares<Bounds>{from, parts, places, ShareArrays::of(shares.splats)});
 }

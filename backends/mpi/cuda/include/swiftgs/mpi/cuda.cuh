@@ -105,9 +105,8 @@ __global__ void __launch_bounds__(share_threads)
 }
 
 template <BoundsPolicy Bounds>
-void run_share_out(Cuda& cuda, const Views& views, const Bounds& bounds, const BandCuts& cuts,
-                   Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints, const Limits& limits,
-                   Shares<Cuda>& shares) {
+void run_share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const BandCuts& cuts,
+                   Splats<Cuda>& splats, Footprints<Cuda>& footprints, Shares<Cuda>& shares) {
   const PendingProjection pending = std::exchange(splats.pending, {});
   footprints.found_by = {};
   const std::size_t ranks = cuts.size() - 1;
@@ -122,7 +121,7 @@ void run_share_out(Cuda& cuda, const Views& views, const Bounds& bounds, const B
     shares.stored_cuts = cuts;
   }
   shares.written.reset(1), shares.posted.reset(ranks + 1);
-  shares.splats.reset(shares.capacity, views.size());
+  shares.splats.reset(shares.capacity, plan.views.size());
   SplatsView all = splats.view();
   all.shapes.size = splats.shapes.size();
   const unsigned parts = blocks_for(all.size(), share_splats);
@@ -140,22 +139,21 @@ void run_share_out(Cuda& cuda, const Views& views, const Bounds& bounds, const B
                      std::uint32_t(shares.capacity),
                      shares.posted.data(),
                      shares.written.data()};
-  with_views(views, [&]<class ViewSource>(const ViewSource& source) {
+  with_views(plan.views, [&]<class ViewSource>(const ViewSource& source) {
     launch_early(cuda, "share_out", share_out<Bounds, ViewSource>, blocks, share_threads, source, job, bounds,
                  turns);
   });
   shares.turns.end();
-  cuda.settle(pending.counts, limits, pending.totals);
+  cuda.settle(pending.counts, plan.limits, pending.totals);
   shares.splats.count = shares.capacity, shares.splats.exact = shares.written.data();
 }
 
 }  // namespace kernels
 
 template <OwnBounds Bounds>
-void share_out(Cuda& cuda, const Views& views, const Bounds& bounds, const BandCuts& cuts,
-               Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints, const Limits& limits,
-               Shares<Cuda>& shares) {
-  kernels::run_share_out(cuda, views, bounds, cuts, splats, footprints, limits, shares);
+void share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const BandCuts& cuts,
+               Splats<Cuda>& splats, Footprints<Cuda>& footprints, Shares<Cuda>& shares) {
+  kernels::run_share_out(cuda, plan, bounds, cuts, splats, footprints, shares);
 }
 
 }  // namespace swiftgs

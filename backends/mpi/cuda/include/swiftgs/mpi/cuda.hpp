@@ -74,9 +74,8 @@ struct Shares<Cuda> {
 /// One kernel. Does not wait, and leaves the tiles as projection has found them.
 /// In the library for `AllBounds`; for others in `<swiftgs/mpi/cuda.cuh>`.
 template <BoundsPolicy Bounds>
-SWIFTGS_API void share_out(Cuda& cuda, const Views& views, const Bounds& bounds, const BandCuts& cuts,
-                           Splats<Cuda>& splats, Footprints<Cuda, Bounds>& footprints, const Limits& limits,
-                           Shares<Cuda>& shares);
+SWIFTGS_API void share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const BandCuts& cuts,
+                           Splats<Cuda>& splats, Footprints<Cuda>& footprints, Shares<Cuda>& shares);
 
 /// Waits for the device to have shared them out. Makes room for the next `share_out` where this one had too
 /// little. Throws `CapacityError`.

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/backend.hpp>
+#include <swiftgs/camera.hpp>
+#include <swiftgs/count.hpp>
+#include <swiftgs/frame.hpp>
+#include <swiftgs/frame_capacity.hpp>
+#include <swiftgs/frame_plan.hpp>
+#include <swiftgs/resident_frames.hpp>
+#include <swiftgs/stages.hpp>
+#include <swiftgs/statistics.hpp>
+#include <swiftgs/tile_choice.hpp>
+
+namespace swiftgs {
+
+/// The stages that policies choose.
+template <class B>
+struct StagePolicies {
+  BoundsStages<B> bounds;
+  std::unique_ptr<SortStage<B>> sort;
+  RasterStage<B> raster;
+};
+
+/// A renderer on backend `B` whose other policies are bound to it at run time: what all `Renderer`s on `B`
+/// share.
+///
+/// It keeps the memory of its stages, so a frame no larger than an earlier one allocates nothing. All of it
+/// is from the hook of its backend. It is not safe to use from two threads at once; two renderers are.
+template <class B>
+class BoundRenderer {
+ public:
+  BoundRenderer(B backend, StagePolicies<B> policies)
+      : stages_(std::move(backend), policies.bounds, std::move(policies.sort)), raster_(policies.raster) {
+    use_memory_of(this->backend(), square_counts_, view_storage_, recorded_storage_, resident_);
+  }
+
+  B& backend() { return stages_.backend(); }
+  const B& backend() const { return stages_.backend(); }
+
+  /// Renders into memory of the caller that the backend can reach. On a device it returns when the frame is
+  /// in stream order, not when it is finished. Throws `std::invalid_argument` for a camera, scene or frame
+  /// that nothing can be rendered with, `CapacityError`, and `DeviceError` on a device.
+  void render_into(const SceneView& scene, const Camera& camera, const RenderSettings& settings,
+                   const FrameView& frame) {
+    validate(settings);
+    detail::require_for_render(frame.width == camera.width && frame.height == camera.height,
+                               "a frame of the camera's size");
+    const View view = make_view(camera, settings.conventions, frame, settings.background);
+    render_into(scene, Span{&view, 1}, {settings.count, settings.time});
+  }
+
+  /// Renders any number of views of a scene in one frame: one projection, one sort, one rasterization. The
+  /// images have the bits of frames of one view each. Cameras, sizes, conventions, backgrounds and formats
+  /// may differ from view to view; `make_view` makes them. Returns and throws as above.
+  void render_into(const SceneView& scene, Span<const View> views, Measures measures = {}) {
+    for (const View& view : views) validate(view);
+    check_ready(backend());
+    const FrameKey key = FrameKey::of(scene, views);
+    const bool may_be_coarse = raster_.may_gain_by_coarse_tiles && stages_.lossless();
+    FramePlan plan(store_views(backend(), may_be_coarse ? tiles_.choose(key, views) : views, view_storage_),
+                   scene);
+    counted_ = timed_ = false;
+    if constexpr (B::reaches_host_memory) {
+      run(plan, measures);
+      report_ = stages_.report(plan);
+    } else {
+      report_ = capacity_.draw_until_it_fits([&](const Capacity& capacity) {
+        plan.limits = {capacity};
+        run(plan, measures);
+        return stages_.report(plan);
+      });
+      stages_.set_instances(report_.instances);
+    }
+    tiles_.learn(key, report_.visible);
+    counted_ = measures.count, timed_ = measures.time;
+    gaussians_ = scene.size();
+  }
+
+  /// Takes all memory that `record` needs for frames of `views` and `scene`. `set_views` may replace the
+  /// views by others whose frames have the same sizes, and `scene` may change. Without a `capacity` it makes
+  /// room for what the views show now and an eighth more, at most for all Gaussians in all views and for
+  /// `max_instances`. A capacity counts instances on the tiles of these views; tiles of `render_into` may be
+  /// coarser, and its `statistics` then too small. Draws nothing and waits. If it throws, `record` is refused
+  /// until it succeeds.
+  void reserve(const SceneView& scene, Span<const View> views, Capacity capacity = {}) {
+    reserved_.reset();
+    set_views(views);
+    FramePlan plan(recorded_, scene);
+    const auto rehearse = [&](const Capacity& within) {
+      plan.limits = {within, false};
+      run(plan, {});
+      return stages_.report(plan);
+    };
+    if (capacity.splats == 0 || capacity.instances == 0) {
+      // A host counts the instances of those splats alone that it has room for.
+      const FrameReport report = rehearse(B::reaches_host_memory ? Capacity{} : Capacity{1, 1});
+      check_instances(report.instances);
+      if (capacity.splats == 0) capacity.splats = with_room(report.visible);
+      if (capacity.instances == 0) capacity.instances = with_room(report.instances);
+    }
+    capacity.splats = std::min(capacity.splats, std::max<std::size_t>(scene.size() * views.size, 1));
+    capacity.instances = std::min(capacity.instances, std::size_t(max_instances));
+    const FrameRoom room{scene.size(), views.size, recorded_.tiles, capacity};
+    if constexpr (B::reaches_host_memory) {
+      stages_.reserve(room);
+    } else {
+      // Twice, because buffers change places.
+      for (int k = 0; k < 2; ++k) rehearse(capacity);
+      capacity_.at_least(capacity);
+    }
+    reserved_ = room;
+  }
+
+  /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders them too.
+  /// Between `reserve` calls, cameras, conventions, backgrounds, formats and the places of planes may change.
+  /// Throws `std::invalid_argument`, and changes nothing, if the number of views, a size, or which planes
+  /// there are changes.
+  void set_views(Span<const View> views) {
+    for (const View& view : views) validate(view);
+    if (reserved_) {
+      if (views.size != recorded_.size())
+        detail::refuse("set_views: the number of views", views.size,
+                       std::to_string(recorded_.size()) + " as reserved");
+      for (std::size_t i = 0; i < views.size; ++i)
+        if (!same_shape(views[i], recorded_[i]))
+          throw std::invalid_argument("set_views: the size or the planes of view " + std::to_string(i) +
+                                      " changed, expected those that were reserved");
+    }
+    check_ready(backend());
+    recorded_ = {};
+    recorded_ = store_views(backend(), views, recorded_storage_, ViewAccess::stored);
+  }
+
+  /// Renders the views that were set, and neither waits, allocates nor asks a device for anything, so that it
+  /// may be captured into a CUDA graph. Writes what the frame took to `report`, in memory that the backend
+  /// reaches. A frame without enough room draws nothing. Call `reserve` before. On hosts the frame is
+  /// complete when it returns. Throws `std::invalid_argument` where nothing can be rendered, and
+  /// `CapacityError` where `reserve` was called for fewer Gaussians.
+  ///
+  /// A captured graph works in the renderer's memory. It must not be launched again after `reserve`, `trim`
+  /// or a larger frame of `render_into`, which move that memory.
+  void record(const SceneView& scene, FrameReport* report) {
+    detail::require_for_render(reserved_ && recorded_.size() != 0, "reserve before record");
+    detail::require_for_render(report != nullptr, "memory for the report");
+    if (scene.size() > reserved_->gaussians)
+      throw CapacityError("Gaussians in a recorded frame", scene.size(), reserved_->gaussians);
+    run(FramePlan(recorded_, scene, {reserved_->capacity, true, report}), {});
+  }
+
+  /// Gives back all memory that the renderer and its backend keep, uploaded scenes excluded, after waiting
+  /// for all work submitted so far. The next frame takes it again. Views that were set and what was reserved
+  /// are forgotten, so `record` is refused until the next `reserve`. Frames of `render_resident`, `splats`,
+  /// `lists`, `tiles` and the raster part of `statistics` are gone.
+  void trim() {
+    B& b = backend();
+    b.wait();
+    stages_.trim();
+    trim_parts(b, square_counts_, view_storage_, recorded_storage_, resident_);
+    if constexpr (requires { b.trim(); }) b.trim();
+    views_ = {}, tiles_ = {}, capacity_ = {}, recorded_ = {};
+    counted_ = false;
+    reserved_.reset();
+  }
+
+  /// Renders into memory of the backend that the renderer keeps: the frames, one a camera, hold until the
+  /// next call. Returns and throws as `render_into`.
+  Span<const FrameView> render_resident(const SceneView& scene, Span<const Camera> cameras,
+                                        const RenderSettings& settings) {
+    make_views(cameras, settings);
+    check_ready(backend());
+    const Span<const FrameView> frames = resident_.make(cameras, settings.outputs);
+    render_views(scene, frames, settings);
+    return frames;
+  }
+  FrameView render_resident(const SceneView& scene, const Camera& camera, const RenderSettings& settings) {
+    return render_resident(scene, {&camera, 1}, settings)[0];
+  }
+
+  /// Renders a frame a camera on the host; complete when it returns.
+  void render(const typename B::SceneOn& scene, Span<const Camera> cameras, const RenderSettings& settings,
+              Span<Frame> frames) {
+    if (frames.size != cameras.size)
+      detail::refuse("render: the number of frames", frames.size,
+                     std::to_string(cameras.size) + ", one a camera");
+    std::vector<FrameView> prepared;
+    const auto prepare_frames = [&] {
+      for (std::size_t i = 0; i < cameras.size; ++i)
+        prepared.push_back(prepare(frames[i], cameras[i].width, cameras[i].height, settings.outputs));
+    };
+    if constexpr (B::reaches_host_memory) {
+      make_views(cameras, settings);
+      prepare_frames();
+      render_views(scene.view(), {prepared.data(), prepared.size()}, settings);
+    } else {
+      render_resident(scene.view(), cameras, settings);
+      prepare_frames();
+      resident_.download(backend(), frames);
+    }
+  }
+  void render(const typename B::SceneOn& scene, const Camera& camera, const RenderSettings& settings,
+              Frame& frame) {
+    render(scene, {&camera, 1}, settings, {&frame, 1});
+  }
+  Frame render(const typename B::SceneOn& scene, const Camera& camera, const RenderSettings& settings = {}) {
+    Frame frame;
+    render(scene, camera, settings, frame);
+    return frame;
+  }
+
+  /// Durations of the last frame's stages. Not a number unless the settings asked for them and the frame is
+  /// finished: this does not wait. @units{milliseconds}
+  StageTimes times() {
+    const auto ms = [&](std::size_t from, std::size_t to) {
+      const std::optional<double> taken =
+          timed_ ? backend().milliseconds(points_[from], points_[to]) : std::nullopt;
+      return taken.value_or(std::numeric_limits<double>::quiet_NaN());
+    };
+    return {ms(0, 1), ms(1, 2), ms(2, 3), ms(0, 3)};
+  }
+
+  /// What the last frame took; the raster part only where the settings asked to count, which is waited for.
+  Statistics statistics() const {
+    Statistics s{.gaussians = gaussians_,
+                 .visible = std::size_t(report_.visible),
+                 .instances = std::size_t(report_.instances),
+                 .raster = {}};
+    if (counted_) {
+      std::vector<SquareCounts> squares(square_counts_.size());
+      backend().download(square_counts_.span(), squares.data());
+      for (const SquareCounts& square : squares) s.raster += square;
+    }
+    return s;
+  }
+
+  /// What the buffers of each stage hold, in the backend's memory. They grow with the largest frame so far,
+  /// and are empty after `trim`.
+  StageMemory memory() const {
+    StageMemory memory = stages_.memory();
+    memory.project += bytes_of(view_storage_, recorded_storage_);
+    memory.raster += bytes_of(resident_, square_counts_);
+    return memory;
+  }
+
+  /// The last frame's splats and tile lists, in the backend's memory, until the next frame; and its tiles.
+  const Splats<B>& splats() const { return stages_.splats(); }
+  const TileLists<B>& lists() const { return stages_.lists(); }
+  const FrameTiles& tiles() const { return stages_.tiles(); }
+
+ protected:
+  SortStage<B>& sort_stage() { return stages_.sort(); }
+
+ private:
+  /// Whether frames of both have the same size, and planes for the same outputs.
+  static bool same_shape(const View& a, const View& b) {
+    const auto planes = [](const FrameView& frame) {
+      return std::array{frame.colour.data != nullptr, frame.alpha.data != nullptr,
+                        frame.depth.data != nullptr, frame.occluder.data != nullptr};
+    };
+    return a.frame.width == b.frame.width && a.frame.height == b.frame.height && a.grid.side == b.grid.side &&
+           planes(a.frame) == planes(b.frame);
+  }
+
+  /// Views through `cameras`, whose frames have sizes and no planes yet.
+  void make_views(Span<const Camera> cameras, const RenderSettings& settings) {
+    validate(settings);
+    views_.clear();
+    for (const Camera& camera : cameras)
+      views_.push_back(make_view(camera, settings.conventions,
+                                 {.width = camera.width, .height = camera.height}, settings.background));
+  }
+  void render_views(const SceneView& scene, Span<const FrameView> frames, const RenderSettings& settings) {
+    for (std::size_t i = 0; i < frames.size; ++i) views_[i].frame = frames[i];
+    render_into(scene, {views_.data(), views_.size()}, {settings.count, settings.time});
+  }
+
+  void run(const FramePlan& plan, const Measures& measures) {
+    SquareCounts* counts = nullptr;
+    if (measures.count)
+      square_counts_.reset(Squares(plan.views.tiles).size()), counts = square_counts_.data();
+    stages_.run(
+        plan, true,
+        [&](RasterJob job) {
+          job.counts = counts;
+          raster_.rasterize(backend(), job);
+        },
+        [&](std::size_t point) {
+          if (measures.time) points_[point] = backend().now();
+        });
+  }
+
+  Stages<B> stages_;
+  RasterStage<B> raster_;
+  typename B::template Buffer<SquareCounts> square_counts_;
+  ViewStorage<B> view_storage_, recorded_storage_;  ///< of `render_into` and of `record`
+  ResidentFrames<B> resident_;
+  std::vector<View> views_;  ///< of `render_resident` and `render`
+  std::array<typename B::TimePoint, 4> points_{};
+  bool counted_ = false, timed_ = false;
+  std::size_t gaussians_ = 0;
+  FrameReport report_;      ///< of the last frame that was not recorded
+  TileChoice tiles_;        ///< that learnt from it
+  FrameCapacity capacity_;  ///< of a device's frames
+  Views recorded_;          ///< in `recorded_storage_`
+  std::optional<FrameRoom> reserved_;
+};
+
+}  // namespace swiftgs
