@@ -72,7 +72,7 @@ void calibrate(const CalibrateOptions& options) {
   }
 }
 
-constexpr const char* more =
+constexpr const char* calibrate_help =
     R"(Sorts each view with 'standard' and with 'early', in turn, and adds the mean times to a file, for
 'swiftgs render --calibration'. A file may hold any number of scenes, sizes, devices and renderers.
 
@@ -84,7 +84,7 @@ Examples:
 
 void add_calibrate(CLI::App& app) {
   CLI::App* command = app.add_subcommand("calibrate", "Measures which sort is quicker for a scene");
-  command->footer(more);
+  command->footer(calibrate_help);
   const auto options = std::make_shared<CalibrateOptions>();
   add_scene(*command, options->scene);
   add_views(*command, options->view, "every:5");

@@ -208,7 +208,7 @@ void check(const CheckOptions& options) {
   json.finish();
 }
 
-constexpr const char* more =
+constexpr const char* check_help =
     R"(Times are medians of --repeats frames after one that is not counted. PSNR and the largest
 difference are against the float64 reference with the same conventions. The table has a row
 of means for each renderer, with the worst difference. In JSON, an infinite PSNR is null.
@@ -225,7 +225,7 @@ Examples:
 void add_check(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("check", "Errors and times of renderers, against a float64 reference");
-  command->footer(more);
+  command->footer(check_help);
   const auto options = std::make_shared<CheckOptions>();
   add_scene(*command, options->scene);
   add_views(*command, options->view, "every:8");

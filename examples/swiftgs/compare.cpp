@@ -50,7 +50,7 @@ void compare(const CompareOptions& options) {
   std::printf("%s\n", to_json(comparison).c_str());
 }
 
-constexpr const char* more =
+constexpr const char* compare_help =
     R"(Prints psnr_db, ssim, max_abs and notes. Images are PNG, JPEG, PFM or EXR of the same size;
 alpha is left out. Values are those of the files, 0 to 1 in files of integers. psnr_db of equal
 images is null, as JSON has no infinity.
@@ -62,7 +62,7 @@ Example:
 
 void add_compare(CLI::App& app) {
   CLI::App* command = app.add_subcommand("compare", "How two images differ, as JSON");
-  command->footer(more);
+  command->footer(compare_help);
   const auto options = std::make_shared<CompareOptions>();
   command->add_option("A", options->a, "An image")->required();
   command->add_option("B", options->b, "Another of the same size")->required();

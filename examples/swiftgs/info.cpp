@@ -21,7 +21,7 @@
 namespace swiftgs::cli {
 namespace {
 
-constexpr double parts[] = {0, 0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99, 1};
+constexpr double quantiles[] = {0, 0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99, 1};
 
 struct InfoOptions {
   SceneOptions scene;
@@ -68,11 +68,11 @@ std::vector<Distribution> distributions_of(const Scene& scene) {
 void print_distributions(const std::vector<Distribution>& distributions) {
   if (distributions.empty()) return;
   std::printf("\n%-15s", "percentiles");
-  for (const double part : parts) std::printf(" %8.3g%%", 100 * part);
+  for (const double part : quantiles) std::printf(" %8.3g%%", 100 * part);
   std::printf("\n");
   for (const Distribution& distribution : distributions) {
     std::printf("%-15s", distribution.name);
-    for (const double part : parts) std::printf(" %9.4g", distribution.at(part));
+    for (const double part : quantiles) std::printf(" %9.4g", distribution.at(part));
     std::printf("\n");
   }
 }
@@ -118,9 +118,9 @@ std::string to_json(const std::string& scene, const std::string& path, const Sce
             {"used_sh_degree", used_sh_degree(file.scene)},
             {"antialiased", file.scene.antialiased}};
   Json percentiles{{"percent", Json::array()}};
-  for (const double part : parts) percentiles["percent"].push_back(100 * part);
+  for (const double part : quantiles) percentiles["percent"].push_back(100 * part);
   for (const Distribution& distribution : distributions)
-    for (const double part : parts)
+    for (const double part : quantiles)
       percentiles[distribution.member].push_back(rounded(distribution.at(part), 9));
   json["percentiles"] = percentiles;
   ResultHead head = head_of("swiftgs-info");
@@ -146,7 +146,7 @@ void info(const InfoOptions& options) {
   json.finish();
 }
 
-constexpr const char* more =
+constexpr const char* info_help =
     R"(Prints format, size of the file and time to read it, count, SH degree, how many Gaussians
 were dropped because they are not finite, and percentiles of positions, opacities and scales;
 of a capture's folder also where its cameras and photographs are.
@@ -158,7 +158,7 @@ Example:
 
 void add_info(CLI::App& app) {
   CLI::App* command = app.add_subcommand("info", "What a scene holds");
-  command->footer(more);
+  command->footer(info_help);
   const auto options = std::make_shared<InfoOptions>();
   add_scene(*command, options->scene);
   add_json(*command, options->json);

@@ -26,7 +26,7 @@ void print_list() {
                 entry.usable ? "runs here" : "cannot run here");
 }
 
-std::string to_json(const RendererEntry& entry) {
+std::string row_of(const RendererEntry& entry) {
   const RendererWords words(entry.name);
   return text_of({{"renderer", entry.name},
                   {"backend", words.backend},
@@ -40,11 +40,11 @@ void list(const std::string& file) {
   ResultFile json(file);
   if (!json.is_standard_output()) print_list();
   if (json.is_wanted())
-    json.write(document_of(head_of("swiftgs-list"), {{"rows", array_of(renderers(), to_json)}}));
+    json.write(document_of(head_of("swiftgs-list"), {{"rows", array_of(renderers(), row_of)}}));
   json.finish();
 }
 
-constexpr const char* more =
+constexpr const char* list_help =
     R"(A name is BACKEND/SORT/RASTER/BOUNDS: where it runs, how splats are ordered, how pixels
 are blended, which tiles a splat may touch.)";
 
@@ -52,7 +52,7 @@ are blended, which tiles a splat may touch.)";
 
 void add_list(CLI::App& app) {
   CLI::App* command = app.add_subcommand("list", "Every renderer, and whether it can run here");
-  command->footer(more);
+  command->footer(list_help);
   const auto json = std::make_shared<std::string>();
   add_json(*command, *json);
   command->callback([json] { list(*json); });

@@ -159,7 +159,7 @@ void prune(const PruneOptions& options) {
   json.finish();
 }
 
-constexpr const char* more =
+constexpr const char* prune_help =
     R"(Scores: 'contribution' is the blending weight of a Gaussian, alpha times transmittance, summed over
 all pixels of the views. 'opacity-volume' is opacity times the product of the scales, and needs no
 views. The highest scores are kept, in the order of the scene; of equal ones those that come first.
@@ -177,7 +177,7 @@ Examples:
 
 void add_prune(CLI::App& app) {
   CLI::App* command = app.add_subcommand("prune", "Writes a scene of the Gaussians that matter most");
-  command->footer(more);
+  command->footer(prune_help);
   const auto options = std::make_shared<PruneOptions>();
   add_scene(*command, options->scene);
   command->add_option("--keep", options->keep, "Part of the Gaussians to keep, above 0 and at most 1")

@@ -182,7 +182,7 @@ void render(const RenderOptions& options) {
   json.finish();
 }
 
-constexpr const char* more =
+constexpr const char* render_help =
     R"(Prints where each image is and how long its frame took, memory and files left out.
 A scene without cameras gets one view, which is found for it; 'builtin' has a front view,
 number 0, and an orbit, 1 to 24. Images are called as the cameras are, or by number.
@@ -200,7 +200,7 @@ Examples:
 
 void add_render(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Renders views of a scene to image files");
-  command->footer(more);
+  command->footer(render_help);
   const auto options = std::make_shared<RenderOptions>();
   add_scene(*command, options->scene);
   add_views(*command, options->view, "all");

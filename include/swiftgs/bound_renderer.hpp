@@ -50,6 +50,8 @@ class BoundRenderer {
 
   B& backend() { return stages_.backend(); }
   const B& backend() const { return stages_.backend(); }
+  /// For drivers of your own.
+  Stages<B>& stages() { return stages_; }
 
   /// Renders into memory of the caller that the backend can reach. On a device it returns when the frame is
   /// in stream order, not when it is finished. Throws `std::invalid_argument` for a camera, scene or frame
@@ -259,9 +261,6 @@ class BoundRenderer {
   const Splats<B>& splats() const { return stages_.splats(); }
   const TileLists<B>& lists() const { return stages_.lists(); }
   const FrameTiles& tiles() const { return stages_.tiles(); }
-
- protected:
-  SortStage<B>& sort_stage() { return stages_.sort(); }
 
  private:
   /// Whether frames of both have the same size, and planes for the same outputs.

@@ -7,14 +7,14 @@
 
 #include <swiftgs/bound_renderer.hpp>
 #include <swiftgs/composed_name.hpp>
+#include <swiftgs/policy_checks.hpp>
 #include <swiftgs/stages.hpp>
 
 namespace swiftgs {
 
 /// Renders frames: project, shade, bin, sort, rasterize. Every combination of policies is one type.
 template <class B, class Sort, class Raster, class Bounds>
-requires SortsOn<Sort, B, Bounds> && RastersOn<Raster, B>
-class Renderer : public BoundRenderer<B> {
+requires(detail::check_policies<B, Sort, Raster, Bounds>()) class Renderer : public BoundRenderer<B> {
   static constexpr ComposedName name_storage{B::name, "/", Sort::name, "/", Raster::name, "/", Bounds::name};
   using OwnSort = SortStageOf<B, Sort, Bounds>;
 
@@ -27,7 +27,7 @@ class Renderer : public BoundRenderer<B> {
                          {BoundsStages<B>::template of<Bounds>(), std::make_unique<OwnSort>(std::move(sort)),
                           RasterStage<B>::template of<Raster>()}) {}
 
-  Sort& sort() { return static_cast<OwnSort&>(this->sort_stage()).sort; }
+  Sort& sort() { return static_cast<OwnSort&>(this->stages().sort()).sort; }
   const Sort& sort() const { return const_cast<Renderer&>(*this).sort(); }
 };
 

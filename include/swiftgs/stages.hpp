@@ -96,7 +96,6 @@ class SortStage {
 
 /// The sort stage of policy `Sort`.
 template <class B, class Sort, class Bounds>
-requires SortsOn<Sort, B, Bounds>
 class SortStageOf final : public SortStage<B> {
  public:
   explicit SortStageOf(Sort policy = Sort()) : sort(std::move(policy)) {}
@@ -129,26 +128,37 @@ class Stages {
   SortStage<B>& sort() { return *sort_; }
   bool lossless() const { return bounds_.lossless; }
 
-  /// Starts all stages; the last is `rasterize(job)`. Calls mark(k) before the first stage, k = 0, after
-  /// `bin`, after the sort, and at the end. A host leaves sort and rasterization out if the frame does not
-  /// fit the limits of its plan. Without `shaded`, no colours are evaluated.
+  /// Starts all stages; the last is `rasterize(job)`. Calls mark(k) before the first, k = 0, after `bin`,
+  /// after the sort, and at the end. A host leaves sort and rasterization out if the frame does not fit the
+  /// limits of its plan. Without `shaded`, no colours are evaluated.
   template <class Rasterize, class Mark>
   void run(const FramePlan& plan, bool shaded, const Rasterize& rasterize, const Mark& mark) {
     mark(0);
-    bounds_.project(backend_, plan, project_scratch_, splats_, footprints_);
+    project(plan);
     std::optional<Shading<B>> shading;
     if (shaded) shading.emplace(shade(backend_, plan, splats_, colours_));
-    bounds_.bin(backend_, plan, splats_, footprints_);
+    const auto colours = [&] { return shading ? shading->finish() : ColoursView{}; };
+    draw(plan, splats_, footprints_, colours, rasterize, mark);
+  }
+
+  /// The first stage alone.
+  void project(const FramePlan& plan) {
+    bounds_.project(backend_, plan, project_scratch_, splats_, footprints_);
+  }
+
+  /// The stages after `shade`, of the caller's splats. Asks for `colours()` after the sort.
+  template <class Colours, class Rasterize, class Mark>
+  void draw(const FramePlan& plan, Splats<B>& splats, Footprints<B>& footprints, const Colours& colours,
+            const Rasterize& rasterize, const Mark& mark) {
+    bounds_.bin(backend_, plan, splats, footprints);
     mark(1);
     if constexpr (B::reaches_host_memory)
-      if (report(plan).overflowed != 0) return;
+      if (await_report(backend_, splats, footprints, plan.limits).overflowed != 0) return;
 
-    sort_->build(backend_, {splats_.view(), footprints_.view(), plan.key(), plan.use()}, lists_);
+    sort_->build(backend_, {splats.view(), footprints.view(), plan.key(), plan.use()}, lists_);
     mark(2);
-    rasterize(RasterJob{.splats = splats_.view(),
-                        .colours = shading ? shading->finish() : ColoursView{},
-                        .lists = lists_.view(),
-                        .views = plan.views});
+    rasterize(RasterJob{
+        .splats = splats.view(), .colours = colours(), .lists = lists_.view(), .views = plan.views});
     mark(3);
   }
 
@@ -175,8 +185,10 @@ class Stages {
             .sort = sort_->bytes() + bytes_of(lists_)};
   }
 
-  /// The last frame's splats and tile lists.
+  /// The last frame's splats, footprints and tile lists.
+  Splats<B>& splats() { return splats_; }
   const Splats<B>& splats() const { return splats_; }
+  Footprints<B>& footprints() { return footprints_; }
   const TileLists<B>& lists() const { return lists_; }
   const FrameTiles& tiles() const { return footprints_.views.tiles; }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// expected: bounds\.tiles\(shape, grid\)\.row\(row\)
+// expected: bounds: expected .tiles\(const SplatShape&, TileGrid\) const. whose result has .TileRect rect.
+// and .TileRun row\(int\) const
 #include <swiftgs/swiftgs.hpp>
 
 struct WholeImage {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// expected: Scratch.*PerPixel
+// expected: sort: expected .template <class B> struct Scratch
 #include <swiftgs/swiftgs.hpp>
 
 using namespace swiftgs;

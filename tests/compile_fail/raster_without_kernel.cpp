@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// expected: rasterize\(b, raster, job\)
+// expected: rasterizer: expected a type .Kernel., or a function rasterize
 #include <swiftgs/swiftgs.hpp>
 
 struct Nameless {

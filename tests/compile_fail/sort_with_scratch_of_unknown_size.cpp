@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// expected: HasBytes
+// expected: sort: expected Scratch with .static auto buffers
 #include <swiftgs/swiftgs.hpp>
 
 struct Unsorted {
@@ -15,4 +15,5 @@ struct Unsorted {
   void build(B&, const swiftgs::SortJob&, const Bounds&, Scratch<B>&, swiftgs::TileLists<B>&) {}
 };
 
-static_assert(swiftgs::SortsOn<Unsorted, swiftgs::Serial, swiftgs::Ellipse>);
+using Refused = swiftgs::Renderer<swiftgs::Serial, Unsorted, swiftgs::PerPixel, swiftgs::Ellipse>;
+constexpr auto name = Refused::name;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// expected: sort\.build\(b, job, bounds, scratch, lists\)
+// expected: sort: expected .build\(B&, const SortJob&, const Bounds&, Scratch<B>&, TileLists<B>&\)
 #include <swiftgs/swiftgs.hpp>
 
 struct Unsorted {

@@ -98,5 +98,44 @@ TEST_CASE(SWIFTGS_STABILITY ": a needle of a single depth points at a lens of a 
   check_one(drawn);
 }
 
+TEST_CASE(SWIFTGS_STABILITY ": a needle of six hundred thousand depths under hardly any blur") {
+  StressCase drawn = found_case(11.855630316397358, 3.7304474607144078,
+                                {.mean = {7.50387478f, 0.162397861f, 9.14385414f},
+                                 .scale = {6196411.5f, 0.122796983f, 30790.1836f},
+                                 .rotation = {0.903909206f, -0.0103693381f, -0.427590221f, 0.00268842629f},
+                                 .opacity = 0.384487122f});
+  drawn.conventions.blur = 3.48281297e-08f;
+  check_one(seen_by(drawn, dmat3(dvec3(-0.13583759480460933, 0.93654870733855322, -0.32314805681016234),
+                                 dvec3(-0.97411698041484707, -0.18573843358796371, -0.12883067474693344),
+                                 dvec3(-0.18067721578870799, 0.29728396033216248, 0.93753826088542436))));
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": a needle of five depths beside the first row of an image") {
+  StressCase drawn = found_case(54.268168156529093, 54.268168156529093,
+                                {.mean = {0.00846857205f, 3.04592013f, -1.01829517f},
+                                 .scale = {0.000215488602f, 3.8743062f, 20.6286602f},
+                                 .rotation = {0.58298254f, -0.812483847f, 0.000767956488f, -0.000845556322f},
+                                 .opacity = 0.928718686f});
+  drawn.camera.width = 40, drawn.camera.height = 24;
+  drawn.camera.cx = 19.999975471134441, drawn.camera.cy = 0.93488399060908689;
+  drawn.conventions.blur = 0.000671027577f, drawn.conventions.antialiased = true;
+  check_one(seen_by(drawn, dmat3(dvec3(0.90108852620617441, -0.27946629503801468, 0.33156908462236034),
+                                 dvec3(-0.4100107421228687, -0.30015453922641044, 0.86127721665305634),
+                                 dvec3(-0.14117598692213584, -0.91203390425987274, -0.38504999441248455))));
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": a disk twenty billion times as wide as its depth is seen edge-on") {
+  StressCase drawn = found_case(11.565209883990281, 11.565209883990281,
+                                {.mean = {-4.03880548f, -0.00864559691f, -4.61738873f},
+                                 .scale = {1.05364185e+11f, 0.365659177f, 1281287.88f},
+                                 .rotation = {0.00910208281f, -0.910579145f, -0.00490574911f, -0.413205385f},
+                                 .opacity = 0.00497382693f});
+  drawn.camera.cx = 1.1777047508988499, drawn.camera.cy = 7.9999690844200888;
+  drawn.conventions.blur = 0, drawn.conventions.antialiased = true;
+  check_one(seen_by(drawn, dmat3(dvec3(-0.59473633905486967, 0.74091574586017728, -0.31198164135741707),
+                                 dvec3(0.79745336637656783, 0.49458943512972087, -0.34561455280810011),
+                                 dvec3(-0.10176844040413713, -0.45434034400933471, -0.88499606572187006))));
+}
+
 }  // namespace
 }  // namespace swiftgs::test

@@ -38,7 +38,7 @@ struct BenchOptions {
   bool profile = false;
 };
 
-constexpr const char* more =
+constexpr const char* bench_help =
     R"(SCENE is builtin, builtin:N, a file of Gaussians, or the folder of a capture: one such file with
 cameras beside it, and photographs in photos. Lists are separated by commas; every combination is
 measured. Frames are not copied from the GPU. Renderers take turns in a random order. Each is timed
@@ -253,7 +253,7 @@ void bench(const BenchOptions& options) {
 void add_bench(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("bench", "Run time against error, of any renderers, scenes and sizes");
-  command->footer(more);
+  command->footer(bench_help);
   const auto options = std::make_shared<BenchOptions>();
   command->add_option("SCENE", options->scenes, "Scenes: builtin, builtin:N, files or folders")->required();
   command->add_option("--renderers", options->renderers, "Names with * for any text, separated by commas")

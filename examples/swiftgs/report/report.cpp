@@ -84,7 +84,7 @@ void report(const ReportOptions& options) {
               double(html.size()) / 1048576);
 }
 
-constexpr const char* more =
+constexpr const char* report_help =
     R"(RESULTS are files that swiftgs bench or swiftgs stress wrote. The page holds everything that it
 shows and works without a network: run time against error with the Pareto front, stage times,
 speed-ups, growth with fitted exponents, ratios and errors on hard frames, all rows as a table,
@@ -99,7 +99,7 @@ Example:
 
 void add_report(CLI::App& app) {
   CLI::App* command = app.add_subcommand("report", "A page that shows what bench and stress have measured");
-  command->footer(more);
+  command->footer(report_help);
   const auto options = std::make_shared<ReportOptions>();
   command->add_option("RESULTS", options->results, "Files of swiftgs bench and swiftgs stress")->required();
   command->add_option("--out", options->out, "File for the page")->capture_default_str();

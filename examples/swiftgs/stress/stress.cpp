@@ -24,7 +24,7 @@ namespace {
 
 constexpr int most_seeds = 1000000;
 
-constexpr const char* more =
+constexpr const char* stress_help =
     R"(Draws frames that are hard on float arithmetic, and judges them against float64. A family is a
 kind of hard frame, and its severity says how hard. The ratio is a pixel's error over what
 rounding the scene and the arithmetic to float may cost: up to 10 a renderer is about as good
@@ -116,7 +116,7 @@ void stress(const StressOptions& options, const std::vector<RendererEntry>& entr
 void add_stress(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("stress", "Where renderers stop being exact, on frames made to be hard");
-  command->footer(more);
+  command->footer(stress_help);
   const auto options = std::make_shared<StressOptions>();
   command->add_option("--renderers", options->renderers, "Names with * for any text, separated by commas")
       ->capture_default_str();

@@ -47,10 +47,12 @@ inline void check_footprints(const SortJob& job) {
 /// Policy `S` builds tile lists on backend `B` within bounds `Bounds`: for every tile the ids of the splats
 /// that may touch it, nearest first, equal depths by ascending index. An object of `S` may keep what it
 /// learnt from earlier frames. `Scratch<B>` is the memory that it works in: it lists its `buffers` or has a
-/// member `bytes`. Its member `reserve(b, room)` takes the memory of frames with
-/// such room on hosts; without it, recorded frames there may allocate.
+/// member `bytes`. Its member `reserve(b, room)` takes the memory of frames with such room on hosts; without
+/// it, recorded frames there may allocate.
 template <class S, class B, class Bounds>
 concept SortsOn = BackendPolicy<B> && BoundsPolicy<Bounds> && HasBytes<typename S::template Scratch<B>> &&
+    std::default_initializable<typename S::template Scratch<B>> &&
+    std::movable<typename S::template Scratch<B>> &&
     requires(S sort, B& b, const SortJob& job, const Bounds& bounds, typename S::template Scratch<B>& scratch,
              TileLists<B>& lists) {
   { S::name } -> std::convertible_to<std::string_view>;

@@ -78,7 +78,7 @@ MUTANTS = [
     Mutant("project: needles in float", I + "project.hpp", "float_length_squared = 512;",
            "float_length_squared = INFINITY;"),
     Mutant("project: needles beside the first pixels in float", I + "project.hpp",
-           "float_lengths_per_mean = 4;", "float_lengths_per_mean = 4e3f;"),
+           "float_length_squared = 512;", "float_length_squared = 5e5f;"),
     Mutant("project: nearly parallel rows in float", I + "project.hpp", "float_tangent_squared = 16;", "float_tangent_squared = INFINITY;"),
     Mutant("project: needles by the camera's axes in float", I + "project.hpp",
            "if constexpr (std::is_same_v<Real, float>)", "if constexpr (true)"),

@@ -37,8 +37,7 @@ namespace swiftgs {
 /// rank fails, all throw: that rank its own error, the others `RankError`; the renderers stay usable. Only
 /// after an `MpiError` ranks may be anywhere in a frame, and the program must end.
 template <class B, class Sort, class Raster, class Bounds>
-requires SortsOn<Sort, B, Bounds> && RastersOn<Raster, B>
-class DistributedRenderer {
+requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRenderer {
  public:
   /// As of `Renderer`.
   static constexpr std::string_view name = Renderer<B, Sort, Raster, Bounds>::name;
@@ -141,9 +140,8 @@ class DistributedRenderer {
   };
 
   static auto parts(auto& self) {
-    return std::tie(self.whole_storage_, self.project_scratch_, self.splats_, self.footprints_, self.shares_,
-                    self.colours_, self.exchange_, self.band_storage_, self.band_footprints_,
-                    self.sort_scratch_, self.lists_, self.frames_);
+    return std::tie(self.whole_storage_, self.shares_, self.colours_, self.exchange_, self.band_storage_,
+                    self.band_footprints_, self.frames_);
   }
 
   static std::uint64_t since(Clock::time_point begun) {
@@ -259,8 +257,9 @@ class DistributedRenderer {
     const FrameReport report = whole_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
       // As many instances as there may be: bands have their own, and these are not emitted.
       if (!B::reaches_host_memory) plan.limits = {{capacity.splats, std::size_t(max_instances)}};
-      project(backend(), plan, Bounds{}, project_scratch_, splats_, footprints_);
-      share_out(backend(), plan, Bounds{}, band_plan_->cuts(), splats_, footprints_, shares_);
+      Stages<B>& stages = one_.stages();
+      stages.project(plan);
+      share_out(backend(), plan, Bounds{}, band_plan_->cuts(), stages.splats(), stages.footprints(), shares_);
       return await_shares(backend(), shares_);
     });
     mine.visible = report.visible;
@@ -323,33 +322,36 @@ class DistributedRenderer {
     exchange_.shapes_arrived(backend(), band);
     bool arrived = false;
     std::array<typename B::TimePoint, 4> points{};
-    FramePlan plan(stored, part);
-    const FrameReport report = band_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
-      splats.set_count(std::size_t(mine.drawn));
-      if (!B::reaches_host_memory) plan.limits = {{0, capacity.instances}};
-      points[0] = backend().now();
-      bin(backend(), plan, Bounds{}, splats, band_footprints_);
-      SortJob job{splats.view(), band_footprints_.view(), plan.key()};
-      one_.sort().build(backend(), job, Bounds{}, sort_scratch_, lists_);
-      points[1] = backend().now();
+    typename B::TimePoint begun_raster{};
+    const auto mark = [&](std::size_t point) { points[point] = backend().now(); };
+    const auto arriving_colours = [&] {
       if (!std::exchange(arrived, true)) {
         begin_colours();  // the host has had time for it since the sort began
         shading.finish();
         colours.join();
         exchange_.colours_arrived(backend(), colours_);
       }
-      points[2] = backend().now();
-      rasterize(backend(), Raster{}, RasterJob{splats.view(), exchange_.colours(), lists_.view(), stored});
-      points[3] = backend().now();
+      begun_raster = backend().now();
+      return exchange_.colours();
+    };
+    FramePlan plan(stored, part);
+    const FrameReport report = band_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
+      splats.set_count(std::size_t(mine.drawn));
+      if (!B::reaches_host_memory) plan.limits = {{0, capacity.instances}};
+      mark(0);
+      one_.stages().draw(
+          plan, splats, band_footprints_, arriving_colours,
+          [&](const RasterJob& job) { rasterize(backend(), Raster{}, job); }, mark);
       shapes.wait(), colours.wait();  // sees faults of a link, which work that waits for messages would not
       return await_report(backend(), splats, band_footprints_, plan.limits);
     });
     mine.instances = report.instances;
     backend().wait();
-    const auto ms = [&](std::size_t k) {
-      return backend().milliseconds(points[k], points[k + 1]).value_or(0);
+    const auto ms = [&](const auto& from, const auto& to) {
+      return backend().milliseconds(from, to).value_or(0);
     };
-    mine.band_ns = std::uint64_t(1e6 * (ms(0) + ms(2))), mine.bytes = memory();
+    mine.band_ns = std::uint64_t(1e6 * (ms(points[0], points[2]) + ms(begun_raster, points[3])));
+    mine.bytes = memory();
   }
 
   /// Ends the frame on all ranks, and learns from their times.
@@ -368,17 +370,13 @@ class DistributedRenderer {
   }
 
   Ranks ranks_;
-  Renderer<B, Sort, Raster, Bounds> one_;  ///< draws for a rank alone; has the backend and the sort
+  Renderer<B, Sort, Raster, Bounds> one_;  ///< draws for a rank alone; has the stages
   std::unique_ptr<DirectLink> link_;
   ViewStorage<B> whole_storage_, band_storage_;
-  ProjectScratch<B> project_scratch_;
-  Splats<B> splats_;
-  Footprints<B> footprints_, band_footprints_;
+  Footprints<B> band_footprints_;
   Shares<B> shares_;
   Colours<B> colours_;  ///< of the shares
   SplatExchange<B> exchange_;
-  typename Sort::template Scratch<B> sort_scratch_;
-  TileLists<B> lists_;
   BandFrames<B> frames_;
   std::optional<BandPlan> band_plan_;
   TileChoice tiles_;
