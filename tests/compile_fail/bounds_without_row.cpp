@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // expected: bounds: expected .tiles\(const SplatShape&, TileGrid\) const. whose result has .TileRect rect.
-// and .TileRun row\(int\) const
 #include <swiftgs/swiftgs.hpp>
 
 struct WholeImage {

@@ -5,7 +5,6 @@
 /// Renderers that are chosen at run time against those of their types.
 
 #include <cstddef>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -26,9 +25,9 @@ std::vector<float> floats_of(const B& b, const void* plane, std::size_t count) {
 
 /// Checks that `any`, whose scene is set, draws views of every kind and frames that stay with it as `typed`
 /// does.
-template <class Place, class R>
-void check_drawn_frames(AnyRenderer& any, R& typed, const SceneView& scene) {
-  const auto& backend = typed.backend();
+template <class Place, class B>
+void check_drawn_frames(AnyRenderer& any, BoundRenderer<B>& typed, const SceneView& scene) {
+  const B& backend = typed.backend();
   PlacedViews<Place> expected(views_of_every_kind()), drawn(views_of_every_kind());
   typed.render_into(scene, expected.span(), {.count = true});
   any.render_into(drawn.span(), {.count = true});
@@ -62,9 +61,9 @@ void check_drawn_frames(AnyRenderer& any, R& typed, const SceneView& scene) {
 
 /// Checks that `any`, whose scene is set, records views of every kind as `typed` renders them.
 /// `record(report)` has `any` record a frame.
-template <class Place, class R, class Record>
-void check_recorded_frames(AnyRenderer& any, R& typed, const SceneView& scene, const Record& record) {
-  using B = std::remove_cvref_t<decltype(typed.backend())>;
+template <class Place, class B, class Record>
+void check_recorded_frames(AnyRenderer& any, BoundRenderer<B>& typed, const SceneView& scene,
+                           const Record& record) {
   const B& backend = typed.backend();
   const std::vector<AskedView> asked = views_of_every_kind();
   std::vector<AskedView> moved = asked;

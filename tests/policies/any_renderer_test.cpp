@@ -233,19 +233,27 @@ TEST_CASE("any renderer: every backend that runs here says on what") {
   }
 }
 
-TEST_CASE_TEMPLATE("any renderer: draws and records all that a view asks for as the renderer of its type", B,
+TEST_CASE_TEMPLATE("any renderer: every name draws and records all that a view asks for as its type does", B,
                    SWIFTGS_TEST_BACKENDS) {
   const auto scene = std::make_shared<const Scene>(random_scene(300, 1, 7));
-  for_each_raster([&]<class Raster>(Raster) {
-    Renderer<B, EarlySort, Raster, Ellipse> typed(make_backend<B>());
+  std::size_t tried = 0;
+  const auto check = [&]<class Sort, class Raster, class Bounds>() {
+    Renderer<B, Sort, Raster, Bounds> typed(make_backend<B>());
     const auto uploaded = typed.backend().upload(scene);
+    const auto any = make_renderer(typed.name, {.threads = 1});
+    CAPTURE(std::string(typed.name));
+    CHECK(any->name() == typed.name);
+    any->set_scene(scene);
+    check_drawn_frames<OnHost>(*any, typed, uploaded.view());
+    check_recorded_frames<OnHost>(*any, typed, uploaded.view(),
+                                  [&](FrameReport* report) { any->record(report); });
+    ++tried;
+  };
+  for_each_raster([&]<class Raster>(Raster) {
     for_each_type(AllSorts(), [&]<class Sort>(Sort) {
-      const auto any = make_renderer(Renderer<B, Sort, Raster, Ellipse>::name, {.threads = 1});
-      CAPTURE(std::string(any->name()));
-      any->set_scene(scene);
-      check_drawn_frames<OnHost>(*any, typed, uploaded.view());
-      check_recorded_frames<OnHost>(*any, typed, uploaded.view(),
-                                    [&](FrameReport* report) { any->record(report); });
+      for_each_type(AllBounds(),
+                    [&]<class Bounds>(Bounds) { check.template operator()<Sort, Raster, Bounds>(); });
     });
   });
+  CHECK(tried == AllSorts::size * AllRasters::size * AllBounds::size);
 }
