@@ -132,7 +132,7 @@ class BoundRenderer {
   /// Throws `std::invalid_argument`, and changes nothing, if the number of views, a size, or which planes
   /// there are changes.
   void set_views(Span<const View> views) {
-    for (const View& view : views) validate(view);
+    for (const View& view : views) validate(view), detail::check_tiles(view);  // before anything changes
     if (reserved_) {
       if (views.size != recorded_.size())
         detail::refuse("set_views: the number of views", views.size,
@@ -185,7 +185,8 @@ class BoundRenderer {
     make_views(cameras, settings);
     check_ready(backend());
     const Span<const FrameView> frames = resident_.make(cameras, settings.outputs);
-    render_views(scene, frames, settings);
+    for (std::size_t i = 0; i < frames.size; ++i) views_[i].frame = frames[i];
+    render_into(scene, {views_.data(), views_.size()}, {settings.count, settings.time});
     return frames;
   }
   FrameView render_resident(const SceneView& scene, const Camera& camera, const RenderSettings& settings) {
@@ -198,18 +199,16 @@ class BoundRenderer {
     if (frames.size != cameras.size)
       detail::refuse("render: the number of frames", frames.size,
                      std::to_string(cameras.size) + ", one a camera");
-    std::vector<FrameView> prepared;
-    const auto prepare_frames = [&] {
-      for (std::size_t i = 0; i < cameras.size; ++i)
-        prepared.push_back(prepare(frames[i], cameras[i].width, cameras[i].height, settings.outputs));
+    const auto prepare_frame = [&](std::size_t i) {
+      return prepare(frames[i], cameras[i].width, cameras[i].height, settings.outputs);
     };
     if constexpr (B::reaches_host_memory) {
       make_views(cameras, settings);
-      prepare_frames();
-      render_views(scene.view(), {prepared.data(), prepared.size()}, settings);
+      for (std::size_t i = 0; i < cameras.size; ++i) views_[i].frame = prepare_frame(i);
+      render_into(scene.view(), {views_.data(), views_.size()}, {settings.count, settings.time});
     } else {
       render_resident(scene.view(), cameras, settings);
-      prepare_frames();
+      for (std::size_t i = 0; i < cameras.size; ++i) prepare_frame(i);
       resident_.download(backend(), frames);
     }
   }
@@ -280,10 +279,6 @@ class BoundRenderer {
     for (const Camera& camera : cameras)
       views_.push_back(make_view(camera, settings.conventions,
                                  {.width = camera.width, .height = camera.height}, settings.background));
-  }
-  void render_views(const SceneView& scene, Span<const FrameView> frames, const RenderSettings& settings) {
-    for (std::size_t i = 0; i < frames.size; ++i) views_[i].frame = frames[i];
-    render_into(scene, {views_.data(), views_.size()}, {settings.count, settings.time});
   }
 
   void run(const FramePlan& plan, const Measures& measures) {

@@ -136,7 +136,7 @@ inline constexpr float float_tangent_squared = 16;  ///< of the direction to the
 /// mean to float does. A row errs by some 2^-22 of the Gaussian's length as it would be seen from its side;
 /// `mean` by 2^-24 of itself. The limit on the length weighs one against the other: a needle that points at
 /// the camera exceeds it, and so does one beside the image's first row or column. Far off the axis the rows
-/// are nearly parallel and their minors cancel.
+/// are nearly parallel and their minors cancel, and with them the determinant that compensates opacities.
 ///
 /// In captures 0.04 % to 0.7 % of the visible splats need it.
 SWIFTGS_HD inline bool needs_double(const Linearisation<float>& at, vec3 scale, vec2 mean) {

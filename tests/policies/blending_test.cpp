@@ -316,10 +316,9 @@ TEST_CASE_TEMPLATE("blend: tiles that do not fit the frame or the squares are re
   std::vector<float> alpha(64 * 48);
   View view = view_into({.width = 64, .height = 48, .alpha = {alpha.data(), 256}});
   std::vector<TileRange> ranges(12);
-  const RasterJob job{{}, {}, {{}, {ranges.data(), ranges.size()}}, {&view, 1}};
   const auto refused = [&](TileGrid grid, const char* expected) {
     view.grid = grid;
-    CHECK_THROWS_WITH_AS(rasterize(backend, PerPixel(), job), expected, std::invalid_argument);
+    CHECK_THROWS_WITH_AS(Views(&view, 1), expected, std::invalid_argument);
   };
   const auto of = [](int columns, int rows, int side) {
     return TileGrid{{0, columns}, {0, rows}, side, 0, std::uint32_t(columns)};
@@ -328,18 +327,20 @@ TEST_CASE_TEMPLATE("blend: tiles that do not fit the frame or the squares are re
   refused(of(3, 2, 24), "tiles: the side is 24, expected a power of two of at least 16 pixels");
   refused(of(3, 3, 16), "tiles: the number of columns is 3, expected 4");
   refused(of(4, 2, 16), "tiles: the number of rows is 2, expected 3");
+  CHECK_THROWS_WITH_AS(Views(&view, 0), "frame: the number of views is 0, expected 1 to 65536",
+                       std::invalid_argument);
+  view.frame.width = 0;
+  refused(of(4, 3, 16), "frame: 0 x 48 pixels, expected 1 to 65536 a side");
+  view.frame.width = 64;
+
+  const auto rasterize_lists = [&] {
+    rasterize(backend, PerPixel(), RasterJob{{}, {}, {{}, {ranges.data(), ranges.size()}}, {&view, 1}});
+  };
   view.grid = of(2, 2, 32);
   CHECK_THROWS_WITH_AS(
-      rasterize(backend, PerPixel(), job),
+      rasterize_lists(),
       "rasterize: the number of lists is 12, expected a list for each of the frame's 4 tiles",
       std::invalid_argument);
   view.grid = of(4, 3, 16);
-  view.frame.width = 0;
-  CHECK_THROWS_WITH_AS(rasterize(backend, PerPixel(), job),
-                       "frame: 0 x 48 pixels, expected 1 to 65536 a side", std::invalid_argument);
-  view.frame.width = 64;
-  const RasterJob none{{}, {}, job.lists, {&view, 0}};
-  CHECK_THROWS_WITH_AS(rasterize(backend, PerPixel(), none),
-                       "frame: the number of views is 0, expected 1 to 65536", std::invalid_argument);
-  rasterize(backend, PerPixel(), job);
+  rasterize_lists();
 }

@@ -124,6 +124,16 @@ TEST_CASE(SWIFTGS_STABILITY ": a needle of five depths beside the first row of a
                                  dvec3(-0.14117598692213584, -0.91203390425987274, -0.38504999441248455))));
 }
 
+TEST_CASE(SWIFTGS_STABILITY ": a disk seven hundred focal lengths off the axis is compensated for its width") {
+  StressCase drawn = found_case(0.017121364814206855, 0.017121364814206855,
+                                {.mean = {2105.53613f, 973.013794f, -3.35509109f},
+                                 .scale = {3.9406882e-06f, 7.21360016f, 3.17682028f},
+                                 .rotation = {-0.165313855f, -0.529265463f, -0.808405638f, 0.197559506f},
+                                 .opacity = 0.959827363f});
+  drawn.conventions.blur = 5.48764001e-05f, drawn.conventions.antialiased = true;
+  check_one(seen_by(drawn, dmat3(dvec3(0, 1, 0), dvec3(1, 0, 0), dvec3(0, 0, -1))));
+}
+
 TEST_CASE(SWIFTGS_STABILITY ": a disk twenty billion times as wide as its depth is seen edge-on") {
   StressCase drawn = found_case(11.565209883990281, 11.565209883990281,
                                 {.mean = {-4.03880548f, -0.00864559691f, -4.61738873f},
