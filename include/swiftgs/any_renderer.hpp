@@ -187,7 +187,7 @@ struct MadeSort {
   static MadeSort make() {
     auto stage = std::make_unique<SortStageOf<B, Sort, Bounds>>();
     AdaptiveSort* adaptive = nullptr;
-    if constexpr (std::is_same_v<Sort, AdaptiveSort>) adaptive = &stage->sort;
+    if constexpr (std::is_base_of_v<AdaptiveSort, Sort>) adaptive = &stage->sort;
     return {std::move(stage), adaptive};
   }
 };

@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -99,6 +97,7 @@ class BoundRenderer {
   /// coarser, and its `statistics` then too small. Draws nothing and waits. If it throws, `record` is refused
   /// until it succeeds.
   void reserve(const SceneView& scene, Span<const View> views, Capacity capacity = {}) {
+    validate(scene);
     reserved_.reset();
     set_views(views);
     FramePlan plan(recorded_, scene);

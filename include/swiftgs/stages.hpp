@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -136,7 +137,7 @@ class Stages {
     mark(0);
     project(plan);
     std::optional<Shading<B>> shading;
-    if (shaded) shading.emplace(shade(backend_, plan, splats_, colours_));
+    if (shaded) (void)shading.emplace(shade(backend_, plan, splats_, colours_));
     const auto colours = [&] { return shading ? shading->finish() : ColoursView{}; };
     draw(plan, splats_, footprints_, colours, rasterize, mark);
   }

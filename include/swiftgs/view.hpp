@@ -134,10 +134,10 @@ inline void check_tiles(const View& view) {
 inline FrameTiles frame_tiles(Span<const View> views) {
   if (views.size < 1 || views.size > max_views)
     refuse("frame: the number of views", views.size, "1 to " + std::to_string(max_views));
+  for (const View& view : views) check_tiles(view);
   FrameTiles tiles{.columns = views[0].grid.stride, .rows = 0, .side = views[0].grid.side};
   std::uint64_t rows = 0;
   for (const View& view : views) {
-    check_tiles(view);
     const TileGrid& grid = view.grid;
     if (grid.side != tiles.side)
       refuse("tiles: the side", std::size_t(grid.side),

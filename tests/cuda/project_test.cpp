@@ -91,41 +91,32 @@ struct Stage {
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
   Colours<Cuda> colours;
-  template <class... Bounds>
-  static std::tuple<Footprints<Cuda>...> footprints_within(TypeList<Bounds...>);
-  decltype(footprints_within(AllBounds())) all_footprints;
+  Footprints<Cuda> footprints;
 
   template <class Bounds>
   SplatSet run(const SceneView& scene, const Camera& camera, const Conventions& conventions, Bounds bounds) {
     const OneView frame(camera, conventions, scene);
-    project(cuda, frame.plan(), bounds, scratch, splats, footprints(bounds));
+    project(cuda, frame.plan(), bounds, scratch, splats, footprints);
     Shading<Cuda> shading = shade(cuda, frame.plan(), splats, colours);
-    bin(cuda, frame.plan(), bounds, splats, footprints(bounds));
+    bin(cuda, frame.plan(), bounds, splats, footprints);
     return to_host(cuda, splats.view(), shading.finish());
-  }
-
-  /// Those of the frame before, if it was projected within these bounds.
-  template <class Bounds>
-  Footprints<Cuda>& footprints(Bounds) {
-    return std::get<Footprints<Cuda>>(all_footprints);
   }
 
   /// Whether the tiles of every splat are those of the bounds.
   template <class Bounds>
   bool found_tiles(const SplatSet& set, const Camera& camera, Bounds bounds) {
     const TileGrid grid = TileGrid::covering(camera.width, camera.height);
-    const std::vector<Footprint> found = to_host(cuda, footprints(bounds).view().each);
+    const std::vector<Footprint> found = to_host(cuda, footprints.view().each);
     std::uint64_t sum = 0;
-    bool same =
-        found.size() == set.shapes.size() &&
-        footprints(bounds).views.tiles == tiles_of_frame(view_without_camera(camera.width, camera.height));
+    bool same = found.size() == set.shapes.size() &&
+                footprints.views.tiles == tiles_of_frame(view_without_camera(camera.width, camera.height));
     for (std::size_t i = 0; same && i < found.size(); ++i) {
       const Footprint expected = find_footprint(bounds, set.shapes[i], grid);
       same = found[i].count == expected.count &&
              (expected.count == 0 || (found[i].mask == expected.mask && found[i].first == expected.first));
       sum += found[i].count;
     }
-    return same && sum == footprints(bounds).instances.most;
+    return same && sum == footprints.instances.most;
   }
 };
 
@@ -259,7 +250,7 @@ TEST_CASE("cuda project: nothing may be visible or all") {
   Scene scene = random_scene(3000, 1, 7);
   for (vec3& mean : scene.means) mean = vec3(mean.x, mean.y, -1 - std::abs(mean.z));
   CHECK(check_projection(stage, scene, forward_camera(320, 200)) == 0);
-  CHECK(stage.footprints(Ellipse{}).instances.most == 0);
+  CHECK(stage.footprints.instances.most == 0);
   for (std::size_t i = 0; i < scene.size(); ++i) scene.means[i] = vec3(0, 0, 4), scene.opacities[i] = 0.7f;
   CHECK(check_projection(stage, scene, forward_camera(320, 200)) == 3000);
 }
@@ -325,7 +316,7 @@ TEST_CASE("cuda project: colours of a frame that is given up do not get into the
   const SplatSet expected = other.run(scene.view(), near, Conventions::gsplat(), Ellipse{});
   for (int i = 0; i < 20; ++i) {
     const OneView frame(wide, Conventions::gsplat(), scene.view());
-    project(stage.cuda, frame.plan(), Ellipse{}, stage.scratch, stage.splats, stage.footprints(Ellipse{}));
+    project(stage.cuda, frame.plan(), Ellipse{}, stage.scratch, stage.splats, stage.footprints);
     (void)shade(stage.cuda, frame.plan(), stage.splats, stage.colours);
     CHECK(
         same_bits(stage.run(scene.view(), near, Conventions::gsplat(), Ellipse{}).colours, expected.colours));
@@ -340,7 +331,7 @@ TEST_CASE("cuda project: whether a splat is hidden is said of each frame anew") 
   const Camera camera = forward_camera(320, 200);
   const auto hides = [&](const DeviceScene& scene) {
     const OneView frame(camera, Conventions::gsplat(), scene.view());
-    Footprints<Cuda>& footprints = stage.footprints(Ellipse{});
+    Footprints<Cuda>& footprints = stage.footprints;
     project(stage.cuda, frame.plan(), Ellipse{}, stage.scratch, stage.splats, footprints);
     const auto word = [&](Shading<Cuda> shading) {
       return to_host(stage.cuda, Span<const std::uint32_t>{shading.finish().hidden, 1}).at(0);
@@ -361,7 +352,7 @@ TEST_CASE("cuda project: tiles of splats whose number the host knows are found w
   const Camera camera = forward_camera(320, 200);
   const SplatSet set = stage.run(scene.view(), camera, Conventions::gsplat(), Ellipse{});
   const OneView frame(camera, Conventions::gsplat(), scene.view());
-  const std::uint64_t instances = stage.footprints(Ellipse{}).instances.get();
+  const std::uint64_t instances = stage.footprints.instances.get();
   REQUIRE(instances > 1000);
   Footprints<Cuda> footprints;
   const auto report_within = [&](std::size_t room) {
@@ -379,7 +370,7 @@ TEST_CASE("cuda project: tiles of splats whose number the host knows are found w
     CHECK(report.instances == instances);
     CHECK((report.overflowed != 0) == (room < instances));
     CHECK(same_bits(to_host(stage.cuda, footprints.view().each),
-                    to_host(stage.cuda, stage.footprints(Ellipse{}).view().each)));
+                    to_host(stage.cuda, stage.footprints.view().each)));
   }
   stage.splats.set_count(0);
   bin(stage.cuda, frame.plan({{0, 10}}), Ellipse{}, stage.splats, footprints);
@@ -393,11 +384,11 @@ TEST_CASE("cuda project: every run gives the same bits") {
   const Camera camera = forward_camera(640, 360);
   const auto run = [&] { return stage.run(scene.view(), camera, Conventions::gsplat(), Ellipse{}); };
   const SplatSet first = run();
-  const std::vector<Footprint> footprints = to_host(stage.cuda, stage.footprints(Ellipse{}).view().each);
+  const std::vector<Footprint> footprints = to_host(stage.cuda, stage.footprints.view().each);
   for (int i = 0; i < 10; ++i) {
     const SplatSet again = run();
     CHECK(same_bits(again.shapes, first.shapes));
     CHECK(same_bits(again.colours, first.colours));
-    CHECK(same_bits(to_host(stage.cuda, stage.footprints(Ellipse{}).view().each), footprints));
+    CHECK(same_bits(to_host(stage.cuda, stage.footprints.view().each), footprints));
   }
 }

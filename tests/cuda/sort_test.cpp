@@ -23,9 +23,9 @@ struct Sorts {
   TileLists<B> lists;
 
   template <class Bounds, class F>
-  void for_each(B& backend, const SortJob& job, const F& f) {
+  void for_each(B& backend, const SortJob& job, const Bounds& bounds, const F& f) {
     const auto run = [&](auto& sort, auto& scratch) {
-      sort.build(backend, job, Bounds{}, scratch, lists);
+      sort.build(backend, job, bounds, scratch, lists);
       f(sort.name, host_lists(backend, lists));
     };
     run(standard, standard_scratch), run(early, early_scratch), run(adaptive, adaptive_scratch);
@@ -44,7 +44,7 @@ std::size_t check_lists(Cuda& cuda, Sorts<Cuda>& sorts, const SplatSet& splats, 
         host_lists(serial, build_lists<StandardSort, Bounds>(serial, splats.job(width, height)));
     instances = expected.ids.size();
     const Binned<Cuda, Bounds> binned(cuda, uploaded.job(width, height), bounds);
-    sorts.for_each(cuda, binned.job(), [&](std::string_view name, const HostLists& lists) {
+    sorts.for_each(cuda, binned.job(), bounds, [&](std::string_view name, const HostLists& lists) {
       CAPTURE(name);
       CHECK(lists == expected);
     });
@@ -93,7 +93,7 @@ TEST_CASE("cuda sort: lists from footprints that projection found are the serial
       const HostLists expected =
           host_lists(serial, build_lists<StandardSort, Bounds>(serial, set.job(700, 500)));
       const FrameKey key{scene.view().identity, n, 700, 500};
-      sorts.for_each(cuda, SortJob{splats.view(), footprints.view(), key},
+      sorts.for_each(cuda, SortJob{splats.view(), footprints.view(), key}, bounds,
                      [&](std::string_view name, const HostLists& lists) {
                        CAPTURE(name);
                        CHECK(lists == expected);
@@ -115,25 +115,30 @@ TEST_CASE("cuda sort: footprints are found again where projection found those of
   project(cuda, frame.plan(), OpacityBox{}, scratch, splats, boxes);
   bin(cuda, frame.plan(), Ellipse{}, splats, ellipses);
   const SplatSet set = to_host(cuda, splats.view());
-  const auto found_by = [&]<class Bounds>(const Footprints<Cuda>& footprints, const View& of) {
+  const auto found_by = [&](const auto& bounds, const Footprints<Cuda>& footprints, const View& of) {
     std::uint64_t tiles = 0;
-    for (const SplatShape& shape : set.shapes) tiles += find_footprint(Bounds{}, shape, of.grid).count;
+    for (const SplatShape& shape : set.shapes) tiles += find_footprint(bounds, shape, of.grid).count;
     return footprints.instances.most == tiles && footprints.count == set.shapes.size() &&
            footprints.views.tiles == tiles_of_frame(of) && footprints.views[0].grid == of.grid;
   };
   REQUIRE(set.shapes.size() > 100);
-  CHECK(found_by(ellipses, frame.view));
+  CHECK(found_by(Ellipse{}, ellipses, frame.view));
   bin(cuda, frame.plan(), OpacityBox{}, splats, boxes);
-  CHECK(found_by(boxes, frame.view));
+  CHECK(found_by(OpacityBox{}, boxes, frame.view));
   bin(cuda, plan_without_scene({&turned, 1}), OpacityBox{}, splats, boxes);
-  CHECK(found_by(boxes, turned));
+  CHECK(found_by(OpacityBox{}, boxes, turned));
+
+  // Footprints that were found within other bounds are found again where they lie.
+  project(cuda, frame.plan(), OpacityBox{}, scratch, splats, boxes);
+  bin(cuda, frame.plan(), Ellipse{}, splats, boxes);
+  CHECK(found_by(Ellipse{}, boxes, frame.view));
 
   // Footprints that are left over from a projection are not those of other splats.
   project(cuda, frame.plan(), OpacityBox{}, scratch, splats, boxes);
   Splats<Cuda> own;
   CopySplats<Cuda>::copy(DeviceSplats(set).view(), own);
   bin(cuda, frame.plan(), OpacityBox{}, own, boxes);
-  CHECK(found_by(boxes, frame.view));
+  CHECK(found_by(OpacityBox{}, boxes, frame.view));
 }
 
 TEST_CASE("cuda sort: giants among dots are listed where they lie") {

@@ -126,7 +126,7 @@ void for_each_renderer(const F& f) {
   std::size_t count = 0;
   for (const RendererEntry& entry : renderers()) {
     const auto has = [&](const char* word) { return entry.name.find(word) != std::string_view::npos; };
-    const std::string_view backend = entry.name.substr(0, entry.name.find('/'));
+    const std::string_view backend = std::string_view(entry.name).substr(0, entry.name.find('/'));
     if (std::find(std::begin(backends), std::end(backends), backend) == std::end(backends)) continue;
     if (has("/adaptive/") || has("/three-sigma-square")) continue;
     CAPTURE(entry.name);

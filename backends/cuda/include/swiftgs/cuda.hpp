@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -141,6 +142,7 @@ struct Footprints<Cuda> {
   const std::uint64_t* overflowed = nullptr;
   DeviceBuffer<FrameTotals> totals;  ///< of splats of your own
   PendingProjection found_by;
+  std::string_view found_within;  ///< name of the bounds that `found_by` used
 
   FootprintsView view() const { return {{each.data(), count}, instances, views, overflowed}; }
   static auto buffers(auto& self) { return std::tie(self.each, self.counts, self.totals); }

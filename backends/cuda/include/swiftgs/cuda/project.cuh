@@ -198,6 +198,7 @@ void run_project(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Projec
   scratch.turns.end();
   splats.pending = footprints.found_by = {turns.last(), scratch.hidden.data(), scratch.totals.data(),
                                           ++scratch.projections};
+  footprints.found_within = Bounds::name;
 }
 
 /// Whether footprints of one are footprints of the other.
@@ -229,7 +230,8 @@ void run_bin(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Splats<Cud
   if (waits) cuda.check_not_captured("bin");
   const PendingProjection pending = std::exchange(splats.pending, {});
   const PendingProjection found_by = std::exchange(footprints.found_by, {});
-  const bool found = pending && found_by == pending && same_grids(views, footprints.views);
+  const bool found = pending && found_by == pending && footprints.found_within == Bounds::name &&
+                     same_grids(views, footprints.views);
   footprints.views = views;
   LastCounters<FrameCounts> counts = pending.counts;
   FrameTotals* totals = pending.totals;
