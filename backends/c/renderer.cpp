@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <swiftgs/any_renderer.hpp>
 
@@ -18,16 +17,6 @@
 
 namespace swiftgs::c {
 namespace {
-
-/// Names that end in zero.
-const std::vector<std::string>& names() {
-  static const std::vector<std::string> all = [] {
-    std::vector<std::string> copies;
-    for (const RendererEntry& entry : renderers()) copies.emplace_back(entry.name);
-    return copies;
-  }();
-  return all;
-}
 
 BackendOptions to_options(const swiftgs_renderer_options& from) {
   BackendOptions options{from.threads, static_cast<::CUstream_st*>(from.stream), {}};
@@ -58,7 +47,7 @@ swiftgs_status swiftgs_renderers_get(size_t index, swiftgs_renderer_entry* entry
     if (index >= all.size())
       throw std::invalid_argument("renderers: number " + std::to_string(index) + ", expected less than " +
                                   std::to_string(all.size()));
-    write_struct(entry, {0, all[index].usable, names()[index].c_str()}, "swiftgs_renderer_entry");
+    write_struct(entry, {0, all[index].usable, all[index].name.c_str()}, "swiftgs_renderer_entry");
   });
 }
 

@@ -181,7 +181,7 @@ void check(const CheckOptions& options) {
     std::vector<CheckResult> of_renderer;
     for (std::size_t view = 0; view < views; ++view) {
       if (!team.takes(view)) continue;
-      progress.start(std::string(entry.name));
+      progress.start(entry.name);
       const CheckResult row = judge(task, view, *renderer, frame);
       numbered.emplace_back(numbered_from + view, row);
       progress.step();

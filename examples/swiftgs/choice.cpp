@@ -63,7 +63,7 @@ std::string exact_renderer(std::string_view backend) {
 std::string default_renderer() {
   for (const char* backend : {"cpu", "serial"})
     for (const RendererEntry& entry : renderers())
-      if (entry.usable && entry.name == exact_renderer(backend)) return std::string(entry.name);
+      if (entry.usable && entry.name == exact_renderer(backend)) return entry.name;
   throw std::runtime_error("no renderer can run here");
 }
 

@@ -22,8 +22,7 @@ void print_list() {
   std::size_t width = 0;
   for (const RendererEntry& entry : renderers()) width = std::max(width, entry.name.size());
   for (const RendererEntry& entry : renderers())
-    std::printf("%-*s  %s\n", int(width), std::string(entry.name).c_str(),
-                entry.usable ? "runs here" : "cannot run here");
+    std::printf("%-*s  %s\n", int(width), entry.name.c_str(), entry.usable ? "runs here" : "cannot run here");
 }
 
 std::string row_of(const RendererEntry& entry) {

@@ -177,7 +177,7 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
 };
 
 namespace detail {
-/// A sort within bounds of which each renderer gets one of its own.
+/// The sort stage of a new renderer.
 template <class B>
 struct MadeSort {
   std::unique_ptr<SortStage<B>> stage;

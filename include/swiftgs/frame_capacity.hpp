@@ -22,8 +22,6 @@ inline std::size_t with_room(std::uint64_t count) { return std::size_t(count + c
 /// What a device's frames have room for; grows with them.
 class FrameCapacity {
  public:
-  const Capacity& get() const { return capacity_; }
-
   /// Calls draw(capacity), which returns a `FrameReport`, until the frame does not overflow; one that does
   /// draws nothing. Returns the last report. Throws `CapacityError` beyond `max_instances`; if it or `draw`
   /// throws, the capacity is that of before, or the next frame would ask for the memory that this one did not
@@ -43,17 +41,19 @@ class FrameCapacity {
     }
   }
 
-  /// Makes room for what a frame took, and an eighth more.
-  void grow(const FrameReport& report) {
-    check_instances(report.instances);
-    at_least({with_room(report.visible), std::min(with_room(report.instances), std::size_t(max_instances))});
-  }
+  /// Grows to `capacity` where that is more.
   void at_least(const Capacity& capacity) {
     capacity_.splats = std::max(capacity_.splats, capacity.splats);
     capacity_.instances = std::max(capacity_.instances, capacity.instances);
   }
 
  private:
+  /// Grows to the numbers of `report` plus an eighth.
+  void grow(const FrameReport& report) {
+    check_instances(report.instances);
+    at_least({with_room(report.visible), std::min(with_room(report.instances), std::size_t(max_instances))});
+  }
+
   Capacity capacity_{1, 1};
 };
 

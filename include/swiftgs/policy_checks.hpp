@@ -35,8 +35,8 @@ concept HasRows = requires(const Bounds bounds, const SplatShape& shape, TileGri
   { bounds.tiles(shape, grid).row(0) } -> std::same_as<TileRun>;
 };
 
-/// True, or an error that says in words what a policy lacks: compilers print the text before their own
-/// account of an unsatisfied concept.
+/// Does not compile if a policy lacks a member; the error names the member. Compilers print this text before
+/// their own account of an unsatisfied concept.
 template <class B, class Sort, class Raster, class Bounds>
 constexpr bool check_policies() {
   static_assert(BackendPolicy<B>, "backend: expected the members that the comment of BackendPolicy lists");

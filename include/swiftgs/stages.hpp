@@ -137,6 +137,7 @@ class Stages {
     mark(0);
     project(plan);
     std::optional<Shading<B>> shading;
+    // void: nvcc takes the reference that emplace returns for a discarded `Shading`.
     if (shaded) (void)shading.emplace(shade(backend_, plan, splats_, colours_));
     const auto colours = [&] { return shading ? shading->finish() : ColoursView{}; };
     draw(plan, splats_, footprints_, colours, rasterize, mark);

@@ -51,7 +51,7 @@ void draw_marked(AnyRenderer& renderer, const Session& session, const Mark& mark
 
 void profile(const std::vector<RendererEntry>& entries, const Session& session, Progress& progress) {
   for (const RendererEntry& entry : entries) {
-    progress.start(session.scene.scene + " " + std::string(entry.name));
+    progress.start(session.scene.scene + " " + entry.name);
     const std::unique_ptr<AnyRenderer> renderer = entry.make();
     renderer->set_scene(session.gaussians);
     draw_marked(*renderer, session, mark_of(*renderer));

@@ -38,7 +38,7 @@ double checked_seconds(double seconds) {
 /// A renderer of the table, made anew after it threw.
 StressSubject subject_of(const RendererEntry& entry) {
   const auto renderer = std::make_shared<std::unique_ptr<AnyRenderer>>();
-  return {std::string(entry.name), [entry, renderer](const StressCase& drawn) {
+  return {entry.name, [entry, renderer](const StressCase& drawn) {
             std::unique_ptr<AnyRenderer> made = std::move(*renderer);
             if (!made) made = entry.make();
             made->set_scene(std::make_shared<const Scene>(drawn.scene));

@@ -62,7 +62,7 @@ void Sweep::draw_seed(const StressPoint& point, std::uint64_t seed, std::vector<
   for (std::size_t i = 0; i < subjects_.size(); ++i) {
     Subject& subject = subjects_[i];
     progress.start(std::string(point.family->name) + " " + severity_text(point.severity) + ": " +
-                   std::string(subject.entry.name));
+                   subject.entry.name);
     ++rows[i].seeds;
     Frame frame;
     try {
