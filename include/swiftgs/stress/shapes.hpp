@@ -25,6 +25,13 @@ inline StressCase needles(double condition, std::uint64_t seed, ImageSize size) 
   return out;
 }
 
+/// The same without blur, which bounds how thin a splat is; severity: length over width.
+inline StressCase bare_needles(double condition, std::uint64_t seed, ImageSize size) {
+  StressCase out = needles(condition, seed, size);
+  out.conventions.blur = 0;
+  return out;
+}
+
 /// Flat Gaussians; severity: side over thickness.
 inline StressCase pancakes(double condition, std::uint64_t seed, ImageSize size) {
   Random random(seed);
