@@ -78,7 +78,7 @@ Frame render(const Scene& scene, const Camera& camera) {
   settings.count = true;
   const Frame frame = renderer.render(renderer.backend().upload(scene), camera, settings);
   const Statistics statistics = renderer.statistics();
-  std::cout << renderer.name << ": " << statistics.instances << " instances, "
+  std::cout << renderer.name << ": " << statistics.intersections << " intersections, "
             << statistics.raster.contributing_pairs << " contributions\n";
   return frame;
 }

@@ -154,7 +154,7 @@ int main(int argc, char** argv) try {
     check_cuda(cudaStreamSynchronize(stream.get()), "cudaStreamSynchronize");
     if (report->overflowed == 0) continue;
     // This frame shows the window alone, and the report says how much room it needs. Take twice as much.
-    capture(k, {std::size_t(2 * report->visible), std::size_t(2 * report->instances)});
+    capture(k, {std::size_t(2 * report->visible), std::size_t(2 * report->intersections)});
     replay(k);
   }
   const Frame image = download(stream.get(), planes);
@@ -166,8 +166,8 @@ int main(int argc, char** argv) try {
   enqueue(stream.get(), planes, [&] { renderer.render_into(scene.view(), {views.data(), views.size()}); });
   const bool same = download(stream.get(), planes).colour == image.colour;
   std::cout << frames << " frames from " << captures << " captures, the last of " << report->visible
-            << " splats and " << report->instances << " instances; its bits are " << (same ? "" : "not ")
-            << "those of a frame without a graph\n";
+            << " splats and " << report->intersections << " intersections; its bits are "
+            << (same ? "" : "not ") << "those of a frame without a graph\n";
   return same && captures > 1 && report->overflowed == 0 ? 0 : 1;
 } catch (const std::exception& error) {
   std::cerr << error.what() << '\n';

@@ -287,10 +287,10 @@ void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t beg
             BlendGroup<Form, kDepth, kCount, kOccluder>(form, batch, view.rules, state, group, part, counts);
       }
       live = Live(state.transmittance);
-      counts.instances_visited += splats;
+      counts.intersections_visited += splats;
     }
     StoreSquare<typename Form::Groups>(view, place, state);
-    counts.longest_item = counts.instances_visited;
+    counts.longest_item = counts.intersections_visited;
     if (job.counts) job.counts[square] = counts;
   }
 }

@@ -48,15 +48,15 @@ struct SquarePixel {
     kernels::blend<extras>(pixel, alpha, left, colour, place.occluder, counts);
   }
 
-  /// Writes the pixel, and the counts of a square that visited so many instances.
-  __device__ void store(std::uint32_t instances) const {
+  /// Writes the pixel, and the counts of a square that visited so many intersections.
+  __device__ void store(std::uint32_t intersections) const {
     if (place.inside)
       store_pixel(view().frame, std::size_t(place.x), std::size_t(place.y), pixel.blended(),
                   view().background);
     if constexpr (extras)
       if (input.job.counts)
         add_counts(input.job.counts[BlockSquare::number(input)],
-                   counts_of_warp(counts, instances, warp_sum(evaluated), timer));
+                   counts_of_warp(counts, intersections, warp_sum(evaluated), timer));
   }
 };
 }  // namespace kernels

@@ -113,10 +113,10 @@ __global__ void settle(const LastCounters<FrameCounts> counts, const Limits limi
                        const std::uint32_t* raster_word, Mailbox* mailbox) {
   await_earlier();
   const FrameCounts found = counts.get();
-  FrameReport report{found.visible, found.instances, 0};
-  report.overflowed = !limits.fit(report) || found.instances > max_instances;
+  FrameReport report{found.visible, found.intersections, 0};
+  report.overflowed = !limits.fit(report) || found.intersections > max_intersections;
   const bool fits = report.overflowed == 0;
-  *totals = {report, fits ? std::uint32_t(found.visible) : 0, fits ? std::uint32_t(found.instances) : 0};
+  *totals = {report, fits ? std::uint32_t(found.visible) : 0, fits ? std::uint32_t(found.intersections) : 0};
   if (limits.report) *limits.report = report;
   if (!mailbox) return;
   mailbox->report = report;

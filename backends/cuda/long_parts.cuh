@@ -72,21 +72,21 @@ struct LongPart {
   ResumeAt at;
 };
 
-/// A long walk has blended so many splats, or visited so many instances. It is handed over. A shorter walk is
-/// handed over only if others wait for work.
+/// A long walk has blended so many splats, or visited so many intersections. It is handed over. A shorter
+/// walk is handed over only if others wait for work.
 inline constexpr std::uint32_t long_blended = 4096, long_visited = 8192;
 /// Frames stop sharing long parts after so many in a row without one.
 inline constexpr std::uint32_t most_quiet_frames = 8;
 /// They share again after a frame in which a warp alone has blended so many splats, or visited so many
-/// instances.
+/// intersections.
 inline constexpr std::uint32_t loud_blended = long_blended / 2, loud_visited = long_visited / 2;
-/// A walk asks at the end of each piece whether others wait, and after so many instances without one.
+/// A walk asks at the end of each piece whether others wait, and after so many intersections without one.
 inline constexpr std::uint32_t visits_between_checks = 1024;
-/// If fewer instances are left, others would not gain.
+/// If fewer intersections are left, others would not gain.
 inline constexpr std::uint32_t least_left = 2048;
 
-/// Queues of long parts, by the instances that are left. Clusters of blocks take those of the first two, the
-/// first before the second. Single blocks take the rest.
+/// Queues of long parts, by the intersections that are left. Clusters of blocks take those of the first two,
+/// the first before the second. Single blocks take the rest.
 enum : unsigned { longest, longer, shorter, queue_count };
 inline constexpr std::uint32_t least_left_of_longest = 65536, least_left_of_longer = 32768;
 
@@ -153,16 +153,17 @@ struct LongParts {
   /// Has the next frame begin without parts.
   void forget(Cuda& cuda) const { cuda.clear(state, head); }
 
-  /// Room for a part, for a warp whose walk has blended so many splats, visited so many instances and left so
-  /// many; null: the walk is not long and nobody waits for it, others would not gain, or there is no room.
+  /// Room for a part, for a warp whose walk has blended so many splats, visited so many intersections and
+  /// left so many; null: the walk is not long and nobody waits for it, others would not gain, or there is no
+  /// room.
   __device__ LongPart* take_room(std::uint32_t blended, std::uint32_t visited,
-                                 std::uint32_t instances_left) const {
-    if (instances_left < least_left) return nullptr;
+                                 std::uint32_t intersections_left) const {
+    if (intersections_left < least_left) return nullptr;
     const bool is_long = blended >= long_blended || visited >= long_visited;
     std::uint32_t slot = none;
     if (lane_index() == 0) {
       // A shorter queue, if one is full.
-      unsigned q = queue_of(instances_left);
+      unsigned q = queue_of(intersections_left);
       while (q != shorter && found(q) == most(q)) ++q;
       if (found(q) != most(q) && (is_long || is_awaited(q))) {
         slot = first[q] + atomicAdd(&state->queues[q].found, 1u);
@@ -231,9 +232,9 @@ struct LongParts {
 
   static constexpr std::uint32_t none = ~0u;
 
-  __device__ static unsigned queue_of(std::uint32_t instances_left) {
-    if (!kernels_await_earlier || instances_left < least_left_of_longer) return shorter;
-    return instances_left < least_left_of_longest ? longer : longest;
+  __device__ static unsigned queue_of(std::uint32_t intersections_left) {
+    if (!kernels_await_earlier || intersections_left < least_left_of_longer) return shorter;
+    return intersections_left < least_left_of_longest ? longer : longest;
   }
   __device__ std::uint32_t most(unsigned q) const { return first[q + 1] - first[q]; }
   __device__ std::uint32_t found(unsigned q) const { return min(value(state->queues[q].found), most(q)); }

@@ -24,13 +24,13 @@ struct PixelPlace {
   }
 };
 
-/// Counts of a warp that has visited `instances` of a list alone, by those of its threads and the pixels that
-/// it has evaluated.
-__device__ inline SquareCounts counts_of_warp(const ThreadCounts& mine, std::uint32_t instances,
+/// Counts of a warp that has visited `intersections` of a list alone, by those of its threads and the pixels
+/// that it has evaluated.
+__device__ inline SquareCounts counts_of_warp(const ThreadCounts& mine, std::uint32_t intersections,
                                               std::uint32_t pixels, const WarpTimer& timer) {
   const std::uint64_t balanced_ps = timer.balanced_ps();
-  return {instances, pixels / square_side, warp_sum(mine.pairs), warp_sum(mine.stopped), 0, 0,
-          instances, balanced_ps};
+  return {intersections, pixels / square_side, warp_sum(mine.pairs), warp_sum(mine.stopped), 0, 0,
+          intersections, balanced_ps};
 }
 
 /// 32 bytes in two loads.

@@ -70,7 +70,7 @@ __device__ inline void store_relative(const View& view, const PixelPlace& at, Bl
 
 /// Where a walk was when a piece ended.
 struct PieceEnd {
-  std::uint32_t at;       ///< the next instance to visit
+  std::uint32_t at;       ///< the next intersection to visit
   std::uint32_t waiting;  ///< splats before it that wait for the next piece
 };
 
@@ -156,9 +156,9 @@ class ListWalk {
   }
   /// Splats that are blended, with those that wait.
   __device__ std::uint32_t blended() const { return begun_ * queue_half + waiting_; }
-  /// Instances that were visited.
+  /// Intersections that were visited.
   __device__ std::uint32_t visited() const { return min(at_, range_.end) - range_.begin; }
-  /// Instances that are still to visit.
+  /// Intersections that are still to visit.
   __device__ std::uint32_t left() const { return range_.end - min(at_, range_.end); }
   /// The next splat to visit.
   __device__ ResumeAt here() const { return {at_, 0}; }

@@ -38,7 +38,7 @@ class TouchedSplats {
     load_next();
   }
 
-  /// Instances before this one are tested.
+  /// Intersections before this one are tested.
   __device__ std::uint32_t position() const { return at_; }
   /// Splats found and not dropped.
   __device__ std::uint32_t count() const { return count_; }
@@ -137,7 +137,7 @@ class TouchedSplats {
   const RasterJob& job_;
   const Group group_;
   std::uint32_t next_[tests_of_thread];   ///< ids
-  std::uint32_t at_, end_;                ///< instances that are not tested yet
+  std::uint32_t at_, end_;                ///< intersections that are not tested yet
   std::uint32_t skip_;                    ///< of the next that touch
   std::uint32_t last_ = at_, found_ = 0;  ///< where the last tests began, and what they found
   std::uint32_t first_ = 0, count_ = 0;

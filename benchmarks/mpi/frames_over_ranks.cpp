@@ -145,7 +145,7 @@ std::string measure(Ranks& ranks, const Options& options, const Make& make, cons
                     {"visible", of([](const C& c) { return c.visible; })},
                     {"sent", of([](const C& c) { return c.sent; })},
                     {"drawn", of([](const C& c) { return c.drawn; })},
-                    {"instances", of([](const C& c) { return c.instances; })},
+                    {"intersections", of([](const C& c) { return c.intersections; })},
                     {"rows", of([](const C& c) { return c.rows; })},
                     {"sent_bytes", of([](const C& c) { return c.traffic.sent_bytes; })},
                     {"messages", of([](const C& c) { return c.traffic.messages; })},

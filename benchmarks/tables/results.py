@@ -9,7 +9,7 @@ STAGES = ("project", "sort", "raster", "total", "wall")
 KEY = ("scene", "gaussians", "enlarge", "view", "scale", "conventions", "threads", "renderer")
 WORDS = ("scene", "view", "conventions", "renderer", "backend", "sort", "raster", "bounds")
 NUMBERS = ("gaussians", "enlarge", "width", "height", "scale", "threads", "frames")
-OPTIONAL = ("psnr_db", "ssim", "max_abs", "cut_psnr_db", "photo_psnr_db", "photo_ssim", "visible", "instances",
+OPTIONAL = ("psnr_db", "ssim", "max_abs", "cut_psnr_db", "photo_psnr_db", "photo_ssim", "visible", "intersections",
             "contributing_pairs", "pieces", "longest_item", "device_bytes", "host_bytes")
 
 
@@ -51,7 +51,7 @@ class Row:
     photo_psnr_db: float = None
     photo_ssim: float = None
     visible: float = None
-    instances: float = None
+    intersections: float = None
     contributing_pairs: float = None
     pieces: float = None
     longest_item: float = None

@@ -169,12 +169,12 @@ class Tables(unittest.TestCase):
                                 self.assertNotIn("\n", str(error))
                                 self.assertIn(pathlib.Path(results.path).name, str(error))
                     source.found[key] = results
-        for member in ("instances", "visible", "sort", "raster", "total", "width"):
+        for member in ("intersections", "visible", "sort", "raster", "total", "width"):
             self.assertGreater(refused[member], 0, member)
 
     def test_a_row_that_a_table_divides_by_is_named_with_its_file_and_member(self):
-        rows = synthetic_folder.growing("cuda", [({"enlarge": e, "instances": 1e6 * e}, {}) for e in (0.5, 1, 2)])
-        rows[-1]["instances"] = None
+        rows = synthetic_folder.growing("cuda", [({"enlarge": e, "intersections": 1e6 * e}, {}) for e in (0.5, 1, 2)])
+        rows[-1]["intersections"] = None
         folder = self.place / "null" / FOLDERS["gpu"]
         folder.mkdir(parents=True)
         (folder / "scaling-occupancy.json").write_text(
@@ -182,7 +182,7 @@ class Tables(unittest.TestCase):
         for table in ("growth gpu occupancy", "exponents gpu occupancy", "dominates gpu occupancy"):
             code, _, _, error = self.update(f"<!-- table: {table} -->\n<!-- end -->\n", results=folder.parent)
             self.assertEqual(code, 2)
-            self.assertRegex(error, r"\A[^\n]+/scaling-occupancy.json: instances of cuda/[^\n]+ on view '0' of garden: "
+            self.assertRegex(error, r"\A[^\n]+/scaling-occupancy.json: intersections of cuda/[^\n]+ on view '0' of garden: "
                                     r"expected a number above 0\n\Z")
 
     def test_sorts_that_were_not_measured_at_the_same_places_are_not_set_side_by_side(self):
@@ -287,7 +287,7 @@ class Tables(unittest.TestCase):
         self.assertEqual(sort[2:], ["12.00", "1.00", "0.800", "0.800", "-20.0 %", "-20.0 % to -20.0 %", "2 of 2",
                                     "+0.0 %"])
 
-    def test_redundancy_counts_instances_a_visible_gaussian(self):
+    def test_redundancy_counts_intersections_a_visible_gaussian(self):
         text = self.table("redundancy gpu")
         self.assertEqual(cells(text, "garden, 1.5 M, 2 views")[1:],
                          ["three-sigma-square", "500,000", "6,000,000", "6,000,000", "12.00", "12.00", "45.8 %"])
@@ -323,7 +323,7 @@ class Tables(unittest.TestCase):
 
         self.assertEqual(exponents("million Gaussians"), ["1.00 (1.00)", "0.00 (0.00)", "0.00 (0.00)"])
         self.assertEqual(exponents("million pixels"), ["0.00 (0.00)", "0.00 (0.00)", "1.00 (1.00)"])
-        self.assertEqual(exponents("instances a tile"), ["0.00 (0.00)", "1.00 (1.00)", "0.00 (0.00)"])
+        self.assertEqual(exponents("intersections a tile"), ["0.00 (0.00)", "1.00 (1.00)", "0.00 (0.00)"])
         alone = self.table("best-exponents gpu gaussians pixels occupancy")
         self.assertEqual([line for line in alone.splitlines() if "0.00 (0.00)" in line],
                          [line for line in text.splitlines() if best in line])

@@ -32,7 +32,7 @@ Json object_of(const RenderResult& result) {
   if (!result.counts) return json;
   json["gaussians"] = result.counts->gaussians;
   json["visible"] = result.counts->visible;
-  json["instances"] = result.counts->instances;
+  json["intersections"] = result.counts->intersections;
   json["contributing_pairs"] = result.counts->raster.contributing_pairs;
   json["pixels_stopped"] = result.counts->raster.pixels_stopped;
   json["pieces"] = result.counts->raster.pieces;

@@ -83,7 +83,7 @@ class BoundRenderer {
         run(plan, measures);
         return stages_.report(plan);
       });
-      stages_.set_instances(report_.instances);
+      stages_.set_intersections(report_.intersections);
     }
     tiles_.learn(key, report_.visible);
     counted_ = measures.count, timed_ = measures.time;
@@ -93,9 +93,9 @@ class BoundRenderer {
   /// Takes all memory that `record` needs for frames of `views` and `scene`. `set_views` may replace the
   /// views by others whose frames have the same sizes, and `scene` may change. Without a `capacity` it makes
   /// room for what the views show now and an eighth more, at most for all Gaussians in all views and for
-  /// `max_instances`. A capacity counts instances on the tiles of these views; tiles of `render_into` may be
-  /// coarser, and its `statistics` then too small. Draws nothing and waits. If it throws, `record` is refused
-  /// until it succeeds.
+  /// `max_intersections`. A capacity counts intersections on the tiles of these views; tiles of `render_into`
+  /// may be coarser, and its `statistics` then too small. Draws nothing and waits. If it throws, `record` is
+  /// refused until it succeeds.
   void reserve(const SceneView& scene, Span<const View> views, Capacity capacity = {}) {
     validate(scene);
     reserved_.reset();
@@ -106,15 +106,15 @@ class BoundRenderer {
       run(plan, {});
       return stages_.report(plan);
     };
-    if (capacity.splats == 0 || capacity.instances == 0) {
-      // A host counts the instances of those splats alone that it has room for.
+    if (capacity.splats == 0 || capacity.intersections == 0) {
+      // A host counts the intersections of those splats alone that it has room for.
       const FrameReport report = rehearse(B::reaches_host_memory ? Capacity{} : Capacity{1, 1});
-      check_instances(report.instances);
+      check_intersections(report.intersections);
       if (capacity.splats == 0) capacity.splats = with_room(report.visible);
-      if (capacity.instances == 0) capacity.instances = with_room(report.instances);
+      if (capacity.intersections == 0) capacity.intersections = with_room(report.intersections);
     }
     capacity.splats = std::min(capacity.splats, std::max<std::size_t>(scene.size() * views.size, 1));
-    capacity.instances = std::min(capacity.instances, std::size_t(max_instances));
+    capacity.intersections = std::min(capacity.intersections, std::size_t(max_intersections));
     const FrameRoom room{scene.size(), views.size, recorded_.tiles, capacity};
     if constexpr (B::reaches_host_memory) {
       stages_.reserve(room);
@@ -236,7 +236,7 @@ class BoundRenderer {
   Statistics statistics() const {
     Statistics s{.gaussians = gaussians_,
                  .visible = std::size_t(report_.visible),
-                 .instances = std::size_t(report_.instances),
+                 .intersections = std::size_t(report_.intersections),
                  .raster = {}};
     if (counted_) {
       std::vector<SquareCounts> squares(square_counts_.size());

@@ -177,8 +177,8 @@ class Contributions {
   }
 
   /// Adds the weights in one view. Throws `std::invalid_argument` for an invalid camera or conventions, and
-  /// `CapacityError` for more instances than a frame may have or more pixels than `max_contribution_pixels`.
-  /// If it throws, it has added nothing.
+  /// `CapacityError` for more intersections than a frame may have or more pixels than
+  /// `max_contribution_pixels`. If it throws, it has added nothing.
   void add(const Camera& camera, const Conventions& conventions) {
     const View view = make_view(camera, conventions, {.width = camera.width, .height = camera.height});
     const std::uint64_t pixels = pixels_ + std::uint64_t(camera.width) * std::uint64_t(camera.height);

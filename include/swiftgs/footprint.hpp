@@ -13,7 +13,7 @@
 
 namespace swiftgs {
 
-/// The tiles that a splat may touch, found once; emission expands them to instances.
+/// The tiles that a splat may touch, found once; emission expands them to intersections.
 struct alignas(16) Footprint {
   /// Side of the mask in tiles.
   static constexpr int side = 8;
@@ -28,7 +28,7 @@ static_assert(sizeof(Footprint) == 16);
 /// The tiles of each splat of a frame. Holds for the bounds that found them and for these views alone.
 struct FootprintsView {
   Span<const Footprint> each{};  ///< @shape{splats}
-  Count instances;               ///< sum of their counts
+  Count intersections;           ///< sum of their counts
   Views views;
   const std::uint64_t* overflowed = nullptr;  ///< not 0: the frame has no room for them; null: it has
 };
@@ -38,10 +38,10 @@ template <class B>
 struct Footprints {
   typename B::template Buffer<Footprint> each;
   std::size_t count = 0;  ///< splats
-  std::uint64_t instances = 0;
+  std::uint64_t intersections = 0;
   Views views;
 
-  FootprintsView view() const { return {{each.data(), count}, std::size_t(instances), views}; }
+  FootprintsView view() const { return {{each.data(), count}, std::size_t(intersections), views}; }
   void reserve(B&, const FrameRoom& room) { each.reset_exactly(room.capacity.splats); }
   static auto buffers(auto& self) { return std::tie(self.each); }
 };

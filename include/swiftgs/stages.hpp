@@ -169,7 +169,7 @@ class Stages {
     return await_report(backend_, splats_, footprints_, plan.limits);
   }
   /// Of a frame that `report` told the host about.
-  void set_instances(std::uint64_t instances) { lists_.instances = std::size_t(instances); }
+  void set_intersections(std::uint64_t intersections) { lists_.intersections = std::size_t(intersections); }
 
   /// Takes the memory of frames with such room, on hosts.
   void reserve(const FrameRoom& room) {

@@ -110,7 +110,7 @@ struct TileRange {
 
 /// For each tile the splats that may touch it, front to back.
 struct TileListsView {
-  Span<const std::uint32_t> ids;  ///< @shape{instances} indices of splats
+  Span<const std::uint32_t> ids;  ///< @shape{intersections} indices of splats
   Span<const TileRange> ranges;   ///< @shape{tiles}
 };
 
@@ -119,18 +119,18 @@ template <class B>
 struct TileLists {
   typename B::template Buffer<std::uint32_t> ids;
   typename B::template Buffer<TileRange> ranges;
-  std::size_t instances = 0;  ///< at most
+  std::size_t intersections = 0;  ///< at most
   std::size_t tiles = 0;
 
   void reserve(B&, const FrameRoom& room) {
-    ids.reset_exactly(room.capacity.instances), ranges.reset_exactly(room.tiles.size());
+    ids.reset_exactly(room.capacity.intersections), ranges.reset_exactly(room.tiles.size());
   }
   static auto buffers(auto& self) { return std::tie(self.ids, self.ranges); }
 
-  TileListsView view() const { return {{ids.data(), instances}, {ranges.data(), tiles}}; }
+  TileListsView view() const { return {{ids.data(), intersections}, {ranges.data(), tiles}}; }
 };
 
-/// Most instances that one frame may have.
-inline constexpr std::uint64_t max_instances = std::uint64_t(1) << 31;
+/// Most intersections that one frame may have.
+inline constexpr std::uint64_t max_intersections = std::uint64_t(1) << 31;
 
 }  // namespace swiftgs

@@ -373,7 +373,7 @@ TEST_CASE("cuda long lists: parts that show next to nothing behind their first p
     const DeviceScene uploaded = renderer.backend().upload(scene);
     for (const bool extras : {false, true}) check_parts(renderer, uploaded.view(), side, 32, extras);
 
-    // A walk alone would visit 50,600 instances. Others take them over behind the first 512 or later.
+    // A walk alone would visit 50,600 intersections. Others take them over behind the first 512 or later.
     const SquareCounts counts = counts_of(renderer, uploaded, camera);
     CHECK(counts.pieces > 100);
     CHECK(counts.longest_item < 50'300);
@@ -458,7 +458,7 @@ TEST_CASE("cuda long lists: a graph that runs again and again has the bits of re
 
       DeviceBuffer<FrameReport> report;
       report.reset(1);
-      recorded.reserve(uploaded.view(), {&recorded_view, 1}, {statistics.visible, statistics.instances});
+      recorded.reserve(uploaded.view(), {&recorded_view, 1}, {statistics.visible, statistics.intersections});
       const Graph graph(stream, [&] { recorded.record(uploaded.view(), report.data()); });
       for (int run = 0; run < 3; ++run) {
         replayed.poison();

@@ -110,12 +110,12 @@ TEST_CASE("cuda raster pixels: counts are the host's where no threshold is near"
   Cuda cuda;
   const SquareCounts counts = draw_on_device<HalfAsOpaque>(cuda, picture).counts,
                      whole = draw_on_device<WithoutKernel<PerPixel>>(cuda, picture).counts;
-  CHECK(whole.instances_visited == 2 * 6);
+  CHECK(whole.intersections_visited == 2 * 6);
   CHECK(whole.rows_visited == 2 * 6 * 9);
   CHECK(whole.contributing_pairs == 5 * 20 * 9);
   CHECK(whole.pixels_stopped == 20 * 9);
   const SquareCounts expected = draw_on_host<HalfAsOpaque>(picture).counts;
-  CHECK(counts.instances_visited == expected.instances_visited);
+  CHECK(counts.intersections_visited == expected.intersections_visited);
   CHECK(counts.rows_visited == expected.rows_visited);
   CHECK(counts.contributing_pairs == expected.contributing_pairs);
   CHECK(counts.pixels_stopped == expected.pixels_stopped);

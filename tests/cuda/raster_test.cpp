@@ -74,13 +74,13 @@ void check_drawing(Cuda& cuda, const Picture& picture, double brightest = 1) {
         doctest::Approx(double(expected.counts.contributing_pairs)).epsilon(tolerance));
   CHECK(std::abs(double(drawn.counts.pixels_stopped) - double(expected.counts.pixels_stopped)) <=
         1 + 1e-2 * double(expected.counts.pixels_stopped));
-  CHECK(drawn.counts.instances_visited <= picture.lists.ids.size());
+  CHECK(drawn.counts.intersections_visited <= picture.lists.ids.size());
   if (own_kernels) {
-    CHECK(drawn.counts.instances_visited >= expected.counts.instances_visited);
+    CHECK(drawn.counts.intersections_visited >= expected.counts.intersections_visited);
   } else {
     // The same walk: it ends elsewhere only where a threshold falls differently.
-    CHECK(double(drawn.counts.instances_visited) ==
-          doctest::Approx(double(expected.counts.instances_visited)).epsilon(1e-2));
+    CHECK(double(drawn.counts.intersections_visited) ==
+          doctest::Approx(double(expected.counts.intersections_visited)).epsilon(1e-2));
     CHECK(double(drawn.counts.rows_visited) ==
           doctest::Approx(double(expected.counts.rows_visited)).epsilon(1e-2));
   }

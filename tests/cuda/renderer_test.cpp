@@ -147,7 +147,7 @@ TEST_CASE("cuda renderer: several views of a scene in chunks are drawn as each a
   check_cameras(*make_renderer(Usual::name), scene, {cameras.data(), cameras.size()}, {});
 }
 
-TEST_CASE("cuda renderer: is usable after a frame that needs too many instances") {
+TEST_CASE("cuda renderer: is usable after a frame that needs too many intersections") {
   if (without_device()) return;
   Usual renderer;
   Scene giants;
@@ -178,7 +178,7 @@ TEST_CASE("cuda renderer: an empty scene is the background") {
     CHECK(frame.depth[i] == 0);
   }
   CHECK(renderer.statistics().visible == 0);
-  CHECK(renderer.statistics().instances == 0);
+  CHECK(renderer.statistics().intersections == 0);
 }
 
 TEST_CASE("cuda renderer: counts what it did and says how long it took") {
@@ -193,10 +193,10 @@ TEST_CASE("cuda renderer: counts what it did and says how long it took") {
   const Statistics statistics = renderer.statistics(), expected = serial.statistics();
   CHECK(statistics.gaussians == 3000);
   CHECK(std::abs(double(statistics.visible) - double(expected.visible)) <= 1);
-  CHECK(double(statistics.instances) == doctest::Approx(double(expected.instances)).epsilon(1e-3));
+  CHECK(double(statistics.intersections) == doctest::Approx(double(expected.intersections)).epsilon(1e-3));
   CHECK(double(statistics.raster.contributing_pairs) ==
         doctest::Approx(double(expected.raster.contributing_pairs)).epsilon(1e-3));
-  CHECK(statistics.raster.instances_visited <= statistics.instances);
+  CHECK(statistics.raster.intersections_visited <= statistics.intersections);
   const StageTimes times = renderer.times();
   CHECK(times.project > 0);
   CHECK(times.sort > 0);

@@ -84,7 +84,8 @@ struct Projecting {
     Footprints<Cuda> footprints;
     project(cuda, frame.plan(), Ellipse{}, memory, splats, footprints);
     bin(cuda, frame.plan(), Ellipse{}, splats, footprints);
-    return {to_host(cuda, splats.view()), footprints.instances.most, to_host(cuda, footprints.view().each)};
+    return {to_host(cuda, splats.view()), footprints.intersections.most,
+            to_host(cuda, footprints.view().each)};
   }
   bool projects(std::size_t n, std::uint64_t seed) {
     const DeviceScene scene = cuda.upload(random_scene(n, 0, seed));
@@ -104,15 +105,15 @@ struct Emitting {
   static constexpr std::size_t row = 1, small_rows = 1;
 
   Cuda cuda;
-  InstanceScratch<Cuda> scratch;
+  IntersectionScratch<Cuda> scratch;
   Turns<std::uint32_t>& turns = scratch.turns;
 
-  std::pair<std::vector<std::uint64_t>, std::vector<std::uint32_t>> emitted(const SortJob& job,
-                                                                            InstanceScratch<Cuda>& memory) {
-    Pairs<Cuda, std::uint64_t> instances;
-    const std::size_t count = emit_instances(cuda, job, Ellipse{}, nullptr, memory, instances).most;
-    return {to_host(cuda, Span<const std::uint64_t>{instances.keys.data(), count}),
-            to_host(cuda, Span<const std::uint32_t>{instances.values.data(), count})};
+  std::pair<std::vector<std::uint64_t>, std::vector<std::uint32_t>> emitted(
+      const SortJob& job, IntersectionScratch<Cuda>& memory) {
+    Pairs<Cuda, std::uint64_t> intersections;
+    const std::size_t count = emit_intersections(cuda, job, Ellipse{}, nullptr, memory, intersections).most;
+    return {to_host(cuda, Span<const std::uint64_t>{intersections.keys.data(), count}),
+            to_host(cuda, Span<const std::uint32_t>{intersections.values.data(), count})};
   }
   bool emits(std::size_t n, std::uint64_t seed) {
     SplatSet splats = random_splats(n, 700, 500, seed);
@@ -120,7 +121,7 @@ struct Emitting {
       splats.add(make_splat(300, 200, 400, 400, 0, 1), 1);  // without a mask
     const DeviceSplats uploaded(splats);
     const Binned<Cuda, Ellipse> binned(cuda, uploaded.job(700, 500), Ellipse{});
-    InstanceScratch<Cuda> own;
+    IntersectionScratch<Cuda> own;
     const auto expected = emitted(binned.job(), own), found = emitted(binned.job(), scratch);
     return expected.first.size() > n && same_bits(found.first, expected.first) &&
            same_bits(found.second, expected.second);

@@ -214,14 +214,14 @@ TEST_CASE(
       to_host(cuda, Span<const std::uint16_t>{found.of_view, found.size()});
   const std::vector<Footprint> footprints = to_host(cuda, ellipses.view().each);
   REQUIRE(footprints.size() == shapes.size());
-  std::uint64_t instances = 0;
+  std::uint64_t intersections = 0;
   std::size_t different = 0;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const Footprint expected = find_footprint(Ellipse{}, shapes[i], views[of_view[i]].grid);
-    instances += expected.count;
+    intersections += expected.count;
     different += footprints[i].count != expected.count || footprints[i].mask != expected.mask ||
                  (expected.count != 0 && footprints[i].first != expected.first);
   }
   CHECK(different == 0);
-  CHECK(ellipses.instances.most == instances);
+  CHECK(ellipses.intersections.most == intersections);
 }

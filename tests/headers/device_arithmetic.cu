@@ -22,8 +22,8 @@ void launch(std::size_t n, const F& f) {
 
 template <class Bounds>
 void emit(std::size_t n, const FindFootprint<Bounds>& find,
-          const EmitInstances<Bounds, std::uint32_t>& by_tile,
-          const EmitInstances<Bounds, std::uint64_t>& by_tile_and_depth) {
+          const EmitIntersections<Bounds, std::uint32_t>& by_tile,
+          const EmitIntersections<Bounds, std::uint64_t>& by_tile_and_depth) {
   launch(n, find);
   launch(n, by_tile);
   launch(n, by_tile_and_depth);

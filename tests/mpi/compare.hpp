@@ -62,7 +62,7 @@ void compare(const Scene& scene, const Scene& own, const std::vector<Camera>& ca
       for (std::size_t i = 0; i < cameras.size(); ++i) CHECK(same_bits(found[i], expected[i]));
   }
   CHECK(distributed.counters().visible() == one.statistics().visible);
-  CHECK(distributed.counters().instances() == one.statistics().instances);
+  CHECK(distributed.counters().intersections() == one.statistics().intersections);
 }
 
 template <class B, class Sort, class Raster, class Bounds>

@@ -32,7 +32,7 @@ void compare_with_one_process(bool direct) {
       for (std::size_t i = 0; i < cameras.size(); ++i) CHECK(same_bits(found[i], expected[i]));
   }
   CHECK(distributed.counters().visible() == one.statistics().visible);
-  CHECK(distributed.counters().instances() == one.statistics().instances);
+  CHECK(distributed.counters().intersections() == one.statistics().intersections);
 }
 
 }  // namespace

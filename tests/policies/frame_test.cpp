@@ -165,7 +165,7 @@ TEST_CASE_TEMPLATE("frame: a surface that hides nothing changes no bit", B, SWIF
       const SquareCounts again = renderer.statistics().raster;
       CHECK(again.contributing_pairs == counts.contributing_pairs);
       CHECK(again.pixels_stopped == counts.pixels_stopped);
-      CHECK(again.instances_visited == counts.instances_visited);
+      CHECK(again.intersections_visited == counts.intersections_visited);
     }
   });
 }
@@ -268,8 +268,8 @@ TEST_CASE_TEMPLATE("frame: a tile ends when the surface has hidden all its pixel
     for (const SquareCounts& square : counts) {
       CHECK(square.contributing_pairs == 3 * 256);
       CHECK(square.pixels_stopped == 256);
-      CHECK(square.instances_visited >= 4);
-      CHECK(square.instances_visited <= 64);  // a backend may look at lists in batches
+      CHECK(square.intersections_visited >= 4);
+      CHECK(square.intersections_visited <= 64);  // a backend may look at lists in batches
     }
   });
 }

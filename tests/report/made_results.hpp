@@ -20,7 +20,7 @@ struct Row {
   std::string scene = "made", view = "front";
   double gaussians = 1000, enlarge = 1, scale = 1, threads = 4;
   int width = 640, height = 480;
-  double instances = 5000, bytes = 1e6;
+  double intersections = 5000, bytes = 1e6;
   std::vector<double> stage_bytes{};  ///< of project, sort and raster; older files have none
 };
 
@@ -65,7 +65,7 @@ inline Json json_of(const Row& row) {
             {"photo_psnr_db", nullptr},
             {"photo_ssim", nullptr},
             {"visible", 700},
-            {"instances", row.instances},
+            {"intersections", row.intersections},
             {"contributing_pairs", 40000},
             {"device_bytes", 0},
             {"host_bytes", row.bytes}};

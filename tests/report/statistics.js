@@ -16,7 +16,7 @@ function row(more) {
   const renderer = more.renderer ?? 'cpu/early/per-pixel/ellipse', [backend, sort, raster, bounds] = renderer.split('/');
   const {project = 1, sorting = 2, rastering = 3, total = project + sorting + rastering} = more;
   return {scene: 's', gaussians: 1000, enlarge: 1, view: 'a', width: 160, height: 160, scale: 1, conventions: 'gsplat', threads: 4,
-          renderer, backend, sort, raster, bounds, frames: 9, psnr_db: 100, max_abs: 1e-3, ssim: 1, visible: 10, instances: 5000,
+          renderer, backend, sort, raster, bounds, frames: 9, psnr_db: 100, max_abs: 1e-3, ssim: 1, visible: 10, intersections: 5000,
           contributing_pairs: 3, device_bytes: 0, host_bytes: 100, ...more,
           ms: {project: duration(project), sort: duration(sorting), raster: duration(rastering), total: duration(total),
                wall: duration(total + 1)}};
@@ -93,8 +93,8 @@ expect('views that all sizes have', scaling.series(uneven, 'gaussians')[0].fits.
 const threads = backend => rowsOf([1, 2, 4].map(count => row({threads: count, total: 8 / count, renderer: `${backend}/early/x/y`})));
 expect('threads', scaling.series(threads('cpu'), 'threads')[0].fits.total.exponent, -1);
 expect('threads say nothing of a GPU', scaling.series(threads('cuda'), 'threads').length, 0);
-const occupied = rowsOf([1, 2, 4].map(enlarge => row({enlarge, instances: 1000 * enlarge, sorting: enlarge ** 2})));
-expect('instances a tile', scaling.series(occupied, 'occupancy')[0].points.map(point => point.x), [10, 20, 40]);
+const occupied = rowsOf([1, 2, 4].map(enlarge => row({enlarge, intersections: 1000 * enlarge, sorting: enlarge ** 2})));
+expect('intersections a tile', scaling.series(occupied, 'occupancy')[0].points.map(point => point.x), [10, 20, 40]);
 const pixels = rowsOf([1, 2, 4].map(scale => row({scale, width: 160 * scale, height: 160 * scale, rastering: scale ** 2})));
 expect('pixels', scaling.series(pixels, 'pixels')[0].fits.raster.exponent, 1);
 

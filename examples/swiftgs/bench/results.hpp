@@ -81,7 +81,7 @@ struct RowResult {
   Durations ms;
   std::optional<Errors> errors;
   std::optional<PhotoErrors> photo;
-  std::uint64_t visible = 0, instances = 0, contributing_pairs = 0;
+  std::uint64_t visible = 0, intersections = 0, contributing_pairs = 0;
   std::uint64_t pieces = 0, pixels_joined = 0, longest_item = 0;
   CountedTimes counted_ms;
   StageMemory bytes;
@@ -90,7 +90,7 @@ struct RowResult {
 
   static auto members(auto& self) {
     return std::tie(self.place, self.threads, self.renderer, self.frames, self.batch, self.ms, self.errors,
-                    self.photo, self.visible, self.instances, self.contributing_pairs, self.pieces,
+                    self.photo, self.visible, self.intersections, self.contributing_pairs, self.pieces,
                     self.pixels_joined, self.longest_item, self.counted_ms, self.bytes, self.device_bytes,
                     self.host_bytes, self.image, self.error_image);
   }

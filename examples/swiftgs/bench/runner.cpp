@@ -154,7 +154,7 @@ RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subj
   // The second frame is timed: the first has kernels loaded and warms caches.
   for (int i = 0; i < 2; ++i) renderer.render_resident(camera, counting);
   const Statistics counts = renderer.statistics();
-  row.visible = counts.visible, row.instances = counts.instances;
+  row.visible = counts.visible, row.intersections = counts.intersections;
   row.contributing_pairs = counts.raster.contributing_pairs;
   row.pieces = counts.raster.pieces, row.pixels_joined = counts.raster.pixels_joined;
   row.longest_item = counts.raster.longest_item;

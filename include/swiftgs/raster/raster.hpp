@@ -23,19 +23,19 @@ namespace swiftgs {
 /// `pixels_stopped` differ from run to run, since different warps take up long lists. `balanced_ps` differs
 /// on every backend.
 struct SquareCounts {
-  std::uint64_t instances_visited = 0;   ///< of its tile's list, before all its pixels had stopped
-  std::uint64_t rows_visited = 0;        ///< rows of pixels on which an instance was evaluated
-  std::uint64_t contributing_pairs = 0;  ///< (pixel, splat) pairs that were blended
-  std::uint64_t pixels_stopped = 0;      ///< pixels that ended before their list
-  std::uint64_t pieces = 0;              ///< of long lists, blended apart from each other
-  std::uint64_t pixels_joined = 0;       ///< pixels of those pieces that were joined with what lies in front
-  std::uint64_t longest_item = 0;        ///< most instances that one core, warp or block worked off alone
+  std::uint64_t intersections_visited = 0;  ///< of its tile's list, before all its pixels had stopped
+  std::uint64_t rows_visited = 0;           ///< rows of pixels on which an intersection was evaluated
+  std::uint64_t contributing_pairs = 0;     ///< (pixel, splat) pairs that were blended
+  std::uint64_t pixels_stopped = 0;         ///< pixels that ended before their list
+  std::uint64_t pieces = 0;                 ///< of long lists, blended apart from each other
+  std::uint64_t pixels_joined = 0;  ///< pixels of those pieces that were joined with what lies in front
+  std::uint64_t longest_item = 0;   ///< most intersections that one core, warp or block worked off alone
   /// Time that all threads of the host, or all warps that the device runs at once, would be at work on the
   /// square if its work were shared out evenly. @units{picoseconds}
   std::uint64_t balanced_ps = 0;
 
   SWIFTGS_HD SquareCounts& operator+=(const SquareCounts& o) {
-    instances_visited += o.instances_visited, rows_visited += o.rows_visited;
+    intersections_visited += o.intersections_visited, rows_visited += o.rows_visited;
     contributing_pairs += o.contributing_pairs, pixels_stopped += o.pixels_stopped;
     pieces += o.pieces, pixels_joined += o.pixels_joined, balanced_ps += o.balanced_ps;
     if (longest_item < o.longest_item) longest_item = o.longest_item;
@@ -178,7 +178,7 @@ struct RasterizeSquare {
       const SplatColour& colour = job.colours.each[id];
       if (is_hidden(colour)) continue;
       typename R::Kernel kernel(shape, first_centre, view.rules);
-      ++counts.instances_visited;
+      ++counts.intersections_visited;
       for (int row = 0; row < rows; ++row) {
         const float y = first_centre.y + float(row);
         if (live_in_row[row] == 0 || !row_touched(shape, first_centre.x, y)) continue;
@@ -208,7 +208,7 @@ struct RasterizeSquare {
       for (int column = 0; column < columns; ++column)
         store_pixel(view.frame, std::size_t(x0 + column), std::size_t(y0 + row), pixels[row][column],
                     view.background);
-    counts.longest_item = counts.instances_visited;
+    counts.longest_item = counts.intersections_visited;
     if (job.counts) job.counts[square] = counts;
   }
 

@@ -83,7 +83,7 @@ class AdaptiveSort {
     if (job.key != key_) start_over(job.key), scratch.trial.reset();
     if (job.use == FrameUse::recorded || job.key.scene == 0) return sort(early_ || !decided_);
 
-    const std::array<std::size_t, 2> room{room_of(job.splats.count()), room_of(job.footprints.instances)};
+    const std::array<std::size_t, 2> room{room_of(job.splats.count()), room_of(job.footprints.intersections)};
     // A device's frame that had too little room is drawn again with more: its time says nothing.
     if (scratch.trial && scratch.trial->room != room) scratch.trial.reset();
     collect(b, scratch.trial);
@@ -97,7 +97,7 @@ class AdaptiveSort {
       measured_[early].warm = true;
     else
       scratch.trial = Trial<B>{early, room, from, b.now()};
-    if (!job.footprints.instances.exact) collect(b, scratch.trial);
+    if (!job.footprints.intersections.exact) collect(b, scratch.trial);
   }
 
  private:

@@ -44,8 +44,8 @@ const std::uint32_t* order_by_depth(B& b, const SplatsView& splats, DepthOrderSc
   return pairs.values.data();
 }
 
-/// Early sorting (SwiftGS, section 4.1): sort the visible splats by depth once, emit their instances in that
-/// order, and sort those by tile alone. Depth is looked at once a splat instead of once an instance.
+/// Early sorting (SwiftGS, section 4.1): sort the visible splats by depth once, emit their intersections in
+/// that order, and sort those by tile alone. Depth is looked at once a splat instead of once an intersection.
 struct EarlySort {
   static constexpr std::string_view name = "early";
 

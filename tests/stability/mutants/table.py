@@ -141,10 +141,10 @@ MUTANTS = [
            "  std::reverse(pairs.values.data(), pairs.values.data() + count.get());\n"
            "  b.sort_pairs(pairs, count, depth_key_bits);"),
     Mutant("sort: ties in another order where the sort is standard", I + "sort/standard.hpp",
-           "b.sort_pairs(scratch.instances,",
-           "std::reverse(scratch.instances.keys.data(), scratch.instances.keys.data() + count);\n"
-           "    std::reverse(scratch.instances.values.data(), scratch.instances.values.data() + count);\n"
-           "    b.sort_pairs(scratch.instances,"),
+           "b.sort_pairs(scratch.intersections,",
+           "std::reverse(scratch.intersections.keys.data(), scratch.intersections.keys.data() + count);\n"
+           "    std::reverse(scratch.intersections.values.data(), scratch.intersections.values.data() + count);\n"
+           "    b.sort_pairs(scratch.intersections,"),
     # Bounds.
     Mutant("bounds: no slack", I + "bounds/bounds.hpp", "return 1e-2f + 1e-4f * (half_width + half_height);",
            "return 0 * (half_width + half_height);"),
@@ -265,7 +265,7 @@ MUTANTS = [
            "(2.4022242e-1f + 1e-5f)",
            sources=PER_PIXEL),
     Mutant("cpu sort: keys of 30 bits", I + "splats.hpp", "depth_key_bits = 31", "depth_key_bits = 30", "cpu",
-           ("sort.cpp", "instances.cpp")),
+           ("sort.cpp", "intersections.cpp")),
     Mutant("cpu raster: rows compare with <", CPU + "raster-inl.hpp",
            "hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.reach))",
            "hn::Lt(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.reach))", sources=CHOLESKY),

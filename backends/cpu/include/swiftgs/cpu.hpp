@@ -202,14 +202,14 @@ void bin(Cpu& cpu, const FramePlan& plan, const Bounds& bounds, Splats<Cpu>& spl
   footprints.views = plan.views;
   constexpr std::size_t grain = 1024;
   footprints.each.reset(splats.count);
-  footprints.count = splats.count, footprints.instances = 0;
+  footprints.count = splats.count, footprints.intersections = 0;
   const SplatShape* const shapes = splats.shapes.data();
   Footprint* const out = footprints.each.data();
   for_parts_of_views(cpu, splats.view(), grain, [&](std::size_t view, std::size_t begin, std::size_t end) {
     find_footprints(bounds, shapes + begin, end - begin, plan.views[view].grid, out + begin);
-    std::uint64_t instances = 0;
-    for (std::size_t i = begin; i < end; ++i) instances += out[i].count;
-    std::atomic_ref(footprints.instances).fetch_add(instances, std::memory_order_relaxed);
+    std::uint64_t intersections = 0;
+    for (std::size_t i = begin; i < end; ++i) intersections += out[i].count;
+    std::atomic_ref(footprints.intersections).fetch_add(intersections, std::memory_order_relaxed);
   });
   if (plan.limits.report) *plan.limits.report = await_report(cpu, splats, footprints, plan.limits);
 }
@@ -238,11 +238,11 @@ struct LargeTiles {
   };
 };
 
-/// What instances are emitted from, whatever the bounds.
+/// What intersections are emitted from, whatever the bounds.
 struct EmissionJob {
   SplatsView splats;
   Span<const Footprint> footprints;
-  std::uint64_t instances;
+  std::uint64_t intersections;
   Views views;
   LargeTiles large;
   const std::uint32_t* order;  ///< of the splats; null: index order
@@ -251,7 +251,7 @@ struct EmissionJob {
   EmissionJob(const SortJob& job, const Bounds& bounds, const std::uint32_t* order_)
       : splats(job.splats),
         footprints(job.footprints.each),
-        instances(job.footprints.instances.most),
+        intersections(job.footprints.intersections.most),
         views(job.footprints.views),
         large(bounds),
         order(order_) {
@@ -260,11 +260,12 @@ struct EmissionJob {
 };
 
 /// Emission in parallel. Throws as the generic one.
-SWIFTGS_API Count emit_instances(Cpu& cpu, const EmissionJob& job, Pairs<Cpu, std::uint64_t>& instances);
+SWIFTGS_API Count emit_intersections(Cpu& cpu, const EmissionJob& job,
+                                     Pairs<Cpu, std::uint64_t>& intersections);
 template <BoundsPolicy Bounds>
-Count emit_instances(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                     InstanceScratch<Cpu>&, Pairs<Cpu, std::uint64_t>& instances) {
-  return emit_instances(cpu, EmissionJob(job, bounds, order), instances);
+Count emit_intersections(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+                         IntersectionScratch<Cpu>&, Pairs<Cpu, std::uint64_t>& intersections) {
+  return emit_intersections(cpu, EmissionJob(job, bounds, order), intersections);
 }
 
 template <>

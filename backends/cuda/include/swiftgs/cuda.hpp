@@ -137,14 +137,14 @@ struct Footprints<Cuda> {
   DeviceBuffer<Footprint> each;
   DeviceBuffer<FrameCounts> counts;  ///< of splats of your own
   std::size_t count = 0;             ///< splats, at most
-  Count instances;
+  Count intersections;
   Views views;
   const std::uint64_t* overflowed = nullptr;
   DeviceBuffer<FrameTotals> totals;  ///< of splats of your own
   PendingProjection found_by;
   std::string_view found_within;  ///< name of the bounds that `found_by` used
 
-  FootprintsView view() const { return {{each.data(), count}, instances, views, overflowed}; }
+  FootprintsView view() const { return {{each.data(), count}, intersections, views, overflowed}; }
   static auto buffers(auto& self) { return std::tie(self.each, self.counts, self.totals); }
 };
 
@@ -182,9 +182,10 @@ class [[nodiscard]] Shading<Cuda> {
 SWIFTGS_API Shading<Cuda> shade(Cuda& cuda, const FramePlan& plan, const Splats<Cuda>& splats,
                                 Colours<Cuda>& colours);
 
-/// Has the device compare the numbers of splats and of instances with the limits. If those have no capacity
-/// of instances, it waits for the numbers. Finds footprints that `project` has not, and waits for the number
-/// of splats where the host does not know it. In the library for `AllBounds`; others: `<swiftgs/cuda.cuh>`.
+/// Has the device compare the numbers of splats and of intersections with the limits. If those have no
+/// capacity of intersections, it waits for the numbers. Finds footprints that `project` has not, and waits
+/// for the number of splats where the host does not know it. In the library for `AllBounds`; others:
+/// `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
 SWIFTGS_API void bin(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Splats<Cuda>& splats,
                      Footprints<Cuda>& footprints);
@@ -195,7 +196,7 @@ inline FrameReport await_report(Cuda& cuda, Splats<Cuda>& splats, Footprints<Cud
   const FrameReport report = cuda.await_report();
   if (report.overflowed) return report;
   splats.count = footprints.count = std::size_t(report.visible), splats.exact = nullptr;
-  footprints.instances = std::size_t(report.instances), footprints.overflowed = nullptr;
+  footprints.intersections = std::size_t(report.intersections), footprints.overflowed = nullptr;
   return report;
 }
 
@@ -207,7 +208,7 @@ inline const std::uint32_t* order_by_depth(Cuda& cuda, const SplatsView& splats,
   return scratch.pairs.values.data();
 }
 
-/// A splat, its depth key where the keys of instances hold one, and the place of its first instance.
+/// A splat, its depth key where the keys of intersections hold one, and the place of its first intersection.
 struct EmittedSplat {
   std::uint32_t id = 0, depth = 0, at = 0;
   Footprint footprint;
@@ -215,25 +216,25 @@ struct EmittedSplat {
 
 /// Memory of emission.
 template <>
-struct InstanceScratch<Cuda> {
+struct IntersectionScratch<Cuda> {
   DeviceBuffer<EmittedSplat> large;  ///< splats without a mask
   Turns<std::uint32_t> turns;        ///< count them
 
   static auto buffers(auto& self) { return std::tie(self.large, self.turns); }
 };
 
-/// `emit_instances` with the tiles of 32 splats spread over the lanes of a warp. The footprints must hold as
-/// many instances as they say: to check would be to wait.
-/// In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
+/// `emit_intersections` with the tiles of 32 splats spread over the lanes of a warp. The footprints must hold
+/// as many intersections as they say: to check would be to wait. In the library for `AllBounds`; for others
+/// in `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds, class Key>
-SWIFTGS_API Count emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds,
-                                 const std::uint32_t* order, InstanceScratch<Cuda>& scratch,
-                                 Pairs<Cuda, Key>& instances);
+SWIFTGS_API Count emit_intersections(Cuda& cuda, const SortJob& job, const Bounds& bounds,
+                                     const std::uint32_t* order, IntersectionScratch<Cuda>& scratch,
+                                     Pairs<Cuda, Key>& intersections);
 
 /// Memory of grouping by tile.
 template <>
 struct GroupScratch<Cuda> {
-  InstanceScratch<Cuda> emission;
+  IntersectionScratch<Cuda> emission;
   Pairs<Cuda, std::uint16_t> narrow;  ///< where 16 bits tell the tiles apart
   Pairs<Cuda, std::uint32_t> wide;
 
@@ -244,10 +245,10 @@ struct GroupScratch<Cuda> {
 template <BoundsPolicy Bounds>
 void group_by_tile(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<Cuda>& scratch, TileLists<Cuda>& lists) {
-  const auto group = [&](auto& instances) {
-    const Count count = emit_instances(cuda, job, bounds, order, scratch.emission, instances);
-    cuda.sort_pairs(instances, count, job.footprints.views.tiles.key_bits());
-    finish_lists(cuda, job.footprints, count, 0, instances, lists);
+  const auto group = [&](auto& intersections) {
+    const Count count = emit_intersections(cuda, job, bounds, order, scratch.emission, intersections);
+    cuda.sort_pairs(intersections, count, job.footprints.views.tiles.key_bits());
+    finish_lists(cuda, job.footprints, count, 0, intersections, lists);
   };
   job.footprints.views.tiles.key_bits() <= 16 ? group(scratch.narrow) : group(scratch.wide);
 }

@@ -24,13 +24,13 @@ namespace swiftgs {
 /// Counts of a frame that projection adds up.
 struct FrameCounts {
   std::uint64_t visible = 0;
-  std::uint64_t instances = 0;
+  std::uint64_t intersections = 0;
 };
 
 /// What later stages go by, in device memory.
 struct FrameTotals {
   FrameReport report;
-  std::uint32_t splats = 0, instances = 0;  ///< 0 where the frame overflowed
+  std::uint32_t splats = 0, intersections = 0;  ///< 0 where the frame overflowed
 };
 
 /// One NVIDIA GPU. Everything runs in the order of one stream, and frames have the same bits from run to run.
@@ -185,8 +185,9 @@ class SWIFTGS_API Cuda {
   /// Fills `bytes` bytes of device memory with zero.
   void clear(void* memory, std::size_t bytes) const;
 
-  /// Has the device decide whether a frame of so many splats and instances fits `limits`, keep the numbers in
-  /// `totals` and report them, with `raster_word` if the host is to read the report. Does not wait.
+  /// Has the device decide whether a frame of so many splats and intersections fits `limits`, keep the
+  /// numbers in `totals` and report them, with `raster_word` if the host is to read the report. Does not
+  /// wait.
   void settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameTotals* totals) const;
 
   /// The report of the last `settle` whose limits name no memory for it: the one place where a renderer waits

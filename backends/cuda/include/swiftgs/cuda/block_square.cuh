@@ -160,15 +160,15 @@ class WarpTimer {
   std::uint32_t at_once_;
 };
 
-/// Adds the counts of a warp to its square. The square has visited as many instances as the furthest of its
-/// warps. Call it on a whole warp, with the same counts on all lanes.
+/// Adds the counts of a warp to its square. The square has visited as many intersections as the furthest of
+/// its warps. Call it on a whole warp, with the same counts on all lanes.
 __device__ inline void add_counts(SquareCounts& square, const SquareCounts& of_warp) {
   using Word = unsigned long long;
   const auto field = [&](std::uint64_t SquareCounts::*member) {
     return reinterpret_cast<Word*>(&(square.*member));
   };
   if (lane_index() != 0) return;
-  atomicMax(field(&SquareCounts::instances_visited), Word(of_warp.instances_visited));
+  atomicMax(field(&SquareCounts::intersections_visited), Word(of_warp.intersections_visited));
   atomicMax(field(&SquareCounts::longest_item), Word(of_warp.longest_item));
   atomicAdd(field(&SquareCounts::rows_visited), Word(of_warp.rows_visited));
   atomicAdd(field(&SquareCounts::contributing_pairs), Word(of_warp.contributing_pairs));

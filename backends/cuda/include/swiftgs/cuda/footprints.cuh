@@ -65,10 +65,10 @@ __device__ Footprint find_footprint(const Bounds& bounds, const TileGrid& grid, 
 }
 
 /// Adds to the tiles of a frame's splats. For one thread.
-__device__ inline void add_instances(FrameCounts& counts, std::uint32_t tiles) {
-  static_assert(sizeof(unsigned long long) == sizeof counts.instances);
+__device__ inline void add_intersections(FrameCounts& counts, std::uint32_t tiles) {
+  static_assert(sizeof(unsigned long long) == sizeof counts.intersections);
   if (tiles != 0)
-    atomicAdd(reinterpret_cast<unsigned long long*>(&counts.instances),
+    atomicAdd(reinterpret_cast<unsigned long long*>(&counts.intersections),
               static_cast<unsigned long long>(tiles));
 }
 
@@ -88,7 +88,7 @@ __global__ void __launch_bounds__(bin_threads)
   const Footprint found = find_footprint(bounds, grid, shape, exists, shared[threadIdx.x / warp_size]);
   if (exists) footprints[i] = found;
   const std::uint32_t tiles = warp_sum(found.count);
-  if (lane_index() == 0) add_instances(*counts, tiles);
+  if (lane_index() == 0) add_intersections(*counts, tiles);
   if (i == 0) counts->visible = splats.size();
 }
 

@@ -147,7 +147,7 @@ __global__ void __launch_bounds__(project_threads, project_blocks)
     for (const std::uint32_t of_warp : shared.tiles) tiles += of_warp;
     if (lane_index() == 0) {
       shared.before = before;
-      add_instances(turns.copy(turn), tiles);
+      add_intersections(turns.copy(turn), tiles);
       if (blockIdx.x == last) {
         turns.copy(turn).visible = before + visible;
         end_turn(turns, turn, last + 1);
@@ -176,7 +176,7 @@ void run_project(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Projec
   const std::size_t most_splats = std::numeric_limits<std::uint32_t>::max();
   if (n > most_splats) throw CapacityError("Gaussians in all views", n, most_splats);
   const std::size_t limit = plan.limits.capacity.splats, capacity = limit == 0 ? n : std::min(limit, n);
-  splats.count = footprints.count = 0, footprints.instances = 0;
+  splats.count = footprints.count = 0, footprints.intersections = 0;
   splats.exact = nullptr, footprints.overflowed = nullptr;
   splats.pending = footprints.found_by = {};
   splats.reset(capacity, plan.views.size()), footprints.each.reset(capacity);
@@ -226,7 +226,7 @@ void run_bin(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Splats<Cud
              Footprints<Cuda>& footprints) {
   const Views& views = plan.views;
   const Limits& limits = plan.limits;
-  const bool waits = limits.capacity.instances == 0;
+  const bool waits = limits.capacity.intersections == 0;
   if (waits) cuda.check_not_captured("bin");
   const PendingProjection pending = std::exchange(splats.pending, {});
   const PendingProjection found_by = std::exchange(footprints.found_by, {});
@@ -248,12 +248,12 @@ void run_bin(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Splats<Cud
   if (waits) {
     const FrameReport report = cuda.await_report();
     splats.count = footprints.count = std::size_t(report.visible), splats.exact = nullptr;
-    footprints.instances = std::size_t(report.instances), footprints.overflowed = nullptr;
+    footprints.intersections = std::size_t(report.intersections), footprints.overflowed = nullptr;
     return;
   }
   if (found) splats.count = splats.shapes.size();
   footprints.count = splats.count, splats.exact = &totals->splats;
-  footprints.instances = {limits.capacity.instances, &totals->instances};
+  footprints.intersections = {limits.capacity.intersections, &totals->intersections};
   footprints.overflowed = &totals->report.overflowed;
 }
 

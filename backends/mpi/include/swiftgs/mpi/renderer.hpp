@@ -238,7 +238,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     const Statistics found = one_.statistics();
     const StageTimes times = one_.times();
     RankCounters mine{.gaussians = scene.size(), .visible = found.visible, .drawn = found.visible};
-    mine.instances = found.instances, mine.rows = one_.tiles().rows, mine.bytes = memory();
+    mine.intersections = found.intersections, mine.rows = one_.tiles().rows, mine.bytes = memory();
     mine.project_ns = std::uint64_t(1e6 * times.project);
     mine.band_ns = std::uint64_t(1e6 * (times.sort + times.raster)), mine.frame_ns = since(begun);
     counters_ = {{mine}};
@@ -255,8 +255,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     if (!band_plan_ || band_plan_->rows() != rows) band_plan_.emplace(rows, ranks_.size());
     FramePlan plan(whole_, part);
     const FrameReport report = whole_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
-      // As many instances as there may be: bands have their own, and these are not emitted.
-      if (!B::reaches_host_memory) plan.limits = {{capacity.splats, std::size_t(max_instances)}};
+      // As many intersections as there may be: bands have their own, and these are not emitted.
+      if (!B::reaches_host_memory) plan.limits = {{capacity.splats, std::size_t(max_intersections)}};
       Stages<B>& stages = one_.stages();
       stages.project(plan);
       share_out(backend(), plan, Bounds{}, band_plan_->cuts(), stages.splats(), stages.footprints(), shares_);
@@ -337,7 +337,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     FramePlan plan(stored, part);
     const FrameReport report = band_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
       splats.set_count(std::size_t(mine.drawn));
-      if (!B::reaches_host_memory) plan.limits = {{0, capacity.instances}};
+      if (!B::reaches_host_memory) plan.limits = {{0, capacity.intersections}};
       mark(0);
       one_.stages().draw(
           plan, splats, band_footprints_, arriving_colours,
@@ -345,7 +345,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
       shapes.wait(), colours.wait();  // sees faults of a link, which work that waits for messages would not
       return await_report(backend(), splats, band_footprints_, plan.limits);
     });
-    mine.instances = report.instances;
+    mine.intersections = report.intersections;
     backend().wait();
     const auto ms = [&](const auto& from, const auto& to) {
       return backend().milliseconds(from, to).value_or(0);

@@ -27,7 +27,7 @@
 namespace swiftgs {
 
 /// Rows of the sheet in which a splat has tiles. Every splat of a tile list must reach the rank that draws
-/// the tile, so the answer comes from the footprint that one process would emit instances from.
+/// the tile, so the answer comes from the footprint that one process would emit intersections from.
 template <BoundsPolicy Bounds>
 SWIFTGS_HD TileRun sheet_rows(const Bounds& bounds, const SplatShape& shape, const Footprint& footprint,
                               const TileGrid& grid) {
