@@ -25,7 +25,7 @@ struct FlatEllipses {
 
   class Kernel {
    public:
-    /// `first_centre` is the centre of the square's first pixel @units{pixels}.
+    /// `first_centre` is the centre of the raster block's first pixel @units{pixels}.
     SWIFTGS_HD Kernel(const SplatShape& shape, vec2 first_centre, BlendRules rules)
         : terms_(shape, first_centre),
           height_(shape.opacity < rules.alpha_max ? shape.opacity : rules.alpha_max),

@@ -20,7 +20,7 @@
 #include <swiftgs/raster/raster.hpp>
 
 #include "exp2-inl.hpp"
-#include "square-inl.hpp"
+#include "raster_block-inl.hpp"
 #include "store-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -37,23 +37,24 @@ constexpr std::size_t at_once = lanes == 16 ? 4 : 2;
 /// and far from denormal results, on which processors are slow. Conventions that show such alphas need more.
 inline float LeastExponent(const BlendRules& rules) { return rules.log2_alpha_min < -40 ? -126.0f : -64.0f; }
 
-/// A bit for each group and for each row of a square that a splat touches.
+/// A bit for each group and for each row of a raster block that a splat touches.
 struct Touched {
   std::uint32_t groups, rows;
 };
 
 /// What every form needs of the splats of a batch.
 struct alignas(64) Batch {
-  std::uint32_t group_masks[batch_size];                 ///< bit g: the splat touches group g
-  float colours[batch_size][4];                          ///< RGB, depth
-  std::uint32_t lists[square_side][batch_size + lanes];  ///< for each group the splats that touch it
-  std::size_t list_sizes[square_side];
+  std::uint32_t group_masks[batch_size];                       ///< bit g: the splat touches group g
+  float colours[batch_size][4];                                ///< RGB, depth
+  std::uint32_t lists[raster_block_side][batch_size + lanes];  ///< for each group the splats that touch it
+  std::size_t list_sizes[raster_block_side];
 };
 
-/// A splat's factor applied to the offsets of a square's columns and rows from its mean. Rows are refused by
-/// these, and the Cholesky form is made of them.
+/// A splat's factor applied to the offsets of a raster block's columns and rows from its mean. Rows are
+/// refused by these, and the Cholesky form is made of them.
 struct alignas(64) CholeskyTerms {
-  float p[square_side], q[square_side], c[square_side];  ///< l0 dx, l1 dy, log2(opacity) - (l2 dy)^2
+  float p[raster_block_side], q[raster_block_side],
+      c[raster_block_side];  ///< l0 dx, l1 dy, log2(opacity) - (l2 dy)^2
 };
 
 HWY_INLINE std::uint32_t BitsOf(Mask mask) {
@@ -73,10 +74,10 @@ HWY_INLINE void VisitRows(const SplatShape& shape, vec2 first_centre, float log2
   const Vec l0 = hn::Set(d, shape.l0), l1 = hn::Set(d, shape.l1), l2 = hn::Set(d, shape.l2);
   const Vec log2_opacity = hn::Set(d, swiftgs::log2_opacity(shape, log2_alpha_min, 1));
   const float first_dx = first_centre.x - shape.mean.x, first_dy = first_centre.y - shape.mean.y;
-  for (std::size_t i = 0; i < square_side; i += lanes)
+  for (std::size_t i = 0; i < raster_block_side; i += lanes)
     hn::Store(hn::Mul(l0, hn::Add(hn::Set(d, first_dx), hn::Iota(d, float(i)))), d, terms.p + i);
-  const Vec first_p = hn::Set(d, terms.p[0]), last_p = hn::Set(d, terms.p[square_side - 1]);
-  for (std::size_t i = 0; i < square_side; i += lanes) {
+  const Vec first_p = hn::Set(d, terms.p[0]), last_p = hn::Set(d, terms.p[raster_block_side - 1]);
+  for (std::size_t i = 0; i < raster_block_side; i += lanes) {
     const Vec dy = hn::Add(hn::Set(d, first_dy), hn::Iota(d, float(i)));
     const Vec q = hn::Mul(l1, dy), v = hn::Mul(l2, dy);
     hn::Store(q, d, terms.q + i);
@@ -112,7 +113,7 @@ HWY_INLINE Vec MostOfFour(Vec v) {
 /// float and rounding is monotone.
 HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
                                  CholeskyTerms& HWY_RESTRICT terms) {
-  static_assert(square_side == 16 && Blocks::side == 4);
+  static_assert(raster_block_side == 16 && Blocks::side == 4);
   const F32 d;
   const hn::RebindToSigned<F32> di;
   Touched all = {0, 0};
@@ -136,19 +137,19 @@ HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, flo
 
 /// Turns one mask of groups a splat into one list of splats a group.
 HWY_INLINE void ListGroups(Batch& HWY_RESTRICT batch, std::size_t splats) {
-  const hn::CappedTag<std::uint32_t, square_side> d;
-  for (std::size_t group = 0; group < square_side; ++group) batch.list_sizes[group] = 0;
+  const hn::CappedTag<std::uint32_t, raster_block_side> d;
+  for (std::size_t group = 0; group < raster_block_side; ++group) batch.list_sizes[group] = 0;
   for (std::size_t first = 0; first < splats; first += lanes) {
     const auto masks = hn::Load(d, batch.group_masks + first);
     const auto index = hn::Iota(d, std::uint32_t(first));
-    for (std::size_t group = 0; group < square_side; ++group) {
+    for (std::size_t group = 0; group < raster_block_side; ++group) {
       const auto touched = hn::TestBit(masks, hn::Set(d, 1u << group));
       batch.list_sizes[group] +=
           hn::CompressStore(index, touched, d, batch.lists[group] + batch.list_sizes[group]);
     }
   }
   // Alphas are evaluated beyond the end, of whatever splat.
-  for (std::size_t group = 0; group < square_side; ++group)
+  for (std::size_t group = 0; group < raster_block_side; ++group)
     for (std::size_t i = 0; i + 1 < at_once; ++i) batch.lists[group][batch.list_sizes[group] + i] = 0;
 }
 
@@ -175,8 +176,8 @@ HWY_INLINE Vec CutAlpha(const BlendRules& rules, Vec alpha) {
 /// arithmetic and the loads of its terms.
 template <class Form, bool kDepth, bool kCount, bool kOccluder>
 HWY_INLINE void BlendGroup(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRICT batch,
-                           const BlendRules& rules, SquareState& HWY_RESTRICT state, std::size_t group,
-                           std::size_t part, SquareCounts& counts) {
+                           const BlendRules& rules, RasterBlockState& HWY_RESTRICT state, std::size_t group,
+                           std::size_t part, RasterCounts& counts) {
   const F32 d;
   const std::size_t first = part * lanes;
   const typename Form::Groups::Part place(group, part);
@@ -242,17 +243,18 @@ HWY_INLINE void PrefetchSplats(const RasterJob& job, std::size_t from, std::size
   }
 }
 
-/// Renders squares [begin, end): the list of each is walked in batches, and each batch group by group.
+/// Renders raster blocks [begin, end): the list of each is walked in batches, and each batch group by group.
 template <class Form, bool kDepth, bool kCount, bool kOccluder>
-void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t begin, std::size_t end) {
-  SquareState state;
+void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::size_t begin,
+                        std::size_t end) {
+  RasterBlockState state;
   Batch batch;
   const bool some_hidden = job.colours.some_hidden();
 
-  for (std::size_t square = begin; square < end; ++square) {
-    const PlacedSquare place(job.views, squares, square);
-    SquareCounts counts;
-    if (job.counts) job.counts[square] = counts;
+  for (std::size_t block = begin; block < end; ++block) {
+    const PlacedRasterBlock place(job.views, blocks, block);
+    RasterCounts counts;
+    if (job.counts) job.counts[block] = counts;
     if (place.empty()) continue;
     const View& view = place.view;
     Form form(view.rules);
@@ -277,9 +279,9 @@ void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t beg
       }
       for (std::size_t k = splats; k % lanes != 0; ++k) batch.group_masks[k] = 0;
       ListGroups(batch, splats);
-      for (std::size_t group = 0; group < square_side; ++group) {
+      for (std::size_t group = 0; group < raster_block_side; ++group) {
         // The next batch's splats come from memory while this one's are blended.
-        constexpr std::size_t share = batch_size / square_side;
+        constexpr std::size_t share = batch_size / raster_block_side;
         const std::size_t next = at + batch_size + group * share;
         PrefetchSplats(job, next, next + share, range.end);
         if (batch.list_sizes[group] != 0)
@@ -289,9 +291,9 @@ void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t beg
       live = Live(state.transmittance);
       counts.intersections_visited += splats;
     }
-    StoreSquare<typename Form::Groups>(view, place, state);
+    StoreRasterBlock<typename Form::Groups>(view, place, state);
     counts.longest_item = counts.intersections_visited;
-    if (job.counts) job.counts[square] = counts;
+    if (job.counts) job.counts[block] = counts;
   }
 }
 
@@ -299,18 +301,19 @@ void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t beg
 /// others ask for; of the rest there is one kind with counts and one without, since each kind takes long to
 /// compile.
 template <class Form>
-void RenderSquaresOf(const RasterJob& job, const Squares& squares, std::size_t begin, std::size_t end) {
+void RenderRasterBlocksOf(const RasterJob& job, const RasterBlocks& blocks, std::size_t begin,
+                          std::size_t end) {
   const auto some_view = [&](const auto& wants) {
     return std::any_of(job.views.begin(), job.views.end(), wants);
   };
   if (job.counts)
-    RenderSquares<Form, true, true, true>(job, squares, begin, end);
+    RenderRasterBlocks<Form, true, true, true>(job, blocks, begin, end);
   else if (some_view([](const View& view) { return view.frame.occluder.data != nullptr; }))
-    RenderSquares<Form, true, false, true>(job, squares, begin, end);
+    RenderRasterBlocks<Form, true, false, true>(job, blocks, begin, end);
   else if (some_view([](const View& view) { return view.frame.depth.data != nullptr; }))
-    RenderSquares<Form, true, false, false>(job, squares, begin, end);
+    RenderRasterBlocks<Form, true, false, false>(job, blocks, begin, end);
   else
-    RenderSquares<Form, false, false, false>(job, squares, begin, end);
+    RenderRasterBlocks<Form, false, false, false>(job, blocks, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

@@ -55,10 +55,10 @@ class FloatCholeskyForm {
   CholeskyTerms terms_[batch_size];
 };
 
-void FloatCholeskySquares(const RasterJob& job, const Squares& squares, bool threshold, std::size_t begin,
-                          std::size_t end) {
-  threshold ? RenderSquaresOf<FloatCholeskyForm<true>>(job, squares, begin, end)
-            : RenderSquaresOf<FloatCholeskyForm<false>>(job, squares, begin, end);
+void FloatCholeskyRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, bool threshold,
+                               std::size_t begin, std::size_t end) {
+  threshold ? RenderRasterBlocksOf<FloatCholeskyForm<true>>(job, blocks, begin, end)
+            : RenderRasterBlocksOf<FloatCholeskyForm<false>>(job, blocks, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
@@ -67,11 +67,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace swiftgs {
 namespace {
-HWY_EXPORT(FloatCholeskySquares);
+HWY_EXPORT(FloatCholeskyRasterBlocks);
 
 void run(Cpu& cpu, const RasterJob& job, bool threshold) {
-  for_squares(cpu, job, [&](const Squares& squares, std::size_t begin, std::size_t end) {
-    HWY_DYNAMIC_DISPATCH(FloatCholeskySquares)(job, squares, threshold, begin, end);
+  for_raster_blocks(cpu, job, [&](const RasterBlocks& blocks, std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(FloatCholeskyRasterBlocks)(job, blocks, threshold, begin, end);
   });
 }
 }  // namespace

@@ -59,7 +59,8 @@ class SplitForm {
 
   using Cell = typename Split::Cell;
   struct alignas(64) Terms {
-    Cell x_square[square_side], x_mixed[square_side], y_square[square_side], y_offset[square_side];
+    Cell x_square[raster_block_side], x_mixed[raster_block_side], y_square[raster_block_side],
+        y_offset[raster_block_side];
     float opacity, log2_opacity, reach;
   };
   BlendRules rules_;

@@ -65,16 +65,17 @@ struct WeightBlender {
   __device__ bool all_stopped() const { return kernels::all_stopped(pixels); }
 };
 
-/// Adds up the weights of one square's list: a block a square, a warp a part of it.
+/// Adds up the weights of one raster block's list: one thread block per raster block, one warp per 8x8 warp
+/// block of it.
 template <class ViewSource>
 __global__ void __launch_bounds__(raster_threads)
     add_contributions(const __grid_constant__ RasterInput<ViewSource> input, std::uint64_t* sums) {
-  __shared__ IdQueue queues[parts_of_square];
+  __shared__ IdQueue queues[warps_of_raster_block];
   IdQueue& queue = queues[threadIdx.x / warp_size];
-  const BlockSquare square(input);
-  const View& view = input.views[square.view];
+  const OwnRasterBlock raster_block(input);
+  const View& view = input.views[raster_block.view];
   const BlendRules rules = view.rules;
-  const PartPlace part(square, threadIdx.x / warp_size);
+  const PartPlace part(raster_block, threadIdx.x / warp_size);
   if (part.outside(view.frame)) return;
 
   WeightBlender blender{input.job, sums, rules, queue, float(part.column), float(part.row), {}};
@@ -82,7 +83,7 @@ __global__ void __launch_bounds__(raster_threads)
   for (unsigned p = 0; p < pixels_of_lane; ++p)
     if (part.pixel(view.frame, p, false).inside) blender.pixels[p].start(rules.stop_below);
 
-  const TileRange range = square.list(input);
+  const TileRange range = raster_block.list(input);
   ListWalk<CholeskyForm> walk(input.job, range, part.first_centre(view), rules, queue);
   walk.go_on(blender, range.end);
   walk.blend_rest(blender);
@@ -90,11 +91,11 @@ __global__ void __launch_bounds__(raster_threads)
 }  // namespace kernels
 
 void add_contributions(Cuda& cuda, const ContributionJob& job) {
-  const Squares squares = squares_of(job.raster);
+  const RasterBlocks raster_blocks = raster_blocks_of(job.raster);
   kernels::with_views(job.raster.views, [&]<class ViewSource>(const ViewSource& views) {
-    launch("add_contributions", kernels::add_contributions<ViewSource>, kernels::blocks_of(squares),
+    launch("add_contributions", kernels::add_contributions<ViewSource>, kernels::blocks_of(raster_blocks),
            kernels::raster_threads, cuda.stream(),
-           kernels::RasterInput<ViewSource>{job.raster, views, squares, nullptr}, job.sums);
+           kernels::RasterInput<ViewSource>{job.raster, views, raster_blocks, nullptr}, job.sums);
   });
 }
 

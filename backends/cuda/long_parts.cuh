@@ -8,8 +8,8 @@
 #include <cuda/atomic>
 
 #include <swiftgs/cuda.hpp>
-#include <swiftgs/cuda/block_square.cuh>
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/raster_block.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/raster/raster.hpp>
 
@@ -17,8 +17,8 @@
 #include "forms.hpp"
 
 /// @file
-/// Parts of squares that one warp hands over to others, since its list is long. Handing over moves work and
-/// changes no bit.
+/// Parts of raster blocks that one warp hands over to others, since its list is long. Handing over moves work
+/// and changes no bit.
 
 namespace swiftgs::kernels {
 
@@ -67,8 +67,8 @@ struct LongPart {
   unsigned live[pixels_of_lane];  ///< lanes whose pixel has not stopped
   std::uint32_t pieces;           ///< so far
   std::uint32_t blended;          ///< splats
-  SquareIndex square;
-  std::uint32_t part;  ///< of the square
+  RasterBlockIndex raster_block;
+  std::uint32_t part;  ///< of the raster block
   ResumeAt at;
 };
 

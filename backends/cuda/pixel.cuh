@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <swiftgs/cuda/block_square.cuh>
+#include <swiftgs/cuda/raster_block.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/raster/raster.hpp>
 
@@ -26,11 +26,17 @@ struct PixelPlace {
 
 /// Counts of a warp that has visited `intersections` of a list alone, by those of its threads and the pixels
 /// that it has evaluated.
-__device__ inline SquareCounts counts_of_warp(const ThreadCounts& mine, std::uint32_t intersections,
+__device__ inline RasterCounts counts_of_warp(const ThreadCounts& mine, std::uint32_t intersections,
                                               std::uint32_t pixels, const WarpTimer& timer) {
   const std::uint64_t balanced_ps = timer.balanced_ps();
-  return {intersections, pixels / square_side, warp_sum(mine.pairs), warp_sum(mine.stopped), 0, 0,
-          intersections, balanced_ps};
+  return {intersections,
+          pixels / raster_block_side,
+          warp_sum(mine.pairs),
+          warp_sum(mine.stopped),
+          0,
+          0,
+          intersections,
+          balanced_ps};
 }
 
 /// 32 bytes in two loads.

@@ -75,7 +75,7 @@ struct LongPartBlender {
   const RasterInput<ViewSource>& input;
   const Group group;
   PieceShared<Form, extras>& shared;
-  const BlockSquare square;
+  const OwnRasterBlock raster_block;
   const View& view;
   const BlendRules rules;
   const PartPlace place;
@@ -89,17 +89,17 @@ struct LongPartBlender {
       : input(of),
         group(by),
         shared(in),
-        square(of, part.square),
-        view(of.views[square.view]),
+        raster_block(of, part.raster_block),
+        view(of.views[raster_block.view]),
         rules(view.rules),
-        place(square, part.part),
+        place(raster_block, part.part),
         first_centre(place.first_centre(view)) {}
 
   __device__ static unsigned warp() { return threadIdx.x / warp_size; }
 
   /// `timer`: began with the work on the part.
   __device__ void run(const LongPart& part, const WarpTimer& timer) {
-    const TileRange range = square.list(input);
+    const TileRange range = raster_block.list(input);
     if (threadIdx.x < pixels_of_part) shared.joined.store(threadIdx.x, part.joined.load(threadIdx.x));
     if (threadIdx.x < pixels_of_lane) shared.live[threadIdx.x] = part.live[threadIdx.x];
     __syncthreads();
@@ -130,10 +130,10 @@ struct LongPartBlender {
     }
     if constexpr (extras)
       if (input.job.counts) {
-        SquareCounts of_warp = counts_of_warp(counts, splats.position() - range.begin, evaluated, timer);
+        RasterCounts of_warp = counts_of_warp(counts, splats.position() - range.begin, evaluated, timer);
         of_warp.pieces = warp_sum(pieces_joined), of_warp.pixels_joined = warp_sum(pixels_joined);
         of_warp.longest_item = (splats.position() - part.at.position) / group.blocks;
-        add_counts(input.job.counts[part.square.number(input.squares.columns)], of_warp);
+        add_counts(input.job.counts[part.raster_block.number(input.raster_blocks.columns)], of_warp);
       }
   }
 
@@ -446,13 +446,13 @@ __global__ void __launch_bounds__(piece_threads, piece_occupancy<extras>)
 template <class Form, bool threshold>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   using namespace kernels;
-  with_squares(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
-    const LongParts long_parts = LongParts::of(cuda, input.squares.size() * parts_of_square);
+  with_raster_input(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
+    const LongParts long_parts = LongParts::of(cuda, input.raster_blocks.size() * warps_of_raster_block);
     const bool shared = LongParts::are_shared(cuda, job.counts != nullptr);
     const auto warps = shared ? raster_warps<Form, threshold, extras, true, ViewSource>
                               : raster_warps<Form, threshold, extras, false, ViewSource>;
     const auto pieces = raster_pieces<Form, threshold, extras, ViewSource>;
-    launch(name, warps, blocks_of(input.squares), raster_threads, cuda.stream(), input, long_parts,
+    launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input, long_parts,
            warps_at_once(cuda, job, warps, raster_threads));
     if (!shared) return;
     const unsigned clusters = unsigned(cuda.multiprocessors()) * blocks_of_multiprocessor / blocks_of_group;

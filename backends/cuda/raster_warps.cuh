@@ -17,10 +17,10 @@ namespace swiftgs {
 
 namespace kernels {
 
-/// A square is four parts, each a warp's own: it walks the list by itself and never waits for the others. A
-/// lane has two pixels of one row, four columns apart.
-inline constexpr unsigned parts_of_square = 4;
-inline constexpr unsigned raster_threads = parts_of_square * warp_size;
+/// A raster block is four parts, each a warp's own: it walks the list by itself and never waits for the
+/// others. A lane has two pixels of one row, four columns apart.
+inline constexpr unsigned warps_of_raster_block = 4;
+inline constexpr unsigned raster_threads = warps_of_raster_block * warp_size;
 
 /// Splats that touch a part wait here until there are enough to blend: a ring of two halves, so that one can
 /// be filled while the other is blended.
@@ -41,9 +41,9 @@ struct PartPlace {
   int x, y;         ///< first pixel
   int column, row;  ///< of the lane's first pixel within the part
 
-  __device__ PartPlace(const BlockSquare& square, unsigned part) {
-    x = square.x + int(part % 2 * part_side);
-    y = square.y + int(part / 2 * part_side);
+  __device__ PartPlace(const OwnRasterBlock& raster_block, unsigned part) {
+    x = raster_block.x + int(part % 2 * part_side);
+    y = raster_block.y + int(part / 2 * part_side);
     const PlaceInPart first(pixel_of_part(0));
     column = int(first.column), row = int(first.row);
   }
@@ -367,7 +367,7 @@ struct PieceJoiner {
 
   /// Leaves the rest of a list to another block, after so many pieces and splats. A piece behind the first
   /// that has not ended is left to it as a whole.
-  __device__ void hand_over(LongPart& part, SquareIndex square, ResumeAt at, std::uint32_t pieces,
+  __device__ void hand_over(LongPart& part, RasterBlockIndex raster_block, ResumeAt at, std::uint32_t pieces,
                             std::uint32_t blended) const {
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
@@ -384,7 +384,7 @@ struct PieceJoiner {
     }
     if (lane_index() == 0) {
       part.pieces = pieces, part.blended = blended;
-      part.square = square, part.part = threadIdx.x / warp_size;
+      part.raster_block = raster_block, part.part = threadIdx.x / warp_size;
       part.at = at;
     }
     // Others count what is left to them.
@@ -414,21 +414,21 @@ struct PieceJoiner {
   static constexpr float had_stopped = -INFINITY;
 };
 
-/// Blends the list of one square: a block a square, a warp a part of it. If `shared`, rests of long lists are
-/// left to others.
+/// Blends the list of one raster block: one thread block per raster block, one warp per 8x8 warp block of it.
+/// If `shared`, rests of long lists are left to others.
 template <class Form, bool threshold, bool extras, bool shared, class ViewSource>
 __global__ void __launch_bounds__(raster_threads, Form::blocks)
     raster_warps(const __grid_constant__ RasterInput<ViewSource> input,
                  const __grid_constant__ LongParts long_parts, std::uint32_t warps_at_once) {
   if constexpr (shared) let_next_start();
-  __shared__ Queue<Form> queues[parts_of_square];
+  __shared__ Queue<Form> queues[warps_of_raster_block];
   const unsigned warp = threadIdx.x / warp_size;
   const RasterJob& job = input.job;
   const WarpTimer timer(extras && job.counts, warps_at_once);
-  const BlockSquare square(input);
-  const View& view = input.views[square.view];
+  const OwnRasterBlock raster_block(input);
+  const View& view = input.views[raster_block.view];
   const BlendRules rules = view.rules;
-  const PartPlace part(square, warp);
+  const PartPlace part(raster_block, warp);
   if (part.outside(view.frame)) return;
 
   ColourBlender<Form, threshold, extras> blender{
@@ -440,7 +440,7 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
     if constexpr (extras) blender.lane.occluders[p] = at.occluder;
   }
 
-  const TileRange range = square.list(input);
+  const TileRange range = raster_block.list(input);
   if (!range.drawn()) return;
   ListWalk<Form> walk(job, range, part.first_centre(view), rules, queues[warp]);
   WalkedPieces<extras> walked;
@@ -467,12 +467,12 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
 
   if (handed_over) {
     const ResumeAt next = walk.pieces() == 0 ? walk.here() : walk.behind(joiner.walked.end);
-    joiner.hand_over(*handed_over, BlockSquare::index(input), next, walk.pieces(), walk.blended());
+    joiner.hand_over(*handed_over, OwnRasterBlock::index(input), next, walk.pieces(), walk.blended());
     long_parts.hand_over(handed_over);
   } else {
     joiner.end(walk.pieces(), walk.blended() == begin_of_piece(walk.pieces()));
     // Found again: kept in registers during the walk, places would cost a block in nine.
-    const PartPlace same(BlockSquare(input), threadIdx.x / warp_size);
+    const PartPlace same(OwnRasterBlock(input), threadIdx.x / warp_size);
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p)
       store_relative(view, same.pixel(view.frame, p, extras), blender.lane.pixels[p].blended());
@@ -480,7 +480,7 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
   if constexpr (extras)
     if (job.counts)
       add_counts(
-          job.counts[BlockSquare::number(input)],
+          job.counts[OwnRasterBlock::number(input)],
           counts_of_warp(sum(blender.lane.counts), walk.visited(), walk.blended() * pixels_of_part, timer));
 }
 }  // namespace kernels

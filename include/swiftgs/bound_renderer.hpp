@@ -43,7 +43,7 @@ class BoundRenderer {
  public:
   BoundRenderer(B backend, StagePolicies<B> policies)
       : stages_(std::move(backend), policies.bounds, std::move(policies.sort)), raster_(policies.raster) {
-    use_memory_of(this->backend(), square_counts_, view_storage_, recorded_storage_, resident_);
+    use_memory_of(this->backend(), raster_counts_, view_storage_, recorded_storage_, resident_);
   }
 
   B& backend() { return stages_.backend(); }
@@ -170,7 +170,7 @@ class BoundRenderer {
     B& b = backend();
     b.wait();
     stages_.trim();
-    trim_parts(b, square_counts_, view_storage_, recorded_storage_, resident_);
+    trim_parts(b, raster_counts_, view_storage_, recorded_storage_, resident_);
     if constexpr (requires { b.trim(); }) b.trim();
     views_ = {}, tiles_ = {}, capacity_ = {}, recorded_ = {};
     counted_ = false;
@@ -239,9 +239,9 @@ class BoundRenderer {
                  .intersections = std::size_t(report_.intersections),
                  .raster = {}};
     if (counted_) {
-      std::vector<SquareCounts> squares(square_counts_.size());
-      backend().download(square_counts_.span(), squares.data());
-      for (const SquareCounts& square : squares) s.raster += square;
+      std::vector<RasterCounts> blocks(raster_counts_.size());
+      backend().download(raster_counts_.span(), blocks.data());
+      for (const RasterCounts& block : blocks) s.raster += block;
     }
     return s;
   }
@@ -251,7 +251,7 @@ class BoundRenderer {
   StageMemory memory() const {
     StageMemory memory = stages_.memory();
     memory.project += bytes_of(view_storage_, recorded_storage_);
-    memory.raster += bytes_of(resident_, square_counts_);
+    memory.raster += bytes_of(resident_, raster_counts_);
     return memory;
   }
 
@@ -281,9 +281,9 @@ class BoundRenderer {
   }
 
   void run(const FramePlan& plan, const Measures& measures) {
-    SquareCounts* counts = nullptr;
+    RasterCounts* counts = nullptr;
     if (measures.count)
-      square_counts_.reset(Squares(plan.views.tiles).size()), counts = square_counts_.data();
+      raster_counts_.reset(RasterBlocks(plan.views.tiles).size()), counts = raster_counts_.data();
     stages_.run(
         plan, true,
         [&](RasterJob job) {
@@ -297,7 +297,7 @@ class BoundRenderer {
 
   Stages<B> stages_;
   RasterStage<B> raster_;
-  typename B::template Buffer<SquareCounts> square_counts_;
+  typename B::template Buffer<RasterCounts> raster_counts_;
   ViewStorage<B> view_storage_, recorded_storage_;  ///< of `render_into` and of `record`
   ResidentFrames<B> resident_;
   std::vector<View> views_;  ///< of `render_resident` and `render`

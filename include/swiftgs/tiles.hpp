@@ -11,12 +11,12 @@
 
 namespace swiftgs {
 
-/// Side of the squares of pixels that rasterizers blend at a time @units{pixels}. Tiles are as large or
-/// larger: the squares of a tile share its list.
-inline constexpr int square_side = 16;
+/// Side of a raster block, the pixels that rasterizers blend at a time @units{pixels}. Tiles are as large or
+/// larger: the raster blocks of a tile share its list.
+inline constexpr int raster_block_side = 16;
 
 /// Side of the tiles that a renderer lists splats for, unless coarser ones are quicker @units{pixels}.
-inline constexpr int default_tile_side = square_side;
+inline constexpr int default_tile_side = raster_block_side;
 
 /// Half-open range of tile columns or rows.
 struct TileRun {
@@ -31,7 +31,7 @@ struct TileRun {
 /// at the borders of tiles.
 struct TileGrid {
   TileRun columns, rows;         ///< not negative
-  int side = default_tile_side;  ///< a power of two, `square_side` or more @units{pixels}
+  int side = default_tile_side;  ///< a power of two, `raster_block_side` or more @units{pixels}
   std::uint32_t first = 0;       ///< number of the first tile of the first row
   std::uint32_t stride = 0;      ///< from a tile's number to that of the tile below
 

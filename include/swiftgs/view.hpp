@@ -114,9 +114,9 @@ inline void check_tiles(const View& view) {
                                 std::to_string(view.frame.height) + " pixels, expected 1 to " +
                                 std::to_string(max_image_side) + " a side");
   const TileGrid& grid = view.grid;
-  if (grid.side < square_side || (grid.side & (grid.side - 1)) != 0)
+  if (grid.side < raster_block_side || (grid.side & (grid.side - 1)) != 0)
     refuse("tiles: the side", std::size_t(grid.side),
-           "a power of two of at least " + std::to_string(square_side) + " pixels");
+           "a power of two of at least " + std::to_string(raster_block_side) + " pixels");
   const TileGrid needed = TileGrid::covering(view.frame.width, view.frame.height, grid.side);
   const auto check_run = [](const char* name, TileRun found, TileRun expected) {
     const std::string of = std::string("tiles: the ");
@@ -218,30 +218,30 @@ Views store_views(B&, Span<const View> views, ViewStorage<B>& storage, ViewAcces
   return Views(storage.each.data(), storage.each.size());
 }
 
-/// A square of a view.
-struct SquarePlace {
+/// A raster block of a view.
+struct RasterBlockPlace {
   std::uint32_t view;  ///< index
   int x, y;            ///< its first pixel in the view's frame
 };
 
-/// The squares of all views. They are numbered as tiles are, but are smaller where tiles are larger.
-struct Squares {
+/// The raster blocks of all views. They are numbered as tiles are, but are smaller where tiles are larger.
+struct RasterBlocks {
   std::uint32_t columns, rows;
   std::uint32_t of_tile;  ///< a side
 
-  SWIFTGS_HD explicit Squares(const FrameTiles& tiles)
-      : columns(tiles.columns * std::uint32_t(tiles.side / square_side)),
-        rows(tiles.rows * std::uint32_t(tiles.side / square_side)),
-        of_tile(std::uint32_t(tiles.side / square_side)) {}
+  SWIFTGS_HD explicit RasterBlocks(const FrameTiles& tiles)
+      : columns(tiles.columns * std::uint32_t(tiles.side / raster_block_side)),
+        rows(tiles.rows * std::uint32_t(tiles.side / raster_block_side)),
+        of_tile(std::uint32_t(tiles.side / raster_block_side)) {}
   SWIFTGS_HD std::size_t size() const { return std::size_t(columns) * rows; }
 
-  /// Where the square in this column and row lies. It may lie outside of the view's frame.
-  SWIFTGS_HD SquarePlace place(const View* views, std::uint32_t count, std::uint32_t column,
-                               std::uint32_t row) const {
+  /// Where the raster block in this column and row lies. It may lie outside of the view's frame.
+  SWIFTGS_HD RasterBlockPlace place(const View* views, std::uint32_t count, std::uint32_t column,
+                                    std::uint32_t row) const {
     const std::uint32_t tiles = columns / of_tile;
     const std::uint32_t view = count == 1 ? 0 : view_of_tile(views, count, row / of_tile * tiles);
     const std::uint32_t first_row = count == 1 ? 0 : views[view].grid.first / tiles * of_tile;
-    return {view, int(column) * square_side, int(row - first_row) * square_side};
+    return {view, int(column) * raster_block_side, int(row - first_row) * raster_block_side};
   }
 };
 

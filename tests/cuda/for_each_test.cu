@@ -68,7 +68,7 @@ struct WriteLength {
   }
 };
 void rasterize(Cuda& cuda, ListLengths, const RasterJob& job) {
-  squares_of(job);
+  raster_blocks_of(job);
   const View& view = job.views[0];
   cuda.for_each(std::size_t(view.frame.width) * std::size_t(view.frame.height), WriteLength{job, view});
 }

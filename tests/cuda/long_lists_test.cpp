@@ -180,7 +180,7 @@ void for_each_piecewise(const F& f) {
   for_each_type(Piecewise(), [&]<class Raster>(Raster) { f(With<Raster>()); });
 }
 
-SquareCounts counts_of(auto& renderer, const DeviceScene& scene, const Camera& camera,
+RasterCounts counts_of(auto& renderer, const DeviceScene& scene, const Camera& camera,
                        const Conventions& conventions = {}) {
   RenderSettings settings;
   settings.conventions = conventions, settings.count = true;
@@ -334,7 +334,7 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
     settings.count = true, settings.outputs = {true, true};
     Frame expected, drawn;
     host.render(host.backend().upload(scene), camera, settings, expected);
-    const SquareCounts counted = host.statistics().raster;
+    const RasterCounts counted = host.statistics().raster;
     for_each_piecewise([&](auto&& renderer) {
       CAPTURE(std::decay_t<decltype(renderer)>::name);
       const DeviceScene uploaded = renderer.backend().upload(scene);
@@ -350,7 +350,7 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
       CHECK(colour < 0.005);
       CHECK(alpha < 0.001);
       CHECK(depth < 0.05);
-      const SquareCounts counts = renderer.statistics().raster;
+      const RasterCounts counts = renderer.statistics().raster;
       CHECK((counts.pieces > 0) == in_pieces);
       CHECK(double(counts.contributing_pairs) ==
             doctest::Approx(double(counted.contributing_pairs)).epsilon(2e-3));
@@ -374,11 +374,11 @@ TEST_CASE("cuda long lists: parts that show next to nothing behind their first p
     for (const bool extras : {false, true}) check_parts(renderer, uploaded.view(), side, 32, extras);
 
     // A walk alone would visit 50,600 intersections. Others take them over behind the first 512 or later.
-    const SquareCounts counts = counts_of(renderer, uploaded, camera);
+    const RasterCounts counts = counts_of(renderer, uploaded, camera);
     CHECK(counts.pieces > 100);
     CHECK(counts.longest_item < 50'300);
     for (int run = 0; run < 5; ++run) {
-      const SquareCounts again = counts_of(renderer, uploaded, camera);
+      const RasterCounts again = counts_of(renderer, uploaded, camera);
       CHECK(again.contributing_pairs == counts.contributing_pairs);
       CHECK(again.pixels_stopped == counts.pixels_stopped);
     }
@@ -550,21 +550,21 @@ TEST_CASE("cuda long lists: counts tell of pieces only where lists are long") {
   if (without_device()) return;
   With<AxisSharedThreshold<FloatCholesky>> renderer;
   const Camera camera = square_camera(64);
-  const SquareCounts usual = counts_of(renderer, renderer.backend().upload(layers(500, 0.004, 0.01)), camera);
+  const RasterCounts usual = counts_of(renderer, renderer.backend().upload(layers(500, 0.004, 0.01)), camera);
   CHECK(usual.pieces == 0);
   CHECK(usual.pixels_joined == 0);
   CHECK(usual.longest_item > 100);
   CHECK(usual.longest_item <= 500);
   Scene scene = layers(14'700, 0.0003, 0.012);
   put_dots(scene, 900, 64);
-  const SquareCounts longer = counts_of(renderer, renderer.backend().upload(scene), camera, faint());
+  const RasterCounts longer = counts_of(renderer, renderer.backend().upload(scene), camera, faint());
   CHECK(longer.pieces > 64);
   CHECK(longer.pixels_joined > 4 * longer.pieces);
   CHECK(longer.pixels_joined <= 64 * longer.pieces);
   CHECK(longer.longest_item >= 2048);
   CHECK(longer.longest_item < 9'700);  // a walk alone would visit 9,990
   // Where parts show little of a list, a walk is long too.
-  const SquareCounts visited = counts_of(renderer, renderer.backend().upload(corners(14'000, 64)), camera);
+  const RasterCounts visited = counts_of(renderer, renderer.backend().upload(corners(14'000, 64)), camera);
   CHECK(visited.longest_item >= 2048);
   CHECK(visited.longest_item < 13'900);  // a walk alone would visit 14,080
 }

@@ -78,7 +78,7 @@ Blended blend_by_serial(const std::vector<Layer>& layers, float stop_below, cons
   Blended out;
   View view{.rules = {0, 1, stop_below}, .grid = TileGrid::covering(1, 1), .frame = out.frame()};
   if (occluder) view.frame.occluder = {occluder, sizeof(float)};
-  SquareCounts counts;
+  RasterCounts counts;
   Serial serial;
   rasterize(serial, GivenAlpha{}, {splats.view(), splats.colours_view(), lists, {&view, 1}, &counts});
   out.pairs = counts.contributing_pairs, out.stopped = counts.pixels_stopped;

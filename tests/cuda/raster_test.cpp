@@ -351,8 +351,8 @@ double evenness(Cuda& cuda, const Picture& picture) {
     raster = cuda.milliseconds(begin, end).value();
   }
   Statistics statistics;
-  for (const SquareCounts& square : to_host(cuda, std::as_const(device.counts).span()))
-    statistics.raster += square;
+  for (const RasterCounts& raster_block : to_host(cuda, std::as_const(device.counts).span()))
+    statistics.raster += raster_block;
   return statistics.balanced_ms() / raster;
 }
 

@@ -132,9 +132,9 @@ std::size_t wrong_in_replays(int replays, std::size_t views) {
 
 }  // namespace
 
-TEST_CASE("cuda record: a graph puts the squares of each frame in an order") {
+TEST_CASE("cuda record: a graph puts the raster blocks of each frame in an order") {
   if (without_device()) return;
-  // Squares enough for an order on devices of up to 200 multiprocessors.
+  // Raster blocks enough for an order on devices of up to 200 multiprocessors.
   constexpr int width = 800, height = 600;
   Recording<> r;
   DeviceBuffer<float> image, expected;

@@ -118,12 +118,13 @@ TEST_CASE("cuda views: thirty-three thousand tiny views have the bits of each al
 }
 
 TEST_CASE(
-    "cuda views: an image whose squares are put in an order has the bits that it has among too many for it") {
+    "cuda views: an image whose raster blocks are put in an order has the bits that it has among too many "
+    "for it") {
   if (without_device()) return;
   for_each_raster_renderer([&](auto& together, auto& alone) {
     const DeviceScene scene = together.backend().upload(random_scene(3000, 1, 9));
-    // On devices of up to 300 multiprocessors one view has squares enough for an order, and on those of up to
-    // 190 five have too many.
+    // On devices of up to 300 multiprocessors one view has raster blocks enough for an order, and on those of
+    // up to 190 five have too many.
     const std::vector<AskedView> views(5, AskedView{forward_camera(1000, 700)});
     check_views<OnDevice>(together, alone, scene.view(), views);
     check_views<OnDevice>(together, alone, scene.view(), {views[0], views[1]});

@@ -73,16 +73,16 @@ TEST_CASE("cuda arithmetic: a weight is what the pixel is dimmed by until it sto
   CHECK(stopped > 2000);
 }
 
-TEST_CASE("cuda arithmetic: weights in the parts of a square are those of the serial backend") {
+TEST_CASE("cuda arithmetic: weights in the parts of a raster block are those of the serial backend") {
   Serial serial;
   const BlendRules rules = BlendRules::from(Conventions::gsplat());
   double sum = 0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    const SplatSet splats = random_splats(300, square_side, square_side, seed);
-    const SortInput job = splats.job(square_side, square_side);
+    const SplatSet splats = random_splats(300, raster_block_side, raster_block_side, seed);
+    const SortInput job = splats.job(raster_block_side, raster_block_side);
     const TileLists<Serial> lists = build_lists<EarlySort, Ellipse>(serial, job);
     std::vector<std::uint64_t> expected(splats.shapes.size()), parts(splats.shapes.size());
-    View view = view_without_camera(square_side, square_side);
+    View view = view_without_camera(raster_block_side, raster_block_side);
     view.rules = rules;
     const RasterJob raster{splats.view(), splats.colours_view(), lists.view(), {&view, 1}};
     add_contributions(serial, ContributionJob{raster, expected.data()});

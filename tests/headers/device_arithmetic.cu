@@ -37,7 +37,7 @@ struct EvaluateAlpha {
   SWIFTGS_HD void operator()(std::size_t i) const {
     typename R::Kernel kernel(splats.shapes[i], vec2(0.5f), rules);
     kernel.start_row(0.5f);
-    alphas[i] = kernel.alpha(int(i) % square_side);
+    alphas[i] = kernel.alpha(int(i) % raster_block_side);
   }
 };
 

@@ -63,8 +63,8 @@ void bin(Away& away, const FramePlan& plan, const Bounds& bounds, Splats<Away>& 
 
 template <RasterPolicy R>
 void rasterize(Away& away, R, const RasterJob& job) {
-  const Squares squares = squares_of(job);
-  away.for_each(squares.size(), RasterizeSquare<R>{job, squares});
+  const RasterBlocks blocks = raster_blocks_of(job);
+  away.for_each(blocks.size(), BlendRasterBlock<R>{job, blocks});
 }
 
 inline void copy_from_host(Away&, const void* from, void* to, std::size_t bytes) {

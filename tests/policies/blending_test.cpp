@@ -170,7 +170,7 @@ TEST_CASE_TEMPLATE("blend: what is counted is what double counts", B, SWIFTGS_TE
   for_each_raster([&]<class Raster>(Raster) {
     if (stores_half<Raster>) return;
     CAPTURE(Raster::name);
-    const SquareCounts counts = draw<Raster>(backend, splats, 100, 70).counts;
+    const RasterCounts counts = draw<Raster>(backend, splats, 100, 70).counts;
     CHECK(double(counts.contributing_pairs) ==
           doctest::Approx(double(exact.contributing_pairs)).epsilon(1e-3));
     CHECK(double(counts.pixels_stopped) == doctest::Approx(double(exact.pixels_stopped)).epsilon(1e-2));
@@ -310,7 +310,7 @@ TEST_CASE_TEMPLATE("blend: tiles of any side give the same bits", B, SWIFTGS_TES
   });
 }
 
-TEST_CASE_TEMPLATE("blend: tiles that do not fit the frame or the squares are refused", B,
+TEST_CASE_TEMPLATE("blend: tiles that do not fit the frame or the raster blocks are refused", B,
                    SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
   std::vector<float> alpha(64 * 48);

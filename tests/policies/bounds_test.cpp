@@ -41,7 +41,7 @@ double least_exponent(const SplatShape& shape, double first_x, double y) {
   const double root = double(shape.mean.x) - q / double(shape.l0) - first_x;
   double least = INFINITY;
   for (const double column : {std::floor(root), std::floor(root) + 1}) {
-    const double at = std::min(std::max(column, 0.0), double(square_side - 1));
+    const double at = std::min(std::max(column, 0.0), double(raster_block_side - 1));
     const double u = double(shape.l0) * (first_x + at - double(shape.mean.x)) + q;
     least = std::min(least, u * u + v * v);
   }
@@ -53,8 +53,8 @@ Tiles touched_tiles(const SplatShape& shape) {
   Tiles out;
   for (int row = 0; row < grid.rows.end; ++row)
     for (int column = 0; column < grid.columns.end; ++column)
-      for (int y = 0; y < square_side && !out.count({row, column}); ++y)
-        if (least_exponent(shape, column * square_side + 0.5, row * square_side + y + 0.5) <=
+      for (int y = 0; y < raster_block_side && !out.count({row, column}); ++y)
+        if (least_exponent(shape, column * raster_block_side + 0.5, row * raster_block_side + y + 0.5) <=
             double(shape.reach))
           out.insert({row, column});
   return out;
@@ -113,9 +113,9 @@ TEST_CASE("bounds: lossless ones keep a tile of which one pixel keeps the splat 
       const int row = int(random.bits() % std::uint64_t(grid.rows.end));
       const int column = int(random.bits() % std::uint64_t(grid.columns.end));
       double least = INFINITY;
-      for (int y = 0; y < square_side; ++y)
-        least =
-            std::min(least, least_exponent(shape, column * square_side + 0.5, row * square_side + y + 0.5));
+      for (int y = 0; y < raster_block_side; ++y)
+        least = std::min(least, least_exponent(shape, column * raster_block_side + 0.5,
+                                               row * raster_block_side + y + 0.5));
       if (least > 8) continue;
       // Let the ellipse end at that very pixel, as an opacity of 2^least / 255 would.
       const float old_reach = shape.reach;
@@ -138,8 +138,9 @@ TEST_CASE("bounds: lossless ones list every tile of which a rasterizer visits a 
       Tiles rows;
       for (int row = 0; row < grid.rows.end; ++row)
         for (int column = 0; column < grid.columns.end; ++column)
-          for (int y = 0; y < square_side && !rows.count({row, column}); ++y)
-            if (row_touched(shape, float(column * square_side) + 0.5f, float(row * square_side + y) + 0.5f))
+          for (int y = 0; y < raster_block_side && !rows.count({row, column}); ++y)
+            if (row_touched(shape, float(column * raster_block_side) + 0.5f,
+                            float(row * raster_block_side + y) + 0.5f))
               rows.insert({row, column});
       visited += rows.size();
       missed += !contains(tiles_of<Bounds>(shape), rows);
@@ -278,7 +279,8 @@ TEST_CASE("bounds: the radius of a round splat of standard deviation 5 is 16") {
   CHECK(tiles_of<ThreeSigmaSquare>(make_splat(208.5, 152.5, 5, 5, 0, 1)).begin()->second == 12);
 }
 
-TEST_CASE("bounds: lossless ones list the larger tiles of every square that a rasterizer visits a row of") {
+TEST_CASE(
+    "bounds: lossless ones list the larger tiles of every raster block that a rasterizer visits a row of") {
   for_each_lossless([&]<class Bounds>(Bounds) {
     CAPTURE(Bounds::name);
     for (const int side : {32, 128}) {
@@ -288,7 +290,7 @@ TEST_CASE("bounds: lossless ones list the larger tiles of every square that a ra
       for_each_splat([&](const SplatShape& shape) {
         Tiles needed;
         for (int y = 0; y < height; ++y)
-          for (int x = 0; x < width; x += square_side)
+          for (int x = 0; x < width; x += raster_block_side)
             if (row_touched(shape, float(x) + 0.5f, float(y) + 0.5f)) needed.insert({y / side, x / side});
         visited += needed.size();
         missed += !contains(tiles_of<Bounds>(shape, large), needed);

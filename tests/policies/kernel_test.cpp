@@ -38,9 +38,9 @@ Worst compare(const std::vector<SplatShape>& shapes, const Bound& bound, double 
   Worst worst;
   for (const SplatShape& shape : shapes) {
     typename Raster::Kernel kernel(shape, vec2(64.5f, 32.5f), rules);
-    for (int row = 0; row < square_side; ++row) {
+    for (int row = 0; row < raster_block_side; ++row) {
       kernel.start_row(32.5f + float(row));
-      for (int column = 0; column < square_side; ++column) {
+      for (int column = 0; column < raster_block_side; ++column) {
         const double x = 64.5 + column, y = 32.5 + row;
         const double s = exponent(shape, x, y), allowed = bound(shape, x, y);
         const float alpha = kernel.alpha(column);
@@ -163,9 +163,9 @@ TEST_CASE("kernel: a half-split term that overflows keeps no pixel and is never 
   const SplatShape needle = make_splat(-1500, -1500, 2000, 0.6, 0.785398, 1);
   typename AxisSharedThreshold<HalfSplit>::Kernel threshold(needle, vec2(0.5f, 0.5f), rules);
   typename AxisShared<HalfSplit>::Kernel plain(needle, vec2(0.5f, 0.5f), rules);
-  for (int row = 0; row < square_side; ++row) {
+  for (int row = 0; row < raster_block_side; ++row) {
     threshold.start_row(0.5f + float(row)), plain.start_row(0.5f + float(row));
-    for (int column = 0; column < square_side; ++column) {
+    for (int column = 0; column < raster_block_side; ++column) {
       CHECK(threshold.alpha(column) == 0);
       CHECK(plain.alpha(column) == 0);
     }

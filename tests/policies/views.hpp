@@ -173,7 +173,7 @@ inline std::vector<AskedView> views_of_every_kind() {
   return views;
 }
 
-inline bool same_counts(const SquareCounts& a, const SquareCounts& b) {
+inline bool same_counts(const RasterCounts& a, const RasterCounts& b) {
   return a.intersections_visited == b.intersections_visited && a.rows_visited == b.rows_visited &&
          a.contributing_pairs == b.contributing_pairs && a.pixels_stopped == b.pixels_stopped;
 }
@@ -223,7 +223,7 @@ void check_views(R& together, R& alone, const SceneView& scene, const std::vecto
     const Statistics statistics = together.statistics();
     CHECK(statistics.gaussians == expected.sum.gaussians);
     CHECK(statistics.visible == expected.sum.visible);
-    const SquareCounts raster = count ? expected.sum.raster : SquareCounts();
+    const RasterCounts raster = count ? expected.sum.raster : RasterCounts();
     CHECK(statistics.raster.contributing_pairs == raster.contributing_pairs);
     CHECK(statistics.raster.pixels_stopped == raster.pixels_stopped);
     if (expected.coarse || together.tiles().side != default_tile_side) continue;
@@ -311,7 +311,7 @@ void check_lists(R& together, R& alone, const SceneView& scene) {
   CHECK(intersections > 5000);
 }
 
-/// Checks that a frame of more rows of squares than a device's grid has room for is drawn whole.
+/// Checks that a frame of more rows of raster blocks than a device's grid has room for is drawn whole.
 template <class R, class SceneOn>
 void check_many_rows(R& renderer, const SceneOn& scene) {
   const Camera kinds[] = {forward_camera(1, 1), forward_camera(17, 2), turned_camera(3, 1, 0.1)};
@@ -506,7 +506,7 @@ void check_parts(R& renderer, const SceneView& scene, const AskedView& asked,
   settings.count = true;
   renderer.render_into(scene, asked.camera, settings, asked.frame(place.frame()));
   place.finish(renderer.backend());
-  const SquareCounts counts = renderer.statistics().raster;
+  const RasterCounts counts = renderer.statistics().raster;
 
   for (const bool together : {true, false}) {
     CAPTURE(together);
@@ -516,7 +516,7 @@ void check_parts(R& renderer, const SceneView& scene, const AskedView& asked,
     for (const Part& part : parts)
       views.push_back(make_view(asked.camera, asked.conventions,
                                 part_of(asked.frame(cut_place.frame()), part), asked.background, part.first));
-    SquareCounts sum;
+    RasterCounts sum;
     const auto render = [&](Span<const View> some) {
       renderer.render_into(scene, some, Measures{.count = true});
       sum += renderer.statistics().raster;

@@ -27,7 +27,7 @@ class Statistics(NamedTuple):
     gaussians: int  #: in the scene
     visible: int  #: projected to splats
     intersections: int  #: pairs of splat and tile
-    intersections_visited: int  #: before all pixels of their square had stopped
+    intersections_visited: int  #: before all pixels of their raster block had stopped
     rows_visited: int  #: rows of pixels on which an intersection was evaluated
     contributing_pairs: int  #: pairs of pixel and splat that were blended
     pixels_stopped: int  #: pixels that ended before their list

@@ -165,7 +165,7 @@ typedef struct swiftgs_statistics {
   uint64_t visible;        ///< projected to splats
   uint64_t intersections;  ///< pairs of splat and tile
   /// The raster part, 0 unless the frame measured counts.
-  uint64_t intersections_visited;  ///< before all pixels of their square had stopped
+  uint64_t intersections_visited;  ///< before all pixels of their raster block had stopped
   uint64_t rows_visited;           ///< rows of pixels on which an intersection was evaluated
   uint64_t contributing_pairs;     ///< pairs of pixel and splat that were blended
   uint64_t pixels_stopped;         ///< pixels that ended before their list

@@ -12,13 +12,13 @@
 namespace swiftgs {
 
 namespace detail {
-/// Terms of one splat in one square: sixteen of x, and the y term of the current row.
+/// Terms of one splat in one raster block: sixteen of x, and the y term of the current row.
 template <TermsPolicy Terms>
 class SharedTerms {
  public:
   SWIFTGS_HD SharedTerms(const SplatShape& shape, vec2 first_centre)
-      : terms_(shape, first_centre + 0.5f * float(square_side - 1)) {
-    for (int column = 0; column < square_side; ++column)
+      : terms_(shape, first_centre + 0.5f * float(raster_block_side - 1)) {
+    for (int column = 0; column < raster_block_side; ++column)
       x_[column] = terms_.x_term(first_centre.x + float(column));
   }
   SWIFTGS_HD void start_row(float y) { y_ = terms_.y_term(y); }
@@ -26,7 +26,7 @@ class SharedTerms {
 
  private:
   Terms terms_;
-  typename Terms::X x_[square_side];
+  typename Terms::X x_[raster_block_side];
   typename Terms::Y y_{};
 };
 }  // namespace detail

@@ -173,8 +173,8 @@ class SWIFTGS_API Cuda {
   /// `trim`. Zeroed when it is allocated, and not again. Throws while the stream is being captured if it must
   /// grow.
   std::byte* raster_scratch(std::size_t bytes);
-  /// Such memory for the order in which blocks rasterize so many squares.
-  std::uint32_t* square_order(std::size_t squares);
+  /// Such memory for the order in which blocks rasterize so many raster blocks.
+  std::uint32_t* raster_order(std::size_t raster_blocks);
   /// A word on the device that a rasterizer's kernels keep from frame to frame, 0 at first. Throws while the
   /// stream is being captured if it is not there yet.
   std::uint32_t* raster_word();

@@ -12,58 +12,59 @@
 
 namespace swiftgs::kernels {
 
-/// What the blocks of a rasterizer share: a block a square.
+/// What the blocks of a rasterizer share: one thread block per raster block.
 template <class ViewSource>
 struct RasterInput {
   RasterJob job;
   ViewSource views;
-  Squares squares;
-  const std::uint32_t* order;  ///< @shape{squares} as `order_squares` has it; null: by rows
+  RasterBlocks raster_blocks;
+  const std::uint32_t* order;  ///< @shape{raster blocks} as `order_raster_blocks` has it; null: by rows
 };
 
-/// Where a square lies among those of a frame.
-struct SquareIndex {
+/// Where a raster block lies among those of a frame.
+struct RasterBlockIndex {
   std::uint32_t column, row;
 
-  /// In a word of `order_squares`.
-  __device__ static SquareIndex of(std::uint32_t word) { return {word & 0xffff, word >> 16}; }
+  /// In a word of `order_raster_blocks`.
+  __device__ static RasterBlockIndex of(std::uint32_t word) { return {word & 0xffff, word >> 16}; }
   __device__ std::uint32_t word() const { return row << 16 | column; }
 
-  /// Counted by rows of so many squares, as in `RasterJob::counts`.
+  /// Counted by rows of so many raster blocks, as in `RasterJob::counts`.
   __device__ std::uint32_t number(std::uint32_t columns) const { return row * columns + column; }
 };
 
-/// The squares of a frame, roughly those with the longest lists first: if a block began with one of them at
-/// the end, the frame would wait for it. Null, for an order by rows, where a device holds all blocks at once,
-/// and where there are so many that the end is short.
-SWIFTGS_API const std::uint32_t* order_squares(Cuda& cuda, const TileListsView& lists,
-                                               const Squares& squares);
+/// The raster blocks of a frame, roughly those with the longest lists first: if a block began with one of
+/// them at the end, the frame would wait for it. Null, for an order by rows, where a device holds all blocks
+/// at once, and where there are so many that the end is short.
+SWIFTGS_API const std::uint32_t* order_raster_blocks(Cuda& cuda, const TileListsView& lists,
+                                                     const RasterBlocks& raster_blocks);
 
 /// Rows of a grid that is not cut into slices.
 inline constexpr std::uint32_t rows_of_slice = 32768;
 
-/// A block for each square, in columns and rows as they lie in the images: no thread divides. A grid has room
-/// for 65,535 rows, and further ones are slices of it.
-inline dim3 blocks_of(const Squares& squares) {
-  const std::uint32_t rows = std::min(squares.rows, rows_of_slice);
-  return dim3(squares.columns, rows, (squares.rows + rows - 1) / rows);
+/// One thread block per raster block, in columns and rows as they lie in the images, so that no thread
+/// divides. A grid has room for 65,535 rows, and further ones are slices of it.
+inline dim3 blocks_of(const RasterBlocks& raster_blocks) {
+  const std::uint32_t rows = std::min(raster_blocks.rows, rows_of_slice);
+  return dim3(raster_blocks.columns, rows, (raster_blocks.rows + rows - 1) / rows);
 }
 
-/// The square of this block.
-struct BlockSquare {
+/// The raster block of this thread block.
+struct OwnRasterBlock {
   std::uint32_t view;  ///< index
   int x, y;            ///< its first pixel in the view's frame
 
   template <class ViewSource>
-  __device__ explicit BlockSquare(const RasterInput<ViewSource>& input) : BlockSquare(input, index(input)) {}
+  __device__ explicit OwnRasterBlock(const RasterInput<ViewSource>& input)
+      : OwnRasterBlock(input, index(input)) {}
   template <class ViewSource>
-  __device__ BlockSquare(const RasterInput<ViewSource>& input, SquareIndex index) {
-    const SquarePlace place = input.views.place(input.squares, index.column, index.row);
+  __device__ OwnRasterBlock(const RasterInput<ViewSource>& input, RasterBlockIndex index) {
+    const RasterBlockPlace place = input.views.place(input.raster_blocks, index.column, index.row);
     view = place.view, x = place.x, y = place.y;
   }
 
   /// Whether it has no pixel of its view, as where a view is narrower than another or slices overlap the last
-  /// row. The frame of a single view has no such square.
+  /// row. The frame of a single view has no such raster block.
   template <class ViewSource>
   __device__ bool outside(const RasterInput<ViewSource>& input) const {
     if constexpr (ViewSource::only) {
@@ -75,10 +76,10 @@ struct BlockSquare {
   }
 
   template <class ViewSource>
-  __device__ static SquareIndex index(const RasterInput<ViewSource>& input) {
+  __device__ static RasterBlockIndex index(const RasterInput<ViewSource>& input) {
     const std::uint32_t row = blockIdx.z * gridDim.y + blockIdx.y;
-    return input.order ? SquareIndex::of(input.order[row * gridDim.x + blockIdx.x])
-                       : SquareIndex{blockIdx.x, row};
+    return input.order ? RasterBlockIndex::of(input.order[row * gridDim.x + blockIdx.x])
+                       : RasterBlockIndex{blockIdx.x, row};
   }
   template <class ViewSource>
   __device__ static std::uint32_t number(const RasterInput<ViewSource>& input) {
@@ -101,14 +102,14 @@ inline bool wants_extras(const RasterJob& job) {
   return job.counts || std::any_of(job.views.begin(), job.views.end(), wants);
 }
 
-/// Clears the counts of `job` and calls f.operator()<extras>(input). Throws as `squares_of`.
+/// Clears the counts of `job` and calls f.operator()<extras>(input). Throws as `raster_blocks_of`.
 template <class F>
-void with_squares(Cuda& cuda, const RasterJob& job, const F& f) {
-  const Squares squares = squares_of(job);
-  if (job.counts) cuda.clear(job.counts, squares.size() * sizeof(SquareCounts));
-  const std::uint32_t* const order = order_squares(cuda, job.lists, squares);
+void with_raster_input(Cuda& cuda, const RasterJob& job, const F& f) {
+  const RasterBlocks raster_blocks = raster_blocks_of(job);
+  if (job.counts) cuda.clear(job.counts, raster_blocks.size() * sizeof(RasterCounts));
+  const std::uint32_t* const order = order_raster_blocks(cuda, job.lists, raster_blocks);
   with_views(job.views, [&]<class ViewSource>(const ViewSource& views) {
-    const RasterInput<ViewSource> input{job, views, squares, order};
+    const RasterInput<ViewSource> input{job, views, raster_blocks, order};
     if (wants_extras(job))
       f.template operator()<true>(input);
     else
@@ -128,12 +129,12 @@ std::uint32_t warps_at_once(const Cuda& cuda, const RasterJob& job, void (*kerne
   return std::uint32_t(blocks * cuda.multiprocessors()) * (threads / warp_size);
 }
 
-/// Starts the kernel `Kernel::of<extras, ViewSource>` of a rasterizer on all squares of `job`.
+/// Starts the kernel `Kernel::of<extras, ViewSource>` of a rasterizer on all raster blocks of `job`.
 template <class Kernel>
-void launch_squares(Cuda& cuda, const char* name, const RasterJob& job) {
-  with_squares(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
+void launch_raster_blocks(Cuda& cuda, const char* name, const RasterJob& job) {
+  with_raster_input(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
     const auto kernel = Kernel::template of<extras, ViewSource>;
-    launch(name, kernel, blocks_of(input.squares), Kernel::threads, cuda.stream(), input,
+    launch(name, kernel, blocks_of(input.raster_blocks), Kernel::threads, cuda.stream(), input,
            warps_at_once(cuda, job, kernel, Kernel::threads));
   });
 }
@@ -160,23 +161,23 @@ class WarpTimer {
   std::uint32_t at_once_;
 };
 
-/// Adds the counts of a warp to its square. The square has visited as many intersections as the furthest of
-/// its warps. Call it on a whole warp, with the same counts on all lanes.
-__device__ inline void add_counts(SquareCounts& square, const SquareCounts& of_warp) {
+/// Adds the counts of a warp to its raster block. The raster block has visited as many intersections as the
+/// furthest of its warps. Call it on a whole warp, with the same counts on all lanes.
+__device__ inline void add_counts(RasterCounts& raster_block, const RasterCounts& of_warp) {
   using Word = unsigned long long;
-  const auto field = [&](std::uint64_t SquareCounts::*member) {
-    return reinterpret_cast<Word*>(&(square.*member));
+  const auto field = [&](std::uint64_t RasterCounts::*member) {
+    return reinterpret_cast<Word*>(&(raster_block.*member));
   };
   if (lane_index() != 0) return;
-  atomicMax(field(&SquareCounts::intersections_visited), Word(of_warp.intersections_visited));
-  atomicMax(field(&SquareCounts::longest_item), Word(of_warp.longest_item));
-  atomicAdd(field(&SquareCounts::rows_visited), Word(of_warp.rows_visited));
-  atomicAdd(field(&SquareCounts::contributing_pairs), Word(of_warp.contributing_pairs));
-  atomicAdd(field(&SquareCounts::pixels_stopped), Word(of_warp.pixels_stopped));
-  atomicAdd(field(&SquareCounts::balanced_ps), Word(of_warp.balanced_ps));
+  atomicMax(field(&RasterCounts::intersections_visited), Word(of_warp.intersections_visited));
+  atomicMax(field(&RasterCounts::longest_item), Word(of_warp.longest_item));
+  atomicAdd(field(&RasterCounts::rows_visited), Word(of_warp.rows_visited));
+  atomicAdd(field(&RasterCounts::contributing_pairs), Word(of_warp.contributing_pairs));
+  atomicAdd(field(&RasterCounts::pixels_stopped), Word(of_warp.pixels_stopped));
+  atomicAdd(field(&RasterCounts::balanced_ps), Word(of_warp.balanced_ps));
   if (of_warp.pieces == 0) return;
-  atomicAdd(field(&SquareCounts::pieces), Word(of_warp.pieces));
-  atomicAdd(field(&SquareCounts::pixels_joined), Word(of_warp.pixels_joined));
+  atomicAdd(field(&RasterCounts::pieces), Word(of_warp.pieces));
+  atomicAdd(field(&RasterCounts::pixels_joined), Word(of_warp.pixels_joined));
 }
 
 }  // namespace swiftgs::kernels
