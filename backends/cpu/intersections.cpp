@@ -42,7 +42,7 @@ void visit_intersections(const EmissionJob& job, Part part, F f) {
         F& f;
         std::uint32_t id;
       } context{f, id};
-      job.large.walk(
+      job.large.traversal(
           job.large.bounds, footprint, job.splats.shapes[id], job.views.each[job.splats.view(id)].grid,
           [](void* to, std::uint32_t tile) {
             static_cast<Context*>(to)->f(tile, static_cast<Context*>(to)->id);

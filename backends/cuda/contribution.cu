@@ -23,10 +23,10 @@ __device__ inline std::uint64_t wide_warp_sum(std::uint64_t value) {
   return (std::uint64_t(warp_sum(std::uint32_t(value >> 24))) << 24) + low;
 }
 
-/// Blends as `ColourBlender` does, but each list in one piece, and adds up the weights: one atomic addition
+/// Blends as `ColourBlender` does, but each list in one segment, and adds up the weights: one atomic addition
 /// for a splat and part.
 struct WeightBlender {
-  static constexpr bool in_pieces = false;
+  static constexpr bool in_segments = false;
   const RasterJob& job;
   std::uint64_t* sums;
   const BlendRules& rules;
@@ -75,7 +75,7 @@ __global__ void __launch_bounds__(raster_threads)
   const OwnRasterBlock raster_block(input);
   const View& view = input.views[raster_block.view];
   const BlendRules rules = view.rules;
-  const PartPlace part(raster_block, threadIdx.x / warp_size);
+  const WarpBlockPlace part(raster_block, threadIdx.x / warp_size);
   if (part.outside(view.frame)) return;
 
   WeightBlender blender{input.job, sums, rules, queue, float(part.column), float(part.row), {}};
@@ -84,9 +84,9 @@ __global__ void __launch_bounds__(raster_threads)
     if (part.pixel(view.frame, p, false).inside) blender.pixels[p].start(rules.stop_below);
 
   const TileRange range = raster_block.list(input);
-  ListWalk<CholeskyForm> walk(input.job, range, part.first_centre(view), rules, queue);
-  walk.go_on(blender, range.end);
-  walk.blend_rest(blender);
+  ListTraversal<CholeskyForm> traversal(input.job, range, part.first_centre(view), rules, queue);
+  traversal.go_on(blender, range.end);
+  traversal.blend_rest(blender);
 }
 }  // namespace kernels
 

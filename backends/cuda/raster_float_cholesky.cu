@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "raster_pieces.cuh"
+#include "raster_segments.cuh"
 
 namespace swiftgs {
 

@@ -10,14 +10,14 @@
 
 #include "box_touched.hpp"
 #include "forms.hpp"
-#include "long_parts.cuh"
 #include "pixel.cuh"
+#include "work_queue.cuh"
 
 namespace swiftgs {
 
 namespace kernels {
 
-/// A raster block is four parts, each a warp's own: it walks the list by itself and never waits for the
+/// A raster block is four parts, each a warp's own: it traverses the list by itself and never waits for the
 /// others. A lane has two pixels of one row, four columns apart.
 inline constexpr unsigned warps_of_raster_block = 4;
 inline constexpr unsigned raster_threads = warps_of_raster_block * warp_size;
@@ -25,9 +25,9 @@ inline constexpr unsigned raster_threads = warps_of_raster_block * warp_size;
 /// Splats that touch a part wait here until there are enough to blend: a ring of two halves, so that one can
 /// be filled while the other is blended.
 inline constexpr unsigned queue_half = 32, queue_size = 2 * queue_half;
-inline constexpr unsigned halves_of_first_piece = first_piece_size / queue_half;
-inline constexpr unsigned halves_of_piece = piece_size / queue_half;
-static_assert(halves_of_first_piece % halves_of_piece == 0);
+inline constexpr unsigned halves_of_first_segment = first_segment_size / queue_half;
+inline constexpr unsigned halves_of_segment = segment_size / queue_half;
+static_assert(halves_of_first_segment % halves_of_segment == 0);
 
 /// Terms of splats, as their part sees them.
 template <class Form>
@@ -37,14 +37,14 @@ struct TermsQueue {
 };
 
 /// Where a warp's part lies in its frame, and this lane's pixels in it.
-struct PartPlace {
+struct WarpBlockPlace {
   int x, y;         ///< first pixel
   int column, row;  ///< of the lane's first pixel within the part
 
-  __device__ PartPlace(const OwnRasterBlock& raster_block, unsigned part) {
-    x = raster_block.x + int(part % 2 * part_side);
-    y = raster_block.y + int(part / 2 * part_side);
-    const PlaceInPart first(pixel_of_part(0));
+  __device__ WarpBlockPlace(const OwnRasterBlock& raster_block, unsigned part) {
+    x = raster_block.x + int(part % 2 * warp_block_side);
+    y = raster_block.y + int(part / 2 * warp_block_side);
+    const PlaceInWarpBlock first(pixel_of_warp_block(0));
     column = int(first.column), row = int(first.row);
   }
   __device__ bool outside(const FrameView& frame) const { return x >= frame.width || y >= frame.height; }
@@ -68,27 +68,27 @@ __device__ inline void store_relative(const View& view, const PixelPlace& at, Bl
   store_pixel(view.frame, std::size_t(at.x), std::size_t(at.y), pixel, view.background);
 }
 
-/// Where a walk was when a piece ended.
-struct PieceEnd {
+/// Where a traversal was when a segment ended.
+struct SegmentEnd {
   std::uint32_t at;       ///< the next intersection to visit
-  std::uint32_t waiting;  ///< splats before it that wait for the next piece
+  std::uint32_t waiting;  ///< splats before it that wait for the next segment
 };
 
-/// Why a walk does not go on.
+/// Why a traversal does not go on.
 enum class Pause {
-  at_piece,  ///< a piece has ended
-  at_limit,  ///< the list is visited up to the limit; splats may wait
-  stopped,   ///< all pixels have stopped
+  at_segment,  ///< a segment has ended
+  at_limit,    ///< the list is visited up to the limit; splats may wait
+  stopped,     ///< all pixels have stopped
 };
 
-/// A walk along a tile's list for one part: queues the splats that touch it, and lets a blender blend them
-/// front to back, half a queue at a time, until all its pixels have stopped. The blender fills the rest of a
-/// slot, beside the terms.
+/// A traversal along a tile's list for one part: queues the splats that touch it, and lets a blender blend
+/// them front to back, half a queue at a time, until all its pixels have stopped. The blender fills the rest
+/// of a slot, beside the terms.
 template <class Form>
-class ListWalk {
+class ListTraversal {
  public:
-  __device__ ListWalk(const RasterJob& job, TileRange range, vec2 first_centre, const BlendRules& rules,
-                      TermsQueue<Form>& queue)
+  __device__ ListTraversal(const RasterJob& job, TileRange range, vec2 first_centre, const BlendRules& rules,
+                           TermsQueue<Form>& queue)
       : job_(&job),
         range_(range),
         first_centre_(first_centre),
@@ -101,7 +101,7 @@ class ListWalk {
     if (at_ < range.end) next_shape_ = load_shape(job, next_id_);
   }
 
-  /// Goes on until a pause: at pieces, if the blender wants them, and at position `limit` of the list.
+  /// Goes on until a pause: at segments, if the blender wants them, and at position `limit` of the list.
   template <class Blender>
   __device__ Pause go_on(Blender& blender, std::uint32_t limit) {
     while (at_ < limit) {
@@ -129,7 +129,7 @@ class ListWalk {
         blender.await_queued();
         blender.blend_queued(begun_ % 2 * queue_half, queue_half);
         ++begun_, waiting_ -= queue_half;
-        if (Blender::in_pieces && piece_has_ended()) return Pause::at_piece;
+        if (Blender::in_segments && segment_has_ended()) return Pause::at_segment;
         if (blender.all_stopped()) {
           drop_rest();
           return Pause::stopped;
@@ -139,7 +139,7 @@ class ListWalk {
     return Pause::at_limit;
   }
 
-  /// Blends what waits. The walk cannot go on.
+  /// Blends what waits. The traversal cannot go on.
   template <class Blender>
   __device__ void blend_rest(Blender& blender) const {
     if (waiting_ == 0) return;
@@ -147,12 +147,12 @@ class ListWalk {
     blender.blend_queued(begun_ % 2 * queue_half, waiting_);
   }
 
-  /// Leaves alone what waits. The walk cannot go on.
+  /// Leaves alone what waits. The traversal cannot go on.
   __device__ void drop_rest() { waiting_ = 0; }
 
-  /// Pieces that have ended.
-  __device__ std::uint32_t pieces() const {
-    return begun_ < halves_of_first_piece ? 0 : 1 + (begun_ - halves_of_first_piece) / halves_of_piece;
+  /// Segments that have ended.
+  __device__ std::uint32_t segments() const {
+    return begun_ < halves_of_first_segment ? 0 : 1 + (begun_ - halves_of_first_segment) / halves_of_segment;
   }
   /// Splats that are blended, with those that wait.
   __device__ std::uint32_t blended() const { return begun_ * queue_half + waiting_; }
@@ -162,10 +162,10 @@ class ListWalk {
   __device__ std::uint32_t left() const { return range_.end - min(at_, range_.end); }
   /// The next splat to visit.
   __device__ ResumeAt here() const { return {at_, 0}; }
-  /// The walk as it is after a pause at a piece.
-  __device__ PieceEnd piece_end() const { return {at_, waiting_}; }
-  /// The first splat behind the piece that ended there. All that waited were of the last step.
-  __device__ ResumeAt behind(const PieceEnd& end) const {
+  /// The traversal as it is after a pause at a segment.
+  __device__ SegmentEnd segment_end() const { return {at_, waiting_}; }
+  /// The first splat behind the segment that ended there. All that waited were of the last step.
+  __device__ ResumeAt behind(const SegmentEnd& end) const {
     const std::uint32_t last = end.at - warp_size, id = load_id(last);
     const bool touches = last + lane_index() < range_.end && this->touches(id, load_shape(*job_, id));
     return {last, unsigned(__popc(__ballot_sync(whole_warp, touches))) - end.waiting};
@@ -176,11 +176,11 @@ class ListWalk {
     return at + lane_index() < range_.end ? job_->lists.ids[at + lane_index()] : 0;
   }
   __device__ bool touches(std::uint32_t id, const SplatShape& shape) const {
-    return box_touched(shape, first_centre_, float(part_side)) &&
+    return box_touched(shape, first_centre_, float(warp_block_side)) &&
            !(some_hidden_ && is_hidden(job_->colours.each[id]));
   }
-  __device__ bool piece_has_ended() const {
-    return begun_ >= halves_of_first_piece && begun_ % halves_of_piece == 0;
+  __device__ bool segment_has_ended() const {
+    return begun_ >= halves_of_first_segment && begun_ % halves_of_segment == 0;
   }
 
   const RasterJob* job_;
@@ -293,7 +293,7 @@ __device__ void fetch_colour(const RasterJob& job, Queue<Form>& queue, unsigned 
 /// Blends colours into a part, and holds the pixels of this lane in it.
 template <class Form, bool threshold, bool extras>
 struct ColourBlender {
-  static constexpr bool in_pieces = true;
+  static constexpr bool in_segments = true;
   const RasterJob& job;
   Queue<Form>& queue;
   LaneBlender<Form, threshold, extras, pixels_of_lane> lane;
@@ -325,7 +325,7 @@ struct ColourBlender {
   __device__ bool all_stopped() const { return lane.all_stopped(); }
 };
 
-/// Keeps `variable` in memory, and so out of the registers that the walk needs.
+/// Keeps `variable` in memory, and so out of the registers that the traversal needs.
 template <class T>
 __device__ T& in_memory(T& variable) {
   T* at = &variable;
@@ -333,84 +333,84 @@ __device__ T& in_memory(T& variable) {
   return *at;
 }
 
-/// A walk at the end of its last piece.
+/// A traversal at the end of its last segment.
 template <bool extras>
-struct WalkedPieces {
+struct TraversedSegments {
   JoinedPixels<extras, pixels_of_lane> pixels;
-  PieceEnd end;
+  SegmentEnd end;
   std::uint32_t pairs, stopped;  ///< of this lane, with `extras`
 };
 
-/// Joins the pieces of a walk.
+/// Joins the segments of a traversal.
 template <class Form, bool threshold, bool extras>
-struct PieceJoiner {
+struct SegmentJoiner {
   LaneBlender<Form, threshold, extras, pixels_of_lane>& lane;
-  WalkedPieces<extras>& walked;
+  TraversedSegments<extras>& traversed;
 
-  /// Joins piece k, which ended there, with those in front of it, and begins the next.
-  __device__ void end_piece(std::uint32_t k, const PieceEnd& end) const {
-    walked.end = end;
+  /// Joins segment k, which ended there, with those in front of it, and begins the next.
+  __device__ void end_segment(std::uint32_t k, const SegmentEnd& end) const {
+    traversed.end = end;
     if constexpr (extras) {
       const ThreadCounts counts = sum(lane.counts);
-      walked.pairs = counts.pairs, walked.stopped = counts.stopped;
+      traversed.pairs = counts.pairs, traversed.stopped = counts.stopped;
     }
-    join_piece(k);
+    join_segment(k);
   }
 
-  /// Joins what there is of piece k, the last, and has the pixels show all pieces.
+  /// Joins what there is of segment k, the last, and has the pixels show all segments.
   __device__ void end(std::uint32_t k, bool is_empty) const {
     if (k == 0) return;
-    if (!is_empty) join_piece(k);
+    if (!is_empty) join_segment(k);
 #pragma unroll
-    for (unsigned p = 0; p < pixels_of_lane; ++p) lane.pixels[p] = walked.pixels.load(p).stopped();
+    for (unsigned p = 0; p < pixels_of_lane; ++p) lane.pixels[p] = traversed.pixels.load(p).stopped();
   }
 
-  /// Leaves the rest of a list to another block, after so many pieces and splats. A piece behind the first
-  /// that has not ended is left to it as a whole.
-  __device__ void hand_over(LongPart& part, RasterBlockIndex raster_block, ResumeAt at, std::uint32_t pieces,
-                            std::uint32_t blended) const {
+  /// Leaves the rest of a list to another block, after so many segments and splats. A segment behind the
+  /// first that has not ended is left to it as a whole.
+  __device__ void push(WorkItem& part, RasterBlockIndex raster_block, ResumeAt at, std::uint32_t segments,
+                       std::uint32_t blended) const {
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
       const Pixel& pixel = lane.pixels[p];
       JoinedPixel all;
       bool was_live;
-      if (pieces == 0)
+      if (segments == 0)
         all.join(pixel.blended(), 0), was_live = pixel.live();
       else
-        all = walked.pixels.load(p), was_live = pixel.stop_below != had_stopped;
-      part.joined.store(pixel_of_part(p), all);
+        all = traversed.pixels.load(p), was_live = pixel.stop_below != had_stopped;
+      part.joined.store(pixel_of_warp_block(p), all);
       const unsigned live = __ballot_sync(whole_warp, was_live);
       if (lane_index() == 0) part.live[p] = live;
     }
     if (lane_index() == 0) {
-      part.pieces = pieces, part.blended = blended;
+      part.segments = segments, part.blended = blended;
       part.raster_block = raster_block, part.part = threadIdx.x / warp_size;
       part.at = at;
     }
     // Others count what is left to them.
     if constexpr (extras)
-      if (pieces != 0) lane.counts[0] = {walked.pairs, walked.stopped}, lane.counts[1] = {};
+      if (segments != 0) lane.counts[0] = {traversed.pairs, traversed.stopped}, lane.counts[1] = {};
   }
 
  private:
-  /// Joins piece k with those in front of it, and begins the next.
-  __device__ void join_piece(std::uint32_t k) const {
+  /// Joins segment k with those in front of it, and begins the next.
+  __device__ void join_segment(std::uint32_t k) const {
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
       Pixel& pixel = lane.pixels[p];
-      JoinedPixel all = k == 0 ? JoinedPixel() : walked.pixels.load(p);
+      JoinedPixel all = k == 0 ? JoinedPixel() : traversed.pixels.load(p);
       const bool live = pixel.live();
       if (pixel.stop_below != had_stopped) all.join(pixel.blended(), k);
-      walked.pixels.store(p, all);
+      traversed.pixels.store(p, all);
       pixel = {};
       if (live)
-        start_piece(pixel, lane.rules.stop_below, all.total.w, k + 1);
+        start_segment(pixel, lane.rules.stop_below, all.total.w, k + 1);
       else
         pixel.stop_below = had_stopped;
     }
   }
 
-  /// `stop_below` of a pixel that had stopped before the piece, and has no part in it.
+  /// `stop_below` of a pixel that had stopped before the segment, and has no part in it.
   static constexpr float had_stopped = -INFINITY;
 };
 
@@ -419,7 +419,7 @@ struct PieceJoiner {
 template <class Form, bool threshold, bool extras, bool shared, class ViewSource>
 __global__ void __launch_bounds__(raster_threads, Form::blocks)
     raster_warps(const __grid_constant__ RasterInput<ViewSource> input,
-                 const __grid_constant__ LongParts long_parts, std::uint32_t warps_at_once) {
+                 const __grid_constant__ WorkQueues work_queues, std::uint32_t warps_at_once) {
   if constexpr (shared) let_next_start();
   __shared__ Queue<Form> queues[warps_of_raster_block];
   const unsigned warp = threadIdx.x / warp_size;
@@ -428,7 +428,7 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
   const OwnRasterBlock raster_block(input);
   const View& view = input.views[raster_block.view];
   const BlendRules rules = view.rules;
-  const PartPlace part(raster_block, warp);
+  const WarpBlockPlace part(raster_block, warp);
   if (part.outside(view.frame)) return;
 
   ColourBlender<Form, threshold, extras> blender{
@@ -442,46 +442,49 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
 
   const TileRange range = raster_block.list(input);
   if (!range.drawn()) return;
-  ListWalk<Form> walk(job, range, part.first_centre(view), rules, queues[warp]);
-  WalkedPieces<extras> walked;
-  const PieceJoiner<Form, threshold, extras> joiner{blender.lane, in_memory(walked)};
-  LongPart* handed_over = nullptr;
+  ListTraversal<Form> traversal(job, range, part.first_centre(view), rules, queues[warp]);
+  TraversedSegments<extras> traversed;
+  const SegmentJoiner<Form, threshold, extras> joiner{blender.lane, in_memory(traversed)};
+  WorkItem* handed_over = nullptr;
   while (!handed_over) {
     const std::uint32_t limit =
-        shared ? walk.here().position + min(walk.left(), visits_between_checks) : range.end;
-    const Pause pause = walk.go_on(blender, limit);
-    if (pause == Pause::stopped || (pause == Pause::at_limit && walk.left() == 0)) break;
-    if (pause == Pause::at_piece) {
-      joiner.end_piece(walk.pieces() - 1, walk.piece_end());
+        shared ? traversal.here().position + min(traversal.left(), visits_between_checks) : range.end;
+    const Pause pause = traversal.go_on(blender, limit);
+    if (pause == Pause::stopped || (pause == Pause::at_limit && traversal.left() == 0)) break;
+    if (pause == Pause::at_segment) {
+      joiner.end_segment(traversal.segments() - 1, traversal.segment_end());
       if (blender.all_stopped()) {
-        walk.drop_rest();
+        traversal.drop_rest();
         break;
       }
     }
-    if constexpr (shared) handed_over = long_parts.take_room(walk.blended(), walk.visited(), walk.left());
+    if constexpr (shared)
+      handed_over = work_queues.reserve_item(traversal.blended(), traversal.visited(), traversal.left());
   }
-  if constexpr (!shared) long_parts.end_walk(walk.blended(), walk.visited());
-  // Others go on from the end of the last piece, or from within the first: what waits is theirs, or blended.
-  if (handed_over && walk.pieces() != 0) walk.drop_rest();
-  walk.blend_rest(blender);
+  if constexpr (!shared) work_queues.end_traversal(traversal.blended(), traversal.visited());
+  // Others go on from the end of the last segment, or from within the first: what waits is theirs, or
+  // blended.
+  if (handed_over && traversal.segments() != 0) traversal.drop_rest();
+  traversal.blend_rest(blender);
 
   if (handed_over) {
-    const ResumeAt next = walk.pieces() == 0 ? walk.here() : walk.behind(joiner.walked.end);
-    joiner.hand_over(*handed_over, OwnRasterBlock::index(input), next, walk.pieces(), walk.blended());
-    long_parts.hand_over(handed_over);
+    const ResumeAt next =
+        traversal.segments() == 0 ? traversal.here() : traversal.behind(joiner.traversed.end);
+    joiner.push(*handed_over, OwnRasterBlock::index(input), next, traversal.segments(), traversal.blended());
+    work_queues.push(handed_over);
   } else {
-    joiner.end(walk.pieces(), walk.blended() == begin_of_piece(walk.pieces()));
-    // Found again: kept in registers during the walk, places would cost a block in nine.
-    const PartPlace same(OwnRasterBlock(input), threadIdx.x / warp_size);
+    joiner.end(traversal.segments(), traversal.blended() == begin_of_segment(traversal.segments()));
+    // Found again: kept in registers during the traversal, places would cost a block in nine.
+    const WarpBlockPlace same(OwnRasterBlock(input), threadIdx.x / warp_size);
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p)
       store_relative(view, same.pixel(view.frame, p, extras), blender.lane.pixels[p].blended());
   }
   if constexpr (extras)
     if (job.counts)
-      add_counts(
-          job.counts[OwnRasterBlock::number(input)],
-          counts_of_warp(sum(blender.lane.counts), walk.visited(), walk.blended() * pixels_of_part, timer));
+      add_counts(job.counts[OwnRasterBlock::number(input)],
+                 counts_of_warp(sum(blender.lane.counts), traversal.visited(),
+                                traversal.blended() * pixels_of_warp_block, timer));
 }
 }  // namespace kernels
 

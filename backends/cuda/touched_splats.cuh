@@ -8,8 +8,8 @@
 
 #include "box_touched.hpp"
 #include "group.cuh"
-#include "long_parts.cuh"
 #include "pixel.cuh"
+#include "work_queue.cuh"
 
 namespace swiftgs::kernels {
 
@@ -63,7 +63,7 @@ class TouchedSplats {
 #pragma unroll
       for (unsigned k = 0; k < tests_of_thread; ++k) {
         bool touched = at_ + first_of_thread() + k * warp_size < end_ &&
-                       box_touched(shapes[k], first_centre, float(part_side));
+                       box_touched(shapes[k], first_centre, float(warp_block_side));
         if (some_hidden) touched = touched && !is_hidden(job_.colours.each[ids[k]]);
         lanes[k] = __ballot_sync(whole_warp, touched);
       }

@@ -10,7 +10,7 @@ KEY = ("scene", "gaussians", "enlarge", "view", "scale", "conventions", "threads
 WORDS = ("scene", "view", "conventions", "renderer", "backend", "sort", "raster", "bounds")
 NUMBERS = ("gaussians", "enlarge", "width", "height", "scale", "threads", "frames")
 OPTIONAL = ("psnr_db", "ssim", "max_abs", "cut_psnr_db", "photo_psnr_db", "photo_ssim", "visible", "intersections",
-            "contributing_pairs", "pieces", "longest_item", "device_bytes", "host_bytes")
+            "contributing_pairs", "segments", "longest_item", "device_bytes", "host_bytes")
 
 
 class InputError(Exception):
@@ -53,7 +53,7 @@ class Row:
     visible: float = None
     intersections: float = None
     contributing_pairs: float = None
-    pieces: float = None
+    segments: float = None
     longest_item: float = None
     device_bytes: float = None
     host_bytes: float = None

@@ -34,7 +34,7 @@ def row(backend, words, scene="garden", grow=None, **members):
                             "max_abs": 0.4 if half else 0.003,
                             "photo_psnr_db": 24.75 if half else 24.8,
                             "counted_ms": {"raster": 2 * parts["raster"], "balanced": 0.4 * parts["raster"]},
-                            "pieces": 1500, "longest_item": 2048,
+                            "segments": 1500, "longest_item": 2048,
                             "cut_psnr_db": 101.5 if bounds == "three-sigma-square" else None, **members})
 
 
@@ -90,7 +90,7 @@ def write(folder, backend, older=False):
     bench("all-views.json", matrix(backend))
     bench("bounds.json", matrix(backend))
     for when, sort in (("before", 1.0), ("after", 0.9)):
-        for what in ("frame", "views", "pieces", "blocks", "chunks", "tiles", "coarse", "large", "order", "fused",
+        for what in ("frame", "views", "segments", "blocks", "chunks", "tiles", "coarse", "large", "order", "fused",
                      "fused-large", "blend", "blend-large", "rows"):
             bench(f"{what}-{when}-{backend}.json",
                   [row(backend, BEST, scene, grow={"sort": sort}, **({"psnr_db": None} if what == "coarse" else {}))

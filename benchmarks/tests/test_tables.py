@@ -543,7 +543,7 @@ class Tables(unittest.TestCase):
                       "take. Most time is to be gained from `raster` in garden, 1.5 M: 987 of 1,000 us.", text)
 
     def test_balanced_times_are_of_the_first_views_that_have_them(self):
-        text = self.table("balance gpu pieces-after-cuda")
+        text = self.table("balance gpu segments-after-cuda")
         self.assertEqual(cells(text, "garden, 1.5 M")[1:], ["1,000", "2,000", "400", "5.00", "2,048", "1,500"])
         found = json.loads((self.results / FOLDERS["gpu"] / "matrix.json").read_text(encoding="utf-8"))
         for row in found["rows"]:

@@ -65,7 +65,7 @@ void print(const RenderResult& result) {
   std::printf("  %-32s %.2f\n", "intersections a visible Gaussian", s.intersections_a_visible());
   line("contributing pairs", s.raster.contributing_pairs);
   line("pixels stopped early", s.raster.pixels_stopped);
-  line("pieces of long lists", s.raster.pieces);
+  line("segments of long lists", s.raster.segments);
   line("longest item", s.raster.longest_item);
   std::printf("  %-32s %.3f\n", "raster while counting, ms", times.raster);
   std::printf("  %-32s %.3f\n", "balanced, ms", times.balanced);

@@ -94,10 +94,10 @@ SWIFTGS_HD Footprint find_footprint(const Bounds& bounds, const SplatShape& shap
 
 /// Calls f(tile) for the tiles of a splat with this footprint, `footprint.count` times, each tile once.
 ///
-/// Splats too large for a mask are walked by their bounds again. Code that counts and code that walks may
-/// round differently, where a compiler is free to. If this walk finds more tiles than were counted, the last
-/// are left out; if it finds fewer, other tiles of the grid take their place, in which rasterizers find that
-/// the splat shows nothing.
+/// Splats too large for a mask are traversed by their bounds again. Code that counts and code that traverses
+/// may round differently, where a compiler is free to. If this traversal finds more tiles than were counted,
+/// the last are left out; if it finds fewer, other tiles of the grid take their place, in which rasterizers
+/// find that the splat shows nothing.
 template <BoundsPolicy Bounds, class F>
 SWIFTGS_HD void for_each_tile(const Footprint& footprint, const Bounds& bounds, const SplatShape& shape,
                               TileGrid grid, const F& f) {
@@ -112,8 +112,8 @@ SWIFTGS_HD void for_each_tile(const Footprint& footprint, const Bounds& bounds, 
     for (int row = rows.begin; row < rows.end && left != 0; ++row) {
       TileRun run;
       if (row >= rect.rows.begin && row < rect.rows.end) run = detail::row_within(tiles, row);
-      const TileRun walked = inside ? run : grid.columns;
-      for (int column = walked.begin; column < walked.end && left != 0; ++column)
+      const TileRun traversed = inside ? run : grid.columns;
+      for (int column = traversed.begin; column < traversed.end && left != 0; ++column)
         if (inside || column < run.begin || column >= run.end) f(grid.number(column, row)), --left;
     }
   }

@@ -78,7 +78,7 @@ void check_drawing(Cuda& cuda, const Picture& picture, double brightest = 1) {
   if (own_kernels) {
     CHECK(drawn.counts.intersections_visited >= expected.counts.intersections_visited);
   } else {
-    // The same walk: it ends elsewhere only where a threshold falls differently.
+    // The same traversal: it ends elsewhere only where a threshold falls differently.
     CHECK(double(drawn.counts.intersections_visited) ==
           doctest::Approx(double(expected.counts.intersections_visited)).epsilon(1e-2));
     CHECK(double(drawn.counts.rows_visited) ==

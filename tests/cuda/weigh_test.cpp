@@ -26,8 +26,8 @@ using namespace swiftgs::test;
 namespace {
 
 /// Weight of each splat in a part of 8x8 pixels, as the kernel finds it.
-std::vector<std::uint64_t> weights_in_part(const SplatSet& splats, Span<const std::uint32_t> ids,
-                                           vec2 first_centre, const BlendRules& rules) {
+std::vector<std::uint64_t> weights_in_warp_block(const SplatSet& splats, Span<const std::uint32_t> ids,
+                                                 vec2 first_centre, const BlendRules& rules) {
   std::vector<std::uint64_t> parts(splats.shapes.size());
   for (int lane = 0; lane < 32; ++lane) {
     Pixel pixels[pixels_of_lane];
@@ -88,7 +88,7 @@ TEST_CASE("cuda arithmetic: weights in the parts of a raster block are those of 
     add_contributions(serial, ContributionJob{raster, expected.data()});
     for (int part = 0; part < 4; ++part) {
       const vec2 first_centre(float(part % 2) * 8 + 0.5f, float(part / 2) * 8 + 0.5f);
-      const auto of_part = weights_in_part(splats, lists.view().ids, first_centre, rules);
+      const auto of_part = weights_in_warp_block(splats, lists.view().ids, first_centre, rules);
       for (std::size_t i = 0; i < parts.size(); ++i) parts[i] += of_part[i];
     }
     for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Footprints: which tiles a splat may touch, found once and walked where intersections are emitted.
+// Footprints: which tiles a splat may touch, found once and traversed where intersections are emitted.
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -94,15 +94,15 @@ TEST_CASE("footprints: every vector target finds those of the scalar bounds") {
   }
 }
 
-TEST_CASE("footprints: a walk names the tiles of the bounds once each and in order") {
+TEST_CASE("footprints: a traversal names the tiles of the bounds once each and in order") {
   const SplatSet splats = random_splats(2000, 700, 500, 4);
   const TileGrid grid = TileGrid::covering(700, 500);
   std::size_t large = 0;
   for (const SplatShape& shape : splats.shapes) {
     const Footprint footprint = find_footprint(Ellipse(), shape, grid);
     large += footprint.mask == 0 && footprint.count != 0;
-    std::vector<std::uint32_t> walked, expected;
-    for_each_tile(footprint, Ellipse(), shape, grid, [&](std::uint32_t tile) { walked.push_back(tile); });
+    std::vector<std::uint32_t> traversed, expected;
+    for_each_tile(footprint, Ellipse(), shape, grid, [&](std::uint32_t tile) { traversed.push_back(tile); });
     const auto tiles = Ellipse().tiles(shape, grid);
     const TileRect& rect = tiles.rect;
     for (int row = rect.rows.begin; row < rect.rows.end && rect.columns.size() > 0; ++row) {
@@ -110,7 +110,7 @@ TEST_CASE("footprints: a walk names the tiles of the bounds once each and in ord
       for (int column = run.begin; column < run.end; ++column)
         expected.push_back(std::uint32_t(row * grid.columns.size() + column));
     }
-    REQUIRE(walked == expected);
+    REQUIRE(traversed == expected);
   }
   CHECK(large > 50);
 }

@@ -31,8 +31,8 @@ class Statistics(NamedTuple):
     rows_visited: int  #: rows of pixels on which an intersection was evaluated
     contributing_pairs: int  #: pairs of pixel and splat that were blended
     pixels_stopped: int  #: pixels that ended before their list
-    pieces: int  #: of long lists, blended apart from each other
-    pixels_joined: int  #: pixels of those pieces that were joined with what lies in front
+    segments: int  #: of long lists, blended apart from each other
+    pixels_joined: int  #: pixels of those segments that were joined with what lies in front
     longest_item: int  #: most intersections that one core, warp or block worked off alone
     balanced_ms: float  #: the raster stage if its work were shared out evenly
 

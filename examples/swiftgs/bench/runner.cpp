@@ -156,7 +156,7 @@ RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subj
   const Statistics counts = renderer.statistics();
   row.visible = counts.visible, row.intersections = counts.intersections;
   row.contributing_pairs = counts.raster.contributing_pairs;
-  row.pieces = counts.raster.pieces, row.pixels_joined = counts.raster.pixels_joined;
+  row.segments = counts.raster.segments, row.pixels_joined = counts.raster.pixels_joined;
   row.longest_item = counts.raster.longest_item;
   row.counted_ms = {renderer.times(), counts};
 

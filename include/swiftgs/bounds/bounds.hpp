@@ -27,10 +27,10 @@ struct BoxTiles {
 
 /// Policy: which tiles a splat may touch. `tiles` finds the box of those tiles, `rect`, and prepares what its
 /// rows need; `row` then finds the run of columns in one row of the box, within its columns. A run, not a
-/// test a tile, because an ellipse meets a row of tiles in one piece: one evaluation a row decides all.
+/// test a tile, because an ellipse meets a row of tiles in one run: one evaluation a row decides all.
 /// `lossless` promises that no tile is left out in which a pixel keeps the splat, nor one of which 8x8 pixels
 /// pass the box test of `Cuda`: the ellipse s <= 1.0001 reach meets the box of their centres. `Cuda` cuts
-/// long lists into pieces of such splats. A splat between two rows of pixel centres is listed nowhere,
+/// long lists into segments of such splats. A splat between two rows of pixel centres is listed nowhere,
 /// though.
 template <class P>
 concept BoundsPolicy = requires(const P bounds, const SplatShape& shape, TileGrid grid, int row) {

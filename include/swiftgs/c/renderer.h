@@ -169,8 +169,8 @@ typedef struct swiftgs_statistics {
   uint64_t rows_visited;           ///< rows of pixels on which an intersection was evaluated
   uint64_t contributing_pairs;     ///< pairs of pixel and splat that were blended
   uint64_t pixels_stopped;         ///< pixels that ended before their list
-  uint64_t pieces;                 ///< of long lists, blended apart from each other
-  uint64_t pixels_joined;          ///< pixels of those pieces that were joined with what lies in front
+  uint64_t segments;               ///< of long lists, blended apart from each other
+  uint64_t pixels_joined;          ///< pixels of those segments that were joined with what lies in front
   uint64_t longest_item;           ///< most intersections that one core, warp or block worked off alone
   double balanced_ms;  ///< the raster stage if its work were shared out evenly @units{milliseconds}
 } swiftgs_statistics;

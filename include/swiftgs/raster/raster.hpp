@@ -27,8 +27,8 @@ struct RasterCounts {
   std::uint64_t rows_visited = 0;           ///< rows of pixels on which an intersection was evaluated
   std::uint64_t contributing_pairs = 0;     ///< (pixel, splat) pairs that were blended
   std::uint64_t pixels_stopped = 0;         ///< pixels that ended before their list
-  std::uint64_t pieces = 0;                 ///< of long lists, blended apart from each other
-  std::uint64_t pixels_joined = 0;  ///< pixels of those pieces that were joined with what lies in front
+  std::uint64_t segments = 0;               ///< of long lists, blended apart from each other
+  std::uint64_t pixels_joined = 0;  ///< pixels of those segments that were joined with what lies in front
   std::uint64_t longest_item = 0;   ///< most intersections that one core, warp or block worked off alone
   /// Time that all threads of the host, or all warps that the device runs at once, would be at work on the
   /// raster block if its work were shared out evenly. @units{picoseconds}
@@ -37,7 +37,7 @@ struct RasterCounts {
   SWIFTGS_HD RasterCounts& operator+=(const RasterCounts& o) {
     intersections_visited += o.intersections_visited, rows_visited += o.rows_visited;
     contributing_pairs += o.contributing_pairs, pixels_stopped += o.pixels_stopped;
-    pieces += o.pieces, pixels_joined += o.pixels_joined, balanced_ps += o.balanced_ps;
+    segments += o.segments, pixels_joined += o.pixels_joined, balanced_ps += o.balanced_ps;
     if (longest_item < o.longest_item) longest_item = o.longest_item;
     return *this;
   }

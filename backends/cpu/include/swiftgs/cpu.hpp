@@ -218,14 +218,14 @@ void bin(Cpu& cpu, const FramePlan& plan, const Bounds& bounds, Splats<Cpu>& spl
 struct LargeTiles {
   using F = void (*)(void* context, std::uint32_t tile);
   const void* bounds;
-  void (*walk)(const void* bounds, const Footprint& footprint, const SplatShape& shape, TileGrid grid, F f,
-               void* context);
+  void (*traversal)(const void* bounds, const Footprint& footprint, const SplatShape& shape, TileGrid grid,
+                    F f, void* context);
 
   template <BoundsPolicy Bounds>
   explicit LargeTiles(const Bounds& of)
       : bounds(&of),
-        walk([](const void* known, const Footprint& footprint, const SplatShape& shape, TileGrid grid, F f,
-                void* context) {
+        traversal([](const void* known, const Footprint& footprint, const SplatShape& shape, TileGrid grid,
+                     F f, void* context) {
           for_each_tile(footprint, *static_cast<const Bounds*>(known), shape, grid, Call{f, context});
         }) {}
 

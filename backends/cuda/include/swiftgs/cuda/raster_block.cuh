@@ -175,8 +175,8 @@ __device__ inline void add_counts(RasterCounts& raster_block, const RasterCounts
   atomicAdd(field(&RasterCounts::contributing_pairs), Word(of_warp.contributing_pairs));
   atomicAdd(field(&RasterCounts::pixels_stopped), Word(of_warp.pixels_stopped));
   atomicAdd(field(&RasterCounts::balanced_ps), Word(of_warp.balanced_ps));
-  if (of_warp.pieces == 0) return;
-  atomicAdd(field(&RasterCounts::pieces), Word(of_warp.pieces));
+  if (of_warp.segments == 0) return;
+  atomicAdd(field(&RasterCounts::segments), Word(of_warp.segments));
   atomicAdd(field(&RasterCounts::pixels_joined), Word(of_warp.pixels_joined));
 }
 

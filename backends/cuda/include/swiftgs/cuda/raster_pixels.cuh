@@ -18,7 +18,7 @@ inline constexpr unsigned raster_pixels_threads = raster_block_side * raster_blo
 static_assert(warp_size == 2 * raster_block_side, "a warp counts two rows");
 
 /// `BlendRasterBlock` on a device, with its decisions and its counts: one thread block per raster block, one
-/// thread per pixel. A warp walks the list by itself until its pixels have stopped.
+/// thread per pixel. A warp traverses the list by itself until its pixels have stopped.
 template <RasterPolicy R, class ViewSource>
 __global__ void __launch_bounds__(raster_pixels_threads)
     raster_pixels(const __grid_constant__ RasterInput<ViewSource> input, std::uint32_t warps_at_once) {

@@ -41,7 +41,7 @@ SWIFTGS_HD TileRun sheet_rows(const Bounds& bounds, const SplatShape& shape, con
     const int first = int(footprint.first / grid.stride);
     return {first, first + highest / Footprint::side + 1};
   }
-  // Its bounds are walked again, and may round otherwise than when its tiles were counted.
+  // Its bounds are traversed again, and may round otherwise than when its tiles were counted.
   const TileRun rows = bounds.tiles(shape, grid).rect.rows;
   const int top = int(grid.first / grid.stride) - grid.rows.begin;
   const int first = rows.begin > grid.rows.begin ? rows.begin - 1 : grid.rows.begin;

@@ -23,22 +23,22 @@
 namespace swiftgs::kernels {
 
 /// A part is 8x8 pixels.
-inline constexpr unsigned part_side = 8, pixels_of_part = part_side * part_side;
+inline constexpr unsigned warp_block_side = 8, pixels_of_warp_block = warp_block_side * warp_block_side;
 
 /// The p-th pixel of this lane.
-__device__ inline unsigned pixel_of_part(unsigned p) { return p * warp_size + lane_index(); }
+__device__ inline unsigned pixel_of_warp_block(unsigned p) { return p * warp_size + lane_index(); }
 
 /// Where a pixel lies within its part. The first 32 are its left half.
-struct PlaceInPart {
+struct PlaceInWarpBlock {
   unsigned column, row;
 
-  __device__ explicit PlaceInPart(unsigned pixel) {
+  __device__ explicit PlaceInWarpBlock(unsigned pixel) {
     column = pixel % columns_between + pixel / warp_size * columns_between;
     row = pixel % warp_size / columns_between;
   }
 };
 
-/// Pixels behind some pieces.
+/// Pixels behind some segments.
 template <bool with_depth, unsigned count>
 struct JoinedPixels {
   float4 totals[count];
@@ -53,34 +53,35 @@ struct JoinedPixels {
   }
 };
 template <bool with_depth>
-using JoinedPart = JoinedPixels<with_depth, pixels_of_part>;
+using JoinedWarpBlock = JoinedPixels<with_depth, pixels_of_warp_block>;
 
-/// Where the walk of a list goes on: at a position, but behind the first splats from there on that touch the
-/// part.
+/// Where the traversal of a list goes on: at a position, but behind the first splats from there on that touch
+/// the part.
 struct ResumeAt {
   std::uint32_t position, skipped;
 };
 
-/// A part at the end of a piece, or within the first.
-struct LongPart {
-  JoinedPart<true> joined;        ///< pixels behind all splats that are blended
+/// A part at the end of a segment, or within the first.
+struct WorkItem {
+  JoinedWarpBlock<true> joined;   ///< pixels behind all splats that are blended
   unsigned live[pixels_of_lane];  ///< lanes whose pixel has not stopped
-  std::uint32_t pieces;           ///< so far
+  std::uint32_t segments;         ///< so far
   std::uint32_t blended;          ///< splats
   RasterBlockIndex raster_block;
   std::uint32_t part;  ///< of the raster block
   ResumeAt at;
 };
 
-/// A long walk has blended so many splats, or visited so many intersections. It is handed over. A shorter
-/// walk is handed over only if others wait for work.
+/// A long traversal has blended so many splats, or visited so many intersections. It is handed over. A
+/// shorter traversal is handed over only if others wait for work.
 inline constexpr std::uint32_t long_blended = 4096, long_visited = 8192;
 /// Frames stop sharing long parts after so many in a row without one.
 inline constexpr std::uint32_t most_quiet_frames = 8;
 /// They share again after a frame in which a warp alone has blended so many splats, or visited so many
 /// intersections.
 inline constexpr std::uint32_t loud_blended = long_blended / 2, loud_visited = long_visited / 2;
-/// A walk asks at the end of each piece whether others wait, and after so many intersections without one.
+/// A traversal asks at the end of each segment whether others wait, and after so many intersections without
+/// one.
 inline constexpr std::uint32_t visits_between_checks = 1024;
 /// If fewer intersections are left, others would not gain.
 inline constexpr std::uint32_t least_left = 2048;
@@ -96,7 +97,7 @@ inline constexpr std::size_t most_longest = 256, most_longer = 1024, most_shorte
 /// The long parts of a frame, in queues that warps fill while groups of blocks empty them: clusters, or
 /// single blocks. Where frames have had no long parts for a while, one kernel draws them and hands nothing
 /// over.
-struct LongParts {
+struct WorkQueues {
   struct Queue {
     std::uint32_t found;  ///< handed over; more than there is room for, if some were refused
     std::uint32_t taken;
@@ -116,7 +117,7 @@ struct LongParts {
   /// A bit of `waiting`: no more will be handed over.
   static constexpr std::uint32_t complete = 1u << 31;
 
-  LongPart* parts;       ///< of all queues, one behind the other
+  WorkItem* parts;       ///< of all queues, one behind the other
   std::uint32_t* ready;  ///< of each part: not 0 after it is written and until it is taken
   State* state;
   std::uint32_t first[queue_count + 1];  ///< part of each queue, and behind the last
@@ -125,11 +126,11 @@ struct LongParts {
   /// Bytes before the parts. The same for all frames, which leave zeros in them.
   static constexpr std::size_t head =
       sizeof(State) + (most_longest + most_longer + most_shorter) * sizeof(std::uint32_t);
-  static_assert(head % 16 == 0 && sizeof(LongPart) % 16 == 0);
+  static_assert(head % 16 == 0 && sizeof(WorkItem) % 16 == 0);
 
   /// In memory of `cuda`, for a frame of so many parts.
-  static LongParts of(Cuda& cuda, std::size_t parts) {
-    LongParts all{};
+  static WorkQueues of(Cuda& cuda, std::size_t parts) {
+    WorkQueues all{};
     all.quiet_frames = cuda.raster_word();
     const auto add = [&](unsigned queue, std::size_t most) {
       all.first[queue + 1] = all.first[queue] + std::uint32_t(std::min(parts, most));
@@ -137,8 +138,8 @@ struct LongParts {
     add(longest, kernels_await_earlier ? most_longest : 0);
     add(longer, kernels_await_earlier ? most_longer : 0);
     add(shorter, most_shorter);
-    std::byte* const memory = cuda.raster_scratch(head + all.first[queue_count] * sizeof(LongPart));
-    all.parts = reinterpret_cast<LongPart*>(memory + head);
+    std::byte* const memory = cuda.raster_scratch(head + all.first[queue_count] * sizeof(WorkItem));
+    all.parts = reinterpret_cast<WorkItem*>(memory + head);
     all.ready = reinterpret_cast<std::uint32_t*>(memory + sizeof(State));
     all.state = reinterpret_cast<State*>(memory);
     return all;
@@ -153,11 +154,11 @@ struct LongParts {
   /// Has the next frame begin without parts.
   void forget(Cuda& cuda) const { cuda.clear(state, head); }
 
-  /// Room for a part, for a warp whose walk has blended so many splats, visited so many intersections and
-  /// left so many; null: the walk is not long and nobody waits for it, others would not gain, or there is no
-  /// room.
-  __device__ LongPart* take_room(std::uint32_t blended, std::uint32_t visited,
-                                 std::uint32_t intersections_left) const {
+  /// Room for a part, for a warp whose traversal has blended so many splats, visited so many intersections
+  /// and left so many; null: the traversal is not long and nobody waits for it, others would not gain, or
+  /// there is no room.
+  __device__ WorkItem* reserve_item(std::uint32_t blended, std::uint32_t visited,
+                                    std::uint32_t intersections_left) const {
     if (intersections_left < least_left) return nullptr;
     const bool is_long = blended >= long_blended || visited >= long_visited;
     std::uint32_t slot = none;
@@ -175,15 +176,15 @@ struct LongParts {
   }
 
   /// Publishes a part that this warp has written: from now on others may take it.
-  __device__ void hand_over(const LongPart* part) const {
+  __device__ void push(const WorkItem* part) const {
     __syncwarp();
     if (lane_index() != 0) return;
     word(state->waiting).fetch_add(1, cuda::memory_order_relaxed);  // before it can be taken
     word(ready[part - parts]).store(1, cuda::memory_order_release);
   }
 
-  /// After a walk of a frame that shares nothing.
-  __device__ void end_walk(std::uint32_t blended, std::uint32_t visited) const {
+  /// After a traversal of a frame that shares nothing.
+  __device__ void end_traversal(std::uint32_t blended, std::uint32_t visited) const {
     if ((blended >= loud_blended || visited >= loud_visited) && lane_index() == 0)
       word(*quiet_frames).store(0, cuda::memory_order_relaxed);
   }
@@ -197,10 +198,10 @@ struct LongParts {
   }
 
   /// Waits for the next part for a group, in one of its threads; null: there will be none.
-  __device__ const LongPart* await_next(bool as_cluster) const {
+  __device__ const WorkItem* await_next(bool as_cluster) const {
     for (;;) {
       const std::uint32_t waiting = word(state->waiting).load(cuda::memory_order_acquire);
-      const LongPart* part = nullptr;
+      const WorkItem* part = nullptr;
       if (waiting != 0 && waiting != complete) {
         if (as_cluster) part = take(longest);
         if (!part) part = take(as_cluster ? longer : shorter);
@@ -211,7 +212,7 @@ struct LongParts {
   }
 
   /// After a group is done with a part, for one of its threads.
-  __device__ void end_part(bool as_cluster) const {
+  __device__ void end_item(bool as_cluster) const {
     word(state->groups[as_cluster].done).fetch_add(1, cuda::memory_order_relaxed);
   }
 
@@ -248,7 +249,7 @@ struct LongParts {
   }
 
   /// Takes the next part of a queue; null: there is none, or it is not written yet.
-  __device__ const LongPart* take(unsigned q) const {
+  __device__ const WorkItem* take(unsigned q) const {
     Queue& queue = state->queues[q];
     std::uint32_t next = value(queue.taken);
     const std::uint32_t end = found(q);

@@ -15,77 +15,77 @@ namespace swiftgs {
 namespace kernels {
 
 /// Warps of a block that shares out the rest of a long part.
-inline constexpr unsigned piece_warps = 8, piece_threads = piece_warps * warp_size;
+inline constexpr unsigned segment_warps = 8, segment_threads = segment_warps * warp_size;
 /// Blocks that a multiprocessor can hold.
 template <bool extras>
-inline constexpr unsigned piece_occupancy = extras ? 2 : 3;
+inline constexpr unsigned segment_occupancy = extras ? 2 : 3;
 /// Blocks for each multiprocessor: one more is no faster where lists are long, and starts later where they
 /// are not.
 inline constexpr unsigned blocks_of_multiprocessor = 2;
-/// Pieces that a warp blends at once, where few pixels are left.
-inline constexpr unsigned most_pieces_of_warp = 2;
-/// Pixels of pieces that a block blends in a round.
-inline constexpr unsigned pixels_of_round = piece_warps * pixels_of_part;
+/// Segments that a warp blends at once, where few pixels are left.
+inline constexpr unsigned most_segments_of_warp = 2;
+/// Pixels of segments that a block blends in a round.
+inline constexpr unsigned pixels_of_round = segment_warps * pixels_of_warp_block;
 
-using PieceSplats =
-    TouchedSplats<piece_warps, piece_warps * piece_size, piece_warps * most_pieces_of_warp * piece_size>;
+using SegmentSplats = TouchedSplats<segment_warps, segment_warps * segment_size,
+                                    segment_warps * most_segments_of_warp * segment_size>;
 
 /// Shared memory of a block.
 template <class Form, bool extras>
-struct PieceShared {
-  Queue<Form> queues[piece_warps];
-  PieceSplats::Shared splats;
-  float4 pieces[pixels_of_round];  ///< RGB and `mark_stopped` transmittance; indexed by piece, then slot
+struct SegmentShared {
+  Queue<Form> queues[segment_warps];
+  SegmentSplats::Shared splats;
+  float4 segments[pixels_of_round];  ///< RGB and `mark_stopped` transmittance; indexed by segment, then slot
   float depths[extras ? pixels_of_round : 1];
-  JoinedPart<extras> joined;
+  JoinedWarpBlock<extras> joined;
   unsigned live[pixels_of_lane];  ///< pixels that have not stopped
-  std::uint32_t pixel_of_slot[pixels_of_part];
-  const LongPart* part;
+  std::uint32_t pixel_of_slot[pixels_of_warp_block];
+  const WorkItem* part;
 };
 
-/// A round of a long part, in which each warp blends one piece, or some at once. Where more than half of the
-/// part's pixels are left, each pixel has a slot, and a lane two of them. Else those that are left have the
-/// first slots, and a lane one of them. Where they are few, lanes that this frees blend further pieces.
+/// A round of a long part, in which each warp blends one segment, or some at once. Where more than half of
+/// the part's pixels are left, each pixel has a slot, and a lane two of them. Else those that are left have
+/// the first slots, and a lane one of them. Where they are few, lanes that this frees blend further segments.
 struct Round {
-  unsigned blocks;          ///< of the group
-  unsigned live;            ///< pixels left
-  unsigned slots;           ///< 64, 32 or 16
-  unsigned pieces_of_warp;  ///< at once
-  std::uint32_t first;      ///< piece, of those of the part
+  unsigned blocks;            ///< of the group
+  unsigned live;              ///< pixels left
+  unsigned slots;             ///< 64, 32 or 16
+  unsigned segments_of_warp;  ///< at once
+  std::uint32_t first;        ///< segment, of those of the part
   std::uint32_t splats = 0;
 
   __device__ Round(unsigned blocks_, unsigned live_, std::uint32_t first_)
       : blocks(blocks_), live(live_), first(first_) {
     slots = live > 32 ? 64 : live > 16 || blocks != 1 ? 32 : 16;
-    pieces_of_warp = slots == 16 ? most_pieces_of_warp : 1;
+    segments_of_warp = slots == 16 ? most_segments_of_warp : 1;
   }
 
-  __device__ unsigned pieces_of_block() const { return piece_warps * pieces_of_warp; }
-  __device__ std::uint32_t most_splats() const { return blocks * pieces_of_block() * piece_size; }
-  __device__ unsigned pieces() const { return (splats + piece_size - 1) / piece_size; }
-  __device__ std::uint32_t splats_of(unsigned piece) const {
-    const std::uint32_t before = piece * piece_size;
-    return before < splats ? min(splats - before, piece_size) : 0;
+  __device__ unsigned segments_of_block() const { return segment_warps * segments_of_warp; }
+  __device__ std::uint32_t most_splats() const { return blocks * segments_of_block() * segment_size; }
+  __device__ unsigned segments() const { return (splats + segment_size - 1) / segment_size; }
+  __device__ std::uint32_t splats_of(unsigned segment) const {
+    const std::uint32_t before = segment * segment_size;
+    return before < splats ? min(splats - before, segment_size) : 0;
   }
 };
 
 /// The rest of a long part, blended by a block in rounds.
 template <class Form, bool threshold, bool extras, class ViewSource>
-struct LongPartBlender {
+struct WorkItemBlender {
   const RasterInput<ViewSource>& input;
   const Group group;
-  PieceShared<Form, extras>& shared;
+  SegmentShared<Form, extras>& shared;
   const OwnRasterBlock raster_block;
   const View& view;
   const BlendRules rules;
-  const PartPlace place;
+  const WarpBlockPlace place;
   const vec2 first_centre;
-  std::uint32_t evaluated = 0;                         ///< pixels, by this warp
-  std::uint32_t pieces_joined = 0, pixels_joined = 0;  ///< of this lane
+  std::uint32_t evaluated = 0;                           ///< pixels, by this warp
+  std::uint32_t segments_joined = 0, pixels_joined = 0;  ///< of this lane
   ThreadCounts counts;
 
-  __device__ LongPartBlender(const RasterInput<ViewSource>& of, const LongPart& part, const Group& by,
-                             PieceShared<Form, extras>& in)
+  __device__ WorkItemBlender(const RasterInput<ViewSource>& of, const WorkItem& part, const Group& by,
+                             SegmentShared<Form, extras>& in)
       : input(of),
         group(by),
         shared(in),
@@ -98,59 +98,59 @@ struct LongPartBlender {
   __device__ static unsigned warp() { return threadIdx.x / warp_size; }
 
   /// `timer`: began with the work on the part.
-  __device__ void run(const LongPart& part, const WarpTimer& timer) {
+  __device__ void run(const WorkItem& part, const WarpTimer& timer) {
     const TileRange range = raster_block.list(input);
-    if (threadIdx.x < pixels_of_part) shared.joined.store(threadIdx.x, part.joined.load(threadIdx.x));
+    if (threadIdx.x < pixels_of_warp_block) shared.joined.store(threadIdx.x, part.joined.load(threadIdx.x));
     if (threadIdx.x < pixels_of_lane) shared.live[threadIdx.x] = part.live[threadIdx.x];
     __syncthreads();
 
     ResumeAt next = part.at;
-    if (part.pieces == 0) next = end_first_piece(next, range.end, first_piece_size - part.blended);
+    if (part.segments == 0) next = end_first_segment(next, range.end, first_segment_size - part.blended);
     group.sync();
 
-    PieceSplats splats(shared.splats, input.job, group, next, range.end);
-    std::uint32_t piece = max(part.pieces, 1u);
+    SegmentSplats splats(shared.splats, input.job, group, next, range.end);
+    std::uint32_t segment = max(part.segments, 1u);
     for (;;) {
-      Round round(group.blocks, unsigned(__popc(shared.live[0]) + __popc(shared.live[1])), piece);
+      Round round(group.blocks, unsigned(__popc(shared.live[0]) + __popc(shared.live[1])), segment);
       if (round.live == 0) break;
       give_slots();
       splats.find(first_centre, round.most_splats());
       round.splats = min(splats.count(), round.most_splats());
       if (round.splats == 0) break;
-      if (round.slots == pixels_of_part)
+      if (round.slots == pixels_of_warp_block)
         blend_round<pixels_of_lane>(splats, round);
       else
         blend_round<1>(splats, round);
-      splats.drop(round.splats), piece += round.pieces();
+      splats.drop(round.splats), segment += round.segments();
     }
 
     if (group.rank == 0 && warp() < pixels_of_lane) {
-      const JoinedPixel pixel = shared.joined.load(pixel_of_part(warp()));
+      const JoinedPixel pixel = shared.joined.load(pixel_of_warp_block(warp()));
       store_relative(view, place.pixel(view.frame, warp(), false), pixel.blended());
     }
     if constexpr (extras)
       if (input.job.counts) {
         RasterCounts of_warp = counts_of_warp(counts, splats.position() - range.begin, evaluated, timer);
-        of_warp.pieces = warp_sum(pieces_joined), of_warp.pixels_joined = warp_sum(pixels_joined);
+        of_warp.segments = warp_sum(segments_joined), of_warp.pixels_joined = warp_sum(pixels_joined);
         of_warp.longest_item = (splats.position() - part.at.position) / group.blocks;
         add_counts(input.job.counts[part.raster_block.number(input.raster_blocks.columns)], of_warp);
       }
   }
 
  private:
-  /// Blends the rest of the first piece, `most` splats or fewer, with one warp. Every block of the group does
-  /// the same. Returns where the next piece begins.
-  __device__ ResumeAt end_first_piece(ResumeAt from, std::uint32_t end, std::uint32_t most) {
-    PieceSplats splats(shared.splats, input.job, Group(), from, end);
+  /// Blends the rest of the first segment, `most` splats or fewer, with one warp. Every block of the group
+  /// does the same. Returns where the next segment begins.
+  __device__ ResumeAt end_first_segment(ResumeAt from, std::uint32_t end, std::uint32_t most) {
+    SegmentSplats splats(shared.splats, input.job, Group(), from, end);
     splats.find(first_centre, most);
     const std::uint32_t count = min(splats.count(), most);
     if (warp() == 0) {
-      const Share share(Round(1, pixels_of_part, 0), 0);
+      const Share share(Round(1, pixels_of_warp_block, 0), 0);
       LaneBlender<Form, threshold, extras, pixels_of_lane> lane{
           rules, float(place.column), float(place.row), 0, {}, {}, {}};
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p) {
-        const JoinedPixel from = shared.joined.load(pixel_of_part(p));
+        const JoinedPixel from = shared.joined.load(pixel_of_warp_block(p));
         lane.pixels[p] = from.stopped();
         if (shared.live[p] >> lane_index() & 1) lane.pixels[p].start(rules.stop_below, from.total.w);
         if constexpr (extras) lane.occluders[p] = place.pixel(view.frame, p, true).occluder;
@@ -162,7 +162,7 @@ struct LongPartBlender {
       for (unsigned p = 0; p < pixels_of_lane; ++p) {
         JoinedPixel all;
         all.join(lane.pixels[p].blended(), 0);
-        shared.joined.store(pixel_of_part(p), all);
+        shared.joined.store(pixel_of_warp_block(p), all);
         const unsigned live = __ballot_sync(whole_warp, lane.pixels[p].live());
         if (lane_index() == 0) shared.live[p] = live;
         if constexpr (extras)
@@ -176,23 +176,23 @@ struct LongPartBlender {
 
   /// Gives the first slots to the pixels that are left. The block synchronises before it reads them.
   __device__ void give_slots() {
-    if (threadIdx.x >= pixels_of_part) return;
+    if (threadIdx.x >= pixels_of_warp_block) return;
     const unsigned p = threadIdx.x / warp_size;
     if (!(shared.live[p] >> lane_index() & 1)) return;
     const int slot = __popc(shared.live[p] & lanes_below()) + (p == 1 ? __popc(shared.live[0]) : 0);
     shared.pixel_of_slot[slot] = threadIdx.x;
   }
 
-  /// What a lane blends in a round: slot `slot` of a piece and, if it has two pixels, `slot` + 32.
+  /// What a lane blends in a round: slot `slot` of a segment and, if it has two pixels, `slot` + 32.
   struct Share {
-    unsigned lanes;        ///< of a piece; each queues one of its splats at a time
-    unsigned piece, slot;  ///< the piece of those of the group
-    unsigned own;          ///< the piece of those of the block
+    unsigned lanes;          ///< of a segment; each queues one of its splats at a time
+    unsigned segment, slot;  ///< the segment of those of the group
+    unsigned own;            ///< the segment of those of the block
 
     __device__ Share(const Round& round, unsigned rank)
-        : lanes(warp_size / round.pieces_of_warp), slot(lane_index() % lanes) {
-      own = warp() * round.pieces_of_warp + lane_index() / lanes;
-      piece = rank * round.pieces_of_block() + own;
+        : lanes(warp_size / round.segments_of_warp), slot(lane_index() % lanes) {
+      own = warp() * round.segments_of_warp + lane_index() / lanes;
+      segment = rank * round.segments_of_block() + own;
     }
   };
 
@@ -208,43 +208,43 @@ struct LongPartBlender {
   }
 
   template <unsigned pixel_count>
-  __device__ void blend_round(const PieceSplats& splats, const Round& round) {
+  __device__ void blend_round(const SegmentSplats& splats, const Round& round) {
     const Share share(round, group.rank);
     LaneBlender<Form, threshold, extras, pixel_count> lane{rules, 0, 0, 0, {}, {}, {}};
-    float befores[pixel_count];  // transmittances in front of the piece; negative: no pixel, or stopped
+    float befores[pixel_count];  // transmittances in front of the segment; negative: no pixel, or stopped
 #pragma unroll
     for (unsigned p = 0; p < pixel_count; ++p) {
       const unsigned slot = share.slot + p * warp_size;
       const bool live = is_live<pixel_count>(round, slot);
       const unsigned pixel = pixel_in<pixel_count>(slot, live);
-      const PlaceInPart at(pixel);
+      const PlaceInWarpBlock at(pixel);
       if (p == 0) {
         const unsigned first = at.column % columns_between;
         lane.x = float(first), lane.right = float(at.column - first), lane.y = float(at.row);
       }
-      // A pixel that stops by the transmittance before the round stops in this piece or an earlier one.
+      // A pixel that stops by the transmittance before the round stops in this segment or an earlier one.
       const float before = shared.joined.totals[pixel].w;
-      befores[p] = !live ? -1 : share.piece == 0 ? before : most_before(before);
+      befores[p] = !live ? -1 : share.segment == 0 ? before : most_before(before);
       if constexpr (extras)
         lane.occluders[p] =
             PixelPlace(view.frame, place.x + int(at.column), place.y + int(at.row), true).occluder;
     }
-    const unsigned first_of_warp = group.rank * round.pieces_of_block() + warp() * round.pieces_of_warp;
+    const unsigned first_of_warp = group.rank * round.segments_of_block() + warp() * round.segments_of_warp;
     const std::uint32_t most = round.splats_of(first_of_warp);
-    if (most != 0) blend_pieces(lane, splats, round, share, most, befores);
+    if (most != 0) blend_segments(lane, splats, round, share, most, befores);
     group.sync();
 
-    // By the true transmittance before the piece: blend again where a pixel stops in it.
+    // By the true transmittance before the segment: blend again where a pixel stops in it.
     gather_transmittances(round);
     const bool again = find_befores(round, share, befores);
     if (__syncthreads_or(again)) {
-      if (again) blend_pieces(lane, splats, round, share, most, befores);
+      if (again) blend_segments(lane, splats, round, share, most, befores);
       if (group.blocks == 1) __syncthreads();
     }
     if (group.blocks != 1) group.sync();
     if constexpr (extras)
-      if (share.piece < round.pieces()) {
-        pieces_joined += share.slot == 0;
+      if (share.segment < round.segments()) {
+        segments_joined += share.slot == 0;
         for (unsigned p = 0; p < pixel_count; ++p) {
           if (befores[p] < 0) continue;
           counts.pairs += lane.counts[p].pairs, counts.stopped += lane.counts[p].stopped;
@@ -255,39 +255,39 @@ struct LongPartBlender {
     group.sync();
   }
 
-  /// Blends this warp's pieces, of pixels that have the transmittances `befores` in front of them.
+  /// Blends this warp's segments, of pixels that have the transmittances `befores` in front of them.
   template <unsigned pixel_count>
-  __device__ void blend_pieces(LaneBlender<Form, threshold, extras, pixel_count>& lane,
-                               const PieceSplats& splats, const Round& round, const Share& share,
-                               std::uint32_t most, const float (&befores)[pixel_count]) {
+  __device__ void blend_segments(LaneBlender<Form, threshold, extras, pixel_count>& lane,
+                                 const SegmentSplats& splats, const Round& round, const Share& share,
+                                 std::uint32_t most, const float (&befores)[pixel_count]) {
 #pragma unroll
     for (unsigned p = 0; p < pixel_count; ++p) {
       lane.pixels[p] = {}, lane.counts[p] = {};
       if (befores[p] >= 0)
-        start_piece(lane.pixels[p], rules.stop_below, befores[p], round.first + share.piece);
+        start_segment(lane.pixels[p], rules.stop_below, befores[p], round.first + share.segment);
     }
 
-    blend_splats(lane, splats, share.own * piece_size, round.splats_of(share.piece), most, share);
+    blend_splats(lane, splats, share.own * segment_size, round.splats_of(share.segment), most, share);
 
 #pragma unroll
     for (unsigned p = 0; p < pixel_count; ++p) {
       const BlendedPixel pixel = lane.pixels[p].blended();
       const bool stopped = befores[p] >= 0 && !lane.pixels[p].live();
       const unsigned at = share.own * round.slots + share.slot + p * warp_size;
-      shared.pieces[at] = make_float4(pixel.colour.x, pixel.colour.y, pixel.colour.z,
-                                      mark_stopped(pixel.transmittance, stopped));
+      shared.segments[at] = make_float4(pixel.colour.x, pixel.colour.y, pixel.colour.z,
+                                        mark_stopped(pixel.transmittance, stopped));
       if constexpr (extras) shared.depths[at] = pixel.depth;
     }
   }
 
-  /// Blends the `count` splats of a lane's piece, from the first-th on that were found. No piece of the warp
-  /// has more than `most`.
+  /// Blends the `count` splats of a lane's segment, from the first-th on that were found. No segment of the
+  /// warp has more than `most`.
   template <unsigned pixel_count>
   __device__ void blend_splats(LaneBlender<Form, threshold, extras, pixel_count>& lane,
-                               const PieceSplats& splats, std::uint32_t first, std::uint32_t count,
+                               const SegmentSplats& splats, std::uint32_t first, std::uint32_t count,
                                std::uint32_t most, const Share& share) {
     // Queue a half while the other is blended, and load the shapes of the next. Each lane queues for its own
-    // piece; behind the end of a piece, splats that show nothing.
+    // segment; behind the end of a segment, splats that show nothing.
     Queue<Form>& queue = shared.queues[warp()];
     std::uint32_t id = share.slot < count ? splats.id(first + share.slot) : 0;
     SplatShape shape = load_shape(input.job, id);
@@ -327,25 +327,25 @@ struct LongPartBlender {
     __pipeline_wait_prior(0);
   }
 
-  /// Transmittances of all pieces of a round in one place. A block alone has them there.
+  /// Transmittances of all segments of a round in one place. A block alone has them there.
   __device__ void gather_transmittances(const Round& round) {
     if (group.blocks == 1) return;
     // Nothing is queued now, and the queues have room for them.
     static_assert(blocks_of_group * pixels_of_round * sizeof(float) <= sizeof shared.queues);
-    const unsigned of_block = round.pieces_of_block() * round.slots;
+    const unsigned of_block = round.segments_of_block() * round.slots;
 #pragma unroll 4
-    for (unsigned i = threadIdx.x; i < round.pieces() * round.slots; i += piece_threads)
-      gathered()[i] = group.in(i / of_block, shared).pieces[i % of_block].w;
+    for (unsigned i = threadIdx.x; i < round.segments() * round.slots; i += segment_threads)
+      gathered()[i] = group.in(i / of_block, shared).segments[i % of_block].w;
     group.sync();
   }
   __device__ float* gathered() const { return reinterpret_cast<float*>(shared.queues); }
 
-  /// Replaces `befores` by the true transmittances. Whether a pixel stops in a piece that its warp has
+  /// Replaces `befores` by the true transmittances. Whether a pixel stops in a segment that its warp has
   /// blended with others.
   template <unsigned pixel_count>
   __device__ bool find_befores(const Round& round, const Share& share, float (&befores)[pixel_count]) {
     bool again = false;
-    if (share.piece != 0 && share.piece < round.pieces()) {
+    if (share.segment != 0 && share.segment < round.segments()) {
 #pragma unroll
       for (unsigned p = 0; p < pixel_count; ++p) {
         bool live = befores[p] >= 0;
@@ -353,30 +353,30 @@ struct LongPartBlender {
         float before = shared.joined.totals[pixel_in<pixel_count>(slot, live)].w;
         const auto transmittance = [&](unsigned k) {
           const unsigned at = k * round.slots + slot;
-          return group.blocks == 1 ? shared.pieces[at].w : gathered()[at];
+          return group.blocks == 1 ? shared.segments[at].w : gathered()[at];
         };
         const auto stops = [&](unsigned k, float left) {
-          return stops_in_piece(left, rules.stop_below, before, round.first + k);
+          return stops_in_segment(left, rules.stop_below, before, round.first + k);
         };
 #pragma unroll 4
-        for (unsigned k = 0; k < share.piece; ++k) {
+        for (unsigned k = 0; k < share.segment; ++k) {
           const float left = transmittance(k);
           live = live && !stops(k, left);
-          before = before * scale_of_piece(round.first + k) * fabsf(left);
+          before = before * scale_of_segment(round.first + k) * fabsf(left);
         }
         befores[p] = live ? before : -1;
-        again = again || (live && stops(share.piece, transmittance(share.piece)));
+        again = again || (live && stops(share.segment, transmittance(share.segment)));
       }
     }
     return __any_sync(whole_warp, again);
   }
 
-  /// Joins the pieces of a round in order, a thread a channel of a pixel. Each block joins some pixels for
+  /// Joins the segments of a round in order, a thread a channel of a pixel. Each block joins some pixels for
   /// all.
   template <unsigned pixel_count>
   __device__ void join(const Round& round) {
     constexpr unsigned channels = 4;
-    const unsigned pixels = round.slots / group.blocks, of_block = round.pieces_of_block();
+    const unsigned pixels = round.slots / group.blocks, of_block = round.segments_of_block();
     const unsigned own = threadIdx.x / channels, channel = threadIdx.x % channels;
     if (warp() * warp_size >= channels * pixels) return;
     const unsigned slot = group.rank * pixels + own % pixels;
@@ -389,21 +389,21 @@ struct LongPartBlender {
       if constexpr (extras) depth = shared.joined.depths[pixel];
     }
 #pragma unroll 4
-    for (unsigned k = 0; k < round.pieces(); ++k) {
-      const PieceShared<Form, extras>& of = group.in(k / of_block, shared);
+    for (unsigned k = 0; k < round.segments(); ++k) {
+      const SegmentShared<Form, extras>& of = group.in(k / of_block, shared);
       const unsigned at = k % of_block * round.slots + slot;
-      const float left = of.pieces[at].w, value = (&of.pieces[at].x)[channel];
+      const float left = of.segments[at].w, value = (&of.segments[at].x)[channel];
       const float of_depth = extras ? of.depths[at] : 0;
       if (!live) continue;
       // As `JoinedPixel::join`.
-      const float scaled = before * scale_of_piece(round.first + k);
+      const float scaled = before * scale_of_segment(round.first + k);
       all = fmaf(scaled, value, all), depth = fmaf(scaled, of_depth, depth);
       before = scaled * fabsf(left), live = !signbit(left);
     }
     __syncwarp();  // all have read what is overwritten
     if (!was_live) return;
     for (unsigned b = 0; b < group.blocks; ++b) {
-      PieceShared<Form, extras>& of = group.in(b, shared);
+      SegmentShared<Form, extras>& of = group.in(b, shared);
       (&of.joined.totals[pixel].x)[channel] = channel + 1 == channels ? before : all;
       if (extras && channel == 0) of.joined.depths[pixel] = depth;
       if (channel == 0 && !live) atomicAnd(&of.live[pixel / warp_size], ~(1u << pixel % warp_size));
@@ -414,31 +414,31 @@ struct LongPartBlender {
 /// Goes on with parts that `raster_warps` hands over, while it still runs, in blocks for which it leaves
 /// room: clusters with those that have most left, single blocks with the rest.
 template <class Form, bool threshold, bool extras, class ViewSource>
-__global__ void __launch_bounds__(piece_threads, piece_occupancy<extras>)
-    raster_pieces(const __grid_constant__ RasterInput<ViewSource> input,
-                  const __grid_constant__ LongParts long_parts, std::uint32_t warps_at_once) {
-  __shared__ PieceShared<Form, extras> shared;
+__global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
+    raster_segments(const __grid_constant__ RasterInput<ViewSource> input,
+                    const __grid_constant__ WorkQueues work_queues, std::uint32_t warps_at_once) {
+  __shared__ SegmentShared<Form, extras> shared;
   const Group cluster = Group::cluster();
   // Every other cluster takes parts for clusters first. The others take parts for single blocks first.
   bool as_cluster = cluster.blocks != 1 && blockIdx.x / cluster.blocks % 2 == 1;
-  if (threadIdx.x == 0 && !(as_cluster && cluster.rank != 0)) long_parts.begin(as_cluster);
+  if (threadIdx.x == 0 && !(as_cluster && cluster.rank != 0)) work_queues.begin(as_cluster);
   for (unsigned turn = 0; turn < (cluster.blocks == 1 ? 1 : 2); ++turn, as_cluster = !as_cluster) {
     const Group group = as_cluster ? cluster : Group();
     for (;;) {
       group.sync();
       if (group.rank == 0 && threadIdx.x == 0) {
-        const LongPart* const next = long_parts.await_next(as_cluster);
+        const WorkItem* const next = work_queues.await_next(as_cluster);
         for (unsigned b = 0; b < group.blocks; ++b) group.in(b, shared).part = next;
       }
       group.sync();
-      const LongPart* const part = shared.part;
+      const WorkItem* const part = shared.part;
       if (!part) break;
       const WarpTimer timer(extras && input.job.counts, warps_at_once);
-      LongPartBlender<Form, threshold, extras, ViewSource>(input, *part, group, shared).run(*part, timer);
-      if (group.rank == 0 && threadIdx.x == 0) long_parts.end_part(as_cluster);
+      WorkItemBlender<Form, threshold, extras, ViewSource>(input, *part, group, shared).run(*part, timer);
+      if (group.rank == 0 && threadIdx.x == 0) work_queues.end_item(as_cluster);
     }
   }
-  if (threadIdx.x == 0) long_parts.leave();
+  if (threadIdx.x == 0) work_queues.leave();
 }
 }  // namespace kernels
 
@@ -447,21 +447,21 @@ template <class Form, bool threshold>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   using namespace kernels;
   with_raster_input(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
-    const LongParts long_parts = LongParts::of(cuda, input.raster_blocks.size() * warps_of_raster_block);
-    const bool shared = LongParts::are_shared(cuda, job.counts != nullptr);
+    const WorkQueues work_queues = WorkQueues::of(cuda, input.raster_blocks.size() * warps_of_raster_block);
+    const bool shared = WorkQueues::are_shared(cuda, job.counts != nullptr);
     const auto warps = shared ? raster_warps<Form, threshold, extras, true, ViewSource>
                               : raster_warps<Form, threshold, extras, false, ViewSource>;
-    const auto pieces = raster_pieces<Form, threshold, extras, ViewSource>;
-    launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input, long_parts,
+    const auto segments = raster_segments<Form, threshold, extras, ViewSource>;
+    launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input, work_queues,
            warps_at_once(cuda, job, warps, raster_threads));
     if (!shared) return;
     const unsigned clusters = unsigned(cuda.multiprocessors()) * blocks_of_multiprocessor / blocks_of_group;
     try {
-      launch_early<blocks_of_group>(cuda, name, pieces, std::max(clusters, 1u) * blocks_of_group,
-                                    piece_threads, input, long_parts,
-                                    warps_at_once(cuda, job, pieces, piece_threads));
+      launch_early<blocks_of_group>(cuda, name, segments, std::max(clusters, 1u) * blocks_of_group,
+                                    segment_threads, input, work_queues,
+                                    warps_at_once(cuda, job, segments, segment_threads));
     } catch (const DeviceError&) {
-      long_parts.forget(cuda);  // or the next frame would go on with this one's
+      work_queues.forget(cuda);  // or the next frame would go on with this one's
       throw;
     }
   });
