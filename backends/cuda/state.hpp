@@ -76,7 +76,7 @@ struct Cuda::State {
   DeviceBuffer<std::byte> raster;     ///< of `raster_scratch`
   DeviceBuffer<std::uint32_t> raster_word, raster_order;
 
-  Turns<RadixCounts> sorts;
+  Epochs<RadixCounts> sorts;
 };
 
 }  // namespace swiftgs

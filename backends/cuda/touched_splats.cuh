@@ -26,7 +26,7 @@ class TouchedSplats {
  public:
   struct Shared {
     std::uint32_t ids[ring_size];
-    // Splats that touch the part, of those tested; used in turns.
+    // Splats that touch the part, of those tested; used alternately.
     std::uint32_t touched[2][warp_size];           ///< of each 32 of this block
     std::uint32_t touched_of[2][blocks_of_group];  ///< of each block
   };
@@ -50,7 +50,7 @@ class TouchedSplats {
   __device__ void find(vec2 first_centre, std::uint32_t wanted) {
     const bool some_hidden = job_.colours.some_hidden();
     const unsigned warp = threadIdx.x / warp_size;
-    for (unsigned turn = 0; count_ < wanted && at_ < end_; turn ^= 1) {
+    for (unsigned half = 0; count_ < wanted && at_ < end_; half ^= 1) {
       // Test. All shapes are asked for before the first is needed.
       std::uint32_t ids[tests_of_thread];
       SplatShape shapes[tests_of_thread];
@@ -70,20 +70,20 @@ class TouchedSplats {
       if (lane_index() == 0)
 #pragma unroll
         for (unsigned k = 0; k < tests_of_thread; ++k)
-          shared_.touched[turn][warp * tests_of_thread + k] = std::uint32_t(__popc(lanes[k]));
+          shared_.touched[half][warp * tests_of_thread + k] = std::uint32_t(__popc(lanes[k]));
       __syncthreads();
 
       // Each has its place behind those of the list before it.
-      const std::uint32_t mine = shared_.touched[turn][lane_index()], before = sum_below(mine);
+      const std::uint32_t mine = shared_.touched[half][lane_index()], before = sum_below(mine);
       std::uint32_t found = __shfl_sync(whole_warp, before + mine, warp_size - 1), before_block = 0;
       if (group_.blocks != 1) {
         if (threadIdx.x < group_.blocks)
-          group_.in(threadIdx.x, shared_).touched_of[turn][group_.rank] = found;
+          group_.in(threadIdx.x, shared_).touched_of[half][group_.rank] = found;
         group_.sync();
         found = 0;
         for (unsigned b = 0; b < group_.blocks; ++b) {
           if (b == group_.rank) before_block = found;
-          found += shared_.touched_of[turn][b];
+          found += shared_.touched_of[half][b];
         }
       }
 #pragma unroll

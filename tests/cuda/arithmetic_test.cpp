@@ -11,8 +11,8 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/bounds/all.hpp>
+#include <swiftgs/cuda/epochs.hpp>
 #include <swiftgs/cuda/find_bit.hpp>
-#include <swiftgs/cuda/turns.hpp>
 #include <swiftgs/type_list.hpp>
 
 #include "blending.hpp"
@@ -248,23 +248,23 @@ TEST_CASE("cuda arithmetic: harmonics fit their words and lanes read them from d
 }
 
 TEST_CASE("cuda arithmetic: operations in a row have other tags and alternate between copies") {
-  const std::uint32_t begins[] = {0, 12'345, turns_in_all - 5};
-  for (std::uint32_t turn : begins) {
+  const std::uint32_t begins[] = {0, 12'345, epochs_in_all - 5};
+  for (std::uint32_t epoch : begins) {
     std::set<std::uint32_t> tags;
     for (int i = 0; i < 10; ++i) {
-      CAPTURE(turn);
+      CAPTURE(epoch);
       for (std::uint32_t pass = 0; pass < most_passes; ++pass) {
-        const std::uint32_t tag = tag_of(turn, pass);
+        const std::uint32_t tag = tag_of(epoch, pass);
         CHECK(tag != 0);  // as cleared memory
         CHECK(tag < 1u << 30);
         CHECK(tags.insert(tag).second);
       }
-      const std::uint32_t next = turn_after(turn);
-      CHECK(next < turns_in_all);
-      CHECK(copy_of(next) != copy_of(turn));
+      const std::uint32_t next = epoch_after(epoch);
+      CHECK(next < epochs_in_all);
+      CHECK(copy_of(next) != copy_of(epoch));
       const int copies[] = {0, 1};
-      CHECK(LastCounters<int>{copies, &next}.get() == int(copy_of(turn)));
-      turn = next;
+      CHECK(LastCounters<int>{copies, &next}.get() == int(copy_of(epoch)));
+      epoch = next;
     }
     CHECK(tags.size() == 10 * most_passes);
   }
@@ -277,9 +277,9 @@ TEST_CASE("cuda arithmetic: no word is older than a few rounds of sweeping") {
     std::uint32_t row, capacity, mask;
   };
   for (const Words& words : {Words{1, 37, 63}, Words{1, 64, 63}, Words{4, 150, 255}})
-    for (std::uint32_t turn : {0u, turns_in_all - 100}) {
+    for (std::uint32_t epoch : {0u, epochs_in_all - 100}) {
       CAPTURE(words.capacity);
-      Random random(turn);
+      Random random(epoch);
       const std::uint32_t rows = words.capacity / words.row;
       std::vector<int> written(words.capacity);  // in which operation; 0: cleared
       int oldest = 0;
@@ -287,12 +287,12 @@ TEST_CASE("cuda arithmetic: no word is older than a few rounds of sweeping") {
         const std::uint32_t used =
             words.row * (operation % 50 == 1 ? rows : 1 + std::uint32_t(random.bits() % 5));
         std::fill_n(written.begin(), used, operation);
-        const std::uint32_t swept = swept_word(turn, words.row, words.mask);
+        const std::uint32_t swept = swept_word(epoch, words.row, words.mask);
         if (swept >= used && swept + words.row <= words.capacity)
           std::fill_n(written.begin() + swept, words.row, 0);
         for (const int age : written)
           if (age != 0) oldest = std::max(oldest, operation - age);
-        turn = turn_after(turn);
+        epoch = epoch_after(epoch);
       }
       CHECK(oldest > 10);
       CHECK(oldest <= 2 * 64);

@@ -342,16 +342,16 @@ TEST_CASE("cuda: later stages go by totals that are zero where a frame does not 
   CHECK_THROWS_AS((void)cuda.await_report(), std::logic_error);
 }
 
-TEST_CASE("cuda: counters of the last operation are those of the turn before the next") {
+TEST_CASE("cuda: counters of the last operation are those of the epoch before the next") {
   if (without_device()) return;
   const Cuda cuda;
   const DeviceBuffer<FrameCounts> copies = to_device(std::vector<FrameCounts>{{1, 2}, {3, 4}});
   DeviceBuffer<FrameTotals> totals;
   totals.reset(1);
-  for (const std::uint32_t next : {0u, 1u, 2u, 3u, kernels::turns_in_all - 1}) {
+  for (const std::uint32_t next : {0u, 1u, 2u, 3u, kernels::epochs_in_all - 1}) {
     CAPTURE(next);
-    const DeviceBuffer<std::uint32_t> turn = to_device(std::vector<std::uint32_t>{next});
-    cuda.settle({copies.data(), turn.data()}, {}, totals.data());
+    const DeviceBuffer<std::uint32_t> epoch = to_device(std::vector<std::uint32_t>{next});
+    cuda.settle({copies.data(), epoch.data()}, {}, totals.data());
     CHECK(cuda.await_report().visible == (next % 2 ? 1 : 3));
   }
 }

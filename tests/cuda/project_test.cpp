@@ -257,7 +257,7 @@ TEST_CASE("cuda project: nothing may be visible or all") {
 
 TEST_CASE("cuda project: scenes may grow and shrink from frame to frame") {
   if (without_device()) return;
-  // Each number of frames before a larger scene, odd and even, since memory takes turns.
+  // Each number of frames before a larger scene, odd and even, since memory alternates.
   for (const int frames : {1, 2, 3}) {
     CAPTURE(frames);
     Stage stage;

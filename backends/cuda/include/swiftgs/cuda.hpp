@@ -28,28 +28,28 @@ namespace swiftgs {
 /// Memory that an operation hands on to the next of its kind: words of running sums, and two copies of
 /// counters. An operation adds to one copy and clears the other.
 template <class Counters>
-class Turns {
+class Epochs {
  public:
   /// For one operation whose running sums take so many words. Clears everything if memory grows or the
   /// kernels of the operation before were not all started.
-  TurnsView<Counters> begin(const Cuda& cuda, std::size_t words) {
+  EpochsView<Counters> begin(const Cuda& cuda, std::size_t words) {
     const bool keeps = started_ && words <= words_.capacity();
     started_ = false;
     counters_.reset(1), words_.reset(words);
     if (!keeps) {
-      cuda.clear(counters_.data(), sizeof(TurnCounters<Counters>));
+      cuda.clear(counters_.data(), sizeof(EpochCounters<Counters>));
       cuda.clear(words_.data(), words_.capacity() * sizeof(std::uint64_t));
     }
     const auto capacity = std::uint32_t(words_.capacity());
     return {counters_.data(), words_.data(), capacity, std::bit_ceil(capacity) - 1};
   }
-  /// After the last kernel of an operation has been started. That kernel ends the turn on the device.
+  /// After the last kernel of an operation has been started. That kernel ends the epoch on the device.
   void end() { started_ = true; }
 
   static auto buffers(auto& self) { return std::tie(self.counters_, self.words_); }
 
  private:
-  DeviceBuffer<TurnCounters<Counters>> counters_;
+  DeviceBuffer<EpochCounters<Counters>> counters_;
   DeviceBuffer<std::uint64_t> words_;
   bool started_ = false;
 };
@@ -66,29 +66,29 @@ struct ViewStorage<Cuda> {
 SWIFTGS_API Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage,
                               ViewAccess access = ViewAccess::any);
 
-/// Of operations that `Turns` keeps running sums for alone.
+/// Of operations that `Epochs` keeps running sums for alone.
 struct NoCounts {};
 
 /// Memory for the blocks of a projection whose chunks a view may show.
 struct BlockScratch {
-  Turns<NoCounts> turns;
+  Epochs<NoCounts> epochs;
   DeviceBuffer<std::uint32_t> blocks;
   DeviceBuffer<std::uint32_t> count;  ///< of them
 
-  static auto buffers(auto& self) { return std::tie(self.turns, self.blocks, self.count); }
+  static auto buffers(auto& self) { return std::tie(self.epochs, self.blocks, self.count); }
 };
 
 /// Memory of projection. The next projection clears what this one left: the numbers that `bin` has compared,
 /// and the word by which rasterizers know of hidden splats. Rasterize a frame before you project the next.
 template <>
 struct ProjectScratch<Cuda> {
-  Turns<FrameCounts> turns;
+  Epochs<FrameCounts> epochs;
   DeviceBuffer<std::uint32_t> hidden;  ///< a word that `project` clears and `shade` sets
   DeviceBuffer<FrameTotals> totals;    ///< one, which `bin` fills
   BlockScratch shown;                  ///< written for scenes with chunks alone
   std::uint64_t projections = 0;       ///< so far
 
-  static auto buffers(auto& self) { return std::tie(self.turns, self.hidden, self.totals, self.shown); }
+  static auto buffers(auto& self) { return std::tie(self.epochs, self.hidden, self.totals, self.shown); }
 };
 
 /// A projection whose numbers the host has not read.
@@ -218,9 +218,9 @@ struct EmittedSplat {
 template <>
 struct IntersectionScratch<Cuda> {
   DeviceBuffer<EmittedSplat> large;  ///< splats without a mask
-  Turns<std::uint32_t> turns;        ///< count them
+  Epochs<std::uint32_t> epochs;      ///< count them
 
-  static auto buffers(auto& self) { return std::tie(self.large, self.turns); }
+  static auto buffers(auto& self) { return std::tie(self.large, self.epochs); }
 };
 
 /// `emit_intersections` with the tiles of 32 splats spread over the lanes of a warp. The footprints must hold

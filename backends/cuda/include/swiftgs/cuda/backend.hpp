@@ -11,8 +11,8 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
+#include <swiftgs/cuda/epochs.hpp>
 #include <swiftgs/cuda/memory.hpp>
-#include <swiftgs/cuda/turns.hpp>
 #include <swiftgs/memory_hook.hpp>
 #include <swiftgs/scene_arrays.hpp>
 

@@ -73,13 +73,13 @@ template <class Key>
 __global__ void __launch_bounds__(emit_threads)
     emit_intersections(const Footprint* footprints, const Count splats, const float* depths,
                        const std::uint32_t stride, const std::uint32_t* order, const Intersections<Key> out,
-                       EmittedSplat* large, const TurnsView<std::uint32_t> turns) {
+                       EmittedSplat* large, const EpochsView<std::uint32_t> epochs) {
   await_earlier();
   // Apart, or the words around `tiles_of` are loaded with it while one of them is written.
   __shared__ alignas(16) std::uint32_t tiles_of[emit_warps];
-  __shared__ std::uint32_t before_block, turn_of_block;
+  __shared__ std::uint32_t before_block, epoch_of_block;
   const unsigned warp = threadIdx.x / warp_size;
-  const std::uint32_t loaded_turn = threadIdx.x == 0 ? read_turn(turns) : 0;
+  const std::uint32_t loaded_epoch = threadIdx.x == 0 ? read_epoch(epochs) : 0;
   const std::uint32_t n = std::uint32_t(splats.get()),
                       blocks = max((n + emit_threads - 1) / emit_threads, 1u);
   if (blockIdx.x >= blocks) return;
@@ -94,20 +94,20 @@ __global__ void __launch_bounds__(emit_threads)
   }
   mine.at = sum_below(mine.footprint.count);
   if (lane_index() == warp_size - 1) tiles_of[warp] = mine.at + mine.footprint.count;
-  if (threadIdx.x == 0) turn_of_block = loaded_turn;
+  if (threadIdx.x == 0) epoch_of_block = loaded_epoch;
   __syncthreads();
 
   // Find where the block's intersections begin, and in them the warp's.
   if (warp == 0) {
     std::uint32_t all = 0;
     for (unsigned w = 0; w < emit_warps; ++w) all += tiles_of[w];
-    const RunningSum sum(turns.words, turn_of_block);
+    const RunningSum sum(epochs.words, epoch_of_block);
     if (lane_index() == 0) sum.add(all);
     const std::uint32_t before = sum.before(all);
     if (lane_index() == 0) {
       before_block = before;
-      if (blockIdx.x == 0) turns.next_copy(turn_of_block) = 0;
-      if (blockIdx.x + 1 == blocks) end_turn(turns, turn_of_block, blocks);
+      if (blockIdx.x == 0) epochs.next_copy(epoch_of_block) = 0;
+      if (blockIdx.x + 1 == blocks) end_epoch(epochs, epoch_of_block, blocks);
     }
   }
   __syncthreads();
@@ -116,7 +116,7 @@ __global__ void __launch_bounds__(emit_threads)
 
   emit_masks(mine, stride, out);
   if (mine.footprint.mask == 0 && mine.footprint.count != 0)
-    large[atomicAdd(&turns.copy(turn_of_block), 1u)] = mine;
+    large[atomicAdd(&epochs.copy(epoch_of_block), 1u)] = mine;
 }
 
 /// Warps that share a splat of more than `shared_from` tiles; smaller ones are one warp's.
@@ -191,17 +191,17 @@ Count run_emission(Cuda& cuda, const SortJob& job, const Bounds& bounds, const s
   if (total.most == 0 || splats.most == 0) return total;
   scratch.large.reset(splats.most);
   const unsigned blocks = blocks_for(splats.most, emit_threads);
-  const TurnsView<std::uint32_t> turns = scratch.turns.begin(cuda, blocks);
+  const EpochsView<std::uint32_t> epochs = scratch.epochs.begin(cuda, blocks);
   const Intersections<Key> out{intersections.keys.data(), intersections.values.data(),
                                std::uint32_t(total.most)};
   launch_early(cuda, "emit_intersections", emit_intersections<Key>, blocks, emit_threads,
                job.footprints.each.data, splats, job.splats.depths.data, job.footprints.views.tiles.columns,
-               order, out, scratch.large.data(), turns);
+               order, out, scratch.large.data(), epochs);
   with_views(job.footprints.views, [&]<class ViewSource>(const ViewSource& views) {
     launch_early(cuda, "emit_large", emit_large<Bounds, Key, ViewSource>, emit_large_blocks, emit_threads,
-                 job.splats, views, bounds, out, LargeSplats{scratch.large.data(), turns.last()});
+                 job.splats, views, bounds, out, LargeSplats{scratch.large.data(), epochs.last()});
   });
-  scratch.turns.end();
+  scratch.epochs.end();
   return total;
 }
 

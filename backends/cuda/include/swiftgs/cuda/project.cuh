@@ -35,7 +35,7 @@ struct ProjectOutput {
 /// What the threads of a block tell each other.
 template <class Bounds>
 struct ProjectShared {
-  std::uint32_t turn, before;
+  std::uint32_t epoch, before;
   std::uint32_t visible[project_warps], tiles[project_warps];  ///< of each warp
   FootprintShared<Bounds> footprints[project_warps];
 };
@@ -94,14 +94,14 @@ template <class Bounds, class ViewSource>
 __global__ void __launch_bounds__(project_threads, project_blocks)
     project(const __grid_constant__ ViewSource views, const __grid_constant__ SceneView scene,
             const Bounds bounds, const BlockList list, const ProjectOutput output,
-            const TurnsView<FrameCounts> turns) {
+            const EpochsView<FrameCounts> epochs) {
   __shared__ ProjectShared<Bounds> shared;
   await_earlier();
   // The first block counts even where none has something to show.
   const std::uint32_t listed = list.size(), last = max(listed, 1u) - 1;
   if (blockIdx.x > last) return;
   const unsigned warp = threadIdx.x / warp_size;
-  const std::uint32_t loaded_turn = threadIdx.x == 0 ? read_turn(turns) : 0;
+  const std::uint32_t loaded_epoch = threadIdx.x == 0 ? read_epoch(epochs) : 0;
   const std::uint32_t block = listed == 0 ? 0 : list[blockIdx.x];
   const std::uint32_t later = blockIdx.x + prefetch_ahead;
   if (later <= last) prefetch_gaussians(scene, list[later] / views.size());
@@ -121,7 +121,7 @@ __global__ void __launch_bounds__(project_threads, project_blocks)
   }
   const unsigned visible_lanes = __ballot_sync(whole_warp, splat.visible);
   if (lane_index() == 0) shared.visible[warp] = std::uint32_t(__popc(visible_lanes));
-  if (threadIdx.x == 0) shared.turn = loaded_turn;
+  if (threadIdx.x == 0) shared.epoch = loaded_epoch;
   __syncthreads();
   std::uint32_t slot = std::uint32_t(__popc(visible_lanes & lanes_below())), visible = 0;
   for (unsigned w = 0; w < project_warps; ++w) {
@@ -129,8 +129,8 @@ __global__ void __launch_bounds__(project_threads, project_blocks)
     visible += shared.visible[w];
   }
   if (threadIdx.x == 0) {
-    RunningSum(turns.words, loaded_turn).add(visible);
-    if (blockIdx.x == 0) turns.next_copy(loaded_turn) = {}, *output.hidden = 0;
+    RunningSum(epochs.words, loaded_epoch).add(visible);
+    if (blockIdx.x == 0) epochs.next_copy(loaded_epoch) = {}, *output.hidden = 0;
   }
 
   // Find their tiles.
@@ -142,15 +142,15 @@ __global__ void __launch_bounds__(project_threads, project_blocks)
 
   // Find where the block's splats begin.
   if (warp == 0) {
-    const std::uint32_t turn = shared.turn, before = RunningSum(turns.words, turn).before(visible);
+    const std::uint32_t epoch = shared.epoch, before = RunningSum(epochs.words, epoch).before(visible);
     std::uint32_t tiles = 0;
     for (const std::uint32_t of_warp : shared.tiles) tiles += of_warp;
     if (lane_index() == 0) {
       shared.before = before;
-      add_intersections(turns.copy(turn), tiles);
+      add_intersections(epochs.copy(epoch), tiles);
       if (blockIdx.x == last) {
-        turns.copy(turn).visible = before + visible;
-        end_turn(turns, turn, last + 1);
+        epochs.copy(epoch).visible = before + visible;
+        end_epoch(epochs, epoch, last + 1);
       }
     }
   }
@@ -190,13 +190,13 @@ void run_project(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Projec
                              std::uint32_t(capacity)};
   const unsigned blocks = blocks_for(scene.size(), project_threads) * unsigned(plan.views.size());
   const BlockList list = run_list_blocks(cuda, plan, blocks, scratch.shown);
-  const TurnsView<FrameCounts> turns = scratch.turns.begin(cuda, blocks);
+  const EpochsView<FrameCounts> epochs = scratch.epochs.begin(cuda, blocks);
   with_views(plan.views, [&]<class ViewSource>(const ViewSource& views) {
     launch_early(cuda, "project", project<Bounds, ViewSource>, blocks, project_threads, views, scene, bounds,
-                 list, output, turns);
+                 list, output, epochs);
   });
-  scratch.turns.end();
-  splats.pending = footprints.found_by = {turns.last(), scratch.hidden.data(), scratch.totals.data(),
+  scratch.epochs.end();
+  splats.pending = footprints.found_by = {epochs.last(), scratch.hidden.data(), scratch.totals.data(),
                                           ++scratch.projections};
   footprints.found_within = Bounds::name;
 }

@@ -5,29 +5,29 @@
 
 #include <cuda/atomic>
 
-#include <swiftgs/cuda/turns.hpp>
+#include <swiftgs/cuda/epochs.hpp>
 #include <swiftgs/cuda/warp.cuh>
 
 namespace swiftgs::kernels {
 
 /// The number of the operation that this kernel belongs to. A thread that reads it hands it to the word that
-/// its block publishes, and nobody reads it after that: the block that ends the turn has waited for all
+/// its block publishes, and nobody reads it after that: the block that ends the epoch has waited for all
 /// words.
 template <class Counters>
-__device__ std::uint32_t read_turn(const TurnsView<Counters>& turns) {
+__device__ std::uint32_t read_epoch(const EpochsView<Counters>& epochs) {
   // Not to be moved to where it is needed, and from the multiprocessor's cache where another block asked.
-  std::uint32_t turn;
-  asm volatile("ld.global.ca.u32 %0, [%1];" : "=r"(turn) : "l"(&turns.counters->turn));
-  return turn;
+  std::uint32_t epoch;
+  asm volatile("ld.global.ca.u32 %0, [%1];" : "=r"(epoch) : "l"(&epochs.counters->epoch));
+  return epoch;
 }
 
-/// Ends the turn of an operation with a word for each of `blocks`. For one thread of the last of them, after
+/// Ends the epoch of an operation with a word for each of `blocks`. For one thread of the last of them, after
 /// its look-back.
 template <class Counters>
-__device__ void end_turn(const TurnsView<Counters>& turns, std::uint32_t turn, std::uint32_t blocks) {
-  const std::uint32_t swept = swept_word(turn, 1, turns.mask);
-  if (swept >= blocks && swept < turns.capacity) turns.words[swept] = 0;
-  turns.counters->turn = turn_after(turn);
+__device__ void end_epoch(const EpochsView<Counters>& epochs, std::uint32_t epoch, std::uint32_t blocks) {
+  const std::uint32_t swept = swept_word(epoch, 1, epochs.mask);
+  if (swept >= blocks && swept < epochs.capacity) epochs.words[swept] = 0;
+  epochs.counters->epoch = epoch_after(epoch);
 }
 
 /// One word of a running sum: its tag, how much is known, and the sum, so that nothing beside it has to be
@@ -62,7 +62,7 @@ class SumWord {
 /// devices start blocks in the order of their indices, on which CUB's scan relies too.
 class RunningSum {
  public:
-  __device__ RunningSum(std::uint64_t* words, std::uint32_t turn) : words_(words), tag_(tag_of(turn)) {}
+  __device__ RunningSum(std::uint64_t* words, std::uint32_t epoch) : words_(words), tag_(tag_of(epoch)) {}
 
   /// Tells later blocks the value of this one. For one thread.
   __device__ void add(std::uint32_t value) const {

@@ -42,10 +42,10 @@ struct ShareJob {
 template <class Bounds, class ViewSource>
 __global__ void __launch_bounds__(share_threads)
     share_out(const __grid_constant__ ViewSource views, const __grid_constant__ ShareJob job,
-              const Bounds bounds, const TurnsView<NoCounts> turns) {
+              const Bounds bounds, const EpochsView<NoCounts> epochs) {
   __shared__ std::uint32_t of_warps[share_warps], shared_before;
   await_earlier();
-  const std::uint32_t turn = read_turn(turns);
+  const std::uint32_t epoch = read_epoch(epochs);
   const std::uint32_t rank = blockIdx.x / job.parts, part = blockIdx.x % job.parts;
   const std::uint32_t first_row = job.cuts[rank], end_row = job.cuts[rank + 1];
   const std::size_t splats = min(std::size_t(job.counts.get().visible), job.splats.size());
@@ -77,7 +77,7 @@ __global__ void __launch_bounds__(share_threads)
 
   // Find where they are written to.
   if (warp == 0) {
-    const RunningSum sum(turns.words, turn);
+    const RunningSum sum(epochs.words, epoch);
     if (threadIdx.x == 0) sum.add(all);
     const std::uint32_t before = sum.before(all);
     if (threadIdx.x == 0) {
@@ -86,7 +86,7 @@ __global__ void __launch_bounds__(share_threads)
       if (blockIdx.x + 1 == gridDim.x) {
         job.begins[rank + 1] = before + all;
         *job.written = min(before + all, job.capacity);
-        end_turn(turns, turn, gridDim.x);
+        end_epoch(epochs, epoch, gridDim.x);
       }
       if (part == 0 || blockIdx.x + 1 == gridDim.x) __threadfence_system();  // the host reads it soon
     }
@@ -129,7 +129,7 @@ void run_share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, cons
   if (parts * ranks > most_blocks)
     throw CapacityError("blocks that share splats out among ranks", parts * ranks, most_blocks);
   const unsigned blocks = parts * unsigned(ranks);
-  const TurnsView<NoCounts> turns = shares.turns.begin(cuda, blocks);
+  const EpochsView<NoCounts> epochs = shares.epochs.begin(cuda, blocks);
   const ShareJob job{all,
                      footprints.each.data(),
                      pending.counts,
@@ -141,9 +141,9 @@ void run_share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, cons
                      shares.written.data()};
   with_views(plan.views, [&]<class ViewSource>(const ViewSource& source) {
     launch_early(cuda, "share_out", share_out<Bounds, ViewSource>, blocks, share_threads, source, job, bounds,
-                 turns);
+                 epochs);
   });
-  shares.turns.end();
+  shares.epochs.end();
   cuda.settle(pending.counts, plan.limits, pending.totals);
   shares.splats.count = shares.capacity, shares.splats.exact = shares.written.data();
 }

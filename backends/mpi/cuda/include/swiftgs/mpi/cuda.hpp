@@ -60,7 +60,7 @@ struct Shares<Cuda> {
   std::size_t capacity = 0;           ///< room for splats; grows
   DeviceBuffer<std::uint32_t> cuts, written;
   BandCuts stored_cuts;  ///< that `cuts` holds
-  Turns<NoCounts> turns;
+  Epochs<NoCounts> epochs;
   GrowingBuffer<std::uint32_t, PinnedMemory> posted;  ///< `begins` as the device tells them
   bool awaited = false;                               ///< whether a report is due
 
@@ -68,7 +68,7 @@ struct Shares<Cuda> {
     return begins[std::size_t(rank) + 1] - begins[std::size_t(rank)];
   }
   void forget_room() { capacity = 0; }
-  static auto buffers(auto& self) { return std::tie(self.splats, self.cuts, self.written, self.turns); }
+  static auto buffers(auto& self) { return std::tie(self.splats, self.cuts, self.written, self.epochs); }
 };
 
 /// One kernel. Does not wait, and leaves the tiles as projection has found them.
@@ -85,9 +85,9 @@ SWIFTGS_API FrameReport await_shares(Cuda& cuda, Shares<Cuda>& shares);
 /// or NCCL_MULTI_RANK_GPU_ENABLE lets them share one (NCCL 2.30).
 SWIFTGS_API std::unique_ptr<DirectLink> direct_link(const Ranks& ranks, Cuda& cuda);
 
-/// Makes a device of this machine the current one: ranks of one machine take its devices in turn. Call it
-/// before a `Cuda` is made. Returns the device's number. Collective. Throws `DeviceError` where there is
-/// none.
+/// Makes a device of this machine the current one: ranks of one machine share its devices out among them.
+/// Call it before a `Cuda` is made. Returns the device's number. Collective. Throws `DeviceError` where there
+/// is none.
 SWIFTGS_API int take_device(const Ranks& ranks);
 
 }  // namespace swiftgs
