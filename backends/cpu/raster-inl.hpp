@@ -51,8 +51,8 @@ struct alignas(64) Batch {
 };
 
 /// A splat's factor applied to the offsets of a raster block's columns and rows from its mean. Rows are
-/// refused by these, and the Cholesky form is made of them.
-struct alignas(64) CholeskyTerms {
+/// refused by these, and the Cholesky representation is made of them.
+struct alignas(64) CholeskyExponentHere {
   float p[raster_block_side], q[raster_block_side],
       c[raster_block_side];  ///< l0 dx, l1 dy, log2(opacity) - (l2 dy)^2
 };
@@ -69,7 +69,7 @@ HWY_INLINE std::uint32_t BitsOf(Mask mask) {
 /// that `shape` touches, as `row_touched` decides them.
 template <class Visit>
 HWY_INLINE void VisitRows(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
-                          CholeskyTerms& HWY_RESTRICT terms, const Visit& visit) {
+                          CholeskyExponentHere& HWY_RESTRICT terms, const Visit& visit) {
   const F32 d;
   const Vec l0 = hn::Set(d, shape.l0), l1 = hn::Set(d, shape.l1), l2 = hn::Set(d, shape.l2);
   const Vec log2_opacity = hn::Set(d, swiftgs::log2_opacity(shape, log2_alpha_min, 1));
@@ -91,7 +91,7 @@ HWY_INLINE void VisitRows(const SplatShape& shape, vec2 first_centre, float log2
 
 /// For forms whose groups are rows.
 HWY_INLINE Touched PrepareRows(const SplatShape& shape, vec2 first_centre, float log2_alpha_min) {
-  CholeskyTerms terms;
+  CholeskyExponentHere terms;
   std::uint32_t rows = 0;
   VisitRows(shape, first_centre, log2_alpha_min, terms,
             [&](std::size_t i, Mask touched) HWY_ATTR { rows |= BitsOf(touched) << i; });
@@ -112,7 +112,7 @@ HWY_INLINE Vec MostOfFour(Vec v) {
 /// is wider by far more than all that is rounded; and p <= half - q holds after rounding too, because p is a
 /// float and rounding is monotone.
 HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
-                                 CholeskyTerms& HWY_RESTRICT terms) {
+                                 CholeskyExponentHere& HWY_RESTRICT terms) {
   static_assert(raster_block_side == 16 && Blocks::side == 4);
   const F32 d;
   const hn::RebindToSigned<F32> di;
@@ -174,13 +174,13 @@ HWY_INLINE Vec CutAlpha(const BlendRules& rules, Vec alpha) {
 
 /// Blends the listed splats into one part of a group. The state stays in registers, so a splat costs its
 /// arithmetic and the loads of its terms.
-template <class Form, bool kDepth, bool kCount, bool kOccluder>
-HWY_INLINE void BlendGroup(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRICT batch,
+template <class Exponent, bool kDepth, bool kCount, bool kOccluder>
+HWY_INLINE void BlendGroup(const Exponent& HWY_RESTRICT exponent, const Batch& HWY_RESTRICT batch,
                            const BlendRules& rules, RasterBlockState& HWY_RESTRICT state, std::size_t group,
                            std::size_t part, RasterCounts& counts) {
   const F32 d;
   const std::size_t first = part * lanes;
-  const typename Form::Groups::Part place(group, part);
+  const typename Exponent::Groups::Part place(group, part);
   Vec transmittance = hn::Load(d, state.transmittance[group] + first);
   const Mask ended = hn::Lt(transmittance, hn::Zero(d));
   if (hn::AllTrue(d, ended)) return;
@@ -199,7 +199,7 @@ HWY_INLINE void BlendGroup(const Form& HWY_RESTRICT form, const Batch& HWY_RESTR
   alignas(64) float alphas[batch_size + at_once][lanes];  // 0 where a pixel skips the splat
   for (std::size_t i = 0; i < n; i += at_once) {
     Vec alpha[at_once];
-    form.Alphas(list + i, place, alpha);
+    exponent.Alphas(list + i, place, alpha);
     for (std::size_t j = 0; j < at_once; ++j) hn::Store(alpha[j], d, alphas[i + j]);
   }
 
@@ -244,7 +244,7 @@ HWY_INLINE void PrefetchSplats(const RasterJob& job, std::size_t from, std::size
 }
 
 /// Renders raster blocks [begin, end): the list of each is walked in batches, and each batch group by group.
-template <class Form, bool kDepth, bool kCount, bool kOccluder>
+template <class Exponent, bool kDepth, bool kCount, bool kOccluder>
 void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::size_t begin,
                         std::size_t end) {
   RasterBlockState state;
@@ -257,22 +257,22 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
     if (job.counts) job.counts[block] = counts;
     if (place.empty()) continue;
     const View& view = place.view;
-    Form form(view.rules);
-    Clear<typename Form::Groups, kDepth, kOccluder>(view.frame, place, state);
+    Exponent exponent(view.rules);
+    Clear<typename Exponent::Groups, kDepth, kOccluder>(view.frame, place, state);
     const TileRange range = place.list(job);
     const std::uint32_t* ids = job.lists.ids.data;
     std::uint32_t live = range.begin < range.end ? Live(state.transmittance) : 0;
     PrefetchSplats(job, range.begin, range.begin + batch_size, range.end);
     PrefetchPixels(view.frame, place);
     for (std::size_t at = range.begin; at < range.end && live != 0; at += batch_size) {
-      const std::uint32_t live_rows = kCount ? LiveRows<typename Form::Groups>(state.transmittance) : 0;
+      const std::uint32_t live_rows = kCount ? LiveRows<typename Exponent::Groups>(state.transmittance) : 0;
       // Prepare the splats of the batch: their terms, and the groups that each touches.
       const std::size_t splats = std::min<std::size_t>(batch_size, range.end - at);
       for (std::size_t k = 0; k < splats; ++k) {
         const std::uint32_t id = ids[at + k];
         std::memcpy(batch.colours[k], &job.colours.each[id], sizeof batch.colours[k]);
         Touched touched =
-            form.Prepare(k, job.splats.shapes[id], place.first_centre, view.rules.log2_alpha_min);
+            exponent.Prepare(k, job.splats.shapes[id], place.first_centre, view.rules.log2_alpha_min);
         if (some_hidden && is_hidden(job.colours.each[id])) touched = {0, 0};
         batch.group_masks[k] = touched.groups & live;
         if constexpr (kCount) counts.rows_visited += std::uint64_t(std::popcount(touched.rows & live_rows));
@@ -286,12 +286,13 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
         PrefetchSplats(job, next, next + share, range.end);
         if (batch.list_sizes[group] != 0)
           for (std::size_t part = 0; part < parts; ++part)
-            BlendGroup<Form, kDepth, kCount, kOccluder>(form, batch, view.rules, state, group, part, counts);
+            BlendGroup<Exponent, kDepth, kCount, kOccluder>(exponent, batch, view.rules, state, group, part,
+                                                            counts);
       }
       live = Live(state.transmittance);
       counts.intersections_visited += splats;
     }
-    StoreRasterBlock<typename Form::Groups>(view, place, state);
+    StoreRasterBlock<typename Exponent::Groups>(view, place, state);
     counts.longest_item = counts.intersections_visited;
     if (job.counts) job.counts[block] = counts;
   }
@@ -300,20 +301,20 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
 /// Renders with what `job` asks for. Frames that ask for colour, or for depth too, are not slowed by what
 /// others ask for; of the rest there is one kind with counts and one without, since each kind takes long to
 /// compile.
-template <class Form>
+template <class Exponent>
 void RenderRasterBlocksOf(const RasterJob& job, const RasterBlocks& blocks, std::size_t begin,
                           std::size_t end) {
   const auto some_view = [&](const auto& wants) {
     return std::any_of(job.views.begin(), job.views.end(), wants);
   };
   if (job.counts)
-    RenderRasterBlocks<Form, true, true, true>(job, blocks, begin, end);
+    RenderRasterBlocks<Exponent, true, true, true>(job, blocks, begin, end);
   else if (some_view([](const View& view) { return view.frame.occluder.data != nullptr; }))
-    RenderRasterBlocks<Form, true, false, true>(job, blocks, begin, end);
+    RenderRasterBlocks<Exponent, true, false, true>(job, blocks, begin, end);
   else if (some_view([](const View& view) { return view.frame.depth.data != nullptr; }))
-    RenderRasterBlocks<Form, true, false, false>(job, blocks, begin, end);
+    RenderRasterBlocks<Exponent, true, false, false>(job, blocks, begin, end);
   else
-    RenderRasterBlocks<Form, false, false, false>(job, blocks, begin, end);
+    RenderRasterBlocks<Exponent, false, false, false>(job, blocks, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

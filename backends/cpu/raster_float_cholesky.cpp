@@ -17,11 +17,11 @@ namespace swiftgs::HWY_NAMESPACE {
 
 /// log2(alpha) = c[y] - (p[x] + q[y])^2: the terms that refuse rows are the terms of the pixels.
 template <bool kThreshold>
-class FloatCholeskyForm {
+class FloatCholeskyExponent {
  public:
   using Groups = Blocks;
 
-  explicit FloatCholeskyForm(const BlendRules& rules)
+  explicit FloatCholeskyExponent(const BlendRules& rules)
       : rules_(rules), least_exponent_(LeastExponent(rules)) {}
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
@@ -33,7 +33,7 @@ class FloatCholeskyForm {
                          Vec (&alpha)[at_once]) const {
     const F32 d;
     for (std::size_t i = 0; i < at_once; ++i) {
-      const CholeskyTerms& HWY_RESTRICT t = terms_[k[i]];
+      const CholeskyExponentHere& HWY_RESTRICT t = terms_[k[i]];
       const Vec u = hn::Add(at.OfColumns(t.p), at.OfRows(t.q));
       alpha[i] = hn::NegMulAdd(u, u, at.OfRows(t.c));
     }
@@ -52,13 +52,13 @@ class FloatCholeskyForm {
  private:
   BlendRules rules_;
   float least_exponent_;
-  CholeskyTerms terms_[batch_size];
+  CholeskyExponentHere terms_[batch_size];
 };
 
 void FloatCholeskyRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, bool threshold,
                                std::size_t begin, std::size_t end) {
-  threshold ? RenderRasterBlocksOf<FloatCholeskyForm<true>>(job, blocks, begin, end)
-            : RenderRasterBlocksOf<FloatCholeskyForm<false>>(job, blocks, begin, end);
+  threshold ? RenderRasterBlocksOf<FloatCholeskyExponent<true>>(job, blocks, begin, end)
+            : RenderRasterBlocksOf<FloatCholeskyExponent<false>>(job, blocks, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

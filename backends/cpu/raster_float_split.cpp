@@ -47,8 +47,8 @@ struct FloatSplitTerms {
 
 void FloatSplitRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, bool threshold,
                             std::size_t begin, std::size_t end) {
-  threshold ? RenderRasterBlocksOf<SplitForm<FloatSplitTerms, true>>(job, blocks, begin, end)
-            : RenderRasterBlocksOf<SplitForm<FloatSplitTerms, false>>(job, blocks, begin, end);
+  threshold ? RenderRasterBlocksOf<SplitExponent<FloatSplitTerms, true>>(job, blocks, begin, end)
+            : RenderRasterBlocksOf<SplitExponent<FloatSplitTerms, false>>(job, blocks, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

@@ -51,8 +51,8 @@ struct HalfSplitTerms {
 
 void HalfSplitRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, bool threshold,
                            std::size_t begin, std::size_t end) {
-  threshold ? RenderRasterBlocksOf<SplitForm<HalfSplitTerms, true>>(job, blocks, begin, end)
-            : RenderRasterBlocksOf<SplitForm<HalfSplitTerms, false>>(job, blocks, begin, end);
+  threshold ? RenderRasterBlocksOf<SplitExponent<HalfSplitTerms, true>>(job, blocks, begin, end)
+            : RenderRasterBlocksOf<SplitExponent<HalfSplitTerms, false>>(job, blocks, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

@@ -16,11 +16,11 @@ HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 
 /// Each pixel evaluates its whole exponent, from the factor as it is stored, and exponential.
-class PerPixelForm {
+class PerPixelExponent {
  public:
   using Groups = Rows;
 
-  explicit PerPixelForm(const BlendRules& rules) : rules_(rules), least_exponent_(LeastExponent(rules)) {}
+  explicit PerPixelExponent(const BlendRules& rules) : rules_(rules), least_exponent_(LeastExponent(rules)) {}
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                              float log2_alpha_min) {
@@ -61,7 +61,7 @@ class PerPixelForm {
 
 void PerPixelRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::size_t begin,
                           std::size_t end) {
-  RenderRasterBlocksOf<PerPixelForm>(job, blocks, begin, end);
+  RenderRasterBlocksOf<PerPixelExponent>(job, blocks, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

@@ -18,11 +18,11 @@ namespace swiftgs::HWY_NAMESPACE {
 /// s = x_square[x] + y_square[y] + x_mixed[x] y_offset[y], the four computed and kept as `Split` has it.
 /// Where the sum is not a number, no comparison holds and the pixel skips the splat.
 template <class Split, bool kThreshold>
-class SplitForm {
+class SplitExponent {
  public:
   using Groups = Rows;
 
-  explicit SplitForm(const BlendRules& rules) : rules_(rules), least_exponent_(LeastExponent(rules)) {}
+  explicit SplitExponent(const BlendRules& rules) : rules_(rules), least_exponent_(LeastExponent(rules)) {}
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                              float log2_alpha_min) {

@@ -12,7 +12,7 @@ namespace swiftgs {
 namespace kernels {
 
 /// Terms and Gaussians of splats.
-struct IdQueue : TermsQueue<CholeskyForm> {
+struct IdQueue : TermsQueue<CholeskyExponent> {
   std::uint32_t gaussians[queue_size];
 };
 
@@ -46,7 +46,7 @@ struct WeightBlender {
     std::uint64_t sum = 0;
     for (unsigned k = 0; k < count; ++k) {
       float exponents[pixels_of_lane];
-      CholeskyForm::evaluate(queue.terms[first + k], queue.rests[first + k], x, y, exponents);
+      CholeskyExponent::evaluate(queue.terms[first + k], queue.rests[first + k], x, y, exponents);
       std::uint64_t parts = 0;
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p)
@@ -84,7 +84,7 @@ __global__ void __launch_bounds__(raster_threads)
     if (part.pixel(view.frame, p, false).inside) blender.pixels[p].start(rules.stop_below);
 
   const TileRange range = raster_block.list(input);
-  ListTraversal<CholeskyForm> traversal(input.job, range, part.first_centre(view), rules, queue);
+  ListTraversal<CholeskyExponent> traversal(input.job, range, part.first_centre(view), rules, queue);
   traversal.go_on(blender, range.end);
   traversal.blend_rest(blender);
 }

@@ -4,10 +4,11 @@
 namespace swiftgs {
 
 void rasterize(Cuda& cuda, AxisShared<FloatCholesky>, const RasterJob& job) {
-  rasterize_warps<kernels::CholeskyForm, false>(cuda, "rasterize axis-shared-float-cholesky", job);
+  rasterize_warps<kernels::CholeskyExponent, false>(cuda, "rasterize axis-shared-float-cholesky", job);
 }
 void rasterize(Cuda& cuda, AxisSharedThreshold<FloatCholesky>, const RasterJob& job) {
-  rasterize_warps<kernels::CholeskyForm, true>(cuda, "rasterize axis-shared-threshold-float-cholesky", job);
+  rasterize_warps<kernels::CholeskyExponent, true>(cuda, "rasterize axis-shared-threshold-float-cholesky",
+                                                   job);
 }
 
 }  // namespace swiftgs

@@ -4,7 +4,7 @@
 
 #include "block.cuh"
 #include "box_touched.hpp"
-#include "forms.hpp"
+#include "exponents.hpp"
 
 namespace swiftgs {
 
@@ -13,7 +13,8 @@ namespace kernels {
 /// Splats as every pixel of a raster block reads them.
 struct FactorBatch {
   float2 means[block_threads];
-  float4 factors[block_threads];  ///< of `FactorForm`, with opacity 0 where the raster block does not show it
+  float4 factors[block_threads];  ///< of `FactorExponent`, with opacity 0 where the raster block does not
+                                  ///< show it
   float4 colours[block_threads];  ///< RGB, depth
 };
 
@@ -39,7 +40,7 @@ __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
       const SplatShape s = load_shape(job, id);
       batch.means[threadIdx.x] = make_float2(s.mean.x, s.mean.y);
       const float4 colour = load_colour(job, id);
-      float4 factor = FactorForm::prepare(s);
+      float4 factor = FactorExponent::prepare(s);
       if (!box_touched(s, mine.first_centre(), raster_block_side) || is_hidden(colour)) factor.w = 0;
       batch.factors[threadIdx.x] = factor;
       batch.colours[threadIdx.x] = colour;
@@ -49,7 +50,7 @@ __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
       const float2 mean = batch.means[k];
       const float4 factor = batch.factors[k];
       const float dx = x - mean.x, dy = y - mean.y;
-      mine.blend(FactorForm::alpha(factor, dx, dy, mine.view().rules), batch.colours[k]);
+      mine.blend(FactorExponent::alpha(factor, dx, dy, mine.view().rules), batch.colours[k]);
     }
   }
   mine.store(min(at, range.end) - range.begin);

@@ -31,9 +31,9 @@ using SegmentSplats = TouchedSplats<segment_warps, segment_warps * segment_size,
                                     segment_warps * most_segments_of_warp * segment_size>;
 
 /// Shared memory of a block.
-template <class Form, bool extras>
+template <class Exponent, bool extras>
 struct SegmentShared {
-  Queue<Form> queues[segment_warps];
+  Queue<Exponent> queues[segment_warps];
   SegmentSplats::Shared splats;
   float4 segments[pixels_of_round];  ///< RGB and `mark_stopped` transmittance; indexed by segment, then slot
   float depths[extras ? pixels_of_round : 1];
@@ -70,11 +70,11 @@ struct Round {
 };
 
 /// The rest of a long part, blended by a block in rounds.
-template <class Form, bool threshold, bool extras, class ViewSource>
+template <class Exponent, bool threshold, bool extras, class ViewSource>
 struct WorkItemBlender {
   const RasterInput<ViewSource>& input;
   const Group group;
-  SegmentShared<Form, extras>& shared;
+  SegmentShared<Exponent, extras>& shared;
   const OwnRasterBlock raster_block;
   const View& view;
   const BlendRules rules;
@@ -85,7 +85,7 @@ struct WorkItemBlender {
   ThreadCounts counts;
 
   __device__ WorkItemBlender(const RasterInput<ViewSource>& of, const WorkItem& part, const Group& by,
-                             SegmentShared<Form, extras>& in)
+                             SegmentShared<Exponent, extras>& in)
       : input(of),
         group(by),
         shared(in),
@@ -146,7 +146,7 @@ struct WorkItemBlender {
     const std::uint32_t count = min(splats.count(), most);
     if (warp() == 0) {
       const Share share(Round(1, pixels_of_warp_block, 0), 0);
-      LaneBlender<Form, threshold, extras, pixels_of_lane> lane{
+      LaneBlender<Exponent, threshold, extras, pixels_of_lane> lane{
           rules, float(place.column), float(place.row), 0, {}, {}, {}};
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p) {
@@ -210,7 +210,7 @@ struct WorkItemBlender {
   template <unsigned pixel_count>
   __device__ void blend_round(const SegmentSplats& splats, const Round& round) {
     const Share share(round, group.rank);
-    LaneBlender<Form, threshold, extras, pixel_count> lane{rules, 0, 0, 0, {}, {}, {}};
+    LaneBlender<Exponent, threshold, extras, pixel_count> lane{rules, 0, 0, 0, {}, {}, {}};
     float befores[pixel_count];  // transmittances in front of the segment; negative: no pixel, or stopped
 #pragma unroll
     for (unsigned p = 0; p < pixel_count; ++p) {
@@ -257,7 +257,7 @@ struct WorkItemBlender {
 
   /// Blends this warp's segments, of pixels that have the transmittances `befores` in front of them.
   template <unsigned pixel_count>
-  __device__ void blend_segments(LaneBlender<Form, threshold, extras, pixel_count>& lane,
+  __device__ void blend_segments(LaneBlender<Exponent, threshold, extras, pixel_count>& lane,
                                  const SegmentSplats& splats, const Round& round, const Share& share,
                                  std::uint32_t most, const float (&befores)[pixel_count]) {
 #pragma unroll
@@ -283,12 +283,12 @@ struct WorkItemBlender {
   /// Blends the `count` splats of a lane's segment, from the first-th on that were found. No segment of the
   /// warp has more than `most`.
   template <unsigned pixel_count>
-  __device__ void blend_splats(LaneBlender<Form, threshold, extras, pixel_count>& lane,
+  __device__ void blend_splats(LaneBlender<Exponent, threshold, extras, pixel_count>& lane,
                                const SegmentSplats& splats, std::uint32_t first, std::uint32_t count,
                                std::uint32_t most, const Share& share) {
     // Queue a half while the other is blended, and load the shapes of the next. Each lane queues for its own
     // segment; behind the end of a segment, splats that show nothing.
-    Queue<Form>& queue = shared.queues[warp()];
+    Queue<Exponent>& queue = shared.queues[warp()];
     std::uint32_t id = share.slot < count ? splats.id(first + share.slot) : 0;
     SplatShape shape = load_shape(input.job, id);
     unsigned half = 0;
@@ -296,9 +296,9 @@ struct WorkItemBlender {
       const unsigned slot = half + lane_index();
       if (k + share.slot < count) {
         fetch_colour(input.job, queue, slot, id);
-        Form::prepare(shape, shape.mean - first_centre, rules, queue.terms[slot], queue.rests[slot]);
+        Exponent::prepare(shape, shape.mean - first_centre, rules, queue.terms[slot], queue.rests[slot]);
       } else {
-        Form::clear(queue.terms[slot], queue.rests[slot]);
+        Exponent::clear(queue.terms[slot], queue.rests[slot]);
         queue.colours[slot] = make_float4(0, 0, 0, 0);
       }
       __pipeline_commit();
@@ -390,7 +390,7 @@ struct WorkItemBlender {
     }
 #pragma unroll 4
     for (unsigned k = 0; k < round.segments(); ++k) {
-      const SegmentShared<Form, extras>& of = group.in(k / of_block, shared);
+      const SegmentShared<Exponent, extras>& of = group.in(k / of_block, shared);
       const unsigned at = k % of_block * round.slots + slot;
       const float left = of.segments[at].w, value = (&of.segments[at].x)[channel];
       const float of_depth = extras ? of.depths[at] : 0;
@@ -403,7 +403,7 @@ struct WorkItemBlender {
     __syncwarp();  // all have read what is overwritten
     if (!was_live) return;
     for (unsigned b = 0; b < group.blocks; ++b) {
-      SegmentShared<Form, extras>& of = group.in(b, shared);
+      SegmentShared<Exponent, extras>& of = group.in(b, shared);
       (&of.joined.totals[pixel].x)[channel] = channel + 1 == channels ? before : all;
       if (extras && channel == 0) of.joined.depths[pixel] = depth;
       if (channel == 0 && !live) atomicAnd(&of.live[pixel / warp_size], ~(1u << pixel % warp_size));
@@ -413,11 +413,11 @@ struct WorkItemBlender {
 
 /// Goes on with parts that `raster_warps` hands over, while it still runs, in blocks for which it leaves
 /// room: clusters with those that have most left, single blocks with the rest.
-template <class Form, bool threshold, bool extras, class ViewSource>
+template <class Exponent, bool threshold, bool extras, class ViewSource>
 __global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
     raster_segments(const __grid_constant__ RasterInput<ViewSource> input,
                     const __grid_constant__ WorkQueues work_queues, std::uint32_t warps_at_once) {
-  __shared__ SegmentShared<Form, extras> shared;
+  __shared__ SegmentShared<Exponent, extras> shared;
   const Group cluster = Group::cluster();
   // Every other cluster takes parts for clusters first. The others take parts for single blocks first.
   bool as_cluster = cluster.blocks != 1 && blockIdx.x / cluster.blocks % 2 == 1;
@@ -434,7 +434,7 @@ __global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
       const WorkItem* const part = shared.part;
       if (!part) break;
       const WarpTimer timer(extras && input.job.counts, warps_at_once);
-      WorkItemBlender<Form, threshold, extras, ViewSource>(input, *part, group, shared).run(*part, timer);
+      WorkItemBlender<Exponent, threshold, extras, ViewSource>(input, *part, group, shared).run(*part, timer);
       if (group.rank == 0 && threadIdx.x == 0) work_queues.end_item(as_cluster);
     }
   }
@@ -442,16 +442,16 @@ __global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
 }
 }  // namespace kernels
 
-/// Rasterizes with terms of `Form` in registers.
-template <class Form, bool threshold>
+/// Rasterizes with terms of `Exponent` in registers.
+template <class Exponent, bool threshold>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   using namespace kernels;
   with_raster_input(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
     const WorkQueues work_queues = WorkQueues::of(cuda, input.raster_blocks.size() * warps_of_raster_block);
     const bool shared = WorkQueues::are_shared(cuda, job.counts != nullptr);
-    const auto warps = shared ? raster_warps<Form, threshold, extras, true, ViewSource>
-                              : raster_warps<Form, threshold, extras, false, ViewSource>;
-    const auto segments = raster_segments<Form, threshold, extras, ViewSource>;
+    const auto warps = shared ? raster_warps<Exponent, threshold, extras, true, ViewSource>
+                              : raster_warps<Exponent, threshold, extras, false, ViewSource>;
+    const auto segments = raster_segments<Exponent, threshold, extras, ViewSource>;
     launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input, work_queues,
            warps_at_once(cuda, job, warps, raster_threads));
     if (!shared) return;

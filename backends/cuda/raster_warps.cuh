@@ -9,7 +9,7 @@
 #include <swiftgs/cuda/launch.cuh>
 
 #include "box_touched.hpp"
-#include "forms.hpp"
+#include "exponents.hpp"
 #include "pixel.cuh"
 #include "work_queue.cuh"
 
@@ -30,10 +30,10 @@ inline constexpr unsigned halves_of_segment = segment_size / queue_half;
 static_assert(halves_of_first_segment % halves_of_segment == 0);
 
 /// Terms of splats, as their part sees them.
-template <class Form>
+template <class Exponent>
 struct TermsQueue {
   float4 terms[queue_size];
-  typename Form::Rest rests[queue_size];
+  typename Exponent::Rest rests[queue_size];
 };
 
 /// Where a warp's part lies in its frame, and this lane's pixels in it.
@@ -84,11 +84,11 @@ enum class Pause {
 /// A traversal along a tile's list for one part: queues the splats that touch it, and lets a blender blend
 /// them front to back, half a queue at a time, until all its pixels have stopped. The blender fills the rest
 /// of a slot, beside the terms.
-template <class Form>
+template <class Exponent>
 class ListTraversal {
  public:
   __device__ ListTraversal(const RasterJob& job, TileRange range, vec2 first_centre, const BlendRules& rules,
-                           TermsQueue<Form>& queue)
+                           TermsQueue<Exponent>& queue)
       : job_(&job),
         range_(range),
         first_centre_(first_centre),
@@ -120,7 +120,8 @@ class ListTraversal {
         const unsigned slot =
             (begun_ * queue_half + waiting_ + unsigned(__popc(lanes & lanes_below()))) % queue_size;
         blender.fill(slot, id);
-        Form::prepare(shape, shape.mean - first_centre_, *rules_, queue_->terms[slot], queue_->rests[slot]);
+        Exponent::prepare(shape, shape.mean - first_centre_, *rules_, queue_->terms[slot],
+                          queue_->rests[slot]);
       }
       waiting_ += unsigned(__popc(lanes));
 
@@ -187,7 +188,7 @@ class ListTraversal {
   TileRange range_;
   vec2 first_centre_;
   const BlendRules* rules_;
-  TermsQueue<Form>* queue_;
+  TermsQueue<Exponent>* queue_;
   bool some_hidden_;
   std::uint32_t at_, next_id_, later_id_;
   SplatShape next_shape_;
@@ -210,13 +211,13 @@ __device__ bool all_stopped(const Pixel (&pixels)[count]) {
 }
 
 /// Terms and colours of splats, as their part sees them.
-template <class Form>
-struct Queue : TermsQueue<Form> {
+template <class Exponent>
+struct Queue : TermsQueue<Exponent> {
   float4 colours[queue_size];  ///< RGB, depth
 };
 
 /// Blends splats of a queue into pixels of a lane: into both, or into one.
-template <class Form, bool threshold, bool extras, unsigned pixel_count>
+template <class Exponent, bool threshold, bool extras, unsigned pixel_count>
 struct LaneBlender {
   BlendRules rules;
   float x, y, right;  ///< the first pixel within the part; one pixel lies `right` columns to the right of it
@@ -225,7 +226,7 @@ struct LaneBlender {
   ThreadCounts counts[pixel_count];
 
   /// Blends `count` splats from `first` on: whole groups, but with `extras` any number.
-  __device__ void blend_queued(const Queue<Form>& queue, unsigned first, unsigned count) {
+  __device__ void blend_queued(const Queue<Exponent>& queue, unsigned first, unsigned count) {
     if constexpr (extras) {
       for (unsigned k = first; k < first + count; ++k) {
         float alphas[pixel_count];
@@ -240,7 +241,7 @@ struct LaneBlender {
     } else {
       // Pointers, which the loop advances: an index would be multiplied in each round.
       const float4 *terms = queue.terms + first, *colours = queue.colours + first;
-      const typename Form::Rest* rests = queue.rests + first;
+      const typename Exponent::Rest* rests = queue.rests + first;
 #pragma unroll 1
       for (unsigned k = 0; k < count; k += group_size) {
         blend_group(terms, rests, colours);
@@ -253,18 +254,19 @@ struct LaneBlender {
 
  private:
   /// Alphas of the pixels for a splat, in units of alpha_max.
-  __device__ void evaluate(const float4& terms, const typename Form::Rest& rest,
+  __device__ void evaluate(const float4& terms, const typename Exponent::Rest& rest,
                            float (&alphas)[pixel_count]) const {
     float exponents[pixel_count];
     if constexpr (pixel_count == 1)
-      exponents[0] = Form::evaluate_one(terms, rest, x, y, right);
+      exponents[0] = Exponent::evaluate_one(terms, rest, x, y, right);
     else
-      Form::evaluate(terms, rest, x, y, exponents);
+      Exponent::evaluate(terms, rest, x, y, exponents);
 #pragma unroll
     for (unsigned p = 0; p < pixel_count; ++p) alphas[p] = relative_alpha<threshold>(exponents[p], rules);
   }
 
-  __device__ void blend_group(const float4* terms, const typename Form::Rest* rests, const float4* colours) {
+  __device__ void blend_group(const float4* terms, const typename Exponent::Rest* rests,
+                              const float4* colours) {
     float alphas[pixel_count][group_size], weights[pixel_count][group_size];
 #pragma unroll
     for (unsigned k = 0; k < group_size; ++k) {
@@ -285,18 +287,18 @@ struct LaneBlender {
 };
 
 /// Asks for the colour of a splat that is put into a queue.
-template <class Form>
-__device__ void fetch_colour(const RasterJob& job, Queue<Form>& queue, unsigned slot, std::uint32_t id) {
+template <class Exponent>
+__device__ void fetch_colour(const RasterJob& job, Queue<Exponent>& queue, unsigned slot, std::uint32_t id) {
   __pipeline_memcpy_async(&queue.colours[slot], job.colours.each.data + id, sizeof(float4));
 }
 
 /// Blends colours into a part, and holds the pixels of this lane in it.
-template <class Form, bool threshold, bool extras>
+template <class Exponent, bool threshold, bool extras>
 struct ColourBlender {
   static constexpr bool in_segments = true;
   const RasterJob& job;
-  Queue<Form>& queue;
-  LaneBlender<Form, threshold, extras, pixels_of_lane> lane;
+  Queue<Exponent>& queue;
+  LaneBlender<Exponent, threshold, extras, pixels_of_lane> lane;
 
   __device__ void fill(unsigned slot, std::uint32_t id) const { fetch_colour(job, queue, slot, id); }
 
@@ -313,7 +315,7 @@ struct ColourBlender {
     if constexpr (!extras) {
       if (lane_index() < (group_size - count % group_size) % group_size) {
         const unsigned at = first + count + lane_index();
-        Form::clear(queue.terms[at], queue.rests[at]);
+        Exponent::clear(queue.terms[at], queue.rests[at]);
         queue.colours[at] = make_float4(0, 0, 0, 0);
       }
       __syncwarp();
@@ -342,9 +344,9 @@ struct TraversedSegments {
 };
 
 /// Joins the segments of a traversal.
-template <class Form, bool threshold, bool extras>
+template <class Exponent, bool threshold, bool extras>
 struct SegmentJoiner {
-  LaneBlender<Form, threshold, extras, pixels_of_lane>& lane;
+  LaneBlender<Exponent, threshold, extras, pixels_of_lane>& lane;
   TraversedSegments<extras>& traversed;
 
   /// Joins segment k, which ended there, with those in front of it, and begins the next.
@@ -416,12 +418,12 @@ struct SegmentJoiner {
 
 /// Blends the list of one raster block: one thread block per raster block, one warp per 8x8 warp block of it.
 /// If `shared`, rests of long lists are left to others.
-template <class Form, bool threshold, bool extras, bool shared, class ViewSource>
-__global__ void __launch_bounds__(raster_threads, Form::blocks)
+template <class Exponent, bool threshold, bool extras, bool shared, class ViewSource>
+__global__ void __launch_bounds__(raster_threads, Exponent::blocks)
     raster_warps(const __grid_constant__ RasterInput<ViewSource> input,
                  const __grid_constant__ WorkQueues work_queues, std::uint32_t warps_at_once) {
   if constexpr (shared) let_next_start();
-  __shared__ Queue<Form> queues[warps_of_raster_block];
+  __shared__ Queue<Exponent> queues[warps_of_raster_block];
   const unsigned warp = threadIdx.x / warp_size;
   const RasterJob& job = input.job;
   const WarpTimer timer(extras && job.counts, warps_at_once);
@@ -431,7 +433,7 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
   const WarpBlockPlace part(raster_block, warp);
   if (part.outside(view.frame)) return;
 
-  ColourBlender<Form, threshold, extras> blender{
+  ColourBlender<Exponent, threshold, extras> blender{
       job, queues[warp], {rules, float(part.column), float(part.row), 0, {}, {}, {}}};
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p) {
@@ -442,9 +444,9 @@ __global__ void __launch_bounds__(raster_threads, Form::blocks)
 
   const TileRange range = raster_block.list(input);
   if (!range.drawn()) return;
-  ListTraversal<Form> traversal(job, range, part.first_centre(view), rules, queues[warp]);
+  ListTraversal<Exponent> traversal(job, range, part.first_centre(view), rules, queues[warp]);
   TraversedSegments<extras> traversed;
-  const SegmentJoiner<Form, threshold, extras> joiner{blender.lane, in_memory(traversed)};
+  const SegmentJoiner<Exponent, threshold, extras> joiner{blender.lane, in_memory(traversed)};
   WorkItem* handed_over = nullptr;
   while (!handed_over) {
     const std::uint32_t limit =

@@ -14,7 +14,7 @@
 #include <swiftgs/raster/raster.hpp>
 
 #include "blending.hpp"
-#include "forms.hpp"
+#include "exponents.hpp"
 
 /// @file
 /// Parts of raster blocks that one warp hands over to others, since its list is long. Handing over moves work

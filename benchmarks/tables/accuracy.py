@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the forms of the shared terms cost in quality: the paper's Table 3, and ours."""
+"""What the exponent representations cost in quality: the paper's Table 3, and ours."""
 from statistics import mean
 
 from tables import paper

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hard frames: how far the forms of the exponent are from float64, from the files of `swiftgs stress`."""
+"""Hard frames: how far the exponent representations are from float64, from the files of `swiftgs stress`."""
 import math
 
 from tables.markdown import prose, significant, table

@@ -341,7 +341,7 @@ class Tables(unittest.TestCase):
         self.assertIn("rows without bytes of each stage; expected them in every row", error)
 
     def test_launches_of_a_kernel_are_averaged(self):
-        kernel = ("void swiftgs::kernels::raster_warps<swiftgs::kernels::CholeskyForm, (bool)1, (bool)0>"
+        kernel = ("void swiftgs::kernels::raster_warps<swiftgs::kernels::CholeskyExponent, (bool)1, (bool)0>"
                   "(swiftgs::RasterJob)")
         launches = ({"gpu__time_duration.sum": "153,000", "smsp__inst_executed.sum": "118,561,421",
                      "dram__bytes.sum": "43,812,864", "launch__registers_per_thread": "56",
@@ -357,7 +357,7 @@ class Tables(unittest.TestCase):
             for number, metrics in enumerate(launches):
                 for name, value in metrics.items():
                     write([number, kernel, name, value])
-        row = cells(self.table("kernels gpu made"), "`raster_warps<CholeskyForm, 1, 0>`")
+        row = cells(self.table("kernels gpu made"), "`raster_warps<CholeskyExponent, 1, 0>`")
         self.assertEqual(row[1:], ["2", "153.5", "118.56", "43.8", "56", "47", "86"])
 
     def test_memory_of_an_older_file_is_what_the_device_has_less(self):

@@ -18,7 +18,7 @@
 #include "blending.hpp"
 #include "box_touched.hpp"
 #include "cuda/exact_square.hpp"
-#include "forms.hpp"
+#include "exponents.hpp"
 #include "policies/random_splats.hpp"
 #include "sh_words.hpp"
 
@@ -82,19 +82,19 @@ TEST_CASE("cuda arithmetic: alpha of a square is kept up to the reach and cut at
 }
 
 TEST_CASE("cuda arithmetic: splats that fill a group up show nothing") {
-  const auto check = [&]<class Form>(Form) {
+  const auto check = [&]<class Exponent>(Exponent) {
     float4 terms;
-    typename Form::Rest rest;
-    Form::clear(terms, rest);
+    typename Exponent::Rest rest;
+    Exponent::clear(terms, rest);
     float exponents[pixels_of_lane];
-    Form::evaluate(terms, rest, 7, 3, exponents);
+    Exponent::evaluate(terms, rest, 7, 3, exponents);
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
       CHECK(relative_alpha<false>(exponents[p], rules) == 0);
       CHECK(relative_alpha<true>(exponents[p], rules) == 0);
     }
   };
-  check(CholeskyForm());
-  check(SplitForm());
+  check(CholeskyExponent());
+  check(SplitExponent());
 }
 
 namespace {

@@ -15,7 +15,7 @@
 #include <swiftgs/sort/early.hpp>
 
 #include "box_touched.hpp"
-#include "forms.hpp"
+#include "exponents.hpp"
 #include "policies/random_splats.hpp"
 #include "policies/tile_lists.hpp"
 
@@ -36,10 +36,10 @@ std::vector<std::uint64_t> weights_in_warp_block(const SplatSet& splats, Span<co
       const SplatShape& shape = splats.shapes[id];
       if (!box_touched(shape, first_centre, 8)) continue;
       float4 terms;
-      CholeskyForm::Rest rest;
-      CholeskyForm::prepare(shape, shape.mean - first_centre, rules, terms, rest);
+      CholeskyExponent::Rest rest;
+      CholeskyExponent::prepare(shape, shape.mean - first_centre, rules, terms, rest);
       float exponents[pixels_of_lane];
-      CholeskyForm::evaluate(terms, rest, float(lane % 4), float(lane / 4), exponents);
+      CholeskyExponent::evaluate(terms, rest, float(lane % 4), float(lane / 4), exponents);
       for (unsigned p = 0; p < pixels_of_lane; ++p)
         parts[id] +=
             weight_parts(weigh(pixels[p], relative_alpha<true>(exponents[p], rules), rules.alpha_max));

@@ -72,7 +72,7 @@ void draw_and_judge(const StressCase& drawn, const ConditionedFrame& reference, 
   require_finite(Drawn::name, "alpha", frame.alpha, 1);
   require_finite(Drawn::name, "depth", frame.depth, 1);
 
-  const StressVerdict verdict = judge(reference, frame, exponent_form_named(Raster::name));
+  const StressVerdict verdict = judge(reference, frame, exponent_representation_named(Raster::name));
   count(2 * index, verdict.excess), count(2 * index + 1, verdict.depth_excess);
   largest.excess = std::max(largest.excess, verdict.excess);
   largest.depth_excess = std::max(largest.depth_excess, verdict.depth_excess);

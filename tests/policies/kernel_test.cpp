@@ -18,7 +18,8 @@ double exponent(const SplatShape& s, double x, double y) {
   return u * u + v * v;
 }
 
-/// Largest term of a dx^2 + c dy^2 + b dx dy: what the split forms round, and what their errors scale with.
+/// Largest term of a dx^2 + c dy^2 + b dx dy: what the split representations round, and what their errors
+/// scale with.
 double largest_term(const SplatShape& s, double x, double y) {
   const double dx = x - double(s.mean.x), dy = y - double(s.mean.y);
   const double l0 = s.l0, l1 = s.l1, l2 = s.l2;

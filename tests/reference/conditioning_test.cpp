@@ -76,7 +76,7 @@ StressVerdict judge_planted(double error, double loose) {
   frame.width = 2, frame.height = 1;
   frame.colour.assign(6, 0.5f), frame.alpha.assign(2, 0.75f);
   frame.colour[4] = float(0.5 + error);
-  return judge(reference, frame, ExponentForm::factor);
+  return judge(reference, frame, ExponentRepresentation::factor);
 }
 
 TEST_CASE("judge: a flip within what may change hands is taken off the error and counted") {

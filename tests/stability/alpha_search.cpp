@@ -139,19 +139,20 @@ double error(Drawer<B>& drawer, const SplatShape& shape, const Tile& tile) {
   return double(worst);
 }
 
-/// The largest error of s itself, by the scale of its form and one ulp.
-template <class Terms>
+/// The largest error of s itself, by the scale of its exponent representation and one ulp.
+template <class Exponent>
 double exponent_error(const SplatShape& shape, const Tile& tile) {
   const vec2 centre(float(tile_x * raster_block_side + 8), float(tile_y * raster_block_side + 8));
-  const Terms terms(shape, centre);
+  const Exponent terms(shape, centre);
   Real worst = 0;
   for (std::size_t i = 0; i < tile.alphas.size(); ++i) {
     const Exponent& e = tile.exponents[i];
     if (e.s > Real(shape.reach)) continue;
     const float x = float(tile_x * raster_block_side) + float(i % raster_block_side) + 0.5f;
     const float y = float(tile_y * raster_block_side) + float(i / raster_block_side) + 0.5f;
-    const float s = Terms::exponent(terms.x_term(x), terms.y_term(y));
-    if (std::isfinite(s)) worst = std::max(worst, std::abs(s - e.s) / (ulp(e.s) + scale_of(Terms::name, e)));
+    const float s = Exponent::exponent(terms.x_term(x), terms.y_term(y));
+    if (std::isfinite(s))
+      worst = std::max(worst, std::abs(s - e.s) / (ulp(e.s) + scale_of(Exponent::name, e)));
   }
   return double(worst);
 }

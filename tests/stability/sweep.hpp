@@ -80,7 +80,7 @@ enum class Extent {
 struct Limits {
   double least_db = -INFINITY, most_abs = INFINITY;
   double most_excess = excess_gate;
-  // Of rasterizers whose form is allowed no error of its own.
+  // Of rasterizers whose exponent representation is allowed no error of its own.
   double least_judged = 0;  ///< share of pixels
   double most_flips = 1;    ///< share of pixels
 };

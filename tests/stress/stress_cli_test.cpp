@@ -47,10 +47,12 @@ TEST_CASE("stress: a sweep of one family ends well and prints a column for each 
   for (const char* raster : {"per-pixel", "axis-shared-threshold-float-cholesky"})
     CHECK(text.find("\nserial/early/" + std::string(raster) + "/ellipse: exact in 1 family;") !=
           std::string::npos);
-  CHECK(text.find("\nwarning: serial/early/axis-shared-half-split/ellipse: its form may err by more than "
+  CHECK(text.find("\nwarning: serial/early/axis-shared-half-split/ellipse: its exponent representation may "
+                  "err by more than "
                   "1/255 of a colour from needles 1e10 (") != std::string::npos);
   CHECK(text.find("warning: serial/early/per-pixel/ellipse") == std::string::npos);
-  // Half terms lose digits and keep within what their form is allowed to err: that is no failure.
+  // Half terms lose digits and keep within what their exponent representation is allowed to err: that is no
+  // failure.
   CHECK(text.find("\nserial/early/axis-shared-half-split/ellipse: loses digits from needles 1e10;") !=
         std::string::npos);
 }
@@ -113,7 +115,8 @@ TEST_CASE("stress: bounds that cut splats end with exit code 1 after table and r
   CHECK(json_in(place / "r.json").at("rows").size() == swiftgs::AllBounds::size);
 }
 
-TEST_CASE("stress: terms that lose the digits that their form may lose end with exit code 0") {
+TEST_CASE(
+    "stress: terms that lose the digits that their exponent representation may lose end with exit code 0") {
   const TemporaryFolder place;
   const Outcome outcome = swiftgs::test::run(place,
                                              "stress --families needles --severity 1e4 --seeds 2"

@@ -102,7 +102,7 @@ TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
           {.conventions = made.conventions, .background = made.background, .outputs = {true, true}}, frame);
       const StressVerdict verdict =
           judge(render_conditioned(made.scene, made.camera, made.conventions, dvec3(made.background), seed),
-                frame, exponent_form_named(table[i].name));
+                frame, exponent_representation_named(table[i].name));
       if (verdict.ratio > worst.ratio)
         worst.ratio = verdict.ratio, worst.worst_pixel = verdict.worst_pixel, worst_seed = seed;
       worst.excess = std::max(worst.excess, verdict.excess);

@@ -33,8 +33,7 @@ A splat can lie so close to a threshold, or to the depth of another splat, that 
 whether it is drawn or which is in front. The error that such a decision can cause is subtracted
 before the ratio is taken. 'loose' is the largest share of a pixel's weight that such decisions and
 the form's allowance decide. A pixel is not judged if they decide all of it; 'judged' is the share
-of pixels that are. The excess is the ratio after the error that the rasterizer's form of the
-exponent is allowed is subtracted too. Only the split forms are allowed one. A warning names the
+of pixels that are. The excess is the ratio after the error that the rasterizer's exponent representation is allowed is subtracted too. Only the split representations are allowed one. A warning names the
 renderers and families in which that error may be more than 1/255 of a colour.
 --search SECONDS climbs instead: it changes small frames of all families, and of lone Gaussians that
 point at the camera, and keeps what is drawn worse. Where sorts differ alone, frames must be equal.
@@ -52,7 +51,7 @@ Examples:
   swiftgs stress --families needles --severity 1e3,1e5 --seeds 64 --size 64x48,960x540
   swiftgs stress --search 60 --renderers 'serial/*/per-pixel/ellipse' --json worst.json)";
 
-/// Throws unless every renderer keeps what its form promises.
+/// Throws unless every renderer keeps what its exponent representation promises.
 void require_promises(const std::vector<StressRow>& rows) {
   std::size_t above = 0, failed = 0;
   const StressRow *worst = nullptr, *failure = nullptr;

@@ -69,7 +69,7 @@ void Sweep::draw_seed(const StressPoint& point, std::uint64_t seed, std::vector<
       if (!subject.renderer) subject.renderer = subject.entry.make();
       subject.renderer->set_scene(scene);
       subject.renderer->render(made.camera, settings, frame);
-      add(rows[i], judge(reference, frame, exponent_form_named(subject.entry.name)), seed);
+      add(rows[i], judge(reference, frame, exponent_representation_named(subject.entry.name)), seed);
     } catch (const std::exception& error) {
       if (rows[i].failed++ == 0) rows[i].error = "seed " + std::to_string(seed) + ": " + error.what();
       subject.renderer.reset();

@@ -158,8 +158,10 @@ void print_warning(const Rows& rows) {
         (shown.empty() ? "" : ", ") + (*first)->family + " " + severity_text((*first)->severity) + weight;
   }
   if (!shown.empty())
-    std::printf("warning: %s: its form may err by more than 1/255 of a colour from %s; expected less\n",
-                rows.front()->renderer.c_str(), shown.c_str());
+    std::printf(
+        "warning: %s: its exponent representation may err by more than 1/255 of a colour from %s; expected "
+        "less\n",
+        rows.front()->renderer.c_str(), shown.c_str());
 }
 
 constexpr const char* legend = R"(

@@ -6,14 +6,14 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/composed_name.hpp>
+#include <swiftgs/raster/exponents.hpp>
 #include <swiftgs/raster/raster.hpp>
-#include <swiftgs/raster/terms.hpp>
 
 namespace swiftgs {
 
 namespace detail {
 /// Terms of one splat in one raster block: sixteen of x, and the y term of the current row.
-template <TermsPolicy Terms>
+template <ExponentPolicy Exponent>
 class SharedTerms {
  public:
   SWIFTGS_HD SharedTerms(const SplatShape& shape, vec2 first_centre)
@@ -22,20 +22,20 @@ class SharedTerms {
       x_[column] = terms_.x_term(first_centre.x + float(column));
   }
   SWIFTGS_HD void start_row(float y) { y_ = terms_.y_term(y); }
-  SWIFTGS_HD float exponent(int column) const { return Terms::exponent(x_[column], y_); }
+  SWIFTGS_HD float exponent(int column) const { return Exponent::exponent(x_[column], y_); }
 
  private:
-  Terms terms_;
-  typename Terms::X x_[raster_block_side];
-  typename Terms::Y y_{};
+  Exponent terms_;
+  typename Exponent::X x_[raster_block_side];
+  typename Exponent::Y y_{};
 };
 }  // namespace detail
 
 /// Axis-shared rasterization (SwiftGS, section 5.1): the terms of a column and of a row are computed once and
 /// joined at each pixel, which then evaluates the exponential and looks at alpha.
-template <TermsPolicy Terms>
+template <ExponentPolicy Exponent>
 struct SWIFTGS_API AxisShared {
-  static constexpr ComposedName name_storage{"axis-shared-", Terms::name};
+  static constexpr ComposedName name_storage{"axis-shared-", Exponent::name};
   static constexpr std::string_view name = name_storage.view();
 
   class Kernel {
@@ -51,7 +51,7 @@ struct SWIFTGS_API AxisShared {
     }
 
    private:
-    detail::SharedTerms<Terms> terms_;
+    detail::SharedTerms<Exponent> terms_;
     float opacity_;
     BlendRules rules_;
   };
@@ -59,9 +59,9 @@ struct SWIFTGS_API AxisShared {
 
 /// Axis-shared rasterization with the dynamic threshold (SwiftGS, section 5.2): a pixel compares its exponent
 /// with the splat's own ln(255 o), here in base 2, and evaluates the exponential only where the splat shows.
-template <TermsPolicy Terms>
+template <ExponentPolicy Exponent>
 struct SWIFTGS_API AxisSharedThreshold {
-  static constexpr ComposedName name_storage{"axis-shared-threshold-", Terms::name};
+  static constexpr ComposedName name_storage{"axis-shared-threshold-", Exponent::name};
   static constexpr std::string_view name = name_storage.view();
 
   class Kernel {
@@ -77,7 +77,7 @@ struct SWIFTGS_API AxisSharedThreshold {
     }
 
    private:
-    detail::SharedTerms<Terms> terms_;
+    detail::SharedTerms<Exponent> terms_;
     float opacity_, reach_, alpha_max_;
   };
 };

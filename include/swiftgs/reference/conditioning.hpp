@@ -17,7 +17,7 @@
 #include <vector>
 
 #include <swiftgs/reference.hpp>
-#include <swiftgs/reference/exponent_form.hpp>
+#include <swiftgs/reference/exponent_representation.hpp>
 #include <swiftgs/reference/variation.hpp>
 
 namespace swiftgs {
@@ -27,10 +27,10 @@ struct ConditionedFrame {
   ReferenceFrame frame;                                     ///< without counts
   std::vector<double> colour_move, alpha_move, depth_move;  ///< as in `frame`: largest move in the trials
 
-  /// @shape{height, width} Weight that may change hands, for renderers of each form of the exponent: of
-  /// splats whose test may fall out either way, of what lies behind a stop that may come a splat earlier or
-  /// later, and of alphas as far as the form may err. 0 where nothing may.
-  std::array<std::vector<double>, exponent_forms> loose;
+  /// @shape{height, width} Weight that may change hands, for renderers of each representation of the
+  /// exponent: of splats whose test may fall out either way, of what lies behind a stop that may come a splat
+  /// earlier or later, and of alphas as far as the form may err. 0 where nothing may.
+  std::array<std::vector<double>, exponent_representations> loose;
 
   double colour_span = 0;  ///< largest difference of two colours, background included
   double peak = 0;         ///< largest magnitude in `frame.colour`
@@ -71,7 +71,7 @@ struct PixelState {
 struct VariedPixel {
   PixelState<double> exact;
   std::array<PixelState<float>, trials> moved;
-  std::array<Looseness, exponent_forms> forms;
+  std::array<Looseness, exponent_representations> representations;
   std::uint32_t layers = 0;
   bool stopped = false;
   float occluder = std::numeric_limits<float>::infinity();
@@ -84,20 +84,22 @@ inline constexpr double threshold_moves = 10;
 struct PixelDecision {
   std::array<double, trials + 1> alphas;
   bool kept = false;
-  std::array<double, exponent_forms>
+  std::array<double, exponent_representations>
       loose{};  ///< how far alpha may be from the first of `alphas`, kept or not
 };
 
 /// How far a renderer of a form may be from `alpha`, 0 where it is not kept, at a pixel whose exponent is
 /// `exponent` and may move by `tolerance` at the threshold.
-inline double loose_alpha(ExponentForm form, const VariedSplat& splat, double x, double y, double exponent,
-                          double alpha, double tolerance, const Conventions& k) {
+inline double loose_alpha(ExponentRepresentation representation, const VariedSplat& splat, double x, double y,
+                          double exponent, double alpha, double tolerance, const Conventions& k) {
   const SplatNumbers& numbers = splat.numbers[0];
-  if (!may_be_visited(form, numbers, int(x), int(y), k)) return 0;
-  const double error = exponent_error(form, numbers, x, y), log2_min = std::log2(double(k.alpha_min));
+  if (!may_be_visited(representation, numbers, int(x), int(y), k)) return 0;
+  const double error = exponent_error(representation, numbers, x, y),
+               log2_min = std::log2(double(k.alpha_min));
   if (exponent + tolerance + error < log2_min) return 0;
   // `HalfSplit` skips a pixel where rounding makes s negative.
-  const bool valid = form != ExponentForm::half_split || numbers.log2_opacity - exponent > error;
+  const bool valid =
+      representation != ExponentRepresentation::half_split || numbers.log2_opacity - exponent > error;
   const bool surely_kept = splat.drawn && valid && exponent - tolerance - error > log2_min;
   if (surely_kept && error == 0) return 0;
   const auto alpha_at = [&](double at) {
@@ -132,9 +134,9 @@ inline PixelDecision decide(const VariedSplat& splat, double x, double y, const 
   if (out.kept)
     for (double& alpha : out.alphas) alpha = std::min(double(k.alpha_max), std::exp2(alpha));
   const double tolerance = threshold_moves * spread + std::ldexp(4 + std::abs(log2_min), -22);
-  for (std::size_t form = 0; form < exponent_forms; ++form)
-    out.loose[form] =
-        loose_alpha(ExponentForm(form), splat, x, y, first, out.kept ? out.alphas[0] : 0, tolerance, k);
+  for (std::size_t representation = 0; representation < exponent_representations; ++representation)
+    out.loose[representation] = loose_alpha(ExponentRepresentation(representation), splat, x, y, first,
+                                            out.kept ? out.alphas[0] : 0, tolerance, k);
   cut(out, splat.cut.at(int(x), int(y)));
   return out;
 }
@@ -151,9 +153,10 @@ inline bool ends(VariedPixel& pixel, const VariedSplat& splat, const PixelDecisi
   const double rounding = std::ldexp((double(pixel.layers) + 2) * next, -23) + std::ldexp(before, -21);
   const bool order_of_occluder =
       (splat.least_depth >= pixel.occluder) != (splat.largest_depth >= pixel.occluder);
-  for (Looseness& form : pixel.forms) {
-    const double tolerance = threshold_moves * spread + rounding + form.drift * next;
-    if ((stop > 0 && std::abs(next - stop) <= tolerance) || order_of_occluder) form.weight += form.most_left;
+  for (Looseness& representation : pixel.representations) {
+    const double tolerance = threshold_moves * spread + rounding + representation.drift * next;
+    if ((stop > 0 && std::abs(next - stop) <= tolerance) || order_of_occluder)
+      representation.weight += representation.most_left;
   }
   return (k.stop_at_equal ? next <= stop : next < stop) || float(splat.splat.depth) >= pixel.occluder;
 }
@@ -162,10 +165,10 @@ inline bool ends(VariedPixel& pixel, const VariedSplat& splat, const PixelDecisi
 inline void blend_varied(VariedPixel& pixel, const VariedSplat& splat, const PixelDecision& decision,
                          const Conventions& k) {
   const double alpha = decision.kept ? decision.alphas[0] : 0;
-  for (std::size_t f = 0; f < exponent_forms; ++f) {
-    Looseness& form = pixel.forms[f];
-    form.weight += form.most_left * decision.loose[f];
-    form.drift += decision.loose[f] / std::max(1 - alpha, 1e-6);
+  for (std::size_t f = 0; f < exponent_representations; ++f) {
+    Looseness& representation = pixel.representations[f];
+    representation.weight += representation.most_left * decision.loose[f];
+    representation.drift += decision.loose[f] / std::max(1 - alpha, 1e-6);
   }
   if (!decision.kept) return;
   if (ends(pixel, splat, decision, pixel.exact.transmittance * (1 - alpha), k)) {
@@ -174,10 +177,10 @@ inline void blend_varied(VariedPixel& pixel, const VariedSplat& splat, const Pix
   }
   pixel.exact.add(decision.alphas[0], splat.numbers[0]);
   for (std::size_t t = 0; t < trials; ++t) pixel.moved[t].add(decision.alphas[t + 1], splat.numbers[t + 1]);
-  for (std::size_t f = 0; f < exponent_forms; ++f) {
-    Looseness& form = pixel.forms[f];
-    if (splat.order_is_loose) form.weight += form.most_left * alpha;
-    form.most_left = std::min(1.0, form.most_left * (1 - alpha + decision.loose[f]));
+  for (std::size_t f = 0; f < exponent_representations; ++f) {
+    Looseness& representation = pixel.representations[f];
+    if (splat.order_is_loose) representation.weight += representation.most_left * alpha;
+    representation.most_left = std::min(1.0, representation.most_left * (1 - alpha + decision.loose[f]));
   }
   ++pixel.layers;
 }
@@ -256,7 +259,8 @@ inline void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pi
       note(out.alpha_move[i], 1 - double(state.transmittance), out.frame.alpha[i]);
       note(out.depth_move[i], state.mean_depth(), out.frame.depth[i]);
     }
-    for (std::size_t form = 0; form < exponent_forms; ++form) out.loose[form][i] = pixel.forms[form].weight;
+    for (std::size_t representation = 0; representation < exponent_representations; ++representation)
+      out.loose[representation][i] = pixel.representations[representation].weight;
   }
 }
 

@@ -25,7 +25,7 @@ struct StressVerdict {
   double depth_excess = 0;      ///< `excess` of depth
   double psnr_db = 0;           ///< of colour, for a peak of 1, or the reference's where that is more
   double max_abs = 0;           ///< of colour
-  double loosest = 0;           ///< largest weight that the form leaves open in a pixel
+  double loosest = 0;           ///< largest weight that the representation leaves open in a pixel
   double allowed = 0;           ///< largest part of that which no decision accounts for, but the form's error
   double judged = 1;            ///< share of pixels of which it leaves less than the whole weight open
   std::uint64_t flips = 0;      ///< pixels where a loose decision fell out the other way
@@ -51,11 +51,12 @@ struct PlaneJudge {
 }  // namespace stress
 
 /// Judges `frame`, of the reference's size; its alpha and depth too where it has them. Its renderer works out
-/// exponents in the form `form`.
-inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame, ExponentForm form) {
+/// exponents in the form `representation`.
+inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame,
+                           ExponentRepresentation representation) {
   const stress::PlaneJudge colour{reference.peak, reference.colour_span}, transmittance{1, 1};
-  const std::vector<double>& decisions = reference.loose[std::size_t(ExponentForm::factor)];
-  const std::vector<double>& allowed = reference.loose[std::size_t(form)];
+  const std::vector<double>& decisions = reference.loose[std::size_t(ExponentRepresentation::factor)];
+  const std::vector<double>& allowed = reference.loose[std::size_t(representation)];
   StressVerdict out;
   const std::size_t pixels = reference.frame.alpha.size();
   const auto open =

@@ -226,7 +226,7 @@ class StressSearch {
   void climb(std::size_t subject, const StressCase& drawn, std::size_t family, stress::References& references,
              const Frame& frame) {
     const stress::Niche niche = stress::niche_of(drawn);
-    const ExponentForm form = exponent_form_named(subjects_[subject].name);
+    const ExponentRepresentation representation = exponent_representation_named(subjects_[subject].name);
     std::array<double, planes> least{},
         excess{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     for (const Plane plane : {colour, depth}) {
@@ -237,7 +237,7 @@ class StressSearch {
     }
     const auto is_worse = [&] { return excess[colour] > least[colour] || excess[depth] > least[depth]; };
     for (std::size_t i = 0; i < stress::References::count && is_worse(); ++i) {
-      const StressVerdict verdict = judge(references[i], frame, form);
+      const StressVerdict verdict = judge(references[i], frame, representation);
       if (verdict.judged < 1 || verdict.loosest > most_loose) return;
       excess[colour] = std::min(excess[colour], verdict.excess);
       excess[depth] = std::min(excess[depth], verdict.depth_excess);

@@ -2,7 +2,7 @@
 #pragma once
 
 /// @file
-/// Forms of the exponent. For hosts too, which test it.
+/// Exponent representations. For hosts too, which test it.
 ///
 /// Those of a lane's pixels have three functions. `prepare` finds the terms of a splat as a part of a tile
 /// sees it, its mean relative to the part's first pixel; `evaluate` finds log2(alpha / alpha_max) of the
@@ -27,7 +27,7 @@ inline constexpr unsigned columns_between = 4;
 
 /// `FloatCholesky` in registers: u = l0 x + l1 y + c and v = l2 y + d at pixel (x, y) of the part, s = u^2 +
 /// v^2. Pixels of a lane share v, and from one to the next u grows by what depends on the splat alone.
-struct CholeskyForm {
+struct CholeskyExponent {
   static constexpr unsigned blocks = 9;  ///< of a multiprocessor at once: 56 registers a thread
   using Rest = float2;                   ///< c, d; the quadruple is l0, l1, l2, log2(opacity / alpha_max)
 
@@ -59,7 +59,7 @@ struct CholeskyForm {
 
 /// `FloatSplit` in registers, measured from the part's first pixel: s = a x^2 + b x y + c y^2 + d x + e y +
 /// g. What depends on the row alone is computed once for both pixels of a lane.
-struct SplitForm {
+struct SplitExponent {
   static constexpr unsigned blocks = 8;
   using Rest = float4;  ///< d, e, h = log2(opacity / alpha_max), unused; the quadruple is a, b, c, h - g
 
@@ -92,7 +92,7 @@ struct SplitForm {
 };
 
 /// `PerPixel`: the whole exponent from the factor, as it is stored.
-struct FactorForm {
+struct FactorExponent {
   /// l0, l1, l2 and the opacity.
   SWIFTGS_HD static float4 prepare(const SplatShape& s) { return make_float4(s.l0, s.l1, s.l2, s.opacity); }
 

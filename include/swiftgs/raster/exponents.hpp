@@ -15,8 +15,8 @@ namespace swiftgs {
 /// `y_term` take the place of a column and of a row @units{pixels}. `exponent` joins two terms to s, base 2;
 /// where it is negative or not a number the pixel skips the splat.
 template <class T>
-concept TermsPolicy = requires(const T& terms, const SplatShape& shape, vec2 centre, float at,
-                               typename T::X x, typename T::Y y) {
+concept ExponentPolicy = requires(const T& terms, const SplatShape& shape, vec2 centre, float at,
+                                  typename T::X x, typename T::Y y) {
   { T::name } -> std::convertible_to<std::string_view>;
   T(shape, centre);
   { terms.x_term(at) } -> std::same_as<typename T::X>;
@@ -28,7 +28,7 @@ concept TermsPolicy = requires(const T& terms, const SplatShape& shape, vec2 cen
 /// the raster block's centre: a distant mean costs no digits but its own. The three parts may still cancel;
 /// where rounding makes s negative it is 0. With u = l0 dx + l1 dy and v = l2 dy at a pixel, the error of s
 /// is at most 2^-18 ((|u| + 16 l0 + 16 |l1|)^2 + (|v| + 16 l2)^2), beside what the rounding of u and v at the
-/// raster block's centre makes of it, as in every form.
+/// raster block's centre makes of it, as in every representation.
 struct SWIFTGS_API FloatSplit {
   static constexpr std::string_view name = "float-split";
   struct X {
@@ -138,6 +138,6 @@ struct SWIFTGS_API FloatCholesky {
   float l0_, l1_, l2_;
 };
 
-static_assert(TermsPolicy<HalfSplit> && TermsPolicy<FloatSplit> && TermsPolicy<FloatCholesky>);
+static_assert(ExponentPolicy<HalfSplit> && ExponentPolicy<FloatSplit> && ExponentPolicy<FloatCholesky>);
 
 }  // namespace swiftgs
