@@ -53,7 +53,7 @@ static_assert(RasterPolicy<FlatEllipses>);
 /// it is only told of a smaller splat.
 struct OneSigma {
   static constexpr std::string_view name = "one-sigma";
-  static constexpr bool lossless = false;  // for rasterizers that draw whole Gaussians
+  static constexpr bool conservative = false;  // for rasterizers that draw whole Gaussians
 
   SWIFTGS_HD Ellipse::Tiles tiles(const SplatShape& shape, TileGrid grid) const {
     return Ellipse().tiles(shrunk(shape), grid);
@@ -62,9 +62,9 @@ struct OneSigma {
  private:
   SWIFTGS_HD static SplatShape shrunk(const SplatShape& shape) {
     SplatShape small = shape;
-    if (shape.reach <= one_sigma) return small;
-    small.half_width *= std::sqrt(one_sigma / shape.reach);
-    small.reach = one_sigma;
+    if (shape.cutoff <= one_sigma) return small;
+    small.half_width *= std::sqrt(one_sigma / shape.cutoff);
+    small.cutoff = one_sigma;
     return small;
   }
 };

@@ -223,8 +223,8 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   const Vec l0 = hn::Div(root, hn::Sqrt(var_x_given_y));
   const Vec l1 = hn::Neg(hn::Mul(l0, hn::Mul(xy, inv_var_y)));
   const Vec l2 = hn::Mul(root, inv_sigma_y);
-  const Vec reach = hn::Max(hn::CallLog2(d, hn::Div(opacity, alpha_min)), hn::Zero(d));
-  const Vec extent = hn::Mul(hn::Sqrt(reach), hn::Set(d, float(1 / to_base_2)));
+  const Vec cutoff = hn::Max(hn::CallLog2(d, hn::Div(opacity, alpha_min)), hn::Zero(d));
+  const Vec extent = hn::Mul(hn::Sqrt(cutoff), hn::Set(d, float(1 / to_base_2)));
   const Vec half_width = hn::Mul(extent, hn::Sqrt(var_x)),
             half_height = hn::Mul(extent, hn::Mul(var_y, inv_sigma_y));
   const auto reaches = [&](Vec x, Vec y, float left, float top, float right, float bottom) HWY_ATTR {
@@ -245,7 +245,7 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   alignas(64) float front[lanes * 4], back[lanes * 4];
   const auto pack = [&](Vec value) HWY_ATTR { return hn::Compress(value, visible); };
   hn::StoreInterleaved4(pack(mean_x), pack(mean_y), pack(l0), pack(l1), d, front);
-  hn::StoreInterleaved4(pack(l2), pack(opacity), pack(reach), pack(half_width), d, back);
+  hn::StoreInterleaved4(pack(l2), pack(opacity), pack(cutoff), pack(half_width), d, back);
   const hn::RebindToUnsigned<F32> du;
   hn::StoreU(pack(z), d, out.depths + out.count);
   hn::StoreU(hn::Compress(hn::Iota(du, first_id), hn::RebindMask(du, visible)), du, out.ids + out.count);

@@ -83,9 +83,9 @@ HWY_INLINE void VisitRows(const SplatShape& shape, vec2 first_centre, float log2
     hn::Store(q, d, terms.q + i);
     hn::Store(hn::NegMulAdd(v, v, log2_opacity), d, terms.c + i);
     const Vec nearest = hn::Max(hn::Max(hn::Add(first_p, q), hn::Neg(hn::Add(last_p, q))), hn::Zero(d));
-    // Against the reach, not against c: the rounding of a sum with log2(alpha_min) is far larger than the
-    // reach of a faint splat, and would accept rows in tiles that lossless bounds do not list.
-    visit(i, hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.reach)));
+    // Against the cutoff, not against c: the rounding of a sum with log2(alpha_min) is far larger than the
+    // cutoff of a faint splat, and would accept rows in tiles that conservative bounds do not list.
+    visit(i, hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.cutoff)));
   }
 }
 

@@ -27,7 +27,7 @@ class SplitExponent {
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                              float log2_alpha_min) {
     Terms& HWY_RESTRICT t = terms_[k];
-    t.opacity = shape.opacity, t.reach = shape.reach;
+    t.opacity = shape.opacity, t.cutoff = shape.cutoff;
     t.log2_opacity = log2_opacity(shape, log2_alpha_min, 1);
     Split::Prepare(shape, first_centre, t);
     return PrepareRows(shape, first_centre, log2_alpha_min);
@@ -46,7 +46,7 @@ class SplitExponent {
     const Vec s = Split::Joined(sum);
     const Mask valid = Split::Valid(s);
     if constexpr (kThreshold) {
-      const Mask kept[] = {hn::And(valid, hn::Le(s, hn::Set(d, t.reach)))};
+      const Mask kept[] = {hn::And(valid, hn::Le(s, hn::Set(d, t.cutoff)))};
       // As an exponent, opacity needs no product.
       Vec alpha[] = {hn::Sub(hn::Set(d, t.log2_opacity), s)};
       Exp2(d, alpha, kept);
@@ -61,7 +61,7 @@ class SplitExponent {
   struct alignas(64) Terms {
     Cell x_square[raster_block_side], x_mixed[raster_block_side], y_square[raster_block_side],
         y_offset[raster_block_side];
-    float opacity, log2_opacity, reach;
+    float opacity, log2_opacity, cutoff;
   };
   BlendRules rules_;
   float least_exponent_;

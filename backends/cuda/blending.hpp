@@ -28,14 +28,14 @@ SWIFTGS_HD float relative_alpha(float exponent, const BlendRules& rules) {
   return saturate(alpha * (kept ? 1.0f : 0.0f));
 }
 
-/// Alpha of a pixel from s, where log2(alpha) = log2(opacity) - s, of which `reach` is the largest that is
+/// Alpha of a pixel from s, where log2(alpha) = log2(opacity) - s, of which `cutoff` is the largest that is
 /// kept; 0 where the pixel skips the splat. With the threshold s decides, and lanes that skip leave out the
 /// exponential.
 template <bool threshold>
-SWIFTGS_HD float alpha_of_square(float s, float reach, float opacity, const BlendRules& rules) {
+SWIFTGS_HD float alpha_of_square(float s, float cutoff, float opacity, const BlendRules& rules) {
   float alpha = 0;
   if constexpr (threshold) {
-    if (s >= 0 && s <= reach) alpha = fminf(opacity * exp2_approx(-s), rules.alpha_max);
+    if (s >= 0 && s <= cutoff) alpha = fminf(opacity * exp2_approx(-s), rules.alpha_max);
   } else {
     const float whole = opacity * exp2_approx(-s);
     if (s >= 0 && whole >= rules.alpha_min) alpha = fminf(whole, rules.alpha_max);

@@ -45,7 +45,7 @@ __device__ inline SplatShape load_shape(const RasterJob& job, std::uint32_t id) 
   const float4 a = words[0], b = words[1];
   SplatShape shape;
   shape.mean = vec2(a.x, a.y), shape.l0 = a.z, shape.l1 = a.w;
-  shape.l2 = b.x, shape.opacity = b.y, shape.reach = b.z, shape.half_width = b.w;
+  shape.l2 = b.x, shape.opacity = b.y, shape.cutoff = b.z, shape.half_width = b.w;
   return shape;
 }
 

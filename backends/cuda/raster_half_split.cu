@@ -20,7 +20,7 @@ inline constexpr unsigned mini_batch = 8;
 struct HalfBatch {
   SharedArray<SplatShape, block_threads> shapes;
   float4 colours[block_threads];  ///< RGB, depth
-  float2 reaches[block_threads];  ///< largest s that is kept, log2(255 opacity) in the paper; and opacity
+  float2 cutoffs[block_threads];  ///< largest s that is kept, log2(255 opacity) in the paper; and opacity
   __half2 x[2][mini_batch][raster_block_side];  ///< a dx^2, b dx
   __half2 y[2][mini_batch][raster_block_side];  ///< c dy^2, dy
 };
@@ -65,10 +65,10 @@ __global__ void __launch_bounds__(block_threads)
       const SplatShape s = load_shape(job, id);
       batch.shapes.data()[threadIdx.x] = s;
       const float4 colour = load_colour(job, id);
-      batch.reaches[threadIdx.x] = is_hidden(colour) ? make_float2(-1, 0) : make_float2(s.reach, s.opacity);
+      batch.cutoffs[threadIdx.x] = is_hidden(colour) ? make_float2(-1, 0) : make_float2(s.cutoff, s.opacity);
       batch.colours[threadIdx.x] = colour;
     } else {
-      batch.reaches[threadIdx.x] = make_float2(-1, 0);
+      batch.cutoffs[threadIdx.x] = make_float2(-1, 0);
     }
     __syncthreads();
 
@@ -83,8 +83,8 @@ __global__ void __launch_bounds__(block_threads)
         const float2 x = __half22float2(batch.x[buffer][k][column]),
                      y = __half22float2(batch.y[buffer][k][row]);
         const float s = x.x + y.x + x.y * y.y;
-        const float2 reach = batch.reaches[first + k];
-        const float alpha = alpha_of_square<threshold>(s, reach.x, reach.y, mine.view().rules);
+        const float2 cutoff = batch.cutoffs[first + k];
+        const float alpha = alpha_of_square<threshold>(s, cutoff.x, cutoff.y, mine.view().rules);
         if (alpha > 0) mine.blend(alpha, batch.colours[first + k]);
       }
     }

@@ -70,7 +70,7 @@ class BoundRenderer {
     for (const View& view : views) validate(view);
     check_ready(backend());
     const FrameKey key = FrameKey::of(scene, views);
-    const bool may_be_coarse = raster_.may_gain_by_coarse_tiles && stages_.lossless();
+    const bool may_be_coarse = raster_.may_gain_by_coarse_tiles && stages_.conservative();
     FramePlan plan(store_views(backend(), may_be_coarse ? tiles_.choose(key, views) : views, view_storage_),
                    scene);
     counted_ = timed_ = false;

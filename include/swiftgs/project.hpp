@@ -165,7 +165,7 @@ SWIFTGS_HD inline float part_slack(float half_width, float half_height) {
 }
 
 /// Projects a Gaussian. `visible` is false where no shown pixel can keep it: too near or far, too
-/// faint, or the box of its ellipse s <= reach holds no pixel centre. Spherical harmonics are not looked at.
+/// faint, or the box of its ellipse s <= cutoff holds no pixel centre. Spherical harmonics are not looked at.
 SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gaussian& g) {
   ProjectedShape out;
   float opacity = g.opacity;
@@ -200,8 +200,8 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gau
 
   s.l0 = f.l0, s.l1 = f.l1, s.l2 = f.l2;
   s.opacity = opacity;
-  s.reach = std::log2(opacity / v.alpha_min);
-  const float extent = std::sqrt(s.reach) * float(1 / to_base_2);
+  s.cutoff = std::log2(opacity / v.alpha_min);
+  const float extent = std::sqrt(s.cutoff) * float(1 / to_base_2);
   s.half_width = extent * std::sqrt(f.var_x);
   const float half_height = extent * std::sqrt(f.var_y);
 

@@ -61,8 +61,8 @@ struct SWIFTGS_API CompactSplats {
 
 namespace detail {
 /// The loops of `project`, which appends the splats of one view after the other. Not inlined: a compiler that
-/// fuses multiplications and additions may do so differently in each copy, and lossless bounds must draw the
-/// same bits.
+/// fuses multiplications and additions may do so differently in each copy, and conservative bounds must draw
+/// the same bits.
 template <BackendPolicy B>
 [[gnu::noinline]] void project_splats(B& b, const FramePlan& plan, ProjectScratch<B>& scratch,
                                       Splats<B>& splats) {

@@ -51,13 +51,13 @@ void rasterize_by(B& b, const RasterJob& job) {
 template <class B>
 struct BoundsStages {
   std::string_view name;
-  bool lossless;
+  bool conservative;
   void (*project)(B&, const FramePlan&, ProjectScratch<B>&, Splats<B>&, Footprints<B>&);
   void (*bin)(B&, const FramePlan&, Splats<B>&, Footprints<B>&);
 
   template <BoundsPolicy Bounds>
   static BoundsStages of() {
-    return {Bounds::name, Bounds::lossless, &detail::project_within<Bounds, B>,
+    return {Bounds::name, Bounds::conservative, &detail::project_within<Bounds, B>,
             &detail::bin_within<Bounds, B>};
   }
 };
@@ -127,7 +127,7 @@ class Stages {
   B& backend() { return backend_; }
   const B& backend() const { return backend_; }
   SortStage<B>& sort() { return *sort_; }
-  bool lossless() const { return bounds_.lossless; }
+  bool conservative() const { return bounds_.conservative; }
 
   /// Starts all stages; the last is `rasterize(job)`. Calls mark(k) before the first, k = 0, after `bin`,
   /// after the sort, and at the end. A host leaves sort and rasterization out if the frame does not fit the

@@ -12,8 +12,8 @@
 namespace swiftgs {
 
 /// Side of coarser tiles @units{pixels}. A renderer takes them for large images with few splats, if bounds
-/// are lossless and its rasterizer may gain: the sort of fewer intersections gains more than rasterization
-/// loses.
+/// are conservative and its rasterizer may gain: the sort of fewer intersections gains more than
+/// rasterization loses.
 inline constexpr int coarse_tile_side = 2 * default_tile_side;
 
 /// Whether tiles of `coarse_tile_side` are quicker. Measured on an H200 (docs/decisions.md): with fewer than

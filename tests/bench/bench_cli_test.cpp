@@ -102,7 +102,7 @@ TEST_CASE("bench: a batch changes nothing of a row but its times") {
   }
 }
 
-TEST_CASE("bench: sorts and lossless bounds have equal errors and share their images") {
+TEST_CASE("bench: sorts and conservative bounds have equal errors and share their images") {
   const TemporaryFolder place;
   const Outcome outcome = swiftgs::test::swiftgs(
       place,

@@ -59,7 +59,7 @@ TEST_CASE("cuda arithmetic: alpha is kept from its least on and cut at its large
   }
 }
 
-TEST_CASE("cuda arithmetic: alpha of a square is kept up to the reach and cut at its largest") {
+TEST_CASE("cuda arithmetic: alpha of a square is kept up to the cutoff and cut at its largest") {
   // Opacity 1/2 and the threshold 1/256: seven halvings.
   const auto plain = [](float s) { return alpha_of_square<false>(s, 7, 0.5f, rules); };
   const auto decided = [](float s) { return alpha_of_square<true>(s, 7, 0.5f, rules); };
@@ -132,7 +132,7 @@ TEST_CASE("cuda arithmetic: a box is never refused where a pixel keeps the splat
       const vec2 first(float(side * int(random.in(-1, 4))) + 0.5f,
                        float(side * int(random.in(-1, 4))) + 0.5f);
       const bool touched = box_touched(shape, first, float(side));
-      const bool keeps = LeastSquares(shape, first, side).of_centres <= double(shape.reach);
+      const bool keeps = LeastSquares(shape, first, side).of_centres <= double(shape.cutoff);
       kept += keeps, refused += !touched, refused_wrongly += keeps && !touched;
     }
   }
@@ -149,11 +149,11 @@ TEST_CASE("cuda arithmetic: a box is touched where the ellipse meets it and nowh
     const vec2 first(float(8 * int(random.in(-1, 5))) + 0.5f, float(8 * int(random.in(-1, 5))) + 0.5f);
     const bool touched = box_touched(shape, first, 8);
     const LeastSquares least(shape, first, 8);
-    const double reach = double(shape.reach);
-    if (least.of_box + least.error <= reach)
+    const double cutoff = double(shape.cutoff);
+    if (least.of_box + least.error <= cutoff)
       refused_wrongly += !touched, ++decided;
-    else if (least.of_box - least.error > 1.0001 * reach)
-      touched_wrongly += touched, ++decided, near += least.of_box < 1.5 * reach;
+    else if (least.of_box - least.error > 1.0001 * cutoff)
+      touched_wrongly += touched, ++decided, near += least.of_box < 1.5 * cutoff;
   }
   CHECK(refused_wrongly == 0);
   CHECK(touched_wrongly == 0);
@@ -165,19 +165,20 @@ namespace {
 
 /// Whether no row of pixel centres meets the ellipse of a splat.
 bool lies_between_rows(const SplatShape& shape) {
-  const double height = std::sqrt(double(shape.reach)) / double(shape.l2), y = double(shape.mean.y);
+  const double height = std::sqrt(double(shape.cutoff)) / double(shape.l2), y = double(shape.mean.y);
   return std::ceil(y - height - 0.5) > std::floor(y + height - 0.5);
 }
 
 }  // namespace
 
-TEST_CASE("cuda arithmetic: lossless bounds list every tile of which a box is touched") {
-  // Segments of long lists are made of the splats that touch a part, so all lossless bounds must list them. A
-  // splat that lies between two rows of pixel centres is the exception: none of them may list it anywhere.
+TEST_CASE("cuda arithmetic: conservative bounds list every tile of which a box is touched") {
+  // Segments of long lists are made of the splats that touch a part, so all conservative bounds must list
+  // them. A splat that lies between two rows of pixel centres is the exception: none of them may list it
+  // anywhere.
   const int width = 192, height = 128;
   int between_rows_of_all = -1;
   for_each_type(AllBounds(), [&]<class Bounds>(Bounds bounds) {
-    if constexpr (Bounds::lossless) {
+    if constexpr (Bounds::conservative) {
       CAPTURE(Bounds::name);
       for (const int tile_side : {16, 32, 64}) {
         CAPTURE(tile_side);
@@ -205,7 +206,7 @@ TEST_CASE("cuda arithmetic: lossless bounds list every tile of which a box is to
                   missed += !listed[grid.tile_at(x, y)];
                 // What keeping pixels alone would not ask for.
                 if (side == 8 && i % 3 != 0)
-                  touched_only += LeastSquares(shape, first, side).of_centres > double(shape.reach);
+                  touched_only += LeastSquares(shape, first, side).of_centres > double(shape.cutoff);
               }
         }
         CHECK(missed == 0);

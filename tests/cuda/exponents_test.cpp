@@ -77,7 +77,7 @@ void check_exponent(const ErrorOf& error_of) {
         const double exponent = std::log2(double(shape.opacity)) - exact.s, error = error_of(exact, shape);
         const double off = double(exponents[p]) + log2_unit - exponent;
         worst.add(off, error);
-        if (usual && exact.s <= double(shape.reach)) worst_usual.add(off, 1e-4), ++kept;
+        if (usual && exact.s <= double(shape.cutoff)) worst_usual.add(off, 1e-4), ++kept;
         const auto is_wrong = [&](float relative) {
           return !alpha_allowed(relative * rules.alpha_max, exponent, error);
         };

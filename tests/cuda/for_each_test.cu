@@ -21,7 +21,7 @@ struct Visit {
 /// The even rows of the box, which no backend has kernels for.
 struct EvenRows {
   static constexpr std::string_view name = "even-rows";
-  static constexpr bool lossless = false;
+  static constexpr bool conservative = false;
   struct Tiles {
     TileRect rect;
     SWIFTGS_HD TileRun row(int row) const { return row % 2 ? TileRun{} : rect.columns; }
@@ -32,7 +32,7 @@ struct EvenRows {
 /// Bounds of other tiles in the kernel that emits large splats than where tiles are counted.
 struct Fickle {
   static constexpr std::string_view name = "fickle";
-  static constexpr bool lossless = false;
+  static constexpr bool conservative = false;
   int counted = 0, emitted = 0;  ///< columns of a row
 
   struct Tiles {

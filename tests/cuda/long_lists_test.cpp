@@ -242,7 +242,7 @@ TEST_CASE("cuda long lists: lists that end with a segment have the same bits too
   }
 }
 
-TEST_CASE("cuda long lists: every sort and every lossless bounds give the same bits, run after run") {
+TEST_CASE("cuda long lists: every sort and all conservative bounds give the same bits, run after run") {
   if (without_device()) return;
   const Camera camera = square_camera(96);
   RenderSettings settings;
@@ -253,7 +253,7 @@ TEST_CASE("cuda long lists: every sort and every lossless bounds give the same b
     std::vector<float> expected;
     for_each_type(AllSorts(), [&]<class Sort>(Sort) {
       for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
-        if constexpr (Bounds::lossless) {
+        if constexpr (Bounds::conservative) {
           CAPTURE(Sort::name);
           CAPTURE(Bounds::name);
           Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Bounds> renderer;

@@ -69,7 +69,7 @@ Blended blend_by_serial(const std::vector<Layer>& layers, float stop_below, cons
   std::vector<std::uint32_t> ids;
   for (const Layer& layer : layers) {
     SplatShape shape;
-    shape.l0 = shape.l1 = shape.l2 = 0, shape.reach = 1, shape.opacity = layer.alpha;
+    shape.l0 = shape.l1 = shape.l2 = 0, shape.cutoff = 1, shape.opacity = layer.alpha;
     ids.push_back(std::uint32_t(splats.shapes.size()));
     splats.add(shape, layer.depth, layer.rgb);
   }

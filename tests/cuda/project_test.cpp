@@ -32,7 +32,7 @@ bool close(const SplatShape& a, const SplatShape& b) {
   const bool same_place = within(a.mean.x, b.mean.x, 2) && within(a.mean.y, b.mean.y, 2);
   const bool same_form = within(a.l0, b.l0, 8) && within(a.l1, b.l1, 8) && within(a.l2, b.l2, 4);
   return same_place && same_form && within(a.opacity, b.opacity, 4) &&
-         std::abs(a.reach - b.reach) <= 1e-6f * std::max(1.0f, b.reach) &&
+         std::abs(a.cutoff - b.cutoff) <= 1e-6f * std::max(1.0f, b.cutoff) &&
          std::abs(a.half_width - b.half_width) <= 1e-5f * b.half_width + 1e-3f;
 }
 

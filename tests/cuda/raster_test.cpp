@@ -204,8 +204,8 @@ TEST_CASE(SWIFTGS_RASTERS
   SplatSet at_threshold, below;
   at_threshold.add(make_splat(8.5, 8.5, 4, 4, 0, 1.0 / 256, 1.0 / 256), 1);
   below = at_threshold;
-  below.shapes[0].opacity = std::nextafter(1.0f / 256, 0.0f), below.shapes[0].reach = -1e-7f;
-  REQUIRE(at_threshold.shapes[0].reach == 0);
+  below.shapes[0].opacity = std::nextafter(1.0f / 256, 0.0f), below.shapes[0].cutoff = -1e-7f;
+  REQUIRE(at_threshold.shapes[0].cutoff == 0);
   for_each_tested([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
     Picture picture(at_threshold, 32, 32, settings);
@@ -286,7 +286,7 @@ TEST_CASE(SWIFTGS_RASTERS ": needles and giants leave no pixel that is not a num
   });
 }
 
-TEST_CASE(SWIFTGS_RASTERS ": lossless bounds draw the same bits of any splats") {
+TEST_CASE(SWIFTGS_RASTERS ": conservative bounds draw the same bits of any splats") {
   if (without_device()) return;
   Cuda cuda;
   // Splats that barely reach the threshold are so large that a rounding of the exponent is pixels wide.

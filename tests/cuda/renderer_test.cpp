@@ -48,7 +48,7 @@ void check_all(const Scene& whole, const Camera& camera, Conventions conventions
     conventions.footprint = footprint;
     return render_reference(whole, camera, conventions, dvec3(settings.background));
   };
-  const ReferenceFrame lossless = reference_of(Conventions::Footprint::alpha);
+  const ReferenceFrame conservative = reference_of(Conventions::Footprint::alpha);
   const ReferenceFrame cut = reference_of(Conventions::Footprint::three_sigma_square);
 
   std::map<std::string, Frame> first_of;
@@ -66,7 +66,7 @@ void check_all(const Scene& whole, const Camera& camera, Conventions conventions
     CHECK(same_bits(first->second.depth, frame.depth));
     if (!is_first) continue;
 
-    const ReferenceFrame& reference = square ? cut : lossless;
+    const ReferenceFrame& reference = square ? cut : conservative;
     // Split terms of floats err more where a part is far from the mean of a needle.
     const double least_db = half ? 40 : has(name, "float-split") ? 105 : 120;
     CHECK(psnr(frame.colour, reference.colour) >= least_db);

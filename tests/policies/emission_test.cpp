@@ -17,7 +17,7 @@ namespace {
 /// a compiler may make of rounding that it is free to choose.
 struct Fickle {
   static constexpr std::string_view name = "fickle";
-  static constexpr bool lossless = false;
+  static constexpr bool conservative = false;
   static inline int when_counted = 0, when_emitted = 0;
   static inline std::size_t rows_to_count = 0;  ///< calls of `row` that still count
 

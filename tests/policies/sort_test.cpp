@@ -34,7 +34,7 @@ SplatShape dot(double x, double y) { return make_splat(x, y, 1, 1, 0, 0.9); }
 /// Bounds that no backend knows: the even rows of the box.
 struct EvenRows {
   static constexpr std::string_view name = "even-rows";
-  static constexpr bool lossless = false;
+  static constexpr bool conservative = false;
   struct Tiles {
     TileRect rect;
     TileRun row(int row) const { return row % 2 ? TileRun{} : rect.columns; }

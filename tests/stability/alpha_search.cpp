@@ -65,7 +65,7 @@ void nudge_all(Random& random, SplatShape& s) {
   // No splat is narrower than the blur.
   s.l0 = std::fmin(s.l0, 1.5506f), s.l2 = std::fmin(s.l2, 1.5506f);
   s.opacity = std::fmin(1.0f, std::abs(s.opacity));
-  s.reach = float(std::log2(double(s.opacity) / double(Conventions().alpha_min)));
+  s.cutoff = float(std::log2(double(s.opacity) / double(Conventions().alpha_min)));
 }
 
 /// Draws single splats on one backend; alpha is the colour of a white splat on black.
@@ -133,7 +133,7 @@ double error(Drawer<B>& drawer, const SplatShape& shape, const Tile& tile) {
     const Real exact = tile.alphas[i];
     if (alpha == 0 || alpha == 0.99f || exact > 0.99L) continue;
     const Real by_alpha = (ulp(exact) / exact + ulp(shape.opacity) / shape.opacity) / ln_2;
-    const Real explained = by_alpha + ulp(shape.reach) + scale_of(Raster::name, tile.exponents[i]);
+    const Real explained = by_alpha + ulp(shape.cutoff) + scale_of(Raster::name, tile.exponents[i]);
     worst = std::max(worst, std::abs(std::log2(alpha / exact)) / explained);
   }
   return double(worst);
@@ -147,7 +147,7 @@ double exponent_error(const SplatShape& shape, const Tile& tile) {
   Real worst = 0;
   for (std::size_t i = 0; i < tile.alphas.size(); ++i) {
     const Exponent& e = tile.exponents[i];
-    if (e.s > Real(shape.reach)) continue;
+    if (e.s > Real(shape.cutoff)) continue;
     const float x = float(tile_x * raster_block_side) + float(i % raster_block_side) + 0.5f;
     const float y = float(tile_y * raster_block_side) + float(i / raster_block_side) + 0.5f;
     const float s = Exponent::exponent(terms.x_term(x), terms.y_term(y));

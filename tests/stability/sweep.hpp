@@ -65,7 +65,7 @@ inline bool same_frame(const Frame& a, const Frame& b) {
 /// Bounds that list every splat for every tile.
 struct WholeImage {
   static constexpr std::string_view name = "whole-image";
-  static constexpr bool lossless = true;
+  static constexpr bool conservative = true;
 
   BoxTiles tiles(const SplatShape&, TileGrid grid) const { return {{grid.columns, grid.rows}}; }
 };
@@ -114,7 +114,7 @@ class Sweep {
     check_within(judge.drawn(), first);
   }
 
-  /// Draws with bounds that leave nothing out too: lossless bounds must leave out nothing either.
+  /// Draws with bounds that leave nothing out too: conservative bounds must leave out nothing either.
   void check_bounds(const StressCase& drawn) {
     const auto check = [&](auto& pair, auto& whole) {
       const Frame expected = draw_(whole, drawn);
@@ -176,11 +176,11 @@ class Sweep {
   static std::tuple<Renderer<B, EarlySort, Usual, Bounds>...> renderers_within(TypeList<Bounds...>);
   using Within = decltype(renderers_within(AllBounds()));
 
-  /// Whether all lossless bounds draw the same frame.
+  /// Whether all conservative bounds draw the same frame.
   void check_within(const StressCase& drawn, const Frame& expected) {
     const auto check = [&]<class Bounds>(Renderer<B, EarlySort, Usual, Bounds>& renderer) {
       CAPTURE(Bounds::name);
-      if constexpr (Bounds::lossless) CHECK(same_frame(draw_(renderer, drawn), expected));
+      if constexpr (Bounds::conservative) CHECK(same_frame(draw_(renderer, drawn), expected));
     };
     std::apply([&](auto&... renderer) { (check(renderer), ...); }, within_);
   }

@@ -67,18 +67,18 @@ struct SWIFTGS_API AxisSharedThreshold {
   class Kernel {
    public:
     SWIFTGS_HD Kernel(const SplatShape& s, vec2 first_centre, BlendRules rules)
-        : terms_(s, first_centre), opacity_(s.opacity), reach_(s.reach), alpha_max_(rules.alpha_max) {}
+        : terms_(s, first_centre), opacity_(s.opacity), cutoff_(s.cutoff), alpha_max_(rules.alpha_max) {}
     SWIFTGS_HD void start_row(float y) { terms_.start_row(y); }
     SWIFTGS_HD float alpha(int column) const {
       const float s = terms_.exponent(column);
-      if (!(s >= 0 && s <= reach_)) return 0;
+      if (!(s >= 0 && s <= cutoff_)) return 0;
       const float alpha = opacity_ * std::exp2(-s);
       return alpha < alpha_max_ ? alpha : alpha_max_;
     }
 
    private:
     detail::SharedTerms<Exponent> terms_;
-    float opacity_, reach_, alpha_max_;
+    float opacity_, cutoff_, alpha_max_;
   };
 };
 

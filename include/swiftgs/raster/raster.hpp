@@ -118,20 +118,20 @@ inline constexpr bool may_gain_by_coarse_tiles = false;
 ///
 /// Host rasterizers visit exactly the rows that this accepts, so that what is drawn does not depend on how
 /// wide the bounds were that listed the splat. Rounding is monotone along a row, hence no pixel of a refused
-/// row passes the test s <= reach in the same arithmetic. Kernels of devices that do not go by rows have a
+/// row passes the test s <= cutoff in the same arithmetic. Kernels of devices that do not go by rows have a
 /// rule of their own.
 SWIFTGS_HD inline bool row_touched(const SplatShape& shape, float first_x, float y) {
   const float q = shape.l1 * (y - shape.mean.y), v = shape.l2 * (y - shape.mean.y);
   const float left = shape.l0 * (first_x - shape.mean.x) + q;
   const float right = shape.l0 * (first_x + float(raster_block_side - 1) - shape.mean.x) + q;
   const float nearest = left > 0 ? left : right < 0 ? right : 0.0f;
-  return nearest * nearest + v * v <= shape.reach;
+  return nearest * nearest + v * v <= shape.cutoff;
 }
 
 /// log2(opacity / unit) of a splat, where `log2_min` is log2(alpha_min / unit). Reach + `log2_min` is the
 /// same and costs no logarithm, but loses digits where both are large: with a tiny alpha_min.
 SWIFTGS_HD inline float log2_opacity(const SplatShape& shape, float log2_min, float unit) {
-  if (log2_min >= -16) return shape.reach + log2_min;
+  if (log2_min >= -16) return shape.cutoff + log2_min;
 #if defined(__CUDA_ARCH__)
   return __log2f(shape.opacity) - __log2f(unit);  // within 2^-22 of the larger magnitude or of 1
 #else

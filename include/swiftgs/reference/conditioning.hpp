@@ -194,9 +194,9 @@ inline void blend_row_varied(VariedPixel* pixels, int y, const VariedSplat& spla
 /// Widens what `splat` may reach by far more than rounding can, and by the pixels that share a row of a tile.
 inline void bound_varied(VariedSplat& splat, const View& view) {
   Splat& s = splat.splat;
-  const double reach = std::max(s.reach, 0.0);
+  const double cutoff = std::max(s.cutoff, 0.0);
   Splat wide = s;
-  wide.reach = reach * 1.01 + 0.01;
+  wide.cutoff = cutoff * 1.01 + 0.01;
   bound_by_alpha(wide, view);
   s.y_begin = std::max(0, wide.y_begin - 1), s.y_end = std::min(view.camera.height, wide.y_end + 1);
   s.x_begin = std::max(0, wide.x_begin - 16), s.x_end = std::min(view.camera.width, wide.x_end + 16);

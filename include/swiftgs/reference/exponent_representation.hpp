@@ -70,8 +70,8 @@ inline bool may_be_visited(ExponentRepresentation representation, const SplatNum
   const FactorAt left(numbers, first, at_y), right(numbers, first + 15, at_y);
   const double nearest = left.u > 0 ? left.u : right.u < 0 ? right.u : 0;
   const double s = nearest * nearest + left.v * left.v;
-  const double reach = numbers.log2_opacity - std::log2(double(k.alpha_min));
-  return s <= 1.001 * std::max(reach, 0.0) + 0.001;
+  const double cutoff = numbers.log2_opacity - std::log2(double(k.alpha_min));
+  return s <= 1.001 * std::max(cutoff, 0.0) + 0.001;
 }
 
 }  // namespace reference

@@ -248,7 +248,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   void project_part(const SceneView& part, Span<const View> views, RankCounters& mine) {
     for (const View& view : views) detail::require_finite_background(view.background);
     check_ready(backend());
-    const bool may_be_coarse = may_gain_by_coarse_tiles<B, Raster> && Bounds::lossless;
+    const bool may_be_coarse = may_gain_by_coarse_tiles<B, Raster> && Bounds::conservative;
     key_ = FrameKey::of({}, views);
     whole_ = store_views(backend(), may_be_coarse ? tiles_.choose(key_, views) : views, whole_storage_);
     const std::uint32_t rows = whole_.tiles.rows;
