@@ -84,9 +84,9 @@ Count emit_intersections(Cpu& cpu, const EmissionJob& job, Pairs<Cpu, std::uint6
   return std::size_t(total);
 }
 
-void GroupScratch<Cpu>::reserve(Cpu& cpu, const FrameRoom& room) {
-  const std::size_t tiles = room.tiles.size();
-  positions.reset_exactly(group_parts(cpu, room.capacity.splats, tiles) * tiles);
+void GroupScratch<Cpu>::reserve(Cpu& cpu, const Reservation& reserved) {
+  const std::size_t tiles = reserved.tiles.size();
+  positions.reset_exactly(group_parts(cpu, reserved.capacity.splats, tiles) * tiles);
 }
 
 void group_by_tile(Cpu& cpu, const EmissionJob& job, GroupScratch<Cpu>& scratch, TileLists<Cpu>& lists) {

@@ -347,8 +347,8 @@ void project_view(Cpu& cpu, const FramePlan& plan, std::size_t view, ProjectScra
 
 }  // namespace
 
-void ProjectScratch<Cpu>::reserve(Cpu&, const FrameRoom& room) {
-  const std::size_t n = room.gaussians;
+void ProjectScratch<Cpu>::reserve(Cpu&, const Reservation& reserved) {
+  const std::size_t n = reserved.gaussians;
   shapes.reset_exactly(n), depths.reset_exactly(n), gaussians.reset_exactly(n);
   counts.reset_exactly(task_count(n));
 }

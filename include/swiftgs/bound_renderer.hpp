@@ -110,20 +110,20 @@ class BoundRenderer {
       // A host counts the intersections of those splats alone that it has room for.
       const FrameReport report = rehearse(B::reaches_host_memory ? Capacity{} : Capacity{1, 1});
       check_intersections(report.intersections);
-      if (capacity.splats == 0) capacity.splats = with_room(report.visible);
-      if (capacity.intersections == 0) capacity.intersections = with_room(report.intersections);
+      if (capacity.splats == 0) capacity.splats = with_spare(report.visible);
+      if (capacity.intersections == 0) capacity.intersections = with_spare(report.intersections);
     }
     capacity.splats = std::min(capacity.splats, std::max<std::size_t>(scene.size() * views.size, 1));
     capacity.intersections = std::min(capacity.intersections, std::size_t(max_intersections));
-    const FrameRoom room{scene.size(), views.size, recorded_.tiles, capacity};
+    const Reservation reserved{scene.size(), views.size, recorded_.tiles, capacity};
     if constexpr (B::reaches_host_memory) {
-      stages_.reserve(room);
+      stages_.reserve(reserved);
     } else {
       // Twice, because buffers change places.
       for (int k = 0; k < 2; ++k) rehearse(capacity);
       capacity_.at_least(capacity);
     }
-    reserved_ = room;
+    reserved_ = reserved;
   }
 
   /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders them too.
@@ -308,7 +308,7 @@ class BoundRenderer {
   TileChoice tiles_;        ///< that learnt from it
   FrameCapacity capacity_;  ///< of a device's frames
   Views recorded_;          ///< in `recorded_storage_`
-  std::optional<FrameRoom> reserved_;
+  std::optional<Reservation> reserved_;
 };
 
 }  // namespace swiftgs

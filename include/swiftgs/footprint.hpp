@@ -42,7 +42,7 @@ struct Footprints {
   Views views;
 
   FootprintsView view() const { return {{each.data(), count}, std::size_t(intersections), views}; }
-  void reserve(B&, const FrameRoom& room) { each.reset_exactly(room.capacity.splats); }
+  void reserve(B&, const Reservation& reserved) { each.reset_exactly(reserved.capacity.splats); }
   static auto buffers(auto& self) { return std::tie(self.each); }
 };
 

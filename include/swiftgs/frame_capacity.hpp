@@ -17,7 +17,7 @@ inline void check_intersections(std::uint64_t total) {
 }
 
 /// Room for `count` and an eighth more, so that the next frame need not grow.
-inline std::size_t with_room(std::uint64_t count) { return std::size_t(count + count / 8 + 1); }
+inline std::size_t with_spare(std::uint64_t count) { return std::size_t(count + count / 8 + 1); }
 
 /// What a device's frames have room for; grows with them.
 class FrameCapacity {
@@ -51,8 +51,8 @@ class FrameCapacity {
   /// Grows to the numbers of `report` plus an eighth.
   void grow(const FrameReport& report) {
     check_intersections(report.intersections);
-    at_least({with_room(report.visible),
-              std::min(with_room(report.intersections), std::size_t(max_intersections))});
+    at_least({with_spare(report.visible),
+              std::min(with_spare(report.intersections), std::size_t(max_intersections))});
   }
 
   Capacity capacity_{1, 1};

@@ -92,14 +92,14 @@ class GrowingBuffer {
  private:
   static constexpr std::size_t padding = 64;
 
-  void allocate(std::size_t room) {
+  void allocate(std::size_t capacity) {
     // Empty while the allocation may throw. The old memory is freed first, because its contents are not kept.
     trim();
-    if (room > (std::numeric_limits<std::size_t>::max() - padding) / sizeof(T)) throw std::bad_alloc();
-    void* const memory = hook_.allocate(hook_.context, room * sizeof(T) + padding);
+    if (capacity > (std::numeric_limits<std::size_t>::max() - padding) / sizeof(T)) throw std::bad_alloc();
+    void* const memory = hook_.allocate(hook_.context, capacity * sizeof(T) + padding);
     if (!memory) throw std::bad_alloc();
     memory_ = static_cast<T*>(memory);
-    capacity_ = room;
+    capacity_ = capacity;
   }
 
   MemoryHook hook_ = hook_of<Memory>();

@@ -21,8 +21,8 @@ struct ProjectScratch {
   typename B::template Buffer<ProjectedShape> projected;
   typename B::template Buffer<std::uint32_t> slots;
 
-  void reserve(B&, const FrameRoom& room) {
-    projected.reset_exactly(room.gaussians), slots.reset_exactly(room.gaussians);
+  void reserve(B&, const Reservation& reserved) {
+    projected.reset_exactly(reserved.gaussians), slots.reset_exactly(reserved.gaussians);
   }
   static auto buffers(auto& self) { return std::tie(self.projected, self.slots); }
 };

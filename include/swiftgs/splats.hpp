@@ -74,10 +74,10 @@ struct Splats {
             {gaussians.data(), count},
             of_view.size() != 0 ? of_view.data() : nullptr};
   }
-  void reserve(B&, const FrameRoom& room) {
-    const std::size_t splats = room.capacity.splats;
+  void reserve(B&, const Reservation& reserved) {
+    const std::size_t splats = reserved.capacity.splats;
     shapes.reset_exactly(splats), depths.reset_exactly(splats), gaussians.reset_exactly(splats);
-    of_view.reset_exactly(room.views > 1 ? splats : 0);
+    of_view.reset_exactly(reserved.views > 1 ? splats : 0);
   }
   static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.of_view); }
 };

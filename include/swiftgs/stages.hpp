@@ -91,7 +91,7 @@ class SortStage {
   virtual std::size_t bytes() const = 0;
   /// As `use_memory_of`, `reserve_parts` and `trim_parts`.
   virtual void use_memory(const B& b) = 0;
-  virtual void reserve(B& b, const FrameRoom& room) = 0;
+  virtual void reserve(B& b, const Reservation& reserved) = 0;
   virtual void trim(const B& b) = 0;
 };
 
@@ -105,7 +105,7 @@ class SortStageOf final : public SortStage<B> {
   }
   std::size_t bytes() const override { return bytes_of(scratch_); }
   void use_memory(const B& b) override { use_memory_of(b, scratch_); }
-  void reserve(B& b, const FrameRoom& room) override { reserve_parts(b, room, scratch_); }
+  void reserve(B& b, const Reservation& reserved) override { reserve_parts(b, reserved, scratch_); }
   void trim(const B& b) override { trim_parts(b, scratch_); }
 
   Sort sort;
@@ -172,9 +172,9 @@ class Stages {
   void set_intersections(std::uint64_t intersections) { lists_.intersections = std::size_t(intersections); }
 
   /// Takes the memory of frames with such room, on hosts.
-  void reserve(const FrameRoom& room) {
-    std::apply([&](auto&... parts) { reserve_parts(backend_, room, parts...); }, parts());
-    sort_->reserve(backend_, room);
+  void reserve(const Reservation& reserved) {
+    std::apply([&](auto&... parts) { reserve_parts(backend_, reserved, parts...); }, parts());
+    sort_->reserve(backend_, reserved);
   }
   /// Gives all memory back.
   void trim() {

@@ -79,19 +79,19 @@ struct FrameTiles {
 };
 
 /// What recorded frames have room for: their parts `reserve` memory for it.
-struct FrameRoom {
+struct Reservation {
   std::size_t gaussians = 0;  ///< of the scene
   std::size_t views = 0;
   FrameTiles tiles;   ///< of all views
   Capacity capacity;  ///< neither is 0
 };
 
-/// Has all `parts` take the memory of frames with such `room`. A part without a member `reserve` takes it
+/// Has all `parts` take the memory of frames with such `reserved`. A part without a member `reserve` takes it
 /// when it is used.
 template <class B, class... Parts>
-void reserve_parts(B& b, const FrameRoom& room, Parts&... parts) {
+void reserve_parts(B& b, const Reservation& reserved, Parts&... parts) {
   const auto reserve = [&](auto& part) {
-    if constexpr (requires { part.reserve(b, room); }) part.reserve(b, room);
+    if constexpr (requires { part.reserve(b, reserved); }) part.reserve(b, reserved);
   };
   (reserve(parts), ...);
 }
@@ -122,8 +122,8 @@ struct TileLists {
   std::size_t intersections = 0;  ///< at most
   std::size_t tiles = 0;
 
-  void reserve(B&, const FrameRoom& room) {
-    ids.reset_exactly(room.capacity.intersections), ranges.reset_exactly(room.tiles.size());
+  void reserve(B&, const Reservation& reserved) {
+    ids.reset_exactly(reserved.capacity.intersections), ranges.reset_exactly(reserved.tiles.size());
   }
   static auto buffers(auto& self) { return std::tie(self.ids, self.ranges); }
 

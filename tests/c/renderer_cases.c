@@ -72,7 +72,7 @@ void test_recorded(void) {
   CHECK_ERROR(swiftgs_renderer_set_views(renderer, &more), SWIFTGS_INVALID_ARGUMENT,
               "the number of views is 2");
 
-  /* Without room nothing is drawn, and the report says how much was needed. */
+  /* Without enough capacity nothing is drawn, and the report says how much was needed. */
   swiftgs_capacity capacity = {.size = sizeof(capacity), .splats = 1, .intersections = 1};
   CHECK_OK(swiftgs_renderer_reserve(renderer, &frame, &capacity));
   memset(recorded, 0, sizeof(float) * floats);

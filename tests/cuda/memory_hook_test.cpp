@@ -264,8 +264,9 @@ TEST_CASE("cuda record: a graph is captured and launched with memory of a pool")
   CHECK(pool.calls() == calls);
 }
 
-TEST_CASE_TEMPLATE("cuda record: a frame without enough room draws nothing and one with just enough is drawn",
-                   Sort, StandardSort, EarlySort) {
+TEST_CASE_TEMPLATE(
+    "cuda record: a frame without enough capacity draws nothing and one with just enough is drawn", Sort,
+    StandardSort, EarlySort) {
   if (without_device()) return;
   const Stream stream;
   StreamPool pool(stream.get());

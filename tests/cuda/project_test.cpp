@@ -355,20 +355,20 @@ TEST_CASE("cuda project: tiles of splats whose number the host knows are found w
   const std::uint64_t intersections = stage.footprints.intersections.get();
   REQUIRE(intersections > 1000);
   Footprints<Cuda> footprints;
-  const auto report_within = [&](std::size_t room) {
+  const auto report_within = [&](std::size_t capacity) {
     stage.splats.set_count(set.shapes.size());
-    const Limits limits{{0, room}};
+    const Limits limits{{0, capacity}};
     bin(stage.cuda, frame.plan(limits), Ellipse{}, stage.splats, footprints);
-    CHECK(footprints.intersections.most == room);
+    CHECK(footprints.intersections.most == capacity);
     return await_report(stage.cuda, stage.splats, footprints, limits);
   };
-  for (const std::size_t room : {std::size_t(1), std::size_t(intersections - 1), std::size_t(intersections),
-                                 2 * std::size_t(intersections)}) {
-    CAPTURE(room);
-    const FrameReport report = report_within(room);
+  for (const std::size_t capacity : {std::size_t(1), std::size_t(intersections - 1),
+                                     std::size_t(intersections), 2 * std::size_t(intersections)}) {
+    CAPTURE(capacity);
+    const FrameReport report = report_within(capacity);
     CHECK(report.visible == set.shapes.size());
     CHECK(report.intersections == intersections);
-    CHECK((report.overflowed != 0) == (room < intersections));
+    CHECK((report.overflowed != 0) == (capacity < intersections));
     CHECK(same_bits(to_host(stage.cuda, footprints.view().each),
                     to_host(stage.cuda, stage.footprints.view().each)));
   }

@@ -253,7 +253,8 @@ TEST_CASE("cuda record: the adaptive sort records what it has decided") {
   CHECK(nodes_of(1, 2) != nodes_of(2, 1));  // the early sort has one sort more
 }
 
-TEST_CASE("cuda record: a frame without room draws nothing and fits after its report is followed") {
+TEST_CASE(
+    "cuda record: a frame without enough capacity draws nothing and fits after its report is followed") {
   if (without_device()) return;
   Recording r;
   const std::vector<View> views = r.images.views(2);

@@ -43,7 +43,7 @@ inline RenderSettings all_outputs() {
   return settings;
 }
 
-/// Renders `cameras` in one frame, several times, so that bands move, and compares it with one renderer of
+/// Renders `cameras` in one frame, several times, so that strips move, and compares it with one renderer of
 /// the whole scene. `own` is this rank's part.
 template <class B, class Sort, class Raster, class Bounds>
 void compare(const Scene& scene, const Scene& own, const std::vector<Camera>& cameras, int frames = 3) {

@@ -146,7 +146,7 @@ TEST_CASE("adaptive sort: buffers of different sizes that change places do not k
   CHECK(session.knows(2, 1));
 }
 
-TEST_CASE("adaptive sort: a device's frame that is drawn again with more room does not count") {
+TEST_CASE("adaptive sort: a device's frame that is drawn again with more capacity does not count") {
   Session session(1);
   session.device_counts = true;
   const SplatSet few = session.splats;

@@ -397,8 +397,8 @@ TEST_CASE_TEMPLATE("record: never calls the hook after reserve on one and two th
   }
 }
 
-TEST_CASE_TEMPLATE("record: a frame without enough room draws nothing and one with just enough is drawn", T,
-                   Case<Serial, StandardSort>, Case<Serial, EarlySort>, Case<Cpu, StandardSort>,
+TEST_CASE_TEMPLATE("record: a frame without enough capacity draws nothing and one with just enough is drawn",
+                   T, Case<Serial, StandardSort>, Case<Serial, EarlySort>, Case<Cpu, StandardSort>,
                    Case<Cpu, EarlySort>) {
   using B = typename T::Backend;
   CountedMemory memory;

@@ -28,7 +28,7 @@ std::uint64_t device_bytes(const AnyRenderer& renderer) {
 }
 
 /// Whether there is room for `like` where it takes as many `bytes`.
-bool has_room(const AnyRenderer& like, std::uint64_t bytes) {
+bool fits_memory(const AnyRenderer& like, std::uint64_t bytes) {
   const std::optional<MemoryUse> use = like.device_memory();
   const bool on_device = !use || use->total - use->in_use > bytes + spare_bytes;
   return on_device && available_memory() > bytes + spare_bytes;
@@ -79,7 +79,7 @@ std::vector<Runner::Subject> Runner::prepare(const Session& session, std::size_t
     progress_.start("warm up " + std::string(entries_[i].name));
     Subject subject{entries_[i].make()};
     AnyRenderer& renderer = *subject.renderer;
-    if (!subjects.empty() && !has_room(renderer, largest)) break;
+    if (!subjects.empty() && !fits_memory(renderer, largest)) break;
     if (std::none_of(subjects.begin(), subjects.end(),
                      [&](const Subject& other) { return renderer.share_scene(*other.renderer); }))
       renderer.set_scene(session.gaussians);

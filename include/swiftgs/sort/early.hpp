@@ -25,9 +25,9 @@ template <class B>
 struct DepthOrderScratch {
   Pairs<B, std::uint32_t> pairs;  ///< depth keys, indices
 
-  void reserve(B& b, const FrameRoom& room) {
-    pairs.reset_exactly(room.capacity.splats);
-    reserve_sort(b, room.capacity.splats);
+  void reserve(B& b, const Reservation& reserved) {
+    pairs.reset_exactly(reserved.capacity.splats);
+    reserve_sort(b, reserved.capacity.splats);
   }
   static auto buffers(auto& self) { return std::tie(self.pairs); }
 };
@@ -54,7 +54,7 @@ struct EarlySort {
     DepthOrderScratch<B> depths;
     GroupScratch<B> group;
 
-    void reserve(B& b, const FrameRoom& room) { reserve_parts(b, room, depths, group); }
+    void reserve(B& b, const Reservation& reserved) { reserve_parts(b, reserved, depths, group); }
     static auto buffers(auto& self) { return std::tie(self.depths, self.group); }
   };
 

@@ -47,8 +47,8 @@ inline void check_footprints(const SortJob& job) {
 /// Policy `S` builds tile lists on backend `B` within bounds `Bounds`: for every tile the ids of the splats
 /// that may touch it, nearest first, equal depths by ascending index. An object of `S` may keep what it
 /// learnt from earlier frames. `Scratch<B>` is the memory that it works in: it lists its `buffers` or has a
-/// member `bytes`. Its member `reserve(b, room)` takes the memory of frames with such room on hosts; without
-/// it, recorded frames there may allocate.
+/// member `bytes`. Its member `reserve(b, reserved)` takes the memory of frames with such room on hosts;
+/// without it, recorded frames there may allocate.
 template <class S, class B, class Bounds>
 concept SortsOn = BackendPolicy<B> && BoundsPolicy<Bounds> && HasBytes<typename S::template Scratch<B>> &&
     std::default_initializable<typename S::template Scratch<B>> &&
@@ -144,7 +144,7 @@ template <class B>
 struct IntersectionScratch {
   typename B::template Buffer<std::uint32_t> offsets;
 
-  void reserve(B&, const FrameRoom& room) { offsets.reset_exactly(room.capacity.splats); }
+  void reserve(B&, const Reservation& reserved) { offsets.reset_exactly(reserved.capacity.splats); }
   static auto buffers(auto& self) { return std::tie(self.offsets); }
 };
 
@@ -191,10 +191,10 @@ struct GroupScratch {
   IntersectionScratch<B> emission;
   Pairs<B, std::uint32_t> intersections;
 
-  void reserve(B& b, const FrameRoom& room) {
-    reserve_parts(b, room, emission);
-    intersections.reset_exactly(room.capacity.intersections);
-    reserve_sort(b, room.capacity.intersections);
+  void reserve(B& b, const Reservation& reserved) {
+    reserve_parts(b, reserved, emission);
+    intersections.reset_exactly(reserved.capacity.intersections);
+    reserve_sort(b, reserved.capacity.intersections);
   }
   static auto buffers(auto& self) { return std::tie(self.emission, self.intersections); }
 };

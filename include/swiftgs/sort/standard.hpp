@@ -17,10 +17,10 @@ struct StandardSort {
     IntersectionScratch<B> emission;
     Pairs<B, std::uint64_t> intersections;
 
-    void reserve(B& b, const FrameRoom& room) {
-      reserve_parts(b, room, emission);
-      intersections.reset_exactly(room.capacity.intersections);
-      reserve_sort(b, room.capacity.intersections);
+    void reserve(B& b, const Reservation& reserved) {
+      reserve_parts(b, reserved, emission);
+      intersections.reset_exactly(reserved.capacity.intersections);
+      reserve_sort(b, reserved.capacity.intersections);
     }
     static auto buffers(auto& self) { return std::tie(self.emission, self.intersections); }
   };

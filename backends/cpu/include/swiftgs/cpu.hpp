@@ -148,7 +148,7 @@ struct ProjectScratch<Cpu> {
   Cpu::Buffer<std::uint32_t> gaussians;
   Cpu::Buffer<std::size_t> counts;
 
-  SWIFTGS_API void reserve(Cpu&, const FrameRoom& room);
+  SWIFTGS_API void reserve(Cpu&, const Reservation& reserved);
   static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.counts); }
 };
 
@@ -272,7 +272,7 @@ template <>
 struct GroupScratch<Cpu> {
   Cpu::Buffer<std::uint32_t> positions;  ///< @shape{parts, tiles}
 
-  SWIFTGS_API void reserve(Cpu& cpu, const FrameRoom& room);
+  SWIFTGS_API void reserve(Cpu& cpu, const Reservation& reserved);
   static auto buffers(auto& self) { return std::tie(self.positions); }
 };
 

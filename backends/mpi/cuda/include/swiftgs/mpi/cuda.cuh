@@ -29,7 +29,7 @@ struct ShareJob {
   SplatsView splats;  ///< as many as there is room for
   const Footprint* footprints;
   LastCounters<FrameCounts> counts;
-  const std::uint32_t* cuts;  ///< of the bands @shape{ranks + 1}
+  const std::uint32_t* cuts;  ///< of the strips @shape{ranks + 1}
   std::uint32_t parts;        ///< for each rank
   ShareArrays to;
   std::uint32_t capacity;  ///< splats beyond it are counted and left out
@@ -50,7 +50,7 @@ __global__ void __launch_bounds__(share_threads)
   const std::uint32_t first_row = job.cuts[rank], end_row = job.cuts[rank + 1];
   const std::size_t splats = min(std::size_t(job.counts.get().visible), job.splats.size());
 
-  // Find which splats have tiles in the rank's band. The splats of a warp follow each other.
+  // Find which splats have tiles in the rank's strip. The splats of a warp follow each other.
   const unsigned warp = threadIdx.x / warp_size;
   const std::size_t first = std::size_t(part) * share_splats + warp * warp_size * share_steps + lane_index();
   unsigned lanes[share_steps];
@@ -60,7 +60,7 @@ __global__ void __launch_bounds__(share_threads)
     const std::size_t i = first + step * warp_size;
     TileRun rows;
     if (i < splats)
-      rows = sheet_rows(bounds, job.splats.shapes[i], job.footprints[i],
+      rows = atlas_rows(bounds, job.splats.shapes[i], job.footprints[i],
                         views[ViewSource::only ? 0 : job.splats.view(i)].grid);
     const bool goes =
         rows.size() != 0 && std::uint32_t(rows.begin) < end_row && std::uint32_t(rows.end) > first_row;
@@ -105,7 +105,7 @@ __global__ void __launch_bounds__(share_threads)
 }
 
 template <BoundsPolicy Bounds>
-void run_share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const BandCuts& cuts,
+void run_share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const StripCuts& cuts,
                    Splats<Cuda>& splats, Footprints<Cuda>& footprints, Shares<Cuda>& shares) {
   const PendingProjection pending = std::exchange(splats.pending, {});
   footprints.found_by = {};
@@ -151,7 +151,7 @@ void run_share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, cons
 }  // namespace kernels
 
 template <OwnBounds Bounds>
-void share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const BandCuts& cuts,
+void share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const StripCuts& cuts,
                Splats<Cuda>& splats, Footprints<Cuda>& footprints, Shares<Cuda>& shares) {
   kernels::run_share_out(cuda, plan, bounds, cuts, splats, footprints, shares);
 }

@@ -59,7 +59,7 @@ struct Shares<Cuda> {
   std::vector<std::uint64_t> begins;  ///< set by `await_shares`
   std::size_t capacity = 0;           ///< room for splats; grows
   DeviceBuffer<std::uint32_t> cuts, written;
-  BandCuts stored_cuts;  ///< that `cuts` holds
+  StripCuts stored_cuts;  ///< that `cuts` holds
   Epochs<NoCounts> epochs;
   GrowingBuffer<std::uint32_t, PinnedMemory> posted;  ///< `begins` as the device tells them
   bool awaited = false;                               ///< whether a report is due
@@ -67,14 +67,14 @@ struct Shares<Cuda> {
   std::uint64_t count_for(int rank) const {
     return begins[std::size_t(rank) + 1] - begins[std::size_t(rank)];
   }
-  void forget_room() { capacity = 0; }
+  void forget_capacity() { capacity = 0; }
   static auto buffers(auto& self) { return std::tie(self.splats, self.cuts, self.written, self.epochs); }
 };
 
 /// One kernel. Does not wait, and leaves the tiles as projection has found them.
 /// In the library for `AllBounds`; for others in `<swiftgs/mpi/cuda.cuh>`.
 template <BoundsPolicy Bounds>
-SWIFTGS_API void share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const BandCuts& cuts,
+SWIFTGS_API void share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const StripCuts& cuts,
                            Splats<Cuda>& splats, Footprints<Cuda>& footprints, Shares<Cuda>& shares);
 
 /// Waits for the device to have shared them out. Makes room for the next `share_out` where this one had too
