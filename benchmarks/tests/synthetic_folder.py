@@ -67,8 +67,8 @@ def stress(backend, sizes):
                         rows.append({"family": family, "severity": severity, "severity_label": "how hard",
                                      "width": width, "height": height, "renderer": f"{name}/early/{raster}/ellipse",
                                      "backend": name, "sort": "early", "raster": raster, "bounds": "ellipse",
-                                     "seeds": 16, "failed": 0, "error": None, "ratio": ratio * scale,
-                                     "max_abs": 1e-6 * ratio * scale, "loosest": 0.5})
+                                     "seeds": 16, "failed": 0, "error": None, "strict_normalised_error": ratio * scale,
+                                     "max_abs": 1e-6 * ratio * scale, "ambiguity": 0.5})
     machine = {"cpu": "a processor", "cores": 16, **({"gpu": "a GPU"} if backend == "cuda" else {})}
     return {"format": "swiftgs-stress", "version": 1, "machine": machine, "rows": rows}
 
@@ -90,7 +90,7 @@ def write(folder, backend, older=False):
     bench("all-views.json", matrix(backend))
     bench("bounds.json", matrix(backend))
     for when, sort in (("before", 1.0), ("after", 0.9)):
-        for what in ("frame", "views", "segments", "blocks", "chunks", "tiles", "coarse", "large", "order", "fused",
+        for what in ("frame", "views", "pieces", "blocks", "chunks", "tiles", "coarse", "large", "order", "fused",
                      "fused-large", "blend", "blend-large", "rows"):
             bench(f"{what}-{when}-{backend}.json",
                   [row(backend, BEST, scene, grow={"sort": sort}, **({"psnr_db": None} if what == "coarse" else {}))

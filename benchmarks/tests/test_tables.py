@@ -392,9 +392,9 @@ class Tables(unittest.TestCase):
         found = synthetic_folder.stress("cuda", ((64, 48),))
         for row in found["rows"]:
             if row["family"] == "needles":
-                row.update({"per-pixel": {"ratio": 12345.0}, "axis-shared-half-split": {"ratio": None},
+                row.update({"per-pixel": {"strict_normalised_error": 12345.0}, "axis-shared-half-split": {"strict_normalised_error": None},
                             "axis-shared-float-split": {"failed": 1},
-                            "axis-shared-float-cholesky": {"loosest": 1.0}}.get(row["raster"], {}))
+                            "axis-shared-float-cholesky": {"ambiguity": 1.0}}.get(row["raster"], {}))
         synthetic_folder.synthetic.write(folder / "stress.json", found)
         text = self.update("<!-- table: stability gpu -->\n<!-- end -->\n", results=folder.parent)[1]
         self.assertEqual(cells(text, "`needles`")[1:], ["**1.2e+04** (2.0e-06)", "**failed**", "4.00† (4.0e-06)",
@@ -408,7 +408,7 @@ class Tables(unittest.TestCase):
         for change, message in (({"format": "swiftgs-bench"}, "expected 'swiftgs-stress', 1"),
                                 ({"rows": []}, "rows: expected an array that is not empty"),
                                 ({"rows": [{}]}, "rows[0].family: expected a string"),
-                                ({"rows": [{**good["rows"][0], "ratio": "x"}]}, "rows[0].ratio: expected a number"),
+                                ({"rows": [{**good["rows"][0], "strict_normalised_error": "x"}]}, "rows[0].strict_normalised_error: expected a number"),
                                 ({"rows": [{**good["rows"][0], "backend": "cpu"}]}, "no rows of the backend 'cuda'")):
             synthetic_folder.synthetic.write(folder / "stress.json", {**good, **change})
             code, text, _, error = self.update(page, results=folder.parent)
@@ -543,7 +543,7 @@ class Tables(unittest.TestCase):
                       "take. Most time is to be gained from `raster` in garden, 1.5 M: 987 of 1,000 us.", text)
 
     def test_balanced_times_are_of_the_first_views_that_have_them(self):
-        text = self.table("balance gpu segments-after-cuda")
+        text = self.table("balance gpu pieces-after-cuda")
         self.assertEqual(cells(text, "garden, 1.5 M")[1:], ["1,000", "2,000", "400", "5.00", "2,048", "1,500"])
         found = json.loads((self.results / FOLDERS["gpu"] / "matrix.json").read_text(encoding="utf-8"))
         for row in found["rows"]:

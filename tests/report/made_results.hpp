@@ -128,13 +128,13 @@ inline Json stress_results_of(const std::vector<StressRow>& rows) {
                                {"seeds", 8},
                                {"failed", row.failed},
                                {"error", row.failed ? Json("seed 1: no <memory>") : Json()},
-                               {"ratio", row.ratio},
-                               {"excess", row.ratio},
-                               {"depth_excess", row.ratio},
+                               {"strict_normalised_error", row.ratio},
+                               {"normalised_error", row.ratio},
+                               {"normalised_depth_error", row.ratio},
                                {"psnr_db", 120},
                                {"max_abs", row.max_abs},
                                {"flips", 0},
-                               {"loosest", 0.5},
+                               {"ambiguity", 0.5},
                                {"worst_seed", 3},
                                {"worst_pixel", 17}});
   return Json::parse(results.dump());

@@ -111,13 +111,13 @@ expect('rows of choices', offered.rows.length, 1);
 
 // Hard frames: null is infinity but for a renderer that failed on every seed.
 const hard = more => ({family: 'f', severity: 1, severity_label: 'how much', renderer: 'cpu/early/a/b', backend: 'cpu',
-  raster: 'a', seeds: 2, failed: 0, ratio: 1, excess: 1, depth_excess: 1, psnr_db: 90, max_abs: 1e-6, ...more});
-const rowsOfStress = stress.rowsOf([{rows: [hard({severity: null, ratio: null}), hard({psnr_db: null, max_abs: 0}),
-  hard({severity: 0, failed: 2, ratio: null, psnr_db: null, max_abs: null}), hard({family: 'g', raster: 'c'})]}]);
-expect('an infinite ratio', rowsOfStress[0].ratio, Infinity);
+  raster: 'a', seeds: 2, failed: 0, strict_normalised_error: 1, normalised_error: 1, normalised_depth_error: 1, psnr_db: 90, max_abs: 1e-6, ...more});
+const rowsOfStress = stress.rowsOf([{rows: [hard({severity: null, strict_normalised_error: null}), hard({psnr_db: null, max_abs: 0}),
+  hard({severity: 0, failed: 2, strict_normalised_error: null, psnr_db: null, max_abs: null}), hard({family: 'g', raster: 'c'})]}]);
+expect('an infinite normalised error', rowsOfStress[0].strict_normalised_error, Infinity);
 expect('an infinite severity', rowsOfStress[0].severity, Infinity);
 expect('PSNR of equal hard frames', rowsOfStress[1].psnr, Infinity);
-expect('nothing is known of a failure', [rowsOfStress[2].ratio, rowsOfStress[2].max_abs, rowsOfStress[2].psnr],
+expect('nothing is known of a failure', [rowsOfStress[2].strict_normalised_error, rowsOfStress[2].max_abs, rowsOfStress[2].psnr],
        [null, null, null]);
 const panels = stress.panels(rowsOfStress);
 expect('a panel a family', panels.map(panel => panel.family), ['f', 'g']);

@@ -27,8 +27,8 @@
 
 namespace swiftgs::test {
 
-/// Largest excess of colour and transmittance, and of depth.
-inline constexpr double excess_gate = 10;
+/// Largest normalised error of colour and transmittance, and of depth.
+inline constexpr double normalised_error_gate = 10;
 
 inline RenderSettings settings_of(const StressCase& drawn) {
   return {.conventions = drawn.conventions, .background = drawn.background, .outputs = {true, true}};
@@ -76,10 +76,10 @@ enum class Extent {
   all           ///< other sorts and bounds as well, whose bits must be equal
 };
 
-/// What is asked of colours beside their excess: a mean hides the worst value.
+/// What is asked of colours beside their normalised error: a mean hides the worst value.
 struct Limits {
   double least_db = -INFINITY, most_abs = INFINITY;
-  double most_excess = excess_gate;
+  double most_normalised_error = normalised_error_gate;
   // Of rasterizers whose exponent representation is allowed no error of its own.
   double least_judged = 0;  ///< share of pixels
   double most_flips = 1;    ///< share of pixels
@@ -198,8 +198,8 @@ class Sweep {
     CAPTURE(name);
     CHECK(is_finite(frame));
     const Verdict verdict = judge.judge(name, frame);
-    CHECK(verdict.excess <= limits.most_excess);
-    CHECK(verdict.depth_excess <= limits.most_excess);
+    CHECK(verdict.normalised_error <= limits.most_normalised_error);
+    CHECK(verdict.normalised_depth_error <= limits.most_normalised_error);
     if (name.find("half") == std::string_view::npos) {
       CHECK(verdict.psnr_db >= limits.least_db);
       CHECK(verdict.max_abs <= limits.most_abs);

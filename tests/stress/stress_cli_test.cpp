@@ -83,11 +83,11 @@ TEST_CASE("stress: results have a head and a row for each family with severity a
     CHECK(row.at("seeds") == 2);
     CHECK(row.at("failed") == 0);
     CHECK(row.at("error").is_null());
-    for (const char* number :
-         {"ratio", "excess", "depth_excess", "psnr_db", "max_abs", "loosest", "allowed", "judged"})
+    for (const char* number : {"strict_normalised_error", "normalised_error", "normalised_depth_error",
+                               "psnr_db", "max_abs", "ambiguity", "allowed", "judged"})
       CHECK(row.at(number) >= 0);
-    CHECK(row.at("excess") <= 10);
-    if (row.at("raster") == "per-pixel") CHECK(row.at("ratio") <= 10);
+    CHECK(row.at("normalised_error") <= 10);
+    if (row.at("raster") == "per-pixel") CHECK(row.at("strict_normalised_error") <= 10);
     CHECK(row.at("worst_seed") >= 1);
     CHECK(row.at("worst_seed") <= 2);
     CHECK(row.at("worst_pixel") < row.at("width").get<int>() * row.at("height").get<int>());
@@ -105,7 +105,7 @@ TEST_CASE("stress: bounds that cut splats end with exit code 1 after table and r
   CAPTURE(outcome.err);
   CHECK(outcome.code == 1);
   CHECK(lines_in(outcome.err) == 1);
-  CHECK(outcome.err.starts_with("swiftgs: stress: expected an excess up to 10; 1 of " +
+  CHECK(outcome.err.starts_with("swiftgs: stress: expected a normalised error up to 10; 1 of " +
                                 std::to_string(swiftgs::AllBounds::size) + " rows are above, the worst "));
   CHECK(outcome.err.find("serial/early/per-pixel/three-sigma-square on pancakes at 1e4") !=
         std::string::npos);
@@ -131,7 +131,7 @@ TEST_CASE("stress: a search prints what it found and writes a row for each famil
           "stress --search 0.3 --seed 7 --families equal-stacks,backgrounds --json r.json"
           " --renderers 'serial/*/per-pixel/ellipse'")
           .out;
-  CHECK(text.find("serial/early/per-pixel/ellipse: worst excess ") != std::string::npos);
+  CHECK(text.find("serial/early/per-pixel/ellipse: worst normalised error ") != std::string::npos);
   CHECK(text.find(" of colour from equal-stacks\n") != std::string::npos);
   const Json results = json_in(place / "r.json");
   CHECK(results.at("format") == "swiftgs-stress-search");
@@ -143,9 +143,9 @@ TEST_CASE("stress: a search prints what it found and writes a row for each famil
     planes.insert(row.at("family").get<std::string>() + row.at("plane").get<std::string>());
     CHECK(row.at("renderer").get<std::string>().find(row.at("sort").get<std::string>()) != std::string::npos);
     CHECK(row.at("tries") > 0);
-    CHECK(row.at("excess") <= 10);
+    CHECK(row.at("normalised_error") <= 10);
     CHECK(row.at("error").is_null());
-    if (row.at("excess") > 0) {
+    if (row.at("normalised_error") > 0) {
       CHECK(row.at("case").at("camera").at("width") == 16);
       CHECK(row.at("case").at("gaussians").size() > 0);
     }

@@ -86,13 +86,13 @@ constexpr Member members_of_stress_row[] = {{"family", Kind::text},
                                             {"seeds", Kind::positive},
                                             {"failed", Kind::amount},
                                             {"error", Kind::optional_text},
-                                            {"ratio", Kind::optional_amount},
-                                            {"excess", Kind::optional_amount},
-                                            {"depth_excess", Kind::optional_amount},
+                                            {"strict_normalised_error", Kind::optional_amount},
+                                            {"normalised_error", Kind::optional_amount},
+                                            {"normalised_depth_error", Kind::optional_amount},
                                             {"psnr_db", Kind::optional_number},
                                             {"max_abs", Kind::optional_amount},
                                             {"flips", Kind::optional_amount},
-                                            {"loosest", Kind::optional_amount},
+                                            {"ambiguity", Kind::optional_amount},
                                             {"worst_seed", Kind::optional_amount}};
 
 constexpr Member members_of_bytes[] = {

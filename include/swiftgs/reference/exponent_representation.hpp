@@ -62,7 +62,7 @@ inline double exponent_error(ExponentRepresentation representation, const SplatN
 }
 
 /// Whether a rasterizer evaluates a splat at pixel (x, y) at all: rasterizers skip rows of 16 pixels in which
-/// the splat keeps none. Only a form that may err widely far from the splat needs to know.
+/// the splat keeps none. Only a representation that may err widely far from the splat needs to know.
 inline bool may_be_visited(ExponentRepresentation representation, const SplatNumbers& numbers, int x, int y,
                            const Conventions& k) {
   if (representation != ExponentRepresentation::half_split) return true;
