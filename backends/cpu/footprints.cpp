@@ -88,7 +88,7 @@ HWY_INLINE Vec Slack(Vec half_width, Vec half_height) {
   return hn::Add(All(1e-2f), hn::Mul(All(1e-4f), hn::Add(half_width, half_height)));
 }
 
-/// Vector form of bounds whose rows all span the whole box.
+/// Vector version of bounds whose rows all span the whole box.
 struct BoxRows {
   HWY_INLINE Runs Row(const Rects& rects, int) const { return rects.columns; }
 };

@@ -100,7 +100,7 @@ HWY_INLINE Vec3 Cross(const Vec3& a, const Vec3& b) {
           hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
 }
 
-/// Vector form of `needs_double`.
+/// Vector version of `needs_double`.
 HWY_INLINE Mask NeedsDouble(Vec tx, Vec ty, Vec pixels_x, Vec pixels_y, const Vec3& scale, Vec mean_x,
                             Vec mean_y) {
   const F32 d;
@@ -162,7 +162,7 @@ struct VisibleSplats {
   std::size_t count = 0;
 };
 
-/// Vector form of `project_shape`, and of the compaction after it.
+/// Vector version of `project_shape`, and of the compaction after it.
 HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::uint32_t first_id,
                              VisibleSplats& out) {
   const F32 d;
@@ -306,7 +306,7 @@ constexpr std::size_t task_size = 32 * chunk_size;
 
 constexpr std::size_t task_count(std::size_t gaussians) { return (gaussians + task_size - 1) / task_size; }
 
-/// Appends the splats of one view, if there is room for them.
+/// Appends the splats of one view, if they fit.
 void project_view(Cpu& cpu, const FramePlan& plan, std::size_t view, ProjectScratch<Cpu>& scratch,
                   Splats<Cpu>& splats) {
   const Views& views = plan.views;

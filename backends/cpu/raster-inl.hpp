@@ -27,7 +27,7 @@ HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Splats that are prepared together: their terms stay in the first-level cache while groups walk over them.
+/// Splats that are prepared together: their terms stay in the first-level cache while groups traverse them.
 constexpr std::size_t batch_size = 64;
 
 /// Splats whose alphas are evaluated together: as many as there are registers for.
@@ -42,7 +42,7 @@ struct Touched {
   std::uint32_t groups, rows;
 };
 
-/// What every form needs of the splats of a batch.
+/// What every exponent representation needs of a batch.
 struct alignas(64) Batch {
   std::uint32_t group_masks[batch_size];                       ///< bit g: the splat touches group g
   float colours[batch_size][4];                                ///< RGB, depth
@@ -89,7 +89,7 @@ HWY_INLINE void VisitRows(const SplatShape& shape, vec2 first_centre, float log2
   }
 }
 
-/// For forms whose groups are rows.
+/// For representations whose groups are rows.
 HWY_INLINE Touched PrepareRows(const SplatShape& shape, vec2 first_centre, float log2_alpha_min) {
   CholeskyExponentHere terms;
   std::uint32_t rows = 0;
@@ -243,7 +243,7 @@ HWY_INLINE void PrefetchSplats(const RasterJob& job, std::size_t from, std::size
   }
 }
 
-/// Renders raster blocks [begin, end): the list of each is walked in batches, and each batch group by group.
+/// Renders raster blocks [begin, end): traverses each list in batches, and each batch group by group.
 template <class Exponent, bool kDepth, bool kCount, bool kOccluder>
 void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::size_t begin,
                         std::size_t end) {

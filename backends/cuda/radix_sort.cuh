@@ -177,7 +177,7 @@ class DigitSum {
 };
 
 inline constexpr unsigned radix_threads = digits, radix_warps = radix_threads / warp_size;
-/// Most pairs of a thread in one pass: as many as shared memory has room for with wide keys.
+/// Most pairs of a thread in one pass: as many as fit shared memory with wide keys.
 template <class Key>
 inline constexpr unsigned most_radix_items = sizeof(Key) == 8 ? 12 : 16;
 /// Pairs of a block, a tile.

@@ -25,7 +25,7 @@ struct FindFootprint {
   }
 };
 
-/// What the last `project` and `bin` found. On a host, splats without room count as visible, but their
+/// What the last `project` and `bin` found. On a host, splats above the capacity count as visible, but their
 /// intersections do not count. Backends overload this.
 template <BackendPolicy B>
 requires(bool(B::reaches_host_memory)) FrameReport
@@ -35,12 +35,12 @@ requires(bool(B::reaches_host_memory)) FrameReport
   return report;
 }
 
-/// Finds the tiles of its view that each splat may touch within `bounds`, and how many there are in all:
-/// after this stage the host knows the numbers of splats and of intersections.
+/// Finds the tiles of its view that each splat may touch within `bounds`, and the number of tile
+/// intersections. After this stage the host knows the numbers of splats and of intersections.
 ///
-/// Backends overload this. One whose projection has found the footprints on the way only learns their numbers
-/// here. One whose host would have to wait for them does so only if the limits have no capacity of
-/// intersections: otherwise `await_report` tells the numbers.
+/// Backends overload this. If projection found the footprints, the overload only learns their numbers. A
+/// device waits only if the limits have no capacity of intersections; otherwise `await_report` tells the
+/// numbers.
 template <BackendPolicy B, BoundsPolicy Bounds>
 requires(bool(B::reaches_host_memory)) void bin(B& b, const FramePlan& plan, const Bounds& bounds,
                                                 Splats<B>& splats, Footprints<B>& footprints) {

@@ -90,12 +90,11 @@ class BoundRenderer {
     gaussians_ = scene.size();
   }
 
-  /// Takes all memory that `record` needs for frames of `views` and `scene`. `set_views` may replace the
-  /// views by others whose frames have the same sizes, and `scene` may change. Without a `capacity` it makes
-  /// room for what the views show now and an eighth more, at most for all Gaussians in all views and for
-  /// `max_intersections`. A capacity counts intersections on the tiles of these views; tiles of `render_into`
-  /// may be coarser, and its `statistics` then too small. Draws nothing and waits. If it throws, `record` is
-  /// refused until it succeeds.
+  /// Takes all memory that `record` needs for frames of `views` and `scene`. `set_views` may later set other
+  /// views of the same sizes, and `scene` may change. The default capacity is what the views show now and an
+  /// eighth more, at most all Gaussians in all views and `max_intersections`. A capacity counts intersections
+  /// with the tiles of these views; `render_into` may use coarser tiles, and its `statistics` are then too
+  /// small. Draws nothing and waits. If it throws, `record` is refused until it succeeds.
   void reserve(const SceneView& scene, Span<const View> views, Capacity capacity = {}) {
     validate(scene);
     reserved_.reset();
@@ -107,7 +106,7 @@ class BoundRenderer {
       return stages_.report(plan);
     };
     if (capacity.splats == 0 || capacity.intersections == 0) {
-      // A host counts the intersections of those splats alone that it has room for.
+      // A host counts only the intersections of splats within the capacity.
       const FrameReport report = rehearse(B::reaches_host_memory ? Capacity{} : Capacity{1, 1});
       check_intersections(report.intersections);
       if (capacity.splats == 0) capacity.splats = with_spare(report.visible);
@@ -146,11 +145,11 @@ class BoundRenderer {
     recorded_ = store_views(backend(), views, recorded_storage_, ViewAccess::stored);
   }
 
-  /// Renders the views that were set, and neither waits, allocates nor asks a device for anything, so that it
-  /// may be captured into a CUDA graph. Writes what the frame took to `report`, in memory that the backend
-  /// reaches. A frame without enough room draws nothing. Call `reserve` before. On hosts the frame is
-  /// complete when it returns. Throws `std::invalid_argument` where nothing can be rendered, and
-  /// `CapacityError` where `reserve` was called for fewer Gaussians.
+  /// Renders the views that were set. It never waits, allocates or queries the device, so a CUDA graph may
+  /// capture it. Writes what the frame took to `report`, in memory that the backend reaches. A frame above
+  /// the capacity draws nothing. Call `reserve` before. On hosts the frame is complete when it returns.
+  /// Throws `std::invalid_argument` where nothing can be rendered, and `CapacityError` where `reserve` was
+  /// called for fewer Gaussians.
   ///
   /// A captured graph works in the renderer's memory. It must not be launched again after `reserve`, `trim`
   /// or a larger frame of `render_into`, which move that memory.

@@ -13,7 +13,8 @@
 
 namespace swiftgs {
 
-/// The tiles that a splat may touch, found once; emission expands them to intersections.
+/// The tiles that a splat may touch, found once. Emission expands them to tile intersections: one entry per
+/// splat and tile.
 struct alignas(16) Footprint {
   /// Side of the mask in tiles.
   static constexpr int side = 8;
@@ -30,7 +31,7 @@ struct FootprintsView {
   Span<const Footprint> each{};  ///< @shape{splats}
   Count intersections;           ///< sum of their counts
   Views views;
-  const std::uint64_t* overflowed = nullptr;  ///< not 0: the frame has no room for them; null: it has
+  const std::uint64_t* overflowed = nullptr;  ///< not 0: they exceed the capacity; null: they fit
 };
 
 /// Storage of one frame's footprints on backend `B`.
@@ -94,10 +95,9 @@ SWIFTGS_HD Footprint find_footprint(const Bounds& bounds, const SplatShape& shap
 
 /// Calls f(tile) for the tiles of a splat with this footprint, `footprint.count` times, each tile once.
 ///
-/// Splats too large for a mask are traversed by their bounds again. Code that counts and code that traverses
-/// may round differently, where a compiler is free to. If this traversal finds more tiles than were counted,
-/// the last are left out; if it finds fewer, other tiles of the grid take their place, in which rasterizers
-/// find that the splat shows nothing.
+/// A splat too large for a mask evaluates its bounds again, and the compiler may round differently here than
+/// where tiles were counted. Surplus tiles are left out. Missing ones are replaced by other tiles of the
+/// grid, in which the splat shows nothing.
 template <BoundsPolicy Bounds, class F>
 SWIFTGS_HD void for_each_tile(const Footprint& footprint, const Bounds& bounds, const SplatShape& shape,
                               TileGrid grid, const F& f) {

@@ -16,16 +16,15 @@ inline void check_intersections(std::uint64_t total) {
   if (total > max_intersections) throw CapacityError("intersections in one frame", total, max_intersections);
 }
 
-/// Room for `count` and an eighth more, so that the next frame need not grow.
+/// `count` and an eighth more, so that the next frame need not grow.
 inline std::size_t with_spare(std::uint64_t count) { return std::size_t(count + count / 8 + 1); }
 
-/// What a device's frames have room for; grows with them.
+/// The capacity of a device's frames. It grows with them.
 class FrameCapacity {
  public:
-  /// Calls draw(capacity), which returns a `FrameReport`, until the frame does not overflow; one that does
-  /// draws nothing. Returns the last report. Throws `CapacityError` beyond `max_intersections`; if it or
-  /// `draw` throws, the capacity is that of before, or the next frame would ask for the memory that this one
-  /// did not get.
+  /// Calls draw(capacity) until the `FrameReport` that it returns has not overflowed. Returns the last
+  /// report. Throws `CapacityError` beyond `max_intersections`. If it throws, the capacity stays as it was:
+  /// otherwise the next frame would ask for the memory that this one did not get.
   template <class Draw>
   FrameReport draw_until_it_fits(const Draw& draw) {
     const Capacity before = capacity_;

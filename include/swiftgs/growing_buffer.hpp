@@ -57,14 +57,14 @@ class GrowingBuffer {
     capacity_ = size_ = 0;
   }
 
-  /// Makes room for `count` elements; if the buffer grows, for an eighth more. Its contents are undefined
-  /// afterwards.
+  /// Holds `count` elements. If the buffer grows, it takes memory for an eighth more. Its contents are
+  /// undefined afterwards.
   void reset(std::size_t count) {
     if (count > capacity_) allocate(count + count / 8);
     size_ = count;
   }
 
-  /// As `reset`, but keeps the contents, as many as there is room for. For memory that a host reaches.
+  /// As `reset`, but keeps the contents that fit. For memory that a host reaches.
   void resize(std::size_t count) {
     if (count > capacity_) {
       GrowingBuffer larger(hook_);
@@ -75,7 +75,7 @@ class GrowingBuffer {
     size_ = count;
   }
 
-  /// Makes room for exactly `count` elements, for data that will not grow.
+  /// Holds exactly `count` elements, for data that will not grow.
   void reset_exactly(std::size_t count) {
     if (count > capacity_) allocate(count);
     size_ = count;

@@ -132,11 +132,11 @@ inline constexpr float float_length_squared = 512;  ///< of a Gaussian seen from
 inline constexpr float float_lengths_per_mean = 4;  ///< as much more for each pixel^2 of the mean
 inline constexpr float float_tangent_squared = 16;  ///< of the direction to the Gaussian
 
-/// Whether rounding the rows of `ImageAxes` to float may move a splat visibly more than rounding its stored
-/// mean to float does. A row errs by some 2^-22 of the Gaussian's length as it would be seen from its side;
-/// `mean` by 2^-24 of itself. The limit on the length weighs one against the other: a needle that points at
-/// the camera exceeds it, and so does one beside the image's first row or column. Far off the axis the rows
-/// are nearly parallel and their minors cancel, and with them the determinant that compensates opacities.
+/// Whether rows of `ImageAxes` in float would move a splat visibly more than the rounding of its stored mean.
+/// A row errs by about 2^-22 of the Gaussian's length seen from the side, `mean` by 2^-24 of itself; the
+/// limit weighs one against the other. Needles that point at the camera exceed it, and needles beside the
+/// image's first row or column. Far off the axis rows are nearly parallel: their minors cancel, and with them
+/// the determinant that compensates opacities.
 ///
 /// In captures 0.04 % to 0.7 % of the visible splats need it.
 SWIFTGS_HD inline bool needs_double(const Linearisation<float>& at, vec3 scale, vec2 mean) {

@@ -88,10 +88,10 @@ template <BackendPolicy B>
 }  // namespace detail
 
 /// Projects a scene: one splat for each Gaussian that is visible in a view. Reads no spherical harmonics.
-/// Counts the splats that the limits have no room for, and leaves them out.
+/// Counts splats above the capacity, and leaves them out.
 ///
-/// Backends overload this. An overload may also find `footprints` within `bounds`, if that costs little while
-/// the shapes are at hand; the backend's `bin` then only settles their number.
+/// Backends overload this. An overload may also find `footprints` within `bounds` while it has the shapes;
+/// the backend's `bin` then only settles their number.
 template <BackendPolicy B, BoundsPolicy Bounds>
 void project(B& b, const FramePlan& plan, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
              Footprints<B>&) {

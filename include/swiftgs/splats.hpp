@@ -14,10 +14,10 @@ namespace swiftgs {
 
 /// Where a projected Gaussian is and how far it reaches.
 ///
-///     | mean.x mean.y l0 l1 | l2 opacity cutoff half_width |      32 bytes, two 16-byte loads
+/// | mean.x mean.y l0 l1 | l2 opacity cutoff half_width |      32 bytes, two 16-byte loads
 ///
-/// The precision matrix is kept as its Cholesky factor in base-2 units, because every other form of it
-/// follows without cancellation: at d = pixel - mean the base-2 exponent is s(d) = (l0 dx + l1 dy)^2 + (l2
+/// The precision matrix is kept as its Cholesky factor in base-2 units, because every other representation of
+/// it follows without cancellation: at d = pixel - mean the base-2 exponent is s(d) = (l0 dx + l1 dy)^2 + (l2
 /// dy)^2, and alpha = opacity 2^-s. A pixel keeps the splat where s <= cutoff = log2(opacity / alpha_min).
 struct alignas(32) SplatShape {
   vec2 mean{0};          ///< @units{pixels}, the first pixel's centre is (0.5, 0.5)
@@ -57,7 +57,7 @@ struct Splats {
   std::size_t count = 0;
   std::size_t visible = 0;  ///< more than `count` where the capacity did not suffice
 
-  /// Makes room for splats of so many views, and keeps those there are.
+  /// Holds splats of so many views, and keeps those there are.
   void resize(std::size_t splats, std::size_t views) {
     shapes.resize(splats), depths.resize(splats), gaussians.resize(splats);
     of_view.resize(views > 1 ? splats : 0);

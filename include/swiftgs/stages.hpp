@@ -171,7 +171,7 @@ class Stages {
   /// Of a frame that `report` told the host about.
   void set_intersections(std::uint64_t intersections) { lists_.intersections = std::size_t(intersections); }
 
-  /// Takes the memory of frames with such room, on hosts.
+  /// Takes the memory of such frames, on hosts.
   void reserve(const Reservation& reserved) {
     std::apply([&](auto&... parts) { reserve_parts(backend_, reserved, parts...); }, parts());
     sort_->reserve(backend_, reserved);

@@ -78,7 +78,7 @@ struct FrameTiles {
   }
 };
 
-/// What recorded frames have room for: their parts `reserve` memory for it.
+/// The capacity of recorded frames: their parts `reserve` memory for it.
 struct Reservation {
   std::size_t gaussians = 0;  ///< of the scene
   std::size_t views = 0;
@@ -86,8 +86,8 @@ struct Reservation {
   Capacity capacity;  ///< neither is 0
 };
 
-/// Has all `parts` take the memory of frames with such `reserved`. A part without a member `reserve` takes it
-/// when it is used.
+/// Has all `parts` take the memory of `reserved` frames. A part without a member `reserve` takes it when it
+/// is used.
 template <class B, class... Parts>
 void reserve_parts(B& b, const Reservation& reserved, Parts&... parts) {
   const auto reserve = [&](auto& part) {
@@ -103,7 +103,7 @@ inline constexpr std::size_t max_frame_tiles = std::size_t(1) << 31;
 struct TileRange {
   std::uint32_t begin = 0, end = 0;
 
-  /// Of a tile whose pixels rasterizers leave alone. Only frames that a host cannot stop have such tiles.
+  /// Marks tiles of an overflowed device frame: draw nothing.
   SWIFTGS_HD static constexpr TileRange undrawn() { return {1, 0}; }
   SWIFTGS_HD constexpr bool drawn() const { return begin <= end; }
 };

@@ -81,8 +81,8 @@ def best_renderer(backend: Optional[str] = None) -> str:
 class Renderer:
     """Draws frames of the scene that it was given.
 
-    It keeps its memory: a frame no larger than an earlier one allocates nothing. Calls from several threads take turns;
-    a renderer for each thread draws at once with others.
+    It keeps its memory: a frame no larger than an earlier one allocates nothing. Calls from several threads run one
+    after another; a renderer for each thread draws at once with others.
 
     >>> renderer = Renderer("cpu", scene=Scene.builtin())
     >>> renderer.render(Camera.builtin()).save("frame.png")

@@ -27,7 +27,7 @@ std::uint64_t device_bytes(const AnyRenderer& renderer) {
   return use ? use->in_use : 0;
 }
 
-/// Whether there is room for `like` where it takes as many `bytes`.
+/// Whether the memory of `like`'s machine or device has as many `bytes` left.
 bool fits_memory(const AnyRenderer& like, std::uint64_t bytes) {
   const std::optional<MemoryUse> use = like.device_memory();
   const bool on_device = !use || use->total - use->in_use > bytes + spare_bytes;
@@ -37,7 +37,7 @@ bool fits_memory(const AnyRenderer& like, std::uint64_t bytes) {
 }  // namespace
 
 void Runner::run(const Session& session) {
-  // As many renderers take turns as there is memory for.
+  // As many renderers alternate as fit the memory.
   for (std::size_t first = 0; first < entries_.size();) {
     std::vector<Subject> subjects = prepare(session, first);
     // Processes that share the views count on as one.

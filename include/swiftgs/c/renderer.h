@@ -17,7 +17,7 @@ extern "C" {
 #endif
 
 /// Renders frames of the scene that it was given. It keeps its memory: a frame no larger than an earlier one
-/// allocates nothing. Calls of several threads take turns.
+/// allocates nothing. Calls from several threads run one after another.
 typedef struct swiftgs_renderer swiftgs_renderer;
 
 /// One row of the table of renderers.
@@ -113,7 +113,7 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_render_into(swiftgs_renderer* rend
 /// complete when it returns. A device copies what `over` and `occluder` need to it, and the images from it.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_render(swiftgs_renderer* renderer, const swiftgs_frame* frame);
 
-/// Room for recorded frames.
+/// Capacity of recorded frames.
 typedef struct swiftgs_capacity {
   uint32_t size;      ///< `sizeof(swiftgs_capacity)`
   uint32_t reserved;  ///< 0
@@ -130,7 +130,7 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_reserve(swiftgs_renderer* renderer
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_views(swiftgs_renderer* renderer,
                                                         const swiftgs_frame* frame);
 
-/// What a recorded frame took. If it overflowed, it drew nothing and needs room for these numbers.
+/// What a recorded frame took. If it overflowed, it drew nothing; a capacity of these numbers suffices.
 typedef struct swiftgs_report {
   uint64_t visible;        ///< Gaussians, of all views
   uint64_t intersections;  ///< pairs of splat and tile

@@ -116,10 +116,9 @@ inline constexpr bool may_gain_by_coarse_tiles = false;
 /// Whether `shape` keeps any pixel of the row of a raster block whose centres run from `first_x` to first_x +
 /// `raster_block_side` - 1 at height y.
 ///
-/// Host rasterizers visit exactly the rows that this accepts, so that what is drawn does not depend on how
-/// wide the bounds were that listed the splat. Rounding is monotone along a row, hence no pixel of a refused
-/// row passes the test s <= cutoff in the same arithmetic. Kernels of devices that do not go by rows have a
-/// rule of their own.
+/// Host rasterizers visit exactly the rows that this accepts, so images do not depend on the bounds that
+/// listed the splat. Rounding is monotone along a row: no pixel of a refused row passes s <= cutoff. Device
+/// kernels have a rule of their own.
 SWIFTGS_HD inline bool row_touched(const SplatShape& shape, float first_x, float y) {
   const float q = shape.l1 * (y - shape.mean.y), v = shape.l2 * (y - shape.mean.y);
   const float left = shape.l0 * (first_x - shape.mean.x) + q;
@@ -149,7 +148,7 @@ SWIFTGS_HD inline float dimmed(float transmittance, float alpha) {
   return alpha > 0.5f ? transmittance * (1 - alpha) : transmittance - alpha * transmittance;
 }
 
-/// Blends one raster block, pixel by pixel, on a host: the plain form of what every rasterizer computes.
+/// Blends one raster block, pixel by pixel, on a host: the definition of what every rasterizer computes.
 template <RasterPolicy R>
 struct BlendRasterBlock {
   RasterJob job;

@@ -25,8 +25,8 @@ struct SortCalibration {
   bool operator==(const SortCalibration&) const = default;
 };
 
-/// Adaptive early sorting (SwiftGS, section 4.2): measures both sorts on the frames that it draws, in turn,
-/// then keeps the one with the lower mean, until the scene or the image size changes. Saved measurements
+/// Adaptive early sorting (SwiftGS, section 4.2): times both sorts alternately on the frames that it draws,
+/// then keeps the faster one on average, until the scene or the image size changes. Saved measurements
 /// replace the warm-up. Recorded frames and frames of a scene without identity are never measured; until a
 /// sort is chosen they are sorted early. Every frame is correct, measured or not.
 class AdaptiveSort {
@@ -85,7 +85,7 @@ class AdaptiveSort {
 
     const std::array<std::size_t, 2> capacity{capacity_of(job.splats.count()),
                                               capacity_of(job.footprints.intersections)};
-    // A device's frame that had too little room is drawn again with more: its time says nothing.
+    // A device draws an overflowed frame again with more capacity: its time says nothing.
     if (scratch.trial && scratch.trial->capacity != capacity) scratch.trial.reset();
     collect(b, scratch.trial);
     const bool early = decided_ ? early_ : measured_[1].turns() < measured_[0].turns();
@@ -110,7 +110,7 @@ class AdaptiveSort {
     double mean() const { return total_ms / frames; }
   };
 
-  /// What a device has room for. 0 where the host has counted, since frames then always fit.
+  /// A device's capacity. 0 if the host counted, since frames then always fit.
   static std::size_t capacity_of(const Count& count) { return count.exact ? count.most : 0; }
 
   void start_over(const FrameKey& key) {

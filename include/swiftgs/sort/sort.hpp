@@ -47,8 +47,8 @@ inline void check_footprints(const SortJob& job) {
 /// Policy `S` builds tile lists on backend `B` within bounds `Bounds`: for every tile the ids of the splats
 /// that may touch it, nearest first, equal depths by ascending index. An object of `S` may keep what it
 /// learnt from earlier frames. `Scratch<B>` is the memory that it works in: it lists its `buffers` or has a
-/// member `bytes`. Its member `reserve(b, reserved)` takes the memory of frames with such room on hosts;
-/// without it, recorded frames there may allocate.
+/// member `bytes`. Its member `reserve(b, reserved)` takes the memory of such frames on hosts; without it,
+/// recorded frames there may allocate.
 template <class S, class B, class Bounds>
 concept SortsOn = BackendPolicy<B> && BoundsPolicy<Bounds> && HasBytes<typename S::template Scratch<B>> &&
     std::default_initializable<typename S::template Scratch<B>> &&
@@ -168,8 +168,8 @@ Count emit_intersections(B& b, const SortJob& job, const Bounds& bounds, const s
   return std::size_t(total);
 }
 
-/// Hands the sorted intersections over to `lists`; the old ids become room for the next frame, which
-/// allocates nothing if it is no larger.
+/// Moves the sorted intersections to `lists`. The next frame reuses the old ids, and allocates nothing if it
+/// is no larger.
 template <class B, class Key>
 void finish_lists(B& b, const FootprintsView& footprints, Count count, int tile_shift,
                   Pairs<B, Key>& intersections, TileLists<B>& lists) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// @file
-/// Memory that the kernels of one operation (a projection, an emission, a sort) share with those of the next
-/// operation of its kind. The device counts the operations itself, so that no launch depends on earlier ones.
+/// @file Memory that one operation (a projection, an emission, a sort) shares with the next of its kind. The
+/// device counts operations in epochs. Launch arguments never change between frames, so a CUDA graph can
+/// replay them.
 
 #include <cstdint>
 

@@ -24,8 +24,8 @@ __device__ inline void await_earlier() {
 }
 
 /// Lets the next kernel start behind this one, as soon as all blocks of this one have started. Few kernels
-/// do: blocks that wait take the room of work on other streams, such as colours that are evaluated beside the
-/// sort, which cost 3 % of a frame.
+/// do: waiting blocks displace work on other streams, such as colours that are evaluated beside the sort,
+/// which cost 3 % of a frame.
 __device__ inline void let_next_start() {
 #if __CUDA_ARCH__ >= 900
   cudaTriggerProgrammaticLaunchCompletion();

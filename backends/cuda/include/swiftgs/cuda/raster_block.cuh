@@ -43,7 +43,7 @@ SWIFTGS_API const std::uint32_t* order_raster_blocks(Cuda& cuda, const TileLists
 inline constexpr std::uint32_t rows_of_slice = 32768;
 
 /// One thread block per raster block, in columns and rows as they lie in the images, so that no thread
-/// divides. A grid has room for 65,535 rows, and further ones are slices of it.
+/// divides. A grid has at most 65,535 rows, so further ones are slices of it.
 inline dim3 blocks_of(const RasterBlocks& raster_blocks) {
   const std::uint32_t rows = std::min(raster_blocks.rows, rows_of_slice);
   return dim3(raster_blocks.columns, rows, (raster_blocks.rows + rows - 1) / rows);

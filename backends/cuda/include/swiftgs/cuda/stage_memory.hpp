@@ -20,8 +20,8 @@
 
 namespace swiftgs {
 
-/// Memory that an operation hands on to the next of its kind: words of running sums, and two copies of
-/// counters. An operation adds to one copy and clears the other.
+/// Memory that an operation passes to the next of its kind: words of running sums, and two copies of
+/// counters, used alternately. An operation adds to one copy and clears the other for its successor.
 template <class Counters>
 class Epochs {
  public:
@@ -94,9 +94,9 @@ struct PendingProjection {
   bool operator==(const PendingProjection&) const = default;
 };
 
-/// The buffers have room for as many as the frame's limits say, or for all Gaussians in all views. The device
-/// learns from `project` how many are visible; until `bin`, `count` is 0. After `bin` within limits, `count`
-/// is the most that there may be and `exact` says how many there are, until `await_report` tells the host.
+/// The buffers hold the capacity of the frame's limits, or all Gaussians in all views. The device learns from
+/// `project` how many are visible; until `bin`, `count` is 0. After `bin` within limits, `count` is an upper
+/// bound and `exact` points to the number, until `await_report` tells the host.
 template <>
 struct Splats<Cuda> {
   DeviceBuffer<SplatShape> shapes;
@@ -123,7 +123,7 @@ struct Splats<Cuda> {
   static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.of_view); }
 };
 
-/// Footprints, which projection finds. The buffer has room for as many as those of the splats.
+/// Footprints, which projection finds. The buffer holds as many as those of the splats.
 template <>
 struct Footprints<Cuda> {
   DeviceBuffer<Footprint> each;

@@ -127,8 +127,8 @@ class SWIFTGS_API Exchange {
   void send(int rank, const void* from, std::size_t bytes);
   void receive(int rank, void* to, std::size_t bytes);
 
-  /// Sends elements [begins[r], begins[r + 1]) of `from` to each other rank r, and receives as many as `to`
-  /// has room for by its own `begins`. What a rank has for itself stays where it is.
+  /// Sends elements [begins[r], begins[r + 1]) of `from` to each other rank r, and receives as many as
+  /// `to_begins` says. What a rank has for itself stays where it is.
   void all_to_all(const void* from, Span<const std::uint64_t> from_begins, void* to,
                   Span<const std::uint64_t> to_begins, std::size_t element_bytes);
 

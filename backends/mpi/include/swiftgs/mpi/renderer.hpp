@@ -276,7 +276,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   }
 
   /// Bins, sorts and rasterizes the splats of this rank's strip. Its time counts this work alone: no
-  /// messages, and only the last pass where a strip is drawn again for want of room.
+  /// messages, and only the last pass where a strip is drawn again with more capacity.
   template <class BeginColours>
   void draw_strip(const SceneView& part, Exchange& shapes, const BeginColours& begin_colours,
                   Shading<B>& shading, Exchange& colours, RankCounters& mine) {

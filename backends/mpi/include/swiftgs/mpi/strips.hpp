@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// @file
-/// Who draws what. The tiles of all views of a frame lie on one tile atlas (`FrameTiles`). A strip is some
-/// consecutive rows of it, and each rank draws one.
+/// @file Who draws what. The tiles of all views of a frame lie in one tile atlas (`FrameTiles`), one view
+/// below the other. A strip is consecutive rows of it. Each rank draws one strip.
 
 #include <algorithm>
 #include <cstddef>
@@ -45,7 +44,7 @@ struct ViewStrip {
   int rows = 0, width = 0;  ///< @units{pixels}
 };
 
-/// A strip as views of its view strips. Their frames have no memory.
+/// The view strips of a strip, as views. Their frames have no memory.
 struct Strip {
   std::vector<ViewStrip> view_strips;
   std::vector<View> views;

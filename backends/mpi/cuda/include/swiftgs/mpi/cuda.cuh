@@ -26,7 +26,7 @@ inline constexpr unsigned share_steps = 4, share_splats = share_threads * share_
 
 /// What a block shares out: the splats of one part for one rank.
 struct ShareJob {
-  SplatsView splats;  ///< as many as there is room for
+  SplatsView splats;  ///< as many as the capacity
   const Footprint* footprints;
   LastCounters<FrameCounts> counts;
   const std::uint32_t* cuts;  ///< of the strips @shape{ranks + 1}
@@ -34,7 +34,7 @@ struct ShareJob {
   ShareArrays to;
   std::uint32_t capacity;  ///< splats beyond it are counted and left out
   std::uint32_t* begins;   ///< in host memory @shape{ranks + 1}
-  std::uint32_t* written;  ///< how many there are, as far as there is room
+  std::uint32_t* written;  ///< how many there are, up to the capacity
 };
 
 /// Writes the splats for one rank behind those of the blocks before. Blocks go by ranks, then by parts, so

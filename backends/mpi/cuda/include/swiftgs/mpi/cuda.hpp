@@ -57,7 +57,7 @@ template <>
 struct Shares<Cuda> {
   Splats<Cuda> splats;
   std::vector<std::uint64_t> begins;  ///< set by `await_shares`
-  std::size_t capacity = 0;           ///< room for splats; grows
+  std::size_t capacity = 0;           ///< of splats; grows
   DeviceBuffer<std::uint32_t> cuts, written;
   StripCuts stored_cuts;  ///< that `cuts` holds
   Epochs<NoCounts> epochs;
@@ -77,8 +77,8 @@ template <BoundsPolicy Bounds>
 SWIFTGS_API void share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const StripCuts& cuts,
                            Splats<Cuda>& splats, Footprints<Cuda>& footprints, Shares<Cuda>& shares);
 
-/// Waits for the device to have shared them out. Makes room for the next `share_out` where this one had too
-/// little. Throws `CapacityError`.
+/// Waits for the device to have shared them out. Grows the capacity for the next `share_out` where this one
+/// had too little. Throws `CapacityError`.
 SWIFTGS_API FrameReport await_shares(Cuda& cuda, Shares<Cuda>& shares);
 
 /// NCCL, in a build that has it, where `Ranks::direct` holds on all ranks and each has a device of its own,
