@@ -180,7 +180,7 @@ class BoundRenderer {
   /// next call. Returns and throws as `render_into`.
   Span<const FrameView> render_resident(const SceneView& scene, Span<const Camera> cameras,
                                         const RenderSettings& settings) {
-    make_views(cameras, settings);
+    make_views(cameras, settings, views_);
     check_ready(backend());
     const Span<const FrameView> frames = resident_.make(cameras, settings.outputs);
     for (std::size_t i = 0; i < frames.size; ++i) views_[i].frame = frames[i];
@@ -201,7 +201,7 @@ class BoundRenderer {
       return prepare(frames[i], cameras[i].width, cameras[i].height, settings.outputs);
     };
     if constexpr (B::reaches_host_memory) {
-      make_views(cameras, settings);
+      make_views(cameras, settings, views_);
       for (std::size_t i = 0; i < cameras.size; ++i) views_[i].frame = prepare_frame(i);
       render_into(scene.view(), {views_.data(), views_.size()}, {settings.count, settings.time});
     } else {
@@ -268,15 +268,6 @@ class BoundRenderer {
     };
     return a.frame.width == b.frame.width && a.frame.height == b.frame.height && a.grid.side == b.grid.side &&
            planes(a.frame) == planes(b.frame);
-  }
-
-  /// Views through `cameras`, whose frames have sizes and no planes yet.
-  void make_views(Span<const Camera> cameras, const RenderSettings& settings) {
-    validate(settings);
-    views_.clear();
-    for (const Camera& camera : cameras)
-      views_.push_back(make_view(camera, settings.conventions,
-                                 {.width = camera.width, .height = camera.height}, settings.background));
   }
 
   void run(const FramePlan& plan, const Measures& measures) {

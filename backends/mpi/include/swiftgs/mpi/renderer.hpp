@@ -143,14 +143,9 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     return std::uint64_t(std::chrono::nanoseconds(Clock::now() - begun).count());
   }
 
-  /// Views of whole images, without memory.
   void make_views(Span<const Camera> cameras, const RenderSettings& settings) {
-    views_.clear();
-    validate(settings);
+    swiftgs::make_views(cameras, settings, views_);
     outputs_ = 1 + 2 * std::uint64_t(settings.outputs.alpha) + 4 * std::uint64_t(settings.outputs.depth);
-    for (const Camera& camera : cameras)
-      views_.push_back(make_view(camera, settings.conventions,
-                                 {.width = camera.width, .height = camera.height}, settings.background));
   }
 
   /// One frame. `place` gives the view strips of `drawn_` memory; `finish` is called when they are drawn.
