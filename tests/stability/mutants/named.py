@@ -8,7 +8,7 @@ from mutant import Mutant
 I = "include/swiftgs/"
 EDIT = "edit/edit_test"
 CHUNKS = "policies/chunk_borders_test"
-BANDS = "mpi/mpi_bands_test"
+BANDS = "mpi/mpi_strips_test"
 
 NAMED = [
     # Chunks.
