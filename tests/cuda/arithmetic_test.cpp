@@ -172,8 +172,8 @@ bool lies_between_rows(const SplatShape& shape) {
 }  // namespace
 
 TEST_CASE("cuda arithmetic: conservative bounds list every tile of which a box is touched") {
-  // Segments of long lists are made of the splats that touch a part, so all conservative bounds must list
-  // them. A splat that lies between two rows of pixel centres is the exception: none of them may list it
+  // Segments of long lists are made of the splats that touch a warp block, so all conservative bounds must
+  // list them. A splat that lies between two rows of pixel centres is the exception: none of them may list it
   // anywhere.
   const int width = 192, height = 128;
   int between_rows_of_all = -1;

@@ -42,7 +42,7 @@ bool alpha_allowed(float alpha, double exponent, double error) {
          double(alpha) <= std::min(high, maximum);
 }
 
-/// Calls f(shape, first centre of a part) for splats of all kinds and parts that they may touch.
+/// Calls f(shape, first centre of a warp block) for splats of all kinds and warp blocks that they may touch.
 template <class F>
 void for_each_splat_and_part(const F& f) {
   Random random(7);
@@ -55,8 +55,8 @@ void for_each_splat_and_part(const F& f) {
   }
 }
 
-/// Compares the exponents and the alphas of a representation with double at all pixels of parts. `error_of`
-/// bounds it.
+/// Compares the exponents and the alphas of a representation with double at all pixels of warp blocks.
+/// `error_of` bounds it.
 template <class Exponent, class ErrorOf>
 void check_exponent(const ErrorOf& error_of) {
   Worst worst, worst_usual;

@@ -37,7 +37,7 @@ Scene layers(std::size_t count, double faintest, double densest) {
 }
 
 /// Makes the first Gaussians opaque dots in front of the others, of about two pixels in an image so wide:
-/// most pixels of a part stop early, and few go on.
+/// most pixels of a warp block stop early, and few go on.
 void put_dots(Scene& scene, std::size_t dots, int side) {
   Random random(dots);
   const float size = 0.9f / float(side);
@@ -70,8 +70,8 @@ Scene corners(std::size_t of_tile, int side, std::size_t anywhere = 5) {
 
 /// 600 layers over a whole image, and behind them `of_tile` dots for every tile of 16x16 pixels: 24 opaque
 /// ones anywhere in the tile, and after them one of five thousand. The rest are faint and lie in its first
-/// quarter, if there is to be a rest. So parts of the other quarters end one segment, begin another, in which
-/// pixels stop, and show next to nothing of what follows.
+/// quarter, if there is to be a rest. So warp blocks of the other quarters end one segment, begin another, in
+/// which pixels stop, and show next to nothing of what follows.
 Scene layers_before_corners(std::size_t of_tile, int side, bool with_rest = true) {
   Random random(of_tile);
   const std::size_t layer_count = 600, across = std::size_t(side) / 16, tiles = across * across;
@@ -191,9 +191,12 @@ RasterCounts counts_of(auto& renderer, const DeviceScene& scene, const Camera& c
 
 }  // namespace
 
-TEST_CASE("cuda long lists: parts that blocks share have the bits of parts that a warp traverses") {
+TEST_CASE(
+    "cuda long lists: warp blocks that thread blocks share have the bits of warp blocks that a warp "
+    "traverses") {
   if (without_device()) return;
-  // The whole image has more long parts than there is room for, so warps traverse the rest of them alone.
+  // The whole image has more long warp blocks than there is room for, so warps traverse the rest of them
+  // alone.
   const int side = 1024;
   Scene scene = layers(492'000, 0.00015, 0.015);
   put_dots(scene, 160'000, side);
@@ -205,9 +208,11 @@ TEST_CASE("cuda long lists: parts that blocks share have the bits of parts that 
   });
 }
 
-TEST_CASE("cuda long lists: parts that clusters share have the bits of parts that blocks share") {
+TEST_CASE(
+    "cuda long lists: warp blocks that clusters share have the bits of warp blocks that thread blocks "
+    "share") {
   if (without_device()) return;
-  // The whole image has more parts than clusters have room for. Blocks take the rest.
+  // The whole image has more warp blocks than clusters have room for. Blocks take the rest.
   const int side = 384;
   Scene scene = layers(228'000, 0.0001, 0.002);
   put_dots(scene, 36'000, side);
@@ -221,8 +226,8 @@ TEST_CASE("cuda long lists: parts that clusters share have the bits of parts tha
 
 TEST_CASE("cuda long lists: lists that end with a segment have the same bits too") {
   if (without_device()) return;
-  // Black before white, so that a pixel is its transmittance. None stops, and each part keeps every splat.
-  // A part of the second that is handed over as a long one ends with a round, too.
+  // Black before white, so that a pixel is its transmittance. None stops, and each warp block keeps every
+  // splat. A warp block of the second that is pushed to a work queue ends with a round, too.
   const int side = 768;
   for (const std::size_t segments : {64, 68}) {
     Scene scene = layers(512 + segments * 128, 0.004, 0.0045);
@@ -273,9 +278,9 @@ TEST_CASE("cuda long lists: every sort and all conservative bounds give the same
 
 TEST_CASE("cuda long lists: lists of larger tiles have the same bits") {
   if (without_device()) return;
-  // Small splats: each part shows about a thousand. Lists of 16-pixel tiles are short enough for a warp
-  // alone. Lists of larger tiles are long, and a part refuses most of them. Pixels stop earlier towards the
-  // right.
+  // Small splats: each warp block shows about a thousand. Lists of 16-pixel tiles are short enough for a warp
+  // alone. Lists of larger tiles are long, and a warp block refuses most of them. Pixels stop earlier towards
+  // the right.
   Cuda cuda;
   Random random(9);
   SplatSet splats;
@@ -359,9 +364,10 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
   }
 }
 
-TEST_CASE("cuda long lists: parts that show next to nothing behind their first segment are shared too") {
+TEST_CASE(
+    "cuda long lists: warp blocks that show next to nothing behind their first segment are shared too") {
   if (without_device()) return;
-  // More parts than would be taken up at the end of their first segment.
+  // More warp blocks than would be taken up at the end of their first segment.
   const int side = 96;
   const Camera camera = square_camera(side);
   const Scene scene = layers_before_corners(50'000, side);
@@ -471,7 +477,8 @@ TEST_CASE("cuda long lists: a graph that runs again and again has the bits of re
   });
 }
 
-TEST_CASE("cuda long lists: blocks that share parts work no longer than the frame is rasterized") {
+TEST_CASE(
+    "cuda long lists: thread blocks that share warp blocks work no longer than the frame is rasterized") {
   if (without_device()) return;
   const int side = 384;
   const Scene scene = layers(228'000, 0.0001, 0.002);
@@ -491,7 +498,7 @@ TEST_CASE("cuda long lists: blocks that share parts work no longer than the fram
   });
 }
 
-TEST_CASE("cuda long lists: frames stop sharing after eight without long parts, and the bits stay") {
+TEST_CASE("cuda long lists: frames stop sharing after eight without long warp blocks, and the bits stay") {
   if (without_device()) return;
   const int side = 64;
   const Scene long_lists = layers(30'000, 0.0003, 0.006), short_lists = layers(500, 0.004, 0.01);
@@ -502,8 +509,8 @@ TEST_CASE("cuda long lists: frames stop sharing after eight without long parts, 
     for (const bool extras : {false, true}) {
       CAPTURE(extras);
       Planes drawn(side), expected(side);
-      // Returns what the host knows when the next frame begins: frames without long parts, of those before
-      // the one that is drawn.
+      // Returns what the host knows when the next frame begins: frames without long warp blocks, of those
+      // before the one that is drawn.
       const auto render = [&](const DeviceScene& scene, Planes& planes, bool counted = false) {
         const View view = make_view(square_camera(side), faint(), planes.part(side, {}, extras), vec3(1));
         planes.poison();
@@ -564,7 +571,7 @@ TEST_CASE("cuda long lists: counts tell of segments only where lists are long") 
   CHECK(longer.pixels_joined <= 64 * longer.segments);
   CHECK(longer.longest_item >= 2048);
   CHECK(longer.longest_item < 9'700);  // a traversal alone would visit 9,990
-  // Where parts show little of a list, a traversal is long too.
+  // Where warp blocks show little of a list, a traversal is long too.
   const RasterCounts visited = counts_of(renderer, renderer.backend().upload(corners(14'000, 64)), camera);
   CHECK(visited.longest_item >= 2048);
   CHECK(visited.longest_item < 13'900);  // a traversal alone would visit 14,080

@@ -67,7 +67,7 @@ void check_all(const Scene& whole, const Camera& camera, Conventions conventions
     if (!is_first) continue;
 
     const ReferenceFrame& reference = square ? cut : conservative;
-    // Split terms of floats err more where a part is far from the mean of a needle.
+    // Split terms of floats err more where a warp block is far from the mean of a needle.
     const double least_db = half ? 40 : has(name, "float-split") ? 105 : 120;
     CHECK(psnr(frame.colour, reference.colour) >= least_db);
     CHECK(psnr(frame.alpha, reference.alpha) >= least_db);

@@ -25,7 +25,7 @@ using namespace swiftgs::test;
 
 namespace {
 
-/// Weight of each splat in a part of 8x8 pixels, as the kernel finds it.
+/// Weight of each splat in a warp block of 8x8 pixels, as the kernel finds it.
 std::vector<std::uint64_t> weights_in_warp_block(const SplatSet& splats, Span<const std::uint32_t> ids,
                                                  vec2 first_centre, const BlendRules& rules) {
   std::vector<std::uint64_t> parts(splats.shapes.size());
@@ -73,7 +73,7 @@ TEST_CASE("cuda arithmetic: a weight is what the pixel is dimmed by until it sto
   CHECK(stopped > 2000);
 }
 
-TEST_CASE("cuda arithmetic: weights in the parts of a raster block are those of the serial backend") {
+TEST_CASE("cuda arithmetic: weights in the warp blocks of a raster block are those of the serial backend") {
   Serial serial;
   const BlendRules rules = BlendRules::from(Conventions::gsplat());
   double sum = 0;

@@ -374,7 +374,7 @@ MUTANTS = [
            "(k * 0u) >> 9", sources=WARPS),
     Mutant("cuda raster: an occluder hides only what is behind it", CUDA + "blending.hpp", "colour.w >= occluder",
            "colour.w > occluder", sources=WARPS),
-    Mutant("cuda raster: parts are left out a thousandth early", CUDA + "box_touched.hpp", "s.cutoff * 1.0001f",
+    Mutant("cuda raster: warp blocks are left out a thousandth early", CUDA + "box_touched.hpp", "s.cutoff * 1.0001f",
            "s.cutoff * 0.999f", sources=WARPS),
     Mutant("cuda raster: per-pixel by the conic", CUDA + "exponents.hpp", "exp2_approx(-fmaf(u, u, v * v))",
            "exp2_approx(-(factor.x * factor.x * dx * dx + 2 * factor.x * factor.y * dx * dy +\n"
