@@ -50,9 +50,9 @@ struct alignas(64) Batch {
   std::size_t list_sizes[raster_block_side];
 };
 
-/// A splat's factor applied to the offsets of a raster block's columns and rows from its mean. Rows are
-/// refused by these, and the Cholesky representation is made of them.
-struct alignas(64) CholeskyExponentHere {
+/// A splat's factor applied to the offsets of columns and rows from its mean. These terms refuse rows, and
+/// make the Cholesky exponent.
+struct alignas(64) CholeskyTerms {
   float p[raster_block_side], q[raster_block_side],
       c[raster_block_side];  ///< l0 dx, l1 dy, log2(opacity) - (l2 dy)^2
 };
@@ -69,7 +69,7 @@ HWY_INLINE std::uint32_t BitsOf(Mask mask) {
 /// that `shape` touches, as `row_touched` decides them.
 template <class Visit>
 HWY_INLINE void VisitRows(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
-                          CholeskyExponentHere& HWY_RESTRICT terms, const Visit& visit) {
+                          CholeskyTerms& HWY_RESTRICT terms, const Visit& visit) {
   const F32 d;
   const Vec l0 = hn::Set(d, shape.l0), l1 = hn::Set(d, shape.l1), l2 = hn::Set(d, shape.l2);
   const Vec log2_opacity = hn::Set(d, swiftgs::log2_opacity(shape, log2_alpha_min, 1));
@@ -91,7 +91,7 @@ HWY_INLINE void VisitRows(const SplatShape& shape, vec2 first_centre, float log2
 
 /// For representations whose groups are rows.
 HWY_INLINE Touched PrepareRows(const SplatShape& shape, vec2 first_centre, float log2_alpha_min) {
-  CholeskyExponentHere terms;
+  CholeskyTerms terms;
   std::uint32_t rows = 0;
   VisitRows(shape, first_centre, log2_alpha_min, terms,
             [&](std::size_t i, Mask touched) HWY_ATTR { rows |= BitsOf(touched) << i; });
@@ -112,7 +112,7 @@ HWY_INLINE Vec MostOfFour(Vec v) {
 /// is wider by far more than all that is rounded; and p <= half - q holds after rounding too, because p is a
 /// float and rounding is monotone.
 HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
-                                 CholeskyExponentHere& HWY_RESTRICT terms) {
+                                 CholeskyTerms& HWY_RESTRICT terms) {
   static_assert(raster_block_side == 16 && Blocks::side == 4);
   const F32 d;
   const hn::RebindToSigned<F32> di;
@@ -184,8 +184,8 @@ HWY_INLINE void BlendGroup(const Exponent& HWY_RESTRICT exponent, const Batch& H
   Vec transmittance = hn::Load(d, state.transmittance[group] + first);
   const Mask ended = hn::Lt(transmittance, hn::Zero(d));
   if (hn::AllTrue(d, ended)) return;
-  // What transmittance were if pixels did not end. It only falls, so it alone says whether a pixel has ended,
-  // and splats wait for nothing but its multiply-add. Not a number where the pixel ended before.
+  // Transmittance as if pixels did not stop. It only falls, so it alone tells whether a pixel stopped, and
+  // each splat waits only for its multiply-add. NaN if the pixel stopped before.
   Vec through = hn::IfThenElse(ended, hn::NaN(d), transmittance);
   Vec red = hn::Load(d, state.red[group] + first);
   Vec green = hn::Load(d, state.green[group] + first);

@@ -33,7 +33,7 @@ class FloatCholeskyExponent {
                          Vec (&alpha)[at_once]) const {
     const F32 d;
     for (std::size_t i = 0; i < at_once; ++i) {
-      const CholeskyExponentHere& HWY_RESTRICT t = terms_[k[i]];
+      const CholeskyTerms& HWY_RESTRICT t = terms_[k[i]];
       const Vec u = hn::Add(at.OfColumns(t.p), at.OfRows(t.q));
       alpha[i] = hn::NegMulAdd(u, u, at.OfRows(t.c));
     }
@@ -52,7 +52,7 @@ class FloatCholeskyExponent {
  private:
   BlendRules rules_;
   float least_exponent_;
-  CholeskyExponentHere terms_[batch_size];
+  CholeskyTerms terms_[batch_size];
 };
 
 void FloatCholeskyRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, bool threshold,

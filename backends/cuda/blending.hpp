@@ -79,8 +79,8 @@ struct Pixel {
 };
 
 /// Splats of the first segment of a list, and of each further one. Each segment is blended by itself and
-/// joined with the segments in front of it. So many warps may blend the segments of one list, with the bits
-/// of one warp that blends them all. Most lists end within the first segment and are never cut.
+/// joined to those in front of it, so many warps may blend the segments of one list, with the bits of one
+/// warp that blends them all. Most lists end within the first segment and are never cut.
 inline constexpr unsigned first_segment_size = 512, segment_size = 128;
 
 /// Splats before segment k.
@@ -88,15 +88,14 @@ SWIFTGS_HD constexpr std::uint32_t begin_of_segment(std::uint32_t k) {
   return k == 0 ? 0 : first_segment_size + (k - 1) * segment_size;
 }
 
-/// A segment begins with the transmittance 1 / `scale_of_segment(k)`, between 1/2 and 1, and not with 1:
-/// equal segments would round alike, and their errors add up. The first begins with 1.
+/// Segment k starts with transmittance 1 / `scale_of_segment(k)`, between 1/2 and 1, so that rounding errors
+/// of segments do not correlate; compositing divides the factor out. The first starts with 1.
 SWIFTGS_HD inline float scale_of_segment(std::uint32_t k) {
   return __builtin_bit_cast(float, 0x3f800000u | (k * 0x9e3779b9u) >> 9);  // one and a fraction
 }
 
-/// Transmittance within segment k below which a pixel stops. The pixel has `before` in front of the segment.
-/// The limit is never above the transmittance that the segment begins with: a pixel stops only when a splat
-/// dims it.
+/// Transmittance within segment k below which a pixel stops; `before` is its transmittance in front of the
+/// segment. Never above the segment's first transmittance: a pixel stops only when a splat dims it.
 SWIFTGS_HD inline float stop_of_segment(float stop_below, float before, std::uint32_t k) {
   const float scale = scale_of_segment(k), scaled = before * scale;
   return fminf(scaled > 0 ? stop_below / scaled : 0.0f, 1 / scale);
@@ -121,8 +120,8 @@ SWIFTGS_HD inline bool stops_in_segment(float left, float stop_below, float befo
          left < stop_of_segment(stop_below, before, k);
 }
 
-/// At least the transmittance before each segment of a round, by that before the round: a segment that hides
-/// nothing may raise it by a rounding.
+/// An upper bound of the transmittance before each segment of a round: a segment that hides nothing may raise
+/// it by a rounding.
 SWIFTGS_HD inline float most_before(float before_round) { return before_round * 1.0001f; }
 
 /// A pixel behind some segments.
@@ -172,12 +171,12 @@ SWIFTGS_HD void blend(Pixel& pixel, float alpha, float left, const float4& colou
   pixel.transmittance = left;
 }
 
-/// Splats that are blended together, and looked at for pixels that stop.
+/// Splats of a group: they are blended together, with one test for pixels that stop.
 inline constexpr unsigned group_size = 4;
 
-/// Dims pixels by the alphas of a group and finds the weights of its colours. Tests once, for all pixels and
-/// the whole group, whether one stops, since transmittance only falls; if so, undoes the weights of that
-/// pixel from the stopping splat on. One test lets the compiler evaluate all alphas before it branches.
+/// Dims pixels by the alphas of a group of splats and finds the weights of their colours. Tests once per
+/// group for stopping, since transmittance only falls; if a pixel stopped, undoes its weights from the
+/// stopping splat on. One test lets the compiler evaluate all alphas before it branches.
 template <unsigned count>
 SWIFTGS_HD void weigh_group(Pixel (&pixels)[count], const float (&alphas)[count][group_size], float alpha_max,
                             float (&weights)[count][group_size]) {

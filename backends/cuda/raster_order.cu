@@ -8,8 +8,8 @@
 namespace swiftgs::kernels {
 namespace {
 
-/// Each block orders a share of the raster blocks, every 16th: with one block, a frame would wait for it
-/// three times as long.
+/// Each thread block orders every 16th raster block. With one thread block, this would take three times as
+/// long.
 constexpr unsigned order_blocks = 16, order_threads = 512;
 
 /// Lists of a class differ in length by a quarter at most. Longer lists are in lower classes.
@@ -23,8 +23,7 @@ __device__ unsigned class_of(TileRange list) {
   return length_classes - 1 - (4 * (octave - 1) + (length >> (octave - 2) & 3));
 }
 
-/// Of `order_blocks` blocks, the k-th puts the raster blocks of its share on every place k modulo
-/// `order_blocks`.
+/// The k-th of `order_blocks` thread blocks fills every place k modulo `order_blocks`.
 __global__ void __launch_bounds__(order_threads)
     fill_order(const TileListsView lists, const RasterBlocks raster_blocks, std::uint32_t* order) {
   __shared__ std::uint32_t places[length_classes];
@@ -61,9 +60,9 @@ __global__ void __launch_bounds__(order_threads)
   });
 }
 
-/// Blocks of `raster_warps` that a multiprocessor holds at once. In frames of more rounds of them than this,
-/// the end is short: on an H200 an order gains 6 of 144 microseconds in garden, which has 3.7 rounds, and
-/// nothing beyond 6.
+/// Thread blocks of `raster_warps` that a multiprocessor holds at once, and the most rounds of them for which
+/// an order pays: on an H200 it gains 6 of 144 microseconds in garden, which has 3.7 rounds, and nothing
+/// beyond 6 rounds.
 constexpr std::size_t blocks_at_once = 9, most_rounds = 8;
 
 }  // namespace
@@ -74,7 +73,8 @@ const std::uint32_t* order_raster_blocks(Cuda& cuda, const TileListsView& lists,
   if (raster_blocks.size() <= at_once) return nullptr;
   // As much for every frame, so that none takes memory after a larger one.
   std::uint32_t* const order = cuda.raster_order(most_rounds * at_once);
-  // Words have 16 bits for a column and for a row, and a grid in slices has more blocks than raster blocks.
+  // Words have 16 bits for a column and for a row. A grid in slices has more thread blocks than raster
+  // blocks.
   if (raster_blocks.size() > most_rounds * at_once || raster_blocks.rows > rows_of_slice ||
       raster_blocks.columns > 65535)
     return nullptr;

@@ -23,7 +23,8 @@ SWIFTGS_HD constexpr std::uint32_t epoch_after(std::uint32_t epoch) {
   return epoch + 1 == epochs_in_all ? 0 : epoch + 1;
 }
 
-/// What an operation writes beside its sums: words with another tag are older. Never 0, as cleared memory is.
+/// Tag that an operation writes beside its sums: words with another tag are older. Never 0, which cleared
+/// memory holds.
 SWIFTGS_HD constexpr std::uint32_t tag_of(std::uint32_t epoch, std::uint32_t pass = 0) {
   return epoch * most_passes + pass + 1;
 }
@@ -31,9 +32,9 @@ SWIFTGS_HD constexpr std::uint32_t tag_of(std::uint32_t epoch, std::uint32_t pas
 /// The copy of the counters to which an operation adds; it clears the other one.
 SWIFTGS_HD constexpr unsigned copy_of(std::uint32_t epoch) { return epoch % 2; }
 
-/// Tags begin again after hours, and a word that no operation has used since would then pass for a new one.
-/// So each operation clears the `row` words from this one on, where they exist and it does not use them.
-/// `mask` is one less than a power of two: the rows below it are swept one after another.
+/// Tags repeat after hours, and a word unused since would then pass for a new one. So each operation clears
+/// the `row` words from this one on that it does not use. `mask` is one less than a power of two: the rows
+/// below it are swept one after another.
 SWIFTGS_HD constexpr std::uint32_t swept_word(std::uint32_t epoch, std::uint32_t row, std::uint32_t mask) {
   return epoch * row & mask;
 }

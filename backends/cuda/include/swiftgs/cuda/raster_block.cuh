@@ -12,7 +12,7 @@
 
 namespace swiftgs::kernels {
 
-/// What the blocks of a rasterizer share: one thread block per raster block.
+/// What the thread blocks of a rasterizer share: one thread block per raster block.
 template <class ViewSource>
 struct RasterInput {
   RasterJob job;
@@ -33,9 +33,9 @@ struct RasterBlockIndex {
   __device__ std::uint32_t number(std::uint32_t columns) const { return row * columns + column; }
 };
 
-/// The raster blocks of a frame, roughly those with the longest lists first: if a block began with one of
-/// them at the end, the frame would wait for it. Null, for an order by rows, where a device holds all blocks
-/// at once, and where there are so many that the end is short.
+/// The raster blocks of a frame, roughly longest lists first: started last, a long one would delay the frame.
+/// Null, for an order by rows, if the device holds all thread blocks at once, or if there are so many that
+/// the end is short.
 SWIFTGS_API const std::uint32_t* order_raster_blocks(Cuda& cuda, const TileListsView& lists,
                                                      const RasterBlocks& raster_blocks);
 
@@ -63,8 +63,8 @@ struct OwnRasterBlock {
     view = place.view, x = place.x, y = place.y;
   }
 
-  /// Whether it has no pixel of its view, as where a view is narrower than another or slices overlap the last
-  /// row. The frame of a single view has no such raster block.
+  /// Whether it has no pixel of its view: if the view is narrower than another, or if slices overlap the last
+  /// row. Never in a frame of one view.
   template <class ViewSource>
   __device__ bool outside(const RasterInput<ViewSource>& input) const {
     if constexpr (ViewSource::only) {
@@ -86,9 +86,8 @@ struct OwnRasterBlock {
     return index(input).number(gridDim.x);
   }
 
-  /// Where its list is. From what all threads share, the block's index or a word at it: a compiler that sees
-  /// the same range for all threads spares loops over it the code for diverged warps, which is 3 % of a long
-  /// list.
+  /// Where its list is. It depends only on the thread block's index, so the compiler sees one range for all
+  /// threads and generates no code for diverged warps, which would cost 3 % on a long list.
   template <class ViewSource>
   __device__ TileRange list(const RasterInput<ViewSource>& input) const {
     const View& of = input.views[view];
@@ -96,7 +95,7 @@ struct OwnRasterBlock {
   }
 };
 
-/// What a frame wants beside colour and alpha. Kernels that know of neither are compiled apart.
+/// Whether a frame wants more than colour and alpha. Kernels without extras are compiled apart.
 inline bool wants_extras(const RasterJob& job) {
   const auto wants = [](const View& view) { return view.frame.depth.data || view.frame.occluder.data; };
   return job.counts || std::any_of(job.views.begin(), job.views.end(), wants);
@@ -117,8 +116,8 @@ void with_raster_input(Cuda& cuda, const RasterJob& job, const F& f) {
   });
 }
 
-/// Warps of `kernel` that the device holds at once, in blocks of so many threads, if it runs nothing else.
-/// 0 unless `job` is counted.
+/// Warps of `kernel` that an otherwise idle device holds at once, in blocks of `threads`. 0 unless `job` is
+/// counted.
 template <class... Parameters>
 std::uint32_t warps_at_once(const Cuda& cuda, const RasterJob& job, void (*kernel)(Parameters...),
                             unsigned threads) {
@@ -139,7 +138,7 @@ void launch_raster_blocks(Cuda& cuda, const char* name, const RasterJob& job) {
   });
 }
 
-/// Measures from its making on how long a warp works, if it is counted.
+/// Measures how long a warp works, if it is counted.
 class WarpTimer {
  public:
   /// `at_once`: warps of this kernel that the device runs at once.
@@ -161,8 +160,8 @@ class WarpTimer {
   std::uint32_t at_once_;
 };
 
-/// Adds the counts of a warp to its raster block. The raster block has visited as many intersections as the
-/// furthest of its warps. Call it on a whole warp, with the same counts on all lanes.
+/// Adds the counts of a warp to its raster block, whose visited intersections are those of its furthest warp.
+/// Call it on a whole warp, with the same counts on all lanes.
 __device__ inline void add_counts(RasterCounts& raster_block, const RasterCounts& of_warp) {
   using Word = unsigned long long;
   const auto field = [&](std::uint64_t RasterCounts::*member) {
