@@ -104,13 +104,13 @@ HWY_INLINE Vec MostOfFour(Vec v) {
   return hn::Max(v, hn::Shuffle1032(v));
 }
 
-/// Fills `terms`, with a c of minus infinity in rows that are not touched: blocks hold rows that are touched
-/// and others. In each row the splat spans the columns within `half` of its axis. A block is touched if its
-/// columns overlap the span from the least to the most of its four rows.
+/// Fills `terms`; c is minus infinity in rows that are not touched, since a 4x4 block may hold both kinds.
+/// Each row has a conservative interval of columns, `half` wide on both sides of the splat's axis. A block is
+/// touched if its columns overlap the union of its four rows' intervals.
 ///
-/// No pixel of a block that is refused is kept: a kept pixel has |p + q| below the `half` of its row, which
-/// is wider by far more than all that is rounded; and p <= half - q holds after rounding too, because p is a
-/// float and rounding is monotone.
+/// A refused block keeps no pixel: a kept pixel has |p + q| below the `half` of its row, which is wider by
+/// far more than any rounding; and p <= half - q survives rounding, because p is a float and rounding is
+/// monotone.
 HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
                                  CholeskyTerms& HWY_RESTRICT terms) {
   static_assert(raster_block_side == 16 && Blocks::side == 4);
@@ -298,9 +298,8 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
   }
 }
 
-/// Renders with what `job` asks for. Frames that ask for colour, or for depth too, are not slowed by what
-/// others ask for; of the rest there is one kind with counts and one without, since each kind takes long to
-/// compile.
+/// Renders what `job` asks for. Frames of colour, and of colour and depth, have loops of their own. All
+/// others share two, with counts and without, since each takes long to compile.
 template <class Exponent>
 void RenderRasterBlocksOf(const RasterJob& job, const RasterBlocks& blocks, std::size_t begin,
                           std::size_t end) {

@@ -48,9 +48,8 @@ struct Rows {
   static HWY_INLINE void ToRows(Plane&) {}
 };
 
-/// A group is a block of 4 x 4 pixels, which splats fill better than a row. Its pixels go down the columns:
-/// each splat has one term a column and two a row, and terms that repeat with every four pixels are loaded as
-/// they are, where others have to be spread.
+/// A group is 4x4 pixels, which splats fill better than a row. Pixels go down the columns: a splat has one
+/// term per column and two per row, and row terms, which repeat every four pixels, load without a shuffle.
 struct Blocks {
   static constexpr std::size_t side = 4;
 

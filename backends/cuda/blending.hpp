@@ -17,10 +17,9 @@
 
 namespace swiftgs::kernels {
 
-/// Alpha / alpha_max of a pixel from its log2, 0 where the pixel skips the splat: in this unit alpha is cut
-/// where devices saturate. With the dynamic threshold (SwiftGS, section 5.2) the exponent decides, not its
-/// exponential. A lane that skips cannot leave its warp: it takes the exponential, multiplies it by 0, and
-/// nothing after it asks again.
+/// Alpha / alpha_max of a pixel from its log2; 0 where the pixel skips the splat. In this unit a device's
+/// saturation cuts alpha. With the dynamic threshold (SwiftGS, section 5.2) the exponent decides, not its
+/// exponential. A lane that skips multiplies the exponential by 0 instead of branching.
 template <bool threshold>
 SWIFTGS_HD float relative_alpha(float exponent, const BlendRules& rules) {
   const float alpha = exp2_approx(exponent), least = rules.log2_relative_min;
@@ -28,9 +27,8 @@ SWIFTGS_HD float relative_alpha(float exponent, const BlendRules& rules) {
   return saturate(alpha * (kept ? 1.0f : 0.0f));
 }
 
-/// Alpha of a pixel from s, where log2(alpha) = log2(opacity) - s, of which `cutoff` is the largest that is
-/// kept; 0 where the pixel skips the splat. With the threshold s decides, and lanes that skip leave out the
-/// exponential.
+/// Alpha of a pixel from s, where log2(alpha) = log2(opacity) - s; 0 where the pixel skips the splat. With
+/// the threshold, s <= `cutoff` decides, and lanes that skip leave out the exponential.
 template <bool threshold>
 SWIFTGS_HD float alpha_of_square(float s, float cutoff, float opacity, const BlendRules& rules) {
   float alpha = 0;
@@ -43,12 +41,11 @@ SWIFTGS_HD float alpha_of_square(float s, float cutoff, float opacity, const Ble
   return alpha;
 }
 
-/// A pixel while splats are blended into it. When it stops, its transmittance becomes zero, so that whatever
-/// follows adds nothing. `stop_below` holds it from then on, negated: the pixel does not stop again.
+/// A pixel while splats are blended into it. When it stops, its transmittance becomes 0, so later splats add
+/// nothing. `stop_below` then holds the transmittance, negated, so the pixel does not stop again.
 ///
-/// Kernels of `FloatCholesky` and `FloatSplit`, and contributions, blend alphas in units of alpha_max:
-/// weights, colour and depth are in that unit too, transmittances are not. Other kernels blend alphas as they
-/// are.
+/// Kernels of `FloatCholesky` and `FloatSplit`, and contributions, blend alphas, weights, colours and depths
+/// in units of alpha_max, but not transmittances. Other kernels blend alphas as they are.
 struct Pixel {
   float red = 0, green = 0, blue = 0, depth = 0;
   float transmittance = 0;

@@ -116,9 +116,9 @@ __host__ __device__ constexpr std::uint32_t radix_words(std::uint32_t tiles) {
   return (tiles + tiles / group_tiles) * digits;
 }
 
-/// How many pairs of one digit lie in the tiles before a block's, by a thread a digit. As `RunningSum`, in
-/// two levels: all tiles of a sort this small are under way at once, so that none finds a complete sum near
-/// by. Blocks start in the order of their indices, as there.
+/// How many pairs of one digit lie in the tiles before a thread block's, one thread per digit. As
+/// `RunningSum`, in two levels: in a sort this small all tiles run at once, so none finds a complete sum near
+/// by. Blocks start in index order, as there.
 class DigitSum {
  public:
   __device__ DigitSum(std::uint64_t* words, std::uint32_t tag)

@@ -14,8 +14,8 @@ namespace kernels {
 /// rows of threads have one x term each, and the other eight one y term each.
 inline constexpr unsigned mini_batch = 8;
 
-/// What the pixels of a raster block share. Terms are two, so that one mini-batch is computed while slower
-/// warps still read the one before; a warp reads sixteen neighbouring words of x and two of y, without bank
+/// Terms that the pixels of a raster block share. Two mini-batches alternate: one is computed while slower
+/// warps still read the other. A warp reads sixteen neighbouring words of x and two of y, without bank
 /// conflicts.
 struct HalfBatch {
   SharedArray<SplatShape, block_threads> shapes;

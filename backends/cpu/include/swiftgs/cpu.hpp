@@ -32,8 +32,8 @@
 
 namespace swiftgs {
 
-/// Memory in large pages where the system grants them: splats are visited in depth order, and with small
-/// pages most visits would miss the address translation too. Throws `std::bad_alloc`.
+/// Memory in large pages where the system grants them: visits in depth order would mostly miss the address
+/// translation of small pages. Throws `std::bad_alloc`.
 struct SWIFTGS_API LargePageMemory {
   static void* allocate(std::size_t bytes);
   static void release(void* memory);
@@ -55,9 +55,9 @@ class SWIFTGS_API Cpu {
   using SceneOn = HostScene;
   using TimePoint = std::chrono::steady_clock::time_point;
 
-  /// `threads`: how many run at once, at most what oneTBB lets the process use; 0 for all of those. Each
-  /// backend has its own arena, so renderers neither wait for nor change the settings of other users of
-  /// oneTBB. What oneTBB takes for its tasks is not from `memory`.
+  /// `threads`: how many run at once, at most what oneTBB allows the process; 0: all of them. Each backend
+  /// has its own arena, so renderers and other users of oneTBB do not disturb each other. oneTBB does not
+  /// take memory of its tasks from `memory`.
   explicit Cpu(int threads = 0, const MemoryHook& memory = hook_of<LargePageMemory>());
   ~Cpu();
   Cpu(Cpu&&) noexcept;
@@ -72,9 +72,9 @@ class SWIFTGS_API Cpu {
   int threads_at_once() const;
   std::string device_name() const;
 
-  /// Shares `scene` without copying it. Reads all of its numbers once, to validate them and to bound its
-  /// chunks, and advises the system to keep them in large pages, the caller's memory included. @sync Complete
-  /// when it returns, but for `LargePages::later`.
+  /// Shares `scene` without a copy. Reads all numbers once, to validate them and to bound chunks. Advises the
+  /// system to move the arrays, the caller's memory included, to large pages. @sync Complete when it returns,
+  /// but for `LargePages::later`.
   SceneOn upload(std::shared_ptr<const Scene> scene, LargePages pages = LargePages::later) const;
   SceneOn upload(Scene scene, LargePages pages = LargePages::later) const {
     return upload(std::make_shared<const Scene>(std::move(scene)), pages);

@@ -58,15 +58,14 @@ class [[nodiscard]] Shading<Cuda> {
 SWIFTGS_API Shading<Cuda> shade(Cuda& cuda, const FramePlan& plan, const Splats<Cuda>& splats,
                                 Colours<Cuda>& colours);
 
-/// Has the device compare the numbers of splats and of intersections with the limits. If those have no
-/// capacity of intersections, it waits for the numbers. Finds footprints that `project` has not, and waits
-/// for the number of splats where the host does not know it. In the library for `AllBounds`; others:
-/// `<swiftgs/cuda.cuh>`.
+/// The device compares the numbers of splats and of intersections with the limits. Waits for the numbers if
+/// the limits have no capacity of intersections. Finds footprints if `project` did not, and then waits for an
+/// unknown number of splats. In the library for `AllBounds`; others: `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds>
 SWIFTGS_API void bin(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Splats<Cuda>& splats,
                      Footprints<Cuda>& footprints);
 
-/// Waits for the device to have compared them. The counts of `splats` and `footprints` are exact then.
+/// Waits for that comparison. Afterwards the counts of `splats` and `footprints` are exact.
 inline FrameReport await_report(Cuda& cuda, Splats<Cuda>& splats, Footprints<Cuda>& footprints,
                                 const Limits&) {
   const FrameReport report = cuda.await_report();
@@ -84,9 +83,9 @@ inline const std::uint32_t* order_by_depth(Cuda& cuda, const SplatsView& splats,
   return scratch.pairs.values.data();
 }
 
-/// `emit_intersections` with the tiles of 32 splats spread over the lanes of a warp. The footprints must hold
-/// as many intersections as they say: to check would be to wait. In the library for `AllBounds`; for others
-/// in `<swiftgs/cuda.cuh>`.
+/// `emit_intersections` with the tiles of 32 splats spread over the lanes of a warp. It trusts the
+/// footprints' number of intersections: a check would have to wait. In the library for `AllBounds`; for
+/// others in `<swiftgs/cuda.cuh>`.
 template <BoundsPolicy Bounds, class Key>
 SWIFTGS_API Count emit_intersections(Cuda& cuda, const SortJob& job, const Bounds& bounds,
                                      const std::uint32_t* order, IntersectionScratch<Cuda>& scratch,
@@ -104,18 +103,18 @@ void group_by_tile(Cuda& cuda, const SortJob& job, const Bounds& bounds, const s
   job.footprints.views.tiles.key_bits() <= 16 ? group(scratch.narrow) : group(scratch.wide);
 }
 
-/// A thread a pixel, splats in shared memory.
+/// One thread per pixel, splats in shared memory.
 SWIFTGS_API void rasterize(Cuda& cuda, PerPixel, const RasterJob& job);
 /// Terms in shared memory, eight splats at a time (SwiftGS, section 5.1).
 SWIFTGS_API void rasterize(Cuda& cuda, AxisShared<HalfSplit>, const RasterJob& job);
 SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<HalfSplit>, const RasterJob& job);
-/// Terms in registers, a warp on 8x8 pixels of its own.
+/// Terms in registers, one warp per warp block of 8x8 pixels.
 SWIFTGS_API void rasterize(Cuda& cuda, AxisShared<FloatSplit>, const RasterJob& job);
 SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<FloatSplit>, const RasterJob& job);
 SWIFTGS_API void rasterize(Cuda& cuda, AxisShared<FloatCholesky>, const RasterJob& job);
 SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<FloatCholesky>, const RasterJob& job);
 
-/// Warps of these four test each listed splat once. Threads of the others evaluate it at every pixel.
+/// Warps of these four test each listed splat once. Threads of the others evaluate each at every pixel.
 template <>
 inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisShared<FloatSplit>> = true;
 template <>
@@ -126,7 +125,8 @@ template <>
 inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisSharedThreshold<FloatCholesky>> = true;
 
 struct ContributionJob;
-/// A warp on 8x8 pixels, as the last of these, with the same bits of every weight.
+/// One warp per warp block, with the bits of every weight that `AxisSharedThreshold<FloatCholesky>` blends
+/// with.
 SWIFTGS_API void add_contributions(Cuda& cuda, const ContributionJob& job);
 
 }  // namespace swiftgs

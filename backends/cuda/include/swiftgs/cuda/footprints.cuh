@@ -10,10 +10,9 @@
 
 namespace swiftgs::kernels {
 
-/// Rows of tiles of the 32 splats of a warp, each lane's in turn, spread evenly over the lanes: a splat of
-/// many rows does not keep one lane busy. `tiles` are those of the warp's splats, `rect` is that of the
-/// lane's, empty where it has none. Calls f(owner, row, run) on all lanes together, with an empty run on
-/// lanes that are left without a row.
+/// Spreads the tile rows of a warp's 32 splats evenly over its lanes, lane after lane, so that a splat of
+/// many rows does not keep one lane busy. `tiles` are those of the warp's splats, `rect` is the lane's, empty
+/// if it has none. Calls f(owner, row, run) on all lanes together; lanes without a row get an empty run.
 template <class Tiles, class F>
 __device__ void for_each_row(const Tiles* tiles, TileRect rect, const F& f) {
   const std::uint32_t rows = rect.columns.size() == 0 ? 0 : std::uint32_t(rect.rows.size());

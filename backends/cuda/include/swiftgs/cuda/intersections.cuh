@@ -66,9 +66,9 @@ struct LargeSplats {
   LastCounters<std::uint32_t> counts;
 };
 
-/// Writes one pair for each tile of the splats of a block, after those of the blocks before it. A warp writes
-/// the intersections of its 32 splats together: neighbouring lanes write neighbouring words, however unlike
-/// the splats are. Blocks without a splat have nothing to do, but the first.
+/// Writes one pair for each tile of a thread block's splats, after those of the blocks before it. A warp
+/// writes the intersections of its 32 splats together, so neighbouring lanes write neighbouring words. Thread
+/// blocks without a splat return, but for the first.
 template <class Key>
 __global__ void __launch_bounds__(emit_threads)
     emit_intersections(const Footprint* footprints, const Count splats, const float* depths,

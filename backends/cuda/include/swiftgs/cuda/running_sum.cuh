@@ -10,9 +10,8 @@
 
 namespace swiftgs::kernels {
 
-/// The number of the operation that this kernel belongs to. A thread that reads it hands it to the word that
-/// its block publishes, and nobody reads it after that: the block that ends the epoch has waited for all
-/// words.
+/// The epoch of this kernel's operation. A thread reads it before its thread block publishes a word. The
+/// block that ends the epoch waits for all words, so no read follows.
 template <class Counters>
 __device__ std::uint32_t read_epoch(const EpochsView<Counters>& epochs) {
   // Not to be moved to where it is needed, and from the multiprocessor's cache where another block asked.
@@ -57,9 +56,9 @@ class SumWord {
   std::uint64_t bits_;
 };
 
-/// A sum that runs over the blocks of one kernel, in order, while they run (Merrill and Garland 2016,
-/// single-pass scan with decoupled look-back), by one word a block. A block waits for those of a lower index:
-/// devices start blocks in the order of their indices, on which CUB's scan relies too.
+/// A sum over the thread blocks of one kernel while they run: single-pass scan with decoupled look-back
+/// (Merrill and Garland 2016), one word per block. A block waits for those of lower indices: devices start
+/// blocks in index order, on which CUB's scan relies too.
 class RunningSum {
  public:
   __device__ RunningSum(std::uint64_t* words, std::uint32_t epoch) : words_(words), tag_(tag_of(epoch)) {}
@@ -73,9 +72,8 @@ class RunningSum {
   __device__ std::uint32_t before(std::uint32_t value) const {
     std::uint32_t sum = 0;
     for (std::uint32_t end = blockIdx.x; end != 0; end -= min(end, warp_size)) {
-      // Look at a block a lane, the nearest on lane 0. Those before the first block add nothing. Looking at
-      // 128 or more at once takes longer: what blocks read again while they wait is in the way of what others
-      // publish.
+      // Each lane looks at one block, lane 0 at the nearest. Those before the first block add nothing.
+      // Looking at 128 or more at once takes longer: repeated reads delay what others publish.
       const unsigned back = lane_index();
       SumWord word = back < end ? read(end - 1 - back) : SumWord(tag_, SumWord::complete, 0);
       while (word.tag() != tag_) word = read(end - 1 - back);

@@ -29,14 +29,14 @@
 
 namespace swiftgs {
 
-/// Renders frames of a scene of which each rank holds a part. Every rank projects its own Gaussians, sends
-/// the splats to the ranks whose strips of tiles they touch, and draws its own strip by the stages of
-/// `Renderer`. The bits are those of one `Renderer`, whatever the number of ranks.
+/// Renders frames of a scene of which each rank holds a part. Each rank projects its own Gaussians, sends
+/// splats to the ranks whose strips they touch, and draws its own strip by the stages of `Renderer`. The bits
+/// are those of one `Renderer`, for any number of ranks.
 ///
-/// Part r of the scene holds Gaussians that follow those of part r - 1 in the order of the scene
-/// (`part_of`). All functions that render are collective, and all ranks ask for the same views. Where one
-/// rank fails, all throw: that rank its own error, the others `RankError`; the renderers stay usable. Only
-/// after an `MpiError` ranks may be anywhere in a frame, and the program must end.
+/// Part r of the scene holds Gaussians that follow those of part r - 1 in the order of the scene (`part_of`).
+/// All functions that render are collective, and all ranks ask for the same views. If one rank fails, all
+/// throw: that rank its own error, the others `RankError`; the renderers stay usable. After an `MpiError` the
+/// program must end.
 template <class B, class Sort, class Raster, class Bounds>
 requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRenderer {
  public:
@@ -62,9 +62,9 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   /// What brings splats from rank to rank: "host", which is MPI, or the name of a `DirectLink`.
   std::string_view carrier() const { return link_ ? link_->name() : "host"; }
 
-  /// Renders into memory that this rank brings for whole views, and that its backend reaches: the rows of its
-  /// strip are written, see `drawn`, and no others are looked at. Finished when it returns. Throws as
-  /// `Renderer::render_into`, and `RankError`.
+  /// Renders into this rank's memory for whole views, which its backend reaches. Reads and writes only the
+  /// rows of its strip, see `drawn`. Finished when it returns. Throws as `Renderer::render_into`, and
+  /// `RankError`.
   void render_into(const SceneView& part, Span<const View> views) {
     Failure failure;
     outputs_ = 0;

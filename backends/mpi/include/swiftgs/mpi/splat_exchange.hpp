@@ -66,9 +66,8 @@ struct SWIFTGS_API JoinColours {
 /// The loops of an exchange: a device's compiler must see them.
 using ExchangeLoops = TypeList<KeepShapes, CountViewsFrom, JoinColours, ClearWord>;
 
-/// Brings each rank the splats that its strip may show, those of all ranks one behind the other: since parts
-/// of a scene follow its order, splats of a view come in the order of their Gaussians, and equal depths are
-/// sorted as in one process.
+/// Brings each rank the splats that its strip may show, rank after rank. Parts of a scene follow its order,
+/// so splats of a view are in the order of their Gaussians, and equal depths sort as in one process.
 template <class B>
 class SplatExchange {
  public:

@@ -85,9 +85,8 @@ SWIFTGS_API FrameReport await_shares(Cuda& cuda, Shares<Cuda>& shares);
 /// or NCCL_MULTI_RANK_GPU_ENABLE lets them share one (NCCL 2.30).
 SWIFTGS_API std::unique_ptr<DirectLink> direct_link(const Ranks& ranks, Cuda& cuda);
 
-/// Makes a device of this machine the current one: ranks of one machine share its devices out among them.
-/// Call it before a `Cuda` is made. Returns the device's number. Collective. Throws `DeviceError` where there
-/// is none.
+/// Makes a device of this machine the current one: the ranks of a machine share its devices. Call it before a
+/// `Cuda` is made. Returns the device's number. Collective. Throws `DeviceError` where there is none.
 SWIFTGS_API int take_device(const Ranks& ranks);
 
 }  // namespace swiftgs
