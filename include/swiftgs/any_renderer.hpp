@@ -43,8 +43,8 @@ class SWIFTGS_API AnyRenderer {
   virtual void set_scene(const SceneArrays& arrays) = 0;
 
   /// Shares the scene that `other` has uploaded, without another copy. Returns false, and changes nothing, if
-  /// `other` has no scene or another backend. A scene of `SceneArrays` is there in the order of the stream of
-  /// `other`: another stream has to wait for that before it draws the scene.
+  /// `other` has no scene or another backend. A scene of `SceneArrays` is ready in the stream order of
+  /// `other`: another stream must wait for that before it draws the scene.
   virtual bool share_scene(const AnyRenderer& other) = 0;
 
   /// As `Renderer::render`. Throws `std::logic_error` before a scene is set.

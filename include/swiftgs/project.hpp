@@ -157,9 +157,9 @@ SWIFTGS_HD SWIFTGS_NOINLINE inline SplatFactor factor_in_double(const ViewConsta
   return factor(ImageAxes<double>(v, at, g.scale, g.rotation), double(v.blur));
 }
 
-/// How far beyond its box a splat is visible in a part of an image. Rounding may keep a pixel outside of the
-/// box; the image shows it, so its parts must. Twice the slack of bounds, and thus visible wherever they list
-/// the splat for such a pixel. @units{pixels}
+/// How far beyond its box a splat counts as visible in a part of an image. Rounding may keep a pixel outside
+/// of the box, and parts must show it too. Twice the slack of bounds, so visible wherever they list the splat
+/// for such a pixel. @units{pixels}
 SWIFTGS_HD inline float part_slack(float half_width, float half_height) {
   return 2 * bounds_slack(half_width, half_height);
 }

@@ -60,9 +60,9 @@ struct SWIFTGS_API CompactSplats {
 };
 
 namespace detail {
-/// The loops of `project`, which appends the splats of one view after the other. Not inlined: a compiler that
-/// fuses multiplications and additions may do so differently in each copy, and conservative bounds must draw
-/// the same bits.
+/// The loops of `project`, which appends the splats of one view after the other. Not inlined: a compiler may
+/// fuse multiplications and additions differently in each copy, and all conservative bounds must draw the
+/// same bits.
 template <BackendPolicy B>
 [[gnu::noinline]] void project_splats(B& b, const FramePlan& plan, ProjectScratch<B>& scratch,
                                       Splats<B>& splats) {

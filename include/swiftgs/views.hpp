@@ -94,9 +94,8 @@ struct Views {
   FrameTiles tiles;              ///< of all views
 
   Views() = default;
-  /// Throws `std::invalid_argument` if there are no or too many views, if the frame of one has no pixels or
-  /// too many, if its tiles do not cover it, or if tiles are not numbered as `number_tiles` does; and
-  /// `CapacityError` beyond `max_frame_tiles`.
+  /// Throws `std::invalid_argument` for no or too many views, a frame of no or too many pixels, tiles that do
+  /// not cover it, or tiles that `number_tiles` did not number; and `CapacityError` beyond `max_frame_tiles`.
   Views(Span<const View> views, const View* stored_views = nullptr)
       : each(views), stored(stored_views), tiles(detail::frame_tiles(views)) {}
   Views(const View* first, std::size_t count) : Views(Span<const View>{first, count}) {}

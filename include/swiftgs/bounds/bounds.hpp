@@ -26,12 +26,11 @@ struct BoxTiles {
 };
 
 /// Policy: which tiles a splat may touch. `tiles` finds the box of those tiles, `rect`, and prepares what its
-/// rows need; `row` then finds the run of columns in one row of the box, within its columns. A run, not a
-/// test a tile, because an ellipse meets a row of tiles in one run: one evaluation a row decides all.
-/// `conservative` promises that no tile is left out in which a pixel keeps the splat, nor one of which 8x8
-/// pixels pass the box test of `Cuda`: the ellipse s <= 1.0001 cutoff meets the box of their centres. `Cuda`
-/// cuts long lists into segments of such splats. A splat between two rows of pixel centres is listed nowhere,
-/// though.
+/// rows need; `row` then finds the run of columns in one row of the box. An ellipse meets a row of tiles in
+/// one run, so one evaluation per row replaces a test per tile. Conservative bounds include every tile in
+/// which a pixel keeps the splat, and every tile that the 8x8 test of `Cuda` accepts: the ellipse s <= 1.0001
+/// cutoff meets the box of a warp block's pixel centres. `Cuda` cuts long lists into segments of such splats.
+/// A splat between two rows of pixel centres is listed nowhere.
 template <class P>
 concept BoundsPolicy = requires(const P bounds, const SplatShape& shape, TileGrid grid, int row) {
   { P::name } -> std::convertible_to<std::string_view>;
@@ -65,9 +64,9 @@ SWIFTGS_HD inline TileRun tiles_between(float low, float high, int side, TileRun
           clamped_floor(last * inverse_side + 1, among.begin, among.end)};
 }
 
-/// Tiles of `among` whose span from first to last pixel centre meets [low, high] @units{pixels}.
-/// Columns are found so: a rasterizer visits the rows of pixels in which the span meets the ellipse, and
-/// rounded terms may keep a centre there although the ellipse passes between two.
+/// Tiles of `among` whose span from first to last pixel centre meets [low, high] @units{pixels}. For columns:
+/// a rasterizer visits the rows of pixels in which the span meets the ellipse, and rounding may keep a centre
+/// there although the ellipse passes between two.
 SWIFTGS_HD inline TileRun tiles_meeting(float low, float high, int side, TileRun among) {
   const float inverse_side = inverse_of(side);
   const float first = std::ceil((low - (float(side) - 0.5f)) * inverse_side);

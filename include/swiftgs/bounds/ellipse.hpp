@@ -29,9 +29,8 @@ struct SWIFTGS_API Ellipse {
       steepest_ = height_ * slope / std::sqrt(1 + slope * slope);
     }
 
-    /// The part of the ellipse in a row of tiles is convex, so it spans one run of columns. Its left and
-    /// right ends are the ellipse's own where those lie in the row, and on the row's nearer border where they
-    /// do not.
+    /// The part of the ellipse in a row of tiles is convex, so it spans one run of columns. Its ends are the
+    /// ellipse's own if those lie in the row, else they lie on the row's nearer border.
     SWIFTGS_HD TileRun row(int row) const {
       const float top = float(row * side_) + 0.5f - mean_.y - slack_;
       const float bottom = top + float(side_ - 1) + 2 * slack_;

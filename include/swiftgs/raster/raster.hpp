@@ -19,9 +19,8 @@
 
 namespace swiftgs {
 
-/// What rasterizing one raster block took. With `Cuda`, all counts but `contributing_pairs` and
-/// `pixels_stopped` differ from run to run, since different warps take up long lists. `balanced_ps` differs
-/// on every backend.
+/// What rasterizing one raster block took. With `Cuda`, only `contributing_pairs` and `pixels_stopped` repeat
+/// from run to run, since any warp may take the rest of a long list. `balanced_ps` repeats on no backend.
 struct RasterCounts {
   std::uint64_t intersections_visited = 0;  ///< of its tile's list, before all its pixels had stopped
   std::uint64_t rows_visited = 0;           ///< rows of pixels on which an intersection was evaluated
@@ -252,8 +251,8 @@ int threads_at_once(const B& b) {
 }
 
 /// Renders every raster block of `job` with the arithmetic of `R::Kernel`, on hosts. Backends overload this
-/// for policies that they have kernels for; a device, where a thread a raster block would be of no use, for
-/// all others. Throws as `raster_blocks_of`.
+/// for policies that they have kernels for; a device also for all others, since one thread per raster block
+/// would be slow. Throws as `raster_blocks_of`.
 template <BackendPolicy B, RasterPolicy R>
 requires(bool(B::reaches_host_memory)) void rasterize(B& b, R, const RasterJob& job) {
   const RasterBlocks blocks = raster_blocks_of(job);

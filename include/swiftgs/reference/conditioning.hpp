@@ -27,9 +27,9 @@ struct ConditionedFrame {
   ReferenceFrame frame;                                     ///< without counts
   std::vector<double> colour_move, alpha_move, depth_move;  ///< as in `frame`: largest move in the trials
 
-  /// @shape{height, width} Weight that may change hands, for renderers of each representation of the
-  /// exponent: of splats whose test may fall out either way, of what lies behind a stop that may come a splat
-  /// earlier or later, and of alphas as far as the representation may err. 0 where nothing may.
+  /// @shape{height, width} Ambiguous weight for each exponent representation: of splats whose test may go
+  /// either way, of what lies behind a stop that may come a splat earlier or later, and of alphas as far as
+  /// the representation may err. 0 in pixels that are not ambiguous.
   std::array<std::vector<double>, exponent_representations> ambiguous;
 
   double colour_span = 0;  ///< largest difference of two colours, background included
@@ -66,8 +66,8 @@ struct PixelState {
 
 /// A pixel as it is and in every trial. All take the decisions of the first.
 ///
-/// Trials keep floats. What many roundings add up to is found by rounding, not estimated: at alphas near a
-/// power of 2 those of equal layers lean to one side for many layers, and elsewhere they do not.
+/// Trials round to float, because sums of roundings cannot be estimated: near a power of 2 those of equal
+/// layers lean to one side, elsewhere they do not.
 struct VariedPixel {
   PixelState<double> exact;
   std::array<PixelState<float>, trials> moved;

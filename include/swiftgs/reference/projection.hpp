@@ -156,9 +156,8 @@ inline Eigen::Vector3d camera_space_mean(const Scene& scene, std::size_t i, cons
   return view.rotation * Eigen::Vector3d(m.x, m.y, m.z) + view.translation;
 }
 
-/// Projects Gaussian `i`, whose mean is at `p` in camera space, but for its colour, without asking the
-/// planes, its opacity or the image. Nothing where it has no splat: its numbers are not finite, or its
-/// splat's are not or are too large.
+/// Projects Gaussian `i`, whose mean is at `p` in camera space, without its colour. Does not test planes,
+/// opacity or image. Returns nothing if its numbers or its splat's are not finite, or too large.
 inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, const Eigen::Vector3d& p,
                                              const View& view) {
   const Conventions& k = view.conventions;

@@ -124,9 +124,9 @@ class FootprintCut {
   /// Keeps every pixel.
   FootprintCut() = default;
 
-  /// The square of three standard deviations of `splat`. `ThreeSigmaSquare` works the larger axis out from a
-  /// difference of squares, like INRIA's code. Of a splat that is nearly round, half the digits are left of
-  /// it; so the axis may be off by 2^-12 of itself.
+  /// The square of three standard deviations of `splat`. `ThreeSigmaSquare` computes the larger axis from a
+  /// difference of squares, like INRIA's code. A nearly round splat loses half the digits of it, so the axis
+  /// may be off by 2^-12 of itself.
   FootprintCut(const Splat& splat, const std::vector<SplatNumbers>& numbers) {
     const double sigmas = three_sigmas(splat.covariance), off = std::ldexp(sigmas, -12);
     double move_x = 0, move_y = 0;
