@@ -46,7 +46,7 @@ class GraphStand {
       batch(k);
       const Statistics counts = renderer_->statistics();
       most.splats = std::max(most.splats, counts.visible);
-      most.instances = std::max(most.instances, counts.instances);
+      most.intersections = std::max(most.intersections, counts.intersections);
     }
     recorder_.emplace(Cuda(stream_));
     const std::vector<View> first = views_of(0);

@@ -49,7 +49,7 @@ StageTimes Stand::render(const std::vector<Camera>& views, Statistics& statistic
     renderer_->render(view, settings_, frame_);
     sum = sum + renderer_->times();
     const Statistics counts = renderer_->statistics();
-    statistics.visible += counts.visible, statistics.instances += counts.instances;
+    statistics.visible += counts.visible, statistics.intersections += counts.intersections;
   }
   return 1.0 / double(views.size()) * sum;
 }
@@ -71,7 +71,8 @@ void Stand::run(benchmark::State& state, const RendererEntry& entry, const Input
     state.counters["sort_ms"] = Counter(sum.sort, Counter::kAvgIterations);
     state.counters["raster_ms"] = Counter(sum.raster, Counter::kAvgIterations);
     state.counters["visible"] = Counter(part * double(statistics.visible), Counter::kAvgIterations);
-    state.counters["instances"] = Counter(part * double(statistics.instances), Counter::kAvgIterations);
+    state.counters["intersections"] =
+        Counter(part * double(statistics.intersections), Counter::kAvgIterations);
     state.counters["peak_mib"] = peak_memory();
   } catch (const std::exception& error) {
     failed_ = true;

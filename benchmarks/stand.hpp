@@ -18,7 +18,7 @@ namespace swiftgs::bench {
 class Stand {
  public:
   /// Renders every view of `views` in each iteration and reports the mean duration of one as manual time,
-  /// with the stages' means, visible splats, instances and the peak memory of the process as counters.
+  /// with the stages' means, visible splats, intersections and the peak memory of the process as counters.
   /// `reported` chooses the duration.
   void run(benchmark::State& state, const RendererEntry& entry, const Input& input,
            const std::vector<Camera>& views, double StageTimes::*reported);

@@ -25,7 +25,7 @@ struct FlatEllipses {
 
   class Kernel {
    public:
-    /// `first_centre` is the centre of the square's first pixel @units{pixels}.
+    /// `first_centre` is the centre of the raster block's first pixel @units{pixels}.
     SWIFTGS_HD Kernel(const SplatShape& shape, vec2 first_centre, BlendRules rules)
         : terms_(shape, first_centre),
           height_(shape.opacity < rules.alpha_max ? shape.opacity : rules.alpha_max),
@@ -53,7 +53,7 @@ static_assert(RasterPolicy<FlatEllipses>);
 /// it is only told of a smaller splat.
 struct OneSigma {
   static constexpr std::string_view name = "one-sigma";
-  static constexpr bool lossless = false;  // for rasterizers that draw whole Gaussians
+  static constexpr bool conservative = false;  // for rasterizers that draw whole Gaussians
 
   SWIFTGS_HD Ellipse::Tiles tiles(const SplatShape& shape, TileGrid grid) const {
     return Ellipse().tiles(shrunk(shape), grid);
@@ -62,9 +62,9 @@ struct OneSigma {
  private:
   SWIFTGS_HD static SplatShape shrunk(const SplatShape& shape) {
     SplatShape small = shape;
-    if (shape.reach <= one_sigma) return small;
-    small.half_width *= std::sqrt(one_sigma / shape.reach);
-    small.reach = one_sigma;
+    if (shape.cutoff <= one_sigma) return small;
+    small.half_width *= std::sqrt(one_sigma / shape.cutoff);
+    small.cutoff = one_sigma;
     return small;
   }
 };
@@ -78,7 +78,7 @@ Frame render(const Scene& scene, const Camera& camera) {
   settings.count = true;
   const Frame frame = renderer.render(renderer.backend().upload(scene), camera, settings);
   const Statistics statistics = renderer.statistics();
-  std::cout << renderer.name << ": " << statistics.instances << " instances, "
+  std::cout << renderer.name << ": " << statistics.intersections << " intersections, "
             << statistics.raster.contributing_pairs << " contributions\n";
   return frame;
 }

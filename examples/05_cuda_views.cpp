@@ -26,9 +26,9 @@ using namespace swiftgs;
 
 namespace {
 
-// The sheet: an eye beside the other, the overview below, nothing in the gaps.
+// The atlas: an eye beside the other, the overview below, nothing in the gaps.
 constexpr int eye_width = 640, eye_height = 480, gap = 12;
-constexpr int sheet_width = 2 * eye_width + gap, sheet_height = 2 * eye_height + gap;
+constexpr int atlas_width = 2 * eye_width + gap, atlas_height = 2 * eye_height + gap;
 
 struct Destroy {
   void operator()(cudaStream_t stream) const { cudaStreamDestroy(stream); }
@@ -67,7 +67,7 @@ struct Gaussians {
   std::vector<Memory> memory_;
 };
 
-/// A view, and the place of its first pixel in the sheet.
+/// A view, and the place of its first pixel in the atlas.
 struct Region {
   Camera camera;
   std::size_t x = 0, y = 0;
@@ -85,11 +85,11 @@ Camera eye(double side) {
 
 /// From above; y points down.
 Camera overview() {
-  return look_at(dvec3(5.5, -5.0, -8.0), dvec3(0, -0.6, 0), dvec3(0, -1, 0), 0.6, sheet_width, eye_height);
+  return look_at(dvec3(5.5, -5.0, -8.0), dvec3(0, -0.6, 0), dvec3(0, -1, 0), 0.6, atlas_width, eye_height);
 }
 
 /// Half pixels on the host, with the bits that fill the gaps.
-struct Sheet {
+struct Atlas {
   struct Pixel {
     Half r, g, b, a;
   };
@@ -97,15 +97,15 @@ struct Sheet {
   static constexpr int unwritten_byte = 0xff;
   static bool written(const Pixel& p) { return !std::isnan(to_float(p.a)); }
 
-  const Pixel& at(std::size_t x, std::size_t y) const { return pixels[y * sheet_width + x]; }
+  const Pixel& at(std::size_t x, std::size_t y) const { return pixels[y * atlas_width + x]; }
 
-  std::vector<Pixel> pixels = std::vector<Pixel>(std::size_t(sheet_width) * sheet_height);
+  std::vector<Pixel> pixels = std::vector<Pixel>(std::size_t(atlas_width) * atlas_height);
 };
 
 /// The gaps, being NaN, become black.
-void save(const char* path, const Sheet& sheet) {
-  Frame frame{.width = sheet_width, .height = sheet_height, .colour = {}, .alpha = {}, .depth = {}};
-  for (const Sheet::Pixel& p : sheet.pixels)
+void save(const char* path, const Atlas& atlas) {
+  Frame frame{.width = atlas_width, .height = atlas_height, .colour = {}, .alpha = {}, .depth = {}};
+  for (const Atlas::Pixel& p : atlas.pixels)
     for (const Half channel : {p.r, p.g, p.b}) frame.colour.push_back(to_float(channel));
   write_png(path, frame);
 }
@@ -124,12 +124,12 @@ int main(int argc, char** argv) try {
   const Scene scene = make_builtin_scene();
   const Gaussians gaussians(scene, stream.get());
 
-  constexpr std::size_t row = sheet_width * sizeof(Sheet::Pixel);
+  constexpr std::size_t row = atlas_width * sizeof(Atlas::Pixel);
   void* memory = nullptr;
   std::size_t pitch = 0;
-  check_cuda(cudaMallocPitch(&memory, &pitch, row, sheet_height), "cudaMallocPitch");
+  check_cuda(cudaMallocPitch(&memory, &pitch, row, atlas_height), "cudaMallocPitch");
   const Memory owner(memory);
-  check_cuda(cudaMemset2DAsync(memory, pitch, Sheet::unwritten_byte, row, sheet_height, stream.get()),
+  check_cuda(cudaMemset2DAsync(memory, pitch, Atlas::unwritten_byte, row, atlas_height, stream.get()),
              "cudaMemset2DAsync");
 
   // One renderer for all: its memory serves each view in turn.
@@ -138,30 +138,30 @@ int main(int argc, char** argv) try {
   RenderSettings settings;
   settings.time = true;
   for (const Region& region : regions) {
-    const Plane<Sheet::Pixel> sheet{static_cast<Sheet::Pixel*>(memory), std::ptrdiff_t(pitch)};
+    const Plane<Atlas::Pixel> atlas{static_cast<Atlas::Pixel*>(memory), std::ptrdiff_t(pitch)};
     renderer.render_into(gaussians.view, region.camera, settings,
                          {.width = region.camera.width,
                           .height = region.camera.height,
-                          .colour = {sheet.row(region.y) + region.x, sheet.pitch},
+                          .colour = {atlas.row(region.y) + region.x, atlas.pitch},
                           .format = PixelFormat::rgba_half});
   }
 
-  Sheet sheet;
-  check_cuda(cudaMemcpy2DAsync(sheet.pixels.data(), row, memory, pitch, row, sheet_height,
+  Atlas atlas;
+  check_cuda(cudaMemcpy2DAsync(atlas.pixels.data(), row, memory, pitch, row, atlas_height,
                                cudaMemcpyDeviceToHost, stream.get()),
              "cudaMemcpy2DAsync");
   check_cuda(cudaStreamSynchronize(stream.get()), "cudaStreamSynchronize");
-  if (argc > 1) save(argv[1], sheet);
+  if (argc > 1) save(argv[1], atlas);
 
   // Every pixel of the three regions is written and none between them, and the eyes do not see the same.
   std::size_t wrong = 0, apart = 0;
-  for (std::size_t y = 0; y < sheet_height; ++y)
-    for (std::size_t x = 0; x < sheet_width; ++x) {
+  for (std::size_t y = 0; y < atlas_height; ++y)
+    for (std::size_t x = 0; x < atlas_width; ++x) {
       const bool above = y < eye_height, below = y >= eye_height + gap;
       const bool inside = below || (above && (x < eye_width || x >= eye_width + gap));
-      wrong += inside != Sheet::written(sheet.at(x, y));
+      wrong += inside != Atlas::written(atlas.at(x, y));
       if (above && x < eye_width)
-        apart += std::memcmp(&sheet.at(x, y), &sheet.at(x + eye_width + gap, y), sizeof(Sheet::Pixel)) != 0;
+        apart += std::memcmp(&atlas.at(x, y), &atlas.at(x + eye_width + gap, y), sizeof(Atlas::Pixel)) != 0;
     }
   // The times of a frame are known when it is done.
   const StageTimes times = renderer.times();

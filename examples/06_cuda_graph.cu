@@ -3,7 +3,8 @@
 // A stereo frame as one CUDA graph: the program draws a window for both eyes, the splats follow where the
 // panes are, and a kernel makes a red-cyan image of the pair. All of it is captured once and replayed while
 // the eyes fly towards the scene: the CPU launches one graph a frame and waits for none. Now and then it
-// looks whether the splats still had room. The last image is written as PNG to the path that is given.
+// looks whether the splats were within the capacity. The last image is written as PNG to the path that is
+// given.
 #include <cmath>
 #include <cstddef>
 #include <exception>
@@ -147,14 +148,14 @@ int main(int argc, char** argv) try {
     check_cuda(cudaGraphLaunch(graph.get(), stream.get()), "cudaGraphLaunch");
   };
 
-  capture(0, {});  // room for what the first frame shows, and an eighth more
+  capture(0, {});  // capacity for what the first frame shows, and an eighth more
   for (int k = 0; k < frames; ++k) {
     replay(k);
     if (k % frames_a_look != frames_a_look - 1) continue;
     check_cuda(cudaStreamSynchronize(stream.get()), "cudaStreamSynchronize");
     if (report->overflowed == 0) continue;
-    // This frame shows the window alone, and the report says how much room it needs. Take twice as much.
-    capture(k, {std::size_t(2 * report->visible), std::size_t(2 * report->instances)});
+    // This frame shows the window alone, and the report says which capacity it needs. Take twice as much.
+    capture(k, {std::size_t(2 * report->visible), std::size_t(2 * report->intersections)});
     replay(k);
   }
   const Frame image = download(stream.get(), planes);
@@ -166,8 +167,8 @@ int main(int argc, char** argv) try {
   enqueue(stream.get(), planes, [&] { renderer.render_into(scene.view(), {views.data(), views.size()}); });
   const bool same = download(stream.get(), planes).colour == image.colour;
   std::cout << frames << " frames from " << captures << " captures, the last of " << report->visible
-            << " splats and " << report->instances << " instances; its bits are " << (same ? "" : "not ")
-            << "those of a frame without a graph\n";
+            << " splats and " << report->intersections << " intersections; its bits are "
+            << (same ? "" : "not ") << "those of a frame without a graph\n";
   return same && captures > 1 && report->overflowed == 0 ? 0 : 1;
 } catch (const std::exception& error) {
   std::cerr << error.what() << '\n';

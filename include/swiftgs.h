@@ -21,7 +21,8 @@
 /// asked, and live as long. Arrays and strings that a caller passes in are read before the function returns.
 ///
 /// **Threads.** Scenes and lists of cameras never change, and any number of threads may read them. Calls to
-/// one renderer take turns; renderers of several threads draw at once. Free a handle when no call uses it.
+/// one renderer run one after another; renderers of several threads draw at once. Free a handle when no call
+/// uses it.
 ///
 /// **Paths and strings** are bytes that end in zero, as the file system has them.
 

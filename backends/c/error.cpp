@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "error.hpp"
 
+#include <cstddef>
 #include <exception>
+#include <iterator>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -70,32 +72,19 @@ swiftgs_status keep_exception() noexcept {
 extern "C" {
 
 const char* swiftgs_status_name(swiftgs_status status) {
-  switch (status) {
-    case SWIFTGS_OK:
-      return "SWIFTGS_OK";
-    case SWIFTGS_INVALID_ARGUMENT:
-      return "SWIFTGS_INVALID_ARGUMENT";
-    case SWIFTGS_FORMAT_ERROR:
-      return "SWIFTGS_FORMAT_ERROR";
-    case SWIFTGS_CANCELLED:
-      return "SWIFTGS_CANCELLED";
-    case SWIFTGS_SYSTEM_ERROR:
-      return "SWIFTGS_SYSTEM_ERROR";
-    case SWIFTGS_DEVICE_ERROR:
-      return "SWIFTGS_DEVICE_ERROR";
-    case SWIFTGS_CAPACITY_ERROR:
-      return "SWIFTGS_CAPACITY_ERROR";
-    case SWIFTGS_LOGIC_ERROR:
-      return "SWIFTGS_LOGIC_ERROR";
-    case SWIFTGS_OUT_OF_MEMORY:
-      return "SWIFTGS_OUT_OF_MEMORY";
-    case SWIFTGS_UNAVAILABLE:
-      return "SWIFTGS_UNAVAILABLE";
-    case SWIFTGS_INTERNAL_ERROR:
-      return "SWIFTGS_INTERNAL_ERROR";
-    default:
-      return "unknown status";
-  }
+  static constexpr const char* names[] = {"SWIFTGS_OK",
+                                          "SWIFTGS_INVALID_ARGUMENT",
+                                          "SWIFTGS_FORMAT_ERROR",
+                                          "SWIFTGS_CANCELLED",
+                                          "SWIFTGS_SYSTEM_ERROR",
+                                          "SWIFTGS_DEVICE_ERROR",
+                                          "SWIFTGS_CAPACITY_ERROR",
+                                          "SWIFTGS_LOGIC_ERROR",
+                                          "SWIFTGS_OUT_OF_MEMORY",
+                                          "SWIFTGS_UNAVAILABLE",
+                                          "SWIFTGS_INTERNAL_ERROR"};
+  static_assert(std::size(names) == SWIFTGS_INTERNAL_ERROR + 1);
+  return std::size_t(status) < std::size(names) ? names[status] : "unknown status";
 }
 
 const char* swiftgs_last_error(void) { return swiftgs::c::last_error().text; }

@@ -16,7 +16,7 @@ namespace {
 
 static_assert(sizeof(swiftgs_report) == sizeof(FrameReport) &&
               offsetof(swiftgs_report, visible) == offsetof(FrameReport, visible) &&
-              offsetof(swiftgs_report, instances) == offsetof(FrameReport, instances) &&
+              offsetof(swiftgs_report, intersections) == offsetof(FrameReport, intersections) &&
               offsetof(swiftgs_report, overflowed) == offsetof(FrameReport, overflowed));
 
 swiftgs_frame read_frame(const swiftgs_frame* given) {
@@ -69,10 +69,11 @@ swiftgs_status swiftgs_renderer_reserve(swiftgs_renderer* renderer, const swiftg
                                         const swiftgs_capacity* capacity) {
   return guarded([&] {
     const Turn any = of(renderer);
-    const swiftgs_capacity room = read_options(capacity, "swiftgs_capacity");
-    require_zero(room.reserved, "swiftgs_capacity");
+    const swiftgs_capacity asked_capacity = read_options(capacity, "swiftgs_capacity");
+    require_zero(asked_capacity.reserved, "swiftgs_capacity");
     const swiftgs_frame asked = read_frame(frame);
-    any->reserve(views_of(*renderer, asked), {std::size_t(room.splats), std::size_t(room.instances)});
+    any->reserve(views_of(*renderer, asked),
+                 {std::size_t(asked_capacity.splats), std::size_t(asked_capacity.intersections)});
   });
 }
 

@@ -17,10 +17,10 @@ namespace {
 
 swiftgs_statistics to_struct(const Statistics& from) {
   swiftgs_statistics to{};
-  to.gaussians = from.gaussians, to.visible = from.visible, to.instances = from.instances;
-  to.instances_visited = from.raster.instances_visited, to.rows_visited = from.raster.rows_visited;
+  to.gaussians = from.gaussians, to.visible = from.visible, to.intersections = from.intersections;
+  to.intersections_visited = from.raster.intersections_visited, to.rows_visited = from.raster.rows_visited;
   to.contributing_pairs = from.raster.contributing_pairs, to.pixels_stopped = from.raster.pixels_stopped;
-  to.pieces = from.raster.pieces, to.pixels_joined = from.raster.pixels_joined;
+  to.segments = from.raster.segments, to.pixels_joined = from.raster.pixels_joined;
   to.longest_item = from.raster.longest_item;
   to.balanced_ms = from.balanced_ms();
   return to;

@@ -74,11 +74,7 @@ std::uint64_t Cpu::exclusive_scan(Span<std::uint32_t> counts) {
   for (std::size_t part = 0; part < parts; ++part) total += std::exchange(sums[part], total);
   for_each_part(*this, counts.size, parts, [&](std::size_t part, Part range) {
     std::uint64_t sum = sums[part];
-    for (std::size_t i = range.begin; i < range.end; ++i) {
-      const std::uint32_t here = counts[i];
-      counts[i] = std::uint32_t(sum);
-      sum += here;
-    }
+    for (std::size_t i = range.begin; i < range.end; ++i) sum += std::exchange(counts[i], std::uint32_t(sum));
   });
   return total;
 }

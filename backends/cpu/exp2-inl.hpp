@@ -55,11 +55,10 @@ HWY_INLINE hn::Vec512<float> TimesPower(hn::Full512<float>, hn::Vec512<float> p,
 #endif
 
 /// Sets each v to 2^v for v in [-126, 126], within 2e-7 of the true value, relative: 1.72e-7 with fused
-/// multiply-adds, 1.94e-7 without. Outside, to an arbitrary float. With `kept`, an array of n masks, to 0
-/// where they are not set, whatever v is there.
+/// multiply-adds, 1.94e-7 without. Outside, the result is arbitrary. With `kept`, an array of n masks, it is
+/// 0 where they are not set, for any v.
 ///
-/// Each step of n vectors stands before the next step: a step waits for the one before, so n of them keep the
-/// processor busy where one would not.
+/// exp2 is latency-bound, so n vectors take each step together.
 template <std::size_t n, class D, class V = hn::Vec<D>, class... Masks>
 HWY_INLINE void Exp2(D d, V (&v)[n], const Masks&... kept) {
   V whole[n], p[n];

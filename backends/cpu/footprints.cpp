@@ -29,7 +29,7 @@ using VecU = hn::Vec<U32>;
 constexpr std::size_t lanes = hn::MaxLanes(F32());
 
 struct Shapes {
-  Vec mean_x, mean_y, l0, l1, l2, reach, half_width;
+  Vec mean_x, mean_y, l0, l1, l2, cutoff, half_width;
 };
 struct Runs {
   VecI begin, end;
@@ -55,7 +55,7 @@ HWY_INLINE Shapes LoadShapes(const SplatShape* HWY_RESTRICT shapes) {
           .l0 = even(2),
           .l1 = even(3),
           .l2 = odd(0),
-          .reach = odd(2),
+          .cutoff = odd(2),
           .half_width = odd(3)};
 }
 
@@ -83,12 +83,12 @@ HWY_INLINE Runs TilesMeeting(Vec low, Vec high, int side, TileRun among) {
 }
 
 HWY_INLINE Vec Inverse(Vec v) { return hn::Div(All(1.0f), v); }
-HWY_INLINE Vec HalfHeight(const Shapes& s) { return hn::Mul(hn::Sqrt(s.reach), Inverse(s.l2)); }
+HWY_INLINE Vec HalfHeight(const Shapes& s) { return hn::Mul(hn::Sqrt(s.cutoff), Inverse(s.l2)); }
 HWY_INLINE Vec Slack(Vec half_width, Vec half_height) {
   return hn::Add(All(1e-2f), hn::Mul(All(1e-4f), hn::Add(half_width, half_height)));
 }
 
-/// Vector form of bounds whose rows all span the whole box.
+/// Vector version of bounds whose rows all span the whole box.
 struct BoxRows {
   HWY_INLINE Runs Row(const Rects& rects, int) const { return rects.columns; }
 };
@@ -164,7 +164,7 @@ class VectorEllipse {
   }
   HWY_INLINE Vec Edge(Vec y, Vec sign) const {
     const Vec v = hn::Mul(shapes_.l2, y);
-    const Vec rest = hn::Max(hn::Sub(shapes_.reach, hn::Mul(v, v)), hn::Zero(F32()));
+    const Vec rest = hn::Max(hn::Sub(shapes_.cutoff, hn::Mul(v, v)), hn::Zero(F32()));
     return hn::Mul(hn::Sub(hn::Mul(sign, hn::Sqrt(rest)), hn::Mul(shapes_.l1, y)), inverse_l0_);
   }
   HWY_INLINE VecI Within(VecI tile, const Runs& runs) const {

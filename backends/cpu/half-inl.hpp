@@ -14,7 +14,7 @@
 
 #include <swiftgs/half.hpp>
 
-#include "square-inl.hpp"
+#include "raster_block-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {

@@ -71,12 +71,13 @@ inline std::uint32_t counts_to_places(const Cpu& cpu, std::uint32_t* counts, std
   return all;
 }
 
-/// Has `blend(squares, begin, end)` blend all squares of `job`, in parallel. Throws as `squares_of`.
+/// Has `blend(blocks, begin, end)` blend all raster blocks of `job`, in parallel. Throws as
+/// `raster_blocks_of`.
 template <class F>
-void for_squares(const Cpu& cpu, const RasterJob& job, const F& blend) {
-  const Squares squares = squares_of(job);
-  const auto blend_some = [&](std::size_t begin, std::size_t end) { blend(squares, begin, end); };
-  cpu.for_parts(squares.size(), 4, BlendOnHost<decltype(blend_some)>{job, cpu.threads_at_once(), blend_some});
+void for_raster_blocks(const Cpu& cpu, const RasterJob& job, const F& blend) {
+  const RasterBlocks blocks = raster_blocks_of(job);
+  const auto blend_some = [&](std::size_t begin, std::size_t end) { blend(blocks, begin, end); };
+  cpu.for_parts(blocks.size(), 4, BlendOnHost<decltype(blend_some)>{job, cpu.threads_at_once(), blend_some});
 }
 
 }  // namespace swiftgs

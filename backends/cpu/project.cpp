@@ -100,7 +100,7 @@ HWY_INLINE Vec3 Cross(const Vec3& a, const Vec3& b) {
           hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
 }
 
-/// Vector form of `needs_double`.
+/// Vector version of `needs_double`.
 HWY_INLINE Mask NeedsDouble(Vec tx, Vec ty, Vec pixels_x, Vec pixels_y, const Vec3& scale, Vec mean_x,
                             Vec mean_y) {
   const F32 d;
@@ -162,7 +162,7 @@ struct VisibleSplats {
   std::size_t count = 0;
 };
 
-/// Vector form of `project_shape`, and of the compaction after it.
+/// Vector version of `project_shape`, and of the compaction after it.
 HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::uint32_t first_id,
                              VisibleSplats& out) {
   const F32 d;
@@ -223,8 +223,8 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   const Vec l0 = hn::Div(root, hn::Sqrt(var_x_given_y));
   const Vec l1 = hn::Neg(hn::Mul(l0, hn::Mul(xy, inv_var_y)));
   const Vec l2 = hn::Mul(root, inv_sigma_y);
-  const Vec reach = hn::Max(hn::CallLog2(d, hn::Div(opacity, alpha_min)), hn::Zero(d));
-  const Vec extent = hn::Mul(hn::Sqrt(reach), hn::Set(d, float(1 / to_base_2)));
+  const Vec cutoff = hn::Max(hn::CallLog2(d, hn::Div(opacity, alpha_min)), hn::Zero(d));
+  const Vec extent = hn::Mul(hn::Sqrt(cutoff), hn::Set(d, float(1 / to_base_2)));
   const Vec half_width = hn::Mul(extent, hn::Sqrt(var_x)),
             half_height = hn::Mul(extent, hn::Mul(var_y, inv_sigma_y));
   const auto reaches = [&](Vec x, Vec y, float left, float top, float right, float bottom) HWY_ATTR {
@@ -245,7 +245,7 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   alignas(64) float front[lanes * 4], back[lanes * 4];
   const auto pack = [&](Vec value) HWY_ATTR { return hn::Compress(value, visible); };
   hn::StoreInterleaved4(pack(mean_x), pack(mean_y), pack(l0), pack(l1), d, front);
-  hn::StoreInterleaved4(pack(l2), pack(opacity), pack(reach), pack(half_width), d, back);
+  hn::StoreInterleaved4(pack(l2), pack(opacity), pack(cutoff), pack(half_width), d, back);
   const hn::RebindToUnsigned<F32> du;
   hn::StoreU(pack(z), d, out.depths + out.count);
   hn::StoreU(hn::Compress(hn::Iota(du, first_id), hn::RebindMask(du, visible)), du, out.ids + out.count);
@@ -306,7 +306,7 @@ constexpr std::size_t task_size = 32 * chunk_size;
 
 constexpr std::size_t task_count(std::size_t gaussians) { return (gaussians + task_size - 1) / task_size; }
 
-/// Appends the splats of one view, if there is room for them.
+/// Appends the splats of one view, if they fit.
 void project_view(Cpu& cpu, const FramePlan& plan, std::size_t view, ProjectScratch<Cpu>& scratch,
                   Splats<Cpu>& splats) {
   const Views& views = plan.views;
@@ -347,8 +347,8 @@ void project_view(Cpu& cpu, const FramePlan& plan, std::size_t view, ProjectScra
 
 }  // namespace
 
-void ProjectScratch<Cpu>::reserve(Cpu&, const FrameRoom& room) {
-  const std::size_t n = room.gaussians;
+void ProjectScratch<Cpu>::reserve(Cpu&, const Reservation& reserved) {
+  const std::size_t n = reserved.gaussians;
   shapes.reset_exactly(n), depths.reset_exactly(n), gaussians.reset_exactly(n);
   counts.reset_exactly(task_count(n));
 }

@@ -20,14 +20,14 @@
 #include <swiftgs/raster/raster.hpp>
 
 #include "exp2-inl.hpp"
-#include "square-inl.hpp"
+#include "raster_block-inl.hpp"
 #include "store-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Splats that are prepared together: their terms stay in the first-level cache while groups walk over them.
+/// Splats that are prepared together: their terms stay in the first-level cache while groups traverse them.
 constexpr std::size_t batch_size = 64;
 
 /// Splats whose alphas are evaluated together: as many as there are registers for.
@@ -37,23 +37,24 @@ constexpr std::size_t at_once = lanes == 16 ? 4 : 2;
 /// and far from denormal results, on which processors are slow. Conventions that show such alphas need more.
 inline float LeastExponent(const BlendRules& rules) { return rules.log2_alpha_min < -40 ? -126.0f : -64.0f; }
 
-/// A bit for each group and for each row of a square that a splat touches.
+/// A bit for each group and for each row of a raster block that a splat touches.
 struct Touched {
   std::uint32_t groups, rows;
 };
 
-/// What every form needs of the splats of a batch.
+/// What every exponent representation needs of a batch.
 struct alignas(64) Batch {
-  std::uint32_t group_masks[batch_size];                 ///< bit g: the splat touches group g
-  float colours[batch_size][4];                          ///< RGB, depth
-  std::uint32_t lists[square_side][batch_size + lanes];  ///< for each group the splats that touch it
-  std::size_t list_sizes[square_side];
+  std::uint32_t group_masks[batch_size];                       ///< bit g: the splat touches group g
+  float colours[batch_size][4];                                ///< RGB, depth
+  std::uint32_t lists[raster_block_side][batch_size + lanes];  ///< for each group the splats that touch it
+  std::size_t list_sizes[raster_block_side];
 };
 
-/// A splat's factor applied to the offsets of a square's columns and rows from its mean. Rows are refused by
-/// these, and the Cholesky form is made of them.
+/// A splat's factor applied to the offsets of columns and rows from its mean. These terms refuse rows, and
+/// make the Cholesky exponent.
 struct alignas(64) CholeskyTerms {
-  float p[square_side], q[square_side], c[square_side];  ///< l0 dx, l1 dy, log2(opacity) - (l2 dy)^2
+  float p[raster_block_side], q[raster_block_side],
+      c[raster_block_side];  ///< l0 dx, l1 dy, log2(opacity) - (l2 dy)^2
 };
 
 HWY_INLINE std::uint32_t BitsOf(Mask mask) {
@@ -73,22 +74,22 @@ HWY_INLINE void VisitRows(const SplatShape& shape, vec2 first_centre, float log2
   const Vec l0 = hn::Set(d, shape.l0), l1 = hn::Set(d, shape.l1), l2 = hn::Set(d, shape.l2);
   const Vec log2_opacity = hn::Set(d, swiftgs::log2_opacity(shape, log2_alpha_min, 1));
   const float first_dx = first_centre.x - shape.mean.x, first_dy = first_centre.y - shape.mean.y;
-  for (std::size_t i = 0; i < square_side; i += lanes)
+  for (std::size_t i = 0; i < raster_block_side; i += lanes)
     hn::Store(hn::Mul(l0, hn::Add(hn::Set(d, first_dx), hn::Iota(d, float(i)))), d, terms.p + i);
-  const Vec first_p = hn::Set(d, terms.p[0]), last_p = hn::Set(d, terms.p[square_side - 1]);
-  for (std::size_t i = 0; i < square_side; i += lanes) {
+  const Vec first_p = hn::Set(d, terms.p[0]), last_p = hn::Set(d, terms.p[raster_block_side - 1]);
+  for (std::size_t i = 0; i < raster_block_side; i += lanes) {
     const Vec dy = hn::Add(hn::Set(d, first_dy), hn::Iota(d, float(i)));
     const Vec q = hn::Mul(l1, dy), v = hn::Mul(l2, dy);
     hn::Store(q, d, terms.q + i);
     hn::Store(hn::NegMulAdd(v, v, log2_opacity), d, terms.c + i);
     const Vec nearest = hn::Max(hn::Max(hn::Add(first_p, q), hn::Neg(hn::Add(last_p, q))), hn::Zero(d));
-    // Against the reach, not against c: the rounding of a sum with log2(alpha_min) is far larger than the
-    // reach of a faint splat, and would accept rows in tiles that lossless bounds do not list.
-    visit(i, hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.reach)));
+    // Against the cutoff, not against c: the rounding of a sum with log2(alpha_min) is far larger than the
+    // cutoff of a faint splat, and would accept rows in tiles that conservative bounds do not list.
+    visit(i, hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.cutoff)));
   }
 }
 
-/// For forms whose groups are rows.
+/// For representations whose groups are rows.
 HWY_INLINE Touched PrepareRows(const SplatShape& shape, vec2 first_centre, float log2_alpha_min) {
   CholeskyTerms terms;
   std::uint32_t rows = 0;
@@ -103,16 +104,16 @@ HWY_INLINE Vec MostOfFour(Vec v) {
   return hn::Max(v, hn::Shuffle1032(v));
 }
 
-/// Fills `terms`, with a c of minus infinity in rows that are not touched: blocks hold rows that are touched
-/// and others. In each row the splat spans the columns within `half` of its axis. A block is touched if its
-/// columns overlap the span from the least to the most of its four rows.
+/// Fills `terms`; c is minus infinity in rows that are not touched, since a 4x4 block may hold both kinds.
+/// Each row has a conservative interval of columns, `half` wide on both sides of the splat's axis. A block is
+/// touched if its columns overlap the union of its four rows' intervals.
 ///
-/// No pixel of a block that is refused is kept: a kept pixel has |p + q| below the `half` of its row, which
-/// is wider by far more than all that is rounded; and p <= half - q holds after rounding too, because p is a
-/// float and rounding is monotone.
+/// A refused block keeps no pixel: a kept pixel has |p + q| below the `half` of its row, which is wider by
+/// far more than any rounding; and p <= half - q survives rounding, because p is a float and rounding is
+/// monotone.
 HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
                                  CholeskyTerms& HWY_RESTRICT terms) {
-  static_assert(square_side == 16 && Blocks::side == 4);
+  static_assert(raster_block_side == 16 && Blocks::side == 4);
   const F32 d;
   const hn::RebindToSigned<F32> di;
   Touched all = {0, 0};
@@ -136,19 +137,19 @@ HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, flo
 
 /// Turns one mask of groups a splat into one list of splats a group.
 HWY_INLINE void ListGroups(Batch& HWY_RESTRICT batch, std::size_t splats) {
-  const hn::CappedTag<std::uint32_t, square_side> d;
-  for (std::size_t group = 0; group < square_side; ++group) batch.list_sizes[group] = 0;
+  const hn::CappedTag<std::uint32_t, raster_block_side> d;
+  for (std::size_t group = 0; group < raster_block_side; ++group) batch.list_sizes[group] = 0;
   for (std::size_t first = 0; first < splats; first += lanes) {
     const auto masks = hn::Load(d, batch.group_masks + first);
     const auto index = hn::Iota(d, std::uint32_t(first));
-    for (std::size_t group = 0; group < square_side; ++group) {
+    for (std::size_t group = 0; group < raster_block_side; ++group) {
       const auto touched = hn::TestBit(masks, hn::Set(d, 1u << group));
       batch.list_sizes[group] +=
           hn::CompressStore(index, touched, d, batch.lists[group] + batch.list_sizes[group]);
     }
   }
   // Alphas are evaluated beyond the end, of whatever splat.
-  for (std::size_t group = 0; group < square_side; ++group)
+  for (std::size_t group = 0; group < raster_block_side; ++group)
     for (std::size_t i = 0; i + 1 < at_once; ++i) batch.lists[group][batch.list_sizes[group] + i] = 0;
 }
 
@@ -173,18 +174,18 @@ HWY_INLINE Vec CutAlpha(const BlendRules& rules, Vec alpha) {
 
 /// Blends the listed splats into one part of a group. The state stays in registers, so a splat costs its
 /// arithmetic and the loads of its terms.
-template <class Form, bool kDepth, bool kCount, bool kOccluder>
-HWY_INLINE void BlendGroup(const Form& HWY_RESTRICT form, const Batch& HWY_RESTRICT batch,
-                           const BlendRules& rules, SquareState& HWY_RESTRICT state, std::size_t group,
-                           std::size_t part, SquareCounts& counts) {
+template <class Exponent, bool kDepth, bool kCount, bool kOccluder>
+HWY_INLINE void BlendGroup(const Exponent& HWY_RESTRICT exponent, const Batch& HWY_RESTRICT batch,
+                           const BlendRules& rules, RasterBlockState& HWY_RESTRICT state, std::size_t group,
+                           std::size_t part, RasterCounts& counts) {
   const F32 d;
   const std::size_t first = part * lanes;
-  const typename Form::Groups::Part place(group, part);
+  const typename Exponent::Groups::Part place(group, part);
   Vec transmittance = hn::Load(d, state.transmittance[group] + first);
   const Mask ended = hn::Lt(transmittance, hn::Zero(d));
   if (hn::AllTrue(d, ended)) return;
-  // What transmittance were if pixels did not end. It only falls, so it alone says whether a pixel has ended,
-  // and splats wait for nothing but its multiply-add. Not a number where the pixel ended before.
+  // Transmittance as if pixels did not stop. It only falls, so it alone tells whether a pixel stopped, and
+  // each splat waits only for its multiply-add. NaN if the pixel stopped before.
   Vec through = hn::IfThenElse(ended, hn::NaN(d), transmittance);
   Vec red = hn::Load(d, state.red[group] + first);
   Vec green = hn::Load(d, state.green[group] + first);
@@ -198,7 +199,7 @@ HWY_INLINE void BlendGroup(const Form& HWY_RESTRICT form, const Batch& HWY_RESTR
   alignas(64) float alphas[batch_size + at_once][lanes];  // 0 where a pixel skips the splat
   for (std::size_t i = 0; i < n; i += at_once) {
     Vec alpha[at_once];
-    form.Alphas(list + i, place, alpha);
+    exponent.Alphas(list + i, place, alpha);
     for (std::size_t j = 0; j < at_once; ++j) hn::Store(alpha[j], d, alphas[i + j]);
   }
 
@@ -242,75 +243,77 @@ HWY_INLINE void PrefetchSplats(const RasterJob& job, std::size_t from, std::size
   }
 }
 
-/// Renders squares [begin, end): the list of each is walked in batches, and each batch group by group.
-template <class Form, bool kDepth, bool kCount, bool kOccluder>
-void RenderSquares(const RasterJob& job, const Squares& squares, std::size_t begin, std::size_t end) {
-  SquareState state;
+/// Renders raster blocks [begin, end): traverses each list in batches, and each batch group by group.
+template <class Exponent, bool kDepth, bool kCount, bool kOccluder>
+void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::size_t begin,
+                        std::size_t end) {
+  RasterBlockState state;
   Batch batch;
   const bool some_hidden = job.colours.some_hidden();
 
-  for (std::size_t square = begin; square < end; ++square) {
-    const PlacedSquare place(job.views, squares, square);
-    SquareCounts counts;
-    if (job.counts) job.counts[square] = counts;
+  for (std::size_t block = begin; block < end; ++block) {
+    const PlacedRasterBlock place(job.views, blocks, block);
+    RasterCounts counts;
+    if (job.counts) job.counts[block] = counts;
     if (place.empty()) continue;
     const View& view = place.view;
-    Form form(view.rules);
-    Clear<typename Form::Groups, kDepth, kOccluder>(view.frame, place, state);
+    Exponent exponent(view.rules);
+    Clear<typename Exponent::Groups, kDepth, kOccluder>(view.frame, place, state);
     const TileRange range = place.list(job);
     const std::uint32_t* ids = job.lists.ids.data;
     std::uint32_t live = range.begin < range.end ? Live(state.transmittance) : 0;
     PrefetchSplats(job, range.begin, range.begin + batch_size, range.end);
     PrefetchPixels(view.frame, place);
     for (std::size_t at = range.begin; at < range.end && live != 0; at += batch_size) {
-      const std::uint32_t live_rows = kCount ? LiveRows<typename Form::Groups>(state.transmittance) : 0;
+      const std::uint32_t live_rows = kCount ? LiveRows<typename Exponent::Groups>(state.transmittance) : 0;
       // Prepare the splats of the batch: their terms, and the groups that each touches.
       const std::size_t splats = std::min<std::size_t>(batch_size, range.end - at);
       for (std::size_t k = 0; k < splats; ++k) {
         const std::uint32_t id = ids[at + k];
         std::memcpy(batch.colours[k], &job.colours.each[id], sizeof batch.colours[k]);
         Touched touched =
-            form.Prepare(k, job.splats.shapes[id], place.first_centre, view.rules.log2_alpha_min);
+            exponent.Prepare(k, job.splats.shapes[id], place.first_centre, view.rules.log2_alpha_min);
         if (some_hidden && is_hidden(job.colours.each[id])) touched = {0, 0};
         batch.group_masks[k] = touched.groups & live;
         if constexpr (kCount) counts.rows_visited += std::uint64_t(std::popcount(touched.rows & live_rows));
       }
       for (std::size_t k = splats; k % lanes != 0; ++k) batch.group_masks[k] = 0;
       ListGroups(batch, splats);
-      for (std::size_t group = 0; group < square_side; ++group) {
+      for (std::size_t group = 0; group < raster_block_side; ++group) {
         // The next batch's splats come from memory while this one's are blended.
-        constexpr std::size_t share = batch_size / square_side;
+        constexpr std::size_t share = batch_size / raster_block_side;
         const std::size_t next = at + batch_size + group * share;
         PrefetchSplats(job, next, next + share, range.end);
         if (batch.list_sizes[group] != 0)
           for (std::size_t part = 0; part < parts; ++part)
-            BlendGroup<Form, kDepth, kCount, kOccluder>(form, batch, view.rules, state, group, part, counts);
+            BlendGroup<Exponent, kDepth, kCount, kOccluder>(exponent, batch, view.rules, state, group, part,
+                                                            counts);
       }
       live = Live(state.transmittance);
-      counts.instances_visited += splats;
+      counts.intersections_visited += splats;
     }
-    StoreSquare<typename Form::Groups>(view, place, state);
-    counts.longest_item = counts.instances_visited;
-    if (job.counts) job.counts[square] = counts;
+    StoreRasterBlock<typename Exponent::Groups>(view, place, state);
+    counts.longest_item = counts.intersections_visited;
+    if (job.counts) job.counts[block] = counts;
   }
 }
 
-/// Renders with what `job` asks for. Frames that ask for colour, or for depth too, are not slowed by what
-/// others ask for; of the rest there is one kind with counts and one without, since each kind takes long to
-/// compile.
-template <class Form>
-void RenderSquaresOf(const RasterJob& job, const Squares& squares, std::size_t begin, std::size_t end) {
+/// Renders what `job` asks for. Frames of colour, and of colour and depth, have loops of their own. All
+/// others share two, with counts and without, since each takes long to compile.
+template <class Exponent>
+void RenderRasterBlocksOf(const RasterJob& job, const RasterBlocks& blocks, std::size_t begin,
+                          std::size_t end) {
   const auto some_view = [&](const auto& wants) {
     return std::any_of(job.views.begin(), job.views.end(), wants);
   };
   if (job.counts)
-    RenderSquares<Form, true, true, true>(job, squares, begin, end);
+    RenderRasterBlocks<Exponent, true, true, true>(job, blocks, begin, end);
   else if (some_view([](const View& view) { return view.frame.occluder.data != nullptr; }))
-    RenderSquares<Form, true, false, true>(job, squares, begin, end);
+    RenderRasterBlocks<Exponent, true, false, true>(job, blocks, begin, end);
   else if (some_view([](const View& view) { return view.frame.depth.data != nullptr; }))
-    RenderSquares<Form, true, false, false>(job, squares, begin, end);
+    RenderRasterBlocks<Exponent, true, false, false>(job, blocks, begin, end);
   else
-    RenderSquares<Form, false, false, false>(job, squares, begin, end);
+    RenderRasterBlocks<Exponent, false, false, false>(job, blocks, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

@@ -17,11 +17,11 @@ namespace swiftgs::HWY_NAMESPACE {
 
 /// log2(alpha) = c[y] - (p[x] + q[y])^2: the terms that refuse rows are the terms of the pixels.
 template <bool kThreshold>
-class FloatCholeskyForm {
+class FloatCholeskyExponent {
  public:
   using Groups = Blocks;
 
-  explicit FloatCholeskyForm(const BlendRules& rules)
+  explicit FloatCholeskyExponent(const BlendRules& rules)
       : rules_(rules), least_exponent_(LeastExponent(rules)) {}
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
@@ -55,10 +55,10 @@ class FloatCholeskyForm {
   CholeskyTerms terms_[batch_size];
 };
 
-void FloatCholeskySquares(const RasterJob& job, const Squares& squares, bool threshold, std::size_t begin,
-                          std::size_t end) {
-  threshold ? RenderSquaresOf<FloatCholeskyForm<true>>(job, squares, begin, end)
-            : RenderSquaresOf<FloatCholeskyForm<false>>(job, squares, begin, end);
+void FloatCholeskyRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, bool threshold,
+                               std::size_t begin, std::size_t end) {
+  threshold ? RenderRasterBlocksOf<FloatCholeskyExponent<true>>(job, blocks, begin, end)
+            : RenderRasterBlocksOf<FloatCholeskyExponent<false>>(job, blocks, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
@@ -67,11 +67,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace swiftgs {
 namespace {
-HWY_EXPORT(FloatCholeskySquares);
+HWY_EXPORT(FloatCholeskyRasterBlocks);
 
 void run(Cpu& cpu, const RasterJob& job, bool threshold) {
-  for_squares(cpu, job, [&](const Squares& squares, std::size_t begin, std::size_t end) {
-    HWY_DYNAMIC_DISPATCH(FloatCholeskySquares)(job, squares, threshold, begin, end);
+  for_raster_blocks(cpu, job, [&](const RasterBlocks& blocks, std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(FloatCholeskyRasterBlocks)(job, blocks, threshold, begin, end);
   });
 }
 }  // namespace

@@ -15,7 +15,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 
-/// `swiftgs::FloatSplit`: measured from the square's centre, terms as they are computed, s at least 0.
+/// `swiftgs::FloatSplit`: measured from the raster block's centre, terms as they are computed, s at least 0.
 struct FloatSplitTerms {
   using Cell = float;
   static HWY_INLINE Vec Row(const Cell* HWY_RESTRICT terms) { return hn::Load(F32(), terms); }
@@ -26,7 +26,7 @@ struct FloatSplitTerms {
   template <class Terms>
   static HWY_INLINE void Prepare(const SplatShape& shape, vec2 first_centre, Terms& HWY_RESTRICT t) {
     const F32 d;
-    constexpr float half_side = 0.5f * float(square_side - 1);
+    constexpr float half_side = 0.5f * float(raster_block_side - 1);
     const float from_x = first_centre.x + half_side - shape.mean.x;
     const float from_y = first_centre.y + half_side - shape.mean.y;
     const float u = shape.l0 * from_x + shape.l1 * from_y, v = shape.l2 * from_y;
@@ -35,7 +35,7 @@ struct FloatSplitTerms {
     const Vec linear_x = hn::Set(d, 2 * shape.l0 * u),
               linear_y = hn::Set(d, 2 * (shape.l1 * u + shape.l2 * v));
     const Vec constant = hn::Set(d, u * u + v * v);
-    for (std::size_t i = 0; i < square_side; i += lanes) {
+    for (std::size_t i = 0; i < raster_block_side; i += lanes) {
       const Vec from_centre = hn::Iota(d, float(i) - half_side);
       hn::Store(hn::Mul(hn::MulAdd(a, from_centre, linear_x), from_centre), d, t.x_square + i);
       hn::Store(hn::Mul(b, from_centre), d, t.x_mixed + i);
@@ -45,10 +45,10 @@ struct FloatSplitTerms {
   }
 };
 
-void FloatSplitSquares(const RasterJob& job, const Squares& squares, bool threshold, std::size_t begin,
-                       std::size_t end) {
-  threshold ? RenderSquaresOf<SplitForm<FloatSplitTerms, true>>(job, squares, begin, end)
-            : RenderSquaresOf<SplitForm<FloatSplitTerms, false>>(job, squares, begin, end);
+void FloatSplitRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, bool threshold,
+                            std::size_t begin, std::size_t end) {
+  threshold ? RenderRasterBlocksOf<SplitExponent<FloatSplitTerms, true>>(job, blocks, begin, end)
+            : RenderRasterBlocksOf<SplitExponent<FloatSplitTerms, false>>(job, blocks, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
@@ -57,11 +57,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace swiftgs {
 namespace {
-HWY_EXPORT(FloatSplitSquares);
+HWY_EXPORT(FloatSplitRasterBlocks);
 
 void run(Cpu& cpu, const RasterJob& job, bool threshold) {
-  for_squares(cpu, job, [&](const Squares& squares, std::size_t begin, std::size_t end) {
-    HWY_DYNAMIC_DISPATCH(FloatSplitSquares)(job, squares, threshold, begin, end);
+  for_raster_blocks(cpu, job, [&](const RasterBlocks& blocks, std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(FloatSplitRasterBlocks)(job, blocks, threshold, begin, end);
   });
 }
 }  // namespace

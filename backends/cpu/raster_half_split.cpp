@@ -32,7 +32,7 @@ struct HalfSplitTerms {
     const Vec a = hn::Set(d, shape.l0 * shape.l0), b = hn::Set(d, 2 * shape.l0 * shape.l1);
     const Vec c = hn::Set(d, shape.l1 * shape.l1 + shape.l2 * shape.l2);
     const float first_dx = first_centre.x - shape.mean.x, first_dy = first_centre.y - shape.mean.y;
-    for (std::size_t i = 0; i < square_side; i += lanes) {
+    for (std::size_t i = 0; i < raster_block_side; i += lanes) {
       const Vec dx = hn::Add(hn::Set(d, first_dx), hn::Iota(d, float(i)));
       const Vec dy = hn::Add(hn::Set(d, first_dy), hn::Iota(d, float(i)));
       Store(hn::Mul(hn::Mul(a, dx), dx), t.x_square + i);
@@ -49,10 +49,10 @@ struct HalfSplitTerms {
   }
 };
 
-void HalfSplitSquares(const RasterJob& job, const Squares& squares, bool threshold, std::size_t begin,
-                      std::size_t end) {
-  threshold ? RenderSquaresOf<SplitForm<HalfSplitTerms, true>>(job, squares, begin, end)
-            : RenderSquaresOf<SplitForm<HalfSplitTerms, false>>(job, squares, begin, end);
+void HalfSplitRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, bool threshold,
+                           std::size_t begin, std::size_t end) {
+  threshold ? RenderRasterBlocksOf<SplitExponent<HalfSplitTerms, true>>(job, blocks, begin, end)
+            : RenderRasterBlocksOf<SplitExponent<HalfSplitTerms, false>>(job, blocks, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
@@ -61,11 +61,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace swiftgs {
 namespace {
-HWY_EXPORT(HalfSplitSquares);
+HWY_EXPORT(HalfSplitRasterBlocks);
 
 void run(Cpu& cpu, const RasterJob& job, bool threshold) {
-  for_squares(cpu, job, [&](const Squares& squares, std::size_t begin, std::size_t end) {
-    HWY_DYNAMIC_DISPATCH(HalfSplitSquares)(job, squares, threshold, begin, end);
+  for_raster_blocks(cpu, job, [&](const RasterBlocks& blocks, std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(HalfSplitRasterBlocks)(job, blocks, threshold, begin, end);
   });
 }
 }  // namespace

@@ -16,11 +16,11 @@ HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 
 /// Each pixel evaluates its whole exponent, from the factor as it is stored, and exponential.
-class PerPixelForm {
+class PerPixelExponent {
  public:
   using Groups = Rows;
 
-  explicit PerPixelForm(const BlendRules& rules) : rules_(rules), least_exponent_(LeastExponent(rules)) {}
+  explicit PerPixelExponent(const BlendRules& rules) : rules_(rules), least_exponent_(LeastExponent(rules)) {}
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                              float log2_alpha_min) {
@@ -51,7 +51,7 @@ class PerPixelForm {
   }
 
   struct Splat {
-    float mean_x, mean_y;  ///< from the square's first pixel centre
+    float mean_x, mean_y;  ///< from the raster block's first pixel centre
     float l0, l1, l2, opacity;
   };
   BlendRules rules_;
@@ -59,8 +59,9 @@ class PerPixelForm {
   Splat splats_[batch_size];
 };
 
-void PerPixelSquares(const RasterJob& job, const Squares& squares, std::size_t begin, std::size_t end) {
-  RenderSquaresOf<PerPixelForm>(job, squares, begin, end);
+void PerPixelRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::size_t begin,
+                          std::size_t end) {
+  RenderRasterBlocksOf<PerPixelExponent>(job, blocks, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
@@ -69,12 +70,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace swiftgs {
 namespace {
-HWY_EXPORT(PerPixelSquares);
+HWY_EXPORT(PerPixelRasterBlocks);
 }  // namespace
 
 void rasterize(Cpu& cpu, PerPixel, const RasterJob& job) {
-  for_squares(cpu, job, [&](const Squares& squares, std::size_t begin, std::size_t end) {
-    HWY_DYNAMIC_DISPATCH(PerPixelSquares)(job, squares, begin, end);
+  for_raster_blocks(cpu, job, [&](const RasterBlocks& blocks, std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(PerPixelRasterBlocks)(job, blocks, begin, end);
   });
 }
 

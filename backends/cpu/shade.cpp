@@ -68,10 +68,9 @@ HWY_INLINE hn::Vec<F32x4> SumBands(const float* HWY_RESTRICT rest, const float (
   return hn::Add(even, odd);
 }
 
-/// Colours of `count` Gaussians, by their ids. The basis is evaluated a lane a Gaussian; the sum over
-/// coefficients takes one Gaussian at a time, because its coefficients lie together and those of the next
-/// visible one do not.
-/// Returns whether any splat is hidden.
+/// Colours of `count` Gaussians, by their ids. The basis is evaluated for one Gaussian per lane. The sum over
+/// coefficients takes one Gaussian at a time, because only its own coefficients lie together. Returns whether
+/// any splat is hidden.
 bool ShadeRange(const ViewConstants& v, const SceneView& scene, const std::uint32_t* HWY_RESTRICT ids,
                 const float* HWY_RESTRICT depths, std::size_t count, SplatColour* HWY_RESTRICT colours) {
   const F32 d;

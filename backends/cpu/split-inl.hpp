@@ -18,16 +18,16 @@ namespace swiftgs::HWY_NAMESPACE {
 /// s = x_square[x] + y_square[y] + x_mixed[x] y_offset[y], the four computed and kept as `Split` has it.
 /// Where the sum is not a number, no comparison holds and the pixel skips the splat.
 template <class Split, bool kThreshold>
-class SplitForm {
+class SplitExponent {
  public:
   using Groups = Rows;
 
-  explicit SplitForm(const BlendRules& rules) : rules_(rules), least_exponent_(LeastExponent(rules)) {}
+  explicit SplitExponent(const BlendRules& rules) : rules_(rules), least_exponent_(LeastExponent(rules)) {}
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                              float log2_alpha_min) {
     Terms& HWY_RESTRICT t = terms_[k];
-    t.opacity = shape.opacity, t.reach = shape.reach;
+    t.opacity = shape.opacity, t.cutoff = shape.cutoff;
     t.log2_opacity = log2_opacity(shape, log2_alpha_min, 1);
     Split::Prepare(shape, first_centre, t);
     return PrepareRows(shape, first_centre, log2_alpha_min);
@@ -46,7 +46,7 @@ class SplitForm {
     const Vec s = Split::Joined(sum);
     const Mask valid = Split::Valid(s);
     if constexpr (kThreshold) {
-      const Mask kept[] = {hn::And(valid, hn::Le(s, hn::Set(d, t.reach)))};
+      const Mask kept[] = {hn::And(valid, hn::Le(s, hn::Set(d, t.cutoff)))};
       // As an exponent, opacity needs no product.
       Vec alpha[] = {hn::Sub(hn::Set(d, t.log2_opacity), s)};
       Exp2(d, alpha, kept);
@@ -59,8 +59,9 @@ class SplitForm {
 
   using Cell = typename Split::Cell;
   struct alignas(64) Terms {
-    Cell x_square[square_side], x_mixed[square_side], y_square[square_side], y_offset[square_side];
-    float opacity, log2_opacity, reach;
+    Cell x_square[raster_block_side], x_mixed[raster_block_side], y_square[raster_block_side],
+        y_offset[raster_block_side];
+    float opacity, log2_opacity, cutoff;
   };
   BlendRules rules_;
   float least_exponent_;

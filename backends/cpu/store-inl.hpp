@@ -17,26 +17,27 @@
 #include <swiftgs/view.hpp>
 
 #include "half-inl.hpp"
-#include "square-inl.hpp"
+#include "raster_block-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 
-/// What a row of a square shows where transmittance is left: RGBA, an array a channel.
+/// What a row of a raster block shows where transmittance is left: RGBA, an array a channel.
 struct alignas(64) Below {
-  float channels[4][square_side];
+  float channels[4][raster_block_side];
 };
 
-/// Of the whole square. A frame rendered over an image takes `LoadRow` instead.
+/// Of the whole raster block. A frame rendered over an image takes `LoadRow` instead.
 HWY_INLINE void LoadBackground(vec3 background, Below& below) {
   for (std::size_t c = 0; c < 4; ++c)
-    for (std::size_t i = 0; i < square_side; ++i) below.channels[c][i] = c < 3 ? background[int(c)] : 0.0f;
+    for (std::size_t i = 0; i < raster_block_side; ++i)
+      below.channels[c][i] = c < 3 ? background[int(c)] : 0.0f;
 }
 
 /// Of row `y`.
-HWY_INLINE void LoadRow(const FrameView& frame, const PlacedSquare& square, std::size_t y, Below& below) {
-  for (std::size_t i = 0; i < std::size_t(square.columns); ++i) {
-    const vec4 colour = detail::load_colour(frame, std::size_t(square.x0) + i, y);
+HWY_INLINE void LoadRow(const FrameView& frame, const PlacedRasterBlock& block, std::size_t y, Below& below) {
+  for (std::size_t i = 0; i < std::size_t(block.columns); ++i) {
+    const vec4 colour = detail::load_colour(frame, std::size_t(block.x0) + i, y);
     for (std::size_t c = 0; c < 4; ++c) below.channels[c][i] = colour[int(c)];
   }
 }
@@ -82,40 +83,41 @@ HWY_INLINE void CopyWords(void* to, const void* from, std::size_t bytes) {
   for (; i < bytes; i += 4) std::memcpy(out + i, in + i, 4);
 }
 
-/// Where the colours of a square's row lie; null where the frame has none.
-HWY_INLINE unsigned char* ColoursOfRow(const FrameView& frame, const PlacedSquare& square, std::size_t row) {
+/// Where the colours of a raster block's row lie; null where the frame has none.
+HWY_INLINE unsigned char* ColoursOfRow(const FrameView& frame, const PlacedRasterBlock& block,
+                                       std::size_t row) {
   if (!frame.colour.data) return nullptr;
-  auto* const whole = static_cast<unsigned char*>(frame.colour.row(std::size_t(square.y0) + row));
-  return whole + std::size_t(square.x0) * bytes_per_pixel(frame.format);
+  auto* const whole = static_cast<unsigned char*>(frame.colour.row(std::size_t(block.y0) + row));
+  return whole + std::size_t(block.x0) * bytes_per_pixel(frame.format);
 }
 
 /// Asks for the memory of the pixels' colours, so that the processor has it when they are written.
-HWY_INLINE void PrefetchPixels(const FrameView& frame, const PlacedSquare& square) {
-  const std::size_t bytes = std::size_t(square.columns) * bytes_per_pixel(frame.format);
-  for (std::size_t row = 0; row < std::size_t(square.rows); ++row)
-    if (const unsigned char* to = ColoursOfRow(frame, square, row))
+HWY_INLINE void PrefetchPixels(const FrameView& frame, const PlacedRasterBlock& block) {
+  const std::size_t bytes = std::size_t(block.columns) * bytes_per_pixel(frame.format);
+  for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
+    if (const unsigned char* to = ColoursOfRow(frame, block, row))
       for (std::size_t at = 0; at < bytes; at += 64) hwy::Prefetch(to + at);
 }
 
 /// Writes the outputs that are asked for, as `store_pixel` does. Turns `state` into rows.
 template <class Groups>
-HWY_INLINE void StoreSquare(const View& view, const PlacedSquare& square, SquareState& state) {
+HWY_INLINE void StoreRasterBlock(const View& view, const PlacedRasterBlock& block, RasterBlockState& state) {
   const F32 d;
   const FrameView& frame = view.frame;
-  const std::size_t pixel = bytes_per_pixel(frame.format), columns = std::size_t(square.columns);
-  const bool whole = columns == square_side;  // whole rows go to the frame, others by way of an array
+  const std::size_t pixel = bytes_per_pixel(frame.format), columns = std::size_t(block.columns);
+  const bool whole = columns == raster_block_side;  // whole rows go to the frame, others by way of an array
   Below below;
   LoadBackground(view.background, below);
   for (Plane* plane : {&state.transmittance, &state.red, &state.green, &state.blue}) Groups::ToRows(*plane);
   if (frame.depth.data) Groups::ToRows(state.depth);
-  for (std::size_t row = 0; row < std::size_t(square.rows); ++row) {
-    alignas(64) unsigned char colours[4 * sizeof(float) * square_side];
-    alignas(64) float alphas[square_side], depths[square_side];
-    const std::size_t y = std::size_t(square.y0) + row;
-    unsigned char* const to = ColoursOfRow(frame, square, row);
+  for (std::size_t row = 0; row < std::size_t(block.rows); ++row) {
+    alignas(64) unsigned char colours[4 * sizeof(float) * raster_block_side];
+    alignas(64) float alphas[raster_block_side], depths[raster_block_side];
+    const std::size_t y = std::size_t(block.y0) + row;
+    unsigned char* const to = ColoursOfRow(frame, block, row);
     unsigned char* const by = whole && to ? to : colours;
-    if (frame.over) LoadRow(frame, square, y, below);
-    for (std::size_t column = 0; column < square_side; column += lanes) {
+    if (frame.over) LoadRow(frame, block, y, below);
+    for (std::size_t column = 0; column < raster_block_side; column += lanes) {
       const Vec transmittance = hn::Abs(hn::Load(d, state.transmittance[row] + column));
       const Vec alpha = hn::Sub(hn::Set(d, 1.0f), transmittance);
       const auto laid = [&](Vec colour, std::size_t channel) HWY_ATTR {
@@ -131,8 +133,8 @@ HWY_INLINE void StoreSquare(const View& view, const PlacedSquare& square, Square
       }
     }
     if (to && !whole) CopyWords(to, colours, columns * pixel);
-    if (frame.alpha.data) CopyWords(frame.alpha.row(y) + square.x0, alphas, columns * sizeof(float));
-    if (frame.depth.data) CopyWords(frame.depth.row(y) + square.x0, depths, columns * sizeof(float));
+    if (frame.alpha.data) CopyWords(frame.alpha.row(y) + block.x0, alphas, columns * sizeof(float));
+    if (frame.depth.data) CopyWords(frame.depth.row(y) + block.x0, depths, columns * sizeof(float));
   }
 }
 

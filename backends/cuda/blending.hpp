@@ -17,10 +17,9 @@
 
 namespace swiftgs::kernels {
 
-/// Alpha / alpha_max of a pixel from its log2, 0 where the pixel skips the splat: in this unit alpha is cut
-/// where devices saturate. With the dynamic threshold (SwiftGS, section 5.2) the exponent decides, not its
-/// exponential. A lane that skips cannot leave its warp: it takes the exponential, multiplies it by 0, and
-/// nothing after it asks again.
+/// Alpha / alpha_max of a pixel from its log2; 0 where the pixel skips the splat. In this unit a device's
+/// saturation cuts alpha. With the dynamic threshold (SwiftGS, section 5.2) the exponent decides, not its
+/// exponential. A lane that skips multiplies the exponential by 0 instead of branching.
 template <bool threshold>
 SWIFTGS_HD float relative_alpha(float exponent, const BlendRules& rules) {
   const float alpha = exp2_approx(exponent), least = rules.log2_relative_min;
@@ -28,14 +27,13 @@ SWIFTGS_HD float relative_alpha(float exponent, const BlendRules& rules) {
   return saturate(alpha * (kept ? 1.0f : 0.0f));
 }
 
-/// Alpha of a pixel from s, where log2(alpha) = log2(opacity) - s, of which `reach` is the largest that is
-/// kept; 0 where the pixel skips the splat. With the threshold s decides, and lanes that skip leave out the
-/// exponential.
+/// Alpha of a pixel from s, where log2(alpha) = log2(opacity) - s; 0 where the pixel skips the splat. With
+/// the threshold, s <= `cutoff` decides, and lanes that skip leave out the exponential.
 template <bool threshold>
-SWIFTGS_HD float alpha_of_square(float s, float reach, float opacity, const BlendRules& rules) {
+SWIFTGS_HD float alpha_of_square(float s, float cutoff, float opacity, const BlendRules& rules) {
   float alpha = 0;
   if constexpr (threshold) {
-    if (s >= 0 && s <= reach) alpha = fminf(opacity * exp2_approx(-s), rules.alpha_max);
+    if (s >= 0 && s <= cutoff) alpha = fminf(opacity * exp2_approx(-s), rules.alpha_max);
   } else {
     const float whole = opacity * exp2_approx(-s);
     if (s >= 0 && whole >= rules.alpha_min) alpha = fminf(whole, rules.alpha_max);
@@ -43,12 +41,11 @@ SWIFTGS_HD float alpha_of_square(float s, float reach, float opacity, const Blen
   return alpha;
 }
 
-/// A pixel while splats are blended into it. When it stops, its transmittance becomes zero, so that whatever
-/// follows adds nothing. `stop_below` holds it from then on, negated: the pixel does not stop again.
+/// A pixel while splats are blended into it. When it stops, its transmittance becomes 0, so later splats add
+/// nothing. `stop_below` then holds the transmittance, negated, so the pixel does not stop again.
 ///
-/// Kernels of `FloatCholesky` and `FloatSplit`, and contributions, blend alphas in units of alpha_max:
-/// weights, colour and depth are in that unit too, transmittances are not. Other kernels blend alphas as they
-/// are.
+/// Kernels of `FloatCholesky` and `FloatSplit`, and contributions, blend alphas, weights, colours and depths
+/// in units of alpha_max, but not transmittances. Other kernels blend alphas as they are.
 struct Pixel {
   float red = 0, green = 0, blue = 0, depth = 0;
   float transmittance = 0;
@@ -78,66 +75,65 @@ struct Pixel {
   }
 };
 
-/// Splats of the first piece of a list, and of each further one. Each piece is blended by itself and joined
-/// with the pieces in front of it. So many warps may blend the pieces of one list, with the bits of one warp
-/// that blends them all. Most lists end within the first piece and are never cut.
-inline constexpr unsigned first_piece_size = 512, piece_size = 128;
+/// Splats of the first segment of a list, and of each further one. Each segment is blended by itself and
+/// joined to those in front of it, so many warps may blend the segments of one list, with the bits of one
+/// warp that blends them all. Most lists end within the first segment and are never cut.
+inline constexpr unsigned first_segment_size = 512, segment_size = 128;
 
-/// Splats before piece k.
-SWIFTGS_HD constexpr std::uint32_t begin_of_piece(std::uint32_t k) {
-  return k == 0 ? 0 : first_piece_size + (k - 1) * piece_size;
+/// Splats before segment k.
+SWIFTGS_HD constexpr std::uint32_t begin_of_segment(std::uint32_t k) {
+  return k == 0 ? 0 : first_segment_size + (k - 1) * segment_size;
 }
 
-/// A piece begins with the transmittance 1 / `scale_of_piece(k)`, between 1/2 and 1, and not with 1: equal
-/// pieces would round alike, and their errors add up. The first begins with 1.
-SWIFTGS_HD inline float scale_of_piece(std::uint32_t k) {
+/// Segment k starts with transmittance 1 / `scale_of_segment(k)`, between 1/2 and 1, so that rounding errors
+/// of segments do not correlate; compositing divides the factor out. The first starts with 1.
+SWIFTGS_HD inline float scale_of_segment(std::uint32_t k) {
   return __builtin_bit_cast(float, 0x3f800000u | (k * 0x9e3779b9u) >> 9);  // one and a fraction
 }
 
-/// Transmittance within piece k below which a pixel stops. The pixel has `before` in front of the piece. The
-/// limit is never above the transmittance that the piece begins with: a pixel stops only when a splat dims
-/// it.
-SWIFTGS_HD inline float stop_of_piece(float stop_below, float before, std::uint32_t k) {
-  const float scale = scale_of_piece(k), scaled = before * scale;
+/// Transmittance within segment k below which a pixel stops; `before` is its transmittance in front of the
+/// segment. Never above the segment's first transmittance: a pixel stops only when a splat dims it.
+SWIFTGS_HD inline float stop_of_segment(float stop_below, float before, std::uint32_t k) {
+  const float scale = scale_of_segment(k), scaled = before * scale;
   return fminf(scaled > 0 ? stop_below / scaled : 0.0f, 1 / scale);
 }
 
-/// Starts a pixel of piece k that has transmittance `before` in front of it.
-SWIFTGS_HD inline void start_piece(Pixel& pixel, float stop_below, float before, std::uint32_t k) {
-  pixel.start(stop_of_piece(stop_below, before, k), 1 / scale_of_piece(k));
+/// Starts a pixel of segment k that has transmittance `before` in front of it.
+SWIFTGS_HD inline void start_segment(Pixel& pixel, float stop_below, float before, std::uint32_t k) {
+  pixel.start(stop_of_segment(stop_below, before, k), 1 / scale_of_segment(k));
 }
 
-/// Transmittance behind a piece, with its sign set where the pixel stops within the piece.
+/// Transmittance behind a segment, with its sign set where the pixel stops within the segment.
 SWIFTGS_HD inline float mark_stopped(float transmittance, bool stopped) {
   return stopped ? -transmittance : transmittance;
 }
 
-/// Whether a pixel stops in piece k that has `before` in front of it, by the marked transmittance `left`
-/// behind the piece. The piece may have been blended with more in front of it.
-SWIFTGS_HD inline bool stops_in_piece(float left, float stop_below, float before, std::uint32_t k) {
+/// Whether a pixel stops in segment k that has `before` in front of it, by the marked transmittance `left`
+/// behind the segment. The segment may have been blended with more in front of it.
+SWIFTGS_HD inline bool stops_in_segment(float left, float stop_below, float before, std::uint32_t k) {
   if (std::signbit(left)) return true;
   // Divide only where rounding may matter.
-  return !(before * scale_of_piece(k) * left > 1.00001f * stop_below) &&
-         left < stop_of_piece(stop_below, before, k);
+  return !(before * scale_of_segment(k) * left > 1.00001f * stop_below) &&
+         left < stop_of_segment(stop_below, before, k);
 }
 
-/// At least the transmittance before each piece of a round, by that before the round: a piece that hides
-/// nothing may raise it by a rounding.
+/// An upper bound of the transmittance before each segment of a round: a segment that hides nothing may raise
+/// it by a rounding.
 SWIFTGS_HD inline float most_before(float before_round) { return before_round * 1.0001f; }
 
-/// A pixel behind some pieces.
+/// A pixel behind some segments.
 struct JoinedPixel {
   float4 total{0, 0, 0, 1};  ///< RGB, transmittance
   float depth = 0;
 
-  /// Joins piece k, the next.
-  SWIFTGS_HD void join(const BlendedPixel& piece, std::uint32_t k) {
-    const float before = total.w * scale_of_piece(k);
-    total.x = fmaf(before, piece.colour.x, total.x);
-    total.y = fmaf(before, piece.colour.y, total.y);
-    total.z = fmaf(before, piece.colour.z, total.z);
-    depth = fmaf(before, piece.depth, depth);
-    total.w = before * piece.transmittance;
+  /// Joins segment k, the next.
+  SWIFTGS_HD void join(const BlendedPixel& segment, std::uint32_t k) {
+    const float before = total.w * scale_of_segment(k);
+    total.x = fmaf(before, segment.colour.x, total.x);
+    total.y = fmaf(before, segment.colour.y, total.y);
+    total.z = fmaf(before, segment.colour.z, total.z);
+    depth = fmaf(before, segment.depth, depth);
+    total.w = before * segment.transmittance;
   }
   SWIFTGS_HD BlendedPixel blended() const { return {vec3(total.x, total.y, total.z), total.w, depth}; }
 
@@ -172,12 +168,12 @@ SWIFTGS_HD void blend(Pixel& pixel, float alpha, float left, const float4& colou
   pixel.transmittance = left;
 }
 
-/// Splats that are blended together, and looked at for pixels that stop.
+/// Splats of a group: they are blended together, with one test for pixels that stop.
 inline constexpr unsigned group_size = 4;
 
-/// Dims pixels by the alphas of a group and finds the weights of its colours. Tests once, for all pixels and
-/// the whole group, whether one stops, since transmittance only falls; if so, undoes the weights of that
-/// pixel from the stopping splat on. One test lets the compiler evaluate all alphas before it branches.
+/// Dims pixels by the alphas of a group of splats and finds the weights of their colours. Tests once per
+/// group for stopping, since transmittance only falls; if a pixel stopped, undoes its weights from the
+/// stopping splat on. One test lets the compiler evaluate all alphas before it branches.
 template <unsigned count>
 SWIFTGS_HD void weigh_group(Pixel (&pixels)[count], const float (&alphas)[count][group_size], float alpha_max,
                             float (&weights)[count][group_size]) {

@@ -6,40 +6,40 @@
 namespace swiftgs {
 
 namespace kernels {
-inline constexpr unsigned block_threads = square_side * square_side;
+inline constexpr unsigned block_threads = raster_block_side * raster_block_side;
 
-/// The pixel of this thread, where a block blends a square and all its threads load splats for all.
+/// The pixel of this thread, where a thread block blends a raster block and each thread loads splats for all.
 template <bool extras, class ViewSource>
-struct SquarePixel {
+struct RasterBlockPixel {
   const WarpTimer timer;
   const RasterInput<ViewSource>& input;
-  BlockSquare square;
+  OwnRasterBlock raster_block;
   PixelPlace place;
   Pixel pixel;
   ThreadCounts counts;
   std::uint32_t evaluated = 0;
 
-  __device__ SquarePixel(const RasterInput<ViewSource>& of, std::uint32_t warps_at_once)
+  __device__ RasterBlockPixel(const RasterInput<ViewSource>& of, std::uint32_t warps_at_once)
       : timer(extras && of.job.counts, warps_at_once),
         input(of),
-        square(of),
-        place(view().frame, square.x + column(), square.y + row(), extras) {
+        raster_block(of),
+        place(view().frame, raster_block.x + column(), raster_block.y + row(), extras) {
     if (place.inside) pixel.start(view().rules.stop_below);
   }
 
-  __device__ const View& view() const { return input.views[square.view]; }
+  __device__ const View& view() const { return input.views[raster_block.view]; }
 
-  __device__ static int column() { return int(threadIdx.x % square_side); }
-  __device__ static int row() { return int(threadIdx.x / square_side); }
+  __device__ static int column() { return int(threadIdx.x % raster_block_side); }
+  __device__ static int row() { return int(threadIdx.x / raster_block_side); }
   /// In the image, as is `centre`.
   __device__ vec2 first_centre() const {
-    return vec2(float(view().left() + square.x) + 0.5f, float(view().top() + square.y) + 0.5f);
+    return vec2(float(view().left() + raster_block.x) + 0.5f, float(view().top() + raster_block.y) + 0.5f);
   }
   __device__ vec2 centre() const {
     return vec2(float(view().left() + place.x) + 0.5f, float(view().top() + place.y) + 0.5f);
   }
 
-  /// Whether no pixel of the square is left that could show another splat. A barrier of the block.
+  /// Whether no pixel of the raster block is left that could show another splat. A barrier of the block.
   __device__ bool all_stopped() const { return __syncthreads_and(!pixel.live()) != 0; }
 
   __device__ void blend(float alpha, const float4& colour) {
@@ -48,15 +48,15 @@ struct SquarePixel {
     kernels::blend<extras>(pixel, alpha, left, colour, place.occluder, counts);
   }
 
-  /// Writes the pixel, and the counts of a square that visited so many instances.
-  __device__ void store(std::uint32_t instances) const {
+  /// Writes the pixel, and the counts of a raster block that visited so many intersections.
+  __device__ void store(std::uint32_t intersections) const {
     if (place.inside)
       store_pixel(view().frame, std::size_t(place.x), std::size_t(place.y), pixel.blended(),
                   view().background);
     if constexpr (extras)
       if (input.job.counts)
-        add_counts(input.job.counts[BlockSquare::number(input)],
-                   counts_of_warp(counts, instances, warp_sum(evaluated), timer));
+        add_counts(input.job.counts[OwnRasterBlock::number(input)],
+                   counts_of_warp(counts, intersections, warp_sum(evaluated), timer));
   }
 };
 }  // namespace kernels

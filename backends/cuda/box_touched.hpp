@@ -9,11 +9,11 @@
 
 namespace swiftgs::kernels {
 
-/// Whether the ellipse s <= reach meets the box of pixel centres that begins at `first` and is `side` - 1
+/// Whether the ellipse s <= cutoff meets the box of pixel centres that begins at `first` and is `side` - 1
 /// wide and high.
 ///
-/// What does not pass is not drawn, whatever lists it: lossless bounds are wider than this, so frames do not
-/// depend on them. s is convex: its least value lies at the mean, or on the edge that is nearest at the
+/// A splat that does not pass is not drawn. Conservative bounds include every tile that passes, so frames do
+/// not depend on bounds. s is convex: its least value lies at the mean, or on the edge nearest to it at the
 /// mean's height.
 SWIFTGS_HD inline bool box_touched(const SplatShape& s, vec2 first, float side) {
   const float left = first.x - s.mean.x, right = left + (side - 1);
@@ -26,7 +26,7 @@ SWIFTGS_HD inline bool box_touched(const SplatShape& s, vec2 first, float side) 
   const float y = across ? nearest_y : fminf(fmaxf(along, top), bottom);
   const float u = across ? 0.0f : fmaf(s.l0, edge, s.l1 * y), v = s.l2 * y;
   // Pixels round differently from this, so they decide so close to the edge.
-  return fmaf(u, u, v * v) <= s.reach * 1.0001f;
+  return fmaf(u, u, v * v) <= s.cutoff * 1.0001f;
 }
 
 }  // namespace swiftgs::kernels

@@ -4,15 +4,15 @@
 #include <swiftgs/contribution.hpp>
 #include <swiftgs/cuda.cuh>
 
-#include "raster_warps.cuh"
+#include "lane_blender.cuh"
 #include "weigh.hpp"
 
 namespace swiftgs {
 
 namespace kernels {
 
-/// Terms and Gaussians of splats.
-struct IdQueue : TermsQueue<CholeskyForm> {
+/// Exponents and Gaussians of queued splats.
+struct IdQueue : TermsQueue<CholeskyExponent> {
   std::uint32_t gaussians[queue_size];
 };
 
@@ -23,15 +23,15 @@ __device__ inline std::uint64_t wide_warp_sum(std::uint64_t value) {
   return (std::uint64_t(warp_sum(std::uint32_t(value >> 24))) << 24) + low;
 }
 
-/// Blends as `ColourBlender` does, but each list in one piece, and adds up the weights: one atomic addition
-/// for a splat and part.
+/// Blends as `ColourBlender` does, but each list in one segment, and adds up weights: one atomic addition per
+/// splat and warp block.
 struct WeightBlender {
-  static constexpr bool in_pieces = false;
+  static constexpr bool in_segments = false;
   const RasterJob& job;
   std::uint64_t* sums;
   const BlendRules& rules;
   IdQueue& queue;
-  float x, y;  ///< of the lane's first pixel within the part
+  float x, y;  ///< of the lane's first pixel within the warp block
   Pixel pixels[pixels_of_lane];
 
   __device__ void fill(unsigned slot, std::uint32_t id) const {
@@ -46,14 +46,14 @@ struct WeightBlender {
     std::uint64_t sum = 0;
     for (unsigned k = 0; k < count; ++k) {
       float exponents[pixels_of_lane];
-      CholeskyForm::evaluate(queue.terms[first + k], queue.rests[first + k], x, y, exponents);
+      CholeskyExponent::evaluate(queue.terms[first + k], queue.rests[first + k], x, y, exponents);
       std::uint64_t parts = 0;
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p)
         parts += weight_parts(weigh(pixels[p], relative_alpha<true>(exponents[p], rules), rules.alpha_max));
       if (!__any_sync(whole_warp, parts != 0)) continue;
-      const std::uint64_t of_part = wide_warp_sum(parts);
-      if (lane_index() == k) sum = of_part;
+      const std::uint64_t of_warp_block = wide_warp_sum(parts);
+      if (lane_index() == k) sum = of_warp_block;
     }
     if (sum != 0) {
       static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
@@ -65,36 +65,37 @@ struct WeightBlender {
   __device__ bool all_stopped() const { return kernels::all_stopped(pixels); }
 };
 
-/// Adds up the weights of one square's list: a block a square, a warp a part of it.
+/// Adds up the weights of one raster block's list: one thread block per raster block, one warp per 8x8 warp
+/// block of it.
 template <class ViewSource>
 __global__ void __launch_bounds__(raster_threads)
     add_contributions(const __grid_constant__ RasterInput<ViewSource> input, std::uint64_t* sums) {
-  __shared__ IdQueue queues[parts_of_square];
+  __shared__ IdQueue queues[warps_of_raster_block];
   IdQueue& queue = queues[threadIdx.x / warp_size];
-  const BlockSquare square(input);
-  const View& view = input.views[square.view];
+  const OwnRasterBlock raster_block(input);
+  const View& view = input.views[raster_block.view];
   const BlendRules rules = view.rules;
-  const PartPlace part(square, threadIdx.x / warp_size);
-  if (part.outside(view.frame)) return;
+  const WarpBlockPlace place(raster_block, threadIdx.x / warp_size);
+  if (place.outside(view.frame)) return;
 
-  WeightBlender blender{input.job, sums, rules, queue, float(part.column), float(part.row), {}};
+  WeightBlender blender{input.job, sums, rules, queue, float(place.column), float(place.row), {}};
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p)
-    if (part.pixel(view.frame, p, false).inside) blender.pixels[p].start(rules.stop_below);
+    if (place.pixel(view.frame, p, false).inside) blender.pixels[p].start(rules.stop_below);
 
-  const TileRange range = square.list(input);
-  ListWalk<CholeskyForm> walk(input.job, range, part.first_centre(view), rules, queue);
-  walk.go_on(blender, range.end);
-  walk.blend_rest(blender);
+  const TileRange range = raster_block.list(input);
+  ListTraversal<CholeskyExponent> traversal(input.job, range, place.first_centre(view), rules, queue);
+  traversal.go_on(blender, range.end);
+  traversal.blend_rest(blender);
 }
 }  // namespace kernels
 
 void add_contributions(Cuda& cuda, const ContributionJob& job) {
-  const Squares squares = squares_of(job.raster);
+  const RasterBlocks raster_blocks = raster_blocks_of(job.raster);
   kernels::with_views(job.raster.views, [&]<class ViewSource>(const ViewSource& views) {
-    launch("add_contributions", kernels::add_contributions<ViewSource>, kernels::blocks_of(squares),
+    launch("add_contributions", kernels::add_contributions<ViewSource>, kernels::blocks_of(raster_blocks),
            kernels::raster_threads, cuda.stream(),
-           kernels::RasterInput<ViewSource>{job.raster, views, squares, nullptr}, job.sums);
+           kernels::RasterInput<ViewSource>{job.raster, views, raster_blocks, nullptr}, job.sums);
   });
 }
 

@@ -81,7 +81,7 @@ const MemoryHook& Cuda::memory_hook() const { return state_->memory; }
 void Cuda::trim() {
   wait();
   State& s = *state_;
-  trim_parts(*this, s.temporary, s.total, s.raster, s.raster_word, s.square_order, s.sorts);
+  trim_parts(*this, s.temporary, s.total, s.raster, s.raster_word, s.raster_order, s.sorts);
 }
 
 void Cuda::check_not_captured(const char* call) const { state_->check_not_captured(call); }
@@ -113,10 +113,10 @@ __global__ void settle(const LastCounters<FrameCounts> counts, const Limits limi
                        const std::uint32_t* raster_word, Mailbox* mailbox) {
   await_earlier();
   const FrameCounts found = counts.get();
-  FrameReport report{found.visible, found.instances, 0};
-  report.overflowed = !limits.fit(report) || found.instances > max_instances;
+  FrameReport report{found.visible, found.intersections, 0};
+  report.overflowed = !limits.fit(report) || found.intersections > max_intersections;
   const bool fits = report.overflowed == 0;
-  *totals = {report, fits ? std::uint32_t(found.visible) : 0, fits ? std::uint32_t(found.instances) : 0};
+  *totals = {report, fits ? std::uint32_t(found.visible) : 0, fits ? std::uint32_t(found.intersections) : 0};
   if (limits.report) *limits.report = report;
   if (!mailbox) return;
   mailbox->report = report;
@@ -225,8 +225,8 @@ std::byte* Cuda::raster_scratch(std::size_t bytes) { return zeroed(*this, state_
 
 std::uint32_t* Cuda::raster_word() { return zeroed(*this, state_->raster_word, 1); }
 
-std::uint32_t* Cuda::square_order(std::size_t squares) {
-  return zeroed(*this, state_->square_order, squares);
+std::uint32_t* Cuda::raster_order(std::size_t raster_blocks) {
+  return zeroed(*this, state_->raster_order, raster_blocks);
 }
 
 std::uint32_t Cuda::known_raster_word() const { return state_->known_raster_word; }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <swiftgs/cuda/block_square.cuh>
+#include <swiftgs/cuda/raster_block.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/raster/raster.hpp>
 
@@ -24,13 +24,19 @@ struct PixelPlace {
   }
 };
 
-/// Counts of a warp that has visited `instances` of a list alone, by those of its threads and the pixels that
-/// it has evaluated.
-__device__ inline SquareCounts counts_of_warp(const ThreadCounts& mine, std::uint32_t instances,
+/// Counts of a warp that has visited `intersections` of a list alone, by those of its threads and the pixels
+/// that it has evaluated.
+__device__ inline RasterCounts counts_of_warp(const ThreadCounts& mine, std::uint32_t intersections,
                                               std::uint32_t pixels, const WarpTimer& timer) {
   const std::uint64_t balanced_ps = timer.balanced_ps();
-  return {instances, pixels / square_side, warp_sum(mine.pairs), warp_sum(mine.stopped), 0, 0,
-          instances, balanced_ps};
+  return {intersections,
+          pixels / raster_block_side,
+          warp_sum(mine.pairs),
+          warp_sum(mine.stopped),
+          0,
+          0,
+          intersections,
+          balanced_ps};
 }
 
 /// 32 bytes in two loads.
@@ -39,7 +45,7 @@ __device__ inline SplatShape load_shape(const RasterJob& job, std::uint32_t id) 
   const float4 a = words[0], b = words[1];
   SplatShape shape;
   shape.mean = vec2(a.x, a.y), shape.l0 = a.z, shape.l1 = a.w;
-  shape.l2 = b.x, shape.opacity = b.y, shape.reach = b.z, shape.half_width = b.w;
+  shape.l2 = b.x, shape.opacity = b.y, shape.cutoff = b.z, shape.half_width = b.w;
   return shape;
 }
 

@@ -69,10 +69,10 @@ inline unsigned histogram_blocks(std::size_t n) {
 template <class Key>
 __global__ void __launch_bounds__(histogram_threads)
     radix_histogram(const Key* keys, const Count count, const Digits passes,
-                    const TurnsView<RadixCounts> turns) {
+                    const EpochsView<RadixCounts> epochs) {
   await_earlier();
   const std::uint64_t n = count.get();
-  const std::uint32_t turn = read_turn(turns);
+  const std::uint32_t epoch = read_epoch(epochs);
   // Four times over: neighbouring keys often have the same high digits, and would wait for each other.
   constexpr unsigned copies = 4;
   __shared__ std::uint32_t shared[most_passes][digits][copies];
@@ -102,10 +102,10 @@ __global__ void __launch_bounds__(histogram_threads)
   for (unsigned p = 0; p < passes.count; ++p) {
     std::uint32_t count = 0;
     for (unsigned c = 0; c < copies; ++c) count += shared[p][threadIdx.x][c];
-    if (count != 0) atomicAdd(&turns.copy(turn).of_pass[p][threadIdx.x], count);
+    if (count != 0) atomicAdd(&epochs.copy(epoch).of_pass[p][threadIdx.x], count);
   }
   if (blockIdx.x == 0)
-    for (unsigned p = 0; p < most_passes; ++p) turns.next_copy(turn).of_pass[p][threadIdx.x] = 0;
+    for (unsigned p = 0; p < most_passes; ++p) epochs.next_copy(epoch).of_pass[p][threadIdx.x] = 0;
 }
 
 /// Tiles of a group. A tile adds up the counts of its group directly, and those before it a group at a time.
@@ -116,9 +116,9 @@ __host__ __device__ constexpr std::uint32_t radix_words(std::uint32_t tiles) {
   return (tiles + tiles / group_tiles) * digits;
 }
 
-/// How many pairs of one digit lie in the tiles before a block's, by a thread a digit. As `RunningSum`, in
-/// two levels: all tiles of a sort this small are under way at once, so that none finds a complete sum near
-/// by. Blocks start in the order of their indices, as there.
+/// How many pairs of one digit lie in the tiles before a thread block's, one thread per digit. As
+/// `RunningSum`, in two levels: in a sort this small all tiles run at once, so none finds a complete sum near
+/// by. Blocks start in index order, as there.
 class DigitSum {
  public:
   __device__ DigitSum(std::uint64_t* words, std::uint32_t tag)
@@ -177,7 +177,7 @@ class DigitSum {
 };
 
 inline constexpr unsigned radix_threads = digits, radix_warps = radix_threads / warp_size;
-/// Most pairs of a thread in one pass: as many as shared memory has room for with wide keys.
+/// Most pairs of a thread in one pass: as many as fit shared memory with wide keys.
 template <class Key>
 inline constexpr unsigned most_radix_items = sizeof(Key) == 8 ? 12 : 16;
 /// Pairs of a block, a tile.
@@ -222,13 +222,13 @@ __device__ inline unsigned lanes_with(unsigned digit) {
   return lanes;
 }
 
-/// Ends the turn of a sort of so many tiles. For all threads of a block.
-__device__ inline void end_sort(const TurnsView<RadixCounts>& turns, std::uint32_t turn,
+/// Ends the epoch of a sort of so many tiles. For all threads of a block.
+__device__ inline void end_sort(const EpochsView<RadixCounts>& epochs, std::uint32_t epoch,
                                 std::uint32_t tiles) {
-  const std::uint32_t swept = swept_word(turn, digits, turns.mask), row = swept / digits;
+  const std::uint32_t swept = swept_word(epoch, digits, epochs.mask), row = swept / digits;
   const bool used = row < tiles || (row >= gridDim.x && row - gridDim.x < tiles / group_tiles);
-  if (!used && swept + digits <= turns.capacity) turns.words[swept + threadIdx.x] = 0;
-  if (threadIdx.x == 0) turns.counters->turn = turn_after(turn);
+  if (!used && swept + digits <= epochs.capacity) epochs.words[swept + threadIdx.x] = 0;
+  if (threadIdx.x == 0) epochs.counters->epoch = epoch_after(epoch);
 }
 
 /// Sorts by one digit: a block a tile, and a thread a digit of it. Without `values`, they are the positions
@@ -236,15 +236,15 @@ __device__ inline void end_sort(const TurnsView<RadixCounts>& turns, std::uint32
 template <class Key, unsigned items>
 __global__ void __launch_bounds__(radix_threads)
     radix_pass(const Key* keys, const std::uint32_t* values, Key* sorted_keys, std::uint32_t* sorted_values,
-               const Count all, const Pass pass, const TurnsView<RadixCounts> turns) {
+               const Count all, const Pass pass, const EpochsView<RadixCounts> epochs) {
   await_earlier();
-  const std::uint32_t turn = read_turn(turns);
+  const std::uint32_t epoch = read_epoch(epochs);
   const std::uint64_t n = all.get();
   const std::uint32_t tiles = std::uint32_t((n + radix_tile(items) - 1) / radix_tile(items));
   if (blockIdx.x >= tiles) {
     if (tiles == 0 && pass.last && blockIdx.x == 0) {
-      __syncthreads();  // all threads have read the turn
-      end_sort(turns, turn, tiles);
+      __syncthreads();  // all threads have read the epoch
+      end_sort(epochs, epoch, tiles);
     }
     return;
   }
@@ -268,9 +268,9 @@ __global__ void __launch_bounds__(radix_threads)
     const unsigned item = first_item + k * warp_size;
     value[k] = item >= size ? 0 : values ? values[tile_first + item] : std::uint32_t(tile_first + item);
   }
-  // Of both copies, since a load that waits for the turn would take twice as long.
-  const std::uint32_t of_even = turns.counters->copies[0].of_pass[pass.number][thread],
-                      of_odd = turns.counters->copies[1].of_pass[pass.number][thread];
+  // Of both copies, since a load that waits for the epoch would take twice as long.
+  const std::uint32_t of_even = epochs.counters->copies[0].of_pass[pass.number][thread],
+                      of_odd = epochs.counters->copies[1].of_pass[pass.number][thread];
 
   // Count the warp's digits. A pair's place is, for now, how many of its digit come before it in the warp.
   for (unsigned d = lane_index(); d < digits; d += warp_size) shared.counts[warp][d] = 0;
@@ -289,7 +289,7 @@ __global__ void __launch_bounds__(radix_threads)
   __syncthreads();
 
   // Add up the tile's, and tell later tiles.
-  const DigitSum sum(turns.words, tag_of(turn, pass.number));
+  const DigitSum sum(epochs.words, tag_of(epoch, pass.number));
   std::uint32_t count = 0;
 #pragma unroll
   for (unsigned w = 0; w < radix_warps; ++w) {
@@ -300,7 +300,7 @@ __global__ void __launch_bounds__(radix_threads)
   const std::uint32_t added = thread == digit.highest() ? count - (radix_tile(items) - size) : count;
   sum.add(added);
   const std::uint32_t first = sum_below_in_block(count, shared.sums_of_warps[0]);
-  const std::uint32_t of_digit = copy_of(turn) == 0 ? of_even : of_odd;
+  const std::uint32_t of_digit = copy_of(epoch) == 0 ? of_even : of_odd;
   const std::uint32_t first_of_all = sum_below_in_block(of_digit, shared.sums_of_warps[1]);
   shared.first[thread] = first;
   __syncthreads();
@@ -317,7 +317,7 @@ __global__ void __launch_bounds__(radix_threads)
   // Move them to where those of earlier tiles end.
   shared.moved[thread] = first_of_all + sum.before(added) - first;
   __syncthreads();
-  if (pass.last && blockIdx.x + 1 == tiles) end_sort(turns, turn, tiles);
+  if (pass.last && blockIdx.x + 1 == tiles) end_sort(epochs, epoch, tiles);
 #pragma unroll
   for (unsigned k = 0; k < items; ++k) {
     const unsigned item = k * radix_threads + thread;
@@ -369,12 +369,12 @@ struct UnsortedPairs {
 /// Starts the kernels of a sort of what `from` has into `pairs`, which may be the same.
 template <class Key>
 void run_radix_sort(Cuda& cuda, UnsortedPairs<Key> from, Pairs<Cuda, Key>& pairs, Count n, int bits,
-                    Turns<RadixCounts>& turns) {
+                    Epochs<RadixCounts>& epochs) {
   if (n.most == 0 || bits == 0) return;
   check_sort(n);
   const Digits passes{unsigned(bits)};
   const RadixTiles<Key> tiles(n.most, tiles_at_once * unsigned(cuda.multiprocessors()));
-  const TurnsView<RadixCounts> view = turns.begin(cuda, radix_words(tiles.at_most));
+  const EpochsView<RadixCounts> view = epochs.begin(cuda, radix_words(tiles.at_most));
   launch_early(cuda, "radix_histogram", radix_histogram<Key>, histogram_blocks(n.most), histogram_threads,
                from.keys, n, passes, view);
   for (unsigned p = 0; p < passes.count; ++p) {
@@ -383,13 +383,13 @@ void run_radix_sort(Cuda& cuda, UnsortedPairs<Key> from, Pairs<Cuda, Key>& pairs
     std::swap(pairs.keys, pairs.spare_keys), std::swap(pairs.values, pairs.spare_values);
     from = {pairs.keys.data(), pairs.values.data()};
   }
-  turns.end();
+  epochs.end();
 }
 
 /// @see Cuda::sort_pairs
 template <class Key>
-void run_radix_sort(Cuda& cuda, Pairs<Cuda, Key>& pairs, Count n, int bits, Turns<RadixCounts>& turns) {
-  run_radix_sort<Key>(cuda, {pairs.keys.data(), pairs.values.data()}, pairs, n, bits, turns);
+void run_radix_sort(Cuda& cuda, Pairs<Cuda, Key>& pairs, Count n, int bits, Epochs<RadixCounts>& epochs) {
+  run_radix_sort<Key>(cuda, {pairs.keys.data(), pairs.values.data()}, pairs, n, bits, epochs);
 }
 
 }  // namespace swiftgs::kernels

@@ -14,25 +14,26 @@ namespace kernels {
 /// rows of threads have one x term each, and the other eight one y term each.
 inline constexpr unsigned mini_batch = 8;
 
-/// What the pixels of a square share. Terms are two, so that one mini-batch is computed while slower warps
-/// still read the one before; a warp reads sixteen neighbouring words of x and two of y, without bank
+/// Terms that the pixels of a raster block share. Two mini-batches alternate: one is computed while slower
+/// warps still read the other. A warp reads sixteen neighbouring words of x and two of y, without bank
 /// conflicts.
 struct HalfBatch {
   SharedArray<SplatShape, block_threads> shapes;
   float4 colours[block_threads];  ///< RGB, depth
-  float2 reaches[block_threads];  ///< largest s that is kept, log2(255 opacity) in the paper; and opacity
-  __half2 x[2][mini_batch][square_side];  ///< a dx^2, b dx
-  __half2 y[2][mini_batch][square_side];  ///< c dy^2, dy
+  float2 cutoffs[block_threads];  ///< largest s that is kept, log2(255 opacity) in the paper; and opacity
+  __half2 x[2][mini_batch][raster_block_side];  ///< a dx^2, b dx
+  __half2 y[2][mini_batch][raster_block_side];  ///< c dy^2, dy
 };
 
 /// This thread's term of a mini-batch that begins with splat `first`, of `count` in the batch. Where there is
 /// no splat, or it does not touch the row, no pixel keeps it.
 __device__ inline void compute_term(HalfBatch& batch, unsigned buffer, unsigned first, unsigned count,
                                     vec2 first_centre) {
-  const unsigned splat = threadIdx.x / square_side % mini_batch, position = threadIdx.x % square_side;
+  const unsigned splat = threadIdx.x / raster_block_side % mini_batch,
+                 position = threadIdx.x % raster_block_side;
   const SplatShape& s = batch.shapes.data()[first + splat];
   const detail::MeanSplit terms(s);
-  if (threadIdx.x < mini_batch * square_side) {
+  if (threadIdx.x < mini_batch * raster_block_side) {
     const vec2 term = terms.x_term(first_centre.x + float(position));
     batch.x[buffer][splat][position] = __floats2half2_rn(term.x, term.y);
   } else {
@@ -43,18 +44,18 @@ __device__ inline void compute_term(HalfBatch& batch, unsigned buffer, unsigned 
   }
 }
 
-/// A block a square, a thread a pixel. Each mini-batch has its terms computed by all threads, and is then
-/// blended by all.
+/// One thread block per raster block, one thread per pixel. Each mini-batch has its terms computed by all
+/// threads, and is then blended by all.
 template <bool threshold, bool extras, class ViewSource>
 __global__ void __launch_bounds__(block_threads)
     raster_half_split(const __grid_constant__ RasterInput<ViewSource> input, std::uint32_t warps_at_once) {
   __shared__ HalfBatch batch;
   const RasterJob& job = input.job;
-  SquarePixel<extras, ViewSource> mine(input, warps_at_once);
-  if (mine.square.outside(input)) return;
-  const TileRange range = mine.square.list(input);
+  RasterBlockPixel<extras, ViewSource> mine(input, warps_at_once);
+  if (mine.raster_block.outside(input)) return;
+  const TileRange range = mine.raster_block.list(input);
   if (!range.drawn()) return;
-  const unsigned column = threadIdx.x % square_side, row = threadIdx.x / square_side;
+  const unsigned column = threadIdx.x % raster_block_side, row = threadIdx.x / raster_block_side;
 
   std::uint32_t at = range.begin;
   for (; at < range.end && !mine.all_stopped(); at += block_threads) {
@@ -64,10 +65,10 @@ __global__ void __launch_bounds__(block_threads)
       const SplatShape s = load_shape(job, id);
       batch.shapes.data()[threadIdx.x] = s;
       const float4 colour = load_colour(job, id);
-      batch.reaches[threadIdx.x] = is_hidden(colour) ? make_float2(-1, 0) : make_float2(s.reach, s.opacity);
+      batch.cutoffs[threadIdx.x] = is_hidden(colour) ? make_float2(-1, 0) : make_float2(s.cutoff, s.opacity);
       batch.colours[threadIdx.x] = colour;
     } else {
-      batch.reaches[threadIdx.x] = make_float2(-1, 0);
+      batch.cutoffs[threadIdx.x] = make_float2(-1, 0);
     }
     __syncthreads();
 
@@ -82,8 +83,8 @@ __global__ void __launch_bounds__(block_threads)
         const float2 x = __half22float2(batch.x[buffer][k][column]),
                      y = __half22float2(batch.y[buffer][k][row]);
         const float s = x.x + y.x + x.y * y.y;
-        const float2 reach = batch.reaches[first + k];
-        const float alpha = alpha_of_square<threshold>(s, reach.x, reach.y, mine.view().rules);
+        const float2 cutoff = batch.cutoffs[first + k];
+        const float alpha = alpha_of_square<threshold>(s, cutoff.x, cutoff.y, mine.view().rules);
         if (alpha > 0) mine.blend(alpha, batch.colours[first + k]);
       }
     }
@@ -100,11 +101,12 @@ struct HalfSplitKernel {
 }  // namespace kernels
 
 void rasterize(Cuda& cuda, AxisShared<HalfSplit>, const RasterJob& job) {
-  kernels::launch_squares<kernels::HalfSplitKernel<false>>(cuda, "rasterize axis-shared-half-split", job);
+  kernels::launch_raster_blocks<kernels::HalfSplitKernel<false>>(cuda, "rasterize axis-shared-half-split",
+                                                                 job);
 }
 void rasterize(Cuda& cuda, AxisSharedThreshold<HalfSplit>, const RasterJob& job) {
-  kernels::launch_squares<kernels::HalfSplitKernel<true>>(cuda, "rasterize axis-shared-threshold-half-split",
-                                                          job);
+  kernels::launch_raster_blocks<kernels::HalfSplitKernel<true>>(
+      cuda, "rasterize axis-shared-threshold-half-split", job);
 }
 
 }  // namespace swiftgs

@@ -4,29 +4,30 @@
 
 #include "block.cuh"
 #include "box_touched.hpp"
-#include "forms.hpp"
+#include "exponents.hpp"
 
 namespace swiftgs {
 
 namespace kernels {
 
-/// Splats as every pixel of a square reads them.
+/// Splats as every pixel of a raster block reads them.
 struct FactorBatch {
   float2 means[block_threads];
-  float4 factors[block_threads];  ///< of `FactorForm`, with opacity 0 where the square does not show it
+  float4 factors[block_threads];  ///< of `FactorExponent`, with opacity 0 where the raster block does not
+                                  ///< show it
   float4 colours[block_threads];  ///< RGB, depth
 };
 
-/// A block a square, a thread a pixel: the whole exponent and exponential of every listed splat, as gsplat
-/// has it.
+/// One thread block per raster block, one thread per pixel: the whole exponent and exponential of every
+/// listed splat, as gsplat has it.
 template <bool extras, class ViewSource>
 __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
     raster_per_pixel(const __grid_constant__ RasterInput<ViewSource> input, std::uint32_t warps_at_once) {
   __shared__ FactorBatch batch;
   const RasterJob& job = input.job;
-  SquarePixel<extras, ViewSource> mine(input, warps_at_once);
-  if (mine.square.outside(input)) return;
-  const TileRange range = mine.square.list(input);
+  RasterBlockPixel<extras, ViewSource> mine(input, warps_at_once);
+  if (mine.raster_block.outside(input)) return;
+  const TileRange range = mine.raster_block.list(input);
   if (!range.drawn()) return;
   const float x = mine.centre().x, y = mine.centre().y;
 
@@ -39,8 +40,8 @@ __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
       const SplatShape s = load_shape(job, id);
       batch.means[threadIdx.x] = make_float2(s.mean.x, s.mean.y);
       const float4 colour = load_colour(job, id);
-      float4 factor = FactorForm::prepare(s);
-      if (!box_touched(s, mine.first_centre(), square_side) || is_hidden(colour)) factor.w = 0;
+      float4 factor = FactorExponent::prepare(s);
+      if (!box_touched(s, mine.first_centre(), raster_block_side) || is_hidden(colour)) factor.w = 0;
       batch.factors[threadIdx.x] = factor;
       batch.colours[threadIdx.x] = colour;
     }
@@ -49,7 +50,7 @@ __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
       const float2 mean = batch.means[k];
       const float4 factor = batch.factors[k];
       const float dx = x - mean.x, dy = y - mean.y;
-      mine.blend(FactorForm::alpha(factor, dx, dy, mine.view().rules), batch.colours[k]);
+      mine.blend(FactorExponent::alpha(factor, dx, dy, mine.view().rules), batch.colours[k]);
     }
   }
   mine.store(min(at, range.end) - range.begin);
@@ -63,7 +64,7 @@ struct PerPixelKernel {
 }  // namespace kernels
 
 void rasterize(Cuda& cuda, PerPixel, const RasterJob& job) {
-  kernels::launch_squares<kernels::PerPixelKernel>(cuda, "rasterize per-pixel", job);
+  kernels::launch_raster_blocks<kernels::PerPixelKernel>(cuda, "rasterize per-pixel", job);
 }
 
 }  // namespace swiftgs

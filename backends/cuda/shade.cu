@@ -21,8 +21,8 @@ namespace swiftgs {
 namespace kernels {
 inline constexpr unsigned shade_threads = 128, shade_warps = shade_threads / warp_size;
 
-/// Blocks for each multiprocessor: enough to keep a device's memory busy, and few enough to leave room for
-/// what runs beside them.
+/// Blocks for each multiprocessor: enough to keep a device's memory busy, and few enough to leave resources
+/// to what runs beside them.
 inline constexpr int shade_blocks = 3;
 
 /// Copies the SH coefficients of the warp's Gaussians, `Word` by `Word`: lanes read neighbouring words, where

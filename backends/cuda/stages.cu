@@ -22,25 +22,25 @@ void bin(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Splats<Cuda>& 
 }
 
 template <BoundsPolicy Bounds, class Key>
-Count emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                     InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances) {
-  return kernels::run_emission(cuda, job, bounds, order, scratch, instances);
+Count emit_intersections(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+                         IntersectionScratch<Cuda>& scratch, Pairs<Cuda, Key>& intersections) {
+  return kernels::run_emission(cuda, job, bounds, order, scratch, intersections);
 }
 
 namespace {
 
 template <class Bounds, class Key>
-using Emission = Count (*)(Cuda&, const SortJob&, const Bounds&, const std::uint32_t*, InstanceScratch<Cuda>&,
-                           Pairs<Cuda, Key>&);
+using Emission = Count (*)(Cuda&, const SortJob&, const Bounds&, const std::uint32_t*,
+                           IntersectionScratch<Cuda>&, Pairs<Cuda, Key>&);
 
 template <class Bounds>
 struct StagesWithin {
   void (*project)(Cuda&, const FramePlan&, const Bounds&, ProjectScratch<Cuda>&, Splats<Cuda>&,
                   Footprints<Cuda>&) = &swiftgs::project;
   void (*bin)(Cuda&, const FramePlan&, const Bounds&, Splats<Cuda>&, Footprints<Cuda>&) = &swiftgs::bin;
-  Emission<Bounds, std::uint16_t> emit_narrow = &emit_instances;
-  Emission<Bounds, std::uint32_t> emit_wide = &emit_instances;
-  Emission<Bounds, std::uint64_t> emit_with_depth = &emit_instances;
+  Emission<Bounds, std::uint16_t> emit_narrow = &emit_intersections;
+  Emission<Bounds, std::uint32_t> emit_wide = &emit_intersections;
+  Emission<Bounds, std::uint64_t> emit_with_depth = &emit_intersections;
 };
 
 template <class... Bounds>

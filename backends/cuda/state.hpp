@@ -52,7 +52,7 @@ struct Cuda::State {
   };
 
   State(cudaStream_t of, const MemoryHook& hook) : stream(of), memory(hook) {
-    use_memory(memory, temporary, total, raster, raster_word, square_order, sorts);
+    use_memory(memory, temporary, total, raster, raster_word, raster_order, sorts);
   }
 
   bool being_captured(const char* call) const;
@@ -74,9 +74,9 @@ struct Cuda::State {
   DeviceBuffer<std::byte> temporary;  ///< of CUB
   DeviceBuffer<std::uint64_t> total;  ///< of a scan
   DeviceBuffer<std::byte> raster;     ///< of `raster_scratch`
-  DeviceBuffer<std::uint32_t> raster_word, square_order;
+  DeviceBuffer<std::uint32_t> raster_word, raster_order;
 
-  Turns<RadixCounts> sorts;
+  Epochs<RadixCounts> sorts;
 };
 
 }  // namespace swiftgs

@@ -114,8 +114,8 @@ std::string measure(Ranks& ranks, const Options& options, const Make& make, cons
   const Camera camera = camera_of(options);
   std::vector<double> imbalance;
   std::vector<FrameCounters> counters;
-  const std::vector<double> with_bands = times_of(ranks, options, [&] {
-    renderer.render_bands(part, {&camera, 1}, {});
+  const std::vector<double> with_strips = times_of(ranks, options, [&] {
+    renderer.render_strips(part, {&camera, 1}, {});
     counters.push_back(renderer.counters());
     imbalance.push_back(counters.back().imbalance());
   });
@@ -145,12 +145,12 @@ std::string measure(Ranks& ranks, const Options& options, const Make& make, cons
                     {"visible", of([](const C& c) { return c.visible; })},
                     {"sent", of([](const C& c) { return c.sent; })},
                     {"drawn", of([](const C& c) { return c.drawn; })},
-                    {"instances", of([](const C& c) { return c.instances; })},
+                    {"intersections", of([](const C& c) { return c.intersections; })},
                     {"rows", of([](const C& c) { return c.rows; })},
                     {"sent_bytes", of([](const C& c) { return c.traffic.sent_bytes; })},
                     {"messages", of([](const C& c) { return c.traffic.messages; })},
                     {"project_ms", 1e-6 * of([](const C& c) { return c.project_ns; })},
-                    {"band_ms", 1e-6 * of([](const C& c) { return c.band_ns; })},
+                    {"strip_ms", 1e-6 * of([](const C& c) { return c.strip_ns; })},
                     {"waiting_ms", 1e-6 * of([](const C& c) { return c.traffic.waiting_ns; })},
                     {"stage_bytes", of([](const C& c) { return c.bytes; })}});
   }
@@ -161,7 +161,7 @@ std::string measure(Ranks& ranks, const Options& options, const Make& make, cons
             {"device", renderer.backend().device_name()},
             {"carrier", std::string(renderer.carrier())},
             {"frames", options.frames},
-            {"ms", median(with_bands)},
+            {"ms", median(with_strips)},
             {"ms_with_image", median(with_image)},
             {"imbalance", median(imbalance)},
             {"checksum", checksum_of(frame)},
@@ -231,7 +231,7 @@ int run(Ranks& ranks, int argc, char** argv) {
                  "host or nccl, or several in turn [what renderers choose]; their images must be the same")
       ->delimiter(',');
   app.add_option("--frames", options.frames, "Frames to time")->check(CLI::PositiveNumber);
-  app.add_option("--warm-ups", options.warm_ups, "Frames before them, in which bands find their places");
+  app.add_option("--warm-ups", options.warm_ups, "Frames before them, in which strips find their places");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

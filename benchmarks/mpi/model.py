@@ -10,13 +10,13 @@ on two, prints what the model expects of 4 and 8 GPUs of one machine, and of as 
 
 The model:
 - projection takes P / N, and what two ranks took beyond P / 2 to share splats out and to learn the numbers,
-- a band takes a + b / N; both numbers follow from one rank and two,
-- each border between bands is crossed by as many splats as the one of two bands; D = V (1 + (N - 1) q) are drawn,
+- a strip takes a + b / N; both numbers follow from one rank and two,
+- each border between strips is crossed by as many splats as the one of two strips; D = V (1 + (N - 1) q) are drawn,
 - of those, (N - 1) / N times what two ranks measured go to another rank, 52 bytes each,
 - an exchange takes c + bytes / r for the rank that sends most; both numbers follow from the two-rank runs of a carrier
   that sent least and most, and c is 0 where one run is all there is,
 - between machines the link carries what ranks of one send to the other, all through one link, after that,
-- images stay with their bands.
+- images stay with their strips.
 """
 import json
 import sys
@@ -43,7 +43,7 @@ class Carrier:
 
     def __init__(self, runs):
         def point(line):
-            rest = line["ms"] - slowest(line, "project_ms") - slowest(line, "band_ms")
+            rest = line["ms"] - slowest(line, "project_ms") - slowest(line, "strip_ms")
             return BYTES * slowest(line, "sent"), max(rest, 1e-3)
         points = sorted(point(run) for run in runs)
         (least, short), (most, long) = points[0], points[-1]
@@ -59,7 +59,7 @@ class Model:
         projection = slowest(one, "project_ms")
         sharing = max(slowest(two, "project_ms") - projection / 2, 0)
         self.project = lambda n: projection / n + sharing
-        self.band = shrinking(slowest(one, "band_ms"), slowest(two, "band_ms"))
+        self.strip = shrinking(slowest(one, "strip_ms"), slowest(two, "strip_ms"))
         self.visible = sum_of(one, "drawn")
         self.crossing = max(sum_of(two, "drawn") / max(self.visible, 1) - 1, 0)
         self.away = sum_of(two, "sent") / max(sum_of(two, "drawn") / 2, 1)
@@ -76,7 +76,7 @@ class Model:
         if gigabits:
             to_other_machine = self.sent_bytes(n) * (n / 2) / (n - 1)
             exchange += n / 2 * to_other_machine / (gigabits * 1e9 / 8 / 1e3)
-        return self.project(n) + self.band(n) + exchange
+        return self.project(n) + self.strip(n) + exchange
 
 
 def quickest_runs(lines):

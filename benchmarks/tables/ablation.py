@@ -65,7 +65,7 @@ def printed(_source):
     def row(where, printed_, given):
         rows.append([where, printed_, given])
 
-    row("largest number of instances a Gaussian, sections 1, 3.1 and 4.1",
+    row("largest number of intersections a Gaussian, sections 1, 3.1 and 4.1",
         f"{paper.RATIO_MOST_INTRODUCTION}, {paper.RATIO_MOST}, {100 * paper.SAVED_MOST:.2f} % saved",
         f"{paper.RATIO_MOST} saves {100 * paper.saved(paper.RATIO_MOST):.2f} %; {100 * paper.SAVED_MOST:.2f} % needs "
         f"{paper.ratio_for(paper.SAVED_MOST):.2f}")

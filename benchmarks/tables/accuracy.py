@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the forms of the shared terms cost in quality: the paper's Table 3, and ours."""
+"""What the exponent representations cost in quality: the paper's Table 3, and ours."""
 from statistics import mean
 
 from tables import paper
@@ -45,7 +45,7 @@ def accuracy(source, machine):
 
 
 def sorts_change_nothing(source, machine):
-    """Whether every sort and both lossless bounds have the errors of the first, rasterizer by rasterizer."""
+    """Whether every sort and both conservative bounds have the errors of the first, rasterizer by rasterizer."""
     frames = Frames(source.results(machine, "matrix.json"))
     differ, compared = set(), 0
     for scene in frames.scenes:
@@ -61,7 +61,7 @@ def sorts_change_nothing(source, machine):
             differ |= {f"`{raster}` on {label(scene)}" for values in errors.values() if len(values) > 1}
     exceptions = f", except {', '.join(sorted(differ))}" if differ else ""
     return prose(f"The errors of {compared} frames were compared: with one rasterizer on one view, they are the same "
-                 f"with every sort and both lossless bounds{exceptions}.")
+                 f"with every sort and both conservative bounds{exceptions}.")
 
 
 def presets(source, machine):
@@ -69,9 +69,9 @@ def presets(source, machine):
     gsplat = Frames(source.results(machine, "matrix.json"))
     inria = Frames(source.results(machine, "vanilla.json"), "inria")
     scenes = [scene for scene in gsplat.scenes if scene in inria.scenes]
-    lossless = VANILLA.rsplit("/", 1)[0] + f"/{ELLIPSE}"
+    conservative = VANILLA.rsplit("/", 1)[0] + f"/{ELLIPSE}"
     rows = [["`gsplat`, `ellipse`", "all that alpha keeps"]
-            + [decibel(gsplat.worst_psnr(scene, lossless)) for scene in scenes],
+            + [decibel(gsplat.worst_psnr(scene, conservative)) for scene in scenes],
             ["`inria`, `three-sigma-square`", "the square's part of it"]
             + [decibel(inria.worst_psnr(scene, VANILLA, "cut_psnr_db")) for scene in scenes],
             ["`inria`, `three-sigma-square`", "all that alpha keeps"]

@@ -16,11 +16,11 @@ def balance(source, machine, what):
             raster, balanced = row.counted_ms["raster"], row.counted_ms["balanced"]
             rows.append([label(scene), *(significant(1e3 * time) for time in (row.ms["raster"].median, raster, balanced)),
                          significant(raster / balanced if balanced else None), count(row.longest_item),
-                         count(row.pieces)])
+                         count(row.segments)])
     if not rows:
         return prose(f"No row of `{what}.json` has a balanced time of `{BEST}`.")
     return f"{machine_name(results)}, `{BEST}`, first views, microseconds:\n\n" + table(
-        ["scene", "raster", "raster while counting", "balanced", "ratio", "longest item", "pieces"], rows)
+        ["scene", "raster", "raster while counting", "balanced", "ratio", "longest item", "segments"], rows)
 
 
 TABLES = {"balance": balance}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tighter bounds save: instances, and the time of each stage."""
+"""What tighter bounds save: intersections, and the time of each stage."""
 from tables.frames import CHOLESKY, FRAME_STAGES, Frames, gaussians
 from tables.markdown import count, decibel, ms, prose, table
 from tables.source import machine_name
@@ -14,12 +14,12 @@ def bounds(source, machine):
         for kind in frames.bounds(scene, f"early/{CHOLESKY}"):
             name = f"early/{CHOLESKY}/{kind}"
             rows.append([f"{scene.name}, {gaussians(scene.gaussians)}", kind,
-                         count(frames.mean_of(scene, name, "instances")),
+                         count(frames.mean_of(scene, name, "intersections")),
                          *(ms(frames.mean(scene, name, stage)) for stage in FRAME_STAGES),
                          decibel(frames.worst_psnr(scene, name))])
-    return (prose(f"{machine_name(results)}, `early/{CHOLESKY}`: milliseconds a frame and instances, means over views; "
+    return (prose(f"{machine_name(results)}, `early/{CHOLESKY}`: milliseconds a frame and intersections, means over views; "
                   f"PSNR against float64 in the worst view compared.") + "\n\n"
-            + table(["scene", "bounds", "instances", *FRAME_STAGES, "dB"], rows, words=2))
+            + table(["scene", "bounds", "intersections", *FRAME_STAGES, "dB"], rows, words=2))
 
 
 TABLES = {"bounds": bounds}

@@ -40,10 +40,10 @@ def sort_seconds(pairs, kind):
 
 
 def cub_sort(row):
-    """Seconds of CUB for one sort of visible depths and one of instances by tile, or one of instances by both."""
+    """Seconds of CUB for one sort of visible depths and one of intersections by tile, or one of intersections by both."""
     if row.sort == "standard":
-        return sort_seconds(row.instances, "45 of 64 bits")
-    return sort_seconds(row.visible, "32 bits") + sort_seconds(row.instances, "13 of 16 bits")
+        return sort_seconds(row.intersections, "45 of 64 bits")
+    return sort_seconds(row.visible, "32 bits") + sort_seconds(row.intersections, "13 of 16 bits")
 
 
 def project(row, _sh_degree):
@@ -55,8 +55,8 @@ def sort(row, sh_degree):
     """Pairs are written once, then read and written in each pass; the colours are evaluated beside."""
     def moved(pairs, key, passes):
         return (key + ID) * pairs * (1 + 2 * passes)
-    pairs = moved(row.instances, BOTH, BOTH_PASSES) if row.sort == "standard" else \
-        moved(row.visible, DEPTH, DEPTH_PASSES) + moved(row.instances, TILE, TILE_PASSES)
+    pairs = moved(row.intersections, BOTH, BOTH_PASSES) if row.sort == "standard" else \
+        moved(row.visible, DEPTH, DEPTH_PASSES) + moved(row.intersections, TILE, TILE_PASSES)
     colours = FLOAT * (3 * (sh_degree + 1) ** 2 + COLOUR) * row.visible
     return (pairs + colours) / COPY, "memory"
 
@@ -64,7 +64,7 @@ def sort(row, sh_degree):
 def raster(row, _sh_degree):
     """Arithmetic of the contributing pairs, their exponentials, or splats, lists and image through memory."""
     bounds = {"multiply-adds": row.contributing_pairs * PAIR_FMA / FMA, "exponentials": row.contributing_pairs / EX2,
-              "memory": FLOAT * ((SHAPE + COLOUR) * row.visible + row.instances + COLOUR * row.pixels) / COPY}
+              "memory": FLOAT * ((SHAPE + COLOUR) * row.visible + row.intersections + COLOUR * row.pixels) / COPY}
     what = max(bounds, key=bounds.get)
     return bounds[what], what
 

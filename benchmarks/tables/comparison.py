@@ -27,7 +27,7 @@ HALF_WIDTH = NORMAL.inv_cdf(0.975)  # of a 95 % interval, in standard errors
 FRAMES = 6  # that a 95 % interval of a median takes: all of n are on one side of it once in 2^(n - 1) times
 PARTS = ("project", "sort", "raster")  # of a frame; total and wall hold them
 MACHINE = ("cpu", "cores", "gpu", "driver", "cuda", "compiler", "flags", "system")
-COUNTS = ("visible", "instances", "contributing_pairs")
+COUNTS = ("visible", "intersections", "contributing_pairs")
 MEMORY = ("device_bytes", "host_bytes")
 # By how much a value may differ without a word: (relative, absolute).
 TOLERANCES = {"max_abs": (0.05, 1e-6), "psnr_db": (0, 0.05), "cut_psnr_db": (0, 0.05), "ssim": (0, 1e-5),

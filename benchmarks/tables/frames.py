@@ -56,7 +56,7 @@ class Frames:
         """Those measured with SORT/RASTER, the widest first."""
         found = {name.rpartition("/")[2]: rows for (of, name), rows in self.of.items()
                  if of == scene and name.rpartition("/")[0] == sort_raster}
-        return sorted(found, key=lambda bounds: -sum(row.instances or 0 for row in found[bounds]))
+        return sorted(found, key=lambda bounds: -sum(row.intersections or 0 for row in found[bounds]))
 
     def mean(self, scene, name, stage="total"):
         """Milliseconds, mean over the views' medians."""

@@ -7,7 +7,7 @@ from tables.markdown import count, prose, significant, table
 from tables.results import InputError
 from tables.source import machine_name
 
-NEEDED = ("visible", "instances", "contributing_pairs")
+NEEDED = ("visible", "intersections", "contributing_pairs")
 
 
 def sh_degrees(results):

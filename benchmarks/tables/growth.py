@@ -14,7 +14,7 @@ PARTS = ("project", "sort", "raster")
 BEST = f"early/{CHOLESKY}/{ELLIPSE}"
 STANDARD = f"standard/{CHOLESKY}/{ELLIPSE}"
 RENDERERS = (BEST, STANDARD, f"standard/per-pixel/{SQUARE}")
-NEEDED = ("width", "height", "visible", "instances", *PARTS, "total")
+NEEDED = ("width", "height", "visible", "intersections", *PARTS, "total")
 END = 3  # points of the fit at the upper end
 TILE = 16  # pixels a side
 
@@ -41,7 +41,7 @@ AXES = {
                       "million Gaussians"),
     "pixels": Axis(("scaling-pixels.json",), lambda row: row.pixels, "million pixels"),
     "threads": Axis(("scaling-threads.json",), lambda row: row.threads, "threads"),
-    "occupancy": Axis(("scaling-occupancy.json",), lambda row: row.instances / tiles(row), "instances a tile"),
+    "occupancy": Axis(("scaling-occupancy.json",), lambda row: row.intersections / tiles(row), "intersections a tile"),
 }
 
 
@@ -97,11 +97,11 @@ def growth(source, machine, axis_name):
         if name != BEST:
             continue
         for row in points:
-            rows.append([scene, axis.text(axis.value(row)), count(row.visible), count(row.instances),
+            rows.append([scene, axis.text(axis.value(row)), count(row.visible), count(row.intersections),
                          *(ms(row.ms[part].median) for part in (*PARTS, "total")),
                          *(mebibytes(bytes_of(row)) for bytes_of in memory.values())])
     return f"{machine_name(files[0])}, `{BEST}`, milliseconds:\n\n" + table(
-        ["scene", axis.unit, "visible", "instances", *PARTS, "total", *memory], rows)
+        ["scene", axis.unit, "visible", "intersections", *PARTS, "total", *memory], rows)
 
 
 def rounded(value):
@@ -189,12 +189,12 @@ def sort_growth(source, machine, axis_name):
             raise InputError(f"{', '.join(axis.files)}: {scene}: expected rows of {BEST} and of {STANDARD} for the same "
                              f"numbers of {axis.unit}")
         for early, standard in zip(*both):
-            rows.append([scene, axis.text(axis.value(early)), count(early.instances),
+            rows.append([scene, axis.text(axis.value(early)), count(early.intersections),
                          *(ms(row.ms["sort"].median) for row in (standard, early)),
                          *(f"{100 * (early.ms[part].median / standard.ms[part].median - 1):+.1f} %"
                            for part in ("sort", "total"))])
     return f"{machine_name(files_of(source, machine, axis)[0])}, `{CHOLESKY}/{ELLIPSE}`, milliseconds of the sort:\n\n" + \
-        table(["scene", axis.unit, "instances", "standard", "early", "early against standard", "of the frame"], rows)
+        table(["scene", axis.unit, "intersections", "standard", "early", "early against standard", "of the frame"], rows)
 
 
 TABLES = {"growth": growth, "sort-growth": sort_growth, "exponents": exponents, "best-exponents": best_exponents,

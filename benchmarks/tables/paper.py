@@ -35,7 +35,7 @@ STEPS_PRINTED = {"ES": (0.02, 0.01, 1.11, 1.11), "ES + AES": (0.06, 0.04, 1.12, 
 # Figure 2 in the text of section 3: mean shares on an RTX 3090; what is left is projection.
 SHARES = {"raster": 0.5547, "sort": 0.2731}
 
-# Figure 3 in the texts of sections 1 and 3.1: instances a Gaussian, and what early sorting then saves by its formula.
+# Figure 3 in the texts of sections 1 and 3.1: intersections a Gaussian, and what early sorting then saves by its formula.
 RATIO_MEAN, RATIO_MOST, RATIO_MOST_INTRODUCTION = 2.37, 7.68, 7.61
 SAVED_MEAN, SAVED_MOST = 0.2890, 0.4356
 

@@ -10,7 +10,7 @@ from tables.source import machine_name
 
 
 def redundancy(source, machine):
-    """Gaussians, instances and their ratio over every view of each scene, with each bounds."""
+    """Gaussians, intersections and their ratio over every view of each scene, with each bounds."""
     results = source.results(machine, "all-views.json")
     frames = Frames(results)
     rows = [["paper, seven scenes", "box", "-", "-", "-", f"{paper.RATIO_MEAN:.2f}", f"{paper.RATIO_MOST:.2f}",
@@ -19,15 +19,15 @@ def redundancy(source, machine):
         for bounds in frames.bounds(scene, f"early/{CHOLESKY}"):
             views = frames.rows(scene, f"early/{CHOLESKY}/{bounds}")
             views = [row for row in views if row.visible != 0]  # a view of nothing has no ratio
-            ratios = [frames.needed(row, "instances") / frames.needed(row, "visible") for row in views]
+            ratios = [frames.needed(row, "intersections") / frames.needed(row, "visible") for row in views]
             if not views:
                 raise InputError(f"{results.path}: visible on {scene.name}: 0 in every view; expected some")
             rows.append([f"{scene.name}, {gaussians(scene.gaussians)}, {len(views)} views", bounds,
-                         count(mean(r.visible for r in views)), count(mean(r.instances for r in views)),
-                         count(max(r.instances for r in views)),
+                         count(mean(r.visible for r in views)), count(mean(r.intersections for r in views)),
+                         count(max(r.intersections for r in views)),
                          f"{mean(ratios):.2f}", f"{max(ratios):.2f}",
                          percent(mean(map(paper.saved, ratios)))])
-    return table(["scene", "bounds", "visible Gaussians, mean", "instances, mean", "most", "a visible Gaussian, mean",
+    return table(["scene", "bounds", "visible Gaussians, mean", "intersections, mean", "most", "a visible Gaussian, mean",
                   "most", "early sorting saves by the paper's formula"], rows, words=2) + \
         f"\n\nCounted on {machine_name(results)}."
 

@@ -9,8 +9,8 @@ STAGES = ("project", "sort", "raster", "total", "wall")
 KEY = ("scene", "gaussians", "enlarge", "view", "scale", "conventions", "threads", "renderer")
 WORDS = ("scene", "view", "conventions", "renderer", "backend", "sort", "raster", "bounds")
 NUMBERS = ("gaussians", "enlarge", "width", "height", "scale", "threads", "frames")
-OPTIONAL = ("psnr_db", "ssim", "max_abs", "cut_psnr_db", "photo_psnr_db", "photo_ssim", "visible", "instances",
-            "contributing_pairs", "pieces", "longest_item", "device_bytes", "host_bytes")
+OPTIONAL = ("psnr_db", "ssim", "max_abs", "cut_psnr_db", "photo_psnr_db", "photo_ssim", "visible", "intersections",
+            "contributing_pairs", "segments", "longest_item", "device_bytes", "host_bytes")
 
 
 class InputError(Exception):
@@ -51,9 +51,9 @@ class Row:
     photo_psnr_db: float = None
     photo_ssim: float = None
     visible: float = None
-    instances: float = None
+    intersections: float = None
     contributing_pairs: float = None
-    pieces: float = None
+    segments: float = None
     longest_item: float = None
     device_bytes: float = None
     host_bytes: float = None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hard frames: how far the forms of the exponent are from float64, from the files of `swiftgs stress`."""
+"""Hard frames: how far the exponent representations are from float64, from the files of `swiftgs stress`."""
 import math
 
 from tables.markdown import prose, significant, table
@@ -21,7 +21,8 @@ def read_stress(source, machine, name):
     found, path = source.json(machine, name, "swiftgs-stress", machine=dict, rows=list), source.path(machine, name)
     if not found["rows"]:
         raise InputError(f"{path}: rows: expected an array that is not empty")
-    check_rows(path, found["rows"], texts=TEXTS, counts=COUNTS, optional=("ratio", "max_abs", "loosest"))
+    check_rows(path, found["rows"], texts=TEXTS, counts=COUNTS,
+               optional=("strict_normalised_error", "max_abs", "ambiguity"))
     return found
 
 
@@ -35,19 +36,19 @@ def number(value):
 
 
 def cell(rows):
-    """Worst ratio, emphasised above the gate, and largest error in parentheses."""
+    """Worst strict normalised error, emphasised above the gate, and largest error in parentheses."""
     if not rows:
         return "-"
     if any(row["failed"] for row in rows):
         return "**failed**"
-    ratio = worst(rows, "ratio")
-    text = "0" if ratio == 0 else f"{ratio:.2f}" if ratio < GATE else number(ratio)
-    open_pixels = "†" if worst(rows, "loosest") >= 1 else ""
-    return f"{'**' + text + '**' if ratio > GATE else text}{open_pixels} ({number(worst(rows, 'max_abs'))})"
+    error = worst(rows, "strict_normalised_error")
+    text = "0" if error == 0 else f"{error:.2f}" if error < GATE else number(error)
+    open_pixels = "†" if worst(rows, "ambiguity") >= 1 else ""
+    return f"{'**' + text + '**' if error > GATE else text}{open_pixels} ({number(worst(rows, 'max_abs'))})"
 
 
 def stability(source, machine, *words):
-    """The worst ratio and the largest error over severities and seeds, family by family. The words: 'large', for large
+    """The worst strict normalised error and the largest error of each family. The words: 'large', for large
     images, and families, if not all."""
     size = "large" if "large" in words else ""
     families = [word for word in words if word != "large"]
@@ -72,7 +73,8 @@ def stability(source, machine, *words):
     device = found["machine"].get("gpu") if name == "cuda" else None
     images = " and ".join(f"{width}x{height}" for width, height in sizes)
     return prose(f"{device or processor(found['machine'])}, `{name}`, images of {images}, {rows[0]['seeds']} seeds at "
-                 f"each severity: the worst ratio, and in parentheses the largest absolute error of a colour. †: of some "
+                 f"each severity: the worst strict normalised error, and in parentheses the largest absolute error of a "
+                 f"colour. †: of some "
                  f"pixels everything is open, and these are not judged.") \
         + "\n\n" + table(["family", *FORMS], lines)
 

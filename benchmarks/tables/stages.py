@@ -66,13 +66,13 @@ def sort_stage(source, machine):
             views = [view for view in standard if view in early]
             changes = [early[view] / standard[view] for view in views]
             means = [mean(times_.values()) for times_ in (standard, early, adaptive)]
-            instances = mean(frames.needed(row, "instances") / frames.needed(row, "visible")
+            intersections = mean(frames.needed(row, "intersections") / frames.needed(row, "visible")
                              for row in frames.rows(scene, f"standard/per-pixel/{bounds}"))
-            rows.append([label(scene), bounds, f"{instances:.2f}", *map(ms, means), signed(means[1] / means[0]),
+            rows.append([label(scene), bounds, f"{intersections:.2f}", *map(ms, means), signed(means[1] / means[0]),
                          f"{signed(min(changes))} to {signed(max(changes))}",
                          f"{sum(change < 1 for change in changes)} of {len(views)}", signed(means[2] / min(means[:2]))])
     return f"{machine_name(results)}, milliseconds, means over views:\n\n" + table(
-        ["scene", "bounds", "instances a visible Gaussian", "standard", "early", "adaptive", "early against standard",
+        ["scene", "bounds", "intersections a visible Gaussian", "standard", "early", "adaptive", "early against standard",
          "over views", "views with early quicker", "adaptive against the better"], rows, words=2)
 
 

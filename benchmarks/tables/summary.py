@@ -80,7 +80,7 @@ def headline(source, *machines):
 
 
 def errors(results, frames):
-    """What the float policies with lossless bounds lose, in two sentences."""
+    """What the float policies with conservative bounds lose, in two sentences."""
     exact = [row for rows in frames.of.values() for row in rows if row.bounds != SQUARE and "half" not in row.raster]
     judged = [row.max_abs for row in exact if row.max_abs is not None]
     if not judged:
@@ -88,7 +88,7 @@ def errors(results, frames):
     photo = {tuple(view.get(name) for name in PLACE): view.get("photo_psnr_db") for view in results.views}
     seen = [row for row in exact if row.photo_psnr_db is not None and photo.get(row.place) is not None]
     apart = [abs(row.photo_psnr_db - photo[row.place]) for row in seen]
-    text = f"The float policies with lossless bounds differ from the reference by {max(judged):.4f} at most."
+    text = f"The float policies with conservative bounds differ from the reference by {max(judged):.4f} at most."
     if apart:
         *others, last = dict.fromkeys(row.scene for row in seen)
         scenes = f"{', '.join(others)} and {last}" if others else last

@@ -37,7 +37,7 @@ def row(ms, renderer="cuda/early/per-pixel/ellipse", **members):
     return {"scene": "garden", "gaussians": 1512439, "enlarge": 1, "view": "0", "width": 1297, "height": 840,
             "scale": 1, "conventions": "gsplat", "threads": 16, "renderer": renderer, "backend": backend, "sort": sort,
             "raster": raster, "bounds": bounds, "frames": 15, "ms": ms, "psnr_db": 102.2, "ssim": 0.999999,
-            "max_abs": 2.5e-3, "photo_psnr_db": None, "photo_ssim": None, "visible": 634397, "instances": 1699159,
+            "max_abs": 2.5e-3, "photo_psnr_db": None, "photo_ssim": None, "visible": 634397, "intersections": 1699159,
             "contributing_pairs": 49000000, "device_bytes": 2**29, "host_bytes": 2**20, **members}
 
 

@@ -8,7 +8,7 @@ RASTERS = {"per-pixel": 2.0, "axis-shared-half-split": 1.6, "axis-shared-float-s
            "axis-shared-float-cholesky": 1.1, "axis-shared-threshold-half-split": 1.5,
            "axis-shared-threshold-float-split": 1.1, "axis-shared-threshold-float-cholesky": 1.0}
 SORTS = {"standard": 1.0, "early": 0.8, "adaptive": 0.8}
-BOUNDS = {"three-sigma-square": 6e6, "opacity-box": 3e6, "ellipse": 2e6}  # instances
+BOUNDS = {"three-sigma-square": 6e6, "opacity-box": 3e6, "ellipse": 2e6}  # intersections
 GAUSSIANS = {"garden": 1500000, "fox": 200000, "builtin": 200000}
 FAMILIES = ("needles", "ridges", "little-blur", "scales", "distant-means", "wide-angles", "deep-stacks", "mixtures")
 BEST = ("early", "axis-shared-threshold-float-cholesky", "ellipse")
@@ -30,11 +30,11 @@ def row(backend, words, scene="garden", grow=None, **members):
     return synthetic.row({**{s: exact(ms) for s, ms in parts.items()}, "total": exact(total), "wall": exact(total)},
                          "/".join((backend, *words)),
                          **{"scene": scene, "gaussians": GAUSSIANS.get(scene, 150000), "visible": 500000,
-                            "instances": BOUNDS[bounds], "psnr_db": 60.0 if half else 102.0,
+                            "intersections": BOUNDS[bounds], "psnr_db": 60.0 if half else 102.0,
                             "max_abs": 0.4 if half else 0.003,
                             "photo_psnr_db": 24.75 if half else 24.8,
                             "counted_ms": {"raster": 2 * parts["raster"], "balanced": 0.4 * parts["raster"]},
-                            "pieces": 1500, "longest_item": 2048,
+                            "segments": 1500, "longest_item": 2048,
                             "cut_psnr_db": 101.5 if bounds == "three-sigma-square" else None, **members})
 
 
@@ -67,15 +67,15 @@ def stress(backend, sizes):
                         rows.append({"family": family, "severity": severity, "severity_label": "how hard",
                                      "width": width, "height": height, "renderer": f"{name}/early/{raster}/ellipse",
                                      "backend": name, "sort": "early", "raster": raster, "bounds": "ellipse",
-                                     "seeds": 16, "failed": 0, "error": None, "ratio": ratio * scale,
-                                     "max_abs": 1e-6 * ratio * scale, "loosest": 0.5})
+                                     "seeds": 16, "failed": 0, "error": None, "strict_normalised_error": ratio * scale,
+                                     "max_abs": 1e-6 * ratio * scale, "ambiguity": 0.5})
     machine = {"cpu": "a processor", "cores": 16, **({"gpu": "a GPU"} if backend == "cuda" else {})}
     return {"format": "swiftgs-stress", "version": 1, "machine": machine, "rows": rows}
 
 
 def write(folder, backend, older=False):
     """All files of a machine, of which those of growth may be older ones. Projection grows as Gaussians, rasterization
-    as pixels, sorting as instances a tile."""
+    as pixels, sorting as intersections a tile."""
     folder.mkdir(parents=True, exist_ok=True)
 
     def bench(name, rows):
@@ -103,7 +103,7 @@ def write(folder, backend, older=False):
     bench("scaling-pixels.json", growing(backend, [({"scale": s, "width": 1000 * s, "height": 1000 * s},
                                                     {"raster": s * s}) for s in (1, 2, 4)]))
     bench("scaling-threads.json", growing("cpu", [({"threads": n}, {"raster": 1 / n}) for n in (1, 2, 4)]))
-    bench("scaling-occupancy.json", growing(backend, [({"enlarge": e, "instances": 1e6 * e}, {"sort": e})
+    bench("scaling-occupancy.json", growing(backend, [({"enlarge": e, "intersections": 1e6 * e}, {"sort": e})
                                                       for e in (0.5, 1, 2)]))
     for name in ("cuda", "cpu"):
         for when in ("before", "after"):

@@ -93,10 +93,10 @@ class Compare(unittest.TestCase):
     def test_counts_and_memory_that_differ_are_named_but_are_no_failure(self):
         before = synthetic.run(1)
         after = copy.deepcopy(before)
-        after["rows"][5].update(instances=1700000, device_bytes=2**30)
+        after["rows"][5].update(intersections=1700000, device_bytes=2**30)
         code, output, _ = self.compare(before, after)
         self.assertEqual({(row[4], row[5]) for row in self.named(output, "Rows")},
-                         {("instances", "other"), ("device_bytes", "other")})
+                         {("intersections", "other"), ("device_bytes", "other")})
         self.assertEqual(code, 0)
 
     def test_rows_of_one_file_are_counted(self):

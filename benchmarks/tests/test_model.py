@@ -11,12 +11,12 @@ PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "mpi" / "model.py"
 MS_PER_BYTE, LATENCY = 1e-8, 0.1  # 100 GB/s
 
 
-def line(scene, ranks, splats, sent, project, band, **changed):
+def line(scene, ranks, splats, sent, project, strip, **changed):
     """A run in which every rank does the same."""
     exchange = LATENCY + 52 * sent * MS_PER_BYTE if ranks > 1 else 0
-    rank = {"visible": splats // ranks, "sent": sent, "drawn": splats // ranks, "project_ms": project, "band_ms": band}
+    rank = {"visible": splats // ranks, "sent": sent, "drawn": splats // ranks, "project_ms": project, "strip_ms": strip}
     return {"scene": scene, "width": 640, "height": 480, "carrier": "nccl" if ranks > 1 else "host",
-            "ms": project + band + exchange, "ranks": [rank] * ranks, **changed}
+            "ms": project + strip + exchange, "ranks": [rank] * ranks, **changed}
 
 
 class Model(unittest.TestCase):
@@ -29,7 +29,7 @@ class Model(unittest.TestCase):
         return [[cell.strip() for cell in row.strip("|").split(" | ")] for row in ran.stdout.splitlines()[4:]]
 
     def test_a_frame_without_messages_shrinks_by_its_parts(self):
-        # Projection takes 1 / N and 0.1 to share out, a band 0.5 + 1.5 / N; a few splats are sent.
+        # Projection takes 1 / N and 0.1 to share out, a strip 0.5 + 1.5 / N; a few splats are sent.
         lines = [line("a", 1, 1000, 0, 1.0, 2.0), line("a", 2, 1000, 250, 0.6, 1.25),
                  line("b", 1, 10**8, 0, 1.0, 2.0), line("b", 2, 10**8, 25 * 10**6, 0.6, 1.25)]
         row = self.rows(lines)[0]
@@ -49,7 +49,7 @@ class Model(unittest.TestCase):
         self.assertEqual(row[7:9], [f"{3 + LATENCY + sent * MS_PER_BYTE + share * between:.2f} ms"
                                     for share in (1, 0.25)])
 
-    def test_the_rank_that_sends_most_and_splats_of_two_bands_count(self):
+    def test_the_rank_that_sends_most_and_splats_of_two_strips_count(self):
         two = line("a", 2, 10**8, 20 * 10**6, 0.0, 3.0)
         # One rank sends twice as much as the other, and a tenth of the splats is drawn by both.
         two["ranks"] = [{**two["ranks"][0], "sent": 20 * 10**6, "drawn": 55 * 10**6},

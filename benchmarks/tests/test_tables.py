@@ -169,12 +169,12 @@ class Tables(unittest.TestCase):
                                 self.assertNotIn("\n", str(error))
                                 self.assertIn(pathlib.Path(results.path).name, str(error))
                     source.found[key] = results
-        for member in ("instances", "visible", "sort", "raster", "total", "width"):
+        for member in ("intersections", "visible", "sort", "raster", "total", "width"):
             self.assertGreater(refused[member], 0, member)
 
     def test_a_row_that_a_table_divides_by_is_named_with_its_file_and_member(self):
-        rows = synthetic_folder.growing("cuda", [({"enlarge": e, "instances": 1e6 * e}, {}) for e in (0.5, 1, 2)])
-        rows[-1]["instances"] = None
+        rows = synthetic_folder.growing("cuda", [({"enlarge": e, "intersections": 1e6 * e}, {}) for e in (0.5, 1, 2)])
+        rows[-1]["intersections"] = None
         folder = self.place / "null" / FOLDERS["gpu"]
         folder.mkdir(parents=True)
         (folder / "scaling-occupancy.json").write_text(
@@ -182,7 +182,7 @@ class Tables(unittest.TestCase):
         for table in ("growth gpu occupancy", "exponents gpu occupancy", "dominates gpu occupancy"):
             code, _, _, error = self.update(f"<!-- table: {table} -->\n<!-- end -->\n", results=folder.parent)
             self.assertEqual(code, 2)
-            self.assertRegex(error, r"\A[^\n]+/scaling-occupancy.json: instances of cuda/[^\n]+ on view '0' of garden: "
+            self.assertRegex(error, r"\A[^\n]+/scaling-occupancy.json: intersections of cuda/[^\n]+ on view '0' of garden: "
                                     r"expected a number above 0\n\Z")
 
     def test_sorts_that_were_not_measured_at_the_same_places_are_not_set_side_by_side(self):
@@ -287,7 +287,7 @@ class Tables(unittest.TestCase):
         self.assertEqual(sort[2:], ["12.00", "1.00", "0.800", "0.800", "-20.0 %", "-20.0 % to -20.0 %", "2 of 2",
                                     "+0.0 %"])
 
-    def test_redundancy_counts_instances_a_visible_gaussian(self):
+    def test_redundancy_counts_intersections_a_visible_gaussian(self):
         text = self.table("redundancy gpu")
         self.assertEqual(cells(text, "garden, 1.5 M, 2 views")[1:],
                          ["three-sigma-square", "500,000", "6,000,000", "6,000,000", "12.00", "12.00", "45.8 %"])
@@ -323,7 +323,7 @@ class Tables(unittest.TestCase):
 
         self.assertEqual(exponents("million Gaussians"), ["1.00 (1.00)", "0.00 (0.00)", "0.00 (0.00)"])
         self.assertEqual(exponents("million pixels"), ["0.00 (0.00)", "0.00 (0.00)", "1.00 (1.00)"])
-        self.assertEqual(exponents("instances a tile"), ["0.00 (0.00)", "1.00 (1.00)", "0.00 (0.00)"])
+        self.assertEqual(exponents("intersections a tile"), ["0.00 (0.00)", "1.00 (1.00)", "0.00 (0.00)"])
         alone = self.table("best-exponents gpu gaussians pixels occupancy")
         self.assertEqual([line for line in alone.splitlines() if "0.00 (0.00)" in line],
                          [line for line in text.splitlines() if best in line])
@@ -341,7 +341,7 @@ class Tables(unittest.TestCase):
         self.assertIn("rows without bytes of each stage; expected them in every row", error)
 
     def test_launches_of_a_kernel_are_averaged(self):
-        kernel = ("void swiftgs::kernels::raster_warps<swiftgs::kernels::CholeskyForm, (bool)1, (bool)0>"
+        kernel = ("void swiftgs::kernels::raster_warps<swiftgs::kernels::CholeskyExponent, (bool)1, (bool)0>"
                   "(swiftgs::RasterJob)")
         launches = ({"gpu__time_duration.sum": "153,000", "smsp__inst_executed.sum": "118,561,421",
                      "dram__bytes.sum": "43,812,864", "launch__registers_per_thread": "56",
@@ -357,7 +357,7 @@ class Tables(unittest.TestCase):
             for number, metrics in enumerate(launches):
                 for name, value in metrics.items():
                     write([number, kernel, name, value])
-        row = cells(self.table("kernels gpu made"), "`raster_warps<CholeskyForm, 1, 0>`")
+        row = cells(self.table("kernels gpu made"), "`raster_warps<CholeskyExponent, 1, 0>`")
         self.assertEqual(row[1:], ["2", "153.5", "118.56", "43.8", "56", "47", "86"])
 
     def test_memory_of_an_older_file_is_what_the_device_has_less(self):
@@ -392,9 +392,9 @@ class Tables(unittest.TestCase):
         found = synthetic_folder.stress("cuda", ((64, 48),))
         for row in found["rows"]:
             if row["family"] == "needles":
-                row.update({"per-pixel": {"ratio": 12345.0}, "axis-shared-half-split": {"ratio": None},
+                row.update({"per-pixel": {"strict_normalised_error": 12345.0}, "axis-shared-half-split": {"strict_normalised_error": None},
                             "axis-shared-float-split": {"failed": 1},
-                            "axis-shared-float-cholesky": {"loosest": 1.0}}.get(row["raster"], {}))
+                            "axis-shared-float-cholesky": {"ambiguity": 1.0}}.get(row["raster"], {}))
         synthetic_folder.synthetic.write(folder / "stress.json", found)
         text = self.update("<!-- table: stability gpu -->\n<!-- end -->\n", results=folder.parent)[1]
         self.assertEqual(cells(text, "`needles`")[1:], ["**1.2e+04** (2.0e-06)", "**failed**", "4.00† (4.0e-06)",
@@ -408,7 +408,7 @@ class Tables(unittest.TestCase):
         for change, message in (({"format": "swiftgs-bench"}, "expected 'swiftgs-stress', 1"),
                                 ({"rows": []}, "rows: expected an array that is not empty"),
                                 ({"rows": [{}]}, "rows[0].family: expected a string"),
-                                ({"rows": [{**good["rows"][0], "ratio": "x"}]}, "rows[0].ratio: expected a number"),
+                                ({"rows": [{**good["rows"][0], "strict_normalised_error": "x"}]}, "rows[0].strict_normalised_error: expected a number"),
                                 ({"rows": [{**good["rows"][0], "backend": "cpu"}]}, "no rows of the backend 'cuda'")):
             synthetic_folder.synthetic.write(folder / "stress.json", {**good, **change})
             code, text, _, error = self.update(page, results=folder.parent)

@@ -36,15 +36,15 @@ class SWIFTGS_API AnyRenderer {
   virtual void set_scene(std::shared_ptr<const Scene> scene) = 0;
 
   /// As above, of arrays that the backend reaches: those of a device go to its renderers within the device,
-  /// in stream order. That waits only where memory has to grow: memory of the scene before is taken again,
-  /// unless it was ever shared. On a device Gaussians with a NaN or an infinity are not drawn, since no pass
-  /// checks them; hosts refuse them. Throws `std::invalid_argument` as `validate`. After any other exception
-  /// a renderer of a device has no scene, and one of a host has that of before.
+  /// in stream order. It waits only if memory has to grow: it reuses memory of the last scene, unless that
+  /// was ever shared. A device does not draw Gaussians with a NaN or an infinity, since no pass checks them;
+  /// hosts refuse them. Throws `std::invalid_argument` as `validate`. After any other exception a device
+  /// renderer has no scene, and a host renderer keeps the last one.
   virtual void set_scene(const SceneArrays& arrays) = 0;
 
   /// Shares the scene that `other` has uploaded, without another copy. Returns false, and changes nothing, if
-  /// `other` has no scene or another backend. A scene of `SceneArrays` is there in the order of the stream of
-  /// `other`: another stream has to wait for that before it draws the scene.
+  /// `other` has no scene or another backend. A scene of `SceneArrays` is ready in the stream order of
+  /// `other`: another stream must wait for that before it draws the scene.
   virtual bool share_scene(const AnyRenderer& other) = 0;
 
   /// As `Renderer::render`. Throws `std::logic_error` before a scene is set.

@@ -81,7 +81,7 @@ void trim_parts(const B& b, Parts&... parts) {
   use_memory_of(b, parts...);
 }
 
-/// Keys with their values, and as much spare room for a sort that moves them back and forth.
+/// Keys with their values, and spare buffers that a sort exchanges with them.
 template <class B, class Key>
 struct Pairs {
   typename B::template Buffer<Key> keys, spare_keys;

@@ -25,31 +25,31 @@ struct FindFootprint {
   }
 };
 
-/// What the last `project` and `bin` found. On a host, splats without room count as visible, but their
-/// instances do not count. Backends overload this.
+/// What the last `project` and `bin` found. On a host, splats above the capacity count as visible, but their
+/// intersections do not count. Backends overload this.
 template <BackendPolicy B>
 requires(bool(B::reaches_host_memory)) FrameReport
     await_report(B&, const Splats<B>& splats, const Footprints<B>& footprints, const Limits& limits) {
-  FrameReport report{splats.visible, footprints.instances, 0};
+  FrameReport report{splats.visible, footprints.intersections, 0};
   report.overflowed = !limits.fit(report);
   return report;
 }
 
-/// Finds the tiles of its view that each splat may touch within `bounds`, and how many there are in all:
-/// after this stage the host knows the numbers of splats and of instances.
+/// Finds the tiles of its view that each splat may touch within `bounds`, and the number of tile
+/// intersections. After this stage the host knows the numbers of splats and of intersections.
 ///
-/// Backends overload this. One whose projection has found the footprints on the way only learns their numbers
-/// here. One whose host would have to wait for them does so only if the limits have no capacity of instances:
-/// otherwise `await_report` tells the numbers.
+/// Backends overload this. If projection found the footprints, the overload only learns their numbers. A
+/// device waits only if the limits have no capacity of intersections; otherwise `await_report` tells the
+/// numbers.
 template <BackendPolicy B, BoundsPolicy Bounds>
 requires(bool(B::reaches_host_memory)) void bin(B& b, const FramePlan& plan, const Bounds& bounds,
                                                 Splats<B>& splats, Footprints<B>& footprints) {
   footprints.views = plan.views;
   const std::size_t n = splats.count;
   footprints.each.reset(n);
-  footprints.count = n, footprints.instances = 0;
+  footprints.count = n, footprints.intersections = 0;
   b.for_each(n, FindFootprint<Bounds>{splats.view(), plan.views.reachable(), bounds, footprints.each.data()});
-  for (const Footprint& footprint : footprints.view().each) footprints.instances += footprint.count;
+  for (const Footprint& footprint : footprints.view().each) footprints.intersections += footprint.count;
   if (plan.limits.report) *plan.limits.report = await_report(b, splats, footprints, plan.limits);
 }
 

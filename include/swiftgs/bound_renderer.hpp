@@ -43,7 +43,7 @@ class BoundRenderer {
  public:
   BoundRenderer(B backend, StagePolicies<B> policies)
       : stages_(std::move(backend), policies.bounds, std::move(policies.sort)), raster_(policies.raster) {
-    use_memory_of(this->backend(), square_counts_, view_storage_, recorded_storage_, resident_);
+    use_memory_of(this->backend(), raster_counts_, view_storage_, recorded_storage_, resident_);
   }
 
   B& backend() { return stages_.backend(); }
@@ -70,7 +70,7 @@ class BoundRenderer {
     for (const View& view : views) validate(view);
     check_ready(backend());
     const FrameKey key = FrameKey::of(scene, views);
-    const bool may_be_coarse = raster_.may_gain_by_coarse_tiles && stages_.lossless();
+    const bool may_be_coarse = raster_.may_gain_by_coarse_tiles && stages_.conservative();
     FramePlan plan(store_views(backend(), may_be_coarse ? tiles_.choose(key, views) : views, view_storage_),
                    scene);
     counted_ = timed_ = false;
@@ -83,19 +83,18 @@ class BoundRenderer {
         run(plan, measures);
         return stages_.report(plan);
       });
-      stages_.set_instances(report_.instances);
+      stages_.set_intersections(report_.intersections);
     }
     tiles_.learn(key, report_.visible);
     counted_ = measures.count, timed_ = measures.time;
     gaussians_ = scene.size();
   }
 
-  /// Takes all memory that `record` needs for frames of `views` and `scene`. `set_views` may replace the
-  /// views by others whose frames have the same sizes, and `scene` may change. Without a `capacity` it makes
-  /// room for what the views show now and an eighth more, at most for all Gaussians in all views and for
-  /// `max_instances`. A capacity counts instances on the tiles of these views; tiles of `render_into` may be
-  /// coarser, and its `statistics` then too small. Draws nothing and waits. If it throws, `record` is refused
-  /// until it succeeds.
+  /// Takes all memory that `record` needs for frames of `views` and `scene`. `set_views` may later set other
+  /// views of the same sizes, and `scene` may change. The default capacity is what the views show now and an
+  /// eighth more, at most all Gaussians in all views and `max_intersections`. A capacity counts intersections
+  /// with the tiles of these views; `render_into` may use coarser tiles, and its `statistics` are then too
+  /// small. Draws nothing and waits. If it throws, `record` is refused until it succeeds.
   void reserve(const SceneView& scene, Span<const View> views, Capacity capacity = {}) {
     validate(scene);
     reserved_.reset();
@@ -106,24 +105,24 @@ class BoundRenderer {
       run(plan, {});
       return stages_.report(plan);
     };
-    if (capacity.splats == 0 || capacity.instances == 0) {
-      // A host counts the instances of those splats alone that it has room for.
+    if (capacity.splats == 0 || capacity.intersections == 0) {
+      // A host counts only the intersections of splats within the capacity.
       const FrameReport report = rehearse(B::reaches_host_memory ? Capacity{} : Capacity{1, 1});
-      check_instances(report.instances);
-      if (capacity.splats == 0) capacity.splats = with_room(report.visible);
-      if (capacity.instances == 0) capacity.instances = with_room(report.instances);
+      check_intersections(report.intersections);
+      if (capacity.splats == 0) capacity.splats = with_spare(report.visible);
+      if (capacity.intersections == 0) capacity.intersections = with_spare(report.intersections);
     }
     capacity.splats = std::min(capacity.splats, std::max<std::size_t>(scene.size() * views.size, 1));
-    capacity.instances = std::min(capacity.instances, std::size_t(max_instances));
-    const FrameRoom room{scene.size(), views.size, recorded_.tiles, capacity};
+    capacity.intersections = std::min(capacity.intersections, std::size_t(max_intersections));
+    const Reservation reserved{scene.size(), views.size, recorded_.tiles, capacity};
     if constexpr (B::reaches_host_memory) {
-      stages_.reserve(room);
+      stages_.reserve(reserved);
     } else {
       // Twice, because buffers change places.
       for (int k = 0; k < 2; ++k) rehearse(capacity);
       capacity_.at_least(capacity);
     }
-    reserved_ = room;
+    reserved_ = reserved;
   }
 
   /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders them too.
@@ -146,11 +145,11 @@ class BoundRenderer {
     recorded_ = store_views(backend(), views, recorded_storage_, ViewAccess::stored);
   }
 
-  /// Renders the views that were set, and neither waits, allocates nor asks a device for anything, so that it
-  /// may be captured into a CUDA graph. Writes what the frame took to `report`, in memory that the backend
-  /// reaches. A frame without enough room draws nothing. Call `reserve` before. On hosts the frame is
-  /// complete when it returns. Throws `std::invalid_argument` where nothing can be rendered, and
-  /// `CapacityError` where `reserve` was called for fewer Gaussians.
+  /// Renders the views that were set. It never waits, allocates or queries the device, so a CUDA graph may
+  /// capture it. Writes what the frame took to `report`, in memory that the backend reaches. A frame above
+  /// the capacity draws nothing. Call `reserve` before. On hosts the frame is complete when it returns.
+  /// Throws `std::invalid_argument` where nothing can be rendered, and `CapacityError` where `reserve` was
+  /// called for fewer Gaussians.
   ///
   /// A captured graph works in the renderer's memory. It must not be launched again after `reserve`, `trim`
   /// or a larger frame of `render_into`, which move that memory.
@@ -170,7 +169,7 @@ class BoundRenderer {
     B& b = backend();
     b.wait();
     stages_.trim();
-    trim_parts(b, square_counts_, view_storage_, recorded_storage_, resident_);
+    trim_parts(b, raster_counts_, view_storage_, recorded_storage_, resident_);
     if constexpr (requires { b.trim(); }) b.trim();
     views_ = {}, tiles_ = {}, capacity_ = {}, recorded_ = {};
     counted_ = false;
@@ -181,7 +180,7 @@ class BoundRenderer {
   /// next call. Returns and throws as `render_into`.
   Span<const FrameView> render_resident(const SceneView& scene, Span<const Camera> cameras,
                                         const RenderSettings& settings) {
-    make_views(cameras, settings);
+    make_views(cameras, settings, views_);
     check_ready(backend());
     const Span<const FrameView> frames = resident_.make(cameras, settings.outputs);
     for (std::size_t i = 0; i < frames.size; ++i) views_[i].frame = frames[i];
@@ -202,7 +201,7 @@ class BoundRenderer {
       return prepare(frames[i], cameras[i].width, cameras[i].height, settings.outputs);
     };
     if constexpr (B::reaches_host_memory) {
-      make_views(cameras, settings);
+      make_views(cameras, settings, views_);
       for (std::size_t i = 0; i < cameras.size; ++i) views_[i].frame = prepare_frame(i);
       render_into(scene.view(), {views_.data(), views_.size()}, {settings.count, settings.time});
     } else {
@@ -236,12 +235,12 @@ class BoundRenderer {
   Statistics statistics() const {
     Statistics s{.gaussians = gaussians_,
                  .visible = std::size_t(report_.visible),
-                 .instances = std::size_t(report_.instances),
+                 .intersections = std::size_t(report_.intersections),
                  .raster = {}};
     if (counted_) {
-      std::vector<SquareCounts> squares(square_counts_.size());
-      backend().download(square_counts_.span(), squares.data());
-      for (const SquareCounts& square : squares) s.raster += square;
+      std::vector<RasterCounts> blocks(raster_counts_.size());
+      backend().download(raster_counts_.span(), blocks.data());
+      for (const RasterCounts& block : blocks) s.raster += block;
     }
     return s;
   }
@@ -251,7 +250,7 @@ class BoundRenderer {
   StageMemory memory() const {
     StageMemory memory = stages_.memory();
     memory.project += bytes_of(view_storage_, recorded_storage_);
-    memory.raster += bytes_of(resident_, square_counts_);
+    memory.raster += bytes_of(resident_, raster_counts_);
     return memory;
   }
 
@@ -271,19 +270,10 @@ class BoundRenderer {
            planes(a.frame) == planes(b.frame);
   }
 
-  /// Views through `cameras`, whose frames have sizes and no planes yet.
-  void make_views(Span<const Camera> cameras, const RenderSettings& settings) {
-    validate(settings);
-    views_.clear();
-    for (const Camera& camera : cameras)
-      views_.push_back(make_view(camera, settings.conventions,
-                                 {.width = camera.width, .height = camera.height}, settings.background));
-  }
-
   void run(const FramePlan& plan, const Measures& measures) {
-    SquareCounts* counts = nullptr;
+    RasterCounts* counts = nullptr;
     if (measures.count)
-      square_counts_.reset(Squares(plan.views.tiles).size()), counts = square_counts_.data();
+      raster_counts_.reset(RasterBlocks(plan.views.tiles).size()), counts = raster_counts_.data();
     stages_.run(
         plan, true,
         [&](RasterJob job) {
@@ -297,7 +287,7 @@ class BoundRenderer {
 
   Stages<B> stages_;
   RasterStage<B> raster_;
-  typename B::template Buffer<SquareCounts> square_counts_;
+  typename B::template Buffer<RasterCounts> raster_counts_;
   ViewStorage<B> view_storage_, recorded_storage_;  ///< of `render_into` and of `record`
   ResidentFrames<B> resident_;
   std::vector<View> views_;  ///< of `render_resident` and `render`
@@ -308,7 +298,7 @@ class BoundRenderer {
   TileChoice tiles_;        ///< that learnt from it
   FrameCapacity capacity_;  ///< of a device's frames
   Views recorded_;          ///< in `recorded_storage_`
-  std::optional<FrameRoom> reserved_;
+  std::optional<Reservation> reserved_;
 };
 
 }  // namespace swiftgs

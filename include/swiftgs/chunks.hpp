@@ -50,10 +50,9 @@ inline ChunkBounds bounds_of_chunk(const SceneView& scene, std::size_t chunk) {
 }
 }  // namespace detail
 
-/// Bounds of all chunks of `scene`, which is in the host's memory and has finite numbers alone.
-/// @shape{ceil(N / chunk_size)}. Empty where chunks would not be worth their test: where the boxes of
-/// neighbours are more than half as large, on the mean, as those of Gaussians from all over the scene. Takes
-/// O(N).
+/// Bounds of all chunks of `scene`, which is in the host's memory and has finite numbers alone. @shape{ceil(N
+/// / chunk_size)}. Empty if chunks are not worth their test: if boxes of neighbours are on average more than
+/// half as large as boxes of random Gaussians. Takes O(N).
 inline std::vector<ChunkBounds> chunk_bounds(const SceneView& scene) {
   const std::size_t count = (scene.size() + chunk_size - 1) / chunk_size;
   double of_neighbours = 0, of_any = 0;

@@ -46,8 +46,8 @@ struct Colours {
   typename B::template Buffer<SplatColour> each;
   typename B::template Buffer<std::uint32_t> hidden;  ///< one word
 
-  void reserve(B&, const FrameRoom& room) {
-    each.reset_exactly(room.capacity.splats), hidden.reset_exactly(1);
+  void reserve(B&, const Reservation& reserved) {
+    each.reset_exactly(reserved.capacity.splats), hidden.reset_exactly(1);
   }
   static auto buffers(auto& self) { return std::tie(self.each, self.hidden); }
 };

@@ -80,15 +80,15 @@ struct SWIFTGS_API ClearSums {
   SWIFTGS_HD void operator()(std::size_t i) const { sums[i] = 0; }
 };
 
-/// Blends one square, pixel by pixel, on a host, and adds the weights to their Gaussians, with one atomic
-/// addition for each splat and square.
-struct AddSquareContributions {
+/// Blends one raster block, pixel by pixel, on a host, and adds the weights to their Gaussians, with one
+/// atomic addition for each splat and raster block.
+struct AddRasterBlockContributions {
   ContributionJob job;
-  Squares squares;
+  RasterBlocks blocks;
 
-  void operator()(std::size_t square) const {
+  void operator()(std::size_t block) const {
     const RasterJob& raster = job.raster;
-    const PlacedSquare place(raster.views, squares, square);
+    const PlacedRasterBlock place(raster.views, blocks, block);
     if (place.empty()) return;
     const TileRange range = place.list(raster);
     if (range.begin == range.end) return;
@@ -105,20 +105,20 @@ struct AddSquareContributions {
   }
 
  private:
-  /// The pixels of a square that lie in the image.
+  /// The pixels of a raster block that lie in the image.
   struct Pixels {
     vec2 first_centre;
     int columns, rows;
     int live;  ///< pixels that have not stopped
-    float transmittances[square_side * square_side];
-    bool stopped[square_side * square_side] = {};
+    float transmittances[raster_block_side * raster_block_side];
+    bool stopped[raster_block_side * raster_block_side] = {};
 
-    explicit Pixels(const PlacedSquare& place)
+    explicit Pixels(const PlacedRasterBlock& place)
         : first_centre(place.first_centre), columns(place.columns), rows(place.rows), live(columns * rows) {
       for (float& transmittance : transmittances) transmittance = 1;
     }
 
-    /// Parts of a splat's weight in all pixels, by the arithmetic and the rules of `RasterizeSquare`.
+    /// Parts of a splat's weight in all pixels, by the arithmetic and the rules of `BlendRasterBlock`.
     std::uint64_t blend(const SplatShape& shape, const BlendRules& rules) {
       AxisSharedThreshold<FloatCholesky>::Kernel kernel(shape, first_centre, rules);
       std::uint64_t parts = 0;
@@ -127,7 +127,7 @@ struct AddSquareContributions {
         if (!row_touched(shape, first_centre.x, y)) continue;
         kernel.start_row(y);
         for (int column = 0; column < columns; ++column) {
-          const int pixel = row * square_side + column;
+          const int pixel = row * raster_block_side + column;
           if (stopped[pixel]) continue;
           const float alpha = kernel.alpha(column);
           if (alpha == 0) continue;
@@ -146,11 +146,11 @@ struct AddSquareContributions {
   };
 };
 
-/// Adds the weights of all squares, on hosts. A device overloads this. Throws as `squares_of`.
+/// Adds the weights of all raster blocks, on hosts. A device overloads this. Throws as `raster_blocks_of`.
 template <BackendPolicy B>
 requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const ContributionJob& job) {
-  const Squares squares = squares_of(job.raster);
-  b.for_each(squares.size(), AddSquareContributions{job, squares});
+  const RasterBlocks blocks = raster_blocks_of(job.raster);
+  b.for_each(blocks.size(), AddRasterBlockContributions{job, blocks});
 }
 
 /// Sums the weights of a scene's Gaussians over views that are added one by one. It uses exact float terms,
@@ -177,8 +177,8 @@ class Contributions {
   }
 
   /// Adds the weights in one view. Throws `std::invalid_argument` for an invalid camera or conventions, and
-  /// `CapacityError` for more instances than a frame may have or more pixels than `max_contribution_pixels`.
-  /// If it throws, it has added nothing.
+  /// `CapacityError` for more intersections than a frame may have or more pixels than
+  /// `max_contribution_pixels`. If it throws, it has added nothing.
   void add(const Camera& camera, const Conventions& conventions) {
     const View view = make_view(camera, conventions, {.width = camera.width, .height = camera.height});
     const std::uint64_t pixels = pixels_ + std::uint64_t(camera.width) * std::uint64_t(camera.height);

@@ -22,17 +22,17 @@ struct Count {
   SWIFTGS_HD std::size_t get() const { return exact ? *exact : most; }
 };
 
-/// The most that a frame has room for. 0: for as much as there is.
+/// The capacity of a frame. 0: unlimited.
 struct Capacity {
-  std::size_t splats = 0;     ///< visible Gaussians of all views
-  std::size_t instances = 0;  ///< pairs of splat and tile
+  std::size_t splats = 0;         ///< visible Gaussians of all views
+  std::size_t intersections = 0;  ///< pairs of splat and tile
 };
 
-/// What a frame took. If it overflowed it drew nothing; a frame needs room for these numbers.
+/// What a frame took. If it overflowed, it drew nothing; a capacity of these numbers suffices.
 struct FrameReport {
-  std::uint64_t visible = 0;     ///< Gaussians, of all views
-  std::uint64_t instances = 0;   ///< pairs of splat and tile; on hosts, of splats that fit
-  std::uint64_t overflowed = 0;  ///< 1: they were more than the frame had room for
+  std::uint64_t visible = 0;        ///< Gaussians, of all views
+  std::uint64_t intersections = 0;  ///< pairs of splat and tile; on hosts, of splats that fit
+  std::uint64_t overflowed = 0;     ///< 1: they exceeded the capacity
 };
 
 /// Limits of a frame, and who learns of what it took.
@@ -43,7 +43,7 @@ struct Limits {
 
   SWIFTGS_HD bool fit(const FrameReport& frame) const {
     return draw && (capacity.splats == 0 || frame.visible <= capacity.splats) &&
-           (capacity.instances == 0 || frame.instances <= capacity.instances);
+           (capacity.intersections == 0 || frame.intersections <= capacity.intersections);
   }
 };
 

@@ -9,11 +9,12 @@
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/tiles.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 
-/// The tiles that a splat may touch, found once; emission expands them to instances.
+/// The tiles that a splat may touch, found once. Emission expands them to tile intersections: one entry per
+/// splat and tile.
 struct alignas(16) Footprint {
   /// Side of the mask in tiles.
   static constexpr int side = 8;
@@ -28,9 +29,9 @@ static_assert(sizeof(Footprint) == 16);
 /// The tiles of each splat of a frame. Holds for the bounds that found them and for these views alone.
 struct FootprintsView {
   Span<const Footprint> each{};  ///< @shape{splats}
-  Count instances;               ///< sum of their counts
+  Count intersections;           ///< sum of their counts
   Views views;
-  const std::uint64_t* overflowed = nullptr;  ///< not 0: the frame has no room for them; null: it has
+  const std::uint64_t* overflowed = nullptr;  ///< not 0: they exceed the capacity; null: they fit
 };
 
 /// Storage of one frame's footprints on backend `B`.
@@ -38,11 +39,11 @@ template <class B>
 struct Footprints {
   typename B::template Buffer<Footprint> each;
   std::size_t count = 0;  ///< splats
-  std::uint64_t instances = 0;
+  std::uint64_t intersections = 0;
   Views views;
 
-  FootprintsView view() const { return {{each.data(), count}, std::size_t(instances), views}; }
-  void reserve(B&, const FrameRoom& room) { each.reset_exactly(room.capacity.splats); }
+  FootprintsView view() const { return {{each.data(), count}, std::size_t(intersections), views}; }
+  void reserve(B&, const Reservation& reserved) { each.reset_exactly(reserved.capacity.splats); }
   static auto buffers(auto& self) { return std::tie(self.each); }
 };
 
@@ -94,10 +95,9 @@ SWIFTGS_HD Footprint find_footprint(const Bounds& bounds, const SplatShape& shap
 
 /// Calls f(tile) for the tiles of a splat with this footprint, `footprint.count` times, each tile once.
 ///
-/// Splats too large for a mask are walked by their bounds again. Code that counts and code that walks may
-/// round differently, where a compiler is free to. If this walk finds more tiles than were counted, the last
-/// are left out; if it finds fewer, other tiles of the grid take their place, in which rasterizers find that
-/// the splat shows nothing.
+/// A splat too large for a mask evaluates its bounds again, and the compiler may round differently here than
+/// where tiles were counted. Surplus tiles are left out. Missing ones are replaced by other tiles of the
+/// grid, in which the splat shows nothing.
 template <BoundsPolicy Bounds, class F>
 SWIFTGS_HD void for_each_tile(const Footprint& footprint, const Bounds& bounds, const SplatShape& shape,
                               TileGrid grid, const F& f) {
@@ -112,8 +112,8 @@ SWIFTGS_HD void for_each_tile(const Footprint& footprint, const Bounds& bounds, 
     for (int row = rows.begin; row < rows.end && left != 0; ++row) {
       TileRun run;
       if (row >= rect.rows.begin && row < rect.rows.end) run = detail::row_within(tiles, row);
-      const TileRun walked = inside ? run : grid.columns;
-      for (int column = walked.begin; column < walked.end && left != 0; ++column)
+      const TileRun traversed = inside ? run : grid.columns;
+      for (int column = traversed.begin; column < traversed.end && left != 0; ++column)
         if (inside || column < run.begin || column >= run.end) f(grid.number(column, row)), --left;
     }
   }

@@ -11,21 +11,20 @@
 
 namespace swiftgs {
 
-/// Throws `CapacityError` where a frame has more instances than a tile list can index.
-inline void check_instances(std::uint64_t total) {
-  if (total > max_instances) throw CapacityError("instances in one frame", total, max_instances);
+/// Throws `CapacityError` where a frame has more intersections than a tile list can index.
+inline void check_intersections(std::uint64_t total) {
+  if (total > max_intersections) throw CapacityError("intersections in one frame", total, max_intersections);
 }
 
-/// Room for `count` and an eighth more, so that the next frame need not grow.
-inline std::size_t with_room(std::uint64_t count) { return std::size_t(count + count / 8 + 1); }
+/// `count` and an eighth more, so that the next frame need not grow.
+inline std::size_t with_spare(std::uint64_t count) { return std::size_t(count + count / 8 + 1); }
 
-/// What a device's frames have room for; grows with them.
+/// The capacity of a device's frames. It grows with them.
 class FrameCapacity {
  public:
-  /// Calls draw(capacity), which returns a `FrameReport`, until the frame does not overflow; one that does
-  /// draws nothing. Returns the last report. Throws `CapacityError` beyond `max_instances`; if it or `draw`
-  /// throws, the capacity is that of before, or the next frame would ask for the memory that this one did not
-  /// get.
+  /// Calls draw(capacity) until the `FrameReport` that it returns has not overflowed. Returns the last
+  /// report. Throws `CapacityError` beyond `max_intersections`. If it throws, the capacity stays as it was:
+  /// otherwise the next frame would ask for the memory that this one did not get.
   template <class Draw>
   FrameReport draw_until_it_fits(const Draw& draw) {
     const Capacity before = capacity_;
@@ -44,14 +43,15 @@ class FrameCapacity {
   /// Grows to `capacity` where that is more.
   void at_least(const Capacity& capacity) {
     capacity_.splats = std::max(capacity_.splats, capacity.splats);
-    capacity_.instances = std::max(capacity_.instances, capacity.instances);
+    capacity_.intersections = std::max(capacity_.intersections, capacity.intersections);
   }
 
  private:
   /// Grows to the numbers of `report` plus an eighth.
   void grow(const FrameReport& report) {
-    check_instances(report.instances);
-    at_least({with_room(report.visible), std::min(with_room(report.instances), std::size_t(max_instances))});
+    check_intersections(report.intersections);
+    at_least({with_spare(report.visible),
+              std::min(with_spare(report.intersections), std::size_t(max_intersections))});
   }
 
   Capacity capacity_{1, 1};

@@ -9,7 +9,7 @@
 #include <swiftgs/render_input.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/span.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 
@@ -35,7 +35,7 @@ struct FrameKey {
 enum class FrameUse {
   drawn,
   recorded,  ///< may run again, and asks the backend for nothing
-  rehearsed  ///< draws nothing: a sort takes all memory that later frames of this room may need
+  rehearsed  ///< draws nothing: a sort takes all memory that later frames of this capacity may need
 };
 
 /// One frame, as all stages see it. What it points to lives until the last stage has been started.

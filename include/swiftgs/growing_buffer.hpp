@@ -57,14 +57,14 @@ class GrowingBuffer {
     capacity_ = size_ = 0;
   }
 
-  /// Makes room for `count` elements; if the buffer grows, for an eighth more. Its contents are undefined
-  /// afterwards.
+  /// Holds `count` elements. If the buffer grows, it takes memory for an eighth more. Its contents are
+  /// undefined afterwards.
   void reset(std::size_t count) {
     if (count > capacity_) allocate(count + count / 8);
     size_ = count;
   }
 
-  /// As `reset`, but keeps the contents, as many as there is room for. For memory that a host reaches.
+  /// As `reset`, but keeps the contents that fit. For memory that a host reaches.
   void resize(std::size_t count) {
     if (count > capacity_) {
       GrowingBuffer larger(hook_);
@@ -75,7 +75,7 @@ class GrowingBuffer {
     size_ = count;
   }
 
-  /// Makes room for exactly `count` elements, for data that will not grow.
+  /// Holds exactly `count` elements, for data that will not grow.
   void reset_exactly(std::size_t count) {
     if (count > capacity_) allocate(count);
     size_ = count;
@@ -92,14 +92,14 @@ class GrowingBuffer {
  private:
   static constexpr std::size_t padding = 64;
 
-  void allocate(std::size_t room) {
+  void allocate(std::size_t capacity) {
     // Empty while the allocation may throw. The old memory is freed first, because its contents are not kept.
     trim();
-    if (room > (std::numeric_limits<std::size_t>::max() - padding) / sizeof(T)) throw std::bad_alloc();
-    void* const memory = hook_.allocate(hook_.context, room * sizeof(T) + padding);
+    if (capacity > (std::numeric_limits<std::size_t>::max() - padding) / sizeof(T)) throw std::bad_alloc();
+    void* const memory = hook_.allocate(hook_.context, capacity * sizeof(T) + padding);
     if (!memory) throw std::bad_alloc();
     memory_ = static_cast<T*>(memory);
-    capacity_ = room;
+    capacity_ = capacity;
   }
 
   MemoryHook hook_ = hook_of<Memory>();

@@ -7,8 +7,7 @@
 
 namespace swiftgs {
 
-/// Functions that a backend takes its memory from, in place of its own. Give one to the backend's
-/// constructor.
+/// Functions that give a backend its memory. Pass one to the backend's constructor.
 ///
 /// A renderer calls them from the thread that calls the renderer. What `context` points to outlives the
 /// backend, its renderers and the scenes that it uploaded.

@@ -47,7 +47,7 @@ constexpr bool check_policies() {
       "bounds: expected `tiles(const SplatShape&, TileGrid) const` whose result has `TileRect rect` and "
       "`TileRun row(int) const`");
   static_assert(!Named<Bounds> || !HasRows<Bounds> || BoundsPolicy<Bounds>,
-                "bounds: expected `static constexpr bool lossless`");
+                "bounds: expected `static constexpr bool conservative`");
 
   static_assert(Named<Sort>, "sort: expected `static constexpr std::string_view name`");
   static_assert(HasScratch<Sort, B>,

@@ -132,11 +132,11 @@ inline constexpr float float_length_squared = 512;  ///< of a Gaussian seen from
 inline constexpr float float_lengths_per_mean = 4;  ///< as much more for each pixel^2 of the mean
 inline constexpr float float_tangent_squared = 16;  ///< of the direction to the Gaussian
 
-/// Whether rounding the rows of `ImageAxes` to float may move a splat visibly more than rounding its stored
-/// mean to float does. A row errs by some 2^-22 of the Gaussian's length as it would be seen from its side;
-/// `mean` by 2^-24 of itself. The limit on the length weighs one against the other: a needle that points at
-/// the camera exceeds it, and so does one beside the image's first row or column. Far off the axis the rows
-/// are nearly parallel and their minors cancel, and with them the determinant that compensates opacities.
+/// Whether rows of `ImageAxes` in float would move a splat visibly more than the rounding of its stored mean.
+/// A row errs by about 2^-22 of the Gaussian's length seen from the side, `mean` by 2^-24 of itself; the
+/// limit weighs one against the other. Needles that point at the camera exceed it, and needles beside the
+/// image's first row or column. Far off the axis rows are nearly parallel: their minors cancel, and with them
+/// the determinant that compensates opacities.
 ///
 /// In captures 0.04 % to 0.7 % of the visible splats need it.
 SWIFTGS_HD inline bool needs_double(const Linearisation<float>& at, vec3 scale, vec2 mean) {
@@ -157,15 +157,15 @@ SWIFTGS_HD SWIFTGS_NOINLINE inline SplatFactor factor_in_double(const ViewConsta
   return factor(ImageAxes<double>(v, at, g.scale, g.rotation), double(v.blur));
 }
 
-/// How far beyond its box a splat is visible in a part of an image. Rounding may keep a pixel outside of the
-/// box; the image shows it, so its parts must. Twice the slack of bounds, and thus visible wherever they list
-/// the splat for such a pixel. @units{pixels}
+/// How far beyond its box a splat counts as visible in a part of an image. Rounding may keep a pixel outside
+/// of the box, and parts must show it too. Twice the slack of bounds, so visible wherever they list the splat
+/// for such a pixel. @units{pixels}
 SWIFTGS_HD inline float part_slack(float half_width, float half_height) {
   return 2 * bounds_slack(half_width, half_height);
 }
 
 /// Projects a Gaussian. `visible` is false where no shown pixel can keep it: too near or far, too
-/// faint, or the box of its ellipse s <= reach holds no pixel centre. Spherical harmonics are not looked at.
+/// faint, or the box of its ellipse s <= cutoff holds no pixel centre. Spherical harmonics are not looked at.
 SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gaussian& g) {
   ProjectedShape out;
   float opacity = g.opacity;
@@ -200,8 +200,8 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gau
 
   s.l0 = f.l0, s.l1 = f.l1, s.l2 = f.l2;
   s.opacity = opacity;
-  s.reach = std::log2(opacity / v.alpha_min);
-  const float extent = std::sqrt(s.reach) * float(1 / to_base_2);
+  s.cutoff = std::log2(opacity / v.alpha_min);
+  const float extent = std::sqrt(s.cutoff) * float(1 / to_base_2);
   s.half_width = extent * std::sqrt(f.var_x);
   const float half_height = extent * std::sqrt(f.var_y);
 

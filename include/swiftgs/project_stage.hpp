@@ -21,8 +21,8 @@ struct ProjectScratch {
   typename B::template Buffer<ProjectedShape> projected;
   typename B::template Buffer<std::uint32_t> slots;
 
-  void reserve(B&, const FrameRoom& room) {
-    projected.reset_exactly(room.gaussians), slots.reset_exactly(room.gaussians);
+  void reserve(B&, const Reservation& reserved) {
+    projected.reset_exactly(reserved.gaussians), slots.reset_exactly(reserved.gaussians);
   }
   static auto buffers(auto& self) { return std::tie(self.projected, self.slots); }
 };
@@ -60,8 +60,8 @@ struct SWIFTGS_API CompactSplats {
 };
 
 namespace detail {
-/// The loops of `project`, which appends the splats of one view after the other. Not inlined: a compiler that
-/// fuses multiplications and additions may do so differently in each copy, and lossless bounds must draw the
+/// The loops of `project`, which appends the splats of one view after the other. Not inlined: a compiler may
+/// fuse multiplications and additions differently in each copy, and all conservative bounds must draw the
 /// same bits.
 template <BackendPolicy B>
 [[gnu::noinline]] void project_splats(B& b, const FramePlan& plan, ProjectScratch<B>& scratch,
@@ -88,10 +88,10 @@ template <BackendPolicy B>
 }  // namespace detail
 
 /// Projects a scene: one splat for each Gaussian that is visible in a view. Reads no spherical harmonics.
-/// Counts the splats that the limits have no room for, and leaves them out.
+/// Counts splats above the capacity, and leaves them out.
 ///
-/// Backends overload this. An overload may also find `footprints` within `bounds`, if that costs little while
-/// the shapes are at hand; the backend's `bin` then only settles their number.
+/// Backends overload this. An overload may also find `footprints` within `bounds` while it has the shapes;
+/// the backend's `bin` then only settles their number.
 template <BackendPolicy B, BoundsPolicy Bounds>
 void project(B& b, const FramePlan& plan, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
              Footprints<B>&) {

@@ -41,7 +41,7 @@ namespace reference {
 
 /// Number of rows that are blended together: enough to fetch each splat rarely, and few enough to keep their
 /// pixels in a core's cache.
-inline constexpr int band_rows = 16;
+inline constexpr int strip_rows = 16;
 
 /// The splats of a scene, in chunks of consecutive Gaussians, in the scene's order.
 using SplatChunks = std::vector<std::vector<Splat>>;
@@ -57,9 +57,9 @@ inline SplatChunks project_all(const Scene& scene, const View& view, int threads
   return chunks;
 }
 
-/// The splats that reach each band of rows, front to back: ordered by depth rounded to float, as the
+/// The splats that reach each strip of rows, front to back: ordered by depth rounded to float, as the
 /// convention demands, and by index where depths are equal.
-inline std::vector<std::vector<const Splat*>> sort_into_bands(const SplatChunks& chunks, int height) {
+inline std::vector<std::vector<const Splat*>> sort_into_strips(const SplatChunks& chunks, int height) {
   struct Entry {
     float depth;
     const Splat* splat;
@@ -70,11 +70,11 @@ inline std::vector<std::vector<const Splat*>> sort_into_bands(const SplatChunks&
   std::stable_sort(order.begin(), order.end(),
                    [](const Entry& a, const Entry& b) { return a.depth < b.depth; });
 
-  std::vector<std::vector<const Splat*>> bands(std::size_t(height + band_rows - 1) / band_rows);
+  std::vector<std::vector<const Splat*>> strips(std::size_t(height + strip_rows - 1) / strip_rows);
   for (const Entry& entry : order)
-    for (int band = entry.splat->y_begin / band_rows; band * band_rows < entry.splat->y_end; ++band)
-      bands[std::size_t(band)].push_back(entry.splat);
-  return bands;
+    for (int strip = entry.splat->y_begin / strip_rows; strip * strip_rows < entry.splat->y_end; ++strip)
+      strips[std::size_t(strip)].push_back(entry.splat);
+  return strips;
 }
 
 /// Writes image row `y`.
@@ -152,14 +152,14 @@ inline ReferenceFrame render_reference(const Scene& scene, const Camera& camera,
   check_reference_arguments(scene, camera, background, occluder);
   threads = thread_count(threads);
   const SplatChunks chunks = project_all(scene, reference::View(camera, conventions), threads);
-  const std::vector<std::vector<const Splat*>> bands = sort_into_bands(chunks, camera.height);
+  const std::vector<std::vector<const Splat*>> strips = sort_into_strips(chunks, camera.height);
 
   ReferenceFrame frame;
   prepare(frame, camera);
   Counts counts(scene.size());
-  for_each_index(bands.size(), threads, [&](std::size_t band) {
-    const int first = int(band) * band_rows, last = std::min(camera.height, first + band_rows);
-    render_rows(frame, counts, bands[band], first, last, conventions, background, occluder);
+  for_each_index(strips.size(), threads, [&](std::size_t strip) {
+    const int first = int(strip) * strip_rows, last = std::min(camera.height, first + strip_rows);
+    render_rows(frame, counts, strips[strip], first, last, conventions, background, occluder);
   });
   frame.visible = std::uint64_t(std::count(counts.seen.begin(), counts.seen.end(), true));
   frame.contributing_pairs = counts.pairs;

@@ -9,12 +9,14 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/sh.hpp>
+#include <swiftgs/span.hpp>
 #include <swiftgs/view.hpp>
 
 namespace swiftgs {
@@ -109,6 +111,16 @@ inline void validate(const SceneView& scene) {
                                  (scene.sh_stride >= int(rest) &&
                                   scene.sh_rest.size >= (n - 1) * std::size_t(scene.sh_stride) + rest),
                              "SH coefficients of the view's degree for every Gaussian");
+}
+
+/// Sets `views` to those through `cameras`, whose frames have sizes and no planes yet. Throws as `validate`
+/// and `make_view`.
+inline void make_views(Span<const Camera> cameras, const RenderSettings& settings, std::vector<View>& views) {
+  views.clear();
+  validate(settings);
+  for (const Camera& camera : cameras)
+    views.push_back(make_view(camera, settings.conventions, {.width = camera.width, .height = camera.height},
+                              settings.background));
 }
 
 }  // namespace swiftgs

@@ -15,7 +15,7 @@ namespace swiftgs {
 template <class B>
 class ResidentFrames {
  public:
-  /// Makes room for a frame a camera, in place of those before. They hold until the next call.
+  /// Makes one frame per camera, in place of earlier ones. They hold until the next call.
   Span<const FrameView> make(Span<const Camera> cameras, Outputs outputs) {
     std::size_t pixels = 0;
     for (const Camera& camera : cameras) pixels += std::size_t(camera.width) * std::size_t(camera.height);

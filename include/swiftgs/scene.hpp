@@ -72,9 +72,9 @@ struct SceneView {
   int sh_degree = 0;  ///< bands to evaluate
   int sh_stride = 0;  ///< floats a Gaussian in `sh_rest`
 
-  /// Of these arrays with what they hold: tells whether what was learnt from earlier frames holds. Every
-  /// upload has its own, and copies of what it returns share it. 0 of a view of your own arrays, from which
-  /// nothing is learnt, unless you set it to a `new_scene_identity()` for each scene that they come to hold.
+  /// Identity of these arrays and their contents: renderers reuse what they learnt from frames of the same
+  /// identity. Every upload has its own, shared by its copies. 0 for your own arrays: nothing is learnt,
+  /// unless you set a `new_scene_identity()` for each scene that they hold.
   std::uint64_t identity = 0;
 
   SWIFTGS_HD std::size_t size() const { return means.size; }

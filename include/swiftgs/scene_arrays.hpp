@@ -75,7 +75,7 @@ inline void validate(const SceneArrays& arrays) {
 }
 
 /// Dense arrays that Gaussians are copied to.
-struct SceneRoom {
+struct SceneCapacity {
   vec3* means = nullptr;
   vec3* scales = nullptr;
   Quaternion* rotations = nullptr;
@@ -155,7 +155,7 @@ struct ArrayCopies {
   CopyOpacities opacities;
   CopyRows sh_rest;
 
-  ArrayCopies(const SceneArrays& from, const SceneRoom& to) {
+  ArrayCopies(const SceneArrays& from, const SceneCapacity& to) {
     using Turn = CopyVectors::Turn;
     means = {from.means, to.means};
     scales = {from.scales, to.scales, 1, 1, from.log_scales ? Turn::from_log : Turn::none};
@@ -186,7 +186,7 @@ struct FindNotFiniteValue {
 
 /// Copies arrays that were validated by loops of `backend`, which reach both sides, and activates numbers.
 template <class B>
-void copy_arrays(const B& backend, const SceneArrays& from, const SceneRoom& to) {
+void copy_arrays(const B& backend, const SceneArrays& from, const SceneCapacity& to) {
   const detail::ArrayCopies copies(from, to);
   const Count n{from.count};
   backend.for_each(n, copies.means), backend.for_each(n, copies.scales);

@@ -59,11 +59,7 @@ class Serial {
 
   std::uint64_t exclusive_scan(Span<std::uint32_t> counts) const {
     std::uint64_t sum = 0;
-    for (std::uint32_t& count : counts) {
-      const std::uint32_t here = count;
-      count = std::uint32_t(sum);
-      sum += here;
-    }
+    for (std::uint32_t& count : counts) sum += std::exchange(count, std::uint32_t(sum));
     return sum;
   }
 

@@ -56,9 +56,9 @@ struct SWIFTGS_API ClearWord {
   SWIFTGS_HD void operator()(std::size_t) const { *word = 0; }
 };
 
-/// Colours that `shade` evaluates. A backend whose `shade` returns before they are evaluated specialises
-/// this: `finish` orders later work after them and returns them, once. The destructor orders later work too
-/// if `finish` was not called.
+/// Colours that `shade` evaluates. A backend whose `shade` may return earlier specialises this: `finish`,
+/// called once, orders later work after them and returns them; if it was not called, the destructor orders
+/// later work.
 template <class B>
 class [[nodiscard]] Shading {
  public:

@@ -14,19 +14,19 @@ namespace swiftgs {
 
 /// Where a projected Gaussian is and how far it reaches.
 ///
-///     | mean.x mean.y l0 l1 | l2 opacity reach half_width |      32 bytes, two 16-byte loads
+/// | mean.x mean.y l0 l1 | l2 opacity cutoff half_width |      32 bytes, two 16-byte loads
 ///
-/// The precision matrix is kept as its Cholesky factor in base-2 units, because every other form of it
-/// follows without cancellation: at d = pixel - mean the base-2 exponent is s(d) = (l0 dx + l1 dy)^2 + (l2
-/// dy)^2, and alpha = opacity 2^-s. A pixel keeps the splat where s <= reach = log2(opacity / alpha_min).
+/// The precision matrix is kept as its Cholesky factor in base-2 units, because every other representation of
+/// it follows without cancellation: at d = pixel - mean the base-2 exponent is s(d) = (l0 dx + l1 dy)^2 + (l2
+/// dy)^2, and alpha = opacity 2^-s. A pixel keeps the splat where s <= cutoff = log2(opacity / alpha_min).
 struct alignas(32) SplatShape {
   vec2 mean{0};          ///< @units{pixels}, the first pixel's centre is (0.5, 0.5)
   float l0 = 0;          ///< > 0 @units{1/pixels}
   float l1 = 0;          ///< @units{1/pixels}
   float l2 = 0;          ///< > 0 @units{1/pixels}
   float opacity = 0;     ///< after anti-aliasing compensation
-  float reach = 0;       ///< largest s that is kept, 0 or more for a visible splat
-  float half_width = 0;  ///< half the width of the ellipse s = reach @units{pixels}
+  float cutoff = 0;      ///< largest s that is kept, 0 or more for a visible splat
+  float half_width = 0;  ///< half the width of the ellipse s = cutoff @units{pixels}
 };
 
 /// Largest variance of a splat, blur included: a Gaussian with a larger one is not drawn. Up to here no
@@ -57,7 +57,7 @@ struct Splats {
   std::size_t count = 0;
   std::size_t visible = 0;  ///< more than `count` where the capacity did not suffice
 
-  /// Makes room for splats of so many views, and keeps those there are.
+  /// Holds splats of so many views, and keeps those there are.
   void resize(std::size_t splats, std::size_t views) {
     shapes.resize(splats), depths.resize(splats), gaussians.resize(splats);
     of_view.resize(views > 1 ? splats : 0);
@@ -74,10 +74,10 @@ struct Splats {
             {gaussians.data(), count},
             of_view.size() != 0 ? of_view.data() : nullptr};
   }
-  void reserve(B&, const FrameRoom& room) {
-    const std::size_t splats = room.capacity.splats;
+  void reserve(B&, const Reservation& reserved) {
+    const std::size_t splats = reserved.capacity.splats;
     shapes.reset_exactly(splats), depths.reset_exactly(splats), gaussians.reset_exactly(splats);
-    of_view.reset_exactly(room.views > 1 ? splats : 0);
+    of_view.reset_exactly(reserved.views > 1 ? splats : 0);
   }
   static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.of_view); }
 };

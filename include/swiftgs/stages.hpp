@@ -51,13 +51,13 @@ void rasterize_by(B& b, const RasterJob& job) {
 template <class B>
 struct BoundsStages {
   std::string_view name;
-  bool lossless;
+  bool conservative;
   void (*project)(B&, const FramePlan&, ProjectScratch<B>&, Splats<B>&, Footprints<B>&);
   void (*bin)(B&, const FramePlan&, Splats<B>&, Footprints<B>&);
 
   template <BoundsPolicy Bounds>
   static BoundsStages of() {
-    return {Bounds::name, Bounds::lossless, &detail::project_within<Bounds, B>,
+    return {Bounds::name, Bounds::conservative, &detail::project_within<Bounds, B>,
             &detail::bin_within<Bounds, B>};
   }
 };
@@ -91,7 +91,7 @@ class SortStage {
   virtual std::size_t bytes() const = 0;
   /// As `use_memory_of`, `reserve_parts` and `trim_parts`.
   virtual void use_memory(const B& b) = 0;
-  virtual void reserve(B& b, const FrameRoom& room) = 0;
+  virtual void reserve(B& b, const Reservation& reserved) = 0;
   virtual void trim(const B& b) = 0;
 };
 
@@ -105,7 +105,7 @@ class SortStageOf final : public SortStage<B> {
   }
   std::size_t bytes() const override { return bytes_of(scratch_); }
   void use_memory(const B& b) override { use_memory_of(b, scratch_); }
-  void reserve(B& b, const FrameRoom& room) override { reserve_parts(b, room, scratch_); }
+  void reserve(B& b, const Reservation& reserved) override { reserve_parts(b, reserved, scratch_); }
   void trim(const B& b) override { trim_parts(b, scratch_); }
 
   Sort sort;
@@ -127,7 +127,7 @@ class Stages {
   B& backend() { return backend_; }
   const B& backend() const { return backend_; }
   SortStage<B>& sort() { return *sort_; }
-  bool lossless() const { return bounds_.lossless; }
+  bool conservative() const { return bounds_.conservative; }
 
   /// Starts all stages; the last is `rasterize(job)`. Calls mark(k) before the first, k = 0, after `bin`,
   /// after the sort, and at the end. A host leaves sort and rasterization out if the frame does not fit the
@@ -169,12 +169,12 @@ class Stages {
     return await_report(backend_, splats_, footprints_, plan.limits);
   }
   /// Of a frame that `report` told the host about.
-  void set_instances(std::uint64_t instances) { lists_.instances = std::size_t(instances); }
+  void set_intersections(std::uint64_t intersections) { lists_.intersections = std::size_t(intersections); }
 
-  /// Takes the memory of frames with such room, on hosts.
-  void reserve(const FrameRoom& room) {
-    std::apply([&](auto&... parts) { reserve_parts(backend_, room, parts...); }, parts());
-    sort_->reserve(backend_, room);
+  /// Takes the memory of such frames, on hosts.
+  void reserve(const Reservation& reserved) {
+    std::apply([&](auto&... parts) { reserve_parts(backend_, reserved, parts...); }, parts());
+    sort_->reserve(backend_, reserved);
   }
   /// Gives all memory back.
   void trim() {

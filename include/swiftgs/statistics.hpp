@@ -9,12 +9,12 @@ namespace swiftgs {
 
 /// Counts of one frame.
 struct Statistics {
-  std::size_t gaussians = 0;  ///< in the scene
-  std::size_t visible = 0;    ///< projected to splats; harmonics are evaluated for these
-  std::size_t instances = 0;  ///< pairs of splat and tile, of the tiles that the frame had
-  SquareCounts raster;        ///< summed over squares; zero unless requested
+  std::size_t gaussians = 0;      ///< in the scene
+  std::size_t visible = 0;        ///< projected to splats; harmonics are evaluated for these
+  std::size_t intersections = 0;  ///< pairs of splat and tile, of the tiles that the frame had
+  RasterCounts raster;            ///< summed over raster blocks; zero unless requested
 
-  double instances_a_visible() const { return visible ? double(instances) / double(visible) : 0.0; }
+  double intersections_a_visible() const { return visible ? double(intersections) / double(visible) : 0.0; }
   /// Time of the raster stage if its work were shared out evenly. @units{milliseconds}
   double balanced_ms() const { return 1e-9 * double(raster.balanced_ps); }
 };

@@ -12,7 +12,8 @@
 namespace swiftgs {
 
 /// Side of coarser tiles @units{pixels}. A renderer takes them for large images with few splats, if bounds
-/// are lossless and its rasterizer may gain: the sort of fewer instances gains more than rasterization loses.
+/// are conservative and its rasterizer may gain: sorting fewer intersections gains more than rasterization
+/// loses.
 inline constexpr int coarse_tile_side = 2 * default_tile_side;
 
 /// Whether tiles of `coarse_tile_side` are quicker. Measured on an H200 (docs/decisions.md): with fewer than
@@ -22,7 +23,7 @@ constexpr bool coarse_tiles_gain(std::uint64_t splats, std::uint64_t pixels) {
 }
 
 /// The tiles of a view, of `default_tile_side`, with `coarse_tile_side` in its place. Unchanged if they have
-/// another side, do not cover the frame, or begin within a tile that is as coarse.
+/// another side or do not cover the frame, or unless they start on a border of coarser tiles.
 inline TileGrid coarse(const View& view) {
   const TileGrid& grid = view.grid;
   constexpr int times = coarse_tile_side / default_tile_side;

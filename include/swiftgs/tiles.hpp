@@ -11,12 +11,12 @@
 
 namespace swiftgs {
 
-/// Side of the squares of pixels that rasterizers blend at a time @units{pixels}. Tiles are as large or
-/// larger: the squares of a tile share its list.
-inline constexpr int square_side = 16;
+/// Side of a raster block, the pixels that rasterizers blend at a time @units{pixels}. Tiles are as large or
+/// larger: the raster blocks of a tile share its list.
+inline constexpr int raster_block_side = 16;
 
 /// Side of the tiles that a renderer lists splats for, unless coarser ones are quicker @units{pixels}.
-inline constexpr int default_tile_side = square_side;
+inline constexpr int default_tile_side = raster_block_side;
 
 /// Half-open range of tile columns or rows.
 struct TileRun {
@@ -27,11 +27,11 @@ struct TileRun {
 };
 
 /// Columns and rows of tiles of an image, counted from its top left corner, and their numbers in a frame. The
-/// side changes how long lists are. It changes no bit of an image within lossless bounds; others cut splats
-/// at the borders of tiles.
+/// side changes the length of lists. It changes no bit of an image with conservative bounds; others cut
+/// splats at tile borders.
 struct TileGrid {
   TileRun columns, rows;         ///< not negative
-  int side = default_tile_side;  ///< a power of two, `square_side` or more @units{pixels}
+  int side = default_tile_side;  ///< a power of two, `raster_block_side` or more @units{pixels}
   std::uint32_t first = 0;       ///< number of the first tile of the first row
   std::uint32_t stride = 0;      ///< from a tile's number to that of the tile below
 
@@ -78,20 +78,20 @@ struct FrameTiles {
   }
 };
 
-/// What recorded frames have room for: their parts `reserve` memory for it.
-struct FrameRoom {
+/// The capacity of recorded frames: their parts `reserve` memory for it.
+struct Reservation {
   std::size_t gaussians = 0;  ///< of the scene
   std::size_t views = 0;
   FrameTiles tiles;   ///< of all views
   Capacity capacity;  ///< neither is 0
 };
 
-/// Has all `parts` take the memory of frames with such `room`. A part without a member `reserve` takes it
-/// when it is used.
+/// Has all `parts` take the memory of `reserved` frames. A part without a member `reserve` takes it when it
+/// is used.
 template <class B, class... Parts>
-void reserve_parts(B& b, const FrameRoom& room, Parts&... parts) {
+void reserve_parts(B& b, const Reservation& reserved, Parts&... parts) {
   const auto reserve = [&](auto& part) {
-    if constexpr (requires { part.reserve(b, room); }) part.reserve(b, room);
+    if constexpr (requires { part.reserve(b, reserved); }) part.reserve(b, reserved);
   };
   (reserve(parts), ...);
 }
@@ -103,14 +103,14 @@ inline constexpr std::size_t max_frame_tiles = std::size_t(1) << 31;
 struct TileRange {
   std::uint32_t begin = 0, end = 0;
 
-  /// Of a tile whose pixels rasterizers leave alone. Only frames that a host cannot stop have such tiles.
+  /// Marks tiles of an overflowed device frame: draw nothing.
   SWIFTGS_HD static constexpr TileRange undrawn() { return {1, 0}; }
   SWIFTGS_HD constexpr bool drawn() const { return begin <= end; }
 };
 
 /// For each tile the splats that may touch it, front to back.
 struct TileListsView {
-  Span<const std::uint32_t> ids;  ///< @shape{instances} indices of splats
+  Span<const std::uint32_t> ids;  ///< @shape{intersections} indices of splats
   Span<const TileRange> ranges;   ///< @shape{tiles}
 };
 
@@ -119,18 +119,18 @@ template <class B>
 struct TileLists {
   typename B::template Buffer<std::uint32_t> ids;
   typename B::template Buffer<TileRange> ranges;
-  std::size_t instances = 0;  ///< at most
+  std::size_t intersections = 0;  ///< at most
   std::size_t tiles = 0;
 
-  void reserve(B&, const FrameRoom& room) {
-    ids.reset_exactly(room.capacity.instances), ranges.reset_exactly(room.tiles.size());
+  void reserve(B&, const Reservation& reserved) {
+    ids.reset_exactly(reserved.capacity.intersections), ranges.reset_exactly(reserved.tiles.size());
   }
   static auto buffers(auto& self) { return std::tie(self.ids, self.ranges); }
 
-  TileListsView view() const { return {{ids.data(), instances}, {ranges.data(), tiles}}; }
+  TileListsView view() const { return {{ids.data(), intersections}, {ranges.data(), tiles}}; }
 };
 
-/// Most instances that one frame may have.
-inline constexpr std::uint64_t max_instances = std::uint64_t(1) << 31;
+/// Most intersections that one frame may have.
+inline constexpr std::uint64_t max_intersections = std::uint64_t(1) << 31;
 
 }  // namespace swiftgs

@@ -74,7 +74,7 @@ TEST_CASE("bench: every combination has a row and every row what the schema says
     CHECK(row.at("ssim").get<double>() > 0.99);
     CHECK(row.at("photo_psnr_db").is_null());
     CHECK(row.at("visible") > 0);
-    CHECK(row.at("instances") >= row.at("visible"));
+    CHECK(row.at("intersections") >= row.at("visible"));
     CHECK(row.at("contributing_pairs") > 0);
     CHECK(row.at("counted_ms").at("balanced") > 0);
     CHECK(row.at("counted_ms").at("balanced") <= row.at("counted_ms").at("raster"));
@@ -94,7 +94,7 @@ TEST_CASE("bench: a batch changes nothing of a row but its times") {
   for (std::size_t i = 0; i < 3; ++i) {
     CHECK(four[i].at("batch") == 4);
     for (const char* member :
-         {"view", "renderer", "frames", "psnr_db", "ssim", "visible", "instances", "contributing_pairs"})
+         {"view", "renderer", "frames", "psnr_db", "ssim", "visible", "intersections", "contributing_pairs"})
       CHECK(four[i].at(member) == one[i].at(member));
     CHECK(four[i].at("ms").at("total").at("median") > 0);
     // The frame holds four views.
@@ -102,7 +102,7 @@ TEST_CASE("bench: a batch changes nothing of a row but its times") {
   }
 }
 
-TEST_CASE("bench: sorts and lossless bounds have equal errors and share their images") {
+TEST_CASE("bench: sorts and conservative bounds have equal errors and share their images") {
   const TemporaryFolder place;
   const Outcome outcome = swiftgs::test::swiftgs(
       place,
@@ -152,7 +152,7 @@ TEST_CASE("bench: threads and enlarged Gaussians are in the rows") {
   REQUIRE(rows.size() == 2);
   CHECK(rows[0].at("threads") == 1);
   CHECK(rows[1].at("enlarge") == 4);
-  CHECK(rows[1].at("instances") > rows[0].at("instances"));
+  CHECK(rows[1].at("intersections") > rows[0].at("intersections"));
 }
 
 TEST_CASE("bench: with --profile every view is drawn by every renderer and nothing is written") {

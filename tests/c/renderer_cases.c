@@ -64,7 +64,7 @@ void test_recorded(void) {
   CHECK_OK(swiftgs_renderer_set_views(renderer, &frame));
   CHECK_OK(swiftgs_renderer_record(renderer, &report));
   CHECK_OK(swiftgs_renderer_wait(renderer));
-  CHECK(report.visible > 0 && report.instances >= report.visible && report.overflowed == 0);
+  CHECK(report.visible > 0 && report.intersections >= report.visible && report.overflowed == 0);
   CHECK(memcmp(direct, recorded, sizeof(float) * floats) == 0);
 
   const swiftgs_view two[2] = {view, view};
@@ -72,8 +72,8 @@ void test_recorded(void) {
   CHECK_ERROR(swiftgs_renderer_set_views(renderer, &more), SWIFTGS_INVALID_ARGUMENT,
               "the number of views is 2");
 
-  /* Without room nothing is drawn, and the report says how much was needed. */
-  swiftgs_capacity capacity = {.size = sizeof(capacity), .splats = 1, .instances = 1};
+  /* Without enough capacity nothing is drawn, and the report says how much was needed. */
+  swiftgs_capacity capacity = {.size = sizeof(capacity), .splats = 1, .intersections = 1};
   CHECK_OK(swiftgs_renderer_reserve(renderer, &frame, &capacity));
   memset(recorded, 0, sizeof(float) * floats);
   swiftgs_report overflowed = {0};
@@ -112,7 +112,7 @@ void test_measures(void) {
   CHECK(isnan(times.total));
   CHECK_OK(swiftgs_renderer_statistics(renderer, &statistics));
   CHECK(statistics.gaussians == small_count && statistics.visible > 0 && statistics.visible <= small_count);
-  CHECK(statistics.instances >= statistics.visible && statistics.contributing_pairs == 0);
+  CHECK(statistics.intersections >= statistics.visible && statistics.contributing_pairs == 0);
 
   frame.measure = SWIFTGS_MEASURE_COUNTS | SWIFTGS_MEASURE_TIMES;
   CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
@@ -120,7 +120,7 @@ void test_measures(void) {
   CHECK(times.project > 0 && times.sort > 0 && times.raster > 0);
   CHECK(fabs(times.project + times.sort + times.raster - times.total) < 1e-6 * times.total);
   CHECK_OK(swiftgs_renderer_statistics(renderer, &statistics));
-  CHECK(statistics.contributing_pairs > 0 && statistics.instances_visited > 0 &&
+  CHECK(statistics.contributing_pairs > 0 && statistics.intersections_visited > 0 &&
         statistics.rows_visited > 0 && statistics.longest_item > 0 && statistics.balanced_ms > 0);
 
   CHECK_OK(swiftgs_renderer_memory(renderer, &memory));

@@ -101,8 +101,8 @@ TEST_CASE("cli: render --stats prints what a frame had to do") {
   const TemporaryFolder place;
   const std::string text = run(place, "render builtin:2000 --scale 0.1 --stats").out;
   for (const char* part :
-       {"Gaussians  ", "visible  ", "instances  ", "instances a visible Gaussian  ", "contributing pairs  ",
-        "pixels stopped early  ", "raster while counting, ms  ", "balanced, ms  "})
+       {"Gaussians  ", "visible  ", "intersections  ", "intersections a visible Gaussian  ",
+        "contributing pairs  ", "pixels stopped early  ", "raster while counting, ms  ", "balanced, ms  "})
     CHECK(contains(text, part));
   CHECK_FALSE(contains(text, "contributing pairs               0\n"));
 }

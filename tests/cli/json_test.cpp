@@ -147,7 +147,7 @@ TEST_CASE("cli json: render has a row for each image with what it prints of it")
   const json counted = json::parse(
       swiftgs::test::swiftgs(place, "render builtin:50 --scale 0.02 --stats --json -").out)["rows"][0];
   CHECK(counted["gaussians"] == 50);
-  for (const char* member : {"visible", "instances", "contributing_pairs"}) CHECK(counted[member] > 0);
+  for (const char* member : {"visible", "intersections", "contributing_pairs"}) CHECK(counted[member] > 0);
   CHECK(counted["pixels_stopped"].is_number());
   CHECK(counted["counted_ms"]["balanced"] > 0);
   CHECK(counted["counted_ms"]["balanced"] <= counted["counted_ms"]["raster"]);

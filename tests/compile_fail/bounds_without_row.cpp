@@ -4,7 +4,7 @@
 
 struct WholeImage {
   static constexpr std::string_view name = "whole-image";
-  static constexpr bool lossless = true;
+  static constexpr bool conservative = true;
   struct Tiles {
     swiftgs::TileRect rect;
 #ifdef SWIFTGS_EXPECT_COMPILE

@@ -11,14 +11,14 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/bounds/all.hpp>
+#include <swiftgs/cuda/epochs.hpp>
 #include <swiftgs/cuda/find_bit.hpp>
-#include <swiftgs/cuda/turns.hpp>
 #include <swiftgs/type_list.hpp>
 
 #include "blending.hpp"
 #include "box_touched.hpp"
 #include "cuda/exact_square.hpp"
-#include "forms.hpp"
+#include "exponents.hpp"
 #include "policies/random_splats.hpp"
 #include "sh_words.hpp"
 
@@ -59,7 +59,7 @@ TEST_CASE("cuda arithmetic: alpha is kept from its least on and cut at its large
   }
 }
 
-TEST_CASE("cuda arithmetic: alpha of a square is kept up to the reach and cut at its largest") {
+TEST_CASE("cuda arithmetic: alpha of a square is kept up to the cutoff and cut at its largest") {
   // Opacity 1/2 and the threshold 1/256: seven halvings.
   const auto plain = [](float s) { return alpha_of_square<false>(s, 7, 0.5f, rules); };
   const auto decided = [](float s) { return alpha_of_square<true>(s, 7, 0.5f, rules); };
@@ -82,19 +82,19 @@ TEST_CASE("cuda arithmetic: alpha of a square is kept up to the reach and cut at
 }
 
 TEST_CASE("cuda arithmetic: splats that fill a group up show nothing") {
-  const auto check = [&]<class Form>(Form) {
+  const auto check = [&]<class Exponent>(Exponent) {
     float4 terms;
-    typename Form::Rest rest;
-    Form::clear(terms, rest);
+    typename Exponent::Rest rest;
+    Exponent::clear(terms, rest);
     float exponents[pixels_of_lane];
-    Form::evaluate(terms, rest, 7, 3, exponents);
+    Exponent::evaluate(terms, rest, 7, 3, exponents);
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
       CHECK(relative_alpha<false>(exponents[p], rules) == 0);
       CHECK(relative_alpha<true>(exponents[p], rules) == 0);
     }
   };
-  check(CholeskyForm());
-  check(SplitForm());
+  check(CholeskyExponent());
+  check(SplitExponent());
 }
 
 namespace {
@@ -132,7 +132,7 @@ TEST_CASE("cuda arithmetic: a box is never refused where a pixel keeps the splat
       const vec2 first(float(side * int(random.in(-1, 4))) + 0.5f,
                        float(side * int(random.in(-1, 4))) + 0.5f);
       const bool touched = box_touched(shape, first, float(side));
-      const bool keeps = LeastSquares(shape, first, side).of_centres <= double(shape.reach);
+      const bool keeps = LeastSquares(shape, first, side).of_centres <= double(shape.cutoff);
       kept += keeps, refused += !touched, refused_wrongly += keeps && !touched;
     }
   }
@@ -149,11 +149,11 @@ TEST_CASE("cuda arithmetic: a box is touched where the ellipse meets it and nowh
     const vec2 first(float(8 * int(random.in(-1, 5))) + 0.5f, float(8 * int(random.in(-1, 5))) + 0.5f);
     const bool touched = box_touched(shape, first, 8);
     const LeastSquares least(shape, first, 8);
-    const double reach = double(shape.reach);
-    if (least.of_box + least.error <= reach)
+    const double cutoff = double(shape.cutoff);
+    if (least.of_box + least.error <= cutoff)
       refused_wrongly += !touched, ++decided;
-    else if (least.of_box - least.error > 1.0001 * reach)
-      touched_wrongly += touched, ++decided, near += least.of_box < 1.5 * reach;
+    else if (least.of_box - least.error > 1.0001 * cutoff)
+      touched_wrongly += touched, ++decided, near += least.of_box < 1.5 * cutoff;
   }
   CHECK(refused_wrongly == 0);
   CHECK(touched_wrongly == 0);
@@ -165,19 +165,20 @@ namespace {
 
 /// Whether no row of pixel centres meets the ellipse of a splat.
 bool lies_between_rows(const SplatShape& shape) {
-  const double height = std::sqrt(double(shape.reach)) / double(shape.l2), y = double(shape.mean.y);
+  const double height = std::sqrt(double(shape.cutoff)) / double(shape.l2), y = double(shape.mean.y);
   return std::ceil(y - height - 0.5) > std::floor(y + height - 0.5);
 }
 
 }  // namespace
 
-TEST_CASE("cuda arithmetic: lossless bounds list every tile of which a box is touched") {
-  // Pieces of long lists are made of the splats that touch a part, so all lossless bounds must list them. A
-  // splat that lies between two rows of pixel centres is the exception: none of them may list it anywhere.
+TEST_CASE("cuda arithmetic: conservative bounds list every tile of which a box is touched") {
+  // Segments of long lists are made of the splats that touch a warp block, so all conservative bounds must
+  // list them. A splat that lies between two rows of pixel centres is the exception: none of them may list it
+  // anywhere.
   const int width = 192, height = 128;
   int between_rows_of_all = -1;
   for_each_type(AllBounds(), [&]<class Bounds>(Bounds bounds) {
-    if constexpr (Bounds::lossless) {
+    if constexpr (Bounds::conservative) {
       CAPTURE(Bounds::name);
       for (const int tile_side : {16, 32, 64}) {
         CAPTURE(tile_side);
@@ -205,7 +206,7 @@ TEST_CASE("cuda arithmetic: lossless bounds list every tile of which a box is to
                   missed += !listed[grid.tile_at(x, y)];
                 // What keeping pixels alone would not ask for.
                 if (side == 8 && i % 3 != 0)
-                  touched_only += LeastSquares(shape, first, side).of_centres > double(shape.reach);
+                  touched_only += LeastSquares(shape, first, side).of_centres > double(shape.cutoff);
               }
         }
         CHECK(missed == 0);
@@ -248,23 +249,23 @@ TEST_CASE("cuda arithmetic: harmonics fit their words and lanes read them from d
 }
 
 TEST_CASE("cuda arithmetic: operations in a row have other tags and alternate between copies") {
-  const std::uint32_t begins[] = {0, 12'345, turns_in_all - 5};
-  for (std::uint32_t turn : begins) {
+  const std::uint32_t begins[] = {0, 12'345, epochs_in_all - 5};
+  for (std::uint32_t epoch : begins) {
     std::set<std::uint32_t> tags;
     for (int i = 0; i < 10; ++i) {
-      CAPTURE(turn);
+      CAPTURE(epoch);
       for (std::uint32_t pass = 0; pass < most_passes; ++pass) {
-        const std::uint32_t tag = tag_of(turn, pass);
+        const std::uint32_t tag = tag_of(epoch, pass);
         CHECK(tag != 0);  // as cleared memory
         CHECK(tag < 1u << 30);
         CHECK(tags.insert(tag).second);
       }
-      const std::uint32_t next = turn_after(turn);
-      CHECK(next < turns_in_all);
-      CHECK(copy_of(next) != copy_of(turn));
+      const std::uint32_t next = epoch_after(epoch);
+      CHECK(next < epochs_in_all);
+      CHECK(copy_of(next) != copy_of(epoch));
       const int copies[] = {0, 1};
-      CHECK(LastCounters<int>{copies, &next}.get() == int(copy_of(turn)));
-      turn = next;
+      CHECK(LastCounters<int>{copies, &next}.get() == int(copy_of(epoch)));
+      epoch = next;
     }
     CHECK(tags.size() == 10 * most_passes);
   }
@@ -277,9 +278,9 @@ TEST_CASE("cuda arithmetic: no word is older than a few rounds of sweeping") {
     std::uint32_t row, capacity, mask;
   };
   for (const Words& words : {Words{1, 37, 63}, Words{1, 64, 63}, Words{4, 150, 255}})
-    for (std::uint32_t turn : {0u, turns_in_all - 100}) {
+    for (std::uint32_t epoch : {0u, epochs_in_all - 100}) {
       CAPTURE(words.capacity);
-      Random random(turn);
+      Random random(epoch);
       const std::uint32_t rows = words.capacity / words.row;
       std::vector<int> written(words.capacity);  // in which operation; 0: cleared
       int oldest = 0;
@@ -287,12 +288,12 @@ TEST_CASE("cuda arithmetic: no word is older than a few rounds of sweeping") {
         const std::uint32_t used =
             words.row * (operation % 50 == 1 ? rows : 1 + std::uint32_t(random.bits() % 5));
         std::fill_n(written.begin(), used, operation);
-        const std::uint32_t swept = swept_word(turn, words.row, words.mask);
+        const std::uint32_t swept = swept_word(epoch, words.row, words.mask);
         if (swept >= used && swept + words.row <= words.capacity)
           std::fill_n(written.begin() + swept, words.row, 0);
         for (const int age : written)
           if (age != 0) oldest = std::max(oldest, operation - age);
-        turn = turn_after(turn);
+        epoch = epoch_after(epoch);
       }
       CHECK(oldest > 10);
       CHECK(oldest <= 2 * 64);

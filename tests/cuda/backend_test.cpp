@@ -305,7 +305,7 @@ TEST_CASE("cuda: each report is of what the counts were when they were settled")
     cuda.settle({counts.data()}, {}, totals.data());
     const FrameReport found = cuda.await_report();
     CHECK(found.visible == written.visible);
-    CHECK(found.instances == written.instances);
+    CHECK(found.intersections == written.intersections);
   }
 }
 
@@ -324,7 +324,7 @@ TEST_CASE("cuda: later stages go by totals that are zero where a frame does not 
   for (const Capacity& enough : {Capacity{}, Capacity{100, 2000}, Capacity{100, 0}, Capacity{0, 2000}}) {
     const FrameTotals found = settled({.capacity = enough, .report = report.data()});
     CHECK(found.splats == 100);
-    CHECK(found.instances == 2000);
+    CHECK(found.intersections == 2000);
     CHECK(to_host(cuda, std::as_const(report).span())[0].overflowed == 0);
   }
   for (const Limits& none : {Limits{.capacity = {99, 2000}}, Limits{.capacity = {100, 1999}},
@@ -333,25 +333,25 @@ TEST_CASE("cuda: later stages go by totals that are zero where a frame does not 
     limits.report = report.data();
     const FrameTotals found = settled(limits);
     CHECK(found.splats == 0);
-    CHECK(found.instances == 0);
+    CHECK(found.intersections == 0);
     const FrameReport told = to_host(cuda, std::as_const(report).span())[0];
     CHECK(told.overflowed == 1);
     CHECK(told.visible == 100);
-    CHECK(told.instances == 2000);
+    CHECK(told.intersections == 2000);
   }
   CHECK_THROWS_AS((void)cuda.await_report(), std::logic_error);
 }
 
-TEST_CASE("cuda: counters of the last operation are those of the turn before the next") {
+TEST_CASE("cuda: counters of the last operation are those of the epoch before the next") {
   if (without_device()) return;
   const Cuda cuda;
   const DeviceBuffer<FrameCounts> copies = to_device(std::vector<FrameCounts>{{1, 2}, {3, 4}});
   DeviceBuffer<FrameTotals> totals;
   totals.reset(1);
-  for (const std::uint32_t next : {0u, 1u, 2u, 3u, kernels::turns_in_all - 1}) {
+  for (const std::uint32_t next : {0u, 1u, 2u, 3u, kernels::epochs_in_all - 1}) {
     CAPTURE(next);
-    const DeviceBuffer<std::uint32_t> turn = to_device(std::vector<std::uint32_t>{next});
-    cuda.settle({copies.data(), turn.data()}, {}, totals.data());
+    const DeviceBuffer<std::uint32_t> epoch = to_device(std::vector<std::uint32_t>{next});
+    cuda.settle({copies.data(), epoch.data()}, {}, totals.data());
     CHECK(cuda.await_report().visible == (next % 2 ? 1 : 3));
   }
 }

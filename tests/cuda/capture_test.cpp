@@ -113,7 +113,7 @@ TEST_CASE("cuda capture: no function of the backend that cannot be captured touc
     CHECK(kept.has_value());
   }
   cuda.settle({counts.data()}, {}, totals.data());
-  CHECK(cuda.await_report().instances == 4);
+  CHECK(cuda.await_report().intersections == 4);
   CHECK(cuda.exclusive_scan(words.span()) == 100);
   CHECK(cuda.milliseconds(first, second));
   CHECK(cudaPeekAtLastError() == cudaSuccess);

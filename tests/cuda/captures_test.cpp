@@ -24,7 +24,7 @@ struct Floors {
   double largest = 0;  ///< error of a colour, without half terms
 };
 
-/// Whatever the run, the sort, and the bounds as long as they are lossless, the bits are the same. Where
+/// Whatever the run, the sort, and the bounds as long as they are conservative, the bits are the same. Where
 /// `square` says so, the 3-sigma square is what the image is defined by.
 Floors judge(const TrainedCapture& capture, std::size_t view, const Conventions& conventions, bool square) {
   const Camera camera = scaled(capture.cameras.at(view), 0.5);

@@ -99,14 +99,14 @@ Drawing draw_on_host(const Picture& picture) {
   View view = picture.view(prepare(out.frame, picture.width, picture.height, picture.settings.outputs));
   if (!picture.occluder.empty())
     view.frame.occluder = {picture.occluder.data(), std::ptrdiff_t(sizeof(float)) * picture.width};
-  std::vector<SquareCounts> counts(Squares(tiles_of_frame(view)).size());
+  std::vector<RasterCounts> counts(RasterBlocks(tiles_of_frame(view)).size());
   rasterize(serial, Raster{},
             RasterJob{picture.splats.view(),
                       picture.splats.colours_view(),
                       picture.lists.view(),
                       {&view, 1},
                       counts.data()});
-  for (const SquareCounts& tile : counts) out.counts += tile;
+  for (const RasterCounts& tile : counts) out.counts += tile;
   return out;
 }
 
@@ -118,8 +118,8 @@ struct DevicePicture {
         ids(to_device(of.lists.ids)),
         ranges(to_device(of.lists.ranges)),
         occluder(to_device(of.occluder)),
-        counts(to_device(std::vector<SquareCounts>(
-            Squares(tiles_of_frame(of.view({.width = of.width, .height = of.height}))).size()))) {}
+        counts(to_device(std::vector<RasterCounts>(
+            RasterBlocks(tiles_of_frame(of.view({.width = of.width, .height = of.height}))).size()))) {}
 
   /// The job that draws it into `frame`, before the surface that hides it. Holds until the next.
   RasterJob job(FrameView frame, bool count) {
@@ -138,7 +138,7 @@ struct DevicePicture {
   DeviceBuffer<std::uint32_t> ids;
   DeviceBuffer<TileRange> ranges;
   DeviceBuffer<float> occluder;
-  DeviceBuffer<SquareCounts> counts;
+  DeviceBuffer<RasterCounts> counts;
   View view;
 };
 
@@ -156,7 +156,7 @@ Drawing draw_on_device(Cuda& cuda, const Picture& picture, bool lean = false) {
   out.frame.alpha = frame.pixels(cuda, frame.alpha, 4);
   if (!lean) {
     out.frame.depth = frame.pixels(cuda, frame.depth, 4);
-    for (const SquareCounts& tile : to_host(cuda, std::as_const(device.counts).span())) out.counts += tile;
+    for (const RasterCounts& tile : to_host(cuda, std::as_const(device.counts).span())) out.counts += tile;
   }
   return out;
 }

@@ -239,7 +239,7 @@ TEST_CASE_TEMPLATE("cuda embedding: a frame is drawn while its host polls a stre
     CHECK(same_bits(frame.alpha, expected.alpha));
     CHECK(same_bits(frame.depth, expected.depth));
     CHECK(std::isfinite(each->times().total));
-    CHECK(each->statistics().instances == renderer.statistics().instances);
+    CHECK(each->statistics().intersections == renderer.statistics().intersections);
     CHECK(each->statistics().raster.contributing_pairs == renderer.statistics().raster.contributing_pairs);
   }
 }

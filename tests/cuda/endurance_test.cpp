@@ -130,8 +130,8 @@ TEST_CASE("cuda endurance: a renderer that runs out of memory in a frame draws t
   const std::vector<float> expected = early.render(scene, camera).colour;
   CHECK(same_bits(standard.render(scene, camera).colour, expected));
 
-  // 131 million instances take 1.5 GB or more. Gaussians that no view shows take no memory, however many they
-  // are: as splats, these would take 0.77 GB for their shapes alone.
+  // 131 million intersections take 1.5 GB or more. Gaussians that no view shows take no memory, however many
+  // they are: as splats, these would take 0.77 GB for their shapes alone.
   constexpr std::size_t left = 700'000'000;
   const std::size_t free = free_memory();
   REQUIRE(free > left);

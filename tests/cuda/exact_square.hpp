@@ -10,7 +10,7 @@ namespace swiftgs::test {
 
 /// Of float: the distance from 1 to the next number.
 inline constexpr double epsilon = std::numeric_limits<float>::epsilon();
-/// Pixels along the side of a part of a tile.
+/// Pixels along the side of a warp block of a tile.
 inline constexpr int part = 8;
 
 /// s = u^2 + v^2 of a splat at a point in double, and the largest error of float arithmetic that sums up

@@ -21,7 +21,7 @@ struct Visit {
 /// The even rows of the box, which no backend has kernels for.
 struct EvenRows {
   static constexpr std::string_view name = "even-rows";
-  static constexpr bool lossless = false;
+  static constexpr bool conservative = false;
   struct Tiles {
     TileRect rect;
     SWIFTGS_HD TileRun row(int row) const { return row % 2 ? TileRun{} : rect.columns; }
@@ -32,7 +32,7 @@ struct EvenRows {
 /// Bounds of other tiles in the kernel that emits large splats than where tiles are counted.
 struct Fickle {
   static constexpr std::string_view name = "fickle";
-  static constexpr bool lossless = false;
+  static constexpr bool conservative = false;
   int counted = 0, emitted = 0;  ///< columns of a row
 
   struct Tiles {
@@ -68,7 +68,7 @@ struct WriteLength {
   }
 };
 void rasterize(Cuda& cuda, ListLengths, const RasterJob& job) {
-  squares_of(job);
+  raster_blocks_of(job);
   const View& view = job.views[0];
   cuda.for_each(std::size_t(view.frame.width) * std::size_t(view.frame.height), WriteLength{job, view});
 }
@@ -115,8 +115,8 @@ TEST_CASE("cuda: every sort takes bounds of the caller") {
   CHECK(host_lists(cuda, build_lists<AdaptiveSort, EvenRows>(cuda, job)) == expected);
 }
 
-TEST_CASE_TEMPLATE("cuda: a large splat has as many instances as were counted and no list has it twice", Sort,
-                   StandardSort, EarlySort) {
+TEST_CASE_TEMPLATE("cuda: a large splat has as many intersections as were counted and no list has it twice",
+                   Sort, StandardSort, EarlySort) {
   if (without_device()) return;
   Cuda cuda;
   for (const int splats : {1, 40})
@@ -167,7 +167,7 @@ TEST_CASE("cuda: projection takes bounds of the caller") {
   std::uint64_t tiles = 0;
   for (const SplatShape& shape : set.shapes)
     tiles += find_footprint(EvenRows{}, shape, frame.view.grid).count;
-  CHECK(footprints.instances.most == tiles);
+  CHECK(footprints.intersections.most == tiles);
 }
 
 TEST_CASE_TEMPLATE("cuda: bounds of the caller list several views as they list each alone", Sort,
@@ -186,7 +186,7 @@ TEST_CASE_TEMPLATE("cuda: a renderer takes the overload of a rasterizer of the c
   const Frame frame = renderer.render(renderer.backend().upload(random_scene(400, 1, 10)), camera);
   const std::vector<TileRange> ranges = to_host(renderer.backend(), renderer.lists().view().ranges);
   REQUIRE(ranges.size() == 5 * 4);
-  REQUIRE(renderer.lists().instances > 100);
+  REQUIRE(renderer.lists().intersections > 100);
   int apart = 0;
   for (std::size_t pixel = 0; pixel < frame.pixels(); ++pixel) {
     const TileRange& range = ranges[pixel / 70 / 16 * 5 + pixel % 70 / 16];

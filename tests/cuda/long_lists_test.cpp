@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Lists that no warp walks alone: many warps blend their pieces, with the bits of one warp that blends them
-// all.
+// Lists that no warp traverses alone: many warps blend their segments, with the bits of one warp that blends
+// them all.
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -37,7 +37,7 @@ Scene layers(std::size_t count, double faintest, double densest) {
 }
 
 /// Makes the first Gaussians opaque dots in front of the others, of about two pixels in an image so wide:
-/// most pixels of a part stop early, and few go on.
+/// most pixels of a warp block stop early, and few go on.
 void put_dots(Scene& scene, std::size_t dots, int side) {
   Random random(dots);
   const float size = 0.9f / float(side);
@@ -70,8 +70,8 @@ Scene corners(std::size_t of_tile, int side, std::size_t anywhere = 5) {
 
 /// 600 layers over a whole image, and behind them `of_tile` dots for every tile of 16x16 pixels: 24 opaque
 /// ones anywhere in the tile, and after them one of five thousand. The rest are faint and lie in its first
-/// quarter, if there is to be a rest. So parts of the other quarters end one piece, begin another, in which
-/// pixels stop, and show next to nothing of what follows.
+/// quarter, if there is to be a rest. So warp blocks of the other quarters end one segment, begin another, in
+/// which pixels stop, and show next to nothing of what follows.
 Scene layers_before_corners(std::size_t of_tile, int side, bool with_rest = true) {
   Random random(of_tile);
   const std::size_t layer_count = 600, across = std::size_t(side) / 16, tiles = across * across;
@@ -170,17 +170,17 @@ void check_parts(R& renderer, const SceneView& scene, int side, int size, bool e
 template <class Raster>
 using With = Renderer<Cuda, EarlySort, Raster, Ellipse>;
 
-/// Rasterizers that cut lists into pieces.
-using Piecewise = TypeList<AxisSharedThreshold<FloatCholesky>, AxisShared<FloatCholesky>,
+/// Rasterizers that cut lists into segments.
+using Segmented = TypeList<AxisSharedThreshold<FloatCholesky>, AxisShared<FloatCholesky>,
                            AxisSharedThreshold<FloatSplit>, AxisShared<FloatSplit>>;
 
 /// Calls f(renderer) for each of them.
 template <class F>
-void for_each_piecewise(const F& f) {
-  for_each_type(Piecewise(), [&]<class Raster>(Raster) { f(With<Raster>()); });
+void for_each_segmented(const F& f) {
+  for_each_type(Segmented(), [&]<class Raster>(Raster) { f(With<Raster>()); });
 }
 
-SquareCounts counts_of(auto& renderer, const DeviceScene& scene, const Camera& camera,
+RasterCounts counts_of(auto& renderer, const DeviceScene& scene, const Camera& camera,
                        const Conventions& conventions = {}) {
   RenderSettings settings;
   settings.conventions = conventions, settings.count = true;
@@ -191,41 +191,46 @@ SquareCounts counts_of(auto& renderer, const DeviceScene& scene, const Camera& c
 
 }  // namespace
 
-TEST_CASE("cuda long lists: parts that blocks share have the bits of parts that a warp walks") {
+TEST_CASE(
+    "cuda long lists: warp blocks that thread blocks share have the bits of warp blocks that a warp "
+    "traverses") {
   if (without_device()) return;
-  // The whole image has more long parts than there is room for, so warps walk the rest of them alone.
+  // The whole image has more long warp blocks than there is room for, so warps traverse the rest of them
+  // alone.
   const int side = 1024;
   Scene scene = layers(492'000, 0.00015, 0.015);
   put_dots(scene, 160'000, side);
-  for_each_piecewise([&](auto&& renderer) {
+  for_each_segmented([&](auto&& renderer) {
     const DeviceScene uploaded = renderer.backend().upload(scene);
-    CHECK(counts_of(renderer, uploaded, square_camera(side), faint()).pieces > 10'000);
+    CHECK(counts_of(renderer, uploaded, square_camera(side), faint()).segments > 10'000);
     for (const bool extras : {false, true})
       check_parts(renderer, uploaded.view(), side, 256, extras, faint());
   });
 }
 
-TEST_CASE("cuda long lists: parts that clusters share have the bits of parts that blocks share") {
+TEST_CASE(
+    "cuda long lists: warp blocks that clusters share have the bits of warp blocks that thread blocks "
+    "share") {
   if (without_device()) return;
-  // The whole image has more parts than clusters have room for. Blocks take the rest.
+  // The whole image has more warp blocks than clusters have room for. Blocks take the rest.
   const int side = 384;
   Scene scene = layers(228'000, 0.0001, 0.002);
   put_dots(scene, 36'000, side);
-  for_each_piecewise([&](auto&& renderer) {
+  for_each_segmented([&](auto&& renderer) {
     const DeviceScene uploaded = renderer.backend().upload(scene);
-    CHECK(counts_of(renderer, uploaded, square_camera(side), faint()).pieces > 10'000);
+    CHECK(counts_of(renderer, uploaded, square_camera(side), faint()).segments > 10'000);
     for (const bool extras : {false, true})
       check_parts(renderer, uploaded.view(), side, 128, extras, faint());
   });
 }
 
-TEST_CASE("cuda long lists: lists that end with a piece have the same bits too") {
+TEST_CASE("cuda long lists: lists that end with a segment have the same bits too") {
   if (without_device()) return;
-  // Black before white, so that a pixel is its transmittance. None stops, and each part keeps every splat.
-  // A part of the second that is handed over as a long one ends with a round, too.
+  // Black before white, so that a pixel is its transmittance. None stops, and each warp block keeps every
+  // splat. A warp block of the second that is pushed to a work queue ends with a round, too.
   const int side = 768;
-  for (const std::size_t pieces : {64, 68}) {
-    Scene scene = layers(512 + pieces * 128, 0.004, 0.0045);
+  for (const std::size_t segments : {64, 68}) {
+    Scene scene = layers(512 + segments * 128, 0.004, 0.0045);
     for (std::size_t i = 0; i < scene.size(); ++i) {
       scene.means[i].x = scene.means[i].y = 0;
       scene.scales[i] = vec3(50, 50, 0.01f);
@@ -233,16 +238,16 @@ TEST_CASE("cuda long lists: lists that end with a piece have the same bits too")
     }
     Conventions conventions;
     conventions.stop = 0;
-    for_each_piecewise([&](auto&& renderer) {
+    for_each_segmented([&](auto&& renderer) {
       const DeviceScene uploaded = renderer.backend().upload(scene);
-      CHECK(counts_of(renderer, uploaded, square_camera(side), conventions).pieces > 10'000);
+      CHECK(counts_of(renderer, uploaded, square_camera(side), conventions).segments > 10'000);
       for (const bool extras : {false, true})
         check_parts(renderer, uploaded.view(), side, 256, extras, conventions);
     });
   }
 }
 
-TEST_CASE("cuda long lists: every sort and every lossless bounds give the same bits, run after run") {
+TEST_CASE("cuda long lists: every sort and all conservative bounds give the same bits, run after run") {
   if (without_device()) return;
   const Camera camera = square_camera(96);
   RenderSettings settings;
@@ -253,12 +258,12 @@ TEST_CASE("cuda long lists: every sort and every lossless bounds give the same b
     std::vector<float> expected;
     for_each_type(AllSorts(), [&]<class Sort>(Sort) {
       for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
-        if constexpr (Bounds::lossless) {
+        if constexpr (Bounds::conservative) {
           CAPTURE(Sort::name);
           CAPTURE(Bounds::name);
           Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Bounds> renderer;
           const DeviceScene uploaded = renderer.backend().upload(scene);
-          CHECK(counts_of(renderer, uploaded, camera, settings.conventions).pieces > 100);
+          CHECK(counts_of(renderer, uploaded, camera, settings.conventions).segments > 100);
           Frame frame;
           for (int run = 0; run < 5; ++run) {
             renderer.render(uploaded, camera, settings, frame);
@@ -273,9 +278,9 @@ TEST_CASE("cuda long lists: every sort and every lossless bounds give the same b
 
 TEST_CASE("cuda long lists: lists of larger tiles have the same bits") {
   if (without_device()) return;
-  // Small splats: each part shows about a thousand. Lists of 16-pixel tiles are short enough for a warp
-  // alone. Lists of larger tiles are long, and a part refuses most of them. Pixels stop earlier towards the
-  // right.
+  // Small splats: each warp block shows about a thousand. Lists of 16-pixel tiles are short enough for a warp
+  // alone. Lists of larger tiles are long, and a warp block refuses most of them. Pixels stop earlier towards
+  // the right.
   Cuda cuda;
   Random random(9);
   SplatSet splats;
@@ -285,18 +290,18 @@ TEST_CASE("cuda long lists: lists of larger tiles have the same bits") {
                float(i + 1), vec3(random.f(0, 1), random.f(0, 1), random.f(0, 1)));
   }
   Picture picture(std::move(splats), 128, 128);
-  for_each_type(Piecewise(), [&]<class Raster>(Raster) {
+  for_each_type(Segmented(), [&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
     picture.tile_side = 16;
     picture.use_bounds(Ellipse());
     const Drawing usual = draw_on_device<Raster>(cuda, picture);
-    CHECK(usual.counts.pieces == 0);
+    CHECK(usual.counts.segments == 0);
     for (const int side : {64, 128}) {
       CAPTURE(side);
       picture.tile_side = side;
       picture.use_bounds(Ellipse());
       const Drawing drawn = draw_on_device<Raster>(cuda, picture);
-      CHECK(drawn.counts.pieces > 100);
+      CHECK(drawn.counts.segments > 100);
       CHECK(same_bits(drawn.frame.colour, usual.frame.colour));
       CHECK(same_bits(drawn.frame.alpha, usual.frame.alpha));
       CHECK(same_bits(drawn.frame.depth, usual.frame.depth));
@@ -316,7 +321,7 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
     const char* name;
     Scene scene;
     Conventions conventions;
-    bool in_pieces;
+    bool in_segments;
   };
   // Parts show most of the lists of layers, and little of the lists of corners. Each scene names who blends
   // it.
@@ -326,7 +331,7 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
                        {"little, for blocks", corners(12'000, 64, 50), {}, true},
                        {"little, for clusters", corners(48'000, 64, 50), {}, true},
                        {"much, then little", layers_before_corners(50'000, 64), {}, true}};
-  for (const auto& [name, scene, conventions, in_pieces] : all) {
+  for (const auto& [name, scene, conventions, in_segments] : all) {
     CAPTURE(name);
     Renderer<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> host;
     RenderSettings settings;
@@ -334,8 +339,8 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
     settings.count = true, settings.outputs = {true, true};
     Frame expected, drawn;
     host.render(host.backend().upload(scene), camera, settings, expected);
-    const SquareCounts counted = host.statistics().raster;
-    for_each_piecewise([&](auto&& renderer) {
+    const RasterCounts counted = host.statistics().raster;
+    for_each_segmented([&](auto&& renderer) {
       CAPTURE(std::decay_t<decltype(renderer)>::name);
       const DeviceScene uploaded = renderer.backend().upload(scene);
       renderer.render(uploaded, camera, settings, drawn);
@@ -350,8 +355,8 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
       CHECK(colour < 0.005);
       CHECK(alpha < 0.001);
       CHECK(depth < 0.05);
-      const SquareCounts counts = renderer.statistics().raster;
-      CHECK((counts.pieces > 0) == in_pieces);
+      const RasterCounts counts = renderer.statistics().raster;
+      CHECK((counts.segments > 0) == in_segments);
       CHECK(double(counts.contributing_pairs) ==
             doctest::Approx(double(counted.contributing_pairs)).epsilon(2e-3));
       CHECK(double(counts.pixels_stopped) == doctest::Approx(double(counted.pixels_stopped)).epsilon(1e-2));
@@ -359,35 +364,37 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
   }
 }
 
-TEST_CASE("cuda long lists: parts that show next to nothing behind their first piece are shared too") {
+TEST_CASE(
+    "cuda long lists: warp blocks that show next to nothing behind their first segment are shared too") {
   if (without_device()) return;
-  // More parts than would be taken up at the end of their first piece.
+  // More warp blocks than would be taken up at the end of their first segment.
   const int side = 96;
   const Camera camera = square_camera(side);
   const Scene scene = layers_before_corners(50'000, side);
   const Scene short_lists = layers_before_corners(50'000, side, false);
   RenderSettings settings;
   settings.outputs = {true, true};
-  for_each_piecewise([&](auto&& renderer) {
+  for_each_segmented([&](auto&& renderer) {
     CAPTURE(std::decay_t<decltype(renderer)>::name);
     const DeviceScene uploaded = renderer.backend().upload(scene);
     for (const bool extras : {false, true}) check_parts(renderer, uploaded.view(), side, 32, extras);
 
-    // A walk alone would visit 50,600 instances. Others take them over behind the first 512 or later.
-    const SquareCounts counts = counts_of(renderer, uploaded, camera);
-    CHECK(counts.pieces > 100);
+    // A traversal alone would visit 50,600 intersections. Others take them over behind the first 512 or
+    // later.
+    const RasterCounts counts = counts_of(renderer, uploaded, camera);
+    CHECK(counts.segments > 100);
     CHECK(counts.longest_item < 50'300);
     for (int run = 0; run < 5; ++run) {
-      const SquareCounts again = counts_of(renderer, uploaded, camera);
+      const RasterCounts again = counts_of(renderer, uploaded, camera);
       CHECK(again.contributing_pairs == counts.contributing_pairs);
       CHECK(again.pixels_stopped == counts.pixels_stopped);
     }
 
-    // The other quarters look as they do without the dots of the first, when warps walk all lists alone.
+    // The other quarters look as they do without the dots of the first, when warps traverse all lists alone.
     Frame drawn, expected;
     renderer.render(uploaded, camera, settings, drawn);
     const DeviceScene uploaded_short = renderer.backend().upload(short_lists);
-    CHECK(counts_of(renderer, uploaded_short, camera).pieces == 0);
+    CHECK(counts_of(renderer, uploaded_short, camera).segments == 0);
     renderer.render(uploaded_short, camera, settings, expected);
     std::size_t differing = 0;
     for (std::size_t i = 0; i < drawn.alpha.size(); ++i) {
@@ -404,7 +411,7 @@ TEST_CASE("cuda long lists: views of one frame have the bits of frames of their 
   if (without_device()) return;
   const int sides[] = {96, 64};
   const Scene scene = layers(30'000, 0.0003, 0.006);
-  for_each_piecewise([&](auto&& renderer) {
+  for_each_segmented([&](auto&& renderer) {
     CAPTURE(std::decay_t<decltype(renderer)>::name);
     const DeviceScene uploaded = renderer.backend().upload(scene);
     for (const bool extras : {false, true}) {
@@ -427,7 +434,7 @@ TEST_CASE("cuda long lists: views of one frame have the bits of frames of their 
           CHECK(same_planes(renderer.backend(), together[v], alone[v], extras));
       }
       renderer.render_into(uploaded.view(), {views.data(), views.size()}, {.count = true});
-      CHECK(renderer.statistics().raster.pieces > 100);
+      CHECK(renderer.statistics().raster.segments > 100);
       for (std::size_t v = 0; v < 2; ++v)
         CHECK(same_planes(renderer.backend(), together[v], alone[v], extras));
     }
@@ -438,7 +445,7 @@ TEST_CASE("cuda long lists: a graph that runs again and again has the bits of re
   if (without_device()) return;
   const int side = 96;
   const Scene scene = layers(30'000, 0.0003, 0.006);
-  for_each_type(Piecewise(), [&]<class Raster>(Raster) {
+  for_each_type(Segmented(), [&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
     const Stream stream;
     With<Raster> recorded{Cuda(stream.get())}, rendered{Cuda(stream.get())};
@@ -453,12 +460,12 @@ TEST_CASE("cuda long lists: a graph that runs again and again has the bits of re
       const View view = view_into(expected), recorded_view = view_into(replayed);
       rendered.render_into(uploaded.view(), {&view, 1}, {.count = true});
       const Statistics statistics = rendered.statistics();
-      CHECK(statistics.raster.pieces > 100);
+      CHECK(statistics.raster.segments > 100);
       rendered.render_into(uploaded.view(), {&view, 1});
 
       DeviceBuffer<FrameReport> report;
       report.reset(1);
-      recorded.reserve(uploaded.view(), {&recorded_view, 1}, {statistics.visible, statistics.instances});
+      recorded.reserve(uploaded.view(), {&recorded_view, 1}, {statistics.visible, statistics.intersections});
       const Graph graph(stream, [&] { recorded.record(uploaded.view(), report.data()); });
       for (int run = 0; run < 3; ++run) {
         replayed.poison();
@@ -470,11 +477,12 @@ TEST_CASE("cuda long lists: a graph that runs again and again has the bits of re
   });
 }
 
-TEST_CASE("cuda long lists: blocks that share parts work no longer than the frame is rasterized") {
+TEST_CASE(
+    "cuda long lists: thread blocks that share warp blocks work no longer than the frame is rasterized") {
   if (without_device()) return;
   const int side = 384;
   const Scene scene = layers(228'000, 0.0001, 0.002);
-  for_each_piecewise([&](auto&& renderer) {
+  for_each_segmented([&](auto&& renderer) {
     CAPTURE(std::decay_t<decltype(renderer)>::name);
     const DeviceScene uploaded = renderer.backend().upload(scene);
     RenderSettings settings;
@@ -483,26 +491,26 @@ TEST_CASE("cuda long lists: blocks that share parts work no longer than the fram
     for (int i = 0; i < 2; ++i)  // the first frame has kernels loaded
       renderer.render(uploaded, square_camera(side), settings, frame);
     const Statistics statistics = renderer.statistics();
-    CHECK(statistics.raster.pieces > 10'000);
+    CHECK(statistics.raster.segments > 10'000);
     const double evenness = statistics.balanced_ms() / renderer.times().raster;
     CHECK(evenness > 0.05);
     CHECK(evenness < 1);
   });
 }
 
-TEST_CASE("cuda long lists: frames stop sharing after eight without long parts, and the bits stay") {
+TEST_CASE("cuda long lists: frames stop sharing after eight without long warp blocks, and the bits stay") {
   if (without_device()) return;
   const int side = 64;
   const Scene long_lists = layers(30'000, 0.0003, 0.006), short_lists = layers(500, 0.004, 0.01);
-  for_each_piecewise([&](auto&& renderer) {
+  for_each_segmented([&](auto&& renderer) {
     CAPTURE(std::decay_t<decltype(renderer)>::name);
     Cuda& cuda = renderer.backend();
     const DeviceScene of_long = cuda.upload(long_lists), of_short = cuda.upload(short_lists);
     for (const bool extras : {false, true}) {
       CAPTURE(extras);
       Planes drawn(side), expected(side);
-      // Returns what the host knows when the next frame begins: frames without long parts, of those before
-      // the one that is drawn.
+      // Returns what the host knows when the next frame begins: frames without long warp blocks, of those
+      // before the one that is drawn.
       const auto render = [&](const DeviceScene& scene, Planes& planes, bool counted = false) {
         const View view = make_view(square_camera(side), faint(), planes.part(side, {}, extras), vec3(1));
         planes.poison();
@@ -520,7 +528,7 @@ TEST_CASE("cuda long lists: frames stop sharing after eight without long parts, 
       for (std::uint32_t quiet = 0; quiet < 8; ++quiet) CHECK(render(of_short, drawn) == quiet);
       CHECK(render(of_short, drawn) == 8);
       CHECK(render(of_short, drawn) == 8);  // this one alone
-      CHECK(render(of_long, drawn) == 8);   // and this one, with walks that are long
+      CHECK(render(of_long, drawn) == 8);   // and this one, with traversals that are long
       check_long_frame();
       CHECK(render(of_long, drawn) == 0);
       check_long_frame();
@@ -535,10 +543,10 @@ TEST_CASE("cuda long lists: frames stop sharing after eight without long parts, 
       // Counted frames share, whatever was before.
       for (int i = 0; i < 10; ++i) render(of_short, drawn);
       CHECK(render(of_long, drawn, true) == 8);
-      CHECK(renderer.statistics().raster.pieces > 100);
+      CHECK(renderer.statistics().raster.segments > 100);
       check_long_frame();
       CHECK(render(of_short, drawn, true) == 0);
-      CHECK(renderer.statistics().raster.pieces == 0);
+      CHECK(renderer.statistics().raster.segments == 0);
       CHECK(render(of_long, drawn) == 1);
       check_long_frame();
       CHECK(render(of_long, drawn) == 0);
@@ -546,25 +554,25 @@ TEST_CASE("cuda long lists: frames stop sharing after eight without long parts, 
   });
 }
 
-TEST_CASE("cuda long lists: counts tell of pieces only where lists are long") {
+TEST_CASE("cuda long lists: counts tell of segments only where lists are long") {
   if (without_device()) return;
   With<AxisSharedThreshold<FloatCholesky>> renderer;
   const Camera camera = square_camera(64);
-  const SquareCounts usual = counts_of(renderer, renderer.backend().upload(layers(500, 0.004, 0.01)), camera);
-  CHECK(usual.pieces == 0);
+  const RasterCounts usual = counts_of(renderer, renderer.backend().upload(layers(500, 0.004, 0.01)), camera);
+  CHECK(usual.segments == 0);
   CHECK(usual.pixels_joined == 0);
   CHECK(usual.longest_item > 100);
   CHECK(usual.longest_item <= 500);
   Scene scene = layers(14'700, 0.0003, 0.012);
   put_dots(scene, 900, 64);
-  const SquareCounts longer = counts_of(renderer, renderer.backend().upload(scene), camera, faint());
-  CHECK(longer.pieces > 64);
-  CHECK(longer.pixels_joined > 4 * longer.pieces);
-  CHECK(longer.pixels_joined <= 64 * longer.pieces);
+  const RasterCounts longer = counts_of(renderer, renderer.backend().upload(scene), camera, faint());
+  CHECK(longer.segments > 64);
+  CHECK(longer.pixels_joined > 4 * longer.segments);
+  CHECK(longer.pixels_joined <= 64 * longer.segments);
   CHECK(longer.longest_item >= 2048);
-  CHECK(longer.longest_item < 9'700);  // a walk alone would visit 9,990
-  // Where parts show little of a list, a walk is long too.
-  const SquareCounts visited = counts_of(renderer, renderer.backend().upload(corners(14'000, 64)), camera);
+  CHECK(longer.longest_item < 9'700);  // a traversal alone would visit 9,990
+  // Where warp blocks show little of a list, a traversal is long too.
+  const RasterCounts visited = counts_of(renderer, renderer.backend().upload(corners(14'000, 64)), camera);
   CHECK(visited.longest_item >= 2048);
-  CHECK(visited.longest_item < 13'900);  // a walk alone would visit 14,080
+  CHECK(visited.longest_item < 13'900);  // a traversal alone would visit 14,080
 }

@@ -203,12 +203,12 @@ TEST_CASE_TEMPLATE("cuda record: never calls the hook after reserve", Sort, Stan
       const Images shown(cameras_of(i, views));
       other.render_into(scene.view(), shown.span());
       most.splats = std::max(most.splats, other.statistics().visible);
-      most.instances = std::max(most.instances, other.statistics().instances);
+      most.intersections = std::max(most.intersections, other.statistics().intersections);
     }
-    CHECK(other.statistics().instances + 1000 < most.instances);  // later frames take more
+    CHECK(other.statistics().intersections + 1000 < most.intersections);  // later frames take more
     DeviceBuffer<FrameReport> report;
     report.reset(1);
-    renderer.reserve(scene.view(), images.span(), {most.splats + 10, most.instances + 10});
+    renderer.reserve(scene.view(), images.span(), {most.splats + 10, most.intersections + 10});
     const std::size_t calls = pool.calls();
     for (int i = 0; i < frames; ++i) {
       CAPTURE(i);
@@ -218,7 +218,7 @@ TEST_CASE_TEMPLATE("cuda record: never calls the hook after reserve", Sort, Stan
       other.render_into(scene.view(), wanted.span());
       CHECK(drawn.bits() == wanted.bits());
       CHECK(report_in(report).overflowed == 0);
-      CHECK(report_in(report).instances == other.statistics().instances);
+      CHECK(report_in(report).intersections == other.statistics().intersections);
     }
     renderer.set_views(images.span());
     renderer.record(empty.view(), report.data());
@@ -264,8 +264,9 @@ TEST_CASE("cuda record: a graph is captured and launched with memory of a pool")
   CHECK(pool.calls() == calls);
 }
 
-TEST_CASE_TEMPLATE("cuda record: a frame without enough room draws nothing and one with just enough is drawn",
-                   Sort, StandardSort, EarlySort) {
+TEST_CASE_TEMPLATE(
+    "cuda record: a frame without enough capacity draws nothing and one with just enough is drawn", Sort,
+    StandardSort, EarlySort) {
   if (without_device()) return;
   const Stream stream;
   StreamPool pool(stream.get());
@@ -283,13 +284,13 @@ TEST_CASE_TEMPLATE("cuda record: a frame without enough room draws nothing and o
       renderer.record(scene.view(), memory.data());
       const FrameReport report = report_in(memory);
       CHECK(report.visible == taken.visible);
-      CHECK(report.instances == taken.instances);
+      CHECK(report.intersections == taken.intersections);
       CHECK(report.overflowed == !fits);
       CHECK((fits ? images.bits() == expected.bits() : images.untouched()));
     };
-    record({taken.visible - 1, taken.instances}, false);
-    record({taken.visible, taken.instances - 1}, false);
-    record({taken.visible, taken.instances}, true);
+    record({taken.visible - 1, taken.intersections}, false);
+    record({taken.visible, taken.intersections - 1}, false);
+    record({taken.visible, taken.intersections}, true);
     record({1, 1}, false);
     record({}, true);
   }

@@ -93,7 +93,7 @@ TEST_CASE("no device: a renderer throws as often as it is asked and goes away qu
     CHECK_THROWS_AS(renderer.render_into(view(scene), forward_camera(8, 8), {}, {.width = 8, .height = 8}),
                     DeviceError);
   const Renderer<Cuda, EarlySort, PerPixel, Ellipse> moved = std::move(renderer);
-  CHECK(moved.lists().instances == 0);
+  CHECK(moved.lists().intersections == 0);
 }
 
 TEST_CASE("no device: what does nothing needs none") {

@@ -69,7 +69,7 @@ Blended blend_by_serial(const std::vector<Layer>& layers, float stop_below, cons
   std::vector<std::uint32_t> ids;
   for (const Layer& layer : layers) {
     SplatShape shape;
-    shape.l0 = shape.l1 = shape.l2 = 0, shape.reach = 1, shape.opacity = layer.alpha;
+    shape.l0 = shape.l1 = shape.l2 = 0, shape.cutoff = 1, shape.opacity = layer.alpha;
     ids.push_back(std::uint32_t(splats.shapes.size()));
     splats.add(shape, layer.depth, layer.rgb);
   }
@@ -78,7 +78,7 @@ Blended blend_by_serial(const std::vector<Layer>& layers, float stop_below, cons
   Blended out;
   View view{.rules = {0, 1, stop_below}, .grid = TileGrid::covering(1, 1), .frame = out.frame()};
   if (occluder) view.frame.occluder = {occluder, sizeof(float)};
-  SquareCounts counts;
+  RasterCounts counts;
   Serial serial;
   rasterize(serial, GivenAlpha{}, {splats.view(), splats.colours_view(), lists, {&view, 1}, &counts});
   out.pairs = counts.contributing_pairs, out.stopped = counts.pixels_stopped;
@@ -249,51 +249,52 @@ TEST_CASE("cuda arithmetic: a pixel outside of the image takes nothing") {
 
 namespace {
 
-/// Piece k of a pixel's layers, with transmittance `before` in front of it.
-BlendedPixel blend_piece(const std::vector<Layer>& layers, std::uint32_t k, float stop_below, float before,
-                         bool& live) {
+/// Segment k of a pixel's layers, with transmittance `before` in front of it.
+BlendedPixel blend_segment(const std::vector<Layer>& layers, std::uint32_t k, float stop_below, float before,
+                           bool& live) {
   Pixel pixel;
-  start_piece(pixel, stop_below, before, k);
-  for (std::size_t i = begin_of_piece(k); i < begin_of_piece(k + 1); i += group_size)
+  start_segment(pixel, stop_below, before, k);
+  for (std::size_t i = begin_of_segment(k); i < begin_of_segment(k + 1); i += group_size)
     blend_together(pixel, &layers[i]);
   live = pixel.live();
   return pixel.blended();
 }
 
-/// One piece behind the other.
+/// One segment behind the other.
 JoinedPixel blend_in_turn(const std::vector<Layer>& layers, float stop_below) {
   JoinedPixel all;
   bool live = true;
-  for (std::uint32_t k = 0; begin_of_piece(k) < layers.size() && live; ++k)
-    all.join(blend_piece(layers, k, stop_below, all.total.w, live), k);
+  for (std::uint32_t k = 0; begin_of_segment(k) < layers.size() && live; ++k)
+    all.join(blend_segment(layers, k, stop_below, all.total.w, live), k);
   return all;
 }
 
-/// All pieces as if little lay in front of them. The one in which the pixel stops is blended again.
+/// All segments as if little lay in front of them. The one in which the pixel stops is blended again.
 JoinedPixel blend_apart(const std::vector<Layer>& layers, float stop_below, int& again) {
   JoinedPixel all;
-  for (std::uint32_t k = 0; begin_of_piece(k) < layers.size(); ++k) {
+  for (std::uint32_t k = 0; begin_of_segment(k) < layers.size(); ++k) {
     bool live = true;
-    BlendedPixel piece = blend_piece(layers, k, stop_below, most_before(1), live);
-    const float left = mark_stopped(piece.transmittance, !live);
-    const bool stops = stops_in_piece(left, stop_below, all.total.w, k);
-    if (stops) piece = blend_piece(layers, k, stop_below, all.total.w, live), ++again;
+    BlendedPixel segment = blend_segment(layers, k, stop_below, most_before(1), live);
+    const float left = mark_stopped(segment.transmittance, !live);
+    const bool stops = stops_in_segment(left, stop_below, all.total.w, k);
+    if (stops) segment = blend_segment(layers, k, stop_below, all.total.w, live), ++again;
     CHECK(live == !stops);
-    all.join(piece, k);
+    all.join(segment, k);
     if (stops) break;
   }
   return all;
 }
 
-std::vector<Layer> faint_layers(Random& random, std::uint32_t pieces, double largest) {
-  std::vector<Layer> layers = random_layers(random, begin_of_piece(pieces), 0.02);
+std::vector<Layer> faint_layers(Random& random, std::uint32_t segments, double largest) {
+  std::vector<Layer> layers = random_layers(random, begin_of_segment(segments), 0.02);
   for (Layer& layer : layers) layer.alpha = std::min(layer.alpha, float(largest));
   return layers;
 }
 
 }  // namespace
 
-TEST_CASE("cuda arithmetic: pieces that are blended apart have the bits of pieces that are blended in turn") {
+TEST_CASE(
+    "cuda arithmetic: segments that are blended apart have the bits of segments that are blended in turn") {
   Random random(5);
   int again = 0, differences = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -306,7 +307,7 @@ TEST_CASE("cuda arithmetic: pieces that are blended apart have the bits of piece
   CHECK(again > 300);
 }
 
-TEST_CASE("cuda arithmetic: a pixel in pieces is as exact as a pixel at once") {
+TEST_CASE("cuda arithmetic: a pixel in segments is as exact as a pixel at once") {
   Random random(6);
   for (int i = 0; i < 300; ++i) {
     const std::vector<Layer> layers = faint_layers(random, 16, random.scale(1.0 / 255, 0.02));
@@ -323,43 +324,43 @@ TEST_CASE("cuda arithmetic: a pixel in pieces is as exact as a pixel at once") {
   }
 }
 
-TEST_CASE("cuda arithmetic: errors of equal pieces do not add up") {
+TEST_CASE("cuda arithmetic: errors of equal segments do not add up") {
   double sum = 0;
   int judged = 0;
   for (int i = 0; i < 500; ++i) {
     const float alpha = float(std::exp(-6.0 - 4.0 * i / 500));
-    const std::vector<Layer> layers(begin_of_piece(78), Layer{alpha, {1, 1, 1}, 1});
+    const std::vector<Layer> layers(begin_of_segment(78), Layer{alpha, {1, 1, 1}, 1});
     const double exact = std::pow(1 - double(alpha), double(layers.size()));
     if (exact < 1e-4) continue;
     const double error = (double(blend_in_turn(layers, 0).total.w) / exact - 1) * 0x1p23;
     sum += error * error, ++judged;
   }
   CHECK(judged > 200);
-  CHECK(std::sqrt(sum / judged) < 30);  // 18 ulps; pieces that all begin with 1 have 109
+  CHECK(std::sqrt(sum / judged) < 30);  // 18 ulps; segments that all begin with 1 have 109
 }
 
-TEST_CASE("cuda arithmetic: a piece stops where the limit is reached by all pieces") {
-  CHECK(scale_of_piece(0) == 1);
+TEST_CASE("cuda arithmetic: a segment stops where the limit is reached by all segments") {
+  CHECK(scale_of_segment(0) == 1);
   for (std::uint32_t k = 0; k < 10'000; ++k) {
-    REQUIRE(scale_of_piece(k) >= 1);
-    REQUIRE(scale_of_piece(k) < 2);
+    REQUIRE(scale_of_segment(k) >= 1);
+    REQUIRE(scale_of_segment(k) < 2);
   }
-  CHECK(stop_of_piece(1e-4f, 1, 0) == 1e-4f);
-  CHECK(stop_of_piece(0.25f, 0.5f, 0) == 0.5f);
-  CHECK(stop_of_piece(0.25f, 0.2f, 0) == 1);
-  CHECK(stop_of_piece(0, 0.5f, 3) == 0);
-  CHECK(stop_of_piece(0, 0, 3) == 0);
+  CHECK(stop_of_segment(1e-4f, 1, 0) == 1e-4f);
+  CHECK(stop_of_segment(0.25f, 0.5f, 0) == 0.5f);
+  CHECK(stop_of_segment(0.25f, 0.2f, 0) == 1);
+  CHECK(stop_of_segment(0, 0.5f, 3) == 0);
+  CHECK(stop_of_segment(0, 0, 3) == 0);
   for (std::uint32_t k = 0; k < 100; ++k) {
     Pixel pixel;
-    start_piece(pixel, 0.25f, 0.2f, k);  // below the limit, but not yet dimmed in the piece
+    start_segment(pixel, 0.25f, 0.2f, k);  // below the limit, but not yet dimmed in the segment
     blend_together(pixel, std::vector<Layer>(group_size, Layer{0, {1, 1, 1}, 3}).data());
     REQUIRE(pixel.live());
     blend_together(pixel, std::vector<Layer>(group_size, Layer{0.01f, {1, 1, 1}, 3}).data());
     REQUIRE(!pixel.live());
     REQUIRE(pixel.red == 0);
   }
-  std::vector<Layer> layers(begin_of_piece(2), Layer{0, {1, 1, 1}, 3});
-  layers[3].alpha = layers[first_piece_size + 7].alpha = 0.5f;
+  std::vector<Layer> layers(begin_of_segment(2), Layer{0, {1, 1, 1}, 3});
+  layers[3].alpha = layers[first_segment_size + 7].alpha = 0.5f;
   for (const float limit : {0.24f, 0.26f}) {
     const JoinedPixel joined = blend_in_turn(layers, limit);
     CHECK(joined.total.w == doctest::Approx(limit < 0.25f ? 0.25 : 0.5).epsilon(3e-7));

@@ -108,14 +108,14 @@ TEST_CASE("cuda raster pixels: counts are the host's where no threshold is near"
   splats.colours[0] = splats.colours[3] = SplatColour{};
   const Picture picture(splats, 20, 9);
   Cuda cuda;
-  const SquareCounts counts = draw_on_device<HalfAsOpaque>(cuda, picture).counts,
+  const RasterCounts counts = draw_on_device<HalfAsOpaque>(cuda, picture).counts,
                      whole = draw_on_device<WithoutKernel<PerPixel>>(cuda, picture).counts;
-  CHECK(whole.instances_visited == 2 * 6);
+  CHECK(whole.intersections_visited == 2 * 6);
   CHECK(whole.rows_visited == 2 * 6 * 9);
   CHECK(whole.contributing_pairs == 5 * 20 * 9);
   CHECK(whole.pixels_stopped == 20 * 9);
-  const SquareCounts expected = draw_on_host<HalfAsOpaque>(picture).counts;
-  CHECK(counts.instances_visited == expected.instances_visited);
+  const RasterCounts expected = draw_on_host<HalfAsOpaque>(picture).counts;
+  CHECK(counts.intersections_visited == expected.intersections_visited);
   CHECK(counts.rows_visited == expected.rows_visited);
   CHECK(counts.contributing_pairs == expected.contributing_pairs);
   CHECK(counts.pixels_stopped == expected.pixels_stopped);
@@ -136,15 +136,15 @@ TEST_CASE("cuda raster pixels: a splat behind the caller's surface ends the pixe
   CHECK(difference(frame.pixels(cuda, frame.alpha, 4), expected.frame.alpha, 2e-5).part_above <= 0.001);
 }
 
-TEST_CASE("cuda raster: squares come in the order of their lists, the longest first") {
+TEST_CASE("cuda raster: raster blocks come in the order of their lists, the longest first") {
   if (without_device()) return;
   Cuda cuda;
   const auto multiprocessors = std::uint32_t(cuda.multiprocessors());
   for (const int side : {16, 32, 64}) {
     CAPTURE(side);
-    const auto of_tile = std::uint32_t(side / square_side);
+    const auto of_tile = std::uint32_t(side / raster_block_side);
     const FrameTiles tiles{4, 5 * multiprocessors / (of_tile * of_tile) + 1, side};
-    const Squares squares(tiles);
+    const RasterBlocks blocks(tiles);
     std::vector<TileRange> lists(tiles.size());
     Random random{std::uint64_t(side)};
     for (TileRange& list : lists) {
@@ -153,10 +153,10 @@ TEST_CASE("cuda raster: squares come in the order of their lists, the longest fi
       list = length % 7 == 5 ? TileRange::undrawn() : TileRange{begin, begin + length};
     }
     const DeviceBuffer<TileRange> ranges = to_device(lists);
-    const std::uint32_t* const order = kernels::order_squares(cuda, {{}, ranges.span()}, squares);
+    const std::uint32_t* const order = kernels::order_raster_blocks(cuda, {{}, ranges.span()}, blocks);
     REQUIRE(order);
-    const std::vector<std::uint32_t> words = to_host(cuda, Span<const std::uint32_t>{order, squares.size()});
-    std::vector<bool> seen(squares.size());
+    const std::vector<std::uint32_t> words = to_host(cuda, Span<const std::uint32_t>{order, blocks.size()});
+    std::vector<bool> seen(blocks.size());
     // Every 16th is in order: each block orders a share.
     constexpr std::size_t shares = 16;
     std::vector<double> least_before(shares, 1e9);
@@ -164,10 +164,10 @@ TEST_CASE("cuda raster: squares come in the order of their lists, the longest fi
     for (std::size_t i = 0; i < words.size(); ++i) {
       const std::uint32_t word = words[i];
       const std::uint32_t column = word & 0xffff, row = word >> 16;
-      each_once = each_once && column < squares.columns && row < squares.rows &&
-                  !seen[row * squares.columns + column];
+      each_once =
+          each_once && column < blocks.columns && row < blocks.rows && !seen[row * blocks.columns + column];
       if (!each_once) break;
-      seen[row * squares.columns + column] = true;
+      seen[row * blocks.columns + column] = true;
       const TileRange list = lists[row / of_tile * tiles.columns + column / of_tile];
       const double length = list.drawn() ? list.end - list.begin : 0;
       double& least = least_before[i % shares];
@@ -180,10 +180,10 @@ TEST_CASE("cuda raster: squares come in the order of their lists, the longest fi
   // Neither as many as begin at once, nor more than eight times as many.
   for (const std::uint32_t count : {9 * multiprocessors, 72 * multiprocessors + 1}) {
     const DeviceBuffer<TileRange> ranges = to_device(std::vector<TileRange>(count));
-    CHECK(kernels::order_squares(cuda, {{}, ranges.span()}, Squares({1, count})) == nullptr);
+    CHECK(kernels::order_raster_blocks(cuda, {{}, ranges.span()}, RasterBlocks({1, count})) == nullptr);
   }
   for (const std::uint32_t count : {9 * multiprocessors + 1, 72 * multiprocessors}) {
     const DeviceBuffer<TileRange> ranges = to_device(std::vector<TileRange>(count));
-    CHECK(kernels::order_squares(cuda, {{}, ranges.span()}, Squares({1, count})) != nullptr);
+    CHECK(kernels::order_raster_blocks(cuda, {{}, ranges.span()}, RasterBlocks({1, count})) != nullptr);
   }
 }

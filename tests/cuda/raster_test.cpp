@@ -74,13 +74,13 @@ void check_drawing(Cuda& cuda, const Picture& picture, double brightest = 1) {
         doctest::Approx(double(expected.counts.contributing_pairs)).epsilon(tolerance));
   CHECK(std::abs(double(drawn.counts.pixels_stopped) - double(expected.counts.pixels_stopped)) <=
         1 + 1e-2 * double(expected.counts.pixels_stopped));
-  CHECK(drawn.counts.instances_visited <= picture.lists.ids.size());
+  CHECK(drawn.counts.intersections_visited <= picture.lists.ids.size());
   if (own_kernels) {
-    CHECK(drawn.counts.instances_visited >= expected.counts.instances_visited);
+    CHECK(drawn.counts.intersections_visited >= expected.counts.intersections_visited);
   } else {
-    // The same walk: it ends elsewhere only where a threshold falls differently.
-    CHECK(double(drawn.counts.instances_visited) ==
-          doctest::Approx(double(expected.counts.instances_visited)).epsilon(1e-2));
+    // The same traversal: it ends elsewhere only where a threshold falls differently.
+    CHECK(double(drawn.counts.intersections_visited) ==
+          doctest::Approx(double(expected.counts.intersections_visited)).epsilon(1e-2));
     CHECK(double(drawn.counts.rows_visited) ==
           doctest::Approx(double(expected.counts.rows_visited)).epsilon(1e-2));
   }
@@ -204,8 +204,8 @@ TEST_CASE(SWIFTGS_RASTERS
   SplatSet at_threshold, below;
   at_threshold.add(make_splat(8.5, 8.5, 4, 4, 0, 1.0 / 256, 1.0 / 256), 1);
   below = at_threshold;
-  below.shapes[0].opacity = std::nextafter(1.0f / 256, 0.0f), below.shapes[0].reach = -1e-7f;
-  REQUIRE(at_threshold.shapes[0].reach == 0);
+  below.shapes[0].opacity = std::nextafter(1.0f / 256, 0.0f), below.shapes[0].cutoff = -1e-7f;
+  REQUIRE(at_threshold.shapes[0].cutoff == 0);
   for_each_tested([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
     Picture picture(at_threshold, 32, 32, settings);
@@ -286,7 +286,7 @@ TEST_CASE(SWIFTGS_RASTERS ": needles and giants leave no pixel that is not a num
   });
 }
 
-TEST_CASE(SWIFTGS_RASTERS ": lossless bounds draw the same bits of any splats") {
+TEST_CASE(SWIFTGS_RASTERS ": conservative bounds draw the same bits of any splats") {
   if (without_device()) return;
   Cuda cuda;
   // Splats that barely reach the threshold are so large that a rounding of the exponent is pixels wide.
@@ -351,8 +351,8 @@ double evenness(Cuda& cuda, const Picture& picture) {
     raster = cuda.milliseconds(begin, end).value();
   }
   Statistics statistics;
-  for (const SquareCounts& square : to_host(cuda, std::as_const(device.counts).span()))
-    statistics.raster += square;
+  for (const RasterCounts& raster_block : to_host(cuda, std::as_const(device.counts).span()))
+    statistics.raster += raster_block;
   return statistics.balanced_ms() / raster;
 }
 

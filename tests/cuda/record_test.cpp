@@ -107,7 +107,8 @@ struct Recording {
   bool reported() const {
     const FrameReport found = report();
     const Statistics taken = other.statistics();
-    return found.overflowed == 0 && found.visible == taken.visible && found.instances == taken.instances;
+    return found.overflowed == 0 && found.visible == taken.visible &&
+           found.intersections == taken.intersections;
   }
 };
 
@@ -131,9 +132,9 @@ std::size_t wrong_in_replays(int replays, std::size_t views) {
 
 }  // namespace
 
-TEST_CASE("cuda record: a graph puts the squares of each frame in an order") {
+TEST_CASE("cuda record: a graph puts the raster blocks of each frame in an order") {
   if (without_device()) return;
-  // Squares enough for an order on devices of up to 200 multiprocessors.
+  // Raster blocks enough for an order on devices of up to 200 multiprocessors.
   constexpr int width = 800, height = 600;
   Recording<> r;
   DeviceBuffer<float> image, expected;
@@ -252,15 +253,17 @@ TEST_CASE("cuda record: the adaptive sort records what it has decided") {
   CHECK(nodes_of(1, 2) != nodes_of(2, 1));  // the early sort has one sort more
 }
 
-TEST_CASE("cuda record: a frame without room draws nothing and fits after its report is followed") {
+TEST_CASE(
+    "cuda record: a frame without enough capacity draws nothing and fits after its report is followed") {
   if (without_device()) return;
   Recording r;
   const std::vector<View> views = r.images.views(2);
   r.other.render_into(r.scene.view(), span(r.expected.views(2)));
-  const std::size_t visible = r.other.statistics().visible, instances = r.other.statistics().instances;
+  const std::size_t visible = r.other.statistics().visible,
+                    intersections = r.other.statistics().intersections;
   const std::vector<std::uint32_t> untouched = r.images.words(r.cuda);
   for (const Capacity& capacity :
-       {Capacity{visible - 1, instances}, Capacity{visible, instances - 1}, Capacity{1, 1}}) {
+       {Capacity{visible - 1, intersections}, Capacity{visible, intersections - 1}, Capacity{1, 1}}) {
     r.reserve(span(views), capacity);
     CHECK(r.images.words(r.cuda) == untouched);
     const Graph graph = r.capture();
@@ -268,10 +271,10 @@ TEST_CASE("cuda record: a frame without room draws nothing and fits after its re
     const FrameReport found = r.report();
     CHECK(found.overflowed == 1);
     CHECK(found.visible == visible);
-    CHECK(found.instances == instances);
+    CHECK(found.intersections == intersections);
     CHECK(r.images.words(r.cuda) == untouched);
   }
-  r.reserve(span(views), {visible, instances});
+  r.reserve(span(views), {visible, intersections});
   const Graph graph = r.capture();
   graph.run();
   CHECK(r.wrong_words(2) == 0);
@@ -285,7 +288,7 @@ TEST_CASE("cuda record: an overflow between two frames of a graph leaves both as
   int small = 0, large = 0;
   for (int k = 0; k < 24; ++k) {
     r.other.render_into(r.scene.view(), span(r.expected.views(k)));
-    const std::size_t here = r.other.statistics().instances;
+    const std::size_t here = r.other.statistics().intersections;
     if (least == 0 || here < least) least = here, small = k;
     if (here > most) most = here, large = k;
   }

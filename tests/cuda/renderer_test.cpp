@@ -48,7 +48,7 @@ void check_all(const Scene& whole, const Camera& camera, Conventions conventions
     conventions.footprint = footprint;
     return render_reference(whole, camera, conventions, dvec3(settings.background));
   };
-  const ReferenceFrame lossless = reference_of(Conventions::Footprint::alpha);
+  const ReferenceFrame conservative = reference_of(Conventions::Footprint::alpha);
   const ReferenceFrame cut = reference_of(Conventions::Footprint::three_sigma_square);
 
   std::map<std::string, Frame> first_of;
@@ -66,8 +66,8 @@ void check_all(const Scene& whole, const Camera& camera, Conventions conventions
     CHECK(same_bits(first->second.depth, frame.depth));
     if (!is_first) continue;
 
-    const ReferenceFrame& reference = square ? cut : lossless;
-    // Split terms of floats err more where a part is far from the mean of a needle.
+    const ReferenceFrame& reference = square ? cut : conservative;
+    // Split terms of floats err more where a warp block is far from the mean of a needle.
     const double least_db = half ? 40 : has(name, "float-split") ? 105 : 120;
     CHECK(psnr(frame.colour, reference.colour) >= least_db);
     CHECK(psnr(frame.alpha, reference.alpha) >= least_db);
@@ -147,7 +147,7 @@ TEST_CASE("cuda renderer: several views of a scene in chunks are drawn as each a
   check_cameras(*make_renderer(Usual::name), scene, {cameras.data(), cameras.size()}, {});
 }
 
-TEST_CASE("cuda renderer: is usable after a frame that needs too many instances") {
+TEST_CASE("cuda renderer: is usable after a frame that needs too many intersections") {
   if (without_device()) return;
   Usual renderer;
   Scene giants;
@@ -178,7 +178,7 @@ TEST_CASE("cuda renderer: an empty scene is the background") {
     CHECK(frame.depth[i] == 0);
   }
   CHECK(renderer.statistics().visible == 0);
-  CHECK(renderer.statistics().instances == 0);
+  CHECK(renderer.statistics().intersections == 0);
 }
 
 TEST_CASE("cuda renderer: counts what it did and says how long it took") {
@@ -193,10 +193,10 @@ TEST_CASE("cuda renderer: counts what it did and says how long it took") {
   const Statistics statistics = renderer.statistics(), expected = serial.statistics();
   CHECK(statistics.gaussians == 3000);
   CHECK(std::abs(double(statistics.visible) - double(expected.visible)) <= 1);
-  CHECK(double(statistics.instances) == doctest::Approx(double(expected.instances)).epsilon(1e-3));
+  CHECK(double(statistics.intersections) == doctest::Approx(double(expected.intersections)).epsilon(1e-3));
   CHECK(double(statistics.raster.contributing_pairs) ==
         doctest::Approx(double(expected.raster.contributing_pairs)).epsilon(1e-3));
-  CHECK(statistics.raster.instances_visited <= statistics.instances);
+  CHECK(statistics.raster.intersections_visited <= statistics.intersections);
   const StageTimes times = renderer.times();
   CHECK(times.project > 0);
   CHECK(times.sort > 0);

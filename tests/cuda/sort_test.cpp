@@ -33,23 +33,23 @@ struct Sorts {
 };
 
 /// Whether all sorts on the device, within all bounds, build the lists of the serial backend. Returns the
-/// instances.
+/// intersections.
 std::size_t check_lists(Cuda& cuda, Sorts<Cuda>& sorts, const SplatSet& splats, int width, int height) {
   const DeviceSplats uploaded(splats);
-  std::size_t instances = 0;
+  std::size_t intersections = 0;
   for_each_type(AllBounds(), [&]<class Bounds>(Bounds bounds) {
     CAPTURE(Bounds::name);
     Serial serial;
     const HostLists expected =
         host_lists(serial, build_lists<StandardSort, Bounds>(serial, splats.job(width, height)));
-    instances = expected.ids.size();
+    intersections = expected.ids.size();
     const Binned<Cuda, Bounds> binned(cuda, uploaded.job(width, height), bounds);
     sorts.for_each(cuda, binned.job(), bounds, [&](std::string_view name, const HostLists& lists) {
       CAPTURE(name);
       CHECK(lists == expected);
     });
   });
-  return instances;
+  return intersections;
 }
 std::size_t check_lists(const SplatSet& splats, int width, int height) {
   Cuda cuda;
@@ -118,7 +118,7 @@ TEST_CASE("cuda sort: footprints are found again where projection found those of
   const auto found_by = [&](const auto& bounds, const Footprints<Cuda>& footprints, const View& of) {
     std::uint64_t tiles = 0;
     for (const SplatShape& shape : set.shapes) tiles += find_footprint(bounds, shape, of.grid).count;
-    return footprints.instances.most == tiles && footprints.count == set.shapes.size() &&
+    return footprints.intersections.most == tiles && footprints.count == set.shapes.size() &&
            footprints.views.tiles == tiles_of_frame(of) && footprints.views[0].grid == of.grid;
   };
   REQUIRE(set.shapes.size() > 100);
@@ -212,7 +212,7 @@ TEST_CASE("cuda sort: views of different sizes may follow each other") {
   }
 }
 
-TEST_CASE("cuda sort: more instances than lists can index are a capacity error after which all works") {
+TEST_CASE("cuda sort: more intersections than lists can index are a capacity error after which all works") {
   if (without_device()) return;
   Cuda cuda;
   Sorts<Cuda> sorts;

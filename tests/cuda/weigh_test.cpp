@@ -15,7 +15,7 @@
 #include <swiftgs/sort/early.hpp>
 
 #include "box_touched.hpp"
-#include "forms.hpp"
+#include "exponents.hpp"
 #include "policies/random_splats.hpp"
 #include "policies/tile_lists.hpp"
 
@@ -25,9 +25,9 @@ using namespace swiftgs::test;
 
 namespace {
 
-/// Weight of each splat in a part of 8x8 pixels, as the kernel finds it.
-std::vector<std::uint64_t> weights_in_part(const SplatSet& splats, Span<const std::uint32_t> ids,
-                                           vec2 first_centre, const BlendRules& rules) {
+/// Weight of each splat in a warp block of 8x8 pixels, as the kernel finds it.
+std::vector<std::uint64_t> weights_in_warp_block(const SplatSet& splats, Span<const std::uint32_t> ids,
+                                                 vec2 first_centre, const BlendRules& rules) {
   std::vector<std::uint64_t> parts(splats.shapes.size());
   for (int lane = 0; lane < 32; ++lane) {
     Pixel pixels[pixels_of_lane];
@@ -36,10 +36,10 @@ std::vector<std::uint64_t> weights_in_part(const SplatSet& splats, Span<const st
       const SplatShape& shape = splats.shapes[id];
       if (!box_touched(shape, first_centre, 8)) continue;
       float4 terms;
-      CholeskyForm::Rest rest;
-      CholeskyForm::prepare(shape, shape.mean - first_centre, rules, terms, rest);
+      CholeskyExponent::Rest rest;
+      CholeskyExponent::prepare(shape, shape.mean - first_centre, rules, terms, rest);
       float exponents[pixels_of_lane];
-      CholeskyForm::evaluate(terms, rest, float(lane % 4), float(lane / 4), exponents);
+      CholeskyExponent::evaluate(terms, rest, float(lane % 4), float(lane / 4), exponents);
       for (unsigned p = 0; p < pixels_of_lane; ++p)
         parts[id] +=
             weight_parts(weigh(pixels[p], relative_alpha<true>(exponents[p], rules), rules.alpha_max));
@@ -73,22 +73,22 @@ TEST_CASE("cuda arithmetic: a weight is what the pixel is dimmed by until it sto
   CHECK(stopped > 2000);
 }
 
-TEST_CASE("cuda arithmetic: weights in the parts of a square are those of the serial backend") {
+TEST_CASE("cuda arithmetic: weights in the warp blocks of a raster block are those of the serial backend") {
   Serial serial;
   const BlendRules rules = BlendRules::from(Conventions::gsplat());
   double sum = 0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    const SplatSet splats = random_splats(300, square_side, square_side, seed);
-    const SortInput job = splats.job(square_side, square_side);
+    const SplatSet splats = random_splats(300, raster_block_side, raster_block_side, seed);
+    const SortInput job = splats.job(raster_block_side, raster_block_side);
     const TileLists<Serial> lists = build_lists<EarlySort, Ellipse>(serial, job);
     std::vector<std::uint64_t> expected(splats.shapes.size()), parts(splats.shapes.size());
-    View view = view_without_camera(square_side, square_side);
+    View view = view_without_camera(raster_block_side, raster_block_side);
     view.rules = rules;
     const RasterJob raster{splats.view(), splats.colours_view(), lists.view(), {&view, 1}};
     add_contributions(serial, ContributionJob{raster, expected.data()});
     for (int part = 0; part < 4; ++part) {
       const vec2 first_centre(float(part % 2) * 8 + 0.5f, float(part / 2) * 8 + 0.5f);
-      const auto of_part = weights_in_part(splats, lists.view().ids, first_centre, rules);
+      const auto of_part = weights_in_warp_block(splats, lists.view().ids, first_centre, rules);
       for (std::size_t i = 0; i < parts.size(); ++i) parts[i] += of_part[i];
     }
     for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -2,8 +2,8 @@
 
 /// @file
 /// Searches for a scene that a renderer draws worse than float can. `ratio_case.hpp` says what the bytes of
-/// an input mean. The fuzzer keeps inputs that reach a new size of the excess, and so climbs towards large
-/// ones. Set SWIFTGS_FUZZ_PRINT to print the scene of an input that is run again.
+/// an input mean. The fuzzer keeps inputs that reach a new size of the normalised error, and so climbs
+/// towards large ones. Set SWIFTGS_FUZZ_PRINT to print the scene of an input that is run again.
 
 #include <algorithm>
 #include <array>
@@ -28,22 +28,25 @@ namespace {
 
 using namespace swiftgs;
 
-constexpr double gate = 10;  // of the excess, see docs/stability.md
+constexpr double gate = 10;  // of the normalised error, see docs/stability.md
 
-/// Buckets an octave, from an excess of 2^-8 to one of 2^8.
+/// Buckets an octave, from a normalised error of 2^-8 to one of 2^8.
 constexpr int buckets_per_octave = 8, octaves = 16, buckets = buckets_per_octave * octaves;
 
-/// A row a renderer and kind of excess. libFuzzer takes each byte for the counter of a branch.
+/// A row a renderer and kind of normalised error. libFuzzer takes each byte for the counter of a branch.
 __attribute__((section("__libfuzzer_extra_counters"))) std::uint8_t reached[3 * 2][buckets];
 
 struct Largest {
-  double excess = 0, depth_excess = 0;
-  ~Largest() { std::fprintf(stderr, "largest excess: %.3g, of depth %.3g\n", excess, depth_excess); }
+  double normalised_error = 0, normalised_depth_error = 0;
+  ~Largest() {
+    std::fprintf(stderr, "largest normalised error: %.3g, of depth %.3g\n", normalised_error,
+                 normalised_depth_error);
+  }
 } largest;
 
-void count(int row, double excess) {
-  if (!(excess > 0)) return;
-  const double bucket = (std::log2(excess) + 0.5 * octaves) * buckets_per_octave;
+void count(int row, double normalised_error) {
+  if (!(normalised_error > 0)) return;
+  const double bucket = (std::log2(normalised_error) + 0.5 * octaves) * buckets_per_octave;
   reached[row][std::size_t(std::clamp(bucket, 0.0, buckets - 1.0))] = 1;
 }
 
@@ -72,13 +75,14 @@ void draw_and_judge(const StressCase& drawn, const ConditionedFrame& reference, 
   require_finite(Drawn::name, "alpha", frame.alpha, 1);
   require_finite(Drawn::name, "depth", frame.depth, 1);
 
-  const StressVerdict verdict = judge(reference, frame, exponent_form_named(Raster::name));
-  count(2 * index, verdict.excess), count(2 * index + 1, verdict.depth_excess);
-  largest.excess = std::max(largest.excess, verdict.excess);
-  largest.depth_excess = std::max(largest.depth_excess, verdict.depth_excess);
-  if (!(verdict.excess <= gate)) fail(Drawn::name, "excess", verdict.excess, verdict.worst_pixel);
-  if (!(verdict.depth_excess <= gate))
-    fail(Drawn::name, "excess of depth", verdict.depth_excess, verdict.worst_pixel);
+  const StressVerdict verdict = judge(reference, frame, exponent_representation_named(Raster::name));
+  count(2 * index, verdict.normalised_error), count(2 * index + 1, verdict.normalised_depth_error);
+  largest.normalised_error = std::max(largest.normalised_error, verdict.normalised_error);
+  largest.normalised_depth_error = std::max(largest.normalised_depth_error, verdict.normalised_depth_error);
+  if (!(verdict.normalised_error <= gate))
+    fail(Drawn::name, "normalised error", verdict.normalised_error, verdict.worst_pixel);
+  if (!(verdict.normalised_depth_error <= gate))
+    fail(Drawn::name, "normalised error of depth", verdict.normalised_depth_error, verdict.worst_pixel);
 }
 
 }  // namespace

@@ -22,8 +22,8 @@ void launch(std::size_t n, const F& f) {
 
 template <class Bounds>
 void emit(std::size_t n, const FindFootprint<Bounds>& find,
-          const EmitInstances<Bounds, std::uint32_t>& by_tile,
-          const EmitInstances<Bounds, std::uint64_t>& by_tile_and_depth) {
+          const EmitIntersections<Bounds, std::uint32_t>& by_tile,
+          const EmitIntersections<Bounds, std::uint64_t>& by_tile_and_depth) {
   launch(n, find);
   launch(n, by_tile);
   launch(n, by_tile_and_depth);
@@ -37,7 +37,7 @@ struct EvaluateAlpha {
   SWIFTGS_HD void operator()(std::size_t i) const {
     typename R::Kernel kernel(splats.shapes[i], vec2(0.5f), rules);
     kernel.start_row(0.5f);
-    alphas[i] = kernel.alpha(int(i) % square_side);
+    alphas[i] = kernel.alpha(int(i) % raster_block_side);
   }
 };
 

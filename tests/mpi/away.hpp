@@ -45,7 +45,7 @@ inline Views store_views(Away&, Span<const View> views, ViewStorage<Away>& stora
 
 inline FrameReport await_report(Away&, const Splats<Away>& splats, const Footprints<Away>& footprints,
                                 const Limits& limits) {
-  FrameReport report{splats.visible, footprints.instances, 0};
+  FrameReport report{splats.visible, footprints.intersections, 0};
   report.overflowed = !limits.fit(report);
   return report;
 }
@@ -55,16 +55,16 @@ void bin(Away& away, const FramePlan& plan, const Bounds& bounds, Splats<Away>& 
          Footprints<Away>& footprints) {
   footprints.views = plan.views;
   footprints.each.reset(splats.count);
-  footprints.count = splats.count, footprints.instances = 0;
+  footprints.count = splats.count, footprints.intersections = 0;
   away.for_each(splats.count,
                 FindFootprint<Bounds>{splats.view(), plan.views.reachable(), bounds, footprints.each.data()});
-  for (const Footprint& footprint : footprints.view().each) footprints.instances += footprint.count;
+  for (const Footprint& footprint : footprints.view().each) footprints.intersections += footprint.count;
 }
 
 template <RasterPolicy R>
 void rasterize(Away& away, R, const RasterJob& job) {
-  const Squares squares = squares_of(job);
-  away.for_each(squares.size(), RasterizeSquare<R>{job, squares});
+  const RasterBlocks blocks = raster_blocks_of(job);
+  away.for_each(blocks.size(), BlendRasterBlock<R>{job, blocks});
 }
 
 inline void copy_from_host(Away&, const void* from, void* to, std::size_t bytes) {

@@ -43,7 +43,7 @@ inline RenderSettings all_outputs() {
   return settings;
 }
 
-/// Renders `cameras` in one frame, several times, so that bands move, and compares it with one renderer of
+/// Renders `cameras` in one frame, several times, so that strips move, and compares it with one renderer of
 /// the whole scene. `own` is this rank's part.
 template <class B, class Sort, class Raster, class Bounds>
 void compare(const Scene& scene, const Scene& own, const std::vector<Camera>& cameras, int frames = 3) {
@@ -62,7 +62,7 @@ void compare(const Scene& scene, const Scene& own, const std::vector<Camera>& ca
       for (std::size_t i = 0; i < cameras.size(); ++i) CHECK(same_bits(found[i], expected[i]));
   }
   CHECK(distributed.counters().visible() == one.statistics().visible);
-  CHECK(distributed.counters().instances() == one.statistics().instances);
+  CHECK(distributed.counters().intersections() == one.statistics().intersections);
 }
 
 template <class B, class Sort, class Raster, class Bounds>

@@ -126,7 +126,7 @@ TEST_CASE("mpi cuda: ranks take coarser tiles where one process does") {
   const auto part = renderer.backend().upload(part_of(scene, own_part()));
   std::vector<std::uint64_t> rows;
   for (int k = 0; k < 2; ++k) {
-    renderer.render_bands(part.view(), {cameras.data(), 1}, {});
+    renderer.render_strips(part.view(), {cameras.data(), 1}, {});
     rows.push_back(0);
     for (const RankCounters& rank : renderer.counters().ranks) rows.back() += rank.rows;
   }

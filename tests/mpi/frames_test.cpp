@@ -59,7 +59,7 @@ TEST_CASE("mpi frames: splats that are hidden or as wide as the image are the sa
   compare<Serial, StandardSort, PerPixel, Obb>(scene, {builtin_camera(400, 300)}, 2);
 }
 
-TEST_CASE("mpi frames: a splat that is hidden is so in every band whichever rank projects it") {
+TEST_CASE("mpi frames: a splat that is hidden is so in every strip whichever rank projects it") {
   const Camera camera = look_at(dvec3(0), dvec3(0, 0, 1), dvec3(0, -1, 0), 0.8, 100, 90);
   const auto ranks = std::size_t(ranks_here().size());
   for (std::size_t rank = 0; rank < ranks; ++rank) {
@@ -81,7 +81,7 @@ TEST_CASE("mpi frames: messages that are cut bring the same bits") {
   CHECK_THROWS_AS(ranks_here().set_longest_message((std::size_t(1) << 30) + 1), std::invalid_argument);
 }
 
-TEST_CASE("mpi frames: bands are drawn over images and behind surfaces and into other formats") {
+TEST_CASE("mpi frames: strips are drawn over images and behind surfaces and into other formats") {
   const Scene scene = make_builtin_scene(3'000);
   const Camera camera = builtin_camera(200, 150);
   Renderer<Cpu, EarlySort, PerPixel, Ellipse> one;
@@ -105,10 +105,11 @@ TEST_CASE("mpi frames: bands are drawn over images and behind surfaces and into 
     const View into_expected = view_into(expected), into_found = view_into(found);
     one.render_into(whole.view(), Span{&into_expected, 1});
     distributed.render_into(part.view(), Span{&into_found, 1});
-    // Outside of the band nothing was written.
+    // Outside of the strip nothing was written.
     std::vector<bool> own_row(150);
-    for (const DrawnPiece& each : distributed.drawn())
-      for (int row = 0; row < each.piece.rows; ++row) own_row[std::size_t(each.piece.first_row + row)] = true;
+    for (const DrawnStrip& each : distributed.drawn())
+      for (int row = 0; row < each.view_strip.rows; ++row)
+        own_row[std::size_t(each.view_strip.first_row + row)] = true;
     std::size_t wrong = 0;
     for (std::size_t row = 0; row < 150; ++row)
       for (std::size_t k = 0; k < 200 * pixel; ++k) {
@@ -134,15 +135,15 @@ TEST_CASE("mpi frames: a rectangle of an image is shared out as well") {
   const View a = view_of(expected), b = view_of(found);
   one.render_into(whole.view(), Span{&a, 1});
   distributed.render_into(part.view(), Span{&b, 1});
-  for (const DrawnPiece& each : distributed.drawn()) {
-    const std::size_t first = std::size_t(each.piece.first_row) * 130,
-                      size = std::size_t(each.piece.rows) * 130;
+  for (const DrawnStrip& each : distributed.drawn()) {
+    const std::size_t first = std::size_t(each.view_strip.first_row) * 130,
+                      size = std::size_t(each.view_strip.rows) * 130;
     CHECK(std::memcmp(&found.colour[3 * first], &expected.colour[3 * first], 3 * size * sizeof(float)) == 0);
     CHECK(std::memcmp(&found.depth[first], &expected.depth[first], size * sizeof(float)) == 0);
   }
 }
 
-TEST_CASE("mpi frames: counters tell what went between ranks and how even bands are") {
+TEST_CASE("mpi frames: counters tell what went between ranks and how even strips are") {
   const Scene scene = make_builtin_scene(20'000);
   DistributedRenderer<Cpu, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
   const auto part = distributed.backend().upload(part_of(scene, own_part()));
@@ -178,7 +179,7 @@ TEST_CASE("mpi frames: steady frames take no more memory") {
   DistributedRenderer<Cpu, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
   const auto part = distributed.backend().upload(make_builtin_scene(4'000, own_part()));
   Frame frame;
-  // A row of tiles a rank: bands move by the clock, but none is left without a row, so these stay.
+  // A row of tiles a rank: strips move by the clock, but none is left without a row, so these stay.
   const Camera camera = builtin_camera(300, 16 * ranks_here().size());
   for (int k = 0; k < 2; ++k) distributed.render(part.view(), camera, {}, frame);
   const std::size_t second = distributed.memory();

@@ -32,7 +32,7 @@ void compare_with_one_process(bool direct) {
       for (std::size_t i = 0; i < cameras.size(); ++i) CHECK(same_bits(found[i], expected[i]));
   }
   CHECK(distributed.counters().visible() == one.statistics().visible);
-  CHECK(distributed.counters().instances() == one.statistics().instances);
+  CHECK(distributed.counters().intersections() == one.statistics().intersections);
 }
 
 }  // namespace
@@ -75,7 +75,7 @@ TEST_CASE("mpi staging: a link carries what goes by way of other memory otherwis
     ranks_here().set_direct(direct);
     DistributedRenderer<Away, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
     const auto part = distributed.backend().upload(make_builtin_scene(2'000, own_part()));
-    // In the first frame bands are as even by rows as can be: later ones go by the clock.
+    // In the first frame strips are as even by rows as can be: later ones go by the clock.
     distributed.render(part.view(), camera, {}, frame);
     counters.push_back(distributed.counters());
   }
@@ -92,7 +92,7 @@ TEST_CASE("mpi staging: one rank alone that wants no link leaves all without") {
   CHECK(distributed.carrier() == "host");
 }
 
-TEST_CASE("mpi staging: bands that stay with their ranks have the bits of one process") {
+TEST_CASE("mpi staging: strips that stay with their ranks have the bits of one process") {
   const Scene scene = make_builtin_scene(2'000);
   const Camera camera = builtin_camera(190, 130);
   Renderer<Serial, EarlySort, PerPixel, Ellipse> one;
@@ -101,12 +101,12 @@ TEST_CASE("mpi staging: bands that stay with their ranks have the bits of one pr
   DistributedRenderer<Away, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
   const auto part = distributed.backend().upload(part_of(scene, own_part()));
   std::uint64_t rows = 0;
-  for (const DrawnPiece& each : distributed.render_bands(part.view(), {&camera, 1}, all_outputs())) {
-    const std::size_t first = std::size_t(each.piece.first_row) * 190,
-                      size = std::size_t(each.piece.rows) * 190;
+  for (const DrawnStrip& each : distributed.render_strips(part.view(), {&camera, 1}, all_outputs())) {
+    const std::size_t first = std::size_t(each.view_strip.first_row) * 190,
+                      size = std::size_t(each.view_strip.rows) * 190;
     CHECK(std::memcmp(each.frame.colour.data, &expected.colour[3 * first], 3 * size * sizeof(float)) == 0);
     CHECK(std::memcmp(each.frame.depth.data, &expected.depth[first], size * sizeof(float)) == 0);
-    rows += std::uint64_t(each.piece.rows);
+    rows += std::uint64_t(each.view_strip.rows);
   }
   std::vector<std::uint64_t> sum{rows};
   ranks_here().add_up({sum.data(), 1});

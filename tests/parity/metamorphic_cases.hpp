@@ -2,10 +2,10 @@
 #pragma once
 
 /// @file
-/// Changes of a scene that must not change a bit of its image, for every lossless renderer of whatever
-/// backends the including file has. It defines SWIFTGS_METAMORPHIC, what the names of the cases begin with,
-/// and in `swiftgs::test` a function `unavailable` that skips the case where the backends cannot run, and
-/// `backends`, their names.
+/// Changes of a scene that must not change a bit of its image, for every renderer with conservative bounds of
+/// whatever backends the including file has. It defines SWIFTGS_METAMORPHIC, what the names of the cases
+/// begin with, and in `swiftgs::test` a function `unavailable` that skips the case where the backends cannot
+/// run, and `backends`, their names.
 
 #include <algorithm>
 #include <cmath>
@@ -120,7 +120,7 @@ Image render(AnyRenderer& renderer, const World& world) {
   return {frame.colour, frame.alpha, frame.depth};
 }
 
-/// Calls f(renderer) for each renderer of `backends` with a fixed sort and lossless bounds.
+/// Calls f(renderer) for each renderer of `backends` with a fixed sort and conservative bounds.
 template <class F>
 void for_each_renderer(const F& f) {
   std::size_t count = 0;
@@ -133,9 +133,9 @@ void for_each_renderer(const F& f) {
     f(*entry.make());
     ++count;
   }
-  std::size_t lossless = 0;
-  for_each_type(AllBounds(), [&]<class Bounds>(Bounds) { lossless += Bounds::lossless; });
-  CHECK(count == std::size(backends) * (AllSorts::size - 1) * AllRasters::size * lossless);
+  std::size_t conservative = 0;
+  for_each_type(AllBounds(), [&]<class Bounds>(Bounds) { conservative += Bounds::conservative; });
+  CHECK(count == std::size(backends) * (AllSorts::size - 1) * AllRasters::size * conservative);
 }
 
 /// Checks that `change` maps each world to one whose image is `expected` of the first one's.

@@ -34,7 +34,7 @@ struct Words {
     }
   }
   bool half() const { return raster.find("half-split") != std::string::npos; }
-  bool lossless() const { return bounds != "three-sigma-square"; }
+  bool conservative() const { return bounds != "three-sigma-square"; }
 
   std::string backend, sort, raster, bounds;
 };
@@ -71,11 +71,11 @@ void check_all(const Scene& scene, const Camera& camera, Conventions conventions
     const Bits bits{frame.colour, frame.alpha, frame.depth};
     CHECK(bits == Bits{again.colour, again.alpha, again.depth});
 
-    // Whatever the sort, and whatever the bounds as long as they are lossless, the bits are the same.
-    const std::string group = words.backend + words.raster + (words.lossless() ? "" : words.bounds);
+    // Whatever the sort, and whatever the bounds as long as they are conservative, the bits are the same.
+    const std::string group = words.backend + words.raster + (words.conservative() ? "" : words.bounds);
     CHECK(first_of.try_emplace(group, bits).first->second == bits);
 
-    const ReferenceFrame& reference = words.lossless() ? whole : cut;
+    const ReferenceFrame& reference = words.conservative() ? whole : cut;
     CHECK(psnr(frame.colour, reference.colour) >= (words.half() ? 40 : 120));
     CHECK(psnr(frame.alpha, reference.alpha) >= (words.half() ? 40 : 120));
     if (words.half()) continue;

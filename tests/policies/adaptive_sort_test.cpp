@@ -18,7 +18,8 @@ using namespace swiftgs::test;
 namespace {
 
 /// `Serial` with a clock that the test winds: a sort takes as long as the script says, by the width of the
-/// keys of instances, which tells the strategies apart; and its end may be reported late, as a device would.
+/// keys of intersections, which tells the strategies apart; and its end may be reported late, as a device
+/// would.
 class ScriptedBackend : public Serial {
  public:
   static constexpr std::string_view name = "scripted";
@@ -72,8 +73,8 @@ struct Session {
       const Binned<ScriptedBackend, Ellipse> binned(backend, input, Ellipse{});
       SortJob job = binned.job();
       job.use = use;
-      const auto instances = std::uint32_t(job.footprints.instances.most);
-      if (device_counts) job.footprints.instances.exact = &instances;
+      const auto intersections = std::uint32_t(job.footprints.intersections.most);
+      if (device_counts) job.footprints.intersections.exact = &intersections;
       sort.build(backend, job, Ellipse{}, scratch, lists);
       ran += backend.last;
       CHECK(to_vectors(lists.view()) == brute_force_lists<Ellipse>(input));
@@ -145,7 +146,7 @@ TEST_CASE("adaptive sort: buffers of different sizes that change places do not k
   CHECK(session.knows(2, 1));
 }
 
-TEST_CASE("adaptive sort: a device's frame that is drawn again with more room does not count") {
+TEST_CASE("adaptive sort: a device's frame that is drawn again with more capacity does not count") {
   Session session(1);
   session.device_counts = true;
   const SplatSet few = session.splats;

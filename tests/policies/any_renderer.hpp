@@ -36,7 +36,7 @@ void check_drawn_frames(AnyRenderer& any, BoundRenderer<B>& typed, const SceneVi
   const Statistics found = any.statistics(), taken = typed.statistics();
   CHECK(taken.raster.contributing_pairs > 1000);
   CHECK(found.visible == taken.visible);
-  CHECK(found.instances == taken.instances);
+  CHECK(found.intersections == taken.intersections);
   CHECK(same_counts(found.raster, taken.raster));
 
   const Camera cameras[] = {forward_camera(50, 40), turned_camera(33, 17, 0.2, 0.3)};
@@ -73,7 +73,7 @@ void check_recorded_frames(AnyRenderer& any, BoundRenderer<B>& typed, const Scen
   typename B::template Buffer<FrameReport> report;
   report.reset(1);
   const Statistics taken = typed.statistics();
-  any.reserve(reserved.span(), {2 * taken.visible, 2 * taken.instances});
+  any.reserve(reserved.span(), {2 * taken.visible, 2 * taken.intersections});
   any.set_views(set.span());
   record(report.data());
   any.wait();
@@ -81,7 +81,7 @@ void check_recorded_frames(AnyRenderer& any, BoundRenderer<B>& typed, const Scen
   backend.download(Span{std::as_const(report).data(), 1}, &found);
   CHECK(found.overflowed == 0);
   CHECK(found.visible == taken.visible);
-  CHECK(found.instances == taken.instances);
+  CHECK(found.intersections == taken.intersections);
   CHECK(differing(set.finish(backend), expected.finish(backend)) == 0);
   PlacedViews<Place> untouched(asked);
   CHECK(differing(reserved.finish(backend), untouched.finish(backend)) == 0);

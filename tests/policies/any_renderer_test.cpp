@@ -179,12 +179,12 @@ TEST_CASE("any renderer: a resident frame is finished and counted as any other")
   Frame frame;
   renderer->render(small_camera(), {}, frame);
   CHECK(std::isnan(renderer->times().total));
-  const std::size_t instances = renderer->statistics().instances;
+  const std::size_t intersections = renderer->statistics().intersections;
   RenderSettings counting;
   counting.count = counting.time = true;
   renderer->render_resident(small_camera(), counting);
   CHECK(renderer->times().total > 0);
-  CHECK(renderer->statistics().instances == instances);
+  CHECK(renderer->statistics().intersections == intersections);
   CHECK(renderer->statistics().raster.contributing_pairs > 0);
   CHECK_FALSE(renderer->device_memory().has_value());
 }

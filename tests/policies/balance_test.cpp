@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// The balanced time of a raster stage: how long its squares took, divided by the threads that run at once.
+// The balanced time of a raster stage: how long its raster blocks took, divided by the threads that run at
+// once.
 #include <algorithm>
 #include <cstddef>
 #include <vector>
@@ -13,13 +14,13 @@ using namespace swiftgs::test;
 namespace {
 
 /// Balanced time over raster time, largest of some frames: a thread that is kept from running between two
-/// squares makes it less.
+/// raster blocks makes it less.
 template <class Raster, class B>
 double evenness(B& backend, const SplatSet& splats, int width, int height) {
   const TileLists<B> lists = build_lists<EarlySort, Ellipse>(backend, splats.job(width, height));
   Frame frame;
   const View view = view_into(prepare(frame, width, height, {}));
-  std::vector<SquareCounts> counts(Squares(tiles_of_frame(view)).size());
+  std::vector<RasterCounts> counts(RasterBlocks(tiles_of_frame(view)).size());
   double largest = 0;
   for (int i = 0; i < 5; ++i) {
     const auto begin = backend.now();
@@ -27,7 +28,7 @@ double evenness(B& backend, const SplatSet& splats, int width, int height) {
               RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts.data()});
     const double raster = backend.milliseconds(begin, backend.now()).value();
     Statistics statistics;
-    for (const SquareCounts& square : counts) statistics.raster += square;
+    for (const RasterCounts& block : counts) statistics.raster += block;
     CHECK(statistics.balanced_ms() <= raster);
     largest = std::max(largest, statistics.balanced_ms() / raster);
   }
@@ -46,7 +47,7 @@ TEST_CASE_TEMPLATE("balance: one thread at least is at work throughout and all o
   });
 }
 
-TEST_CASE_TEMPLATE("balance: one square has one thread at work", B, SWIFTGS_TEST_BACKENDS) {
+TEST_CASE_TEMPLATE("balance: one raster block has one thread at work", B, SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
   const SplatSet splats = faint_splats(2000, 16, 16);
   for_each_raster([&]<class Raster>(Raster) {

@@ -170,7 +170,7 @@ TEST_CASE_TEMPLATE("blend: what is counted is what double counts", B, SWIFTGS_TE
   for_each_raster([&]<class Raster>(Raster) {
     if (stores_half<Raster>) return;
     CAPTURE(Raster::name);
-    const SquareCounts counts = draw<Raster>(backend, splats, 100, 70).counts;
+    const RasterCounts counts = draw<Raster>(backend, splats, 100, 70).counts;
     CHECK(double(counts.contributing_pairs) ==
           doctest::Approx(double(exact.contributing_pairs)).epsilon(1e-3));
     CHECK(double(counts.pixels_stopped) == doctest::Approx(double(exact.pixels_stopped)).epsilon(1e-2));
@@ -236,8 +236,8 @@ TEST_CASE_TEMPLATE("blend: each output alone is the same as with the others", B,
   });
 }
 
-TEST_CASE_TEMPLATE("blend: lossless bounds draw the same bits of splats that barely reach the threshold", B,
-                   SWIFTGS_TEST_BACKENDS) {
+TEST_CASE_TEMPLATE("blend: conservative bounds draw the same bits of splats that barely reach the threshold",
+                   B, SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
   const int width = 400, height = 300;
   for (const double faintness : {1e-6, 1e-5, 1e-3}) {
@@ -265,7 +265,7 @@ TEST_CASE_TEMPLATE("blend: lossless bounds draw the same bits of splats that bar
       const std::vector<float> expected = alpha_within(Ellipse());
       for_each_type(AllBounds(), [&]<class Bounds>(Bounds bounds) {
         CAPTURE(Bounds::name);
-        if constexpr (Bounds::lossless) CHECK(alpha_within(bounds) == expected);
+        if constexpr (Bounds::conservative) CHECK(alpha_within(bounds) == expected);
       });
     });
   }
@@ -305,12 +305,12 @@ TEST_CASE_TEMPLATE("blend: tiles of any side give the same bits", B, SWIFTGS_TES
       CHECK(drawn.frame.alpha == usual.frame.alpha);
       CHECK(drawn.frame.depth == usual.frame.depth);
       CHECK(drawn.counts.contributing_pairs == usual.counts.contributing_pairs);
-      CHECK(drawn.counts.instances_visited >= usual.counts.instances_visited);
+      CHECK(drawn.counts.intersections_visited >= usual.counts.intersections_visited);
     }
   });
 }
 
-TEST_CASE_TEMPLATE("blend: tiles that do not fit the frame or the squares are refused", B,
+TEST_CASE_TEMPLATE("blend: tiles that do not fit the frame or the raster blocks are refused", B,
                    SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
   std::vector<float> alpha(64 * 48);

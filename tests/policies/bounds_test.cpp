@@ -41,21 +41,21 @@ double least_exponent(const SplatShape& shape, double first_x, double y) {
   const double root = double(shape.mean.x) - q / double(shape.l0) - first_x;
   double least = INFINITY;
   for (const double column : {std::floor(root), std::floor(root) + 1}) {
-    const double at = std::min(std::max(column, 0.0), double(square_side - 1));
+    const double at = std::min(std::max(column, 0.0), double(raster_block_side - 1));
     const double u = double(shape.l0) * (first_x + at - double(shape.mean.x)) + q;
     least = std::min(least, u * u + v * v);
   }
   return least;
 }
 
-/// The tiles in which a pixel centre passes s <= reach in double: what no lossless bounds may miss.
+/// The tiles in which a pixel centre passes s <= cutoff in double: what no conservative bounds may miss.
 Tiles touched_tiles(const SplatShape& shape) {
   Tiles out;
   for (int row = 0; row < grid.rows.end; ++row)
     for (int column = 0; column < grid.columns.end; ++column)
-      for (int y = 0; y < square_side && !out.count({row, column}); ++y)
-        if (least_exponent(shape, column * square_side + 0.5, row * square_side + y + 0.5) <=
-            double(shape.reach))
+      for (int y = 0; y < raster_block_side && !out.count({row, column}); ++y)
+        if (least_exponent(shape, column * raster_block_side + 0.5, row * raster_block_side + y + 0.5) <=
+            double(shape.cutoff))
           out.insert({row, column});
   return out;
 }
@@ -65,9 +65,9 @@ bool contains(const Tiles& all, const Tiles& some) {
 }
 
 template <class F>
-void for_each_lossless(const F& f) {
+void for_each_conservative(const F& f) {
   for_each_type(AllBounds(), [&]<class Bounds>(Bounds bounds) {
-    if constexpr (Bounds::lossless) f(bounds);
+    if constexpr (Bounds::conservative) f(bounds);
   });
 }
 
@@ -83,14 +83,14 @@ void for_each_splat(const F& f) {
     f(make_splat(200, 150, 0.5478, 0.5478, angle, 0.004));  // a dot that one pixel keeps at most
     f(make_splat(16, 16, 1e7, 1e6, angle, 1));              // a giant
     f(make_splat(1e6, 150, 1e6, 10, angle, 1));
-    f(make_splat(15.5, 15.5, 0.5478, 0.5478, angle, 1.0 / 255));  // reach 0, on a pixel centre
+    f(make_splat(15.5, 15.5, 0.5478, 0.5478, angle, 1.0 / 255));  // cutoff 0, on a pixel centre
   }
 }
 
 }  // namespace
 
-TEST_CASE("bounds: lossless ones never miss a tile in which a pixel keeps the splat") {
-  for_each_lossless([&]<class Bounds>(Bounds) {
+TEST_CASE("bounds: conservative ones never miss a tile in which a pixel keeps the splat") {
+  for_each_conservative([&]<class Bounds>(Bounds) {
     CAPTURE(Bounds::name);
     std::size_t missed = 0, touched = 0;
     for_each_splat([&](const SplatShape& shape) {
@@ -103,8 +103,8 @@ TEST_CASE("bounds: lossless ones never miss a tile in which a pixel keeps the sp
   });
 }
 
-TEST_CASE("bounds: lossless ones keep a tile of which one pixel keeps the splat by the last bit") {
-  for_each_lossless([&]<class Bounds>(Bounds) {
+TEST_CASE("bounds: conservative ones keep a tile of which one pixel keeps the splat by the last bit") {
+  for_each_conservative([&]<class Bounds>(Bounds) {
     CAPTURE(Bounds::name);
     Random random(5);
     int tried = 0, missed = 0;
@@ -113,14 +113,14 @@ TEST_CASE("bounds: lossless ones keep a tile of which one pixel keeps the splat 
       const int row = int(random.bits() % std::uint64_t(grid.rows.end));
       const int column = int(random.bits() % std::uint64_t(grid.columns.end));
       double least = INFINITY;
-      for (int y = 0; y < square_side; ++y)
-        least =
-            std::min(least, least_exponent(shape, column * square_side + 0.5, row * square_side + y + 0.5));
+      for (int y = 0; y < raster_block_side; ++y)
+        least = std::min(least, least_exponent(shape, column * raster_block_side + 0.5,
+                                               row * raster_block_side + y + 0.5));
       if (least > 8) continue;
       // Let the ellipse end at that very pixel, as an opacity of 2^least / 255 would.
-      const float old_reach = shape.reach;
-      shape.reach = std::nextafter(float(least), 9.0f);
-      shape.half_width *= std::sqrt(shape.reach / old_reach);
+      const float old_cutoff = shape.cutoff;
+      shape.cutoff = std::nextafter(float(least), 9.0f);
+      shape.half_width *= std::sqrt(shape.cutoff / old_cutoff);
       ++tried;
       missed += !tiles_of<Bounds>(shape).count({row, column});
     }
@@ -129,8 +129,8 @@ TEST_CASE("bounds: lossless ones keep a tile of which one pixel keeps the splat 
   });
 }
 
-TEST_CASE("bounds: lossless ones list every tile of which a rasterizer visits a row") {
-  for_each_lossless([&]<class Bounds>(Bounds) {
+TEST_CASE("bounds: conservative ones list every tile of which a rasterizer visits a row") {
+  for_each_conservative([&]<class Bounds>(Bounds) {
     CAPTURE(Bounds::name);
     // Rounded terms may keep a pixel there that exact ones would not.
     std::size_t missed = 0, visited = 0;
@@ -138,8 +138,9 @@ TEST_CASE("bounds: lossless ones list every tile of which a rasterizer visits a 
       Tiles rows;
       for (int row = 0; row < grid.rows.end; ++row)
         for (int column = 0; column < grid.columns.end; ++column)
-          for (int y = 0; y < square_side && !rows.count({row, column}); ++y)
-            if (row_touched(shape, float(column * square_side) + 0.5f, float(row * square_side + y) + 0.5f))
+          for (int y = 0; y < raster_block_side && !rows.count({row, column}); ++y)
+            if (row_touched(shape, float(column * raster_block_side) + 0.5f,
+                            float(row * raster_block_side + y) + 0.5f))
               rows.insert({row, column});
       visited += rows.size();
       missed += !contains(tiles_of<Bounds>(shape), rows);
@@ -212,8 +213,8 @@ TEST_CASE("bounds: numbers that are not finite stay inside the grid") {
         CAPTURE(wild);
         CAPTURE(member);
         SplatShape shape = make_splat(200, 150, 30, 10, 0.4, 0.8);
-        float* const members[] = {&shape.mean.x, &shape.mean.y,  &shape.l0,    &shape.l1,
-                                  &shape.l2,     &shape.opacity, &shape.reach, &shape.half_width};
+        float* const members[] = {&shape.mean.x, &shape.mean.y,  &shape.l0,     &shape.l1,
+                                  &shape.l2,     &shape.opacity, &shape.cutoff, &shape.half_width};
         *members[member] = wild;
         for (const auto& [row, column] : tiles_of<Bounds>(shape)) {
           CHECK(row >= 0);
@@ -278,8 +279,10 @@ TEST_CASE("bounds: the radius of a round splat of standard deviation 5 is 16") {
   CHECK(tiles_of<ThreeSigmaSquare>(make_splat(208.5, 152.5, 5, 5, 0, 1)).begin()->second == 12);
 }
 
-TEST_CASE("bounds: lossless ones list the larger tiles of every square that a rasterizer visits a row of") {
-  for_each_lossless([&]<class Bounds>(Bounds) {
+TEST_CASE(
+    "bounds: conservative ones list the larger tiles of every raster block that a rasterizer visits a row "
+    "of") {
+  for_each_conservative([&]<class Bounds>(Bounds) {
     CAPTURE(Bounds::name);
     for (const int side : {32, 128}) {
       CAPTURE(side);
@@ -288,7 +291,7 @@ TEST_CASE("bounds: lossless ones list the larger tiles of every square that a ra
       for_each_splat([&](const SplatShape& shape) {
         Tiles needed;
         for (int y = 0; y < height; ++y)
-          for (int x = 0; x < width; x += square_side)
+          for (int x = 0; x < width; x += raster_block_side)
             if (row_touched(shape, float(x) + 0.5f, float(y) + 0.5f)) needed.insert({y / side, x / side});
         visited += needed.size();
         missed += !contains(tiles_of<Bounds>(shape, large), needed);

@@ -21,19 +21,19 @@ inline void check_cameras(AnyRenderer& renderer, const std::shared_ptr<const Sce
   std::vector<Frame> together(cameras.size);
   renderer.render(cameras, settings, Span<Frame>{together.data(), together.size()});
   const Statistics statistics = renderer.statistics();
-  std::size_t visible = 0, instances = 0;
+  std::size_t visible = 0, intersections = 0;
   for (std::size_t i = 0; i < cameras.size; ++i) {
     Frame alone;
     renderer.render(cameras[i], settings, alone);
-    visible += renderer.statistics().visible, instances += renderer.statistics().instances;
+    visible += renderer.statistics().visible, intersections += renderer.statistics().intersections;
     CHECK((together[i].colour == alone.colour));
     CHECK((together[i].alpha == alone.alpha));
     CHECK((together[i].depth == alone.depth));
   }
   CHECK(statistics.visible == visible);
-  CHECK(statistics.instances == instances);
+  CHECK(statistics.intersections == intersections);
   renderer.render_resident(cameras, settings);
-  CHECK(renderer.statistics().instances == instances);
+  CHECK(renderer.statistics().intersections == intersections);
 }
 
 }  // namespace swiftgs::test

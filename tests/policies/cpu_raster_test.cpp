@@ -172,13 +172,13 @@ TEST_CASE("cpu raster: no block is refused that has a pixel to show") {
   Cpu cpu(2);
   const auto check = [&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    const SquareCounts plain = draw<Raster>(serial, splats, 640, 480).counts;
+    const RasterCounts plain = draw<Raster>(serial, splats, 640, 480).counts;
     REQUIRE(plain.pixels_stopped == 0);
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
       const std::string name = hwy::TargetName(target);
       CAPTURE(name);
       const OnlyTargets only(target);
-      const SquareCounts counts = draw<Raster>(cpu, splats, 640, 480).counts;
+      const RasterCounts counts = draw<Raster>(cpu, splats, 640, 480).counts;
       // A pixel at the threshold may fall on the other side of it.
       CHECK(double(counts.contributing_pairs) ==
             doctest::Approx(double(plain.contributing_pairs)).epsilon(1e-5));

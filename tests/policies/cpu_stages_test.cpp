@@ -43,7 +43,7 @@ constexpr Member members[] = {
     {"l1", {3, 3}, {28, 28}},          // 2; 22, has the digits of l0
     {"l2", {1, 1}, {9, 9}},            // 0; 7
     {"opacity", {0, 0}, {0, 16}},      // 0; 11, by the root of the minors' sum over the variance in l0
-    {"reach", {1.5, 3}, {1.5, 12}},    // 1 and 2; 1 and 8, of the logarithm, and of such an opacity
+    {"cutoff", {1.5, 3}, {1.5, 12}},   // 1 and 2; 1 and 8, of the logarithm, and of such an opacity
     {"half_width", {5, 5}, {13, 13}},  // 4; 9
     {"depth", {1, 1}, {1, 1}}};        // 0; 0
 using Apart = std::array<double, std::size(members)>;
@@ -55,16 +55,16 @@ double apart(float a, float b, double scale = 0) {
 
 /// Differences in ulps.
 Apart differences(const SplatShape& a, float depth_a, const SplatShape& b, float depth_b) {
-  // The root in the half width doubles digits of a reach below 1. Of l1, what l0 dx is at the edge of the
+  // The root in the half width doubles digits of a cutoff below 1. Of l1, what l0 dx is at the edge of the
   // splat: l0 times its width over its height.
-  const double l1_scale = double(a.l0) * double(a.l2) * double(a.half_width) / std::sqrt(double(a.reach));
+  const double l1_scale = double(a.l0) * double(a.l2) * double(a.half_width) / std::sqrt(double(a.cutoff));
   return {std::max(apart(a.mean.x, b.mean.x, 1), apart(a.mean.y, b.mean.y, 1)),
           apart(a.l0, b.l0),
           apart(a.l1, b.l1, l1_scale),
           apart(a.l2, b.l2),
           apart(a.opacity, b.opacity),
-          apart(a.reach, b.reach, 1),
-          apart(a.half_width, b.half_width, double(a.half_width) / double(a.reach)),
+          apart(a.cutoff, b.cutoff, 1),
+          apart(a.half_width, b.half_width, double(a.half_width) / double(a.cutoff)),
           apart(depth_a, depth_b)};
 }
 

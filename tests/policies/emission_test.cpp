@@ -17,7 +17,7 @@ namespace {
 /// a compiler may make of rounding that it is free to choose.
 struct Fickle {
   static constexpr std::string_view name = "fickle";
-  static constexpr bool lossless = false;
+  static constexpr bool conservative = false;
   static inline int when_counted = 0, when_emitted = 0;
   static inline std::size_t rows_to_count = 0;  ///< calls of `row` that still count
 
@@ -53,7 +53,7 @@ TEST_CASE_TEMPLATE(
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;
     build_again<Fickle>(backend, sort, job, scratch, lists);
-    CHECK(lists.instances == std::size_t(20 * counted * job.grid.rows.size()));
+    CHECK(lists.intersections == std::size_t(20 * counted * job.grid.rows.size()));
 
     // Every list holds splats that there are, none of them twice, and each is listed as often as it was
     // counted.
@@ -62,7 +62,7 @@ TEST_CASE_TEMPLATE(
     for (std::uint32_t tile = 0; tile < tiles; ++tile) {
       const TileRange range = lists.view().ranges[tile];
       REQUIRE(range.begin <= range.end);
-      REQUIRE(range.end <= lists.instances);
+      REQUIRE(range.end <= lists.intersections);
       listed += range.end - range.begin;
       const std::vector<std::size_t> before = seen;
       for (std::uint32_t at = range.begin; at < range.end; ++at) {
@@ -71,7 +71,7 @@ TEST_CASE_TEMPLATE(
       }
       for (std::size_t id = 0; id < seen.size(); ++id) CHECK(seen[id] <= before[id] + 1);
     }
-    CHECK(listed == lists.instances);
+    CHECK(listed == lists.intersections);
     for (const std::size_t times : seen) CHECK(times == std::size_t(counted * job.grid.rows.size()));
   };
   for (const int counted : {0, 1, 3, 10})

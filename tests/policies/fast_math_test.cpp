@@ -30,13 +30,13 @@ void check_lists(std::uint64_t seed) {
   std::size_t listed = 0, strange = 0;
   for (std::size_t tile = 0; tile < job.grid.size(); ++tile) {
     const TileRange range = lists.view().ranges[tile];
-    strange += range.begin > range.end || range.end > lists.instances;
+    strange += range.begin > range.end || range.end > lists.intersections;
     for (std::uint32_t at = range.begin; at < range.end; ++at, ++listed)
       strange += lists.view().ids[at] >= splats.shapes.size();
   }
   CHECK(strange == 0);
-  CHECK(listed == lists.instances);
-  CHECK(lists.instances > splats.shapes.size());
+  CHECK(listed == lists.intersections);
+  CHECK(lists.intersections > splats.shapes.size());
 }
 
 }  // namespace

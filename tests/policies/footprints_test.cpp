@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Footprints: which tiles a splat may touch, found once and walked where instances are emitted.
+// Footprints: which tiles a splat may touch, found once and traversed where intersections are emitted.
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -31,15 +31,15 @@ void check_footprints_on(B& backend) {
       const FootprintsView found = binned.footprints.view();
       REQUIRE(found.each.size == splats.shapes.size());
       CHECK(found.views.tiles == tiles_of_frame(binned.view));
-      std::uint64_t instances = 0, other = 0;
+      std::uint64_t intersections = 0, other = 0;
       for (std::size_t i = 0; i < found.each.size; ++i) {
         const Footprint expected = find_footprint(bounds, splats.shapes[i], grid);
         other += found.each[i].mask != expected.mask || found.each[i].count != expected.count ||
                  (expected.count != 0 && found.each[i].first != expected.first);
-        instances += expected.count;
+        intersections += expected.count;
       }
       CHECK(other == 0);
-      CHECK(found.instances.most == instances);
+      CHECK(found.intersections.most == intersections);
     });
 }
 
@@ -63,15 +63,15 @@ void check_footprints_of_views_on(B& backend) {
       bin(backend, plan_without_scene({views, 2}), bounds, splats, footprints);
       const FootprintsView found = footprints.view();
       REQUIRE(found.each.size == set.shapes.size());
-      std::uint64_t instances = 0, other = 0, in_part = 0;
+      std::uint64_t intersections = 0, other = 0, in_part = 0;
       for (std::size_t i = 0; i < found.each.size; ++i) {
         const Footprint expected = find_footprint(bounds, set.shapes[i], views[i / 7 % 2].grid);
         other += found.each[i].mask != expected.mask || found.each[i].count != expected.count ||
                  (expected.count != 0 && found.each[i].first != expected.first);
-        instances += expected.count, in_part += i / 7 % 2 != 0 && expected.count != 0;
+        intersections += expected.count, in_part += i / 7 % 2 != 0 && expected.count != 0;
       }
       CHECK(other == 0);
-      CHECK(found.instances.most == instances);
+      CHECK(found.intersections.most == intersections);
       CHECK(in_part > 300);
     });
 }
@@ -94,15 +94,15 @@ TEST_CASE("footprints: every vector target finds those of the scalar bounds") {
   }
 }
 
-TEST_CASE("footprints: a walk names the tiles of the bounds once each and in order") {
+TEST_CASE("footprints: a traversal names the tiles of the bounds once each and in order") {
   const SplatSet splats = random_splats(2000, 700, 500, 4);
   const TileGrid grid = TileGrid::covering(700, 500);
   std::size_t large = 0;
   for (const SplatShape& shape : splats.shapes) {
     const Footprint footprint = find_footprint(Ellipse(), shape, grid);
     large += footprint.mask == 0 && footprint.count != 0;
-    std::vector<std::uint32_t> walked, expected;
-    for_each_tile(footprint, Ellipse(), shape, grid, [&](std::uint32_t tile) { walked.push_back(tile); });
+    std::vector<std::uint32_t> traversed, expected;
+    for_each_tile(footprint, Ellipse(), shape, grid, [&](std::uint32_t tile) { traversed.push_back(tile); });
     const auto tiles = Ellipse().tiles(shape, grid);
     const TileRect& rect = tiles.rect;
     for (int row = rect.rows.begin; row < rect.rows.end && rect.columns.size() > 0; ++row) {
@@ -110,21 +110,21 @@ TEST_CASE("footprints: a walk names the tiles of the bounds once each and in ord
       for (int column = run.begin; column < run.end; ++column)
         expected.push_back(std::uint32_t(row * grid.columns.size() + column));
     }
-    REQUIRE(walked == expected);
+    REQUIRE(traversed == expected);
   }
   CHECK(large > 50);
 }
 
-TEST_CASE_TEMPLATE("footprints: those that say another number of instances are refused", B,
+TEST_CASE_TEMPLATE("footprints: those that say another number of intersections are refused", B,
                    SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
   const SplatSet splats = random_splats(20, 64, 48, 1);
   const Binned<B, Ellipse> binned(backend, splats.job(64, 48), Ellipse{});
   SortJob job = binned.job();
-  const std::string sum = std::to_string(job.footprints.instances.most);
-  job.footprints.instances = 1;
+  const std::string sum = std::to_string(job.footprints.intersections.most);
+  job.footprints.intersections = 1;
   const std::string expected =
-      "sort: the footprints hold " + sum + " instances, expected those that they say, 1";
+      "sort: the footprints hold " + sum + " intersections, expected those that they say, 1";
   const auto check = [&]<class Sort>(Sort sort) {
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;

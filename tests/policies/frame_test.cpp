@@ -158,14 +158,14 @@ TEST_CASE_TEMPLATE("frame: a surface that hides nothing changes no bit", B, SWIF
     const auto scene = renderer.backend().upload(random_scene(500, 0, 7));
     const Camera camera = forward_camera(70, 45);
     const Frame alone = renderer.render(scene, camera, settings_with(vec3(0.1f, 0.2f, 0.3f)));
-    const SquareCounts counts = renderer.statistics().raster;
+    const RasterCounts counts = renderer.statistics().raster;
     for (const float nowhere : {infinity, not_a_number, 1e20f}) {
       CAPTURE(nowhere);
       CHECK(same_bits(render_before(renderer, scene, camera, nowhere), alone));
-      const SquareCounts again = renderer.statistics().raster;
+      const RasterCounts again = renderer.statistics().raster;
       CHECK(again.contributing_pairs == counts.contributing_pairs);
       CHECK(again.pixels_stopped == counts.pixels_stopped);
-      CHECK(again.instances_visited == counts.instances_visited);
+      CHECK(again.intersections_visited == counts.intersections_visited);
     }
   });
 }
@@ -209,7 +209,7 @@ TEST_CASE_TEMPLATE("frame: a surface in the middle leaves the image of the Gauss
     const Frame frame = render_before(renderer, scene, camera, depth);
     CHECK(same_bits(frame, expected));
     check_near<Raster>(frame, reference);
-    const SquareCounts counts = renderer.statistics().raster;
+    const RasterCounts counts = renderer.statistics().raster;
     CHECK(double(counts.contributing_pairs) ==
           doctest::Approx(double(reference.contributing_pairs)).epsilon(1e-2));
     CHECK(double(counts.pixels_stopped) == doctest::Approx(double(reference.pixels_stopped)).epsilon(1e-2));
@@ -260,16 +260,16 @@ TEST_CASE_TEMPLATE("frame: a tile ends when the surface has hidden all its pixel
   const std::vector<float> occluder(32 * 16, 4.0f);
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    SquareCounts counts[2];
+    RasterCounts counts[2];
     const View view =
         view_into({.width = 32, .height = 16, .occluder = {occluder.data(), 32 * sizeof(float)}});
     rasterize(backend, Raster{},
               RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts});
-    for (const SquareCounts& square : counts) {
-      CHECK(square.contributing_pairs == 3 * 256);
-      CHECK(square.pixels_stopped == 256);
-      CHECK(square.instances_visited >= 4);
-      CHECK(square.instances_visited <= 64);  // a backend may look at lists in batches
+    for (const RasterCounts& block : counts) {
+      CHECK(block.contributing_pairs == 3 * 256);
+      CHECK(block.pixels_stopped == 256);
+      CHECK(block.intersections_visited >= 4);
+      CHECK(block.intersections_visited <= 64);  // a backend may look at lists in batches
     }
   });
 }

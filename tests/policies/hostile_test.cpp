@@ -95,7 +95,7 @@ Image draw(const Way& way, const Scene& scene) {
   return {frame.colour, frame.alpha, frame.depth};
 }
 
-/// Renders with every rasterizer, two sorts and both lossless bounds. All images of a rasterizer must be
+/// Renders with every rasterizer, two sorts and both conservative bounds. All images of a rasterizer must be
 /// finite and the same.
 template <class B>
 Images draw_all(const Way& way) {

@@ -18,7 +18,8 @@ double exponent(const SplatShape& s, double x, double y) {
   return u * u + v * v;
 }
 
-/// Largest term of a dx^2 + c dy^2 + b dx dy: what the split forms round, and what their errors scale with.
+/// Largest term of a dx^2 + c dy^2 + b dx dy: what the split representations round, and what their errors
+/// scale with.
 double largest_term(const SplatShape& s, double x, double y) {
   const double dx = x - double(s.mean.x), dy = y - double(s.mean.y);
   const double l0 = s.l0, l1 = s.l1, l2 = s.l2;
@@ -38,15 +39,15 @@ Worst compare(const std::vector<SplatShape>& shapes, const Bound& bound, double 
   Worst worst;
   for (const SplatShape& shape : shapes) {
     typename Raster::Kernel kernel(shape, vec2(64.5f, 32.5f), rules);
-    for (int row = 0; row < square_side; ++row) {
+    for (int row = 0; row < raster_block_side; ++row) {
       kernel.start_row(32.5f + float(row));
-      for (int column = 0; column < square_side; ++column) {
+      for (int column = 0; column < raster_block_side; ++column) {
         const double x = 64.5 + column, y = 32.5 + row;
         const double s = exponent(shape, x, y), allowed = bound(shape, x, y);
         const float alpha = kernel.alpha(column);
-        if (s < double(shape.reach) - allowed && s >= skipped_up_to * allowed)
+        if (s < double(shape.cutoff) - allowed && s >= skipped_up_to * allowed)
           worst.wrongly_decided += alpha == 0;
-        if (s > double(shape.reach) + allowed) worst.wrongly_decided += alpha != 0;
+        if (s > double(shape.cutoff) + allowed) worst.wrongly_decided += alpha != 0;
         if (alpha == 0) continue;
         ++worst.kept;
         const double exact = std::min(0.99, double(shape.opacity) * std::exp2(-s));
@@ -76,7 +77,7 @@ double factor_error(const SplatShape& s, double x, double y) {
   const double dx = x - double(s.mean.x), dy = y - double(s.mean.y);
   const double terms = std::abs(double(s.l0) * dx) + std::abs(double(s.l1) * dy);
   const double u = std::abs(double(s.l0) * dx + double(s.l1) * dy), error = 3 * 0x1p-24 * terms;
-  return 2 * u * error + error * error + 6 * 0x1p-24 * (exponent(s, x, y) + double(s.reach)) + 1e-6;
+  return 2 * u * error + error * error + 6 * 0x1p-24 * (exponent(s, x, y) + double(s.cutoff)) + 1e-6;
 }
 
 /// The bound that `FloatSplit` states, beside the error of the terms that it begins with.
@@ -145,7 +146,7 @@ TEST_CASE("kernel: an alpha of exactly the threshold is kept and the next float 
     const BlendRules rules{alpha_min, 0.99f, 1e-4f};
     const auto alpha_at_mean = [&](float opacity) {
       SplatShape shape = make_splat(8.5, 8.5, 4, 4, 0, double(opacity), double(alpha_min));
-      shape.reach = std::log2(opacity / alpha_min);
+      shape.cutoff = std::log2(opacity / alpha_min);
       typename Raster::Kernel kernel(shape, vec2(0.5f, 0.5f), rules);
       kernel.start_row(8.5f);
       return kernel.alpha(8);
@@ -163,9 +164,9 @@ TEST_CASE("kernel: a half-split term that overflows keeps no pixel and is never 
   const SplatShape needle = make_splat(-1500, -1500, 2000, 0.6, 0.785398, 1);
   typename AxisSharedThreshold<HalfSplit>::Kernel threshold(needle, vec2(0.5f, 0.5f), rules);
   typename AxisShared<HalfSplit>::Kernel plain(needle, vec2(0.5f, 0.5f), rules);
-  for (int row = 0; row < square_side; ++row) {
+  for (int row = 0; row < raster_block_side; ++row) {
     threshold.start_row(0.5f + float(row)), plain.start_row(0.5f + float(row));
-    for (int column = 0; column < square_side; ++column) {
+    for (int column = 0; column < raster_block_side; ++column) {
       CHECK(threshold.alpha(column) == 0);
       CHECK(plain.alpha(column) == 0);
     }

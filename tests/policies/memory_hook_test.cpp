@@ -261,7 +261,7 @@ TEST_CASE_TEMPLATE("trim: gives all memory back and the next frame has the same 
     renderer.trim();
     CHECK(memory.in_use() == 0);
     CHECK(all_of(renderer.memory()) == 0);
-    CHECK(renderer.statistics().instances == statistics.instances);
+    CHECK(renderer.statistics().intersections == statistics.intersections);
     CHECK(renderer.statistics().raster.contributing_pairs == 0);
     CHECK(renderer.splats().view().size() == 0);
     CHECK(renderer.lists().view().ids.empty());
@@ -327,7 +327,7 @@ Capacity most_of(R& renderer, const SceneView& scene, int frames, int views) {
     renderer.render_into(scene, images.span());
     const Statistics taken = renderer.statistics();
     most.splats = std::max(most.splats, taken.visible);
-    most.instances = std::max(most.instances, taken.instances);
+    most.intersections = std::max(most.intersections, taken.intersections);
   }
   return most;
 }
@@ -345,10 +345,10 @@ void record_without_calls(int threads, std::size_t gaussians, int views, std::si
   const Capacity most = most_of(other, scene.view(), frames, views);
   Images expected(cameras_of(0, views)), images(cameras_of(0, views));
   other.render_into(scene.view(), expected.span());
-  CHECK(other.statistics().instances + 100 < most.instances);  // later frames take more
+  CHECK(other.statistics().intersections + 100 < most.intersections);  // later frames take more
   CHECK(other.statistics().visible < most.splats);
 
-  renderer.reserve(scene.view(), images.span(), {most.splats + spare, most.instances + spare});
+  renderer.reserve(scene.view(), images.span(), {most.splats + spare, most.intersections + spare});
   const std::size_t calls = memory.calls();
   for (int i = 0; i < frames; ++i) {
     CAPTURE(i);
@@ -362,7 +362,7 @@ void record_without_calls(int threads, std::size_t gaussians, int views, std::si
     other.render_into(scene.view(), wanted.span());
     CHECK(report.overflowed == 0);
     CHECK(report.visible == other.statistics().visible);
-    CHECK(report.instances == other.statistics().instances);
+    CHECK(report.intersections == other.statistics().intersections);
     CHECK((drawn == wanted));
   }
   CHECK(memory.calls() == calls);
@@ -397,8 +397,8 @@ TEST_CASE_TEMPLATE("record: never calls the hook after reserve on one and two th
   }
 }
 
-TEST_CASE_TEMPLATE("record: a frame without enough room draws nothing and one with just enough is drawn", T,
-                   Case<Serial, StandardSort>, Case<Serial, EarlySort>, Case<Cpu, StandardSort>,
+TEST_CASE_TEMPLATE("record: a frame without enough capacity draws nothing and one with just enough is drawn",
+                   T, Case<Serial, StandardSort>, Case<Serial, EarlySort>, Case<Cpu, StandardSort>,
                    Case<Cpu, EarlySort>) {
   using B = typename T::Backend;
   CountedMemory memory;
@@ -421,16 +421,16 @@ TEST_CASE_TEMPLATE("record: a frame without enough room draws nothing and one wi
       CHECK((fits ? images == expected : images.untouched()));
       return report;
     };
-    record({taken.visible - 1, taken.instances}, false);
-    CHECK(record({taken.visible, taken.instances - 1}, false).instances == taken.instances);
-    CHECK(record({taken.visible, taken.instances}, true).instances == taken.instances);
+    record({taken.visible - 1, taken.intersections}, false);
+    CHECK(record({taken.visible, taken.intersections - 1}, false).intersections == taken.intersections);
+    CHECK(record({taken.visible, taken.intersections}, true).intersections == taken.intersections);
     record({1, 1}, false);
-    CHECK(record({}, true).instances == taken.instances);  // measured
-    CHECK(record({taken.visible, 0}, true).instances == taken.instances);
-    CHECK(record({0, taken.instances}, true).instances == taken.instances);
+    CHECK(record({}, true).intersections == taken.intersections);  // measured
+    CHECK(record({taken.visible, 0}, true).intersections == taken.intersections);
+    CHECK(record({0, taken.intersections}, true).intersections == taken.intersections);
     // No more than can ever be shown is taken.
     const std::size_t most = std::numeric_limits<std::size_t>::max();
-    record({most, taken.instances}, true);
+    record({most, taken.intersections}, true);
   }
 }
 
@@ -607,7 +607,7 @@ TEST_CASE_TEMPLATE("memory hook: statistics tell of the last frame that no refus
     const Statistics after = renderer.statistics();
     CHECK((after.gaussians == before.gaussians) == refused);
     CHECK((after.visible == before.visible) == refused);
-    CHECK((after.instances == before.instances) == refused);
+    CHECK((after.intersections == before.intersections) == refused);
     CHECK((after.raster.contributing_pairs == 0) == refused);  // their memory may be gone
     CHECK(std::isnan(renderer.times().total) == refused);
   }

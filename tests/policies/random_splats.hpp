@@ -51,8 +51,8 @@ inline SplatShape make_splat(double x, double y, double along, double across, do
   shape.l1 = float(-base_2 * std::sqrt(yy / det) * xy / yy);
   shape.l2 = float(base_2 / std::sqrt(yy));
   shape.opacity = float(opacity);
-  shape.reach = float(std::log2(opacity / alpha_min));
-  shape.half_width = float(std::sqrt(double(shape.reach)) / base_2 * std::sqrt(xx));
+  shape.cutoff = float(std::log2(opacity / alpha_min));
+  shape.half_width = float(std::sqrt(double(shape.cutoff)) / base_2 * std::sqrt(xx));
   return shape;
 }
 

@@ -32,7 +32,7 @@ struct DrawSettings {
 /// A frame with what rasterizing it took.
 struct Drawing {
   Frame frame;
-  SquareCounts counts;
+  RasterCounts counts;
 
   float alpha(int x, int y) const {
     return frame.alpha[std::size_t(y) * std::size_t(frame.width) + std::size_t(x)];
@@ -46,7 +46,7 @@ struct Drawing {
   }
 };
 
-/// Faint splats all over an image: no pixel stops, and every square takes long.
+/// Faint splats all over an image: no pixel stops, and every raster block takes long.
 inline SplatSet faint_splats(std::size_t count, int width, int height) {
   Random random(count);
   SplatSet splats;
@@ -74,10 +74,10 @@ Drawing draw(B& backend, const SplatSet& splats, int width, int height, const Dr
   const TileLists<B> lists = build_lists<StandardSort, OpacityBox>(backend, job);
   Drawing drawing;
   const View view = view_into(prepare(drawing.frame, width, height, settings.outputs), settings, tile_side);
-  std::vector<SquareCounts> counts(Squares(tiles_of_frame(view)).size());
+  std::vector<RasterCounts> counts(RasterBlocks(tiles_of_frame(view)).size());
   rasterize(backend, Raster{},
             RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts.data()});
-  for (const SquareCounts& tile : counts) drawing.counts += tile;
+  for (const RasterCounts& tile : counts) drawing.counts += tile;
   return drawing;
 }
 

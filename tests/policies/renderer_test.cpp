@@ -31,7 +31,7 @@ Scene giants(int count) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("renderer: is usable after a frame that needs too many instances", B,
+TEST_CASE_TEMPLATE("renderer: is usable after a frame that needs too many intersections", B,
                    SWIFTGS_TEST_BACKENDS) {
   AnyOf<B> renderer(make_backend<B>());
   const auto flood = renderer.backend().upload(giants(129));
@@ -57,8 +57,8 @@ TEST_CASE_TEMPLATE("renderer: an empty scene is the background", B, SWIFTGS_TEST
   const Statistics statistics = renderer.statistics();
   CHECK(statistics.gaussians == 0);
   CHECK(statistics.visible == 0);
-  CHECK(statistics.instances == 0);
-  CHECK(statistics.instances_a_visible() == 0);
+  CHECK(statistics.intersections == 0);
+  CHECK(statistics.intersections_a_visible() == 0);
 }
 
 TEST_CASE_TEMPLATE("renderer: counts what it did", B, SWIFTGS_TEST_BACKENDS) {
@@ -72,10 +72,10 @@ TEST_CASE_TEMPLATE("renderer: counts what it did", B, SWIFTGS_TEST_BACKENDS) {
   CHECK(statistics.gaussians == 300);
   CHECK(statistics.visible > 50);
   CHECK(statistics.visible < 300);
-  CHECK(statistics.instances >= statistics.visible);
-  CHECK(statistics.instances_a_visible() ==
-        doctest::Approx(double(statistics.instances) / double(statistics.visible)));
-  CHECK(statistics.raster.instances_visited <= statistics.instances);
+  CHECK(statistics.intersections >= statistics.visible);
+  CHECK(statistics.intersections_a_visible() ==
+        doctest::Approx(double(statistics.intersections) / double(statistics.visible)));
+  CHECK(statistics.raster.intersections_visited <= statistics.intersections);
   CHECK(statistics.raster.contributing_pairs > 1000);
   const StageTimes times = renderer.times();
   CHECK(times.project >= 0);
@@ -166,7 +166,7 @@ TEST_CASE_TEMPLATE("renderer: its memory is that of its stages and grows only wi
   const Statistics statistics = renderer.statistics();
   CHECK(memory.project >= statistics.visible * (sizeof(SplatShape) + sizeof(SplatColour) + sizeof(float) +
                                                 sizeof(std::uint32_t)));
-  CHECK(memory.sort >= statistics.instances * sizeof(std::uint32_t));
+  CHECK(memory.sort >= statistics.intersections * sizeof(std::uint32_t));
   CHECK(memory.raster == 0);
   renderer.render(scene, small);
   CHECK(renderer.memory().total() == memory.total());

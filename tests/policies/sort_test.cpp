@@ -34,7 +34,7 @@ SplatShape dot(double x, double y) { return make_splat(x, y, 1, 1, 0, 0.9); }
 /// Bounds that no backend knows: the even rows of the box.
 struct EvenRows {
   static constexpr std::string_view name = "even-rows";
-  static constexpr bool lossless = false;
+  static constexpr bool conservative = false;
   struct Tiles {
     TileRect rect;
     TileRun row(int row) const { return row % 2 ? TileRun{} : rect.columns; }
@@ -69,9 +69,9 @@ TEST_CASE_TEMPLATE("sort: every sort with every bounds builds the lists that bru
       const TileLists<B> lists = build_lists<Sort, Bounds>(backend, job);
       CHECK(lists.tiles == job.grid.size());
       CHECK(to_vectors(lists.view()) == expected);
-      std::size_t instances = 0;
-      for (const auto& list : expected) instances += list.size();
-      CHECK(lists.instances == instances);
+      std::size_t intersections = 0;
+      for (const auto& list : expected) intersections += list.size();
+      CHECK(lists.intersections == intersections);
     });
   });
 }
@@ -83,7 +83,7 @@ TEST_CASE_TEMPLATE("sort: the three sorts give the same bits", B, SWIFTGS_TEST_B
   for_each_bounds([&]<class Bounds>(Bounds) {
     CAPTURE(Bounds::name);
     const TileLists<B> standard = build_lists<StandardSort, Bounds>(backend, job);
-    CHECK(standard.instances > 50'000);
+    CHECK(standard.intersections > 50'000);
     CHECK(same_bits(standard, build_lists<EarlySort, Bounds>(backend, job)));
     // An adaptive sort runs one sort in its first frame and the other in the next.
     AdaptiveSort adaptive;
@@ -121,7 +121,7 @@ TEST_CASE_TEMPLATE("sort: equal depths keep index order", B, SWIFTGS_TEST_BACKEN
   for_each_sort([&]<class Sort>(Sort) {
     CAPTURE(Sort::name);
     const TileLists<B> lists = build_lists<Sort, Ellipse>(backend, splats.job(16, 16));
-    REQUIRE(lists.instances == 5000);
+    REQUIRE(lists.intersections == 5000);
     bool in_order = true;
     for (std::uint32_t i = 0; i < 2500; ++i) {
       in_order = in_order && lists.ids.data()[i] == 2 * i + 1;
@@ -156,7 +156,7 @@ TEST_CASE_TEMPLATE("sort: more than 65536 tiles are told apart", B, SWIFTGS_TEST
   for_each_sort([&]<class Sort>(Sort) {
     CAPTURE(Sort::name);
     const TileLists<B> lists = build_lists<Sort, Ellipse>(backend, job);
-    CHECK(lists.instances == 89'700);
+    CHECK(lists.intersections == 89'700);
     bool each_at_home = true;
     for (std::uint32_t i = 0; i < 89'700; ++i) {
       const TileRange range = lists.ranges.data()[i];
@@ -188,7 +188,7 @@ TEST_CASE_TEMPLATE("sort: a few splats are spread over the largest image by ever
         });
   }
   CHECK(ordered);
-  CHECK(listed == expected.instances);
+  CHECK(listed == expected.intersections);
   CHECK(listed >= 2200);
   CHECK(same_bits(expected, build_lists<StandardSort, OpacityBox>(backend, job)));
 }
@@ -218,10 +218,10 @@ TEST_CASE_TEMPLATE("sort: no splats give empty lists in every tile whatever was 
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;
     build_again<Ellipse>(backend, sort, some.job(100, 100), scratch, lists);
-    CHECK(lists.instances > 0);
+    CHECK(lists.intersections > 0);
     for (const SplatSet* set : {&none, &away}) {
       build_again<Ellipse>(backend, sort, set->job(100, 100), scratch, lists);
-      CHECK(lists.instances == 0);
+      CHECK(lists.intersections == 0);
       CHECK(to_vectors(lists.view()) == Lists(49));
     }
   });
@@ -241,10 +241,10 @@ TEST_CASE_TEMPLATE("sort: memory of earlier frames does not show in a smaller fr
   });
 }
 
-TEST_CASE_TEMPLATE("sort: more instances than there can be are refused before memory is taken", B,
+TEST_CASE_TEMPLATE("sort: more intersections than there can be are refused before memory is taken", B,
                    SWIFTGS_TEST_BACKENDS) {
   B backend = make_backend<B>();
-  // The largest image has 2^24 tiles: 129 splats that fill it are 2^24 instances too many.
+  // The largest image has 2^24 tiles: 129 splats that fill it are 2^24 intersections too many.
   SplatSet splats;
   for (int i = 0; i < 129; ++i) splats.add(make_splat(32'768, 32'768, 1e6, 1e6, 0, 1), 1);
   const SortInput job = splats.job(max_image_side, max_image_side);
@@ -255,7 +255,8 @@ TEST_CASE_TEMPLATE("sort: more instances than there can be are refused before me
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;
     CHECK_THROWS_WITH_AS(build_again<OpacityBox>(backend, sort, job, scratch, lists),
-                         "instances in one frame: 2164260864 needed, the limit is 2147483648", CapacityError);
+                         "intersections in one frame: 2164260864 needed, the limit is 2147483648",
+                         CapacityError);
     CHECK(lists.ids.capacity() == 0);
     build_again<OpacityBox>(backend, sort, small.job(60, 40), scratch, lists);
     CHECK(to_vectors(lists.view()) == brute_force_lists<OpacityBox>(small.job(60, 40)));

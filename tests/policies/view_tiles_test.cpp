@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// The tiles of several views: their numbers, their squares and their lists; and what is refused.
+// The tiles of several views: their numbers, their raster blocks and their lists; and what is refused.
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -85,7 +85,7 @@ TEST_CASE("view tiles: each number belongs to one tile of one view or to none") 
     }
 }
 
-TEST_CASE("view tiles: each pixel of each view lies in one square that has the list of its tile") {
+TEST_CASE("view tiles: each pixel of each view lies in one raster block that has the list of its tile") {
   Random random(2);
   for (const std::size_t count : {1, 2, 5, 40})
     for (const int side : {16, 64}) {
@@ -97,13 +97,13 @@ TEST_CASE("view tiles: each pixel of each view lies in one square that has the l
       std::vector<TileRange> ranges(tiles.size());
       for (std::uint32_t tile = 0; tile < ranges.size(); ++tile) ranges[tile] = {tile, tile + 1};
       const RasterJob job{{}, {}, {{}, {ranges.data(), ranges.size()}}, views};
-      const Squares squares = squares_of(job);
+      const RasterBlocks blocks = raster_blocks_of(job);
       std::vector<std::vector<int>> covered;
       for (const View& view : each)
         covered.emplace_back(std::size_t(view.frame.width) * std::size_t(view.frame.height));
       std::size_t wrong_list = 0, wrong_centre = 0;
-      for (std::size_t square = 0; square < squares.size(); ++square) {
-        const PlacedSquare place(views, squares, square);
+      for (std::size_t block = 0; block < blocks.size(); ++block) {
+        const PlacedRasterBlock place(views, blocks, block);
         if (place.empty()) continue;
         const auto v = std::size_t(&place.view - each.data());
         REQUIRE(v < each.size());
@@ -294,7 +294,7 @@ namespace {
 /// Whether a rasterizer of a host visits a row of pixels of `part` for a splat.
 bool visits(const SplatShape& shape, const Part& part) {
   for (int y = 0; y < part.height; ++y)
-    for (int x = 0; x < part.width; x += square_side)
+    for (int x = 0; x < part.width; x += raster_block_side)
       if (row_touched(shape, float(part.first.x + x) + 0.5f, float(part.first.y + y) + 0.5f)) return true;
   return false;
 }

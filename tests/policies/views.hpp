@@ -173,8 +173,8 @@ inline std::vector<AskedView> views_of_every_kind() {
   return views;
 }
 
-inline bool same_counts(const SquareCounts& a, const SquareCounts& b) {
-  return a.instances_visited == b.instances_visited && a.rows_visited == b.rows_visited &&
+inline bool same_counts(const RasterCounts& a, const RasterCounts& b) {
+  return a.intersections_visited == b.intersections_visited && a.rows_visited == b.rows_visited &&
          a.contributing_pairs == b.contributing_pairs && a.pixels_stopped == b.pixels_stopped;
 }
 
@@ -202,7 +202,7 @@ DrawnAlone draw_alone(R& renderer, const SceneView& scene, const std::vector<Ask
     Place other(counted);
     renderer.render_into(scene, view.camera, settings, view.frame(other.frame()));
     const Statistics statistics = renderer.statistics();
-    out.sum.visible += statistics.visible, out.sum.instances += statistics.instances;
+    out.sum.visible += statistics.visible, out.sum.intersections += statistics.intersections;
     out.sum.raster += statistics.raster;
     out.coarse = out.coarse || renderer.tiles().side != default_tile_side;
   }
@@ -223,11 +223,11 @@ void check_views(R& together, R& alone, const SceneView& scene, const std::vecto
     const Statistics statistics = together.statistics();
     CHECK(statistics.gaussians == expected.sum.gaussians);
     CHECK(statistics.visible == expected.sum.visible);
-    const SquareCounts raster = count ? expected.sum.raster : SquareCounts();
+    const RasterCounts raster = count ? expected.sum.raster : RasterCounts();
     CHECK(statistics.raster.contributing_pairs == raster.contributing_pairs);
     CHECK(statistics.raster.pixels_stopped == raster.pixels_stopped);
     if (expected.coarse || together.tiles().side != default_tile_side) continue;
-    CHECK(statistics.instances == expected.sum.instances);
+    CHECK(statistics.intersections == expected.sum.intersections);
     CHECK(same_counts(statistics.raster, raster));
   }
 }
@@ -292,7 +292,7 @@ void check_lists(R& together, R& alone, const SceneView& scene) {
   std::vector<View> numbered = views;
   number_tiles({numbered.data(), numbered.size()});
   REQUIRE(lists.size() == Views(numbered.data(), numbered.size()).tiles.size());
-  std::size_t instances = 0, listed = 0, different = 0;
+  std::size_t intersections = 0, listed = 0, different = 0;
   for (const std::vector<std::uint32_t>& list : lists) listed += list.size();
   for (std::size_t v = 0; v < views.size(); ++v) {
     alone.render_into(scene, Span<const View>{&views[v], 1});
@@ -303,15 +303,15 @@ void check_lists(R& together, R& alone, const SceneView& scene) {
     for (int row = grid.rows.begin; row < grid.rows.end; ++row)
       for (int column = grid.columns.begin; column < grid.columns.end; ++column, ++tile) {
         different += lists[grid.number(column, row)] != expected[tile];
-        instances += expected[tile].size();
+        intersections += expected[tile].size();
       }
   }
   CHECK(different == 0);
-  CHECK(listed == instances);
-  CHECK(instances > 5000);
+  CHECK(listed == intersections);
+  CHECK(intersections > 5000);
 }
 
-/// Checks that a frame of more rows of squares than a device's grid has room for is drawn whole.
+/// Checks that a frame of more rows of raster blocks than a device's grid has room for is drawn whole.
 template <class R, class SceneOn>
 void check_many_rows(R& renderer, const SceneOn& scene) {
   const Camera kinds[] = {forward_camera(1, 1), forward_camera(17, 2), turned_camera(3, 1, 0.1)};
@@ -455,7 +455,8 @@ void check_changing_views(R& renderer, R& other, const SceneView& scene, const C
       FrameReport found;
       backend.download(Span{std::as_const(report).data(), 1}, &found);
       const Statistics taken = other.statistics();
-      wrong += found.overflowed != 0 || found.visible != taken.visible || found.instances != taken.instances;
+      wrong += found.overflowed != 0 || found.visible != taken.visible ||
+               found.intersections != taken.intersections;
       least = std::min(least, taken.visible);
     }
     CHECK(wrong == 0);
@@ -505,7 +506,7 @@ void check_parts(R& renderer, const SceneView& scene, const AskedView& asked,
   settings.count = true;
   renderer.render_into(scene, asked.camera, settings, asked.frame(place.frame()));
   place.finish(renderer.backend());
-  const SquareCounts counts = renderer.statistics().raster;
+  const RasterCounts counts = renderer.statistics().raster;
 
   for (const bool together : {true, false}) {
     CAPTURE(together);
@@ -515,7 +516,7 @@ void check_parts(R& renderer, const SceneView& scene, const AskedView& asked,
     for (const Part& part : parts)
       views.push_back(make_view(asked.camera, asked.conventions,
                                 part_of(asked.frame(cut_place.frame()), part), asked.background, part.first));
-    SquareCounts sum;
+    RasterCounts sum;
     const auto render = [&](Span<const View> some) {
       renderer.render_into(scene, some, Measures{.count = true});
       sum += renderer.statistics().raster;

@@ -18,33 +18,34 @@ using reference::VariedSplat;
 struct Range {
   float least, largest;
 };
-std::vector<bool> loose_of(const std::vector<Range>& ranges) {
+std::vector<bool> ambiguous_of(const std::vector<Range>& ranges) {
   std::vector<VariedSplat> splats;
   for (const Range& range : ranges) {
     VariedSplat splat{};
     splat.least_depth = range.least, splat.largest_depth = range.largest;
     splats.push_back(splat);
   }
-  reference::mark_loose_orders(splats);
-  std::vector<bool> loose;
-  for (const VariedSplat& splat : splats) loose.push_back(splat.order_is_loose);
-  return loose;
+  reference::mark_ambiguous_orders(splats);
+  std::vector<bool> ambiguous;
+  for (const VariedSplat& splat : splats) ambiguous.push_back(splat.order_is_ambiguous);
+  return ambiguous;
 }
 
-TEST_CASE("conditioning: the order of depths that may be the same float is loose") {
-  CHECK(loose_of({{1, 2}, {2, 3}, {4, 5}}) == std::vector{true, true, false});
-  CHECK(loose_of({{1, 1}, {1, 1}, {2, 2}}) == std::vector{false, false, false});
-  CHECK(loose_of({{1, 1}, {1, 2}}) == std::vector{true, true});
+TEST_CASE("conditioning: the order of depths that may be the same float is ambiguous") {
+  CHECK(ambiguous_of({{1, 2}, {2, 3}, {4, 5}}) == std::vector{true, true, false});
+  CHECK(ambiguous_of({{1, 1}, {1, 1}, {2, 2}}) == std::vector{false, false, false});
+  CHECK(ambiguous_of({{1, 1}, {1, 2}}) == std::vector{true, true});
 }
 
-TEST_CASE("conditioning: a depth of wide range is loose against one that is not its neighbour") {
+TEST_CASE("conditioning: a depth of wide range is ambiguous against one that is not its neighbour") {
   // The least ends do not ascend with the depths.
-  CHECK(loose_of({{1, 1}, {2, 2}, {0, 5}}) == std::vector{true, true, true});
-  CHECK(loose_of({{0, 9}, {3, 3}, {4, 4}, {1, 8}}) == std::vector{true, true, true, true});
+  CHECK(ambiguous_of({{1, 1}, {2, 2}, {0, 5}}) == std::vector{true, true, true});
+  CHECK(ambiguous_of({{0, 9}, {3, 3}, {4, 4}, {1, 8}}) == std::vector{true, true, true, true});
 }
 
 TEST_CASE(
-    "conditioning: a Gaussian far beside the camera is loose in order against all that its depth may be") {
+    "conditioning: a Gaussian far beside the camera is ambiguous in order against all that its depth may "
+    "be") {
   // Depths of a turned camera: the third Gaussian's is a difference of terms of 5e9, which a unit in the last
   // place of double moves by some floats.
   Camera camera = small_camera(32, 32, 32);
@@ -59,32 +60,33 @@ TEST_CASE(
   const reference::View view(camera, Conventions::gsplat());
   const std::vector<VariedSplat> splats = reference::project_all_varied(scene, view, 1);
   REQUIRE(splats.size() == 3);
-  for (const VariedSplat& splat : splats) CHECK(splat.order_is_loose);
+  for (const VariedSplat& splat : splats) CHECK(splat.order_is_ambiguous);
 }
 
-/// What the judge says of two pixels, the second of which is off by `error`. Of it `loose` may change hands.
-StressVerdict judge_planted(double error, double loose) {
+/// What the judge says of two pixels, the second of which is off by `error`. Of it `ambiguous` may change
+/// hands.
+StressVerdict judge_planted(double error, double ambiguous) {
   ConditionedFrame reference;
   reference.frame.width = 2, reference.frame.height = 1;
   reference.frame.colour.assign(6, 0.5), reference.frame.alpha.assign(2, 0.75);
   reference.frame.depth.assign(2, 1);
   reference.colour_move.assign(6, 1e-7), reference.alpha_move.assign(2, 1e-7);
   reference.depth_move.assign(2, 1e-7);
-  for (std::vector<double>& weights : reference.loose) weights = {0, loose};
+  for (std::vector<double>& weights : reference.ambiguous) weights = {0, ambiguous};
   reference.colour_span = 2, reference.peak = 1, reference.depth_span = 1;
   Frame frame;
   frame.width = 2, frame.height = 1;
   frame.colour.assign(6, 0.5f), frame.alpha.assign(2, 0.75f);
   frame.colour[4] = float(0.5 + error);
-  return judge(reference, frame, ExponentForm::factor);
+  return judge(reference, frame, ExponentRepresentation::factor);
 }
 
 TEST_CASE("judge: a flip within what may change hands is taken off the error and counted") {
   // A weight of 1/64 times a span of 2.
   for (const double error : {0.9 / 32, -0.9 / 32}) {
     const StressVerdict within = judge_planted(error, 1.0 / 64);
-    CHECK(within.ratio == 0);
-    CHECK(within.excess == 0);
+    CHECK(within.strict_normalised_error == 0);
+    CHECK(within.normalised_error == 0);
     CHECK(within.flips == 1);
     CHECK(within.judged == 1);
     CHECK(within.max_abs == doctest::Approx(0.9 / 32));
@@ -95,19 +97,19 @@ TEST_CASE("judge: a flip beyond what may change hands is an error and no flip") 
   for (const double error : {1.1 / 32, -1.1 / 32}) {
     const StressVerdict beyond = judge_planted(error, 1.0 / 64);
     // What is beyond, over the move and the rounding of the value.
-    CHECK(beyond.excess == doctest::Approx(0.1 / 32 / (1e-7 + 0x1p-24)).epsilon(1e-3));
-    CHECK(beyond.ratio == beyond.excess);
+    CHECK(beyond.normalised_error == doctest::Approx(0.1 / 32 / (1e-7 + 0x1p-24)).epsilon(1e-3));
+    CHECK(beyond.strict_normalised_error == beyond.normalised_error);
     CHECK(beyond.worst_pixel == 1);
     CHECK(beyond.flips == 0);
   }
-  CHECK(judge_planted(0.9 / 32, 0).excess > 1e5);
+  CHECK(judge_planted(0.9 / 32, 0).normalised_error > 1e5);
 }
 
 TEST_CASE("judge: pixels whose whole weight may change hands are not counted as judged") {
   const StressVerdict open = judge_planted(0.3, 1);
-  CHECK(open.excess == 0);
+  CHECK(open.normalised_error == 0);
   CHECK(open.judged == 0.5);
-  CHECK(open.loosest == 1);
+  CHECK(open.ambiguity == 1);
 }
 
 }  // namespace

@@ -97,8 +97,8 @@ TEST_CASE("report errors: members of hard frames that are missing or of another 
   refuses(changed([](Json& json) { json["version"] = 2; }), {"version: expected 1, found 2"});
   refuses(changed([](Json& json) { json["rows"] = Json::array(); }), {"rows: expected at least one row"});
   refuses(changed([](Json& json) { json["rows"][1].erase("family"); }), {"rows[1].family: expected a text"});
-  refuses(changed([](Json& json) { json["rows"][1]["ratio"] = "high"; }),
-          {"rows[1].ratio: expected a number, 0 or more, or null"});
+  refuses(changed([](Json& json) { json["rows"][1]["strict_normalised_error"] = "high"; }),
+          {"rows[1].strict_normalised_error: expected a number, 0 or more, or null"});
   refuses(changed([](Json& json) { json["rows"][0]["seeds"] = 0; }),
           {"rows[0].seeds: expected a number above 0"});
 }

@@ -20,7 +20,7 @@ struct Row {
   std::string scene = "made", view = "front";
   double gaussians = 1000, enlarge = 1, scale = 1, threads = 4;
   int width = 640, height = 480;
-  double instances = 5000, bytes = 1e6;
+  double intersections = 5000, bytes = 1e6;
   std::vector<double> stage_bytes{};  ///< of project, sort and raster; older files have none
 };
 
@@ -65,7 +65,7 @@ inline Json json_of(const Row& row) {
             {"photo_psnr_db", nullptr},
             {"photo_ssim", nullptr},
             {"visible", 700},
-            {"instances", row.instances},
+            {"intersections", row.intersections},
             {"contributing_pairs", 40000},
             {"device_bytes", 0},
             {"host_bytes", row.bytes}};
@@ -128,13 +128,13 @@ inline Json stress_results_of(const std::vector<StressRow>& rows) {
                                {"seeds", 8},
                                {"failed", row.failed},
                                {"error", row.failed ? Json("seed 1: no <memory>") : Json()},
-                               {"ratio", row.ratio},
-                               {"excess", row.ratio},
-                               {"depth_excess", row.ratio},
+                               {"strict_normalised_error", row.ratio},
+                               {"normalised_error", row.ratio},
+                               {"normalised_depth_error", row.ratio},
                                {"psnr_db", 120},
                                {"max_abs", row.max_abs},
                                {"flips", 0},
-                               {"loosest", 0.5},
+                               {"ambiguity", 0.5},
                                {"worst_seed", 3},
                                {"worst_pixel", 17}});
   return Json::parse(results.dump());

@@ -211,7 +211,7 @@ TEST_CASE("report: frames stand beside their reference and error map") {
   CHECK(facts["errorLegend"] == true);
 }
 
-TEST_CASE("report: hard frames have a panel of ratios and one of errors for each family") {
+TEST_CASE("report: hard frames have a panel of normalised errors and one of errors for each family") {
   const TemporaryFolder place;
   if (!can_draw(place)) return;
   std::vector<StressRow> rows;
@@ -231,12 +231,12 @@ TEST_CASE("report: hard frames have a panel of ratios and one of errors for each
   const Json facts = found_in(place, content_of(place / "page.html"), source("tests/report/probe_stress.js"));
   CHECK(facts["fault"] == "");
   CHECK(facts["shown"] == Json({"stress"}));
-  CHECK(facts["names"] ==
-        Json({"needles: ratio", "needles: largest error", "ridges: ratio", "ridges: largest error"}));
+  CHECK(facts["names"] == Json({"needles: strict normalised error", "needles: largest error",
+                                "ridges: strict normalised error", "ridges: largest error"}));
   // Both quantities of every row but the one that failed.
   CHECK(facts["points"] == 2 * (rows.size() - 1));
   CHECK(facts["curves"] == 2 * 6);
-  // The rules of the first panel lie where points of these ratios do, and an infinite one is drawn above.
+  // The rules of the first panel lie where points of these errors do, and an infinite one is drawn above.
   CHECK(facts["rules"] == Json({facts["heights"]["10"], facts["heights"]["100"]}));
   CHECK(facts["heights"]["infinite"] < facts["heights"]["100"]);
   CHECK(facts["ticks"] == Json({"100", "1e4", "∞"}));

@@ -13,7 +13,7 @@ facts.points = all('#stress .points path').length;
 facts.curves = all('#stress .curves path').length;
 const [panel] = all('#stress .points').map(points => points.parentElement);
 facts.rules = all(':scope > .mark-rule line', panel).map(heightOf);
-const marks = all('.points path', panel).map(path => ({ratio: path.__data__.datum.tip.ratio, height: heightOf(path)}));
+const marks = all('.points path', panel).map(path => ({ratio: path.__data__.datum.tip['strict normalised error'], height: heightOf(path)}));
 const heightAt = ratio => marks.find(mark => mark.ratio === ratio)?.height;
 facts.heights = {10: heightAt('10.0'), 100: heightAt('100'), infinite: heightAt('∞')};
 facts.ticks = all('.role-axis[aria-label^="X-axis"] .role-axis-label text', panel).map(text => text.textContent);

@@ -16,7 +16,7 @@ function row(more) {
   const renderer = more.renderer ?? 'cpu/early/per-pixel/ellipse', [backend, sort, raster, bounds] = renderer.split('/');
   const {project = 1, sorting = 2, rastering = 3, total = project + sorting + rastering} = more;
   return {scene: 's', gaussians: 1000, enlarge: 1, view: 'a', width: 160, height: 160, scale: 1, conventions: 'gsplat', threads: 4,
-          renderer, backend, sort, raster, bounds, frames: 9, psnr_db: 100, max_abs: 1e-3, ssim: 1, visible: 10, instances: 5000,
+          renderer, backend, sort, raster, bounds, frames: 9, psnr_db: 100, max_abs: 1e-3, ssim: 1, visible: 10, intersections: 5000,
           contributing_pairs: 3, device_bytes: 0, host_bytes: 100, ...more,
           ms: {project: duration(project), sort: duration(sorting), raster: duration(rastering), total: duration(total),
                wall: duration(total + 1)}};
@@ -96,8 +96,8 @@ expect('views that all sizes have', scaling.series(uneven, 'gaussians')[0].fits.
 const threads = backend => rowsOf([1, 2, 4].map(count => row({threads: count, total: 8 / count, renderer: `${backend}/early/x/y`})));
 expect('threads', scaling.series(threads('cpu'), 'threads')[0].fits.total.exponent, -1);
 expect('threads say nothing of a GPU', scaling.series(threads('cuda'), 'threads').length, 0);
-const occupied = rowsOf([1, 2, 4].map(enlarge => row({enlarge, instances: 1000 * enlarge, sorting: enlarge ** 2})));
-expect('instances a tile', scaling.series(occupied, 'occupancy')[0].points.map(point => point.x), [10, 20, 40]);
+const occupied = rowsOf([1, 2, 4].map(enlarge => row({enlarge, intersections: 1000 * enlarge, sorting: enlarge ** 2})));
+expect('intersections a tile', scaling.series(occupied, 'occupancy')[0].points.map(point => point.x), [10, 20, 40]);
 const pixels = rowsOf([1, 2, 4].map(scale => row({scale, width: 160 * scale, height: 160 * scale, rastering: scale ** 2})));
 expect('pixels', scaling.series(pixels, 'pixels')[0].fits.raster.exponent, 1);
 
@@ -114,13 +114,13 @@ expect('rows of choices', offered.rows.length, 1);
 
 // Hard frames: null is infinity but for a renderer that failed on every seed.
 const hard = more => ({family: 'f', severity: 1, severity_label: 'how much', renderer: 'cpu/early/a/b', backend: 'cpu',
-  raster: 'a', seeds: 2, failed: 0, ratio: 1, excess: 1, depth_excess: 1, psnr_db: 90, max_abs: 1e-6, ...more});
-const rowsOfStress = stress.rowsOf([{rows: [hard({severity: null, ratio: null}), hard({psnr_db: null, max_abs: 0}),
-  hard({severity: 0, failed: 2, ratio: null, psnr_db: null, max_abs: null}), hard({family: 'g', raster: 'c'})]}]);
-expect('an infinite ratio', rowsOfStress[0].ratio, Infinity);
+  raster: 'a', seeds: 2, failed: 0, strict_normalised_error: 1, normalised_error: 1, normalised_depth_error: 1, psnr_db: 90, max_abs: 1e-6, ...more});
+const rowsOfStress = stress.rowsOf([{rows: [hard({severity: null, strict_normalised_error: null}), hard({psnr_db: null, max_abs: 0}),
+  hard({severity: 0, failed: 2, strict_normalised_error: null, psnr_db: null, max_abs: null}), hard({family: 'g', raster: 'c'})]}]);
+expect('an infinite normalised error', rowsOfStress[0].strict_normalised_error, Infinity);
 expect('an infinite severity', rowsOfStress[0].severity, Infinity);
 expect('PSNR of equal hard frames', rowsOfStress[1].psnr, Infinity);
-expect('nothing is known of a failure', [rowsOfStress[2].ratio, rowsOfStress[2].max_abs, rowsOfStress[2].psnr],
+expect('nothing is known of a failure', [rowsOfStress[2].strict_normalised_error, rowsOfStress[2].max_abs, rowsOfStress[2].psnr],
        [null, null, null]);
 const panels = stress.panels(rowsOfStress);
 expect('a panel a family', panels.map(panel => panel.family), ['f', 'g']);

@@ -24,8 +24,8 @@ constexpr std::string_view square = "three-sigma-square";
 
 /// Least PSNR against the reference of renderers that share arithmetic. @units{dB}
 struct Floors {
-  double exact = std::numeric_limits<double>::infinity();   ///< per-pixel and float terms, lossless bounds
-  double half = std::numeric_limits<double>::infinity();    ///< half terms, lossless bounds
+  double exact = std::numeric_limits<double>::infinity();  ///< per-pixel and float terms, conservative bounds
+  double half = std::numeric_limits<double>::infinity();   ///< half terms, conservative bounds
   double square = std::numeric_limits<double>::infinity();  ///< per-pixel and float terms, 3-sigma square
   double largest =
       0;  ///< error of a colour where the footprint is what the conventions say, without half terms
@@ -49,7 +49,7 @@ struct Judge {
     reference = render_reference(*capture.scene, camera, conventions).colour;
   }
 
-  /// Whatever the run, the sort, and the bounds as long as they are lossless, the bits are the same.
+  /// Whatever the run, the sort, and the bounds as long as they are conservative, the bits are the same.
   void judge(const RendererEntry& entry, const test::TrainedCapture& capture) {
     CAPTURE(entry.name);
     const auto renderer = entry.make();

@@ -12,7 +12,8 @@ namespace swiftgs::test {
 namespace {
 
 // The tile that is drawn: not the first, so that coordinates round.
-constexpr int tile_x = 4, tile_y = 2, width = (tile_x + 1) * square_side, height = (tile_y + 1) * square_side;
+constexpr int tile_x = 4, tile_y = 2, width = (tile_x + 1) * raster_block_side,
+              height = (tile_y + 1) * raster_block_side;
 constexpr Real ln_2 = 0.693147180559945309417232121458176568L;
 
 /// s of a pixel, and the scales that errors of s are measured by.
@@ -50,7 +51,7 @@ Real scale_of(Name name, const Exponent& e) {
 
 SplatShape draw_shape(Random& random) {
   const double across = random.scale(0.5478, 60), along = across * random.scale(1, 100);
-  const double middle_x = tile_x * square_side + 8, middle_y = tile_y * square_side + 8;
+  const double middle_x = tile_x * raster_block_side + 8, middle_y = tile_y * raster_block_side + 8;
   const double angle = random.in(0, 3.14159265), t = random.in(-2, 2), w = random.in(-2, 2);
   return make_splat(middle_x + t * along * std::cos(angle) - w * across * std::sin(angle),
                     middle_y + t * along * std::sin(angle) + w * across * std::cos(angle), along, across,
@@ -64,7 +65,7 @@ void nudge_all(Random& random, SplatShape& s) {
   // No splat is narrower than the blur.
   s.l0 = std::fmin(s.l0, 1.5506f), s.l2 = std::fmin(s.l2, 1.5506f);
   s.opacity = std::fmin(1.0f, std::abs(s.opacity));
-  s.reach = float(std::log2(double(s.opacity) / double(Conventions().alpha_min)));
+  s.cutoff = float(std::log2(double(s.opacity) / double(Conventions().alpha_min)));
 }
 
 /// Draws single splats on one backend; alpha is the colour of a white splat on black.
@@ -111,10 +112,10 @@ struct Tile {
   std::vector<Real> alphas;
 
   explicit Tile(const SplatShape& shape) {
-    for (int y = 0; y < square_side; ++y)
-      for (int x = 0; x < square_side; ++x) {
-        exponents.emplace_back(shape, Real(tile_x * square_side + x) + 0.5L,
-                               Real(tile_y * square_side + y) + 0.5L);
+    for (int y = 0; y < raster_block_side; ++y)
+      for (int x = 0; x < raster_block_side; ++x) {
+        exponents.emplace_back(shape, Real(tile_x * raster_block_side + x) + 0.5L,
+                               Real(tile_y * raster_block_side + y) + 0.5L);
         alphas.push_back(Real(shape.opacity) * std::exp2(-exponents.back().s));
       }
   }
@@ -127,30 +128,31 @@ double error(Drawer<B>& drawer, const SplatShape& shape, const Tile& tile) {
   drawer.draw(Raster(), shape);
   Real worst = 0;
   for (std::size_t i = 0; i < tile.alphas.size(); ++i) {
-    const float alpha = drawer.alpha(tile_x * square_side + int(i) % square_side,
-                                     tile_y * square_side + int(i) / square_side);
+    const float alpha = drawer.alpha(tile_x * raster_block_side + int(i) % raster_block_side,
+                                     tile_y * raster_block_side + int(i) / raster_block_side);
     const Real exact = tile.alphas[i];
     if (alpha == 0 || alpha == 0.99f || exact > 0.99L) continue;
     const Real by_alpha = (ulp(exact) / exact + ulp(shape.opacity) / shape.opacity) / ln_2;
-    const Real explained = by_alpha + ulp(shape.reach) + scale_of(Raster::name, tile.exponents[i]);
+    const Real explained = by_alpha + ulp(shape.cutoff) + scale_of(Raster::name, tile.exponents[i]);
     worst = std::max(worst, std::abs(std::log2(alpha / exact)) / explained);
   }
   return double(worst);
 }
 
-/// The largest error of s itself, by the scale of its form and one ulp.
-template <class Terms>
+/// The largest error of s itself, by the scale of its exponent representation and one ulp.
+template <class Exponent>
 double exponent_error(const SplatShape& shape, const Tile& tile) {
-  const vec2 centre(float(tile_x * square_side + 8), float(tile_y * square_side + 8));
-  const Terms terms(shape, centre);
+  const vec2 centre(float(tile_x * raster_block_side + 8), float(tile_y * raster_block_side + 8));
+  const Exponent terms(shape, centre);
   Real worst = 0;
   for (std::size_t i = 0; i < tile.alphas.size(); ++i) {
     const Exponent& e = tile.exponents[i];
-    if (e.s > Real(shape.reach)) continue;
-    const float x = float(tile_x * square_side) + float(i % square_side) + 0.5f;
-    const float y = float(tile_y * square_side) + float(i / square_side) + 0.5f;
-    const float s = Terms::exponent(terms.x_term(x), terms.y_term(y));
-    if (std::isfinite(s)) worst = std::max(worst, std::abs(s - e.s) / (ulp(e.s) + scale_of(Terms::name, e)));
+    if (e.s > Real(shape.cutoff)) continue;
+    const float x = float(tile_x * raster_block_side) + float(i % raster_block_side) + 0.5f;
+    const float y = float(tile_y * raster_block_side) + float(i / raster_block_side) + 0.5f;
+    const float s = Exponent::exponent(terms.x_term(x), terms.y_term(y));
+    if (std::isfinite(s))
+      worst = std::max(worst, std::abs(s - e.s) / (ulp(e.s) + scale_of(Exponent::name, e)));
   }
   return double(worst);
 }

@@ -22,10 +22,11 @@ CaseJudge::CaseJudge(StressCase drawn)
 CaseJudge::~CaseJudge() = default;
 
 Verdict CaseJudge::judge(std::string_view name, const Frame& frame) const {
-  const ExponentForm form = exponent_form_named(name);
-  const StressVerdict verdict = swiftgs::judge(reference_->frame, frame, form);
-  return {verdict.excess,  verdict.depth_excess, verdict.psnr_db,
-          verdict.max_abs, verdict.judged,       verdict.flips};
+  const ExponentRepresentation representation = exponent_representation_named(name);
+  const StressVerdict verdict = swiftgs::judge(reference_->frame, frame, representation);
+  return {verdict.normalised_error, verdict.normalised_depth_error,
+          verdict.psnr_db,          verdict.max_abs,
+          verdict.judged,           verdict.flips};
 }
 
 }  // namespace swiftgs::test

@@ -15,9 +15,9 @@
 namespace swiftgs::test {
 
 /// As `StressVerdict`, of which this holds what the gates look at. A form that is allowed no error of its own
-/// has its ratio for an excess.
+/// has its strict one for a normalised error.
 struct Verdict {
-  double excess = 0, depth_excess = 0, psnr_db = 0, max_abs = 0;
+  double normalised_error = 0, normalised_depth_error = 0, psnr_db = 0, max_abs = 0;
   double judged = 1;
   std::uint64_t flips = 0;
 };

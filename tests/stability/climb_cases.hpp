@@ -43,7 +43,7 @@ void check_climb(std::uint64_t tries) {
         CAPTURE(search.families()[family].name);
         CAPTURE(plane);
         CHECK(worst.error == "");
-        CHECK(worst.excess <= excess_gate);
+        CHECK(worst.normalised_error <= normalised_error_gate);
       }
 }
 

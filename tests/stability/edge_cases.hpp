@@ -169,9 +169,9 @@ TEST_CASE(SWIFTGS_STABILITY ": a splat reaches as far as its opacity over the le
       StressCase drawn = exact_case();
       drawn.conventions.alpha_min = alpha_min;
       stress::add(drawn.scene, dot(2, opacity));
-      const double reach = std::log2(double(opacity) / double(alpha_min));
+      const double cutoff = std::log2(double(opacity) / double(alpha_min));
       for (const SplatShape& shape : backends.shapes(drawn))
-        CHECK(std::abs(double(shape.reach) - reach) <= 0x1p-22 * (1 + reach));
+        CHECK(std::abs(double(shape.cutoff) - cutoff) <= 0x1p-22 * (1 + cutoff));
     }
 }
 

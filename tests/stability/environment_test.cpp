@@ -46,9 +46,9 @@ bool flushed(const Environment& environment, std::string_view family, double sev
   return environment.flush && family == "far-depths" && severity > 1e35;
 }
 
-Limits limits_of(double most_excess) { return {.most_excess = most_excess}; }
+Limits limits_of(double most_normalised_error) { return {.most_normalised_error = most_normalised_error}; }
 
-/// The largest excess that is allowed where everything rounds to one side.
+/// The largest normalised error that is allowed where everything rounds to one side.
 double directed_gate(std::string_view family, double severity) {
   // Depths round to other floats, and so to another order.
   if (family == "on-planes" || family == "on-ties") return INFINITY;
@@ -56,7 +56,7 @@ double directed_gate(std::string_view family, double severity) {
   // Transmittance drifts, where rounding to nearest walks at random.
   if (family == "equal-stacks" || family == "deep-stacks") return INFINITY;
   // A rounding may cost twice as much as one to nearest.
-  return 2 * excess_gate;
+  return 2 * normalised_error_gate;
 }
 
 TEST_CASE("stability: every family is drawn in every environment and by the CPU with the same bits") {
@@ -75,7 +75,7 @@ TEST_CASE("stability: every family is drawn in every environment and by the CPU 
       for (const auto& inside : all) {
         const Environment& environment = inside->environment;
         CAPTURE(environment.name);
-        const double gate = flushed(environment, family.name, severity) ? INFINITY : excess_gate;
+        const double gate = flushed(environment, family.name, severity) ? INFINITY : normalised_error_gate;
         const bool directed = environment.rounding != FE_TONEAREST;
         inside->serial.check(
             judge, Extent::all,

@@ -74,7 +74,7 @@ enum Index : std::size_t {
   l1,
   l2,
   opacity,
-  reach,
+  cutoff,
   half_width,
   l1_scale,
   blurred,
@@ -115,8 +115,8 @@ inline ProjectionResults project_exactly(const ViewConstants& v, const Projectio
   out[opacity] = in[10];
   if (v.antialiased)
     out[opacity] *= std::sqrt(std::max(Real(v.min_compensation), out[determinant] / out[blurred]));
-  out[reach] = std::log2(out[opacity] / Real(v.alpha_min));
-  out[half_width] = std::sqrt(std::max(Real(0), out[reach]) * (xx + blur)) / exact_base_2;
+  out[cutoff] = std::log2(out[opacity] / Real(v.alpha_min));
+  out[half_width] = std::sqrt(std::max(Real(0), out[cutoff]) * (xx + blur)) / exact_base_2;
   return out;
 }
 

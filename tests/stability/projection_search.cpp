@@ -23,7 +23,7 @@ constexpr Stage stages[] = {{"mean", "ulps, of a thousandth of a pixel at least"
                             {"`l1`", "conditioned ulps of its factors"},
                             {"`l2`", "conditioned ulps"},
                             {"compensated opacity", "conditioned ulps"},
-                            {"reach", "conditioned ulps"},
+                            {"cutoff", "conditioned ulps"},
                             {"half width", "conditioned ulps"}};
 constexpr std::size_t stage_count = std::size(stages);
 
@@ -119,7 +119,7 @@ class Judge {
     });
     judge(7, s.l2, exact_[l2], exact_[l2], [&] { return moved()[l2]; });
     if (compensated) alone(8, opacity, s.opacity);
-    alone(9, reach, s.reach);
+    alone(9, cutoff, s.cutoff);
     judge(10, s.half_width, exact_[half_width], exact_[half_width], [&] { return moved()[half_width]; });
     return out;
   }

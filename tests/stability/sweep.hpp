@@ -27,8 +27,8 @@
 
 namespace swiftgs::test {
 
-/// Largest excess of colour and transmittance, and of depth.
-inline constexpr double excess_gate = 10;
+/// Largest normalised error of colour and transmittance, and of depth.
+inline constexpr double normalised_error_gate = 10;
 
 inline RenderSettings settings_of(const StressCase& drawn) {
   return {.conventions = drawn.conventions, .background = drawn.background, .outputs = {true, true}};
@@ -65,7 +65,7 @@ inline bool same_frame(const Frame& a, const Frame& b) {
 /// Bounds that list every splat for every tile.
 struct WholeImage {
   static constexpr std::string_view name = "whole-image";
-  static constexpr bool lossless = true;
+  static constexpr bool conservative = true;
 
   BoxTiles tiles(const SplatShape&, TileGrid grid) const { return {{grid.columns, grid.rows}}; }
 };
@@ -76,11 +76,11 @@ enum class Extent {
   all           ///< other sorts and bounds as well, whose bits must be equal
 };
 
-/// What is asked of colours beside their excess: a mean hides the worst value.
+/// What is asked of colours beside their normalised error: a mean hides the worst value.
 struct Limits {
   double least_db = -INFINITY, most_abs = INFINITY;
-  double most_excess = excess_gate;
-  // Of rasterizers whose form is allowed no error of its own.
+  double most_normalised_error = normalised_error_gate;
+  // Of rasterizers whose exponent representation is allowed no error of its own.
   double least_judged = 0;  ///< share of pixels
   double most_flips = 1;    ///< share of pixels
 };
@@ -114,7 +114,7 @@ class Sweep {
     check_within(judge.drawn(), first);
   }
 
-  /// Draws with bounds that leave nothing out too: lossless bounds must leave out nothing either.
+  /// Draws with bounds that leave nothing out too: conservative bounds must leave out nothing either.
   void check_bounds(const StressCase& drawn) {
     const auto check = [&](auto& pair, auto& whole) {
       const Frame expected = draw_(whole, drawn);
@@ -176,11 +176,11 @@ class Sweep {
   static std::tuple<Renderer<B, EarlySort, Usual, Bounds>...> renderers_within(TypeList<Bounds...>);
   using Within = decltype(renderers_within(AllBounds()));
 
-  /// Whether all lossless bounds draw the same frame.
+  /// Whether all conservative bounds draw the same frame.
   void check_within(const StressCase& drawn, const Frame& expected) {
     const auto check = [&]<class Bounds>(Renderer<B, EarlySort, Usual, Bounds>& renderer) {
       CAPTURE(Bounds::name);
-      if constexpr (Bounds::lossless) CHECK(same_frame(draw_(renderer, drawn), expected));
+      if constexpr (Bounds::conservative) CHECK(same_frame(draw_(renderer, drawn), expected));
     };
     std::apply([&](auto&... renderer) { (check(renderer), ...); }, within_);
   }
@@ -198,8 +198,8 @@ class Sweep {
     CAPTURE(name);
     CHECK(is_finite(frame));
     const Verdict verdict = judge.judge(name, frame);
-    CHECK(verdict.excess <= limits.most_excess);
-    CHECK(verdict.depth_excess <= limits.most_excess);
+    CHECK(verdict.normalised_error <= limits.most_normalised_error);
+    CHECK(verdict.normalised_depth_error <= limits.most_normalised_error);
     if (name.find("half") == std::string_view::npos) {
       CHECK(verdict.psnr_db >= limits.least_db);
       CHECK(verdict.max_abs <= limits.most_abs);

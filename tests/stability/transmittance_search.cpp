@@ -20,7 +20,7 @@ struct Candidate {
 /// a candidate, black splats in front of a white background. Splats are flat, so alpha is their opacity.
 template <class B>
 std::vector<float> transmittances(B& backend, const std::vector<Candidate>& candidates, int layers) {
-  const int width = int(candidates.size()) * square_side;
+  const int width = int(candidates.size()) * raster_block_side;
   std::vector<SplatShape> shapes;
   std::vector<SplatColour> colours;
   std::vector<std::uint32_t> ids;
@@ -29,7 +29,7 @@ std::vector<float> transmittances(B& backend, const std::vector<Candidate>& cand
     const auto first = std::uint32_t(shapes.size()), begin = std::uint32_t(ids.size());
     for (int k = 0; k < c.period; ++k) {
       SplatShape shape;
-      shape.opacity = c.alphas[k], shape.reach = 20, shape.half_width = 1e9f;
+      shape.opacity = c.alphas[k], shape.cutoff = 20, shape.half_width = 1e9f;
       shapes.push_back(shape), colours.push_back({vec3(0), 1});
     }
     for (int k = 0; k < layers; ++k) ids.push_back(first + std::uint32_t(k % c.period));
@@ -49,7 +49,7 @@ std::vector<float> transmittances(B& backend, const std::vector<Candidate>& cand
   rasterize(backend, PerPixel(), RasterJob{splats, {reached_colours.span()}, lists, {&view, 1}});
   const std::vector<float>& drawn = frame.colours(backend);
   std::vector<float> found;
-  for (std::size_t i = 0; i < candidates.size(); ++i) found.push_back(drawn[3 * square_side * i]);
+  for (std::size_t i = 0; i < candidates.size(); ++i) found.push_back(drawn[3 * raster_block_side * i]);
   return found;
 }
 

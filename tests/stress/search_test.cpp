@@ -69,11 +69,11 @@ void rasterize(Serial& serial, Bfloat, const RasterJob& job) {
 double worst_of(const StressSearch& search) {
   double worst = 0;
   for (std::size_t family = 0; family < search.families().size(); ++family)
-    worst = std::max(worst, search.worst(0, StressSearch::colour, family).excess);
+    worst = std::max(worst, search.worst(0, StressSearch::colour, family).normalised_error);
   return worst;
 }
 
-/// Tries until the excess is above the gate, at most `most`.
+/// Tries until the normalised error is above the gate, at most `most`.
 std::uint64_t tries_to_find(StressSearch& search, std::uint64_t most) {
   while (search.tries() < most && !(worst_of(search) > gate)) search.try_one();
   return search.tries();
@@ -101,9 +101,9 @@ TEST_CASE("search: the same seed and number of tries find the same and another s
   for (std::size_t family = 0; family < search_families().size(); ++family)
     for (const StressSearch::Plane plane : {StressSearch::colour, StressSearch::depth}) {
       const StressFind &a = first.worst(0, plane, family), &b = again.worst(0, plane, family);
-      CHECK(a.excess == b.excess);
+      CHECK(a.normalised_error == b.normalised_error);
       CHECK(same_case(a.drawn, b.drawn));
-      found += a.excess > 0;
+      found += a.normalised_error > 0;
       differing += !same_case(a.drawn, other.worst(0, plane, family).drawn);
     }
   CHECK(found > search_families().size());
@@ -116,7 +116,7 @@ TEST_CASE("search: a factor that is rounded to eight bits is found at once") {
 }
 
 TEST_CASE("search: a defect that only thin splats have is climbed to") {
-  // The excess grows with thinness, up to what no family begins with.
+  // The normalised error grows with thinness, up to what no family begins with.
   const auto spoil = [](const StressCase& drawn, Frame& frame) {
     double thinness = 0;
     for (const vec3 s : drawn.scene.scales)
@@ -154,7 +154,7 @@ TEST_CASE("search: a renderer that throws or leaves out a number or differs betw
   CHECK(error(1) == "the frame differs from that of serial/early/per-pixel/ellipse");
   CHECK(error(2) == "no memory");
   CHECK(error(3) == "a value is not finite");
-  CHECK(std::isinf(search.worst(1, StressSearch::colour, 0).excess));
+  CHECK(std::isinf(search.worst(1, StressSearch::colour, 0).normalised_error));
   CHECK(search.worst(1, StressSearch::colour, 0).drawn.scene.size() > 0);
 }
 

@@ -47,10 +47,12 @@ TEST_CASE("stress: a sweep of one family ends well and prints a column for each 
   for (const char* raster : {"per-pixel", "axis-shared-threshold-float-cholesky"})
     CHECK(text.find("\nserial/early/" + std::string(raster) + "/ellipse: exact in 1 family;") !=
           std::string::npos);
-  CHECK(text.find("\nwarning: serial/early/axis-shared-half-split/ellipse: its form may err by more than "
+  CHECK(text.find("\nwarning: serial/early/axis-shared-half-split/ellipse: its exponent representation may "
+                  "err by more than "
                   "1/255 of a colour from needles 1e10 (") != std::string::npos);
   CHECK(text.find("warning: serial/early/per-pixel/ellipse") == std::string::npos);
-  // Half terms lose digits and keep within what their form is allowed to err: that is no failure.
+  // Half terms lose digits and keep within what their exponent representation is allowed to err: that is no
+  // failure.
   CHECK(text.find("\nserial/early/axis-shared-half-split/ellipse: loses digits from needles 1e10;") !=
         std::string::npos);
 }
@@ -81,11 +83,11 @@ TEST_CASE("stress: results have a head and a row for each family with severity a
     CHECK(row.at("seeds") == 2);
     CHECK(row.at("failed") == 0);
     CHECK(row.at("error").is_null());
-    for (const char* number :
-         {"ratio", "excess", "depth_excess", "psnr_db", "max_abs", "loosest", "allowed", "judged"})
+    for (const char* number : {"strict_normalised_error", "normalised_error", "normalised_depth_error",
+                               "psnr_db", "max_abs", "ambiguity", "allowed", "judged"})
       CHECK(row.at(number) >= 0);
-    CHECK(row.at("excess") <= 10);
-    if (row.at("raster") == "per-pixel") CHECK(row.at("ratio") <= 10);
+    CHECK(row.at("normalised_error") <= 10);
+    if (row.at("raster") == "per-pixel") CHECK(row.at("strict_normalised_error") <= 10);
     CHECK(row.at("worst_seed") >= 1);
     CHECK(row.at("worst_seed") <= 2);
     CHECK(row.at("worst_pixel") < row.at("width").get<int>() * row.at("height").get<int>());
@@ -103,7 +105,7 @@ TEST_CASE("stress: bounds that cut splats end with exit code 1 after table and r
   CAPTURE(outcome.err);
   CHECK(outcome.code == 1);
   CHECK(lines_in(outcome.err) == 1);
-  CHECK(outcome.err.starts_with("swiftgs: stress: expected an excess up to 10; 1 of " +
+  CHECK(outcome.err.starts_with("swiftgs: stress: expected a normalised error up to 10; 1 of " +
                                 std::to_string(swiftgs::AllBounds::size) + " rows are above, the worst "));
   CHECK(outcome.err.find("serial/early/per-pixel/three-sigma-square on pancakes at 1e4") !=
         std::string::npos);
@@ -113,7 +115,8 @@ TEST_CASE("stress: bounds that cut splats end with exit code 1 after table and r
   CHECK(json_in(place / "r.json").at("rows").size() == swiftgs::AllBounds::size);
 }
 
-TEST_CASE("stress: terms that lose the digits that their form may lose end with exit code 0") {
+TEST_CASE(
+    "stress: terms that lose the digits that their exponent representation may lose end with exit code 0") {
   const TemporaryFolder place;
   const Outcome outcome = swiftgs::test::run(place,
                                              "stress --families needles --severity 1e4 --seeds 2"
@@ -128,7 +131,7 @@ TEST_CASE("stress: a search prints what it found and writes a row for each famil
           "stress --search 0.3 --seed 7 --families equal-stacks,backgrounds --json r.json"
           " --renderers 'serial/*/per-pixel/ellipse'")
           .out;
-  CHECK(text.find("serial/early/per-pixel/ellipse: worst excess ") != std::string::npos);
+  CHECK(text.find("serial/early/per-pixel/ellipse: worst normalised error ") != std::string::npos);
   CHECK(text.find(" of colour from equal-stacks\n") != std::string::npos);
   const Json results = json_in(place / "r.json");
   CHECK(results.at("format") == "swiftgs-stress-search");
@@ -140,9 +143,9 @@ TEST_CASE("stress: a search prints what it found and writes a row for each famil
     planes.insert(row.at("family").get<std::string>() + row.at("plane").get<std::string>());
     CHECK(row.at("renderer").get<std::string>().find(row.at("sort").get<std::string>()) != std::string::npos);
     CHECK(row.at("tries") > 0);
-    CHECK(row.at("excess") <= 10);
+    CHECK(row.at("normalised_error") <= 10);
     CHECK(row.at("error").is_null());
-    if (row.at("excess") > 0) {
+    if (row.at("normalised_error") > 0) {
       CHECK(row.at("case").at("camera").at("width") == 16);
       CHECK(row.at("case").at("gaussians").size() > 0);
     }

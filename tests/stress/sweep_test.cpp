@@ -102,26 +102,27 @@ TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
           {.conventions = made.conventions, .background = made.background, .outputs = {true, true}}, frame);
       const StressVerdict verdict =
           judge(render_conditioned(made.scene, made.camera, made.conventions, dvec3(made.background), seed),
-                frame, exponent_form_named(table[i].name));
-      if (verdict.ratio > worst.ratio)
-        worst.ratio = verdict.ratio, worst.worst_pixel = verdict.worst_pixel, worst_seed = seed;
-      worst.excess = std::max(worst.excess, verdict.excess);
-      worst.depth_excess = std::max(worst.depth_excess, verdict.depth_excess);
+                frame, exponent_representation_named(table[i].name));
+      if (verdict.strict_normalised_error > worst.strict_normalised_error)
+        worst.strict_normalised_error = verdict.strict_normalised_error,
+        worst.worst_pixel = verdict.worst_pixel, worst_seed = seed;
+      worst.normalised_error = std::max(worst.normalised_error, verdict.normalised_error);
+      worst.normalised_depth_error = std::max(worst.normalised_depth_error, verdict.normalised_depth_error);
       worst.psnr_db = std::min(worst.psnr_db, verdict.psnr_db);
       worst.max_abs = std::max(worst.max_abs, verdict.max_abs);
-      worst.loosest = std::max(worst.loosest, verdict.loosest);
+      worst.ambiguity = std::max(worst.ambiguity, verdict.ambiguity);
       worst.allowed = std::max(worst.allowed, verdict.allowed);
       worst.judged = std::min(worst.judged, verdict.judged);
       worst.flips += verdict.flips;
     }
     CAPTURE(rows[i].renderer);
     CHECK(rows[i].renderer == table[i].name);
-    CHECK(rows[i].ratio == worst.ratio);
-    CHECK(rows[i].excess == worst.excess);
-    CHECK(rows[i].depth_excess == worst.depth_excess);
+    CHECK(rows[i].strict_normalised_error == worst.strict_normalised_error);
+    CHECK(rows[i].normalised_error == worst.normalised_error);
+    CHECK(rows[i].normalised_depth_error == worst.normalised_depth_error);
     CHECK(rows[i].psnr_db == worst.psnr_db);
     CHECK(rows[i].max_abs == worst.max_abs);
-    CHECK(rows[i].loosest == worst.loosest);
+    CHECK(rows[i].ambiguity == worst.ambiguity);
     CHECK(rows[i].allowed == worst.allowed);
     CHECK(rows[i].judged == worst.judged);
     CHECK(rows[i].flips == worst.flips);
@@ -132,10 +133,10 @@ TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
     cli::StressResults results;
     results.rows = {rows[i]};
     const auto json = nlohmann::json::parse(to_json(results)).at("rows").at(0);
-    CHECK(json.at("ratio") == worst.ratio);
+    CHECK(json.at("strict_normalised_error") == worst.strict_normalised_error);
     CHECK(json.at("psnr_db") == worst.psnr_db);
     CHECK(json.at("max_abs") == worst.max_abs);
-    CHECK(json.at("loosest") == worst.loosest);
+    CHECK(json.at("ambiguity") == worst.ambiguity);
     CHECK(json.at("allowed") == worst.allowed);
     CHECK(json.at("judged") == worst.judged);
   }
@@ -146,7 +147,8 @@ TEST_CASE("stress: a renderer that is off by a thousandth is named and the exact
   CHECK(message_of(options, entries<PerPixel>()) == "");
   const std::string message = message_of(options, entries<PerPixel, Off>());
   CAPTURE(message);
-  CHECK(message.starts_with("stress: expected an excess up to 10; 1 of 2 rows are above, the worst "));
+  CHECK(
+      message.starts_with("stress: expected a normalised error up to 10; 1 of 2 rows are above, the worst "));
   CHECK(message.find("serial/early/off-by-a-thousandth/ellipse on needles at 1e10") != message.npos);
 }
 
@@ -157,17 +159,18 @@ TEST_CASE("stress: a search names the renderer that is off by a thousandth and w
   CHECK(message_of(options, entries<PerPixel>()) == "");
   const std::string message = message_of(options, entries<PerPixel, Off>());
   CAPTURE(message);
-  CHECK(message.starts_with("stress: expected an excess up to 10; 1 of 4 rows are above, the worst "));
+  CHECK(
+      message.starts_with("stress: expected a normalised error up to 10; 1 of 4 rows are above, the worst "));
   CHECK(message.ends_with(" of serial/early/off-by-a-thousandth/ellipse on on-stops"));
   const auto rows = test::json_in(place / "r.json").at("rows");
   REQUIRE(rows.size() == 4);
-  CHECK(rows[2].at("excess") > 10);
+  CHECK(rows[2].at("normalised_error") > 10);
   CHECK(rows[2].at("plane") == "colour");
   CHECK(rows[2].at("case").at("gaussians").size() > 0);
   CHECK(message_of(options, entries<Throwing>()).ends_with("throwing/ellipse on on-stops: no \"memory\""));
 }
 
-TEST_CASE("stress: a frame with a value that is no number has an infinite ratio") {
+TEST_CASE("stress: a frame with a value that is no number has an infinite normalised error") {
   const cli::StressOptions options = options_of("needles", "max", 1);
   const std::string message = message_of(options, entries<Off, NoNumber, PerPixel>());
   CAPTURE(message);
@@ -177,7 +180,7 @@ TEST_CASE("stress: a frame with a value that is no number has an infinite ratio"
   cli::StressResults results;
   results.rows = cli::Sweep(entries<NoNumber>(), 2, 1).run({&stress_families().front(), 1e4, {}}, progress);
   const auto row = nlohmann::json::parse(to_json(results)).at("rows").at(0);
-  CHECK(row.at("ratio").is_null());
+  CHECK(row.at("strict_normalised_error").is_null());
   CHECK(row.at("max_abs").is_null());
   CHECK(row.at("failed") == 0);
 }
@@ -199,14 +202,14 @@ TEST_CASE("stress: a renderer that throws has a row with its message and the oth
   CHECK(rows[0].at("error") == "seed 1: no \"memory\"");
   CHECK(rows[0].at("worst_seed") == 2);
   CHECK(rows[1].at("failed") == 0);
-  CHECK(rows[1].at("ratio") <= 10);
+  CHECK(rows[1].at("strict_normalised_error") <= 10);
   CHECK(rows[2].at("failed") == 1);
 
   frames_of_throwing = 0;
   options.seeds = 1, options.severities = "100";
   CHECK(message_of(options, entries<Throwing>()) != "");
   const auto row = test::json_in(place / "r.json").at("rows").at(0);
-  for (const char* number : {"ratio", "psnr_db", "max_abs", "loosest", "worst_seed"})
+  for (const char* number : {"strict_normalised_error", "psnr_db", "max_abs", "ambiguity", "worst_seed"})
     CHECK(row.at(number).is_null());
 }
 

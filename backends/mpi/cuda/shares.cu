@@ -10,7 +10,7 @@
 namespace swiftgs {
 
 template <BoundsPolicy Bounds>
-void share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const BandCuts& cuts,
+void share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const StripCuts& cuts,
                Splats<Cuda>& splats, Footprints<Cuda>& footprints, Shares<Cuda>& shares) {
   kernels::run_share_out(cuda, plan, bounds, cuts, splats, footprints, shares);
 }
@@ -20,7 +20,7 @@ namespace {
 template <class F>
 using Loop = void (Cuda::*)(Count, const F&) const;
 template <class Bounds>
-using ShareOut = void (*)(Cuda&, const FramePlan&, const Bounds&, const BandCuts&, Splats<Cuda>&,
+using ShareOut = void (*)(Cuda&, const FramePlan&, const Bounds&, const StripCuts&, Splats<Cuda>&,
                           Footprints<Cuda>&, Shares<Cuda>&);
 
 template <class... F>

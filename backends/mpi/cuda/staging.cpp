@@ -34,12 +34,12 @@ FrameReport await_shares(Cuda& cuda, Shares<Cuda>& shares) {
   for (std::size_t r = 1; r < shares.begins.size(); ++r) {
     // Sums are of 32 bits. Those for one rank fit, so a sum that falls has wrapped.
     if (posted[r] < posted[r - 1])
-      require_indices("splats for the first bands", (std::uint64_t(1) << 32) + posted[r]);
+      require_indices("splats for the first strips", (std::uint64_t(1) << 32) + posted[r]);
     shares.begins[r] = posted[r];
   }
   const std::size_t all = std::size_t(shares.begins.back());
   if (all > shares.capacity)
-    shares.capacity = std::min<std::size_t>(with_room(all), std::numeric_limits<std::uint32_t>::max()),
+    shares.capacity = std::min<std::size_t>(with_spare(all), std::numeric_limits<std::uint32_t>::max()),
     report.overflowed = 1;
   else
     shares.splats.set_count(all);

@@ -22,18 +22,18 @@ class RendererEntry(NamedTuple):
 
 
 class Statistics(NamedTuple):
-    """Counts of a frame. Those from `instances_visited` on are 0 unless the frame was drawn with `counts=True`."""
+    """Counts of a frame. Those from `intersections_visited` on are 0 unless the frame was drawn with `counts=True`."""
 
     gaussians: int  #: in the scene
     visible: int  #: projected to splats
-    instances: int  #: pairs of splat and tile
-    instances_visited: int  #: before all pixels of their square had stopped
-    rows_visited: int  #: rows of pixels on which an instance was evaluated
+    intersections: int  #: pairs of splat and tile
+    intersections_visited: int  #: before all pixels of their raster block had stopped
+    rows_visited: int  #: rows of pixels on which an intersection was evaluated
     contributing_pairs: int  #: pairs of pixel and splat that were blended
     pixels_stopped: int  #: pixels that ended before their list
-    pieces: int  #: of long lists, blended apart from each other
-    pixels_joined: int  #: pixels of those pieces that were joined with what lies in front
-    longest_item: int  #: most instances that one core, warp or block worked off alone
+    segments: int  #: of long lists, blended apart from each other
+    pixels_joined: int  #: pixels of those segments that were joined with what lies in front
+    longest_item: int  #: most intersections that one core, warp or block worked off alone
     balanced_ms: float  #: the raster stage if its work were shared out evenly
 
 
@@ -81,8 +81,8 @@ def best_renderer(backend: Optional[str] = None) -> str:
 class Renderer:
     """Draws frames of the scene that it was given.
 
-    It keeps its memory: a frame no larger than an earlier one allocates nothing. Calls from several threads take turns;
-    a renderer for each thread draws at once with others.
+    It keeps its memory: a frame no larger than an earlier one allocates nothing. Calls from several threads run one
+    after another; a renderer for each thread draws at once with others.
 
     >>> renderer = Renderer("cpu", scene=Scene.builtin())
     >>> renderer.render(Camera.builtin()).save("frame.png")

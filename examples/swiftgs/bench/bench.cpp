@@ -41,7 +41,7 @@ struct BenchOptions {
 constexpr const char* bench_help =
     R"(SCENE is builtin, builtin:N, a file of Gaussians, or the folder of a capture: one such file with
 cameras beside it, and photographs in photos. Lists are separated by commas; every combination is
-measured. Frames are not copied from the GPU. Renderers take turns in a random order. Each is timed
+measured. Frames are not copied from the GPU. Renderers alternate in a random order. Each is timed
 until its median is as certain as --precision asks, or until --max-frames are drawn.
 --gaussians splits or thins a scene, --enlarge multiplies the scales of its Gaussians.
 With --batch N a frame has N views, the one that a row is of and those after it, and the row's

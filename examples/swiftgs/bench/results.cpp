@@ -63,9 +63,10 @@ Json json_of(const RowResult& r) {
   json["max_abs"] = rounded(errors.max_abs);
   json["cut_psnr_db"] = errors.cut_psnr_db ? rounded(*errors.cut_psnr_db) : Json();
   add_photo(json, r.photo);
-  json["visible"] = r.visible, json["instances"] = r.instances;
+  json["visible"] = r.visible, json["intersections"] = r.intersections;
   json["contributing_pairs"] = r.contributing_pairs;
-  json["pieces"] = r.pieces, json["pixels_joined"] = r.pixels_joined, json["longest_item"] = r.longest_item;
+  json["segments"] = r.segments, json["pixels_joined"] = r.pixels_joined,
+  json["longest_item"] = r.longest_item;
   json["counted_ms"] = json_of(r.counted_ms);
   json["bytes"] = {{"project", r.bytes.project}, {"sort", r.bytes.sort}, {"raster", r.bytes.raster}};
   json["device_bytes"] = r.device_bytes, json["host_bytes"] = r.host_bytes;

@@ -81,8 +81,8 @@ struct RowResult {
   Durations ms;
   std::optional<Errors> errors;
   std::optional<PhotoErrors> photo;
-  std::uint64_t visible = 0, instances = 0, contributing_pairs = 0;
-  std::uint64_t pieces = 0, pixels_joined = 0, longest_item = 0;
+  std::uint64_t visible = 0, intersections = 0, contributing_pairs = 0;
+  std::uint64_t segments = 0, pixels_joined = 0, longest_item = 0;
   CountedTimes counted_ms;
   StageMemory bytes;
   std::uint64_t device_bytes = 0, host_bytes = 0;
@@ -90,7 +90,7 @@ struct RowResult {
 
   static auto members(auto& self) {
     return std::tie(self.place, self.threads, self.renderer, self.frames, self.batch, self.ms, self.errors,
-                    self.photo, self.visible, self.instances, self.contributing_pairs, self.pieces,
+                    self.photo, self.visible, self.intersections, self.contributing_pairs, self.segments,
                     self.pixels_joined, self.longest_item, self.counted_ms, self.bytes, self.device_bytes,
                     self.host_bytes, self.image, self.error_image);
   }

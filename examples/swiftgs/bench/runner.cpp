@@ -27,8 +27,8 @@ std::uint64_t device_bytes(const AnyRenderer& renderer) {
   return use ? use->in_use : 0;
 }
 
-/// Whether there is room for `like` where it takes as many `bytes`.
-bool has_room(const AnyRenderer& like, std::uint64_t bytes) {
+/// Whether the memory of `like`'s machine or device has as many `bytes` left.
+bool fits_memory(const AnyRenderer& like, std::uint64_t bytes) {
   const std::optional<MemoryUse> use = like.device_memory();
   const bool on_device = !use || use->total - use->in_use > bytes + spare_bytes;
   return on_device && available_memory() > bytes + spare_bytes;
@@ -37,7 +37,7 @@ bool has_room(const AnyRenderer& like, std::uint64_t bytes) {
 }  // namespace
 
 void Runner::run(const Session& session) {
-  // As many renderers take turns as there is memory for.
+  // As many renderers alternate as fit the memory.
   for (std::size_t first = 0; first < entries_.size();) {
     std::vector<Subject> subjects = prepare(session, first);
     // Processes that share the views count on as one.
@@ -79,7 +79,7 @@ std::vector<Runner::Subject> Runner::prepare(const Session& session, std::size_t
     progress_.start("warm up " + std::string(entries_[i].name));
     Subject subject{entries_[i].make()};
     AnyRenderer& renderer = *subject.renderer;
-    if (!subjects.empty() && !has_room(renderer, largest)) break;
+    if (!subjects.empty() && !fits_memory(renderer, largest)) break;
     if (std::none_of(subjects.begin(), subjects.end(),
                      [&](const Subject& other) { return renderer.share_scene(*other.renderer); }))
       renderer.set_scene(session.gaussians);
@@ -154,9 +154,9 @@ RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subj
   // The second frame is timed: the first has kernels loaded and warms caches.
   for (int i = 0; i < 2; ++i) renderer.render_resident(camera, counting);
   const Statistics counts = renderer.statistics();
-  row.visible = counts.visible, row.instances = counts.instances;
+  row.visible = counts.visible, row.intersections = counts.intersections;
   row.contributing_pairs = counts.raster.contributing_pairs;
-  row.pieces = counts.raster.pieces, row.pixels_joined = counts.raster.pixels_joined;
+  row.segments = counts.raster.segments, row.pixels_joined = counts.raster.pixels_joined;
   row.longest_item = counts.raster.longest_item;
   row.counted_ms = {renderer.times(), counts};
 

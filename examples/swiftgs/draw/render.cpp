@@ -61,11 +61,11 @@ void print(const RenderResult& result) {
   };
   line("Gaussians", s.gaussians);
   line("visible", s.visible);
-  line("instances", s.instances);
-  std::printf("  %-32s %.2f\n", "instances a visible Gaussian", s.instances_a_visible());
+  line("intersections", s.intersections);
+  std::printf("  %-32s %.2f\n", "intersections a visible Gaussian", s.intersections_a_visible());
   line("contributing pairs", s.raster.contributing_pairs);
   line("pixels stopped early", s.raster.pixels_stopped);
-  line("pieces of long lists", s.raster.pieces);
+  line("segments of long lists", s.raster.segments);
   line("longest item", s.raster.longest_item);
   std::printf("  %-32s %.3f\n", "raster while counting, ms", times.raster);
   std::printf("  %-32s %.3f\n", "balanced, ms", times.balanced);

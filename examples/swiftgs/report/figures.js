@@ -47,7 +47,7 @@ function figuresOfGrowth(rows, files) {
   });
 }
 
-/// Ratios on hard frames, one figure for each backend, of the first image size, sort and bounds of each.
+/// Normalised errors on hard frames, one figure for each backend, of the first image size, sort and bounds of each.
 function figuresOfStress(files) {
   const rows = stress.rowsOf(files);
   return [...stats.groupsOf(rows, row => row.backend)].map(([backend, some]) => {
@@ -56,7 +56,7 @@ function figuresOfStress(files) {
     const device = backend === 'cuda' ? file.machine.gpu : file.machine.cpu;
     return {name: `stability-${backend === 'cuda' ? 'gpu' : backend}`,
             title: `Error over what rounding may cost: ${stressSize(some[0])}, worst of ${some[0].seeds}, ${device}`,
-            specify: look => stressPlots.ratios(stress.panels(chosen), one => one.backend, look)};
+            specify: look => stressPlots.normalised(stress.panels(chosen), one => one.backend, look)};
   });
 }
 

@@ -62,7 +62,7 @@ const page = (() => {
     number('speed-up', record => stats.speedup(record, record.among, wanted.baseline, wanted.clock)),
     number('PSNR dB', record => record.psnr, format.psnr), number('SSIM', record => record.ssim, format.ssim),
     number('largest error', record => record.max_abs), number('visible', record => record.visible, format.count),
-    number('instances', record => record.instances, format.count),
+    number('intersections', record => record.intersections, format.count),
     number('blended pairs', record => record.contributing_pairs, format.count),
     number('memory', record => record.bytes, format.bytes),
   ], list);
@@ -84,7 +84,7 @@ const page = (() => {
       amount('SSIM', 'ssim', format.ssim), amount('largest error', 'max_abs'),
       amount('PSNR with the same cut', 'cut_psnr_db', format.psnr),
       amount('photo PSNR', 'photo_psnr_db', format.psnr), amount('photo SSIM', 'photo_ssim', format.ssim),
-      amount('visible', 'visible', format.count), amount('instances', 'instances', format.count),
+      amount('visible', 'visible', format.count), amount('intersections', 'intersections', format.count),
       amount('blended pairs', 'contributing_pairs', format.count),
       ...stats.stages.map(stage => number(`${stage} memory`, row => row.bytes?.[stage] ?? null, format.bytes)),
       amount('device memory', 'device_bytes', format.bytes), amount('host memory', 'host_bytes', format.bytes),

@@ -57,7 +57,7 @@ const plots = (() => {
       name => [name + (name === clock ? ' (shown)' : ''), format.short(record.ms[name].median) + ' ms'])),
     PSNR: record.psnr === null ? 'not measured' : format.psnr(record.psnr) + ' dB',
     ...(record.max_abs === null ? {} : {'largest error': format.short(record.max_abs)}),
-    ...(record.instances === null ? {} : {instances: format.count(record.instances)}),
+    ...(record.intersections === null ? {} : {intersections: format.count(record.intersections)}),
     ...more,
   });
 

@@ -28,10 +28,10 @@ const scaling = (() => {
       applies: row => row.backend !== 'cuda' && row.backend !== 'serial',
     },
     occupancy: {
-      title: 'Instances a tile', unit: 'instances a tile', level: row => row.enlarge,
-      value: row => row.instances / tilesOf(row),
+      title: 'Intersections a tile', unit: 'intersections a tile', level: row => row.enlarge,
+      value: row => row.intersections / tilesOf(row),
       held: ['gaussians', 'scale', 'width', 'height', 'threads'],
-      applies: row => row.instances > 0,
+      applies: row => row.intersections > 0,
     },
   };
 

@@ -85,7 +85,7 @@ const stats = (() => {
       psnr: meanPsnr(rows.map(row => row.psnr)), ssim: of('ssim'),
       max_abs: differences.length ? Math.max(...differences) : null,
       measured: known(rows.map(row => row.psnr)).length,
-      visible: of('visible'), instances: of('instances'), contributing_pairs: of('contributing_pairs'),
+      visible: of('visible'), intersections: of('intersections'), contributing_pairs: of('contributing_pairs'),
       bytes: device === null && host === null ? null : (device ?? 0) + (host ?? 0),
       stageBytes: rows.every(row => row.bytes) ?
           Object.fromEntries(stages.map(name => [name, mean(rows.map(row => row.bytes[name]))])) : null,

@@ -4,7 +4,7 @@
 // What `swiftgs stress` found, as the page shows it: a panel for each family, a curve for each renderer over the
 // severities. No document is needed here.
 const stress = (() => {
-  /// Ratios up to the first are as good as float can be; from the second on digits were lost.
+  /// Normalised errors up to the first are as good as float can be; from the second on digits were lost.
   const limits = [10, 100];
 
   /// Rows of all files. JSON has no infinity: null is one, unless the renderer failed on every seed and nothing is
@@ -13,8 +13,9 @@ const stress = (() => {
     return files.flatMap((file, index) => file.rows.map(row => {
       const known = row.failed < row.seeds;
       const worst = value => !known ? null : value ?? Infinity;
-      return {...row, file: index, severity: row.severity ?? Infinity, known, ratio: worst(row.ratio),
-              excess: worst(row.excess), max_abs: worst(row.max_abs),
+      return {...row, file: index, severity: row.severity ?? Infinity, known,
+              strict_normalised_error: worst(row.strict_normalised_error),
+              normalised_error: worst(row.normalised_error), max_abs: worst(row.max_abs),
               psnr: known && row.max_abs === 0 ? Infinity : row.psnr_db ?? null};
     }));
   }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 'use strict';
 
-// Small multiples of what stress.js gives: severity across on a log axis, ratio or error up.
+// Small multiples of what stress.js gives: severity across on a log axis, normalised or largest error up.
 const stressPlots = (() => {
   /// Quantities of a panel. What is below `floor` is drawn there, what is above `most` of a panel's domain there.
-  const ratio = {
-    title: 'ratio', value: row => row.ratio, rules: stress.limits,
+  const normalised = {
+    title: 'strict normalised error', value: row => row.strict_normalised_error, rules: stress.limits,
     domain: values => [0.01, Math.max(300, ...values.filter(Number.isFinite).map(value => 1.5 * value))],
   };
   const error = {
@@ -31,9 +31,10 @@ const stressPlots = (() => {
 
   const tipOf = row => ({
     title: row.renderer, family: row.family, severity: stress.severityText(row.severity),
-    ratio: format.short(row.ratio), excess: format.short(row.excess),
+    'strict normalised error': format.short(row.strict_normalised_error),
+    'normalised error': format.short(row.normalised_error),
     'largest error': format.short(row.max_abs),
-    PSNR: format.psnr(row.psnr) + (row.psnr === null ? '' : ' dB'), 'left open': format.short(row.loosest),
+    PSNR: format.psnr(row.psnr) + (row.psnr === null ? '' : ' dB'), 'left open': format.short(row.ambiguity),
     'worst seed': row.worst_seed, ...(row.failed ? {failed: `${row.failed} of ${row.seeds}`} : {}),
   });
 
@@ -102,11 +103,11 @@ const stressPlots = (() => {
     const cells = list.flatMap(one => quantities.map(quantity => ({one, quantity})));
     const curves = list.flatMap(one => one.curves);
     const rasters = style.inOrder(curves.map(curve => curve.raster)), lines = style.inOrder(curves.map(line));
-    const ratios = list.flatMap(one => one.curves.flatMap(curve => curve.points.map(ratio.value)));
-    const shared = ratio.domain(ratios);
+    const errors = list.flatMap(one => one.curves.flatMap(curve => curve.points.map(normalised.value)));
+    const shared = normalised.domain(errors);
     return {
       ...plots.base(look,
-                    `Ratios and errors of ${rasters.length} rasterizers on ${list.length} families of hard frames`,
+                    `Errors of ${rasters.length} rasterizers on ${list.length} families of hard frames`,
                     box.height * Math.ceil(cells.length / columns)),
       scales: [
         {name: 'colour', type: 'ordinal', domain: rasters, range: style.colours(rasters, theme)},
@@ -121,12 +122,12 @@ const stressPlots = (() => {
       ],
       marks: cells.map(({one, quantity}, i) => panel(
         one, quantity, {...box, x: i % columns * box.width, y: Math.floor(i / columns) * box.height},
-        quantity === ratio ? shared : null, line, look)),
+        quantity === normalised ? shared : null, line, look)),
     };
   }
 
   return {
-    pairs: (list, line, look) => grid(list, [ratio, error], 2, line, look),
-    ratios: (list, line, look) => grid(list, [ratio], 4, line, look),
+    pairs: (list, line, look) => grid(list, [normalised, error], 2, line, look),
+    normalised: (list, line, look) => grid(list, [normalised], 4, line, look),
   };
 })();

@@ -24,9 +24,11 @@ Json json_of(const StressRow& r) {
             {"error", r.error.empty() ? Json() : Json(r.error)}};
   const bool drawn = r.failed < r.seeds;
   const auto number = [&](const char* name, const auto& value) { json[name] = drawn ? Json(value) : Json(); };
-  number("ratio", r.ratio), number("excess", r.excess), number("depth_excess", r.depth_excess);
+  number("strict_normalised_error", r.strict_normalised_error),
+      number("normalised_error", r.normalised_error),
+      number("normalised_depth_error", r.normalised_depth_error);
   number("psnr_db", r.psnr_db), number("max_abs", r.max_abs);
-  number("flips", r.flips), number("loosest", r.loosest), number("allowed", r.allowed),
+  number("flips", r.flips), number("ambiguity", r.ambiguity), number("allowed", r.allowed),
       number("judged", r.judged);
   number("worst_seed", r.worst_seed), number("worst_pixel", r.worst_pixel);
   return json;

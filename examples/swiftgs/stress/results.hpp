@@ -12,8 +12,8 @@
 /// What `stress` finds, as docs/results.md describes its file, member by member.
 namespace swiftgs::cli {
 
-/// The ratio of `StressVerdict` above which a renderer is not trusted, and the excess above which it breaks
-/// what its form of the exponent promises.
+/// A renderer is not trusted if its strict normalised error is above this. It breaks the promise of its
+/// exponent representation if its normalised error is.
 inline constexpr double stress_gate = 10;
 
 /// One renderer on a family at one severity and image size: the worst over the seeds.
@@ -25,7 +25,8 @@ struct StressRow {
   int seeds = 0;   ///< that were drawn or tried
   int failed = 0;  ///< of these, where the renderer threw
 
-  double ratio = 0, excess = 0, depth_excess = 0, psnr_db = 0, max_abs = 0, loosest = 0;
+  double strict_normalised_error = 0, normalised_error = 0, normalised_depth_error = 0, psnr_db = 0,
+         max_abs = 0, ambiguity = 0;
   double allowed = 0;       ///< as in `StressVerdict`
   double judged = 1;        ///< least share of pixels that are judged, as in `StressVerdict`
   std::uint64_t flips = 0;  ///< sum over the seeds
@@ -35,16 +36,16 @@ struct StressRow {
 
   static auto members(auto& self) {
     return std::tie(self.family, self.severity_label, self.severity, self.width, self.height, self.renderer,
-                    self.seeds, self.failed, self.ratio, self.excess, self.depth_excess, self.psnr_db,
-                    self.max_abs, self.loosest, self.allowed, self.judged, self.flips, self.worst_seed,
-                    self.worst_pixel, self.error);
+                    self.seeds, self.failed, self.strict_normalised_error, self.normalised_error,
+                    self.normalised_depth_error, self.psnr_db, self.max_abs, self.ambiguity, self.allowed,
+                    self.judged, self.flips, self.worst_seed, self.worst_pixel, self.error);
   }
   /// Whether every seed was drawn about as exactly as floats can. NaN is not.
-  bool is_exact() const { return failed == 0 && ratio <= stress_gate; }
-  /// Whether the form of the exponent may err by more than a picture of 8 bits hides.
+  bool is_exact() const { return failed == 0 && strict_normalised_error <= stress_gate; }
+  /// Whether the exponent representation may err by more than a picture of 8 bits hides.
   bool may_show() const { return allowed > 1.0 / 255; }
-  /// Whether every seed was drawn within what the renderer's form of the exponent promises.
-  bool keeps_promise() const { return failed == 0 && excess <= stress_gate; }
+  /// Whether every seed was drawn within what the renderer's exponent representation promises.
+  bool keeps_promise() const { return failed == 0 && normalised_error <= stress_gate; }
 };
 
 struct StressResults {

@@ -62,7 +62,7 @@ std::vector<SearchRow> rows_of_search(const StressSearch& search) {
                         .family = std::string(search.families()[family].name),
                         .plane = plane == StressSearch::colour ? "colour" : "depth",
                         .tries = search.tries(),
-                        .excess = worst.excess,
+                        .normalised_error = worst.normalised_error,
                         .error = worst.error,
                         .drawn = case_text(worst.drawn)});
       }
@@ -84,7 +84,7 @@ void join(std::vector<SearchRow>& rows) {
     }
     SearchRow& known = rows[number];
     const std::uint64_t tries = known.tries + row.tries;
-    if (row.excess > known.excess) known = std::move(row);
+    if (row.normalised_error > known.normalised_error) known = std::move(row);
     known.tries = tries;
   }
 }
@@ -109,14 +109,14 @@ void require_promises(const std::vector<SearchRow>& rows) {
   const SearchRow* worst = nullptr;
   std::size_t above = 0;
   for (const SearchRow& row : rows) {
-    above += row.excess > stress_gate;
-    if (!worst || row.excess > worst->excess) worst = &row;
+    above += row.normalised_error > stress_gate;
+    if (!worst || row.normalised_error > worst->normalised_error) worst = &row;
   }
   if (above == 0) return;
-  throw std::runtime_error("stress: expected an excess up to 10; " + std::to_string(above) + " of " +
+  throw std::runtime_error("stress: expected a normalised error up to 10; " + std::to_string(above) + " of " +
                            std::to_string(rows.size()) + " rows are above, the worst " +
-                           ratio_text(worst->excess) + " of " + worst->renderer + " on " + worst->family +
-                           (worst->error.empty() ? "" : ": " + worst->error));
+                           error_text(worst->normalised_error) + " of " + worst->renderer + " on " +
+                           worst->family + (worst->error.empty() ? "" : ": " + worst->error));
 }
 
 }  // namespace

@@ -49,11 +49,16 @@ Json json_of(const Scene& scene, std::size_t i) {
 
 Json json_of(const SearchRow& row) {
   const RendererWords words(row.renderer);
-  return {{"family", row.family},     {"renderer", row.renderer},
-          {"backend", words.backend}, {"sort", words.sort},
-          {"raster", words.raster},   {"bounds", words.bounds},
-          {"plane", row.plane},       {"tries", row.tries},
-          {"excess", row.excess},     {"error", row.error.empty() ? Json() : Json(row.error)}};
+  return {{"family", row.family},
+          {"renderer", row.renderer},
+          {"backend", words.backend},
+          {"sort", words.sort},
+          {"raster", words.raster},
+          {"bounds", words.bounds},
+          {"plane", row.plane},
+          {"tries", row.tries},
+          {"normalised_error", row.normalised_error},
+          {"error", row.error.empty() ? Json() : Json(row.error)}};
 }
 
 }  // namespace
@@ -82,15 +87,17 @@ void print_search(const std::vector<SearchRow>& rows) {
     const std::string& renderer = rows[begin].renderer;
     std::vector<const SearchRow*> shown;
     for (; end < rows.size() && rows[end].renderer == renderer; ++end) shown.push_back(&rows[end]);
-    std::stable_sort(shown.begin(), shown.end(),
-                     [](const SearchRow* a, const SearchRow* b) { return a->excess > b->excess; });
-    std::printf("%s%s: worst excess %s in %llu frames\n", begin > 0 ? "\n" : "", renderer.c_str(),
-                ratio_text(shown.front()->excess).c_str(),
+    std::stable_sort(shown.begin(), shown.end(), [](const SearchRow* a, const SearchRow* b) {
+      return a->normalised_error > b->normalised_error;
+    });
+    std::printf("%s%s: worst normalised error %s in %llu frames\n", begin > 0 ? "\n" : "", renderer.c_str(),
+                error_text(shown.front()->normalised_error).c_str(),
                 static_cast<unsigned long long>(rows[begin].tries));
     shown.resize(std::min(shown.size(), most_shown));
     for (const SearchRow* row : shown)
-      std::printf("  %10s of %-6s from %s%s%s\n", ratio_text(row->excess).c_str(), row->plane.c_str(),
-                  row->family.c_str(), row->error.empty() ? "" : ": ", row->error.c_str());
+      std::printf("  %10s of %-6s from %s%s%s\n", error_text(row->normalised_error).c_str(),
+                  row->plane.c_str(), row->family.c_str(), row->error.empty() ? "" : ": ",
+                  row->error.c_str());
   }
 }
 

@@ -17,12 +17,13 @@ namespace swiftgs::cli {
 struct SearchRow {
   std::string renderer, family, plane;
   std::uint64_t tries = 0;  ///< frames that were drawn, of all families
-  double excess = 0;
+  double normalised_error = 0;
   std::string error;  ///< what the renderer threw, or what is wrong with its frame; or empty
   std::string drawn;  ///< the frame, as `case_text` has it
 
   static auto members(auto& self) {
-    return std::tie(self.renderer, self.family, self.plane, self.tries, self.excess, self.error, self.drawn);
+    return std::tie(self.renderer, self.family, self.plane, self.tries, self.normalised_error, self.error,
+                    self.drawn);
   }
 };
 

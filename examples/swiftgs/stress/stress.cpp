@@ -26,25 +26,25 @@ constexpr int most_seeds = 1000000;
 
 constexpr const char* stress_help =
     R"(Draws frames that are hard on float arithmetic, and judges them against float64. A family is a
-kind of hard frame, and its severity says how hard. The ratio is a pixel's error over what
-rounding the scene and the arithmetic to float may cost: up to 10 a renderer is about as good
-as float can be, from 100 on it has lost digits.
+kind of hard frame, and its severity says how hard. The strict normalised error is a pixel's error
+over what rounding the scene and the arithmetic to float may cost: up to 10 a renderer is about as
+good as float can be, from 100 on it has lost digits.
 A splat can lie so close to a threshold, or to the depth of another splat, that rounding decides
-whether it is drawn or which is in front. The error that such a decision can cause is subtracted
-before the ratio is taken. 'loose' is the largest share of a pixel's weight that such decisions and
-the form's allowance decide. A pixel is not judged if they decide all of it; 'judged' is the share
-of pixels that are. The excess is the ratio after the error that the rasterizer's form of the
-exponent is allowed is subtracted too. Only the split forms are allowed one. A warning names the
-renderers and families in which that error may be more than 1/255 of a colour.
+whether it is drawn or which is in front. Such a pixel is ambiguous, and the error that the decision
+can cause is subtracted first. A rasterizer's exponent representation may be allowed an error too;
+only the split representations are. The normalised error subtracts it, the strict one does not. A
+warning names the renderers and families in which it may be more than 1/255 of a colour.
+'ambiguity' is the largest share of a pixel's weight that such decisions and the allowed error decide.
+A pixel is not judged if they decide all of it; 'judged' is the share of pixels that are.
 --search SECONDS climbs instead: it changes small frames of all families, and of lone Gaussians that
 point at the camera, and keeps what is drawn worse. Where sorts differ alone, frames must be equal.
 --json writes the worst frames with all digits. The frames follow from --seed; how many there are
 depends on the time.
 --severity is all, max, or numbers in the units of each family. The columns are rasterizers;
 docs/results.md describes the JSON.
-Exit code 0: every excess is 10 or less. Exit code 1: an excess is above 10, a renderer failed,
-or an option is wrong; the last line on standard error says which. Bounds that cut splats, as
-three-sigma-square does, do not pass.
+Exit code 0: every normalised error is 10 or less. Exit code 1: a normalised error is above 10, a
+renderer failed, or an option is wrong; the last line on standard error says which. Bounds that cut
+splats, as three-sigma-square does, do not pass.
 
 Examples:
   swiftgs stress --json stress.json
@@ -52,15 +52,15 @@ Examples:
   swiftgs stress --families needles --severity 1e3,1e5 --seeds 64 --size 64x48,960x540
   swiftgs stress --search 60 --renderers 'serial/*/per-pixel/ellipse' --json worst.json)";
 
-/// Throws unless every renderer keeps what its form promises.
+/// Throws unless every renderer keeps what its exponent representation promises.
 void require_promises(const std::vector<StressRow>& rows) {
   std::size_t above = 0, failed = 0;
   const StressRow *worst = nullptr, *failure = nullptr;
   for (const StressRow& row : rows) {
     if (row.failed > 0) ++failed, failure = failure ? failure : &row;
-    if (row.failed == row.seeds || row.excess <= stress_gate) continue;
+    if (row.failed == row.seeds || row.normalised_error <= stress_gate) continue;
     ++above;
-    if (!worst || !(row.excess <= worst->excess)) worst = &row;
+    if (!worst || !(row.normalised_error <= worst->normalised_error)) worst = &row;
   }
   const auto case_of = [](const StressRow& row) {
     return row.renderer + " on " + row.family + " at " + severity_text(row.severity);
@@ -70,8 +70,9 @@ void require_promises(const std::vector<StressRow>& rows) {
     throw std::runtime_error("stress: renderers failed in " + std::to_string(failed) + of_rows + ", first " +
                              case_of(*failure) + ", " + failure->error);
   if (worst)
-    throw std::runtime_error("stress: expected an excess up to 10; " + std::to_string(above) + of_rows +
-                             " are above, the worst " + ratio_text(worst->excess) + " of " + case_of(*worst));
+    throw std::runtime_error("stress: expected a normalised error up to 10; " + std::to_string(above) +
+                             of_rows + " are above, the worst " + error_text(worst->normalised_error) +
+                             " of " + case_of(*worst));
 }
 
 }  // namespace

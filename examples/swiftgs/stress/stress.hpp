@@ -23,8 +23,8 @@ struct StressOptions {
 };
 
 /// Runs the command with renderers of any table: prints tables and writes the file. Throws
-/// `std::invalid_argument` for options that make no sense, and afterwards `std::runtime_error` where a ratio
-/// is above `stress_gate` or a renderer threw.
+/// `std::invalid_argument` for options that make no sense, and afterwards `std::runtime_error` where a
+/// normalised error is above `stress_gate` or a renderer threw.
 void stress(const StressOptions& options, const std::vector<RendererEntry>& entries);
 
 }  // namespace swiftgs::cli

@@ -17,13 +17,17 @@ bool is_worse(double value, double known) { return !std::isnan(known) && !(value
 
 void add(StressRow& row, const StressVerdict& verdict, std::uint64_t seed) {
   const bool first = row.seeds - row.failed == 1;
-  if (first || is_worse(verdict.ratio, row.ratio))
-    row.ratio = verdict.ratio, row.worst_seed = seed, row.worst_pixel = verdict.worst_pixel;
-  if (is_worse(verdict.excess, row.excess)) row.excess = verdict.excess;
-  if (is_worse(verdict.depth_excess, row.depth_excess)) row.depth_excess = verdict.depth_excess;
+  if (first || is_worse(verdict.strict_normalised_error, row.strict_normalised_error))
+    row.strict_normalised_error = verdict.strict_normalised_error, row.worst_seed = seed,
+    row.worst_pixel = verdict.worst_pixel;
+  if (is_worse(verdict.normalised_error, row.normalised_error))
+    row.normalised_error = verdict.normalised_error;
+  if (is_worse(verdict.normalised_depth_error, row.normalised_depth_error))
+    row.normalised_depth_error = verdict.normalised_depth_error;
   if (is_worse(-verdict.psnr_db, -row.psnr_db)) row.psnr_db = verdict.psnr_db;
   if (is_worse(verdict.max_abs, row.max_abs)) row.max_abs = verdict.max_abs;
-  row.loosest = std::max(row.loosest, verdict.loosest), row.allowed = std::max(row.allowed, verdict.allowed);
+  row.ambiguity = std::max(row.ambiguity, verdict.ambiguity),
+  row.allowed = std::max(row.allowed, verdict.allowed);
   row.judged = std::min(row.judged, verdict.judged);
   row.flips += verdict.flips;
 }
@@ -69,7 +73,7 @@ void Sweep::draw_seed(const StressPoint& point, std::uint64_t seed, std::vector<
       if (!subject.renderer) subject.renderer = subject.entry.make();
       subject.renderer->set_scene(scene);
       subject.renderer->render(made.camera, settings, frame);
-      add(rows[i], judge(reference, frame, exponent_form_named(subject.entry.name)), seed);
+      add(rows[i], judge(reference, frame, exponent_representation_named(subject.entry.name)), seed);
     } catch (const std::exception& error) {
       if (rows[i].failed++ == 0) rows[i].error = "seed " + std::to_string(seed) + ": " + error.what();
       subject.renderer.reset();

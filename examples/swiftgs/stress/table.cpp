@@ -52,16 +52,16 @@ std::string exact_up_to(const Rows& rows) {
 /// How much of a pixel is open or, where that is all of some, how much of the image is judged.
 std::string openness(const StressRow& row) {
   if (row.judged < 1) return number(row, "judged %.1f%%", std::floor(1000 * row.judged) / 10);
-  return number(row, "loose %.2g", row.loosest);
+  return number(row, "ambiguity %.2g", row.ambiguity);
 }
 
 /// The three lines of a cell: rows of one renderer on one family.
 std::vector<std::string> cell_of(const Rows& rows) {
   const StressRow& last = *rows.back();
-  const std::string ratio = last.failed == last.seeds ? "failed"
-                            : last.judged > 0         ? ratio_text(last.ratio)
+  const std::string error = last.failed == last.seeds ? "failed"
+                            : last.judged > 0         ? error_text(last.strict_normalised_error)
                                                       : "not judged";
-  return {exact_up_to(rows) + "  " + ratio,
+  return {exact_up_to(rows) + "  " + error,
           number(last, "%.1e", last.max_abs) + " " + number(last, "%.0f dB", last.psnr_db), openness(last)};
 }
 
@@ -118,7 +118,7 @@ void print_block(const Rows& rows) {
 
 /// From where on one renderer loses digits, in a line.
 void print_verdict(const Rows& rows) {
-  const StressRow *worst = nullptr, *loosest = nullptr;
+  const StressRow *worst = nullptr, *most_ambiguous = nullptr;
   std::string stops;
   std::size_t families = 0;
   for (const Rows& family : grouped(rows, [](const StressRow& row) { return row.family; })) {
@@ -131,21 +131,22 @@ void print_verdict(const Rows& rows) {
   }
   for (const StressRow* row : rows) {
     if (row->failed == row->seeds) continue;
-    if (!worst || !(row->ratio <= worst->ratio)) worst = row;
-    if (!loosest || row->loosest > loosest->loosest) loosest = row;
+    if (!worst || !(row->strict_normalised_error <= worst->strict_normalised_error)) worst = row;
+    if (!most_ambiguous || row->ambiguity > most_ambiguous->ambiguity) most_ambiguous = row;
   }
   if (stops.empty())
     stops = "exact in " + std::to_string(families) + (families == 1 ? " family" : " families");
   std::printf("%s: %s", rows.front()->renderer.c_str(), stops.c_str());
   if (worst)
-    std::printf("; worst ratio %s (%s %s, seed %llu); loose up to %.2g (%s %s)",
-                ratio_text(worst->ratio).c_str(), worst->family.c_str(),
+    std::printf("; worst strict normalised error %s (%s %s, seed %llu); ambiguity up to %.2g (%s %s)",
+                error_text(worst->strict_normalised_error).c_str(), worst->family.c_str(),
                 severity_text(worst->severity).c_str(), static_cast<unsigned long long>(worst->worst_seed),
-                loosest->loosest, loosest->family.c_str(), severity_text(loosest->severity).c_str());
+                most_ambiguous->ambiguity, most_ambiguous->family.c_str(),
+                severity_text(most_ambiguous->severity).c_str());
   std::printf("\n");
 }
 
-/// From where on the form of one renderer is allowed errors that show, in a line.
+/// From where on the exponent representation of one renderer is allowed errors that show, in a line.
 void print_warning(const Rows& rows) {
   std::string shown;
   for (const Rows& family : grouped(rows, [](const StressRow& row) { return row.family; })) {
@@ -158,24 +159,26 @@ void print_warning(const Rows& rows) {
         (shown.empty() ? "" : ", ") + (*first)->family + " " + severity_text((*first)->severity) + weight;
   }
   if (!shown.empty())
-    std::printf("warning: %s: its form may err by more than 1/255 of a colour from %s; expected less\n",
-                rows.front()->renderer.c_str(), shown.c_str());
+    std::printf(
+        "warning: %s: its exponent representation may err by more than 1/255 of a colour from %s; "
+        "expected less\n",
+        rows.front()->renderer.c_str(), shown.c_str());
 }
 
 constexpr const char* legend = R"(
-A cell: the largest severity up to which the ratio stays at or below 10 ('-': none) and, at the greatest
-severity, the worst ratio; the largest absolute error and the least PSNR; 'loose', the largest weight that
-the form of the exponent leaves open, of 1 in a pixel. Where ties and thresholds leave all of a pixel open,
-the pixel is not judged; 'judged' is the share of the others in the worst frame.
+A cell: the largest severity up to which the strict normalised error stays at or below 10 ('-': none) and, at
+the greatest severity, the worst one; the largest absolute error and the least PSNR; 'ambiguity', the largest
+weight that the exponent representation leaves open, of 1 in a pixel. Where ties and thresholds leave all of
+a pixel open, the pixel is not judged; 'judged' is the share of the others in the worst frame.
 )";
 
 }  // namespace
 
-std::string ratio_text(double ratio) {
-  if (ratio == 0) return "0";
-  if (!std::isfinite(ratio)) return "inf";
+std::string error_text(double error) {
+  if (error == 0) return "0";
+  if (!std::isfinite(error)) return "inf";
   char text[32];
-  std::snprintf(text, sizeof text, ratio < 10 ? "%.2f" : ratio < 1e5 ? "%.0f" : "%.1e", ratio);
+  std::snprintf(text, sizeof text, error < 10 ? "%.2f" : error < 1e5 ? "%.0f" : "%.1e", error);
   return text;
 }
 

@@ -26,16 +26,15 @@ struct BoxTiles {
 };
 
 /// Policy: which tiles a splat may touch. `tiles` finds the box of those tiles, `rect`, and prepares what its
-/// rows need; `row` then finds the run of columns in one row of the box, within its columns. A run, not a
-/// test a tile, because an ellipse meets a row of tiles in one piece: one evaluation a row decides all.
-/// `lossless` promises that no tile is left out in which a pixel keeps the splat, nor one of which 8x8 pixels
-/// pass the box test of `Cuda`: the ellipse s <= 1.0001 reach meets the box of their centres. `Cuda` cuts
-/// long lists into pieces of such splats. A splat between two rows of pixel centres is listed nowhere,
-/// though.
+/// rows need; `row` then finds the run of columns in one row of the box. An ellipse meets a row of tiles in
+/// one run, so one evaluation per row replaces a test per tile. Conservative bounds include every tile in
+/// which a pixel keeps the splat, and every tile that the 8x8 test of `Cuda` accepts: the ellipse s <= 1.0001
+/// cutoff meets the box of a warp block's pixel centres. `Cuda` cuts long lists into segments of such splats.
+/// A splat between two rows of pixel centres is listed nowhere.
 template <class P>
 concept BoundsPolicy = requires(const P bounds, const SplatShape& shape, TileGrid grid, int row) {
   { P::name } -> std::convertible_to<std::string_view>;
-  { P::lossless } -> std::convertible_to<bool>;
+  { P::conservative } -> std::convertible_to<bool>;
   { bounds.tiles(shape, grid).rect } -> std::convertible_to<TileRect>;
   { bounds.tiles(shape, grid).row(row) } -> std::same_as<TileRun>;
 };
@@ -65,9 +64,9 @@ SWIFTGS_HD inline TileRun tiles_between(float low, float high, int side, TileRun
           clamped_floor(last * inverse_side + 1, among.begin, among.end)};
 }
 
-/// Tiles of `among` whose span from first to last pixel centre meets [low, high] @units{pixels}.
-/// Columns are found so: a rasterizer visits the rows of pixels in which the span meets the ellipse, and
-/// rounded terms may keep a centre there although the ellipse passes between two.
+/// Tiles of `among` whose span from first to last pixel centre meets [low, high] @units{pixels}. For columns:
+/// a rasterizer visits the rows of pixels in which the span meets the ellipse, and rounding may keep a centre
+/// there although the ellipse passes between two.
 SWIFTGS_HD inline TileRun tiles_meeting(float low, float high, int side, TileRun among) {
   const float inverse_side = inverse_of(side);
   const float first = std::ceil((low - (float(side) - 0.5f)) * inverse_side);
@@ -75,18 +74,18 @@ SWIFTGS_HD inline TileRun tiles_meeting(float low, float high, int side, TileRun
   return {clamped_floor(first, among.begin, among.end), clamped_floor(last + 1, among.begin, among.end)};
 }
 
-/// How much a lossless bound is widened, so that rounding never cuts a pixel that a rasterizer keeps.
+/// How much a conservative bound is widened, so that rounding never cuts a pixel that a rasterizer keeps.
 /// @units{pixels}
 SWIFTGS_HD inline float bounds_slack(float half_width, float half_height) {
   return 1e-2f + 1e-4f * (half_width + half_height);
 }
 
-/// Half the height of the ellipse s <= reach @units{pixels}.
+/// Half the height of the ellipse s <= cutoff @units{pixels}.
 SWIFTGS_HD inline float half_height(const SplatShape& shape) {
-  return std::sqrt(shape.reach) * (1 / shape.l2);
+  return std::sqrt(shape.cutoff) * (1 / shape.l2);
 }
 
-/// Tiles that the box of the ellipse s <= reach touches.
+/// Tiles that the box of the ellipse s <= cutoff touches.
 SWIFTGS_HD inline TileRect opacity_box(const SplatShape& shape, TileGrid grid) {
   const float height = half_height(shape), slack = bounds_slack(shape.half_width, height);
   const float x = shape.half_width + slack, y = height + slack;

@@ -6,10 +6,10 @@
 
 namespace swiftgs {
 
-/// Exactly the tiles that the ellipse s <= reach meets.
+/// Exactly the tiles that the ellipse s <= cutoff meets.
 struct SWIFTGS_API Ellipse {
   static constexpr std::string_view name = "ellipse";
-  static constexpr bool lossless = true;
+  static constexpr bool conservative = true;
 
   class Tiles {
    public:
@@ -22,16 +22,15 @@ struct SWIFTGS_API Ellipse {
           inverse_l0_(1 / shape.l0),
           l1_(shape.l1),
           l2_(shape.l2),
-          reach_(shape.reach),
+          cutoff_(shape.cutoff),
           height_(half_height(shape)),
           slack_(bounds_slack(shape.half_width, height_)) {
       const float slope = l1_ * (1 / l2_);
       steepest_ = height_ * slope / std::sqrt(1 + slope * slope);
     }
 
-    /// The part of the ellipse in a row of tiles is convex, so it spans one run of columns. Its left and
-    /// right ends are the ellipse's own where those lie in the row, and on the row's nearer border where they
-    /// do not.
+    /// The part of the ellipse in a row of tiles is convex, so it spans one run of columns. Its ends are the
+    /// ellipse's own if those lie in the row, else they lie on the row's nearer border.
     SWIFTGS_HD TileRun row(int row) const {
       const float top = float(row * side_) + 0.5f - mean_.y - slack_;
       const float bottom = top + float(side_ - 1) + 2 * slack_;
@@ -45,15 +44,15 @@ struct SWIFTGS_API Ellipse {
       y = y < top ? top : y > bottom ? bottom : y;
       return y < -height_ ? -height_ : y > height_ ? height_ : y;
     }
-    /// x = (u - l1 y) / l0 with u^2 + (l2 y)^2 = reach.
+    /// x = (u - l1 y) / l0 with u^2 + (l2 y)^2 = cutoff.
     SWIFTGS_HD float edge(float y, float sign) const {
-      const float v = l2_ * y, rest = reach_ - v * v;
+      const float v = l2_ * y, rest = cutoff_ - v * v;
       return (sign * std::sqrt(rest > 0 ? rest : 0.0f) - l1_ * y) * inverse_l0_;
     }
 
     int side_;
     vec2 mean_;
-    float inverse_l0_, l1_, l2_, reach_;
+    float inverse_l0_, l1_, l2_, cutoff_;
     float height_, slack_;
     float steepest_;  ///< the rightmost point lies at y = -steepest, the leftmost at +steepest
   };

@@ -6,11 +6,11 @@
 
 namespace swiftgs {
 
-/// The tiles that the oriented bounding box of the ellipse s <= reach meets: the rectangle around it along
+/// The tiles that the oriented bounding box of the ellipse s <= cutoff meets: the rectangle around it along
 /// its own axes, as in GSCore (Lee et al. 2024).
 struct SWIFTGS_API Obb {
   static constexpr std::string_view name = "obb";
-  static constexpr bool lossless = true;
+  static constexpr bool conservative = true;
 
   class Tiles {
    public:
@@ -46,10 +46,10 @@ struct SWIFTGS_API Obb {
 
       Slab() = default;
       SWIFTGS_HD Slab(const SplatShape& s, vec2 normal) {
-        // On the ellipse, the largest normal . p is sqrt(reach) times the length of the normal seen through
+        // On the ellipse, the largest normal . p is sqrt(cutoff) times the length of the normal seen through
         // the inverse of the factor, whatever the normal: rounding it cuts nothing.
         const float u = normal.x / s.l0, v = (normal.y - s.l1 * u) / s.l2;
-        half = std::sqrt(s.reach) * std::sqrt(u * u + v * v);
+        half = std::sqrt(s.cutoff) * std::sqrt(u * u + v * v);
         tilt = normal.x < 0 ? -normal.y : normal.y;
         inverse_x = std::fabs(normal.x) > 0.01f ? 1 / std::fabs(normal.x) : 0.0f;
       }

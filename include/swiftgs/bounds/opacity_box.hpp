@@ -9,7 +9,7 @@ namespace swiftgs {
 /// The box of the ellipse outside which alpha is below the threshold: faint splats get small boxes.
 struct SWIFTGS_API OpacityBox {
   static constexpr std::string_view name = "opacity-box";
-  static constexpr bool lossless = true;
+  static constexpr bool conservative = true;
 
   SWIFTGS_HD BoxTiles tiles(const SplatShape& shape, TileGrid grid) const {
     return {opacity_box(shape, grid)};

@@ -10,7 +10,7 @@ namespace swiftgs {
 /// opacity exp(-4.5), about 0.011, and lists faint splats where they show nothing.
 struct SWIFTGS_API ThreeSigmaSquare {
   static constexpr std::string_view name = "three-sigma-square";
-  static constexpr bool lossless = false;
+  static constexpr bool conservative = false;
 
   SWIFTGS_HD BoxTiles tiles(const SplatShape& shape, TileGrid grid) const {
     // Invert the factor: var_y = k / l2^2, var_x = k (1 / l0^2 + (l1 / (l0 l2))^2), det = (k / (l0 l2))^2.

@@ -154,7 +154,7 @@ struct Radiance {
 inline constexpr std::array<double, 4> rim_lobe{2.0 / 3, -0.4, -2.0 / 3, 0.4};
 /// A highlight: the narrowest lobe of degree 3 without visible rings, 1 at its peak.
 inline constexpr std::array<double, 4> highlight_lobe{0.115, 0.295, 0.345, 0.245};
-/// The same with alternating signs, so that two colours take turns across the surface.
+/// The same with alternating signs, so that two colours alternate across the surface.
 inline constexpr std::array<double, 4> interference_lobe{0, -0.45, 0.1, 0.55};
 
 }  // namespace swiftgs::builtin

@@ -17,7 +17,7 @@ extern "C" {
 #endif
 
 /// Renders frames of the scene that it was given. It keeps its memory: a frame no larger than an earlier one
-/// allocates nothing. Calls of several threads take turns.
+/// allocates nothing. Calls from several threads run one after another.
 typedef struct swiftgs_renderer swiftgs_renderer;
 
 /// One row of the table of renderers.
@@ -113,12 +113,12 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_render_into(swiftgs_renderer* rend
 /// complete when it returns. A device copies what `over` and `occluder` need to it, and the images from it.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_render(swiftgs_renderer* renderer, const swiftgs_frame* frame);
 
-/// Room for recorded frames.
+/// Capacity of recorded frames.
 typedef struct swiftgs_capacity {
-  uint32_t size;       ///< `sizeof(swiftgs_capacity)`
-  uint32_t reserved;   ///< 0
-  uint64_t splats;     ///< visible Gaussians of all views; 0: as many as are visible now, and an eighth more
-  uint64_t instances;  ///< pairs of splat and tile; 0: as many as there are now, and an eighth more
+  uint32_t size;      ///< `sizeof(swiftgs_capacity)`
+  uint32_t reserved;  ///< 0
+  uint64_t splats;    ///< visible Gaussians of all views; 0: as many as are visible now, and an eighth more
+  uint64_t intersections;  ///< pairs of splat and tile; 0: as many as there are now, and an eighth more
 } swiftgs_capacity;
 
 /// Takes all memory that `swiftgs_renderer_record` needs for `frame`, sets its views, draws nothing and
@@ -130,11 +130,11 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_reserve(swiftgs_renderer* renderer
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_views(swiftgs_renderer* renderer,
                                                         const swiftgs_frame* frame);
 
-/// What a recorded frame took. If it overflowed, it drew nothing and needs room for these numbers.
+/// What a recorded frame took. If it overflowed, it drew nothing; a capacity of these numbers suffices.
 typedef struct swiftgs_report {
-  uint64_t visible;     ///< Gaussians, of all views
-  uint64_t instances;   ///< pairs of splat and tile
-  uint64_t overflowed;  ///< 1: they were more than was reserved
+  uint64_t visible;        ///< Gaussians, of all views
+  uint64_t intersections;  ///< pairs of splat and tile
+  uint64_t overflowed;     ///< 1: they were more than was reserved
 } swiftgs_report;
 
 /// Draws the views that were set. It neither waits nor allocates, so that a CUDA graph may capture it.
@@ -159,20 +159,20 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_times(swiftgs_renderer* renderer, 
 
 /// Counts of the last frame that was not recorded.
 typedef struct swiftgs_statistics {
-  uint32_t size;       ///< `sizeof(swiftgs_statistics)`
-  uint32_t reserved;   ///< 0
-  uint64_t gaussians;  ///< in the scene
-  uint64_t visible;    ///< projected to splats
-  uint64_t instances;  ///< pairs of splat and tile
+  uint32_t size;           ///< `sizeof(swiftgs_statistics)`
+  uint32_t reserved;       ///< 0
+  uint64_t gaussians;      ///< in the scene
+  uint64_t visible;        ///< projected to splats
+  uint64_t intersections;  ///< pairs of splat and tile
   /// The raster part, 0 unless the frame measured counts.
-  uint64_t instances_visited;   ///< before all pixels of their square had stopped
-  uint64_t rows_visited;        ///< rows of pixels on which an instance was evaluated
-  uint64_t contributing_pairs;  ///< pairs of pixel and splat that were blended
-  uint64_t pixels_stopped;      ///< pixels that ended before their list
-  uint64_t pieces;              ///< of long lists, blended apart from each other
-  uint64_t pixels_joined;       ///< pixels of those pieces that were joined with what lies in front
-  uint64_t longest_item;        ///< most instances that one core, warp or block worked off alone
-  double balanced_ms;           ///< the raster stage if its work were shared out evenly @units{milliseconds}
+  uint64_t intersections_visited;  ///< before all pixels of their raster block had stopped
+  uint64_t rows_visited;           ///< rows of pixels on which an intersection was evaluated
+  uint64_t contributing_pairs;     ///< pairs of pixel and splat that were blended
+  uint64_t pixels_stopped;         ///< pixels that ended before their list
+  uint64_t segments;               ///< of long lists, blended apart from each other
+  uint64_t pixels_joined;          ///< pixels of those segments that were joined with what lies in front
+  uint64_t longest_item;           ///< most intersections that one core, warp or block worked off alone
+  double balanced_ms;  ///< the raster stage if its work were shared out evenly @units{milliseconds}
 } swiftgs_statistics;
 
 /// Fills `statistics`, whose size is set. Waits for the raster part where the frame measured it.

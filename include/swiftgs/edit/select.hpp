@@ -159,13 +159,13 @@ inline void append(Scene& scene, const Scene& more) {
   if (more.sh_degree != degree) added = detail::rest_of_degree(more, degree);
   std::vector<float>& rest = scene.sh_degree != degree ? raised : scene.sh_rest;
   const std::vector<float>& more_rest = more.sh_degree != degree ? added : more.sh_rest;
-  const auto make_room = [](auto& array, std::size_t count) {
+  const auto reserve = [](auto& array, std::size_t count) {
     const std::size_t needed = array.size() + count;
     if (array.capacity() < needed) array.reserve(std::max(needed, 2 * array.capacity()));
   };
-  make_room(scene.means, more.size()), make_room(scene.scales, more.size());
-  make_room(scene.rotations, more.size()), make_room(scene.opacities, more.size());
-  make_room(scene.sh0, more.size()), make_room(rest, more_rest.size());
+  reserve(scene.means, more.size()), reserve(scene.scales, more.size());
+  reserve(scene.rotations, more.size()), reserve(scene.opacities, more.size());
+  reserve(scene.sh0, more.size()), reserve(rest, more_rest.size());
 
   const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
   add(scene.means, more.means), add(scene.scales, more.scales), add(scene.rotations, more.rotations);

@@ -8,15 +8,15 @@
 namespace swiftgs {
 
 /// The terms of the library: `AllRasters` has both axis-shared rasterizers of each.
-using AllTerms = TypeList<HalfSplit, FloatSplit, FloatCholesky>;
+using AllExponents = TypeList<HalfSplit, FloatSplit, FloatCholesky>;
 
 namespace detail {
-template <class... Others, class... Terms>
-TypeList<Others..., AxisShared<Terms>..., AxisSharedThreshold<Terms>...> with_axis_shared(TypeList<Others...>,
-                                                                                          TypeList<Terms...>);
+template <class... Others, class... Exponent>
+TypeList<Others..., AxisShared<Exponent>..., AxisSharedThreshold<Exponent>...> with_axis_shared(
+    TypeList<Others...>, TypeList<Exponent...>);
 }
 
 /// The rasterizers of the library. Every backend and the table of renderers have these.
-using AllRasters = decltype(detail::with_axis_shared(TypeList<PerPixel>(), AllTerms()));
+using AllRasters = decltype(detail::with_axis_shared(TypeList<PerPixel>(), AllExponents()));
 
 }  // namespace swiftgs

@@ -6,36 +6,36 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/composed_name.hpp>
+#include <swiftgs/raster/exponents.hpp>
 #include <swiftgs/raster/raster.hpp>
-#include <swiftgs/raster/terms.hpp>
 
 namespace swiftgs {
 
 namespace detail {
-/// Terms of one splat in one square: sixteen of x, and the y term of the current row.
-template <TermsPolicy Terms>
+/// Terms of one splat in one raster block: sixteen of x, and the y term of the current row.
+template <ExponentPolicy Exponent>
 class SharedTerms {
  public:
   SWIFTGS_HD SharedTerms(const SplatShape& shape, vec2 first_centre)
-      : terms_(shape, first_centre + 0.5f * float(square_side - 1)) {
-    for (int column = 0; column < square_side; ++column)
+      : terms_(shape, first_centre + 0.5f * float(raster_block_side - 1)) {
+    for (int column = 0; column < raster_block_side; ++column)
       x_[column] = terms_.x_term(first_centre.x + float(column));
   }
   SWIFTGS_HD void start_row(float y) { y_ = terms_.y_term(y); }
-  SWIFTGS_HD float exponent(int column) const { return Terms::exponent(x_[column], y_); }
+  SWIFTGS_HD float exponent(int column) const { return Exponent::exponent(x_[column], y_); }
 
  private:
-  Terms terms_;
-  typename Terms::X x_[square_side];
-  typename Terms::Y y_{};
+  Exponent terms_;
+  typename Exponent::X x_[raster_block_side];
+  typename Exponent::Y y_{};
 };
 }  // namespace detail
 
 /// Axis-shared rasterization (SwiftGS, section 5.1): the terms of a column and of a row are computed once and
 /// joined at each pixel, which then evaluates the exponential and looks at alpha.
-template <TermsPolicy Terms>
+template <ExponentPolicy Exponent>
 struct SWIFTGS_API AxisShared {
-  static constexpr ComposedName name_storage{"axis-shared-", Terms::name};
+  static constexpr ComposedName name_storage{"axis-shared-", Exponent::name};
   static constexpr std::string_view name = name_storage.view();
 
   class Kernel {
@@ -51,7 +51,7 @@ struct SWIFTGS_API AxisShared {
     }
 
    private:
-    detail::SharedTerms<Terms> terms_;
+    detail::SharedTerms<Exponent> terms_;
     float opacity_;
     BlendRules rules_;
   };
@@ -59,26 +59,26 @@ struct SWIFTGS_API AxisShared {
 
 /// Axis-shared rasterization with the dynamic threshold (SwiftGS, section 5.2): a pixel compares its exponent
 /// with the splat's own ln(255 o), here in base 2, and evaluates the exponential only where the splat shows.
-template <TermsPolicy Terms>
+template <ExponentPolicy Exponent>
 struct SWIFTGS_API AxisSharedThreshold {
-  static constexpr ComposedName name_storage{"axis-shared-threshold-", Terms::name};
+  static constexpr ComposedName name_storage{"axis-shared-threshold-", Exponent::name};
   static constexpr std::string_view name = name_storage.view();
 
   class Kernel {
    public:
     SWIFTGS_HD Kernel(const SplatShape& s, vec2 first_centre, BlendRules rules)
-        : terms_(s, first_centre), opacity_(s.opacity), reach_(s.reach), alpha_max_(rules.alpha_max) {}
+        : terms_(s, first_centre), opacity_(s.opacity), cutoff_(s.cutoff), alpha_max_(rules.alpha_max) {}
     SWIFTGS_HD void start_row(float y) { terms_.start_row(y); }
     SWIFTGS_HD float alpha(int column) const {
       const float s = terms_.exponent(column);
-      if (!(s >= 0 && s <= reach_)) return 0;
+      if (!(s >= 0 && s <= cutoff_)) return 0;
       const float alpha = opacity_ * std::exp2(-s);
       return alpha < alpha_max_ ? alpha : alpha_max_;
     }
 
    private:
-    detail::SharedTerms<Terms> terms_;
-    float opacity_, reach_, alpha_max_;
+    detail::SharedTerms<Exponent> terms_;
+    float opacity_, cutoff_, alpha_max_;
   };
 };
 

@@ -9,7 +9,7 @@
 namespace swiftgs {
 
 /// Every pixel evaluates the whole exponent and exponential before it looks at alpha, as INRIA's rasterizer
-/// and gsplat do: the baseline of the paper. The exponent is that of the stored factor, a sum of squares; the
+/// and gsplat do: the baseline of the paper. The exponent is a sum of squares of the stored factor; the
 /// textbook's conic loses all digits on a long oblique splat.
 struct SWIFTGS_API PerPixel {
   static constexpr std::string_view name = "per-pixel";

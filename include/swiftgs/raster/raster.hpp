@@ -12,32 +12,31 @@
 #include <swiftgs/backend.hpp>
 #include <swiftgs/colours.hpp>
 #include <swiftgs/frame.hpp>
+#include <swiftgs/raster/raster_blocks.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/store_pixel.hpp>
 #include <swiftgs/tiles.hpp>
-#include <swiftgs/view.hpp>
 
 namespace swiftgs {
 
-/// What rasterizing one square of pixels took. With `Cuda`, all counts but `contributing_pairs` and
-/// `pixels_stopped` differ from run to run, since different warps take up long lists. `balanced_ps` differs
-/// on every backend.
-struct SquareCounts {
-  std::uint64_t instances_visited = 0;   ///< of its tile's list, before all its pixels had stopped
-  std::uint64_t rows_visited = 0;        ///< rows of pixels on which an instance was evaluated
-  std::uint64_t contributing_pairs = 0;  ///< (pixel, splat) pairs that were blended
-  std::uint64_t pixels_stopped = 0;      ///< pixels that ended before their list
-  std::uint64_t pieces = 0;              ///< of long lists, blended apart from each other
-  std::uint64_t pixels_joined = 0;       ///< pixels of those pieces that were joined with what lies in front
-  std::uint64_t longest_item = 0;        ///< most instances that one core, warp or block worked off alone
+/// What rasterizing one raster block took. With `Cuda`, only `contributing_pairs` and `pixels_stopped` repeat
+/// from run to run, since any warp may take the rest of a long list. `balanced_ps` repeats on no backend.
+struct RasterCounts {
+  std::uint64_t intersections_visited = 0;  ///< of its tile's list, before all its pixels had stopped
+  std::uint64_t rows_visited = 0;           ///< rows of pixels on which an intersection was evaluated
+  std::uint64_t contributing_pairs = 0;     ///< (pixel, splat) pairs that were blended
+  std::uint64_t pixels_stopped = 0;         ///< pixels that ended before their list
+  std::uint64_t segments = 0;               ///< of long lists, blended apart from each other
+  std::uint64_t pixels_joined = 0;  ///< pixels of those segments that were joined with what lies in front
+  std::uint64_t longest_item = 0;   ///< most intersections that one core, warp or block worked off alone
   /// Time that all threads of the host, or all warps that the device runs at once, would be at work on the
-  /// square if its work were shared out evenly. @units{picoseconds}
+  /// raster block if its work were shared out evenly. @units{picoseconds}
   std::uint64_t balanced_ps = 0;
 
-  SWIFTGS_HD SquareCounts& operator+=(const SquareCounts& o) {
-    instances_visited += o.instances_visited, rows_visited += o.rows_visited;
+  SWIFTGS_HD RasterCounts& operator+=(const RasterCounts& o) {
+    intersections_visited += o.intersections_visited, rows_visited += o.rows_visited;
     contributing_pairs += o.contributing_pairs, pixels_stopped += o.pixels_stopped;
-    pieces += o.pieces, pixels_joined += o.pixels_joined, balanced_ps += o.balanced_ps;
+    segments += o.segments, pixels_joined += o.pixels_joined, balanced_ps += o.balanced_ps;
     if (longest_item < o.longest_item) longest_item = o.longest_item;
     return *this;
   }
@@ -50,30 +49,30 @@ struct RasterJob {
   ColoursView colours;
   TileListsView lists;
   Views views;
-  SquareCounts* counts = nullptr;  ///< @shape{squares} filled where not null
+  RasterCounts* counts = nullptr;  ///< @shape{raster blocks} filled where not null
 };
 
-/// The squares of `job`. Throws `std::invalid_argument` if the lists are not of as many tiles as the views
-/// have.
-inline Squares squares_of(const RasterJob& job) {
+/// The raster blocks of `job`. Throws `std::invalid_argument` if the lists are not of as many tiles as the
+/// views have.
+inline RasterBlocks raster_blocks_of(const RasterJob& job) {
   const FrameTiles& tiles = job.views.tiles;
   if (job.lists.ranges.size != tiles.size())
     detail::refuse("rasterize: the number of lists", job.lists.ranges.size,
                    "a list for each of the frame's " + std::to_string(tiles.size()) + " tiles");
-  return Squares(tiles);
+  return RasterBlocks(tiles);
 }
 
-/// A square within its view.
-struct PlacedSquare {
+/// A raster block within its view.
+struct PlacedRasterBlock {
   const View& view;
   int x0, y0;         ///< its first pixel in the frame
-  int columns, rows;  ///< of pixels within the frame; 0 or less where the square lies outside of it
+  int columns, rows;  ///< of pixels within the frame; 0 or less where the raster block lies outside of it
   vec2 first_centre;  ///< of its first pixel in the image
 
-  PlacedSquare(const Views& views, const Squares& squares, std::size_t square)
-      : PlacedSquare(views, squares.place(views.each.data, std::uint32_t(views.size()),
-                                          std::uint32_t(square) % squares.columns,
-                                          std::uint32_t(square) / squares.columns)) {}
+  PlacedRasterBlock(const Views& views, const RasterBlocks& blocks, std::size_t block)
+      : PlacedRasterBlock(views, blocks.place(views.each.data, std::uint32_t(views.size()),
+                                              std::uint32_t(block) % blocks.columns,
+                                              std::uint32_t(block) / blocks.columns)) {}
 
   bool empty() const { return columns <= 0 || rows <= 0; }
   TileRange list(const RasterJob& job) const {
@@ -81,17 +80,17 @@ struct PlacedSquare {
   }
 
  private:
-  PlacedSquare(const Views& views, const SquarePlace& place)
+  PlacedRasterBlock(const Views& views, const RasterBlockPlace& place)
       : view(views.each[place.view]),
         x0(place.x),
         y0(place.y),
-        columns(std::min(square_side, view.frame.width - place.x)),
-        rows(std::min(square_side, view.frame.height - place.y)),
+        columns(std::min(raster_block_side, view.frame.width - place.x)),
+        rows(std::min(raster_block_side, view.frame.height - place.y)),
         first_centre(float(view.left() + place.x) + 0.5f, float(view.top() + place.y) + 0.5f) {}
 };
 
-/// Arithmetic of a rasterizer for one splat in one square: constructed once from a shape that outlives it,
-/// told each row, asked for each pixel. `alpha` is 0 where the pixel skips the splat.
+/// Arithmetic of a rasterizer for one splat in one raster block: constructed once from a shape that outlives
+/// it, told each row, asked for each pixel. `alpha` is 0 where the pixel skips the splat.
 template <class K>
 concept AlphaKernel = requires(K kernel, const SplatShape& shape, vec2 first_centre, BlendRules rules,
                                float y, int column) {
@@ -108,30 +107,29 @@ concept RasterPolicy = AlphaKernel<typename R::Kernel> && requires {
 };
 
 /// Whether `R` on backend `B` draws some frames sooner by coarser tiles (`coarse_tiles_gain`). Lists of
-/// coarser tiles hold more splats that a square does not touch, so a rasterizer must refuse those at little
-/// cost. Backends specialise it.
+/// coarser tiles hold more splats that a raster block does not touch, so a rasterizer must refuse those at
+/// little cost. Backends specialise it.
 template <class B, class R>
 inline constexpr bool may_gain_by_coarse_tiles = false;
 
-/// Whether `shape` keeps any pixel of the row of a square whose centres run from `first_x` to first_x +
-/// `square_side` - 1 at height y.
+/// Whether `shape` keeps any pixel of the row of a raster block whose centres run from `first_x` to first_x +
+/// `raster_block_side` - 1 at height y.
 ///
-/// Host rasterizers visit exactly the rows that this accepts, so that what is drawn does not depend on how
-/// wide the bounds were that listed the splat. Rounding is monotone along a row, hence no pixel of a refused
-/// row passes the test s <= reach in the same arithmetic. Kernels of devices that do not go by rows have a
-/// rule of their own.
+/// Host rasterizers visit exactly the rows that this accepts, so images do not depend on the bounds that
+/// listed the splat. Rounding is monotone along a row: no pixel of a refused row passes s <= cutoff. Device
+/// kernels have a rule of their own.
 SWIFTGS_HD inline bool row_touched(const SplatShape& shape, float first_x, float y) {
   const float q = shape.l1 * (y - shape.mean.y), v = shape.l2 * (y - shape.mean.y);
   const float left = shape.l0 * (first_x - shape.mean.x) + q;
-  const float right = shape.l0 * (first_x + float(square_side - 1) - shape.mean.x) + q;
+  const float right = shape.l0 * (first_x + float(raster_block_side - 1) - shape.mean.x) + q;
   const float nearest = left > 0 ? left : right < 0 ? right : 0.0f;
-  return nearest * nearest + v * v <= shape.reach;
+  return nearest * nearest + v * v <= shape.cutoff;
 }
 
 /// log2(opacity / unit) of a splat, where `log2_min` is log2(alpha_min / unit). Reach + `log2_min` is the
 /// same and costs no logarithm, but loses digits where both are large: with a tiny alpha_min.
 SWIFTGS_HD inline float log2_opacity(const SplatShape& shape, float log2_min, float unit) {
-  if (log2_min >= -16) return shape.reach + log2_min;
+  if (log2_min >= -16) return shape.cutoff + log2_min;
 #if defined(__CUDA_ARCH__)
   return __log2f(shape.opacity) - __log2f(unit);  // within 2^-22 of the larger magnitude or of 1
 #else
@@ -149,26 +147,26 @@ SWIFTGS_HD inline float dimmed(float transmittance, float alpha) {
   return alpha > 0.5f ? transmittance * (1 - alpha) : transmittance - alpha * transmittance;
 }
 
-/// Blends one square, pixel by pixel, on a host: the plain form of what every rasterizer computes.
+/// Blends one raster block, pixel by pixel, on a host: the definition of what every rasterizer computes.
 template <RasterPolicy R>
-struct RasterizeSquare {
+struct BlendRasterBlock {
   RasterJob job;
-  Squares squares;
+  RasterBlocks blocks;
 
-  void operator()(std::size_t square) const {
-    const PlacedSquare place(job.views, squares, square);
-    if (job.counts) job.counts[square] = {};
+  void operator()(std::size_t block) const {
+    const PlacedRasterBlock place(job.views, blocks, block);
+    if (job.counts) job.counts[block] = {};
     if (place.empty()) return;
     const View& view = place.view;
     const int x0 = place.x0, y0 = place.y0, columns = place.columns, rows = place.rows;
     const vec2 first_centre = place.first_centre;
 
-    BlendedPixel pixels[square_side][square_side];
-    bool stopped[square_side][square_side] = {};
-    int live_in_row[square_side];
+    BlendedPixel pixels[raster_block_side][raster_block_side];
+    bool stopped[raster_block_side][raster_block_side] = {};
+    int live_in_row[raster_block_side];
     for (int row = 0; row < rows; ++row) live_in_row[row] = columns;
     int live = rows * columns;
-    SquareCounts counts;
+    RasterCounts counts;
 
     // Blend its tile's splats front to back, until no pixel is left that could show another.
     const TileRange range = place.list(job);
@@ -178,7 +176,7 @@ struct RasterizeSquare {
       const SplatColour& colour = job.colours.each[id];
       if (is_hidden(colour)) continue;
       typename R::Kernel kernel(shape, first_centre, view.rules);
-      ++counts.instances_visited;
+      ++counts.intersections_visited;
       for (int row = 0; row < rows; ++row) {
         const float y = first_centre.y + float(row);
         if (live_in_row[row] == 0 || !row_touched(shape, first_centre.x, y)) continue;
@@ -208,8 +206,8 @@ struct RasterizeSquare {
       for (int column = 0; column < columns; ++column)
         store_pixel(view.frame, std::size_t(x0 + column), std::size_t(y0 + row), pixels[row][column],
                     view.background);
-    counts.longest_item = counts.instances_visited;
-    if (job.counts) job.counts[square] = counts;
+    counts.longest_item = counts.intersections_visited;
+    if (job.counts) job.counts[block] = counts;
   }
 
  private:
@@ -220,25 +218,25 @@ struct RasterizeSquare {
   }
 };
 
-/// Blends squares of `job` on a host, by `blend(begin, end)`. Counted squares are blended one at a time, to
-/// measure how long each takes.
+/// Blends raster blocks of `job` on a host, by `blend(begin, end)`. Counted raster blocks are blended one at
+/// a time, to measure how long each takes.
 template <class Blend>
 struct BlendOnHost {
   const RasterJob& job;
   int threads;  ///< that run at once
   Blend blend;
 
-  void operator()(std::size_t square) const { (*this)(square, square + 1); }
+  void operator()(std::size_t block) const { (*this)(block, block + 1); }
   void operator()(std::size_t begin, std::size_t end) const {
     if (!job.counts) {
       blend(begin, end);
       return;
     }
-    for (std::size_t square = begin; square < end; ++square) {
+    for (std::size_t block = begin; block < end; ++block) {
       const auto start = std::chrono::steady_clock::now();
-      blend(square, square + 1);
+      blend(block, block + 1);
       const std::chrono::nanoseconds busy = std::chrono::steady_clock::now() - start;
-      job.counts[square].balanced_ps = 1000 * std::uint64_t(busy.count()) / std::uint64_t(threads);
+      job.counts[block].balanced_ps = 1000 * std::uint64_t(busy.count()) / std::uint64_t(threads);
     }
   }
 };
@@ -252,17 +250,17 @@ int threads_at_once(const B& b) {
     return 1;
 }
 
-/// Renders every square of `job` with the arithmetic of `R::Kernel`, on hosts. Backends overload this for
-/// policies that they have kernels for; a device, where a thread a square would be of no use, for all others.
-/// Throws as `squares_of`.
+/// Renders every raster block of `job` with the arithmetic of `R::Kernel`, on hosts. Backends overload this
+/// for policies that they have kernels for; a device also for all others, since one thread per raster block
+/// would be slow. Throws as `raster_blocks_of`.
 template <BackendPolicy B, RasterPolicy R>
 requires(bool(B::reaches_host_memory)) void rasterize(B& b, R, const RasterJob& job) {
-  const Squares squares = squares_of(job);
-  const RasterizeSquare<R> square_by_square{job, squares};
+  const RasterBlocks blocks = raster_blocks_of(job);
+  const BlendRasterBlock<R> blend_block{job, blocks};
   const auto blend = [&](std::size_t begin, std::size_t end) {
-    for (std::size_t square = begin; square < end; ++square) square_by_square(square);
+    for (std::size_t block = begin; block < end; ++block) blend_block(block);
   };
-  b.for_each(squares.size(), BlendOnHost<decltype(blend)>{job, threads_at_once(b), blend});
+  b.for_each(blocks.size(), BlendOnHost<decltype(blend)>{job, threads_at_once(b), blend});
 }
 
 }  // namespace swiftgs

@@ -48,10 +48,10 @@ inline bool blend(Pixel& pixel, const Splat& splat, double sigma, const Conventi
 inline std::uint64_t blend_row(Pixel* pixels, int y, const Splat& splat, const Conventions& k) {
   const double dy = y + 0.5 - splat.y;
   const double y_term = splat.y_weight * dy * dy;
-  const double left = splat.reach - y_term;
+  const double left = splat.cutoff - y_term;
   if (!(left >= 0)) return 0;
 
-  // Solve 2 sigma <= reach for x; the slack is far above what rounding can move the two roots.
+  // Solve 2 sigma <= cutoff for x; the slack is far above what rounding can move the two roots.
   const double offset = splat.shear * dy, half = std::sqrt(left / splat.x_weight);
   const double slack = 1 + 1e-9 * (std::abs(offset) + half);
   const double middle = splat.x + offset - 0.5;
@@ -67,7 +67,7 @@ inline std::uint64_t blend_row(Pixel* pixels, int y, const Splat& splat, const C
     const double dx = x + 0.5 - splat.x;
     const double along = dx - offset;
     const double twice_sigma = splat.x_weight * along * along + y_term;
-    if (twice_sigma > splat.reach) continue;
+    if (twice_sigma > splat.cutoff) continue;
     contributions += blend(pixels[x], splat, 0.5 * twice_sigma, k);
   }
   return contributions;

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include <swiftgs/reference.hpp>
-#include <swiftgs/reference/exponent_form.hpp>
+#include <swiftgs/reference/exponent_representation.hpp>
 #include <swiftgs/reference/variation.hpp>
 
 namespace swiftgs {
@@ -27,10 +27,10 @@ struct ConditionedFrame {
   ReferenceFrame frame;                                     ///< without counts
   std::vector<double> colour_move, alpha_move, depth_move;  ///< as in `frame`: largest move in the trials
 
-  /// @shape{height, width} Weight that may change hands, for renderers of each form of the exponent: of
-  /// splats whose test may fall out either way, of what lies behind a stop that may come a splat earlier or
-  /// later, and of alphas as far as the form may err. 0 where nothing may.
-  std::array<std::vector<double>, exponent_forms> loose;
+  /// @shape{height, width} Ambiguous weight for each exponent representation: of splats whose test may go
+  /// either way, of what lies behind a stop that may come a splat earlier or later, and of alphas as far as
+  /// the representation may err. 0 in pixels that are not ambiguous.
+  std::array<std::vector<double>, exponent_representations> ambiguous;
 
   double colour_span = 0;  ///< largest difference of two colours, background included
   double peak = 0;         ///< largest magnitude in `frame.colour`
@@ -39,11 +39,11 @@ struct ConditionedFrame {
 
 namespace reference {
 
-/// What a form leaves open in a pixel.
-struct Looseness {
+/// What an exponent representation leaves open in a pixel.
+struct Ambiguity {
   double weight = 0;     ///< that may change hands
-  double most_left = 1;  ///< largest transmittance that loose alphas allow
-  double drift = 0;      ///< relative uncertainty of the transmittance by loose alphas
+  double most_left = 1;  ///< largest transmittance that ambiguous alphas allow
+  double drift = 0;      ///< relative uncertainty of the transmittance by ambiguous alphas
 };
 
 /// What a pixel keeps from layer to layer, as numbers of type `Kept`.
@@ -66,12 +66,12 @@ struct PixelState {
 
 /// A pixel as it is and in every trial. All take the decisions of the first.
 ///
-/// Trials keep floats. What many roundings add up to is found by rounding, not estimated: at alphas near a
-/// power of 2 those of equal layers lean to one side for many layers, and elsewhere they do not.
+/// Trials round to float, because sums of roundings cannot be estimated: near a power of 2 those of equal
+/// layers lean to one side, elsewhere they do not.
 struct VariedPixel {
   PixelState<double> exact;
   std::array<PixelState<float>, trials> moved;
-  std::array<Looseness, exponent_forms> forms;
+  std::array<Ambiguity, exponent_representations> representations;
   std::uint32_t layers = 0;
   bool stopped = false;
   float occluder = std::numeric_limits<float>::infinity();
@@ -84,20 +84,23 @@ inline constexpr double threshold_moves = 10;
 struct PixelDecision {
   std::array<double, trials + 1> alphas;
   bool kept = false;
-  std::array<double, exponent_forms>
-      loose{};  ///< how far alpha may be from the first of `alphas`, kept or not
+  std::array<double, exponent_representations>
+      ambiguous{};  ///< how far alpha may be from the first of `alphas`, kept or not
 };
 
-/// How far a renderer of a form may be from `alpha`, 0 where it is not kept, at a pixel whose exponent is
-/// `exponent` and may move by `tolerance` at the threshold.
-inline double loose_alpha(ExponentForm form, const VariedSplat& splat, double x, double y, double exponent,
-                          double alpha, double tolerance, const Conventions& k) {
+/// How far a renderer with this representation may be from `alpha`, 0 where it is not kept, at a pixel whose
+/// exponent is `exponent` and may move by `tolerance` at the threshold.
+inline double ambiguous_alpha(ExponentRepresentation representation, const VariedSplat& splat, double x,
+                              double y, double exponent, double alpha, double tolerance,
+                              const Conventions& k) {
   const SplatNumbers& numbers = splat.numbers[0];
-  if (!may_be_visited(form, numbers, int(x), int(y), k)) return 0;
-  const double error = exponent_error(form, numbers, x, y), log2_min = std::log2(double(k.alpha_min));
+  if (!may_be_visited(representation, numbers, int(x), int(y), k)) return 0;
+  const double error = exponent_error(representation, numbers, x, y),
+               log2_min = std::log2(double(k.alpha_min));
   if (exponent + tolerance + error < log2_min) return 0;
   // `HalfSplit` skips a pixel where rounding makes s negative.
-  const bool valid = form != ExponentForm::half_split || numbers.log2_opacity - exponent > error;
+  const bool valid =
+      representation != ExponentRepresentation::half_split || numbers.log2_opacity - exponent > error;
   const bool surely_kept = splat.drawn && valid && exponent - tolerance - error > log2_min;
   if (surely_kept && error == 0) return 0;
   const auto alpha_at = [&](double at) {
@@ -113,8 +116,8 @@ inline void cut(PixelDecision& decision, FootprintCut::At at) {
   using At = FootprintCut::At;
   if (at == At::kept) return;
   const double alpha = decision.kept ? decision.alphas[0] : 0;
-  for (double& loose : decision.loose) loose = at == At::dropped ? 0 : std::max(loose, alpha);
-  if (at != At::loosely_kept) decision.kept = false;
+  for (double& ambiguous : decision.ambiguous) ambiguous = at == At::dropped ? 0 : std::max(ambiguous, alpha);
+  if (at != At::ambiguously_kept) decision.kept = false;
 }
 
 /// Finds alphas of `splat` at a point, whether it is kept there, and how sure that is.
@@ -132,9 +135,9 @@ inline PixelDecision decide(const VariedSplat& splat, double x, double y, const 
   if (out.kept)
     for (double& alpha : out.alphas) alpha = std::min(double(k.alpha_max), std::exp2(alpha));
   const double tolerance = threshold_moves * spread + std::ldexp(4 + std::abs(log2_min), -22);
-  for (std::size_t form = 0; form < exponent_forms; ++form)
-    out.loose[form] =
-        loose_alpha(ExponentForm(form), splat, x, y, first, out.kept ? out.alphas[0] : 0, tolerance, k);
+  for (std::size_t representation = 0; representation < exponent_representations; ++representation)
+    out.ambiguous[representation] = ambiguous_alpha(ExponentRepresentation(representation), splat, x, y,
+                                                    first, out.kept ? out.alphas[0] : 0, tolerance, k);
   cut(out, splat.cut.at(int(x), int(y)));
   return out;
 }
@@ -151,9 +154,10 @@ inline bool ends(VariedPixel& pixel, const VariedSplat& splat, const PixelDecisi
   const double rounding = std::ldexp((double(pixel.layers) + 2) * next, -23) + std::ldexp(before, -21);
   const bool order_of_occluder =
       (splat.least_depth >= pixel.occluder) != (splat.largest_depth >= pixel.occluder);
-  for (Looseness& form : pixel.forms) {
-    const double tolerance = threshold_moves * spread + rounding + form.drift * next;
-    if ((stop > 0 && std::abs(next - stop) <= tolerance) || order_of_occluder) form.weight += form.most_left;
+  for (Ambiguity& representation : pixel.representations) {
+    const double tolerance = threshold_moves * spread + rounding + representation.drift * next;
+    if ((stop > 0 && std::abs(next - stop) <= tolerance) || order_of_occluder)
+      representation.weight += representation.most_left;
   }
   return (k.stop_at_equal ? next <= stop : next < stop) || float(splat.splat.depth) >= pixel.occluder;
 }
@@ -162,10 +166,10 @@ inline bool ends(VariedPixel& pixel, const VariedSplat& splat, const PixelDecisi
 inline void blend_varied(VariedPixel& pixel, const VariedSplat& splat, const PixelDecision& decision,
                          const Conventions& k) {
   const double alpha = decision.kept ? decision.alphas[0] : 0;
-  for (std::size_t f = 0; f < exponent_forms; ++f) {
-    Looseness& form = pixel.forms[f];
-    form.weight += form.most_left * decision.loose[f];
-    form.drift += decision.loose[f] / std::max(1 - alpha, 1e-6);
+  for (std::size_t f = 0; f < exponent_representations; ++f) {
+    Ambiguity& representation = pixel.representations[f];
+    representation.weight += representation.most_left * decision.ambiguous[f];
+    representation.drift += decision.ambiguous[f] / std::max(1 - alpha, 1e-6);
   }
   if (!decision.kept) return;
   if (ends(pixel, splat, decision, pixel.exact.transmittance * (1 - alpha), k)) {
@@ -174,10 +178,10 @@ inline void blend_varied(VariedPixel& pixel, const VariedSplat& splat, const Pix
   }
   pixel.exact.add(decision.alphas[0], splat.numbers[0]);
   for (std::size_t t = 0; t < trials; ++t) pixel.moved[t].add(decision.alphas[t + 1], splat.numbers[t + 1]);
-  for (std::size_t f = 0; f < exponent_forms; ++f) {
-    Looseness& form = pixel.forms[f];
-    if (splat.order_is_loose) form.weight += form.most_left * alpha;
-    form.most_left = std::min(1.0, form.most_left * (1 - alpha + decision.loose[f]));
+  for (std::size_t f = 0; f < exponent_representations; ++f) {
+    Ambiguity& representation = pixel.representations[f];
+    if (splat.order_is_ambiguous) representation.weight += representation.most_left * alpha;
+    representation.most_left = std::min(1.0, representation.most_left * (1 - alpha + decision.ambiguous[f]));
   }
   ++pixel.layers;
 }
@@ -191,9 +195,9 @@ inline void blend_row_varied(VariedPixel* pixels, int y, const VariedSplat& spla
 /// Widens what `splat` may reach by far more than rounding can, and by the pixels that share a row of a tile.
 inline void bound_varied(VariedSplat& splat, const View& view) {
   Splat& s = splat.splat;
-  const double reach = std::max(s.reach, 0.0);
+  const double cutoff = std::max(s.cutoff, 0.0);
   Splat wide = s;
-  wide.reach = reach * 1.01 + 0.01;
+  wide.cutoff = cutoff * 1.01 + 0.01;
   bound_by_alpha(wide, view);
   s.y_begin = std::max(0, wide.y_begin - 1), s.y_end = std::min(view.camera.height, wide.y_end + 1);
   s.x_begin = std::max(0, wide.x_begin - 16), s.x_end = std::min(view.camera.width, wide.x_end + 16);
@@ -201,7 +205,7 @@ inline void bound_varied(VariedSplat& splat, const View& view) {
 
 /// Finds splats whose depths may round to those of others. Depths of one float each are in order, or equal
 /// and ordered by index.
-inline void mark_loose_orders(std::vector<VariedSplat>& splats) {
+inline void mark_ambiguous_orders(std::vector<VariedSplat>& splats) {
   std::vector<VariedSplat*> by_least;
   for (VariedSplat& splat : splats) by_least.push_back(&splat);
   std::sort(by_least.begin(), by_least.end(),
@@ -212,7 +216,8 @@ inline void mark_loose_orders(std::vector<VariedSplat>& splats) {
     for (std::size_t j = i + 1; j < by_least.size(); ++j) {
       VariedSplat& other = *by_least[j];
       if (other.least_depth > first.largest_depth) break;
-      if (!is_one_float(first) || !is_one_float(other)) first.order_is_loose = other.order_is_loose = true;
+      if (!is_one_float(first) || !is_one_float(other))
+        first.order_is_ambiguous = other.order_is_ambiguous = true;
     }
   }
 }
@@ -231,7 +236,7 @@ inline std::vector<VariedSplat> project_all_varied(const Scene& scene, const Vie
   std::stable_sort(splats.begin(), splats.end(), [](const VariedSplat& a, const VariedSplat& b) {
     return float(a.splat.depth) < float(b.splat.depth);
   });
-  mark_loose_orders(splats);
+  mark_ambiguous_orders(splats);
   return splats;
 }
 
@@ -256,14 +261,15 @@ inline void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pi
       note(out.alpha_move[i], 1 - double(state.transmittance), out.frame.alpha[i]);
       note(out.depth_move[i], state.mean_depth(), out.frame.depth[i]);
     }
-    for (std::size_t form = 0; form < exponent_forms; ++form) out.loose[form][i] = pixel.forms[form].weight;
+    for (std::size_t representation = 0; representation < exponent_representations; ++representation)
+      out.ambiguous[representation][i] = pixel.representations[representation].weight;
   }
 }
 
 }  // namespace reference
 
 /// Renders `scene` as `render_reference` does, six more times with every float of it moved by up to a unit in
-/// its last place, and finds where decisions are loose. What moves is decided by `seed` alone.
+/// its last place, and finds where decisions are ambiguous. What moves is decided by `seed` alone.
 /// Throws `std::invalid_argument` as `render_reference` does, and where `conventions` are not valid.
 inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& camera,
                                            const Conventions& conventions, dvec3 background = dvec3(0),
@@ -277,7 +283,7 @@ inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& cam
   prepare(out.frame, camera);
   out.colour_move.resize(out.frame.colour.size());
   out.alpha_move.resize(out.frame.alpha.size()), out.depth_move.resize(out.frame.alpha.size());
-  for (std::vector<double>& loose : out.loose) loose.resize(out.frame.alpha.size());
+  for (std::vector<double>& ambiguous : out.ambiguous) ambiguous.resize(out.frame.alpha.size());
 
   const std::vector<VariedSplat> splats =
       project_all_varied(scene, reference::View(camera, conventions), seed);

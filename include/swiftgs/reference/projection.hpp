@@ -34,7 +34,7 @@ struct Splat {
   double x = 0, y = 0;  ///< mean in the image @units{pixels}
   double x_weight = 0, y_weight = 0, shear = 0;
   double opacity = 0;  ///< with the anti-aliasing factor
-  double reach = 0;    ///< at 2 sigma above this, alpha is below `alpha_min` whatever the rounding
+  double cutoff = 0;   ///< at 2 sigma above this, alpha is below `alpha_min` whatever the rounding
   double depth = 0;    ///< camera-space z
   Eigen::Vector3d colour = Eigen::Vector3d::Zero();  ///< RGB, the scene's own values
   Covariance covariance;
@@ -102,9 +102,9 @@ inline void set_range(double low, double high, int size, int& begin, int& end) {
 }
 
 /// Sets the rectangle outside which alpha is surely below `alpha_min`: the bounding box of the ellipse at
-/// `reach`, widened by far more than rounding can move it.
+/// `cutoff`, widened by far more than rounding can move it.
 inline void bound_by_alpha(Splat& splat, const View& view) {
-  const auto half = [&](double variance) { return std::sqrt(splat.reach * variance) * (1 + 1e-9) + 1; };
+  const auto half = [&](double variance) { return std::sqrt(splat.cutoff * variance) * (1 + 1e-9) + 1; };
   const double half_x = half(splat.covariance.xx), half_y = half(splat.covariance.yy);
   set_range(splat.x - 0.5 - half_x, splat.x - 0.5 + half_x, view.camera.width, splat.x_begin, splat.x_end);
   set_range(splat.y - 0.5 - half_y, splat.y - 0.5 + half_y, view.camera.height, splat.y_begin, splat.y_end);
@@ -156,9 +156,8 @@ inline Eigen::Vector3d camera_space_mean(const Scene& scene, std::size_t i, cons
   return view.rotation * Eigen::Vector3d(m.x, m.y, m.z) + view.translation;
 }
 
-/// Projects Gaussian `i`, whose mean is at `p` in camera space, but for its colour, without asking the
-/// planes, its opacity or the image. Nothing where it has no splat: its numbers are not finite, or its
-/// splat's are not or are too large.
+/// Projects Gaussian `i`, whose mean is at `p` in camera space, without its colour. Does not test planes,
+/// opacity or image. Returns nothing if its numbers or its splat's are not finite, or too large.
 inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, const Eigen::Vector3d& p,
                                              const View& view) {
   const Conventions& k = view.conventions;
@@ -171,8 +170,8 @@ inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, 
   splat.opacity = scene.opacities[i];
   if (k.antialiased)
     splat.opacity *= std::sqrt(std::max(double(k.min_compensation), cov.det_sharp / cov.det));
-  splat.reach = k.alpha_min > 0 ? 2 * std::log(splat.opacity / double(k.alpha_min)) * (1 + 1e-9) + 1e-9
-                                : std::numeric_limits<double>::infinity();
+  splat.cutoff = k.alpha_min > 0 ? 2 * std::log(splat.opacity / double(k.alpha_min)) * (1 + 1e-9) + 1e-9
+                                 : std::numeric_limits<double>::infinity();
   splat.x = view.camera.fx * (p.x() / z) + view.camera.cx;
   splat.y = view.camera.fy * (p.y() / z) + view.camera.cy;
   splat.x_weight = cov.yy / cov.det;

@@ -116,17 +116,17 @@ inline void nudge_stored(SplatNumbers& numbers, Nudges& nudges) {
 }
 
 /// Where a footprint that cuts splats keeps one. A splat that is kept or dropped at a pixel where rounding
-/// decides is loose there.
+/// decides is ambiguous there.
 class FootprintCut {
  public:
-  enum class At { kept, dropped, loosely_kept, loosely_dropped };
+  enum class At { kept, dropped, ambiguously_kept, ambiguously_dropped };
 
   /// Keeps every pixel.
   FootprintCut() = default;
 
-  /// The square of three standard deviations of `splat`. `ThreeSigmaSquare` works the larger axis out from a
-  /// difference of squares, like INRIA's code. Of a splat that is nearly round, half the digits are left of
-  /// it; so the axis may be off by 2^-12 of itself.
+  /// The square of three standard deviations of `splat`. `ThreeSigmaSquare` computes the larger axis from a
+  /// difference of squares, like INRIA's code. A nearly round splat loses half the digits of it, so the axis
+  /// may be off by 2^-12 of itself.
   FootprintCut(const Splat& splat, const std::vector<SplatNumbers>& numbers) {
     const double sigmas = three_sigmas(splat.covariance), off = std::ldexp(sigmas, -12);
     double move_x = 0, move_y = 0;
@@ -139,8 +139,8 @@ class FootprintCut {
 
   At at(int x, int y) const {
     const bool kept = x_.exact.has(x) && y_.exact.has(y);
-    if (kept) return x_.least.has(x) && y_.least.has(y) ? At::kept : At::loosely_kept;
-    return x_.most.has(x) && y_.most.has(y) ? At::loosely_dropped : At::dropped;
+    if (kept) return x_.least.has(x) && y_.least.has(y) ? At::kept : At::ambiguously_kept;
+    return x_.most.has(x) && y_.most.has(y) ? At::ambiguously_dropped : At::dropped;
   }
 
  private:
@@ -168,7 +168,7 @@ struct VariedSplat {
   std::vector<SplatNumbers> numbers;  ///< as it is, then `trials` times
   FootprintCut cut{};
   bool drawn = false;                        ///< its depth lies between the planes
-  bool order_is_loose = false;               ///< its depth may round to that of a neighbour
+  bool order_is_ambiguous = false;           ///< its depth may round to that of a neighbour
   float least_depth = 0, largest_depth = 0;  ///< floats that its depth may round to
 };
 

@@ -25,8 +25,8 @@ struct SortCalibration {
   bool operator==(const SortCalibration&) const = default;
 };
 
-/// Adaptive early sorting (SwiftGS, section 4.2): measures both sorts on the frames that it draws, in turn,
-/// then keeps the one with the lower mean, until the scene or the image size changes. Saved measurements
+/// Adaptive early sorting (SwiftGS, section 4.2): times both sorts alternately on the frames that it draws,
+/// then keeps the faster one on average, until the scene or the image size changes. Saved measurements
 /// replace the warm-up. Recorded frames and frames of a scene without identity are never measured; until a
 /// sort is chosen they are sorted early. Every frame is correct, measured or not.
 class AdaptiveSort {
@@ -56,7 +56,7 @@ class AdaptiveSort {
   template <class B>
   struct Trial {
     bool early;
-    std::array<std::size_t, 2> room;
+    std::array<std::size_t, 2> capacity;
     typename B::TimePoint from, to;
     int asked = 0;
   };
@@ -67,7 +67,7 @@ class AdaptiveSort {
     EarlySort::Scratch<B> early;
     std::optional<Trial<B>> trial;
 
-    void reserve(B& b, const FrameRoom& room) { reserve_parts(b, room, standard, early); }
+    void reserve(B& b, const Reservation& reserved) { reserve_parts(b, reserved, standard, early); }
     static auto buffers(auto& self) { return std::tie(self.standard, self.early); }
   };
 
@@ -83,9 +83,10 @@ class AdaptiveSort {
     if (job.key != key_) start_over(job.key), scratch.trial.reset();
     if (job.use == FrameUse::recorded || job.key.scene == 0) return sort(early_ || !decided_);
 
-    const std::array<std::size_t, 2> room{room_of(job.splats.count()), room_of(job.footprints.instances)};
-    // A device's frame that had too little room is drawn again with more: its time says nothing.
-    if (scratch.trial && scratch.trial->room != room) scratch.trial.reset();
+    const std::array<std::size_t, 2> capacity{capacity_of(job.splats.count()),
+                                              capacity_of(job.footprints.intersections)};
+    // A device draws an overflowed frame again with more capacity: its time says nothing.
+    if (scratch.trial && scratch.trial->capacity != capacity) scratch.trial.reset();
     collect(b, scratch.trial);
     const bool early = decided_ ? early_ : measured_[1].turns() < measured_[0].turns();
     if (decided_ || scratch.trial) return sort(early);
@@ -96,8 +97,8 @@ class AdaptiveSort {
     if (bytes_of(scratch, lists) != held)
       measured_[early].warm = true;
     else
-      scratch.trial = Trial<B>{early, room, from, b.now()};
-    if (!job.footprints.instances.exact) collect(b, scratch.trial);
+      scratch.trial = Trial<B>{early, capacity, from, b.now()};
+    if (!job.footprints.intersections.exact) collect(b, scratch.trial);
   }
 
  private:
@@ -109,8 +110,8 @@ class AdaptiveSort {
     double mean() const { return total_ms / frames; }
   };
 
-  /// What a device has room for. 0 where the host has counted, since frames then always fit.
-  static std::size_t room_of(const Count& count) { return count.exact ? count.most : 0; }
+  /// A device's capacity. 0 if the host counted, since frames then always fit.
+  static std::size_t capacity_of(const Count& count) { return count.exact ? count.most : 0; }
 
   void start_over(const FrameKey& key) {
     key_ = key;

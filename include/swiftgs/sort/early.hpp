@@ -25,9 +25,9 @@ template <class B>
 struct DepthOrderScratch {
   Pairs<B, std::uint32_t> pairs;  ///< depth keys, indices
 
-  void reserve(B& b, const FrameRoom& room) {
-    pairs.reset_exactly(room.capacity.splats);
-    reserve_sort(b, room.capacity.splats);
+  void reserve(B& b, const Reservation& reserved) {
+    pairs.reset_exactly(reserved.capacity.splats);
+    reserve_sort(b, reserved.capacity.splats);
   }
   static auto buffers(auto& self) { return std::tie(self.pairs); }
 };
@@ -44,8 +44,8 @@ const std::uint32_t* order_by_depth(B& b, const SplatsView& splats, DepthOrderSc
   return pairs.values.data();
 }
 
-/// Early sorting (SwiftGS, section 4.1): sort the visible splats by depth once, emit their instances in that
-/// order, and sort those by tile alone. Depth is looked at once a splat instead of once an instance.
+/// Early sorting (SwiftGS, section 4.1): sort the visible splats by depth once, emit their intersections in
+/// that order, and sort those by tile alone. Depth is looked at once a splat instead of once an intersection.
 struct EarlySort {
   static constexpr std::string_view name = "early";
 
@@ -54,7 +54,7 @@ struct EarlySort {
     DepthOrderScratch<B> depths;
     GroupScratch<B> group;
 
-    void reserve(B& b, const FrameRoom& room) { reserve_parts(b, room, depths, group); }
+    void reserve(B& b, const Reservation& reserved) { reserve_parts(b, reserved, depths, group); }
     static auto buffers(auto& self) { return std::tie(self.depths, self.group); }
   };
 

@@ -47,8 +47,8 @@ inline void check_footprints(const SortJob& job) {
 /// Policy `S` builds tile lists on backend `B` within bounds `Bounds`: for every tile the ids of the splats
 /// that may touch it, nearest first, equal depths by ascending index. An object of `S` may keep what it
 /// learnt from earlier frames. `Scratch<B>` is the memory that it works in: it lists its `buffers` or has a
-/// member `bytes`. Its member `reserve(b, room)` takes the memory of frames with such room on hosts; without
-/// it, recorded frames there may allocate.
+/// member `bytes`. Its member `reserve(b, reserved)` takes the memory of such frames on hosts; without it,
+/// recorded frames there may allocate.
 template <class S, class B, class Bounds>
 concept SortsOn = BackendPolicy<B> && BoundsPolicy<Bounds> && HasBytes<typename S::template Scratch<B>> &&
     std::default_initializable<typename S::template Scratch<B>> &&
@@ -70,7 +70,7 @@ struct SWIFTGS_API CountTiles {
 
 /// Writes one (key, id) pair for each tile of splat `order[i]`, from `offsets[i]` on.
 template <class Bounds, class Key>
-struct EmitInstances {
+struct EmitIntersections {
   SortJob job;
   Bounds bounds;
   const std::uint32_t* order;
@@ -92,19 +92,19 @@ struct EmitInstances {
   }
 };
 
-/// Marks where each tile's instances begin and end in keys sorted by tile, from the keys [i, i + 1) times
-/// `keys_each`. Tiles without instances keep {0, 0}.
+/// Marks where each tile's intersections begin and end in keys sorted by tile, from the keys [i, i + 1) times
+/// `keys_each`. Tiles without intersections keep {0, 0}.
 template <class Key>
 struct SWIFTGS_API FindRanges {
   static constexpr std::size_t keys_each = 8;
 
   const Key* keys;
-  Count instances;
+  Count intersections;
   int tile_shift;
   Span<TileRange> ranges;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
-    const std::size_t begin = i * keys_each, count = instances.get();
+    const std::size_t begin = i * keys_each, count = intersections.get();
     if (begin >= count) return;
     const std::size_t end = count - begin < keys_each ? count : begin + keys_each;
     std::size_t before = begin == 0 ? ranges.size : tile(begin - 1);
@@ -132,81 +132,81 @@ struct SWIFTGS_API ClearRanges {
   }
 };
 
-/// Throws `std::invalid_argument` if footprints do not have as many instances as they say.
+/// Throws `std::invalid_argument` if footprints do not have as many intersections as they say.
 inline void check_sum(std::uint64_t said, std::uint64_t sum) {
   if (said != sum)
     throw std::invalid_argument("sort: the footprints hold " + std::to_string(sum) +
-                                " instances, expected those that they say, " + std::to_string(said));
+                                " intersections, expected those that they say, " + std::to_string(said));
 }
 
 /// Memory that emission works in.
 template <class B>
-struct InstanceScratch {
+struct IntersectionScratch {
   typename B::template Buffer<std::uint32_t> offsets;
 
-  void reserve(B&, const FrameRoom& room) { offsets.reset_exactly(room.capacity.splats); }
+  void reserve(B&, const Reservation& reserved) { offsets.reset_exactly(reserved.capacity.splats); }
   static auto buffers(auto& self) { return std::tie(self.offsets); }
 };
 
-/// Emits the instances of all splats in the given order (index order when `order` is null) and returns how
-/// many there are. Keys of 64 bits hold tile above depth, narrower ones the tile alone. Throws
-/// `CapacityError` beyond `max_instances`. Backends overload this.
+/// Emits the intersections of all splats in the given order (index order when `order` is null) and returns
+/// how many there are. Keys of 64 bits hold tile above depth, narrower ones the tile alone. Throws
+/// `CapacityError` beyond `max_intersections`. Backends overload this.
 template <class B, class Bounds, class Key>
-Count emit_instances(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                     InstanceScratch<B>& scratch, Pairs<B, Key>& instances) {
+Count emit_intersections(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+                         IntersectionScratch<B>& scratch, Pairs<B, Key>& intersections) {
   check_footprints(job);
   const std::size_t splats = job.splats.size();
-  check_instances(job.footprints.instances.most);
+  check_intersections(job.footprints.intersections.most);
   scratch.offsets.reset(splats);
   std::uint32_t* const offsets = scratch.offsets.data();
   b.for_each(splats, CountTiles{job.footprints.each, order, offsets});
   const std::uint64_t total = b.exclusive_scan(Span{offsets, splats});
-  check_sum(job.footprints.instances.most, total);
-  instances.reset(std::size_t(total));
-  b.for_each(splats, EmitInstances<Bounds, Key>{job, bounds, order, offsets, instances.keys.data(),
-                                                instances.values.data()});
+  check_sum(job.footprints.intersections.most, total);
+  intersections.reset(std::size_t(total));
+  b.for_each(splats, EmitIntersections<Bounds, Key>{job, bounds, order, offsets, intersections.keys.data(),
+                                                    intersections.values.data()});
   return std::size_t(total);
 }
 
-/// Hands the sorted instances over to `lists`; the old ids become room for the next frame, which allocates
-/// nothing if it is no larger.
+/// Moves the sorted intersections to `lists`. The next frame reuses the old ids, and allocates nothing if it
+/// is no larger.
 template <class B, class Key>
 void finish_lists(B& b, const FootprintsView& footprints, Count count, int tile_shift,
-                  Pairs<B, Key>& instances, TileLists<B>& lists) {
+                  Pairs<B, Key>& intersections, TileLists<B>& lists) {
   const std::size_t tiles = footprints.views.tiles.size();
-  lists.tiles = lists.instances = 0;
+  lists.tiles = lists.intersections = 0;
   lists.ranges.reset(tiles);
   b.for_each(tiles, ClearRanges{lists.ranges.data(), footprints.overflowed});
   using Find = FindRanges<Key>;
   b.for_each((count.most + Find::keys_each - 1) / Find::keys_each,
-             Find{instances.keys.data(), count, tile_shift, lists.ranges.span()});
-  std::swap(lists.ids, instances.values);
-  lists.tiles = tiles, lists.instances = count.most;
-  instances.values.reset(count.most);
+             Find{intersections.keys.data(), count, tile_shift, lists.ranges.span()});
+  std::swap(lists.ids, intersections.values);
+  lists.tiles = tiles, lists.intersections = count.most;
+  intersections.values.reset(count.most);
 }
 
 /// Memory that grouping works in.
 template <class B>
 struct GroupScratch {
-  InstanceScratch<B> emission;
-  Pairs<B, std::uint32_t> instances;
+  IntersectionScratch<B> emission;
+  Pairs<B, std::uint32_t> intersections;
 
-  void reserve(B& b, const FrameRoom& room) {
-    reserve_parts(b, room, emission);
-    instances.reset_exactly(room.capacity.instances);
-    reserve_sort(b, room.capacity.instances);
+  void reserve(B& b, const Reservation& reserved) {
+    reserve_parts(b, reserved, emission);
+    intersections.reset_exactly(reserved.capacity.intersections);
+    reserve_sort(b, reserved.capacity.intersections);
   }
-  static auto buffers(auto& self) { return std::tie(self.emission, self.instances); }
+  static auto buffers(auto& self) { return std::tie(self.emission, self.intersections); }
 };
 
-/// Lists for every tile the splats that may touch it, in the given order: emits the instances in that order
-/// and sorts them by tile alone, stably and by as few bits as the tiles need. Backends overload this.
+/// Lists for every tile the splats that may touch it, in the given order: emits the intersections in that
+/// order and sorts them by tile alone, stably and by as few bits as the tiles need. Backends overload this.
 template <class B, class Bounds>
 void group_by_tile(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<B>& scratch, TileLists<B>& lists) {
-  const Count count = emit_instances(b, job, bounds, order, scratch.emission, scratch.instances);
-  b.sort_pairs(scratch.instances, count, job.footprints.views.tiles.key_bits());
-  finish_lists(b, job.footprints, count, 0, scratch.instances, lists);
+  const Count count = emit_intersections(b, job, bounds, order, scratch.emission, scratch.intersections);
+  b.sort_pairs(scratch.intersections, count, job.footprints.views.tiles.key_bits());
+  finish_lists(b, job.footprints, count, 0, scratch.intersections, lists);
 }
 
 }  // namespace swiftgs

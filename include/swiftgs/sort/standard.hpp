@@ -7,29 +7,29 @@
 
 namespace swiftgs {
 
-/// One stable sort of all instances by 64-bit keys, tile above depth bits: the sort of INRIA's rasterizer and
-/// gsplat.
+/// One stable sort of all intersections by 64-bit keys, tile above depth bits: the sort of INRIA's rasterizer
+/// and gsplat.
 struct StandardSort {
   static constexpr std::string_view name = "standard";
 
   template <class B>
   struct Scratch {
-    InstanceScratch<B> emission;
-    Pairs<B, std::uint64_t> instances;
+    IntersectionScratch<B> emission;
+    Pairs<B, std::uint64_t> intersections;
 
-    void reserve(B& b, const FrameRoom& room) {
-      reserve_parts(b, room, emission);
-      instances.reset_exactly(room.capacity.instances);
-      reserve_sort(b, room.capacity.instances);
+    void reserve(B& b, const Reservation& reserved) {
+      reserve_parts(b, reserved, emission);
+      intersections.reset_exactly(reserved.capacity.intersections);
+      reserve_sort(b, reserved.capacity.intersections);
     }
-    static auto buffers(auto& self) { return std::tie(self.emission, self.instances); }
+    static auto buffers(auto& self) { return std::tie(self.emission, self.intersections); }
   };
 
   template <class B, class Bounds>
   void build(B& b, const SortJob& job, const Bounds& bounds, Scratch<B>& scratch, TileLists<B>& lists) {
-    const Count count = emit_instances(b, job, bounds, nullptr, scratch.emission, scratch.instances);
-    b.sort_pairs(scratch.instances, count, job.footprints.views.tiles.key_bits() + depth_key_bits);
-    finish_lists(b, job.footprints, count, depth_key_bits, scratch.instances, lists);
+    const Count count = emit_intersections(b, job, bounds, nullptr, scratch.emission, scratch.intersections);
+    b.sort_pairs(scratch.intersections, count, job.footprints.views.tiles.key_bits() + depth_key_bits);
+    finish_lists(b, job.footprints, count, depth_key_bits, scratch.intersections, lists);
   }
 };
 

@@ -25,45 +25,42 @@ inline void add_in_view_of(Scene& scene, const Camera& camera, Random& random, i
   }
 }
 
-/// Short focal lengths; severity: the inverse of the focal length. @units{1/pixels}
-inline StressCase wide_angles(double inverse, std::uint64_t seed, ImageSize size) {
+/// Gaussians in view of a camera of focal length `focal`, once `change` has made the case hard.
+template <class Change>
+StressCase lens_case(std::uint64_t seed, ImageSize size, double focal, const Change& change) {
   Random random(seed);
   StressCase out;
-  out.camera = forward_camera(size, 1 / inverse);
-  if (seed % 2) out.conventions = Conventions::inria(), out.conventions.footprint = {};
+  out.camera = forward_camera(size, focal);
+  change(out);
   add_in_view_of(out.scene, out.camera, random, 60);
   return out;
+}
+
+/// Short focal lengths; severity: the inverse of the focal length. @units{1/pixels}
+inline StressCase wide_angles(double inverse, std::uint64_t seed, ImageSize size) {
+  return lens_case(seed, size, 1 / inverse, [=](StressCase& out) {
+    if (seed % 2) out.conventions = Conventions::inria(), out.conventions.footprint = {};
+  });
 }
 
 /// Long focal lengths. @units{pixels}
 inline StressCase long_lenses(double focal, std::uint64_t seed, ImageSize size) {
-  Random random(seed);
-  StressCase out;
-  out.camera = forward_camera(size, focal);
-  add_in_view_of(out.scene, out.camera, random, 60);
-  return out;
+  return lens_case(seed, size, focal, [](StressCase&) {});
 }
 
 /// Principal points far from the image; severity: how far. @units{pixels}
 inline StressCase principal_points(double distance, std::uint64_t seed, ImageSize size) {
-  Random random(seed);
-  StressCase out;
-  out.camera = forward_camera(size, usual_focal(size));
-  out.camera.cx += seed % 2 ? distance : -0.3 * distance;
-  out.camera.cy += seed % 3 ? -distance : 0.1 * distance;
-  if (seed % 5 == 0) out.camera.cx = -distance, out.camera.cy = 0.5 * size.height;
-  add_in_view_of(out.scene, out.camera, random, 60);
-  return out;
+  return lens_case(seed, size, usual_focal(size), [=](StressCase& out) {
+    out.camera.cx += seed % 2 ? distance : -0.3 * distance;
+    out.camera.cy += seed % 3 ? -distance : 0.1 * distance;
+    if (seed % 5 == 0) out.camera.cx = -distance, out.camera.cy = 0.5 * size.height;
+  });
 }
 
 /// Focal lengths that differ; severity: their ratio.
 inline StressCase uneven_focals(double ratio, std::uint64_t seed, ImageSize size) {
-  Random random(seed);
-  StressCase out;
-  out.camera = forward_camera(size, usual_focal(size));
-  (seed % 2 ? out.camera.fx : out.camera.fy) *= ratio;
-  add_in_view_of(out.scene, out.camera, random, 60);
-  return out;
+  return lens_case(seed, size, usual_focal(size),
+                   [=](StressCase& out) { (seed % 2 ? out.camera.fx : out.camera.fy) *= ratio; });
 }
 
 /// A usual scene and its camera, both turned and moved: `rotation` and `distance` from the world's origin.

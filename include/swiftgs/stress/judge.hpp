@@ -16,34 +16,35 @@ namespace swiftgs {
 
 /// How far a frame is from the reference, measured by what float can do.
 ///
-/// The **ratio** of a value is its error over (its largest move in the trials + what rounding it once costs,
-/// 2^-23 max(|value|, peak / 16)). Up to 10 a renderer is about as good as float can be; from 100 on digits
-/// were thrown away. Where decisions are loose, what they may change is taken off the error first.
+/// The **strict normalised error** of a value is its error over (its largest move in the trials + what
+/// rounding it once costs, 2^-23 max(|value|, peak / 16)). Up to 10 a renderer is about as good as float can
+/// be; from 100 on digits were thrown away. Where decisions are ambiguous, what they may change is taken off
+/// the error first.
 struct StressVerdict {
-  double ratio = 0;             ///< largest, of colour and transmittance
-  double excess = 0;            ///< the same beyond what the form of the exponent is allowed to err
-  double depth_excess = 0;      ///< `excess` of depth
-  double psnr_db = 0;           ///< of colour, for a peak of 1, or the reference's where that is more
-  double max_abs = 0;           ///< of colour
-  double loosest = 0;           ///< largest weight that the form leaves open in a pixel
-  double allowed = 0;           ///< largest part of that which no decision accounts for, but the form's error
+  double strict_normalised_error = 0;  ///< largest, of colour and transmittance
+  double normalised_error = 0;         ///< the same beyond what the exponent representation is allowed to err
+  double normalised_depth_error = 0;   ///< `normalised_error` of depth
+  double psnr_db = 0;                  ///< of colour, for a peak of 1, or the reference's where that is more
+  double max_abs = 0;                  ///< of colour
+  double ambiguity = 0;                ///< largest weight that the representation leaves open in a pixel
+  double allowed = 0;           ///< largest part of that which is due to the representation's error alone
   double judged = 1;            ///< share of pixels of which it leaves less than the whole weight open
-  std::uint64_t flips = 0;      ///< pixels where a loose decision fell out the other way
-  std::size_t worst_pixel = 0;  ///< of `ratio`
+  std::uint64_t flips = 0;      ///< pixels where an ambiguous decision fell out the other way
+  std::size_t worst_pixel = 0;  ///< of `strict_normalised_error`
 };
 
 namespace stress {
 
-/// Ratios of one plane.
+/// Normalised errors of one plane.
 struct PlaneJudge {
   double peak, span;  ///< largest magnitude of its values, largest difference of two colours in it
 
-  /// Ratio of a value that should be `expected`, of which the part `loose` may change hands.
-  double ratio(double value, double expected, double move, double loose) const {
+  /// Normalised error of a value that should be `expected`, of which the part `ambiguous` may change hands.
+  double normalised(double value, double expected, double move, double ambiguous) const {
     const double error = std::abs(value - expected);
     if (!(error <= std::numeric_limits<double>::max())) return std::numeric_limits<double>::infinity();
     const double rounding = std::ldexp(std::max(std::abs(expected), peak / 16), -23);
-    const double beyond = error - loose * span;
+    const double beyond = error - ambiguous * span;
     return beyond > 0 ? beyond / (move + rounding) : 0;
   }
 };
@@ -51,11 +52,12 @@ struct PlaneJudge {
 }  // namespace stress
 
 /// Judges `frame`, of the reference's size; its alpha and depth too where it has them. Its renderer works out
-/// exponents in the form `form`.
-inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame, ExponentForm form) {
+/// exponents in `representation`.
+inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame,
+                           ExponentRepresentation representation) {
   const stress::PlaneJudge colour{reference.peak, reference.colour_span}, transmittance{1, 1};
-  const std::vector<double>& decisions = reference.loose[std::size_t(ExponentForm::factor)];
-  const std::vector<double>& allowed = reference.loose[std::size_t(form)];
+  const std::vector<double>& decisions = reference.ambiguous[std::size_t(ExponentRepresentation::factor)];
+  const std::vector<double>& allowed = reference.ambiguous[std::size_t(representation)];
   StressVerdict out;
   const std::size_t pixels = reference.frame.alpha.size();
   const auto open =
@@ -63,30 +65,31 @@ inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame
   if (pixels > 0) out.judged = 1 - double(open) / double(pixels);
   for (std::size_t i = 0; i < pixels; ++i) {
     const double covered = reference.frame.alpha[i];
-    // Worst ratio of the pixel's values, beyond a weight that may change hands.
-    const auto ratio = [&](double loose) {
+    // Worst strict normalised error of the pixel's values, beyond a weight that may change hands.
+    const auto error = [&](double ambiguous) {
       double worst = 0;
       for (std::size_t v = 3 * i; v < 3 * i + 3; ++v)
-        worst = std::max(worst, colour.ratio(double(frame.colour[v]), reference.frame.colour[v],
-                                             reference.colour_move[v], loose));
+        worst = std::max(worst, colour.normalised(double(frame.colour[v]), reference.frame.colour[v],
+                                                  reference.colour_move[v], ambiguous));
       // Alpha is 1 - transmittance, and transmittance is what floats hold.
       if (!frame.alpha.empty())
-        worst = std::max(worst, transmittance.ratio(1 - double(frame.alpha[i]), 1 - covered,
-                                                    reference.alpha_move[i], loose));
+        worst = std::max(worst, transmittance.normalised(1 - double(frame.alpha[i]), 1 - covered,
+                                                         reference.alpha_move[i], ambiguous));
       return worst;
     };
-    const double of_pixel = ratio(decisions[i]);
-    if (of_pixel > out.ratio) out.ratio = of_pixel, out.worst_pixel = i;
-    out.excess = std::max(out.excess, ratio(allowed[i]));
-    out.flips += decisions[i] > 0 && of_pixel <= 10 && ratio(0) > 10;
-    out.loosest = std::max(out.loosest, allowed[i]);
+    const double of_pixel = error(decisions[i]);
+    if (of_pixel > out.strict_normalised_error) out.strict_normalised_error = of_pixel, out.worst_pixel = i;
+    out.normalised_error = std::max(out.normalised_error, error(allowed[i]));
+    out.flips += decisions[i] > 0 && of_pixel <= 10 && error(0) > 10;
+    out.ambiguity = std::max(out.ambiguity, allowed[i]);
     out.allowed = std::max(out.allowed, std::min(1.0, allowed[i]) - std::min(1.0, decisions[i]));
     if (frame.depth.empty() || covered == 0) continue;
     // Depth is divided by alpha: where little is covered, the rounding of transmittance is much of both.
-    const double z = reference.frame.depth[i], loose = allowed[i] / std::max(covered - allowed[i], 1e-9);
+    const double z = reference.frame.depth[i], ambiguous = allowed[i] / std::max(covered - allowed[i], 1e-9);
     const stress::PlaneJudge depth{16 * z / covered, reference.depth_span};
-    out.depth_excess =
-        std::max(out.depth_excess, depth.ratio(double(frame.depth[i]), z, reference.depth_move[i], loose));
+    out.normalised_depth_error =
+        std::max(out.normalised_depth_error,
+                 depth.normalised(double(frame.depth[i]), z, reference.depth_move[i], ambiguous));
   }
   const double peak = std::max(1.0, reference.peak);
   const auto relative = [&](const auto& values) {

@@ -34,7 +34,7 @@ struct StressSubject {
 
 /// The worst frame of one renderer that a search found from one family.
 struct StressFind {
-  double excess = 0;  ///< infinity where there is an `error`
+  double normalised_error = 0;  ///< infinity where there is an `error`
   StressCase drawn;
   std::string error;  ///< what the renderer threw, or what is wrong with its frame; or empty
 };
@@ -104,8 +104,8 @@ inline std::string without_sort(const std::string& name) {
 
 }  // namespace stress
 
-/// Climbs towards the largest excess of several renderers at once. What it tries follows from the seed and
-/// from the frames: the same renderers find the same.
+/// Climbs towards the largest normalised error of several renderers at once. What it tries follows from the
+/// seed and from the frames: the same renderers find the same.
 ///
 /// A try draws a small frame, either one of a family or a neighbour of an earlier one. Earlier frames are
 /// kept for each renderer, of colours and of depth apart: the worst of each `stress::Niche`. So a search
@@ -115,9 +115,9 @@ class StressSearch {
   static constexpr ImageSize one_tile{16, 16}, several_tiles{40, 24};
   static constexpr int most_gaussians = 4;
   /// Weight of a pixel that may change hands. A frame that leaves more open is no find.
-  static constexpr double most_loose = 0.1;
+  static constexpr double most_ambiguity = 0.1;
 
-  /// What an excess is of; colour includes transmittance.
+  /// What a normalised error is of; colour includes transmittance.
   enum Plane : std::size_t { colour, depth };
   static constexpr std::size_t planes = 2;
 
@@ -159,7 +159,7 @@ class StressSearch {
 
  private:
   struct Known {
-    double excess = 0;
+    double normalised_error = 0;
     StressCase drawn;
     std::size_t family = 0;
   };
@@ -187,7 +187,7 @@ class StressSearch {
     const Known* worst = nullptr;
     for (int i = 1 + random_.below(4); i > 0; --i) {
       const Known& known = std::next(niches.begin(), random_.below(int(niches.size())))->second;
-      if (!worst || known.excess > worst->excess) worst = &known;
+      if (!worst || known.normalised_error > worst->normalised_error) worst = &known;
     }
     return *worst;
   }
@@ -221,32 +221,34 @@ class StressSearch {
     return a.colour == b.colour && a.alpha == b.alpha && a.depth == b.depth;
   }
 
-  /// Keeps the frame where it is the worst of its niche or family. The least excess of several references
-  /// counts: a climb would else lead to where the trials of one happen to move little.
+  /// Keeps the frame where it is the worst of its niche or family. The least normalised error of several
+  /// references counts: a climb would else lead to where the trials of one happen to move little.
   void climb(std::size_t subject, const StressCase& drawn, std::size_t family, stress::References& references,
              const Frame& frame) {
     const stress::Niche niche = stress::niche_of(drawn);
-    const ExponentForm form = exponent_form_named(subjects_[subject].name);
+    const ExponentRepresentation representation = exponent_representation_named(subjects_[subject].name);
     std::array<double, planes> least{},
-        excess{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+        normalised_error{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     for (const Plane plane : {colour, depth}) {
       const Niches& niches = known_[subject * planes + plane];
       const auto known = niches.find(niche);
-      least[plane] =
-          std::min(known == niches.end() ? 0 : known->second.excess, worst(subject, plane, family).excess);
+      least[plane] = std::min(known == niches.end() ? 0 : known->second.normalised_error,
+                              worst(subject, plane, family).normalised_error);
     }
-    const auto is_worse = [&] { return excess[colour] > least[colour] || excess[depth] > least[depth]; };
+    const auto is_worse = [&] {
+      return normalised_error[colour] > least[colour] || normalised_error[depth] > least[depth];
+    };
     for (std::size_t i = 0; i < stress::References::count && is_worse(); ++i) {
-      const StressVerdict verdict = judge(references[i], frame, form);
-      if (verdict.judged < 1 || verdict.loosest > most_loose) return;
-      excess[colour] = std::min(excess[colour], verdict.excess);
-      excess[depth] = std::min(excess[depth], verdict.depth_excess);
+      const StressVerdict verdict = judge(references[i], frame, representation);
+      if (verdict.judged < 1 || verdict.ambiguity > most_ambiguity) return;
+      normalised_error[colour] = std::min(normalised_error[colour], verdict.normalised_error);
+      normalised_error[depth] = std::min(normalised_error[depth], verdict.normalised_depth_error);
     }
     for (const Plane plane : {colour, depth}) {
       Known& known = known_[subject * planes + plane][niche];
-      if (excess[plane] >= known.excess) known = {excess[plane], drawn, family};
+      if (normalised_error[plane] >= known.normalised_error) known = {normalised_error[plane], drawn, family};
       StressFind& worst = worst_[index_of(subject, plane, family)];
-      if (excess[plane] > worst.excess) worst = {excess[plane], drawn, ""};
+      if (normalised_error[plane] > worst.normalised_error) worst = {normalised_error[plane], drawn, ""};
     }
   }
 

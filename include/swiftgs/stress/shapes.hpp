@@ -11,18 +11,26 @@
 
 namespace swiftgs::stress {
 
-/// Long thin Gaussians among usual ones; severity: length over width.
-inline StressCase needles(double condition, std::uint64_t seed, ImageSize size) {
+/// `usual` usual Gaussians and `hard` that `change` makes hard.
+template <class Change>
+StressCase shaped_case(std::uint64_t seed, ImageSize size, int usual, int hard, const Change& change) {
   Random random(seed);
-  StressCase out = usual_case(random, size, 10);
-  for (int i = 0; i < 50; ++i) {
+  StressCase out = usual_case(random, size, usual);
+  for (int i = 0; i < hard; ++i) {
     Gaussian g = usual_gaussian(random, size);
-    g.mean = point_in_view(random, size, random.in(2, 6));
-    const double length = random.in(1, 10);
-    g.scale = {float(length), float(length / condition), float(length / condition * random.in(0.5, 1))};
+    change(random, g);
     add(out.scene, g);
   }
   return out;
+}
+
+/// Long thin Gaussians among usual ones; severity: length over width.
+inline StressCase needles(double condition, std::uint64_t seed, ImageSize size) {
+  return shaped_case(seed, size, 10, 50, [=](Random& random, Gaussian& g) {
+    g.mean = point_in_view(random, size, random.in(2, 6));
+    const double length = random.in(1, 10);
+    g.scale = {float(length), float(length / condition), float(length / condition * random.in(0.5, 1))};
+  });
 }
 
 /// The same without blur, which bounds how thin a splat is; severity: length over width.
@@ -34,15 +42,10 @@ inline StressCase bare_needles(double condition, std::uint64_t seed, ImageSize s
 
 /// Flat Gaussians; severity: side over thickness.
 inline StressCase pancakes(double condition, std::uint64_t seed, ImageSize size) {
-  Random random(seed);
-  StressCase out = usual_case(random, size, 10);
-  for (int i = 0; i < 40; ++i) {
-    Gaussian g = usual_gaussian(random, size);
+  return shaped_case(seed, size, 10, 40, [=](Random& random, Gaussian& g) {
     const double side = random.in(0.2, 3);
     g.scale = {float(side), float(side * random.in(0.3, 1)), float(side / condition)};
-    add(out.scene, g);
-  }
-  return out;
+  });
 }
 
 /// Splats many images long and some pixels wide, at 45 degrees, their means in or near the image; severity:
@@ -66,31 +69,21 @@ inline StressCase ridges(double sigma, std::uint64_t seed, ImageSize size) {
 
 /// Gaussians that reach the camera's plane; severity: standard deviation over depth.
 inline StressCase grazing(double ratio, std::uint64_t seed, ImageSize size) {
-  Random random(seed);
-  StressCase out = usual_case(random, size, 10);
-  for (int i = 0; i < 30; ++i) {
-    Gaussian g = usual_gaussian(random, size);
+  return shaped_case(seed, size, 10, 30, [=](Random& random, Gaussian& g) {
     const double z = random.scale(0.011, 1);
     g.mean = point_in_view(random, size, z) * vec3(2, 2, 1);
     for (int k = 0; k < 3; ++k) g.scale[k] = float(z * ratio * random.in(0.2, 1));
     g.opacity = random.f(0.02, 0.4);
-    add(out.scene, g);
-  }
-  return out;
+  });
 }
 
 /// Scales of every size; severity: the largest, the least is its inverse to the third, but above 1e-45.
 inline StressCase scales(double largest, std::uint64_t seed, ImageSize size) {
-  Random random(seed);
-  StressCase out = usual_case(random, size, 10);
   const double least = std::fmax(std::pow(largest, -3), 1e-45);
-  for (int i = 0; i < 50; ++i) {
-    Gaussian g = usual_gaussian(random, size);
+  return shaped_case(seed, size, 10, 50, [=](Random& random, Gaussian& g) {
     for (int k = 0; k < 3; ++k) g.scale[k] = float(random.scale(least, largest));
     g.opacity = random.f(0.02, 0.5);
-    add(out.scene, g);
-  }
-  return out;
+  });
 }
 
 /// Means far off screen of splats that reach into the image; severity: distance. @units{pixels}
@@ -115,14 +108,10 @@ inline StressCase distant_means(double distance, std::uint64_t seed, ImageSize s
 
 /// Splats under ever less blur; severity: the inverse of the blur, infinity for none. @units{1/pixels^2}
 inline StressCase little_blur(double inverse, std::uint64_t seed, ImageSize size) {
-  Random random(seed);
-  StressCase out = usual_case(random, size, 30);
-  for (int i = 0; i < 60; ++i) {
-    Gaussian g = usual_gaussian(random, size);
+  StressCase out = shaped_case(seed, size, 30, 60, [=](Random& random, Gaussian& g) {
     const double pixel = double(g.mean.z) / usual_focal(size);
     for (int k = 0; k < 3; ++k) g.scale[k] = float(random.scale(0.02, 20) * pixel);
-    add(out.scene, g);
-  }
+  });
   out.conventions.blur = float(1 / inverse);
   out.conventions.antialiased = seed % 2;
   return out;

@@ -8,7 +8,7 @@ from mutant import Mutant
 I = "include/swiftgs/"
 EDIT = "edit/edit_test"
 CHUNKS = "policies/chunk_borders_test"
-BANDS = "mpi/mpi_bands_test"
+BANDS = "mpi/mpi_strips_test"
 
 NAMED = [
     # Chunks.
@@ -32,9 +32,9 @@ NAMED = [
     Mutant("edit: harmonics up to 2e38 are rotated", I + "edit/transform.hpp", "coefficient < 1e38f",
            "coefficient < 2e38f", test=EDIT),
     # Bands and the exchange of splats.
-    Mutant("bands: cuts move from a fifth on", "backends/mpi/bands.cpp", "20 * slowest > 21 *",
+    Mutant("strips: cuts move from a fifth on", "backends/mpi/strips.cpp", "20 * slowest > 21 *",
            "10 * slowest > 12 *", test=BANDS),
-    Mutant("bands: the row in which the sum passes goes to the later rank", "backends/mpi/bands.cpp",
+    Mutant("strips: the row in which the sum passes goes to the later rank", "backends/mpi/strips.cpp",
            "before + costs[row] / 2 < wanted", "before + costs[row] < wanted", test=BANDS),
     Mutant("exchange: splats of later ranks are not noted as hidden",
            "backends/mpi/include/swiftgs/mpi/splat_exchange.hpp", "if (!is_hidden(joined[i])) return;",

@@ -32,8 +32,8 @@
 
 namespace swiftgs {
 
-/// Memory in large pages where the system grants them: splats are visited in depth order, and with small
-/// pages most visits would miss the address translation too. Throws `std::bad_alloc`.
+/// Memory in large pages where the system grants them: visits in depth order would mostly miss the address
+/// translation of small pages. Throws `std::bad_alloc`.
 struct SWIFTGS_API LargePageMemory {
   static void* allocate(std::size_t bytes);
   static void release(void* memory);
@@ -55,9 +55,9 @@ class SWIFTGS_API Cpu {
   using SceneOn = HostScene;
   using TimePoint = std::chrono::steady_clock::time_point;
 
-  /// `threads`: how many run at once, at most what oneTBB lets the process use; 0 for all of those. Each
-  /// backend has its own arena, so renderers neither wait for nor change the settings of other users of
-  /// oneTBB. What oneTBB takes for its tasks is not from `memory`.
+  /// `threads`: how many run at once, at most what oneTBB allows the process; 0: all of them. Each backend
+  /// has its own arena, so renderers and other users of oneTBB do not disturb each other. oneTBB does not
+  /// take memory of its tasks from `memory`.
   explicit Cpu(int threads = 0, const MemoryHook& memory = hook_of<LargePageMemory>());
   ~Cpu();
   Cpu(Cpu&&) noexcept;
@@ -72,9 +72,9 @@ class SWIFTGS_API Cpu {
   int threads_at_once() const;
   std::string device_name() const;
 
-  /// Shares `scene` without copying it. Reads all of its numbers once, to validate them and to bound its
-  /// chunks, and advises the system to keep them in large pages, the caller's memory included. @sync Complete
-  /// when it returns, but for `LargePages::later`.
+  /// Shares `scene` without a copy. Reads all numbers once, to validate them and to bound chunks. Advises the
+  /// system to move the arrays, the caller's memory included, to large pages. @sync Complete when it returns,
+  /// but for `LargePages::later`.
   SceneOn upload(std::shared_ptr<const Scene> scene, LargePages pages = LargePages::later) const;
   SceneOn upload(Scene scene, LargePages pages = LargePages::later) const {
     return upload(std::make_shared<const Scene>(std::move(scene)), pages);
@@ -148,7 +148,7 @@ struct ProjectScratch<Cpu> {
   Cpu::Buffer<std::uint32_t> gaussians;
   Cpu::Buffer<std::size_t> counts;
 
-  SWIFTGS_API void reserve(Cpu&, const FrameRoom& room);
+  SWIFTGS_API void reserve(Cpu&, const Reservation& reserved);
   static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.counts); }
 };
 
@@ -202,14 +202,14 @@ void bin(Cpu& cpu, const FramePlan& plan, const Bounds& bounds, Splats<Cpu>& spl
   footprints.views = plan.views;
   constexpr std::size_t grain = 1024;
   footprints.each.reset(splats.count);
-  footprints.count = splats.count, footprints.instances = 0;
+  footprints.count = splats.count, footprints.intersections = 0;
   const SplatShape* const shapes = splats.shapes.data();
   Footprint* const out = footprints.each.data();
   for_parts_of_views(cpu, splats.view(), grain, [&](std::size_t view, std::size_t begin, std::size_t end) {
     find_footprints(bounds, shapes + begin, end - begin, plan.views[view].grid, out + begin);
-    std::uint64_t instances = 0;
-    for (std::size_t i = begin; i < end; ++i) instances += out[i].count;
-    std::atomic_ref(footprints.instances).fetch_add(instances, std::memory_order_relaxed);
+    std::uint64_t intersections = 0;
+    for (std::size_t i = begin; i < end; ++i) intersections += out[i].count;
+    std::atomic_ref(footprints.intersections).fetch_add(intersections, std::memory_order_relaxed);
   });
   if (plan.limits.report) *plan.limits.report = await_report(cpu, splats, footprints, plan.limits);
 }
@@ -218,14 +218,14 @@ void bin(Cpu& cpu, const FramePlan& plan, const Bounds& bounds, Splats<Cpu>& spl
 struct LargeTiles {
   using F = void (*)(void* context, std::uint32_t tile);
   const void* bounds;
-  void (*walk)(const void* bounds, const Footprint& footprint, const SplatShape& shape, TileGrid grid, F f,
-               void* context);
+  void (*traversal)(const void* bounds, const Footprint& footprint, const SplatShape& shape, TileGrid grid,
+                    F f, void* context);
 
   template <BoundsPolicy Bounds>
   explicit LargeTiles(const Bounds& of)
       : bounds(&of),
-        walk([](const void* known, const Footprint& footprint, const SplatShape& shape, TileGrid grid, F f,
-                void* context) {
+        traversal([](const void* known, const Footprint& footprint, const SplatShape& shape, TileGrid grid,
+                     F f, void* context) {
           for_each_tile(footprint, *static_cast<const Bounds*>(known), shape, grid, Call{f, context});
         }) {}
 
@@ -238,11 +238,11 @@ struct LargeTiles {
   };
 };
 
-/// What instances are emitted from, whatever the bounds.
+/// What intersections are emitted from, whatever the bounds.
 struct EmissionJob {
   SplatsView splats;
   Span<const Footprint> footprints;
-  std::uint64_t instances;
+  std::uint64_t intersections;
   Views views;
   LargeTiles large;
   const std::uint32_t* order;  ///< of the splats; null: index order
@@ -251,7 +251,7 @@ struct EmissionJob {
   EmissionJob(const SortJob& job, const Bounds& bounds, const std::uint32_t* order_)
       : splats(job.splats),
         footprints(job.footprints.each),
-        instances(job.footprints.instances.most),
+        intersections(job.footprints.intersections.most),
         views(job.footprints.views),
         large(bounds),
         order(order_) {
@@ -260,18 +260,19 @@ struct EmissionJob {
 };
 
 /// Emission in parallel. Throws as the generic one.
-SWIFTGS_API Count emit_instances(Cpu& cpu, const EmissionJob& job, Pairs<Cpu, std::uint64_t>& instances);
+SWIFTGS_API Count emit_intersections(Cpu& cpu, const EmissionJob& job,
+                                     Pairs<Cpu, std::uint64_t>& intersections);
 template <BoundsPolicy Bounds>
-Count emit_instances(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                     InstanceScratch<Cpu>&, Pairs<Cpu, std::uint64_t>& instances) {
-  return emit_instances(cpu, EmissionJob(job, bounds, order), instances);
+Count emit_intersections(Cpu& cpu, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+                         IntersectionScratch<Cpu>&, Pairs<Cpu, std::uint64_t>& intersections) {
+  return emit_intersections(cpu, EmissionJob(job, bounds, order), intersections);
 }
 
 template <>
 struct GroupScratch<Cpu> {
   Cpu::Buffer<std::uint32_t> positions;  ///< @shape{parts, tiles}
 
-  SWIFTGS_API void reserve(Cpu& cpu, const FrameRoom& room);
+  SWIFTGS_API void reserve(Cpu& cpu, const Reservation& reserved);
   static auto buffers(auto& self) { return std::tie(self.positions); }
 };
 

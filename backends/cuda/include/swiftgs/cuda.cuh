@@ -10,7 +10,7 @@
 #include <swiftgs/bounds/all.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/for_each.cuh>
-#include <swiftgs/cuda/instances.cuh>
+#include <swiftgs/cuda/intersections.cuh>
 #include <swiftgs/cuda/project.cuh>
 #include <swiftgs/cuda/raster_pixels.cuh>
 #include <swiftgs/raster/all.hpp>
@@ -35,9 +35,9 @@ void bin(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Splats<Cuda>& 
 }
 
 template <OwnBounds Bounds, class Key>
-Count emit_instances(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                     InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances) {
-  return kernels::run_emission(cuda, job, bounds, order, scratch, instances);
+Count emit_intersections(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+                         IntersectionScratch<Cuda>& scratch, Pairs<Cuda, Key>& intersections) {
+  return kernels::run_emission(cuda, job, bounds, order, scratch, intersections);
 }
 
 /// Rasterizers that the library does not instantiate. One with an overload of `rasterize` for `Cuda` keeps

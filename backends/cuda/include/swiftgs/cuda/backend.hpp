@@ -11,8 +11,8 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
+#include <swiftgs/cuda/epochs.hpp>
 #include <swiftgs/cuda/memory.hpp>
-#include <swiftgs/cuda/turns.hpp>
 #include <swiftgs/memory_hook.hpp>
 #include <swiftgs/scene_arrays.hpp>
 
@@ -24,13 +24,13 @@ namespace swiftgs {
 /// Counts of a frame that projection adds up.
 struct FrameCounts {
   std::uint64_t visible = 0;
-  std::uint64_t instances = 0;
+  std::uint64_t intersections = 0;
 };
 
 /// What later stages go by, in device memory.
 struct FrameTotals {
   FrameReport report;
-  std::uint32_t splats = 0, instances = 0;  ///< 0 where the frame overflowed
+  std::uint32_t splats = 0, intersections = 0;  ///< 0 where the frame overflowed
 };
 
 /// One NVIDIA GPU. Everything runs in the order of one stream, and frames have the same bits from run to run.
@@ -111,19 +111,18 @@ class SWIFTGS_API Cuda {
   /// Throws `DeviceError` for `call` while the stream is being captured into a CUDA graph.
   void check_not_captured(const char* call) const;
 
-  /// Copies `scene` to the device, without the SH bands that are zero throughout, in stream order. Waits for
-  /// the stream, so that other streams may read the scene too.
-  /// Throws `std::invalid_argument` as `validate` does.
+  /// Copies `scene` to the device in stream order, without trailing SH bands of zeros. Waits for the stream,
+  /// so that other streams may read the scene. Throws `std::invalid_argument` as `validate` does.
   SceneOn upload(const Scene& scene) const;
   SceneOn upload(std::shared_ptr<const Scene> scene) const;
 
-  /// Copies arrays of the device within the device, in stream order. Does not wait: work on other streams
-  /// must, before it reads the scene or overwrites the arrays. Numbers are not checked. Throws
-  /// `std::invalid_argument` as `validate` does.
+  /// Copies arrays within the device, in stream order. Does not wait: other streams must, before they read
+  /// the scene or overwrite the arrays. Does not check numbers. Throws `std::invalid_argument` as `validate`
+  /// does.
   SceneOn upload(const SceneArrays& arrays) const;
-  /// As above, into the memory of `reuse`, which this backend has uploaded and which is empty afterwards. A
-  /// scene that was ever copied is given up instead. `arrays` do not lie in it. Memory that has to grow waits
-  /// for the device. If arguments are refused or the stream is being captured, `reuse` stays.
+  /// As above, into the memory of `reuse`, a scene of this backend that is empty afterwards; if it was ever
+  /// copied, it is released instead. `arrays` do not lie in it. Waits for the device if memory has to grow.
+  /// If arguments are refused or the stream is being captured, `reuse` stays.
   SceneOn upload(const SceneArrays& arrays, std::optional<SceneOn>& reuse) const;
 
   /// Copies after all work submitted before, and waits for the copy.
@@ -150,8 +149,8 @@ class SWIFTGS_API Cuda {
   std::uint64_t exclusive_scan(Span<std::uint32_t> counts);
 
   /// Sorts the first `n` pairs by the low `bits` bits of their keys, ascending and stably, into `keys` and
-  /// `values`, by way of the spare arrays. The host need not know how many there are, only the most. Throws
-  /// `CapacityError` beyond 2^32 - 1 pairs.
+  /// `values`, using the spare arrays. The host needs only an upper bound of `n`. Throws `CapacityError`
+  /// beyond 2^32 - 1 pairs.
   void sort_pairs(Pairs<Cuda, std::uint16_t>& pairs, Count n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint32_t>& pairs, Count n, int bits);
   void sort_pairs(Pairs<Cuda, std::uint64_t>& pairs, Count n, int bits);
@@ -169,12 +168,11 @@ class SWIFTGS_API Cuda {
   /// wait. @units{milliseconds}
   std::optional<double> milliseconds(TimePoint from, TimePoint to) const;
 
-  /// Memory for the kernels of a rasterizer: the same from call to call, until more bytes are asked for or
-  /// `trim`. Zeroed when it is allocated, and not again. Throws while the stream is being captured if it must
-  /// grow.
+  /// Memory for the kernels of a rasterizer. It stays the same until a call asks for more or `trim`. Zeroed
+  /// when allocated, and not again. Throws if it must grow while the stream is being captured.
   std::byte* raster_scratch(std::size_t bytes);
-  /// Such memory for the order in which blocks rasterize so many squares.
-  std::uint32_t* square_order(std::size_t squares);
+  /// Such memory for the order of so many raster blocks.
+  std::uint32_t* raster_order(std::size_t raster_blocks);
   /// A word on the device that a rasterizer's kernels keep from frame to frame, 0 at first. Throws while the
   /// stream is being captured if it is not there yet.
   std::uint32_t* raster_word();
@@ -185,8 +183,8 @@ class SWIFTGS_API Cuda {
   /// Fills `bytes` bytes of device memory with zero.
   void clear(void* memory, std::size_t bytes) const;
 
-  /// Has the device decide whether a frame of so many splats and instances fits `limits`, keep the numbers in
-  /// `totals` and report them, with `raster_word` if the host is to read the report. Does not wait.
+  /// The device decides whether a frame of so many splats and intersections fits `limits`, keeps the numbers
+  /// in `totals` and reports them; with `raster_word` if the host reads the report. Does not wait.
   void settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameTotals* totals) const;
 
   /// The report of the last `settle` whose limits name no memory for it: the one place where a renderer waits

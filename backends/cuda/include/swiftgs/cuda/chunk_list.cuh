@@ -29,9 +29,9 @@ inline constexpr unsigned list_threads = 256;
 template <class ViewSource>
 __global__ void __launch_bounds__(list_threads)
     list_blocks(const __grid_constant__ ViewSource views, const Span<const ChunkBounds> chunks,
-                std::uint32_t* blocks, std::uint32_t* count, const TurnsView<NoCounts> turns) {
+                std::uint32_t* blocks, std::uint32_t* count, const EpochsView<NoCounts> epochs) {
   __shared__ std::uint32_t shown_by_warp[list_threads / warp_size], shared_before;
-  const std::uint32_t turn = read_turn(turns);
+  const std::uint32_t epoch = read_epoch(epochs);
   const std::uint32_t block = blockIdx.x * list_threads + threadIdx.x, chunk = block / views.size();
   const bool shown =
       chunk < chunks.size && !ChunkCuller(views[block % views.size()].camera).hides(chunks[chunk]);
@@ -45,14 +45,14 @@ __global__ void __launch_bounds__(list_threads)
     all += shown_by_warp[w];
   }
   if (warp == 0) {
-    const RunningSum sum(turns.words, turn);
+    const RunningSum sum(epochs.words, epoch);
     if (threadIdx.x == 0) sum.add(all);
     const std::uint32_t before = sum.before(all);
     if (threadIdx.x == 0) {
       shared_before = before;
       if (blockIdx.x + 1 == gridDim.x) {
         *count = before + all;
-        end_turn(turns, turn, gridDim.x);
+        end_epoch(epochs, epoch, gridDim.x);
       }
     }
   }
@@ -60,9 +60,8 @@ __global__ void __launch_bounds__(list_threads)
   if (shown) blocks[shared_before + slot] = block;
 }
 
-/// A list is worth its kernel from so many blocks for each multiprocessor on: fewer run all at once, and the
-/// projection does not end sooner without some of them. On an H200 frames of fox, with 10 blocks for each,
-/// take 1 % longer with a list.
+/// A list pays from so many thread blocks per multiprocessor on. Fewer run all at once, so leaving some out
+/// saves no time: on an H200 frames of fox, with 10 per multiprocessor, take 1 % longer with a list.
 inline constexpr unsigned least_listed = 16;
 
 /// The blocks of a projection of `blocks` blocks, in memory of `scratch`. Takes that memory also for a scene
@@ -70,15 +69,15 @@ inline constexpr unsigned least_listed = 16;
 inline BlockList run_list_blocks(Cuda& cuda, const FramePlan& plan, unsigned blocks, BlockScratch& scratch) {
   const unsigned grid = blocks_for(blocks, list_threads);
   scratch.blocks.reset(blocks), scratch.count.reset(1);
-  const TurnsView<NoCounts> turns = scratch.turns.begin(cuda, grid);
+  const EpochsView<NoCounts> epochs = scratch.epochs.begin(cuda, grid);
   const Span<const ChunkBounds> chunks = plan.scene.chunks;
   const bool listed = !chunks.empty() && blocks >= least_listed * unsigned(cuda.multiprocessors());
   if (listed)
     with_views(plan.views, [&]<class ViewSource>(const ViewSource& views) {
       launch("list_blocks", list_blocks<ViewSource>, grid, list_threads, cuda.stream(), views, chunks,
-             scratch.blocks.data(), scratch.count.data(), turns);
+             scratch.blocks.data(), scratch.count.data(), epochs);
     });
-  scratch.turns.end();
+  scratch.epochs.end();
   return listed ? BlockList{scratch.blocks.data(), scratch.count.data()} : BlockList{};
 }
 

@@ -10,10 +10,9 @@
 
 namespace swiftgs::kernels {
 
-/// Rows of tiles of the 32 splats of a warp, each lane's in turn, spread evenly over the lanes: a splat of
-/// many rows does not keep one lane busy. `tiles` are those of the warp's splats, `rect` is that of the
-/// lane's, empty where it has none. Calls f(owner, row, run) on all lanes together, with an empty run on
-/// lanes that are left without a row.
+/// Spreads the tile rows of a warp's 32 splats evenly over its lanes, lane after lane, so that a splat of
+/// many rows does not keep one lane busy. `tiles` are those of the warp's splats, `rect` is the lane's, empty
+/// if it has none. Calls f(owner, row, run) on all lanes together; lanes without a row get an empty run.
 template <class Tiles, class F>
 __device__ void for_each_row(const Tiles* tiles, TileRect rect, const F& f) {
   const std::uint32_t rows = rect.columns.size() == 0 ? 0 : std::uint32_t(rect.rows.size());
@@ -65,10 +64,10 @@ __device__ Footprint find_footprint(const Bounds& bounds, const TileGrid& grid, 
 }
 
 /// Adds to the tiles of a frame's splats. For one thread.
-__device__ inline void add_instances(FrameCounts& counts, std::uint32_t tiles) {
-  static_assert(sizeof(unsigned long long) == sizeof counts.instances);
+__device__ inline void add_intersections(FrameCounts& counts, std::uint32_t tiles) {
+  static_assert(sizeof(unsigned long long) == sizeof counts.intersections);
   if (tiles != 0)
-    atomicAdd(reinterpret_cast<unsigned long long*>(&counts.instances),
+    atomicAdd(reinterpret_cast<unsigned long long*>(&counts.intersections),
               static_cast<unsigned long long>(tiles));
 }
 
@@ -88,7 +87,7 @@ __global__ void __launch_bounds__(bin_threads)
   const Footprint found = find_footprint(bounds, grid, shape, exists, shared[threadIdx.x / warp_size]);
   if (exists) footprints[i] = found;
   const std::uint32_t tiles = warp_sum(found.count);
-  if (lane_index() == 0) add_instances(*counts, tiles);
+  if (lane_index() == 0) add_intersections(*counts, tiles);
   if (i == 0) counts->visible = splats.size();
 }
 

@@ -13,19 +13,18 @@ namespace swiftgs {
 inline unsigned blocks_for(std::size_t n, unsigned threads) { return unsigned((n + threads - 1) / threads); }
 
 namespace kernels {
-/// Waits for the kernels before this one, which `launch_early` may have started behind. Every thread calls it
-/// before it touches memory or returns. The exception is a kernel that runs beside its predecessor: only some
-/// threads call it, no block ends before one of these calls has returned, and what the kernel reads of its
-/// predecessor it acquires.
+/// Waits for the kernels before this one, after an early launch. Every thread calls it before it touches
+/// memory or returns. Exception: in a kernel that runs beside its predecessor only some threads call it, no
+/// thread block ends before one of these calls has returned, and reads of the predecessor's results are
+/// acquires.
 __device__ inline void await_earlier() {
 #if __CUDA_ARCH__ >= 900
   cudaGridDependencySynchronize();
 #endif
 }
 
-/// Lets the next kernel start behind this one, as soon as all blocks of this one have started. Few kernels
-/// do: blocks that wait take the room of work on other streams, such as colours that are evaluated beside the
-/// sort, which cost 3 % of a frame.
+/// Lets the next kernel start as soon as all thread blocks of this one have started. Few kernels do: waiting
+/// blocks displace work on other streams, such as colours beside the sort, which cost 3 % of a frame.
 __device__ inline void let_next_start() {
 #if __CUDA_ARCH__ >= 900
   cudaTriggerProgrammaticLaunchCompletion();
@@ -46,9 +45,9 @@ void launch(const char* name, void (*kernel)(Parameters...), dim3 blocks, dim3 t
 /// Whether all code of this translation unit is for devices on which kernels can wait for earlier ones.
 inline constexpr bool kernels_await_earlier = std::min({__CUDA_ARCH_LIST__}) >= 900;
 
-/// As `launch` on the stream of `cuda`, but the device may start blocks of `kernel` as those of the kernel
-/// before end. This hides the time that a kernel takes to start: 12 of a frame's 380 microseconds. The kernel
-/// begins with `await_earlier`. Where `early`, blocks come in clusters of so many.
+/// As `launch` on the stream of `cuda`, but the device may start thread blocks of `kernel` as those of the
+/// kernel before end. This hides launch latency: 12 of a frame's 380 microseconds. The kernel begins with
+/// `await_earlier`. Where `early`, blocks come in clusters of so many.
 template <unsigned blocks_of_cluster = 1, bool early = kernels_await_earlier, class... Parameters,
           class... Arguments>
 void launch_early(const Cuda& cuda, const char* name, void (*kernel)(Parameters...), dim3 blocks,

@@ -35,7 +35,7 @@ struct ProjectOutput {
 /// What the threads of a block tell each other.
 template <class Bounds>
 struct ProjectShared {
-  std::uint32_t turn, before;
+  std::uint32_t epoch, before;
   std::uint32_t visible[project_warps], tiles[project_warps];  ///< of each warp
   FootprintShared<Bounds> footprints[project_warps];
 };
@@ -83,9 +83,9 @@ struct SharedCamera {
   __device__ const ViewConstants& camera() const { return reinterpret_cast<const ViewConstants&>(of_camera); }
 };
 
-/// Blocks that a multiprocessor holds at least, for a lone view and for stored ones. A ninth block is worth a
-/// few spilled registers: two views of 1.5 M Gaussians take 0.159 ms instead of 0.166. Blocks that keep their
-/// Gaussians for two views take 0.159 ms at best. The few splats that are projected in double spill more.
+/// Least thread blocks of a multiprocessor, for a lone view and for stored ones. A ninth is worth a few
+/// spilled registers: two views of 1.5 M Gaussians take 0.159 ms instead of 0.166. The few splats that are
+/// projected in double spill more.
 inline constexpr unsigned project_blocks = 9;
 
 /// Projects the Gaussians of one block in one view and appends the visible ones to those of the blocks before
@@ -94,14 +94,14 @@ template <class Bounds, class ViewSource>
 __global__ void __launch_bounds__(project_threads, project_blocks)
     project(const __grid_constant__ ViewSource views, const __grid_constant__ SceneView scene,
             const Bounds bounds, const BlockList list, const ProjectOutput output,
-            const TurnsView<FrameCounts> turns) {
+            const EpochsView<FrameCounts> epochs) {
   __shared__ ProjectShared<Bounds> shared;
   await_earlier();
   // The first block counts even where none has something to show.
   const std::uint32_t listed = list.size(), last = max(listed, 1u) - 1;
   if (blockIdx.x > last) return;
   const unsigned warp = threadIdx.x / warp_size;
-  const std::uint32_t loaded_turn = threadIdx.x == 0 ? read_turn(turns) : 0;
+  const std::uint32_t loaded_epoch = threadIdx.x == 0 ? read_epoch(epochs) : 0;
   const std::uint32_t block = listed == 0 ? 0 : list[blockIdx.x];
   const std::uint32_t later = blockIdx.x + prefetch_ahead;
   if (later <= last) prefetch_gaussians(scene, list[later] / views.size());
@@ -121,7 +121,7 @@ __global__ void __launch_bounds__(project_threads, project_blocks)
   }
   const unsigned visible_lanes = __ballot_sync(whole_warp, splat.visible);
   if (lane_index() == 0) shared.visible[warp] = std::uint32_t(__popc(visible_lanes));
-  if (threadIdx.x == 0) shared.turn = loaded_turn;
+  if (threadIdx.x == 0) shared.epoch = loaded_epoch;
   __syncthreads();
   std::uint32_t slot = std::uint32_t(__popc(visible_lanes & lanes_below())), visible = 0;
   for (unsigned w = 0; w < project_warps; ++w) {
@@ -129,8 +129,8 @@ __global__ void __launch_bounds__(project_threads, project_blocks)
     visible += shared.visible[w];
   }
   if (threadIdx.x == 0) {
-    RunningSum(turns.words, loaded_turn).add(visible);
-    if (blockIdx.x == 0) turns.next_copy(loaded_turn) = {}, *output.hidden = 0;
+    RunningSum(epochs.words, loaded_epoch).add(visible);
+    if (blockIdx.x == 0) epochs.next_copy(loaded_epoch) = {}, *output.hidden = 0;
   }
 
   // Find their tiles.
@@ -142,15 +142,15 @@ __global__ void __launch_bounds__(project_threads, project_blocks)
 
   // Find where the block's splats begin.
   if (warp == 0) {
-    const std::uint32_t turn = shared.turn, before = RunningSum(turns.words, turn).before(visible);
+    const std::uint32_t epoch = shared.epoch, before = RunningSum(epochs.words, epoch).before(visible);
     std::uint32_t tiles = 0;
     for (const std::uint32_t of_warp : shared.tiles) tiles += of_warp;
     if (lane_index() == 0) {
       shared.before = before;
-      add_instances(turns.copy(turn), tiles);
+      add_intersections(epochs.copy(epoch), tiles);
       if (blockIdx.x == last) {
-        turns.copy(turn).visible = before + visible;
-        end_turn(turns, turn, last + 1);
+        epochs.copy(epoch).visible = before + visible;
+        end_epoch(epochs, epoch, last + 1);
       }
     }
   }
@@ -176,7 +176,7 @@ void run_project(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Projec
   const std::size_t most_splats = std::numeric_limits<std::uint32_t>::max();
   if (n > most_splats) throw CapacityError("Gaussians in all views", n, most_splats);
   const std::size_t limit = plan.limits.capacity.splats, capacity = limit == 0 ? n : std::min(limit, n);
-  splats.count = footprints.count = 0, footprints.instances = 0;
+  splats.count = footprints.count = 0, footprints.intersections = 0;
   splats.exact = nullptr, footprints.overflowed = nullptr;
   splats.pending = footprints.found_by = {};
   splats.reset(capacity, plan.views.size()), footprints.each.reset(capacity);
@@ -190,13 +190,13 @@ void run_project(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Projec
                              std::uint32_t(capacity)};
   const unsigned blocks = blocks_for(scene.size(), project_threads) * unsigned(plan.views.size());
   const BlockList list = run_list_blocks(cuda, plan, blocks, scratch.shown);
-  const TurnsView<FrameCounts> turns = scratch.turns.begin(cuda, blocks);
+  const EpochsView<FrameCounts> epochs = scratch.epochs.begin(cuda, blocks);
   with_views(plan.views, [&]<class ViewSource>(const ViewSource& views) {
     launch_early(cuda, "project", project<Bounds, ViewSource>, blocks, project_threads, views, scene, bounds,
-                 list, output, turns);
+                 list, output, epochs);
   });
-  scratch.turns.end();
-  splats.pending = footprints.found_by = {turns.last(), scratch.hidden.data(), scratch.totals.data(),
+  scratch.epochs.end();
+  splats.pending = footprints.found_by = {epochs.last(), scratch.hidden.data(), scratch.totals.data(),
                                           ++scratch.projections};
   footprints.found_within = Bounds::name;
 }
@@ -226,7 +226,7 @@ void run_bin(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Splats<Cud
              Footprints<Cuda>& footprints) {
   const Views& views = plan.views;
   const Limits& limits = plan.limits;
-  const bool waits = limits.capacity.instances == 0;
+  const bool waits = limits.capacity.intersections == 0;
   if (waits) cuda.check_not_captured("bin");
   const PendingProjection pending = std::exchange(splats.pending, {});
   const PendingProjection found_by = std::exchange(footprints.found_by, {});
@@ -248,12 +248,12 @@ void run_bin(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Splats<Cud
   if (waits) {
     const FrameReport report = cuda.await_report();
     splats.count = footprints.count = std::size_t(report.visible), splats.exact = nullptr;
-    footprints.instances = std::size_t(report.instances), footprints.overflowed = nullptr;
+    footprints.intersections = std::size_t(report.intersections), footprints.overflowed = nullptr;
     return;
   }
   if (found) splats.count = splats.shapes.size();
   footprints.count = splats.count, splats.exact = &totals->splats;
-  footprints.instances = {limits.capacity.instances, &totals->instances};
+  footprints.intersections = {limits.capacity.intersections, &totals->intersections};
   footprints.overflowed = &totals->report.overflowed;
 }
 

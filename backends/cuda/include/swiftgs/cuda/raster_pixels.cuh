@@ -6,30 +6,30 @@
 
 #include <swiftgs/composed_name.hpp>
 #include <swiftgs/cuda.hpp>
-#include <swiftgs/cuda/block_square.cuh>
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/raster_block.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/raster/raster.hpp>
 #include <swiftgs/store_pixel.hpp>
 
 namespace swiftgs::kernels {
 
-inline constexpr unsigned raster_pixels_threads = square_side * square_side;
-static_assert(warp_size == 2 * square_side, "a warp counts two rows");
+inline constexpr unsigned raster_pixels_threads = raster_block_side * raster_block_side;
+static_assert(warp_size == 2 * raster_block_side, "a warp counts two rows");
 
-/// `RasterizeSquare` on a device, with its decisions and its counts: a block a square, a thread a pixel. A
-/// warp walks the list by itself until its pixels have stopped.
+/// `BlendRasterBlock` on a device, with its decisions and its counts: one thread block per raster block, one
+/// thread per pixel. A warp traverses the list by itself until its pixels have stopped.
 template <RasterPolicy R, class ViewSource>
 __global__ void __launch_bounds__(raster_pixels_threads)
     raster_pixels(const __grid_constant__ RasterInput<ViewSource> input, std::uint32_t warps_at_once) {
   const RasterJob& job = input.job;
   const WarpTimer timer(job.counts, warps_at_once);
-  const BlockSquare square(input);
-  if (square.outside(input)) return;
-  const View& view = input.views[square.view];
+  const OwnRasterBlock raster_block(input);
+  if (raster_block.outside(input)) return;
+  const View& view = input.views[raster_block.view];
   const FrameView& frame = view.frame;
-  const int x0 = square.x, y0 = square.y;
-  const int column = int(threadIdx.x) % square_side, row = int(threadIdx.x) / square_side;
+  const int x0 = raster_block.x, y0 = raster_block.y;
+  const int column = int(threadIdx.x) % raster_block_side, row = int(threadIdx.x) / raster_block_side;
   const int x = x0 + column, y = y0 + row;
   const bool inside = x < frame.width && y < frame.height;
   const float* const occluder =
@@ -41,7 +41,7 @@ __global__ void __launch_bounds__(raster_pixels_threads)
 
   const vec2 first_centre(float(view.left() + x0) + 0.5f, float(view.top() + y0) + 0.5f);
   const float centre_y = first_centre.y + float(row);
-  const TileRange range = square.list(input);
+  const TileRange range = raster_block.list(input);
   if (!range.drawn()) return;
   for (std::uint32_t at = range.begin; at < range.end && __any_sync(whole_warp, live); ++at) {
     const std::uint32_t id = job.lists.ids[at];
@@ -71,7 +71,7 @@ __global__ void __launch_bounds__(raster_pixels_threads)
   if (inside) store_pixel(frame, std::size_t(x), std::size_t(y), pixel, view.background);
   if (job.counts)
     add_counts(
-        job.counts[BlockSquare::number(input)],
+        job.counts[OwnRasterBlock::number(input)],
         {visited, rows, warp_sum(pairs), warp_sum(inside && !live), 0, 0, visited, timer.balanced_ps()});
 }
 
@@ -85,7 +85,7 @@ struct RasterPixelsKernel {
 template <RasterPolicy R>
 void run_raster_pixels(Cuda& cuda, const RasterJob& job) {
   static constexpr ComposedName name{"rasterize ", R::name};
-  launch_squares<RasterPixelsKernel<R>>(cuda, name.view().data(), job);
+  launch_raster_blocks<RasterPixelsKernel<R>>(cuda, name.view().data(), job);
 }
 
 }  // namespace swiftgs::kernels

@@ -5,29 +5,28 @@
 
 #include <cuda/atomic>
 
-#include <swiftgs/cuda/turns.hpp>
+#include <swiftgs/cuda/epochs.hpp>
 #include <swiftgs/cuda/warp.cuh>
 
 namespace swiftgs::kernels {
 
-/// The number of the operation that this kernel belongs to. A thread that reads it hands it to the word that
-/// its block publishes, and nobody reads it after that: the block that ends the turn has waited for all
-/// words.
+/// The epoch of this kernel's operation. A thread reads it before its thread block publishes a word. The
+/// block that ends the epoch waits for all words, so no read follows.
 template <class Counters>
-__device__ std::uint32_t read_turn(const TurnsView<Counters>& turns) {
+__device__ std::uint32_t read_epoch(const EpochsView<Counters>& epochs) {
   // Not to be moved to where it is needed, and from the multiprocessor's cache where another block asked.
-  std::uint32_t turn;
-  asm volatile("ld.global.ca.u32 %0, [%1];" : "=r"(turn) : "l"(&turns.counters->turn));
-  return turn;
+  std::uint32_t epoch;
+  asm volatile("ld.global.ca.u32 %0, [%1];" : "=r"(epoch) : "l"(&epochs.counters->epoch));
+  return epoch;
 }
 
-/// Ends the turn of an operation with a word for each of `blocks`. For one thread of the last of them, after
+/// Ends the epoch of an operation with a word for each of `blocks`. For one thread of the last of them, after
 /// its look-back.
 template <class Counters>
-__device__ void end_turn(const TurnsView<Counters>& turns, std::uint32_t turn, std::uint32_t blocks) {
-  const std::uint32_t swept = swept_word(turn, 1, turns.mask);
-  if (swept >= blocks && swept < turns.capacity) turns.words[swept] = 0;
-  turns.counters->turn = turn_after(turn);
+__device__ void end_epoch(const EpochsView<Counters>& epochs, std::uint32_t epoch, std::uint32_t blocks) {
+  const std::uint32_t swept = swept_word(epoch, 1, epochs.mask);
+  if (swept >= blocks && swept < epochs.capacity) epochs.words[swept] = 0;
+  epochs.counters->epoch = epoch_after(epoch);
 }
 
 /// One word of a running sum: its tag, how much is known, and the sum, so that nothing beside it has to be
@@ -57,12 +56,12 @@ class SumWord {
   std::uint64_t bits_;
 };
 
-/// A sum that runs over the blocks of one kernel, in order, while they run (Merrill and Garland 2016,
-/// single-pass scan with decoupled look-back), by one word a block. A block waits for those of a lower index:
-/// devices start blocks in the order of their indices, on which CUB's scan relies too.
+/// A sum over the thread blocks of one kernel while they run: single-pass scan with decoupled look-back
+/// (Merrill and Garland 2016), one word per block. A block waits for those of lower indices: devices start
+/// blocks in index order, on which CUB's scan relies too.
 class RunningSum {
  public:
-  __device__ RunningSum(std::uint64_t* words, std::uint32_t turn) : words_(words), tag_(tag_of(turn)) {}
+  __device__ RunningSum(std::uint64_t* words, std::uint32_t epoch) : words_(words), tag_(tag_of(epoch)) {}
 
   /// Tells later blocks the value of this one. For one thread.
   __device__ void add(std::uint32_t value) const {
@@ -73,9 +72,8 @@ class RunningSum {
   __device__ std::uint32_t before(std::uint32_t value) const {
     std::uint32_t sum = 0;
     for (std::uint32_t end = blockIdx.x; end != 0; end -= min(end, warp_size)) {
-      // Look at a block a lane, the nearest on lane 0. Those before the first block add nothing. Looking at
-      // 128 or more at once takes longer: what blocks read again while they wait is in the way of what others
-      // publish.
+      // Each lane looks at one block, lane 0 at the nearest. Those before the first block add nothing.
+      // Looking at 128 or more at once takes longer: repeated reads delay what others publish.
       const unsigned back = lane_index();
       SumWord word = back < end ? read(end - 1 - back) : SumWord(tag_, SumWord::complete, 0);
       while (word.tag() != tag_) word = read(end - 1 - back);

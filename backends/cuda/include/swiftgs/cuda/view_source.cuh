@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include <swiftgs/view.hpp>
+#include <swiftgs/raster/raster_blocks.hpp>
 
 namespace swiftgs::kernels {
 
@@ -15,9 +15,9 @@ struct OneView {
   __device__ const View& operator[](std::uint32_t) const { return view; }
   __device__ std::uint32_t size() const { return 1; }
 
-  /// Where the square in this column and row of a frame lies.
-  __device__ SquarePlace place(const Squares&, std::uint32_t column, std::uint32_t row) const {
-    return {0, int(column) * square_side, int(row) * square_side};
+  /// Where the raster block in this column and row of a frame lies.
+  __device__ RasterBlockPlace place(const RasterBlocks&, std::uint32_t column, std::uint32_t row) const {
+    return {0, int(column) * raster_block_side, int(row) * raster_block_side};
   }
 };
 
@@ -29,8 +29,9 @@ struct StoredViews {
 
   __device__ const View& operator[](std::uint32_t view) const { return views[view]; }
   __device__ std::uint32_t size() const { return count; }
-  __device__ SquarePlace place(const Squares& squares, std::uint32_t column, std::uint32_t row) const {
-    return squares.place(views, count, column, row);
+  __device__ RasterBlockPlace place(const RasterBlocks& raster_blocks, std::uint32_t column,
+                                    std::uint32_t row) const {
+    return raster_blocks.place(views, count, column, row);
   }
 };
 

@@ -30,7 +30,7 @@ __device__ inline std::uint32_t sum_below(std::uint32_t value) {
 }
 
 /// The last lane whose `first` is at most `position`, where `first` ascends from 0 with the lanes: the owner
-/// of `position` among pieces that begin at `first`.
+/// of `position` among ranges that begin at `first`.
 __device__ inline unsigned owner_of(std::uint32_t position, std::uint32_t first) {
   unsigned owner = 0;
   for (unsigned step = warp_size / 2; step > 0; step /= 2)

@@ -13,10 +13,10 @@
 
 namespace swiftgs {
 
-/// Carries arrays from backend to backend in place of MPI, without the host between. All ranks give it
-/// messages in one order, and each is given to both of its ends.
+/// Carries arrays from backend to backend without the host, in place of MPI. All ranks give it messages in
+/// one order; both ends name each message.
 ///
-/// Its functions throw `MpiError` where it fails. Other ranks may be waiting for this one then.
+/// Its functions throw `MpiError`. Other ranks may then wait for this one.
 class SWIFTGS_API DirectLink {
  public:
   struct Message {

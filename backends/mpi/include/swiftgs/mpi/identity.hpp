@@ -7,7 +7,7 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/span.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
 
 /// @file
 /// What ranks compare before they trust each other.
@@ -18,9 +18,9 @@ namespace swiftgs {
 /// been started from different files.
 SWIFTGS_API std::string build_identity();
 
-/// Size and checksum of a file: of all of it up to 1 MiB; of a larger one, of its first and last 64 KiB and
-/// of 64 blocks of 4 KiB between. It tells another scene, and one that was trained on; a few numbers changed
-/// by hand may escape it. Throws `std::system_error`.
+/// Size of a file, and checksum: of all of it up to 1 MiB; of a larger one, of its first and last 64 KiB and
+/// of 64 blocks of 4 KiB between. It detects another scene or further training; it may miss a few numbers
+/// changed by hand. Throws `std::system_error`.
 SWIFTGS_API std::string file_identity(const std::filesystem::path& path);
 
 /// Of all that says what the views of a frame show, their memory aside.

@@ -47,12 +47,12 @@ struct Traffic {
   }
 };
 
-/// Processes that work on something together, numbered from 0: this one's number, and how it reaches the
-/// others. This header needs no MPI; <swiftgs/mpi/comm.hpp> makes ranks of a communicator.
+/// Processes that work together, numbered from 0: this one's number, and how it reaches the others. This
+/// header needs no MPI; <swiftgs/mpi/comm.hpp> makes ranks of a communicator.
 ///
-/// Copies share a communicator of their own, so that no message of the program is taken for theirs. One
-/// thread at a time may use it. Functions are collective, all ranks call them in one order, unless they say
-/// otherwise. All throw `MpiError`.
+/// Copies share a communicator of their own, so their messages never mix with the program's. One thread at a
+/// time may use it. Functions are collective, called by all ranks in one order, unless they say otherwise.
+/// All throw `MpiError`.
 class SWIFTGS_API Ranks {
  public:
   struct State;
@@ -127,8 +127,8 @@ class SWIFTGS_API Exchange {
   void send(int rank, const void* from, std::size_t bytes);
   void receive(int rank, void* to, std::size_t bytes);
 
-  /// Sends elements [begins[r], begins[r + 1]) of `from` to each other rank r, and receives as many as `to`
-  /// has room for by its own `begins`. What a rank has for itself stays where it is.
+  /// Sends elements [begins[r], begins[r + 1]) of `from` to each other rank r, and receives as many as
+  /// `to_begins` says. What a rank has for itself stays where it is.
   void all_to_all(const void* from, Span<const std::uint64_t> from_begins, void* to,
                   Span<const std::uint64_t> to_begins, std::size_t element_bytes);
 
@@ -183,8 +183,8 @@ class SWIFTGS_API Failure {
 /// Runs `work` on all processes that a launcher such as mpirun started, and returns what it returns. Starts
 /// and ends MPI.
 ///
-/// Where `work` throws, one line on standard error names the program, the rank and the error, and all ranks
-/// end with exit code 1, whatever they were doing.
+/// If `work` throws, one line on standard error names the program, the rank and the error, and all ranks end
+/// with exit code 1.
 SWIFTGS_API int run_on_ranks(const std::string& program, const std::function<int(Ranks&)>& work);
 
 }  // namespace swiftgs

@@ -15,27 +15,28 @@
 #include <utility>
 #include <vector>
 
-#include <swiftgs/mpi/band_frames.hpp>
-#include <swiftgs/mpi/bands.hpp>
 #include <swiftgs/mpi/counters.hpp>
 #include <swiftgs/mpi/direct_link.hpp>
 #include <swiftgs/mpi/identity.hpp>
+#include <swiftgs/mpi/offers.hpp>
 #include <swiftgs/mpi/ranks.hpp>
 #include <swiftgs/mpi/shares.hpp>
 #include <swiftgs/mpi/splat_exchange.hpp>
+#include <swiftgs/mpi/strip_frames.hpp>
+#include <swiftgs/mpi/strips.hpp>
 #include <swiftgs/renderer.hpp>
 #include <swiftgs/tile_choice.hpp>
 
 namespace swiftgs {
 
-/// Renders frames of a scene of which each rank holds a part. Every rank projects its own Gaussians, sends
-/// the splats to the ranks whose bands of tiles they touch, and draws its own band by the stages of
-/// `Renderer`. The bits are those of one `Renderer`, whatever the number of ranks.
+/// Renders frames of a scene of which each rank holds a part. Each rank projects its own Gaussians, sends
+/// splats to the ranks whose strips they touch, and draws its own strip by the stages of `Renderer`. The bits
+/// are those of one `Renderer`, for any number of ranks.
 ///
-/// Part r of the scene holds Gaussians that follow those of part r - 1 in the order of the scene
-/// (`part_of`). All functions that render are collective, and all ranks ask for the same views. Where one
-/// rank fails, all throw: that rank its own error, the others `RankError`; the renderers stay usable. Only
-/// after an `MpiError` ranks may be anywhere in a frame, and the program must end.
+/// Part r of the scene holds Gaussians that follow those of part r - 1 in the order of the scene (`part_of`).
+/// All functions that render are collective, and all ranks ask for the same views. If one rank fails, all
+/// throw: that rank its own error, the others `RankError`; the renderers stay usable. After an `MpiError` the
+/// program must end.
 template <class B, class Sort, class Raster, class Bounds>
 requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRenderer {
  public:
@@ -61,9 +62,9 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   /// What brings splats from rank to rank: "host", which is MPI, or the name of a `DirectLink`.
   std::string_view carrier() const { return link_ ? link_->name() : "host"; }
 
-  /// Renders into memory that this rank brings for whole views, and that its backend reaches: the rows of its
-  /// band are written, see `drawn`, and no others are looked at. Finished when it returns. Throws as
-  /// `Renderer::render_into`, and `RankError`.
+  /// Renders into this rank's memory for whole views, which its backend reaches. Reads and writes only the
+  /// rows of its strip, see `drawn`. Finished when it returns. Throws as `Renderer::render_into`, and
+  /// `RankError`.
   void render_into(const SceneView& part, Span<const View> views) {
     Failure failure;
     outputs_ = 0;
@@ -71,15 +72,16 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
       for (const View& view : views) validate(view);
     });
     const auto place = [&] {
-      for (DrawnPiece& each : drawn_) each.frame = rows_of(views[each.piece.view].frame, each.piece);
+      for (DrawnStrip& each : drawn_)
+        each.frame = rows_of(views[each.view_strip.view].frame, each.view_strip);
     };
     draw(part, views, failure, place, [] {});
   }
 
   /// Renders a view a camera into memory of the backend that the renderer keeps until the next call, each
-  /// rank its band. Returns and throws as `render_into`.
-  Span<const DrawnPiece> render_bands(const SceneView& part, Span<const Camera> cameras,
-                                      const RenderSettings& settings) {
+  /// rank its strip. Returns and throws as `render_into`.
+  Span<const DrawnStrip> render_strips(const SceneView& part, Span<const Camera> cameras,
+                                       const RenderSettings& settings) {
     Failure failure;
     failure.guard([&] { make_views(cameras, settings); });
     const auto place = [&] { frames_.keep(backend(), settings.outputs, drawn_); };
@@ -104,20 +106,20 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     });
     const auto place = [&] {
       if (B::reaches_host_memory && collects)
-        for (DrawnPiece& each : drawn_) each.frame = rows_of(whole[each.piece.view], each.piece);
+        for (DrawnStrip& each : drawn_) each.frame = rows_of(whole[each.view_strip.view], each.view_strip);
       else
         frames_.keep(backend(), settings.outputs, drawn_);
     };
     draw(part, {views_.data(), views_.size()}, failure, place,
          [&] { frames_.to_host(backend(), ranks_, drawn_, frames); });
-    frames_.collect(ranks_, bands_, frames);
+    frames_.collect(ranks_, strips_, frames);
   }
   void render(const SceneView& part, const Camera& camera, const RenderSettings& settings, Frame& frame) {
     render(part, {&camera, 1}, settings, {&frame, 1});
   }
 
   /// What this rank has drawn of the last frame: nothing if there are more ranks than rows of tiles.
-  Span<const DrawnPiece> drawn() const { return {drawn_.data(), drawn_.size()}; }
+  Span<const DrawnStrip> drawn() const { return {drawn_.data(), drawn_.size()}; }
 
   /// What all ranks did for the last frame; the same on all. Empty if it failed.
   const FrameCounters& counters() const { return counters_; }
@@ -132,33 +134,21 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   using Clock = std::chrono::steady_clock;
   static constexpr int most_ranks = 65535;
 
-  /// What ranks tell each other before splats.
-  struct Offer {
-    std::uint64_t splats = 0;  ///< for the rank that reads this
-    std::uint64_t failed = 0;
-    std::uint64_t views = 0;  ///< `views_identity`
-  };
-
   static auto parts(auto& self) {
-    return std::tie(self.whole_storage_, self.shares_, self.colours_, self.exchange_, self.band_storage_,
-                    self.band_footprints_, self.frames_);
+    return std::tie(self.whole_storage_, self.shares_, self.colours_, self.exchange_, self.strip_storage_,
+                    self.strip_footprints_, self.frames_);
   }
 
   static std::uint64_t since(Clock::time_point begun) {
     return std::uint64_t(std::chrono::nanoseconds(Clock::now() - begun).count());
   }
 
-  /// Views of whole images, without memory.
   void make_views(Span<const Camera> cameras, const RenderSettings& settings) {
-    views_.clear();
-    validate(settings);
+    swiftgs::make_views(cameras, settings, views_);
     outputs_ = 1 + 2 * std::uint64_t(settings.outputs.alpha) + 4 * std::uint64_t(settings.outputs.depth);
-    for (const Camera& camera : cameras)
-      views_.push_back(make_view(camera, settings.conventions,
-                                 {.width = camera.width, .height = camera.height}, settings.background));
   }
 
-  /// One frame. `place` gives the pieces of `drawn_` memory; `finish` is called when they are drawn.
+  /// One frame. `place` gives the view strips of `drawn_` memory; `finish` is called when they are drawn.
   template <class Place, class Finish>
   void draw(const SceneView& part, Span<const View> views, Failure& failure, const Place& place,
             const Finish& finish) {
@@ -169,7 +159,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
       else
         draw_together(part, views, failure, place, finish);
     } catch (...) {
-      shares_.forget_room();
+      shares_.forget_capacity();
       drawn_.clear();
       throw;
     }
@@ -182,13 +172,13 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     const Traffic before = ranks_.traffic();
     RankCounters mine{.gaussians = part.size()};
     // Ranks that failed apart from each other may have learnt different costs.
-    if (!complete_) band_plan_.reset(), tiles_ = {};
+    if (!complete_) strip_plan_.reset(), tiles_ = {};
     complete_ = false;
     failure.guard([&] { project_part(part, views, mine); });
     mine.project_ns = since(begun);
-    exchange_offers(views, failure);
+    exchange_offers(ranks_, shares_, views_identity(views) + outputs_, failure, counts_);
     failure.guard([&] {
-      make_room();
+      prepare_strips();
       place();
     });
     failure.agree(ranks_);
@@ -198,7 +188,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     Exchange shapes(ranks_, link_.get()), colours(ranks_, link_.get());
     std::optional<Shading<B>> shading;
     failure.guard([&] { exchange_.stage_shapes(backend()); });
-    exchange_.send_shapes(shapes, bands_);
+    exchange_.send_shapes(shapes, strips_);
     failure.guard([&] {
       shading.emplace(shade(backend(), FramePlan(whole_, part), shares_.splats, colours_));
       exchange_.keep_shapes(backend(), shares_.splats.view());
@@ -212,8 +202,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     const auto begin_colours = [&] {
       if (!std::exchange(begun_colours, true)) colours.begin(link_ && shading ? shading->stream() : nullptr);
     };
-    failure.guard([&] { draw_band(part, shapes, begin_colours, *shading, colours, mine); });
-    begin_colours();  // where the band has failed or shows nothing
+    failure.guard([&] { draw_strip(part, shapes, begin_colours, *shading, colours, mine); });
+    begin_colours();  // where the strip has failed or shows nothing
     shapes.wait(), colours.wait();
     failure.guard(finish);
     mine.frame_ns = since(begun);
@@ -221,7 +211,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     learn(mine, failure);
   }
 
-  /// The same on a rank alone, whose band is all there is.
+  /// The same on a rank alone, whose strip is all there is.
   template <class Place, class Finish>
   void draw_alone(const SceneView& scene, Span<const View> views, const Failure& failure, const Place& place,
                   const Finish& finish) {
@@ -238,9 +228,9 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     const Statistics found = one_.statistics();
     const StageTimes times = one_.times();
     RankCounters mine{.gaussians = scene.size(), .visible = found.visible, .drawn = found.visible};
-    mine.instances = found.instances, mine.rows = one_.tiles().rows, mine.bytes = memory();
+    mine.intersections = found.intersections, mine.rows = one_.tiles().rows, mine.bytes = memory();
     mine.project_ns = std::uint64_t(1e6 * times.project);
-    mine.band_ns = std::uint64_t(1e6 * (times.sort + times.raster)), mine.frame_ns = since(begun);
+    mine.strip_ns = std::uint64_t(1e6 * (times.sort + times.raster)), mine.frame_ns = since(begun);
     counters_ = {{mine}};
   }
 
@@ -248,78 +238,51 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   void project_part(const SceneView& part, Span<const View> views, RankCounters& mine) {
     for (const View& view : views) detail::require_finite_background(view.background);
     check_ready(backend());
-    const bool may_be_coarse = may_gain_by_coarse_tiles<B, Raster> && Bounds::lossless;
+    const bool may_be_coarse = may_gain_by_coarse_tiles<B, Raster> && Bounds::conservative;
     key_ = FrameKey::of({}, views);
     whole_ = store_views(backend(), may_be_coarse ? tiles_.choose(key_, views) : views, whole_storage_);
     const std::uint32_t rows = whole_.tiles.rows;
-    if (!band_plan_ || band_plan_->rows() != rows) band_plan_.emplace(rows, ranks_.size());
+    if (!strip_plan_ || strip_plan_->rows() != rows) strip_plan_.emplace(rows, ranks_.size());
     FramePlan plan(whole_, part);
     const FrameReport report = whole_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
-      // As many instances as there may be: bands have their own, and these are not emitted.
-      if (!B::reaches_host_memory) plan.limits = {{capacity.splats, std::size_t(max_instances)}};
+      // As many intersections as there may be: strips have their own, and these are not emitted.
+      if (!B::reaches_host_memory) plan.limits = {{capacity.splats, std::size_t(max_intersections)}};
       Stages<B>& stages = one_.stages();
       stages.project(plan);
-      share_out(backend(), plan, Bounds{}, band_plan_->cuts(), stages.splats(), stages.footprints(), shares_);
+      share_out(backend(), plan, Bounds{}, strip_plan_->cuts(), stages.splats(), stages.footprints(),
+                shares_);
       return await_shares(backend(), shares_);
     });
     mine.visible = report.visible;
     const auto own = ranks_.rank();
     mine.sent = shares_.begins.back() - shares_.count_for(own);
-    mine.first_row = band_plan_->cuts()[std::size_t(own)];
-    mine.rows = band_plan_->cuts()[std::size_t(own) + 1] - mine.first_row;
+    mine.first_row = strip_plan_->cuts()[std::size_t(own)];
+    mine.rows = strip_plan_->cuts()[std::size_t(own) + 1] - mine.first_row;
   }
 
-  /// Tells each rank how many splats come, and learns whether all can go on.
-  void exchange_offers(Span<const View> views, Failure& failure) {
-    const auto ranks = std::size_t(ranks_.size()), own = std::size_t(ranks_.rank());
-    const std::uint64_t identity = views_identity(views) + outputs_;
-    std::vector<Offer> to(ranks, Offer{0, bool(failure), identity}), from(ranks);
-    std::vector<std::uint64_t> places(ranks + 1);
-    for (std::size_t r = 0; r < ranks; ++r) {
-      if (!failure) to[r].splats = shares_.count_for(int(r));
-      places[r + 1] = r + 1;
-    }
-    const Span<const std::uint64_t> begins{places.data(), places.size()};
-    Exchange exchange(ranks_);
-    exchange.all_to_all(to.data(), begins, from.data(), begins, sizeof(Offer));
-    exchange.wait();
-    from[own] = to[own];
-    counts_.clear();
-    bool well = true;
-    for (std::size_t r = 0; r < ranks; ++r) {
-      counts_.push_back(from[r].splats);
-      well = well && from[r].failed == 0 && from[r].views == identity;
-      if (from[r].views != from[0].views)
-        failure.guard([&] {
-          throw std::invalid_argument("render: the views of rank " + std::to_string(r) +
-                                      " differ from those of rank 0, expected the same on all ranks");
-        });
-    }
-    if (!well) failure.tell(ranks_);
-  }
-
-  void make_room() {
-    const BandCuts& cuts = band_plan_->cuts();
-    bands_.clear();
+  void prepare_strips() {
+    const StripCuts& cuts = strip_plan_->cuts();
+    strips_.clear();
     for (std::size_t r = 0; r + 1 < cuts.size(); ++r)
-      bands_.push_back(band_of(whole_.each, cuts[r], cuts[r + 1]));
-    exchange_.make_room(backend(), ranks_, bands_, shares_, colours_, {counts_.data(), counts_.size()});
-    for (const BandPiece& piece : bands_[std::size_t(ranks_.rank())].pieces) drawn_.push_back({piece});
+      strips_.push_back(strip_of(whole_.each, cuts[r], cuts[r + 1]));
+    exchange_.prepare_strips(backend(), ranks_, strips_, shares_, colours_, {counts_.data(), counts_.size()});
+    for (const ViewStrip& view_strip : strips_[std::size_t(ranks_.rank())].view_strips)
+      drawn_.push_back({view_strip});
   }
 
-  /// Bins, sorts and rasterizes the splats of this rank's band. Its time counts this work alone: no messages,
-  /// and only the last pass where a band is drawn again for want of room.
+  /// Bins, sorts and rasterizes the splats of this rank's strip. Its time counts this work alone: no
+  /// messages, and only the last pass where a strip is drawn again with more capacity.
   template <class BeginColours>
-  void draw_band(const SceneView& part, Exchange& shapes, const BeginColours& begin_colours,
-                 Shading<B>& shading, Exchange& colours, RankCounters& mine) {
-    Band& band = bands_[std::size_t(ranks_.rank())];
+  void draw_strip(const SceneView& part, Exchange& shapes, const BeginColours& begin_colours,
+                  Shading<B>& shading, Exchange& colours, RankCounters& mine) {
+    Strip& strip = strips_[std::size_t(ranks_.rank())];
     Splats<B>& splats = exchange_.joined();
     mine.drawn = splats.count, mine.bytes = memory();
-    if (band.views.empty()) return;
-    for (std::size_t i = 0; i < band.views.size(); ++i) band.views[i].frame = drawn_[i].frame;
-    const Views stored = store_views(backend(), {band.views.data(), band.views.size()}, band_storage_);
+    if (strip.views.empty()) return;
+    for (std::size_t i = 0; i < strip.views.size(); ++i) strip.views[i].frame = drawn_[i].frame;
+    const Views stored = store_views(backend(), {strip.views.data(), strip.views.size()}, strip_storage_);
     shapes.join();
-    exchange_.shapes_arrived(backend(), band);
+    exchange_.shapes_arrived(backend(), strip);
     bool arrived = false;
     std::array<typename B::TimePoint, 4> points{};
     typename B::TimePoint begun_raster{};
@@ -335,22 +298,22 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
       return exchange_.colours();
     };
     FramePlan plan(stored, part);
-    const FrameReport report = band_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
+    const FrameReport report = strip_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
       splats.set_count(std::size_t(mine.drawn));
-      if (!B::reaches_host_memory) plan.limits = {{0, capacity.instances}};
+      if (!B::reaches_host_memory) plan.limits = {{0, capacity.intersections}};
       mark(0);
       one_.stages().draw(
-          plan, splats, band_footprints_, arriving_colours,
+          plan, splats, strip_footprints_, arriving_colours,
           [&](const RasterJob& job) { rasterize(backend(), Raster{}, job); }, mark);
       shapes.wait(), colours.wait();  // sees faults of a link, which work that waits for messages would not
-      return await_report(backend(), splats, band_footprints_, plan.limits);
+      return await_report(backend(), splats, strip_footprints_, plan.limits);
     });
-    mine.instances = report.instances;
+    mine.intersections = report.intersections;
     backend().wait();
     const auto ms = [&](const auto& from, const auto& to) {
       return backend().milliseconds(from, to).value_or(0);
     };
-    mine.band_ns = std::uint64_t(1e6 * (ms(points[0], points[2]) + ms(begun_raster, points[3])));
+    mine.strip_ns = std::uint64_t(1e6 * (ms(points[0], points[2]) + ms(begun_raster, points[3])));
     mine.bytes = memory();
   }
 
@@ -361,35 +324,35 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     std::vector<std::uint64_t> taken;
     for (const RankCounters& rank : counters.ranks) {
       if (rank.failed != 0) failure.tell(ranks_);
-      taken.push_back(rank.band_ns);
+      taken.push_back(rank.strip_ns);
     }
     counters_ = std::move(counters);
     tiles_.learn(key_, counters_.visible());
-    band_plan_->learn({taken.data(), taken.size()});
+    strip_plan_->learn({taken.data(), taken.size()});
     complete_ = true;
   }
 
   Ranks ranks_;
   Renderer<B, Sort, Raster, Bounds> one_;  ///< draws for a rank alone; has the stages
   std::unique_ptr<DirectLink> link_;
-  ViewStorage<B> whole_storage_, band_storage_;
-  Footprints<B> band_footprints_;
+  ViewStorage<B> whole_storage_, strip_storage_;
+  Footprints<B> strip_footprints_;
   Shares<B> shares_;
   Colours<B> colours_;  ///< of the shares
   SplatExchange<B> exchange_;
-  BandFrames<B> frames_;
-  std::optional<BandPlan> band_plan_;
+  StripFrames<B> frames_;
+  std::optional<StripPlan> strip_plan_;
   TileChoice tiles_;
   FrameKey key_;                       ///< of the views alone
   Views whole_;                        ///< in `whole_storage_`
   std::vector<View> views_;            ///< of cameras
   std::uint64_t outputs_ = 0;          ///< what frames of cameras hold, as a number; 0: the caller's planes
-  std::vector<Band> bands_;            ///< of all ranks
+  std::vector<Strip> strips_;          ///< of all ranks
   std::vector<std::uint64_t> counts_;  ///< of splats that come from each rank
-  std::vector<DrawnPiece> drawn_;
+  std::vector<DrawnStrip> drawn_;
   FrameCounters counters_;
-  FrameCapacity whole_capacity_, band_capacity_;  ///< of a device's projection, and of its band
-  bool complete_ = false;                         ///< whether all ranks drew the last frame
+  FrameCapacity whole_capacity_, strip_capacity_;  ///< of a device's projection, and of its strip
+  bool complete_ = false;                          ///< whether all ranks drew the last frame
 };
 
 }  // namespace swiftgs

@@ -18,18 +18,18 @@
 #include <swiftgs/count.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/footprint.hpp>
-#include <swiftgs/mpi/bands.hpp>
 #include <swiftgs/mpi/staging.hpp>
+#include <swiftgs/mpi/strips.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/tiles.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 
-/// Rows of the sheet in which a splat has tiles. Every splat of a tile list must reach the rank that draws
-/// the tile, so the answer comes from the footprint that one process would emit instances from.
+/// Rows of the tile atlas in which a splat has tiles. Every splat of a tile list must reach the rank that
+/// draws the tile, so the answer comes from the footprint that one process would emit intersections from.
 template <BoundsPolicy Bounds>
-SWIFTGS_HD TileRun sheet_rows(const Bounds& bounds, const SplatShape& shape, const Footprint& footprint,
+SWIFTGS_HD TileRun atlas_rows(const Bounds& bounds, const SplatShape& shape, const Footprint& footprint,
                               const TileGrid& grid) {
   if (footprint.count == 0) return {};
   if (footprint.mask != 0) {
@@ -41,7 +41,7 @@ SWIFTGS_HD TileRun sheet_rows(const Bounds& bounds, const SplatShape& shape, con
     const int first = int(footprint.first / grid.stride);
     return {first, first + highest / Footprint::side + 1};
   }
-  // Its bounds are walked again, and may round otherwise than when its tiles were counted.
+  // Its bounds are traversed again, and may round otherwise than when its tiles were counted.
   const TileRun rows = bounds.tiles(shape, grid).rect.rows;
   const int top = int(grid.first / grid.stride) - grid.rows.begin;
   const int first = rows.begin > grid.rows.begin ? rows.begin - 1 : grid.rows.begin;
@@ -86,7 +86,7 @@ struct SplatsToShare {
     const std::size_t begin = part * shared_at_once, left = splats.size() - begin;
     const std::size_t end = begin + (left < shared_at_once ? left : shared_at_once);
     for (std::size_t i = begin; i < end; ++i) {
-      const TileRun rows = sheet_rows(bounds, splats.shapes[i], footprints[i], views[splats.view(i)].grid);
+      const TileRun rows = atlas_rows(bounds, splats.shapes[i], footprints[i], views[splats.view(i)].grid);
       if (rows.size() == 0) continue;
       for (std::uint32_t r = rank_of(std::uint32_t(rows.begin));
            r < ranks && cuts[r] < std::uint32_t(rows.end); ++r)
@@ -148,7 +148,7 @@ inline void require_indices(const char* what, std::uint64_t count) {
 }
 
 /// The splats of a rank in the order in which it sends them: by the rank that they go to, then by their
-/// Gaussians. A splat in the bands of several ranks is there several times.
+/// Gaussians. A splat in the strips of several ranks is there several times.
 template <class B>
 struct Shares {
   Splats<B> splats;
@@ -160,14 +160,14 @@ struct Shares {
     return begins[std::size_t(rank) + 1] - begins[std::size_t(rank)];
   }
   /// The next frame asks for no more memory than it needs.
-  void forget_room() {}
+  void forget_capacity() {}
   static auto buffers(auto& self) { return std::tie(self.splats, self.cuts, self.places, self.picked); }
 };
 
 /// Finds the tiles of `splats`, which were projected by `plan`, and shares the splats out among the ranks of
 /// `cuts`. `await_shares` tells how many there are. Backends overload both.
 template <BackendPolicy B, BoundsPolicy Bounds>
-void share_out(B& b, const FramePlan& plan, const Bounds& bounds, const BandCuts& cuts, Splats<B>& splats,
+void share_out(B& b, const FramePlan& plan, const Bounds& bounds, const StripCuts& cuts, Splats<B>& splats,
                Footprints<B>& footprints, Shares<B>& shares) {
   const std::size_t ranks = cuts.size() - 1;
   bin(b, plan, bounds, splats, footprints);
@@ -184,7 +184,7 @@ void share_out(B& b, const FramePlan& plan, const Bounds& bounds, const BandCuts
                                    bounds,        shares.cuts.data(),     std::uint32_t(ranks)};
   b.for_each(parts, CountShares<Bounds>{from, parts, places});
   const std::uint64_t all = b.exclusive_scan(Span{places, ranks * parts});
-  require_indices("splats for all bands", all);
+  require_indices("splats for all strips", all);
   b.for_each(ranks, PickWords{places, parts, shares.picked.data()});
   std::vector<std::uint32_t> picked(ranks);
   b.download(Span<const std::uint32_t>{shares.picked.data(), ranks}, picked.data());

@@ -13,10 +13,10 @@
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/colours.hpp>
-#include <swiftgs/mpi/bands.hpp>
 #include <swiftgs/mpi/ranks.hpp>
 #include <swiftgs/mpi/shares.hpp>
 #include <swiftgs/mpi/staging.hpp>
+#include <swiftgs/mpi/strips.hpp>
 #include <swiftgs/shade_stage.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/type_list.hpp>
@@ -27,7 +27,7 @@ namespace swiftgs {
 struct SWIFTGS_API KeepShapes {
   const SplatShape* shapes;
   const float* depths;
-  const std::uint16_t* of_view;  ///< null if the band shows one view
+  const std::uint16_t* of_view;  ///< null if the strip shows one view
   SplatShape* to_shapes;
   float* to_depths;
   std::uint16_t* to_of_view;
@@ -38,7 +38,7 @@ struct SWIFTGS_API KeepShapes {
   }
 };
 
-/// Counts views from the first of a band on.
+/// Counts views from the first of a strip on.
 struct SWIFTGS_API CountViewsFrom {
   std::uint16_t first;
   std::uint16_t* of_view;
@@ -66,9 +66,8 @@ struct SWIFTGS_API JoinColours {
 /// The loops of an exchange: a device's compiler must see them.
 using ExchangeLoops = TypeList<KeepShapes, CountViewsFrom, JoinColours, ClearWord>;
 
-/// Brings each rank the splats that its band may show, those of all ranks one behind the other: since parts
-/// of a scene follow its order, splats of a view come in the order of their Gaussians, and equal depths are
-/// sorted as in one process.
+/// Brings each rank the splats that its strip may show, rank after rank. Parts of a scene follow its order,
+/// so splats of a view are in the order of their Gaussians, and equal depths sort as in one process.
 template <class B>
 class SplatExchange {
  public:
@@ -77,15 +76,15 @@ class SplatExchange {
 
   /// Takes the memory for `counts[r]` splats from each rank r, to join them to what this rank keeps of its
   /// `shares`, and that for the `colours` of the shares. Not collective. Throws `CapacityError`.
-  void make_room(B& b, const Ranks& ranks, const std::vector<Band>& bands, Shares<B>& shares,
-                 Colours<B>& colours, Span<const std::uint64_t> counts) {
+  void prepare_strips(B& b, const Ranks& ranks, const std::vector<Strip>& strips, Shares<B>& shares,
+                      Colours<B>& colours, Span<const std::uint64_t> counts) {
     own_ = std::size_t(ranks.rank());
     from_ = {shares.begins.data(), shares.begins.size()};
     to_begins_.assign(1, 0);
     for (const std::uint64_t count : counts) to_begins_.push_back(to_begins_.back() + count);
-    require_indices("splats of a band", to_begins_.back());
+    require_indices("splats of a strip", to_begins_.back());
     const auto in = std::size_t(to_begins_.back()), out = std::size_t(from_[from_.size - 1]);
-    const std::size_t views = bands[own_].views.size();
+    const std::size_t views = strips[own_].views.size();
     has_views_ = shares.splats.of_view.size() != 0;
     try {
       joined_.reset(in, views);
@@ -100,7 +99,7 @@ class SplatExchange {
       stage(of_view_, shares.splats.of_view, joined_.of_view);
       stage(colours_, colours.each, joined_colours_.each);
     } catch (const std::bad_alloc&) {
-      throw std::runtime_error("out of memory for " + std::to_string(in) + " splats of a band and " +
+      throw std::runtime_error("out of memory for " + std::to_string(in) + " splats of a strip and " +
                                std::to_string(out) + " to send");
     }
     joined_.set_count(in);
@@ -113,7 +112,7 @@ class SplatExchange {
       if (has_views_) of_view_.packed.to_host(b, first, last);
     });
   }
-  void send_shapes(Exchange& exchange, const std::vector<Band>& bands) {
+  void send_shapes(Exchange& exchange, const std::vector<Strip>& strips) {
     send(exchange, shapes_), send(exchange, depths_);
     const std::size_t ranks = from_.size - 1;
     const auto bytes = [](Span<const std::uint64_t> begins, std::size_t r) {
@@ -123,7 +122,7 @@ class SplatExchange {
       const std::size_t to = (own_ + step) % ranks, from = (own_ + ranks - step) % ranks;
       if (joined_.of_view.size() != 0)
         exchange.receive(int(from), of_view_.joined.seen() + to_begins_[from], bytes(to_begins(), from));
-      if (bands[to].views.size() > 1)
+      if (strips[to].views.size() > 1)
         exchange.send(int(to), of_view_.packed.seen() + from_[to], bytes(from_, to));
     }
     exchange.begin();
@@ -139,14 +138,14 @@ class SplatExchange {
                             joined_.depths.data() + at, views ? joined_.of_view.data() + at : nullptr});
   }
   /// After the messages, and after `keep_shapes`.
-  void shapes_arrived(B& b, const Band& band) {
+  void shapes_arrived(B& b, const Strip& strip) {
     for_others(to_begins(), [&](std::size_t begin, std::size_t end) {
       shapes_.joined.from_host(b, begin, end), depths_.joined.from_host(b, begin, end);
       if (joined_.of_view.size() != 0) of_view_.joined.from_host(b, begin, end);
     });
-    if (joined_.of_view.size() != 0 && band.pieces.front().view != 0)
+    if (joined_.of_view.size() != 0 && strip.view_strips.front().view != 0)
       b.for_each(joined_.count,
-                 CountViewsFrom{std::uint16_t(band.pieces.front().view), joined_.of_view.data()});
+                 CountViewsFrom{std::uint16_t(strip.view_strips.front().view), joined_.of_view.data()});
   }
 
   /// The same for colours, which are kept when all are there. A link begins with them when the caller says

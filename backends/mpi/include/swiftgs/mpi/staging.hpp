@@ -10,9 +10,8 @@
 
 namespace swiftgs {
 
-/// Copies from the host's memory into that of the backend, after all work submitted before. The host's memory
-/// must stay as it is until the backend has `wait`ed or downloaded something. A backend that does not reach
-/// the host's memory brings its own.
+/// Copies from the host's memory into the backend's, after all work submitted so far. The host's memory must
+/// not change until the backend has `wait`ed or downloaded something. A device overloads this.
 template <BackendPolicy B>
 requires(bool(B::reaches_host_memory)) void copy_from_host(B&, const void* from, void* to,
                                                            std::size_t bytes) {

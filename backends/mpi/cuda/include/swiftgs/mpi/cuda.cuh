@@ -26,15 +26,15 @@ inline constexpr unsigned share_steps = 4, share_splats = share_threads * share_
 
 /// What a block shares out: the splats of one part for one rank.
 struct ShareJob {
-  SplatsView splats;  ///< as many as there is room for
+  SplatsView splats;  ///< as many as the capacity
   const Footprint* footprints;
   LastCounters<FrameCounts> counts;
-  const std::uint32_t* cuts;  ///< of the bands @shape{ranks + 1}
+  const std::uint32_t* cuts;  ///< of the strips @shape{ranks + 1}
   std::uint32_t parts;        ///< for each rank
   ShareArrays to;
   std::uint32_t capacity;  ///< splats beyond it are counted and left out
   std::uint32_t* begins;   ///< in host memory @shape{ranks + 1}
-  std::uint32_t* written;  ///< how many there are, as far as there is room
+  std::uint32_t* written;  ///< how many there are, up to the capacity
 };
 
 /// Writes the splats for one rank behind those of the blocks before. Blocks go by ranks, then by parts, so
@@ -42,15 +42,15 @@ struct ShareJob {
 template <class Bounds, class ViewSource>
 __global__ void __launch_bounds__(share_threads)
     share_out(const __grid_constant__ ViewSource views, const __grid_constant__ ShareJob job,
-              const Bounds bounds, const TurnsView<NoCounts> turns) {
+              const Bounds bounds, const EpochsView<NoCounts> epochs) {
   __shared__ std::uint32_t of_warps[share_warps], shared_before;
   await_earlier();
-  const std::uint32_t turn = read_turn(turns);
+  const std::uint32_t epoch = read_epoch(epochs);
   const std::uint32_t rank = blockIdx.x / job.parts, part = blockIdx.x % job.parts;
   const std::uint32_t first_row = job.cuts[rank], end_row = job.cuts[rank + 1];
   const std::size_t splats = min(std::size_t(job.counts.get().visible), job.splats.size());
 
-  // Find which splats have tiles in the rank's band. The splats of a warp follow each other.
+  // Find which splats have tiles in the rank's strip. The splats of a warp follow each other.
   const unsigned warp = threadIdx.x / warp_size;
   const std::size_t first = std::size_t(part) * share_splats + warp * warp_size * share_steps + lane_index();
   unsigned lanes[share_steps];
@@ -60,7 +60,7 @@ __global__ void __launch_bounds__(share_threads)
     const std::size_t i = first + step * warp_size;
     TileRun rows;
     if (i < splats)
-      rows = sheet_rows(bounds, job.splats.shapes[i], job.footprints[i],
+      rows = atlas_rows(bounds, job.splats.shapes[i], job.footprints[i],
                         views[ViewSource::only ? 0 : job.splats.view(i)].grid);
     const bool goes =
         rows.size() != 0 && std::uint32_t(rows.begin) < end_row && std::uint32_t(rows.end) > first_row;
@@ -77,7 +77,7 @@ __global__ void __launch_bounds__(share_threads)
 
   // Find where they are written to.
   if (warp == 0) {
-    const RunningSum sum(turns.words, turn);
+    const RunningSum sum(epochs.words, epoch);
     if (threadIdx.x == 0) sum.add(all);
     const std::uint32_t before = sum.before(all);
     if (threadIdx.x == 0) {
@@ -86,7 +86,7 @@ __global__ void __launch_bounds__(share_threads)
       if (blockIdx.x + 1 == gridDim.x) {
         job.begins[rank + 1] = before + all;
         *job.written = min(before + all, job.capacity);
-        end_turn(turns, turn, gridDim.x);
+        end_epoch(epochs, epoch, gridDim.x);
       }
       if (part == 0 || blockIdx.x + 1 == gridDim.x) __threadfence_system();  // the host reads it soon
     }
@@ -105,7 +105,7 @@ __global__ void __launch_bounds__(share_threads)
 }
 
 template <BoundsPolicy Bounds>
-void run_share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const BandCuts& cuts,
+void run_share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const StripCuts& cuts,
                    Splats<Cuda>& splats, Footprints<Cuda>& footprints, Shares<Cuda>& shares) {
   const PendingProjection pending = std::exchange(splats.pending, {});
   footprints.found_by = {};
@@ -129,7 +129,7 @@ void run_share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, cons
   if (parts * ranks > most_blocks)
     throw CapacityError("blocks that share splats out among ranks", parts * ranks, most_blocks);
   const unsigned blocks = parts * unsigned(ranks);
-  const TurnsView<NoCounts> turns = shares.turns.begin(cuda, blocks);
+  const EpochsView<NoCounts> epochs = shares.epochs.begin(cuda, blocks);
   const ShareJob job{all,
                      footprints.each.data(),
                      pending.counts,
@@ -141,9 +141,9 @@ void run_share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, cons
                      shares.written.data()};
   with_views(plan.views, [&]<class ViewSource>(const ViewSource& source) {
     launch_early(cuda, "share_out", share_out<Bounds, ViewSource>, blocks, share_threads, source, job, bounds,
-                 turns);
+                 epochs);
   });
-  shares.turns.end();
+  shares.epochs.end();
   cuda.settle(pending.counts, plan.limits, pending.totals);
   shares.splats.count = shares.capacity, shares.splats.exact = shares.written.data();
 }
@@ -151,7 +151,7 @@ void run_share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, cons
 }  // namespace kernels
 
 template <OwnBounds Bounds>
-void share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const BandCuts& cuts,
+void share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const StripCuts& cuts,
                Splats<Cuda>& splats, Footprints<Cuda>& footprints, Shares<Cuda>& shares) {
   kernels::run_share_out(cuda, plan, bounds, cuts, splats, footprints, shares);
 }

@@ -57,37 +57,36 @@ template <>
 struct Shares<Cuda> {
   Splats<Cuda> splats;
   std::vector<std::uint64_t> begins;  ///< set by `await_shares`
-  std::size_t capacity = 0;           ///< room for splats; grows
+  std::size_t capacity = 0;           ///< of splats; grows
   DeviceBuffer<std::uint32_t> cuts, written;
-  BandCuts stored_cuts;  ///< that `cuts` holds
-  Turns<NoCounts> turns;
+  StripCuts stored_cuts;  ///< that `cuts` holds
+  Epochs<NoCounts> epochs;
   GrowingBuffer<std::uint32_t, PinnedMemory> posted;  ///< `begins` as the device tells them
   bool awaited = false;                               ///< whether a report is due
 
   std::uint64_t count_for(int rank) const {
     return begins[std::size_t(rank) + 1] - begins[std::size_t(rank)];
   }
-  void forget_room() { capacity = 0; }
-  static auto buffers(auto& self) { return std::tie(self.splats, self.cuts, self.written, self.turns); }
+  void forget_capacity() { capacity = 0; }
+  static auto buffers(auto& self) { return std::tie(self.splats, self.cuts, self.written, self.epochs); }
 };
 
 /// One kernel. Does not wait, and leaves the tiles as projection has found them.
 /// In the library for `AllBounds`; for others in `<swiftgs/mpi/cuda.cuh>`.
 template <BoundsPolicy Bounds>
-SWIFTGS_API void share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const BandCuts& cuts,
+SWIFTGS_API void share_out(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, const StripCuts& cuts,
                            Splats<Cuda>& splats, Footprints<Cuda>& footprints, Shares<Cuda>& shares);
 
-/// Waits for the device to have shared them out. Makes room for the next `share_out` where this one had too
-/// little. Throws `CapacityError`.
+/// Waits for the device to have shared them out. Grows the capacity for the next `share_out` where this one
+/// had too little. Throws `CapacityError`.
 SWIFTGS_API FrameReport await_shares(Cuda& cuda, Shares<Cuda>& shares);
 
 /// NCCL, in a build that has it, where `Ranks::direct` holds on all ranks and each has a device of its own,
 /// or NCCL_MULTI_RANK_GPU_ENABLE lets them share one (NCCL 2.30).
 SWIFTGS_API std::unique_ptr<DirectLink> direct_link(const Ranks& ranks, Cuda& cuda);
 
-/// Makes a device of this machine the current one: ranks of one machine take its devices in turn. Call it
-/// before a `Cuda` is made. Returns the device's number. Collective. Throws `DeviceError` where there is
-/// none.
+/// Makes a device of this machine the current one: the ranks of a machine share its devices. Call it before a
+/// `Cuda` is made. Returns the device's number. Collective. Throws `DeviceError` where there is none.
 SWIFTGS_API int take_device(const Ranks& ranks);
 
 }  // namespace swiftgs

@@ -2,7 +2,7 @@
 #pragma once
 
 /// @file
-/// How far the exponent of each form may be off, proved from the form's own arithmetic.
+/// How far the exponent of each representation may be off, proved from the representation's own arithmetic.
 
 #include <algorithm>
 #include <cmath>
@@ -16,19 +16,19 @@
 namespace swiftgs {
 
 /// How a rasterizer works out the exponent s of a splat.
-enum class ExponentForm {
+enum class ExponentRepresentation {
   factor,       ///< a sum of two squares from the factor: `PerPixel`, `FloatCholesky`
   float_split,  ///< three terms that may cancel, in float: `FloatSplit`
   half_split,   ///< the same, stored as half, skipped where rounding makes it negative: `HalfSplit`
 };
 
-inline constexpr std::size_t exponent_forms = 3;
+inline constexpr std::size_t exponent_representations = 3;
 
-/// The form of the rasterizer called `name`, as in a renderer's name.
-inline ExponentForm exponent_form_named(std::string_view name) {
-  if (name.find("half-split") != std::string_view::npos) return ExponentForm::half_split;
-  if (name.find("float-split") != std::string_view::npos) return ExponentForm::float_split;
-  return ExponentForm::factor;
+/// The representation of the rasterizer called `name`, as in a renderer's name.
+inline ExponentRepresentation exponent_representation_named(std::string_view name) {
+  if (name.find("half-split") != std::string_view::npos) return ExponentRepresentation::half_split;
+  if (name.find("float-split") != std::string_view::npos) return ExponentRepresentation::float_split;
+  return ExponentRepresentation::factor;
 }
 
 namespace reference {
@@ -41,12 +41,14 @@ struct FactorAt : Factor {
       : Factor(n.factor()), dx(x - n.x), dy(y - n.y), u(l0 * (dx - n.shear * dy)), v(l2 * dy) {}
 };
 
-/// Largest error of s at a point that the form makes, beyond the roundings that any float arithmetic makes.
-inline double exponent_error(ExponentForm form, const SplatNumbers& numbers, double x, double y) {
-  if (form == ExponentForm::factor) return 0;
+/// Largest error of s at a point that the representation makes, beyond the roundings that any float
+/// arithmetic makes.
+inline double exponent_error(ExponentRepresentation representation, const SplatNumbers& numbers, double x,
+                             double y) {
+  if (representation == ExponentRepresentation::factor) return 0;
   const FactorAt at(numbers, x, y);
   const double l1 = std::abs(at.l1);
-  if (form == ExponentForm::float_split) {
+  if (representation == ExponentRepresentation::float_split) {
     const double wide = std::abs(at.u) + 16 * (at.l0 + l1), high = std::abs(at.v) + 16 * at.l2;
     return std::ldexp(wide * wide + high * high, -18);
   }
@@ -60,16 +62,16 @@ inline double exponent_error(ExponentForm form, const SplatNumbers& numbers, dou
 }
 
 /// Whether a rasterizer evaluates a splat at pixel (x, y) at all: rasterizers skip rows of 16 pixels in which
-/// the splat keeps none. Only a form that may err widely far from the splat needs to know.
-inline bool may_be_visited(ExponentForm form, const SplatNumbers& numbers, int x, int y,
+/// the splat keeps none. Only a representation that may err widely far from the splat needs to know.
+inline bool may_be_visited(ExponentRepresentation representation, const SplatNumbers& numbers, int x, int y,
                            const Conventions& k) {
-  if (form != ExponentForm::half_split) return true;
+  if (representation != ExponentRepresentation::half_split) return true;
   const double first = 16 * std::floor(x / 16.0) + 0.5, at_y = y + 0.5;
   const FactorAt left(numbers, first, at_y), right(numbers, first + 15, at_y);
   const double nearest = left.u > 0 ? left.u : right.u < 0 ? right.u : 0;
   const double s = nearest * nearest + left.v * left.v;
-  const double reach = numbers.log2_opacity - std::log2(double(k.alpha_min));
-  return s <= 1.001 * std::max(reach, 0.0) + 0.001;
+  const double cutoff = numbers.log2_opacity - std::log2(double(k.alpha_min));
+  return s <= 1.001 * std::max(cutoff, 0.0) + 0.001;
 }
 
 }  // namespace reference

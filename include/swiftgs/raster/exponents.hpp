@@ -10,13 +10,13 @@
 
 namespace swiftgs {
 
-/// Form and precision of the terms that axis-shared rasterization computes once a column and once a row. An
-/// object holds what the terms of one splat need in one square of pixels, given its centre; `x_term` and
-/// `y_term` take the place of a column and of a row @units{pixels}. `exponent` joins two terms to s, base 2;
-/// where it is negative or not a number the pixel skips the splat.
+/// Exponent representation of axis-shared rasterization, which computes one term per column and one per row.
+/// An object is made for one splat and the centre of a raster block. `x_term` and `y_term` take the place of
+/// a column and of a row @units{pixels}. `exponent` joins two terms to s, base 2. If s is negative or not a
+/// number, the pixel skips the splat.
 template <class T>
-concept TermsPolicy = requires(const T& terms, const SplatShape& shape, vec2 centre, float at,
-                               typename T::X x, typename T::Y y) {
+concept ExponentPolicy = requires(const T& terms, const SplatShape& shape, vec2 centre, float at,
+                                  typename T::X x, typename T::Y y) {
   { T::name } -> std::convertible_to<std::string_view>;
   T(shape, centre);
   { terms.x_term(at) } -> std::same_as<typename T::X>;
@@ -25,10 +25,10 @@ concept TermsPolicy = requires(const T& terms, const SplatShape& shape, vec2 cen
 };
 
 /// The paper's split in float: s = (a x^2 + d x) + (c y^2 + e y + g) + (b x) y, with x and y measured from
-/// the square's centre: a distant mean costs no digits but its own. The three parts may still cancel; where
-/// rounding makes s negative it is 0. With u = l0 dx + l1 dy and v = l2 dy at a pixel, the error of s is at
-/// most 2^-18 ((|u| + 16 l0 + 16 |l1|)^2 + (|v| + 16 l2)^2), beside what the rounding of u and v at the
-/// square's centre makes of it, as in every form.
+/// the raster block's centre: a distant mean costs only its own digits. The three parts may still cancel;
+/// negative s is set to 0. With u = l0 dx + l1 dy and v = l2 dy at a pixel, the error of s is at most 2^-18
+/// ((|u| + 16 l0 + 16 |l1|)^2 + (|v| + 16 l2)^2), beside what the rounding of u and v at the raster block's
+/// centre makes of it, as in every representation.
 struct SWIFTGS_API FloatSplit {
   static constexpr std::string_view name = "float-split";
   struct X {
@@ -82,9 +82,9 @@ struct MeanSplit {
 }  // namespace detail
 
 /// The paper's split as the paper stores it (SwiftGS, section 5.1): a dx^2, c dy^2, b dx and dy in IEEE half,
-/// measured from the splat's mean, which may lie far outside the square. Rounding costs accuracy on every
-/// splat that is large, and beyond 65,504 a term is infinite; where two infinite terms cancel, the sum is not
-/// a number and the pixel skips the splat.
+/// measured from the splat's mean, which may lie far outside the raster block. Rounding costs accuracy on
+/// every large splat, and a term beyond 65,504 is infinite. If two infinite terms cancel, the pixel skips the
+/// splat.
 struct SWIFTGS_API HalfSplit {
   static constexpr std::string_view name = "half-split";
   struct X {
@@ -138,6 +138,6 @@ struct SWIFTGS_API FloatCholesky {
   float l0_, l1_, l2_;
 };
 
-static_assert(TermsPolicy<HalfSplit> && TermsPolicy<FloatSplit> && TermsPolicy<FloatCholesky>);
+static_assert(ExponentPolicy<HalfSplit> && ExponentPolicy<FloatSplit> && ExponentPolicy<FloatCholesky>);
 
 }  // namespace swiftgs

@@ -2,14 +2,14 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <swiftgs/cuda/block_square.cuh>
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/raster_block.cuh>
 
 namespace swiftgs::kernels {
 namespace {
 
-/// Each block orders a share of the squares, every 16th: with one block, a frame would wait for it three
-/// times as long.
+/// Each thread block orders every 16th raster block. With one thread block, this would take three times as
+/// long.
 constexpr unsigned order_blocks = 16, order_threads = 512;
 
 /// Lists of a class differ in length by a quarter at most. Longer lists are in lower classes.
@@ -23,23 +23,24 @@ __device__ unsigned class_of(TileRange list) {
   return length_classes - 1 - (4 * (octave - 1) + (length >> (octave - 2) & 3));
 }
 
-/// Of `order_blocks` blocks, the k-th puts the squares of its share on every place k modulo `order_blocks`.
+/// The k-th of `order_blocks` thread blocks fills every place k modulo `order_blocks`.
 __global__ void __launch_bounds__(order_threads)
-    fill_order(const TileListsView lists, const Squares squares, std::uint32_t* order) {
+    fill_order(const TileListsView lists, const RasterBlocks raster_blocks, std::uint32_t* order) {
   __shared__ std::uint32_t places[length_classes];
   if (threadIdx.x < length_classes) places[threadIdx.x] = 0;
   __syncthreads();
-  const std::uint32_t count = std::uint32_t(squares.size());
-  const auto for_each_square = [&](const auto& f) {
+  const std::uint32_t count = std::uint32_t(raster_blocks.size());
+  const auto for_each_raster_block = [&](const auto& f) {
     for (std::uint32_t s = threadIdx.x * order_blocks + blockIdx.x; s < count;
          s += order_threads * order_blocks) {
-      const SquareIndex index{s % squares.columns, s / squares.columns};
+      const RasterBlockIndex index{s % raster_blocks.columns, s / raster_blocks.columns};
       const std::uint32_t tile =
-          index.row / squares.of_tile * (squares.columns / squares.of_tile) + index.column / squares.of_tile;
+          index.row / raster_blocks.of_tile * (raster_blocks.columns / raster_blocks.of_tile) +
+          index.column / raster_blocks.of_tile;
       f(index, class_of(lists.ranges[tile]));
     }
   };
-  for_each_square([&](SquareIndex, unsigned of_class) { atomicAdd(&places[of_class], 1u); });
+  for_each_raster_block([&](RasterBlockIndex, unsigned of_class) { atomicAdd(&places[of_class], 1u); });
   __syncthreads();
   if (threadIdx.x < warp_size) {
     // Counts to places: each lane has some neighbouring classes.
@@ -54,27 +55,30 @@ __global__ void __launch_bounds__(order_threads)
     }
   }
   __syncthreads();
-  for_each_square([&](SquareIndex index, unsigned of_class) {
+  for_each_raster_block([&](RasterBlockIndex index, unsigned of_class) {
     order[atomicAdd(&places[of_class], 1u) * order_blocks + blockIdx.x] = index.word();
   });
 }
 
-/// Blocks of `raster_warps` that a multiprocessor holds at once. In frames of more rounds of them than this,
-/// the end is short: on an H200 an order gains 6 of 144 microseconds in garden, which has 3.7 rounds, and
-/// nothing beyond 6.
+/// Thread blocks of `raster_warps` that a multiprocessor holds at once, and the most rounds of them for which
+/// an order pays: on an H200 it gains 6 of 144 microseconds in garden, which has 3.7 rounds, and nothing
+/// beyond 6 rounds.
 constexpr std::size_t blocks_at_once = 9, most_rounds = 8;
 
 }  // namespace
 
-const std::uint32_t* order_squares(Cuda& cuda, const TileListsView& lists, const Squares& squares) {
+const std::uint32_t* order_raster_blocks(Cuda& cuda, const TileListsView& lists,
+                                         const RasterBlocks& raster_blocks) {
   const std::size_t at_once = blocks_at_once * std::size_t(cuda.multiprocessors());
-  if (squares.size() <= at_once) return nullptr;
+  if (raster_blocks.size() <= at_once) return nullptr;
   // As much for every frame, so that none takes memory after a larger one.
-  std::uint32_t* const order = cuda.square_order(most_rounds * at_once);
-  // Words have 16 bits for a column and for a row, and a grid in slices has more blocks than squares.
-  if (squares.size() > most_rounds * at_once || squares.rows > rows_of_slice || squares.columns > 65535)
+  std::uint32_t* const order = cuda.raster_order(most_rounds * at_once);
+  // Words have 16 bits for a column and for a row. A grid in slices has more thread blocks than raster
+  // blocks.
+  if (raster_blocks.size() > most_rounds * at_once || raster_blocks.rows > rows_of_slice ||
+      raster_blocks.columns > 65535)
     return nullptr;
-  launch("fill_order", fill_order, order_blocks, order_threads, cuda.stream(), lists, squares, order);
+  launch("fill_order", fill_order, order_blocks, order_threads, cuda.stream(), lists, raster_blocks, order);
   return order;
 }
 

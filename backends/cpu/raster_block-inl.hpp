@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compiled once a vector target: no #pragma once, but a guard that toggles.
-#if defined(SWIFTGS_CPU_SQUARE_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef SWIFTGS_CPU_SQUARE_INL
-#undef SWIFTGS_CPU_SQUARE_INL
+#if defined(SWIFTGS_CPU_RASTER_BLOCK_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef SWIFTGS_CPU_RASTER_BLOCK_INL
+#undef SWIFTGS_CPU_RASTER_BLOCK_INL
 #else
-#define SWIFTGS_CPU_SQUARE_INL
+#define SWIFTGS_CPU_RASTER_BLOCK_INL
 #endif
 
 #include <cstddef>
@@ -20,26 +20,26 @@ HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Pixels of a square are dealt out to groups of 16: a register with AVX-512, two with AVX2, four with SSE4
-/// or NEON. A splat is evaluated on all pixels of a group at a time.
-using F32 = hn::CappedTag<float, square_side>;
+/// Pixels of a raster block are dealt out to groups of 16: a register with AVX-512, two with AVX2, four with
+/// SSE4 or NEON. A splat is evaluated on all pixels of a group at a time.
+using F32 = hn::CappedTag<float, raster_block_side>;
 using Vec = hn::Vec<F32>;
 using Mask = hn::Mask<F32>;
 constexpr std::size_t lanes = hn::MaxLanes(F32());
-constexpr std::size_t parts = square_side / lanes;
+constexpr std::size_t parts = raster_block_side / lanes;
 
-/// One quantity of a square's pixels, an array a group; or an array a row, before `FromRows` and after
+/// One quantity of a raster block's pixels, an array a group; or an array a row, before `FromRows` and after
 /// `ToRows`.
-using Plane = float[square_side][square_side];
+using Plane = float[raster_block_side][raster_block_side];
 
-/// Running state of a square's pixels. A pixel that has stopped has the negative of its transmittance.
-struct alignas(64) SquareState {
+/// Running state of a raster block's pixels. A pixel that has stopped has the negative of its transmittance.
+struct alignas(64) RasterBlockState {
   Plane transmittance, red, green, blue, depth, occluder;
 };
 
 /// A group is a row.
 struct Rows {
-  /// Registers of a group: where they are in the square.
+  /// Registers of a group: where they are in the raster block.
   struct Part {
     std::size_t row, column;
     Part(std::size_t group, std::size_t part) : row(group), column(part * lanes) {}
@@ -48,9 +48,8 @@ struct Rows {
   static HWY_INLINE void ToRows(Plane&) {}
 };
 
-/// A group is a block of 4 x 4 pixels, which splats fill better than a row. Its pixels go down the columns:
-/// each splat has one term a column and two a row, and terms that repeat with every four pixels are loaded as
-/// they are, where others have to be spread.
+/// A group is 4x4 pixels, which splats fill better than a row. Pixels go down the columns: a splat has one
+/// term per column and two per row, and row terms, which repeat every four pixels, load without a shuffle.
 struct Blocks {
   static constexpr std::size_t side = 4;
 
@@ -62,7 +61,7 @@ struct Blocks {
       const auto right = hn::ShiftRight<2>(hn::Iota(di, 0));
       spread_ = hn::IndicesFromVec(d, hn::Add(right, hn::Set(di, int(column(group, part) - columns_))));
     }
-    /// Of terms of the square's columns, or of its rows, that of each pixel.
+    /// Of terms of the raster block's columns, or of its rows, that of each pixel.
     HWY_INLINE Vec OfColumns(const float* HWY_RESTRICT terms) const {
       return hn::TableLookupLanes(hn::Load(d, terms + columns_), spread_);
     }
@@ -81,11 +80,11 @@ struct Blocks {
   static HWY_INLINE void ToRows(Plane& plane) { Transpose(plane), Exchange(plane); }
 
  private:
-  /// Turns rows of the square into blocks, row by row, and those into rows: both exchange pieces of four
-  /// pixels within four rows.
+  /// Turns rows of the raster block into blocks, row by row, and those into rows: both exchange pieces of
+  /// four pixels within four rows.
   static HWY_INLINE void Exchange(Plane& plane) {
     const hn::CappedTag<float, side> d;
-    for (std::size_t i = 0; i < square_side; ++i)
+    for (std::size_t i = 0; i < raster_block_side; ++i)
       for (std::size_t j = i % side + 1; j < side; ++j) {
         float *one = plane[i] + side * j, *other = plane[i / side * side + j] + side * (i % side);
         const auto kept = hn::Load(d, one);
@@ -107,12 +106,12 @@ struct Blocks {
 
 /// Transparent black, with the pixels beyond the image's borders already stopped.
 template <class Groups, bool kDepth, bool kOccluder>
-HWY_INLINE void Clear(const FrameView& frame, const PlacedSquare& square, SquareState& state) {
+HWY_INLINE void Clear(const FrameView& frame, const PlacedRasterBlock& block, RasterBlockState& state) {
   const F32 d;
-  for (std::size_t row = 0; row < square_side; ++row)
+  for (std::size_t row = 0; row < raster_block_side; ++row)
     for (std::size_t part = 0; part < parts; ++part) {
       const std::size_t column = part * lanes;
-      const int columns = int(row) < square.rows ? square.columns : 0;
+      const int columns = int(row) < block.rows ? block.columns : 0;
       const Mask inside = hn::Lt(hn::Iota(d, float(column)), hn::Set(d, float(columns)));
       hn::Store(hn::IfThenElse(inside, hn::Set(d, 1.0f), hn::Set(d, -1.0f)), d,
                 state.transmittance[row] + column);
@@ -122,11 +121,12 @@ HWY_INLINE void Clear(const FrameView& frame, const PlacedSquare& square, Square
       if constexpr (kDepth) hn::Store(hn::Zero(d), d, state.depth[row] + column);
       if constexpr (kOccluder) hn::Store(hn::Inf(d), d, state.occluder[row] + column);
     }
-  if (square.columns < square_side || square.rows < square_side) Groups::FromRows(state.transmittance);
+  if (block.columns < raster_block_side || block.rows < raster_block_side)
+    Groups::FromRows(state.transmittance);
   if (kOccluder && frame.occluder.data) {
-    for (std::size_t row = 0; row < std::size_t(square.rows); ++row)
-      std::memcpy(state.occluder[row], frame.occluder.row(std::size_t(square.y0) + row) + square.x0,
-                  std::size_t(square.columns) * sizeof(float));
+    for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
+      std::memcpy(state.occluder[row], frame.occluder.row(std::size_t(block.y0) + row) + block.x0,
+                  std::size_t(block.columns) * sizeof(float));
     Groups::FromRows(state.occluder);
   }
 }
@@ -135,7 +135,7 @@ HWY_INLINE void Clear(const FrameView& frame, const PlacedSquare& square, Square
 HWY_INLINE std::uint32_t Live(const Plane& transmittance) {
   const F32 d;
   std::uint32_t live = 0;
-  for (std::size_t group = 0; group < square_side; ++group)
+  for (std::size_t group = 0; group < raster_block_side; ++group)
     for (std::size_t part = 0; part < parts; ++part)
       if (!hn::AllTrue(d, hn::Lt(hn::Load(d, transmittance[group] + part * lanes), hn::Zero(d))))
         live |= 1u << group;

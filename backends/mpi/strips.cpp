@@ -3,17 +3,17 @@
 #include <limits>
 #include <numeric>
 
-#include <swiftgs/mpi/bands.hpp>
+#include <swiftgs/mpi/strips.hpp>
 
 namespace swiftgs {
 namespace {
 
 /// Cuts where the running sum of `costs` passes equal parts of the whole. No rank is without a row that could
 /// have one.
-BandCuts cuts_of(const std::vector<std::uint64_t>& costs, std::uint32_t ranks) {
+StripCuts cuts_of(const std::vector<std::uint64_t>& costs, std::uint32_t ranks) {
   const auto rows = std::uint32_t(costs.size());
   const std::uint64_t all = std::accumulate(costs.begin(), costs.end(), std::uint64_t(0));
-  BandCuts cuts(ranks + 1, rows);
+  StripCuts cuts(ranks + 1, rows);
   cuts[0] = 0;
   std::uint64_t before = 0;
   std::uint32_t row = 0;
@@ -36,10 +36,10 @@ constexpr std::uint64_t least_cost = 16;
 
 }  // namespace
 
-BandPlan::BandPlan(std::uint32_t rows, int ranks)
+StripPlan::StripPlan(std::uint32_t rows, int ranks)
     : costs_(rows, least_cost), cuts_(cuts_of(costs_, std::uint32_t(ranks))) {}
 
-void BandPlan::learn(Span<const std::uint64_t> taken) {
+void StripPlan::learn(Span<const std::uint64_t> taken) {
   // No frame takes an hour a rank; sums of what does would leave the range of 64 bits.
   constexpr std::uint64_t most = 3'600'000'000'000;
   for (std::size_t r = 0; r < taken.size; ++r) {
@@ -55,40 +55,40 @@ void BandPlan::learn(Span<const std::uint64_t> taken) {
     cuts_ = cuts_of(costs_, std::uint32_t(taken.size));
 }
 
-FrameView rows_of(const FrameView& frame, const BandPiece& piece) {
+FrameView rows_of(const FrameView& frame, const ViewStrip& view_strip) {
   FrameView rows = frame;
-  rows.height = piece.rows;
+  rows.height = view_strip.rows;
   const auto move = [&](auto& plane) {
-    if (plane.data) plane.data = plane.row(std::size_t(piece.first_row));
+    if (plane.data) plane.data = plane.row(std::size_t(view_strip.first_row));
   };
   move(rows.colour), move(rows.alpha), move(rows.depth), move(rows.occluder);
   return rows;
 }
 
-Band band_of(Span<const View> views, std::uint32_t begin, std::uint32_t end) {
-  Band band;
-  std::uint32_t first = 0;  // row of the sheet where a view begins
+Strip strip_of(Span<const View> views, std::uint32_t begin, std::uint32_t end) {
+  Strip strip;
+  std::uint32_t first = 0;  // row of the tile atlas where a view begins
   for (std::size_t i = 0; i < views.size; ++i) {
     const View& whole = views[i];
     const std::uint32_t last = first + std::uint32_t(whole.grid.rows.size());
     const std::uint32_t from = std::max(begin, first), to = std::min(end, last);
     if (from < to) {
       const int side = whole.grid.side;
-      BandPiece piece{.view = std::uint32_t(i), .first_row = int(from - first) * side};
-      piece.rows = std::min(int(to - first) * side, whole.frame.height) - piece.first_row;
-      piece.width = whole.frame.width;
+      ViewStrip view_strip{.view = std::uint32_t(i), .first_row = int(from - first) * side};
+      view_strip.rows = std::min(int(to - first) * side, whole.frame.height) - view_strip.first_row;
+      view_strip.width = whole.frame.width;
       View part = whole;
       part.grid.rows = {whole.grid.rows.begin + int(from - first), whole.grid.rows.begin + int(to - first)};
-      part.frame.height = piece.rows;
+      part.frame.height = view_strip.rows;
       part.frame.colour.data = nullptr, part.frame.alpha.data = part.frame.depth.data = nullptr;
       part.frame.occluder.data = nullptr;
-      part.camera.top = whole.camera.top + float(piece.first_row);
-      part.camera.bottom = part.camera.top + float(piece.rows);
-      band.pieces.push_back(piece), band.views.push_back(part);
+      part.camera.top = whole.camera.top + float(view_strip.first_row);
+      part.camera.bottom = part.camera.top + float(view_strip.rows);
+      strip.view_strips.push_back(view_strip), strip.views.push_back(part);
     }
     first = last;
   }
-  return band;
+  return strip;
 }
 
 }  // namespace swiftgs

@@ -8,8 +8,8 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/mpi/bands.hpp>
 #include <swiftgs/mpi/identity.hpp>
+#include <swiftgs/mpi/strips.hpp>
 
 #include "support/files.hpp"
 
@@ -21,7 +21,7 @@ Span<const std::uint64_t> span(const std::vector<std::uint64_t>& v) { return {v.
 
 /// What each rank takes where row y costs `cost(y)`.
 template <class Cost>
-std::vector<std::uint64_t> taken(const BandCuts& cuts, const Cost& cost) {
+std::vector<std::uint64_t> taken(const StripCuts& cuts, const Cost& cost) {
   std::vector<std::uint64_t> times;
   for (std::size_t r = 0; r + 1 < cuts.size(); ++r) {
     std::uint64_t time = 0;
@@ -38,12 +38,12 @@ double imbalance(const std::vector<std::uint64_t>& times) {
 
 }  // namespace
 
-TEST_CASE("mpi bands: all rows are shared out once and none goes without that could have one") {
+TEST_CASE("mpi strips: all rows are shared out once and none goes without that could have one") {
   for (const std::uint32_t rows : {1u, 2u, 7u, 45u, 158u})
     for (const int ranks : {1, 2, 3, 8, 64}) {
-      BandPlan plan(rows, ranks);
+      StripPlan plan(rows, ranks);
       for (int k = 0; k < 5; ++k) {
-        const BandCuts& cuts = plan.cuts();
+        const StripCuts& cuts = plan.cuts();
         CHECK(cuts.size() == std::size_t(ranks) + 1);
         CHECK(cuts.front() == 0);
         CHECK(cuts.back() == rows);
@@ -55,48 +55,48 @@ TEST_CASE("mpi bands: all rows are shared out once and none goes without that co
     }
 }
 
-TEST_CASE("mpi bands: they even out whatever rows cost") {
+TEST_CASE("mpi strips: they even out whatever rows cost") {
   const auto cost = [](std::uint32_t y) {
     return std::uint64_t(20'000) + (y > 100 ? 900'000 : 0) + 1000 * y;
   };
   for (const int ranks : {2, 3, 4, 8}) {
-    BandPlan plan(158, ranks);
+    StripPlan plan(158, ranks);
     CHECK(imbalance(taken(plan.cuts(), cost)) > 1.3);
     for (int k = 0; k < 30; ++k) plan.learn(span(taken(plan.cuts(), cost)));
     CHECK(imbalance(taken(plan.cuts(), cost)) < 1.15);
   }
 }
 
-TEST_CASE("mpi bands: bands that are even stay where they are") {
-  BandPlan plan(40, 4);
-  const BandCuts before = plan.cuts();
+TEST_CASE("mpi strips: strips that are even stay where they are") {
+  StripPlan plan(40, 4);
+  const StripCuts before = plan.cuts();
   plan.learn(span({1'000'000, 1'020'000, 990'000, 1'010'000}));
   CHECK(plan.cuts() == before);
   plan.learn(span({1'000'000, 1'000'000, 1'000'000, 9'000'000}));
   CHECK(plan.cuts() != before);
 }
 
-TEST_CASE("mpi bands: they move where a rank takes a twentieth longer than the mean") {
-  const BandPlan first(400, 4);
-  BandPlan slower = first, slow = first;
+TEST_CASE("mpi strips: they move where a rank takes a twentieth longer than the mean") {
+  const StripPlan first(400, 4);
+  StripPlan slower = first, slow = first;
   slow.learn(span({1'000'000, 1'000'000, 1'000'000, 1'060'000}));
   CHECK(slow.cuts() == first.cuts());
   slower.learn(span({1'000'000, 1'000'000, 1'000'000, 1'080'000}));
   CHECK(slower.cuts() != first.cuts());
 }
 
-TEST_CASE("mpi bands: rows that cost alike are cut at the nearest row") {
+TEST_CASE("mpi strips: rows that cost alike are cut at the nearest row") {
   for (const std::uint32_t rows : {45u, 158u, 1000u})
     for (const int ranks : {2, 3, 7, 16}) {
       CAPTURE(rows);
       CAPTURE(ranks);
-      const BandPlan plan(rows, ranks);
+      const StripPlan plan(rows, ranks);
       for (int r = 0; r <= ranks; ++r)
         CHECK(std::abs(double(plan.cuts()[std::size_t(r)]) - double(rows) * r / ranks) <= 0.5 + 0.1);
     }
 }
 
-TEST_CASE("mpi bands: a band over several views has the rows of each") {
+TEST_CASE("mpi strips: a strip over several views has the rows of each") {
   std::vector<View> views;
   for (const int height : {40, 33}) {
     const Camera camera = builtin_camera(50, height);
@@ -104,20 +104,20 @@ TEST_CASE("mpi bands: a band over several views has the rows of each") {
   }
   number_tiles({views.data(), views.size()});
   // Three rows of tiles each, the last of them cut.
-  const Band band = band_of({views.data(), views.size()}, 1, 5);
-  CHECK(band.pieces.size() == 2);
-  CHECK(band.pieces[0].view == 0);
-  CHECK(band.pieces[0].first_row == 16);
-  CHECK(band.pieces[0].rows == 24);
-  CHECK(band.pieces[1].view == 1);
-  CHECK(band.pieces[1].first_row == 0);
-  CHECK(band.pieces[1].rows == 32);
-  CHECK(band.views[0].top() == 16);
-  CHECK(band_of({views.data(), views.size()}, 5, 6).pieces[0].rows == 1);
-  CHECK(band_of({views.data(), views.size()}, 6, 6).pieces.empty());
+  const Strip strip = strip_of({views.data(), views.size()}, 1, 5);
+  CHECK(strip.view_strips.size() == 2);
+  CHECK(strip.view_strips[0].view == 0);
+  CHECK(strip.view_strips[0].first_row == 16);
+  CHECK(strip.view_strips[0].rows == 24);
+  CHECK(strip.view_strips[1].view == 1);
+  CHECK(strip.view_strips[1].first_row == 0);
+  CHECK(strip.view_strips[1].rows == 32);
+  CHECK(strip.views[0].top() == 16);
+  CHECK(strip_of({views.data(), views.size()}, 5, 6).view_strips[0].rows == 1);
+  CHECK(strip_of({views.data(), views.size()}, 6, 6).view_strips.empty());
 }
 
-TEST_CASE("mpi bands: files and views have identities by what they hold") {
+TEST_CASE("mpi strips: files and views have identities by what they hold") {
   const test::TemporaryFolder folder;
   const std::string large(3 << 20, 'a');
   const auto a = folder.write("a", large), b = folder.write("b", large);

@@ -17,30 +17,30 @@ using namespace swiftgs::test;
 
 namespace {
 
-/// What `turns` has on the device.
+/// What `epochs` has on the device.
 template <class Counters>
-TurnsView<Counters> view_of(const Cuda& cuda, Turns<Counters>& turns) {
-  const TurnsView<Counters> view = turns.begin(cuda, 1);
-  turns.end();
+EpochsView<Counters> view_of(const Cuda& cuda, Epochs<Counters>& epochs) {
+  const EpochsView<Counters> view = epochs.begin(cuda, 1);
+  epochs.end();
   return view;
 }
 
 template <class Counters>
-std::uint32_t turn_of(const Cuda& cuda, Turns<Counters>& turns) {
-  return to_host(cuda, Span<const std::uint32_t>{view_of(cuda, turns).last().turn, 1}).at(0);
+std::uint32_t epoch_of(const Cuda& cuda, Epochs<Counters>& epochs) {
+  return to_host(cuda, Span<const std::uint32_t>{view_of(cuda, epochs).last().epoch, 1}).at(0);
 }
 
 template <class Counters>
-void set_turn(const Cuda& cuda, Turns<Counters>& turns, std::uint32_t turn) {
-  check_cuda(cudaMemcpyAsync(&view_of(cuda, turns).counters->turn, &turn, sizeof turn, cudaMemcpyHostToDevice,
-                             cuda.stream()),
+void set_epoch(const Cuda& cuda, Epochs<Counters>& epochs, std::uint32_t epoch) {
+  check_cuda(cudaMemcpyAsync(&view_of(cuda, epochs).counters->epoch, &epoch, sizeof epoch,
+                             cudaMemcpyHostToDevice, cuda.stream()),
              "cudaMemcpyAsync");
   cuda.wait();
 }
 
 template <class Counters>
-std::vector<std::uint64_t> words_of(const Cuda& cuda, Turns<Counters>& turns) {
-  const TurnsView<Counters> view = view_of(cuda, turns);
+std::vector<std::uint64_t> words_of(const Cuda& cuda, Epochs<Counters>& epochs) {
+  const EpochsView<Counters> view = view_of(cuda, epochs);
   return to_host(cuda, Span<const std::uint64_t>{view.words, view.capacity});
 }
 
@@ -49,7 +49,7 @@ struct Sorting {
   static constexpr std::size_t row = RadixCounts::digits, small_rows = 1;
 
   Cuda cuda;
-  Turns<RadixCounts> turns;
+  Epochs<RadixCounts> epochs;
 
   template <class Key>
   bool sorts(std::size_t n, int bits, std::uint64_t seed) {
@@ -60,7 +60,7 @@ struct Sorting {
     pairs.reset(n);
     copy_to_device(Span<const Key>{keys.data(), n}, pairs.keys);
     copy_to_device(Span<const std::uint32_t>{values.data(), n}, pairs.values);
-    kernels::run_radix_sort(cuda, pairs, n, bits, turns);
+    kernels::run_radix_sort(cuda, pairs, n, bits, epochs);
     stable_sort_pairs(keys, values, bits);
     return same_bits(to_host(cuda, Span<const Key>{pairs.keys.data(), n}), keys) &&
            same_bits(to_host(cuda, Span<const std::uint32_t>{pairs.values.data(), n}), values);
@@ -75,7 +75,7 @@ struct Projecting {
 
   Cuda cuda;
   ProjectScratch<Cuda> scratch;
-  Turns<FrameCounts>& turns = scratch.turns;
+  Epochs<FrameCounts>& epochs = scratch.epochs;
 
   std::tuple<SplatSet, std::uint64_t, std::vector<Footprint>> projected(const SceneView& scene,
                                                                         ProjectScratch<Cuda>& memory) {
@@ -84,7 +84,8 @@ struct Projecting {
     Footprints<Cuda> footprints;
     project(cuda, frame.plan(), Ellipse{}, memory, splats, footprints);
     bin(cuda, frame.plan(), Ellipse{}, splats, footprints);
-    return {to_host(cuda, splats.view()), footprints.instances.most, to_host(cuda, footprints.view().each)};
+    return {to_host(cuda, splats.view()), footprints.intersections.most,
+            to_host(cuda, footprints.view().each)};
   }
   bool projects(std::size_t n, std::uint64_t seed) {
     const DeviceScene scene = cuda.upload(random_scene(n, 0, seed));
@@ -104,15 +105,15 @@ struct Emitting {
   static constexpr std::size_t row = 1, small_rows = 1;
 
   Cuda cuda;
-  InstanceScratch<Cuda> scratch;
-  Turns<std::uint32_t>& turns = scratch.turns;
+  IntersectionScratch<Cuda> scratch;
+  Epochs<std::uint32_t>& epochs = scratch.epochs;
 
-  std::pair<std::vector<std::uint64_t>, std::vector<std::uint32_t>> emitted(const SortJob& job,
-                                                                            InstanceScratch<Cuda>& memory) {
-    Pairs<Cuda, std::uint64_t> instances;
-    const std::size_t count = emit_instances(cuda, job, Ellipse{}, nullptr, memory, instances).most;
-    return {to_host(cuda, Span<const std::uint64_t>{instances.keys.data(), count}),
-            to_host(cuda, Span<const std::uint32_t>{instances.values.data(), count})};
+  std::pair<std::vector<std::uint64_t>, std::vector<std::uint32_t>> emitted(
+      const SortJob& job, IntersectionScratch<Cuda>& memory) {
+    Pairs<Cuda, std::uint64_t> intersections;
+    const std::size_t count = emit_intersections(cuda, job, Ellipse{}, nullptr, memory, intersections).most;
+    return {to_host(cuda, Span<const std::uint64_t>{intersections.keys.data(), count}),
+            to_host(cuda, Span<const std::uint32_t>{intersections.values.data(), count})};
   }
   bool emits(std::size_t n, std::uint64_t seed) {
     SplatSet splats = random_splats(n, 700, 500, seed);
@@ -120,7 +121,7 @@ struct Emitting {
       splats.add(make_splat(300, 200, 400, 400, 0, 1), 1);  // without a mask
     const DeviceSplats uploaded(splats);
     const Binned<Cuda, Ellipse> binned(cuda, uploaded.job(700, 500), Ellipse{});
-    InstanceScratch<Cuda> own;
+    IntersectionScratch<Cuda> own;
     const auto expected = emitted(binned.job(), own), found = emitted(binned.job(), scratch);
     return expected.first.size() > n && same_bits(found.first, expected.first) &&
            same_bits(found.second, expected.second);
@@ -131,7 +132,7 @@ struct Emitting {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("cuda turns: what a larger operation left behind does not get into the next", Operations,
+TEST_CASE_TEMPLATE("cuda epochs: what a larger operation left behind does not get into the next", Operations,
                    Sorting, Projecting, Emitting) {
   if (without_device()) return;
   Operations operations;
@@ -142,7 +143,7 @@ TEST_CASE_TEMPLATE("cuda turns: what a larger operation left behind does not get
   }
 }
 
-TEST_CASE("cuda turns: sorts of every size and number of passes follow each other") {
+TEST_CASE("cuda epochs: sorts of every size and number of passes follow each other") {
   if (without_device()) return;
   Sorting sorting;
   Random random(1);
@@ -158,70 +159,72 @@ TEST_CASE("cuda turns: sorts of every size and number of passes follow each othe
   }
 }
 
-TEST_CASE_TEMPLATE("cuda turns: operations are counted on the device and begin again after the last number",
+TEST_CASE_TEMPLATE("cuda epochs: operations are counted on the device and begin again after the last number",
                    Operations, Sorting, Projecting, Emitting) {
   if (without_device()) return;
   Operations operations;
   CHECK(operations.large(1));
-  CHECK(turn_of(operations.cuda, operations.turns) == 1);
+  CHECK(epoch_of(operations.cuda, operations.epochs) == 1);
   CHECK(operations.small(2));
-  CHECK(turn_of(operations.cuda, operations.turns) == 2);
+  CHECK(epoch_of(operations.cuda, operations.epochs) == 2);
   CHECK(operations.large(3));
-  set_turn(operations.cuda, operations.turns, kernels::turns_in_all - 3);  // odd, as the number it replaces
+  set_epoch(operations.cuda, operations.epochs,
+            kernels::epochs_in_all - 3);  // odd, as the number it replaces
   std::uint64_t seed = 4;
-  for (const std::uint32_t next : {kernels::turns_in_all - 2, kernels::turns_in_all - 1, 0u, 1u, 2u}) {
+  for (const std::uint32_t next : {kernels::epochs_in_all - 2, kernels::epochs_in_all - 1, 0u, 1u, 2u}) {
     CAPTURE(next);
     const bool right = seed % 2 ? operations.large(seed) : operations.small(seed);
     CHECK(right);
-    CHECK(turn_of(operations.cuda, operations.turns) == next);
+    CHECK(epoch_of(operations.cuda, operations.epochs) == next);
     ++seed;
   }
 }
 
-TEST_CASE("cuda turns: sorts of fewer pairs keep the memory of a larger one, whatever their tiles") {
+TEST_CASE("cuda epochs: sorts of fewer pairs keep the memory of a larger one, whatever their tiles") {
   if (without_device()) return;
   Sorting sorting;
   // Tiles are of 4096, 2048 or 1024 pairs, by these numbers of them.
   const std::size_t tiles = 2 * std::size_t(sorting.cuda.multiprocessors());
   CHECK(sorting.sorts<std::uint32_t>(tiles * 4096 + 1, 9, 1));
-  const std::uint64_t* const words = view_of(sorting.cuda, sorting.turns).words;
+  const std::uint64_t* const words = view_of(sorting.cuda, sorting.epochs).words;
   for (const std::size_t n : {(tiles - 1) * 4096, (tiles - 1) * 2048, tiles * 1024, std::size_t(1)}) {
     CAPTURE(n);
     CHECK(sorting.sorts<std::uint32_t>(n, 9, n));
-    CHECK(view_of(sorting.cuda, sorting.turns).words == words);
+    CHECK(view_of(sorting.cuda, sorting.epochs).words == words);
   }
 }
 
-TEST_CASE_TEMPLATE("cuda turns: smaller operations clear the words of a larger one before its number returns",
-                   Operations, Sorting, Projecting, Emitting) {
+TEST_CASE_TEMPLATE(
+    "cuda epochs: smaller operations clear the words of a larger one before its number returns", Operations,
+    Sorting, Projecting, Emitting) {
   if (without_device()) return;
   Operations operations;
   CHECK(operations.large(1));
   const auto left = [&] {
-    const std::vector<std::uint64_t> words = words_of(operations.cuda, operations.turns);
+    const std::vector<std::uint64_t> words = words_of(operations.cuda, operations.epochs);
     return std::count_if(words.begin() + Operations::small_rows * Operations::row, words.end(),
                          [](std::uint64_t word) { return word != 0; });
   };
   REQUIRE(left() > 30);
-  const std::size_t rows = (view_of(operations.cuda, operations.turns).mask + 1) / Operations::row;
+  const std::size_t rows = (view_of(operations.cuda, operations.epochs).mask + 1) / Operations::row;
   REQUIRE(rows < 200);
   std::size_t small = 0;
   for (; small < rows || small % 2 == 0; ++small) REQUIRE(operations.small(small));
   CHECK(left() == 0);
-  REQUIRE(turn_of(operations.cuda, operations.turns) % 2 == 0);
-  set_turn(operations.cuda, operations.turns, 0);
+  REQUIRE(epoch_of(operations.cuda, operations.epochs) % 2 == 0);
+  set_epoch(operations.cuda, operations.epochs, 0);
   CHECK(operations.large(2));
 }
 
-TEST_CASE("cuda turns: a sort whose passes were not all started leaves nothing to the next") {
+TEST_CASE("cuda epochs: a sort whose passes were not all started leaves nothing to the next") {
   if (without_device()) return;
   Sorting sorting;
   CHECK(sorting.large(1));
   const DeviceBuffer<std::uint16_t> keys = to_device(random_keys<std::uint16_t>(5000, 2));
   launch("radix_histogram", kernels::radix_histogram<std::uint16_t>, kernels::histogram_blocks(5000),
          kernels::histogram_threads, sorting.cuda.stream(), keys.data(), 5000u, kernels::Digits(13),
-         sorting.turns.begin(sorting.cuda, 1));
+         sorting.epochs.begin(sorting.cuda, 1));
   CHECK(sorting.small(3));
-  CHECK(turn_of(sorting.cuda, sorting.turns) == 1);
+  CHECK(epoch_of(sorting.cuda, sorting.epochs) == 1);
   CHECK(sorting.large(4));
 }

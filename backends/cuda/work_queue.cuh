@@ -8,37 +8,37 @@
 #include <cuda/atomic>
 
 #include <swiftgs/cuda.hpp>
-#include <swiftgs/cuda/block_square.cuh>
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/raster_block.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/raster/raster.hpp>
 
 #include "blending.hpp"
-#include "forms.hpp"
+#include "exponents.hpp"
 
 /// @file
-/// Parts of squares that one warp hands over to others, since its list is long. Handing over moves work and
-/// changes no bit.
+/// Work queues: a warp with a long tile list pushes the rest of its warp block, and the helper kernel blends
+/// it. This moves work and changes no bit.
 
 namespace swiftgs::kernels {
 
-/// A part is 8x8 pixels.
-inline constexpr unsigned part_side = 8, pixels_of_part = part_side * part_side;
+/// A warp block is 8x8 pixels.
+inline constexpr unsigned warp_block_side = 8, pixels_of_warp_block = warp_block_side * warp_block_side;
 
 /// The p-th pixel of this lane.
-__device__ inline unsigned pixel_of_part(unsigned p) { return p * warp_size + lane_index(); }
+__device__ inline unsigned pixel_of_warp_block(unsigned p) { return p * warp_size + lane_index(); }
 
-/// Where a pixel lies within its part. The first 32 are its left half.
-struct PlaceInPart {
+/// Where a pixel lies within its warp block. The first 32 are the left half.
+struct PlaceInWarpBlock {
   unsigned column, row;
 
-  __device__ explicit PlaceInPart(unsigned pixel) {
+  __device__ explicit PlaceInWarpBlock(unsigned pixel) {
     column = pixel % columns_between + pixel / warp_size * columns_between;
     row = pixel % warp_size / columns_between;
   }
 };
 
-/// Pixels behind some pieces.
+/// Pixels behind the segments joined so far.
 template <bool with_depth, unsigned count>
 struct JoinedPixels {
   float4 totals[count];
@@ -53,116 +53,114 @@ struct JoinedPixels {
   }
 };
 template <bool with_depth>
-using JoinedPart = JoinedPixels<with_depth, pixels_of_part>;
+using JoinedWarpBlock = JoinedPixels<with_depth, pixels_of_warp_block>;
 
-/// Where the walk of a list goes on: at a position, but behind the first splats from there on that touch the
-/// part.
+/// Resume at `position`, skip `skipped` touching splats.
 struct ResumeAt {
   std::uint32_t position, skipped;
 };
 
-/// A part at the end of a piece, or within the first.
-struct LongPart {
-  JoinedPart<true> joined;        ///< pixels behind all splats that are blended
+/// The rest of a warp block's list, from the end of a segment or from within the first.
+struct WorkItem {
+  JoinedWarpBlock<true> joined;   ///< pixels behind all splats that are blended
   unsigned live[pixels_of_lane];  ///< lanes whose pixel has not stopped
-  std::uint32_t pieces;           ///< so far
+  std::uint32_t segments;         ///< so far
   std::uint32_t blended;          ///< splats
-  SquareIndex square;
-  std::uint32_t part;  ///< of the square
+  RasterBlockIndex raster_block;
+  std::uint32_t warp_block;  ///< of the raster block
   ResumeAt at;
 };
 
-/// A long walk has blended so many splats, or visited so many instances. It is handed over. A shorter walk is
-/// handed over only if others wait for work.
+/// A traversal is long after so many blended splats or visited intersections: its rest is pushed. A shorter
+/// one is pushed only if a helper is idle.
 inline constexpr std::uint32_t long_blended = 4096, long_visited = 8192;
-/// Frames stop sharing long parts after so many in a row without one.
+/// Frames stop sharing after so many frames in a row without a work item.
 inline constexpr std::uint32_t most_quiet_frames = 8;
-/// They share again after a frame in which a warp alone has blended so many splats, or visited so many
-/// instances.
+/// They share again after a frame in which one warp blended or visited so many.
 inline constexpr std::uint32_t loud_blended = long_blended / 2, loud_visited = long_visited / 2;
-/// A walk asks at the end of each piece whether others wait, and after so many instances without one.
+/// A traversal looks for idle helpers at the end of each segment, and after so many intersections without
+/// one.
 inline constexpr std::uint32_t visits_between_checks = 1024;
-/// If fewer instances are left, others would not gain.
+/// With fewer intersections left, a helper would not gain.
 inline constexpr std::uint32_t least_left = 2048;
 
-/// Queues of long parts, by the instances that are left. Clusters of blocks take those of the first two, the
-/// first before the second. Single blocks take the rest.
+/// Queues of work items, by intersections left. Clusters of thread blocks empty the first two, in this order.
+/// Single thread blocks empty the last.
 enum : unsigned { longest, longer, shorter, queue_count };
 inline constexpr std::uint32_t least_left_of_longest = 65536, least_left_of_longer = 32768;
 
-/// Parts of each queue at most. More of them keep a device busy without help.
+/// Most items of each queue. More of them keep a device busy without help.
 inline constexpr std::size_t most_longest = 256, most_longer = 1024, most_shorter = 7168;
 
-/// The long parts of a frame, in queues that warps fill while groups of blocks empty them: clusters, or
-/// single blocks. Where frames have had no long parts for a while, one kernel draws them and hands nothing
-/// over.
-struct LongParts {
+/// The work queues of a frame: warps push items while groups of thread blocks, clusters or single ones, take
+/// them. If recent frames had no items, `raster_warps` alone draws the frame and pushes nothing.
+struct WorkQueues {
   struct Queue {
-    std::uint32_t found;  ///< handed over; more than there is room for, if some were refused
+    std::uint32_t found;  ///< pushed; above the capacity, if some were refused
     std::uint32_t taken;
   };
-  /// Groups that are single blocks, and clusters.
+  /// Counts of groups of one kind.
   struct Groups {
     std::uint32_t begun;
-    std::uint32_t done;  ///< parts
+    std::uint32_t done;  ///< items
   };
   /// Zero between frames.
   struct State {
-    std::uint32_t waiting;  ///< parts, and `complete`
-    std::uint32_t left;     ///< blocks that are done
+    std::uint32_t waiting;  ///< items, and `complete`
+    std::uint32_t left;     ///< thread blocks that are done
     Groups groups[2];       ///< single blocks, clusters
     Queue queues[queue_count];
   };
-  /// A bit of `waiting`: no more will be handed over.
+  /// A bit of `waiting`: no more items will be pushed.
   static constexpr std::uint32_t complete = 1u << 31;
 
-  LongPart* parts;       ///< of all queues, one behind the other
-  std::uint32_t* ready;  ///< of each part: not 0 after it is written and until it is taken
+  WorkItem* items;       ///< of all queues, one behind the other
+  std::uint32_t* ready;  ///< of each item: not 0 after it is written and until it is taken
   State* state;
-  std::uint32_t first[queue_count + 1];  ///< part of each queue, and behind the last
-  std::uint32_t* quiet_frames;           ///< in a row that had no long parts, `most_quiet_frames` at most
+  std::uint32_t first[queue_count + 1];  ///< item of each queue, and behind the last
+  std::uint32_t* quiet_frames;           ///< in a row without items, `most_quiet_frames` at most
 
-  /// Bytes before the parts. The same for all frames, which leave zeros in them.
+  /// Bytes before the items. The same for all frames, which leave zeros in them.
   static constexpr std::size_t head =
       sizeof(State) + (most_longest + most_longer + most_shorter) * sizeof(std::uint32_t);
-  static_assert(head % 16 == 0 && sizeof(LongPart) % 16 == 0);
+  static_assert(head % 16 == 0 && sizeof(WorkItem) % 16 == 0);
 
-  /// In memory of `cuda`, for a frame of so many parts.
-  static LongParts of(Cuda& cuda, std::size_t parts) {
-    LongParts all{};
+  /// In memory of `cuda`, for a frame of so many warp blocks.
+  static WorkQueues of(Cuda& cuda, std::size_t warp_blocks) {
+    WorkQueues all{};
     all.quiet_frames = cuda.raster_word();
     const auto add = [&](unsigned queue, std::size_t most) {
-      all.first[queue + 1] = all.first[queue] + std::uint32_t(std::min(parts, most));
+      all.first[queue + 1] = all.first[queue] + std::uint32_t(std::min(warp_blocks, most));
     };
     add(longest, kernels_await_earlier ? most_longest : 0);
     add(longer, kernels_await_earlier ? most_longer : 0);
     add(shorter, most_shorter);
-    std::byte* const memory = cuda.raster_scratch(head + all.first[queue_count] * sizeof(LongPart));
-    all.parts = reinterpret_cast<LongPart*>(memory + head);
+    std::byte* const memory = cuda.raster_scratch(head + all.first[queue_count] * sizeof(WorkItem));
+    all.items = reinterpret_cast<WorkItem*>(memory + head);
     all.ready = reinterpret_cast<std::uint32_t*>(memory + sizeof(State));
     all.state = reinterpret_cast<State*>(memory);
     return all;
   }
 
-  /// Whether the next frame shares long parts. Counted frames do, so that counts do not depend on the frames
+  /// Whether the next frame uses work queues. Counted frames do, so that counts do not depend on the frames
   /// before. Recorded frames do: nobody awaits them, so the host knows nothing of the frames before.
   static bool are_shared(const Cuda& cuda, bool counted) {
     return counted || cuda.known_raster_word() < most_quiet_frames;
   }
 
-  /// Has the next frame begin without parts.
+  /// Empties the queues for the next frame.
   void forget(Cuda& cuda) const { cuda.clear(state, head); }
 
-  /// Room for a part, for a warp whose walk has blended so many splats, visited so many instances and left so
-  /// many; null: the walk is not long and nobody waits for it, others would not gain, or there is no room.
-  __device__ LongPart* take_room(std::uint32_t blended, std::uint32_t visited,
-                                 std::uint32_t instances_left) const {
-    if (instances_left < least_left) return nullptr;
+  /// Reserves an item for a warp that blended, visited and left so many. Null if the traversal is short and
+  /// no helper is idle, if too little is left, or if the queues are full.
+  __device__ WorkItem* reserve_item(std::uint32_t blended, std::uint32_t visited,
+                                    std::uint32_t intersections_left) const {
+    if (intersections_left < least_left) return nullptr;
     const bool is_long = blended >= long_blended || visited >= long_visited;
     std::uint32_t slot = none;
     if (lane_index() == 0) {
       // A shorter queue, if one is full.
-      unsigned q = queue_of(instances_left);
+      unsigned q = queue_of(intersections_left);
       while (q != shorter && found(q) == most(q)) ++q;
       if (found(q) != most(q) && (is_long || is_awaited(q))) {
         slot = first[q] + atomicAdd(&state->queues[q].found, 1u);
@@ -170,51 +168,51 @@ struct LongParts {
       }
     }
     slot = __shfl_sync(whole_warp, slot, 0);
-    return slot == none ? nullptr : parts + slot;
+    return slot == none ? nullptr : items + slot;
   }
 
-  /// Publishes a part that this warp has written: from now on others may take it.
-  __device__ void hand_over(const LongPart* part) const {
+  /// Publishes an item that this warp has written: from now on helpers may take it.
+  __device__ void push(const WorkItem* item) const {
     __syncwarp();
     if (lane_index() != 0) return;
     word(state->waiting).fetch_add(1, cuda::memory_order_relaxed);  // before it can be taken
-    word(ready[part - parts]).store(1, cuda::memory_order_release);
+    word(ready[item - items]).store(1, cuda::memory_order_release);
   }
 
-  /// After a walk of a frame that shares nothing.
-  __device__ void end_walk(std::uint32_t blended, std::uint32_t visited) const {
+  /// After a traversal of a frame without work queues.
+  __device__ void end_traversal(std::uint32_t blended, std::uint32_t visited) const {
     if ((blended >= loud_blended || visited >= loud_visited) && lane_index() == 0)
       word(*quiet_frames).store(0, cuda::memory_order_relaxed);
   }
 
-  /// For one thread of each group, before it asks for parts. The first single block and the first cluster
-  /// wait for the end of the kernel that fills the queues, and so no block ends before.
+  /// For one thread of each group, before it takes items. The first single thread block and the first cluster
+  /// wait for the end of the kernel that fills the queues, so no thread block ends before it.
   __device__ void begin(bool as_cluster) const {
     if (word(state->groups[as_cluster].begun).fetch_add(1, cuda::memory_order_relaxed) != 0) return;
     await_earlier();
     word(state->waiting).fetch_or(complete, cuda::memory_order_release);
   }
 
-  /// Waits for the next part for a group, in one of its threads; null: there will be none.
-  __device__ const LongPart* await_next(bool as_cluster) const {
+  /// Waits for the next item for a group, in one of its threads; null: there will be none.
+  __device__ const WorkItem* await_next(bool as_cluster) const {
     for (;;) {
       const std::uint32_t waiting = word(state->waiting).load(cuda::memory_order_acquire);
-      const LongPart* part = nullptr;
+      const WorkItem* item = nullptr;
       if (waiting != 0 && waiting != complete) {
-        if (as_cluster) part = take(longest);
-        if (!part) part = take(as_cluster ? longer : shorter);
+        if (as_cluster) item = take(longest);
+        if (!item) item = take(as_cluster ? longer : shorter);
       }
-      if (part || (waiting & complete) != 0) return part;
+      if (item || (waiting & complete) != 0) return item;
       __nanosleep(100);
     }
   }
 
-  /// After a group is done with a part, for one of its threads.
-  __device__ void end_part(bool as_cluster) const {
+  /// After a group is done with an item, for one of its threads.
+  __device__ void end_item(bool as_cluster) const {
     word(state->groups[as_cluster].done).fetch_add(1, cuda::memory_order_relaxed);
   }
 
-  /// For one thread of each block, which asks for nothing more. The last leaves zeros for the next frame.
+  /// For one thread of each thread block that takes no more items. The last leaves zeros for the next frame.
   __device__ void leave() const {
     if (word(state->left).fetch_add(1, cuda::memory_order_acq_rel) != gridDim.x - 1) return;
     const bool quiet = found(longest) + found(longer) + found(shorter) == 0;
@@ -231,14 +229,14 @@ struct LongParts {
 
   static constexpr std::uint32_t none = ~0u;
 
-  __device__ static unsigned queue_of(std::uint32_t instances_left) {
-    if (!kernels_await_earlier || instances_left < least_left_of_longer) return shorter;
-    return instances_left < least_left_of_longest ? longer : longest;
+  __device__ static unsigned queue_of(std::uint32_t intersections_left) {
+    if (!kernels_await_earlier || intersections_left < least_left_of_longer) return shorter;
+    return intersections_left < least_left_of_longest ? longer : longest;
   }
   __device__ std::uint32_t most(unsigned q) const { return first[q + 1] - first[q]; }
   __device__ std::uint32_t found(unsigned q) const { return min(value(state->queues[q].found), most(q)); }
 
-  /// Whether more groups have nothing to do than parts wait for them. One waits for the kernel's end instead.
+  /// Whether more groups are idle than items are queued. One group always waits for the kernel's end instead.
   __device__ bool is_awaited(unsigned q) const {
     const bool as_cluster = q != shorter;
     Groups& groups = state->groups[as_cluster];
@@ -246,8 +244,8 @@ struct LongParts {
     return value(groups.begun) + value(groups.done) > of_groups + 1;
   }
 
-  /// Takes the next part of a queue; null: there is none, or it is not written yet.
-  __device__ const LongPart* take(unsigned q) const {
+  /// Takes the next item of a queue; null: there is none, or it is not written yet.
+  __device__ const WorkItem* take(unsigned q) const {
     Queue& queue = state->queues[q];
     std::uint32_t next = value(queue.taken);
     const std::uint32_t end = found(q);
@@ -260,7 +258,7 @@ struct LongParts {
       } else if (word(queue.taken).compare_exchange_strong(next, next + 1, cuda::memory_order_relaxed)) {
         written.store(0, cuda::memory_order_release);
         word(state->waiting).fetch_sub(1, cuda::memory_order_relaxed);
-        return parts + first[q] + next;
+        return items + first[q] + next;
       }
     }
     return nullptr;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The exponents of kernels, on the host.
-#include "forms.hpp"
+#include "exponents.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +29,7 @@ struct Worst {
   }
 };
 
-/// log2 of alpha_max, the unit of alphas that forms find.
+/// log2 of alpha_max, the unit of alphas that representations find.
 const double log2_unit = std::log2(double(rules.alpha_max));
 
 /// Whether `alpha` is what `rules` make of 2^exponent, which may be off by `error`.
@@ -42,7 +42,7 @@ bool alpha_allowed(float alpha, double exponent, double error) {
          double(alpha) <= std::min(high, maximum);
 }
 
-/// Calls f(shape, first centre of a part) for splats of all kinds and parts that they may touch.
+/// Calls f(shape, first centre of a warp block) for splats of all kinds and warp blocks that they may touch.
 template <class F>
 void for_each_splat_and_part(const F& f) {
   Random random(7);
@@ -55,28 +55,29 @@ void for_each_splat_and_part(const F& f) {
   }
 }
 
-/// Compares the exponents and the alphas of a form with double at all pixels of parts. `error_of` bounds it.
-template <class Form, class ErrorOf>
-void check_form(const ErrorOf& error_of) {
+/// Compares the exponents and the alphas of a representation with double at all pixels of warp blocks.
+/// `error_of` bounds it.
+template <class Exponent, class ErrorOf>
+void check_exponent(const ErrorOf& error_of) {
   Worst worst, worst_usual;
   int kept = 0, wrong_alphas = 0, unlike = 0;
   for_each_splat_and_part([&](const SplatShape& shape, vec2 first, bool usual) {
     float4 terms;
-    typename Form::Rest rest;
-    Form::prepare(shape, shape.mean - first, rules, terms, rest);
+    typename Exponent::Rest rest;
+    Exponent::prepare(shape, shape.mean - first, rules, terms, rest);
     for (int lane = 0; lane < 32; ++lane) {
       const int x = lane % (part / 2), y = lane / (part / 2);
       float exponents[pixels_of_lane];
-      Form::evaluate(terms, rest, float(x), float(y), exponents);
+      Exponent::evaluate(terms, rest, float(x), float(y), exponents);
       for (unsigned p = 0; p < pixels_of_lane; ++p) {
-        const float one = Form::evaluate_one(terms, rest, float(x), float(y), float(p * columns_between));
+        const float one = Exponent::evaluate_one(terms, rest, float(x), float(y), float(p * columns_between));
         unlike += !(one == exponents[p]);
         const double at_x = double(first.x) + x + p * columns_between, at_y = double(first.y) + y;
         const ExactSquare exact(shape, at_x, at_y);
         const double exponent = std::log2(double(shape.opacity)) - exact.s, error = error_of(exact, shape);
         const double off = double(exponents[p]) + log2_unit - exponent;
         worst.add(off, error);
-        if (usual && exact.s <= double(shape.reach)) worst_usual.add(off, 1e-4), ++kept;
+        if (usual && exact.s <= double(shape.cutoff)) worst_usual.add(off, 1e-4), ++kept;
         const auto is_wrong = [&](float relative) {
           return !alpha_allowed(relative * rules.alpha_max, exponent, error);
         };
@@ -94,48 +95,48 @@ void check_form(const ErrorOf& error_of) {
 
 }  // namespace
 
-TEST_CASE("cuda arithmetic: the cholesky form's exponents are those of double") {
-  check_form<CholeskyForm>([](const ExactSquare& exact, const SplatShape&) { return exact.error; });
+TEST_CASE("cuda arithmetic: the Cholesky representation's exponents are those of double") {
+  check_exponent<CholeskyExponent>([](const ExactSquare& exact, const SplatShape&) { return exact.error; });
 }
 
-TEST_CASE("cuda arithmetic: the split form's exponents are those of double") {
-  check_form<SplitForm>(
+TEST_CASE("cuda arithmetic: the split representation's exponents are those of double") {
+  check_exponent<SplitExponent>(
       [](const ExactSquare& exact, const SplatShape& shape) { return exact.split_error(shape); });
 }
 
-TEST_CASE("cuda arithmetic: the split form takes s that rounding makes negative for 0") {
+TEST_CASE("cuda arithmetic: the split representation takes s that rounding makes negative for 0") {
   // At its mean a splat has the largest exponent there is. A negative c stands for what rounding does.
   const SplatShape shape = make_splat(3.5, 2.5, 2, 1, 0.4, 0.8);
   float4 terms;
-  SplitForm::Rest rest;
-  SplitForm::prepare(shape, shape.mean - vec2(0.5f), rules, terms, rest);
+  SplitExponent::Rest rest;
+  SplitExponent::prepare(shape, shape.mean - vec2(0.5f), rules, terms, rest);
   float exponents[pixels_of_lane];
-  SplitForm::evaluate(terms, rest, 3, 2, exponents);
+  SplitExponent::evaluate(terms, rest, 3, 2, exponents);
   CHECK(exponents[0] == doctest::Approx(rest.z).epsilon(1e-6));
   terms.z = -10;
-  SplitForm::evaluate(terms, rest, 3, 2, exponents);
+  SplitExponent::evaluate(terms, rest, 3, 2, exponents);
   CHECK(exponents[0] == rest.z);
   CHECK(exponents[1] == rest.z);
 }
 
-TEST_CASE("cuda arithmetic: the split form shows nothing of a splat whose squares no float holds") {
+TEST_CASE("cuda arithmetic: the split representation shows nothing of a splat whose squares no float holds") {
   SplatShape shape = make_splat(3.5, 2.5, 2, 1, 0.4, 0.8);
   shape.l0 = 1e25f;
   float4 terms;
-  SplitForm::Rest rest;
-  SplitForm::prepare(shape, shape.mean - vec2(0.5f), rules, terms, rest);
+  SplitExponent::Rest rest;
+  SplitExponent::prepare(shape, shape.mean - vec2(0.5f), rules, terms, rest);
   float exponents[pixels_of_lane];
-  SplitForm::evaluate(terms, rest, 3, 2, exponents);
+  SplitExponent::evaluate(terms, rest, 3, 2, exponents);
   CHECK(exponents[0] == -INFINITY);
 }
 
 TEST_CASE("cuda arithmetic: alphas of the factor as it is stored are those of double") {
   int kept = 0, wrong = 0;
   for_each_splat_and_part([&](const SplatShape& shape, vec2 first, bool) {
-    const float4 factor = FactorForm::prepare(shape);
+    const float4 factor = FactorExponent::prepare(shape);
     for (int pixel = 0; pixel < part * part; ++pixel) {
       const float x = first.x + float(pixel % part), y = first.y + float(pixel / part);
-      const float alpha = FactorForm::alpha(factor, x - shape.mean.x, y - shape.mean.y, rules);
+      const float alpha = FactorExponent::alpha(factor, x - shape.mean.x, y - shape.mean.y, rules);
       const ExactSquare exact(shape, double(x), double(y));
       kept += alpha > 0;
       wrong += !alpha_allowed(alpha, std::log2(double(shape.opacity)) - exact.s, exact.error);
@@ -145,12 +146,14 @@ TEST_CASE("cuda arithmetic: alphas of the factor as it is stored are those of do
   CHECK(wrong == 0);
 }
 
-TEST_CASE("cuda arithmetic: the factor form refuses splats of no opacity and terms that are not numbers") {
-  const float4 factor = FactorForm::prepare(make_splat(4, 4, 3, 3, 0, 0.9));
-  REQUIRE(FactorForm::alpha(factor, 1, 0, rules) > 0.5f);
+TEST_CASE(
+    "cuda arithmetic: the factor representation refuses splats of no opacity and terms that are not "
+    "numbers") {
+  const float4 factor = FactorExponent::prepare(make_splat(4, 4, 3, 3, 0, 0.9));
+  REQUIRE(FactorExponent::alpha(factor, 1, 0, rules) > 0.5f);
   float4 broken = factor;
   broken.w = 0;
-  CHECK(FactorForm::alpha(broken, 1, 0, rules) == 0);
+  CHECK(FactorExponent::alpha(broken, 1, 0, rules) == 0);
   broken = factor, broken.x = NAN;
-  CHECK(FactorForm::alpha(broken, 1, 0, rules) == 0);
+  CHECK(FactorExponent::alpha(broken, 1, 0, rules) == 0);
 }

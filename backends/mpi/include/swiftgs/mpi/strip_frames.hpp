@@ -6,56 +6,56 @@
 #include <vector>
 
 #include <swiftgs/frame.hpp>
-#include <swiftgs/mpi/bands.hpp>
 #include <swiftgs/mpi/ranks.hpp>
 #include <swiftgs/mpi/staging.hpp>
+#include <swiftgs/mpi/strips.hpp>
 
 namespace swiftgs {
 
 /// The part of a view that a rank has drawn, in memory of its backend.
-struct DrawnPiece {
-  BandPiece piece;
+struct DrawnStrip {
+  ViewStrip view_strip;
   FrameView frame{};
 };
 
-/// Memory for the pieces that a rank keeps, float colours with the outputs that were asked for, and their
-/// way to rank 0.
+/// Memory for the view strips that a rank keeps, float colours with the outputs that were asked for, and
+/// their way to rank 0.
 template <class B>
-class BandFrames {
+class StripFrames {
  public:
-  /// Gives each piece memory, until the next call.
-  void keep(B& b, const Outputs& outputs, std::vector<DrawnPiece>& drawn) {
+  /// Gives each view strip memory, until the next call.
+  void keep(B& b, const Outputs& outputs, std::vector<DrawnStrip>& drawn) {
     std::size_t pixels = 0;
-    for (const DrawnPiece& each : drawn) pixels += pixels_of(each.piece);
+    for (const DrawnStrip& each : drawn) pixels += pixels_of(each.view_strip);
     colour_.reset(3 * pixels), alpha_.reset(outputs.alpha ? pixels : 0);
     depth_.reset(outputs.depth ? pixels : 0);
     to_send_.colour.reserve(b, colour_.span()), to_send_.alpha.reserve(b, alpha_.span());
     to_send_.depth.reserve(b, depth_.span());
     std::size_t before = 0;
-    for (DrawnPiece& each : drawn) {
-      const std::ptrdiff_t row = std::ptrdiff_t(sizeof(float)) * each.piece.width;
-      each.frame = {.width = each.piece.width, .height = each.piece.rows};
+    for (DrawnStrip& each : drawn) {
+      const std::ptrdiff_t row = std::ptrdiff_t(sizeof(float)) * each.view_strip.width;
+      each.frame = {.width = each.view_strip.width, .height = each.view_strip.rows};
       each.frame.colour = {colour_.data() + 3 * before, 3 * row};
       if (outputs.alpha) each.frame.alpha = {alpha_.data() + before, row};
       if (outputs.depth) each.frame.depth = {depth_.data() + before, row};
-      before += pixels_of(each.piece);
+      before += pixels_of(each.view_strip);
     }
   }
 
   /// Brings what was drawn to the host: to `frames`, which were prepared, on rank 0, and to where `collect`
   /// sends it from on the others.
-  void to_host(B& b, const Ranks& ranks, const std::vector<DrawnPiece>& drawn, Span<Frame> frames) {
+  void to_host(B& b, const Ranks& ranks, const std::vector<DrawnStrip>& drawn, Span<Frame> frames) {
     if constexpr (!B::reaches_host_memory) {
       if (ranks.rank() == 0) {
         std::size_t before = 0;
-        for (const DrawnPiece& each : drawn) {
-          const std::size_t pixels = pixels_of(each.piece);
+        for (const DrawnStrip& each : drawn) {
+          const std::size_t pixels = pixels_of(each.view_strip);
           const auto download = [&](const auto& from, std::size_t channels, std::vector<float>& to) {
             if (!to.empty())
               b.download(Span<const float>{from.data() + channels * before, channels * pixels},
-                         to.data() + channels * first_pixel(each.piece));
+                         to.data() + channels * first_pixel(each.view_strip));
           };
-          Frame& frame = frames[each.piece.view];
+          Frame& frame = frames[each.view_strip.view];
           download(colour_, 3, frame.colour), download(alpha_, 1, frame.alpha);
           download(depth_, 1, frame.depth);
           before += pixels;
@@ -67,24 +67,24 @@ class BandFrames {
     }
   }
 
-  /// Sends the pieces of all ranks to `frames` on rank 0. Collective.
-  void collect(const Ranks& ranks, const std::vector<Band>& bands, Span<Frame> frames) {
+  /// Sends the view strips of all ranks to `frames` on rank 0. Collective.
+  void collect(const Ranks& ranks, const std::vector<Strip>& strips, Span<Frame> frames) {
     Exchange exchange(ranks);
     if (ranks.rank() == 0) {
-      for (std::size_t r = 1; r < bands.size(); ++r)
-        for (const BandPiece& piece : bands[r].pieces) {
-          Frame& frame = frames[piece.view];
+      for (std::size_t r = 1; r < strips.size(); ++r)
+        for (const ViewStrip& view_strip : strips[r].view_strips) {
+          Frame& frame = frames[view_strip.view];
           const auto receive = [&](std::vector<float>& to, std::size_t channels) {
             if (!to.empty())
-              exchange.receive(int(r), to.data() + channels * first_pixel(piece),
-                               channels * pixels_of(piece) * sizeof(float));
+              exchange.receive(int(r), to.data() + channels * first_pixel(view_strip),
+                               channels * pixels_of(view_strip) * sizeof(float));
           };
           receive(frame.colour, 3), receive(frame.alpha, 1), receive(frame.depth, 1);
         }
     } else {
       std::size_t before = 0;
-      for (const BandPiece& piece : bands[std::size_t(ranks.rank())].pieces) {
-        const std::size_t pixels = pixels_of(piece);
+      for (const ViewStrip& view_strip : strips[std::size_t(ranks.rank())].view_strips) {
+        const std::size_t pixels = pixels_of(view_strip);
         const auto send = [&](const auto& buffer, auto& staged, std::size_t channels) {
           if (buffer.size() != 0)
             exchange.send(0, staged.seen() + channels * before, channels * pixels * sizeof(float));
@@ -99,11 +99,11 @@ class BandFrames {
   static auto buffers(auto& self) { return std::tie(self.colour_, self.alpha_, self.depth_); }
 
  private:
-  static std::size_t pixels_of(const BandPiece& piece) {
-    return std::size_t(piece.rows) * std::size_t(piece.width);
+  static std::size_t pixels_of(const ViewStrip& view_strip) {
+    return std::size_t(view_strip.rows) * std::size_t(view_strip.width);
   }
-  static std::size_t first_pixel(const BandPiece& piece) {
-    return std::size_t(piece.first_row) * std::size_t(piece.width);
+  static std::size_t first_pixel(const ViewStrip& view_strip) {
+    return std::size_t(view_strip.first_row) * std::size_t(view_strip.width);
   }
 
   typename B::template Buffer<float> colour_, alpha_, depth_;

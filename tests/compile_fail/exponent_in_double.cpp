@@ -2,8 +2,8 @@
 // expected: T::exponent\(x, y\)
 #include <swiftgs/raster/axis_shared.hpp>
 
-struct DoubleTerms : swiftgs::FloatCholesky {
-  static constexpr std::string_view name = "double-terms";
+struct DoubleExponent : swiftgs::FloatCholesky {
+  static constexpr std::string_view name = "double-exponent";
   using FloatCholesky::FloatCholesky;
 #ifdef SWIFTGS_EXPECT_COMPILE
   using Exponent = float;
@@ -13,4 +13,4 @@ struct DoubleTerms : swiftgs::FloatCholesky {
   static Exponent exponent(X x, Y y) { return Exponent(x.p + y.q) * (x.p + y.q) + y.r; }
 };
 
-constexpr auto name = swiftgs::AxisShared<DoubleTerms>::name;
+constexpr auto name = swiftgs::AxisShared<DoubleExponent>::name;

@@ -17,9 +17,9 @@ inline constexpr unsigned emit_warps = emit_threads / warp_size;
 /// Enough to fill a device; they share the splats.
 inline constexpr unsigned emit_large_blocks = 512;
 
-/// Where instances are written to.
+/// Where intersections are written to.
 template <class Key>
-struct Instances {
+struct Intersections {
   Key* keys;
   std::uint32_t* ids;
   std::uint32_t count;
@@ -42,9 +42,9 @@ __device__ inline EmittedSplat of_lane(const EmittedSplat& splat, unsigned lane)
   return {get(splat.id), get(splat.depth), get(splat.at), {get(f.mask), get(f.count), get(f.first)}};
 }
 
-/// Emits the splats of a warp whose footprints have masks: an instance a lane.
+/// Emits the splats of a warp whose footprints have masks: an intersection a lane.
 template <class Key>
-__device__ void emit_masks(const EmittedSplat& mine, std::uint32_t stride, const Instances<Key>& out) {
+__device__ void emit_masks(const EmittedSplat& mine, std::uint32_t stride, const Intersections<Key>& out) {
   const std::uint32_t count = mine.footprint.mask ? mine.footprint.count : 0, first = sum_below(count);
   const std::uint32_t total = __shfl_sync(whole_warp, first + count, warp_size - 1);
   for (std::uint32_t begin = 0; begin < total; begin += warp_size) {
@@ -66,20 +66,20 @@ struct LargeSplats {
   LastCounters<std::uint32_t> counts;
 };
 
-/// Writes one pair for each tile of the splats of a block, after those of the blocks before it. A warp writes
-/// the instances of its 32 splats together: neighbouring lanes write neighbouring words, however unlike the
-/// splats are. Blocks without a splat have nothing to do, but the first.
+/// Writes one pair for each tile of a thread block's splats, after those of the blocks before it. A warp
+/// writes the intersections of its 32 splats together, so neighbouring lanes write neighbouring words. Thread
+/// blocks without a splat return, but for the first.
 template <class Key>
 __global__ void __launch_bounds__(emit_threads)
-    emit_instances(const Footprint* footprints, const Count splats, const float* depths,
-                   const std::uint32_t stride, const std::uint32_t* order, const Instances<Key> out,
-                   EmittedSplat* large, const TurnsView<std::uint32_t> turns) {
+    emit_intersections(const Footprint* footprints, const Count splats, const float* depths,
+                       const std::uint32_t stride, const std::uint32_t* order, const Intersections<Key> out,
+                       EmittedSplat* large, const EpochsView<std::uint32_t> epochs) {
   await_earlier();
   // Apart, or the words around `tiles_of` are loaded with it while one of them is written.
   __shared__ alignas(16) std::uint32_t tiles_of[emit_warps];
-  __shared__ std::uint32_t before_block, turn_of_block;
+  __shared__ std::uint32_t before_block, epoch_of_block;
   const unsigned warp = threadIdx.x / warp_size;
-  const std::uint32_t loaded_turn = threadIdx.x == 0 ? read_turn(turns) : 0;
+  const std::uint32_t loaded_epoch = threadIdx.x == 0 ? read_epoch(epochs) : 0;
   const std::uint32_t n = std::uint32_t(splats.get()),
                       blocks = max((n + emit_threads - 1) / emit_threads, 1u);
   if (blockIdx.x >= blocks) return;
@@ -94,20 +94,20 @@ __global__ void __launch_bounds__(emit_threads)
   }
   mine.at = sum_below(mine.footprint.count);
   if (lane_index() == warp_size - 1) tiles_of[warp] = mine.at + mine.footprint.count;
-  if (threadIdx.x == 0) turn_of_block = loaded_turn;
+  if (threadIdx.x == 0) epoch_of_block = loaded_epoch;
   __syncthreads();
 
-  // Find where the block's instances begin, and in them the warp's.
+  // Find where the block's intersections begin, and in them the warp's.
   if (warp == 0) {
     std::uint32_t all = 0;
     for (unsigned w = 0; w < emit_warps; ++w) all += tiles_of[w];
-    const RunningSum sum(turns.words, turn_of_block);
+    const RunningSum sum(epochs.words, epoch_of_block);
     if (lane_index() == 0) sum.add(all);
     const std::uint32_t before = sum.before(all);
     if (lane_index() == 0) {
       before_block = before;
-      if (blockIdx.x == 0) turns.next_copy(turn_of_block) = 0;
-      if (blockIdx.x + 1 == blocks) end_turn(turns, turn_of_block, blocks);
+      if (blockIdx.x == 0) epochs.next_copy(epoch_of_block) = 0;
+      if (blockIdx.x + 1 == blocks) end_epoch(epochs, epoch_of_block, blocks);
     }
   }
   __syncthreads();
@@ -116,18 +116,18 @@ __global__ void __launch_bounds__(emit_threads)
 
   emit_masks(mine, stride, out);
   if (mine.footprint.mask == 0 && mine.footprint.count != 0)
-    large[atomicAdd(&turns.copy(turn_of_block), 1u)] = mine;
+    large[atomicAdd(&epochs.copy(epoch_of_block), 1u)] = mine;
 }
 
 /// Warps that share a splat of more than `shared_from` tiles; smaller ones are one warp's.
 inline constexpr unsigned warps_of_splat = 4;
 inline constexpr std::uint32_t shared_from = 256;
 
-/// Writes instances `at` to `end` of a splat, in tiles outside of its bounds. For one thread.
+/// Writes intersections `at` to `end` of a splat, in tiles outside of its bounds. For one thread.
 template <class Bounds, class Key>
 __device__ __noinline__ void emit_outside(const Bounds bounds, const SplatShape shape, const TileGrid& grid,
                                           const EmittedSplat splat, std::uint32_t at, std::uint32_t end,
-                                          const Instances<Key> out) {
+                                          const Intersections<Key> out) {
   const TilesWithin<Bounds> tiles = bounds.tiles(shape, grid);
   const TileRect& rect = tiles.rect;
   for (int row = grid.rows.begin; row < grid.rows.end && at < end; ++row) {
@@ -144,7 +144,7 @@ __device__ __noinline__ void emit_outside(const Bounds bounds, const SplatShape 
 template <class Bounds, class Key, class ViewSource>
 __global__ void __launch_bounds__(emit_threads)
     emit_large(const __grid_constant__ SplatsView all, const __grid_constant__ ViewSource views,
-               const Bounds bounds, const Instances<Key> out, const LargeSplats large) {
+               const Bounds bounds, const Intersections<Key> out, const LargeSplats large) {
   await_earlier();
   const std::uint32_t warp = (blockIdx.x * emit_threads + threadIdx.x) / warp_size,
                       part = warp % warps_of_splat;
@@ -183,24 +183,25 @@ __global__ void __launch_bounds__(emit_threads)
 
 template <BoundsPolicy Bounds, class Key>
 Count run_emission(Cuda& cuda, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                   InstanceScratch<Cuda>& scratch, Pairs<Cuda, Key>& instances) {
+                   IntersectionScratch<Cuda>& scratch, Pairs<Cuda, Key>& intersections) {
   check_footprints(job);
-  const Count splats = job.splats.count(), total = job.footprints.instances;
-  check_instances(total.most);
-  instances.reset(total.most);
+  const Count splats = job.splats.count(), total = job.footprints.intersections;
+  check_intersections(total.most);
+  intersections.reset(total.most);
   if (total.most == 0 || splats.most == 0) return total;
   scratch.large.reset(splats.most);
   const unsigned blocks = blocks_for(splats.most, emit_threads);
-  const TurnsView<std::uint32_t> turns = scratch.turns.begin(cuda, blocks);
-  const Instances<Key> out{instances.keys.data(), instances.values.data(), std::uint32_t(total.most)};
-  launch_early(cuda, "emit_instances", emit_instances<Key>, blocks, emit_threads, job.footprints.each.data,
-               splats, job.splats.depths.data, job.footprints.views.tiles.columns, order, out,
-               scratch.large.data(), turns);
+  const EpochsView<std::uint32_t> epochs = scratch.epochs.begin(cuda, blocks);
+  const Intersections<Key> out{intersections.keys.data(), intersections.values.data(),
+                               std::uint32_t(total.most)};
+  launch_early(cuda, "emit_intersections", emit_intersections<Key>, blocks, emit_threads,
+               job.footprints.each.data, splats, job.splats.depths.data, job.footprints.views.tiles.columns,
+               order, out, scratch.large.data(), epochs);
   with_views(job.footprints.views, [&]<class ViewSource>(const ViewSource& views) {
     launch_early(cuda, "emit_large", emit_large<Bounds, Key, ViewSource>, emit_large_blocks, emit_threads,
-                 job.splats, views, bounds, out, LargeSplats{scratch.large.data(), turns.last()});
+                 job.splats, views, bounds, out, LargeSplats{scratch.large.data(), epochs.last()});
   });
-  scratch.turns.end();
+  scratch.epochs.end();
   return total;
 }
 

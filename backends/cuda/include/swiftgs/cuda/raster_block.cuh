@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/view_source.cuh>
+#include <swiftgs/cuda/warp.cuh>
+#include <swiftgs/raster/raster.hpp>
+
+namespace swiftgs::kernels {
+
+/// What the thread blocks of a rasterizer share: one thread block per raster block.
+template <class ViewSource>
+struct RasterInput {
+  RasterJob job;
+  ViewSource views;
+  RasterBlocks raster_blocks;
+  const std::uint32_t* order;  ///< @shape{raster blocks} as `order_raster_blocks` has it; null: by rows
+};
+
+/// Where a raster block lies among those of a frame.
+struct RasterBlockIndex {
+  std::uint32_t column, row;
+
+  /// In a word of `order_raster_blocks`.
+  __device__ static RasterBlockIndex of(std::uint32_t word) { return {word & 0xffff, word >> 16}; }
+  __device__ std::uint32_t word() const { return row << 16 | column; }
+
+  /// Counted by rows of so many raster blocks, as in `RasterJob::counts`.
+  __device__ std::uint32_t number(std::uint32_t columns) const { return row * columns + column; }
+};
+
+/// The raster blocks of a frame, roughly longest lists first: started last, a long one would delay the frame.
+/// Null, for an order by rows, if the device holds all thread blocks at once, or if there are so many that
+/// the end is short.
+SWIFTGS_API const std::uint32_t* order_raster_blocks(Cuda& cuda, const TileListsView& lists,
+                                                     const RasterBlocks& raster_blocks);
+
+/// Rows of a grid that is not cut into slices.
+inline constexpr std::uint32_t rows_of_slice = 32768;
+
+/// One thread block per raster block, in columns and rows as they lie in the images, so that no thread
+/// divides. A grid has at most 65,535 rows, so further ones are slices of it.
+inline dim3 blocks_of(const RasterBlocks& raster_blocks) {
+  const std::uint32_t rows = std::min(raster_blocks.rows, rows_of_slice);
+  return dim3(raster_blocks.columns, rows, (raster_blocks.rows + rows - 1) / rows);
+}
+
+/// The raster block of this thread block.
+struct OwnRasterBlock {
+  std::uint32_t view;  ///< index
+  int x, y;            ///< its first pixel in the view's frame
+
+  template <class ViewSource>
+  __device__ explicit OwnRasterBlock(const RasterInput<ViewSource>& input)
+      : OwnRasterBlock(input, index(input)) {}
+  template <class ViewSource>
+  __device__ OwnRasterBlock(const RasterInput<ViewSource>& input, RasterBlockIndex index) {
+    const RasterBlockPlace place = input.views.place(input.raster_blocks, index.column, index.row);
+    view = place.view, x = place.x, y = place.y;
+  }
+
+  /// Whether it has no pixel of its view: if the view is narrower than another, or if slices overlap the last
+  /// row. Never in a frame of one view.
+  template <class ViewSource>
+  __device__ bool outside(const RasterInput<ViewSource>& input) const {
+    if constexpr (ViewSource::only) {
+      return false;
+    } else {
+      const FrameView& frame = input.views[view].frame;
+      return x >= frame.width || y >= frame.height;
+    }
+  }
+
+  template <class ViewSource>
+  __device__ static RasterBlockIndex index(const RasterInput<ViewSource>& input) {
+    const std::uint32_t row = blockIdx.z * gridDim.y + blockIdx.y;
+    return input.order ? RasterBlockIndex::of(input.order[row * gridDim.x + blockIdx.x])
+                       : RasterBlockIndex{blockIdx.x, row};
+  }
+  template <class ViewSource>
+  __device__ static std::uint32_t number(const RasterInput<ViewSource>& input) {
+    return index(input).number(gridDim.x);
+  }
+
+  /// Where its list is. It depends only on the thread block's index, so the compiler sees one range for all
+  /// threads and generates no code for diverged warps, which would cost 3 % on a long list.
+  template <class ViewSource>
+  __device__ TileRange list(const RasterInput<ViewSource>& input) const {
+    const View& of = input.views[view];
+    return input.job.lists.ranges[of.grid.tile_at(of.left() + x, of.top() + y)];
+  }
+};
+
+/// Whether a frame wants more than colour and alpha. Kernels without extras are compiled apart.
+inline bool wants_extras(const RasterJob& job) {
+  const auto wants = [](const View& view) { return view.frame.depth.data || view.frame.occluder.data; };
+  return job.counts || std::any_of(job.views.begin(), job.views.end(), wants);
+}
+
+/// Clears the counts of `job` and calls f.operator()<extras>(input). Throws as `raster_blocks_of`.
+template <class F>
+void with_raster_input(Cuda& cuda, const RasterJob& job, const F& f) {
+  const RasterBlocks raster_blocks = raster_blocks_of(job);
+  if (job.counts) cuda.clear(job.counts, raster_blocks.size() * sizeof(RasterCounts));
+  const std::uint32_t* const order = order_raster_blocks(cuda, job.lists, raster_blocks);
+  with_views(job.views, [&]<class ViewSource>(const ViewSource& views) {
+    const RasterInput<ViewSource> input{job, views, raster_blocks, order};
+    if (wants_extras(job))
+      f.template operator()<true>(input);
+    else
+      f.template operator()<false>(input);
+  });
+}
+
+/// Warps of `kernel` that an otherwise idle device holds at once, in blocks of `threads`. 0 unless `job` is
+/// counted.
+template <class... Parameters>
+std::uint32_t warps_at_once(const Cuda& cuda, const RasterJob& job, void (*kernel)(Parameters...),
+                            unsigned threads) {
+  if (!job.counts) return 0;
+  int blocks = 0;
+  check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, int(threads), 0),
+             "cudaOccupancyMaxActiveBlocksPerMultiprocessor");
+  return std::uint32_t(blocks * cuda.multiprocessors()) * (threads / warp_size);
+}
+
+/// Starts the kernel `Kernel::of<extras, ViewSource>` of a rasterizer on all raster blocks of `job`.
+template <class Kernel>
+void launch_raster_blocks(Cuda& cuda, const char* name, const RasterJob& job) {
+  with_raster_input(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
+    const auto kernel = Kernel::template of<extras, ViewSource>;
+    launch(name, kernel, blocks_of(input.raster_blocks), Kernel::threads, cuda.stream(), input,
+           warps_at_once(cuda, job, kernel, Kernel::threads));
+  });
+}
+
+/// Measures how long a warp works, if it is counted.
+class WarpTimer {
+ public:
+  /// `at_once`: warps of this kernel that the device runs at once.
+  __device__ WarpTimer(bool counted, std::uint32_t at_once) : at_once_(at_once) {
+    if (counted) begun_ = nanoseconds();
+  }
+
+  /// This warp's part of the balanced time.
+  __device__ std::uint64_t balanced_ps() const { return 1000 * (nanoseconds() - begun_) / at_once_; }
+
+ private:
+  __device__ static std::uint64_t nanoseconds() {
+    std::uint64_t now;
+    asm volatile("mov.u64 %0, %%globaltimer;" : "=l"(now)::"memory");
+    return now;
+  }
+
+  std::uint64_t begun_ = 0;
+  std::uint32_t at_once_;
+};
+
+/// Adds the counts of a warp to its raster block, whose visited intersections are those of its furthest warp.
+/// Call it on a whole warp, with the same counts on all lanes.
+__device__ inline void add_counts(RasterCounts& raster_block, const RasterCounts& of_warp) {
+  using Word = unsigned long long;
+  const auto field = [&](std::uint64_t RasterCounts::*member) {
+    return reinterpret_cast<Word*>(&(raster_block.*member));
+  };
+  if (lane_index() != 0) return;
+  atomicMax(field(&RasterCounts::intersections_visited), Word(of_warp.intersections_visited));
+  atomicMax(field(&RasterCounts::longest_item), Word(of_warp.longest_item));
+  atomicAdd(field(&RasterCounts::rows_visited), Word(of_warp.rows_visited));
+  atomicAdd(field(&RasterCounts::contributing_pairs), Word(of_warp.contributing_pairs));
+  atomicAdd(field(&RasterCounts::pixels_stopped), Word(of_warp.pixels_stopped));
+  atomicAdd(field(&RasterCounts::balanced_ps), Word(of_warp.balanced_ps));
+  if (of_warp.segments == 0) return;
+  atomicAdd(field(&RasterCounts::segments), Word(of_warp.segments));
+  atomicAdd(field(&RasterCounts::pixels_joined), Word(of_warp.pixels_joined));
+}
+
+}  // namespace swiftgs::kernels

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "raster_warps.cuh"
+#include "segment_rounds.cuh"
+
+namespace swiftgs {
+
+namespace kernels {
+
+/// The helper kernel. It blends work items that `raster_warps` pushes, while that kernel still runs, in
+/// thread blocks that fit beside it. Clusters blend the longest items, single thread blocks the rest.
+template <class Exponent, bool threshold, bool extras, class ViewSource>
+__global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
+    raster_segments(const __grid_constant__ RasterInput<ViewSource> input,
+                    const __grid_constant__ WorkQueues work_queues, std::uint32_t warps_at_once) {
+  __shared__ SegmentShared<Exponent, extras> shared;
+  const Group cluster = Group::cluster();
+  // Odd clusters take items for clusters first, even ones take items for single thread blocks first.
+  bool as_cluster = cluster.blocks != 1 && blockIdx.x / cluster.blocks % 2 == 1;
+  if (threadIdx.x == 0 && !(as_cluster && cluster.rank != 0)) work_queues.begin(as_cluster);
+  for (unsigned kind = 0; kind < (cluster.blocks == 1 ? 1 : 2); ++kind, as_cluster = !as_cluster) {
+    const Group group = as_cluster ? cluster : Group();
+    for (;;) {
+      group.sync();
+      if (group.rank == 0 && threadIdx.x == 0) {
+        const WorkItem* const next = work_queues.await_next(as_cluster);
+        for (unsigned b = 0; b < group.blocks; ++b) group.in(b, shared).item = next;
+      }
+      group.sync();
+      const WorkItem* const item = shared.item;
+      if (!item) break;
+      const WarpTimer timer(extras && input.job.counts, warps_at_once);
+      WorkItemBlender<Exponent, threshold, extras, ViewSource>(input, *item, group, shared).run(*item, timer);
+      if (group.rank == 0 && threadIdx.x == 0) work_queues.end_item(as_cluster);
+    }
+  }
+  if (threadIdx.x == 0) work_queues.leave();
+}
+}  // namespace kernels
+
+/// Rasterizes with `Exponent` in registers.
+template <class Exponent, bool threshold>
+void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
+  using namespace kernels;
+  with_raster_input(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
+    const WorkQueues work_queues = WorkQueues::of(cuda, input.raster_blocks.size() * warps_of_raster_block);
+    const bool shared = WorkQueues::are_shared(cuda, job.counts != nullptr);
+    const auto warps = shared ? raster_warps<Exponent, threshold, extras, true, ViewSource>
+                              : raster_warps<Exponent, threshold, extras, false, ViewSource>;
+    const auto segments = raster_segments<Exponent, threshold, extras, ViewSource>;
+    launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input, work_queues,
+           warps_at_once(cuda, job, warps, raster_threads));
+    if (!shared) return;
+    const unsigned clusters = unsigned(cuda.multiprocessors()) * blocks_of_multiprocessor / blocks_of_group;
+    try {
+      launch_early<blocks_of_group>(cuda, name, segments, std::max(clusters, 1u) * blocks_of_group,
+                                    segment_threads, input, work_queues,
+                                    warps_at_once(cuda, job, segments, segment_threads));
+    } catch (const DeviceError&) {
+      work_queues.forget(cuda);  // the next frame must not blend items of this one
+      throw;
+    }
+  });
+}
+
+}  // namespace swiftgs

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file Who draws what. The tiles of all views of a frame lie in one tile atlas (`FrameTiles`), one view
+/// below the other. A strip is consecutive rows of it. Each rank draws one strip.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <swiftgs/api.hpp>
+#include <swiftgs/span.hpp>
+#include <swiftgs/views.hpp>
+
+namespace swiftgs {
+
+/// Rank r draws rows [cuts[r], cuts[r + 1]) of the tile atlas. If there are fewer rows than ranks, the last
+/// ranks draw none.
+using StripCuts = std::vector<std::uint32_t>;
+
+/// Shares out the rows of a tile atlas by what they cost in the frames before. Counts in integers, so that
+/// all ranks find the same cuts.
+class SWIFTGS_API StripPlan {
+ public:
+  StripPlan(std::uint32_t rows, int ranks);
+
+  std::uint32_t rows() const { return std::uint32_t(costs_.size()); }
+  const StripCuts& cuts() const { return cuts_; }
+
+  /// Learns how long each rank's strip took, and moves the cuts where the slowest rank took a twentieth
+  /// longer than the mean. @units{nanoseconds}
+  void learn(Span<const std::uint64_t> taken);
+
+ private:
+  std::vector<std::uint64_t> costs_;  ///< of each row; the mean of what was learnt, recent frames first
+  StripCuts cuts_;
+};
+
+/// The part of one view that lies in a strip.
+struct ViewStrip {
+  std::uint32_t view = 0;   ///< index
+  int first_row = 0;        ///< of the view's frame @units{pixels}
+  int rows = 0, width = 0;  ///< @units{pixels}
+};
+
+/// The view strips of a strip, as views. Their frames have no memory.
+struct Strip {
+  std::vector<ViewStrip> view_strips;
+  std::vector<View> views;
+};
+
+/// Rows [begin, end) of the tile atlas of `views`, whose tiles are numbered.
+SWIFTGS_API Strip strip_of(Span<const View> views, std::uint32_t begin, std::uint32_t end);
+
+/// The rows of `frame` that `view_strip` covers, planes included.
+SWIFTGS_API FrameView rows_of(const FrameView& frame, const ViewStrip& view_strip);
+
+}  // namespace swiftgs
