@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What each policy costs on a machine, in the README and in docs/policies.md; machines and commands."""
+"""What each policy costs on a machine, in the README and beside the results; machines and commands."""
 from statistics import median
 
 from tables.frames import (BASELINE, BOX, CHOLESKY, ELLIPSE, RASTERS, SHARED, SQUARE, THRESHOLD, VANILLA, Frames,
