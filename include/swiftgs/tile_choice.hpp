@@ -16,7 +16,7 @@ namespace swiftgs {
 /// loses.
 inline constexpr int coarse_tile_side = 2 * default_tile_side;
 
-/// Whether tiles of `coarse_tile_side` are quicker. Measured on an H200 (docs/decisions.md): with fewer than
+/// Whether tiles of `coarse_tile_side` are quicker. Measured on an H200 (docs/cuda.md): with fewer than
 /// a splat for ten pixels they are, and in small images neither matters.
 constexpr bool coarse_tiles_gain(std::uint64_t splats, std::uint64_t pixels) {
   return pixels >= 1'500'000 && 10 * splats < pixels;
