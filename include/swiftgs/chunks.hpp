@@ -74,7 +74,7 @@ inline std::vector<ChunkBounds> chunk_bounds(const SceneView& scene) {
 /// the camera's rotation, and tx lies within the limits of the linearised projection. So it is right of the
 /// image if fx X / Z + cx - k (fx s L / Z + sqrt(blur)) > right, with L the largest |W0 - tx W2|. Times Z
 /// that is linear in X and Z, and a box is on one side of it where its corner is. The three other sides are
-/// alike.
+/// alike. Through a lens that is no pinhole, only the planes hide chunks.
 class ChunkCuller {
  public:
   SWIFTGS_HD explicit ChunkCuller(const ViewConstants& view) : view_(&view) {
@@ -105,7 +105,9 @@ class ChunkCuller {
       }
       return sum + (std::fabs(x) + std::fabs(y) + std::fabs(z)) * rounding;
     };
+    if (v.depth_is_distance) return hidden_by_distance(centre, half, rounding);
     if (most(0, 0, 1) <= v.near_plane || most(0, 0, -1) < -double(v.far_plane)) return true;
+    if (v.through_lens) return false;
     const double k = std::sqrt(2.0 * std::log(1.0001f * chunk.opacity / v.alpha_min));
     const double margin = 0.03 + k * blur_, size = k * double(chunk.size);
     const double x = size * wide_, y = size * high_;
@@ -114,6 +116,16 @@ class ChunkCuller {
   }
 
  private:
+  /// Whether all of a box is nearer or further than what is shown. The rotation may lengthen by 1e-3.
+  SWIFTGS_HD bool hidden_by_distance(const double (&centre)[3], const double (&half)[3], double rounding) const {
+    double nearest = 0, furthest = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double to = std::fabs(centre[k]), near = std::fmax(to - half[k] - rounding, 0.0);
+      nearest += near * near, furthest += (to + half[k] + rounding) * (to + half[k] + rounding);
+    }
+    return 1.002 * std::sqrt(furthest) <= view_->near_plane || 0.998 * std::sqrt(nearest) > view_->far_plane;
+  }
+
   /// Largest length of W_row - t W2 for t between `low` and `high`: that of an end.
   SWIFTGS_HD double lengths(int row, double low, double high) const {
     double at_low = 0, at_high = 0;
