@@ -4,14 +4,14 @@
 #include <swiftgs/contribution.hpp>
 #include <swiftgs/cuda.cuh>
 
-#include "raster_warps.cuh"
+#include "lane_blender.cuh"
 #include "weigh.hpp"
 
 namespace swiftgs {
 
 namespace kernels {
 
-/// Terms and Gaussians of splats.
+/// Exponents and Gaussians of queued splats.
 struct IdQueue : TermsQueue<CholeskyExponent> {
   std::uint32_t gaussians[queue_size];
 };
@@ -23,15 +23,15 @@ __device__ inline std::uint64_t wide_warp_sum(std::uint64_t value) {
   return (std::uint64_t(warp_sum(std::uint32_t(value >> 24))) << 24) + low;
 }
 
-/// Blends as `ColourBlender` does, but each list in one segment, and adds up the weights: one atomic addition
-/// for a splat and part.
+/// Blends as `ColourBlender` does, but each list in one segment, and adds up weights: one atomic addition per
+/// splat and warp block.
 struct WeightBlender {
   static constexpr bool in_segments = false;
   const RasterJob& job;
   std::uint64_t* sums;
   const BlendRules& rules;
   IdQueue& queue;
-  float x, y;  ///< of the lane's first pixel within the part
+  float x, y;  ///< of the lane's first pixel within the warp block
   Pixel pixels[pixels_of_lane];
 
   __device__ void fill(unsigned slot, std::uint32_t id) const {
@@ -52,8 +52,8 @@ struct WeightBlender {
       for (unsigned p = 0; p < pixels_of_lane; ++p)
         parts += weight_parts(weigh(pixels[p], relative_alpha<true>(exponents[p], rules), rules.alpha_max));
       if (!__any_sync(whole_warp, parts != 0)) continue;
-      const std::uint64_t of_part = wide_warp_sum(parts);
-      if (lane_index() == k) sum = of_part;
+      const std::uint64_t of_warp_block = wide_warp_sum(parts);
+      if (lane_index() == k) sum = of_warp_block;
     }
     if (sum != 0) {
       static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
@@ -75,16 +75,16 @@ __global__ void __launch_bounds__(raster_threads)
   const OwnRasterBlock raster_block(input);
   const View& view = input.views[raster_block.view];
   const BlendRules rules = view.rules;
-  const WarpBlockPlace part(raster_block, threadIdx.x / warp_size);
-  if (part.outside(view.frame)) return;
+  const WarpBlockPlace place(raster_block, threadIdx.x / warp_size);
+  if (place.outside(view.frame)) return;
 
-  WeightBlender blender{input.job, sums, rules, queue, float(part.column), float(part.row), {}};
+  WeightBlender blender{input.job, sums, rules, queue, float(place.column), float(place.row), {}};
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p)
-    if (part.pixel(view.frame, p, false).inside) blender.pixels[p].start(rules.stop_below);
+    if (place.pixel(view.frame, p, false).inside) blender.pixels[p].start(rules.stop_below);
 
   const TileRange range = raster_block.list(input);
-  ListTraversal<CholeskyExponent> traversal(input.job, range, part.first_centre(view), rules, queue);
+  ListTraversal<CholeskyExponent> traversal(input.job, range, place.first_centre(view), rules, queue);
   traversal.go_on(blender, range.end);
   traversal.blend_rest(blender);
 }

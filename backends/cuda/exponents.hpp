@@ -2,13 +2,13 @@
 #pragma once
 
 /// @file
-/// Exponent representations. For hosts too, which test it.
+/// Exponent representations. Hosts test them.
 ///
-/// Those of a lane's pixels have three functions. `prepare` finds the terms of a splat as a part of a tile
-/// sees it, its mean relative to the part's first pixel; `evaluate` finds log2(alpha / alpha_max) of the
-/// lane's pixels from the place of the first within the part. `evaluate_one` finds the same bits of one
-/// pixel, `right` columns to the right of that place. Terms are a quadruple and a `Rest`, apart because
-/// shared memory is read by words of 16 bytes; cleared, they show nothing.
+/// `prepare` finds the terms of a splat from its mean relative to the warp block's first pixel. `evaluate`
+/// finds log2(alpha / alpha_max) at the lane's pixels from the place of the first within the warp block.
+/// `evaluate_one` finds the same bits at one pixel, `right` columns to the right of that place. Terms are a
+/// quadruple and a `Rest`, apart because shared memory is read by words of 16 bytes. Cleared terms show
+/// nothing.
 
 #include <cmath>
 
@@ -25,8 +25,8 @@ namespace swiftgs::kernels {
 inline constexpr unsigned pixels_of_lane = 2;
 inline constexpr unsigned columns_between = 4;
 
-/// `FloatCholesky` in registers: u = l0 x + l1 y + c and v = l2 y + d at pixel (x, y) of the part, s = u^2 +
-/// v^2. Pixels of a lane share v, and from one to the next u grows by what depends on the splat alone.
+/// `FloatCholesky` in registers: u = l0 x + l1 y + c and v = l2 y + d at pixel (x, y) of the warp block, s =
+/// u^2 + v^2. Pixels of a lane share v, and from one to the next u grows by what depends on the splat alone.
 struct CholeskyExponent {
   static constexpr unsigned blocks = 9;  ///< of a multiprocessor at once: 56 registers a thread
   using Rest = float2;                   ///< c, d; the quadruple is l0, l1, l2, log2(opacity / alpha_max)
@@ -57,8 +57,8 @@ struct CholeskyExponent {
   }
 };
 
-/// `FloatSplit` in registers, measured from the part's first pixel: s = a x^2 + b x y + c y^2 + d x + e y +
-/// g. What depends on the row alone is computed once for both pixels of a lane.
+/// `FloatSplit` in registers, measured from the warp block's first pixel: s = a x^2 + b x y + c y^2 + d x + e
+/// y + g. What depends on the row alone is computed once for both pixels of a lane.
 struct SplitExponent {
   static constexpr unsigned blocks = 8;
   using Rest = float4;  ///< d, e, h = log2(opacity / alpha_max), unused; the quadruple is a, b, c, h - g

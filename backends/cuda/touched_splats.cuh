@@ -13,36 +13,36 @@
 
 namespace swiftgs::kernels {
 
-/// Finds the splats that touch a part, by all threads of a group, in the order of the list. They lie in rings
-/// in shared memory, each with the block that blends it: a block blends `share` of them, and the next block
-/// the next.
+/// Finds the splats that touch a warp block, by all threads of a group, in list order. They lie in rings in
+/// shared memory, each in that of the thread block that blends it: one blends `share` of them, the next the
+/// next `share`.
 template <unsigned warps, unsigned share, unsigned most>
 class TouchedSplats {
   static constexpr unsigned tests_of_thread = 4, tests_of_block = tests_of_thread * warps * warp_size;
   static constexpr unsigned ring_size = most + tests_of_block;
   static_assert(tests_of_thread * warps <= warp_size, "a warp adds up what all have found");
-  static_assert(tests_of_block <= share && 2 * share <= ring_size, "a group has room for two rounds");
+  static_assert(tests_of_block <= share && 2 * share <= ring_size, "a ring holds two rounds");
 
  public:
   struct Shared {
     std::uint32_t ids[ring_size];
-    // Splats that touch the part, of those tested; used alternately.
-    std::uint32_t touched[2][warp_size];           ///< of each 32 of this block
-    std::uint32_t touched_of[2][blocks_of_group];  ///< of each block
+    // Splats that touch, of those tested; the halves alternate.
+    std::uint32_t touched[2][warp_size];           ///< of each 32 of this thread block
+    std::uint32_t touched_of[2][blocks_of_group];  ///< of each thread block
   };
 
-  /// All blocks of the group have synchronised.
+  /// Call it after the group has synchronised.
   __device__ TouchedSplats(Shared& shared, const RasterJob& job, const Group& group, ResumeAt from,
                            std::uint32_t end)
       : shared_(shared), job_(job), group_(group), at_(from.position), end_(end), skip_(from.skipped) {
     load_next();
   }
 
-  /// Intersections before this one are tested.
+  /// Intersections before this position are tested.
   __device__ std::uint32_t position() const { return at_; }
   /// Splats found and not dropped.
   __device__ std::uint32_t count() const { return count_; }
-  /// The k-th of them that is with this block.
+  /// The k-th of them in this thread block's ring.
   __device__ std::uint32_t id(std::uint32_t k) const { return shared_.ids[in_ring(first_ + k)]; }
 
   /// Finds splats until there are `wanted`, or the list ends: at most `most`, or with a cluster the share of
@@ -51,7 +51,7 @@ class TouchedSplats {
     const bool some_hidden = job_.colours.some_hidden();
     const unsigned warp = threadIdx.x / warp_size;
     for (unsigned half = 0; count_ < wanted && at_ < end_; half ^= 1) {
-      // Test. All shapes are asked for before the first is needed.
+      // Test. Load all shapes before the first is needed.
       std::uint32_t ids[tests_of_thread];
       SplatShape shapes[tests_of_thread];
       unsigned lanes[tests_of_thread];
@@ -73,7 +73,7 @@ class TouchedSplats {
           shared_.touched[half][warp * tests_of_thread + k] = std::uint32_t(__popc(lanes[k]));
       __syncthreads();
 
-      // Each has its place behind those of the list before it.
+      // Store each behind those before it in the list.
       const std::uint32_t mine = shared_.touched[half][lane_index()], before = sum_below(mine);
       std::uint32_t found = __shfl_sync(whole_warp, before + mine, warp_size - 1), before_block = 0;
       if (group_.blocks != 1) {
@@ -114,7 +114,7 @@ class TouchedSplats {
   __device__ unsigned first_of_thread() const {
     return (group_.rank * warps + threadIdx.x / warp_size) * tests_of_thread * warp_size + lane_index();
   }
-  /// Asks for the ids that are tested next.
+  /// Loads the ids that are tested next.
   __device__ void load_next() {
 #pragma unroll
     for (unsigned k = 0; k < tests_of_thread; ++k) {
@@ -122,7 +122,7 @@ class TouchedSplats {
       next_[k] = position < end_ ? job_.lists.ids[position] : 0;
     }
   }
-  /// Gives the k-th splat to its block.
+  /// Stores the k-th splat in its thread block's ring.
   __device__ void store(std::uint32_t k, std::uint32_t id) const {
     if (group_.blocks == 1) {
       shared_.ids[in_ring(first_ + k)] = id;
@@ -138,7 +138,7 @@ class TouchedSplats {
   const Group group_;
   std::uint32_t next_[tests_of_thread];   ///< ids
   std::uint32_t at_, end_;                ///< intersections that are not tested yet
-  std::uint32_t skip_;                    ///< of the next that touch
+  std::uint32_t skip_;                    ///< touching splats to skip
   std::uint32_t last_ = at_, found_ = 0;  ///< where the last tests began, and what they found
   std::uint32_t first_ = 0, count_ = 0;
 };

@@ -9,7 +9,7 @@
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/tiles.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 

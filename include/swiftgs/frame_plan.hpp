@@ -9,7 +9,7 @@
 #include <swiftgs/render_input.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/span.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include <swiftgs/view.hpp>
+#include <swiftgs/raster/raster_blocks.hpp>
 
 namespace swiftgs::kernels {
 

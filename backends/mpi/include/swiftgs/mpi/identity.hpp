@@ -7,7 +7,7 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/span.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
 
 /// @file
 /// What ranks compare before they trust each other.

@@ -18,6 +18,7 @@
 #include <swiftgs/mpi/counters.hpp>
 #include <swiftgs/mpi/direct_link.hpp>
 #include <swiftgs/mpi/identity.hpp>
+#include <swiftgs/mpi/offers.hpp>
 #include <swiftgs/mpi/ranks.hpp>
 #include <swiftgs/mpi/shares.hpp>
 #include <swiftgs/mpi/splat_exchange.hpp>
@@ -133,13 +134,6 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   using Clock = std::chrono::steady_clock;
   static constexpr int most_ranks = 65535;
 
-  /// What ranks tell each other before splats.
-  struct Offer {
-    std::uint64_t splats = 0;  ///< for the rank that reads this
-    std::uint64_t failed = 0;
-    std::uint64_t views = 0;  ///< `views_identity`
-  };
-
   static auto parts(auto& self) {
     return std::tie(self.whole_storage_, self.shares_, self.colours_, self.exchange_, self.strip_storage_,
                     self.strip_footprints_, self.frames_);
@@ -187,7 +181,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     complete_ = false;
     failure.guard([&] { project_part(part, views, mine); });
     mine.project_ns = since(begun);
-    exchange_offers(views, failure);
+    exchange_offers(ranks_, shares_, views_identity(views) + outputs_, failure, counts_);
     failure.guard([&] {
       prepare_strips();
       place();
@@ -269,35 +263,6 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     mine.sent = shares_.begins.back() - shares_.count_for(own);
     mine.first_row = strip_plan_->cuts()[std::size_t(own)];
     mine.rows = strip_plan_->cuts()[std::size_t(own) + 1] - mine.first_row;
-  }
-
-  /// Tells each rank how many splats come, and learns whether all can go on.
-  void exchange_offers(Span<const View> views, Failure& failure) {
-    const auto ranks = std::size_t(ranks_.size()), own = std::size_t(ranks_.rank());
-    const std::uint64_t identity = views_identity(views) + outputs_;
-    std::vector<Offer> to(ranks, Offer{0, bool(failure), identity}), from(ranks);
-    std::vector<std::uint64_t> places(ranks + 1);
-    for (std::size_t r = 0; r < ranks; ++r) {
-      if (!failure) to[r].splats = shares_.count_for(int(r));
-      places[r + 1] = r + 1;
-    }
-    const Span<const std::uint64_t> begins{places.data(), places.size()};
-    Exchange exchange(ranks_);
-    exchange.all_to_all(to.data(), begins, from.data(), begins, sizeof(Offer));
-    exchange.wait();
-    from[own] = to[own];
-    counts_.clear();
-    bool well = true;
-    for (std::size_t r = 0; r < ranks; ++r) {
-      counts_.push_back(from[r].splats);
-      well = well && from[r].failed == 0 && from[r].views == identity;
-      if (from[r].views != from[0].views)
-        failure.guard([&] {
-          throw std::invalid_argument("render: the views of rank " + std::to_string(r) +
-                                      " differ from those of rank 0, expected the same on all ranks");
-        });
-    }
-    if (!well) failure.tell(ranks_);
   }
 
   void prepare_strips() {

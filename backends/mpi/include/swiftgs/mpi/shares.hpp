@@ -22,7 +22,7 @@
 #include <swiftgs/mpi/strips.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/tiles.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 

@@ -12,7 +12,7 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/span.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <swiftgs/mpi/ranks.hpp>
+#include <swiftgs/mpi/shares.hpp>
+#include <swiftgs/span.hpp>
+
+namespace swiftgs {
+
+/// What a rank tells another before splats.
+struct Offer {
+  std::uint64_t splats = 0;  ///< for the rank that reads this
+  std::uint64_t failed = 0;
+  std::uint64_t frame = 0;  ///< identity of the frame that was asked for
+};
+
+/// Tells each rank how many splats come. Sets `counts` to those that come from each. Throws on all ranks if one
+/// failed, or if ranks were asked for different frames. Collective.
+template <class B>
+void exchange_offers(const Ranks& all, const Shares<B>& shares, std::uint64_t frame, Failure& failure,
+                     std::vector<std::uint64_t>& counts) {
+  const auto ranks = std::size_t(all.size()), own = std::size_t(all.rank());
+  std::vector<Offer> to(ranks, Offer{0, bool(failure), frame}), from(ranks);
+  std::vector<std::uint64_t> places(ranks + 1);
+  for (std::size_t r = 0; r < ranks; ++r) {
+    if (!failure) to[r].splats = shares.count_for(int(r));
+    places[r + 1] = r + 1;
+  }
+  const Span<const std::uint64_t> begins{places.data(), places.size()};
+  Exchange exchange(all);
+  exchange.all_to_all(to.data(), begins, from.data(), begins, sizeof(Offer));
+  exchange.wait();
+  from[own] = to[own];
+  counts.clear();
+  bool well = true;
+  for (std::size_t r = 0; r < ranks; ++r) {
+    counts.push_back(from[r].splats);
+    well = well && from[r].failed == 0 && from[r].frame == frame;
+    if (from[r].frame != from[0].frame)
+      failure.guard([&] {
+        throw std::invalid_argument("render: the views of rank " + std::to_string(r) +
+                                    " differ from those of rank 0, expected the same on all ranks");
+      });
+  }
+  if (!well) failure.tell(all);
+}
+
+}  // namespace swiftgs
