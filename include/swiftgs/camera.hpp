@@ -51,6 +51,22 @@ inline constexpr double min_focal_length = 1e-6, max_focal_length = 1e12, max_pr
 /// Pixels of a full turn, of a camera whose lens is equirectangular.
 inline double turn_of(const Camera& camera) { return 6.283185307179586 * camera.fx; }
 
+/// Columns of an image. @units{pixels}
+struct Columns {
+  int begin = 0, end = 0;
+  int size() const { return end - begin; }
+};
+
+/// Width of the parts in which `shown`, columns of a panorama, is drawn; 0 where it is one part. Each part
+/// shows the copy of a splat that is nearest to the part's middle, so a splat that reaches less than 7/16 of a
+/// turn to each side has no seam; what reaches further lies about a pole.
+inline int panorama_part(const Camera& camera, Columns shown) {
+  constexpr int step = 32;  // a multiple of the sides of tiles
+  if (camera.lens.model != LensModel::equirectangular) return 0;
+  const int eighth = int(std::ceil(turn_of(camera) / (8 * step))) * step;
+  return shown.size() > eighth ? eighth : 0;
+}
+
 /// Throws `std::invalid_argument` that names the first invalid member.
 inline void validate(const Camera& camera) {
   const auto require = [](bool holds, const char* expected) {

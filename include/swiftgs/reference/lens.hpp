@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include <Eigen/Core>
@@ -48,13 +49,13 @@ class CameraLens {
   /// What orders splats and is compared with the planes.
   double depth(const Eigen::Vector3d& p) const { return by_distance_ ? p.stableNorm() : p.z(); }
 
-  /// Nothing where the lens shows no points.
-  std::optional<SeenPoint> point(const Eigen::Vector3d& p) const {
+  /// Nothing where the lens shows no points. Of a panorama the copy nearest to the column `middle`.
+  std::optional<SeenPoint> point(const Eigen::Vector3d& p, double middle) const {
     switch (camera_.lens.model) {
       case LensModel::perspective: return perspective(p);
       case LensModel::fisheye: return fisheye(p);
       case LensModel::orthographic: return in_pixels(p.x(), p.y(), {1, 0, 0}, {0, 1, 0});
-      case LensModel::equirectangular: return equirectangular(p);
+      case LensModel::equirectangular: return equirectangular(p, middle);
     }
     return {};
   }
@@ -126,7 +127,7 @@ class CameraLens {
     return in_pixels(moved.u.value(), moved.v.value(), moved.u.derivatives(), moved.v.derivatives());
   }
 
-  std::optional<SeenPoint> equirectangular(const Eigen::Vector3d& p) const {
+  std::optional<SeenPoint> equirectangular(const Eigen::Vector3d& p, double middle) const {
     const double level = std::hypot(p.x(), p.z()), distance = p.stableNorm();
     if (!(distance > 0)) return {};
     if (level == 0) return {};  // a pole has every azimuth
@@ -134,7 +135,10 @@ class CameraLens {
     const Dual azimuth = atan2(x, z), elevation = atan2(y, Dual(sqrt(Dual(x * x + z * z))));
     const double least = distance * std::sin(limits_.least_polar);
     const Eigen::Vector3d by_azimuth = azimuth.derivatives() * (level / std::max(level, least));
-    return in_pixels(azimuth.value(), elevation.value(), by_azimuth, elevation.derivatives());
+    SeenPoint out = in_pixels(azimuth.value(), elevation.value(), by_azimuth, elevation.derivatives());
+    const double turn = 2 * std::numbers::pi * camera_.fx;
+    out.x -= turn * std::round((out.x - middle) / turn);
+    return out;
   }
 
   Camera camera_;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -51,6 +52,9 @@ struct View {
       translation[row] = c.translation[row];
     }
     centre = -rotation.inverse() * translation;
+    const Columns all{0, c.width};
+    const int width = panorama_part(c, all) > 0 ? panorama_part(c, all) : c.width;
+    for (int x = 0; x < c.width; x += width) parts.push_back({x, std::min(c.width, x + width)});
   }
 
   Camera camera;
@@ -58,6 +62,7 @@ struct View {
   CameraLens lens;
   Eigen::Matrix3d rotation;
   Eigen::Vector3d translation, centre;
+  std::vector<Columns> parts;  ///< of the image, each with a copy of every splat that it shows
 };
 
 /// Projects the covariance of Gaussian `i`, which a lens shows with this Jacobian.
@@ -89,10 +94,11 @@ inline void set_range(double low, double high, int size, int& begin, int& end) {
 
 /// Sets the rectangle outside which alpha is surely below `alpha_min`: the bounding box of the ellipse at
 /// `cutoff`, widened by far more than rounding can move it.
-inline void bound_by_alpha(Splat& splat, const View& view) {
+inline void bound_by_alpha(Splat& splat, const View& view, Columns part) {
   const auto half = [&](double variance) { return std::sqrt(splat.cutoff * variance) * (1 + 1e-9) + 1; };
   const double half_x = half(splat.covariance.xx), half_y = half(splat.covariance.yy);
   set_range(splat.x - 0.5 - half_x, splat.x - 0.5 + half_x, view.camera.width, splat.x_begin, splat.x_end);
+  splat.x_begin = std::max(splat.x_begin, part.begin), splat.x_end = std::min(splat.x_end, part.end);
   set_range(splat.y - 0.5 - half_y, splat.y - 0.5 + half_y, view.camera.height, splat.y_begin, splat.y_end);
 }
 
@@ -146,9 +152,9 @@ inline Eigen::Vector3d camera_space_mean(const Scene& scene, std::size_t i, cons
 /// planes, its opacity or the image. Nothing where it has no splat: its numbers are not finite, or its
 /// splat's are not or are too large.
 inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, const Eigen::Vector3d& p,
-                                             const View& view) {
+                                             const View& view, Columns part) {
   const Conventions& k = view.conventions;
-  const std::optional<SeenPoint> seen = view.lens.point(p);
+  const std::optional<SeenPoint> seen = view.lens.point(p, 0.5 * (part.begin + part.end));
   if (!seen) return {};
   const Covariance cov = project_covariance(scene, i, seen->jacobian, view);
   if (!(cov.det > 0) || !std::isfinite(cov.det)) return {};
@@ -181,14 +187,14 @@ inline bool shade(Splat& splat, const Scene& scene, const View& view) {
   return sum.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= double(std::numeric_limits<float>::max());
 }
 
-/// Projects Gaussian `i`; nothing when it is culled or reaches no pixel.
-inline std::optional<Splat> project(const Scene& scene, std::size_t i, const View& view) {
+/// Projects Gaussian `i` for a part of the image; nothing when it is culled or reaches no pixel there.
+inline std::optional<Splat> project(const Scene& scene, std::size_t i, const View& view, Columns part) {
   const Conventions& k = view.conventions;
   const Eigen::Vector3d p = camera_space_mean(scene, i, view);
   if (!is_between_planes(float(view.lens.depth(p)), k)) return {};
-  std::optional<Splat> splat = project_unculled(scene, i, p, view);
+  std::optional<Splat> splat = project_unculled(scene, i, p, view, part);
   if (!splat || !(splat->opacity >= double(k.alpha_min))) return {};
-  bound_by_alpha(*splat, view);
+  bound_by_alpha(*splat, view, part);
   if (k.footprint == Conventions::Footprint::three_sigma_square) cut_to_three_sigma_square(*splat);
   if (splat->x_begin >= splat->x_end || splat->y_begin >= splat->y_end) return {};
   if (!shade(*splat, scene, view)) return {};

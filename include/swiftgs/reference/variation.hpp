@@ -186,7 +186,8 @@ inline double depth_error(const Scene& scene, std::size_t i, const View& view) {
 
 /// Projects Gaussian `i` of `scene`, and of the trials `moved`. Nothing where no rounding could draw it.
 inline std::optional<VariedSplat> project_varied(const Scene& scene, const std::vector<Scene>& moved,
-                                                 std::size_t i, const View& view, std::uint64_t seed) {
+                                                 std::size_t i, const View& view, Columns part,
+                                                 std::uint64_t seed) {
   const Eigen::Vector3d p = camera_space_mean(scene, i, view);
   const Conventions& k = view.conventions;
   const double slack = depth_error(scene, i, view);
@@ -194,7 +195,7 @@ inline std::optional<VariedSplat> project_varied(const Scene& scene, const std::
   const float low = float(depth - slack), high = float(depth + slack);
   const auto between_planes = [&](float z) { return is_between_planes(z, k); };
   if (!between_planes(float(depth)) && !between_planes(low) && !between_planes(high)) return {};
-  std::optional<Splat> splat = project_unculled(scene, i, p, view);
+  std::optional<Splat> splat = project_unculled(scene, i, p, view, part);
   if (!splat || !shade(*splat, scene, view)) return {};
   VariedSplat out{.splat = *splat, .numbers = {}};
   out.drawn = between_planes(float(splat->depth));
@@ -204,7 +205,7 @@ inline std::optional<VariedSplat> project_varied(const Scene& scene, const std::
   out.numbers.emplace_back(*splat);
   for (const Scene& trial : moved) {
     // A trial in which the splat cannot be drawn at all tells nothing of how far it moves.
-    std::optional<Splat> there = project_unculled(trial, i, camera_space_mean(trial, i, view), view);
+    std::optional<Splat> there = project_unculled(trial, i, camera_space_mean(trial, i, view), view, part);
     if (!there || !shade(*there, trial, view)) there = splat;
     nudge_stored(out.numbers.emplace_back(*there), nudges);
   }
