@@ -58,8 +58,8 @@ struct Columns {
 };
 
 /// Width of the parts in which `shown`, columns of a panorama, is drawn; 0 where it is one part. Each part
-/// shows the copy of a splat that is nearest to the part's middle, so a splat that reaches less than 7/16 of a
-/// turn to each side has no seam; what reaches further lies about a pole.
+/// shows the copy of a splat that is nearest to the part's middle, so a splat that reaches less than 7/16 of
+/// a turn to each side has no seam; what reaches further lies about a pole.
 inline int panorama_part(const Camera& camera, Columns shown) {
   constexpr int step = 32;  // a multiple of the sides of tiles
   if (camera.lens.model != LensModel::equirectangular) return 0;

@@ -119,7 +119,8 @@ class ChunkCuller {
 
  private:
   /// Whether all of a box is nearer or further than what is shown. The rotation may lengthen by 1e-3.
-  SWIFTGS_HD bool hidden_by_distance(const double (&centre)[3], const double (&half)[3], double rounding) const {
+  SWIFTGS_HD bool hidden_by_distance(const double (&centre)[3], const double (&half)[3],
+                                     double rounding) const {
     double nearest = 0, furthest = 0;
     for (int k = 0; k < 3; ++k) {
       const double to = std::fabs(centre[k]), near = std::fmax(to - half[k] - rounding, 0.0);
@@ -129,10 +130,10 @@ class ChunkCuller {
   }
 
   /// Whether a panorama shows no splat of a box in this part of it. Seen from above, the box lies within a
-  /// circle of radius R about a point at distance D from the camera: its azimuths are within asin(R / D) of the
-  /// point's, and its splats at most k size fx / (D - R) wide to each side.
-  SWIFTGS_HD bool hidden_by_azimuth(const ChunkBounds& chunk, const double (&centre)[3], const double (&half)[3],
-                                    double rounding) const {
+  /// circle of radius R about a point at distance D from the camera: its azimuths are within asin(R / D) of
+  /// the point's, and its splats at most k size fx / (D - R) wide to each side.
+  SWIFTGS_HD bool hidden_by_azimuth(const ChunkBounds& chunk, const double (&centre)[3],
+                                    const double (&half)[3], double rounding) const {
     const ViewConstants& v = *view_;
     double at[2] = {}, radius_squared = 0;
     for (int axis = 0; axis < 2; ++axis) {

@@ -51,15 +51,17 @@ inline std::string_view name_of(LensModel model) { return lens_model_names[int(m
 inline LensModel lens_model_named(std::string_view name) {
   for (int i = 0; i < 4; ++i)
     if (name == lens_model_names[i]) return LensModel(i);
-  throw std::invalid_argument("lens '" + std::string(name) +
-                              "' is not known; expected perspective, fisheye, orthographic or equirectangular");
+  throw std::invalid_argument(
+      "lens '" + std::string(name) +
+      "' is not known; expected perspective, fisheye, orthographic or equirectangular");
 }
 
 /// Throws `std::invalid_argument` for a distortion that is not finite, or of a lens that has none.
 inline void validate(const Lens& lens) {
   const Distortion& d = lens.distortion;
-  for (const double number : {d.radial[0], d.radial[1], d.radial[2], d.radial[3], d.rational[0], d.rational[1],
-                              d.rational[2], d.tangential[0], d.tangential[1], d.prism[0], d.prism[1]})
+  for (const double number :
+       {d.radial[0], d.radial[1], d.radial[2], d.radial[3], d.rational[0], d.rational[1], d.rational[2],
+        d.tangential[0], d.tangential[1], d.prism[0], d.prism[1]})
     if (!(std::fabs(number) <= 1e6))
       throw std::invalid_argument("camera: expected distortion coefficients of at most 1e6 in magnitude");
   const bool takes_distortion = lens.model == LensModel::perspective || lens.model == LensModel::fisheye;

@@ -133,7 +133,8 @@ class PanoramaParts {
     if (std::none_of(views.begin(), views.end(), is_wide)) return views;
     parts_.clear();
     for (const View& view : views) {
-      const int end = view.left() + view.frame.width, width = is_wide(view) ? view.panorama_part : view.frame.width;
+      const int end = view.left() + view.frame.width,
+                width = is_wide(view) ? view.panorama_part : view.frame.width;
       for (int begin = view.left(); begin < end; begin += width)
         parts_.push_back(is_wide(view) ? columns_of(view, begin, std::min(begin + width, end)) : view);
     }

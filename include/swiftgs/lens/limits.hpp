@@ -106,13 +106,17 @@ inline std::optional<dvec3> undistorted(const Distortion& d, double fold_squared
 inline LensLimits tangents_of_image(const Camera& camera, double fold_squared) {
   constexpr int along_side = 64;
   const double fold = std::sqrt(fold_squared);
-  LensLimits out{.fold_squared = fold_squared, .least_u = INFINITY, .most_u = -INFINITY, .least_v = INFINITY,
+  LensLimits out{.fold_squared = fold_squared,
+                 .least_u = INFINITY,
+                 .most_u = -INFINITY,
+                 .least_v = INFINITY,
                  .most_v = -INFINITY};
   const auto add = [&](double pixel_x, double pixel_y) {
     const double u = (pixel_x - camera.cx) / camera.fx, v = (pixel_y - camera.cy) / camera.fy;
     const double radius = std::sqrt(u * u + v * v);
-    const dvec3 at = undistorted(camera.lens.distortion, fold_squared, u, v)
-                         .value_or(radius > 0 ? dvec3(u / radius * fold, v / radius * fold, 1) : dvec3(0, 0, 1));
+    const dvec3 at =
+        undistorted(camera.lens.distortion, fold_squared, u, v)
+            .value_or(radius > 0 ? dvec3(u / radius * fold, v / radius * fold, 1) : dvec3(0, 0, 1));
     out.least_u = std::min(out.least_u, at.x), out.most_u = std::max(out.most_u, at.x);
     out.least_v = std::min(out.least_v, at.y), out.most_v = std::max(out.most_v, at.y);
   };
@@ -147,8 +151,10 @@ inline LensLimits lens_limits(const Camera& camera, const Conventions& conventio
     }
     case LensModel::fisheye:
       return {.fold_squared = lens::fold_squared(camera.lens.distortion, widest * widest)};
-    case LensModel::orthographic: return {};
-    case LensModel::equirectangular: return {.least_polar = std::min(1 / std::fabs(camera.fy), 0.1)};
+    case LensModel::orthographic:
+      return {};
+    case LensModel::equirectangular:
+      return {.least_polar = std::min(1 / std::fabs(camera.fy), 0.1)};
   }
   return {};
 }

@@ -78,7 +78,8 @@ SWIFTGS_HD inline LensPoint perspective(const Distortion& d, const LensLimits& l
   out.du = dvec3(inverse_z, 0, -at_u * inverse_z), out.dv = dvec3(0, inverse_z, -at_v * inverse_z);
   chain(out, distort(d, at_u, at_v));
   // Before the fold, radii grow; where the determinant is not positive, tangential terms fold the image.
-  out.inside = p.z > 0 && u * u + v * v < limits.fold_squared && place.uu * place.vv - place.uv * place.vu > 0;
+  out.inside =
+      p.z > 0 && u * u + v * v < limits.fold_squared && place.uu * place.vv - place.uv * place.vu > 0;
   return out;
 }
 
@@ -125,10 +126,14 @@ SWIFTGS_HD inline LensPoint equirectangular(const LensLimits& limits, const dvec
 /// Where `of` shows the point `p` of camera space.
 SWIFTGS_HD inline LensPoint point_through(const Lens& of, const LensLimits& limits, const dvec3& p) {
   switch (of.model) {
-    case LensModel::perspective: return lens::perspective(of.distortion, limits, p);
-    case LensModel::fisheye: return lens::fisheye(of.distortion, limits, p);
-    case LensModel::orthographic: return lens::orthographic(p);
-    case LensModel::equirectangular: return lens::equirectangular(limits, p);
+    case LensModel::perspective:
+      return lens::perspective(of.distortion, limits, p);
+    case LensModel::fisheye:
+      return lens::fisheye(of.distortion, limits, p);
+    case LensModel::orthographic:
+      return lens::orthographic(p);
+    case LensModel::equirectangular:
+      return lens::equirectangular(limits, p);
   }
   return {};
 }

@@ -22,7 +22,8 @@ struct SeenPoint {
   Eigen::Matrix<double, 2, 3> jacobian;  ///< of both by the point
 };
 
-/// The lens of a camera, from the formulas of `LensModel` and `Distortion`; derivatives are taken automatically.
+/// The lens of a camera, from the formulas of `LensModel` and `Distortion`; derivatives are taken
+/// automatically.
 class CameraLens {
  public:
   CameraLens(const Camera& camera, const Conventions& conventions)
@@ -52,10 +53,14 @@ class CameraLens {
   /// Nothing where the lens shows no points. Of a panorama the copy nearest to the column `middle`.
   std::optional<SeenPoint> point(const Eigen::Vector3d& p, double middle) const {
     switch (camera_.lens.model) {
-      case LensModel::perspective: return perspective(p);
-      case LensModel::fisheye: return fisheye(p);
-      case LensModel::orthographic: return in_pixels(p.x(), p.y(), {1, 0, 0}, {0, 1, 0});
-      case LensModel::equirectangular: return equirectangular(p, middle);
+      case LensModel::perspective:
+        return perspective(p);
+      case LensModel::fisheye:
+        return fisheye(p);
+      case LensModel::orthographic:
+        return in_pixels(p.x(), p.y(), {1, 0, 0}, {0, 1, 0});
+      case LensModel::equirectangular:
+        return equirectangular(p, middle);
     }
     return {};
   }
@@ -79,10 +84,10 @@ class CameraLens {
     const Dual r2 = at.u * at.u + at.v * at.v, r4 = r2 * r2, r6 = r4 * r2, r8 = r4 * r4;
     const Dual radial = (1.0 + d.radial[0] * r2 + d.radial[1] * r4 + d.radial[2] * r6 + d.radial[3] * r8) /
                         (1.0 + d.rational[0] * r2 + d.rational[1] * r4 + d.rational[2] * r6);
-    return {Dual(at.u * radial + 2 * d.tangential[0] * at.u * at.v + d.tangential[1] * (r2 + 2 * at.u * at.u) +
-                 d.prism[0] * r2),
-            Dual(at.v * radial + d.tangential[0] * (r2 + 2 * at.v * at.v) + 2 * d.tangential[1] * at.u * at.v +
-                 d.prism[1] * r2)};
+    return {Dual(at.u * radial + 2 * d.tangential[0] * at.u * at.v +
+                 d.tangential[1] * (r2 + 2 * at.u * at.u) + d.prism[0] * r2),
+            Dual(at.v * radial + d.tangential[0] * (r2 + 2 * at.v * at.v) +
+                 2 * d.tangential[1] * at.u * at.v + d.prism[1] * r2)};
   }
 
   /// Whether the distortion at (u, v) keeps the image's orientation, before its fold.
@@ -107,8 +112,8 @@ class CameraLens {
     // The tangents move with the point as a pinhole's do where the derivatives are taken.
     const double by_u = within ? at_u : u, by_v = within ? at_v : v;
     const Plane place = distorted({variable(u, 0), variable(v, 1)});
-    const Plane moved = distorted({Dual(by_u, Eigen::Vector3d(1 / z, 0, -by_u / z)),
-                                   Dual(by_v, Eigen::Vector3d(0, 1 / z, -by_v / z))});
+    const Plane moved = distorted(
+        {Dual(by_u, Eigen::Vector3d(1 / z, 0, -by_u / z)), Dual(by_v, Eigen::Vector3d(0, 1 / z, -by_v / z))});
     return in_pixels(place.u.value(), place.v.value(), moved.u.derivatives(), moved.v.derivatives());
   }
 

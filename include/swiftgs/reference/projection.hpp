@@ -173,7 +173,8 @@ inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, 
   splat.depth = view.lens.depth(p);
   splat.index = i;
   splat.covariance = cov;
-  const double sum = splat.x + splat.y + splat.x_weight + splat.y_weight + splat.shear + splat.depth + splat.opacity;
+  const double sum =
+      splat.x + splat.y + splat.x_weight + splat.y_weight + splat.shear + splat.depth + splat.opacity;
   if (!std::isfinite(sum)) return {};
   return splat;
 }
