@@ -259,9 +259,21 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   out.count += count;
 }
 
+/// `ProjectChunk` of views through a lens, one Gaussian after the other.
+inline void ProjectThroughLens(const ViewConstants& v, const SceneView& scene, std::size_t begin,
+                               std::size_t end, VisibleSplats& out) {
+  for (std::size_t i = begin; i < end; ++i) {
+    const ProjectedShape splat = project_shape(v, gaussian(scene, i));
+    if (!splat.visible) continue;
+    out.shapes[out.count] = splat.shape, out.depths[out.count] = splat.depth;
+    out.ids[out.count++] = std::uint32_t(i);
+  }
+}
+
 /// Projects Gaussians [begin, end), at most a chunk of them.
 HWY_INLINE void ProjectChunk(const ViewConstants& v, const SceneView& scene, std::size_t begin,
                              std::size_t end, VisibleSplats& out) {
+  if (v.through_lens) return ProjectThroughLens(v, scene, begin, end, out);
   std::size_t i = begin;
   for (; i + lanes <= end; i += lanes)
     ProjectGroup(v, {&scene.means[i], &scene.scales[i], &scene.rotations[i], &scene.opacities[i]},

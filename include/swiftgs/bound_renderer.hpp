@@ -68,6 +68,7 @@ class BoundRenderer {
   /// may differ from view to view; `make_view` makes them. Returns and throws as above.
   void render_into(const SceneView& scene, Span<const View> views, Measures measures = {}) {
     for (const View& view : views) validate(view);
+    views = parts_.of(views);
     check_ready(backend());
     const FrameKey key = FrameKey::of(scene, views);
     const bool may_be_coarse = raster_.may_gain_by_coarse_tiles && stages_.conservative();
@@ -112,9 +113,9 @@ class BoundRenderer {
       if (capacity.splats == 0) capacity.splats = with_spare(report.visible);
       if (capacity.intersections == 0) capacity.intersections = with_spare(report.intersections);
     }
-    capacity.splats = std::min(capacity.splats, std::max<std::size_t>(scene.size() * views.size, 1));
+    capacity.splats = std::min(capacity.splats, std::max<std::size_t>(scene.size() * recorded_.size(), 1));
     capacity.intersections = std::min(capacity.intersections, std::size_t(max_intersections));
-    const Reservation reserved{scene.size(), views.size, recorded_.tiles, capacity};
+    const Reservation reserved{scene.size(), recorded_.size(), recorded_.tiles, capacity};
     if constexpr (B::reaches_host_memory) {
       stages_.reserve(reserved);
     } else {
@@ -131,6 +132,7 @@ class BoundRenderer {
   /// there are changes.
   void set_views(Span<const View> views) {
     for (const View& view : views) validate(view), detail::check_tiles(view);  // before anything changes
+    views = parts_.of(views);
     if (reserved_) {
       if (views.size != recorded_.size())
         detail::refuse("set_views: the number of views", views.size,
@@ -171,7 +173,7 @@ class BoundRenderer {
     stages_.trim();
     trim_parts(b, raster_counts_, view_storage_, recorded_storage_, resident_);
     if constexpr (requires { b.trim(); }) b.trim();
-    views_ = {}, tiles_ = {}, capacity_ = {}, recorded_ = {};
+    views_ = {}, parts_ = {}, tiles_ = {}, capacity_ = {}, recorded_ = {};
     counted_ = false;
     reserved_.reset();
   }
@@ -290,6 +292,7 @@ class BoundRenderer {
   typename B::template Buffer<RasterCounts> raster_counts_;
   ViewStorage<B> view_storage_, recorded_storage_;  ///< of `render_into` and of `record`
   ResidentFrames<B> resident_;
+  PanoramaParts parts_;
   std::vector<View> views_;  ///< of `render_resident` and `render`
   std::array<typename B::TimePoint, 4> points_{};
   bool counted_ = false, timed_ = false;

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <swiftgs/lens.hpp>
 #include <swiftgs/math.hpp>
 
 namespace swiftgs {
@@ -16,15 +17,16 @@ inline dvec3 cross(dvec3 a, dvec3 b) {
 }
 }  // namespace detail
 
-/// Pinhole camera, OpenCV axes (x right, y down, z forward): p_camera = rotation p_world + translation. A
+/// Camera, OpenCV axes (x right, y down, z forward): p_camera = rotation p_world + translation. A
 /// rotation of determinant -1 is a mirror: it shows the image of the mirrored world.
 /// Pixel (column i, row j) is sampled at (i + 0.5, j + 0.5); the principal point may lie anywhere.
 struct Camera {
   dmat3 rotation{1.0};        ///< world to camera; GLM stores it by columns: rotation[column][row]
   dvec3 translation{0.0};     ///< camera-space position of the world's origin
-  double fx = 0, fy = 0;      ///< focal lengths @units{pixels}
+  double fx = 0, fy = 0;      ///< focal lengths @units{pixels}, per unit of the lens's plane
   double cx = 0, cy = 0;      ///< principal point from the top left corner @units{pixels}
   int width = 0, height = 0;  ///< @units{pixels}
+  Lens lens;                  ///< a pinhole unless said otherwise
   std::string name;           ///< image that the camera belongs to, or empty
 
   /// Position of the camera in the world.
@@ -46,6 +48,25 @@ inline constexpr int max_image_side = 1 << 16;
 /// beyond these would leave the range of float. @units{pixels}
 inline constexpr double min_focal_length = 1e-6, max_focal_length = 1e12, max_principal_point = 1e9;
 
+/// Pixels of a full turn, of a camera whose lens is equirectangular.
+inline double turn_of(const Camera& camera) { return 6.283185307179586 * camera.fx; }
+
+/// Columns of an image. @units{pixels}
+struct Columns {
+  int begin = 0, end = 0;
+  int size() const { return end - begin; }
+};
+
+/// Width of the parts in which `shown`, columns of a panorama, is drawn; 0 where it is one part. Each part
+/// shows the copy of a splat that is nearest to the part's middle, so a splat that reaches less than 7/16 of
+/// a turn to each side has no seam; what reaches further lies about a pole.
+inline int panorama_part(const Camera& camera, Columns shown) {
+  constexpr int step = 32;  // a multiple of the sides of tiles
+  if (camera.lens.model != LensModel::equirectangular) return 0;
+  const int eighth = int(std::ceil(turn_of(camera) / (8 * step))) * step;
+  return shown.size() > eighth ? eighth : 0;
+}
+
 /// Throws `std::invalid_argument` that names the first invalid member.
 inline void validate(const Camera& camera) {
   const auto require = [](bool holds, const char* expected) {
@@ -57,6 +78,9 @@ inline void validate(const Camera& camera) {
   require(focal(camera.fx) && focal(camera.fy), "focal lengths of 1e-6 to 1e12 pixels");
   require(std::abs(camera.cx) <= max_principal_point && std::abs(camera.cy) <= max_principal_point,
           "a principal point at most 1e9 pixels from the corner");
+  validate(camera.lens);
+  require(camera.lens.model != LensModel::equirectangular || camera.width <= std::ceil(turn_of(camera)),
+          "at most 2 pi fx pixels a row of an equirectangular lens");
   for (int i = 0; i < 3; ++i) {
     require(std::isfinite(camera.translation[i]), "a finite translation");
     for (int j = 0; j < 3; ++j) {

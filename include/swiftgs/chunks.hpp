@@ -73,7 +73,7 @@ inline std::vector<ChunkBounds> chunk_bounds(const SceneView& scene) {
 /// the camera's rotation, and tx lies within the limits of the linearised projection. So it is right of the
 /// image if fx X / Z + cx - k (fx s L / Z + sqrt(blur)) > right, with L the largest |W0 - tx W2|. Times Z
 /// that is linear in X and Z, and a box is on one side of it where its corner is. The three other sides are
-/// alike.
+/// alike. Through a lens that is no pinhole, only the planes hide chunks.
 class ChunkCuller {
  public:
   SWIFTGS_HD explicit ChunkCuller(const ViewConstants& view) : view_(&view) {
@@ -104,7 +104,11 @@ class ChunkCuller {
       }
       return sum + (std::fabs(x) + std::fabs(y) + std::fabs(z)) * rounding;
     };
-    if (most(0, 0, 1) <= v.near_plane || most(0, 0, -1) < -double(v.far_plane)) return true;
+    if (v.depth_is_distance ? hidden_by_distance(centre, half, rounding)
+                            : most(0, 0, 1) <= v.near_plane || most(0, 0, -1) < -double(v.far_plane))
+      return true;
+    if (v.lens.model == LensModel::equirectangular) return hidden_by_azimuth(chunk, centre, half, rounding);
+    if (v.through_lens) return false;
     const double k = std::sqrt(2.0 * std::log(1.0001f * chunk.opacity / v.alpha_min));
     const double margin = 0.03 + k * blur_, size = k * double(chunk.size);
     const double x = size * wide_, y = size * high_;
@@ -113,6 +117,44 @@ class ChunkCuller {
   }
 
  private:
+  /// Whether all of a box is nearer or further than what is shown. The rotation may lengthen by 1e-3.
+  SWIFTGS_HD bool hidden_by_distance(const double (&centre)[3], const double (&half)[3],
+                                     double rounding) const {
+    double nearest = 0, furthest = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double to = std::fabs(centre[k]), near = std::fmax(to - half[k] - rounding, 0.0);
+      nearest += near * near, furthest += (to + half[k] + rounding) * (to + half[k] + rounding);
+    }
+    return 1.002 * std::sqrt(furthest) <= view_->near_plane || 0.998 * std::sqrt(nearest) > view_->far_plane;
+  }
+
+  /// Whether a panorama shows no splat of a box in this part of it. Seen from above, the box lies within a
+  /// circle of radius R about a point at distance D from the camera: its azimuths are within asin(R / D) of
+  /// the point's, and its splats at most k size fx / (D - R) wide to each side.
+  SWIFTGS_HD bool hidden_by_azimuth(const ChunkBounds& chunk, const double (&centre)[3],
+                                    const double (&half)[3], double rounding) const {
+    const ViewConstants& v = *view_;
+    double at[2] = {}, radius_squared = 0;
+    for (int axis = 0; axis < 2; ++axis) {
+      double size = rounding;
+      for (int k = 0; k < 3; ++k)
+        at[axis] += v.rotation[2 * axis][k] * centre[k], size += std::fabs(v.rotation[2 * axis][k]) * half[k];
+      radius_squared += size * size;
+    }
+    const double distance = std::sqrt(at[0] * at[0] + at[1] * at[1]);
+    const double radius = 1.001 * std::sqrt(radius_squared), nearest = distance - radius;
+    if (!(nearest > 1e-3 * distance)) return false;
+    const double k = 1.001 * std::sqrt(2.0 * std::log(1.0001f * chunk.opacity / v.alpha_min));
+    const double reach = v.fx * (k * double(chunk.size) / nearest + std::asin(radius / distance));
+    // Slack of projection is 2e-4 of both half sizes, and heights are at most fy / fx times widths.
+    const double slack = 4e-4 * k * double(chunk.size) * (v.fx + v.fy) / nearest;
+    const double margin = 0.03 + 1.002 * k * std::sqrt(double(v.blur)) + slack + 1e-6 * v.fx;
+    const double turn = 6.283185307179586 * v.fx, middle = 0.5 * (double(v.left) + v.right);
+    const double x = v.fx * std::atan2(at[0], at[1]) + v.cx - middle;
+    const double off = std::fabs(x - turn * std::round(x / turn));
+    return off - reach - margin > 0.5 * (double(v.right) - v.left);
+  }
+
   /// Largest length of W_row - t W2 for t between `low` and `high`: that of an end.
   SWIFTGS_HD double lengths(int row, double low, double high) const {
     double at_low = 0, at_high = 0;

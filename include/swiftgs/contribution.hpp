@@ -186,7 +186,10 @@ class Contributions {
       throw CapacityError("pixels of all views", pixels, max_contribution_pixels);
 
     check_ready(stages_.backend());
-    const FramePlan plan(Views(&view, 1), scene_.view());
+    const Span<const View> parts = parts_.of({&view, 1});
+    numbered_.assign(parts.begin(), parts.end());
+    number_tiles({numbered_.data(), numbered_.size()});
+    const FramePlan plan(Views(numbered_.data(), numbered_.size()), scene_.view());
     const bool shaded = colours_may_overflow_ || centre_is_extreme(view.camera);
     const auto add = [&](const RasterJob& job) { add_contributions(stages_.backend(), {job, sums_.data()}); };
     stages_.run(plan, shaded, add, [](std::size_t) {});
@@ -213,6 +216,8 @@ class Contributions {
   Stages<B> stages_;
   typename B::SceneOn scene_;
   bool colours_may_overflow_;
+  PanoramaParts parts_;
+  std::vector<View> numbered_;
   typename B::template Buffer<std::uint64_t> sums_;
   std::uint64_t pixels_ = 0;
 };

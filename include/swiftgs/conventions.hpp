@@ -23,6 +23,14 @@ struct Conventions {
                          ///< touches
   };
 
+  /// What orders splats, is compared with the planes, and is drawn as depth.
+  enum class Depth {
+    of_lens,   ///< z of perspective and orthographic lenses, distance of those that see behind the camera
+    z,         ///< along the camera's axis
+    distance,  ///< from the camera's centre
+  };
+
+  Depth depth = Depth::of_lens;
   float near_plane = 0.01f;   ///< a Gaussian nearer than this is culled
   bool cull_at_near = false;  ///< so is one exactly on the near plane
   float far_plane = 1e10f;    ///< a Gaussian further than this is culled

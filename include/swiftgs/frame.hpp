@@ -71,6 +71,11 @@ struct Plane {
     using Byte = std::conditional_t<std::is_const_v<T>, const unsigned char, unsigned char>;
     return reinterpret_cast<T*>(reinterpret_cast<Byte*>(data) + std::ptrdiff_t(y) * pitch);
   }
+  /// The plane without its first columns, which take so many bytes.
+  Plane from_column(std::ptrdiff_t bytes) const {
+    using Byte = std::conditional_t<std::is_const_v<T>, const unsigned char, unsigned char>;
+    return {reinterpret_cast<T*>(reinterpret_cast<Byte*>(data) + bytes), pitch};
+  }
 };
 
 /// Destination of a frame: the caller's memory, reachable by the backend. Each plane has a pitch of its own,

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include <swiftgs/bounds/bounds.hpp>
+#include <swiftgs/lens/point.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/sh.hpp>
@@ -91,6 +92,13 @@ struct ImageAxes {
     };
     x = image_row(0, at.tx, at.x), y = image_row(1, at.ty, at.y);
   }
+
+  /// `dx` and `dy` are the derivatives of a pixel by the world.
+  SWIFTGS_HD ImageAxes(const Vector3<Real>& dx, const Vector3<Real>& dy, vec3 scale, Quaternion q) {
+    const LocalAxes<Real> axes(q);
+    for (int k = 0; k < 3; ++k)
+      x[k] = scale[k] * dot(dx, axes.column[k]), y[k] = scale[k] * dot(dy, axes.column[k]);
+  }
 };
 
 /// What a splat keeps of its blurred covariance.
@@ -164,40 +172,31 @@ SWIFTGS_HD inline float part_slack(float half_width, float half_height) {
   return 2 * bounds_slack(half_width, half_height);
 }
 
-/// Projects a Gaussian. `visible` is false where no shown pixel can keep it: too near or far, too
-/// faint, or the box of its ellipse s <= cutoff holds no pixel centre. Spherical harmonics are not looked at.
-SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gaussian& g) {
-  ProjectedShape out;
-  float opacity = g.opacity;
-  if (!(opacity >= v.alpha_min && opacity < INFINITY)) return out;
-
-  // Move to camera space in double, so that distant worlds and long focal lengths keep their pixels.
-  const vec3 mean = g.mean;
-  const double d[3] = {mean.x - v.centre[0], mean.y - v.centre[1], mean.z - v.centre[2]};
+/// Camera-space position of a Gaussian, in double, so that distant worlds and long focal lengths keep their
+/// pixels.
+struct CameraPoint {
   double p[3];
-  for (int row = 0; row < 3; ++row)
-    p[row] =
-        std::fma(v.rotation[row][0], d[0], std::fma(v.rotation[row][1], d[1], v.rotation[row][2] * d[2]));
-  const float z = float(p[2]);
-  if (!(z > v.near_plane && z <= v.far_plane)) return out;
-  const double inverse_z = inverse(p[2]), x_over_z = p[0] * inverse_z, y_over_z = p[1] * inverse_z;
 
-  // Linearise within the limits of the conventions.
-  SplatShape& s = out.shape;
-  s.mean = vec2(float(std::fma(v.fx, x_over_z, v.cx)), float(std::fma(v.fy, y_over_z, v.cy)));
-  const float over_z = float(inverse_z);
-  const Linearisation<float> at{v.clamped_x(float(x_over_z)), v.clamped_y(float(y_over_z)),
-                                v.focal_x * over_z, v.focal_y * over_z};
-  const SplatFactor f = needs_double(at, g.scale, s.mean)
-                            ? factor_in_double(v, x_over_z, y_over_z, inverse_z, g)
-                            : factor(ImageAxes<float>(v, at, g.scale, g.rotation), v.blur);
+  SWIFTGS_HD CameraPoint(const ViewConstants& v, vec3 mean) {
+    const double d[3] = {mean.x - v.centre[0], mean.y - v.centre[1], mean.z - v.centre[2]};
+    for (int row = 0; row < 3; ++row)
+      p[row] =
+          std::fma(v.rotation[row][0], d[0], std::fma(v.rotation[row][1], d[1], v.rotation[row][2] * d[2]));
+  }
+};
+
+/// The splat with this factor at `mean`, if it can be seen.
+SWIFTGS_HD inline ProjectedShape visible_shape(const ViewConstants& v, vec2 mean, const SplatFactor& f,
+                                               float opacity, float depth) {
+  ProjectedShape out;
   if (!f.valid) return out;
-
   if (v.antialiased) {
     opacity *= std::sqrt(f.sharpness > v.min_compensation ? f.sharpness : v.min_compensation);
     if (!(opacity >= v.alpha_min)) return out;
   }
 
+  SplatShape& s = out.shape;
+  s.mean = mean;
   s.l0 = f.l0, s.l1 = f.l1, s.l2 = f.l2;
   s.opacity = opacity;
   s.cutoff = std::log2(opacity / v.alpha_min);
@@ -205,7 +204,7 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gau
   s.half_width = extent * std::sqrt(f.var_x);
   const float half_height = extent * std::sqrt(f.var_y);
 
-  out.depth = z;
+  out.depth = depth;
   out.visible = s.mean.x + s.half_width >= 0.5f && s.mean.x - s.half_width <= v.width - 0.5f &&
                 s.mean.y + half_height >= 0.5f && s.mean.y - half_height <= v.height - 0.5f;
   const float slack = part_slack(s.half_width, half_height);
@@ -213,6 +212,57 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gau
   out.visible = out.visible && s.mean.x + x >= v.left + 0.5f && s.mean.x - x <= v.right - 0.5f &&
                 s.mean.y + y >= v.top + 0.5f && s.mean.y - y <= v.bottom - 0.5f;
   return out;
+}
+
+/// `project_shape` of views that are `through_lens`, in double throughout. Not inlined: it would cost pinhole
+/// views registers.
+SWIFTGS_HD SWIFTGS_NOINLINE inline ProjectedShape project_through_lens(const ViewConstants& v,
+                                                                       const Gaussian& g) {
+  const CameraPoint at(v, g.mean);
+  const double* const p = at.p;
+  const float depth = float(v.depth_is_distance ? std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) : p[2]);
+  if (!(depth > v.near_plane && depth <= v.far_plane)) return {};
+  const LensPoint seen = point_through(v.lens, v.limits, dvec3(p[0], p[1], p[2]));
+  if (!seen.inside) return {};
+
+  // A full turn of a panorama is `turn` pixels: show the splat where the part of the image is.
+  double x = std::fma(v.fx, seen.u, v.cx);
+  if (v.lens.model == LensModel::equirectangular) {
+    const double turn = 6.283185307179586 * v.fx, middle = 0.5 * (double(v.left) + v.right);
+    x -= turn * std::round((x - middle) / turn);
+  }
+  const vec2 mean(float(x), float(std::fma(v.fy, seen.v, v.cy)));
+  const auto by_world = [&](const dvec3& by_camera, double pixels) {
+    dvec3 out;
+    for (int k = 0; k < 3; ++k)
+      out[k] = pixels * (by_camera.x * v.rotation[0][k] + by_camera.y * v.rotation[1][k] +
+                         by_camera.z * v.rotation[2][k]);
+    return out;
+  };
+  const ImageAxes<double> axes(by_world(seen.du, v.fx), by_world(seen.dv, v.fy), g.scale, g.rotation);
+  return visible_shape(v, mean, factor(axes, double(v.blur)), g.opacity, depth);
+}
+
+/// Projects a Gaussian. `visible` is false where no shown pixel can keep it: too near or far, too
+/// faint, or the box of its ellipse s <= cutoff holds no pixel centre. Spherical harmonics are not looked at.
+SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gaussian& g) {
+  if (!(g.opacity >= v.alpha_min && g.opacity < INFINITY)) return {};
+  if (v.through_lens) return project_through_lens(v, g);
+  const CameraPoint at_mean(v, g.mean);
+  const double* const p = at_mean.p;
+  const float z = float(p[2]);
+  if (!(z > v.near_plane && z <= v.far_plane)) return {};
+  const double inverse_z = inverse(p[2]), x_over_z = p[0] * inverse_z, y_over_z = p[1] * inverse_z;
+
+  // Linearise within the limits of the conventions.
+  const vec2 mean(float(std::fma(v.fx, x_over_z, v.cx)), float(std::fma(v.fy, y_over_z, v.cy)));
+  const float over_z = float(inverse_z);
+  const Linearisation<float> at{v.clamped_x(float(x_over_z)), v.clamped_y(float(y_over_z)),
+                                v.focal_x * over_z, v.focal_y * over_z};
+  const SplatFactor f = needs_double(at, g.scale, mean)
+                            ? factor_in_double(v, x_over_z, y_over_z, inverse_z, g)
+                            : factor(ImageAxes<float>(v, at, g.scale, g.rotation), v.blur);
+  return visible_shape(v, mean, f, g.opacity, z);
 }
 
 /// Unit direction from the camera towards `mean`. The largest component is scaled to 1 first, so that no

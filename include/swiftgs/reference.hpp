@@ -52,7 +52,8 @@ inline SplatChunks project_all(const Scene& scene, const View& view, int threads
   for_each_index(chunks.size(), threads, [&](std::size_t c) {
     const std::size_t end = std::min(scene.size(), (c + 1) * chunk);
     for (std::size_t i = c * chunk; i < end; ++i)
-      if (const std::optional<Splat> splat = project(scene, i, view)) chunks[c].push_back(*splat);
+      for (const Columns part : view.parts)
+        if (const std::optional<Splat> splat = project(scene, i, view, part)) chunks[c].push_back(*splat);
   });
   return chunks;
 }

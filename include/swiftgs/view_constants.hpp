@@ -6,6 +6,7 @@
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/lens/limits.hpp>
 #include <swiftgs/math.hpp>
 
 namespace swiftgs {
@@ -27,6 +28,10 @@ struct ViewConstants {
   float min_compensation;
   float alpha_min;
   bool antialiased;
+  bool through_lens;       ///< not a pinhole whose depth is z, and so projected by `project_through_lens`
+  bool depth_is_distance;  ///< rather than z
+  Lens lens;
+  LensLimits limits;
 
   /// x/z and y/z within their limits.
   template <class Real>
@@ -44,6 +49,12 @@ struct ViewConstants {
     return tangent < least ? least : tangent > most ? most : tangent;
   }
 };
+
+inline bool depth_is_distance(LensModel model, const Conventions& conventions) {
+  if (conventions.depth == Conventions::Depth::of_lens)
+    return model == LensModel::fisheye || model == LensModel::equirectangular;
+  return conventions.depth == Conventions::Depth::distance;
+}
 
 /// Throws `std::invalid_argument` for an invalid `camera` or `conventions`.
 inline ViewConstants view_constants(const Camera& camera, const Conventions& conventions) {
@@ -82,6 +93,10 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
   v.min_compensation = conventions.min_compensation;
   v.alpha_min = conventions.alpha_min;
   v.antialiased = conventions.antialiased;
+  v.lens = camera.lens;
+  v.depth_is_distance = depth_is_distance(camera.lens.model, conventions);
+  v.through_lens = !camera.lens.is_pinhole() || v.depth_is_distance;
+  if (v.through_lens) v.limits = lens_limits(camera, conventions);
   return v;
 }
 

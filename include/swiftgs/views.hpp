@@ -123,6 +123,43 @@ SWIFTGS_HD inline std::uint32_t view_of_tile(const View* views, std::uint32_t co
   return low;
 }
 
+/// Views as a frame draws them: a wide panorama is several, side by side in its memory.
+class PanoramaParts {
+ public:
+  /// `views` where none is wide; else copies, which hold until the next call.
+  Span<const View> of(Span<const View> views) {
+    const auto is_wide = [](const View& view) { return view.panorama_part > 0; };
+    if (std::none_of(views.begin(), views.end(), is_wide)) return views;
+    parts_.clear();
+    for (const View& view : views) {
+      const int end = view.left() + view.frame.width,
+                width = is_wide(view) ? view.panorama_part : view.frame.width;
+      for (int begin = view.left(); begin < end; begin += width)
+        parts_.push_back(is_wide(view) ? columns_of(view, begin, std::min(begin + width, end)) : view);
+    }
+    return {parts_.data(), parts_.size()};
+  }
+
+ private:
+  static View columns_of(View view, int begin, int end) {
+    FrameView& frame = view.frame;
+    const std::ptrdiff_t skipped = begin - view.left();
+    const auto skip = [&](auto& plane, std::size_t bytes) {
+      if (plane.data) plane = plane.from_column(skipped * std::ptrdiff_t(bytes));
+    };
+    skip(frame.colour, bytes_per_pixel(frame.format));
+    skip(frame.alpha, sizeof(float)), skip(frame.depth, sizeof(float)), skip(frame.occluder, sizeof(float));
+    frame.width = end - begin;
+    view.panorama_part = 0;
+    view.camera.left = float(begin), view.camera.right = float(end);
+    const int side = view.grid.side;
+    view.grid.columns = {begin / side, (end + side - 1) / side};
+    return view;
+  }
+
+  std::vector<View> parts_;
+};
+
 /// A renderer's own copy of the views of a frame.
 template <class B>
 struct ViewStorage {

@@ -25,6 +25,7 @@ const Names long_shapes{"needles", "bare-needles", "pancakes", "ridges", "little
 const Names large_shapes{"grazing", "scales", "distant-means"};
 const Names cameras{"wide-angles",   "long-lenses",     "principal-points", "uneven-focals",
                     "world-offsets", "distant-cameras", "skewed-rotations"};
+const Names lenses{"distorted-lenses", "fisheyes", "orthographic", "panoramas"};
 const Names thresholds{"on-planes", "on-alphas", "on-stops", "on-ties"};
 const Names stacks{"equal-stacks", "deep-stacks"};
 const Names values{"harmonics", "backgrounds", "far-depths", "mixtures"};
@@ -48,7 +49,7 @@ void check_one(StressCase drawn, Limits limits = {}) {
 
 TEST_CASE(SWIFTGS_STABILITY ": every family is swept") {
   std::set<std::string_view> swept;
-  for (const Names& names : {long_shapes, large_shapes, cameras, thresholds, stacks, values})
+  for (const Names& names : {long_shapes, large_shapes, cameras, lenses, thresholds, stacks, values})
     swept.insert(names.begin(), names.end());
   for (const StressFamily& family : stress_families()) CHECK(swept.count(family.name) == 1);
   CHECK(swept.size() == stress_families().size());
@@ -64,6 +65,10 @@ TEST_CASE(SWIFTGS_STABILITY ": large and distant shapes are drawn as exactly as 
 
 TEST_CASE(SWIFTGS_STABILITY ": hard cameras are drawn as exactly as floats allow") {
   sweep(cameras, {5, 6, 27, 28, 29}, {});
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": lenses are drawn as exactly as floats allow") {
+  sweep(lenses, {5, 6, 27, 28, 30}, {});
 }
 
 TEST_CASE(SWIFTGS_STABILITY ": decisions on an edge are taken as exactly as floats allow") {

@@ -132,9 +132,15 @@ inline PixelDecision decide(const VariedSplat& splat, double x, double y, const 
     spread = std::max(spread, std::abs(out.alphas[t] - first));
   }
   out.kept = splat.drawn && first >= log2_min && splat.splat.opacity >= double(k.alpha_min);
-  if (out.kept)
-    for (double& alpha : out.alphas) alpha = std::min(double(k.alpha_max), std::exp2(alpha));
   const double tolerance = threshold_moves * spread + std::ldexp(4 + std::abs(log2_min), -22);
+  if (out.kept) {
+    const double log2_max = std::log2(double(k.alpha_max));
+    // Where roundings may put alpha on either side of its largest value, trials move from there to below. The
+    // cut would hide their moves, and of a nearly opaque splat light behind it shows them.
+    if (std::abs(first - log2_max) <= tolerance)
+      for (std::size_t t = 1; t <= trials; ++t) out.alphas[t] = log2_max - std::abs(out.alphas[t] - first);
+    for (double& alpha : out.alphas) alpha = std::min(double(k.alpha_max), std::exp2(alpha));
+  }
   for (std::size_t representation = 0; representation < exponent_representations; ++representation)
     out.ambiguous[representation] = ambiguous_alpha(ExponentRepresentation(representation), splat, x, y,
                                                     first, out.kept ? out.alphas[0] : 0, tolerance, k);
@@ -193,14 +199,14 @@ inline void blend_row_varied(VariedPixel* pixels, int y, const VariedSplat& spla
 }
 
 /// Widens what `splat` may reach by far more than rounding can, and by the pixels that share a row of a tile.
-inline void bound_varied(VariedSplat& splat, const View& view) {
+inline void bound_varied(VariedSplat& splat, const View& view, Columns part) {
   Splat& s = splat.splat;
   const double cutoff = std::max(s.cutoff, 0.0);
   Splat wide = s;
   wide.cutoff = cutoff * 1.01 + 0.01;
-  bound_by_alpha(wide, view);
+  bound_by_alpha(wide, view, part);
   s.y_begin = std::max(0, wide.y_begin - 1), s.y_end = std::min(view.camera.height, wide.y_end + 1);
-  s.x_begin = std::max(0, wide.x_begin - 16), s.x_end = std::min(view.camera.width, wide.x_end + 16);
+  s.x_begin = std::max(part.begin, wide.x_begin - 16), s.x_end = std::min(part.end, wide.x_end + 16);
 }
 
 /// Finds splats whose depths may round to those of others. Depths of one float each are in order, or equal
@@ -226,13 +232,14 @@ inline std::vector<VariedSplat> project_all_varied(const Scene& scene, const Vie
   std::vector<Scene> moved;
   for (std::size_t t = 0; t < trials; ++t) moved.push_back(nudged(scene, seed + 977 * (t + 1)));
   std::vector<VariedSplat> splats;
-  for (std::size_t i = 0; i < scene.size(); ++i) {
-    std::optional<VariedSplat> splat = project_varied(scene, moved, i, view, seed);
-    if (!splat || !(splat->splat.opacity >= 0.99 * double(view.conventions.alpha_min))) continue;
-    bound_varied(*splat, view);
-    if (splat->splat.x_begin < splat->splat.x_end && splat->splat.y_begin < splat->splat.y_end)
-      splats.push_back(std::move(*splat));
-  }
+  for (std::size_t i = 0; i < scene.size(); ++i)
+    for (const Columns part : view.parts) {
+      std::optional<VariedSplat> splat = project_varied(scene, moved, i, view, part, seed);
+      if (!splat || !(splat->splat.opacity >= 0.99 * double(view.conventions.alpha_min))) continue;
+      bound_varied(*splat, view, part);
+      if (splat->splat.x_begin < splat->splat.x_end && splat->splat.y_begin < splat->splat.y_end)
+        splats.push_back(std::move(*splat));
+    }
   std::stable_sort(splats.begin(), splats.end(), [](const VariedSplat& a, const VariedSplat& b) {
     return float(a.splat.depth) < float(b.splat.depth);
   });

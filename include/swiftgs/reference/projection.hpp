@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -14,6 +15,7 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/reference/colour.hpp>
+#include <swiftgs/reference/lens.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/splats.hpp>
 
@@ -35,7 +37,7 @@ struct Splat {
   double x_weight = 0, y_weight = 0, shear = 0;
   double opacity = 0;  ///< with the anti-aliasing factor
   double cutoff = 0;   ///< at 2 sigma above this, alpha is below `alpha_min` whatever the rounding
-  double depth = 0;    ///< camera-space z
+  double depth = 0;    ///< as `Conventions::depth` has it
   Eigen::Vector3d colour = Eigen::Vector3d::Zero();  ///< RGB, the scene's own values
   Covariance covariance;
   std::size_t index = 0;                               ///< of the Gaussian in its scene
@@ -44,39 +46,28 @@ struct Splat {
 
 /// What all Gaussians of one frame are projected with.
 struct View {
-  View(const Camera& c, const Conventions& k) : camera(c), conventions(k) {
+  View(const Camera& c, const Conventions& k) : camera(c), conventions(k), lens(c, k) {
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 3; ++column) rotation(row, column) = c.rotation[column][row];
       translation[row] = c.translation[row];
     }
     centre = -rotation.inverse() * translation;
-    const Eigen::Array2d size(c.width, c.height), focal(c.fx, c.fy), principal(c.cx, c.cy);
-    const Eigen::Array2d tan_half = size / (2 * focal);
-    if (k.clamp == Conventions::JacobianClamp::around_image) {
-      least_tangent = -(principal / focal + 0.3 * tan_half);
-      largest_tangent = (size - principal) / focal + 0.3 * tan_half;
-    } else {
-      least_tangent = -1.3 * tan_half;
-      largest_tangent = 1.3 * tan_half;
-    }
+    const Columns all{0, c.width};
+    const int width = panorama_part(c, all) > 0 ? panorama_part(c, all) : c.width;
+    for (int x = 0; x < c.width; x += width) parts.push_back({x, std::min(c.width, x + width)});
   }
 
   Camera camera;
   Conventions conventions;
+  CameraLens lens;
   Eigen::Matrix3d rotation;
   Eigen::Vector3d translation, centre;
-  Eigen::Array2d least_tangent, largest_tangent;  ///< limits of x/z and y/z in the Jacobian
+  std::vector<Columns> parts;  ///< of the image, each with a copy of every splat that it shows
 };
 
-/// Projects the covariance of Gaussian `i`, whose mean is at `p` in camera space.
-inline Covariance project_covariance(const Scene& scene, std::size_t i, const Eigen::Vector3d& p,
-                                     const View& view) {
-  const double z = p.z();
-  const Eigen::Array2d tangent = (p.head<2>().array() / z).max(view.least_tangent).min(view.largest_tangent);
-  const double fx = view.camera.fx, fy = view.camera.fy;
-  Eigen::Matrix<double, 2, 3> jacobian;
-  jacobian << fx / z, 0, -fx * tangent.x() / z, 0, fy / z, -fy * tangent.y() / z;
-
+/// Projects the covariance of Gaussian `i`, which a lens shows with this Jacobian.
+inline Covariance project_covariance(const Scene& scene, std::size_t i,
+                                     const Eigen::Matrix<double, 2, 3>& jacobian, const View& view) {
   // The rotation as it is stored, not normalised again: float's rounding of it is part of the scene.
   const Quaternion& q = scene.rotations[i];
   const Eigen::Matrix3d axes = Eigen::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();
@@ -103,10 +94,11 @@ inline void set_range(double low, double high, int size, int& begin, int& end) {
 
 /// Sets the rectangle outside which alpha is surely below `alpha_min`: the bounding box of the ellipse at
 /// `cutoff`, widened by far more than rounding can move it.
-inline void bound_by_alpha(Splat& splat, const View& view) {
+inline void bound_by_alpha(Splat& splat, const View& view, Columns part) {
   const auto half = [&](double variance) { return std::sqrt(splat.cutoff * variance) * (1 + 1e-9) + 1; };
   const double half_x = half(splat.covariance.xx), half_y = half(splat.covariance.yy);
   set_range(splat.x - 0.5 - half_x, splat.x - 0.5 + half_x, view.camera.width, splat.x_begin, splat.x_end);
+  splat.x_begin = std::max(splat.x_begin, part.begin), splat.x_end = std::min(splat.x_end, part.end);
   set_range(splat.y - 0.5 - half_y, splat.y - 0.5 + half_y, view.camera.height, splat.y_begin, splat.y_end);
 }
 
@@ -159,10 +151,11 @@ inline Eigen::Vector3d camera_space_mean(const Scene& scene, std::size_t i, cons
 /// Projects Gaussian `i`, whose mean is at `p` in camera space, without its colour. Does not test planes,
 /// opacity or image. Returns nothing if its numbers or its splat's are not finite, or too large.
 inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, const Eigen::Vector3d& p,
-                                             const View& view) {
+                                             const View& view, Columns part) {
   const Conventions& k = view.conventions;
-  const double z = p.z();
-  const Covariance cov = project_covariance(scene, i, p, view);
+  const std::optional<SeenPoint> seen = view.lens.point(p, 0.5 * (part.begin + part.end));
+  if (!seen) return {};
+  const Covariance cov = project_covariance(scene, i, seen->jacobian, view);
   if (!(cov.det > 0) || !std::isfinite(cov.det)) return {};
   if (!(cov.xx <= double(largest_variance) && cov.yy <= double(largest_variance))) return {};
 
@@ -172,15 +165,15 @@ inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, 
     splat.opacity *= std::sqrt(std::max(double(k.min_compensation), cov.det_sharp / cov.det));
   splat.cutoff = k.alpha_min > 0 ? 2 * std::log(splat.opacity / double(k.alpha_min)) * (1 + 1e-9) + 1e-9
                                  : std::numeric_limits<double>::infinity();
-  splat.x = view.camera.fx * (p.x() / z) + view.camera.cx;
-  splat.y = view.camera.fy * (p.y() / z) + view.camera.cy;
+  splat.x = seen->x, splat.y = seen->y;
   splat.x_weight = cov.yy / cov.det;
   splat.y_weight = 1 / cov.yy;
   splat.shear = cov.xy / cov.yy;
-  splat.depth = z;
+  splat.depth = view.lens.depth(p);
   splat.index = i;
   splat.covariance = cov;
-  const double sum = splat.x + splat.y + splat.x_weight + splat.y_weight + splat.shear + z + splat.opacity;
+  const double sum =
+      splat.x + splat.y + splat.x_weight + splat.y_weight + splat.shear + splat.depth + splat.opacity;
   if (!std::isfinite(sum)) return {};
   return splat;
 }
@@ -194,14 +187,14 @@ inline bool shade(Splat& splat, const Scene& scene, const View& view) {
   return sum.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= double(std::numeric_limits<float>::max());
 }
 
-/// Projects Gaussian `i`; nothing when it is culled or reaches no pixel.
-inline std::optional<Splat> project(const Scene& scene, std::size_t i, const View& view) {
+/// Projects Gaussian `i` for a part of the image; nothing when it is culled or reaches no pixel there.
+inline std::optional<Splat> project(const Scene& scene, std::size_t i, const View& view, Columns part) {
   const Conventions& k = view.conventions;
   const Eigen::Vector3d p = camera_space_mean(scene, i, view);
-  if (!is_between_planes(float(p.z()), k)) return {};
-  std::optional<Splat> splat = project_unculled(scene, i, p, view);
+  if (!is_between_planes(float(view.lens.depth(p)), k)) return {};
+  std::optional<Splat> splat = project_unculled(scene, i, p, view, part);
   if (!splat || !(splat->opacity >= double(k.alpha_min))) return {};
-  bound_by_alpha(*splat, view);
+  bound_by_alpha(*splat, view, part);
   if (k.footprint == Conventions::Footprint::three_sigma_square) cut_to_three_sigma_square(*splat);
   if (splat->x_begin >= splat->x_end || splat->y_begin >= splat->y_end) return {};
   if (!shade(*splat, scene, view)) return {};

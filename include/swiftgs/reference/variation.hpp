@@ -172,25 +172,30 @@ struct VariedSplat {
   float least_depth = 0, largest_depth = 0;  ///< floats that its depth may round to
 };
 
-/// How far double arithmetic may move the camera-space depth of Gaussian `i`.
+/// How far double arithmetic may move the depth of Gaussian `i`: no more than its position in camera space.
 inline double depth_error(const Scene& scene, std::size_t i, const View& view) {
   const vec3& m = scene.means[i];
-  double sum = std::abs(view.translation.z());
-  for (int k = 0; k < 3; ++k)
-    sum += std::abs(view.rotation(2, k)) * (std::abs(double(m[k])) + std::abs(view.centre[k]));
+  double sum = 0;
+  for (int row = view.lens.by_distance() ? 0 : 2; row < 3; ++row) {
+    sum += std::abs(view.translation[row]);
+    for (int k = 0; k < 3; ++k)
+      sum += std::abs(view.rotation(row, k)) * (std::abs(double(m[k])) + std::abs(view.centre[k]));
+  }
   return std::ldexp(sum, -49);
 }
 
 /// Projects Gaussian `i` of `scene`, and of the trials `moved`. Nothing where no rounding could draw it.
 inline std::optional<VariedSplat> project_varied(const Scene& scene, const std::vector<Scene>& moved,
-                                                 std::size_t i, const View& view, std::uint64_t seed) {
+                                                 std::size_t i, const View& view, Columns part,
+                                                 std::uint64_t seed) {
   const Eigen::Vector3d p = camera_space_mean(scene, i, view);
   const Conventions& k = view.conventions;
   const double slack = depth_error(scene, i, view);
-  const float low = float(p.z() - slack), high = float(p.z() + slack);
+  const double depth = view.lens.depth(p);
+  const float low = float(depth - slack), high = float(depth + slack);
   const auto between_planes = [&](float z) { return is_between_planes(z, k); };
-  if (!between_planes(float(p.z())) && !between_planes(low) && !between_planes(high)) return {};
-  std::optional<Splat> splat = project_unculled(scene, i, p, view);
+  if (!between_planes(float(depth)) && !between_planes(low) && !between_planes(high)) return {};
+  std::optional<Splat> splat = project_unculled(scene, i, p, view, part);
   if (!splat || !shade(*splat, scene, view)) return {};
   VariedSplat out{.splat = *splat, .numbers = {}};
   out.drawn = between_planes(float(splat->depth));
@@ -200,7 +205,7 @@ inline std::optional<VariedSplat> project_varied(const Scene& scene, const std::
   out.numbers.emplace_back(*splat);
   for (const Scene& trial : moved) {
     // A trial in which the splat cannot be drawn at all tells nothing of how far it moves.
-    std::optional<Splat> there = project_unculled(trial, i, camera_space_mean(trial, i, view), view);
+    std::optional<Splat> there = project_unculled(trial, i, camera_space_mean(trial, i, view), view, part);
     if (!there || !shade(*there, trial, view)) there = splat;
     nudge_stored(out.numbers.emplace_back(*there), nudges);
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <swiftgs/stress/cameras.hpp>
+#include <swiftgs/stress/lenses.hpp>
 #include <swiftgs/stress/shapes.hpp>
 #include <swiftgs/stress/thresholds.hpp>
 #include <swiftgs/stress/values.hpp>
@@ -31,6 +32,10 @@ inline const std::vector<StressFamily>& stress_families() {
        {1e2, 1e3, 1e5, 1e7, 9e8},
        principal_points},
       {"uneven-focals", "ratio of focal lengths", {2, 10, 100}, uneven_focals},
+      {"distorted-lenses", "corner over fold", {0.1, 0.5, 0.9, 0.999}, distorted_lenses},
+      {"fisheyes", "field of view (degrees)", {30, 120, 180, 240, 340}, fisheyes},
+      {"orthographic", "depth over width", {1, 1e2, 1e4, 1e6}, orthographic},
+      {"panoramas", "1 / angle to a pole (1/radian)", {1, 10, 100, 1000}, panoramas},
       {"world-offsets", "distance from the origin", {1e2, 1e4, 1e6, 1e8}, world_offsets},
       {"distant-cameras", "distance of the camera", {1e1, 1e3, 1e5, 1e7}, distant_cameras},
       {"skewed-rotations", "distance from a rotation", {0, 1e-5, 1e-4, 4e-4}, skewed_rotations},

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace swiftgs {
+
+/// How directions map to a plane, before distortion and focal lengths. With (x, y, z) in camera space, the
+/// plane's point (u, v) is
+enum class LensModel {
+  perspective,      ///< (x / z, y / z), for z > 0
+  fisheye,          ///< the angle to the axis times (x, y) / |(x, y)|: equidistant, to beyond 180 degrees
+  orthographic,     ///< (x, y): parallel rays, focal lengths in pixels per unit of the scene
+  equirectangular,  ///< azimuth atan2(x, z) and elevation atan2(y, |(x, z)|) @units{radians}
+};
+
+/// Moves (u, v) in its plane; with r^2 = u^2 + v^2 to
+///   u R + 2 p0 u v + p1 (r^2 + 2 u^2) + s0 r^2,  v R + p0 (r^2 + 2 v^2) + 2 p1 u v + s1 r^2,
+///   R = (1 + k0 r^2 + k1 r^4 + k2 r^6 + k3 r^8) / (1 + q0 r^2 + q1 r^4 + q2 r^6).
+/// That is OpenCV's model of a perspective (k1, k2, k3 | k4, k5, k6) and of a fisheye lens (k1 to k4), and
+/// COLMAP's of a thin prism.
+struct Distortion {
+  double radial[4] = {};      ///< k
+  double rational[3] = {};    ///< q
+  double tangential[2] = {};  ///< p
+  double prism[2] = {};       ///< s
+
+  bool operator==(const Distortion&) const = default;
+};
+
+/// What is between a scene and the image plane.
+struct Lens {
+  LensModel model = LensModel::perspective;
+  Distortion distortion;  ///< of perspective and fisheye lenses alone
+
+  bool is_distorted() const { return distortion != Distortion(); }
+  /// A pinhole: perspective without distortion.
+  bool is_pinhole() const { return model == LensModel::perspective && !is_distorted(); }
+  bool operator==(const Lens&) const = default;
+};
+
+inline constexpr const char* lens_model_names[] = {"perspective", "fisheye", "orthographic",
+                                                   "equirectangular"};
+
+inline std::string_view name_of(LensModel model) { return lens_model_names[int(model)]; }
+
+/// The model called `name`. Throws `std::invalid_argument` with the valid names for any other.
+inline LensModel lens_model_named(std::string_view name) {
+  for (int i = 0; i < 4; ++i)
+    if (name == lens_model_names[i]) return LensModel(i);
+  throw std::invalid_argument(
+      "lens '" + std::string(name) +
+      "' is not known; expected perspective, fisheye, orthographic or equirectangular");
+}
+
+/// Throws `std::invalid_argument` for a distortion that is not finite, or of a lens that has none.
+inline void validate(const Lens& lens) {
+  const Distortion& d = lens.distortion;
+  for (const double number :
+       {d.radial[0], d.radial[1], d.radial[2], d.radial[3], d.rational[0], d.rational[1], d.rational[2],
+        d.tangential[0], d.tangential[1], d.prism[0], d.prism[1]})
+    if (!(std::fabs(number) <= 1e6))
+      throw std::invalid_argument("camera: expected distortion coefficients of at most 1e6 in magnitude");
+  const bool takes_distortion = lens.model == LensModel::perspective || lens.model == LensModel::fisheye;
+  if (!takes_distortion && lens.is_distorted())
+    throw std::invalid_argument("camera: expected no distortion of an " + std::string(name_of(lens.model)) +
+                                " lens");
+}
+
+}  // namespace swiftgs
