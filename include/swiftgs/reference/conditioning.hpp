@@ -135,10 +135,11 @@ inline PixelDecision decide(const VariedSplat& splat, double x, double y, const 
   const double tolerance = threshold_moves * spread + std::ldexp(4 + std::abs(log2_min), -22);
   if (out.kept) {
     const double log2_max = std::log2(double(k.alpha_max));
-    // Where roundings may put alpha on either side of its largest value, trials move from there to below. The
-    // cut would hide their moves, and of a nearly opaque splat light behind it shows them.
+    // Where roundings may put alpha on either side of its largest value, trials move down: the cut would hide
+    // their moves, and light behind a nearly opaque splat shows them.
     if (std::abs(first - log2_max) <= tolerance)
-      for (std::size_t t = 1; t <= trials; ++t) out.alphas[t] = log2_max - std::abs(out.alphas[t] - first);
+      for (std::size_t t = 1; t <= trials; ++t)
+        out.alphas[t] = std::min(first, log2_max) - std::abs(out.alphas[t] - first);
     for (double& alpha : out.alphas) alpha = std::min(double(k.alpha_max), std::exp2(alpha));
   }
   for (std::size_t representation = 0; representation < exponent_representations; ++representation)
