@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Where lenses show points, with derivatives, limits and parts, against formulas in long double.
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/camera.hpp>
+#include <swiftgs/conventions.hpp>
+#include <swiftgs/lens/limits.hpp>
+#include <swiftgs/lens/point.hpp>
+#include <swiftgs/project.hpp>
+#include <swiftgs/view_constants.hpp>
+
+using namespace swiftgs;
+
+namespace {
+
+using Wide = long double;
+constexpr Wide pi = 3.14159265358979323846264338327950288L;
+
+struct Place {
+  Wide u, v;
+};
+
+/// The formulas of `Distortion`.
+Place distorted(const Distortion& d, Wide u, Wide v) {
+  const Wide s = u * u + v * v;
+  const Wide above =
+      1 + d.radial[0] * s + d.radial[1] * s * s + d.radial[2] * s * s * s + d.radial[3] * s * s * s * s;
+  const Wide below = 1 + d.rational[0] * s + d.rational[1] * s * s + d.rational[2] * s * s * s;
+  const Wide p0 = d.tangential[0], p1 = d.tangential[1];
+  return {u * above / below + 2 * p0 * u * v + p1 * (s + 2 * u * u) + d.prism[0] * s,
+          v * above / below + p0 * (s + 2 * v * v) + 2 * p1 * u * v + d.prism[1] * s};
+}
+
+/// The formulas of `LensModel`.
+Place place_of(const Lens& lens, Wide x, Wide y, Wide z) {
+  switch (lens.model) {
+    case LensModel::perspective:
+      return distorted(lens.distortion, x / z, y / z);
+    case LensModel::fisheye: {
+      const Wide across = std::hypot(x, y), angle = std::atan2(across, z);
+      return distorted(lens.distortion, angle * x / across, angle * y / across);
+    }
+    case LensModel::orthographic:
+      return {x, y};
+    case LensModel::equirectangular:
+      return {std::atan2(x, z), std::atan2(y, std::hypot(x, z))};
+  }
+  return {};
+}
+
+/// A lens of each model, those that take distortion with and without.
+std::vector<Lens> lenses() {
+  const Distortion opencv{{-0.12, 0.03, -0.002, 0}, {0.01, 0.002, 0.0001}, {0.004, -0.003}, {}};
+  const Distortion thin_prism{{0.03, -0.004, 0.0005, -0.00002}, {}, {0.002, 0.001}, {-0.003, 0.002}};
+  return {{LensModel::perspective, {}},  {LensModel::perspective, opencv},
+          {LensModel::fisheye, {}},      {LensModel::fisheye, thin_prism},
+          {LensModel::orthographic, {}}, {LensModel::equirectangular, {}}};
+}
+
+Camera camera_with(const Lens& lens, int width = 640, int height = 480) {
+  Camera camera;
+  camera.width = width, camera.height = height, camera.lens = lens;
+  camera.fx = camera.fy = lens.model == LensModel::equirectangular ? width / (2 * double(pi)) : 300;
+  camera.cx = 0.5 * width, camera.cy = 0.5 * height;
+  return camera;
+}
+
+/// The fold found by stepping: the first of many radii at which the next shows nearer to the axis.
+double fold_by_steps(const Distortion& d, double most) {
+  constexpr int steps = 200'000;
+  Wide before = 0;
+  for (int i = 1; i <= steps; ++i) {
+    const Wide radius = most * i / steps, shown = distorted(d, radius, 0).u;
+    if (shown < before) return double(most * (i - 1) / steps);
+    before = shown;
+  }
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("lens: points and derivatives are those of the formulas") {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> in(-3, 3);
+  for (const Lens& lens : lenses()) {
+    CAPTURE(name_of(lens.model));
+    CAPTURE(lens.is_distorted());
+    const LensLimits limits = lens_limits(camera_with(lens, 100'000, 100'000), Conventions::gsplat());
+    int inside = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const dvec3 p(in(random), in(random), in(random));
+      const LensPoint at = point_through(lens, limits, p);
+      if (!at.inside || (lens.model == LensModel::perspective && p.z < 0.05)) continue;  // within the limits
+      ++inside;
+      const Place exact = place_of(lens, p.x, p.y, p.z);
+      const double scale = 1 + std::fabs(at.u) + std::fabs(at.v);
+      CHECK(std::fabs(double(exact.u) - at.u) <= 1e-13 * scale);
+      CHECK(std::fabs(double(exact.v) - at.v) <= 1e-13 * scale);
+      const double size = std::sqrt(dot(at.du, at.du)) + std::sqrt(dot(at.dv, at.dv));
+      for (int k = 0; k < 3; ++k) {
+        const Wide step = 1e-6L * (std::fabs(Wide(p[k])) + 0.01L);
+        const auto moved = [&](Wide by) {
+          return place_of(lens, p.x + (k == 0 ? by : 0), p.y + (k == 1 ? by : 0), p.z + (k == 2 ? by : 0));
+        };
+        const Place more = moved(step), less = moved(-step);
+        if (std::fabs(more.u - less.u) > pi) continue;  // over the seam
+        CHECK(std::fabs(double((more.u - less.u) / (2 * step)) - at.du[k]) <= 1e-7 * size);
+        CHECK(std::fabs(double((more.v - less.v) / (2 * step)) - at.dv[k]) <= 1e-7 * size);
+      }
+    }
+    CHECK(inside >= 300);
+  }
+}
+
+TEST_CASE("lens: a fisheye shows its axis, and no point straight behind") {
+  const Lens lens{LensModel::fisheye, {}};
+  const LensLimits limits = lens_limits(camera_with(lens), Conventions::gsplat());
+  const LensPoint ahead = point_through(lens, limits, dvec3(0, 0, 2));
+  CHECK(ahead.inside);
+  CHECK(ahead.u == 0);
+  CHECK(ahead.du == dvec3(0.5, 0, 0));
+  CHECK(ahead.dv == dvec3(0, 0.5, 0));
+  CHECK_FALSE(point_through(lens, limits, dvec3(0, 0, -2)).inside);
+  CHECK(point_through(lens, limits, dvec3(0.1, 0, -2)).inside);
+}
+
+TEST_CASE("lens: the fold-over is where radii stop to grow") {
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<double> in(-1, 1);
+  int folded = 0;
+  for (int i = 0; i < 60; ++i) {
+    Distortion d{{0.3 * in(random), 0.1 * in(random), 0.02 * in(random), 0.004 * in(random)}, {}, {}, {}};
+    if (i % 2) d.rational[0] = 0.2 * std::fabs(in(random)), d.rational[1] = 0.05 * std::fabs(in(random));
+    const double found = std::sqrt(lens::fold_squared(d, 9)), expected = fold_by_steps(d, 3);
+    CHECK(found == doctest::Approx(expected).epsilon(1e-4));
+    folded += found < 3;
+  }
+  CHECK(folded >= 20);
+  // A pole of the rational term ends the lens too.
+  CHECK(lens::fold_squared({{}, {-0.25, 0, 0}, {}, {}}, 100) == doctest::Approx(4));
+}
+
+TEST_CASE("lens: undistorted points are where the distortion takes them from") {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> in(-0.8, 0.8);
+  for (const Lens& lens : lenses()) {
+    if (!lens.is_distorted()) continue;
+    const double fold = lens::fold_squared(lens.distortion, 100);
+    for (int i = 0; i < 200; ++i) {
+      const double u = in(random), v = in(random);
+      const lens::Distorted to = lens::distort(lens.distortion, u, v);
+      const std::optional<dvec3> back = lens::undistorted(lens.distortion, fold, to.u, to.v);
+      REQUIRE(back);
+      CHECK(back->x == doctest::Approx(u).epsilon(1e-10));
+      CHECK(back->y == doctest::Approx(v).epsilon(1e-10));
+    }
+  }
+  // Beyond the largest radius that a barrel shows there is nothing to come from.
+  const Distortion barrel{{-1.0 / 3, 0, 0, 0}, {}, {}, {}};
+  CHECK(lens::fold_squared(barrel, 100) == doctest::Approx(1));
+  CHECK(lens::undistorted(barrel, 1, 0.66, 0));
+  CHECK_FALSE(lens::undistorted(barrel, 1, 0.67, 0));
+}
+
+TEST_CASE("lens: limits of tangents are a pinhole's where there is no distortion") {
+  for (const auto clamp :
+       {Conventions::JacobianClamp::around_image, Conventions::JacobianClamp::around_centre}) {
+    Conventions conventions;
+    conventions.clamp = clamp;
+    Camera camera = camera_with({});
+    camera.cx = 200, camera.cy = 300;
+    const ViewConstants pinhole = view_constants(camera, conventions);
+    const LensLimits limits = lens_limits(camera, conventions);
+    CHECK(limits.least_u == doctest::Approx(double(pinhole.tan_x_min)));
+    CHECK(limits.most_u == doctest::Approx(double(pinhole.tan_x_max)));
+    CHECK(limits.least_v == doctest::Approx(double(pinhole.tan_y_min)));
+    CHECK(limits.most_v == doctest::Approx(double(pinhole.tan_y_max)));
+  }
+}
+
+TEST_CASE("lens: points beyond the fold or behind a perspective lens show nothing") {
+  Lens lens;
+  lens.distortion.radial[0] = -1.0 / 3;  // r - r^3 / 3 folds at 1
+  const LensLimits limits = lens_limits(camera_with(lens), Conventions::gsplat());
+  CHECK(point_through(lens, limits, dvec3(0.99, 0, 1)).inside);
+  CHECK_FALSE(point_through(lens, limits, dvec3(1.01, 0, 1)).inside);
+  CHECK_FALSE(point_through(lens, limits, dvec3(0.1, 0, -1)).inside);
+  CHECK_FALSE(point_through(lens, limits, dvec3(0.1, 0, 0)).inside);
+}
+
+TEST_CASE("lens: depth is z or the distance, as the lens and the conventions say") {
+  const Gaussian g{{1, 2, 2}, vec3(0.1f), {}, 0.9f};
+  const auto depth_of = [&](const Lens& lens, Conventions::Depth depth) {
+    Conventions conventions;
+    conventions.depth = depth;
+    return project_shape(view_constants(camera_with(lens, 4000, 4000), conventions), g).depth;
+  };
+  using enum Conventions::Depth;
+  for (const Lens& lens : lenses()) {
+    CAPTURE(name_of(lens.model));
+    const bool sees_behind = lens.model == LensModel::fisheye || lens.model == LensModel::equirectangular;
+    CHECK(depth_of(lens, of_lens) == (sees_behind ? 3 : 2));
+    CHECK(depth_of(lens, z) == 2);
+    CHECK(depth_of(lens, distance) == 3);
+  }
+}
+
+TEST_CASE("lens: panoramas are drawn in parts of an eighth of a turn or somewhat more") {
+  const Camera whole = camera_with({LensModel::equirectangular, {}}, 4096, 2048);
+  CHECK(panorama_part(whole, {0, 4096}) == 512);
+  CHECK(panorama_part(whole, {512, 1024}) == 0);
+  CHECK(panorama_part(whole, {512, 1025}) == 512);
+  CHECK(panorama_part(camera_with({LensModel::equirectangular, {}}, 100, 50), {0, 100}) == 32);
+  CHECK(panorama_part(camera_with({LensModel::fisheye, {}}, 4096, 2048), {0, 4096}) == 0);
+}
+
+TEST_CASE("lens: what cannot be is refused in words") {
+  Camera camera = camera_with({LensModel::orthographic, {}});
+  camera.lens.distortion.radial[0] = 0.1;
+  CHECK_THROWS_WITH_AS(validate(camera), "camera: expected no distortion of an orthographic lens",
+                       std::invalid_argument);
+  camera = camera_with({LensModel::equirectangular, {}});
+  camera.width = 700;
+  CHECK_THROWS_WITH_AS(validate(camera),
+                       "camera: expected at most 2 pi fx pixels a row of an equirectangular lens",
+                       std::invalid_argument);
+  camera = camera_with({});
+  camera.lens.distortion.prism[1] = NAN;
+  CHECK_THROWS_AS(validate(camera), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(
+      lens_model_named("fish"),
+      "lens 'fish' is not known; expected perspective, fisheye, orthographic or equirectangular",
+      std::invalid_argument);
+}
