@@ -49,7 +49,7 @@ T number(const Lines& lines, Tokens& tokens, const char* what) {
   return value;
 }
 
-Camera camera_at(const Source& source, std::uint64_t offset) {
+Camera camera_of_line(const Source& source, std::uint64_t offset) {
   Lines lines(source, offset);
   std::string_view line;
   lines.next(line);
@@ -69,8 +69,8 @@ Camera camera_at(const Source& source, std::uint64_t offset) {
   return camera;
 }
 
-ColmapCameras find_cameras(const Source& source) {
-  ColmapCameras cameras(source, camera_at);
+ColmapCameras find_lines_of_cameras(const Source& source) {
+  ColmapCameras cameras(source, camera_of_line);
   Lines lines(source);
   for (std::string_view line; lines.next(line);) {
     Tokens tokens(line);
@@ -99,7 +99,7 @@ void skip_points(Lines& lines) {
 }  // namespace
 
 std::vector<Camera> parse_colmap_text(const Source& cameras, const Source& images) {
-  const ColmapCameras known = find_cameras(cameras);
+  const ColmapCameras known = find_lines_of_cameras(cameras);
   std::vector<Camera> result;
   Lines lines(images);
   for (std::string_view line; lines.next(line);) {

@@ -12,7 +12,7 @@ namespace swiftgs::io {
 namespace {
 
 using Row = std::array<double, most_width>;
-using Ids = std::span<std::uint32_t>;
+using MovableIds = std::span<std::uint32_t>;
 
 struct Group {
   std::uint32_t begin = 0, end = 0;
@@ -43,7 +43,7 @@ struct Side {
   }
 };
 
-Side side_of(const Points& points, Ids ids) {
+Side side_of(const Points& points, MovableIds ids) {
   Side side{.count = ids.size()};
   add_up(points, ids, side.sums);
   return side;
@@ -62,7 +62,7 @@ Plane between(const Row& a, const Row& b) {
 }
 
 /// Between the mean and the point farthest from it, which separates any points that are not all equal.
-Plane from_farthest(const Points& points, Ids ids, const Row& mean) {
+Plane from_farthest(const Points& points, MovableIds ids, const Row& mean) {
   double most = -1;
   Row farthest{};
   for (const std::uint32_t id : ids) {
@@ -80,7 +80,7 @@ Plane from_farthest(const Points& points, Ids ids, const Row& mean) {
 
 /// Through the mean, across the direction in which the points differ most, which a few steps of the power
 /// method find. Starts from `plane`.
-Plane across_spread(const Points& points, Ids ids, const Row& mean, Plane plane) {
+Plane across_spread(const Points& points, MovableIds ids, const Row& mean, Plane plane) {
   constexpr int steps = 2;
   std::vector<float> weights(ids.size());
   for (int step = 0; step < steps; ++step) {
@@ -108,18 +108,18 @@ Plane across_spread(const Points& points, Ids ids, const Row& mean, Plane plane)
 }
 
 /// Orders `ids` so that those beyond the plane come last.
-std::array<Side, 2> part(const Points& points, Ids ids, const Plane& plane) {
+std::array<Side, 2> part(const Points& points, MovableIds ids, const Plane& plane) {
   constexpr std::size_t at_once = 256;  // which stay in the cache from projecting to adding up
   std::array<float, at_once> products;
   std::vector<std::uint32_t> beyond;
   std::array<Side, 2> sides;
-  const auto add = [&](Side& side, Ids to) {
+  const auto add = [&](Side& side, MovableIds to) {
     add_up(points, to, side.sums);
     side.count += to.size();
   };
   std::size_t before = 0;
   for (std::size_t begin = 0; begin < ids.size(); begin += at_once) {
-    const Ids some = ids.subspan(begin, std::min(at_once, ids.size() - begin));
+    const MovableIds some = ids.subspan(begin, std::min(at_once, ids.size() - begin));
     project(points, some, plane.normal.data(), products.data());
     const std::size_t old_before = before, old_beyond = beyond.size();
     for (std::size_t i = 0; i < some.size(); ++i) {
@@ -129,7 +129,7 @@ std::array<Side, 2> part(const Points& points, Ids ids, const Plane& plane) {
         ids[before++] = some[i];
     }
     add(sides[0], ids.subspan(old_before, before - old_before));
-    add(sides[1], Ids(beyond).subspan(old_beyond));
+    add(sides[1], MovableIds(beyond).subspan(old_beyond));
   }
   std::copy(beyond.begin(), beyond.end(), ids.begin() + std::ptrdiff_t(before));
   return sides;
@@ -138,7 +138,7 @@ std::array<Side, 2> part(const Points& points, Ids ids, const Plane& plane) {
 bool is_parted(const std::array<Side, 2>& sides) { return sides[0].count > 0 && sides[1].count > 0; }
 
 /// A plane between two halves of few points: 2-means.
-Plane between_halves(const Points& points, Ids ids) {
+Plane between_halves(const Points& points, MovableIds ids) {
   constexpr int steps = 4;
   const Row mean = side_of(points, ids).mean();
   Plane plane = across_spread(points, ids, mean, from_farthest(points, ids, mean));
@@ -154,7 +154,7 @@ Plane between_halves(const Points& points, Ids ids) {
 /// Returns the other.
 Group split(const Points& points, std::vector<std::uint32_t>& order, Group& group) {
   constexpr std::size_t most_sampled = 256;
-  const Ids ids(order.data() + group.begin, group.end - group.begin);
+  const MovableIds ids(order.data() + group.begin, group.end - group.begin);
   std::vector<std::uint32_t> sample(std::min(most_sampled, ids.size()));
   for (std::size_t i = 0; i < sample.size(); ++i) sample[i] = ids[i * ids.size() / sample.size()];
   std::array<Side, 2> sides = part(points, ids, between_halves(points, sample));

@@ -8,7 +8,7 @@
 
 #include <swiftgs/statistics.hpp>
 
-#include "counted_times.hpp"
+#include "measure/counted_times.hpp"
 #include "result_head.hpp"
 
 namespace swiftgs::cli {

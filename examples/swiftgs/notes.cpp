@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "team.hpp"
+#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 

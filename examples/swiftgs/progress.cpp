@@ -7,7 +7,7 @@
 
 #include <unistd.h>
 
-#include "team.hpp"
+#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 namespace {

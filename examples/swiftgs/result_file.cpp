@@ -9,7 +9,7 @@
 
 #include <swiftgs/io/replace_file.hpp>
 
-#include "team.hpp"
+#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "distinct_files.hpp"
+#include "read/distinct_files.hpp"
 #include "result_file.hpp"
 
 using namespace swiftgs::cli;

@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "team.hpp"
+#include "draw/team.hpp"
 
 namespace {
 

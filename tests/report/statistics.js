@@ -52,6 +52,9 @@ const front = stats.pareto([['a', 1, 60], ['b', 2, 50], ['c', 3, 100], ['d', 3, 
 expect('Pareto front', front.map(one => one.name), ['a', 'c', 'f']);
 const equals = stats.pareto([1, 2].map(name => ({name, psnr: 60, ms: {total: {median: 1}}})));
 expect('equals share the front', equals.length, 2);
+const close = stats.pareto([['a', 1, 60], ['b', 2, 60.9], ['c', 3, 61], ['d', 4, 61.5], ['e', 5, Infinity],
+  ['f', 6, Infinity]].map(([name, total, psnr]) => ({name, psnr, ms: {total: {median: total}}})));
+expect('a decibel is worth a place on the front', close.map(one => one.name), ['a', 'c', 'e']);
 
 // Speed-ups.
 const list = stats.records(rowsOf([row({renderer: 'cpu/standard/per-pixel/opacity-box', total: 12}), row({total: 3}),

@@ -21,7 +21,7 @@ namespace {
 using Names = std::vector<std::string_view>;
 using Seeds = std::vector<std::uint64_t>;
 
-const Names long_shapes{"needles", "pancakes", "ridges", "little-blur"};
+const Names long_shapes{"needles", "bare-needles", "pancakes", "ridges", "little-blur"};
 const Names large_shapes{"grazing", "scales", "distant-means"};
 const Names cameras{"wide-angles",   "long-lenses",     "principal-points", "uneven-focals",
                     "world-offsets", "distant-cameras", "skewed-rotations"};

@@ -17,11 +17,11 @@
 #include "bench/table.hpp"
 #include "bench/threads.hpp"
 #include "bench/variants.hpp"
-#include "choice.hpp"
+#include "draw/choice.hpp"
 #include "commands.hpp"
-#include "distinct_files.hpp"
-#include "photos.hpp"
-#include "scene_input.hpp"
+#include "read/distinct_files.hpp"
+#include "measure/photos.hpp"
+#include "read/scene_input.hpp"
 
 namespace swiftgs::cli {
 namespace {

@@ -12,7 +12,7 @@
 #include <swiftgs/scene.hpp>
 
 #include "bench/results.hpp"
-#include "views.hpp"
+#include "read/views.hpp"
 
 namespace swiftgs::cli {
 

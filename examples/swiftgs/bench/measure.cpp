@@ -11,8 +11,8 @@
 
 #include <swiftgs/sort/adaptive.hpp>
 
-#include "renderer_words.hpp"
-#include "views.hpp"
+#include "draw/renderer_words.hpp"
+#include "read/views.hpp"
 
 namespace swiftgs::cli {
 namespace {

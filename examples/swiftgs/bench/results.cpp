@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "json_text.hpp"
-#include "renderer_words.hpp"
+#include "draw/renderer_words.hpp"
 
 namespace swiftgs::cli {
 namespace {

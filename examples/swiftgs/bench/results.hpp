@@ -10,7 +10,7 @@
 
 #include <swiftgs/statistics.hpp>
 
-#include "counted_times.hpp"
+#include "measure/counted_times.hpp"
 #include "result_head.hpp"
 
 /// What `bench` measures, as docs/results.md describes its file, member by member.

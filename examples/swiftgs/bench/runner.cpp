@@ -7,7 +7,7 @@
 #include <swiftgs/bounds/three_sigma_square.hpp>
 
 #include "bench/machine.hpp"
-#include "renderer_words.hpp"
+#include "draw/renderer_words.hpp"
 
 namespace swiftgs::cli {
 namespace {

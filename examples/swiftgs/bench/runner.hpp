@@ -16,8 +16,8 @@
 #include "bench/results.hpp"
 #include "progress.hpp"
 #include "result_file.hpp"
-#include "team.hpp"
-#include "views.hpp"
+#include "draw/team.hpp"
+#include "read/views.hpp"
 
 namespace swiftgs::cli {
 

@@ -105,7 +105,8 @@ const page = (() => {
     const front = stats.pareto(known, wanted.clock);
     charts.draw(find('.chart', section), look => plots.pareto(known, front, wanted, look));
     const left = list.length - known.length;
-    find('.note', section).textContent = 'Over several views PSNR is that of the mean squared error.' +
+    find('.note', section).textContent = 'Over several views PSNR is that of the mean squared error. ' +
+      `A slower renderer is on the front if it is more exact by ${stats.worth} dB or more.` +
       (left === 1 ? ' One renderer without a measured error is not in this plot.' : '') +
       (left > 1 ? ` ${left} renderers without a measured error are not in this plot.` : '');
     find('.list', section).replaceChildren(sortableTable({

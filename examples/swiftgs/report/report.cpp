@@ -14,7 +14,7 @@
 #include <swiftgs/version.hpp>
 
 #include "commands.hpp"
-#include "distinct_files.hpp"
+#include "read/distinct_files.hpp"
 #include "report/files.hpp"
 #include "report/page.hpp"
 #include "report/results.hpp"

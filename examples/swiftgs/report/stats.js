@@ -101,15 +101,18 @@ const stats = (() => {
   const withError = (list, clock = 'total') =>
     list.filter(record => record.psnr !== null && record.ms[clock].median > 0);
 
-  /// The records that no other beats: none is at most as slow and at most as wrong, and better in one of both.
-  /// Quickest first.
+  /// A slower record has to be more exact by this much to be worth its time, in decibels.
+  const worth = 1;
+
+  /// The records that are worth their time: none of those at most as slow is as exact within `worth`, and equals share
+  /// a place. Quickest first.
   function pareto(list, clock = 'total') {
     const time = record => record.ms[clock].median;
     const sorted = withError(list, clock).sort((a, b) => time(a) - time(b) || b.psnr - a.psnr);
     let best = -Infinity, last = null;
     return sorted.filter(record => {
       const equal = last !== null && record.psnr === last.psnr && time(record) === time(last);
-      if (!equal && record.psnr <= best) return false;
+      if (!equal && !(record.psnr > best && record.psnr >= best + worth)) return false;
       best = record.psnr, last = record;
       return true;
     });
@@ -128,5 +131,5 @@ const stats = (() => {
   }
 
   return {durations, stages, sum, mean, known, meanPsnr, psnrOf, rowsOf, distinct, groupsOf, caseOf, withMostThreads,
-          meanDuration, records, withError, pareto, baselineOf, speedup};
+          meanDuration, records, withError, worth, pareto, baselineOf, speedup};
 })();

@@ -2,7 +2,7 @@
 #include "stress/results.hpp"
 
 #include "json_text.hpp"
-#include "renderer_words.hpp"
+#include "draw/renderer_words.hpp"
 
 namespace swiftgs::cli {
 namespace {

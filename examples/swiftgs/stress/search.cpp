@@ -20,7 +20,7 @@
 #include "stress/cases.hpp"
 #include "stress/search_results.hpp"
 #include "stress/table.hpp"
-#include "team.hpp"
+#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "json_text.hpp"
-#include "renderer_words.hpp"
+#include "draw/renderer_words.hpp"
 #include "stress/table.hpp"
 
 namespace swiftgs::cli {

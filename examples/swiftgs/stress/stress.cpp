@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "bench/threads.hpp"
-#include "choice.hpp"
+#include "draw/choice.hpp"
 #include "commands.hpp"
 #include "options.hpp"
 #include "progress.hpp"
@@ -17,7 +17,7 @@
 #include "stress/search.hpp"
 #include "stress/sweep.hpp"
 #include "stress/table.hpp"
-#include "team.hpp"
+#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 namespace {

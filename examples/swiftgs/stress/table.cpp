@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "renderer_words.hpp"
+#include "draw/renderer_words.hpp"
 #include "stress/cases.hpp"
 
 namespace swiftgs::cli {

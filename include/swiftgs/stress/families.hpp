@@ -17,6 +17,7 @@ inline const std::vector<StressFamily>& stress_families() {
   const double infinity = std::numeric_limits<double>::infinity();
   static const std::vector<StressFamily> families{
       {"needles", "length over width", {1e2, 1e4, 1e6, 1e8, 1e10}, needles},
+      {"bare-needles", "length over width", {10, 1e2, 1e3, 1e4, 1e6, 1e8, 1e10, 1e14}, bare_needles},
       {"pancakes", "side over thickness", {1e2, 1e4, 1e6, 1e8, 1e10}, pancakes},
       {"ridges", "standard deviation along (px)", {1e2, 1e3, 1e4, 1e5, 1e6}, ridges},
       {"grazing", "standard deviation over depth", {0.1, 1, 10, 100, 1000}, grazing},

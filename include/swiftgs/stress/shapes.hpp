@@ -33,6 +33,13 @@ inline StressCase needles(double condition, std::uint64_t seed, ImageSize size) 
   });
 }
 
+/// The same without blur, which bounds how thin a splat is; severity: length over width.
+inline StressCase bare_needles(double condition, std::uint64_t seed, ImageSize size) {
+  StressCase out = needles(condition, seed, size);
+  out.conventions.blur = 0;
+  return out;
+}
+
 /// Flat Gaussians; severity: side over thickness.
 inline StressCase pancakes(double condition, std::uint64_t seed, ImageSize size) {
   return shaped_case(seed, size, 10, 40, [=](Random& random, Gaussian& g) {

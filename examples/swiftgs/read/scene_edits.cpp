@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene_edits.hpp"
+#include "read/scene_edits.hpp"
 
 #include <cmath>
 #include <numbers>

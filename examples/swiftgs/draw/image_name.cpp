@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "image_name.hpp"
+#include "draw/image_name.hpp"
 
 #include <algorithm>
 #include <iterator>

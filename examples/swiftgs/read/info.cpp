@@ -10,13 +10,13 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
-#include "distinct_files.hpp"
+#include "read/distinct_files.hpp"
 #include "json_text.hpp"
 #include "notes.hpp"
 #include "options.hpp"
 #include "result_file.hpp"
 #include "result_head.hpp"
-#include "scene_input.hpp"
+#include "read/scene_input.hpp"
 
 namespace swiftgs::cli {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "prune_result.hpp"
+#include "measure/prune_result.hpp"
 
 #include <cstdio>
 

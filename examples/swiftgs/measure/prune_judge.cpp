@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "prune_judge.hpp"
+#include "measure/prune_judge.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 
 #include <swiftgs/metrics.hpp>
 
-#include "team.hpp"
+#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 namespace {

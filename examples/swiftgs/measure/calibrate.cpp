@@ -13,13 +13,13 @@
 #include <swiftgs/sort/adaptive.hpp>
 
 #include "bench/measure.hpp"
-#include "choice.hpp"
+#include "draw/choice.hpp"
 #include "commands.hpp"
 #include "options.hpp"
 #include "progress.hpp"
-#include "renderer_words.hpp"
-#include "scene_input.hpp"
-#include "views.hpp"
+#include "draw/renderer_words.hpp"
+#include "read/scene_input.hpp"
+#include "read/views.hpp"
 
 namespace swiftgs::cli {
 namespace {

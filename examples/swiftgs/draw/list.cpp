@@ -11,7 +11,7 @@
 #include "commands.hpp"
 #include "json_text.hpp"
 #include "options.hpp"
-#include "renderer_words.hpp"
+#include "draw/renderer_words.hpp"
 #include "result_file.hpp"
 #include "result_head.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "convert_result.hpp"
+#include "read/convert_result.hpp"
 
 #include <cinttypes>
 #include <cstdio>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "team.hpp"
+#include "draw/team.hpp"
 
 #include <chrono>
 #include <cstdio>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "choice.hpp"
+#include "draw/choice.hpp"
 
 #include <algorithm>
 #include <stdexcept>

@@ -17,16 +17,16 @@
 #include <swiftgs/pruning.hpp>
 
 #include "commands.hpp"
-#include "convert_result.hpp"
-#include "distinct_files.hpp"
+#include "read/convert_result.hpp"
+#include "read/distinct_files.hpp"
 #include "interruptible.hpp"
 #include "notes.hpp"
 #include "number_text.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "result_file.hpp"
-#include "scene_edits.hpp"
-#include "scene_input.hpp"
+#include "read/scene_edits.hpp"
+#include "read/scene_input.hpp"
 
 namespace swiftgs::cli {
 namespace {

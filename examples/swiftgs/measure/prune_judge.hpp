@@ -10,8 +10,8 @@
 #include <swiftgs/io/image.hpp>
 
 #include "progress.hpp"
-#include "prune_result.hpp"
-#include "views.hpp"
+#include "measure/prune_result.hpp"
+#include "read/views.hpp"
 
 namespace swiftgs::cli {
 

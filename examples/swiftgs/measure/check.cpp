@@ -13,17 +13,17 @@
 #include <swiftgs/reference.hpp>
 #include <swiftgs/span.hpp>
 
-#include "choice.hpp"
+#include "draw/choice.hpp"
 #include "commands.hpp"
-#include "distinct_files.hpp"
+#include "read/distinct_files.hpp"
 #include "json.hpp"
 #include "options.hpp"
-#include "photos.hpp"
+#include "measure/photos.hpp"
 #include "progress.hpp"
 #include "result_file.hpp"
-#include "scene_input.hpp"
-#include "team.hpp"
-#include "views.hpp"
+#include "read/scene_input.hpp"
+#include "draw/team.hpp"
+#include "read/views.hpp"
 
 namespace swiftgs::cli {
 namespace {

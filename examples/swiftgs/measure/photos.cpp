@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "photos.hpp"
+#include "measure/photos.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -8,8 +8,8 @@
 #include <swiftgs/metrics.hpp>
 
 #include "notes.hpp"
-#include "photo_folder.hpp"
-#include "team.hpp"
+#include "read/photo_folder.hpp"
+#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "packed.hpp"
+#include "read/packed.hpp"
 
 namespace swiftgs::cli {
 

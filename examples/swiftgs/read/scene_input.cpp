@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene_input.hpp"
+#include "read/scene_input.hpp"
 
 #include <charconv>
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 #include "notes.hpp"
 #include "suggestion.hpp"
-#include "team.hpp"
+#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 namespace {

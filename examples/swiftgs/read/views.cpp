@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "views.hpp"
+#include "read/views.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,13 +11,13 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/io/cameras.hpp>
 
-#include "default_view.hpp"
-#include "image_name.hpp"
+#include "read/default_view.hpp"
+#include "draw/image_name.hpp"
 #include "notes.hpp"
 #include "number_text.hpp"
-#include "scene_input.hpp"
+#include "read/scene_input.hpp"
 #include "suggestion.hpp"
-#include "team.hpp"
+#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "photo_folder.hpp"
+#include "read/photo_folder.hpp"
 
 #include <algorithm>
 #include <set>
 #include <stdexcept>
 
-#include "image_name.hpp"
+#include "draw/image_name.hpp"
 
 namespace swiftgs::cli {
 namespace {

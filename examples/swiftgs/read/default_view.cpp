@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "default_view.hpp"
+#include "read/default_view.hpp"
 
 #include <algorithm>
 #include <array>

@@ -8,7 +8,7 @@
 #include <swiftgs/frame.hpp>
 #include <swiftgs/io/image.hpp>
 
-#include "views.hpp"
+#include "read/views.hpp"
 
 namespace swiftgs::cli {
 

@@ -14,19 +14,19 @@
 #include <swiftgs/io/replace_file.hpp>
 #include <swiftgs/pruning.hpp>
 
-#include "choice.hpp"
+#include "draw/choice.hpp"
 #include "commands.hpp"
-#include "distinct_files.hpp"
+#include "read/distinct_files.hpp"
 #include "notes.hpp"
 #include "options.hpp"
-#include "photos.hpp"
+#include "measure/photos.hpp"
 #include "progress.hpp"
-#include "prune_judge.hpp"
-#include "prune_result.hpp"
+#include "measure/prune_judge.hpp"
+#include "measure/prune_result.hpp"
 #include "result_file.hpp"
-#include "scene_input.hpp"
-#include "team.hpp"
-#include "views.hpp"
+#include "read/scene_input.hpp"
+#include "draw/team.hpp"
+#include "read/views.hpp"
 
 namespace swiftgs::cli {
 namespace {
