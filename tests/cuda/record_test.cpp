@@ -11,9 +11,10 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/edit.hpp>
 
+#include "cuda/device.hpp"
 #include "cuda/graph.hpp"
-#include "cuda/views.hpp"
 #include "policies/rasterizers.hpp"
+#include "policies/views.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -107,8 +108,7 @@ struct Recording {
   bool reported() const {
     const FrameReport found = report();
     const Statistics taken = other.statistics();
-    return found.overflowed == 0 && found.visible == taken.visible &&
-           found.intersections == taken.intersections;
+    return found.overflowed == 0 && found.visible == taken.visible && found.intersections == taken.intersections;
   }
 };
 
@@ -212,7 +212,7 @@ TEST_CASE(
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
     Recording<With<EarlySort, Raster>> r(random_scene(2000, 1, 10));
-    check_changing_views<OnDevice>(r.renderer, r.other, r.scene.view(), [&](FrameReport* report) {
+    check_changing_views(r.renderer, r.other, r.scene.view(), [&](FrameReport* report) {
       const auto graph =
           std::make_shared<Graph>(r.stream, [&] { r.renderer.record(r.scene.view(), report); });
       return [graph] { graph->run(); };
@@ -251,34 +251,6 @@ TEST_CASE("cuda record: the adaptive sort records what it has decided") {
     return r.capture().nodes();
   };
   CHECK(nodes_of(1, 2) != nodes_of(2, 1));  // the early sort has one sort more
-}
-
-TEST_CASE(
-    "cuda record: a frame without enough capacity draws nothing and fits after its report is followed") {
-  if (without_device()) return;
-  Recording r;
-  const std::vector<View> views = r.images.views(2);
-  r.other.render_into(r.scene.view(), span(r.expected.views(2)));
-  const std::size_t visible = r.other.statistics().visible,
-                    intersections = r.other.statistics().intersections;
-  const std::vector<std::uint32_t> untouched = r.images.words(r.cuda);
-  for (const Capacity& capacity :
-       {Capacity{visible - 1, intersections}, Capacity{visible, intersections - 1}, Capacity{1, 1}}) {
-    r.reserve(span(views), capacity);
-    CHECK(r.images.words(r.cuda) == untouched);
-    const Graph graph = r.capture();
-    for (int k = 0; k < 3; ++k) graph.run();
-    const FrameReport found = r.report();
-    CHECK(found.overflowed == 1);
-    CHECK(found.visible == visible);
-    CHECK(found.intersections == intersections);
-    CHECK(r.images.words(r.cuda) == untouched);
-  }
-  r.reserve(span(views), {visible, intersections});
-  const Graph graph = r.capture();
-  graph.run();
-  CHECK(r.wrong_words(2) == 0);
-  CHECK(r.reported());
 }
 
 TEST_CASE("cuda record: an overflow between two frames of a graph leaves both as they are") {
@@ -322,21 +294,6 @@ TEST_CASE("cuda record: two graphs run at once on two streams") {
   }
 }
 
-TEST_CASE("cuda record: frames that are recorded without a capture are drawn and allocate nothing") {
-  if (without_device()) return;
-  Recording r;
-  r.reserve(span(r.images.views(0)));
-  for (int k = 0; k < 24; ++k) r.other.render_into(r.scene.view(), span(r.expected.views(k)));
-  const std::size_t held = r.renderer.memory().total(), warm = free_memory();
-  for (int k = 0; k < 24; ++k) {
-    r.renderer.set_views(span(r.images.views(k)));
-    r.record();
-    CHECK(r.wrong_words(k) == 0);
-  }
-  CHECK(r.renderer.memory().total() == held);
-  CHECK(free_memory() == warm);
-}
-
 TEST_CASE("cuda record: an empty scene is drawn as its background") {
   if (without_device()) return;
   Recording r{Scene()};
@@ -345,30 +302,6 @@ TEST_CASE("cuda record: an empty scene is drawn as its background") {
   graph.run();
   CHECK(r.wrong_words(1) == 0);
   CHECK(r.report().overflowed == 0);
-}
-
-TEST_CASE("cuda record: what was not reserved is refused") {
-  if (without_device()) return;
-  Recording r;
-  const DeviceScene larger = r.cuda.upload(make_builtin_scene(4001));
-  CHECK_THROWS_WITH_AS(r.record(), "render: expected reserve before record", std::invalid_argument);
-  std::vector<View> views = r.images.views(0);
-  r.reserve(span(views), {});
-  CHECK_THROWS_AS(r.renderer.record(larger.view(), r.memory.data()), CapacityError);
-  CHECK_THROWS_AS(r.renderer.record(r.scene.view(), nullptr), std::invalid_argument);
-  CHECK_THROWS_WITH_AS(r.renderer.set_views({views.data(), 1}),
-                       "set_views: the number of views is 1, expected 2 as reserved", std::invalid_argument);
-  views[1].frame.colour.data = nullptr;
-  CHECK_THROWS_WITH_AS(
-      r.renderer.set_views(span(views)),
-      "set_views: the size or the planes of view 1 changed, expected those that were reserved",
-      std::invalid_argument);
-}
-
-TEST_CASE("cuda record: bad views are refused by all calls and those that were set are recorded") {
-  if (without_device()) return;
-  Recording r(random_scene(400, 1, 9));
-  check_bad_views<OnDevice>(r.renderer, r.other, r.scene.view());
 }
 
 TEST_CASE("cuda record: a graph draws the views of before after others were refused") {
