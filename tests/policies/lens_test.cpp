@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Frames through lenses, on every backend.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/edit.hpp>
+#include <swiftgs/metrics.hpp>
+#include <swiftgs/reference.hpp>
+
+#include "policies/views.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+constexpr double turn = 2 * std::numbers::pi;
+
+/// Cameras at one place of the built-in scene, through every lens.
+std::vector<Camera> cameras_of_lenses(int width = 160, int height = 96) {
+  const Camera pinhole = builtin_camera(width, height);
+  std::vector<Camera> cameras(6, pinhole);
+  cameras[1].lens.distortion = {{-0.2, 0.03, 0, 0}, {}, {0.002, -0.003}, {}};
+  cameras[2].lens.model = LensModel::fisheye;
+  cameras[2].fx = cameras[2].fy = width / 4.0;  // shows 229 degrees
+  cameras[3] = cameras[2];
+  cameras[3].lens.distortion = {{0.02, -0.004, 0.001, 0}, {}, {}, {0.001, -0.002}};
+  cameras[4].lens.model = LensModel::orthographic;
+  cameras[4].fx = cameras[4].fy = 0.2 * pinhole.fx;
+  cameras[5].lens.model = LensModel::equirectangular;
+  cameras[5].fx = width / turn, cameras[5].fy = 2 * height / turn;
+  return cameras;
+}
+
+template <class B>
+using Best = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
+
+Scene test_scene() { return order_spatially(make_builtin_scene(20'000)); }
+
+RenderSettings all_outputs() {
+  RenderSettings settings;
+  settings.background = vec3(0.2f, 0.3f, 0.4f), settings.outputs = {true, true};
+  return settings;
+}
+
+void check_equal(const Frame& a, const Frame& b) {
+  CHECK(a.colour == b.colour);
+  CHECK(a.alpha == b.alpha);
+  CHECK(a.depth == b.depth);
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("lens: frames are those of float64", B, SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
+  Best<B> renderer(make_backend<B>());
+  const Scene scene = test_scene();
+  const auto uploaded = renderer.backend().upload(Scene(scene));
+  const RenderSettings settings = all_outputs();
+  for (const Camera& camera : cameras_of_lenses()) {
+    CAPTURE(name_of(camera.lens.model));
+    CAPTURE(camera.lens.is_distorted());
+    const Frame frame = renderer.render(uploaded, camera, settings);
+    const ReferenceFrame exact =
+        render_reference(scene, camera, settings.conventions, dvec3(settings.background));
+    CHECK(exact.visible > 1000);
+    CHECK(psnr(frame.colour, exact.colour) >= 100);
+    CHECK(psnr(frame.alpha, exact.alpha) >= 100);
+  }
+}
+
+TEST_CASE_TEMPLATE("lens: views through different lenses in one frame have the bits of single frames", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
+  Best<B> renderer(make_backend<B>());
+  const auto scene = renderer.backend().upload(test_scene());
+  const std::vector<Camera> cameras = cameras_of_lenses();
+  std::vector<Frame> together(cameras.size());
+  renderer.render(scene, {cameras.data(), cameras.size()}, all_outputs(), {together.data(), together.size()});
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    check_equal(together[i], renderer.render(scene, cameras[i], all_outputs()));
+}
+
+TEST_CASE_TEMPLATE("lens: image strips have the bits of the whole image", B, SWIFTGS_TEST_HOSTS) {
+  Best<B> renderer(make_backend<B>());
+  const auto scene = renderer.backend().upload(test_scene());
+  const RenderSettings settings = all_outputs();
+  for (const Camera& camera : cameras_of_lenses()) {
+    CAPTURE(name_of(camera.lens.model));
+    Frame strips;
+    const FrameView whole = prepare(strips, camera.width, camera.height, settings.outputs);
+    std::vector<View> views;
+    for (const int top : {0, 32}) {
+      FrameView part = whole;
+      part.height = top == 0 ? 32 : camera.height - 32;
+      part.colour.data = whole.colour.row(std::size_t(top));
+      part.alpha.data = whole.alpha.row(std::size_t(top)),
+      part.depth.data = whole.depth.row(std::size_t(top));
+      views.push_back(make_view(camera, settings.conventions, part, settings.background, {0, top}));
+    }
+    renderer.render_into(scene.view(), Span<const View>{views.data(), views.size()});
+    check_equal(strips, renderer.render(scene, camera, settings));
+  }
+}
+
+TEST_CASE_TEMPLATE("lens: chunks hide nothing that a lens shows", B, SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
+  Best<B> renderer(make_backend<B>());
+  const auto scene = renderer.backend().upload(test_scene());
+  SceneView without_chunks = scene.view();
+  REQUIRE_FALSE(without_chunks.chunks.empty());
+  without_chunks.chunks = {};
+  std::vector<Camera> cameras = cameras_of_lenses();
+  for (const double angle : {0.3, 2.0, 4.5}) {  // panoramas that look elsewhere
+    Camera turned = cameras[5];
+    const dmat3 about_y(dvec3(std::cos(angle), 0, -std::sin(angle)), dvec3(0, 1, 0),
+                        dvec3(std::sin(angle), 0, std::cos(angle)));
+    turned.rotation = about_y * turned.rotation, turned.translation = about_y * turned.translation;
+    cameras.push_back(turned);
+  }
+  for (const Camera& camera : cameras) {
+    CAPTURE(name_of(camera.lens.model));
+    renderer.render_resident(scene.view(), camera, all_outputs());
+    const std::size_t visible = renderer.statistics().visible;
+    renderer.render_resident(without_chunks, camera, all_outputs());
+    CHECK(renderer.statistics().visible == visible);
+  }
+}
+
+TEST_CASE_TEMPLATE("lens: recorded frames draw what frames draw", B, SWIFTGS_TEST_HOSTS) {
+  Best<B> renderer(make_backend<B>());
+  const auto scene = renderer.backend().upload(test_scene());
+  const RenderSettings settings = all_outputs();
+  for (const Camera& camera : cameras_of_lenses()) {
+    CAPTURE(name_of(camera.lens.model));
+    Frame frame;
+    const View view =
+        make_view(camera, settings.conventions, prepare(frame, camera.width, camera.height, settings.outputs),
+                  settings.background);
+    renderer.reserve(scene.view(), {&view, 1});
+    FrameReport report;
+    renderer.record(scene.view(), &report);
+    check_equal(frame, renderer.render(scene, camera, settings));
+  }
+}
+
+TEST_CASE_TEMPLATE("lens: a panorama has no seam", B, SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
+  Best<B> renderer(make_backend<B>());
+  // One splat at the horizon, straight behind the camera.
+  Scene scene;
+  scene.means = {{0, 0, -2}}, scene.scales = {vec3(0.2f)}, scene.rotations = {{}}, scene.opacities = {0.9f};
+  scene.sh0 = {vec3(1)};
+  Camera camera;
+  camera.width = 256, camera.height = 128, camera.lens.model = LensModel::equirectangular;
+  camera.fx = camera.width / turn, camera.fy = 2 * camera.height / turn;
+  camera.cx = 0.5 * camera.width, camera.cy = 0.5 * camera.height;
+  const Frame frame = renderer.render(renderer.backend().upload(std::move(scene)), camera, all_outputs());
+  for (int y = 40; y < 88; ++y)
+    for (int x = 0; x < 20; ++x) {
+      const std::size_t row = std::size_t(y) * 256;
+      const double left = frame.alpha[row + std::size_t(x)], right = frame.alpha[row + std::size_t(255 - x)];
+      CHECK(std::fabs(left - right) <= 1e-5);
+    }
+  CHECK(frame.alpha[64 * 256] > 0.8);
+  CHECK(frame.alpha[64 * 256 + 128] == 0);
+}
+
+TEST_CASE_TEMPLATE("lens: a panorama that turns shows the same, moved", B, SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
+  Best<B> renderer(make_backend<B>());
+  const auto scene = renderer.backend().upload(test_scene());
+  Camera camera = cameras_of_lenses(256, 128)[5];
+  const Frame before = renderer.render(scene, camera, all_outputs());
+  constexpr int moved = 96;  // a multiple of the parts in which panoramas are drawn
+  const double angle = turn * moved / 256;
+  const dmat3 about_y(dvec3(std::cos(angle), 0, -std::sin(angle)), dvec3(0, 1, 0),
+                      dvec3(std::sin(angle), 0, std::cos(angle)));
+  camera.rotation = about_y * camera.rotation, camera.translation = about_y * camera.translation;
+  const Frame after = renderer.render(scene, camera, all_outputs());
+  double sum = 0;
+  for (std::size_t y = 0; y < 128; ++y)
+    for (std::size_t x = 0; x < 256; ++x)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double d = double(before.colour[3 * (y * 256 + x) + c]) -
+                         double(after.colour[3 * (y * 256 + (x + moved) % 256) + c]);
+        sum += d * d;
+      }
+  CHECK(-10 * std::log10(sum / (3 * 128 * 256)) >= 90);
+}
