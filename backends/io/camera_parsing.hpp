@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include <swiftgs/io/cameras.hpp>
@@ -25,6 +26,9 @@ std::vector<Camera> parse_colmap_text(const Source& cameras, const Source& image
 /// Sets the pose of `camera` from its place in the world: the columns of `axes` are the directions of its own
 /// axes there.
 void set_pose(Camera& camera, const dmat3& axes, dvec3 centre);
+
+/// The same with OpenGL's axes: y up, z backwards.
+void set_opengl_pose(Camera& camera, const dmat3& axes, dvec3 centre);
 
 /// Width or height from a file's number. Throws `FormatError` at `offset` if no image has that many pixels.
 int to_side(const Source& source, std::uint64_t offset, double pixels);
