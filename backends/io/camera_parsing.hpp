@@ -17,6 +17,12 @@ namespace swiftgs::io {
 /// An INRIA `cameras.json`.
 CameraFile parse_cameras_json(const Source& source);
 
+/// nerfstudio's `camera_path.json`: the frames of a video in the world of the splats that it exports.
+CameraFile parse_camera_path(const Source& source);
+
+/// Whether `text`, the beginning of a file or all of it, has the keys of such a path.
+bool is_camera_path(std::string_view text);
+
 /// COLMAP's `cameras.bin` and `images.bin`.
 std::vector<Camera> parse_colmap_binary(const Source& cameras, const Source& images);
 

@@ -179,6 +179,95 @@ TEST_CASE("camera layouts: Project Aria's lens is refused by name") {
   CHECK(contains(refusal(file), "found FISHEYE624"));
 }
 
+// nerfstudio 1.1.5, the viewer's render panel, and the older viewer without `default_fov`.
+TEST_CASE("camera layouts: a path of nerfstudio's viewer is a view for each frame") {
+  json path = {{"default_fov", 75.0},
+               {"default_transition_sec", 2.0},
+               {"keyframes", {{{"matrix", json::array()}, {"fov", 75.0}, {"aspect", 2.0}}}},
+               {"camera_type", "perspective"},
+               {"render_height", 48},
+               {"render_width", 64},
+               {"fps", 24},
+               {"seconds", 2.0},
+               {"is_cycle", false},
+               {"smoothness_value", 0.0},
+               {"crop", nullptr}};
+  for (const double fov : {90.0, 60.0})
+    path["camera_path"].push_back({{"camera_to_world", {1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1}},
+                                   {"fov", fov},
+                                   {"aspect", 2.0}});
+  CameraFile found = read(path, "camera_path.json");
+  REQUIRE(found.cameras.size() == 2);
+  CHECK(found.notes.empty());
+  // The angle is that of the height.
+  check_intrinsics(found.cameras[0], 64, 48, 24, 24, 32, 24);
+  check_intrinsics(found.cameras[1], 64, 48, 24 * std::sqrt(3.0), 24 * std::sqrt(3.0), 32, 24);
+  for (const Camera& camera : found.cameras) {
+    check_pose(camera);
+    CHECK(camera.name.empty());
+    CHECK(camera.lens.is_pinhole());
+  }
+  path.erase("camera_type");
+  CHECK(read(path, "camera_path.json").cameras.at(0).lens.is_pinhole());
+  path["camera_type"] = "fisheye";
+  found = read(path, "camera_path.json");
+  CHECK(found.cameras.at(0).lens == Lens{LensModel::fisheye, {}});
+  check_intrinsics(found.cameras[0], 64, 48, 24, 24, 32, 24);
+  check_pixel(found.cameras[0], {0, 3, 3}, {32, 24 + 24 * std::atan(1.0)});
+  path["camera_type"] = "equirectangular";
+  found = read(path, "camera_path.json");
+  CHECK(found.cameras.at(1).lens == Lens{LensModel::equirectangular, {}});
+  check_pixel(found.cameras[1], {3, 0, 0}, {48, 24});
+  check_pixel(found.cameras[1], {0, -1, 1}, {32, 12});
+
+  path["crop"] = {{"crop_center", {0, 0, 0}}}, path["camera_path"][1]["render_time"] = 0.5;
+  CHECK(read(path, "camera_path.json").notes ==
+        std::vector<std::string>{"Keys that may change the picture were not read: crop, render_time."});
+}
+
+TEST_CASE("camera layouts: what is wrong in a path is placed") {
+  const json good = {
+      {"camera_type", "perspective"},
+      {"render_height", 48},
+      {"render_width", 64},
+      {"camera_path",
+       {{{"camera_to_world", {1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1}}, {"fov", 90.0}}}}};
+  const auto with = [&](const char* key, const json& value) {
+    json changed = good;
+    changed[key] = value;
+    return refusal(changed, "camera_path.json");
+  };
+  const auto frame_with = [&](const char* key, const json& value) {
+    json changed = good;
+    changed["camera_path"][0][key] = value;
+    return refusal(changed, "camera_path.json");
+  };
+  const std::string root = "camera_path.json: byte 0: expected ";
+  const std::string frame =
+      "camera_path.json: byte " + std::to_string(good.dump().find("{\"camera_to_world\"")) + ": expected ";
+  CHECK(read(good, "camera_path.json").cameras.size() == 1);
+  for (const char* type : {"omnidirectional", "vr180", ""})
+    CHECK(with("camera_type", type) ==
+          root + "'camera_type' to be perspective, fisheye or equirectangular, found " + type);
+  CHECK(with("camera_path", 7) == root + "'camera_path' to be an array");
+  CHECK(with("camera_path", {7}) == frame + "a frame (a JSON object)");
+  CHECK(contains(with("render_width", 0), root + "a width and a height"));
+  CHECK(with("render_height", nullptr) == root + "a number in 'render_height'");
+  CHECK(frame_with("fov", nullptr) == frame + "a number in 'fov'");
+  CHECK(frame_with("fov", 180) == frame + "an angle above 0 and below pi (180 degrees) in 'fov'");
+  CHECK(frame_with("camera_to_world", {1, 2, 3}) == frame + "sixteen numbers in 'camera_to_world'");
+  CHECK(frame_with("camera_to_world", 7) == frame + "sixteen numbers in 'camera_to_world'");
+  CHECK(frame_with("camera_to_world", {1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 1, 1}) ==
+        frame + "a last row of 0, 0, 0, 1 in 'camera_to_world'");
+  CHECK(frame_with("camera_to_world", {1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, "3", 0, 0, 0, 1}) ==
+        frame + "a number in 'camera_to_world'");
+  CHECK(contains(frame_with("camera_to_world", {2, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1}),
+                 "orthonormal rows"));
+  check_every_truncation(good.dump(), [](const std::string& content) {
+    io::parse_camera_path({as_bytes(content), "camera_path.json"});
+  });
+}
+
 // COLMAP's names, in a file that a converter writes: FOV without an angle and EUCM without a share of the
 // sphere are pinholes.
 TEST_CASE("camera layouts: models of one coefficient are refused unless it is 0") {
@@ -317,8 +406,8 @@ TEST_CASE("camera layouts: images of COLMAP in one line each are refused at the 
 TEST_CASE("camera layouts: JSON of other layouts is refused with its keys") {
   const std::string expected =
       "x.json: byte 0: expected cameras: INRIA's cameras.json (a JSON array), a transforms.json (a JSON "
-      "object "
-      "with 'frames'), or the folder of a COLMAP model, found a JSON object with ";
+      "object with 'frames'), nerfstudio's camera_path.json (one with 'camera_path'), or the folder of a "
+      "COLMAP model, found a JSON object with ";
   const json mip_nerf = {{"train", {{"file_path", {"a.png"}}, {"cam2world", {matrix}}, {"focal", {50}}}},
                          {"val", json::object()},
                          {"test", json::object()}};
