@@ -2,8 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <span>
-#include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
