@@ -2,7 +2,10 @@
 #include "camera_entry.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <numbers>
+#include <optional>
 
 #include "colmap_models.hpp"
 #include "listed.hpp"
@@ -12,14 +15,27 @@ namespace {
 
 using nlohmann::json;
 
-/// Of COLMAP's models, by its names, and of nerfstudio's `distortion_params`. EUCM's `beta` does nothing
-/// where `alpha` is 0.
-constexpr const char* coefficients[] = {"k",  "k1", "k2", "k3",    "k4",    "k5",
-                                        "k6", "p1", "p2", "omega", "alpha", "distortion_params"};
+/// Of COLMAP's models, by its names. EUCM's `beta` does nothing where `alpha` is 0.
+constexpr const char* coefficients[] = {"k",  "k1", "k2",  "k3",  "k4",    "k5",   "k6",
+                                        "p1", "p2", "sx1", "sy1", "omega", "alpha"};
 
-/// How instant-ngp marks its other lenses, and cameras whose own axes are Mitsuba's.
-constexpr const char* lenses[] = {"is_fisheye",   "ftheta_p0",    "latlong",        "equirectangular",
-                                  "orthographic", "from_mitsuba", "normal_mts_args"};
+/// What nerfstudio's list of coefficients holds; it counts before keys of their own.
+constexpr const char* list = "distortion_params";
+constexpr std::string_view listed_coefficients[] = {"k1", "k2", "k3", "k4", "p1", "p2"};
+
+/// How instant-ngp marks its lenses that are read.
+struct Mark {
+  const char* key;
+  LensModel lens;
+};
+constexpr Mark marks[] = {{"is_fisheye", LensModel::fisheye}, {"latlong", LensModel::equirectangular}};
+
+/// How it marks others, and cameras whose own axes are Mitsuba's. Its `equirectangular` has rows of equal
+/// area, and focal lengths of its `orthographic` are of a scene that it has scaled.
+constexpr const char* refused[] = {"ftheta_p0", "equirectangular", "orthographic", "from_mitsuba",
+                                   "normal_mts_args"};
+
+constexpr std::string_view more_models = ", EQUIRECTANGULAR, ORTHOPHOTO";
 
 /// Whether a value says nothing: 0, false, null, "", or a list of these.
 bool is_off(const json& value) {
@@ -29,29 +45,101 @@ bool is_off(const json& value) {
   return value.is_structured() ? std::all_of(value.begin(), value.end(), off) : off(value);
 }
 
+/// The lens of the model that COLMAP or nerfstudio calls `name`; null if none is read.
+std::optional<LensModel> lens_called(std::string_view name) {
+  if (name == "EQUIRECTANGULAR") return LensModel::equirectangular;
+  if (name == "ORTHOPHOTO") return LensModel::orthographic;
+  const ColmapModel* const model = colmap_model(name);
+  return model ? model->lens : std::nullopt;
+}
+
+/// The coefficient of one object; null if it has none.
+std::optional<double> coefficient_in(const JsonEntry& entry, const char* key) {
+  const auto* const at = std::ranges::find(listed_coefficients, std::string_view(key));
+  if (entry.has(list) && at != std::end(listed_coefficients)) {
+    const json& values = entry.member(list);
+    if (is_off(values)) return 0.0;
+    if (!values.is_array() || values.size() != std::size(listed_coefficients))
+      entry.fail("the six numbers k1, k2, k3, k4, p1 and p2 in 'distortion_params'");
+    return entry.number(list, std::size_t(at - listed_coefficients));
+  }
+  if (!entry.has(key)) return {};
+  return is_off(entry.member(key)) ? 0.0 : entry.number(key);
+}
+
+/// What `Distortion` calls the coefficient `key` of the camera model `model`.
+std::string_view slot_of(std::string_view key, std::string_view model) {
+  if (model == "FULL_OPENCV") {
+    if (key == "k4") return "q1";
+    if (key == "k5") return "q2";
+    if (key == "k6") return "q3";
+  }
+  if (key == "k" && model.starts_with("SIMPLE_RADIAL")) return "k1";
+  return key == "sx1" ? "s1" : key == "sy1" ? "s2" : key;
+}
+
 }  // namespace
 
-void expect_pinhole(const CameraEntry& entry) {
+Lens lens_of(const CameraEntry& entry) {
+  for (const char* key : refused)
+    if (const JsonEntry* with = entry.with(key); with && !is_off(with->member(key)))
+      refuse_model(with->source(), with->offset(), std::string("'") + key + "'", more_models);
+  Lens lens;
+  std::string name;
   if (const JsonEntry* with = entry.with("camera_model")) {
-    const std::string name = with->string("camera_model");
-    const ColmapModel* model = colmap_model(name);
-    if (!model || model->zeros == ColmapModel::never) refuse_model(with->source(), with->offset(), name);
+    name = with->string("camera_model");
+    const std::optional<LensModel> called = lens_called(name);
+    if (!called) refuse_model(with->source(), with->offset(), name, more_models);
+    lens.model = *called;
   }
+  for (const auto& [key, model] : marks)
+    if (const JsonEntry* with = entry.with(key); with && !is_off(with->member(key))) {
+      if (!name.empty() && lens.model != model)
+        with->fail(std::string("one lens, found '") + key + "' and the camera model " + listed({name}));
+      lens.model = model;
+    }
+  const std::string owner = name.empty() ? "" : name + " with ";
+  const auto refuse = [&](const JsonEntry& one, const char* key, const json& value) {
+    refuse_model(one.source(), one.offset(), owner + named_coefficient(key, value), more_models);
+  };
+  // nerfstudio's list has its own k4, and it reads no FULL_OPENCV.
+  if (const JsonEntry* with = entry.with(list); with && name == "FULL_OPENCV" && !is_off(with->member(list)))
+    refuse(*with, list, with->member(list));
+  const bool is_distortable = lens.model == LensModel::perspective || lens.model == LensModel::fisheye;
   for (const char* key : coefficients)
-    if (const JsonEntry* with = entry.with(key); with && !is_off(with->member(key)))
-      refuse_model(with->source(), with->offset(), coefficient(key, with->member(key)));
-  for (const char* key : lenses)
-    if (const JsonEntry* with = entry.with(key); with && !is_off(with->member(key)))
-      refuse_model(with->source(), with->offset(), std::string("'") + key + "'");
+    for (const JsonEntry* one : {&entry.own, &entry.shared}) {
+      const std::optional<double> value = coefficient_in(*one, key);
+      if (!value) continue;
+      double* const slot = is_distortable ? coefficient_of(lens.distortion, slot_of(key, name)) : nullptr;
+      if (*value != 0 && !slot) refuse(*one, key, *value);
+      if (*value != 0) *slot = *value;
+      break;
+    }
+  return lens;
+}
+
+double length_of_angle(const JsonEntry& entry, const char* key, double to_radians, int side) {
+  const double radians = to_radians * entry.number(key);
+  if (!(radians > 0 && radians < std::numbers::pi))
+    entry.fail(std::string("an angle above 0 and below pi (180 degrees) in '") + key + "'");
+  return 0.5 * side / std::tan(0.5 * radians);
+}
+
+void show_whole_sphere(Camera& camera) {
+  camera.fx = camera.width / (2 * std::numbers::pi), camera.fy = camera.height / std::numbers::pi;
+  camera.cx = 0.5 * camera.width, camera.cy = 0.5 * camera.height;
 }
 
 void UnreadKeys::add(const JsonEntry& entry) {
   const auto is_in = [](const auto& keys, const std::string& key) {
     return std::find(std::begin(keys), std::end(keys), key) != std::end(keys);
   };
+  const auto is_mark = [](const std::string& key) {
+    return std::ranges::any_of(marks, [&](const Mark& mark) { return mark.key == key; });
+  };
   for (const auto& [key, value] : entry.members().items())
-    if (!is_in(read_, key) && !is_in(coefficients, key) && !is_in(lenses, key) && key != "camera_model" &&
-        !is_off(value))
+    if (!is_in(read_, key) && !is_in(coefficients, key) && !is_in(refused, key) && !is_mark(key) &&
+        key != list && key != "camera_model" && !is_off(value))
       keys_.insert(key);
 }
 

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include <swiftgs/camera.hpp>
+
 #include "json_entry.hpp"
 
 namespace swiftgs::io {
@@ -22,9 +24,16 @@ struct CameraEntry {
   }
 };
 
-/// Throws `FormatError` that names the camera model, the distortion or the lens, unless the camera is a
-/// pinhole.
-void expect_pinhole(const CameraEntry& entry);
+/// The lens of a camera, by `camera_model`, instant-ngp's marks and the coefficients, each of which a camera
+/// may have itself. Of FULL_OPENCV k4 to k6 are rational; elsewhere k4 is radial, as nerfstudio has it.
+/// Throws `FormatError` that names the model, the coefficient or the mark that `Lens` cannot be.
+Lens lens_of(const CameraEntry& entry);
+
+/// The focal length with which an image side shows the angle in `key`.
+double length_of_angle(const JsonEntry& entry, const char* key, double to_radians, int side);
+
+/// Gives a camera of an equirectangular lens the intrinsics with which its image shows every direction once.
+void show_whole_sphere(Camera& camera);
 
 /// Collects the keys of a camera file that nobody reads.
 class UnreadKeys {
@@ -32,9 +41,11 @@ class UnreadKeys {
   /// `read` are the keys that the reader takes, and those that no picture shows.
   explicit UnreadKeys(std::span<const std::string_view> read) : read_(read) {}
 
-  /// Adds the keys of `entry` that may change the picture: neither read, nor part of a pinhole's check, nor
-  /// switched off by 0, false, null or an empty value.
+  /// Adds the keys of `entry` that may change the picture: neither read, nor of a lens, nor switched off by
+  /// 0, false, null or an empty value.
   void add(const JsonEntry& entry);
+
+  void add(const std::string& key) { keys_.insert(key); }
 
   void note(std::vector<std::string>& notes) const;
 

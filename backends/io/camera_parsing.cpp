@@ -15,6 +15,10 @@ void set_pose(Camera& camera, const dmat3& axes, dvec3 centre) {
   for (int column = 0; column < 3; ++column) camera.translation -= camera.rotation[column] * centre[column];
 }
 
+void set_opengl_pose(Camera& camera, const dmat3& axes, dvec3 centre) {
+  set_pose(camera, dmat3(axes[0], -axes[1], -axes[2]), centre);
+}
+
 int to_side(const Source& source, std::uint64_t offset, double pixels) {
   if (!(pixels >= 1 && pixels <= max_image_side) || pixels != std::floor(pixels))
     source.fail(offset, "a width and a height of 1 to " + std::to_string(max_image_side) + " pixels");

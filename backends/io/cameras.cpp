@@ -63,12 +63,15 @@ CameraFile read_json(const fs::path& path) {
   const Source source{file.bytes(), path.string()};
   if (is_transforms_json(source.text()))
     return read_transforms_json(source, path.has_parent_path() ? path.parent_path() : ".");
+  if (is_camera_path(source.text())) return parse_camera_path(source);
   const std::size_t first = source.text().find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos || source.text()[first] != '[')
-    source.fail(0,
-                "cameras: INRIA's cameras.json (a JSON array), a transforms.json (a JSON object with "
-                "'frames'), or the folder of a COLMAP model" +
-                    found_in(source.text()));
+    source.fail(
+        0,
+        "cameras: INRIA's cameras.json (a JSON array), a transforms.json (a JSON object with "
+        "'frames'), nerfstudio's camera_path.json (one with 'camera_path'), or the folder of a COLMAP "
+        "model" +
+            found_in(source.text()));
   return sorted_by_name(parse_cameras_json(source));
 }
 

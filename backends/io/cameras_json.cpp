@@ -17,16 +17,20 @@ void expect_inria(const JsonEntry& entry) {
 
 Camera camera_of(const JsonEntry& entry) {
   expect_inria(entry);
-  expect_pinhole({entry, entry});
   const Source& source = entry.source();
   Camera camera;
+  camera.lens = lens_of({entry, entry});
   camera.name = entry.string("img_name");
   camera.width = to_side(source, entry.offset(), entry.number("width"));
   camera.height = to_side(source, entry.offset(), entry.number("height"));
-  camera.fx = entry.number("fx"), camera.fy = entry.number("fy");
-  // INRIA's training writes no principal point; others add one.
-  camera.cx = entry.has("cx") ? entry.number("cx") : 0.5 * camera.width;
-  camera.cy = entry.has("cy") ? entry.number("cy") : 0.5 * camera.height;
+  if (camera.lens.model == LensModel::equirectangular) {
+    show_whole_sphere(camera);
+  } else {
+    camera.fx = entry.number("fx"), camera.fy = entry.number("fy");
+    // INRIA's training writes no principal point; others add one.
+    camera.cx = entry.has("cx") ? entry.number("cx") : 0.5 * camera.width;
+    camera.cy = entry.has("cy") ? entry.number("cy") : 0.5 * camera.height;
+  }
   set_pose(camera, entry.matrix("rotation"), entry.vector("position"));
   expect_valid(source, entry.offset(), camera);
   return camera;

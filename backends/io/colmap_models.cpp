@@ -13,27 +13,28 @@
 namespace swiftgs::io {
 namespace {
 
-constexpr std::string_view never = ColmapModel::never;
+constexpr LensModel perspective = LensModel::perspective, fisheye = LensModel::fisheye;
 
-/// In the order of COLMAP's numbers. EUCM is a pinhole where alpha is 0, whatever beta is.
-constexpr ColmapModel models[] = {{"SIMPLE_PINHOLE", 3, 1, ""},
-                                  {"PINHOLE", 4, 2, ""},
-                                  {"SIMPLE_RADIAL", 4, 1, "k"},
-                                  {"RADIAL", 5, 1, "k1 k2"},
-                                  {"OPENCV", 8, 2, "k1 k2 p1 p2"},
-                                  {"OPENCV_FISHEYE", 8, 2, never},
-                                  {"FULL_OPENCV", 12, 2, "k1 k2 p1 p2 k3 k4 k5 k6"},
-                                  {"FOV", 5, 2, "omega"},
-                                  {"SIMPLE_RADIAL_FISHEYE", 4, 1, never},
-                                  {"RADIAL_FISHEYE", 5, 1, never},
-                                  {"THIN_PRISM_FISHEYE", 12, 2, never},
-                                  {"RAD_TAN_THIN_PRISM_FISHEYE", 16, 2, never},
-                                  {"SIMPLE_DIVISION", 4, 1, "k"},
-                                  {"DIVISION", 5, 2, "k"},
-                                  {"SIMPLE_FISHEYE", 3, 1, never},
-                                  {"FISHEYE", 4, 2, never},
-                                  {"EUCM", 6, 2, "alpha"},
-                                  {"EQUIRECTANGULAR", 2, 0, never}};
+/// In the order of COLMAP's numbers. Its k4 to k6 of FULL_OPENCV are rational. EUCM is a pinhole where alpha
+/// is 0, whatever beta is.
+constexpr ColmapModel models[] = {{"SIMPLE_PINHOLE", 3, 1, perspective, ""},
+                                  {"PINHOLE", 4, 2, perspective, ""},
+                                  {"SIMPLE_RADIAL", 4, 1, perspective, "k1"},
+                                  {"RADIAL", 5, 1, perspective, "k1 k2"},
+                                  {"OPENCV", 8, 2, perspective, "k1 k2 p1 p2"},
+                                  {"OPENCV_FISHEYE", 8, 2, fisheye, "k1 k2 k3 k4"},
+                                  {"FULL_OPENCV", 12, 2, perspective, "k1 k2 p1 p2 k3 q1 q2 q3"},
+                                  {"FOV", 5, 2, perspective, "omega"},
+                                  {"SIMPLE_RADIAL_FISHEYE", 4, 1, fisheye, "k1"},
+                                  {"RADIAL_FISHEYE", 5, 1, fisheye, "k1 k2"},
+                                  {"THIN_PRISM_FISHEYE", 12, 2, fisheye, "k1 k2 p1 p2 k3 k4 s1 s2"},
+                                  {"RAD_TAN_THIN_PRISM_FISHEYE", 16, 2, {}, ""},
+                                  {"SIMPLE_DIVISION", 4, 1, perspective, "k"},
+                                  {"DIVISION", 5, 2, perspective, "k"},
+                                  {"SIMPLE_FISHEYE", 3, 1, {}, ""},
+                                  {"FISHEYE", 4, 2, {}, ""},
+                                  {"EUCM", 6, 2, perspective, "alpha"},
+                                  {"EQUIRECTANGULAR", 2, 0, {}, ""}};
 
 dmat3 rotation_of(const Source& images, std::uint64_t offset, const ColmapPose& pose) {
   const double length = std::sqrt(pose.w * pose.w + pose.x * pose.x + pose.y * pose.y + pose.z * pose.z);
@@ -57,26 +58,47 @@ const ColmapModel* colmap_model(std::string_view name) {
   return found == std::end(models) ? nullptr : found;
 }
 
+double* coefficient_of(Distortion& distortion, std::string_view name) {
+  if (name.size() != 2 || name[1] < '1') return nullptr;
+  const int at = name[1] - '1';
+  switch (name[0]) {
+    case 'k':
+      return at < 4 ? &distortion.radial[at] : nullptr;
+    case 'q':
+      return at < 3 ? &distortion.rational[at] : nullptr;
+    case 'p':
+      return at < 2 ? &distortion.tangential[at] : nullptr;
+    case 's':
+      return at < 2 ? &distortion.prism[at] : nullptr;
+    default:
+      return nullptr;
+  }
+}
+
 void set_intrinsics(Camera& camera, const ColmapModel& model, std::span<const double> parameters,
                     const Source& source, std::uint64_t offset) {
-  if (model.zeros == ColmapModel::never) refuse_model(source, offset, model.name);
-  const double* value = &parameters[std::size_t(model.focal_lengths) + 1];
-  for (Tokens names(model.zeros); !names.at_end();)
-    if (const std::string_view name = names.next(); *++value != 0)
-      refuse_model(source, offset, std::string(model.name) + " with " + coefficient(name, *value));
+  if (!model.lens) refuse_model(source, offset, model.name);
   camera.fx = parameters[0], camera.fy = parameters[model.focal_lengths - 1];
   camera.cx = parameters[model.focal_lengths], camera.cy = parameters[model.focal_lengths + 1];
+  camera.lens.model = *model.lens;
+  const double* value = &parameters[std::size_t(model.focal_lengths) + 2];
+  for (Tokens names(model.coefficients); !names.at_end(); ++value) {
+    const std::string_view name = names.next();
+    if (double* const coefficient = coefficient_of(camera.lens.distortion, name))
+      *coefficient = *value;
+    else if (*value != 0)
+      refuse_model(source, offset, std::string(model.name) + " with " + named_coefficient(name, *value));
+  }
 }
 
-void refuse_model(const Source& source, std::uint64_t offset, std::string_view found) {
-  source.fail(
-      offset,
-      "a pinhole of undistorted images (PINHOLE, SIMPLE_PINHOLE, or a model whose coefficients are all "
-      "0), found " +
-          std::string(found));
+void refuse_model(const Source& source, std::uint64_t offset, std::string_view found, std::string_view more) {
+  std::string expected =
+      "one of the camera models SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, "
+      "OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, THIN_PRISM_FISHEYE";
+  source.fail(offset, expected.append(more).append(", found ").append(found));
 }
 
-std::string coefficient(std::string_view name, const nlohmann::json& value) {
+std::string named_coefficient(std::string_view name, const nlohmann::json& value) {
   return std::string(name) + (value.is_primitive() ? " = " + listed({value.dump()}) : " that is not 0");
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,16 +17,16 @@
 
 namespace swiftgs::io {
 
-/// A camera model of COLMAP. Its numbers are the focal lengths, the principal point, and what distorts.
+/// A camera model of COLMAP. Its numbers are the focal lengths, the principal point, and coefficients.
 struct ColmapModel {
   std::string_view name;
-  int parameters;     ///< numbers behind the size
-  int focal_lengths;  ///< the first of them, one or two
-  /// Names of the numbers behind the principal point that are all 0 in a pinhole, the first of them;
-  /// `never` in no pinhole.
-  std::string_view zeros;
+  int parameters;                 ///< numbers behind the size
+  int focal_lengths;              ///< the first of them, one or two
+  std::optional<LensModel> lens;  ///< what maps directions to the plane; null where `Lens` has no such model
+  /// Names of the coefficients, as `coefficient_of` takes them. A model with any other name is read where
+  /// that coefficient is 0.
+  std::string_view coefficients;
 
-  static constexpr std::string_view never = "never";
   static constexpr int most_parameters = 16;
 };
 
@@ -33,15 +34,21 @@ struct ColmapModel {
 const ColmapModel* colmap_model(std::int32_t id);
 const ColmapModel* colmap_model(std::string_view name);
 
-/// Sets the intrinsics of `camera`. Throws `FormatError` that names the model unless it is a pinhole.
+/// The coefficient called k1 to k4 (radial), q1 to q3 (rational), p1, p2 (tangential), or s1, s2 (prism);
+/// null for any other name.
+double* coefficient_of(Distortion& distortion, std::string_view name);
+
+/// Sets the intrinsics and the lens of `camera`. Throws `FormatError` that names the model, and the
+/// coefficient if it is that, where `Lens` cannot be the model.
 void set_intrinsics(Camera& camera, const ColmapModel& model, std::span<const double> parameters,
                     const Source& source, std::uint64_t offset);
 
-/// Throws `FormatError`: expected a pinhole, and names `found`.
-[[noreturn]] void refuse_model(const Source& source, std::uint64_t offset, std::string_view found);
+/// Throws `FormatError`: expected one of the models that are read, `more` included, and names `found`.
+[[noreturn]] void refuse_model(const Source& source, std::uint64_t offset, std::string_view found,
+                               std::string_view more = "");
 
 /// A coefficient that is not 0 as messages name it: `k1 = 0.1`. Of a list only the name.
-std::string coefficient(std::string_view name, const nlohmann::json& value);
+std::string named_coefficient(std::string_view name, const nlohmann::json& value);
 
 /// A pose as COLMAP writes it: world to camera, Hamilton quaternion, scalar part first, of any length.
 struct ColmapPose {

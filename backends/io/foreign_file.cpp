@@ -6,6 +6,7 @@
 #include <iterator>
 #include <vector>
 
+#include "camera_parsing.hpp"
 #include "gltf_document.hpp"
 #include "ksplat_layout.hpp"
 #include "listed.hpp"
@@ -123,6 +124,7 @@ std::string what_it_is(std::string_view text) {
   if (looks_like_ksplat(text)) return "a .ksplat";
   if (text.starts_with("{") || text.starts_with("[")) {
     if (holds("\"img_name\"")) return "JSON of cameras (cameras.json)";
+    if (is_camera_path(beginning)) return "JSON of cameras (camera_path.json)";
     return is_transforms_json(beginning) ? "JSON of cameras (transforms.json)" : "JSON";
   }
   return "something else";

@@ -86,14 +86,24 @@ JsonEntry::Affine JsonEntry::affine(const char* key) const {
   for (int row = 0; row < int(rows.size()); ++row) {
     const json& values = rows[row];
     if (!values.is_array() || values.size() != 4) fail(std::string("rows of four numbers in '") + key + "'");
-    for (int column = 0; column < 4; ++column) {
-      const double value = to_number(values[column], key);
-      if (row == 3 && std::abs(value - (column == 3)) > 1e-6)
-        fail(std::string("a last row of 0, 0, 0, 1 in '") + key + "'");
-      if (row < 3) (column < 3 ? affine.linear[column] : affine.offset)[row] = value;
-    }
+    for (int column = 0; column < 4; ++column) place(affine, row, column, values[column], key);
   }
   return affine;
+}
+
+JsonEntry::Affine JsonEntry::flat_affine(const char* key) const {
+  const json& values = member(key);
+  if (!values.is_array() || values.size() != 16) fail(std::string("sixteen numbers in '") + key + "'");
+  Affine affine;
+  for (int i = 0; i < 16; ++i) place(affine, i / 4, i % 4, values[i], key);
+  return affine;
+}
+
+void JsonEntry::place(Affine& affine, int row, int column, const json& value, const char* key) const {
+  const double number = to_number(value, key);
+  if (row == 3 && std::abs(number - (column == 3)) > 1e-6)
+    fail(std::string("a last row of 0, 0, 0, 1 in '") + key + "'");
+  if (row < 3) (column < 3 ? affine.linear[column] : affine.offset)[row] = number;
 }
 
 double JsonEntry::to_number(const json& value, const char* key) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -55,6 +56,8 @@ class JsonEntry {
   const nlohmann::json& member(const char* key) const;
 
   double number(const char* key) const { return to_number(member(key), key); }
+  /// The number at `index` of an array.
+  double number(const char* key, std::size_t index) const { return to_number(member(key).at(index), key); }
   std::string string(const char* key) const;
   dvec3 vector(const char* key) const { return to_vector(member(key), key); }
 
@@ -64,7 +67,11 @@ class JsonEntry {
   /// Three rows, or four of which the last is 0, 0, 0, 1.
   Affine affine(const char* key) const;
 
+  /// The same in one list of sixteen numbers, by rows.
+  Affine flat_affine(const char* key) const;
+
  private:
+  void place(Affine& affine, int row, int column, const nlohmann::json& value, const char* key) const;
   double to_number(const nlohmann::json& value, const char* key) const;
   dvec3 to_vector(const nlohmann::json& value, const char* key) const;
 

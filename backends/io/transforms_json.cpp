@@ -79,17 +79,11 @@ struct FocalKeys {
   const char *pixels, *degrees, *radians;
 };
 
-double length_of_angle(const JsonEntry& entry, const char* key, double to_radians, int side) {
-  const double radians = to_radians * entry.number(key);
-  if (!(radians > 0 && radians < std::numbers::pi))
-    entry.fail(std::string("an angle above 0 and below pi (180 degrees) in '") + key + "'");
-  return 0.5 * side / std::tan(0.5 * radians);
-}
-
-/// The focal length along an image side; 0 if there is none.
-double focal_length(const CameraEntry& frame, const FocalKeys& keys, int side) {
+/// The focal length along an image side; 0 if there is none. An orthographic lens has no angle of view.
+double focal_length(const CameraEntry& frame, const FocalKeys& keys, int side, bool has_angles) {
   for (const JsonEntry* entry : {&frame.own, &frame.shared}) {
     if (entry->has(keys.pixels)) return entry->number(keys.pixels);
+    if (!has_angles) continue;
     if (entry->has(keys.degrees)) return length_of_angle(*entry, keys.degrees, std::numbers::pi / 180, side);
     if (entry->has(keys.radians)) return length_of_angle(*entry, keys.radians, 1, side);
   }
@@ -97,16 +91,30 @@ double focal_length(const CameraEntry& frame, const FocalKeys& keys, int side) {
 }
 
 void set_intrinsics(Camera& camera, const CameraEntry& frame) {
-  camera.fx = focal_length(frame, {"fl_x", "x_fov", "camera_angle_x"}, camera.width);
-  camera.fy = focal_length(frame, {"fl_y", "y_fov", "camera_angle_y"}, camera.height);
+  const bool has_angles = camera.lens.model != LensModel::orthographic;
+  camera.fx = focal_length(frame, {"fl_x", "x_fov", "camera_angle_x"}, camera.width, has_angles);
+  camera.fy = focal_length(frame, {"fl_y", "y_fov", "camera_angle_y"}, camera.height, has_angles);
   if (camera.fx == 0) camera.fx = camera.fy;
   if (camera.fx == 0)
-    frame.own.fail(
-        "a focal length above 0 in 'fl_x', 'fl_y', 'x_fov', 'y_fov', 'camera_angle_x' or 'camera_angle_y'");
+    frame.own.fail(has_angles ? "a focal length above 0 in 'fl_x', 'fl_y', 'x_fov', 'y_fov', "
+                                "'camera_angle_x' or 'camera_angle_y'"
+                              : "a focal length above 0 in 'fl_x' or 'fl_y' of an orthographic lens");
   if (camera.fy == 0) camera.fy = camera.fx;
   const JsonEntry *cx = frame.with("cx"), *cy = frame.with("cy");
   camera.cx = cx ? cx->number("cx") : 0.5 * camera.width;
   camera.cy = cy ? cy->number("cy") : 0.5 * camera.height;
+}
+
+/// Adds the keys by which nerfstudio would show another part of the sphere than all of it. instant-ngp's lens
+/// has no such keys.
+void add_unlike_sphere(UnreadKeys& unread, const CameraEntry& frame, const Camera& camera) {
+  if (camera.lens.model != LensModel::equirectangular || !frame.with("camera_model")) return;
+  const auto expect = [&](const char* key, double pixels) {
+    if (const JsonEntry* with = frame.with(key); with && !(std::abs(with->number(key) - pixels) <= 1))
+      unread.add(key);
+  };
+  expect("fl_x", 0.5 * camera.width), expect("fl_y", camera.height);
+  expect("cx", 0.5 * camera.width), expect("cy", 0.5 * camera.height);
 }
 
 /// p -> scale (rotation p + translation), from the file's world to that of the model.
@@ -148,15 +156,17 @@ WorldChange world_change(const JsonEntry& root, const Source& dataparser) {
 }
 
 Camera camera_of(const CameraEntry& frame, const std::filesystem::path& folder, const WorldChange& change) {
-  expect_pinhole(frame);
   Camera camera;
+  camera.lens = lens_of(frame);
   if (frame.own.has("file_path")) camera.name = frame.own.string("file_path");
-  // The file has camera to world with OpenGL's axes: y up, z backwards.
-  auto [axes, centre] = frame.own.affine("transform_matrix");
-  axes[1] = -axes[1], axes[2] = -axes[2];
-  set_pose(camera, change.rotation * axes, change.scale * (change.rotation * centre + change.translation));
+  const auto [axes, centre] = frame.own.affine("transform_matrix");
+  set_opengl_pose(camera, change.rotation * axes,
+                  change.scale * (change.rotation * centre + change.translation));
   set_size(camera, frame, folder);
-  set_intrinsics(camera, frame);
+  if (camera.lens.model == LensModel::equirectangular)
+    show_whole_sphere(camera);
+  else
+    set_intrinsics(camera, frame);  // those of an orthographic lens are of the model's world, as nerfstudio's
   expect_valid(frame.own.source(), frame.own.offset(), camera);
   return camera;
 }
@@ -190,6 +200,7 @@ CameraFile parse_transforms_json(const Source& source, const std::filesystem::pa
     const CameraEntry frame{JsonEntry(source, frames[i], offsets[i], "a frame"), root};
     file.cameras.push_back(camera_of(frame, folder, change));
     unread.add(frame.own);
+    add_unlike_sphere(unread, frame, file.cameras.back());
   }
   if (!dataparser && (root.has("applied_transform") || root.has("applied_scale")))
     file.notes.push_back(

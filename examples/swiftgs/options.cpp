@@ -41,8 +41,8 @@ CLI::Option* add_view_choice(CLI::App& command, const char* name, std::string& v
 
 void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views) {
   command.add_option("--cameras", options.cameras,
-                     "A cameras.json, a transforms.json or a COLMAP model, or a folder\nthat holds one "
-                     "[those of SCENE where it is a folder]");
+                     "A cameras.json, transforms.json, camera_path.json or COLMAP model, or a\n"
+                     "capture's folder [those of SCENE where it is a folder]");
   command
       .add_option("--conventions", options.conventions,
                   "Conventions that the scene was trained with: gsplat or inria")

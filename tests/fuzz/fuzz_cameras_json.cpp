@@ -28,5 +28,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   expect_cameras([&] { return swiftgs::io::parse_cameras_json(source); });
   expect_cameras([&] { return swiftgs::io::parse_transforms_json(source); });
   expect_cameras([&] { return swiftgs::io::parse_transforms_json(source, {}, &source); });
+  expect_cameras([&] { return swiftgs::io::parse_camera_path(source); });
   return 0;
 }

@@ -8,6 +8,7 @@
 #include <swiftgs/io/cameras.hpp>
 
 #include "colmap_files.hpp"
+#include "lens_pixels.hpp"
 
 /// @file
 /// What other programs write about cameras, each in a few lines: read with the right values, noted or refused
@@ -90,13 +91,12 @@ TEST_CASE("camera layouts: nerfstudio tells distortion of a frame or of all") {
   const json frame = {{"fl_x", 50}, {"file_path", "images/a.jpg"}, {"transform_matrix", matrix}};
   file["frames"] = {frame, frame};
   for (const char* key : {"k1", "k2", "k3", "k4", "p1", "p2"}) file["frames"][1][key] = 0.0;
-  CHECK(read(file).cameras.size() == 2);
-  file["frames"][1]["k3"] = 1e-4;
-  CHECK(contains(refusal(file), "found k3 = 0.0001"));
-  file["frames"].erase(1), file["k4"] = -0.5;
-  CHECK(contains(refusal(file),
-                 "byte 0: expected a pinhole of undistorted images (PINHOLE, SIMPLE_PINHOLE, or a model "
-                 "whose coefficients are all 0), found k4 = -0.5"));
+  CHECK(read(file).cameras.at(1).lens.is_pinhole());
+  file["frames"][1]["k3"] = 1e-4, file["k4"] = -0.5;
+  const CameraFile found = read(file);
+  CHECK(found.notes.empty());
+  CHECK(found.cameras.at(0).lens.distortion == Distortion{.radial = {0, 0, 0, -0.5}});
+  CHECK(found.cameras.at(1).lens.distortion == Distortion{.radial = {0, 0, 1e-4, 0}});
 }
 
 // nerfstudio 1.1.5, ns-process-data images: a turned world, which a scene trained on it does not have.
@@ -164,6 +164,110 @@ TEST_CASE("camera layouts: instant-ngp takes angles in degrees") {
   CHECK(contains(refusal(file), "an angle above 0 and below pi (180 degrees) in 'y_fov'"));
 }
 
+// nerfstudio 1.1.5, ns-process-data aria: a lens with two more coefficients than a thin prism.
+TEST_CASE("camera layouts: Project Aria's lens is refused by name") {
+  json file = {{"camera_model", "FISHEYE624"}, {"fisheye_crop_radius", 707.5}};
+  file["frames"] = {{{"fl_x", 610},
+                     {"fl_y", 610},
+                     {"cx", 704},
+                     {"cy", 704},
+                     {"w", 1408},
+                     {"h", 1408},
+                     {"distortion_params", {0.4, -0.4, 0.1, 0.1, -0.1, 0.01, 0.001, 0, 0, 0, 0, 0}},
+                     {"file_path", "images/camera-rgb_1.jpg"},
+                     {"transform_matrix", matrix}}};
+  CHECK(contains(refusal(file), "found FISHEYE624"));
+}
+
+// nerfstudio 1.1.5, the viewer's render panel, and the older viewer without `default_fov`.
+TEST_CASE("camera layouts: a path of nerfstudio's viewer is a view for each frame") {
+  json path = {{"default_fov", 75.0},
+               {"default_transition_sec", 2.0},
+               {"keyframes", {{{"matrix", json::array()}, {"fov", 75.0}, {"aspect", 2.0}}}},
+               {"camera_type", "perspective"},
+               {"render_height", 48},
+               {"render_width", 64},
+               {"fps", 24},
+               {"seconds", 2.0},
+               {"is_cycle", false},
+               {"smoothness_value", 0.0},
+               {"crop", nullptr}};
+  for (const double fov : {90.0, 60.0})
+    path["camera_path"].push_back({{"camera_to_world", {1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1}},
+                                   {"fov", fov},
+                                   {"aspect", 2.0}});
+  CameraFile found = read(path, "camera_path.json");
+  REQUIRE(found.cameras.size() == 2);
+  CHECK(found.notes.empty());
+  // The angle is that of the height.
+  check_intrinsics(found.cameras[0], 64, 48, 24, 24, 32, 24);
+  check_intrinsics(found.cameras[1], 64, 48, 24 * std::sqrt(3.0), 24 * std::sqrt(3.0), 32, 24);
+  for (const Camera& camera : found.cameras) {
+    check_pose(camera);
+    CHECK(camera.name.empty());
+    CHECK(camera.lens.is_pinhole());
+  }
+  path.erase("camera_type");
+  CHECK(read(path, "camera_path.json").cameras.at(0).lens.is_pinhole());
+  path["camera_type"] = "fisheye";
+  found = read(path, "camera_path.json");
+  CHECK(found.cameras.at(0).lens == Lens{LensModel::fisheye, {}});
+  check_intrinsics(found.cameras[0], 64, 48, 24, 24, 32, 24);
+  check_pixel(found.cameras[0], {0, 3, 3}, {32, 24 + 24 * std::atan(1.0)});
+  path["camera_type"] = "equirectangular";
+  found = read(path, "camera_path.json");
+  CHECK(found.cameras.at(1).lens == Lens{LensModel::equirectangular, {}});
+  check_pixel(found.cameras[1], {3, 0, 0}, {48, 24});
+  check_pixel(found.cameras[1], {0, -1, 1}, {32, 12});
+
+  path["crop"] = {{"crop_center", {0, 0, 0}}}, path["camera_path"][1]["render_time"] = 0.5;
+  CHECK(read(path, "camera_path.json").notes ==
+        std::vector<std::string>{"Keys that may change the picture were not read: crop, render_time."});
+}
+
+TEST_CASE("camera layouts: what is wrong in a path is placed") {
+  const json good = {
+      {"camera_type", "perspective"},
+      {"render_height", 48},
+      {"render_width", 64},
+      {"camera_path",
+       {{{"camera_to_world", {1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1}}, {"fov", 90.0}}}}};
+  const auto with = [&](const char* key, const json& value) {
+    json changed = good;
+    changed[key] = value;
+    return refusal(changed, "camera_path.json");
+  };
+  const auto frame_with = [&](const char* key, const json& value) {
+    json changed = good;
+    changed["camera_path"][0][key] = value;
+    return refusal(changed, "camera_path.json");
+  };
+  const std::string root = "camera_path.json: byte 0: expected ";
+  const std::string frame =
+      "camera_path.json: byte " + std::to_string(good.dump().find("{\"camera_to_world\"")) + ": expected ";
+  CHECK(read(good, "camera_path.json").cameras.size() == 1);
+  for (const char* type : {"omnidirectional", "vr180", ""})
+    CHECK(with("camera_type", type) ==
+          root + "'camera_type' to be perspective, fisheye or equirectangular, found " + type);
+  CHECK(with("camera_path", 7) == root + "'camera_path' to be an array");
+  CHECK(with("camera_path", {7}) == frame + "a frame (a JSON object)");
+  CHECK(contains(with("render_width", 0), root + "a width and a height"));
+  CHECK(with("render_height", nullptr) == root + "a number in 'render_height'");
+  CHECK(frame_with("fov", nullptr) == frame + "a number in 'fov'");
+  CHECK(frame_with("fov", 180) == frame + "an angle above 0 and below pi (180 degrees) in 'fov'");
+  CHECK(frame_with("camera_to_world", {1, 2, 3}) == frame + "sixteen numbers in 'camera_to_world'");
+  CHECK(frame_with("camera_to_world", 7) == frame + "sixteen numbers in 'camera_to_world'");
+  CHECK(frame_with("camera_to_world", {1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 1, 1}) ==
+        frame + "a last row of 0, 0, 0, 1 in 'camera_to_world'");
+  CHECK(frame_with("camera_to_world", {1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, "3", 0, 0, 0, 1}) ==
+        frame + "a number in 'camera_to_world'");
+  CHECK(contains(frame_with("camera_to_world", {2, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1}),
+                 "orthonormal rows"));
+  check_every_truncation(good.dump(), [](const std::string& content) {
+    io::parse_camera_path({as_bytes(content), "camera_path.json"});
+  });
+}
+
 // COLMAP's names, in a file that a converter writes: FOV without an angle and EUCM without a share of the
 // sphere are pinholes.
 TEST_CASE("camera layouts: models of one coefficient are refused unless it is 0") {
@@ -172,11 +276,11 @@ TEST_CASE("camera layouts: models of one coefficient are refused unless it is 0"
   CHECK(read(file).notes.empty());
   check_intrinsics(read(file).cameras.at(0), 640, 480, 500, 500, 320, 240);
   file["alpha"] = 0.5;
-  CHECK(contains(refusal(file), "found alpha = 0.5"));
+  CHECK(contains(refusal(file), "found EUCM with alpha = 0.5"));
   file["alpha"] = nullptr, file["camera_model"] = "FOV", file["omega"] = 0;
   CHECK(read(file).notes.empty());
   file["omega"] = 0.9;
-  CHECK(contains(refusal(file), "found omega = 0.9"));
+  CHECK(contains(refusal(file), "found FOV with omega = 0.9"));
   file["omega"] = nullptr, file["fl_y"] = nullptr;
   CHECK(contains(
       refusal(file),
@@ -240,13 +344,33 @@ TEST_CASE("camera layouts: principal points that other trainers add to cameras.j
             "Keys that may change the picture were not read: appearance_id, normalized_appearance_id."});
   camera["cx"] = camera["cy"] = nullptr;
   check_intrinsics(read(json::array({camera}), "cameras.json").cameras.at(0), 640, 480, 500, 510, 320, 240);
-  camera["k1"] = 0.01;
-  CHECK(contains(refusal(json::array({camera}), "cameras.json"),
-                 "cameras.json: byte 1: expected a pinhole of undistorted images (PINHOLE"));
   // INRIA's own, and OpenSplat 1.1.5's.
   found = read(json::array({inria_camera()}), "cameras.json");
   CHECK(found.notes.empty());
   check_intrinsics(found.cameras.at(0), 640, 480, 500, 510, 320, 240);
+}
+
+TEST_CASE("camera layouts: lenses that other trainers add to cameras.json count") {
+  json camera = inria_camera();
+  camera["k1"] = -0.1, camera["k2"] = 0.02, camera["p1"] = 0.003, camera["p2"] = -0.004;
+  CameraFile found = read(json::array({camera, inria_camera()}), "cameras.json");
+  CHECK(found.notes.empty());
+  CHECK(found.cameras.at(0).lens ==
+        Lens{LensModel::perspective, {.radial = {-0.1, 0.02}, .tangential = {0.003, -0.004}}});
+  CHECK(found.cameras.at(1).lens.is_pinhole());
+  const dvec3 p(0.5, 0.25, 1);
+  const double scale = radial({-0.1, 0.02}, {0.5, 0.25});
+  const Pixel aside = tangential(0.003, -0.004, {0.5, 0.25});
+  check_pixel(found.cameras[0], p,
+              {320 + 500 * (0.5 * scale + aside.x), 240 + 510 * (0.25 * scale + aside.y)});
+  camera["camera_model"] = "OPENCV_FISHEYE";
+  CHECK(read(json::array({camera}), "cameras.json").cameras.at(0).lens.model == LensModel::fisheye);
+  camera = inria_camera();
+  camera["camera_model"] = "EQUIRECTANGULAR";
+  check_pixel(read(json::array({camera}), "cameras.json").cameras.at(0), {1, 0, 0}, {480, 240});
+  camera["camera_model"] = "FOV", camera["omega"] = 0.9;
+  CHECK(contains(refusal(json::array({camera}), "cameras.json"),
+                 "cameras.json: byte 1: expected one of the camera models"));
 }
 
 // COLMAP 3.12: rigs and frames beside cameras and images, in sub-folders as its rig_configurator asks for.
@@ -282,8 +406,8 @@ TEST_CASE("camera layouts: images of COLMAP in one line each are refused at the 
 TEST_CASE("camera layouts: JSON of other layouts is refused with its keys") {
   const std::string expected =
       "x.json: byte 0: expected cameras: INRIA's cameras.json (a JSON array), a transforms.json (a JSON "
-      "object "
-      "with 'frames'), or the folder of a COLMAP model, found a JSON object with ";
+      "object with 'frames'), nerfstudio's camera_path.json (one with 'camera_path'), or the folder of a "
+      "COLMAP model, found a JSON object with ";
   const json mip_nerf = {{"train", {{"file_path", {"a.png"}}, {"cam2world", {matrix}}, {"focal", {50}}}},
                          {"val", json::object()},
                          {"test", json::object()}};

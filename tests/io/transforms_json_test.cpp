@@ -10,6 +10,7 @@
 #include <swiftgs/io/cameras.hpp>
 
 #include "camera_parsing.hpp"
+#include "lens_pixels.hpp"
 #include "png_encoder.hpp"
 
 using namespace swiftgs;
@@ -167,46 +168,235 @@ TEST_CASE("transforms.json: angles of view stand for focal lengths and centres f
                  "in 'fl_x', 'fl_y', 'x_fov', 'y_fov', 'camera_angle_x' or 'camera_angle_y'"));
 }
 
-// Of OPENCV and FULL_OPENCV, of COLMAP's divisions, of FOV, and of EUCM.
-constexpr const char* distortions[] = {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "k", "omega", "alpha"};
+namespace {
 
-TEST_CASE("transforms.json: distortion and other camera models are refused by name") {
+/// What messages expect in place of a lens that is not read.
+const std::string models =
+    "expected one of the camera models SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, "
+    "OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, THIN_PRISM_FISHEYE, EQUIRECTANGULAR, ORTHOPHOTO, "
+    "found ";
+
+json with_keys(const json& keys) {
+  json file = some_file();
+  file.update(keys);
+  return file;
+}
+
+/// The distorted point of the plane, as a pixel of `some_file`.
+Pixel pixel_at(double x, double y) { return {500 * x + 321, 510.5 * y + 239.25}; }
+
+const json six = {{"k1", -0.11}, {"k2", 0.07}, {"k3", 0.023}, {"k4", -0.017}, {"p1", 0.013}, {"p2", -0.021}};
+
+/// nerfstudio's radial_and_tangential_undistort, the other way round.
+Pixel shown_with_six(bool fisheye, const dvec3& p) {
+  const Pixel at = on_plane(fisheye, p), aside = tangential(0.013, -0.021, at);
+  const double scale = radial({-0.11, 0.07, 0.023, -0.017}, at);
+  return pixel_at(at.x * scale + aside.x, at.y * scale + aside.y);
+}
+
+}  // namespace
+
+TEST_CASE("transforms.json: coefficients move points as nerfstudio's do") {
+  const json list = {-0.11, 0.07, 0.023, -0.017, 0.013, -0.021};
+  for (const char* model : {"", "PINHOLE", "OPENCV", "OPENCV_FISHEYE"}) {
+    CAPTURE(model);
+    const bool fisheye = model == std::string("OPENCV_FISHEYE");
+    json file = with_keys(six), listed = some_file();
+    // The list counts before keys of their own.
+    listed["distortion_params"] = list, listed["k1"] = 0.5;
+    if (*model) file["camera_model"] = listed["camera_model"] = model;
+    for (const json& one : {file, listed}) {
+      const Camera camera = parse(one).at(1);
+      CHECK(camera.lens.model == (fisheye ? LensModel::fisheye : LensModel::perspective));
+      for (const dvec3& p : seen_points) check_pixel(camera, p, shown_with_six(fisheye, p));
+    }
+  }
+}
+
+TEST_CASE("transforms.json: the fourth to sixth coefficients of FULL_OPENCV are below the line") {
+  json file = with_keys(six);
+  file["camera_model"] = "FULL_OPENCV", file["k4"] = 0.19, file["k5"] = 0.053, file["k6"] = -0.029;
+  for (const dvec3& p : seen_points) {
+    const Pixel at = on_plane(false, p), aside = tangential(0.013, -0.021, at);
+    const double scale = radial({-0.11, 0.07, 0.023}, at) / radial({0.19, 0.053, -0.029}, at);
+    check_pixel(parse(file).at(0), p, pixel_at(at.x * scale + aside.x, at.y * scale + aside.y));
+  }
+  file["camera_model"] = "OPENCV";
+  CHECK(complaint_about(file) == "transforms.json: byte 0: " + models + "OPENCV with k5 = 0.053");
+  file.erase("camera_model");
+  CHECK(complaint_about(file) == "transforms.json: byte 0: " + models + "k5 = 0.053");
+  file["k5"] = 0;
+  CHECK(complaint_about(file) == "transforms.json: byte 0: " + models + "k6 = -0.029");
+  file["camera_model"] = "FULL_OPENCV", file["distortion_params"] = {0.1, 0, 0, 0, 0, 0};
+  CHECK(complaint_about(file) ==
+        "transforms.json: byte 0: " + models + "FULL_OPENCV with distortion_params that is not 0");
+}
+
+TEST_CASE("transforms.json: names that COLMAP has for coefficients count") {
+  json file = some_file();
+  file["camera_model"] = "SIMPLE_RADIAL_FISHEYE", file["k"] = -0.11;
+  CHECK(parse(file).at(0).lens == Lens{LensModel::fisheye, {.radial = {-0.11}}});
+  file["camera_model"] = "SIMPLE_RADIAL";
+  CHECK(parse(file).at(0).lens == Lens{LensModel::perspective, {.radial = {-0.11}}});
+  file = with_keys(six);
+  file["camera_model"] = "THIN_PRISM_FISHEYE", file["sx1"] = 0.031, file["sy1"] = -0.043;
+  for (const dvec3& p : seen_points) {
+    const Pixel at = on_plane(true, p), before = shown_with_six(true, p);
+    const double squared = at.x * at.x + at.y * at.y;
+    check_pixel(parse(file).at(0), p, {before.x + 500 * 0.031 * squared, before.y - 510.5 * 0.043 * squared});
+  }
+}
+
+TEST_CASE("transforms.json: a frame's own coefficients and lens win") {
+  json file = with_keys(six);
+  json& frame = file["frames"][1];
+  frame["k1"] = 0.25, frame["p2"] = 0, frame["k2"] = nullptr;
+  CHECK(parse(file).at(0).lens.distortion ==
+        Distortion{.radial = {-0.11, 0.07, 0.023, -0.017}, .tangential = {0.013, -0.021}});
+  CHECK(parse(file).at(1).lens.distortion ==
+        Distortion{.radial = {0.25, 0.07, 0.023, -0.017}, .tangential = {0.013, 0}});
+  frame["distortion_params"] = {1, 2, 3, 4, 5, 6};
+  CHECK(parse(file).at(1).lens.distortion == Distortion{.radial = {1, 2, 3, 4}, .tangential = {5, 6}});
+  frame["distortion_params"] = {0, 0};
+  CHECK(parse(file).at(1).lens.is_pinhole());
+  CHECK(parse(file).at(0).lens.is_distorted());
+  frame["camera_model"] = "OPENCV_FISHEYE";
+  CHECK(parse(file).at(1).lens == Lens{LensModel::fisheye, {}});
+  CHECK(parse(file).at(0).lens.model == LensModel::perspective);
+  // Keys of its own before a list of the file.
+  file.erase("k1"), frame.erase("distortion_params");
+  file["distortion_params"] = {1, 2, 3, 4, 5, 6};
+  CHECK(parse(file).at(1).lens.distortion == Distortion{.radial = {0.25, 2, 3, 4}, .tangential = {5, 0}});
+}
+
+TEST_CASE("transforms.json: instant-ngp's fisheye lenses have no model's name") {
+  json file = with_keys({{"is_fisheye", true}, {"k1", -0.11}, {"k2", 0.07}, {"k3", 0}, {"k4", 0}});
+  const Camera camera = parse(file).at(0);
+  CHECK(camera.lens == Lens{LensModel::fisheye, {.radial = {-0.11, 0.07}}});
+  for (const dvec3& p : seen_points) {
+    const Pixel at = on_plane(true, p);
+    const double scale = radial({-0.11, 0.07}, at);
+    check_pixel(camera, p, pixel_at(at.x * scale, at.y * scale));
+  }
+  file["camera_model"] = "OPENCV_FISHEYE";
+  CHECK(parse(file).at(0).lens == camera.lens);
+  file["camera_model"] = "OPENCV";
+  CHECK(complaint_about(file) ==
+        "transforms.json: byte 0: expected one lens, found 'is_fisheye' and the camera model OPENCV");
+  file["is_fisheye"] = false;
+  CHECK(parse(file).at(0).lens.model == LensModel::perspective);
+}
+
+TEST_CASE("transforms.json: an equirectangular image shows the whole sphere") {
+  // As nerfstudio writes it of Metashape's spherical sensors.
+  const json whole = {{"fl_x", 320}, {"fl_y", 480}, {"cx", 320}, {"cy", 240}};
+  json file = with_keys(whole);
+  file["camera_model"] = "EQUIRECTANGULAR";
+  const auto check = [](const Camera& camera) {
+    CHECK(camera.lens == Lens{LensModel::equirectangular, {}});
+    check_pixel(camera, {0, 0, 2}, {320, 240});
+    check_pixel(camera, {3, 0, 0}, {480, 240});
+    check_pixel(camera, {-1, 0, 0}, {160, 240});
+    check_pixel(camera, {-5, 0, -5}, {80, 240});
+    check_pixel(camera, {0, 1, 1}, {320, 360});
+    check_pixel(camera, {2, -std::sqrt(8.0), 2}, {400, 120});
+  };
+  const auto notes_of = [](const json& one) {
+    const std::string content = one.dump();
+    return io::parse_transforms_json({as_bytes(content), "transforms.json"}).notes;
+  };
+  check(parse(file).at(0));
+  CHECK(notes_of(file).empty());
+  for (const char* key : {"fl_x", "fl_y", "cx", "cy"}) {
+    json other = file;
+    other[key] = 1000;
+    check(parse(other).at(0));
+    CHECK(notes_of(other) ==
+          std::vector<std::string>{std::string("Keys that may change the picture were not read: ") + key +
+                                   "."});
+    file.erase(key);
+  }
+  check(parse(file).at(0));
+  file["k1"] = 0.1;
+  CHECK(complaint_about(file) == "transforms.json: byte 0: " + models + "EQUIRECTANGULAR with k1 = 0.1");
+  // instant-ngp's name for it, whose focal lengths say nothing.
+  file = with_keys({{"latlong", true}});
+  check(parse(file).at(0));
+  CHECK(notes_of(file).empty());
+}
+
+TEST_CASE("transforms.json: an orthophoto has parallel rays and lengths in pixels a unit") {
+  json file = some_file();
+  file["camera_model"] = "ORTHOPHOTO";
+  const Camera camera = parse(file).at(0);
+  CHECK(camera.lens == Lens{LensModel::orthographic, {}});
+  check_pixel(camera, {0.25, -0.5, 7}, {321 + 125, 239.25 - 255.25});
+  // Of the world that the model is in.
+  CHECK(parse_in_model(file, {{"transform", turn}, {"scale", 2}}).at(0).fx == 500);
+  for (const char* key : {"fl_x", "fl_y"}) file.erase(key);
+  file["camera_angle_x"] = 1;
+  CHECK(contains(complaint_about(file),
+                 "expected a focal length above 0 in 'fl_x' or 'fl_y' of an orthographic lens"));
+  file["fl_y"] = 100;
+  CHECK(parse(file).at(0).fx == 100);
+  file["p1"] = 0.1;
+  CHECK(complaint_about(file) == "transforms.json: byte 0: " + models + "ORTHOPHOTO with p1 = 0.1");
+}
+
+// Of OPENCV and FULL_OPENCV, of a thin prism, of COLMAP's divisions, of FOV, and of EUCM.
+constexpr const char* distortions[] = {"k1", "k2",  "k3",  "k4", "k5",    "k6",   "p1",
+                                       "p2", "sx1", "sy1", "k",  "omega", "alpha"};
+
+TEST_CASE("transforms.json: coefficients of 0 are a pinhole's") {
   json zero = some_file();
-  zero["camera_model"] = "OPENCV", zero["is_fisheye"] = false;
+  zero["is_fisheye"] = false, zero["latlong"] = nullptr;
   for (const char* key : distortions) zero[key] = 0.0;
   zero["distortion_params"] = {0, 0.0, 0, 0, 0, 0};
-  CHECK(parse(zero).size() == 2);
-  const std::string expected =
-      "expected a pinhole of undistorted images (PINHOLE, SIMPLE_PINHOLE, or a model whose coefficients are "
-      "all 0), found ";
-  const std::string place = "transforms.json: byte 0: " + expected;
-  for (const char* key : distortions) {
-    json file = zero;
-    file[key] = -1e-9;
-    CHECK(complaint_about(file) == place + key + " = -1e-09");
-    file["frames"][0][key] = file["frames"][1][key] = 0;
-    CHECK(complaint_about(file) == "");
-    file["frames"][1][key] = "0";
-    CHECK(contains(complaint_about(file), expected + key + " = \"0\""));
-  }
-  zero["frames"][1]["distortion_params"] = {0, 0.1};
-  CHECK(contains(complaint_about(zero), expected + "distortion_params that is not 0"));
-  for (const char* model : {"PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "FULL_OPENCV"}) {
+  for (const char* model : {"PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "FULL_OPENCV",
+                            "FOV", "DIVISION", "EUCM"}) {
+    zero["camera_model"] = model;
+    CHECK(parse(zero).at(0).lens.is_pinhole());
     json file = some_file();
     file["camera_model"] = model;
-    CHECK(parse(file).size() == 2);
+    CHECK(parse(file).at(1).lens.is_pinhole());
   }
-  for (const char* model : {"OPENCV_FISHEYE", "EQUIRECTANGULAR", "anything", ""}) {
+}
+
+TEST_CASE("transforms.json: lenses that are not read are refused by name") {
+  const std::string place = "transforms.json: byte 0: " + models;
+  for (const char* key : {"k", "k5", "k6", "omega", "alpha"}) {
+    json file = some_file();
+    file[key] = -1e-9;
+    CHECK(complaint_about(file) == place + key + " = -1e-09");
+    file["camera_model"] = "DIVISION";
+    CHECK(complaint_about(file) == place + "DIVISION with " + key + " = -1e-09");
+    file["frames"][0][key] = file["frames"][1][key] = 0;
+    CHECK(complaint_about(file) == "");
+  }
+  for (const char* model :
+       {"FISHEYE624", "OMNIDIRECTIONALSTEREO_L", "VR180_R", "RAD_TAN_THIN_PRISM_FISHEYE", "anything", ""}) {
     json file = some_file();
     file["camera_model"] = model;
     CHECK(complaint_about(file) == place + model);
   }
-  for (const char* key : {"is_fisheye", "ftheta_p0", "latlong", "equirectangular", "orthographic",
-                          "from_mitsuba", "normal_mts_args"}) {
+  for (const char* key :
+       {"ftheta_p0", "equirectangular", "orthographic", "from_mitsuba", "normal_mts_args"}) {
     json file = some_file();
     file[key] = true;
     CHECK(complaint_about(file) == place + "'" + key + "'");
   }
+  json file = some_file();
+  file["frames"][1]["k1"] = "0.1";
+  CHECK(contains(complaint_about(file), "expected a number in 'k1'"));
+  file["frames"][1]["k1"] = 1e7;
+  CHECK(contains(complaint_about(file), "expected distortion coefficients of at most 1e6"));
+  for (const json& list : {json{0.1, 0}, json(0.1), json{0.1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}}) {
+    file["frames"][1] = frame("a"), file["frames"][1]["distortion_params"] = list;
+    CHECK(contains(complaint_about(file),
+                   "expected the six numbers k1, k2, k3, k4, p1 and p2 in 'distortion_params'"));
+  }
+  file["frames"][1]["distortion_params"] = {0.1, 0, 0, 0, 0, "0"};
+  CHECK(contains(complaint_about(file), "expected a number in 'distortion_params'"));
 }
 
 TEST_CASE("transforms.json: the size is taken from the header of the image beside the file") {
@@ -380,7 +570,7 @@ TEST_CASE("transforms.json: JSON that is something else is refused") {
   CHECK(contains(refused(R"({"frames": [1e999]})"), "numbers that a double can hold"));
   std::string deep = R"({"k1": )" + std::string(100'000, '[') + std::string(100'000, ']') +
                      R"(, "w": 4, "h": 3, "fl_x": 5, "frames": [)" + frame("a").dump() + "]}";
-  CHECK(contains(refused(deep), "found k1 that is not 0"));
+  CHECK(contains(refused(deep), "expected a number in 'k1'"));
   const TemporaryFolder folder;
   for (const char* content : {R"({"transform": [], "scale": 1})", R"({"asset": {}})", "{}"})
     CHECK(contains(complaint([&] { load_cameras(folder.write("transforms.json", content)); }),

@@ -83,6 +83,7 @@ std::size_t checksum_of(const std::vector<Camera>& cameras) {
     pack(packed, camera.rotation), pack(packed, camera.translation), pack(packed, camera.name);
     for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy}) pack(packed, value);
     pack(packed, camera.width), pack(packed, camera.height);
+    pack(packed, camera.lens.model), pack(packed, camera.lens.distortion);
   }
   return std::hash<std::string>()(packed);
 }

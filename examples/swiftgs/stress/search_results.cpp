@@ -15,13 +15,28 @@ namespace {
 Json json_of(const vec3& v) { return {v.x, v.y, v.z}; }
 Json json_of(const dvec3& v) { return {v.x, v.y, v.z}; }
 
+Json json_of(const Lens& lens) {
+  const Distortion& d = lens.distortion;
+  return {{"model", name_of(lens.model)},
+          {"radial", d.radial},
+          {"rational", d.rational},
+          {"tangential", d.tangential},
+          {"prism", d.prism}};
+}
+
 Json json_of(const Camera& c) {
   Json rows = Json::array();
   for (int row = 0; row < 3; ++row)
     rows.push_back({c.rotation[0][row], c.rotation[1][row], c.rotation[2][row]});
-  return {
-      {"width", c.width}, {"height", c.height}, {"fx", c.fx},       {"fy", c.fy},
-      {"cx", c.cx},       {"cy", c.cy},         {"rotation", rows}, {"translation", json_of(c.translation)}};
+  return {{"width", c.width},
+          {"height", c.height},
+          {"fx", c.fx},
+          {"fy", c.fy},
+          {"cx", c.cx},
+          {"cy", c.cy},
+          {"rotation", rows},
+          {"translation", json_of(c.translation)},
+          {"lens", json_of(c.lens)}};
 }
 
 Json json_of(const Conventions& k) {

@@ -24,15 +24,20 @@ struct CameraFile {
 ///   that is not there). Cameras stay in the world of the file, unless nerfstudio's
 ///   `dataparser_transforms.json` lies beside it: then they are in the world of the splats that nerfstudio
 ///   exports,
+/// - a `camera_path.json` of nerfstudio, whose cameras have no names and are in that same world,
 /// - the folder of a COLMAP sparse model, with `cameras` and `images`. The binary files are read if both are
 ///   there, the text files otherwise. Points are not needed,
 /// - the folder of a capture that holds one of these, as `find_capture` says.
 ///
-/// Cameras are pinholes: COLMAP's PINHOLE and SIMPLE_PINHOLE, and its models whose coefficients are all 0.
-/// Any other is refused by name where an image uses it. `Camera::name` is the image's name as the file has
-/// it. Cameras of a transforms.json keep the order of the file, others are sorted by name. Throws
-/// `FormatError`, `std::system_error` if something cannot be read, and `std::invalid_argument` for a folder
-/// without cameras.
+/// `Camera::lens` is what the file says. COLMAP's models SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL,
+/// OPENCV, FULL_OPENCV, OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE and THIN_PRISM_FISHEYE are
+/// read, and as the `camera_model` of a JSON file also EQUIRECTANGULAR, whose image shows the whole sphere,
+/// and ORTHOPHOTO. FOV, the division models and EUCM are read where their coefficient is 0. Any other is
+/// refused by name where an image uses it.
+///
+/// `Camera::name` is the image's name as the file has it. Cameras of a transforms.json or a path keep the
+/// order of the file, others are sorted by name. Throws `FormatError`, `std::system_error` if something
+/// cannot be read, and `std::invalid_argument` for a folder without cameras.
 SWIFTGS_API CameraFile read_cameras(const std::filesystem::path& path);
 
 /// `read_cameras(path).cameras`.

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <numbers>
+#include <string>
+
+#include "camera_entry.hpp"
+#include "camera_parsing.hpp"
+#include "listed.hpp"
+
+namespace swiftgs::io {
+namespace {
+
+/// What a path or a frame is asked for, and what no frame shows: what nerfstudio made the frames of, and how
+/// fast they follow. It takes the size of all frames from the path.
+constexpr std::string_view read_keys[] = {
+    "camera_path",  "camera_to_world", "camera_type", "fov",          "render_height",
+    "render_width", "aspect",          "default_fov", "default_time", "default_transition_sec",
+    "fps",          "is_cycle",        "keyframes",   "seconds",      "smoothness_value"};
+
+LensModel lens_model_of(const JsonEntry& root) {
+  if (!root.has("camera_type")) return LensModel::perspective;
+  const std::string name = root.string("camera_type");
+  for (const LensModel model : {LensModel::perspective, LensModel::fisheye, LensModel::equirectangular})
+    if (name == name_of(model)) return model;
+  root.fail("'camera_type' to be perspective, fisheye or equirectangular, found " + listed({name}));
+}
+
+Camera camera_of(const JsonEntry& root, const JsonEntry& frame) {
+  Camera camera;
+  camera.lens.model = lens_model_of(root);
+  camera.width = to_side(root.source(), root.offset(), root.number("render_width"));
+  camera.height = to_side(root.source(), root.offset(), root.number("render_height"));
+  if (camera.lens.model == LensModel::equirectangular) {
+    show_whole_sphere(camera);
+  } else {
+    // nerfstudio takes a fisheye lens's focal length as if it were a pinhole's.
+    camera.fx = camera.fy = length_of_angle(frame, "fov", std::numbers::pi / 180, camera.height);
+    camera.cx = 0.5 * camera.width, camera.cy = 0.5 * camera.height;
+  }
+  const auto [axes, centre] = frame.flat_affine("camera_to_world");
+  set_opengl_pose(camera, axes, centre);
+  expect_valid(frame.source(), frame.offset(), camera);
+  return camera;
+}
+
+}  // namespace
+
+bool is_camera_path(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != text.npos && text[first] == '{' && text.find("\"camera_path\"") != text.npos;
+}
+
+CameraFile parse_camera_path(const Source& source) {
+  const nlohmann::json value = parse_json(source);
+  const JsonEntry root(source, value, 0, "a camera_path.json");
+  const nlohmann::json& frames = root.member("camera_path");
+  if (!frames.is_array()) root.fail("'camera_path' to be an array");
+  const std::string_view text = source.text();
+  const std::vector<std::uint64_t> offsets =
+      offsets_in(text, offset_of_member(text, text.find('{'), "camera_path"));
+  CameraFile file;
+  UnreadKeys unread(read_keys);
+  unread.add(root);
+  file.cameras.reserve(frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const JsonEntry frame(source, frames[i], offsets[i], "a frame");
+    file.cameras.push_back(camera_of(root, frame));
+    unread.add(frame);
+  }
+  unread.note(file.notes);
+  return file;
+}
+
+}  // namespace swiftgs::io
