@@ -45,11 +45,42 @@ std::string words_at(int part) {
   return joined;
 }
 
+/// Whether `entry` is the usual renderer of `backend`; of any that can run here, where that is empty.
+bool is_usual(const RendererEntry& entry, std::string_view backend) {
+  std::string policies;
+  for (const std::string_view word :
+       {EarlySort::name, AxisSharedThreshold<FloatCholesky>::name, Ellipse::name})
+    policies.append("/").append(word);
+  return entry.name.ends_with(policies) &&
+         (backend.empty() ? entry.usable : entry.name == std::string(backend) + policies);
+}
+
+std::invalid_argument unknown(std::string_view name, const std::string& alternative) {
+  const std::string begin = "renderer '" + std::string(name) + "'";
+#if !defined(SWIFTGS_HAS_CUDA)
+  if (name == "cuda" || name.starts_with("cuda/"))
+    return std::invalid_argument(begin + ": the library was built without CUDA");
+#endif
+  return std::invalid_argument(begin + " is not known; expected " + alternative +
+                               "BACKEND/SORT/RASTER/BOUNDS with BACKEND of " + words_at(0) + "; SORT of " +
+                               words_at(1) + "; RASTER of " + words_at(2) + "; BOUNDS of " + words_at(3));
+}
+
 }  // namespace
 
 const std::vector<RendererEntry>& renderers() {
   static const std::vector<RendererEntry> table = all_renderers();
   return table;
+}
+
+const RendererEntry& find_renderer(std::string_view name) {
+  const RendererEntry* best = nullptr;  // the table lists backends from the simplest to the quickest
+  for (const RendererEntry& entry : renderers()) {
+    if (entry.name == name) return entry;
+    if (is_usual(entry, name)) best = &entry;
+  }
+  if (best) return *best;
+  throw unknown(name, "a BACKEND or ");
 }
 
 std::unique_ptr<AnyRenderer> make_renderer(std::string_view name, const BackendOptions& options) {
@@ -59,14 +90,7 @@ std::unique_ptr<AnyRenderer> make_renderer(std::string_view name, const BackendO
       throw std::runtime_error("renderer '" + std::string(name) + "' cannot run on this machine");
     return entry.make(options);
   }
-#if !defined(SWIFTGS_HAS_CUDA)
-  if (name.starts_with("cuda/"))
-    throw std::invalid_argument("renderer '" + std::string(name) + "': the library was built without CUDA");
-#endif
-  throw std::invalid_argument("renderer '" + std::string(name) +
-                              "' is not known; expected BACKEND/SORT/RASTER/BOUNDS with " + "BACKEND of " +
-                              words_at(0) + "; SORT of " + words_at(1) + "; RASTER of " + words_at(2) +
-                              "; BOUNDS of " + words_at(3));
+  throw unknown(name, "");
 }
 
 }  // namespace swiftgs

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <numbers>
 #include <stdexcept>
@@ -21,6 +23,11 @@ namespace swiftgs::c {
 namespace {
 
 constexpr const char* a_camera = "swiftgs_camera";
+
+static_assert(int(LensModel::perspective) == SWIFTGS_LENS_PERSPECTIVE &&
+              int(LensModel::fisheye) == SWIFTGS_LENS_FISHEYE &&
+              int(LensModel::orthographic) == SWIFTGS_LENS_ORTHOGRAPHIC &&
+              int(LensModel::equirectangular) == SWIFTGS_LENS_EQUIRECTANGULAR);
 
 dvec3 to_vector(const double (&v)[3]) { return dvec3(v[0], v[1], v[2]); }
 
@@ -45,13 +52,19 @@ const Camera& camera_at(const swiftgs_cameras* cameras, std::size_t index) {
 
 Camera to_camera(const swiftgs_camera* given) {
   const swiftgs_camera from = read_struct(given, a_camera);
-  require_zero(from.reserved, a_camera);
+  require_choice(from.lens, 4, "swiftgs_camera: lens");
   Camera camera;
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column) camera.rotation[column][row] = from.rotation[3 * row + column];
   camera.translation = to_vector(from.translation);
   camera.fx = from.fx, camera.fy = from.fy, camera.cx = from.cx, camera.cy = from.cy;
   camera.width = from.width, camera.height = from.height;
+  camera.lens.model = LensModel(from.lens);
+  Distortion& distortion = camera.lens.distortion;
+  std::copy(std::begin(from.radial), std::end(from.radial), distortion.radial);
+  std::copy(std::begin(from.rational), std::end(from.rational), distortion.rational);
+  std::copy(std::begin(from.tangential), std::end(from.tangential), distortion.tangential);
+  std::copy(std::begin(from.prism), std::end(from.prism), distortion.prism);
   return camera;
 }
 
@@ -62,6 +75,19 @@ void write_camera(swiftgs_camera* given, const Camera& camera) {
   for (int axis = 0; axis < 3; ++axis) to.translation[axis] = camera.translation[axis];
   to.fx = camera.fx, to.fy = camera.fy, to.cx = camera.cx, to.cy = camera.cy;
   to.width = camera.width, to.height = camera.height;
+  to.lens = int(camera.lens.model);
+  const Distortion& distortion = camera.lens.distortion;
+  std::copy(std::begin(distortion.radial), std::end(distortion.radial), to.radial);
+  std::copy(std::begin(distortion.rational), std::end(distortion.rational), to.rational);
+  std::copy(std::begin(distortion.tangential), std::end(distortion.tangential), to.tangential);
+  std::copy(std::begin(distortion.prism), std::end(distortion.prism), to.prism);
+  check_struct(given, a_camera);
+  // An older program would take it for a pinhole and draw another image.
+  if (given->size < sizeof(to) && !camera.lens.is_pinhole())
+    throw std::invalid_argument(std::string(a_camera) + ": size is " + std::to_string(given->size) +
+                                ", expected " + std::to_string(sizeof(to)) +
+                                " for a camera with a lens that is no pinhole: the program is older than the "
+                                "library");
   write_struct(given, to, a_camera);
 }
 

@@ -27,6 +27,10 @@ BackendOptions to_options(const swiftgs_renderer_options& from) {
   return options;
 }
 
+void write_entry(swiftgs_renderer_entry* to, const RendererEntry& from) {
+  write_struct(to, {0, from.usable, from.name.c_str(), from.on_device, 0}, "swiftgs_renderer_entry");
+}
+
 }  // namespace
 }  // namespace swiftgs::c
 
@@ -47,8 +51,12 @@ swiftgs_status swiftgs_renderers_get(size_t index, swiftgs_renderer_entry* entry
     if (index >= all.size())
       throw std::invalid_argument("renderers: number " + std::to_string(index) + ", expected less than " +
                                   std::to_string(all.size()));
-    write_struct(entry, {0, all[index].usable, all[index].name.c_str()}, "swiftgs_renderer_entry");
+    write_entry(entry, all[index]);
   });
+}
+
+swiftgs_status swiftgs_renderers_find(const char* name, swiftgs_renderer_entry* entry) {
+  return guarded([&] { write_entry(entry, swiftgs::find_renderer(name ? name : "")); });
 }
 
 swiftgs_status swiftgs_renderer_create(const char* name, const swiftgs_renderer_options* options,

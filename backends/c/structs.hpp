@@ -9,6 +9,10 @@
 #include <string>
 #include <type_traits>
 
+#include <swiftgs/c/camera.h>
+#include <swiftgs/c/renderer.h>
+#include <swiftgs/c/view.h>
+
 #include "error.hpp"
 
 /// @file
@@ -20,6 +24,14 @@ namespace swiftgs::c {
 /// that grows.
 template <class T>
 inline constexpr std::uint32_t first_size = sizeof(T);
+
+template <>
+inline constexpr std::uint32_t first_size<swiftgs_camera> = offsetof(swiftgs_camera, radial);
+template <>
+inline constexpr std::uint32_t first_size<swiftgs_conventions> = offsetof(swiftgs_conventions, depth);
+template <>
+inline constexpr std::uint32_t first_size<swiftgs_renderer_entry> = offsetof(swiftgs_renderer_entry,
+                                                                             on_device);
 
 namespace detail {
 template <class T>

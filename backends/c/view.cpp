@@ -6,6 +6,7 @@
 
 #include <swiftgs/c/view.h>
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/views.hpp>
 
 #include "camera.hpp"
 #include "error.hpp"
@@ -20,7 +21,10 @@ static_assert(int(PixelFormat::rgb_float) == SWIFTGS_RGB_FLOAT &&
 static_assert(int(Conventions::JacobianClamp::around_image) == SWIFTGS_CLAMP_AROUND_IMAGE &&
               int(Conventions::JacobianClamp::around_centre) == SWIFTGS_CLAMP_AROUND_CENTRE &&
               int(Conventions::Footprint::alpha) == SWIFTGS_FOOTPRINT_ALPHA &&
-              int(Conventions::Footprint::three_sigma_square) == SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE);
+              int(Conventions::Footprint::three_sigma_square) == SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE &&
+              int(Conventions::Depth::of_lens) == SWIFTGS_DEPTH_OF_LENS &&
+              int(Conventions::Depth::z) == SWIFTGS_DEPTH_Z &&
+              int(Conventions::Depth::distance) == SWIFTGS_DEPTH_DISTANCE);
 
 swiftgs_conventions to_struct(const Conventions& from) {
   swiftgs_conventions to{};
@@ -30,6 +34,7 @@ swiftgs_conventions to_struct(const Conventions& from) {
   to.alpha_min = from.alpha_min, to.alpha_max = from.alpha_max;
   to.stop = from.stop, to.stop_at_equal = from.stop_at_equal;
   to.footprint = int(from.footprint);
+  to.depth = int(from.depth);
   return to;
 }
 
@@ -39,6 +44,7 @@ Conventions to_conventions(const swiftgs_conventions* given) {
       read_struct(given, "swiftgs_conventions", to_struct(Conventions::gsplat()));
   require_choice(from.clamp, 2, "swiftgs_conventions: clamp");
   require_choice(from.footprint, 2, "swiftgs_conventions: footprint");
+  require_choice(from.depth, 3, "swiftgs_conventions: depth");
   Conventions to;
   to.near_plane = from.near_plane, to.cull_at_near = from.cull_at_near != 0, to.far_plane = from.far_plane;
   to.clamp = Conventions::JacobianClamp(from.clamp);
@@ -46,6 +52,7 @@ Conventions to_conventions(const swiftgs_conventions* given) {
   to.alpha_min = from.alpha_min, to.alpha_max = from.alpha_max;
   to.stop = from.stop, to.stop_at_equal = from.stop_at_equal != 0;
   to.footprint = Conventions::Footprint(from.footprint);
+  to.depth = Conventions::Depth(from.depth);
   return to;
 }
 

@@ -26,6 +26,7 @@ Json object_of(const RenderResult& result) {
             {"height", result.height},
             {"scale", result.scale},
             {"conventions", result.conventions},
+            {"lens", result.lens},
             {"batch", result.batch},
             {"image", result.image},
             {"ms", object_of(result.ms)}};

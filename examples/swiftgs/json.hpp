@@ -36,6 +36,7 @@ struct CheckResult {
 /// One image of `render`.
 struct RenderResult {
   std::string renderer, scene, view, conventions;
+  std::string lens;  ///< as `words_of` says it
   int width = 0, height = 0;
   double scale = 1;
   std::size_t batch = 1;  ///< views of the frame that it is of; `ms` are its durations over their number
@@ -45,8 +46,8 @@ struct RenderResult {
   CountedTimes counted_ms;           ///< where `counts` are there
 
   static auto members(auto& self) {
-    return std::tie(self.renderer, self.scene, self.view, self.conventions, self.width, self.height,
-                    self.scale, self.batch, self.image, self.ms, self.counts, self.counted_ms);
+    return std::tie(self.renderer, self.scene, self.view, self.conventions, self.lens, self.width,
+                    self.height, self.scale, self.batch, self.image, self.ms, self.counts, self.counted_ms);
   }
 };
 

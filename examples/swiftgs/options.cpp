@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
 
 #include "number_text.hpp"
 

@@ -98,8 +98,9 @@ class SWIFTGS_API AnyRenderer {
 
 /// One row of the table of renderers.
 struct RendererEntry {
-  std::string name;     ///< BACKEND/SORT/RASTER/BOUNDS
-  bool usable = false;  ///< whether it can run on this machine
+  std::string name;        ///< BACKEND/SORT/RASTER/BOUNDS
+  bool usable = false;     ///< whether it can run on this machine
+  bool on_device = false;  ///< whether it draws in the memory of a device
   std::function<std::unique_ptr<AnyRenderer>(const BackendOptions&)> make_with;
 
   std::unique_ptr<AnyRenderer> make(const BackendOptions& options = {}) const { return make_with(options); }
@@ -213,7 +214,7 @@ void append_renderers(std::vector<RendererEntry>& table, TypeList<Sorts...>, Typ
           return std::unique_ptr<AnyRenderer>(std::make_unique<AnyRendererOn<B>>(
               name, options, StagePolicies<B>{bounds, std::move(made.stage), raster}, made.adaptive));
         };
-        table.push_back({name, B::usable(), make});
+        table.push_back({name, B::usable(), !B::reaches_host_memory, make});
       }
   };
   const auto append_sort = [&]<class Sort>() {
@@ -225,6 +226,11 @@ void append_renderers(std::vector<RendererEntry>& table, TypeList<Sorts...>, Typ
 /// Every renderer of this build, whether or not it can run here. Defined in the library that joins the
 /// backends.
 SWIFTGS_API const std::vector<RendererEntry>& renderers();
+
+/// The renderer called `name`; or where `name` is a backend alone, its usual one; or where it is empty, that
+/// of the quickest backend that can run here. Throws `std::invalid_argument` with the valid words for any
+/// other name.
+SWIFTGS_API const RendererEntry& find_renderer(std::string_view name = {});
 
 /// Makes the renderer called `name`. Throws `std::invalid_argument` with the valid words if the name is not
 /// known, and `std::runtime_error` if the renderer cannot run here.

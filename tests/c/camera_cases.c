@@ -40,6 +40,17 @@ void test_cameras(void) {
   CHECK(camera.width == 320 && camera.height == 240 && camera.fx == 250 && camera.cy == 120);
   CHECK(camera.size == sizeof(camera));
 
+  /* A lens stays what it is. */
+  camera.lens = SWIFTGS_LENS_FISHEYE;
+  for (int i = 0; i < 4; ++i) camera.radial[i] = 1 + i;
+  for (int i = 0; i < 3; ++i) camera.rational[i] = 5 + i;
+  for (int i = 0; i < 2; ++i) camera.tangential[i] = 8 + i, camera.prism[i] = 10 + i;
+  CHECK_OK(swiftgs_camera_scale(&camera, 2));
+  CHECK(camera.width == 640 && camera.lens == SWIFTGS_LENS_FISHEYE);
+  for (int i = 0; i < 4; ++i) CHECK(camera.radial[i] == 1 + i);
+  for (int i = 0; i < 3; ++i) CHECK(camera.rational[i] == 5 + i);
+  for (int i = 0; i < 2; ++i) CHECK(camera.tangential[i] == 8 + i && camera.prism[i] == 10 + i);
+
   const swiftgs_look_at look = {.size = sizeof(look),
                                 .width = 200,
                                 .height = 100,
@@ -50,6 +61,7 @@ void test_cameras(void) {
   CHECK_OK(swiftgs_camera_look_at(&look, &camera));
   CHECK(camera.width == 200 && camera.cx == 100 && fabs(camera.fy - 50 / tan(0.5)) < 1e-9);
   CHECK(fabs(camera.translation[2] - 5) < 1e-12 && fabs(camera.rotation[0] - 1) < 1e-12);
+  CHECK(camera.lens == SWIFTGS_LENS_PERSPECTIVE && camera.radial[0] == 0);
   swiftgs_cameras_free(cameras);
   swiftgs_cameras_free(NULL);
 }
@@ -114,8 +126,17 @@ void test_camera_errors(void) {
   camera = make_camera(64, 48);
   CHECK_ERROR(swiftgs_camera_scale(&camera, 0), SWIFTGS_INVALID_ARGUMENT, "a finite scale above 0");
   CHECK_ERROR(swiftgs_camera_scale(&camera, 1e9), SWIFTGS_INVALID_ARGUMENT, "at most 65536 pixels a side");
-  camera.reserved = 1;
-  CHECK_ERROR(swiftgs_camera_scale(&camera, 1), SWIFTGS_INVALID_ARGUMENT, "swiftgs_camera: reserved is 1");
+  camera.lens = 4;
+  CHECK_ERROR(swiftgs_camera_scale(&camera, 1), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_camera: lens is 4, expected 0 to 3");
+  camera.lens = SWIFTGS_LENS_ORTHOGRAPHIC, camera.radial[1] = 0.1;
+  CHECK_ERROR(swiftgs_camera_scale(&camera, 1), SWIFTGS_INVALID_ARGUMENT,
+              "expected no distortion of an orthographic lens");
+  camera.lens = SWIFTGS_LENS_FISHEYE, camera.prism[1] = NAN;
+  CHECK_ERROR(swiftgs_camera_scale(&camera, 1), SWIFTGS_INVALID_ARGUMENT,
+              "distortion coefficients of at most 1e6 in magnitude");
+  camera.lens = SWIFTGS_LENS_EQUIRECTANGULAR, camera.radial[1] = camera.prism[1] = 0, camera.fx = 10;
+  CHECK_ERROR(swiftgs_camera_scale(&camera, 1), SWIFTGS_INVALID_ARGUMENT, "at most 2 pi fx pixels a row");
 
   swiftgs_look_at look = {.size = sizeof(look),
                           .width = 200,

@@ -108,11 +108,20 @@ def version(lines):
     return tuple(map(int, lines[0].removeprefix("abi ").split(".")))
 
 
+def place_of(line):
+    """Of a member: the struct and the bytes that it has there."""
+    match = re.fullmatch(r"member (\w+)\.\w+: .*, byte (\d+), (\d+) bytes", line)
+    return match and match.groups()
+
+
 def compare(recorded, found):
-    """(sentences that say what differs, whether the numbers of the interface fit that)."""
+    """(sentences that say what differs, whether the numbers of the interface fit that). A reserved member, which all
+    programs leave at 0, may be given a name where it is."""
     before, after = sizes(recorded), sizes(found)
     grown = {f"struct {name}: {size} bytes" for name, size in before.items() if int(after.get(name, 0)) > int(size)}
-    broken = [line for line in recorded[1:] if line not in found and line not in grown]
+    places = {place for place in map(place_of, found) if place}
+    named = {line for line in recorded if re.match(r"member \w+\.reserved:", line) and place_of(line) in places}
+    broken = [line for line in recorded[1:] if line not in found and line not in grown and line not in named]
     added = [line for line in found[1:] if line not in recorded]
     old, new = version(recorded), version(found)
     differs = [f"- {line}" for line in recorded if line not in found]

@@ -242,6 +242,13 @@ void test_each_convention(void) {
   const float around_image = alpha_at(8, -3.5, 1, &c);
   c.clamp = SWIFTGS_CLAMP_AROUND_CENTRE;
   CHECK(around_image > alpha_at(8, -3.5, 1, &c) + 0.01f);
+  /* Its z is 2, and its distance 8.2. */
+  c = gsplat, c.far_plane = 4;
+  CHECK(alpha_at(8, -3.5, 1, &c) > 0);
+  c.depth = SWIFTGS_DEPTH_Z;
+  CHECK(alpha_at(8, -3.5, 1, &c) > 0);
+  c.depth = SWIFTGS_DEPTH_DISTANCE;
+  CHECK(alpha_at(8, -3.5, 1, &c) == 0);
 }
 
 void test_conventions(void) {
@@ -250,7 +257,7 @@ void test_conventions(void) {
   CHECK_OK(swiftgs_conventions_named("inria", &inria));
   CHECK(gsplat.near_plane == 0.01f && gsplat.stop_at_equal == 1 &&
         gsplat.clamp == SWIFTGS_CLAMP_AROUND_IMAGE && gsplat.footprint == SWIFTGS_FOOTPRINT_ALPHA &&
-        gsplat.blur == 0.3f && gsplat.alpha_max == 0.99f);
+        gsplat.blur == 0.3f && gsplat.alpha_max == 0.99f && gsplat.depth == SWIFTGS_DEPTH_OF_LENS);
   CHECK(gsplat.far_plane == 1e10f && gsplat.cull_at_near == 0 && gsplat.antialiased == 0 &&
         gsplat.min_compensation == 2.5e-5f && gsplat.alpha_min == 1.0f / 255 && gsplat.stop == 1e-4f);
   CHECK(inria.near_plane == 0.2f && inria.cull_at_near == 1 && inria.stop_at_equal == 0 &&
@@ -278,6 +285,11 @@ void test_conventions(void) {
               "swiftgs_conventions: clamp is 2, expected 0 to 1");
   gsplat.clamp = 0, gsplat.footprint = -1;
   CHECK_ERROR(swiftgs_renderer_render_into(renderer, &frame), SWIFTGS_INVALID_ARGUMENT, "footprint is -1");
+  gsplat.footprint = 0, gsplat.depth = 3;
+  CHECK_ERROR(swiftgs_renderer_render_into(renderer, &frame), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_conventions: depth is 3, expected 0 to 2");
+  gsplat.size = 52; /* of a program that is older than this member */
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
   gsplat.size = 1;
   CHECK_ERROR(swiftgs_renderer_render_into(renderer, &frame), SWIFTGS_INVALID_ARGUMENT,
               "swiftgs_conventions: size is 1");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The C interface beside the C++ that it is made of: the same bits, and a status for every exception.
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <new>
@@ -83,6 +84,75 @@ TEST_CASE("c: frames have the bits of the C++ interface on every backend of the 
   }
 }
 
+TEST_CASE("c: every lens and measure of depth has the bits of the C++ interface") {
+  const Distortion distortion{.radial = {-0.2, 0.03, 0.004, -0.0005},
+                              .rational = {0.05, 0.006, 0.0007},
+                              .tangential = {0.003, -0.002},
+                              .prism = {0.001, 0.004}};
+  const Lens lenses[] = {{},
+                         {LensModel::perspective, distortion},
+                         {LensModel::fisheye, {}},
+                         {LensModel::fisheye, distortion},
+                         {LensModel::orthographic, {}},
+                         {LensModel::equirectangular, {}}};
+  constexpr Conventions::Depth depths[] = {Conventions::Depth::of_lens, Conventions::Depth::z,
+                                           Conventions::Depth::distance};
+  const auto scene = make_scene();
+  const RendererEntry& entry = find_renderer("serial");
+  const std::unique_ptr<AnyRenderer> expected_by = entry.make();
+  expected_by->set_scene(std::make_shared<const Scene>(make_builtin_scene(count)));
+  swiftgs_renderer* made = nullptr;
+  REQUIRE(swiftgs_renderer_create(entry.name.c_str(), nullptr, &made) == SWIFTGS_OK);
+  const std::unique_ptr<swiftgs_renderer, Free> renderer(made);
+  REQUIRE(swiftgs_renderer_set_scene(made, scene.get()) == SWIFTGS_OK);
+  std::vector<Frame> all;
+  for (const Lens& lens : lenses)
+    for (const Conventions::Depth depth : depths) {
+      CAPTURE(name_of(lens.model));
+      CAPTURE(lens.is_distorted());
+      CAPTURE(int(depth));
+      Camera camera = builtin_camera(width, height);
+      camera.lens = lens;
+      if (lens.model == LensModel::orthographic) camera.fx = camera.fy = 15;
+      if (lens.model == LensModel::equirectangular) camera.fx = camera.fy = 20;
+      RenderSettings settings;
+      settings.outputs = {.alpha = true, .depth = true};
+      settings.conventions.depth = depth;
+      Frame expected;
+      expected_by->render(camera, settings, expected);
+
+      swiftgs_camera given{};
+      given.size = sizeof(given);
+      REQUIRE(swiftgs_camera_builtin(width, height, &given) == SWIFTGS_OK);
+      given.fx = camera.fx, given.fy = camera.fy, given.lens = int(lens.model);
+      std::copy_n(lens.distortion.radial, 4, given.radial);
+      std::copy_n(lens.distortion.rational, 3, given.rational);
+      std::copy_n(lens.distortion.tangential, 2, given.tangential);
+      std::copy_n(lens.distortion.prism, 2, given.prism);
+      swiftgs_conventions conventions{};
+      conventions.size = sizeof(conventions);
+      REQUIRE(swiftgs_conventions_named("gsplat", &conventions) == SWIFTGS_OK);
+      conventions.depth = int(depth);
+      std::vector<float> colour(3 * width * height), alpha(width * height), depths_found(width * height);
+      swiftgs_view view{};
+      view.size = sizeof(view);
+      view.camera = &given, view.conventions = &conventions;
+      view.colour = {colour.data(), 12 * width};
+      view.alpha = {alpha.data(), 4 * width}, view.depth = {depths_found.data(), 4 * width};
+      swiftgs_frame frame{};
+      frame.size = sizeof(frame);
+      frame.views = &view, frame.count = 1;
+      REQUIRE(swiftgs_renderer_render(made, &frame) == SWIFTGS_OK);
+      CHECK(colour == expected.colour);
+      CHECK(alpha == expected.alpha);
+      CHECK(depths_found == expected.depth);
+      all.push_back(expected);
+    }
+  // The lenses show different images, and the measures different depths.
+  for (std::size_t i = 3; i < all.size(); i += 3) CHECK(all[i].colour != all[i - 3].colour);
+  for (std::size_t i = 0; i < all.size(); i += 3) CHECK(all[i + 1].depth != all[i + 2].depth);
+}
+
 TEST_CASE("c: the table has the renderers of the C++ interface in their order") {
   std::size_t listed = 0;
   REQUIRE(swiftgs_renderers_count(&listed) == SWIFTGS_OK);
@@ -93,6 +163,8 @@ TEST_CASE("c: the table has the renderers of the C++ interface in their order") 
     REQUIRE(swiftgs_renderers_get(i, &entry) == SWIFTGS_OK);
     CHECK(std::string_view(entry.name) == renderers()[i].name);
     CHECK((entry.usable != 0) == renderers()[i].usable);
+    CHECK((entry.on_device != 0) == renderers()[i].on_device);
+    CHECK(renderers()[i].on_device == renderers()[i].name.starts_with("cuda/"));
   }
 }
 

@@ -44,24 +44,39 @@ void test_structs(void) {
   CHECK_OK(swiftgs_camera_builtin(64, 48, &newer.camera));
   CHECK(newer.camera.size == sizeof(newer));
   CHECK(newer.later == 0);
-  CHECK(newer.camera.width == 64 && newer.camera.reserved == 0);
+  CHECK(newer.camera.width == 64 && newer.camera.lens == SWIFTGS_LENS_PERSPECTIVE);
 
   /* It may leave what it has more at zero. */
   CHECK_OK(swiftgs_camera_scale(&newer.camera, 2));
   CHECK(newer.camera.width == 128 && newer.camera.size == sizeof(newer));
   newer.later = (uint64_t)1 << 32;
   CHECK_ERROR(swiftgs_camera_scale(&newer.camera, 2), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_camera: byte 148 is 1, expected 0: the program is newer than the library");
+              "swiftgs_camera: byte 236 is 1, expected 0: the program is newer than the library");
   CHECK(newer.camera.width == 128);
 
   /* A size that was forgotten, or of another struct. */
   swiftgs_camera camera = make_camera(64, 48);
   camera.size = 0;
   CHECK_ERROR(swiftgs_camera_scale(&camera, 2), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_camera: size is 0, expected 144, the struct's size");
-  camera.size = sizeof(camera) - 8;
-  CHECK_ERROR(swiftgs_camera_builtin(64, 48, &camera), SWIFTGS_INVALID_ARGUMENT, "size is 136, expected 144");
+              "swiftgs_camera: size is 0, expected 232, the struct's size");
+  camera.size = 136;
+  CHECK_ERROR(swiftgs_camera_builtin(64, 48, &camera), SWIFTGS_INVALID_ARGUMENT, "size is 136, expected 232");
   CHECK_ERROR(swiftgs_camera_builtin(64, 48, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_camera is NULL");
+
+  /* A program that is older than lenses has pinholes, and is refused what it could not tell from one. */
+  union {
+    swiftgs_camera camera;
+    unsigned char bytes[sizeof(swiftgs_camera)];
+  } older;
+  memset(&older, 0xff, sizeof(older));
+  older.camera.size = 144;
+  CHECK_OK(swiftgs_camera_builtin(64, 48, &older.camera));
+  CHECK_OK(swiftgs_camera_scale(&older.camera, 2));
+  CHECK(older.camera.width == 128 && older.camera.size == 144);
+  for (size_t i = 144; i < sizeof(older); ++i) CHECK(older.bytes[i] == 0xff);
+  older.camera.lens = SWIFTGS_LENS_FISHEYE;
+  CHECK_ERROR(swiftgs_camera_scale(&older.camera, 2), SWIFTGS_INVALID_ARGUMENT,
+              "swiftgs_camera: size is 144, expected 232 for a camera with a lens that is no pinhole");
 
   /* Those of an array follow each other at the first one's size. */
   struct {

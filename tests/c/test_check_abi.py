@@ -63,6 +63,14 @@ class Comparison(unittest.TestCase):
         self.check(GROWN, False, "raise SWIFTGS_ABI_MINOR")
         self.check(numbered(GROWN, "1.5"), True, "swiftgs_record_abi")
 
+    def test_a_reserved_member_may_be_named_where_it_is(self):
+        before = [line.replace("swiftgs_one.a: int32_t", "swiftgs_one.reserved: uint32_t") for line in RECORD]
+        self.assertEqual(check_abi.compare(before, numbered(RECORD, "1.5"))[1], True)
+        self.assertEqual(check_abi.compare(before, RECORD)[1], False)
+        moved = [line.replace("byte 4", "byte 8") for line in RECORD]
+        self.assertEqual(check_abi.compare(before, numbered(moved, "1.5"))[1], False)
+        self.assertEqual(check_abi.compare(before, numbered(before[:-1], "1.5"))[1], False)
+
     def test_a_struct_that_shrinks_breaks(self):
         self.check(numbered([line.replace("8 bytes", "4 bytes") for line in RECORD[:-1]], "1.5"), False, "MAJOR")
 

@@ -77,8 +77,8 @@ TEST_CASE("cli json: info says what it prints") {
   swiftgs::test::set_ply_number(place / "scene.ply", 10, 3, x, std::numeric_limits<float>::quiet_NaN());
   const json info = json::parse(run(place, "info scene.ply --json -").out);
   CHECK(members_of(info) == std::set<std::string>{"format", "version", "machine", "command", "scene",
-                                                  "cameras", "photos", "file_format", "bytes", "seconds",
-                                                  "gaussians", "stored", "dropped", "sh_degree",
+                                                  "cameras", "lenses", "photos", "file_format", "bytes",
+                                                  "seconds", "gaussians", "stored", "dropped", "sh_degree",
                                                   "used_sh_degree", "antialiased", "notes", "percentiles"});
   CHECK(info["scene"] == "scene");
   CHECK(info["cameras"].is_null());

@@ -60,7 +60,7 @@ def fox():
 
 
 def has_device():
-    return any(entry.usable and entry.name.startswith("cuda/") for entry in swiftgs.list_renderers())
+    return any(entry.usable and entry.on_device for entry in swiftgs.list_renderers())
 
 
 def need_device():

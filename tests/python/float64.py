@@ -36,8 +36,26 @@ def basis(d):
         -0.5900435899266435 * x * (xx - 3 * yy)], axis=-1)
 
 
-def render(means, quats, scales, opacities, sh, viewmat, K, width, height):
-    """[height, width, 3] in float64, on black."""
+def plane(at, model="perspective", radial=(), rational=(), tangential=(), prism=()):
+    """[N, 2] where a lens shows points [N, 3] of camera space, before focal lengths: as OpenCV has it."""
+    x, y, z = at.T
+    across = np.hypot(x, y)
+    factor = {"perspective": 1 / np.where(z == 0, 1, z), "orthographic": np.ones_like(z),
+              "fisheye": np.where(across > 0, np.arctan2(across, z) / np.where(across > 0, across, 1), 1 / z)}[model]
+    u, v = x * factor, y * factor
+    k, q = np.zeros(4), np.zeros(3)
+    k[:len(radial)], q[:len(rational)] = radial, rational
+    (p0, p1), (s0, s1) = tangential or (0, 0), prism or (0, 0)
+    rr = u * u + v * v
+    grown = (1 + k[0] * rr + k[1] * rr ** 2 + k[2] * rr ** 3 + k[3] * rr ** 4) / (
+        1 + q[0] * rr + q[1] * rr ** 2 + q[2] * rr ** 3)
+    return np.stack([u * grown + 2 * p0 * u * v + p1 * (rr + 2 * u * u) + s0 * rr,
+                     v * grown + p0 * (rr + 2 * v * v) + 2 * p1 * u * v + s1 * rr], axis=-1)
+
+
+def render(means, quats, scales, opacities, sh, viewmat, K, width, height, lens=None):
+    """[height, width, 3] in float64, on black. `lens` are arguments of `plane`, whose derivatives are taken where each
+    Gaussian is: tangents are cut for pinholes alone."""
     means, quats, scales, opacities, sh, viewmat, K = (
         np.asarray(a, np.float64) for a in (means, quats, scales, opacities, sh, viewmat, K))
     turn, move = viewmat[:3, :3], viewmat[:3, 3]
@@ -60,10 +78,16 @@ def render(means, quats, scales, opacities, sh, viewmat, K, width, height):
     zero = np.zeros_like(depth)
     jacobian = np.stack([fx / depth, zero, -fx * cut[0] / depth, zero, fy / depth, -fy * cut[1] / depth],
                         axis=-1).reshape(-1, 2, 3)
+    if lens:
+        step = 1e-6 * np.linalg.norm(at, axis=1)[:, None]
+        jacobian = np.stack([(plane(at + step * axis, **lens) - plane(at - step * axis, **lens)) * (fx, fy) / (2 * step)
+                             for axis in np.eye(3)], axis=-1)
     half = jacobian @ turn @ (rotation * scales[:, None, :])
     a, b, c = (half[:, 0] ** 2).sum(1) + BLUR, (half[:, 0] * half[:, 1]).sum(1), (half[:, 1] ** 2).sum(1) + BLUR
     determinant = a * c - b * b
     centre = np.stack([fx * at[:, 0] / depth + cx, fy * at[:, 1] / depth + cy], axis=-1)
+    if lens:
+        centre = plane(at, **lens) * (fx, fy) + (cx, cy)
 
     direction = means + turn.T @ move
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)

@@ -24,6 +24,22 @@ def test_a_camera_has_what_it_was_made_of():
         assert copied == camera and copied.name == "a.png"
 
 
+def test_a_camera_has_the_lens_that_it_was_given():
+    assert swiftgs.Camera(64, 48, 50).model == "perspective" and not swiftgs.Camera(64, 48, 50).is_distorted
+    camera = swiftgs.Camera(64, 48, 50, model="fisheye", radial=(0.1, 0.2), rational=[0.3], tangential=np.array([1, 2]),
+                            prism=(3, 4))
+    assert camera.model == "fisheye" and camera.radial == (0.1, 0.2, 0, 0) and camera.rational == (0.3, 0, 0)
+    assert camera.tangential == (1, 2) and camera.prism == (3, 4) and camera.is_distorted
+    assert repr(camera) == "<swiftgs.Camera 64x48, fisheye, distorted, f 50, at (0, 0, 0)>"
+    assert camera != swiftgs.Camera(64, 48, 50, model="fisheye")
+    assert pickle.loads(pickle.dumps(camera)) == camera and camera.scaled(2).radial == camera.radial
+    same = swiftgs.Camera.from_matrices(camera.viewmat, camera.K, 64, 48, model="fisheye", radial=camera.radial,
+                                        rational=camera.rational, tangential=camera.tangential, prism=camera.prism)
+    assert same == camera
+    for model in ("orthographic", "equirectangular"):
+        assert swiftgs.Camera(64, 48, 50, model=model).scaled(0.5).model == model
+
+
 def test_numbers_may_be_those_of_numpy():
     camera = swiftgs.Camera(np.int64(64), np.uint16(48), np.float32(50), translation=np.arange(3, dtype=np.float32))
     assert (camera.width, camera.height, camera.fx) == (64, 48, 50) and np.array_equal(camera.translation, [0, 1, 2])
@@ -44,6 +60,12 @@ def test_a_camera_looks_where_it_is_told():
     (lambda: swiftgs.Camera(4, 4, 1, rotation=2 * np.eye(3)), "rotation"),
     (lambda: swiftgs.Camera(4, 4, 1, rotation=np.eye(2)), "rotation has shape (2, 2)"),
     (lambda: swiftgs.Camera(4, 4, 1, translation=(0, 0)), "translation (2,)"),
+    (lambda: swiftgs.Camera(4, 4, 1, model="pinhole"), "model is 'pinhole', expected one of perspective, fisheye"),
+    (lambda: swiftgs.Camera(4, 4, 1, radial=(1, 2, 3, 4, 5)), "radial has the shape (5,), expected at most 4 numbers"),
+    (lambda: swiftgs.Camera(4, 4, 1, prism=1), "prism has the shape (), expected at most 2 numbers"),
+    (lambda: swiftgs.Camera(4, 4, 1, tangential=(np.nan, 0)), "at most 1e6 in magnitude"),
+    (lambda: swiftgs.Camera(4, 4, 1, model="orthographic", radial=(1,)), "no distortion of an orthographic lens"),
+    (lambda: swiftgs.Camera(64, 4, 1, model="equirectangular"), "at most 2 pi fx pixels a row"),
     (lambda: swiftgs.Camera.from_matrices(np.eye(3), np.eye(3), 4, 4), "viewmat has shape (3, 3)"),
     (lambda: swiftgs.Camera.look_at((0, 0, 0), (0, 0, 1), width=4, height=4, vertical_fov=4), "vertical_fov is 4"),
     (lambda: swiftgs.Camera(4, 4, 1).scaled(0), "a finite scale above 0"),
@@ -87,6 +109,10 @@ def test_conventions_are_those_of_the_library():
         swiftgs.Conventions.named("nobody")
     frame = swiftgs.Frame.empty(4, 4, conventions=dataclasses.replace(inria, blur=0.5))
     assert frame._conventions.blur == 0.5 and frame._conventions.clamp == 1
-    for bad, kind in ((3, TypeError), (dataclasses.replace(inria, clamp="no"), ValueError)):
+    for index, depth in enumerate(("of-lens", "z", "distance")):
+        frame = swiftgs.Frame.empty(4, 4, conventions=dataclasses.replace(inria, depth=depth))
+        assert frame._conventions.depth == index
+    for bad, kind in ((3, TypeError), (dataclasses.replace(inria, clamp="no"), ValueError),
+                      (dataclasses.replace(inria, depth="y"), ValueError)):
         with pytest.raises(kind):
             swiftgs.Frame.empty(4, 4, conventions=bad)

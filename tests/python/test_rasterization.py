@@ -107,7 +107,8 @@ def test_quaternions_need_no_length_and_conventions_are_arguments(gsplat_argumen
     {"packed": False}, {"tile_size": 8}, {"channel_chunk": 2}, {"segmented": True}, {"absgrad": True},
     {"sparse_grad": True}, {"ut_params": object()}, {"ftheta_coeffs": object()}, {"renderer_config": object()},
     {"extra_signals_sh_degree": 3}, {"radial_coeffs": np.zeros((1, 6))}, {"tangential_coeffs": np.zeros((1, 2))},
-    {"thin_prism_coeffs": np.zeros((1, 4))}, {"rolling_shutter": "RollingShutterType.GLOBAL"}], ids=str)
+    {"thin_prism_coeffs": np.zeros((1, 4))}, {"with_ut": True},
+    {"rolling_shutter": "RollingShutterType.GLOBAL"}], ids=str)
 def test_what_changes_no_image_is_taken(change, gsplat_arguments):
     plain = swiftgs.rasterization(**gsplat_arguments)[0]
     assert np.array_equal(swiftgs.rasterization(**gsplat_arguments, **change)[0], plain)
@@ -150,10 +151,9 @@ def test_a_renderer_of_the_callers(gsplat_arguments):
 
 
 REFUSED = {
-    "radius_clip": 1.0, "distributed": True, "camera_model": "fisheye",
-    "covars": np.zeros((2000, 3, 3), np.float32), "with_ut": True, "with_eval3d": True, "return_normals": True,
-    "global_z_order": False, "rays": np.zeros(1), "radial_coeffs": np.array([[0.1, 0, 0, 0, 0, 0]]),
-    "tangential_coeffs": np.array([[0, 1e-3]]), "thin_prism_coeffs": np.full((1, 4), np.nan),
+    "radius_clip": 1.0, "distributed": True, "camera_model": "ftheta",
+    "covars": np.zeros((2000, 3, 3), np.float32), "with_eval3d": True, "return_normals": True,
+    "global_z_order": False, "rays": np.zeros(1), "thin_prism_coeffs": np.array([[0, 0, 0, 1e-3]]),
     "lidar_coeffs": object(), "external_distortion_coeffs": object(), "viewmats_rs": np.zeros((1, 4, 4)),
     "extra_signals": np.zeros((2000, 1)), "rolling_shutter": "RollingShutterType.ROLLING_TOP_TO_BOTTOM",
     "render_mode": "d"}
@@ -165,7 +165,60 @@ def test_what_is_not_offered_is_refused_by_name(name, gsplat_arguments):
         swiftgs.rasterization(**gsplat_arguments, **{name: REFUSED[name]})
 
 
+PINHOLE = {"radial": (-0.2, 0.05, 0.004), "rational": (0.03, 0.002, -0.001), "tangential": (0.004, -0.003),
+           "prism": (0.002, -0.001)}
+PINHOLE_COEFFICIENTS = {"radial_coeffs": [[-0.2, 0.05, 0.004, 0.03, 0.002, -0.001]],
+                        "tangential_coeffs": [[0.004, -0.003]], "thin_prism_coeffs": [[0.002, 0, -0.001, 0]]}
+
+
+@pytest.mark.parametrize("options, lens, focal", [
+    ({"camera_model": "fisheye"}, {"model": "fisheye"}, 30),
+    ({"camera_model": "ortho"}, {"model": "orthographic"}, 12),
+    ({"camera_model": "fisheye", "radial_coeffs": [[0.05, -0.01, 0.002, -0.0003]], "with_ut": True},
+     {"model": "fisheye", "radial": (0.05, -0.01, 0.002, -0.0003)}, 30),
+    ({**PINHOLE_COEFFICIENTS, "with_ut": True}, PINHOLE, 60)], ids=str)
+def test_lenses(options, lens, focal, gsplat_arguments, scene, camera):
+    K = np.array([[focal, 0, WIDTH / 2 + 3], [0, focal + 1, HEIGHT / 2 - 2], [0, 0, 1]], np.float64)
+    gsplat_arguments.update(viewmats=camera.viewmat[None], Ks=K[None])
+    given = {name: np.array(value) if name.endswith("coeffs") else value for name, value in options.items()}
+    colours, alphas, _ = swiftgs.rasterization(**gsplat_arguments, **given, render_mode="RGB+ED")
+    through = swiftgs.Camera.from_matrices(camera.viewmat, K, WIDTH, HEIGHT, **lens)
+    frame = same_rotations(scene).render(through, alpha=True, depth=True, conventions=swiftgs.Conventions(depth="z"))
+    assert decibels(colours[0, ..., :3], frame.colour) > 100 and np.allclose(alphas[0, ..., 0], frame.alpha, atol=1e-5)
+    assert np.allclose(colours[0, ..., 3], frame.depth, rtol=1e-3, atol=1e-3)
+    pinhole = swiftgs.rasterization(**gsplat_arguments)[0]
+    assert alphas.max() > 0.5 and decibels(pinhole[0], frame.colour) < 30
+    wanted = float64.render(scene.means, scene.rotations, scene.scales, scene.opacities, scene.sh, camera.viewmat, K,
+                            WIDTH, HEIGHT, lens=lens)
+    assert decibels(frame.colour, wanted) > (70 if lens is PINHOLE else 90)
+
+
+def test_each_camera_has_its_own_distortion(gsplat_arguments):
+    for name in ("viewmats", "Ks"):
+        gsplat_arguments[name] = np.repeat(gsplat_arguments[name], 2, axis=0)
+    radial = np.array([[0.2, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0]])
+    both = swiftgs.rasterization(**gsplat_arguments, radial_coeffs=radial, with_ut=True)[0]
+    plain = swiftgs.rasterization(**gsplat_arguments)[0]
+    assert np.array_equal(both[1], plain[1]) and decibels(both[0], plain[0]) < 40
+
+
+@pytest.mark.parametrize("change, name, why", [
+    ({"camera_model": "ortho", "radial_coeffs": np.full((1, 6), 0.1)}, "radial_coeffs", "has no distortion"),
+    ({"camera_model": "fisheye", "tangential_coeffs": np.full((1, 2), 0.1)}, "tangential_coeffs", "pinholes alone"),
+    ({"camera_model": "fisheye", "thin_prism_coeffs": np.full((1, 4), 0.1)}, "thin_prism_coeffs", "pinholes alone"),
+    ({"thin_prism_coeffs": np.full((1, 4), np.nan)}, "thin_prism_coeffs", "not offered"),
+    ({"camera_model": "lidar"}, "camera_model", "nothing else")], ids=str)
+def test_lenses_that_gsplat_draws_otherwise_are_refused(change, name, why, gsplat_arguments):
+    with pytest.raises(NotImplementedError, match=f"rasterization: {name} is .*, expected .*{why}"):
+        swiftgs.rasterization(**gsplat_arguments, **change)
+
+
 @pytest.mark.parametrize("change, kind, text", [
+    ({"camera_model": "fisheye", "radial_coeffs": np.zeros((1, 6))}, ValueError,
+     "radial_coeffs has the shape (1, 6), expected (1, 4)"),
+    ({"radial_coeffs": np.zeros((1, 4))}, ValueError, "radial_coeffs has the shape (1, 4), expected (1, 6)"),
+    ({"tangential_coeffs": np.zeros(2)}, ValueError, "tangential_coeffs has the shape (2,), expected (1, 2)"),
+    ({"radial_coeffs": np.full((1, 6), np.inf)}, ValueError, "at most 1e6 in magnitude"),
     ({"means": np.zeros((2, 2000, 3), np.float32)}, NotImplementedError, "batches of scenes are not offered"),
     ({"colors": np.zeros((1, 2000, 3), np.float32), "sh_degree": None}, NotImplementedError, "colours of each camera"),
     ({"colors": np.zeros((2000, 16), np.float32), "sh_degree": None}, NotImplementedError, "other numbers of channels"),

@@ -23,6 +23,33 @@ def test_the_table_has_every_renderer_and_names_the_usual_one():
     best = swiftgs.Renderer().name
     assert best.split("/")[0] == ("cuda" if "cuda" in usable else "cpu")
     assert swiftgs.Renderer("serial").name == best.replace(best.split("/")[0], "serial")
+    assert swiftgs.find_renderer().name == best and swiftgs.find_renderer(best).name == best
+    assert swiftgs.find_renderer("serial") == (swiftgs.Renderer("serial").name, True, False)
+    assert all(swiftgs.find_renderer(entry.name) == entry for entry in table[::20])
+    assert all(entry.on_device == entry.name.startswith("cuda/") for entry in table)
+    with pytest.raises(swiftgs.InvalidArgument, match="renderer 'nobody' is not known; expected a BACKEND or BACKEND/"):
+        swiftgs.Renderer("nobody")
+
+
+def test_lenses_show_more_or_less_than_a_pinhole(renderer, camera, expected):
+    def through(**lens):
+        return swiftgs.Camera(WIDTH, HEIGHT, lens.pop("fx", camera.fx), rotation=camera.rotation,
+                              translation=camera.translation, **lens)
+    wide = renderer.render(through(model="fisheye", fx=WIDTH / 6.4), depth=True)
+    around = renderer.render(through(model="equirectangular", fx=WIDTH / (2 * np.pi)), depth=True)
+    bent = renderer.render(through(radial=(-0.1,)), alpha=True)
+    for frame in (wide, around, bent):
+        assert np.isfinite(frame.colour).all() and decibels(frame.colour, expected.colour) < 30
+    # In the middle all look the same way, and depth there is the distance.
+    middle = HEIGHT // 2, WIDTH // 2
+    assert wide.depth[middle] == pytest.approx(expected.depth[middle], rel=0.1)
+    batch = renderer.render([camera, through(model="fisheye", fx=WIDTH / 6.4), through(radial=(-0.1,))])
+    for image, alone in zip(batch.colour, (expected, wide, bent)):
+        assert np.array_equal(image, alone.colour)
+    z = renderer.render(camera, depth=True, conventions=swiftgs.Conventions(depth="z"))
+    distance = renderer.render(camera, depth=True, conventions=swiftgs.Conventions(depth="distance"))
+    assert np.array_equal(z.depth, expected.depth) and (distance.depth >= 0.999 * z.depth).mean() > 0.9
+    assert distance.depth[0, 0] > z.depth[0, 0]
 
 
 def test_a_renderer_tells_what_it_is(renderer):
@@ -328,9 +355,9 @@ def test_images_are_saved(renderer, camera, tmp_path):
 
 
 def test_without_a_device_what_needs_one_is_refused(scene):
-    if any(entry.usable and entry.name.startswith("cuda/") for entry in swiftgs.list_renderers()):
+    if any(entry.usable and entry.on_device for entry in swiftgs.list_renderers()):
         pytest.skip("there is a device; tests/python/test_device.py has the other half")
-    with pytest.raises((swiftgs.Unavailable, swiftgs.InvalidArgument), match="cuda/early"):
+    with pytest.raises((swiftgs.Unavailable, swiftgs.InvalidArgument), match="renderer 'cuda"):
         swiftgs.Renderer("cuda", scene=scene)
     with pytest.raises(swiftgs.Unavailable, match="swiftgs_device_"):
         swiftgs.DeviceArray((2, 2))

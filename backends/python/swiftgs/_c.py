@@ -13,13 +13,15 @@ from typing import Any
 
 from ._errors import exception_of
 
-ABI_MAJOR, ABI_MINOR = 1, 2
+ABI_MAJOR, ABI_MINOR = 1, 3
 
 MEASURE_COUNTS, MEASURE_TIMES = 1, 2
 HOST, DEVICE = 0, 1
 LOG_SCALES, LOGIT_OPACITIES, ANY_ROTATIONS, PLAIN_COLOURS = 1, 2, 4, 8
 CLAMPS = ("around-image", "around-centre")
 FOOTPRINTS = ("alpha", "three-sigma-square")
+DEPTHS = ("of-lens", "z", "distance")
+LENSES = ("perspective", "fisheye", "orthographic", "equirectangular")
 SPZ_AXES = ("specified", "rub", "rdf", "luf", "raw")
 
 PROGRESS = ctypes.CFUNCTYPE(c_int32, c_void_p, c_double)
@@ -45,9 +47,10 @@ class _Sized(ctypes.Structure):
 
 
 class Camera(_Sized):
-    _fields_ = [("size", c_uint32), ("width", c_int32), ("height", c_int32), ("reserved", c_uint32),
+    _fields_ = [("size", c_uint32), ("width", c_int32), ("height", c_int32), ("lens", c_int32),
                 ("rotation", c_double * 9), ("translation", c_double * 3), ("fx", c_double), ("fy", c_double),
-                ("cx", c_double), ("cy", c_double)]
+                ("cx", c_double), ("cy", c_double), ("radial", c_double * 4), ("rational", c_double * 3),
+                ("tangential", c_double * 2), ("prism", c_double * 2)]
 
 
 class LookAt(_Sized):
@@ -59,7 +62,7 @@ class Conventions(_Sized):
     _fields_ = [("size", c_uint32), ("near_plane", c_float), ("cull_at_near", c_int32), ("far_plane", c_float),
                 ("clamp", c_int32), ("blur", c_float), ("antialiased", c_int32), ("min_compensation", c_float),
                 ("alpha_min", c_float), ("alpha_max", c_float), ("stop", c_float), ("stop_at_equal", c_int32),
-                ("footprint", c_int32)]
+                ("footprint", c_int32), ("depth", c_int32)]
 
 
 class View(_Sized):
@@ -84,7 +87,8 @@ class Pixels(_Sized):
 
 
 class RendererEntry(_Sized):
-    _fields_ = [("size", c_uint32), ("usable", c_int32), ("name", c_char_p)]
+    _fields_ = [("size", c_uint32), ("usable", c_int32), ("name", c_char_p), ("on_device", c_int32),
+                ("reserved", c_uint32)]
 
 
 class RendererOptions(_Sized):
@@ -198,6 +202,7 @@ for _name, _arguments in {
         "picture_get": (c_void_p, c_void_p),
         "renderers_count": (c_void_p,),
         "renderers_get": (c_size_t, c_void_p),
+        "renderers_find": (c_char_p, c_void_p),
         "renderer_create": (c_char_p, c_void_p, c_void_p),
         "renderer_device_name": (c_void_p, c_void_p),
         "renderer_set_scene": (c_void_p, c_void_p),

@@ -13,19 +13,36 @@ from ._c import Handle, count_of, lib, text_of
 
 
 class Camera:
-    """A pinhole camera with OpenCV's axes: x right, y down, z forward. It never changes.
+    """A camera with OpenCV's axes: x right, y down, z forward. It never changes.
 
-    A point p of the world is at `rotation @ p + translation`. Pixel (column i, row j) is sampled at (i + 0.5, j + 0.5).
+    A point p of the world is at (x, y, z) = `rotation @ p + translation`. The lens shows it at (u, v), distortion moves
+    that, and the image has it at (fx u + cx, fy v + cy). Pixel (column i, row j) is sampled at (i + 0.5, j + 0.5).
+
+    `model` says what (u, v) is:
+
+    - "perspective": (x / z, y / z), for z > 0
+    - "fisheye": the angle to the axis in radians times (x, y) / |(x, y)|; distortion-free it is equidistant
+    - "orthographic": (x, y), so that focal lengths are in pixels per unit of the scene
+    - "equirectangular": azimuth atan2(x, z) and elevation atan2(y, |(x, z)|) in radians
+
+    Distortion, of perspective and fisheye lenses alone, is OpenCV's: `radial` k of 4, `rational` q of 3, `tangential` p
+    and `prism` s of 2 numbers, zeros where fewer are given. With r^2 = u^2 + v^2 it moves (u, v) to
+
+        u R + 2 p0 u v + p1 (r^2 + 2 u^2) + s0 r^2,  v R + p0 (r^2 + 2 v^2) + 2 p1 u v + s1 r^2,
+        R = (1 + k0 r^2 + k1 r^4 + k2 r^6 + k3 r^8) / (1 + q0 r^2 + q1 r^4 + q2 r^6)
 
     >>> Camera(640, 480, fx=500)
     <swiftgs.Camera 640x480, f 500, at (0, 0, 0)>
+    >>> Camera(640, 640, fx=200, model="fisheye", radial=(0.02, -0.003))
+    <swiftgs.Camera 640x640, fisheye, distorted, f 200, at (0, 0, 0)>
     """
 
     __slots__ = ("_struct", "_bytes", "_size", "name")
 
     def __init__(self, width: int, height: int, fx: float, fy: Optional[float] = None, cx: Optional[float] = None,
                  cy: Optional[float] = None, *, rotation: Any = None, translation: Any = (0, 0, 0),
-                 name: str = "") -> None:
+                 model: str = "perspective", radial: Sequence[float] = (), rational: Sequence[float] = (),
+                 tangential: Sequence[float] = (), prism: Sequence[float] = (), name: str = "") -> None:
         """`fy` is `fx` and the principal point is the centre of the image unless they are given. `rotation` [3, 3]
         turns the world into the camera's axes."""
         turn = np.eye(3) if rotation is None else np.asarray(rotation, np.float64)
@@ -33,9 +50,13 @@ class Camera:
         if turn.shape != (3, 3) or move.shape != (3,):
             raise ValueError(f"camera: rotation has shape {turn.shape} and translation {move.shape}, expected (3, 3) "
                              "and (3,)")
-        self._take(_c.Camera(width=width, height=height, rotation=tuple(turn.ravel()), translation=tuple(move), fx=fx,
-                             fy=fx if fy is None else fy, cx=width / 2 if cx is None else cx,
-                             cy=height / 2 if cy is None else cy), name)
+        if model not in _c.LENSES:
+            raise ValueError(f"camera: model is '{model}', expected one of {', '.join(_c.LENSES)}")
+        distortion = {"radial": radial, "rational": rational, "tangential": tangential, "prism": prism}
+        self._take(_c.Camera(width=width, height=height, lens=_c.LENSES.index(model), rotation=tuple(turn.ravel()),
+                             translation=tuple(move), fx=fx, fy=fx if fy is None else fy,
+                             cx=width / 2 if cx is None else cx, cy=height / 2 if cy is None else cy,
+                             **{part: _coefficients(part, given) for part, given in distortion.items()}), name)
 
     def _take(self, struct: _c.Camera, name: str) -> "Camera":
         lib.camera_scale(ctypes.byref(struct), 1)  # changes nothing, and refuses what is no camera
@@ -44,14 +65,15 @@ class Camera:
         return self
 
     @classmethod
-    def from_matrices(cls, viewmat: Any, K: Any, width: int, height: int, *, name: str = "") -> "Camera":
-        """Of a matrix [4, 4] from the world to the camera and one [3, 3] of intrinsics, as `rasterization` takes."""
+    def from_matrices(cls, viewmat: Any, K: Any, width: int, height: int, *, name: str = "", **lens: Any) -> "Camera":
+        """Of a matrix [4, 4] from the world to the camera and one [3, 3] of intrinsics, as `rasterization` takes.
+        `model`, `radial` and so on are those of the class."""
         view, intrinsics = np.asarray(viewmat, np.float64), np.asarray(K, np.float64)
         if view.shape != (4, 4) or intrinsics.shape != (3, 3):
             raise ValueError(f"camera: viewmat has shape {view.shape} and K {intrinsics.shape}, expected (4, 4) and "
                              "(3, 3)")
         return cls(width, height, intrinsics[0, 0], intrinsics[1, 1], intrinsics[0, 2], intrinsics[1, 2],
-                   rotation=view[:3, :3], translation=view[:3, 3], name=name)
+                   rotation=view[:3, :3], translation=view[:3, 3], name=name, **lens)
 
     @classmethod
     def look_at(cls, eye: Any, target: Any, *, width: int, height: int, vertical_fov: float, up: Any = (0, -1, 0),
@@ -108,6 +130,36 @@ class Camera:
         return self._struct.cy
 
     @property
+    def model(self) -> str:
+        """The lens: "perspective", "fisheye", "orthographic" or "equirectangular"."""
+        return _c.LENSES[self._struct.lens]
+
+    @property
+    def radial(self) -> Tuple[float, ...]:
+        """Four coefficients of r^2, r^4, r^6 and r^8."""
+        return tuple(self._struct.radial)
+
+    @property
+    def rational(self) -> Tuple[float, ...]:
+        """Three coefficients of r^2, r^4 and r^6 below the fraction."""
+        return tuple(self._struct.rational)
+
+    @property
+    def tangential(self) -> Tuple[float, ...]:
+        """Two coefficients."""
+        return tuple(self._struct.tangential)
+
+    @property
+    def prism(self) -> Tuple[float, ...]:
+        """Two coefficients of r^2, added along x and y."""
+        return tuple(self._struct.prism)
+
+    @property
+    def is_distorted(self) -> bool:
+        """Whether a coefficient is not 0."""
+        return any((*self.radial, *self.rational, *self.tangential, *self.prism))
+
+    @property
     def rotation(self) -> np.ndarray:
         """[3, 3] from the world to the camera."""
         return np.array(self._struct.rotation).reshape(3, 3)
@@ -145,9 +197,18 @@ class Camera:
 
     def __repr__(self) -> str:
         named = f" '{self.name}'" if self.name else ""
+        lens = f", {self.model}" * (self.model != "perspective") + ", distorted" * self.is_distorted
         focal = f"{self.fx:g}" if self.fx == self.fy else f"{self.fx:g} and {self.fy:g}"
         at = ", ".join(f"{x + 0.0:.3g}" for x in self.position + 0.0)
-        return f"<swiftgs.Camera{named} {self.width}x{self.height}, f {focal}, at ({at})>"
+        return f"<swiftgs.Camera{named} {self.width}x{self.height}{lens}, f {focal}, at ({at})>"
+
+
+def _coefficients(name: str, given: Any) -> Tuple[float, ...]:
+    """As many as the struct has."""
+    found, most = np.asarray(given, np.float64), len(getattr(_c.Camera(), name))
+    if found.ndim != 1 or len(found) > most:
+        raise ValueError(f"camera: {name} has the shape {found.shape}, expected at most {most} numbers")
+    return tuple(found) + (0.0,) * (most - len(found))
 
 
 @functools.lru_cache(maxsize=256)
@@ -201,6 +262,9 @@ class Conventions:
     alpha_max: float = 0.99  #: alpha is cut here
     stop: float = 1e-4  #: a pixel ends before the Gaussian that would bring its transmittance below
     stop_at_equal: bool = True  #: or exactly to `stop`
+    #: What orders splats, is compared with the planes, and is drawn as depth: "z" along the axis, "distance" from the
+    #: camera, or "of-lens": z of perspective and orthographic lenses, distance of the others.
+    depth: str = "of-lens"
 
     @classmethod
     def named(cls, name: str) -> "Conventions":
@@ -208,14 +272,16 @@ class Conventions:
         struct = _c.Conventions()
         lib.conventions_named(name.encode(), ctypes.byref(struct))
         values = {field.name: getattr(struct, field.name) for field in dataclasses.fields(cls)}
-        values["clamp"] = _c.CLAMPS[struct.clamp]
+        values["clamp"], values["depth"] = _c.CLAMPS[struct.clamp], _c.DEPTHS[struct.depth]
         return cls(**{name: bool(value) if isinstance(getattr(cls, name), bool) else value
                       for name, value in values.items()})
 
     def _to_struct(self) -> _c.Conventions:
         if self.clamp not in _c.CLAMPS:
             raise ValueError(f"conventions: clamp is '{self.clamp}', expected one of {', '.join(_c.CLAMPS)}")
-        values = dict(vars(self), clamp=_c.CLAMPS.index(self.clamp))
+        if self.depth not in _c.DEPTHS:
+            raise ValueError(f"conventions: depth is '{self.depth}', expected one of {', '.join(_c.DEPTHS)}")
+        values = dict(vars(self), clamp=_c.CLAMPS.index(self.clamp), depth=_c.DEPTHS.index(self.depth))
         return _c.Conventions(**values)
 
 

@@ -33,7 +33,8 @@ class Frame:
 
     colour [H, W, 3 or 4] or [C, H, W, 3 or 4]: float32 RGB, or RGBA in float32, float16 or uint8, where colours are
     premultiplied by alpha. alpha, depth [(C,) H, W] or [(C,) H, W, 1]: float32. Pixels of a row lie side by side; rows
-    may have gaps and go up. Depth is the mean z of what contributed, 0 where nothing did.
+    may have gaps and go up. Depth is the mean depth of what contributed, as the conventions measure it, 0 where nothing
+    did.
     """
 
     def __init__(self, colour: Any = None, alpha: Any = None, depth: Any = None, *, occluder: Any = None,

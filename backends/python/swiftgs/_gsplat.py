@@ -18,10 +18,10 @@ _LAST_ROW = np.array([0, 0, 0, 1])
 
 # Arguments that change an image or ask for another result, with the one value that does neither.
 _REFUSED: Dict[str, Any] = {
-    "radius_clip": 0.0, "distributed": False, "camera_model": "pinhole", "covars": None, "with_ut": False,
-    "with_eval3d": False, "return_normals": False, "global_z_order": True, "rays": None, "lidar_coeffs": None,
-    "external_distortion_coeffs": None, "viewmats_rs": None, "extra_signals": None}
-_DISTORTIONS = ("radial_coeffs", "tangential_coeffs", "thin_prism_coeffs")
+    "radius_clip": 0.0, "distributed": False, "covars": None, "with_eval3d": False, "return_normals": False,
+    "global_z_order": True, "rays": None, "lidar_coeffs": None, "external_distortion_coeffs": None,
+    "viewmats_rs": None, "extra_signals": None}
+_LENSES = {"pinhole": "perspective", "ortho": "orthographic", "fisheye": "fisheye"}
 
 _NAMES = {"rotations": "quats", "sh": "colors", "colours": "colors"}
 
@@ -60,6 +60,11 @@ def rasterization(
     "RGB+ED". On a device nothing of the Gaussians or the images visits the host, and the images are in the order of
     the library's current stream.
 
+    `camera_model` is "pinhole", "ortho" or "fisheye". As in gsplat, z orders Gaussians of every model, is compared with
+    the planes, and is drawn as depth. OpenCV's distortion is in radial_coeffs [C, 6], or [C, 4] of a fisheye,
+    tangential_coeffs [C, 2] and thin_prism_coeffs [C, 4]. Lenses are linearised at the mean of each Gaussian, also
+    `with_ut`, which gsplat needs for distortion and which takes seven points of each Gaussian there.
+
     Arguments that change no image, such as `absgrad` and `packed`, are taken and not used. Those that would change it
     are refused by name unless they have their default. `renderer` is a `Renderer` of yours, which keeps the Gaussians
     as its scene; without one each thread has its own. docs/python.md has a table of all arguments.
@@ -70,10 +75,9 @@ def rasterization(
         if value is not default and (default is None or value != default):
             raise NotImplementedError(f"rasterization: {name} is {_short(value)}, expected {default!r}: nothing else "
                                       "is offered")
-    for name in _DISTORTIONS:
-        if arguments[name] is not None and _arrays.host(arguments[name], name).any():
-            raise NotImplementedError(f"rasterization: {name} is {_short(arguments[name])}, expected None or zeros: "
-                                      "distorted images are not offered")
+    if camera_model not in _LENSES:
+        raise NotImplementedError(f"rasterization: camera_model is {camera_model!r}, expected 'pinhole', 'ortho' or "
+                                  "'fisheye': nothing else is offered")
     if rolling_shutter is not None and "GLOBAL" not in str(rolling_shutter):
         raise NotImplementedError(f"rasterization: rolling_shutter is {_short(rolling_shutter)}, expected GLOBAL: "
                                   "nothing else is offered")
@@ -84,9 +88,12 @@ def rasterization(
     # Of the backward pass, of speed, and of what is refused above.
     del sparse_grad, absgrad, packed, tile_size, channel_chunk, segmented, renderer_config
     del ftheta_coeffs, ut_params, extra_signals_sh_degree
+    del with_ut  # lenses are linearised either way
 
     cameras = _cameras(viewmats, Ks, width, height)
     count = len(cameras)
+    cameras["lens"] = _c.LENSES.index(_LENSES[camera_model])
+    _distort(cameras, camera_model, radial_coeffs, tangential_coeffs, thin_prism_coeffs)
     in_colour = render_mode.startswith("RGB")
     coloured: Dict[str, Any] = {"colours": colors}
     if sh_degree is not None:
@@ -130,7 +137,7 @@ def rasterization(
     return images, alpha, Meta(width=width, height=height, n_cameras=count, tile_size=16, renderer=drawing.name)
 
 
-_GSPLAT = Conventions.named("gsplat")
+_GSPLAT = dataclasses.replace(Conventions.named("gsplat"), depth="z")
 
 
 def _short(value: Any) -> str:
@@ -188,6 +195,42 @@ def _cameras(viewmats: Any, intrinsics: Any, width: int, height: int) -> np.ndar
     cameras["translation"] = views[:, :3, 3]
     cameras["fx"], cameras["fy"], cameras["cx"], cameras["cy"] = ks[:, 0, 0], ks[:, 1, 1], ks[:, 0, 2], ks[:, 1, 2]
     return cameras
+
+
+def _distort(cameras: np.ndarray, model: str, radial: Any, tangential: Any, prism: Any) -> None:
+    """Sets the coefficients of `cameras`. What gsplat draws otherwise is refused by name."""
+    count = len(cameras)
+    found = _coefficients("radial_coeffs", radial, (count, 4 if model == "fisheye" else 6))
+    if model == "ortho":
+        _refuse("radial_coeffs", radial, found, "an orthographic lens has no distortion")
+    elif model == "fisheye":
+        cameras["radial"] = found
+    else:
+        cameras["radial"][:, :3], cameras["rational"] = found[:, :3], found[:, 3:]
+    found = _coefficients("tangential_coeffs", tangential, (count, 2))
+    if model == "pinhole":
+        cameras["tangential"] = found
+    else:
+        _refuse("tangential_coeffs", tangential, found, "gsplat has them of pinholes alone")
+    found = _coefficients("thin_prism_coeffs", prism, (count, 4))
+    if model != "pinhole":
+        _refuse("thin_prism_coeffs", prism, found, "gsplat has them of pinholes alone")
+    _refuse("thin_prism_coeffs", prism, found[:, 1::2], "the second and fourth, of r^4, are not offered")
+    cameras["prism"] = found[:, ::2]
+
+
+def _coefficients(name: str, given: Any, shape: Tuple[int, int]) -> np.ndarray:
+    if given is None:
+        return np.zeros(shape)
+    found = _arrays.host(given, name)
+    if found.shape != shape:
+        raise ValueError(f"{name} has the shape {found.shape}, expected {shape}")
+    return found
+
+
+def _refuse(name: str, given: Any, found: np.ndarray, why: str) -> None:
+    if found.any():
+        raise NotImplementedError(f"rasterization: {name} is {_short(given)}, expected None or zeros: {why}")
 
 
 def _backgrounds(backgrounds: Any, count: int) -> np.ndarray:

@@ -11,14 +11,13 @@ from ._frame import Frame
 from ._gaussians import gaussians_of
 from ._scene import Scene
 
-_BEST = "early/axis-shared-threshold-float-cholesky/ellipse"
-
 
 class RendererEntry(NamedTuple):
     """One row of the table of renderers."""
 
     name: str  #: BACKEND/SORT/RASTER/BOUNDS
     usable: bool  #: whether it can run on this machine
+    on_device: bool  #: whether it draws on a CUDA device
 
 
 class Statistics(NamedTuple):
@@ -66,16 +65,20 @@ def list_renderers() -> List[RendererEntry]:
     for index in range(count_of(lib.renderers_count)):
         entry = _c.RendererEntry()
         lib.renderers_get(index, ctypes.byref(entry))
-        found.append(RendererEntry(entry.name.decode(), bool(entry.usable)))
+        found.append(_entry_of(entry))
     return found
 
 
-def best_renderer(backend: Optional[str] = None) -> str:
-    """The name of the usual choice on `backend`, or on the quickest backend that runs here."""
-    names = [entry.name for entry in list_renderers() if entry.usable and entry.name.endswith("/" + _BEST)]
-    if backend is not None:
-        return f"{backend}/{_BEST}"
-    return names[-1]  # the table lists the backends from the simplest to the quickest
+def find_renderer(name: Optional[str] = None) -> RendererEntry:
+    """The renderer of that name, the usual one of a backend, or without a name that of the quickest backend that runs
+    here. InvalidArgument for any other name."""
+    entry = _c.RendererEntry()
+    lib.renderers_find(None if name is None else name.encode(), ctypes.byref(entry))
+    return _entry_of(entry)
+
+
+def _entry_of(entry: _c.RendererEntry) -> RendererEntry:
+    return RendererEntry(entry.name.decode(), bool(entry.usable), bool(entry.on_device))
 
 
 class Renderer:
@@ -97,16 +100,15 @@ class Renderer:
         CuPy, any object with `__cuda_stream__`, or the number of a cudaStream_t; the default stream without one. The
         renderer belongs to the CUDA device that is current now.
         """
-        if name is None or "/" not in name:
-            name = best_renderer(name)
+        entry = find_renderer(name)
         if threads < 0:
             raise ValueError(f"threads is {threads}, expected 0 or more")
         self._stream = _arrays.stream_handle(stream)
         options = _c.RendererOptions(threads=threads, stream=self._stream)
-        self._handle: Optional[Handle] = Handle(lib.renderer_free, lib.renderer_create, name.encode(),
+        self._handle: Optional[Handle] = Handle(lib.renderer_free, lib.renderer_create, entry.name.encode(),
                                                 ctypes.byref(options), outlived_by=stream)
-        self.name = name  #: BACKEND/SORT/RASTER/BOUNDS
-        self.on_device = name.startswith("cuda/")  #: whether it draws on a CUDA device
+        self.name = entry.name  #: BACKEND/SORT/RASTER/BOUNDS
+        self.on_device = entry.on_device  #: whether it draws on a CUDA device
         self._device = _arrays.current_device() if self.on_device else None
         self._scene_lock = threading.RLock()  # `rasterization` draws before another thread changes the scene
         self._scene = "no scene"

@@ -17,6 +17,7 @@
 #include "commands.hpp"
 #include "read/distinct_files.hpp"
 #include "json.hpp"
+#include "draw/lenses.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "result_file.hpp"
@@ -30,6 +31,7 @@ namespace {
 struct RenderOptions {
   SceneOptions scene;
   ViewOptions view;
+  LensOptions lens;
   std::string renderer;  ///< empty for `default_renderer()`
   std::string out = "renders";
   std::string format = "png";
@@ -50,8 +52,10 @@ Writer writer_of(const std::string& format) {
 
 void print(const RenderResult& result) {
   const StageTimes& ms = result.ms;
-  std::printf("%s  %dx%d  %.2f ms (project %.2f, sort %.2f, raster %.2f)\n", result.image.c_str(),
-              result.width, result.height, ms.total, ms.project, ms.sort, ms.raster);
+  const bool is_pinhole = result.lens == words_of(Lens());
+  std::printf("%s  %dx%d  %s%.2f ms (project %.2f, sort %.2f, raster %.2f)\n", result.image.c_str(),
+              result.width, result.height, is_pinhole ? "" : (result.lens + "  ").c_str(), ms.total,
+              ms.project, ms.sort, ms.raster);
   if (!result.counts) return;
   const Statistics& s = *result.counts;
   const CountedTimes& times = result.counted_ms;
@@ -89,6 +93,7 @@ void use_calibration(AnyRenderer& renderer, const std::string& file, const Scene
 void render(const RenderOptions& options) {
   const Writer write = writer_of(options.format);
   require_batch(options.batch);
+  validate(options.lens);
   const Capture capture = capture_of(options.scene);
   require_distinct({{"--json", options.json}},
                    {{"SCENE", capture.scene.string()},
@@ -100,9 +105,11 @@ void render(const RenderOptions& options) {
   std::vector<View> views =
       views_of(read_cameras_of(options.scene, options.view.cameras, notes), options.view, "all");
   RenderSettings settings = settings_of(options.view);
+  settings.conventions.depth = depth_of(options.lens);
   const DrawnScene drawn = load_to_draw(options.scene, notes);
   const auto scene = drawn.gaussians;
   find_views(views, *scene, drawn.camera);
+  use_lens(views, options.lens, *scene);
   settings = settings_for(settings, *scene);
   ResultFile json(options.json);
   ResultHead head = json.is_wanted() ? head_of("swiftgs-render") : ResultHead();
@@ -146,6 +153,7 @@ void render(const RenderOptions& options) {
                         .scene = capture.name,
                         .view = view.name,
                         .conventions = options.view.conventions,
+                        .lens = words_of(view.camera.lens),
                         .width = frame.width,
                         .height = frame.height,
                         .scale = options.view.scale,
@@ -187,6 +195,7 @@ constexpr const char* render_help =
 A scene without cameras gets one view, which is found for it; 'builtin' has a front view,
 number 0, and an orbit, 1 to 24. Images are called as the cameras are, or by number.
 A scene that was trained with anti-aliasing is rendered with it.
+Each camera has the lens of its file unless --lens or --panorama gives all the same.
 With --batch N a frame has N views, the last frame what is left. The time of an image is then
 that of its frame, divided by the views of the frame.
 
@@ -194,7 +203,8 @@ Examples:
   swiftgs render builtin:1000000 --scale 2 --out big
   swiftgs render garden/ --views 0,8,DSC08050
   swiftgs render garden.spz --cameras cameras.json --views 0,8 --stats
-  swiftgs render fox.spz --cameras fox/sparse/0 --views every:8 --format exr)";
+  swiftgs render fox.spz --cameras fox/sparse/0 --views every:8 --format exr
+  swiftgs render garden/ --views 0 --panorama --scale 2)";
 
 }  // namespace
 
@@ -204,6 +214,7 @@ void add_render(CLI::App& app) {
   const auto options = std::make_shared<RenderOptions>();
   add_scene(*command, options->scene);
   add_views(*command, options->view, "all");
+  add_lens(*command, options->lens);
   command->add_option("--renderer", options->renderer,
                       "A name from 'swiftgs list' [the quickest on the CPU]");
   command->add_option("--out", options->out, "Folder for the images")->capture_default_str();

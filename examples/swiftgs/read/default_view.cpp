@@ -147,6 +147,11 @@ dvec3 thinnest_direction(const std::vector<Point>& points, const Bulk& bulk) {
 
 }  // namespace
 
+dvec3 middle_of(const Scene& scene) {
+  const std::vector<Point> points = sample(scene);
+  return points.empty() ? dvec3(0.0) : bulk_of(points).centre;
+}
+
 Camera default_view(const Scene& scene) {
   const std::vector<Point> points = sample(scene);
   const Bulk bulk = points.empty() ? Bulk() : bulk_of(points);

@@ -11,4 +11,7 @@ namespace swiftgs::cli {
 /// is far or bright at the top of the image, tilted to the ground where one is found.
 Camera default_view(const Scene& scene);
 
+/// The middle of the bulk of the Gaussians; the world's origin where there is none.
+dvec3 middle_of(const Scene& scene);
+
 }  // namespace swiftgs::cli

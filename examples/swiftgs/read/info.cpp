@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -9,9 +11,13 @@
 
 #include <CLI/CLI.hpp>
 
+#include <swiftgs/error.hpp>
+#include <swiftgs/io/cameras.hpp>
+
 #include "commands.hpp"
 #include "read/distinct_files.hpp"
 #include "json_text.hpp"
+#include "draw/lenses.hpp"
 #include "notes.hpp"
 #include "options.hpp"
 #include "result_file.hpp"
@@ -79,13 +85,34 @@ void print_distributions(const std::vector<Distribution>& distributions) {
 
 /// What other commands take for a scene.
 struct Beside {
-  std::string cameras, photos;  ///< empty where there are none
+  std::string cameras, photos;                  ///< empty where there are none
+  std::map<std::string, std::size_t> lenses{};  ///< how many cameras have each, as `words_of` says it
 };
+
+/// Of the cameras in the folder that the scene is. What cannot be read becomes one of `notes`: other commands
+/// may take other cameras.
+std::map<std::string, std::size_t> lenses_in(const std::string& folder, std::vector<std::string>& notes) {
+  std::map<std::string, std::size_t> found;
+  try {
+    for (const Camera& camera : read_cameras(folder).cameras) ++found[words_of(camera.lens)];
+  } catch (const FormatError& error) {
+    notes.emplace_back(error.what());
+  }
+  return found;
+}
+
+std::string count_text(const std::map<std::string, std::size_t>& lenses) {
+  std::string text;
+  for (const auto& [words, count] : lenses)
+    text += (text.empty() ? "" : "; ") + std::to_string(count) + " " + words;
+  return text;
+}
 
 void print_info(const std::string& name, const SceneFile& file, double seconds, const Beside& beside) {
   const Scene& scene = file.scene;
   std::printf("%-15s %s\n", "scene", name.c_str());
   if (!beside.cameras.empty()) std::printf("%-15s %s\n", "cameras", beside.cameras.c_str());
+  if (!beside.lenses.empty()) std::printf("%-15s %s\n", "lenses", count_text(beside.lenses).c_str());
   if (!beside.photos.empty()) std::printf("%-15s %s\n", "photographs", beside.photos.c_str());
   std::printf("%-15s %s\n", "format", file.format.c_str());
   if (file.bytes != 0) std::printf("%-15s %llu\n", "bytes", static_cast<unsigned long long>(file.bytes));
@@ -107,6 +134,7 @@ std::string to_json(const std::string& scene, const std::string& path, const Sce
                     const Beside& beside, const std::vector<Distribution>& distributions) {
   Json json{{"scene", scene},
             {"cameras", or_null(beside.cameras)},
+            {"lenses", beside.lenses.empty() ? Json() : Json(beside.lenses)},
             {"photos", or_null(beside.photos)},
             {"file_format", file.format},
             {"bytes", file.bytes != 0 ? Json(file.bytes) : Json()},
@@ -133,9 +161,10 @@ void info(const InfoOptions& options) {
   require_distinct({{"--json", options.json}}, {{"SCENE", capture.scene.string()}});
   ResultFile json(options.json);
   const auto begin = std::chrono::steady_clock::now();
-  const SceneFile file = load(options.scene);
+  SceneFile file = load(options.scene);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  const Beside beside{cameras_of(options.scene, ""), photos_of(options.scene, {}, "")};
+  Beside beside{cameras_of(options.scene, ""), photos_of(options.scene, {}, "")};
+  if (!beside.cameras.empty()) beside.lenses = lenses_in(options.scene.scene, file.notes);
   const std::vector<Distribution> distributions = distributions_of(file.scene);
   if (!json.is_standard_output()) {
     print_info(options.scene.scene, file, seconds, beside);
@@ -149,7 +178,7 @@ void info(const InfoOptions& options) {
 constexpr const char* info_help =
     R"(Prints format, size of the file and time to read it, count, SH degree, how many Gaussians
 were dropped because they are not finite, and percentiles of positions, opacities and scales;
-of a capture's folder also where its cameras and photographs are.
+of a capture's folder also where its cameras and photographs are, and the cameras' lenses.
 
 Example:
   swiftgs info garden.spz)";

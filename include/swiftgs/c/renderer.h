@@ -22,15 +22,21 @@ typedef struct swiftgs_renderer swiftgs_renderer;
 
 /// One row of the table of renderers.
 typedef struct swiftgs_renderer_entry {
-  uint32_t size;     ///< `sizeof(swiftgs_renderer_entry)`
-  int32_t usable;    ///< 1: it can run on this machine
-  const char* name;  ///< BACKEND/SORT/RASTER/BOUNDS; valid as long as the library is loaded
+  uint32_t size;      ///< `sizeof(swiftgs_renderer_entry)`
+  int32_t usable;     ///< 1: it can run on this machine
+  const char* name;   ///< BACKEND/SORT/RASTER/BOUNDS; valid as long as the library is loaded
+  int32_t on_device;  ///< 1: it draws in the memory of a CUDA device; 0: in the host's
+  uint32_t reserved;  ///< 0
 } swiftgs_renderer_entry;
 
 /// How many renderers this build has, whether or not they can run here.
 SWIFTGS_C_API swiftgs_status swiftgs_renderers_count(size_t* count);
 /// Fills `entry`, whose size is set. `SWIFTGS_INVALID_ARGUMENT` beyond the last.
 SWIFTGS_C_API swiftgs_status swiftgs_renderers_get(size_t index, swiftgs_renderer_entry* entry);
+/// Fills `entry`, whose size is set, with the renderer called `name`; or where `name` is a backend alone
+/// (`serial`, `cpu`, `cuda`), with its usual one; or where `name` is NULL, with that of the quickest backend
+/// that can run here. `SWIFTGS_INVALID_ARGUMENT` for any other name.
+SWIFTGS_C_API swiftgs_status swiftgs_renderers_find(const char* name, swiftgs_renderer_entry* entry);
 
 /// Memory of `bytes` bytes, aligned to 64 bytes on a host and to 256 on a device, or NULL if there is none:
 /// the call that needed it then fails with `SWIFTGS_OUT_OF_MEMORY`. Must not throw. It may ask the renderer

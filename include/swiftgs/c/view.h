@@ -30,6 +30,7 @@ typedef struct swiftgs_conventions {
   float stop;              ///< a pixel ends before the Gaussian that would bring its transmittance below
   int32_t stop_at_equal;   ///< 1: or exactly to `stop`
   int32_t footprint;       ///< `SWIFTGS_FOOTPRINT_...`, of the reference; renderers use their bounds
+  int32_t depth;           ///< `SWIFTGS_DEPTH_...`
 } swiftgs_conventions;
 
 /// Limits of x/z and y/z where the projection is linearised, in tangents.
@@ -40,6 +41,12 @@ enum {
 enum {
   SWIFTGS_FOOTPRINT_ALPHA = 0,              ///< every pixel where alpha is at least `alpha_min`
   SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE = 1  ///< only those in tiles that the square of 3 sigma touches
+};
+/// What orders splats, is compared with the planes, and is drawn as depth. In units of the scene.
+enum {
+  SWIFTGS_DEPTH_OF_LENS = 0,  ///< z of perspective and orthographic lenses, distance of the others
+  SWIFTGS_DEPTH_Z = 1,        ///< along the camera's axis
+  SWIFTGS_DEPTH_DISTANCE = 2  ///< from the camera's centre
 };
 
 /// Fills `conventions`, whose size is set, with the preset `gsplat` or `inria`. `SWIFTGS_INVALID_ARGUMENT`
@@ -70,9 +77,10 @@ typedef struct swiftgs_view {
   const swiftgs_conventions* conventions;  ///< NULL: those of gsplat
   swiftgs_plane colour;                    ///< of `format`
   swiftgs_plane alpha;                     ///< float: 1 - transmittance
-  swiftgs_plane depth;  ///< float: mean camera-space z, weighted by contribution; 0 where alpha is 0
-  /// float, only read: camera-space z of a depth buffer. A splat there or behind is not drawn; infinity hides
-  /// nothing.
+  /// float: mean depth as the conventions measure it, weighted by contribution; 0 where alpha is 0.
+  swiftgs_plane depth;
+  /// float, only read: a depth buffer of the same measure. A splat there or behind is not drawn; infinity
+  /// hides nothing.
   swiftgs_plane occluder;
   int32_t over;         ///< 1: what `colour` holds shows behind the splats, in place of the background
   int32_t left, top;    ///< pixel of the image that is the frame's first; multiples of 16

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "draw/lenses.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include <CLI/CLI.hpp>
+
+#include <swiftgs/camera.hpp>
+
+#include "read/default_view.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+/// The view of `camera` with a whole turn in a row and half a turn in a column.
+Camera whole_panorama(Camera camera) {
+  camera.fx = camera.width / (2 * std::numbers::pi), camera.fy = camera.height / std::numbers::pi;
+  camera.cx = 0.5 * camera.width, camera.cy = 0.5 * camera.height;
+  return camera;
+}
+
+/// The view of `camera` through a lens without distortion.
+Camera through(LensModel model, Camera camera, dvec3 middle) {
+  camera.lens = {model, {}};
+  if (model == LensModel::equirectangular) return whole_panorama(camera);
+  if (model != LensModel::orthographic) return camera;
+  // What is as far away as the middle of the scene keeps its size.
+  const dvec3 away = middle - camera.centre();
+  const double distance = std::sqrt(detail::dot(away, away));
+  if (distance > 0) camera.fx /= distance, camera.fy /= distance;
+  return camera;
+}
+
+}  // namespace
+
+void add_lens(CLI::App& command, LensOptions& options) {
+  command.add_option("--lens", options.lens,
+                     "Lens in place of the cameras', without distortion: perspective and fisheye with\n"
+                     "the focal lengths of the camera, orthographic with the size that it shows in\n"
+                     "the middle of the scene, or equirectangular, all around [that of each camera]");
+  command.add_flag("--panorama", options.panorama,
+                   "All around the camera, twice as wide as high, as wide as its image");
+  command.add_option("--depth-by", options.depth_by,
+                     "What orders Gaussians and is compared with the near plane: z or distance\n"
+                     "[distance of lenses that see behind the camera, else z]");
+}
+
+void validate(const LensOptions& options) {
+  if (!options.lens.empty()) {
+    try {
+      lens_model_named(options.lens);
+    } catch (const std::invalid_argument&) {
+      throw std::invalid_argument("--lens '" + options.lens +
+                                  "': expected perspective, fisheye, orthographic or equirectangular");
+    }
+  }
+  if (options.panorama && !options.lens.empty() && options.lens != name_of(LensModel::equirectangular))
+    throw std::invalid_argument("--panorama: expected no --lens " + options.lens + " beside it");
+  depth_of(options);
+}
+
+Conventions::Depth depth_of(const LensOptions& options) {
+  if (options.depth_by.empty()) return Conventions::Depth::of_lens;
+  if (options.depth_by == "z") return Conventions::Depth::z;
+  if (options.depth_by == "distance") return Conventions::Depth::distance;
+  throw std::invalid_argument("--depth-by '" + options.depth_by + "': expected z or distance");
+}
+
+void use_lens(std::vector<View>& views, const LensOptions& options, const Scene& scene) {
+  if (!options.panorama && options.lens.empty()) return;
+  const LensModel model = options.panorama ? LensModel::equirectangular : lens_model_named(options.lens);
+  const dvec3 middle = model == LensModel::orthographic ? middle_of(scene) : dvec3(0.0);
+  for (View& view : views) {
+    Camera& camera = view.camera;
+    if (options.panorama) camera.height = std::max(1, camera.width / 2);
+    camera = through(model, camera, middle);
+    validate(camera);
+  }
+}
+
+std::string words_of(const Lens& lens) {
+  return std::string(name_of(lens.model)) + (lens.is_distorted() ? ", distorted" : "");
+}
+
+}  // namespace swiftgs::cli

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <swiftgs/conventions.hpp>
+#include <swiftgs/lens.hpp>
+#include <swiftgs/scene.hpp>
+
+#include "read/views.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace swiftgs::cli {
+
+/// What says through which lens views are seen.
+struct LensOptions {
+  std::string lens;  ///< a `LensModel`; empty for those of the cameras
+  bool panorama = false;
+  std::string depth_by;  ///< `z` or `distance`; empty for the lens's own
+};
+
+/// Adds the options of lenses.
+void add_lens(CLI::App& command, LensOptions& options);
+
+/// Throws `std::invalid_argument` for names that are not known, and for a panorama of another lens.
+void validate(const LensOptions& options);
+
+/// What `--depth-by` says.
+Conventions::Depth depth_of(const LensOptions& options);
+
+/// Gives `views` of `scene`, all of them found, the lens that was asked for.
+void use_lens(std::vector<View>& views, const LensOptions& options, const Scene& scene);
+
+/// The model's name, with ", distorted" where it is.
+std::string words_of(const Lens& lens);
+
+}  // namespace swiftgs::cli

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/io/image.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
+#include "cli/cameras.hpp"
+#include "cli/command.hpp"
+#include "cli/json_in.hpp"
+
+using nlohmann::json;
+using swiftgs::Image;
+using swiftgs::test::contains;
+using swiftgs::test::json_in;
+using swiftgs::test::Outcome;
+using swiftgs::test::run;
+using swiftgs::test::TemporaryFolder;
+
+namespace {
+
+/// The front view of the built-in scene, before white.
+Image front(const TemporaryFolder& place, const std::string& options) {
+  run(place, "render builtin:2000 --format pfm --background 1,1,1 " + options);
+  return swiftgs::read_image(place / "renders/front.pfm");
+}
+
+/// Part of the pixels that are not white.
+double covered(const Image& image) {
+  const std::size_t pixels = image.pixels.size() / 3;
+  std::size_t white = 0;
+  for (std::size_t i = 0; i < pixels; ++i)
+    white += image.pixels[3 * i] == 1 && image.pixels[3 * i + 1] == 1 && image.pixels[3 * i + 2] == 1;
+  return 1 - double(white) / double(pixels);
+}
+
+}  // namespace
+
+TEST_CASE("cli lenses: render draws through the lens that was asked for and tells it") {
+  const TemporaryFolder place;
+  const Image plain = front(place, "--scale 0.1 --json plain.json");
+  CHECK(json_in(place / "plain.json")["rows"][0]["lens"] == "perspective");
+  CHECK(front(place, "--scale 0.1 --lens perspective").pixels == plain.pixels);
+  for (const std::string lens : {"fisheye", "orthographic", "equirectangular"}) {
+    CAPTURE(lens);
+    const Image image = front(place, "--scale 0.1 --json lens.json --lens " + lens);
+    CHECK(image.width == 128);
+    CHECK(image.height == 72);
+    CHECK(image.pixels != plain.pixels);
+    CHECK(covered(image) > 0.1);
+    CHECK(json_in(place / "lens.json")["rows"][0]["lens"] == lens);
+    const std::string text = run(place, "render builtin:50 --scale 0.1 --lens " + lens).out;
+    CHECK(contains(text, "renders/front.png  128x72  " + lens + "  "));
+  }
+}
+
+TEST_CASE("cli lenses: an orthographic view shows the middle of the scene at its size") {
+  // One Gaussian, in the middle of itself: in both lenses it is as large, and the bits are nearly the same.
+  const TemporaryFolder place;
+  write_scene(place / "one.ply", swiftgs::make_builtin_scene(1));
+  place.write("cameras.json", swiftgs::test::cameras_json({"a"}));
+  const auto pixels = [&](const std::string& lens) {
+    run(place, "render one.ply --cameras cameras.json --format pfm --lens " + lens);
+    return swiftgs::read_image(place / "renders/a.pfm").pixels;
+  };
+  const std::vector<float> perspective = pixels("perspective"), orthographic = pixels("orthographic");
+  double sums[2] = {};
+  for (std::size_t i = 0; i < perspective.size(); ++i)
+    sums[0] += double(perspective[i]), sums[1] += double(orthographic[i]);
+  CHECK(sums[1] == doctest::Approx(sums[0]).epsilon(0.2));
+}
+
+TEST_CASE("cli lenses: a panorama is twice as wide as high and shows what is behind the camera") {
+  const TemporaryFolder place;
+  const Image panorama = front(place, "--scale 0.1 --panorama --json all.json");
+  CHECK(panorama.width == 128);
+  CHECK(panorama.height == 64);
+  CHECK(json_in(place / "all.json")["rows"][0]["lens"] == "equirectangular");
+  CHECK(front(place, "--scale 0.1 --panorama --lens equirectangular").pixels == panorama.pixels);
+  CHECK(front(place, "--scale 0.1 --panorama --depth-by distance").pixels == panorama.pixels);
+  // The built-in scene lies in front of the camera, with ground all around.
+  const Image by_z = front(place, "--scale 0.1 --panorama --depth-by z");
+  CHECK(covered(by_z) > 0.02);
+  CHECK(covered(by_z) <= covered(panorama));
+  CHECK(by_z.pixels != panorama.pixels);
+}
+
+TEST_CASE("cli lenses: unknown names are refused with what is expected") {
+  const TemporaryFolder place;
+  const auto refusal = [&](const std::string& options) {
+    const Outcome outcome = swiftgs::test::swiftgs(place, "render builtin:50 " + options);
+    CHECK(outcome.code == 1);
+    return outcome.err;
+  };
+  CHECK(refusal("--lens round") ==
+        "swiftgs: --lens 'round': expected perspective, fisheye, orthographic or equirectangular\n");
+  CHECK(refusal("--panorama --lens fisheye") ==
+        "swiftgs: --panorama: expected no --lens fisheye beside it\n");
+  CHECK(refusal("--depth-by y") == "swiftgs: --depth-by 'y': expected z or distance\n");
+}
+
+TEST_CASE("cli lenses: info tells those of a capture's cameras") {
+  const TemporaryFolder place;
+  place.write("garden/cameras.json", swiftgs::test::cameras_json({"a.jpg", "b.jpg"}));
+  write_scene(place / "garden/scene.ply", swiftgs::make_builtin_scene(100));
+  CHECK(contains(run(place, "info garden").out, "lenses          2 perspective\n"));
+  CHECK(json::parse(run(place, "info garden --json -").out)["lenses"] == json{{"perspective", 2}});
+  CHECK(json::parse(run(place, "info builtin:10 --json -").out)["lenses"].is_null());
+
+  place.write("garden/cameras.json", "[{\"id\": 0}]");
+  const std::string text = run(place, "info garden").out;
+  CHECK(contains(text, "Gaussians       100\n"));
+  CHECK(contains(text, "note            garden/cameras.json"));
+}
