@@ -117,6 +117,11 @@ std::uint64_t views_identity(Span<const View> views) {
     add(c.fx, c.fy, c.cx, c.cy, c.width, c.height, c.left, c.top, c.right, c.bottom);
     add(c.tan_x_min, c.tan_x_max, c.tan_y_min, c.tan_y_max, c.near_plane, c.far_plane);
     add(c.blur, c.min_compensation, c.alpha_min, c.antialiased);
+    const Distortion& d = c.lens.distortion;
+    add(int(c.lens.model), c.depth_is_distance);
+    for (const double number : d.radial) add(number);
+    for (const double number : d.rational) add(number);
+    add(d.tangential[0], d.tangential[1], d.prism[0], d.prism[1]);
     add(view.rules.alpha_min, view.rules.alpha_max, view.rules.stop_below, view.rules.log2_alpha_min);
     add(view.grid.columns.begin, view.grid.columns.end, view.grid.rows.begin, view.grid.rows.end);
     add(view.grid.side, view.frame.width, view.frame.height);

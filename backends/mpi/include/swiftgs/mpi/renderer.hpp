@@ -236,7 +236,11 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
 
   /// Finds the splats of this rank's Gaussians in all views, and shares them out among the ranks.
   void project_part(const SceneView& part, Span<const View> views, RankCounters& mine) {
-    for (const View& view : views) detail::require_finite_background(view.background);
+    for (const View& view : views) {
+      detail::require_finite_background(view.background);
+      detail::require_for_render(view.panorama_part == 0,
+                                 "panoramas over ranks in views of an eighth of a turn at most");
+    }
     check_ready(backend());
     const bool may_be_coarse = may_gain_by_coarse_tiles<B, Raster> && Bounds::conservative;
     key_ = FrameKey::of({}, views);
