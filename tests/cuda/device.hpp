@@ -5,7 +5,6 @@
 /// Arrays of the host on a device and back, and what every test of the CUDA backend begins with.
 
 #include <cstddef>
-#include <cstring>
 #include <memory>
 #include <type_traits>
 #include <vector>
@@ -55,32 +54,26 @@ inline std::size_t free_memory() {
   return free;
 }
 
+template <>
+struct CopyToBackend<Cuda> {
+  template <class T>
+  static void copy(Span<const T> from, T* to) {
+    check_cuda(cudaMemcpy(to, from.data, from.size * sizeof(T), cudaMemcpyHostToDevice), "cudaMemcpy");
+    check_cuda(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
+  }
+};
+
 /// Copies to the device; complete when it returns.
 template <class T>
 void copy_to_device(Span<const T> from, DeviceBuffer<T>& to) {
   to.reset(from.size);
-  if (from.size == 0) return;
-  check_cuda(cudaMemcpy(to.data(), from.data, from.size * sizeof(T), cudaMemcpyHostToDevice), "cudaMemcpy");
-  check_cuda(cudaStreamSynchronize(nullptr), "cudaStreamSynchronize");
+  if (from.size != 0) CopyToBackend<Cuda>::copy(from, to.data());
 }
 template <class T>
 DeviceBuffer<T> to_device(const std::vector<T>& from) {
   DeviceBuffer<T> to;
   copy_to_device(Span<const T>{from.data(), from.size()}, to);
   return to;
-}
-
-/// Copies to the host after all that `cuda` was asked for.
-template <class T>
-std::vector<T> to_host(const Cuda& cuda, Span<const T> from) {
-  std::vector<T> to(from.size);
-  cuda.download(from, to.data());
-  return to;
-}
-
-template <class T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 /// A caller's own arrays on the device.
@@ -127,52 +120,5 @@ struct CopySplats<Cuda> {
     to.count = from.size();
   }
 };
-
-/// Splats of the host on the device.
-class DeviceSplats {
- public:
-  explicit DeviceSplats(const SplatSet& set)
-      : shapes_(to_device(set.shapes)),
-        depths_(to_device(set.depths)),
-        gaussians_(to_device(set.gaussians)),
-        colours_(to_device(set.colours)) {}
-
-  SplatsView view() const { return {shapes_.span(), depths_.span(), gaussians_.span()}; }
-  ColoursView colours_view() const { return {colours_.span()}; }
-  SortInput job(int width, int height) const {
-    return {view(), TileGrid::covering(width, height), {identity_, shapes_.size(), width, height}};
-  }
-
- private:
-  std::uint64_t identity_ = new_scene_identity();
-  DeviceBuffer<SplatShape> shapes_;
-  DeviceBuffer<float> depths_;
-  DeviceBuffer<std::uint32_t> gaussians_;
-  DeviceBuffer<SplatColour> colours_;
-};
-
-/// Splats of the device on the host, without colours where there are none.
-inline SplatSet to_host(const Cuda& cuda, const SplatsView& splats, const ColoursView& colours = {}) {
-  return {to_host(cuda, splats.shapes), to_host(cuda, splats.depths), to_host(cuda, splats.gaussians),
-          to_host(cuda, colours.each)};
-}
-
-/// Tile lists as arrays of the host.
-struct HostLists {
-  std::vector<std::uint32_t> ids;
-  std::vector<TileRange> ranges;
-
-  bool operator==(const HostLists& o) const { return same_bits(ids, o.ids) && same_bits(ranges, o.ranges); }
-  TileListsView view() const { return {{ids.data(), ids.size()}, {ranges.data(), ranges.size()}}; }
-};
-
-template <class B>
-HostLists host_lists(const B& backend, const TileLists<B>& lists) {
-  const TileListsView view = lists.view();
-  HostLists out{std::vector<std::uint32_t>(view.ids.size), std::vector<TileRange>(view.ranges.size)};
-  backend.download(view.ids, out.ids.data());
-  backend.download(view.ranges, out.ranges.data());
-  return out;
-}
 
 }  // namespace swiftgs::test

@@ -114,7 +114,7 @@ Drawing draw_on_host(const Picture& picture) {
 struct DevicePicture {
   explicit DevicePicture(const Picture& of)
       : picture(of),
-        splats(of.splats),
+        splats(Cuda(), of.splats),
         ids(to_device(of.lists.ids)),
         ranges(to_device(of.lists.ranges)),
         occluder(to_device(of.occluder)),
@@ -134,7 +134,7 @@ struct DevicePicture {
   }
 
   const Picture& picture;
-  DeviceSplats splats;
+  SplatsOn<Cuda> splats;
   DeviceBuffer<std::uint32_t> ids;
   DeviceBuffer<TileRange> ranges;
   DeviceBuffer<float> occluder;

@@ -4,12 +4,15 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <thread>
 
 #include "cuda/drawings.hpp"
-#include "policies/directions.hpp"
+#include "cuda/graph.hpp"
+#include "cuda/stream_pool.hpp"
+#include "policies/any_renderer.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -131,29 +134,6 @@ TEST_CASE("cuda embedding: frames are drawn from the caller's arrays into its me
   CHECK(same_bits(image.pixels(Cuda(), image.alpha, 4), expected.alpha));
   CHECK(same_bits(image.pixels(Cuda(), image.depth, 4), expected.depth));
   CHECK(image.kept_to_its_rows(Cuda(), image.colour, 12));
-}
-
-TEST_CASE("cuda embedding: rows of each plane may go up in memory") {
-  if (without_device()) return;
-  const DeviceArrays arrays(random_scene(300, 1, 12));
-  const int width = 37, height = 21;
-  RenderSettings settings;
-  settings.background = vec3(0.3f, 1.7f, -0.4f);
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    Renderer<Cuda, EarlySort, Raster, Ellipse> renderer;
-    check_directions(width, height, [&](PlanesMemory& memory, bool over) {
-      std::array<DeviceBuffer<unsigned char>, PlanesMemory::planes> planes;
-      for (std::size_t i = 0; i < planes.size(); ++i)
-        copy_to_device({memory.bytes[i].data(), memory.bytes[i].size()}, planes[i]);
-      FrameView frame =
-          memory.frame({planes[0].data(), planes[1].data(), planes[2].data(), planes[3].data()});
-      frame.over = over;
-      renderer.render_into(arrays.view(), forward_camera(width, height), settings, frame);
-      for (std::size_t i = 0; i < planes.size(); ++i)
-        memory.bytes[i] = to_host(renderer.backend(), std::as_const(planes[i]).span());
-    });
-  });
 }
 
 TEST_CASE("cuda embedding: a frame waits for what its stream was given before and not for other streams") {
@@ -296,41 +276,47 @@ TEST_CASE_TEMPLATE("cuda embedding: a steady frame allocates nothing", Sort, Sta
   CHECK(free_memory() == warm);
 }
 
-TEST_CASE("cuda embedding: what nothing can be rendered with is refused and the renderer stays usable") {
+TEST_CASE("cuda embedding: a renderer stays usable after what it refuses") {
   if (without_device()) return;
   Usual renderer;
   const Scene scene = random_scene(500, 2, 8);
   const DeviceArrays arrays(scene);
   const Camera camera = forward_camera(40, 30);
   const Frame expected = renderer.render(renderer.backend().upload(scene), camera);
-  const auto refusal = [&](const auto& spoil) {
-    DeviceFrame image(40, 30);
-    struct {
-      SceneView scene;
-      Camera camera;
-      RenderSettings settings;
-      FrameView frame;
-    } a{arrays.view(), camera, {}, image.view()};
-    spoil(a);
-    std::string message = "accepted";
-    try {
-      renderer.render_into(a.scene, a.camera, a.settings, a.frame);
-    } catch (const std::invalid_argument& error) {
-      message = error.what();
-    }
-    CHECK(same_bits(renderer.render(renderer.backend().upload(scene), camera).colour, expected.colour));
-    return message;
-  };
-  CHECK(refusal([](auto&) {}) == "accepted");
-  CHECK(refusal([](auto& a) { a.frame.width = 39; }) == "render: expected a frame of the camera's size");
-  CHECK(refusal([](auto& a) { a.frame.colour.pitch = 476; }) ==
-        "render: the pitch of colour is 476 bytes, expected at least 480 up or down, a multiple of 4");
-  CHECK(refusal([](auto& a) { a.frame.colour.pitch = -476; }) ==
-        "render: the pitch of colour is -476 bytes, expected at least 480 up or down, a multiple of 4");
-  CHECK(refusal([](auto& a) { a.scene.opacities.size = 9; }) ==
-        "render: expected arrays of one length in the scene");
-  CHECK(refusal([](auto& a) { a.scene.sh_degree = 4; }) == "render: expected an SH degree of 0 to 3");
-  CHECK(refusal([](auto& a) { a.settings.conventions.blur = -1; }) ==
-        "conventions: expected a blur of 0 or more");
-  CHECK(refusal([](auto& a) { a.camera.fx = 0; }) == "camera: expected focal lengths of 1e-6 to 1e12 pixels");
+  DeviceFrame image(40, 30);
+  FrameView narrow = image.view();
+  narrow.colour.pitch = -476;
+  SceneView uneven = arrays.view();
+  uneven.opacities.size = 9;
+  CHECK_THROWS_AS(renderer.render_into(arrays.view(), camera, {}, narrow), std::invalid_argument);
+  CHECK_THROWS_AS(renderer.render_into(uneven, camera, {}, image.view()), std::invalid_argument);
+  CHECK(same_bits(renderer.render(renderer.backend().upload(scene), camera).colour, expected.colour));
+}
+
+TEST_CASE("cuda embedding: a renderer by name works on the stream and in the memory that its options name") {
+  if (without_device()) return;
+  const auto scene = std::make_shared<const Scene>(random_scene(2000, 1, 8));
+  Usual typed;
+  const DeviceScene uploaded = typed.backend().upload(scene);
+  const Stream stream;
+  StreamPool pool(stream.get());
+  {
+    const auto any = make_renderer(Usual::name, {.stream = stream.get(), .memory = pool.hook()});
+    any->set_scene(scene);
+    const std::size_t of_scene = pool.in_use();
+    CHECK(of_scene >= 2000 * 14 * sizeof(float));
+    check_drawn_frames(*any, typed, uploaded.view());
+    CHECK(any->memory().total() > 0);
+    CHECK(pool.in_use() >= of_scene + any->memory().total());
+    // A capture records work on this stream alone, so the graph draws only if the renderer uses it.
+    check_recorded_frames(*any, typed, uploaded.view(), [&](FrameReport* report) {
+      const Graph graph(stream, [&] { any->record(report); });
+      CHECK(graph.nodes() > 5);
+      graph.run();
+      stream.wait();
+    });
+    any->trim();
+    CHECK(pool.in_use() == of_scene);
+  }
+  CHECK(pool.in_use() == 0);
 }

@@ -6,7 +6,8 @@
 #include <swiftgs/cuda.cuh>
 #include <swiftgs/renderer.hpp>
 
-#include "cuda/views.hpp"
+#include "cuda/device.hpp"
+#include "policies/views.hpp"
 #include "support/one_view.hpp"
 
 namespace swiftgs::test {
@@ -105,7 +106,7 @@ TEST_CASE("cuda: every sort takes bounds of the caller") {
   Cuda cuda;
   Serial serial;
   const SplatSet splats = random_splats(3000, 600, 400, 8);
-  const DeviceSplats uploaded(splats);
+  const SplatsOn<Cuda> uploaded(cuda, splats);
   const HostLists expected =
       host_lists(serial, build_lists<StandardSort, EvenRows>(serial, splats.job(600, 400)));
   REQUIRE(!expected.ids.empty());
@@ -127,7 +128,7 @@ TEST_CASE_TEMPLATE("cuda: a large splat has as many instances as were counted an
         CAPTURE(emitted);
         SplatSet set;
         for (int i = 0; i < splats; ++i) set.add(make_splat(250, 200, 90, 90, 0, 0.5), float(1 + i % 5));
-        const DeviceSplats uploaded(set);
+        const SplatsOn<Cuda> uploaded(cuda, set);
         const SortInput job = uploaded.job(512, 400);
         REQUIRE(job.grid.columns.size() == 32);
         const Fickle bounds{counted, emitted};

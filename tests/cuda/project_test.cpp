@@ -392,3 +392,42 @@ TEST_CASE("cuda project: every run gives the same bits") {
     CHECK(same_bits(to_host(stage.cuda, stage.footprints.view().each), footprints));
   }
 }
+
+TEST_CASE("cuda project: footprints are found again where projection found those of another grid or bounds") {
+  if (without_device()) return;
+  Cuda cuda;
+  const DeviceScene scene = cuda.upload(random_scene(3000, 0, 11));
+  ProjectScratch<Cuda> scratch;
+  Splats<Cuda> splats;
+  Footprints<Cuda> boxes;
+  Footprints<Cuda> ellipses;
+  const OneView frame(forward_camera(700, 500), Conventions::gsplat(), scene.view());
+  const View turned = view_without_camera(500, 700);
+  project(cuda, frame.plan(), OpacityBox{}, scratch, splats, boxes);
+  bin(cuda, frame.plan(), Ellipse{}, splats, ellipses);
+  const SplatSet set = to_host(cuda, splats.view());
+  const auto found_by = [&](const auto& bounds, const Footprints<Cuda>& footprints, const View& of) {
+    std::uint64_t tiles = 0;
+    for (const SplatShape& shape : set.shapes) tiles += find_footprint(bounds, shape, of.grid).count;
+    return footprints.instances.most == tiles && footprints.count == set.shapes.size() &&
+           footprints.views.tiles == tiles_of_frame(of) && footprints.views[0].grid == of.grid;
+  };
+  REQUIRE(set.shapes.size() > 100);
+  CHECK(found_by(Ellipse{}, ellipses, frame.view));
+  bin(cuda, frame.plan(), OpacityBox{}, splats, boxes);
+  CHECK(found_by(OpacityBox{}, boxes, frame.view));
+  bin(cuda, plan_without_scene({&turned, 1}), OpacityBox{}, splats, boxes);
+  CHECK(found_by(OpacityBox{}, boxes, turned));
+
+  // Footprints that were found within other bounds are found again where they lie.
+  project(cuda, frame.plan(), OpacityBox{}, scratch, splats, boxes);
+  bin(cuda, frame.plan(), Ellipse{}, splats, boxes);
+  CHECK(found_by(Ellipse{}, boxes, frame.view));
+
+  // Footprints that are left over from a projection are not those of other splats.
+  project(cuda, frame.plan(), OpacityBox{}, scratch, splats, boxes);
+  Splats<Cuda> own;
+  CopySplats<Cuda>::copy(SplatsOn<Cuda>(cuda, set).view(), own);
+  bin(cuda, frame.plan(), OpacityBox{}, own, boxes);
+  CHECK(found_by(OpacityBox{}, boxes, frame.view));
+}

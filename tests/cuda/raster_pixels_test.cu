@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// The form of rasterizers without kernels of their own: every test of raster_test.cpp with the scalar kernels
-// of the library, and a rasterizer that the library does not know.
+// The form of rasterizers without kernels of their own: the tests of rasterizers with the scalar kernels of
+// the library, and a rasterizer that the library does not know.
 #include <swiftgs/cuda.cuh>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/renderer.hpp>
 
-#include "cuda/views.hpp"
+#include "cuda/device.hpp"
+#include "policies/views.hpp"
 
 #define SWIFTGS_TEST_RASTER_PIXELS
+#include "policies/blending_test.cpp"
+// Draws with what the tests above draw with.
 #include "cuda/raster_test.cpp"
 
 namespace {
@@ -95,8 +98,8 @@ TEST_CASE("cuda raster pixels: a rasterizer of the caller draws several views as
   if (without_device()) return;
   Renderer<Cuda, EarlySort, HalfAsOpaque, Ellipse> together, alone;
   const DeviceScene scene = together.backend().upload(random_scene(400, 1, 25));
-  check_lists_of_views<OnDevice>(together, alone, scene.view());
-  check_bands<OnDevice>(together, scene.view());
+  check_lists_of_views(together, alone, scene.view());
+  check_bands(together, scene.view());
   check_many_rows(together, scene);
 }
 

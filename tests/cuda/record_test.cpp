@@ -11,9 +11,10 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/edit.hpp>
 
+#include "cuda/device.hpp"
 #include "cuda/graph.hpp"
-#include "cuda/views.hpp"
 #include "policies/rasterizers.hpp"
+#include "policies/views.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -211,7 +212,7 @@ TEST_CASE(
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
     Recording<With<EarlySort, Raster>> r(random_scene(2000, 1, 10));
-    check_changing_views<OnDevice>(r.renderer, r.other, r.scene.view(), [&](FrameReport* report) {
+    check_changing_views(r.renderer, r.other, r.scene.view(), [&](FrameReport* report) {
       const auto graph =
           std::make_shared<Graph>(r.stream, [&] { r.renderer.record(r.scene.view(), report); });
       return [graph] { graph->run(); };
@@ -365,7 +366,7 @@ TEST_CASE("cuda record: what was not reserved is refused") {
 TEST_CASE("cuda record: bad views are refused by all calls and those that were set are recorded") {
   if (without_device()) return;
   Recording r(random_scene(400, 1, 9));
-  check_bad_views<OnDevice>(r.renderer, r.other, r.scene.view());
+  check_bad_views(r.renderer, r.other, r.scene.view());
 }
 
 TEST_CASE("cuda record: a graph draws the views of before after others were refused") {

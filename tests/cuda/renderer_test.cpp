@@ -147,40 +147,6 @@ TEST_CASE("cuda renderer: several views of a scene in chunks are drawn as each a
   check_cameras(*make_renderer(Usual::name), scene, {cameras.data(), cameras.size()}, {});
 }
 
-TEST_CASE("cuda renderer: is usable after a frame that needs too many instances") {
-  if (without_device()) return;
-  Usual renderer;
-  Scene giants;
-  for (int i = 0; i < 129; ++i) {
-    giants.means.push_back(vec3(0, 0, 1)), giants.scales.push_back(vec3(1000)),
-        giants.rotations.push_back({});
-    giants.opacities.push_back(1), giants.sh0.push_back(vec3(1));
-  }
-  const auto flood = renderer.backend().upload(giants);
-  const auto scene = renderer.backend().upload(random_scene(100, 1, 1));
-  const Camera huge = forward_camera(max_image_side, max_image_side), camera = forward_camera(50, 40);
-  const Frame expected = renderer.render(scene, camera);
-  // No output is asked for, so the frame itself takes no memory.
-  const FrameView nothing{.width = huge.width, .height = huge.height};
-  CHECK_THROWS_AS(renderer.render_into(flood.view(), huge, {}, nothing), CapacityError);
-  CHECK(same_bits(renderer.render(scene, camera).colour, expected.colour));
-}
-
-TEST_CASE("cuda renderer: an empty scene is the background") {
-  if (without_device()) return;
-  Usual renderer;
-  RenderSettings settings;
-  settings.background = vec3(0.5f, 0.25f, 2), settings.outputs = {true, true}, settings.count = true;
-  const Frame frame = renderer.render(renderer.backend().upload(Scene()), forward_camera(20, 3), settings);
-  for (std::size_t i = 0; i < frame.pixels(); ++i) {
-    CHECK(frame.colour[3 * i + 2] == 2);
-    CHECK(frame.alpha[i] == 0);
-    CHECK(frame.depth[i] == 0);
-  }
-  CHECK(renderer.statistics().visible == 0);
-  CHECK(renderer.statistics().instances == 0);
-}
-
 TEST_CASE("cuda renderer: counts what it did and says how long it took") {
   if (without_device()) return;
   Usual renderer;

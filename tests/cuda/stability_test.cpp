@@ -2,6 +2,7 @@
 
 // Hard frames and exact decisions on a device.
 #include "cuda/draw_on_device.hpp"
+#include "stability/climb_cases.hpp"
 
 namespace swiftgs::test {
 namespace {
@@ -19,3 +20,12 @@ bool unavailable() { return without_device(); }
 #include "stability/sweep_cases.hpp"
 // Uses what the cases of the sweep define.
 #include "stability/found_cases.hpp"
+
+namespace swiftgs::test {
+
+TEST_CASE("cuda stability: a search finds no frame that a device draws worse than floats can") {
+  if (without_device()) return;
+  check_climb<Cuda, DrawOnDevice>(20000);
+}
+
+}  // namespace swiftgs::test

@@ -118,7 +118,7 @@ struct Emitting {
     SplatSet splats = random_splats(n, 700, 500, seed);
     for (std::size_t i = 0; i < 3; ++i)
       splats.add(make_splat(300, 200, 400, 400, 0, 1), 1);  // without a mask
-    const DeviceSplats uploaded(splats);
+    const SplatsOn<Cuda> uploaded(cuda, splats);
     const Binned<Cuda, Ellipse> binned(cuda, uploaded.job(700, 500), Ellipse{});
     InstanceScratch<Cuda> own;
     const auto expected = emitted(binned.job(), own), found = emitted(binned.job(), scratch);

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Frames of several views and of parts of an image, on a device.
-#include "cuda/views.hpp"
+// Frames of several views on a device: the order of its squares, its coarser tiles, its footprints.
+#include "policies/views.hpp"
 
 #include <cstdint>
 #include <vector>
 
+#include "cuda/device.hpp"
 #include "policies/rasterizers.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
 
 namespace {
-
-using Usual = Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
 
 /// Calls f(together, alone) with two renderers of each rasterizer.
 template <class F>
@@ -25,97 +24,7 @@ void for_each_raster_renderer(const F& f) {
   });
 }
 
-/// Calls f(together, alone) with two renderers of each sort within each bounds.
-template <class F>
-void for_each_lists_renderer(const F& f) {
-  for_each_type(AllSorts(), [&]<class Sort>(Sort) {
-    for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
-      CAPTURE(Sort::name);
-      CAPTURE(Bounds::name);
-      Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Bounds> together, alone;
-      f(together, alone);
-    });
-  });
-}
-
 }  // namespace
-
-TEST_CASE("cuda views: a frame of several has the bits of each view alone with every rasterizer") {
-  if (without_device()) return;
-  const Scene scene = random_scene(400, 2, 1);
-  for_each_raster_renderer([&](auto& together, auto& alone) {
-    const DeviceScene uploaded = together.backend().upload(scene);
-    check_lists_of_views<OnDevice>(together, alone, uploaded.view());
-  });
-}
-
-TEST_CASE("cuda views: a frame of several has the bits of each view alone with every sort and bounds") {
-  if (without_device()) return;
-  const Scene scene = random_scene(20'000, 1, 2);
-  for_each_lists_renderer([&](auto& together, auto& alone) {
-    const DeviceScene uploaded = together.backend().upload(scene);
-    check_lists_of_views<OnDevice>(together, alone, uploaded.view());
-  });
-}
-
-TEST_CASE("cuda views: every list of a view is that of the view alone with each sort and bounds") {
-  if (without_device()) return;
-  for (const std::size_t gaussians : {2000, 50'000}) {
-    const Scene scene = random_scene(gaussians, 0, 3);
-    for_each_lists_renderer([&](auto& together, auto& alone) {
-      const DeviceScene uploaded = together.backend().upload(scene);
-      check_lists(together, alone, uploaded.view());
-    });
-  }
-}
-
-TEST_CASE("cuda views: the parts of an image have the bits of the image") {
-  if (without_device()) return;
-  const Scene scene = random_scene(400, 1, 4);
-  for_each_raster_renderer([&](auto& renderer, auto&) {
-    const DeviceScene uploaded = renderer.backend().upload(scene);
-    check_bands<OnDevice>(renderer, uploaded.view());
-  });
-  for_each_lists_renderer([&](auto& renderer, auto&) {
-    const DeviceScene uploaded = renderer.backend().upload(scene);
-    check_bands<OnDevice>(renderer, uploaded.view());
-  });
-}
-
-TEST_CASE("cuda views: parts show the pixels that rounding keeps beyond the box of a splat") {
-  if (without_device()) return;
-  const AskedView asked{bordered_camera()};
-  const std::vector<Part> parts = cut(48, 48, {0, 16}, {0, 16});
-  for_each_raster_renderer([&](auto& renderer, auto&) {
-    for (std::uint64_t seed = 0; seed < 20; ++seed) {
-      const DeviceScene scene = renderer.backend().upload(bordered_scene(2000, seed));
-      check_parts<OnDevice>(renderer, scene.view(), asked, parts);
-    }
-  });
-}
-
-TEST_CASE("cuda views: one wide view among fifty small ones has the bits of each alone") {
-  if (without_device()) return;
-  Usual together, alone;
-  const DeviceScene scene = together.backend().upload(random_scene(300, 1, 5));
-  check_views<OnDevice>(together, alone, scene.view(), one_wide_among_small());
-}
-
-TEST_CASE("cuda views: three hundred tiny views have the bits of each alone") {
-  if (without_device()) return;
-  for_each_raster_renderer([&](auto& together, auto& alone) {
-    const DeviceScene scene = together.backend().upload(random_scene(100, 1, 6));
-    check_views<OnDevice>(together, alone, scene.view(), tiny_views());
-  });
-}
-
-TEST_CASE("cuda views: thirty-three thousand tiny views have the bits of each alone") {
-  if (without_device()) return;
-  for_each_raster_renderer([&](auto& renderer, auto&) {
-    const DeviceScene scene = renderer.backend().upload(random_scene(10, 1, 7));
-    check_many_rows(renderer, scene);
-  });
-}
 
 TEST_CASE(
     "cuda views: an image whose squares are put in an order has the bits that it has among too many for it") {
@@ -125,8 +34,8 @@ TEST_CASE(
     // On devices of up to 300 multiprocessors one view has squares enough for an order, and on those of up to
     // 190 five have too many.
     const std::vector<AskedView> views(5, AskedView{forward_camera(1000, 700)});
-    check_views<OnDevice>(together, alone, scene.view(), views);
-    check_views<OnDevice>(together, alone, scene.view(), {views[0], views[1]});
+    check_views(together, alone, scene.view(), views);
+    check_views(together, alone, scene.view(), {views[0], views[1]});
   });
 }
 
@@ -142,7 +51,7 @@ TEST_CASE("cuda views: large images have the bits of finer tiles, alone and amon
     const DeviceScene scene = together.backend().upload(random_scene(2000, 1, 10));
     const AskedView large{forward_camera(1601, 1003)}, small{turned_camera(100, 75, 0.1, 0.05)};
     const auto side_after = [&](const std::vector<AskedView>& views) {
-      check_views<OnDevice>(together, alone, scene.view(), views);
+      check_views(together, alone, scene.view(), views);
       return together.tiles().side;
     };
     const int large_side = side_of_large(together);
@@ -156,7 +65,7 @@ TEST_CASE("cuda views: large images have the bits of finer tiles, alone and amon
       const std::vector<AskedView> views{large, part};
       std::vector<PlanesMemory> drawn[2];
       for (std::vector<PlanesMemory>& memories : drawn) {
-        PlacedViews<OnDevice> placed(views);
+        PlacedViews placed(together.backend(), views);
         together.render_into(scene.view(), placed.span());
         memories = placed.finish(together.backend());
       }
@@ -167,26 +76,6 @@ TEST_CASE("cuda views: large images have the bits of finer tiles, alone and amon
     CHECK(side_after({small}) == 16);
     CHECK(side_beside_part({32, 64}) == large_side);
   });
-}
-
-TEST_CASE("cuda views: several views of an empty scene are their backgrounds") {
-  if (without_device()) return;
-  Usual together, alone;
-  const DeviceScene scene = together.backend().upload(Scene());
-  check_views<OnDevice>(together, alone, scene.view(), different_views());
-}
-
-TEST_CASE("cuda views: a frame that is refused leaves the renderer usable") {
-  if (without_device()) return;
-  Usual together, alone;
-  const DeviceScene scene = together.backend().upload(random_scene(100, 1, 8));
-  CHECK_THROWS_AS(together.render_into(scene.view(), Span<const View>{}), std::invalid_argument);
-  const Camera huge = forward_camera(max_image_side, max_image_side);
-  const std::vector<View> views(129,
-                                make_view(huge, Conventions(), {.width = huge.width, .height = huge.height}));
-  CHECK_THROWS_AS(together.render_into(scene.view(), Span<const View>{views.data(), views.size()}),
-                  CapacityError);
-  check_views<OnDevice>(together, alone, scene.view(), different_views());
 }
 
 TEST_CASE(

@@ -249,7 +249,7 @@ TEST_CASE("adaptive sort: a scene without identity is sorted early and not by wh
 }
 
 TEST_CASE_TEMPLATE("adaptive sort: a scene that lies where another one lay is not taken for it", B,
-                   SWIFTGS_TEST_BACKENDS) {
+                   SWIFTGS_TEST_HOSTS) {
   Renderer<B, AdaptiveSort, PerPixel, Ellipse> renderer(make_backend<B>(), AdaptiveSort(1));
   const auto memory = std::make_shared<const Scene>(random_scene(200, 0, 1));
   const auto known_after = [&](const auto& scene) {

@@ -1,17 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
+
+// What the library takes from the system: the functions that it takes memory by are those of this file, which
+// count. What oneTBB keeps for its tasks it takes from malloc, and is not seen.
 #include <atomic>
 #include <cstdlib>
+#include <memory>
 #include <new>
+#include <optional>
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/scene_arrays.hpp>
+
+#include "policies/counted_memory.hpp"
 #include "policies/rasterizers.hpp"
+#include "support/skip.hpp"
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+#ifndef MADV_COLLAPSE
+#define MADV_COLLAPSE 25
+#endif
+#endif
+
+namespace swiftgs::test {
+std::atomic<std::size_t> own_allocations{0};
+}  // namespace swiftgs::test
+
+using namespace swiftgs;
+using namespace swiftgs::test;
 
 namespace {
 
-// Allocations of this program through operator new and aligned_alloc: all of ours. What oneTBB keeps for its
-// tasks it takes from malloc, and is not seen.
-std::atomic<std::size_t> allocations{0};
+std::atomic<std::size_t> allocations{0};  // of all memory
+[[maybe_unused]] int moves = 0;           ///< arrays that the system was asked to move to large pages at once
 
 void* allocate(std::size_t alignment, std::size_t size) {
   ++allocations;
@@ -22,9 +47,10 @@ void* allocate(std::size_t alignment, std::size_t size) {
 
 }  // namespace
 
-// Every way in which the library takes memory passes through here.
 void* operator new(std::size_t size) { return allocate(alignof(std::max_align_t), size); }
+// `CacheLineMemory` and `LargePageMemory` end here. Only they align to exactly 64 bytes.
 void* operator new(std::size_t size, std::align_val_t alignment) {
+  if (std::size_t(alignment) == 64) ++own_allocations;
   return allocate(std::size_t(alignment), size);
 }
 void operator delete(void* memory) noexcept { std::free(memory); }
@@ -33,14 +59,17 @@ void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 #if !defined(__SANITIZE_ADDRESS__)  // which has its own
 extern "C" void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
-  ++allocations;
+  ++allocations, ++own_allocations;
   void* memory = nullptr;
   return posix_memalign(&memory, alignment, size) == 0 ? memory : nullptr;
 }
 #endif
-
-using namespace swiftgs;
-using namespace swiftgs::test;
+#if defined(__linux__)
+extern "C" int madvise(void* memory, size_t bytes, int advice) noexcept {
+  moves += advice == MADV_COLLAPSE;
+  return int(syscall(SYS_madvise, memory, bytes, advice));
+}
+#endif
 
 TEST_CASE_TEMPLATE("a steady frame allocates nothing", Sort, StandardSort, EarlySort, AdaptiveSort) {
   const auto steady = [](auto renderer) {
@@ -64,4 +93,29 @@ TEST_CASE_TEMPLATE("a steady frame allocates nothing", Sort, StandardSort, Early
   steady(Renderer<Serial, Sort, PerPixel, ThreeSigmaSquare>());
   steady(Renderer<Cpu, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse>(Cpu(2)));
   steady(Renderer<Cpu, Sort, AxisShared<HalfSplit>, OpacityBox>(Cpu(1)));
+}
+
+TEST_CASE("cpu: an upload moves arrays to large pages only if asked to") {
+#if defined(__linux__)
+  const Cpu cpu;
+  const auto scene = std::make_shared<const Scene>(make_builtin_scene(400'000));
+  const SceneArrays arrays{.count = scene->size(),
+                           .means = {&scene->means[0].x},
+                           .scales = {&scene->scales[0].x},
+                           .rotations = {&scene->rotations[0].w},
+                           .opacities = {scene->opacities.data()},
+                           .sh0 = {&scene->sh0[0].x},
+                           .sh_rest = {scene->sh_rest.data()},
+                           .sh_degree = scene->sh_degree};
+  std::optional<Cpu::SceneOn> copy;
+  moves = 0;
+  (void)cpu.upload(scene);
+  copy.emplace(cpu.upload(arrays, copy));
+  copy.emplace(cpu.upload(arrays, copy));
+  CHECK(moves == 0);
+  (void)cpu.upload(scene, LargePages::now);
+  CHECK(moves == 5);  // the opacities fill no page
+#else
+  skip("large pages are advised on Linux alone");
+#endif
 }

@@ -15,20 +15,12 @@
 
 namespace swiftgs::test {
 
-/// The floats of a plane whose rows lie close together, in memory that `b` reaches.
-template <class B>
-std::vector<float> floats_of(const B& b, const void* plane, std::size_t count) {
-  std::vector<float> out(count);
-  b.download(Span{static_cast<const float*>(plane), count}, out.data());
-  return out;
-}
-
 /// Checks that `any`, whose scene is set, draws views of every kind and frames that stay with it as `typed`
 /// does.
-template <class Place, class B>
+template <class B>
 void check_drawn_frames(AnyRenderer& any, BoundRenderer<B>& typed, const SceneView& scene) {
   const B& backend = typed.backend();
-  PlacedViews<Place> expected(views_of_every_kind()), drawn(views_of_every_kind());
+  PlacedViews expected(backend, views_of_every_kind()), drawn(backend, views_of_every_kind());
   typed.render_into(scene, expected.span(), {.count = true});
   any.render_into(drawn.span(), {.count = true});
   any.wait();
@@ -49,9 +41,12 @@ void check_drawn_frames(AnyRenderer& any, BoundRenderer<B>& typed, const SceneVi
     const std::size_t pixels = std::size_t(cameras[i].width) * std::size_t(cameras[i].height);
     CHECK(resident[i].width == cameras[i].width);
     CHECK(resident[i].height == cameras[i].height);
+    const auto floats_of = [&](const void* plane, std::size_t count) {  // rows lie close together
+      return to_host(backend, Span{static_cast<const float*>(plane), count});
+    };
     const auto same = [&](const auto& a, const auto& b, std::size_t channels) {
       return a.pitch == b.pitch && a.data != b.data &&
-             floats_of(backend, a.data, channels * pixels) == floats_of(backend, b.data, channels * pixels);
+             floats_of(a.data, channels * pixels) == floats_of(b.data, channels * pixels);
     };
     CHECK(same(resident[i].colour, kept[i].colour, 3));
     CHECK(same(resident[i].alpha, kept[i].alpha, 1));
@@ -61,14 +56,14 @@ void check_drawn_frames(AnyRenderer& any, BoundRenderer<B>& typed, const SceneVi
 
 /// Checks that `any`, whose scene is set, records views of every kind as `typed` renders them.
 /// `record(report)` has `any` record a frame.
-template <class Place, class B, class Record>
+template <class B, class Record>
 void check_recorded_frames(AnyRenderer& any, BoundRenderer<B>& typed, const SceneView& scene,
                            const Record& record) {
   const B& backend = typed.backend();
   const std::vector<AskedView> asked = views_of_every_kind();
   std::vector<AskedView> moved = asked;
   for (AskedView& view : moved) view.camera.translation.x += 0.1;
-  PlacedViews<Place> reserved(asked), set(moved), expected(moved);
+  PlacedViews reserved(backend, asked), set(backend, moved), expected(backend, moved);
   typed.render_into(scene, expected.span());
   typename B::template Buffer<FrameReport> report;
   report.reset(1);
@@ -83,7 +78,7 @@ void check_recorded_frames(AnyRenderer& any, BoundRenderer<B>& typed, const Scen
   CHECK(found.visible == taken.visible);
   CHECK(found.instances == taken.instances);
   CHECK(differing(set.finish(backend), expected.finish(backend)) == 0);
-  PlacedViews<Place> untouched(asked);
+  PlacedViews untouched(backend, asked);
   CHECK(differing(reserved.finish(backend), untouched.finish(backend)) == 0);
 }
 

@@ -2,13 +2,20 @@
 #pragma once
 
 /// @file
-/// The backends that every contract test is run on.
+/// The backends that every contract test runs on: those of hosts, and in builds with CUDA the device. The
+/// build defines SWIFTGS_TEST_CUDA for the programs that have its cases.
+
+#include <type_traits>
 
 #include <doctest/doctest.h>
 #include <oneapi/tbb/global_control.h>
 
 #include <swiftgs/cpu.hpp>
 #include <swiftgs/swiftgs.hpp>
+
+#if defined(SWIFTGS_TEST_CUDA)
+#include "cuda/device.hpp"
+#endif
 
 namespace swiftgs::test {
 
@@ -26,10 +33,30 @@ inline Cpu make_backend<Cpu>() {
   return Cpu(4);
 }
 
+/// Whether `B` cannot run on this machine: then the running test is reported as skipped.
+template <class B>
+bool unavailable_backend() {
+#if defined(SWIFTGS_TEST_CUDA)
+  if constexpr (std::is_same_v<B, Cuda>) return without_device();
+#endif
+  return false;
+}
+
+/// Whether `B` draws on the host. A device rounds otherwise, and counts what it visits in larger groups.
+template <class B>
+inline constexpr bool on_host = std::is_same_v<B, Serial> || std::is_same_v<B, Cpu>;
+
 }  // namespace swiftgs::test
 
-/// Types of a TEST_CASE_TEMPLATE.
-#define SWIFTGS_TEST_BACKENDS swiftgs::Serial, swiftgs::Cpu
+/// Types of a TEST_CASE_TEMPLATE: the backends of hosts, and all of this build. A case of the latter begins
+/// with `if (unavailable_backend<B>()) return;`.
+#define SWIFTGS_TEST_HOSTS swiftgs::Serial, swiftgs::Cpu
+#if defined(SWIFTGS_TEST_CUDA)
+#define SWIFTGS_TEST_BACKENDS SWIFTGS_TEST_HOSTS, swiftgs::Cuda
+TYPE_TO_STRING(swiftgs::Cuda);
+#else
+#define SWIFTGS_TEST_BACKENDS SWIFTGS_TEST_HOSTS
+#endif
 
 TYPE_TO_STRING(swiftgs::Serial);
 TYPE_TO_STRING(swiftgs::Cpu);

@@ -3,12 +3,15 @@
 #include <cstdint>
 #include <memory>
 #include <numeric>
+#include <type_traits>
 #include <vector>
 
 #include <doctest/doctest.h>
 
 #include <swiftgs/any_contributions.hpp>
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/metrics.hpp>
+#include <swiftgs/pruning.hpp>
 #include <swiftgs/reference.hpp>
 
 #include "policies/contribution_sums.hpp"
@@ -35,6 +38,9 @@ std::vector<double> reference_weights(Scene scene, const Camera& camera, const C
   return weights;
 }
 
+template <class B>
+using Usual = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
+
 }  // namespace
 
 TEST_CASE("contribution: a weight is a number of parts without rounding but for a cut of the least") {
@@ -49,10 +55,11 @@ TEST_CASE("contribution: a weight is a number of parts without rounding but for 
 }
 
 TEST_CASE_TEMPLATE("contribution: what Gaussians get is what covers the pixels", B, SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
   const Scene scene = random_scene(2000, 0, 11);
   for (const Conventions& conventions : {Conventions::gsplat(), Conventions::inria()}) {
     const Camera camera = forward_camera(150, 93);
-    Renderer<Serial, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer;
+    Usual<std::conditional_t<on_host<B>, Serial, B>> renderer;
     RenderSettings settings;
     settings.conventions = conventions, settings.outputs.alpha = true, settings.count = true;
     const Frame frame = renderer.render(renderer.backend().upload(scene), camera, settings);
@@ -60,9 +67,10 @@ TEST_CASE_TEMPLATE("contribution: what Gaussians get is what covers the pixels",
     const Statistics statistics = renderer.statistics();
 
     // Transmittance is at most 1: a pair rounds its weight and what is left of the light by 2^-25 each, and
-    // loses 2^-31 in the cut. A pixel rounds 1 - T by 2^-25.
+    // loses 2^-31 in the cut. A pixel rounds 1 - T by 2^-25. A device divides by the largest alpha besides.
+    const double of_pair = 0x1p-24 + 0x1p-31 + (on_host<B> ? 0 : 0x1p-25);
     const double bound =
-        double(statistics.raster.contributing_pairs) * (0x1p-24 + 0x1p-31) + double(frame.pixels()) * 0x1p-25;
+        double(statistics.raster.contributing_pairs) * of_pair + double(frame.pixels()) * 0x1p-25;
     const double sum = total(sums_of<B>(scene, {camera}, conventions));
     CHECK(sum > 1000);
     CHECK(std::abs(sum - covered) <= bound);
@@ -83,10 +91,12 @@ TEST_CASE("contribution: sums are the same bits on any number of threads and twi
 }
 
 TEST_CASE_TEMPLATE("contribution: sees the Gaussians that a renderer sees", B, SWIFTGS_TEST_BACKENDS) {
-  const auto scene = std::make_shared<const Scene>(random_scene(5000, 0, 12));
-  Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer(make_backend<B>());
-  Contributions<B> contributions(scene, make_backend<B>());
-  for (const Camera& camera : {forward_camera(80, 60), forward_camera(300, 20, 900)}) {
+  if (unavailable_backend<B>()) return;
+  const auto scene = std::make_shared<const Scene>(random_scene(20'000, 0, 12));
+  Usual<B> renderer(test::make_backend<B>());
+  Contributions<B> contributions(scene, test::make_backend<B>());
+  for (const Camera& camera :
+       {forward_camera(80, 60), forward_camera(300, 20, 900), forward_camera(500, 400)}) {
     renderer.render(renderer.backend().upload(scene), camera);
     contributions.add(camera, Conventions::gsplat());
     CHECK(contributions.visible() == renderer.statistics().visible);
@@ -121,6 +131,7 @@ TEST_CASE("contribution: is each Gaussian's weight in the float64 reference's im
 }
 
 TEST_CASE_TEMPLATE("contribution: what is hidden or culled gets nothing", B, SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
   Scene scene;
   append(scene, vec3(0, 0, 4), 1, 1);  // behind the three that follow
   for (int i = 0; i < 3; ++i) append(scene, vec3(0, 0, float(i + 1)), 1000, 1);
@@ -139,14 +150,15 @@ TEST_CASE_TEMPLATE("contribution: what is hidden or culled gets nothing", B, SWI
 
 TEST_CASE_TEMPLATE("contribution: Gaussians that frames hide get nothing and those behind them all", B,
                    SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
   const Scene scene = scene_with_hidden(2000, 16);
   const Camera camera = forward_camera(150, 93);
-  Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer(make_backend<B>());
+  Usual<B> renderer(test::make_backend<B>());
   RenderSettings settings;
   settings.outputs.alpha = true;
   const Frame frame = renderer.render(renderer.backend().upload(scene), camera, settings);
   const double covered = std::accumulate(frame.alpha.begin(), frame.alpha.end(), 0.0);
-  Contributions<B> contributions(std::make_shared<const Scene>(scene), make_backend<B>());
+  Contributions<B> contributions(std::make_shared<const Scene>(scene), test::make_backend<B>());
   contributions.add(camera, settings.conventions);
   const Sums sums = contributions.sums();
   for (std::size_t i = 0; i < sums.size(); i += 10) CHECK(sums[i] == 0);
@@ -171,6 +183,7 @@ TEST_CASE("contribution: colours are looked at only in scenes whose numbers coul
 }
 
 TEST_CASE_TEMPLATE("contribution: views add up in any order", B, SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
   const Scene scene = random_scene(800, 0, 14);
   const Conventions conventions = Conventions::inria();
   const Camera large = forward_camera(130, 70), small = forward_camera(33, 17);
@@ -183,6 +196,7 @@ TEST_CASE_TEMPLATE("contribution: views add up in any order", B, SWIFTGS_TEST_BA
 
 TEST_CASE_TEMPLATE("contribution: scenes of no and of one Gaussian have as many sums", B,
                    SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
   const Camera camera = forward_camera(20, 30);
   CHECK(sums_of<B>(Scene(), {camera}, Conventions::gsplat()).empty());
   CHECK(sums_of<B>(Scene(), {}, Conventions::gsplat()).empty());
@@ -193,10 +207,10 @@ TEST_CASE_TEMPLATE("contribution: scenes of no and of one Gaussian have as many 
 }
 
 TEST_CASE_TEMPLATE("contribution: more pixels than sums have room for are refused and nothing is added", B,
-                   SWIFTGS_TEST_BACKENDS) {
+                   SWIFTGS_TEST_HOSTS) {
   Scene scene;
   append(scene, vec3(0, 0, 1), 0.001f, 1);
-  Contributions<B> contributions(std::make_shared<const Scene>(scene), make_backend<B>());
+  Contributions<B> contributions(std::make_shared<const Scene>(scene), test::make_backend<B>());
   const Camera huge = forward_camera(max_image_side, max_image_side), camera = forward_camera(20, 30);
   contributions.add(huge, Conventions::gsplat());
   const Sums before = contributions.sums();
@@ -231,4 +245,59 @@ TEST_CASE("contribution: a backend is found by its name or is the first that run
   CHECK(contribution_backend("").usable);
   CHECK((contribution_backend("").backend == "cuda" || contribution_backend("").backend == "cpu"));
   CHECK_THROWS_AS(contribution_backend("gpu"), std::invalid_argument);
+}
+
+namespace {
+using Indices = std::vector<std::uint32_t>;
+}  // namespace
+
+TEST_CASE("pruning: the highest scores are kept in the order of the scene") {
+  CHECK(highest(std::vector<double>{3, 1, 4, 1, 5}, 3) == Indices{0, 2, 4});
+  CHECK(highest(std::vector<double>{3, 1, 4}, 3) == Indices{0, 1, 2});
+  CHECK(highest(std::vector<double>{3, 1, 4}, 0) == Indices{});
+  CHECK(highest(std::vector<double>{}, 0) == Indices{});
+  CHECK_THROWS_AS(highest(std::vector<double>{1}, 2), std::invalid_argument);
+}
+
+TEST_CASE("pruning: of equal scores the lower index is kept") {
+  CHECK(highest(std::vector<std::uint64_t>{7, 7, 9, 7, 7}, 3) == Indices{0, 1, 2});
+  CHECK(highest(std::vector<std::uint64_t>(1000, 0), 400).back() == 399);
+  // Scores that doubles could not tell apart.
+  const std::uint64_t large = std::uint64_t(1) << 60;
+  CHECK(highest(std::vector<std::uint64_t>{large, large + 1}, 1) == Indices{1});
+}
+
+TEST_CASE("pruning: a fraction is rounded to at least one Gaussian") {
+  CHECK(kept_count(0.1, 1000) == 100);
+  CHECK(kept_count(1, 7) == 7);
+  CHECK(kept_count(0.26, 10) == 3);
+  CHECK(kept_count(1e-9, 10) == 1);
+  CHECK(kept_count(0.5, 0) == 0);
+  for (const double fraction : {0.0, -0.5, 1.5, double(NAN), double(INFINITY)})
+    CHECK_THROWS_AS(kept_count(fraction, 10), std::invalid_argument);
+}
+
+TEST_CASE("pruning: opacity times volume") {
+  Scene scene = random_scene(1, 0, 3);
+  scene.opacities[0] = 0.5f, scene.scales[0] = vec3(2, 4, 0.25f);
+  CHECK(opacity_volumes(scene) == std::vector<double>{1});
+  CHECK(opacity_volumes(Scene()).empty());
+}
+
+TEST_CASE("pruning: by contribution the built-in scene stays closer to itself than by opacity and volume") {
+  const auto scene = std::make_shared<const Scene>(make_builtin_scene(20'000));
+  const std::vector<Camera> views = builtin_cameras(8, 256, 144);
+  Contributions<Cpu> contributions(scene);
+  for (std::size_t i = 1; i < views.size(); ++i) contributions.add(views[i], Conventions::gsplat());
+
+  Usual<Cpu> renderer;
+  const auto frame_of = [&](Scene of) {
+    return renderer.render(renderer.backend().upload(std::move(of)), views[0]).colour;
+  };
+  const std::vector<float> original = frame_of(*scene);
+  const std::size_t kept = kept_count(0.3, scene->size());
+  const double by_contribution =
+      psnr(frame_of(subset(*scene, highest(contributions.sums(), kept))), original);
+  const double by_volume = psnr(frame_of(subset(*scene, highest(opacity_volumes(*scene), kept))), original);
+  CHECK(by_contribution > by_volume + 3);
 }

@@ -4,6 +4,7 @@
 /// @file
 /// A memory hook that knows what is in use, and refuses when it is told to.
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -19,6 +20,9 @@
 #include <swiftgs/memory_hook.hpp>
 
 namespace swiftgs::test {
+
+/// Allocations of the memory that backends of hosts have of their own. allocation_test.cpp counts them.
+extern std::atomic<std::size_t> own_allocations;
 
 /// Blocks that a hook has given out, and which allocation it refuses.
 class CountedBlocks {

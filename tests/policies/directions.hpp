@@ -69,6 +69,15 @@ class PlanesMemory {
             .occluder = {reinterpret_cast<const float*>(top(3)), pitch(3)}};
   }
 
+  /// The rows of a plane of floats that go down, one behind the other.
+  std::vector<float> rows(std::size_t plane) const {
+    const std::size_t used = pixel_[plane] * std::size_t(width_);
+    std::vector<float> out(used / sizeof(float) * std::size_t(height_));
+    for (std::size_t y = 0; y < std::size_t(height_); ++y)
+      std::memcpy(out.data() + y * used / sizeof(float), &bytes[plane][(y + 1) * row(plane)], used);
+    return out;
+  }
+
   /// Whether nothing was written but the rows.
   bool kept_to_its_rows() const {
     for (std::size_t plane = 0; plane < planes; ++plane)

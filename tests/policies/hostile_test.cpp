@@ -132,7 +132,7 @@ void for_each_way(const F& f) {
 }  // namespace
 
 TEST_CASE_TEMPLATE("hostile: images are finite and independent of sort and bounds in every environment", B,
-                   SWIFTGS_TEST_BACKENDS) {
+                   SWIFTGS_TEST_HOSTS) {
   for_each_way([](const Way& way) {
     const Images images = draw_all<B>(way);
     CHECK(images.size() == 7);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -83,7 +85,7 @@ class RecordingBackend : public Serial {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("no needless work: harmonics of culled Gaussians are not read", B, SWIFTGS_TEST_BACKENDS) {
+TEST_CASE_TEMPLATE("no needless work: harmonics of culled Gaussians are not read", B, SWIFTGS_TEST_HOSTS) {
   B backend = make_backend<B>();
   Scene scene;
   const std::size_t count = 90;
@@ -128,7 +130,7 @@ TEST_CASE_TEMPLATE("no needless work: harmonics of culled Gaussians are not read
 }
 
 TEST_CASE_TEMPLATE("no needless work: bands above the degree of the view are not read", B,
-                   SWIFTGS_TEST_BACKENDS) {
+                   SWIFTGS_TEST_HOSTS) {
   B backend = make_backend<B>();
   for (int degree = 0; degree <= max_sh_degree; ++degree) {
     CAPTURE(degree);
@@ -149,7 +151,7 @@ TEST_CASE_TEMPLATE("no needless work: bands above the degree of the view are not
   }
 }
 
-TEST_CASE_TEMPLATE("no needless work: bands that are all zero are not evaluated", B, SWIFTGS_TEST_BACKENDS) {
+TEST_CASE_TEMPLATE("no needless work: bands that are all zero are not evaluated", B, SWIFTGS_TEST_HOSTS) {
   B backend = make_backend<B>();
   Scene scene = random_scene(100, 3, 2);
   for (std::size_t i = 0; i < scene.size(); ++i)
@@ -178,7 +180,7 @@ TEST_CASE("no needless work: only as many key bits are sorted as tell the tiles 
 }
 
 TEST_CASE_TEMPLATE("no needless work: tiles without splats cost nothing but the background", B,
-                   SWIFTGS_TEST_BACKENDS) {
+                   SWIFTGS_TEST_HOSTS) {
   B backend = make_backend<B>();
   SplatSet splats;
   splats.add(make_splat(40, 24, 1, 1, 0, 0.9), 1);  // inside tile (2, 1)
@@ -202,7 +204,7 @@ TEST_CASE_TEMPLATE("no needless work: tiles without splats cost nothing but the 
   });
 }
 
-TEST_CASE_TEMPLATE("no needless work: a tile stops when all its pixels have", B, SWIFTGS_TEST_BACKENDS) {
+TEST_CASE_TEMPLATE("no needless work: a tile stops when all its pixels have", B, SWIFTGS_TEST_HOSTS) {
   B backend = make_backend<B>();
   SplatSet splats;
   for (int i = 0; i < 1000; ++i) splats.add(make_splat(8, 8, 500, 500, 0, 0.99), 1.0f + float(i));
@@ -217,8 +219,7 @@ TEST_CASE_TEMPLATE("no needless work: a tile stops when all its pixels have", B,
   });
 }
 
-TEST_CASE_TEMPLATE("no needless work: rows outside a splat's extent are not visited", B,
-                   SWIFTGS_TEST_BACKENDS) {
+TEST_CASE_TEMPLATE("no needless work: rows outside a splat's extent are not visited", B, SWIFTGS_TEST_HOSTS) {
   B backend = make_backend<B>();
   // Of standard deviation 1 and opacity 1 it ends 3.33 pixels above and below its centre: seven rows.
   SplatSet splats;
@@ -232,8 +233,7 @@ TEST_CASE_TEMPLATE("no needless work: rows outside a splat's extent are not visi
   });
 }
 
-TEST_CASE_TEMPLATE("no needless work: outputs that are not asked for are not there", B,
-                   SWIFTGS_TEST_BACKENDS) {
+TEST_CASE_TEMPLATE("no needless work: outputs that are not asked for are not there", B, SWIFTGS_TEST_HOSTS) {
   Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer(make_backend<B>());
   const auto scene = renderer.backend().upload(random_scene(50, 0, 4));
   RenderSettings settings;
@@ -246,4 +246,59 @@ TEST_CASE_TEMPLATE("no needless work: outputs that are not asked for are not the
   CHECK(frame.alpha.empty());
   CHECK(frame.depth.size() == 40 * 30);
   CHECK(renderer.statistics().raster.contributing_pairs == 0);  // not asked for either
+}
+
+// The balanced time of a raster stage: how long its squares took, divided by the threads that run at once.
+namespace {
+
+/// Balanced time over raster time, largest of some frames: a thread that is kept from running between two
+/// squares makes it less.
+template <class Raster, class B>
+double evenness(B& backend, const SplatSet& splats, int width, int height) {
+  const TileLists<B> lists = build_lists<EarlySort, Ellipse>(backend, splats.job(width, height));
+  Frame frame;
+  const View view = view_into(prepare(frame, width, height, {}));
+  std::vector<SquareCounts> counts(Squares(tiles_of_frame(view)).size());
+  double largest = 0;
+  for (int i = 0; i < 5; ++i) {
+    const auto begin = backend.now();
+    rasterize(backend, Raster{},
+              RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts.data()});
+    const double raster = backend.milliseconds(begin, backend.now()).value();
+    Statistics statistics;
+    for (const SquareCounts& square : counts) statistics.raster += square;
+    CHECK(statistics.balanced_ms() <= raster);
+    largest = std::max(largest, statistics.balanced_ms() / raster);
+  }
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("balance: one thread at least is at work throughout and all of them at most", B,
+                   SWIFTGS_TEST_HOSTS) {
+  B backend = make_backend<B>();
+  const SplatSet splats = faint_splats(2000, 160, 96);
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    CHECK(evenness<Raster>(backend, splats, 160, 96) > 0.8 / threads_at_once(backend));
+  });
+}
+
+TEST_CASE_TEMPLATE("balance: one square has one thread at work", B, SWIFTGS_TEST_HOSTS) {
+  B backend = make_backend<B>();
+  const SplatSet splats = faint_splats(2000, 16, 16);
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    const double of_threads = evenness<Raster>(backend, splats, 16, 16) * threads_at_once(backend);
+    CHECK(of_threads > 0.8);
+    CHECK(of_threads <= 1);
+  });
+}
+
+TEST_CASE("balance: threads that oneTBB does not let run are not waited for") {
+  Cpu backend(4);
+  CHECK(backend.threads_at_once() == 4);
+  const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
+  CHECK(backend.threads_at_once() == 2);
 }

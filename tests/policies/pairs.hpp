@@ -4,9 +4,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 #include <vector>
 
+#include <swiftgs/backend.hpp>
+
 #include "policies/random_splats.hpp"
+#include "policies/tile_lists.hpp"
 
 namespace swiftgs::test {
 
@@ -31,6 +35,20 @@ std::vector<Key> random_keys(std::size_t n, std::uint64_t seed) {
   std::vector<Key> keys(n);
   for (Key& key : keys) key = Key(random.bits() >> 3);
   return keys;
+}
+
+/// Whether `backend` sorts `keys` exactly as a stable sort does, the values numbered in order.
+template <class B, class Key>
+bool sorts(B& backend, std::vector<Key> keys, int bits) {
+  std::vector<std::uint32_t> values(keys.size());
+  std::iota(values.begin(), values.end(), 7u);
+  Pairs<B, Key> pairs;
+  pairs.keys = to_backend(backend, keys), pairs.values = to_backend(backend, values);
+  pairs.spare_keys.reset(keys.size()), pairs.spare_values.reset(keys.size());
+  backend.sort_pairs(pairs, keys.size(), bits);
+  stable_sort_pairs(keys, values, bits);
+  return to_host(backend, Span<const Key>{pairs.keys.data(), keys.size()}) == keys &&
+         to_host(backend, Span<const std::uint32_t>{pairs.values.data(), keys.size()}) == values;
 }
 
 }  // namespace swiftgs::test

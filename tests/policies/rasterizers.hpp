@@ -4,8 +4,10 @@
 /// @file
 /// All rasterizers, and frames of splats that no projection made.
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "policies/backends.hpp"
@@ -27,7 +29,14 @@ struct DrawSettings {
   BlendRules rules = BlendRules::from(Conventions::gsplat());
   vec3 background{0};
   Outputs outputs{true, true};
+  bool count = true;
 };
+
+/// Colour and alpha alone, for which backends may have other kernels.
+inline DrawSettings lean(DrawSettings settings = {}) {
+  settings.outputs.depth = settings.count = false;
+  return settings;
+}
 
 /// A frame with what rasterizing it took.
 struct Drawing {
@@ -66,18 +75,57 @@ inline View view_into(const FrameView& frame, const DrawSettings& settings = {},
           .frame = frame};
 }
 
+/// The planes of a frame of floats in memory of a backend.
+template <class B>
+class PlanesOn {
+ public:
+  /// All values are `fill` at first.
+  PlanesOn(const B& backend, int width, int height, const Outputs& outputs, float fill = 0) {
+    prepare(frame_, width, height, outputs);
+    for (std::vector<float>* plane : {&frame_.colour, &frame_.alpha, &frame_.depth})
+      std::fill(plane->begin(), plane->end(), fill);
+    colour_ = to_backend(backend, frame_.colour), alpha_ = to_backend(backend, frame_.alpha);
+    depth_ = to_backend(backend, frame_.depth);
+  }
+
+  FrameView view() {
+    const std::ptrdiff_t row = std::ptrdiff_t(sizeof(float)) * frame_.width;
+    FrameView view{.width = frame_.width, .height = frame_.height};
+    if (!frame_.colour.empty()) view.colour = {colour_.data(), 3 * row};
+    if (!frame_.alpha.empty()) view.alpha = {alpha_.data(), row};
+    if (!frame_.depth.empty()) view.depth = {depth_.data(), row};
+    return view;
+  }
+  /// What was drawn, after all work of `backend`.
+  Frame on_host(const B& backend) {
+    frame_.colour = to_host(backend, std::as_const(colour_).span());
+    frame_.alpha = to_host(backend, std::as_const(alpha_).span());
+    frame_.depth = to_host(backend, std::as_const(depth_).span());
+    return frame_;
+  }
+
+ private:
+  Frame frame_;
+  typename B::template Buffer<float> colour_, alpha_, depth_;
+};
+
 /// Draws `splats` with lists that every sort builds alike, of tiles of so many pixels a side.
-template <class Raster, class B>
+template <class Raster, class Bounds = OpacityBox, class B>
 Drawing draw(B& backend, const SplatSet& splats, int width, int height, const DrawSettings& settings = {},
              int tile_side = default_tile_side) {
-  const SortInput job = splats.job(width, height, tile_side);
-  const TileLists<B> lists = build_lists<StandardSort, OpacityBox>(backend, job);
-  Drawing drawing;
-  const View view = view_into(prepare(drawing.frame, width, height, settings.outputs), settings, tile_side);
-  std::vector<SquareCounts> counts(Squares(tiles_of_frame(view)).size());
+  const SplatsOn<B> placed(backend, splats);
+  const TileLists<B> lists = build_lists<StandardSort, Bounds>(backend, placed.job(width, height, tile_side));
+  PlanesOn<B> planes(backend, width, height, settings.outputs);
+  const View view = view_into(planes.view(), settings, tile_side);
+  auto counts = to_backend(backend, std::vector<SquareCounts>(Squares(tiles_of_frame(view)).size()));
   rasterize(backend, Raster{},
-            RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts.data()});
-  for (const SquareCounts& tile : counts) drawing.counts += tile;
+            RasterJob{placed.view(),
+                      placed.colours_view(),
+                      lists.view(),
+                      {&view, 1},
+                      settings.count ? counts.data() : nullptr});
+  Drawing drawing{planes.on_host(backend), {}};
+  for (const SquareCounts& square : to_host(backend, std::as_const(counts).span())) drawing.counts += square;
   return drawing;
 }
 

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/reference.hpp>
+
+#include "policies/contribution_sums.hpp"
 #include "policies/rasterizers.hpp"
 
 using namespace swiftgs;
@@ -19,13 +22,7 @@ using AnyOf = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse
 
 Scene giants(int count) {
   Scene scene;
-  for (int i = 0; i < count; ++i) {
-    scene.means.push_back(vec3(0, 0, 1));
-    scene.scales.push_back(vec3(1000));
-    scene.rotations.push_back({});
-    scene.opacities.push_back(1);
-    scene.sh0.push_back(vec3(1));
-  }
+  for (int i = 0; i < count; ++i) append(scene, vec3(0, 0, 1), 1000, 1);
   return scene;
 }
 
@@ -33,7 +30,8 @@ Scene giants(int count) {
 
 TEST_CASE_TEMPLATE("renderer: is usable after a frame that needs too many instances", B,
                    SWIFTGS_TEST_BACKENDS) {
-  AnyOf<B> renderer(make_backend<B>());
+  if (unavailable_backend<B>()) return;
+  AnyOf<B> renderer(test::make_backend<B>());
   const auto flood = renderer.backend().upload(giants(129));
   const auto scene = renderer.backend().upload(random_scene(100, 1, 1));
   const Camera huge = forward_camera(max_image_side, max_image_side), camera = forward_camera(50, 40);
@@ -41,11 +39,12 @@ TEST_CASE_TEMPLATE("renderer: is usable after a frame that needs too many instan
   // No output is asked for, so the frame itself takes no memory.
   const FrameView nothing{.width = huge.width, .height = huge.height};
   CHECK_THROWS_AS(renderer.render_into(flood.view(), huge, {}, nothing), CapacityError);
-  CHECK(renderer.render(scene, camera).colour == expected.colour);
+  CHECK(same_bits(renderer.render(scene, camera).colour, expected.colour));
 }
 
 TEST_CASE_TEMPLATE("renderer: an empty scene is the background", B, SWIFTGS_TEST_BACKENDS) {
-  AnyOf<B> renderer(make_backend<B>());
+  if (unavailable_backend<B>()) return;
+  AnyOf<B> renderer(test::make_backend<B>());
   RenderSettings settings;
   settings.background = vec3(0.5f, 0.25f, 2), settings.outputs = {true, true}, settings.count = true;
   const Frame frame = renderer.render(renderer.backend().upload(Scene()), forward_camera(20, 3), settings);
@@ -61,8 +60,8 @@ TEST_CASE_TEMPLATE("renderer: an empty scene is the background", B, SWIFTGS_TEST
   CHECK(statistics.instances_a_visible() == 0);
 }
 
-TEST_CASE_TEMPLATE("renderer: counts what it did", B, SWIFTGS_TEST_BACKENDS) {
-  AnyOf<B> renderer(make_backend<B>());
+TEST_CASE_TEMPLATE("renderer: counts what it did", B, SWIFTGS_TEST_HOSTS) {
+  AnyOf<B> renderer(test::make_backend<B>());
   const Scene scene = random_scene(300, 0, 2);
   RenderSettings settings;
   settings.count = settings.time = true;
@@ -110,53 +109,46 @@ TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
     RenderSettings settings;
     FrameView frame;
   };
+  struct Refused {
+    const char* message;
+    void (*spoil)(Arguments&);
+  };
+  const char* const rest = "render: expected SH coefficients of the view's degree for every Gaussian";
+  const char* const alphas = "conventions: expected 2^-126 <= alpha_min <= alpha_max <= 1";
+  const Refused all[] = {
+      {"render: expected a frame of the camera's size", [](Arguments& a) { a.frame.width = 39; }},
+      {"camera: expected a width and a height above 0",
+       [](Arguments& a) { a.camera.width = a.frame.width = -100, a.settings.count = true; }},
+      {"camera: expected focal lengths of 1e-6 to 1e12 pixels",
+       [](Arguments& a) { a.camera.fx = std::nan(""); }},
+      {"render: expected arrays of one length in the scene",
+       [](Arguments& a) { a.scene.opacities.size = 9; }},
+      {"render: expected an SH degree of 0 to 3", [](Arguments& a) { a.scene.sh_degree = 4; }},
+      {rest, [](Arguments& a) { a.scene.sh_degree = 3; }},
+      {rest, [](Arguments& a) { --a.scene.sh_rest.size; }},
+      {alphas, [](Arguments& a) { a.settings.conventions.alpha_min = 0; }},
+      {alphas, [](Arguments& a) { a.settings.conventions.alpha_min = 1e-42f; }},
+      {alphas, [](Arguments& a) { a.settings.conventions.alpha_min = 0.995f; }},
+      {alphas, [](Arguments& a) { a.settings.conventions.alpha_min = NAN; }},
+      {"conventions: expected a blur of 0 or more", [](Arguments& a) { a.settings.conventions.blur = -1; }},
+      {"conventions: expected a near plane of 0 or more before the far plane",
+       [](Arguments& a) { a.settings.conventions.near_plane = NAN; }},
+      {"conventions: expected a stop of 0 or more and below 1",
+       [](Arguments& a) { a.settings.conventions.stop = 1; }}};
   std::vector<float> memory(3 * 40 * 30);
-  const auto refusal = [&](const std::function<void(Arguments&)>& spoil) {
+  for (const Refused& refused : all) {
     Arguments a{
         view(scene), forward_camera(40, 30), {}, {.width = 40, .height = 30, .colour = {memory.data(), 480}}};
-    spoil(a);
-    try {
-      renderer.render_into(a.scene, a.camera, a.settings, a.frame);
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
-  };
-  CHECK(refusal([](Arguments&) {}) == "accepted");
-  CHECK(refusal([](Arguments& a) { a.frame.width = 39; }) == "render: expected a frame of the camera's size");
-  CHECK(refusal([](Arguments& a) { a.frame.colour.pitch = 476; }) ==
-        "render: the pitch of colour is 476 bytes, expected at least 480 up or down, a multiple of 4");
-  CHECK(refusal([&](Arguments& a) {
-          a.frame.alpha = {memory.data(), 159};
-        }) == "render: the pitch of alpha is 159 bytes, expected at least 160 up or down, a multiple of 4");
-  CHECK(refusal([&](Arguments& a) {
-          a.frame.depth = {memory.data(), 0};
-        }) == "render: the pitch of depth is 0 bytes, expected at least 160 up or down, a multiple of 4");
-  CHECK(refusal([](Arguments& a) { a.camera.width = a.frame.width = -100, a.settings.count = true; }) ==
-        "camera: expected a width and a height above 0");
-  CHECK(refusal([](Arguments& a) { a.camera.fx = std::nan(""); }) ==
-        "camera: expected focal lengths of 1e-6 to 1e12 pixels");
-  CHECK(refusal([](Arguments& a) { a.scene.opacities.size = 9; }) ==
-        "render: expected arrays of one length in the scene");
-  CHECK(refusal([](Arguments& a) { a.scene.sh_degree = 4; }) == "render: expected an SH degree of 0 to 3");
-  CHECK(refusal([](Arguments& a) { a.scene.sh_degree = 3; }) ==
-        "render: expected SH coefficients of the view's degree for every Gaussian");
-  CHECK(refusal([](Arguments& a) { --a.scene.sh_rest.size; }) ==
-        "render: expected SH coefficients of the view's degree for every Gaussian");
-  for (const float alpha_min : {0.0f, 1e-42f, 0.995f, NAN})
-    CHECK(refusal([&](Arguments& a) { a.settings.conventions.alpha_min = alpha_min; }) ==
-          "conventions: expected 2^-126 <= alpha_min <= alpha_max <= 1");
-  CHECK(refusal([](Arguments& a) { a.settings.conventions.blur = -1; }) ==
-        "conventions: expected a blur of 0 or more");
-  CHECK(refusal([](Arguments& a) { a.settings.conventions.near_plane = NAN; }) ==
-        "conventions: expected a near plane of 0 or more before the far plane");
-  CHECK(refusal([](Arguments& a) { a.settings.conventions.stop = 1; }) ==
-        "conventions: expected a stop of 0 or more and below 1");
+    const auto render = [&] { renderer.render_into(a.scene, a.camera, a.settings, a.frame); };
+    CHECK_NOTHROW(render());
+    refused.spoil(a);
+    CHECK_THROWS_WITH_AS(render(), refused.message, std::invalid_argument);
+  }
 }
 
 TEST_CASE_TEMPLATE("renderer: its memory is that of its stages and grows only with the frame", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  AnyOf<B> renderer(make_backend<B>());
+                   SWIFTGS_TEST_HOSTS) {
+  AnyOf<B> renderer(test::make_backend<B>());
   CHECK(renderer.memory().total() == 0);
   const auto scene = renderer.backend().upload(random_scene(1000, 1, 1));
   const Camera small = forward_camera(50, 40), large = scaled(small, 4);
@@ -207,4 +199,104 @@ TEST_CASE("renderer: a frame asks for no time unless its settings do") {
   renderer.render(scene, camera);
   CHECK(renderer.backend().asked == 4);
   CHECK(std::isnan(renderer.times().total));  // not those of the frame before
+}
+
+namespace {
+
+template <class B>
+Frame draw(const Scene& scene, const Camera& camera) {
+  AnyOf<B> renderer(test::make_backend<B>());
+  RenderSettings settings;
+  settings.outputs = {true, true};
+  return renderer.render(renderer.backend().upload(scene), camera, settings);
+}
+
+}  // namespace
+
+TEST_CASE("limits: a background that is not finite is refused by the reference") {
+  for (const double bad : {double(NAN), double(INFINITY), -double(INFINITY)})
+    CHECK_THROWS_WITH_AS((void)render_reference(Scene(), forward_camera(40, 30), {}, dvec3(0, bad, 0)),
+                         "render_reference: expected a finite background", std::invalid_argument);
+}
+
+TEST_CASE("limits: cameras beyond what float holds are refused") {
+  const auto check = [](const char* expected, const auto& change) {
+    Camera camera = forward_camera(40, 30);
+    change(camera);
+    if (expected)
+      CHECK_THROWS_WITH_AS(validate(camera), expected, std::invalid_argument);
+    else
+      CHECK_NOTHROW(validate(camera));
+  };
+  check(nullptr, [](Camera& c) { c.fx = 1e-6, c.fy = 1e12, c.cx = -1e9, c.cy = 1e9; });
+  for (const double focal : {0.0, -1.0, 9e-7, 1.1e12, 1e300, double(INFINITY)})
+    check("camera: expected focal lengths of 1e-6 to 1e12 pixels", [&](Camera& c) { c.fy = focal; });
+  for (const double point : {1.1e9, -1e300, double(INFINITY)})
+    check("camera: expected a principal point at most 1e9 pixels from the corner",
+          [&](Camera& c) { c.cx = point; });
+  // Rows are orthonormal to 1e-3: a product of two of them is off by less.
+  for (const double off : {9.9e-4, -9.9e-4, 1.01e-3, -1.01e-3, 1.0, double(NAN), double(INFINITY)}) {
+    CAPTURE(off);
+    const bool good = std::abs(off) < 1e-3;
+    const char* const expected = good ? nullptr : "camera: expected a rotation with orthonormal rows";
+    check(expected, [&](Camera& c) { c.rotation[0].y = off; });
+    check(expected, [&](Camera& c) { c.rotation[2].z = std::sqrt(1 + off); });
+  }
+}
+
+TEST_CASE_TEMPLATE("limits: a mirrored rotation draws the mirrored world", B, SWIFTGS_TEST_HOSTS) {
+  // Camera and world mirrored alike: the same frame, but for the direction that harmonics are seen from.
+  const Scene scene = random_scene(60, 0, 3);
+  const Camera camera = forward_camera(64, 48);
+  Scene mirrored = scene;
+  for (vec3& mean : mirrored.means) mean.x = -mean.x;
+  for (Quaternion& q : mirrored.rotations) q = {q.w, q.x, -q.y, -q.z};
+  Camera mirror = camera;
+  mirror.rotation[0].x = -1;
+  const Frame expected = draw<B>(scene, camera), seen = draw<B>(mirrored, mirror);
+  CHECK(expected.alpha == seen.alpha);
+  CHECK(expected.colour == seen.colour);
+  const ReferenceFrame reference = render_reference(mirrored, mirror, {});
+  double worst = 0;
+  for (std::size_t i = 0; i < seen.colour.size(); ++i)
+    worst = std::max(worst, std::abs(double(seen.colour[i]) - reference.colour[i]));
+  CHECK(worst < 1e-5);
+}
+
+TEST_CASE_TEMPLATE("limits: a splat wider than 1e18 pixels is not drawn and one below it is", B,
+                   SWIFTGS_TEST_HOSTS) {
+  Scene scene = random_scene(1, 0, 1);
+  scene.means[0] = vec3(0, 0, 2), scene.opacities[0] = 0.5f;
+  Camera camera = forward_camera(32, 32);
+  camera.fx = camera.fy = 2, camera.cx = camera.cy = 16;
+  for (const bool wide : {false, true}) {
+    scene.scales[0] = vec3(wide ? 1.01e18f : 0.99e18f, 1, 1);
+    scene.rotations[0] = {};
+    const Frame frame = draw<B>(scene, camera);
+    const ReferenceFrame reference = render_reference(scene, camera, {});
+    CHECK((frame.alpha[16 * 32 + 16] > 0.3f) == !wide);
+    CHECK((reference.alpha[16 * 32 + 16] > 0.3) == !wide);
+  }
+}
+
+TEST_CASE_TEMPLATE("limits: harmonics are seen from the right direction at any depth", B,
+                   SWIFTGS_TEST_HOSTS) {
+  for (const double depth : {1e-12, 1.0, 1e20, 1e30}) {
+    CAPTURE(depth);
+    Scene scene = random_scene(1, 1, 1);
+    scene.means[0] = vec3(float(0.3 * depth), float(-0.2 * depth), float(depth));
+    scene.scales[0] = vec3(float(0.5 * depth)), scene.opacities[0] = 0.9f;
+    scene.sh_rest.assign(9, 0.5f), scene.sh0[0] = vec3(1);
+    RenderSettings settings;
+    settings.conventions.near_plane = 0;
+    settings.conventions.far_plane = INFINITY;
+    AnyOf<B> renderer(test::make_backend<B>());
+    const Frame frame = renderer.render(renderer.backend().upload(scene), forward_camera(32, 32), settings);
+    const ReferenceFrame reference = render_reference(scene, forward_camera(32, 32), settings.conventions);
+    double worst = 0;
+    for (std::size_t i = 0; i < frame.colour.size(); ++i)
+      worst = std::max(worst, std::abs(double(frame.colour[i]) - reference.colour[i]));
+    CHECK(reference.alpha[16 * 32 + 16] > 0.5);
+    CHECK(worst < 2e-6);
+  }
 }

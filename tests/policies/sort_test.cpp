@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+
+// Tile lists of every sort within every bounds, on every backend.
+#include <algorithm>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
 #include "policies/backends.hpp"
 #include "policies/tile_lists.hpp"
 
@@ -7,29 +14,58 @@ using namespace swiftgs::test;
 
 namespace {
 
-/// Calls `f` with one object of each sort.
-template <class F>
-void for_each_sort(const F& f) {
-  for_each_type(AllSorts(), f);
-}
-
-/// Calls `f` with one object of each kind of bounds.
-template <class F>
-void for_each_bounds(const F& f) {
-  for_each_type(AllBounds(), f);
-}
-
+/// The three sorts on one backend, with memory that lives from frame to frame.
 template <class B>
-bool same_bits(const TileLists<B>& a, const TileLists<B>& b) {
-  const TileListsView va = a.view(), vb = b.view();
-  const auto same = [](TileRange x, TileRange y) { return x.begin == y.begin && x.end == y.end; };
-  return va.ids.size == vb.ids.size && va.ranges.size == vb.ranges.size &&
-         std::equal(va.ids.begin(), va.ids.end(), vb.ids.begin()) &&
-         std::equal(va.ranges.begin(), va.ranges.end(), vb.ranges.begin(), same);
-}
+struct Sorts {
+  B backend = test::make_backend<B>();
+  StandardSort standard;
+  EarlySort early;
+  AdaptiveSort adaptive{1};
+  StandardSort::Scratch<B> standard_scratch;
+  EarlySort::Scratch<B> early_scratch;
+  AdaptiveSort::Scratch<B> adaptive_scratch;
+  TileLists<B> lists;
 
-/// A round splat that stays within one tile or so.
+  /// Calls f(sort, scratch) for each.
+  template <class F>
+  void for_each(const F& f) {
+    f(standard, standard_scratch), f(early, early_scratch), f(adaptive, adaptive_scratch);
+  }
+
+  /// Whether each sort lists `splats` within `Bounds` as brute force does, or as `Serial` where there are too
+  /// many tiles for that.
+  template <class Bounds>
+  HostLists check_within(const SplatSet& splats, int width, int height) {
+    CAPTURE(Bounds::name);
+    Serial serial;
+    const SortInput input = splats.job(width, height);
+    const HostLists expected = host_lists(serial, build_lists<StandardSort, Bounds>(serial, input));
+    if (splats.shapes.size() * input.grid.size() < 1'000'000)
+      CHECK(to_vectors(expected.view()) == brute_force_lists<Bounds>(input));
+    const SplatsOn<B> placed(backend, splats);
+    const Binned<B, Bounds> binned(backend, placed.job(width, height), Bounds{});
+    for_each([&](auto& sort, auto& scratch) {
+      CAPTURE(sort.name);
+      sort.build(backend, binned.job(), Bounds{}, scratch, lists);
+      CHECK(host_lists(backend, lists) == expected);
+      CHECK(lists.instances == expected.ids.size());
+      CHECK(lists.tiles == input.grid.size());
+    });
+    return expected;
+  }
+  /// The same within all bounds. Returns the instances of the last.
+  std::size_t check(const SplatSet& splats, int width, int height) {
+    std::size_t instances = 0;
+    for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
+      instances = check_within<Bounds>(splats, width, height).ids.size();
+    });
+    return instances;
+  }
+};
+
+/// A round splat that stays within one tile or so, and one that covers an image of any size.
 SplatShape dot(double x, double y) { return make_splat(x, y, 1, 1, 0, 0.9); }
+SplatShape giant() { return make_splat(30'000, 30'000, 1e6, 1e6, 0, 1); }
 
 /// Bounds that no backend knows: the even rows of the box.
 struct EvenRows {
@@ -45,130 +81,129 @@ struct EvenRows {
 }  // namespace
 
 TEST_CASE_TEMPLATE("sort: every sort takes bounds that the backend has no kernels for", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  B backend = make_backend<B>();
-  const SplatSet splats = random_splats(600, 300, 200, 8);
-  const SortInput job = splats.job(300, 200);
-  const Lists expected = brute_force_lists<EvenRows>(job);
-  for_each_sort([&]<class Sort>(Sort) {
-    CAPTURE(Sort::name);
-    CHECK(to_vectors(build_lists<Sort, EvenRows>(backend, job).view()) == expected);
-  });
+                   SWIFTGS_TEST_HOSTS) {
+  Sorts<B>().template check_within<EvenRows>(random_splats(600, 300, 200, 8), 300, 200);
 }
 
-TEST_CASE_TEMPLATE("sort: every sort with every bounds builds the lists that brute force builds", B,
+TEST_CASE_TEMPLATE("sort: every sort within every bounds builds the lists that brute force builds", B,
                    SWIFTGS_TEST_BACKENDS) {
-  B backend = make_backend<B>();
-  const SplatSet splats = random_splats(600, 300, 200, 1);
-  const SortInput job = splats.job(300, 200);
-  for_each_bounds([&]<class Bounds>(Bounds) {
-    CAPTURE(Bounds::name);
-    const Lists expected = brute_force_lists<Bounds>(job);
-    for_each_sort([&]<class Sort>(Sort) {
-      CAPTURE(Sort::name);
-      const TileLists<B> lists = build_lists<Sort, Bounds>(backend, job);
-      CHECK(lists.tiles == job.grid.size());
-      CHECK(to_vectors(lists.view()) == expected);
-      std::size_t instances = 0;
-      for (const auto& list : expected) instances += list.size();
-      CHECK(lists.instances == instances);
-    });
-  });
+  if (unavailable_backend<B>()) return;
+  Sorts<B> sorts;
+  // Sizes go up and down: what larger frames left in memory must not show.
+  for (const std::size_t n : {20'000, 0, 1, 257, 2, 31, 256, 32, 33, 255, 0, 5'000}) {
+    CAPTURE(n);
+    sorts.check(random_splats(n, 700, 500, n + 1), 700, 500);
+  }
+  sorts.check(random_splats(600, 300, 200, 1), 300, 200);
+  sorts.check(random_splats(300, 1, 1, 2), 1, 1);
+  sorts.check(random_splats(300, 33, 17, 3), 33, 17);
 }
 
-TEST_CASE_TEMPLATE("sort: the three sorts give the same bits", B, SWIFTGS_TEST_BACKENDS) {
-  B backend = make_backend<B>();
-  const SplatSet splats = random_splats(5'000, 1000, 700, 2);
+TEST_CASE_TEMPLATE("sort: views of different sizes may follow each other", B, SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
+  Sorts<B> sorts;
+  SplatSet away;
+  away.add(dot(-500, 50), 1);
+  struct View {
+    std::size_t splats;
+    int width, height;
+  };
+  for (const View& view : {View{300, 100, 80},
+                           {3000, 1300, 900},
+                           {3000, 1300, 900},
+                           {10, 16, 16},
+                           {0, 300, 200},
+                           {20'000, 640, 480},
+                           {2000, 1920, 1080},
+                           {300, 1, 1}}) {
+    CAPTURE(view.width);
+    const SplatSet splats = random_splats(view.splats, view.width, view.height, view.splats + 1);
+    for (int frame = 0; frame < 3; ++frame) sorts.check(splats, view.width, view.height);
+    CHECK(sorts.check(away, view.width, view.height) == 0);
+  }
+}
+
+TEST_CASE_TEMPLATE("sort: an adaptive sort gives the same bits before and after it decides", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
+  B backend = test::make_backend<B>();
+  const SplatsOn<B> splats(backend, random_splats(5'000, 1000, 700, 2));
   const SortInput job = splats.job(1000, 700);
-  for_each_bounds([&]<class Bounds>(Bounds) {
-    CAPTURE(Bounds::name);
-    const TileLists<B> standard = build_lists<StandardSort, Bounds>(backend, job);
-    CHECK(standard.instances > 50'000);
-    CHECK(same_bits(standard, build_lists<EarlySort, Bounds>(backend, job)));
-    // An adaptive sort runs one sort in its first frame and the other in the next.
-    AdaptiveSort adaptive;
-    AdaptiveSort::Scratch<B> scratch;
-    TileLists<B> lists;
-    for (int frame = 0; frame < 12; ++frame) {
-      build_again<Bounds>(backend, adaptive, job, scratch, lists);
-      CHECK(same_bits(standard, lists));
-    }
-    CHECK(adaptive.calibration().has_value());
-  });
+  const HostLists expected = host_lists(backend, build_lists<StandardSort, Ellipse>(backend, job));
+  AdaptiveSort adaptive;
+  AdaptiveSort::Scratch<B> scratch;
+  TileLists<B> lists;
+  for (int frame = 0; frame < 12; ++frame) {
+    build_again<Ellipse>(backend, adaptive, job, scratch, lists);
+    CHECK(host_lists(backend, lists) == expected);  // waits, so that a device has measured
+  }
+  CHECK(adaptive.calibration().has_value());
 }
 
-TEST_CASE("sort: both backends give the same bits on 1 2 4 and 8 threads") {
+TEST_CASE("sort: the cpu backend gives the same bits on 1 2 4 and 8 threads") {
   const SplatSet splats = random_splats(5'000, 1000, 700, 3);
   const SortInput job = splats.job(1000, 700);
   Serial serial;
-  const TileLists<Serial> expected = build_lists<StandardSort, Ellipse>(serial, job);
-  const std::vector<std::uint32_t> ids(expected.view().ids.begin(), expected.view().ids.end());
+  const HostLists expected = host_lists(serial, build_lists<StandardSort, Ellipse>(serial, job));
   for (const int threads : {1, 2, 4, 8}) {
     CAPTURE(threads);
     Cpu cpu(threads);
-    for_each_sort([&]<class Sort>(Sort) {
+    for_each_type(AllSorts(), [&]<class Sort>(Sort) {
       CAPTURE(Sort::name);
-      const TileLists<Cpu> lists = build_lists<Sort, Ellipse>(cpu, job);
-      CHECK(std::vector<std::uint32_t>(lists.view().ids.begin(), lists.view().ids.end()) == ids);
+      CHECK(host_lists(cpu, build_lists<Sort, Ellipse>(cpu, job)) == expected);
     });
   }
 }
 
 TEST_CASE_TEMPLATE("sort: equal depths keep index order", B, SWIFTGS_TEST_BACKENDS) {
-  B backend = make_backend<B>();
+  if (unavailable_backend<B>()) return;
+  Sorts<B> sorts;
   SplatSet splats;
   for (int i = 0; i < 5000; ++i) splats.add(dot(8, 8), i % 2 == 0 ? 2.0f : 1.0f);
-  for_each_sort([&]<class Sort>(Sort) {
-    CAPTURE(Sort::name);
-    const TileLists<B> lists = build_lists<Sort, Ellipse>(backend, splats.job(16, 16));
-    REQUIRE(lists.instances == 5000);
-    bool in_order = true;
-    for (std::uint32_t i = 0; i < 2500; ++i) {
-      in_order = in_order && lists.ids.data()[i] == 2 * i + 1;
-      in_order = in_order && lists.ids.data()[2500 + i] == 2 * i;
-    }
-    CHECK(in_order);
-  });
+  const HostLists lists = sorts.template check_within<Ellipse>(splats, 16, 16);
+  REQUIRE(lists.ids.size() == 5000);
+  bool in_order = true;
+  for (std::uint32_t i = 0; i < 2500; ++i)
+    in_order = in_order && lists.ids[i] == 2 * i + 1 && lists.ids[2500 + i] == 2 * i;
+  CHECK(in_order);
+  CHECK(sorts.check(splats, 40, 40) >= 5000);
 }
 
 TEST_CASE_TEMPLATE("sort: depths are ordered over the whole range of positive floats", B,
                    SWIFTGS_TEST_BACKENDS) {
-  B backend = make_backend<B>();
+  if (unavailable_backend<B>()) return;
   SplatSet splats;
   for (const float depth : {3e38f, 1e-45f, 1e10f, 1.0000001f, 1.0f, 1e-38f, 0.01f, 2e-38f})
     splats.add(dot(8, 8), depth);
-  for_each_sort([&]<class Sort>(Sort) {
-    CAPTURE(Sort::name);
-    const TileLists<B> lists = build_lists<Sort, OpacityBox>(backend, splats.job(16, 16));
-    CHECK(to_vectors(lists.view())[0] == std::vector<std::uint32_t>{1, 5, 7, 6, 4, 3, 2, 0});
-  });
+  CHECK(Sorts<B>().template check_within<OpacityBox>(splats, 16, 16).ids ==
+        std::vector<std::uint32_t>{1, 5, 7, 6, 4, 3, 2, 0});
 }
 
 TEST_CASE_TEMPLATE("sort: more than 65536 tiles are told apart", B, SWIFTGS_TEST_BACKENDS) {
-  B backend = make_backend<B>();
+  if (unavailable_backend<B>()) return;
+  Sorts<B> sorts;
   const int columns = 300, rows = 299;
   SplatSet splats;
   for (int i = 0; i < columns * rows; ++i)
     splats.add(dot(16 * (i % columns) + 8, 16 * (i / columns) + 8), 1.0f + float(i % 7));
-  const SortInput job = splats.job(16 * columns, 16 * rows);
-  REQUIRE(job.grid.size() == 89'700);
-  CHECK(FrameTiles{std::uint32_t(columns), std::uint32_t(rows)}.key_bits() == 17);
-  for_each_sort([&]<class Sort>(Sort) {
-    CAPTURE(Sort::name);
-    const TileLists<B> lists = build_lists<Sort, Ellipse>(backend, job);
-    CHECK(lists.instances == 89'700);
-    bool each_at_home = true;
-    for (std::uint32_t i = 0; i < 89'700; ++i) {
-      const TileRange range = lists.ranges.data()[i];
-      each_at_home = each_at_home && range.end == range.begin + 1 && lists.ids.data()[range.begin] == i;
-    }
-    CHECK(each_at_home);
-  });
+  const HostLists lists = sorts.template check_within<Ellipse>(splats, 16 * columns, 16 * rows);
+  REQUIRE(lists.ids.size() == 89'700);
+  bool each_at_home = true;
+  for (std::uint32_t i = 0; i < 89'700; ++i)
+    each_at_home = each_at_home && lists.ranges[i].end == lists.ranges[i].begin + 1 &&
+                   lists.ids[lists.ranges[i].begin] == i;
+  CHECK(each_at_home);
+
+  SplatSet few = random_splats(300, 4300, 4300, 6);
+  few.add(giant(), 1.5f), few.add(giant(), 0.5f);
+  CHECK(sorts.check(few, 4300, 4300) > 2 * 269 * 269);
+  CHECK(sorts.check(random_splats(300, max_image_side, 64, 7), max_image_side, 64) > 300);
+  CHECK(sorts.check(random_splats(300, 64, max_image_side, 8), 64, max_image_side) > 300);
 }
 
 TEST_CASE_TEMPLATE("sort: a few splats are spread over the largest image by every bit of their keys", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  B backend = make_backend<B>();
+                   SWIFTGS_TEST_HOSTS) {
+  B backend = test::make_backend<B>();
   Random random(9);
   SplatSet splats;
   for (int i = 0; i < 2000; ++i)
@@ -176,11 +211,11 @@ TEST_CASE_TEMPLATE("sort: a few splats are spread over the largest image by ever
                float(random.scale(1e-38, 1e38)));
   for (int i = 0; i < 200; ++i) splats.add(dot(65'000, 65'000), float(random.scale(1e-38, 1e38)));
   const SortInput job = splats.job(max_image_side, max_image_side);
-  const TileLists<B> expected = build_lists<EarlySort, OpacityBox>(backend, job);
+  const HostLists expected = host_lists(backend, build_lists<EarlySort, OpacityBox>(backend, job));
   bool ordered = true;
   std::size_t listed = 0;
-  for (const TileRange& range : expected.view().ranges) {
-    const std::uint32_t* ids = expected.view().ids.data;
+  for (const TileRange& range : expected.ranges) {
+    const std::uint32_t* ids = expected.ids.data();
     listed += range.end - range.begin;
     ordered =
         ordered && std::is_sorted(ids + range.begin, ids + range.end, [&](std::uint32_t a, std::uint32_t b) {
@@ -188,78 +223,60 @@ TEST_CASE_TEMPLATE("sort: a few splats are spread over the largest image by ever
         });
   }
   CHECK(ordered);
-  CHECK(listed == expected.instances);
+  CHECK(listed == expected.ids.size());
   CHECK(listed >= 2200);
-  CHECK(same_bits(expected, build_lists<StandardSort, OpacityBox>(backend, job)));
+  CHECK(host_lists(backend, build_lists<StandardSort, OpacityBox>(backend, job)) == expected);
 }
 
-TEST_CASE_TEMPLATE("sort: a splat larger than the screen is in every tile", B, SWIFTGS_TEST_BACKENDS) {
-  B backend = make_backend<B>();
+TEST_CASE_TEMPLATE("sort: splats larger than the screen are in every tile, also among dots", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
+  Sorts<B> sorts;
+  SplatSet two;
+  two.add(make_splat(70, 40, 1e6, 1e5, 0.4, 1), 1);
+  two.add(make_splat(-900, -900, 4000, 4000, 0, 1), 1);
+  CHECK(to_vectors(sorts.template check_within<Ellipse>(two, 150, 90).view()) == Lists(60, {0, 1}));
+  for (const int at : {0, 1, 31, 32, 500, 999}) {
+    CAPTURE(at);
+    SplatSet splats = random_splats(1000, 1000, 700, 4);
+    splats.shapes[std::size_t(at)] = giant();
+    CHECK(sorts.check(splats, 1000, 700) > 63 * 44);
+  }
+  SplatSet giants;
+  for (int i = 0; i < 100; ++i) giants.add(giant(), 1.0f + float(i % 3));
+  CHECK(sorts.check(giants, 1000, 700) == 100 * 63 * 44);
+}
+
+TEST_CASE_TEMPLATE("sort: splats of every number of tiles a side are listed where they lie", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
   SplatSet splats;
-  splats.add(make_splat(70, 40, 1e6, 1e5, 0.4, 1), 1);
-  splats.add(make_splat(-900, -900, 4000, 4000, 0, 1), 1);
-  for_each_bounds([&]<class Bounds>(Bounds) {
-    for_each_sort([&]<class Sort>(Sort) {
-      CAPTURE(Sort::name);
-      CAPTURE(Bounds::name);
-      const Lists lists = to_vectors(build_lists<Sort, Bounds>(backend, splats.job(150, 90)).view());
-      CHECK(lists == Lists(60, {0, 1}));
-    });
-  });
-}
-
-TEST_CASE_TEMPLATE("sort: no splats give empty lists in every tile whatever was there before", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  B backend = make_backend<B>();
-  SplatSet none, away, some = random_splats(100, 100, 100, 4);
-  away.add(dot(-500, 50), 1);
-  for_each_sort([&]<class Sort>(Sort sort) {
-    CAPTURE(Sort::name);
-    typename Sort::template Scratch<B> scratch;
-    TileLists<B> lists;
-    build_again<Ellipse>(backend, sort, some.job(100, 100), scratch, lists);
-    CHECK(lists.instances > 0);
-    for (const SplatSet* set : {&none, &away}) {
-      build_again<Ellipse>(backend, sort, set->job(100, 100), scratch, lists);
-      CHECK(lists.instances == 0);
-      CHECK(to_vectors(lists.view()) == Lists(49));
-    }
-  });
-}
-
-TEST_CASE_TEMPLATE("sort: memory of earlier frames does not show in a smaller frame", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  B backend = make_backend<B>();
-  const SplatSet large = random_splats(3000, 400, 300, 5), small = random_splats(50, 60, 40, 6);
-  for_each_sort([&]<class Sort>(Sort sort) {
-    CAPTURE(Sort::name);
-    typename Sort::template Scratch<B> scratch;
-    TileLists<B> lists;
-    build_again<Ellipse>(backend, sort, large.job(400, 300), scratch, lists);
-    build_again<Ellipse>(backend, sort, small.job(60, 40), scratch, lists);
-    CHECK(to_vectors(lists.view()) == brute_force_lists<Ellipse>(small.job(60, 40)));
-  });
+  Random random(5);
+  for (int i = 0; i < 2000; ++i) {
+    const double x = random.in(-100, 1100), y = random.in(-100, 800), along = random.scale(1, 80);
+    const double across = random.scale(1, 80), angle = random.in(0, 3.14159);
+    splats.add(make_splat(x, y, along, across, angle, random.scale(1.0 / 250, 1)), random.f(1, 2));
+  }
+  CHECK(Sorts<B>().check(splats, 1000, 700) > 10'000);
 }
 
 TEST_CASE_TEMPLATE("sort: more instances than there can be are refused before memory is taken", B,
                    SWIFTGS_TEST_BACKENDS) {
-  B backend = make_backend<B>();
+  if (unavailable_backend<B>()) return;
+  Sorts<B> sorts;
   // The largest image has 2^24 tiles: 129 splats that fill it are 2^24 instances too many.
   SplatSet splats;
-  for (int i = 0; i < 129; ++i) splats.add(make_splat(32'768, 32'768, 1e6, 1e6, 0, 1), 1);
-  const SortInput job = splats.job(max_image_side, max_image_side);
+  for (int i = 0; i < 129; ++i) splats.add(giant(), 1);
+  const SplatsOn<B> placed(sorts.backend, splats);
+  const SortInput job = placed.job(max_image_side, max_image_side);
   REQUIRE(job.grid.size() == std::size_t(1) << 24);
-  const SplatSet small = random_splats(50, 60, 40, 7);
-  for_each_sort([&]<class Sort>(Sort sort) {
-    CAPTURE(Sort::name);
-    typename Sort::template Scratch<B> scratch;
-    TileLists<B> lists;
-    CHECK_THROWS_WITH_AS(build_again<OpacityBox>(backend, sort, job, scratch, lists),
+  sorts.for_each([&](auto& sort, auto& scratch) {
+    CAPTURE(sort.name);
+    CHECK_THROWS_WITH_AS(build_again<OpacityBox>(sorts.backend, sort, job, scratch, sorts.lists),
                          "instances in one frame: 2164260864 needed, the limit is 2147483648", CapacityError);
-    CHECK(lists.ids.capacity() == 0);
-    build_again<OpacityBox>(backend, sort, small.job(60, 40), scratch, lists);
-    CHECK(to_vectors(lists.view()) == brute_force_lists<OpacityBox>(small.job(60, 40)));
+    CHECK(sorts.lists.ids.capacity() == 0);
   });
+  sorts.check(random_splats(50, 60, 40, 7), 60, 40);
 }
 
 TEST_CASE("grid: key bits are as few as tell all tiles apart") {

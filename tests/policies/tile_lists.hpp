@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include <swiftgs/bin_stage.hpp>
@@ -16,6 +17,38 @@
 #include "support/one_view.hpp"
 
 namespace swiftgs::test {
+
+/// How values of the host get into memory of backend `B`, which a host reaches here. Other backends
+/// specialise this.
+template <class B>
+struct CopyToBackend {
+  template <class T>
+  static void copy(Span<const T> from, T* to) {
+    std::copy(from.begin(), from.end(), to);
+  }
+};
+
+/// Copies to memory of a backend; complete when it returns.
+template <class B, class T>
+typename B::template Buffer<T> to_backend(const B&, const std::vector<T>& from) {
+  typename B::template Buffer<T> to;
+  to.reset(from.size());
+  if (!from.empty()) CopyToBackend<B>::copy(Span<const T>{from.data(), from.size()}, to.data());
+  return to;
+}
+
+/// Copies to the host after all work of `backend`.
+template <class B, class T>
+std::vector<T> to_host(const B& backend, Span<const T> from) {
+  std::vector<T> to(from.size);
+  backend.download(from, to.data());
+  return to;
+}
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
 
 /// Splats in a backend's memory that are to be sorted for an image.
 struct SortInput {
@@ -80,6 +113,38 @@ struct SplatSet {
   std::uint64_t identity = new_scene_identity();  ///< as if the splats were a scene's
 };
 
+/// Splats of the host in memory of a backend.
+template <class B>
+class SplatsOn {
+ public:
+  SplatsOn(const B& backend, const SplatSet& set)
+      : identity_(set.identity),
+        shapes_(to_backend(backend, set.shapes)),
+        depths_(to_backend(backend, set.depths)),
+        gaussians_(to_backend(backend, set.gaussians)),
+        colours_(to_backend(backend, set.colours)) {}
+
+  SplatsView view() const { return {shapes_.span(), depths_.span(), gaussians_.span()}; }
+  ColoursView colours_view() const { return {colours_.span()}; }
+  SortInput job(int width, int height, int tile_side = default_tile_side) const {
+    return {view(), TileGrid::covering(width, height, tile_side), {identity_, shapes_.size(), width, height}};
+  }
+
+ private:
+  std::uint64_t identity_;
+  typename B::template Buffer<SplatShape> shapes_;
+  typename B::template Buffer<float> depths_;
+  typename B::template Buffer<std::uint32_t> gaussians_;
+  typename B::template Buffer<SplatColour> colours_;
+};
+
+/// Splats of a backend on the host, without colours where there are none.
+template <class B>
+SplatSet to_host(const B& backend, const SplatsView& splats, const ColoursView& colours = {}) {
+  return {to_host(backend, splats.shapes), to_host(backend, splats.depths),
+          to_host(backend, splats.gaussians), to_host(backend, colours.each)};
+}
+
 /// Random splats for a width x height image; few depths, so that many are equal.
 inline SplatSet random_splats(std::size_t count, int width, int height, std::uint64_t seed) {
   Random random(seed);
@@ -101,6 +166,20 @@ inline Lists to_vectors(const TileListsView& lists) {
     for (std::uint32_t at = lists.ranges[tile].begin; at < lists.ranges[tile].end; ++at)
       out[tile].push_back(lists.ids[at]);
   return out;
+}
+
+/// Tile lists as arrays of the host.
+struct HostLists {
+  std::vector<std::uint32_t> ids;
+  std::vector<TileRange> ranges;
+
+  bool operator==(const HostLists& o) const { return same_bits(ids, o.ids) && same_bits(ranges, o.ranges); }
+  TileListsView view() const { return {{ids.data(), ids.size()}, {ranges.data(), ranges.size()}}; }
+};
+
+template <class B>
+HostLists host_lists(const B& backend, const TileLists<B>& lists) {
+  return {to_host(backend, lists.view().ids), to_host(backend, lists.view().ranges)};
 }
 
 /// Every tile against every splat: in the list where the bounds' row has the tile, ordered by depth, then
