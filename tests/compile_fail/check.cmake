@@ -1,27 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
 
-# Compiles CASE with COMPILER and ARGUMENTS. OUTCOME is `refused` or `accepted`.
-file(STRINGS "${CASE}" lines REGEX "^// expected: ")
-list(LENGTH lines count)
-if(NOT count EQUAL 1)
-  message(FATAL_ERROR "${CASE}: expected one line '// expected: REGEX', found ${count}")
-endif()
-string(REGEX REPLACE "^// expected: " "" expected "${lines}")
-
-set(definition)
+# Compiles SOURCE, which includes CASES, with COMPILER and ARGUMENTS. OUTCOME is `refused`, where the compiler must
+# name each case and say what it expects, or `accepted`.
+set(options)
 if(OUTCOME STREQUAL accepted)
-  set(definition -DSWIFTGS_EXPECT_COMPILE)
+  set(options -DSWIFTGS_EXPECT_COMPILE)
+elseif(COMPILER_ID MATCHES Clang)
+  set(options -ferror-limit=0)
 endif()
 execute_process(
-  COMMAND "${COMPILER}" "${ARGUMENTS}" ${definition} "${CASE}"
+  COMMAND "${COMPILER}" "${ARGUMENTS}" ${options} "${SOURCE}"
   RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
 
 if(OUTCOME STREQUAL accepted)
   if(NOT result EQUAL 0)
-    message(FATAL_ERROR "${CASE}: expected to compile with SWIFTGS_EXPECT_COMPILE:\n${output}")
+    message(FATAL_ERROR "${SOURCE}: expected to compile with SWIFTGS_EXPECT_COMPILE:\n${output}")
   endif()
-elseif(result EQUAL 0)
-  message(FATAL_ERROR "${CASE}: expected not to compile")
-elseif(NOT output MATCHES "${expected}")
-  message(FATAL_ERROR "${CASE}: expected a message that matches '${expected}':\n${output}")
+  return()
 endif()
+if(result EQUAL 0)
+  message(FATAL_ERROR "${SOURCE}: expected not to compile")
+endif()
+foreach(case IN LISTS CASES)
+  file(STRINGS "${case}" lines REGEX "^// expected: ")
+  list(LENGTH lines count)
+  if(NOT count EQUAL 1)
+    message(FATAL_ERROR "${case}: expected one line '// expected: REGEX', found ${count}")
+  endif()
+  string(REGEX REPLACE "^// expected: " "" expected "${lines}")
+  get_filename_component(name "${case}" NAME)
+  string(FIND "${output}" "${name}:" named)
+  if(named EQUAL -1)
+    message(FATAL_ERROR "${case}: expected not to compile:\n${output}")
+  elseif(NOT output MATCHES "${expected}")
+    message(FATAL_ERROR "${case}: expected a message that matches '${expected}':\n${output}")
+  endif()
+endforeach()
