@@ -14,33 +14,9 @@
 #include "cli/json_in.hpp"
 
 using nlohmann::json;
-using swiftgs::test::cameras_json;
-using swiftgs::test::contains;
-using swiftgs::test::json_in;
-using swiftgs::test::Outcome;
-using swiftgs::test::run;
-using swiftgs::test::run_noting;
-using swiftgs::test::TemporaryFolder;
-using swiftgs::test::write_colmap;
+using namespace swiftgs::test;
 
 namespace {
-
-std::set<std::string> files_in(const std::filesystem::path& folder) {
-  std::set<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    names.insert(entry.path().filename().string());
-  return names;
-}
-
-/// What the tool says of arguments that it must refuse in one line.
-std::string refusal(const TemporaryFolder& place, const std::string& arguments) {
-  const Outcome outcome = swiftgs::test::swiftgs(place, arguments);
-  CAPTURE(arguments);
-  CAPTURE(outcome.err);
-  CHECK(outcome.code == 1);
-  CHECK(swiftgs::test::lines_in(outcome.err) == 1);
-  return outcome.err;
-}
 
 void write_capture(const TemporaryFolder& place, const std::string& folder) {
   place.write(folder + "/cameras.json", cameras_json({"a.jpg", "b.jpg"}));
@@ -127,15 +103,6 @@ TEST_CASE("cli captures: a folder that is none says what is in it") {
   CHECK(contains(refusal(place, "render sog"), "sog/meta.json: byte 0: expected a scene of Gaussians"));
 }
 
-TEST_CASE("cli captures: a result is not written over a file of the capture") {
-  const TemporaryFolder place;
-  write_capture(place, "garden");
-  CHECK(contains(refusal(place, "check garden --json garden/scene.ply"),
-                 "expected another file than that of SCENE"));
-  CHECK(contains(refusal(place, "check garden --json garden/cameras.json"),
-                 "expected another file than that of --cameras"));
-}
-
 TEST_CASE("cli views: images are chosen by name with or without extension") {
   const TemporaryFolder place;
   place.write("cameras.json", cameras_json({"left/a.jpg", "b.JPG", "b-2.JPG", "0003.png", "3.png"}));
@@ -172,18 +139,6 @@ TEST_CASE("cli views: a name that no image has brings up the nearest") {
   CHECK(contains(refusal(place, render + "something-else"),
                  "expected all, every:N, except:N, or names of images, numbers from 0 to 1"));
   CHECK(contains(refusal(place, "render builtin:20 --views orbit-0"), "did you mean 'orbit-00'?"));
-}
-
-TEST_CASE("cli views: an empty choice is refused by every command") {
-  const TemporaryFolder place;
-  for (const std::string command :
-       {"render builtin:20 --views", "check builtin:20 --views", "bench builtin:20 --views",
-        "prune builtin:20 --keep 1 --out x.ply --views", "calibrate builtin:20 --out c.json --views"})
-    for (const std::string empty : {" ''", "="}) {
-      const std::string told = refusal(place, command + empty);
-      CHECK(contains(told, "views: expected "));
-      CHECK(contains(told, ", found nothing"));
-    }
 }
 
 TEST_CASE("cli cameras: cameras are refused before the scene is looked at") {

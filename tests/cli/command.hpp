@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
+#include <initializer_list>
+#include <set>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -49,6 +52,35 @@ inline Outcome run(const TemporaryFolder& place, const std::string& arguments) {
   CAPTURE(arguments);
   CHECK(outcome.err == "");
   return outcome;
+}
+
+/// Runs the tool and expects exit code 1 and one line on standard error, which it returns.
+inline std::string refusal(const TemporaryFolder& place, const std::string& arguments) {
+  const Outcome outcome = swiftgs(place, arguments);
+  CAPTURE(arguments);
+  CAPTURE(outcome.err);
+  CHECK(outcome.code == 1);
+  CHECK(lines_in(outcome.err) == 1);
+  CHECK(outcome.err.starts_with("swiftgs: "));
+  return outcome.err;
+}
+
+/// The same of a line that holds all `parts`.
+inline void fails(const TemporaryFolder& place, const std::string& arguments,
+                  std::initializer_list<std::string> parts) {
+  const std::string told = refusal(place, arguments);
+  for (const std::string& part : parts) {
+    CAPTURE(told);
+    CHECK(contains(told, part));
+  }
+}
+
+/// Names of the files in a folder.
+inline std::set<std::string> files_in(const std::filesystem::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.insert(entry.path().filename().string());
+  return names;
 }
 
 }  // namespace swiftgs::test

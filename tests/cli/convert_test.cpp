@@ -16,13 +16,7 @@
 using nlohmann::json;
 using swiftgs::load_scene;
 using swiftgs::Scene;
-using swiftgs::test::contains;
-using swiftgs::test::content_of;
-using swiftgs::test::json_in;
-using swiftgs::test::Outcome;
-using swiftgs::test::run;
-using swiftgs::test::run_noting;
-using swiftgs::test::TemporaryFolder;
+using namespace swiftgs::test;
 
 namespace {
 
@@ -41,20 +35,9 @@ Scene converted(const Place& place, const std::string& options) {
   return load_scene(place / "b.ply");
 }
 
-std::set<std::string> members_of(const json& object) {
-  std::set<std::string> names;
-  for (const auto& item : object.items()) names.insert(item.key());
-  return names;
-}
-
 /// Expects one line of error that holds `part`, and no file `b.ply`.
 void fails(const Place& place, const std::string& arguments, const std::string& part) {
-  const Outcome outcome = swiftgs::test::swiftgs(place, "convert " + arguments);
-  CAPTURE(arguments);
-  CAPTURE(outcome.err);
-  CHECK(outcome.code == 1);
-  CHECK(swiftgs::test::lines_in(outcome.err) == 1);
-  CHECK(contains(outcome.err, part));
+  swiftgs::test::fails(place, "convert " + arguments, {part});
   CHECK_FALSE(std::filesystem::exists(place / "b.ply"));
 }
 

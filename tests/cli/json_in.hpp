@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -12,6 +14,12 @@ namespace swiftgs::test {
 /// What a command wrote to `file`.
 inline nlohmann::json json_in(const std::filesystem::path& file) {
   return nlohmann::json::parse(content_of(file));
+}
+
+inline std::set<std::string> members_of(const nlohmann::json& object) {
+  std::set<std::string> members;
+  for (const auto& item : object.items()) members.insert(item.key());
+  return members;
 }
 
 }  // namespace swiftgs::test

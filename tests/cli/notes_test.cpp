@@ -90,6 +90,7 @@ TEST_CASE("cli notes: info lists them in its table") {
   const Outcome outcome = swiftgs::test::run(place, "info scene.ply");
   CHECK(contains(outcome.out, "note            " + left_out.substr(11) + "\n"));
   CHECK(contains(outcome.out, "note            " + not_read.substr(11) + "\n"));
+  CHECK(contains(outcome.out, "dropped         1 of 50"));
   swiftgs::test::run(place, "info scene.ply --json info.json");
   CHECK(json_in(place / "info.json")["notes"] == json({not_read, left_out}));
 }

@@ -14,12 +14,7 @@
 #include "cli/json_in.hpp"
 
 using nlohmann::json;
-using swiftgs::test::cameras_json;
-using swiftgs::test::contains;
-using swiftgs::test::json_in;
-using swiftgs::test::run;
-using swiftgs::test::run_noting;
-using swiftgs::test::TemporaryFolder;
+using namespace swiftgs::test;
 
 namespace {
 
@@ -45,14 +40,6 @@ std::string compared(const TemporaryFolder& place, const std::string& arguments)
     told += psnr.is_null() ? "none " : psnr > 50 ? "own " : "other ";
   }
   return told;
-}
-
-std::string refusal(const TemporaryFolder& place, const std::string& arguments) {
-  const auto outcome = swiftgs::test::swiftgs(place, arguments);
-  CAPTURE(outcome.err);
-  CHECK(outcome.code == 1);
-  CHECK(swiftgs::test::lines_in(outcome.err) == 1);
-  return outcome.err;
 }
 
 /// Draws the cameras into files of these names in `folder`, one for each.
