@@ -9,25 +9,14 @@
 #include "cli/command.hpp"
 #include "cli/json_in.hpp"
 
-using swiftgs::test::content_of;
-using swiftgs::test::json_in;
-using swiftgs::test::lines_in;
-using swiftgs::test::Outcome;
-using swiftgs::test::run;
-using swiftgs::test::TemporaryFolder;
+using namespace swiftgs::test;
 
 namespace {
 
 using Json = nlohmann::json;
 
-void fails(const std::string& arguments, std::initializer_list<const char*> words) {
-  const TemporaryFolder place;
-  const Outcome outcome = swiftgs::test::swiftgs(place, "bench " + arguments);
-  CAPTURE(arguments);
-  CAPTURE(outcome.err);
-  CHECK(outcome.code == 1);
-  CHECK(lines_in(outcome.err) == 1);
-  for (const char* word : words) CHECK(outcome.err.find(word) != std::string::npos);
+void fails(const std::string& arguments, std::initializer_list<std::string> words) {
+  swiftgs::test::fails(TemporaryFolder(), "bench " + arguments, words);
 }
 
 constexpr const char* quick = " --scales 0.1 --min-frames 2 --max-frames 4 --json r.json";

@@ -253,32 +253,6 @@ TEST_CASE("cuda record: the adaptive sort records what it has decided") {
   CHECK(nodes_of(1, 2) != nodes_of(2, 1));  // the early sort has one sort more
 }
 
-TEST_CASE("cuda record: a frame without room draws nothing and fits after its report is followed") {
-  if (without_device()) return;
-  Recording r;
-  const std::vector<View> views = r.images.views(2);
-  r.other.render_into(r.scene.view(), span(r.expected.views(2)));
-  const std::size_t visible = r.other.statistics().visible, instances = r.other.statistics().instances;
-  const std::vector<std::uint32_t> untouched = r.images.words(r.cuda);
-  for (const Capacity& capacity :
-       {Capacity{visible - 1, instances}, Capacity{visible, instances - 1}, Capacity{1, 1}}) {
-    r.reserve(span(views), capacity);
-    CHECK(r.images.words(r.cuda) == untouched);
-    const Graph graph = r.capture();
-    for (int k = 0; k < 3; ++k) graph.run();
-    const FrameReport found = r.report();
-    CHECK(found.overflowed == 1);
-    CHECK(found.visible == visible);
-    CHECK(found.instances == instances);
-    CHECK(r.images.words(r.cuda) == untouched);
-  }
-  r.reserve(span(views), {visible, instances});
-  const Graph graph = r.capture();
-  graph.run();
-  CHECK(r.wrong_words(2) == 0);
-  CHECK(r.reported());
-}
-
 TEST_CASE("cuda record: an overflow between two frames of a graph leaves both as they are") {
   if (without_device()) return;
   Recording r;
@@ -320,21 +294,6 @@ TEST_CASE("cuda record: two graphs run at once on two streams") {
   }
 }
 
-TEST_CASE("cuda record: frames that are recorded without a capture are drawn and allocate nothing") {
-  if (without_device()) return;
-  Recording r;
-  r.reserve(span(r.images.views(0)));
-  for (int k = 0; k < 24; ++k) r.other.render_into(r.scene.view(), span(r.expected.views(k)));
-  const std::size_t held = r.renderer.memory().total(), warm = free_memory();
-  for (int k = 0; k < 24; ++k) {
-    r.renderer.set_views(span(r.images.views(k)));
-    r.record();
-    CHECK(r.wrong_words(k) == 0);
-  }
-  CHECK(r.renderer.memory().total() == held);
-  CHECK(free_memory() == warm);
-}
-
 TEST_CASE("cuda record: an empty scene is drawn as its background") {
   if (without_device()) return;
   Recording r{Scene()};
@@ -343,30 +302,6 @@ TEST_CASE("cuda record: an empty scene is drawn as its background") {
   graph.run();
   CHECK(r.wrong_words(1) == 0);
   CHECK(r.report().overflowed == 0);
-}
-
-TEST_CASE("cuda record: what was not reserved is refused") {
-  if (without_device()) return;
-  Recording r;
-  const DeviceScene larger = r.cuda.upload(make_builtin_scene(4001));
-  CHECK_THROWS_WITH_AS(r.record(), "render: expected reserve before record", std::invalid_argument);
-  std::vector<View> views = r.images.views(0);
-  r.reserve(span(views), {});
-  CHECK_THROWS_AS(r.renderer.record(larger.view(), r.memory.data()), CapacityError);
-  CHECK_THROWS_AS(r.renderer.record(r.scene.view(), nullptr), std::invalid_argument);
-  CHECK_THROWS_WITH_AS(r.renderer.set_views({views.data(), 1}),
-                       "set_views: the number of views is 1, expected 2 as reserved", std::invalid_argument);
-  views[1].frame.colour.data = nullptr;
-  CHECK_THROWS_WITH_AS(
-      r.renderer.set_views(span(views)),
-      "set_views: the size or the planes of view 1 changed, expected those that were reserved",
-      std::invalid_argument);
-}
-
-TEST_CASE("cuda record: bad views are refused by all calls and those that were set are recorded") {
-  if (without_device()) return;
-  Recording r(random_scene(400, 1, 9));
-  check_bad_views(r.renderer, r.other, r.scene.view());
 }
 
 TEST_CASE("cuda record: a graph draws the views of before after others were refused") {

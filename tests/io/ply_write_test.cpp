@@ -86,21 +86,3 @@ TEST_CASE("ply: more Gaussians than are written at once keep their order") {
   CHECK(back.means == scene.means);
   CHECK(back.sh0 == scene.sh0);
 }
-
-TEST_CASE("ply: a writer that is cancelled leaves no file whatever the format is") {
-  const TemporaryFolder folder;
-  const Scene scene = some_scene(10, 1);
-  for (const char* name : {"a.ply", "a.compressed.ply", "a.splat"}) {
-    int calls = 0;
-    const auto stop_at = [&](int call) {
-      calls = 0;
-      write_scene(folder / name, scene, {.progress = [&, call](double) { return ++calls != call; }});
-    };
-    stop_at(-1);
-    std::filesystem::remove(folder / name);
-    for (int call = calls; call > 0; --call) {
-      CHECK_THROWS_AS(stop_at(call), Cancelled);
-      CHECK(!std::filesystem::exists(folder / name));
-    }
-  }
-}

@@ -238,24 +238,3 @@ TEST_CASE("sog: the file is a ZIP of entries stored as they are") {
   }
   zip_discard(archive);
 }
-
-TEST_CASE("sog: progress grows to 1 and every step of it can cancel") {
-  const Scene scene = some_scene(5000, 3);
-  const TemporaryFolder folder;
-  std::vector<double> told;
-  write_scene(folder / "a.sog", scene, {.progress = [&](double part) {
-                told.push_back(part);
-                return true;
-              }});
-  CHECK(std::is_sorted(told.begin(), told.end()));
-  CHECK(told.front() == 0);
-  CHECK(told.back() == 1);
-  CHECK(told.size() > 20);
-  for (const double at : {0.0, 0.2, 0.6, 0.75, 0.9}) {
-    CAPTURE(at);
-    CHECK_THROWS_AS(
-        write_scene(folder / "b.sog", scene, {.progress = [&](double part) { return part < at; }}),
-        Cancelled);
-    CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
-  }
-}

@@ -227,23 +227,3 @@ TEST_CASE("spz: what cannot be a file is refused before there is one") {
   scene.sh_rest[5] = std::numeric_limits<float>::quiet_NaN();
   refused(scene, 4, "found 0");
 }
-
-TEST_CASE("spz: writing can be watched and cancelled") {
-  const TemporaryFolder folder;
-  for (const int version : {3, 4}) {
-    double last = 0;
-    bool grows = true;
-    write_scene(folder / "a.spz", some_scene(20, 1), {.spz_version = version, .progress = [&](double part) {
-                                                        grows = grows && part >= last && part <= 1;
-                                                        last = part;
-                                                        return true;
-                                                      }});
-    CHECK(grows);
-    CHECK(last == 1);
-    std::filesystem::remove(folder / "a.spz");
-    CHECK_THROWS_AS(write_scene(folder / "a.spz", some_scene(20, 1),
-                                {.spz_version = version, .progress = [](double) { return false; }}),
-                    Cancelled);
-    CHECK(std::filesystem::is_empty(folder.path()));
-  }
-}

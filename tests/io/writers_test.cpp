@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -109,8 +110,12 @@ TEST_CASE("writers: a file that does not fit leaves what was there and nothing b
 
 TEST_CASE("writers: a scene that is cancelled at any time leaves what was there, and else is written") {
   const Scene scene = make_builtin_scene(1000);
-  for (const std::string ending : {".compressed.ply", ".ply", ".sog", ".splat", ".spz"}) {
+  const std::pair<std::string, int> formats[] = {{".compressed.ply", 4}, {".ply", 4}, {".sog", 4},
+                                                 {".splat", 4},          {".spz", 4}, {".spz", 3}};
+  for (const auto& [ending, spz_version] : formats) {
     CAPTURE(ending);
+    CAPTURE(spz_version);
+    const int version = spz_version;
     const TemporaryFolder place;
     const fs::path path = place / ("old" + ending);
     int calls = 0;
@@ -121,7 +126,7 @@ TEST_CASE("writers: a scene that is cancelled at any time leaves what was there,
       last = part;
       return ++calls > 0;
     };
-    write_scene(path, scene, {.progress = count});
+    write_scene(path, scene, {.spz_version = version, .progress = count});
     CHECK(last == 1);
     // How often a writer reports may differ from run to run, as it depends on time.
     for (int stop = 1; stop <= calls; ++stop) {
@@ -129,7 +134,7 @@ TEST_CASE("writers: a scene that is cancelled at any time leaves what was there,
       int left = stop;
       bool stopped = false;
       try {
-        write_scene(path, scene, {.progress = [&](double) { return --left > 0; }});
+        write_scene(path, scene, {.spz_version = version, .progress = [&](double) { return --left > 0; }});
       } catch (const Cancelled&) {
         stopped = true;
       }

@@ -494,6 +494,7 @@ TEST_CASE("record: takes views of the sizes that were reserved and no others") {
       std::invalid_argument);
   CHECK_THROWS_WITH_AS(renderer.record(more.view(), &report),
                        "Gaussians in a recorded frame: 501 needed, the limit is 500", CapacityError);
+  CHECK_THROWS_AS(renderer.record(scene.view(), nullptr), std::invalid_argument);
   renderer.record(scene.view(), &report);  // the views that were set before
   renderer.render_into(scene.view(), expected.span());
   CHECK((images.drawn(renderer.backend()) == expected.drawn(renderer.backend())));

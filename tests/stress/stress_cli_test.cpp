@@ -14,23 +14,12 @@
 #include "cli/json_in.hpp"
 
 using Json = nlohmann::json;
-using swiftgs::test::json_in;
-using swiftgs::test::lines_in;
-using swiftgs::test::Outcome;
-using swiftgs::test::run;
-using swiftgs::test::TemporaryFolder;
+using namespace swiftgs::test;
 
 namespace {
 
-void fails(const std::string& arguments, std::initializer_list<const char*> words) {
-  const TemporaryFolder place;
-  const Outcome outcome = swiftgs::test::swiftgs(place, "stress " + arguments);
-  CAPTURE(arguments);
-  CAPTURE(outcome.err);
-  CHECK(outcome.code == 1);
-  CHECK(lines_in(outcome.err) == 1);
-  CHECK(outcome.err.starts_with("swiftgs: "));
-  for (const char* word : words) CHECK(outcome.err.find(word) != std::string::npos);
+void fails(const std::string& arguments, std::initializer_list<std::string> words) {
+  swiftgs::test::fails(TemporaryFolder(), "stress " + arguments, words);
 }
 
 const std::string one = " --renderers serial/early/per-pixel/ellipse --seeds 1 ";
