@@ -17,16 +17,11 @@ bool has_vega() {
 void refuses(const std::string& content, std::initializer_list<std::string> parts) {
   const TemporaryFolder place;
   place.write("results.json", content);
-  const Outcome outcome = swiftgs::test::swiftgs(place, "report results.json --out page.html");
-  CAPTURE(outcome.err);
-  CHECK(outcome.code == 1);
-  CHECK(lines_in(outcome.err) == 1);
-  CHECK(outcome.err.starts_with("swiftgs: results.json"));
+  const std::string told = refusal(place, "report results.json --out page.html");
+  CAPTURE(told);
+  CHECK(told.starts_with("swiftgs: results.json"));
   CHECK(!std::filesystem::exists(place / "page.html"));
-  for (const std::string& part : parts) {
-    CAPTURE(part);
-    CHECK(outcome.err.find(part) != std::string::npos);
-  }
+  for (const std::string& part : parts) CHECK(contains(told, part));
 }
 
 /// A good file after `change`.
@@ -61,10 +56,7 @@ TEST_CASE("report errors: a file of another kind or version is refused") {
 TEST_CASE("report errors: members that are missing or of another type are named") {
   if (!has_vega()) return;
   refuses(changed([](Json& json) { json["rows"] = Json::array(); }), {"rows: expected at least one row"});
-  refuses(changed([](Json& json) { json["rows"] = 1; }), {"rows: expected an array"});
   refuses(changed([](Json& json) { json.erase("machine"); }), {"machine: expected an object"});
-  refuses(changed([](Json& json) { json["command"] = 7; }), {"command: expected a text"});
-  refuses(changed([](Json& json) { json["rows"][1] = 1; }), {"rows[1]: expected an object"});
   refuses(changed([](Json& json) { json["rows"][1].erase("renderer"); }),
           {"rows[1].renderer: expected a text"});
   refuses(changed([](Json& json) { json["rows"][1]["width"] = 0; }),
@@ -72,11 +64,8 @@ TEST_CASE("report errors: members that are missing or of another type are named"
   refuses(changed([](Json& json) { json["rows"][0]["psnr_db"] = "high"; }),
           {"rows[0].psnr_db: expected a number or null"});
   refuses(changed([](Json& json) { json["rows"][0].erase("ms"); }), {"rows[0].ms: expected an object"});
-  refuses(changed([](Json& json) { json["rows"][0]["ms"].erase("sort"); }),
-          {"rows[0].ms.sort: expected an object"});
   refuses(changed([](Json& json) { json["rows"][0]["ms"]["total"]["median"] = -1; }),
           {"rows[0].ms.total.median: expected a number, 0 or more"});
-  refuses(changed([](Json& json) { json["rows"][1]["bytes"] = 5; }), {"rows[1].bytes: expected an object"});
   refuses(changed([](Json& json) {
             json["rows"][1]["bytes"] = {{"project", 1}, {"sort", 2}};
           }),
@@ -119,11 +108,8 @@ TEST_CASE("report errors: a page does not take the place of the results it shows
   std::filesystem::create_symlink("results.json", place / "link.html");
   std::filesystem::create_hard_link(place / "results.json", place / "other.html");
   for (const std::string out : {"results.json", "./results.json", "link.html", "other.html"}) {
-    const Outcome outcome = swiftgs::test::swiftgs(place, "report results.json --out " + out);
-    CAPTURE(outcome.err);
-    CHECK(outcome.code == 1);
-    CHECK(lines_in(outcome.err) == 1);
-    CHECK(outcome.err.starts_with("swiftgs: --out " + out + ": expected another file than that of RESULTS"));
+    CHECK(contains(refusal(place, "report results.json --out " + out),
+                   "swiftgs: --out " + out + ": expected another file than that of RESULTS"));
     CHECK(content_of(place / "results.json") == before);
   }
 }
@@ -135,11 +121,6 @@ TEST_CASE("report errors: files that cannot be read or written are named") {
   for (const auto& [arguments, part] : {std::pair{"report nowhere.json", "nowhere.json"},
                                         {"report .", ".: Is a directory"},
                                         {"report results.json --out nowhere/page.html", "nowhere/page.html"},
-                                        {"report", "RESULTS"}}) {
-    const Outcome outcome = swiftgs::test::swiftgs(place, arguments);
-    CAPTURE(outcome.err);
-    CHECK(outcome.code == 1);
-    CHECK(lines_in(outcome.err) == 1);
-    CHECK(outcome.err.find(part) != std::string::npos);
-  }
+                                        {"report", "RESULTS"}})
+    CHECK(contains(refusal(place, arguments), part));
 }

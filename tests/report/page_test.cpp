@@ -56,7 +56,7 @@ void shows_apart(const TemporaryFolder& place, const std::string& file, const st
 
 }  // namespace
 
-TEST_CASE("report: every renderer is drawn in every plot") {
+TEST_CASE("report: every renderer is drawn in every plot and stands in a table that sorts and filters") {
   const TemporaryFolder place;
   if (!can_draw(place)) return;
   const Json facts = facts_of(place, results_of(renderers()));
@@ -66,15 +66,21 @@ TEST_CASE("report: every renderer is drawn in every plot") {
   CHECK(facts["marks"]["#speedups .bars path"] == 3);  // those with the bounds that are chosen first
   // 12 ms of the baseline over 10, 6 and 5.
   CHECK(facts["bars"] == Json({1.2, 2.0, 2.4}));
-}
 
-TEST_CASE("report: the Pareto front holds exactly what no other beats") {
-  const TemporaryFolder place;
-  if (!can_draw(place)) return;
-  const Json facts = facts_of(place, results_of(renderers()));
+  // Exactly what no other beats.
   CHECK(facts["front"] == Json({"cpu/early/axis-shared-half-split/ellipse",
                                 "cpu/early/axis-shared-threshold-float-cholesky/ellipse"}));
   CHECK(facts["marks"]["#pareto .front_points path"] == 2);
+
+  CHECK(facts["is_button"] == true);
+  const Json up = facts["sorted"][0], down = facts["sorted"][1];
+  CHECK(up["aria"] == "ascending");
+  CHECK(down["aria"] == "descending");
+  CHECK(up["order"][0] == "cpu/early/axis-shared-half-split/ellipse");
+  CHECK(up["order"][4] == "cpu/standard/per-pixel/opacity-box");
+  CHECK(down["order"][0] == up["order"][4]);
+  CHECK(down["order"][4] == up["order"][0]);
+  CHECK(facts["filtered"] == Json({"cpu/standard/per-pixel/ellipse"}));
 }
 
 TEST_CASE("report: an error of 1e-3 stands at 60 dB apart from exact renderers") {
@@ -139,21 +145,6 @@ TEST_CASE("report: memory of each stage and of all grows as the buffers of files
   for (const char* label : {"project memory: exponent 1.00", "sort memory: exponent 2.00",
                             "raster memory: exponent 0.00", "\"memory: exponent 2.0"})
     CHECK_MESSAGE(legend.find(label) != std::string::npos, legend);
-}
-
-TEST_CASE("report: a table is sorted by its headings and filtered by words") {
-  const TemporaryFolder place;
-  if (!can_draw(place)) return;
-  const Json facts = facts_of(place, results_of(renderers()));
-  CHECK(facts["is_button"] == true);
-  const Json up = facts["sorted"][0], down = facts["sorted"][1];
-  CHECK(up["aria"] == "ascending");
-  CHECK(down["aria"] == "descending");
-  CHECK(up["order"][0] == "cpu/early/axis-shared-half-split/ellipse");
-  CHECK(up["order"][4] == "cpu/standard/per-pixel/opacity-box");
-  CHECK(down["order"][0] == up["order"][4]);
-  CHECK(down["order"][4] == up["order"][0]);
-  CHECK(facts["filtered"] == Json({"cpu/standard/per-pixel/ellipse"}));
 }
 
 TEST_CASE("report: what files do not hold is named and not drawn") {
