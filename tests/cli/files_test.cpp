@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/files.hpp"
 
+#include <cstdlib>
 #include <stdexcept>
+#include <string>
 #include <system_error>
 
 #include <doctest/doctest.h>
 
 #include "distinct_files.hpp"
 #include "result_file.hpp"
+#include "shell_word.hpp"
 
 using namespace swiftgs::cli;
+using swiftgs::cli::shell_word;
 using swiftgs::test::content_of;
 using swiftgs::test::TemporaryFolder;
 
@@ -48,4 +52,23 @@ TEST_CASE("distinct files: an output that is an input or an output before is nam
                        "--json ./c: expected another file than that of SCENE, c", std::invalid_argument);
   CHECK_THROWS_WITH_AS(require_distinct({{"--out", "a"}, {"--json", "a"}}, {{"SCENE", "c"}}),
                        "--json a: expected another file than that of --out", std::invalid_argument);
+}
+
+TEST_CASE("shell word: a plain word stays and any other is quoted") {
+  CHECK(shell_word("a/b_c.json:8=1,2@%+-") == "a/b_c.json:8=1,2@%+-");
+  CHECK(shell_word("") == "''");
+  CHECK(shell_word("two words") == "'two words'");
+  CHECK(shell_word("it's") == "'it'\\''s'");
+  CHECK(shell_word("~") == "'~'");
+}
+
+TEST_CASE("shell word: a shell gives back every character") {
+  const TemporaryFolder place;
+  std::string text = "'";
+  for (int c = 1; c < 256; ++c) text += char(c);
+  text += "''";
+  const std::string command =
+      "printf %s " + shell_word(text) + " >" + shell_word((place / "told.txt").string());
+  REQUIRE(std::system(command.c_str()) == 0);
+  CHECK(content_of(place / "told.txt") == text);
 }

@@ -208,10 +208,11 @@ TEST_CASE_TEMPLATE("memory hook: all memory of a renderer comes from it and goes
   {
     Renderer<B, typename T::SortPolicy, Usual, Ellipse> renderer(make<B>(memory.hook(), 2));
     const auto uploaded = renderer.backend().upload(scene);
+    const Images<B> images(cameras);
     const std::size_t before = own_allocations;
     for (int i = 0; i < 4; ++i)
       renderer.render_resident(uploaded.view(), {cameras.data(), cameras.size()}, settings);
-    renderer.reserve(uploaded.view(), Images<B>(cameras).span());
+    renderer.reserve(uploaded.view(), images.span());
     CHECK(own_allocations == before);
     CHECK(all_of(renderer.memory()) > 100'000);
     if constexpr (std::is_same_v<B, Serial>)
