@@ -355,7 +355,7 @@ TEST_CASE_TEMPLATE(SWIFTGS_BLENDING "lossless bounds draw the same bits of any s
   if (unavailable_backend<B>()) return;
   B backend = test::make_backend<B>();
   // Splats that barely reach the threshold are so large that a rounding of the exponent is pixels wide.
-  const int width = 400, height = 300;
+  const int width = 240, height = 180;
   Random random(5);
   SplatSet faint;
   for (int i = 0; i < 300; ++i) {
@@ -363,7 +363,7 @@ TEST_CASE_TEMPLATE(SWIFTGS_BLENDING "lossless bounds draw the same bits of any s
     const double opacity = (1 + random.scale(1e-6, 1e-2)) / 255, x = random.in(0, width);
     faint.add(make_splat(x, random.in(0, height), along, across, random.in(0, 3.14), opacity), float(i + 1));
   }
-  for (const SplatSet& splats : {random_splats(1500, width, height, 18), faint})
+  for (const SplatSet& splats : {random_splats(600, width, height, 18), faint})
     with_each([&]<class Raster>(Raster) {
       const Frame box = draw<Raster>(backend, splats, width, height).frame;
       for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
