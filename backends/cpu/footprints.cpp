@@ -177,6 +177,8 @@ class VectorEllipse {
 };
 
 /// Footprints of `lanes` splats. Those too large for a mask are left to the scalar bounds.
+/// Scalar rows overlap: one starts before the last has its roots. With 16 of their rows in a register the
+/// sort takes 0.93 to 0.96 of the time in fox and 1.00 to 1.03 in herz and garden. Frames take as long.
 template <class VectorBounds>
 HWY_INLINE void GroupFootprints(const SplatShape* HWY_RESTRICT shapes, TileGrid grid,
                                 Footprint* HWY_RESTRICT footprints) {

@@ -98,6 +98,9 @@ void group_by_tile(Cpu& cpu, const EmissionJob& job, GroupScratch<Cpu>& scratch,
 
   // Count the intersections of each tile in each part, turn the counts into first positions, and write every
   // id to its own.
+  //
+  // Footprints are visited twice. To emit intersections once, into a buffer that a second pass scatters,
+  // costs as much: on one core the sort takes 0.97 of the time in fox, 1.03 in herz and 1.08 in garden.
   scratch.positions.reset(parts * tiles);
   const auto positions_of = [&](std::size_t part) { return scratch.positions.data() + part * tiles; };
   for_each_part(cpu, splats, parts, [&](std::size_t part, Part range) {

@@ -73,6 +73,9 @@ inline std::uint32_t counts_to_places(const Cpu& cpu, std::uint32_t* counts, std
 
 /// Has `blend(blocks, begin, end)` blend all raster blocks of `job`, in parallel. Throws as
 /// `raster_blocks_of`.
+///
+/// Raster blocks keep their order. To start with the longest lists gains nothing: on 16 threads rasterizing
+/// `builtin:1000000` takes 4.92 ms so and 4.46 in order. The longest list has 1 % of all intersections.
 template <class F>
 void for_raster_blocks(const Cpu& cpu, const RasterJob& job, const F& blend) {
   const RasterBlocks blocks = raster_blocks_of(job);

@@ -28,9 +28,11 @@ namespace swiftgs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// Splats that are prepared together: their terms stay in the first-level cache while groups traverse them.
+/// With 96 or 128, rasterizing takes 0.98 and 0.99 of the time in fox, and 1.04 and 1.06 in herz and garden.
 constexpr std::size_t batch_size = 64;
 
 /// Splats whose alphas are evaluated together: as many as there are registers for.
+/// With AVX-512, two take as long as four, within the noise.
 constexpr std::size_t at_once = lanes == 16 ? 4 : 2;
 
 /// Exponents below are raised to it. -64 is less than any alpha that shows, whatever the opacity up to 2^24,

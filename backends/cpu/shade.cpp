@@ -77,6 +77,7 @@ bool ShadeRange(const ViewConstants& v, const SceneView& scene, const std::uint3
   bool some_hidden = false;
   const int degree = scene.sh_degree, coefficients = sh_rest_count(degree);
   const std::size_t stride = std::size_t(scene.sh_stride), row = 3 * std::size_t(coefficients);
+  // 64 and 128 take as long: memory has no more to give.
   constexpr std::size_t ahead = 24;  // splats between asking for harmonics and using them
   alignas(64) float basis[sh_rest_count(max_sh_degree)][lanes];
   for (std::size_t first = 0; first < count; first += lanes) {

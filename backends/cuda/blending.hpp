@@ -22,6 +22,13 @@ namespace swiftgs::kernels {
 /// exponential. A lane that skips multiplies the exponential by 0 instead of branching.
 template <bool threshold>
 SWIFTGS_HD float relative_alpha(float exponent, const BlendRules& rules) {
+  // Every lane evaluates the exponential. Measured on an H200 when chosen: rasterizing garden takes 157 us
+  // so, and 167 if lanes that skip leave it out.
+  //
+  // If alphas below the threshold were flushed to zero as denormal numbers, the loop would have 8 of 119
+  // instructions less, and rasterizing garden would take 122 us, not 125 (measured likewise). But exponents
+  // would lie near -126, where floats are coarse: squared errors of the worst views of garden, herz and fox
+  // would be 1.15 to 1.5 times as large.
   const float alpha = exp2_approx(exponent), least = rules.log2_relative_min;
   const bool kept = threshold ? exponent >= least : alpha >= exp2_approx(least);
   return saturate(alpha * (kept ? 1.0f : 0.0f));
@@ -46,6 +53,9 @@ SWIFTGS_HD float alpha_of_square(float s, float cutoff, float opacity, const Ble
 ///
 /// Kernels of `FloatCholesky` and `FloatSplit`, and contributions, blend alphas, weights, colours and depths
 /// in units of alpha_max, but not transmittances. Other kernels blend alphas as they are.
+///
+/// Keep pixels in arrays of one dimension: in a two-dimensional local array of a struct with default member
+/// values, nvcc 13.0 sets these values in the first row only, as its PTX shows.
 struct Pixel {
   float red = 0, green = 0, blue = 0, depth = 0;
   float transmittance = 0;
@@ -78,6 +88,7 @@ struct Pixel {
 /// Splats of the first segment of a list, and of each further one. Each segment is blended by itself and
 /// joined to those in front of it, so many warps may blend the segments of one list, with the bits of one
 /// warp that blends them all. Most lists end within the first segment and are never cut.
+/// Measured on an H200: if the first segment has 128 splats too, frames of garden and fox take 2.7 % longer.
 inline constexpr unsigned first_segment_size = 512, segment_size = 128;
 
 /// Splats before segment k.
@@ -174,6 +185,7 @@ inline constexpr unsigned group_size = 4;
 /// Dims pixels by the alphas of a group of splats and finds the weights of their colours. Tests once per
 /// group for stopping, since transmittance only falls; if a pixel stopped, undoes its weights from the
 /// stopping splat on. One test lets the compiler evaluate all alphas before it branches.
+/// Measured on an H200: with one test per pixel, frames take 1 % longer.
 template <unsigned count>
 SWIFTGS_HD void weigh_group(Pixel (&pixels)[count], const float (&alphas)[count][group_size], float alpha_max,
                             float (&weights)[count][group_size]) {

@@ -28,6 +28,8 @@ inline constexpr unsigned columns_between = 4;
 /// `FloatCholesky` in registers: u = l0 x + l1 y + c and v = l2 y + d at pixel (x, y) of the warp block, s =
 /// u^2 + v^2. Pixels of a lane share v, and from one to the next u grows by what depends on the splat alone.
 struct CholeskyExponent {
+  // Measured on an H200 when chosen: rasterizing garden takes 134 us with nine, 136 with ten and 149 with
+  // eleven.
   static constexpr unsigned blocks = 9;  ///< of a multiprocessor at once: 56 registers a thread
   using Rest = float2;                   ///< c, d; the quadruple is l0, l1, l2, log2(opacity / alpha_max)
 

@@ -26,6 +26,13 @@ inline constexpr unsigned halves_of_segment = segment_size / queue_half;
 static_assert(halves_of_first_segment % halves_of_segment == 0);
 
 /// Exponents of queued splats, relative to the warp block.
+///
+/// A warp has one queue. Measured on an H200 when chosen: rasterizing garden takes 141 us so, 172 if each
+/// half of the warp has a queue, and 197 if each quarter has. Then lanes read several addresses of shared
+/// memory, and its wavefronts become the limit.
+///
+/// What pixels of a row share is not stored. If it is, rasterizing takes 133 us, not 136, in garden, but 699,
+/// not 654, in `builtin:4000000`, where the warp of a long list waits longer (measured likewise).
 template <class Exponent>
 struct TermsQueue {
   float4 terms[queue_size];
@@ -86,7 +93,8 @@ class ListTraversal {
     if (at_ < range.end) next_shape_ = load_shape(job, next_id_);
   }
 
-  /// Resumes until the next pause: at the end of a segment if `Blender::in_segments`, and at position `limit`.
+  /// Resumes until the next pause: at the end of a segment if `Blender::in_segments`, and at position
+  /// `limit`.
   template <class Blender>
   __device__ Pause go_on(Blender& blender, std::uint32_t limit) {
     while (at_ < limit) {

@@ -26,6 +26,9 @@
 
 namespace swiftgs::kernels {
 
+/// With nine bits, blocks rank pairs among twice as many digits. Measured on an H200 when chosen: the sort of
+/// garden takes 152 us with three passes of nine bits, for 27 bits of depth, and 148 with four of eight, for
+/// 31. That of herz takes 190 and 184.
 inline constexpr unsigned digit_bits = 8, digits = RadixCounts::digits;
 static_assert(digits == 1u << digit_bits);
 
@@ -176,6 +179,8 @@ class DigitSum {
   Row tiles_, groups_;
 };
 
+/// Measured on an H200 when chosen: a sort of 10 million tile keys takes 182 us with 256 threads, 215 with
+/// 512 and 308 with 1,024. Sorts of less than a million take as long with each.
 inline constexpr unsigned radix_threads = digits, radix_warps = radix_threads / warp_size;
 /// Most pairs of a thread in one pass: as many as fit shared memory with wide keys.
 template <class Key>
@@ -330,6 +335,8 @@ __global__ void __launch_bounds__(radix_threads)
 }
 
 /// Tiles that a multiprocessor should have at least.
+/// With more, each waits for more others. Measured on an H200 when chosen: the sort of garden takes 154 us
+/// with four and 143 with two.
 inline constexpr unsigned tiles_at_once = 2;
 
 /// The tiles of a sort: smaller ones where there would be too few for all multiprocessors.

@@ -18,6 +18,8 @@ template <bool extras>
 inline constexpr unsigned segment_occupancy = extras ? 2 : 3;
 /// Thread blocks launched for each multiprocessor. One more is no faster on long lists, and starts later on
 /// short ones.
+/// Measured on an H200: with three, frames of garden and fox, whose lists are short, take 2.3 us longer than
+/// with two; with one they take as long.
 inline constexpr unsigned blocks_of_multiprocessor = 2;
 /// Most segments that a warp blends at once.
 inline constexpr unsigned most_segments_of_warp = 2;
@@ -277,14 +279,14 @@ struct WorkItemBlender {
     }
   }
 
-  /// Blends `count` splats of a lane's segment, from the `first`-th found on. Segments of the warp have at most
-  /// `most` splats.
+  /// Blends `count` splats of a lane's segment, from the `first`-th found on. Segments of the warp have at
+  /// most `most` splats.
   template <unsigned pixel_count>
   __device__ void blend_splats(LaneBlender<Exponent, threshold, extras, pixel_count>& lane,
                                const SegmentSplats& splats, std::uint32_t first, std::uint32_t count,
                                std::uint32_t most, const Share& share) {
-    // Queue one half while the other is blended, and load the shapes of the next. Each lane queues for its own
-    // segment. Behind a segment's end it queues splats that show nothing.
+    // Queue one half while the other is blended, and load the shapes of the next. Each lane queues for its
+    // own segment. Behind a segment's end it queues splats that show nothing.
     Queue<Exponent>& queue = shared.queues[warp()];
     std::uint32_t id = share.slot < count ? splats.id(first + share.slot) : 0;
     SplatShape shape = load_shape(input.job, id);

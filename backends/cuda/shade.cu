@@ -23,6 +23,9 @@ inline constexpr unsigned shade_threads = 128, shade_warps = shade_threads / war
 
 /// Blocks for each multiprocessor: enough to keep a device's memory busy, and few enough to leave resources
 /// to what runs beside them.
+/// Measured on an H200 when chosen: the sort of `builtin:4000000` takes 556 us with two and 502 with three,
+/// because colours take longer than the sort there. The sort of garden takes 143 us with four and 155 with
+/// eight.
 inline constexpr int shade_blocks = 3;
 
 /// Copies the SH coefficients of the warp's Gaussians, `Word` by `Word`: lanes read neighbouring words, where

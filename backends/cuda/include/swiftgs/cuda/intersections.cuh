@@ -61,6 +61,8 @@ __device__ void emit_masks(const EmittedSplat& mine, std::uint32_t stride, const
 
 /// Splats too large for a mask, which a second kernel emits: near the camera, and in depth order next to each
 /// other, they would keep a few warps busy long after all others.
+/// Measured on an H200 when chosen: emission of garden takes 62 us if the warp of a large splat emits it, and
+/// 37 with a second kernel, 27 and 10.
 struct LargeSplats {
   const EmittedSplat* splats;
   LastCounters<std::uint32_t> counts;
@@ -85,6 +87,8 @@ __global__ void __launch_bounds__(emit_threads)
   if (blockIdx.x >= blocks) return;
 
   // Load a splat a lane.
+  // Four splats a lane save blocks and look-backs, and take longer. Measured on an H200 when chosen: the sort
+  // of herz takes 255 us with four and 216 with one.
   const std::uint32_t i = blockIdx.x * emit_threads + threadIdx.x;
   EmittedSplat mine;
   if (i < n) {

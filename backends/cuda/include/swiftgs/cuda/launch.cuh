@@ -25,6 +25,8 @@ __device__ inline void await_earlier() {
 
 /// Lets the next kernel start as soon as all thread blocks of this one have started. Few kernels do: waiting
 /// blocks displace work on other streams, such as colours beside the sort, which cost 3 % of a frame.
+/// Measured on an H200 in an earlier version: where waiting kernels displace colours, a frame of garden takes
+/// 405 us, not 398, and one of herz 493, not 485.
 __device__ inline void let_next_start() {
 #if __CUDA_ARCH__ >= 900
   cudaTriggerProgrammaticLaunchCompletion();

@@ -134,6 +134,8 @@ __global__ void __launch_bounds__(project_threads, project_blocks)
   }
 
   // Find their tiles.
+  // Do so before the visible splats are compacted: after it, half of the warps wait. Measured on an H200 when
+  // chosen: projection of garden takes 136 us so, and 156 with tiles found after it.
   const Footprint footprint =
       find_footprint(bounds, views[of_view].grid, splat.shape, splat.visible, shared.footprints[warp]);
   const std::uint32_t tiles_of_warp = warp_sum(footprint.count);

@@ -8,6 +8,8 @@
 namespace swiftgs::kernels {
 
 /// The only view of a frame, as an argument of a kernel. Reading it costs neither a load nor a register.
+/// Kernels are compiled for `OneView` and for `StoredViews`. Measured on an H200: with a stored view
+/// projection takes 5 to 8 % longer, and rasterizing as long.
 struct OneView {
   static constexpr bool only = true;
   View view;
