@@ -140,19 +140,19 @@ double error(Drawer<B>& drawer, const SplatShape& shape, const Tile& tile) {
 }
 
 /// The largest error of s itself, by the scale of its exponent representation and one ulp.
-template <class Exponent>
+template <class Representation>
 double exponent_error(const SplatShape& shape, const Tile& tile) {
   const vec2 centre(float(tile_x * raster_block_side + 8), float(tile_y * raster_block_side + 8));
-  const Exponent terms(shape, centre);
+  const Representation terms(shape, centre);
   Real worst = 0;
   for (std::size_t i = 0; i < tile.alphas.size(); ++i) {
     const Exponent& e = tile.exponents[i];
     if (e.s > Real(shape.cutoff)) continue;
     const float x = float(tile_x * raster_block_side) + float(i % raster_block_side) + 0.5f;
     const float y = float(tile_y * raster_block_side) + float(i / raster_block_side) + 0.5f;
-    const float s = Exponent::exponent(terms.x_term(x), terms.y_term(y));
+    const float s = Representation::exponent(terms.x_term(x), terms.y_term(y));
     if (std::isfinite(s))
-      worst = std::max(worst, std::abs(s - e.s) / (ulp(e.s) + scale_of(Exponent::name, e)));
+      worst = std::max(worst, std::abs(s - e.s) / (ulp(e.s) + scale_of(Representation::name, e)));
   }
   return double(worst);
 }
