@@ -32,7 +32,7 @@ bool close(const SplatShape& a, const SplatShape& b) {
   const bool same_place = within(a.mean.x, b.mean.x, 2) && within(a.mean.y, b.mean.y, 2);
   const bool same_form = within(a.l0, b.l0, 8) && within(a.l1, b.l1, 8) && within(a.l2, b.l2, 4);
   return same_place && same_form && within(a.opacity, b.opacity, 4) &&
-         std::abs(a.reach - b.reach) <= 1e-6f * std::max(1.0f, b.reach) &&
+         std::abs(a.cutoff - b.cutoff) <= 1e-6f * std::max(1.0f, b.cutoff) &&
          std::abs(a.half_width - b.half_width) <= 1e-5f * b.half_width + 1e-3f;
 }
 
@@ -116,7 +116,7 @@ struct Stage {
              (expected.count == 0 || (found[i].mask == expected.mask && found[i].first == expected.first));
       sum += found[i].count;
     }
-    return same && sum == footprints.instances.most;
+    return same && sum == footprints.intersections.most;
   }
 };
 
@@ -250,14 +250,14 @@ TEST_CASE("cuda project: nothing may be visible or all") {
   Scene scene = random_scene(3000, 1, 7);
   for (vec3& mean : scene.means) mean = vec3(mean.x, mean.y, -1 - std::abs(mean.z));
   CHECK(check_projection(stage, scene, forward_camera(320, 200)) == 0);
-  CHECK(stage.footprints.instances.most == 0);
+  CHECK(stage.footprints.intersections.most == 0);
   for (std::size_t i = 0; i < scene.size(); ++i) scene.means[i] = vec3(0, 0, 4), scene.opacities[i] = 0.7f;
   CHECK(check_projection(stage, scene, forward_camera(320, 200)) == 3000);
 }
 
 TEST_CASE("cuda project: scenes may grow and shrink from frame to frame") {
   if (without_device()) return;
-  // Each number of frames before a larger scene, odd and even, since memory takes turns.
+  // Each number of frames before a larger scene, odd and even, since memory alternates.
   for (const int frames : {1, 2, 3}) {
     CAPTURE(frames);
     Stage stage;
@@ -352,29 +352,29 @@ TEST_CASE("cuda project: tiles of splats whose number the host knows are found w
   const Camera camera = forward_camera(320, 200);
   const SplatSet set = stage.run(scene.view(), camera, Conventions::gsplat(), Ellipse{});
   const OneView frame(camera, Conventions::gsplat(), scene.view());
-  const std::uint64_t instances = stage.footprints.instances.get();
-  REQUIRE(instances > 1000);
+  const std::uint64_t intersections = stage.footprints.intersections.get();
+  REQUIRE(intersections > 1000);
   Footprints<Cuda> footprints;
-  const auto report_within = [&](std::size_t room) {
+  const auto report_within = [&](std::size_t capacity) {
     stage.splats.set_count(set.shapes.size());
-    const Limits limits{{0, room}};
+    const Limits limits{{0, capacity}};
     bin(stage.cuda, frame.plan(limits), Ellipse{}, stage.splats, footprints);
-    CHECK(footprints.instances.most == room);
+    CHECK(footprints.intersections.most == capacity);
     return await_report(stage.cuda, stage.splats, footprints, limits);
   };
-  for (const std::size_t room :
-       {std::size_t(1), std::size_t(instances - 1), std::size_t(instances), 2 * std::size_t(instances)}) {
-    CAPTURE(room);
-    const FrameReport report = report_within(room);
+  for (const std::size_t capacity : {std::size_t(1), std::size_t(intersections - 1),
+                                     std::size_t(intersections), 2 * std::size_t(intersections)}) {
+    CAPTURE(capacity);
+    const FrameReport report = report_within(capacity);
     CHECK(report.visible == set.shapes.size());
-    CHECK(report.instances == instances);
-    CHECK((report.overflowed != 0) == (room < instances));
+    CHECK(report.intersections == intersections);
+    CHECK((report.overflowed != 0) == (capacity < intersections));
     CHECK(same_bits(to_host(stage.cuda, footprints.view().each),
                     to_host(stage.cuda, stage.footprints.view().each)));
   }
   stage.splats.set_count(0);
   bin(stage.cuda, frame.plan({{0, 10}}), Ellipse{}, stage.splats, footprints);
-  CHECK(await_report(stage.cuda, stage.splats, footprints, {{0, 10}}).instances == 0);
+  CHECK(await_report(stage.cuda, stage.splats, footprints, {{0, 10}}).intersections == 0);
 }
 
 TEST_CASE("cuda project: every run gives the same bits") {
@@ -409,7 +409,7 @@ TEST_CASE("cuda project: footprints are found again where projection found those
   const auto found_by = [&](const auto& bounds, const Footprints<Cuda>& footprints, const View& of) {
     std::uint64_t tiles = 0;
     for (const SplatShape& shape : set.shapes) tiles += find_footprint(bounds, shape, of.grid).count;
-    return footprints.instances.most == tiles && footprints.count == set.shapes.size() &&
+    return footprints.intersections.most == tiles && footprints.count == set.shapes.size() &&
            footprints.views.tiles == tiles_of_frame(of) && footprints.views[0].grid == of.grid;
   };
   REQUIRE(set.shapes.size() > 100);

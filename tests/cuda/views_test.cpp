@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Frames of several views on a device: the order of its squares, its coarser tiles, its footprints.
+// Frames of several views on a device: the order of its raster blocks, its coarser tiles, its footprints.
 #include "policies/views.hpp"
 
 #include <cstdint>
@@ -27,12 +27,13 @@ void for_each_raster_renderer(const F& f) {
 }  // namespace
 
 TEST_CASE(
-    "cuda views: an image whose squares are put in an order has the bits that it has among too many for it") {
+    "cuda views: an image whose raster blocks are put in an order has the bits that it has among too many "
+    "for it") {
   if (without_device()) return;
   for_each_raster_renderer([&](auto& together, auto& alone) {
     const DeviceScene scene = together.backend().upload(random_scene(3000, 1, 9));
-    // On devices of up to 300 multiprocessors one view has squares enough for an order, and on those of up to
-    // 190 five have too many.
+    // On devices of up to 300 multiprocessors one view has raster blocks enough for an order, and on those of
+    // up to 190 five have too many.
     const std::vector<AskedView> views(5, AskedView{forward_camera(1000, 700)});
     check_views(together, alone, scene.view(), views);
     check_views(together, alone, scene.view(), {views[0], views[1]});
@@ -103,14 +104,14 @@ TEST_CASE(
       to_host(cuda, Span<const std::uint16_t>{found.of_view, found.size()});
   const std::vector<Footprint> footprints = to_host(cuda, ellipses.view().each);
   REQUIRE(footprints.size() == shapes.size());
-  std::uint64_t instances = 0;
+  std::uint64_t intersections = 0;
   std::size_t different = 0;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const Footprint expected = find_footprint(Ellipse{}, shapes[i], views[of_view[i]].grid);
-    instances += expected.count;
+    intersections += expected.count;
     different += footprints[i].count != expected.count || footprints[i].mask != expected.mask ||
                  (expected.count != 0 && footprints[i].first != expected.first);
   }
   CHECK(different == 0);
-  CHECK(ellipses.instances.most == instances);
+  CHECK(ellipses.intersections.most == intersections);
 }

@@ -179,8 +179,8 @@ TEST_CASE_TEMPLATE(SWIFTGS_BLENDING
   SplatSet at_threshold;
   at_threshold.add(make_splat(8.5, 8.5, 4, 4, 0, 1.0 / 256, 1.0 / 256), 1);
   SplatSet below = at_threshold;
-  below.shapes[0].opacity = std::nextafter(1.0f / 256, 0.0f), below.shapes[0].reach = -1e-7f;
-  REQUIRE(at_threshold.shapes[0].reach == 0);
+  below.shapes[0].opacity = std::nextafter(1.0f / 256, 0.0f), below.shapes[0].cutoff = -1e-7f;
+  REQUIRE(at_threshold.shapes[0].cutoff == 0);
   with_each([&]<class Raster>(Raster) {
     const Drawing drawing = draw<Raster>(backend, at_threshold, 32, 32, settings);
     CHECK(drawing.alpha(8, 8) == 1.0f / 256);
@@ -255,7 +255,7 @@ TEST_CASE_TEMPLATE(SWIFTGS_BLENDING "what is counted is what double counts", B, 
   REQUIRE(exact.pixels_stopped > 100);
   with_each([&]<class Raster>(Raster) {
     if (stores_half<Raster>) return;
-    const SquareCounts counts = draw<Raster>(backend, splats, 100, 70).counts;
+    const RasterCounts counts = draw<Raster>(backend, splats, 100, 70).counts;
     CHECK(double(counts.contributing_pairs) ==
           doctest::Approx(double(exact.contributing_pairs)).epsilon(1e-3 * slack<B>));
     CHECK(double(counts.pixels_stopped) ==
@@ -350,7 +350,7 @@ TEST_CASE_TEMPLATE(SWIFTGS_BLENDING "each output alone is the same as with the o
   });
 }
 
-TEST_CASE_TEMPLATE(SWIFTGS_BLENDING "lossless bounds draw the same bits of any splats", B,
+TEST_CASE_TEMPLATE(SWIFTGS_BLENDING "conservative bounds draw the same bits of any splats", B,
                    SWIFTGS_BLENDING_BACKENDS) {
   if (unavailable_backend<B>()) return;
   B backend = test::make_backend<B>();
@@ -368,7 +368,7 @@ TEST_CASE_TEMPLATE(SWIFTGS_BLENDING "lossless bounds draw the same bits of any s
       const Frame box = draw<Raster>(backend, splats, width, height).frame;
       for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
         CAPTURE(Bounds::name);
-        if constexpr (Bounds::lossless && !std::is_same_v<Bounds, OpacityBox>)
+        if constexpr (Bounds::conservative && !std::is_same_v<Bounds, OpacityBox>)
           CHECK(same_planes(draw<Raster, Bounds>(backend, splats, width, height).frame, box));
       });
     });
@@ -385,7 +385,7 @@ TEST_CASE_TEMPLATE(SWIFTGS_BLENDING "tiles of any side give the same bits", B, S
       const Drawing drawn = draw<Raster>(backend, splats, 200, 150, {}, side);
       CHECK(same_planes(drawn.frame, usual.frame));
       CHECK(drawn.counts.contributing_pairs == usual.counts.contributing_pairs);
-      CHECK(drawn.counts.instances_visited >= usual.counts.instances_visited);
+      CHECK(drawn.counts.intersections_visited >= usual.counts.intersections_visited);
       CHECK(
           same_bits(draw<Raster>(backend, splats, 200, 150, lean(), side).frame.colour, usual.frame.colour));
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Footprints: which tiles a splat may touch, found once and walked where instances are emitted, whatever the
-// bounds say then.
+// Footprints: which tiles a splat may touch, found once and traversed where intersections are emitted,
+// whatever the bounds say then.
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -33,15 +33,15 @@ void check_footprints_on(B& backend) {
       const FootprintsView found = binned.footprints.view();
       REQUIRE(found.each.size == splats.shapes.size());
       CHECK(found.views.tiles == tiles_of_frame(binned.view));
-      std::uint64_t instances = 0, other = 0;
+      std::uint64_t intersections = 0, other = 0;
       for (std::size_t i = 0; i < found.each.size; ++i) {
         const Footprint expected = find_footprint(bounds, splats.shapes[i], grid);
         other += found.each[i].mask != expected.mask || found.each[i].count != expected.count ||
                  (expected.count != 0 && found.each[i].first != expected.first);
-        instances += expected.count;
+        intersections += expected.count;
       }
       CHECK(other == 0);
-      CHECK(found.instances.most == instances);
+      CHECK(found.intersections.most == intersections);
     });
 }
 
@@ -65,15 +65,15 @@ void check_footprints_of_views_on(B& backend) {
       bin(backend, plan_without_scene({views, 2}), bounds, splats, footprints);
       const FootprintsView found = footprints.view();
       REQUIRE(found.each.size == set.shapes.size());
-      std::uint64_t instances = 0, other = 0, in_part = 0;
+      std::uint64_t intersections = 0, other = 0, in_part = 0;
       for (std::size_t i = 0; i < found.each.size; ++i) {
         const Footprint expected = find_footprint(bounds, set.shapes[i], views[i / 7 % 2].grid);
         other += found.each[i].mask != expected.mask || found.each[i].count != expected.count ||
                  (expected.count != 0 && found.each[i].first != expected.first);
-        instances += expected.count, in_part += i / 7 % 2 != 0 && expected.count != 0;
+        intersections += expected.count, in_part += i / 7 % 2 != 0 && expected.count != 0;
       }
       CHECK(other == 0);
-      CHECK(found.instances.most == instances);
+      CHECK(found.intersections.most == intersections);
       CHECK(in_part > 300);
     });
 }
@@ -96,15 +96,15 @@ TEST_CASE("footprints: every vector target finds those of the scalar bounds") {
   }
 }
 
-TEST_CASE("footprints: a walk names the tiles of the bounds once each and in order") {
+TEST_CASE("footprints: a traversal names the tiles of the bounds once each and in order") {
   const SplatSet splats = random_splats(2000, 700, 500, 4);
   const TileGrid grid = TileGrid::covering(700, 500);
   std::size_t large = 0;
   for (const SplatShape& shape : splats.shapes) {
     const Footprint footprint = find_footprint(Ellipse(), shape, grid);
     large += footprint.mask == 0 && footprint.count != 0;
-    std::vector<std::uint32_t> walked, expected;
-    for_each_tile(footprint, Ellipse(), shape, grid, [&](std::uint32_t tile) { walked.push_back(tile); });
+    std::vector<std::uint32_t> traversed, expected;
+    for_each_tile(footprint, Ellipse(), shape, grid, [&](std::uint32_t tile) { traversed.push_back(tile); });
     const auto tiles = Ellipse().tiles(shape, grid);
     const TileRect& rect = tiles.rect;
     for (int row = rect.rows.begin; row < rect.rows.end && rect.columns.size() > 0; ++row) {
@@ -112,21 +112,21 @@ TEST_CASE("footprints: a walk names the tiles of the bounds once each and in ord
       for (int column = run.begin; column < run.end; ++column)
         expected.push_back(std::uint32_t(row * grid.columns.size() + column));
     }
-    REQUIRE(walked == expected);
+    REQUIRE(traversed == expected);
   }
   CHECK(large > 50);
 }
 
-TEST_CASE_TEMPLATE("footprints: those that say another number of instances are refused", B,
+TEST_CASE_TEMPLATE("footprints: those that say another number of intersections are refused", B,
                    SWIFTGS_TEST_HOSTS) {
   B backend = make_backend<B>();
   const SplatSet splats = random_splats(20, 64, 48, 1);
   const Binned<B, Ellipse> binned(backend, splats.job(64, 48), Ellipse{});
   SortJob job = binned.job();
-  const std::string sum = std::to_string(job.footprints.instances.most);
-  job.footprints.instances = 1;
+  const std::string sum = std::to_string(job.footprints.intersections.most);
+  job.footprints.intersections = 1;
   const std::string expected =
-      "sort: the footprints hold " + sum + " instances, expected those that they say, 1";
+      "sort: the footprints hold " + sum + " intersections, expected those that they say, 1";
   const auto check = [&]<class Sort>(Sort sort) {
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;
@@ -158,7 +158,7 @@ namespace {
 /// a compiler may make of rounding that it is free to choose.
 struct Fickle {
   static constexpr std::string_view name = "fickle";
-  static constexpr bool lossless = false;
+  static constexpr bool conservative = false;
   static inline int when_counted = 0, when_emitted = 0;
   static inline std::size_t rows_to_count = 0;  ///< calls of `row` that still count
 
@@ -194,7 +194,7 @@ TEST_CASE_TEMPLATE(
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;
     build_again<Fickle>(backend, sort, job, scratch, lists);
-    CHECK(lists.instances == std::size_t(20 * counted * job.grid.rows.size()));
+    CHECK(lists.intersections == std::size_t(20 * counted * job.grid.rows.size()));
 
     // Every list holds splats that there are, none of them twice, and each is listed as often as it was
     // counted.
@@ -203,7 +203,7 @@ TEST_CASE_TEMPLATE(
     for (std::uint32_t tile = 0; tile < tiles; ++tile) {
       const TileRange range = lists.view().ranges[tile];
       REQUIRE(range.begin <= range.end);
-      REQUIRE(range.end <= lists.instances);
+      REQUIRE(range.end <= lists.intersections);
       listed += range.end - range.begin;
       const std::vector<std::size_t> before = seen;
       for (std::uint32_t at = range.begin; at < range.end; ++at) {
@@ -212,7 +212,7 @@ TEST_CASE_TEMPLATE(
       }
       for (std::size_t id = 0; id < seen.size(); ++id) CHECK(seen[id] <= before[id] + 1);
     }
-    CHECK(listed == lists.instances);
+    CHECK(listed == lists.intersections);
     for (const std::size_t times : seen) CHECK(times == std::size_t(counted * job.grid.rows.size()));
   };
   for (const int counted : {0, 1, 3, 10})

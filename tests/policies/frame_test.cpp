@@ -177,14 +177,14 @@ TEST_CASE_TEMPLATE("frame: a surface that hides nothing changes no bit and one b
     const RenderSettings settings = settings_with(vec3(0.1f, 0.2f, 0.3f));
     const Frame empty = renderer.render(renderer.backend().upload(Scene()), camera, settings);
     const Frame alone = renderer.render(scene, camera, settings);
-    const SquareCounts counts = renderer.statistics().raster;
+    const RasterCounts counts = renderer.statistics().raster;
     for (const float nowhere : {infinity, not_a_number, 1e20f}) {
       CAPTURE(nowhere);
       CHECK(same_planes(render_before(renderer, scene.view(), camera, nowhere), alone));
-      const SquareCounts again = renderer.statistics().raster;
+      const RasterCounts again = renderer.statistics().raster;
       CHECK(again.contributing_pairs == counts.contributing_pairs);
       CHECK(again.pixels_stopped == counts.pixels_stopped);
-      if (on_host<B>) CHECK(again.instances_visited == counts.instances_visited);
+      if (on_host<B>) CHECK(again.intersections_visited == counts.intersections_visited);
     }
     for (const float everywhere : {0.0f, -0.0f, -3.0f, -infinity}) {
       CAPTURE(everywhere);
@@ -216,7 +216,7 @@ TEST_CASE_TEMPLATE("frame: a surface in the middle leaves the image of the Gauss
     const Frame frame = render_before(renderer, scene.view(), camera, depth);
     CHECK(same_planes(frame, expected));
     check_near(renderer, frame, reference);
-    const SquareCounts counts = renderer.statistics().raster;
+    const RasterCounts counts = renderer.statistics().raster;
     CHECK(double(counts.contributing_pairs) ==
           doctest::Approx(double(reference.contributing_pairs)).epsilon(on_host<B> ? 1e-2 : 3e-2));
     CHECK(double(counts.pixels_stopped) ==
@@ -267,16 +267,16 @@ TEST_CASE_TEMPLATE("frame: a surface at the depth of a splat hides it", B, SWIFT
   const auto occluder = to_backend(backend, std::vector<float>(32 * 16, 4.0f));
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    auto counts = to_backend(backend, std::vector<SquareCounts>(2));
+    auto counts = to_backend(backend, std::vector<RasterCounts>(2));
     const View view =
         view_into({.width = 32, .height = 16, .occluder = {occluder.data(), 32 * sizeof(float)}});
     rasterize(backend, Raster{},
               RasterJob{placed.view(), placed.colours_view(), lists.view(), {&view, 1}, counts.data()});
-    for (const SquareCounts& square : to_host(backend, std::as_const(counts).span())) {
-      CHECK(square.contributing_pairs == 3 * 256);
-      CHECK(square.pixels_stopped == 256);
-      CHECK(square.instances_visited >= 4);
-      if (on_host<B>) CHECK(square.instances_visited <= 64);  // a backend may look at lists in batches
+    for (const RasterCounts& block : to_host(backend, std::as_const(counts).span())) {
+      CHECK(block.contributing_pairs == 3 * 256);
+      CHECK(block.pixels_stopped == 256);
+      CHECK(block.intersections_visited >= 4);
+      if (on_host<B>) CHECK(block.intersections_visited <= 64);  // a backend may look at lists in batches
     }
   });
 }

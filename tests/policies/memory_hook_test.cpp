@@ -282,7 +282,7 @@ TEST_CASE_TEMPLATE("trim: gives all memory back and the next frame has the same 
     renderer.trim();
     CHECK(memory.in_use() == 0);
     CHECK(all_of(renderer.memory()) == 0);
-    CHECK(renderer.statistics().instances == statistics.instances);
+    CHECK(renderer.statistics().intersections == statistics.intersections);
     if constexpr (on_host<B>) {
       CHECK(renderer.statistics().raster.contributing_pairs == 0);
       CHECK(renderer.splats().view().size() == 0);
@@ -348,7 +348,7 @@ Capacity most_of(BoundRenderer<B>& renderer, const SceneView& scene, int frames,
     renderer.render_into(scene, images.span());
     const Statistics taken = renderer.statistics();
     most.splats = std::max(most.splats, taken.visible);
-    most.instances = std::max(most.instances, taken.instances);
+    most.intersections = std::max(most.intersections, taken.intersections);
   }
   return most;
 }
@@ -366,11 +366,11 @@ void record_without_calls(int threads, std::size_t gaussians, int views, std::si
   const Capacity most = most_of(other, scene.view(), frames, views);
   Images<B> expected(cameras_of(0, views)), images(cameras_of(0, views));
   other.render_into(scene.view(), expected.span());
-  CHECK(other.statistics().instances + 100 < most.instances);  // later frames take more
+  CHECK(other.statistics().intersections + 100 < most.intersections);  // later frames take more
   CHECK(other.statistics().visible < most.splats);
 
   Report<B> memory_of_report;
-  renderer.reserve(scene.view(), images.span(), {most.splats + spare, most.instances + spare});
+  renderer.reserve(scene.view(), images.span(), {most.splats + spare, most.intersections + spare});
   const std::size_t calls = memory.calls();
   for (int i = 0; i < frames; ++i) {
     CAPTURE(i);
@@ -384,7 +384,7 @@ void record_without_calls(int threads, std::size_t gaussians, int views, std::si
     const FrameReport report = memory_of_report.get(renderer.backend());
     CHECK(report.overflowed == 0);
     CHECK(report.visible == other.statistics().visible);
-    CHECK(report.instances == other.statistics().instances);
+    CHECK(report.intersections == other.statistics().intersections);
     CHECK((drawn.drawn(renderer.backend()) == wanted.drawn(other.backend())));
   }
   renderer.set_views(images.span());
@@ -422,8 +422,8 @@ TEST_CASE_TEMPLATE("record: never calls the hook after reserve", T, SWIFTGS_CASE
   }
 }
 
-TEST_CASE_TEMPLATE("record: a frame without enough room draws nothing and one with just enough is drawn", T,
-                   SWIFTGS_CASES) {
+TEST_CASE_TEMPLATE("record: a frame without enough capacity draws nothing and one with just enough is drawn",
+                   T, SWIFTGS_CASES) {
   using B = typename T::Backend;
   if (unavailable_backend<B>()) return;
   Hooked<B> memory;
@@ -448,19 +448,19 @@ TEST_CASE_TEMPLATE("record: a frame without enough room draws nothing and one wi
         CHECK((images.drawn(renderer.backend()) == expected.drawn(other.backend())));
       else
         CHECK(images.untouched(renderer.backend()));
-      return found.instances;
+      return found.intersections;
     };
-    record({taken.visible - 1, taken.instances}, false);
-    CHECK(record({taken.visible, taken.instances - 1}, false) == taken.instances);
-    CHECK(record({taken.visible, taken.instances}, true) == taken.instances);
+    record({taken.visible - 1, taken.intersections}, false);
+    CHECK(record({taken.visible, taken.intersections - 1}, false) == taken.intersections);
+    CHECK(record({taken.visible, taken.intersections}, true) == taken.intersections);
     record({1, 1}, false);
-    CHECK(record({}, true) == taken.instances);  // measured
+    CHECK(record({}, true) == taken.intersections);  // measured
     if (!on_host<B>) continue;
-    CHECK(record({taken.visible, 0}, true) == taken.instances);
-    CHECK(record({0, taken.instances}, true) == taken.instances);
+    CHECK(record({taken.visible, 0}, true) == taken.intersections);
+    CHECK(record({0, taken.intersections}, true) == taken.intersections);
     // No more than can ever be shown is taken.
     const std::size_t most = std::numeric_limits<std::size_t>::max();
-    record({most, taken.instances}, true);
+    record({most, taken.intersections}, true);
   }
 }
 
@@ -644,7 +644,7 @@ TEST_CASE_TEMPLATE("memory hook: statistics tell of the last frame that no refus
     const Statistics after = renderer.statistics();
     CHECK((after.gaussians == before.gaussians) == refused);
     CHECK((after.visible == before.visible) == refused);
-    CHECK((after.instances == before.instances) == refused);
+    CHECK((after.intersections == before.intersections) == refused);
     CHECK((after.raster.contributing_pairs == 0) == refused);  // their memory may be gone
     CHECK(std::isnan(renderer.times().total) == refused);
   }

@@ -169,10 +169,10 @@ TEST_CASE("no needless work: only as many key bits are sorted as tell the tiles 
   const SplatSet splats = random_splats(10, 640, 480, 3);
   RecordingBackend backend;
   const SortInput job = splats.job(640, 480);  // 1,200 tiles: 11 bits
-  const std::size_t instances = build_lists<StandardSort, Ellipse>(backend, job).instances;
+  const std::size_t intersections = build_lists<StandardSort, Ellipse>(backend, job).intersections;
   build_lists<EarlySort, Ellipse>(backend, job);
   build_lists<StandardSort, Ellipse>(backend, splats.job(16, 16));
-  const std::string pairs = std::to_string(instances) + " pairs, ";
+  const std::string pairs = std::to_string(intersections) + " pairs, ";
   CHECK(backend.calls[0] == "64-bit keys, " + pairs + "42 bits");
   CHECK(backend.calls[1] == "32-bit keys, 10 pairs, 31 bits");
   CHECK(backend.calls[2] == "32-bit keys, " + pairs + "11 bits");
@@ -190,15 +190,15 @@ TEST_CASE_TEMPLATE("no needless work: tiles without splats cost nothing but the 
     CAPTURE(Raster::name);
     Frame frame;
     const View view = view_into(prepare(frame, 96, 64, {}), {.background = vec3(2)});
-    std::vector<SquareCounts> counts(Squares(tiles_of_frame(view)).size(), {9, 9, 9, 9});
+    std::vector<RasterCounts> counts(RasterBlocks(tiles_of_frame(view)).size(), {9, 9, 9, 9});
     rasterize(backend, Raster{},
               RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts.data()});
-    for (std::size_t square = 0; square < counts.size(); ++square) {
-      CAPTURE(square);
-      const std::uint64_t one = square == 8;
-      CHECK(counts[square].instances_visited == one);
-      CHECK((counts[square].rows_visited > 0) == one);
-      CHECK((counts[square].contributing_pairs > 0) == one);
+    for (std::size_t block = 0; block < counts.size(); ++block) {
+      CAPTURE(block);
+      const std::uint64_t one = block == 8;
+      CHECK(counts[block].intersections_visited == one);
+      CHECK((counts[block].rows_visited > 0) == one);
+      CHECK((counts[block].contributing_pairs > 0) == one);
     }
     CHECK(frame.colour[0] == 2);
   });
@@ -210,11 +210,11 @@ TEST_CASE_TEMPLATE("no needless work: a tile stops when all its pixels have", B,
   for (int i = 0; i < 1000; ++i) splats.add(make_splat(8, 8, 500, 500, 0, 0.99), 1.0f + float(i));
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    const SquareCounts counts = draw<Raster>(backend, splats, 32, 16).counts;
+    const RasterCounts counts = draw<Raster>(backend, splats, 32, 16).counts;
     CHECK(counts.pixels_stopped == 32 * 16);
     // Two splats fill a pixel and the third ends it; a backend may look at lists in batches.
-    CHECK(counts.instances_visited >= 2 * 3);
-    CHECK(counts.instances_visited <= 2 * 64);
+    CHECK(counts.intersections_visited >= 2 * 3);
+    CHECK(counts.intersections_visited <= 2 * 64);
     CHECK(counts.contributing_pairs < 32 * 16 * 3);
   });
 }
@@ -226,8 +226,8 @@ TEST_CASE_TEMPLATE("no needless work: rows outside a splat's extent are not visi
   splats.add(make_splat(8.5, 8.5, 1, 1, 0, 1), 1);
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    const SquareCounts counts = draw<Raster>(backend, splats, 16, 16).counts;
-    CHECK(counts.instances_visited == 1);
+    const RasterCounts counts = draw<Raster>(backend, splats, 16, 16).counts;
+    CHECK(counts.intersections_visited == 1);
     CHECK(counts.rows_visited == 7);
     CHECK(counts.contributing_pairs == 37);  // pixels whose distance from the centre is at most 3.33
   });
@@ -248,17 +248,18 @@ TEST_CASE_TEMPLATE("no needless work: outputs that are not asked for are not the
   CHECK(renderer.statistics().raster.contributing_pairs == 0);  // not asked for either
 }
 
-// The balanced time of a raster stage: how long its squares took, divided by the threads that run at once.
+// The balanced time of a raster stage: how long its raster blocks took, divided by the threads that run at
+// once.
 namespace {
 
 /// Balanced time over raster time, largest of some frames: a thread that is kept from running between two
-/// squares makes it less.
+/// raster blocks makes it less.
 template <class Raster, class B>
 double evenness(B& backend, const SplatSet& splats, int width, int height) {
   const TileLists<B> lists = build_lists<EarlySort, Ellipse>(backend, splats.job(width, height));
   Frame frame;
   const View view = view_into(prepare(frame, width, height, {}));
-  std::vector<SquareCounts> counts(Squares(tiles_of_frame(view)).size());
+  std::vector<RasterCounts> counts(RasterBlocks(tiles_of_frame(view)).size());
   double largest = 0;
   for (int i = 0; i < 5; ++i) {
     const auto begin = backend.now();
@@ -266,7 +267,7 @@ double evenness(B& backend, const SplatSet& splats, int width, int height) {
               RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts.data()});
     const double raster = backend.milliseconds(begin, backend.now()).value();
     Statistics statistics;
-    for (const SquareCounts& square : counts) statistics.raster += square;
+    for (const RasterCounts& block : counts) statistics.raster += block;
     CHECK(statistics.balanced_ms() <= raster);
     largest = std::max(largest, statistics.balanced_ms() / raster);
   }
@@ -285,7 +286,7 @@ TEST_CASE_TEMPLATE("balance: one thread at least is at work throughout and all o
   });
 }
 
-TEST_CASE_TEMPLATE("balance: one square has one thread at work", B, SWIFTGS_TEST_HOSTS) {
+TEST_CASE_TEMPLATE("balance: one raster block has one thread at work", B, SWIFTGS_TEST_HOSTS) {
   B backend = make_backend<B>();
   const SplatSet splats = faint_splats(2000, 16, 16);
   for_each_raster([&]<class Raster>(Raster) {

@@ -41,7 +41,7 @@ inline DrawSettings lean(DrawSettings settings = {}) {
 /// A frame with what rasterizing it took.
 struct Drawing {
   Frame frame;
-  SquareCounts counts;
+  RasterCounts counts;
 
   float alpha(int x, int y) const {
     return frame.alpha[std::size_t(y) * std::size_t(frame.width) + std::size_t(x)];
@@ -55,7 +55,7 @@ struct Drawing {
   }
 };
 
-/// Faint splats all over an image: no pixel stops, and every square takes long.
+/// Faint splats all over an image: no pixel stops, and every raster block takes long.
 inline SplatSet faint_splats(std::size_t count, int width, int height) {
   Random random(count);
   SplatSet splats;
@@ -117,7 +117,7 @@ Drawing draw(B& backend, const SplatSet& splats, int width, int height, const Dr
   const TileLists<B> lists = build_lists<StandardSort, Bounds>(backend, placed.job(width, height, tile_side));
   PlanesOn<B> planes(backend, width, height, settings.outputs);
   const View view = view_into(planes.view(), settings, tile_side);
-  auto counts = to_backend(backend, std::vector<SquareCounts>(Squares(tiles_of_frame(view)).size()));
+  auto counts = to_backend(backend, std::vector<RasterCounts>(RasterBlocks(tiles_of_frame(view)).size()));
   rasterize(backend, Raster{},
             RasterJob{placed.view(),
                       placed.colours_view(),
@@ -125,7 +125,7 @@ Drawing draw(B& backend, const SplatSet& splats, int width, int height, const Dr
                       {&view, 1},
                       settings.count ? counts.data() : nullptr});
   Drawing drawing{planes.on_host(backend), {}};
-  for (const SquareCounts& square : to_host(backend, std::as_const(counts).span())) drawing.counts += square;
+  for (const RasterCounts& block : to_host(backend, std::as_const(counts).span())) drawing.counts += block;
   return drawing;
 }
 

@@ -48,18 +48,18 @@ struct Sorts {
       CAPTURE(sort.name);
       sort.build(backend, binned.job(), Bounds{}, scratch, lists);
       CHECK(host_lists(backend, lists) == expected);
-      CHECK(lists.instances == expected.ids.size());
+      CHECK(lists.intersections == expected.ids.size());
       CHECK(lists.tiles == input.grid.size());
     });
     return expected;
   }
-  /// The same within all bounds. Returns the instances of the last.
+  /// The same within all bounds. Returns the intersections of the last.
   std::size_t check(const SplatSet& splats, int width, int height) {
-    std::size_t instances = 0;
+    std::size_t intersections = 0;
     for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
-      instances = check_within<Bounds>(splats, width, height).ids.size();
+      intersections = check_within<Bounds>(splats, width, height).ids.size();
     });
-    return instances;
+    return intersections;
   }
 };
 
@@ -70,7 +70,7 @@ SplatShape giant() { return make_splat(30'000, 30'000, 1e6, 1e6, 0, 1); }
 /// Bounds that no backend knows: the even rows of the box.
 struct EvenRows {
   static constexpr std::string_view name = "even-rows";
-  static constexpr bool lossless = false;
+  static constexpr bool conservative = false;
   struct Tiles {
     TileRect rect;
     TileRun row(int row) const { return row % 2 ? TileRun{} : rect.columns; }
@@ -260,11 +260,11 @@ TEST_CASE_TEMPLATE("sort: splats of every number of tiles a side are listed wher
   CHECK(Sorts<B>().check(splats, 1000, 700) > 10'000);
 }
 
-TEST_CASE_TEMPLATE("sort: more instances than there can be are refused before memory is taken", B,
+TEST_CASE_TEMPLATE("sort: more intersections than there can be are refused before memory is taken", B,
                    SWIFTGS_TEST_BACKENDS) {
   if (unavailable_backend<B>()) return;
   Sorts<B> sorts;
-  // The largest image has 2^24 tiles: 129 splats that fill it are 2^24 instances too many.
+  // The largest image has 2^24 tiles: 129 splats that fill it are 2^24 intersections too many.
   SplatSet splats;
   for (int i = 0; i < 129; ++i) splats.add(giant(), 1);
   const SplatsOn<B> placed(sorts.backend, splats);
@@ -273,7 +273,8 @@ TEST_CASE_TEMPLATE("sort: more instances than there can be are refused before me
   sorts.for_each([&](auto& sort, auto& scratch) {
     CAPTURE(sort.name);
     CHECK_THROWS_WITH_AS(build_again<OpacityBox>(sorts.backend, sort, job, scratch, sorts.lists),
-                         "instances in one frame: 2164260864 needed, the limit is 2147483648", CapacityError);
+                         "intersections in one frame: 2164260864 needed, the limit is 2147483648",
+                         CapacityError);
     CHECK(sorts.lists.ids.capacity() == 0);
   });
   sorts.check(random_splats(50, 60, 40, 7), 60, 40);
