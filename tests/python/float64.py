@@ -53,14 +53,35 @@ def plane(at, model="perspective", radial=(), rational=(), tangential=(), prism=
                      v * grown + p0 * (rr + 2 * v * v) + 2 * p1 * u * v + s1 * rr], axis=-1)
 
 
+def derivatives(at, lens):
+    """[N, 2, 3] of `plane` by the point of camera space."""
+    step = 1e-6 * np.linalg.norm(at, axis=1)[:, None]
+    return np.stack([(plane(at + step * axis, **lens) - plane(at - step * axis, **lens)) / (2 * step)
+                     for axis in np.eye(3)], axis=-1)
+
+
+def shown_tangents(K, width, height, lens):
+    """Least and largest tangents along both axes that the border of the image shows, for mild distortion."""
+    t = np.linspace(0, 1, 65)
+    border = np.concatenate([np.stack(side, axis=-1) for side in (
+        (t, 0 * t), (t, 0 * t + 1), (0 * t, t), (0 * t + 1, t))]) * (width, height)
+    wanted = (border - (K[0, 2], K[1, 2])) / (K[0, 0], K[1, 1])
+    found = wanted.copy()
+    for _ in range(200):
+        found += 0.5 * (wanted - plane(np.column_stack([found, np.ones(len(found))]), **lens))
+    assert np.abs(wanted - plane(np.column_stack([found, np.ones(len(found))]), **lens)).max() < 1e-12
+    return found.min(axis=0), found.max(axis=0)
+
+
 def render(means, quats, scales, opacities, sh, viewmat, K, width, height, lens=None):
-    """[height, width, 3] in float64, on black. `lens` are arguments of `plane`, whose derivatives are taken where each
-    Gaussian is: tangents are cut for pinholes alone."""
+    """[height, width, 3] in float64, on black. `lens` are arguments of `plane`."""
     means, quats, scales, opacities, sh, viewmat, K = (
         np.asarray(a, np.float64) for a in (means, quats, scales, opacities, sh, viewmat, K))
     turn, move = viewmat[:3, :3], viewmat[:3, 3]
     at = means @ turn.T + move
     seen = (at[:, 2] >= NEAR) & (opacities >= ALPHA_MIN)
+    if lens and lens.get("model", "perspective") == "perspective":
+        seen[seen] = np.linalg.det(derivatives(at[seen], lens)[:, :, :2]) > 0  # the rest lies beyond the fold-over
     means, quats, scales, opacities, sh, at = (a[seen] for a in (means, quats, scales, opacities, sh, at))
 
     # Covariances in the image: J W R S S R' W' J', with x/z and y/z cut where they lie far beside the image.
@@ -79,9 +100,13 @@ def render(means, quats, scales, opacities, sh, viewmat, K, width, height, lens=
     jacobian = np.stack([fx / depth, zero, -fx * cut[0] / depth, zero, fy / depth, -fy * cut[1] / depth],
                         axis=-1).reshape(-1, 2, 3)
     if lens:
-        step = 1e-6 * np.linalg.norm(at, axis=1)[:, None]
-        jacobian = np.stack([(plane(at + step * axis, **lens) - plane(at - step * axis, **lens)) * (fx, fy) / (2 * step)
-                             for axis in np.eye(3)], axis=-1)
+        where = at
+        if lens.get("model", "perspective") == "perspective":
+            least, most = shown_tangents(K, width, height, lens)
+            beyond = MARGIN * 0.5 * (most - least)
+            tangents = np.clip(at[:, :2] / depth[:, None], least - beyond, most + beyond)
+            where = np.column_stack([tangents, np.ones(len(at))]) * depth[:, None]
+        jacobian = derivatives(where, lens) * np.array([fx, fy])[:, None]
     half = jacobian @ turn @ (rotation * scales[:, None, :])
     a, b, c = (half[:, 0] ** 2).sum(1) + BLUR, (half[:, 0] * half[:, 1]).sum(1), (half[:, 1] ** 2).sum(1) + BLUR
     determinant = a * c - b * b
