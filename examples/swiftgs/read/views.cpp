@@ -82,7 +82,6 @@ std::size_t checksum_of(const std::vector<Camera>& cameras) {
   for (const Camera& camera : cameras) {
     pack(packed, camera.rotation), pack(packed, camera.translation), pack(packed, camera.name);
     for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy}) pack(packed, value);
-    pack(packed, camera.lens.model), pack(packed, camera.lens.distortion);
     pack(packed, camera.width), pack(packed, camera.height);
     pack(packed, camera.lens.model), pack(packed, camera.lens.distortion);
   }
