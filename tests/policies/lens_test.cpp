@@ -15,6 +15,7 @@
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
 
+#include "policies/backends.hpp"
 #include "policies/views.hpp"
 
 using namespace swiftgs;
