@@ -41,30 +41,26 @@ struct Camera {
   }
 };
 
-/// Largest image side @units{pixels}.
-inline constexpr int max_image_side = 1 << 16;
-
 /// Valid focal lengths, and the largest distance of the principal point from the image's corner. Numbers
 /// beyond these would leave the range of float. @units{pixels}
 inline constexpr double min_focal_length = 1e-6, max_focal_length = 1e12, max_principal_point = 1e9;
 
+/// Largest image side @units{pixels}.
+inline constexpr int max_image_side = 1 << 16;
+
 /// Pixels of a full turn, of a camera whose lens is equirectangular.
 inline double turn_of(const Camera& camera) { return 6.283185307179586 * camera.fx; }
 
-/// Columns of an image. @units{pixels}
-struct Columns {
-  int begin = 0, end = 0;
-  int size() const { return end - begin; }
-};
-
-/// Width of the parts in which `shown`, columns of a panorama, is drawn; 0 where it is one part. Each part
-/// shows the copy of a splat that is nearest to the part's middle, so a splat that reaches less than 7/16 of
-/// a turn to each side has no seam; what reaches further lies about a pole.
-inline int panorama_part(const Camera& camera, Columns shown) {
-  constexpr int step = 32;  // a multiple of the sides of tiles
+/// Width of the parts in which a panorama is drawn, counted from its column 0: an eighth of a turn, rounded
+/// up to whole blocks of pixels; 0 for other lenses, and where an eighth is wider than any image. Each part
+/// shows the copy of a splat that is nearest to the part's middle, so a splat that reaches less than half a
+/// turn less half a part to each side has no seam. What reaches further lies about a pole.
+inline int panorama_part(const Camera& camera) {
   if (camera.lens.model != LensModel::equirectangular) return 0;
-  const int eighth = int(std::ceil(turn_of(camera) / (8 * step))) * step;
-  return shown.size() > eighth ? eighth : 0;
+  const double eighth = turn_of(camera) / 8 * (1 - 1e-12);
+  if (eighth > max_image_side) return 0;
+  const int step = eighth > 64 ? 32 : 16;  // whole tiles, coarse ones in images that may have them
+  return int(std::ceil(eighth / step)) * step;
 }
 
 /// Throws `std::invalid_argument` that names the first invalid member.

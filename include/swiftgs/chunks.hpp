@@ -149,10 +149,12 @@ class ChunkCuller {
     // Slack of projection is 2e-4 of both half sizes, and heights are at most fy / fx times widths.
     const double slack = 4e-4 * k * double(chunk.size) * (v.fx + v.fy) / nearest;
     const double margin = 0.03 + 1.002 * k * std::sqrt(double(v.blur)) + slack + 1e-6 * v.fx;
-    const double turn = 6.283185307179586 * v.fx, middle = 0.5 * (double(v.left) + v.right);
-    const double x = v.fx * std::atan2(at[0], at[1]) + v.cx - middle;
+    const double turn = 6.283185307179586 * v.fx;
+    const double x = v.fx * std::atan2(at[0], at[1]) + v.cx - v.panorama_middle;
     const double off = std::fabs(x - turn * std::round(x / turn));
-    return off - reach - margin > 0.5 * (double(v.right) - v.left);
+    const double shown =
+        std::fmax(std::fabs(v.left - v.panorama_middle), std::fabs(v.right - v.panorama_middle));
+    return off - reach - margin > shown;
   }
 
   /// Largest length of W_row - t W2 for t between `low` and `high`: that of an end.

@@ -204,7 +204,7 @@ class Contributions {
     return sums;
   }
 
-  /// Number of visible Gaussians in the last added view.
+  /// Number of splats in the last added view: a Gaussian has one in each part of a panorama that shows it.
   std::size_t visible() const { return stages_.splats().count; }
 
  private:

@@ -23,8 +23,8 @@ struct Frame {
   int width = 0, height = 0;
   std::vector<float> colour;  ///< @shape{height, width, 3} RGB in the scene's own values, not clamped above
   std::vector<float> alpha;   ///< @shape{height, width} 1 - transmittance
-  std::vector<float>
-      depth;  ///< @shape{height, width} mean camera-space z, weighted by contribution; 0 where alpha is 0
+  std::vector<float> depth;   ///< @shape{height, width} mean depth (`Conventions::depth`), weighted by
+                              ///< contribution; 0 where alpha is 0
 
   std::size_t pixels() const { return std::size_t(width) * height; }
 };
@@ -87,8 +87,8 @@ struct FrameView {
   Plane<float> alpha{};  ///< 1 - transmittance
   Plane<float> depth{};  ///< as `Frame::depth`
 
-  /// The caller's own depth buffer, camera-space z: a splat at a pixel's `occluder` or behind it is not
-  /// blended. Infinity hides nothing.
+  /// The caller's own depth buffer, measured as `Conventions::depth` has it: a splat at a pixel's `occluder`
+  /// or behind it is not blended. Infinity hides nothing.
   Plane<const float> occluder{};
 
   /// Show the image that `colour` already holds, instead of the background, behind the splats.

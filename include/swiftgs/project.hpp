@@ -225,11 +225,11 @@ SWIFTGS_HD SWIFTGS_NOINLINE inline ProjectedShape project_through_lens(const Vie
   const LensPoint seen = point_through(v.lens, v.limits, dvec3(p[0], p[1], p[2]));
   if (!seen.inside) return {};
 
-  // A full turn of a panorama is `turn` pixels: show the splat where the part of the image is.
+  // A full turn of a panorama is `turn` pixels: take the copy of the splat that is nearest to its part.
   double x = std::fma(v.fx, seen.u, v.cx);
   if (v.lens.model == LensModel::equirectangular) {
-    const double turn = 6.283185307179586 * v.fx, middle = 0.5 * (double(v.left) + v.right);
-    x -= turn * std::round((x - middle) / turn);
+    const double turn = 6.283185307179586 * v.fx;
+    x -= turn * std::round((x - v.panorama_middle) / turn);
   }
   const vec2 mean(float(x), float(std::fma(v.fy, seen.v, v.cy)));
   const auto by_world = [&](const dvec3& by_camera, double pixels) {

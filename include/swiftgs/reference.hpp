@@ -3,7 +3,7 @@
 
 /// @file
 /// The float64 renderer that judges every other renderer. It follows `Conventions`, approximates nothing
-/// beyond them, and shares no arithmetic with the renderers that it judges.
+/// beyond them, and shares no arithmetic with the renderers that it judges but the limits of lenses.
 
 #include <algorithm>
 #include <atomic>
@@ -30,7 +30,7 @@ struct ReferenceFrame {
   int width = 0, height = 0;
   std::vector<double> colour;  ///< @shape{height, width, 3} RGB, the scene's own values, not clamped above
   std::vector<double> alpha;   ///< @shape{height, width} 1 - transmittance
-  std::vector<double> depth;   ///< @shape{height, width} mean camera-space z, weighted by contribution; 0
+  std::vector<double> depth;   ///< @shape{height, width} mean depth, weighted by contribution; 0
                                ///< where nothing contributes
   std::uint64_t visible = 0;   ///< Gaussians that contribute to at least one pixel
   std::uint64_t contributing_pairs = 0;  ///< contributions of a Gaussian to a pixel

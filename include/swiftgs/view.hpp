@@ -39,7 +39,7 @@ struct View {
   vec3 background{0};  ///< RGB in the scene's own values
   TileGrid grid{};     ///< covers `frame`
   FrameView frame{};
-  int panorama_part = 0;  ///< columns of each view in which a frame draws it; 0: it is one
+  int panorama_part = 0;  ///< as of its camera: a frame draws a view that spans several parts as several
 
   /// Pixel of the image that is the first of `frame`.
   SWIFTGS_HD int left() const { return grid.columns.begin * grid.side; }
@@ -82,7 +82,9 @@ inline View make_view(const Camera& camera, const Conventions& conventions, cons
   view.grid.stride = std::uint32_t(view.grid.columns.size());
   view.camera.left = float(first.x), view.camera.right = float(first.x + frame.width);
   view.camera.top = float(first.y), view.camera.bottom = float(first.y + frame.height);
-  view.panorama_part = panorama_part(camera, {first.x, first.x + frame.width});
+  view.panorama_part = panorama_part(camera);
+  if (view.panorama_part > 0)
+    view.camera.panorama_middle = (first.x / view.panorama_part + 0.5) * view.panorama_part;
   return view;
 }
 

@@ -30,6 +30,7 @@ struct ViewConstants {
   bool antialiased;
   bool through_lens;       ///< not a pinhole whose depth is z, and so projected by `project_through_lens`
   bool depth_is_distance;  ///< rather than z
+  double panorama_middle;  ///< column whose nearest copy of a splat a panorama shows
   Lens lens;
   LensLimits limits;
 
@@ -97,6 +98,7 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
   v.depth_is_distance = depth_is_distance(camera.lens.model, conventions);
   v.through_lens = !camera.lens.is_pinhole() || v.depth_is_distance;
   if (v.through_lens) v.limits = lens_limits(camera, conventions);
+  v.panorama_middle = 0.5 * camera.width;
   return v;
 }
 

@@ -123,24 +123,39 @@ SWIFTGS_HD inline std::uint32_t view_of_tile(const View* views, std::uint32_t co
   return low;
 }
 
-/// Views as a frame draws them: a wide panorama is several, side by side in its memory.
+/// Views as a frame draws them: a panorama that spans several parts is several, side by side in its memory.
 class PanoramaParts {
  public:
-  /// `views` where none is wide; else copies, which hold until the next call.
+  /// `views` where none is cut; else copies, which hold until the next call. Throws `std::invalid_argument`
+  /// where tiles of a panorama do not cover it or are no divisor of its parts.
   Span<const View> of(Span<const View> views) {
-    const auto is_wide = [](const View& view) { return view.panorama_part > 0; };
-    if (std::none_of(views.begin(), views.end(), is_wide)) return views;
+    if (std::none_of(views.begin(), views.end(), is_cut)) return views;
     parts_.clear();
     for (const View& view : views) {
-      const int end = view.left() + view.frame.width,
-                width = is_wide(view) ? view.panorama_part : view.frame.width;
-      for (int begin = view.left(); begin < end; begin += width)
-        parts_.push_back(is_wide(view) ? columns_of(view, begin, std::min(begin + width, end)) : view);
+      if (!is_cut(view)) {
+        parts_.push_back(view);
+        continue;
+      }
+      const int width = view.panorama_part, end = view.left() + view.frame.width;
+      detail::check_tiles(view);
+      if (width % view.grid.side != 0)
+        detail::refuse("tiles: the side", std::size_t(view.grid.side),
+                       "a divisor of the " + std::to_string(width) + " columns of a panorama's part");
+      for (int begin = view.left(), next; begin < end; begin = next) {
+        next = std::min((begin / width + 1) * width, end);
+        parts_.push_back(columns_of(view, begin, next));
+      }
     }
     return {parts_.data(), parts_.size()};
   }
 
  private:
+  static bool is_cut(const View& view) {
+    const int width = view.panorama_part;
+    if (width == 0 || view.grid.side < 1) return false;  // `Views` refuses the latter
+    return view.left() / width != (view.left() + view.frame.width - 1) / width;
+  }
+
   static View columns_of(View view, int begin, int end) {
     FrameView& frame = view.frame;
     const std::ptrdiff_t skipped = begin - view.left();
@@ -150,7 +165,7 @@ class PanoramaParts {
     skip(frame.colour, bytes_per_pixel(frame.format));
     skip(frame.alpha, sizeof(float)), skip(frame.depth, sizeof(float)), skip(frame.occluder, sizeof(float));
     frame.width = end - begin;
-    view.panorama_part = 0;
+    view.camera.panorama_middle = (begin / view.panorama_part + 0.5) * view.panorama_part;
     view.camera.left = float(begin), view.camera.right = float(end);
     const int side = view.grid.side;
     view.grid.columns = {begin / side, (end + side - 1) / side};

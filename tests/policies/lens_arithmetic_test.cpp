@@ -3,7 +3,6 @@
 // Where lenses show points, with derivatives, limits and parts, against formulas in long double.
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <random>
 #include <stdexcept>
 #include <utility>
@@ -12,10 +11,12 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/camera.hpp>
+#include <swiftgs/chunks.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/lens/limits.hpp>
 #include <swiftgs/lens/point.hpp>
 #include <swiftgs/project.hpp>
+#include <swiftgs/view.hpp>
 #include <swiftgs/view_constants.hpp>
 
 using namespace swiftgs;
@@ -158,17 +159,48 @@ TEST_CASE("lens: undistorted points are where the distortion takes them from") {
     for (int i = 0; i < 200; ++i) {
       const double u = in(random), v = in(random);
       const lens::Distorted to = lens::distort(lens.distortion, u, v);
-      const std::optional<dvec3> back = lens::undistorted(lens.distortion, fold, to.u, to.v);
-      REQUIRE(back);
-      CHECK(back->x == doctest::Approx(u).epsilon(1e-10));
-      CHECK(back->y == doctest::Approx(v).epsilon(1e-10));
+      const lens::Undistorted back = lens::undistorted(lens.distortion, fold, to.u, to.v);
+      REQUIRE(back.found);
+      CHECK(back.u == doctest::Approx(u).epsilon(1e-10));
+      CHECK(back.v == doctest::Approx(v).epsilon(1e-10));
     }
   }
   // Beyond the largest radius that a barrel shows there is nothing to come from.
   const Distortion barrel{{-1.0 / 3, 0, 0, 0}, {}, {}, {}};
   CHECK(lens::fold_squared(barrel, 100) == doctest::Approx(1));
-  CHECK(lens::undistorted(barrel, 1, 0.66, 0));
-  CHECK_FALSE(lens::undistorted(barrel, 1, 0.67, 0));
+  CHECK(lens::undistorted(barrel, 1, 0.66, 0).found);
+  const lens::Undistorted beyond = lens::undistorted(barrel, 1, 0.67, 0);
+  CHECK_FALSE(beyond.found);
+  CHECK(beyond.u > 0.8);  // the last that was found on the way
+}
+
+TEST_CASE("lens: limits of tangents are those that the border shows, found by a dense search") {
+  Camera camera = camera_with({LensModel::perspective, {{-0.12, 0.03, -0.002, 0}, {}, {0.004, -0.003}, {}}});
+  camera.cx = 280;
+  Conventions conventions;
+  const LensLimits limits = lens_limits(camera, conventions);
+  // Of all points of the plane, those that the image shows.
+  double least_u = INFINITY, most_u = -INFINITY;
+  for (int i = 0; i < 1500; ++i)
+    for (int j = 0; j < 300; ++j) {
+      const double u = -3 + 6.0 * i / 1500, v = -2 + 4.0 * j / 300;
+      if (u * u + v * v >= limits.fold_squared) continue;
+      const Place at = distorted(camera.lens.distortion, u, v);
+      const double x = 300 * double(at.u) + camera.cx, y = 300 * double(at.v) + camera.cy;
+      if (x < 0 || x > camera.width || y < 0 || y > camera.height) continue;
+      least_u = std::fmin(least_u, u), most_u = std::fmax(most_u, u);
+    }
+  const double margin = 0.15 * (most_u - least_u);
+  CHECK(limits.least_u == doctest::Approx(least_u - margin).epsilon(0.01));
+  CHECK(limits.most_u == doctest::Approx(most_u + margin).epsilon(0.01));
+}
+
+TEST_CASE("lens: a pinhole ordered by distance has no fold") {
+  Camera camera = camera_with({}, 100, 100);
+  camera.fx = camera.fy = 1e-5, camera.cx = camera.cy = 50;
+  Conventions conventions;
+  conventions.depth = Conventions::Depth::distance;
+  CHECK(project_shape(view_constants(camera, conventions), {{2e6f, 0, 1}, vec3(1e5f), {}, 0.9f}).visible);
 }
 
 TEST_CASE("lens: limits of tangents are a pinhole's where there is no distortion") {
@@ -215,12 +247,34 @@ TEST_CASE("lens: depth is z or the distance, as the lens and the conventions say
 }
 
 TEST_CASE("lens: panoramas are drawn in parts of an eighth of a turn or somewhat more") {
-  const Camera whole = camera_with({LensModel::equirectangular, {}}, 4096, 2048);
-  CHECK(panorama_part(whole, {0, 4096}) == 512);
-  CHECK(panorama_part(whole, {512, 1024}) == 0);
-  CHECK(panorama_part(whole, {512, 1025}) == 512);
-  CHECK(panorama_part(camera_with({LensModel::equirectangular, {}}, 100, 50), {0, 100}) == 32);
-  CHECK(panorama_part(camera_with({LensModel::fisheye, {}}, 4096, 2048), {0, 4096}) == 0);
+  const Lens lens{LensModel::equirectangular, {}};
+  CHECK(panorama_part(camera_with(lens, 4096, 2048)) == 512);
+  CHECK(panorama_part(camera_with(lens, 1792, 896)) == 224);
+  CHECK(panorama_part(camera_with(lens, 100, 50)) == 16);
+  CHECK(panorama_part(camera_with(lens, 32, 16)) == 16);
+  Camera narrow = camera_with(lens, 100, 50);
+  narrow.fx = 1e12;
+  CHECK(panorama_part(narrow) == 0);
+  CHECK(panorama_part(camera_with({LensModel::fisheye, {}}, 4096, 2048)) == 0);
+}
+
+TEST_CASE("lens: a part of a panorama hides chunks at its other side, and none about a pole") {
+  const Camera camera = camera_with({LensModel::equirectangular, {}}, 256, 128);
+  FrameView frame{.width = 32, .height = 128};
+  const View part =
+      make_view(camera, Conventions::gsplat(), frame, vec3(0), {128, 0});  // azimuths of 0 to 45 degrees
+  const ChunkCuller culler(part.camera);
+  const auto chunk_at = [](vec3 centre) {
+    ChunkBounds chunk;
+    chunk.low = centre - vec3(0.1f), chunk.high = centre + vec3(0.1f);
+    chunk.size = 0.05f, chunk.opacity = 0.9f;
+    return chunk;
+  };
+  CHECK(culler.hides(chunk_at({0, 0, -3})));
+  CHECK(culler.hides(chunk_at({-3, 0.5f, 0})));
+  CHECK_FALSE(culler.hides(chunk_at({1, 0.5f, 3})));
+  CHECK_FALSE(culler.hides(chunk_at({0, 3, 0})));
+  CHECK(culler.hides(chunk_at({1, 0.5f, 3e11f})));  // beyond the far plane
 }
 
 TEST_CASE("lens: what cannot be is refused in words") {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -24,6 +25,11 @@ using namespace swiftgs::test;
 namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
+
+/// Columns of an image.
+struct Columns {
+  int begin, end;
+};
 
 /// Cameras at one place of the built-in scene, through every lens.
 std::vector<Camera> cameras_of_lenses(int width = 160, int height = 96) {
@@ -173,6 +179,60 @@ TEST_CASE_TEMPLATE("lens: a panorama has no seam", B, SWIFTGS_TEST_BACKENDS) {
     }
   CHECK(frame.alpha[64 * 256] > 0.8);
   CHECK(frame.alpha[64 * 256 + 128] == 0);
+}
+
+TEST_CASE_TEMPLATE(
+    "lens: columns of a panorama have the bits of the whole, bottom up, over an image and behind depths", B,
+    SWIFTGS_TEST_HOSTS) {
+  Best<B> renderer(make_backend<B>());
+  const auto scene = renderer.backend().upload(test_scene());
+  const Camera camera = cameras_of_lenses(256, 128)[5];
+  const RenderSettings settings = all_outputs();
+  const auto draw = [&](const std::vector<Columns>& parts, bool bottom_up) {
+    Frame out;
+    FrameView whole = prepare(out, camera.width, camera.height, settings.outputs);
+    std::vector<float> occluder(out.pixels(), 4.0f);
+    for (std::size_t i = 0; i < out.colour.size(); ++i) out.colour[i] = float(i % 7) / 7;
+    whole.occluder = {occluder.data(), 256 * std::ptrdiff_t(sizeof(float))}, whole.over = true;
+    std::vector<float> lines(out.colour);
+    if (bottom_up) {
+      whole.colour = {&out.colour[3 * 256 * 127], -3 * 256 * std::ptrdiff_t(sizeof(float))};
+      for (std::size_t y = 0; y < 128; ++y)
+        std::copy_n(&lines[3 * 256 * y], 3 * 256, &out.colour[3 * 256 * (127 - y)]);
+    }
+    std::vector<View> views;
+    for (const Columns& part : parts) {
+      FrameView frame = whole;
+      const std::ptrdiff_t skipped = part.begin * std::ptrdiff_t(sizeof(float));
+      frame.width = part.end - part.begin;
+      frame.colour = frame.colour.from_column(3 * skipped), frame.alpha = frame.alpha.from_column(skipped);
+      frame.depth = frame.depth.from_column(skipped), frame.occluder = frame.occluder.from_column(skipped);
+      views.push_back(make_view(camera, settings.conventions, frame, settings.background, {part.begin, 0}));
+    }
+    renderer.render_into(scene.view(), Span<const View>{views.data(), views.size()});
+    if (bottom_up) {
+      lines = out.colour;
+      for (std::size_t y = 0; y < 128; ++y)
+        std::copy_n(&lines[3 * 256 * y], 3 * 256, &out.colour[3 * 256 * (127 - y)]);
+    }
+    return out;
+  };
+  const Frame whole = draw({{0, 256}}, false);
+  check_equal(draw({{0, 256}}, true), whole);
+  check_equal(draw({{0, 48}, {48, 64}, {64, 256}}, false), whole);
+}
+
+TEST_CASE_TEMPLATE("lens: tiles that are no divisor of a panorama's parts are refused", B,
+                   SWIFTGS_TEST_HOSTS) {
+  Best<B> renderer(make_backend<B>());
+  const auto scene = renderer.backend().upload(test_scene());
+  const Camera camera = cameras_of_lenses(256, 128)[5];
+  Frame frame;
+  View view = make_view(camera, Conventions::gsplat(), prepare(frame, 256, 128, {}));
+  view.grid = TileGrid::covering(256, 128, 64);
+  CHECK_THROWS_WITH_AS(renderer.render_into(scene.view(), Span<const View>{&view, 1}),
+                       "tiles: the side is 64, expected a divisor of the 32 columns of a panorama's part",
+                       std::invalid_argument);
 }
 
 TEST_CASE_TEMPLATE("lens: a panorama that turns shows the same, moved", B, SWIFTGS_TEST_BACKENDS) {

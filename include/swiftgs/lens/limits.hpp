@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <optional>
 #include <vector>
 
 #include <swiftgs/camera.hpp>
@@ -76,54 +75,77 @@ inline double fold_squared(const Distortion& d, double end) {
   return least;
 }
 
-/// The point of the plane that `d` moves to (u, v), within the fold; nothing where there is none. Follows the
-/// line from the centre to (u, v), with Newton's method at every step.
-inline std::optional<dvec3> undistorted(const Distortion& d, double fold_squared, double u, double v) {
-  constexpr int steps = 32, most_iterations = 20;
-  double x = 0, y = 0;
-  for (int step = 1; step <= steps; ++step) {
-    const double to_u = u * step / steps, to_v = v * step / steps;
-    const double near_enough = 1e-14 * (std::fabs(to_u) + std::fabs(to_v));
-    for (int n = 0;; ++n) {
-      const Distorted at = distort(d, x, y);
-      const double off_u = to_u - at.u, off_v = to_v - at.v;
-      if (std::fabs(off_u) + std::fabs(off_v) <= near_enough) break;
-      if (n == most_iterations) {
-        if (std::fabs(off_u) + std::fabs(off_v) <= 1e-9 * (1 + std::fabs(to_u) + std::fabs(to_v))) break;
-        return {};
-      }
-      const double determinant = at.uu * at.vv - at.uv * at.vu;
-      if (!(determinant > 0)) return {};
-      x += (at.vv * off_u - at.uv * off_v) / determinant, y += (at.uu * off_v - at.vu * off_u) / determinant;
-      if (!(x * x + y * y < fold_squared)) return {};
-    }
+/// A point that a distortion moves to another.
+struct Undistorted {
+  double u = 0, v = 0;
+  bool found = false;  ///< else the nearest to it that was found on the way
+};
+
+/// Newton's method from `start` to the point within the fold that `d` moves to (u, v).
+inline Undistorted solve(const Distortion& d, double fold_squared, double u, double v, Undistorted start) {
+  constexpr int most_iterations = 20;
+  const double near_enough = 1e-14 * (std::fabs(u) + std::fabs(v));
+  Undistorted out = start;
+  for (int n = 0; n < most_iterations; ++n) {
+    const Distorted at = distort(d, out.u, out.v);
+    const double off_u = u - at.u, off_v = v - at.v, off = std::fabs(off_u) + std::fabs(off_v);
+    out.found = off <= (n + 1 == most_iterations ? 1e-9 * (1 + std::fabs(u) + std::fabs(v)) : near_enough);
+    if (out.found) return out;
+    if (!keeps_sides(at)) break;
+    const double determinant = at.uu * at.vv - at.uv * at.vu;
+    const double x = out.u + (at.vv * off_u - at.uv * off_v) / determinant;
+    const double y = out.v + (at.uu * off_v - at.vu * off_u) / determinant;
+    if (!(x * x + y * y < fold_squared)) break;
+    out.u = x, out.v = y;
   }
-  return dvec3(x, y, 1);
+  start.found = false;
+  return start;
 }
 
-/// Least and largest tangents that the image shows along both axes, wherever the principal point is. A border
-/// that lies beyond the fold is taken to show tangents up to the fold.
+/// The point of the plane that `d` moves to (u, v), within the fold. Follows the line from the centre to (u,
+/// v), in steps that shrink where the way ends.
+inline Undistorted undistorted(const Distortion& d, double fold_squared, double u, double v) {
+  Undistorted at{0, 0, true};
+  double reached = 0, step = 1.0 / 16;
+  while (reached < 1 && step > 1e-12) {
+    const double to = std::min(reached + step, 1.0);
+    const Undistorted next = solve(d, fold_squared, u * to, v * to, at);
+    if (next.found)
+      at = next, reached = to;
+    else
+      step *= 0.5;
+  }
+  at.found = reached == 1;
+  return at;
+}
+
+/// Least and largest tangents that the border of the image shows, wherever the principal point is. Of a
+/// border that shows no point the nearest that it may show counts.
 inline LensLimits tangents_of_image(const Camera& camera, double fold_squared) {
-  constexpr int along_side = 64;
-  const double fold = std::sqrt(fold_squared);
+  constexpr int along_side = 32;
   LensLimits out{.fold_squared = fold_squared,
                  .least_u = INFINITY,
                  .most_u = -INFINITY,
                  .least_v = INFINITY,
                  .most_v = -INFINITY};
-  const auto add = [&](double pixel_x, double pixel_y) {
-    const double u = (pixel_x - camera.cx) / camera.fx, v = (pixel_y - camera.cy) / camera.fy;
-    const double radius = std::sqrt(u * u + v * v);
-    const dvec3 at =
-        undistorted(camera.lens.distortion, fold_squared, u, v)
-            .value_or(radius > 0 ? dvec3(u / radius * fold, v / radius * fold, 1) : dvec3(0, 0, 1));
-    out.least_u = std::min(out.least_u, at.x), out.most_u = std::max(out.most_u, at.x);
-    out.least_v = std::min(out.least_v, at.y), out.most_v = std::max(out.most_v, at.y);
+  Undistorted last;
+  const auto add = [&](double x, double y) {
+    const double u = (x * camera.width - camera.cx) / camera.fx,
+                 v = (y * camera.height - camera.cy) / camera.fy;
+    Undistorted at{u, v, true};
+    if (camera.lens.is_distorted()) {
+      // The neighbour on the border is near; only the first, and what folds, comes from the centre.
+      at = last.found ? solve(camera.lens.distortion, fold_squared, u, v, last) : Undistorted();
+      if (!at.found) at = undistorted(camera.lens.distortion, fold_squared, u, v);
+      last = at;
+    }
+    out.least_u = std::min(out.least_u, at.u), out.most_u = std::max(out.most_u, at.u);
+    out.least_v = std::min(out.least_v, at.v), out.most_v = std::max(out.most_v, at.v);
   };
-  for (int i = 0; i <= along_side; ++i) {
-    const double x = double(camera.width) * i / along_side, y = double(camera.height) * i / along_side;
-    add(x, 0), add(x, camera.height), add(0, y), add(camera.width, y);
-  }
+  for (int i = 0; i < along_side; ++i) add(double(i) / along_side, 0);
+  for (int i = 0; i < along_side; ++i) add(1, double(i) / along_side);
+  for (int i = 0; i < along_side; ++i) add(1 - double(i) / along_side, 1);
+  for (int i = 0; i < along_side; ++i) add(0, 1 - double(i) / along_side);
   return out;
 }
 
@@ -137,8 +159,10 @@ inline LensLimits lens_limits(const Camera& camera, const Conventions& conventio
   constexpr double widest = pi - 1e-3, largest_tangent = 1e6;
   switch (camera.lens.model) {
     case LensModel::perspective: {
-      LensLimits out = lens::tangents_of_image(
-          camera, lens::fold_squared(camera.lens.distortion, largest_tangent * largest_tangent));
+      const double fold = camera.lens.is_pinhole()
+                              ? INFINITY
+                              : lens::fold_squared(camera.lens.distortion, largest_tangent * largest_tangent);
+      LensLimits out = lens::tangents_of_image(camera, fold);
       const double half_u = 0.5 * (out.most_u - out.least_u), half_v = 0.5 * (out.most_v - out.least_v);
       if (conventions.clamp == Conventions::JacobianClamp::around_image) {
         out.least_u -= 0.3 * half_u, out.most_u += 0.3 * half_u;

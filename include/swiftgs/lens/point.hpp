@@ -57,6 +57,11 @@ SWIFTGS_HD inline Distorted distort(const Distortion& d, double u, double v) {
           ratio + 2 * (by_s * v * v + 3 * p0 * v + p1 * u + s1 * v)};
 }
 
+/// Whether the distortion neither turns the image over there nor turns it by half.
+SWIFTGS_HD inline bool keeps_sides(const Distorted& at) {
+  return at.uu * at.vv - at.uv * at.vu > 0 && at.uu + at.vv > 0;
+}
+
 /// Chains the distortion at (u, v) behind `at`, whose derivatives are those of (u, v).
 SWIFTGS_HD inline void chain(LensPoint& at, const Distorted& by) {
   const dvec3 du = at.du, dv = at.dv;
@@ -77,9 +82,8 @@ SWIFTGS_HD inline LensPoint perspective(const Distortion& d, const LensLimits& l
   if (!(at_u * at_u + at_v * at_v < limits.fold_squared)) at_u = u, at_v = v;  // a corner of the limits
   out.du = dvec3(inverse_z, 0, -at_u * inverse_z), out.dv = dvec3(0, inverse_z, -at_v * inverse_z);
   chain(out, distort(d, at_u, at_v));
-  // Before the fold, radii grow; where the determinant is not positive, tangential terms fold the image.
-  out.inside =
-      p.z > 0 && u * u + v * v < limits.fold_squared && place.uu * place.vv - place.uv * place.vu > 0;
+  // Before the fold, radii grow; tangential terms may fold the image elsewhere.
+  out.inside = p.z > 0 && u * u + v * v < limits.fold_squared && keeps_sides(place);
   return out;
 }
 
@@ -98,7 +102,7 @@ SWIFTGS_HD inline LensPoint fisheye(const Distortion& d, const LensLimits& limit
   const Distorted by = distort(d, u, v);
   out.u = by.u, out.v = by.v;
   chain(out, by);
-  out.inside = angle * angle < limits.fold_squared && by.uu * by.vv - by.uv * by.vu > 0;
+  out.inside = angle * angle < limits.fold_squared && keeps_sides(by);
   return out;
 }
 

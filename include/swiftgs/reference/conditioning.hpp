@@ -134,11 +134,12 @@ inline PixelDecision decide(const VariedSplat& splat, double x, double y, const 
   out.kept = splat.drawn && first >= log2_min && splat.splat.opacity >= double(k.alpha_min);
   const double tolerance = threshold_moves * spread + std::ldexp(4 + std::abs(log2_min), -22);
   if (out.kept) {
-    const double log2_max = std::log2(double(k.alpha_max));
-    // Where roundings may put alpha on either side of its largest value, trials move down: the cut would hide
-    // their moves, and light behind a nearly opaque splat shows them.
-    if (std::abs(first - log2_max) <= tolerance)
-      for (std::size_t t = 1; t <= trials; ++t)
+    const double log2_max = std::log2(double(k.alpha_max)),
+                 rounding = std::ldexp(4 + std::abs(log2_min), -22);
+    // The cut at alpha_max may hide the move of a trial where rounding may take alpha below it. Then the
+    // trial moves as far down: light behind a nearly opaque splat shows it.
+    for (std::size_t t = 1; t <= trials && first - spread - rounding < log2_max; ++t)
+      if (std::max(first, out.alphas[t]) > log2_max)
         out.alphas[t] = std::min(first, log2_max) - std::abs(out.alphas[t] - first);
     for (double& alpha : out.alphas) alpha = std::min(double(k.alpha_max), std::exp2(alpha));
   }
@@ -223,6 +224,7 @@ inline void mark_ambiguous_orders(std::vector<VariedSplat>& splats) {
     for (std::size_t j = i + 1; j < by_least.size(); ++j) {
       VariedSplat& other = *by_least[j];
       if (other.least_depth > first.largest_depth) break;
+      if (other.splat.index == first.splat.index) continue;  // copies in a panorama
       if (!is_one_float(first) || !is_one_float(other))
         first.order_is_ambiguous = other.order_is_ambiguous = true;
     }

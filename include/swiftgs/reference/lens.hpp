@@ -95,7 +95,7 @@ class CameraLens {
     if (!(u * u + v * v < limits_.fold_squared)) return false;
     const Plane moved = distorted({variable(u, 0), variable(v, 1)});
     const Eigen::Vector3d du = moved.u.derivatives(), dv = moved.v.derivatives();
-    return du[0] * dv[1] - du[1] * dv[0] > 0;
+    return du[0] * dv[1] - du[1] * dv[0] > 0 && du[0] + dv[1] > 0;
   }
 
   std::optional<SeenPoint> perspective(const Eigen::Vector3d& p) const {

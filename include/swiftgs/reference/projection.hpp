@@ -44,6 +44,12 @@ struct Splat {
   int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< no pixel outside is reached
 };
 
+/// Columns of the image, and the one whose nearest copy of a splat they show. @units{pixels}
+struct Columns {
+  int begin, end;
+  double middle;
+};
+
 /// What all Gaussians of one frame are projected with.
 struct View {
   View(const Camera& c, const Conventions& k) : camera(c), conventions(k), lens(c, k) {
@@ -52,9 +58,10 @@ struct View {
       translation[row] = c.translation[row];
     }
     centre = -rotation.inverse() * translation;
-    const Columns all{0, c.width};
-    const int width = panorama_part(c, all) > 0 ? panorama_part(c, all) : c.width;
-    for (int x = 0; x < c.width; x += width) parts.push_back({x, std::min(c.width, x + width)});
+    const int width = panorama_part(c) > 0 ? panorama_part(c) : c.width;
+    for (int x = 0; x < c.width; x += width)
+      parts.push_back(
+          {x, std::min(c.width, x + width), panorama_part(c) > 0 ? x + 0.5 * width : 0.5 * c.width});
   }
 
   Camera camera;
@@ -153,7 +160,7 @@ inline Eigen::Vector3d camera_space_mean(const Scene& scene, std::size_t i, cons
 inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, const Eigen::Vector3d& p,
                                              const View& view, Columns part) {
   const Conventions& k = view.conventions;
-  const std::optional<SeenPoint> seen = view.lens.point(p, 0.5 * (part.begin + part.end));
+  const std::optional<SeenPoint> seen = view.lens.point(p, part.middle);
   if (!seen) return {};
   const Covariance cov = project_covariance(scene, i, seen->jacobian, view);
   if (!(cov.det > 0) || !std::isfinite(cov.det)) return {};

@@ -238,8 +238,10 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   void project_part(const SceneView& part, Span<const View> views, RankCounters& mine) {
     for (const View& view : views) {
       detail::require_finite_background(view.background);
-      detail::require_for_render(view.panorama_part == 0,
-                                 "panoramas over ranks in views of an eighth of a turn at most");
+      const int part = view.panorama_part;
+      detail::require_for_render(
+          part == 0 || view.left() / part == (view.left() + view.frame.width - 1) / part,
+          "views of one part of a panorama each over ranks");
     }
     check_ready(backend());
     const bool may_be_coarse = may_gain_by_coarse_tiles<B, Raster> && Bounds::conservative;
