@@ -5,10 +5,10 @@
 /// How far a lens can be trusted, found on the host once a frame.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <vector>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
@@ -18,42 +18,51 @@ namespace swiftgs {
 
 namespace lens {
 
-/// Coefficients of a polynomial, that of the constant first.
-using Polynomial = std::vector<double>;
+/// A few numbers without memory of their own.
+struct Numbers {
+  std::array<double, 8> each{};
+  std::size_t count = 0;
+
+  void add(double number) { each[count++] = number; }
+};
+
+/// A polynomial: coefficients, that of the constant first.
+using Polynomial = Numbers;
 
 inline double value_at(const Polynomial& c, double s) {
   double sum = 0;
-  for (std::size_t i = c.size(); i-- > 0;) sum = sum * s + c[i];
+  for (std::size_t i = c.count; i-- > 0;) sum = sum * s + c.each[i];
   return sum;
 }
 
 inline Polynomial derivative(const Polynomial& c) {
   Polynomial out;
-  for (std::size_t i = 1; i < c.size(); ++i) out.push_back(double(i) * c[i]);
+  for (std::size_t i = 1; i < c.count; ++i) out.add(double(i) * c.each[i]);
   return out;
 }
 
 inline Polynomial product(const Polynomial& a, const Polynomial& b) {
-  Polynomial out(a.size() + b.size() - 1);
-  for (std::size_t i = 0; i < a.size(); ++i)
-    for (std::size_t j = 0; j < b.size(); ++j) out[i + j] += a[i] * b[j];
+  Polynomial out{.count = a.count + b.count - 1};
+  for (std::size_t i = 0; i < a.count; ++i)
+    for (std::size_t j = 0; j < b.count; ++j) out.each[i + j] += a.each[i] * b.each[j];
   return out;
 }
 
 /// Where `c` changes its sign between 0 and `end`, ascending: the last number before each change. Between
 /// neighbouring sign changes of its derivative a polynomial is monotonic and changes its sign at most once.
-inline std::vector<double> sign_changes(const Polynomial& c, double end) {
-  if (c.size() < 2) return {};
-  std::vector<double> stations = sign_changes(derivative(c), end), found;
-  stations.push_back(end);
+inline Numbers sign_changes(const Polynomial& c, double end) {
+  if (c.count < 2) return {};
+  Numbers stations = sign_changes(derivative(c), end), found;
+  stations.add(end);
   double low = 0;
-  for (const double high : stations) {
+  for (std::size_t i = 0; i < stations.count; ++i) {
+    const double high = stations.each[i];
     const bool positive = value_at(c, low) > 0;
     if (positive != (value_at(c, high) > 0)) {
       double before = low, behind = high;
       for (double middle; (middle = 0.5 * (before + behind)) > before && middle < behind;)
         ((value_at(c, middle) > 0) == positive ? before : behind) = middle;
-      found.push_back(before);
+      found.add(before);
     }
     low = high;
   }
@@ -62,16 +71,18 @@ inline std::vector<double> sign_changes(const Polynomial& c, double end) {
 
 /// r^2 of the plane up to which radii grow under `d` and the rational term has no pole, at most `end`.
 inline double fold_squared(const Distortion& d, double end) {
-  const Polynomial above{1, d.radial[0], d.radial[1], d.radial[2], d.radial[3]};
-  const Polynomial below{1, d.rational[0], d.rational[1], d.rational[2]};
+  const Polynomial above{{1, d.radial[0], d.radial[1], d.radial[2], d.radial[3]}, 5};
+  const Polynomial below{{1, d.rational[0], d.rational[1], d.rational[2]}, 4};
   // The derivative of r above / below by r, times below^2: above below + 2 s (above' below - above below').
   Polynomial growth = product(above, below);
   const Polynomial gain = product(derivative(above), below), loss = product(above, derivative(below));
-  for (std::size_t i = 0; i < gain.size(); ++i) growth[i + 1] += 2 * gain[i];
-  for (std::size_t i = 0; i < loss.size(); ++i) growth[i + 1] -= 2 * loss[i];
+  for (std::size_t i = 0; i < gain.count; ++i) growth.each[i + 1] += 2 * gain.each[i];
+  for (std::size_t i = 0; i < loss.count; ++i) growth.each[i + 1] -= 2 * loss.each[i];
   double least = end;
-  for (const Polynomial& one : {growth, below})
-    for (const double s : sign_changes(one, end)) least = std::min(least, s);
+  for (const Polynomial& one : {growth, below}) {
+    const Numbers ends = sign_changes(one, end);
+    if (ends.count > 0) least = std::min(least, ends.each[0]);
+  }
   return least;
 }
 
