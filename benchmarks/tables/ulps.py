@@ -5,7 +5,7 @@ from tables.results import InputError, check_rows
 from tables.source import processor
 
 # What a page shows of them; the folder of the machine shows all.
-SHOWN = ("mean", "depth", "determinant without blur", "`l0`", "`l1`", "reach", "colour of degree 3", "`Exp2`",
+SHOWN = ("mean", "depth", "determinant without blur", "`l0`", "`l1`", "cutoff", "colour of degree 3", "`Exp2`",
          "alpha `axis-shared-threshold-float-cholesky`", "transmittance after 10000 unequal layers")
 
 

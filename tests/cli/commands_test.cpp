@@ -76,7 +76,7 @@ TEST_CASE("cli: render --stats prints what a frame had to do") {
        {"Gaussians  ", "visible  ", "intersections  ", "intersections a visible Gaussian  ",
         "contributing pairs  ", "pixels stopped early  ", "raster while counting, ms  ", "balanced, ms  "})
     CHECK(contains(text, part));
-  CHECK_FALSE(contains(text, "contributing pairs               0\n"));
+  CHECK_FALSE(contains(text, "contributing pairs                0\n"));
 }
 
 TEST_CASE("cli: render --views chooses numbers or every so many or all or leaves some out") {

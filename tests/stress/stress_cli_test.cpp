@@ -144,7 +144,7 @@ TEST_CASE("stress: a search prints what it found and writes a row for each famil
 }
 
 TEST_CASE("stress: options that make no sense are one line with what was typed and expected") {
-  fails("--families needle" + one, {"--families 'needle'", "expected some of needles, pancakes", "mixtures"});
+  fails("--families needle" + one, {"--families 'needle'", "expected some of needles, bare-needles", "mixtures"});
   fails("--families needles,needles" + one, {"--families 'needles,needles'", "once"});
   fails("--severity most" + one, {"--severity 'most'", "max, all"});
   fails("--severity nan --families needles" + one, {"--severity 'nan'", "100 to 1e10 for needles"});

@@ -61,18 +61,18 @@ void print(const RenderResult& result) {
   const CountedTimes& times = result.counted_ms;
 
   const auto line = [](const char* label, std::uint64_t count) {
-    std::printf("  %-32s %llu\n", label, static_cast<unsigned long long>(count));
+    std::printf("  %-33s %llu\n", label, static_cast<unsigned long long>(count));
   };
   line("Gaussians", s.gaussians);
   line("visible", s.visible);
   line("intersections", s.intersections);
-  std::printf("  %-32s %.2f\n", "intersections a visible Gaussian", s.intersections_a_visible());
+  std::printf("  %-33s %.2f\n", "intersections a visible Gaussian", s.intersections_a_visible());
   line("contributing pairs", s.raster.contributing_pairs);
   line("pixels stopped early", s.raster.pixels_stopped);
   line("segments of long lists", s.raster.segments);
   line("longest item", s.raster.longest_item);
-  std::printf("  %-32s %.3f\n", "raster while counting, ms", times.raster);
-  std::printf("  %-32s %.3f\n", "balanced, ms", times.balanced);
+  std::printf("  %-33s %.3f\n", "raster while counting, ms", times.raster);
+  std::printf("  %-33s %.3f\n", "balanced, ms", times.balanced);
 }
 
 /// Has `renderer` choose its sort by `file`, which must have the size of each view.
