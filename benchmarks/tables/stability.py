@@ -79,6 +79,22 @@ def stability(source, machine, *words):
         + "\n\n" + table(["family", *FORMS], lines)
 
 
+def severities(source, machine, family):
+    """The largest error of a colour at each severity of one family."""
+    found, name = read_stress(source, machine, FILES[""]), backend(machine)
+    rows = [row for row in found["rows"] if (row["backend"], row["family"]) == (name, family)]
+    if not rows:
+        raise InputError(f"{source.path(machine, FILES[''])}: no rows of '{name}' and the family '{family}'")
+    values = sorted({row["severity"] for row in rows})
+    lines = [[f"`{column}`"] + [number(worst([row for row in rows if row["raster"] in rasters
+                                              and row["severity"] == value], "max_abs")) for value in values]
+             for column, rasters in FORMS.items()]
+    device = found["machine"].get("gpu") if name == "cuda" else None
+    return prose(f"{device or processor(found['machine'])}, `{name}`, `{family}`, {rows[0]['seeds']} seeds: the largest "
+                 f"absolute error of a colour.") \
+        + "\n\n" + table([rows[0]["severity_label"], *(f"{value:g}" for value in values)], lines)
+
+
 def mean_raster(rows):
     """Mean over views of the raster stage's medians, in milliseconds."""
     return sum(row.ms["raster"].median for row in rows) / len(rows)
@@ -116,4 +132,4 @@ def cost(source, machine, name="cuda"):
                  f"{errors}.") + "\n\n" + table(["rasterizer", *scenes], lines)
 
 
-TABLES = {"stability": stability, "stability-cost": cost}
+TABLES = {"stability": stability, "stability-severities": severities, "stability-cost": cost}
