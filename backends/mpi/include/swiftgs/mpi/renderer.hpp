@@ -238,9 +238,9 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   void project_part(const SceneView& part, Span<const View> views, RankCounters& mine) {
     for (const View& view : views) {
       detail::require_finite_background(view.background);
-      const int part = view.panorama_part;
+      const int columns = view.panorama_part;
       detail::require_for_render(
-          part == 0 || view.left() / part == (view.left() + view.frame.width - 1) / part,
+          columns == 0 || view.left() / columns == (view.left() + view.frame.width - 1) / columns,
           "views of one part of a panorama each over ranks");
     }
     check_ready(backend());
