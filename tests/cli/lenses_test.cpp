@@ -65,7 +65,8 @@ TEST_CASE("cli lenses: an orthographic view shows the middle of the scene at its
   const TemporaryFolder place;
   swiftgs::Scene one = swiftgs::make_builtin_scene(1);
   one.means[0] = swiftgs::vec3(0, -1, 0), one.scales[0] = swiftgs::vec3(0.3f, 0.2f, 0.1f);
-  one.opacities[0] = 0.9f;
+  one.opacities[0] = 0.9f, one.sh0[0] = swiftgs::vec3(-1);
+  std::fill(one.sh_rest.begin(), one.sh_rest.end(), 0.0f);
   write_scene(place / "one.ply", one);
   place.write("cameras.json", swiftgs::test::cameras_json({"a"}));
   const auto pixels = [&](const std::string& lens) {

@@ -22,6 +22,7 @@ std::vector<bool> ambiguous_of(const std::vector<Range>& ranges) {
   std::vector<VariedSplat> splats;
   for (const Range& range : ranges) {
     VariedSplat splat{};
+    splat.splat.index = splats.size();
     splat.least_depth = range.least, splat.largest_depth = range.largest;
     splats.push_back(splat);
   }
