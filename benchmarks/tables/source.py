@@ -11,7 +11,8 @@ FOLDERS = {"gpu": "2026-11-21-nvidia-h200", "cpu": "2026-11-21-intel-xeon-16-cor
            "cpu2": "2026-11-21-intel-xeon-2-cores", "amd": "2026-11-22-amd-epyc-2-cores",
            "h200": "2026-11-22-nvidia-h200", "xeon": "2026-11-23-intel-xeon-2-cores",
            "hopper": "2026-11-23-nvidia-h200", "nvidia24": "2026-11-24-nvidia-h200",
-           "xeon24": "2026-11-24-intel-xeon-2-cores", "nvidia": "2026-11-25-nvidia-h200"}
+           "xeon24": "2026-11-24-intel-xeon-2-cores", "nvidia": "2026-11-25-nvidia-h200",
+           "h100": "2026-11-26-nvidia-h100", "xeon26": "2026-11-26-intel-xeon-16-cores"}
 
 
 class Source:
@@ -58,7 +59,7 @@ class Source:
 
 def backend(machine):
     """The backend that a machine's results are of."""
-    return "cuda" if machine in ("gpu", "h200", "nvidia") else "cpu"
+    return "cuda" if machine in ("gpu", "h200", "nvidia", "h100") else "cpu"
 
 
 def processor(machine):

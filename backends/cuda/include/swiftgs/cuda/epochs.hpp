@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// @file Memory that one operation (a projection, an emission, a sort) shares with the next of its kind. The
+/// @file
+/// Memory that one operation (a projection, an emission, a sort) shares with the next of its kind. The
 /// device counts operations in epochs. Launch arguments never change between frames, so a CUDA graph can
 /// replay them.
 

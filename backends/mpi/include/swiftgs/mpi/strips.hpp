@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// @file Who draws what. The tiles of all views of a frame lie in one tile atlas (`FrameTiles`), one view
+/// @file
+/// Who draws what. The tiles of all views of a frame lie in one tile atlas (`FrameTiles`), one view
 /// below the other. A strip is consecutive rows of it. Each rank draws one strip.
 
 #include <algorithm>
