@@ -53,9 +53,9 @@ def cpu_means(parts):
 MUTANTS = [
     # Projection.
     Mutant("project: camera space in float", I + "project.hpp",
-           "const double d[3] = {mean.x - v.centre[0], mean.y - v.centre[1], mean.z - v.centre[2]};\n  double p[3];",
-           "const float d[3] = {float(mean.x - v.centre[0]), float(mean.y - v.centre[1]), "
-           "float(mean.z - v.centre[2])};\n  float p[3];",
+           "p[row] =\n          std::fma(v.rotation[row][0], d[0], std::fma(v.rotation[row][1], d[1], v.rotation[row][2] * d[2]));",
+           "p[row] = float(std::fma(float(v.rotation[row][0]), float(d[0]), std::fma(float(v.rotation[row][1]), "
+           "float(d[1]), float(v.rotation[row][2]) * float(d[2]))));",
            quick=True),
     Mutant("project: camera space rounded to float after the rotation", I + "project.hpp",
            "inverse(p[2]), x_over_z = p[0] * inverse_z, y_over_z = p[1] * inverse_z;",
@@ -101,16 +101,16 @@ MUTANTS = [
            "std::sqrt(f.sharpness > v.min_compensation ? f.sharpness : v.min_compensation)",
            "(f.sharpness > v.min_compensation ? f.sharpness : v.min_compensation)"),
     Mutant("project: opacities that are not finite are drawn", I + "project.hpp",
-           "if (!(opacity >= v.alpha_min && opacity < INFINITY)) return out;",
-           "if (!(opacity >= v.alpha_min)) return out;",
+           "if (!(g.opacity >= v.alpha_min && g.opacity < INFINITY)) return {};",
+           "if (!(g.opacity >= v.alpha_min)) return {};",
            quick=True),
     Mutant("project: a NaN of opacity is drawn", I + "project.hpp",
-           "if (!(opacity >= v.alpha_min && opacity < INFINITY)) return out;",
-           "if (opacity < v.alpha_min || opacity == INFINITY) return out;",
+           "if (!(g.opacity >= v.alpha_min && g.opacity < INFINITY)) return {};",
+           "if (g.opacity < v.alpha_min || g.opacity == INFINITY) return {};",
            equivalent="half the width is not a number then, and the splat not visible"),
     Mutant("project: an opacity of alpha_min is left out", I + "project.hpp",
-           "opacity >= v.alpha_min && opacity < INFINITY",
-           "opacity > v.alpha_min && opacity < INFINITY"),
+           "g.opacity >= v.alpha_min && g.opacity < INFINITY",
+           "g.opacity > v.alpha_min && g.opacity < INFINITY"),
     Mutant("project: visible by its mean alone", I + "project.hpp", "s.mean.x + s.half_width >= 0.5f",
            "s.mean.x >= 0.5f"),
     Mutant("project: view_direction without scaling", I + "project.hpp", "for (int k = 0; k < 3; ++k) d[k] /= largest;",
@@ -119,8 +119,8 @@ MUTANTS = [
            "z > v.near_plane"),
     Mutant("project: z on the far plane left out", I + "project.hpp", "z <= v.far_plane", "z < v.far_plane"),
     Mutant("project: planes compare in double", I + "project.hpp",
-           "if (!(z > v.near_plane && z <= v.far_plane)) return out;",
-           "if (!(p[2] > double(v.near_plane) && p[2] <= double(v.far_plane))) return out;"),
+           "if (!(z > v.near_plane && z <= v.far_plane)) return {};",
+           "if (!(p[2] > double(v.near_plane) && p[2] <= double(v.far_plane))) return {};"),
     Mutant("view: near plane of gsplat as inria's", I + "view_constants.hpp",
            "conventions.cull_at_near ? near_plane : std::nextafter(near_plane, 0.0f)",
            "near_plane"),
@@ -326,9 +326,9 @@ MUTANTS = [
            "ClampedFloor(last, among)"),
     # The cuda backend.
     Mutant("cuda project: camera space in float", I + "project.hpp",
-           "const double d[3] = {mean.x - v.centre[0], mean.y - v.centre[1], mean.z - v.centre[2]};\n  double p[3];",
-           "const float d[3] = {float(mean.x - v.centre[0]), float(mean.y - v.centre[1]), "
-           "float(mean.z - v.centre[2])};\n  float p[3];",
+           "p[row] =\n          std::fma(v.rotation[row][0], d[0], std::fma(v.rotation[row][1], d[1], v.rotation[row][2] * d[2]));",
+           "p[row] = float(std::fma(float(v.rotation[row][0]), float(d[0]), std::fma(float(v.rotation[row][1]), "
+           "float(d[1]), float(v.rotation[row][2]) * float(d[2]))));",
            "cuda", STAGES),
     Mutant("cuda project: means on 1/4096 pixel", I + "project.hpp", "s.l0 = f.l0,",
            "s.mean = vec2(std::round(s.mean.x * 4096) / 4096, std::round(s.mean.y * 4096) / 4096);\n  s.l0 = f.l0,",
@@ -400,6 +400,6 @@ MUTANTS = [
            "return float(a.splat.depth) < float(b.splat.depth);", "return a.splat.depth < b.splat.depth;", "reference"),
     Mutant("reference: no blur of the determinant", I + "reference/projection.hpp",
            "det_sharp + blur * (xx + yy) + blur * blur", "det_sharp + blur * (xx + yy)", "reference"),
-    Mutant("reference: inria's limit 1.31", I + "reference/projection.hpp", "largest_tangent = 1.3 * tan_half",
-           "largest_tangent = 1.31 * tan_half", "reference"),
+    Mutant("reference: inria's limit 1.31", I + "reference/lens.hpp", "limits_.most_u = 1.3 * half_x",
+           "limits_.most_u = 1.31 * half_x", "reference"),
 ]
