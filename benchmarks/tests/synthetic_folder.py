@@ -91,7 +91,7 @@ def write(folder, backend, older=False):
     bench("bounds.json", matrix(backend))
     for when, sort in (("before", 1.0), ("after", 0.9)):
         for what in ("frame", "views", "pieces", "blocks", "chunks", "tiles", "coarse", "large", "order", "fused",
-                     "fused-large", "blend", "blend-large", "rows"):
+                     "fused-large", "blend", "blend-large", "rows", "plan"):
             bench(f"{what}-{when}-{backend}.json",
                   [row(backend, BEST, scene, grow={"sort": sort}, **({"psnr_db": None} if what == "coarse" else {}))
                    for scene in GAUSSIANS])

@@ -70,14 +70,17 @@ class Tables(unittest.TestCase):
         for machine in ("amd", "h200"):
             shutil.copy(pathlib.Path(RESULTS) / FOLDERS[machine] / "ulps.json", cls.results / FOLDERS[machine])
         shutil.copy(pathlib.Path(RESULTS) / FOLDERS["amd"] / "formats.json", cls.results / FOLDERS["amd"])
-        for machine in ("xeon", "xeon24"):
+        for machine in ("xeon", "xeon24", "xeon26"):
             synthetic_folder.write(cls.results / FOLDERS[machine], "cpu")
         # The last one written gives the files that have no backend in their names.
-        for machine in ("hopper", "nvidia24", "nvidia"):
+        for machine in ("hopper", "nvidia24", "nvidia", "h100"):
             for backend in ("cpu", "cuda"):
                 synthetic_folder.write(cls.results / FOLDERS[machine], backend)
         for machine, name in (("xeon", "python.json"), ("hopper", "python.json"), ("hopper", "beside-gsplat.json")):
             shutil.copy(pathlib.Path(RESULTS) / FOLDERS[machine] / name, cls.results / FOLDERS[machine])
+        for machine in ("h100", "xeon26"):  # tables of severities name families
+            for path in (pathlib.Path(RESULTS) / FOLDERS[machine]).glob("stress*.json"):
+                shutil.copy(path, cls.results / FOLDERS[machine])
 
     @classmethod
     def tearDownClass(cls):
