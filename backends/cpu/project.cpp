@@ -82,17 +82,26 @@ HWY_INLINE Axes LocalAxesOf(const Quaternion* HWY_RESTRICT rotations) {
            {hn::MulAdd(x2, z, wy), hn::MulSub(y2, z, wx), hn::NegMulAdd(x2, x, without_y)}}};
 }
 
-/// A row of J W R S; `pixels` is the focal length over z.
-HWY_INLINE Vec3 ImageAxis(const ViewConstants& v, int row, Vec tangent, Vec pixels, const Vec3& scale,
-                          const Axes& axes) {
+/// A row of J W: how a coordinate of a pixel grows with the world.
+struct Row {
+  Vec3 direction;
+  Vec pixels;  ///< times this
+
+  /// The row times R S.
+  HWY_INLINE Vec3 Along(const Vec3& scale, const Axes& axes) const {
+    return {hn::Mul(hn::Mul(pixels, scale.x), Dot(direction, axes.column[0])),
+            hn::Mul(hn::Mul(pixels, scale.y), Dot(direction, axes.column[1])),
+            hn::Mul(hn::Mul(pixels, scale.z), Dot(direction, axes.column[2]))};
+  }
+};
+
+/// That of a pinhole; `pixels` is the focal length over z.
+HWY_INLINE Row PinholeRow(const ViewConstants& v, int row, Vec tangent, Vec pixels) {
   const F32 d;
   const auto component = [&](int k) HWY_ATTR {
     return hn::NegMulAdd(tangent, hn::Set(d, v.axes[2][k]), hn::Set(d, v.axes[row][k]));
   };
-  const Vec3 seen{component(0), component(1), component(2)};
-  return {hn::Mul(hn::Mul(pixels, scale.x), Dot(seen, axes.column[0])),
-          hn::Mul(hn::Mul(pixels, scale.y), Dot(seen, axes.column[1])),
-          hn::Mul(hn::Mul(pixels, scale.z), Dot(seen, axes.column[2]))};
+  return {{component(0), component(1), component(2)}, pixels};
 }
 
 HWY_INLINE Vec3 Cross(const Vec3& a, const Vec3& b) {
@@ -154,6 +163,80 @@ class ScalarLanes {
   SplatShape shapes_[lanes];
 };
 
+/// Where a view sees the means of a group, and how it linearises there.
+struct Seen {
+  Vec x, y, depth;
+  Row row_x, row_y;
+  Mask shown;
+  Mask in_double;  ///< lanes that `project_shape` projects
+};
+
+/// Sees the lanes of `visible`; false if none is shown.
+HWY_INLINE bool SeeThroughPinhole(const ViewConstants& v, const Group& group, Mask visible, Seen& out) {
+  const F32 d;
+  // Move to camera space in double, and cull by depth before anything else is read.
+  const Vec3 mean = LoadVec3(group.means);
+  const Wide dx = Minus(Promote(mean.x), v.centre[0]), dy = Minus(Promote(mean.y), v.centre[1]);
+  const Wide dz = Minus(Promote(mean.z), v.centre[2]);
+  const Wide wide_z = Dot(dx, dy, dz, v.rotation[2]);
+  const Vec z = out.depth = Demote(wide_z);
+  out.shown =
+      hn::And(visible, hn::And(hn::Gt(z, hn::Set(d, v.near_plane)), hn::Le(z, hn::Set(d, v.far_plane))));
+  if (hn::AllFalse(d, out.shown)) return false;
+  const Wide inverse_z = Inverse(wide_z);
+  const Wide x_over_z = Times(Dot(dx, dy, dz, v.rotation[0]), inverse_z);
+  const Wide y_over_z = Times(Dot(dx, dy, dz, v.rotation[1]), inverse_z);
+
+  // Linearise within the limits of the conventions.
+  const Vec tx = hn::Min(hn::Max(Demote(x_over_z), hn::Set(d, v.tan_x_min)), hn::Set(d, v.tan_x_max));
+  const Vec ty = hn::Min(hn::Max(Demote(y_over_z), hn::Set(d, v.tan_y_min)), hn::Set(d, v.tan_y_max));
+  const Vec over_z = Demote(inverse_z);
+  const Vec pixels_x = hn::Mul(hn::Set(d, v.focal_x), over_z);
+  const Vec pixels_y = hn::Mul(hn::Set(d, v.focal_y), over_z);
+  out.row_x = PinholeRow(v, 0, tx, pixels_x), out.row_y = PinholeRow(v, 1, ty, pixels_y);
+  out.x = Demote(ScaleAdd(x_over_z, v.fx, v.cx)), out.y = Demote(ScaleAdd(y_over_z, v.fy, v.cy));
+  out.in_double =
+      hn::And(out.shown, NeedsDouble(tx, ty, pixels_x, pixels_y, LoadVec3(group.scales), out.x, out.y));
+  return true;
+}
+
+/// Version of `needs_double` for rows that are no pinhole's. Nearly parallel rows lose the digits of minors:
+/// those of a pinhole at the limit of tangents have a squared sine of a fifth.
+inline bool NeedsDouble(const LensMean& seen, vec3 scale) {
+  const double xx = dot(seen.dx, seen.dx), yy = dot(seen.dy, seen.dy);
+  const dvec3 across = cross(seen.dx, seen.dy);
+  const double near = std::fmin(std::fabs(seen.pixel.x), std::fabs(seen.pixel.y));
+  return !(dot(scale, scale) * (xx + yy) <= float_lengths_per_mean * near * near + float_length_squared &&
+           dot(across, across) >= 0.2 * xx * yy);
+}
+
+/// As `SeeThroughPinhole`, one lane after the other.
+HWY_INLINE bool SeeThroughLens(const ViewConstants& v, const Group& group, Mask visible, Seen& out) {
+  const F32 d;
+  const hn::RebindToUnsigned<F32> du;
+  const auto bits = [&](Mask mask) HWY_ATTR { return hn::VecFromMask(du, hn::RebindMask(du, mask)); };
+  const auto mask = [&](const std::uint32_t* from)
+                        HWY_ATTR { return hn::RebindMask(d, hn::MaskFromVec(hn::Load(du, from))); };
+  alignas(64) std::uint32_t shown[lanes], in_double[lanes] = {};
+  alignas(64) float numbers[9][lanes] = {};
+  hn::Store(bits(visible), du, shown);
+  for (std::size_t k = 0; k < lanes; ++k) {
+    if (shown[k] == 0) continue;
+    const LensMean seen = mean_through_lens(v, group.means[k]);
+    shown[k] = seen.shown ? ~0u : 0;
+    if (!seen.shown) continue;
+    in_double[k] = NeedsDouble(seen, group.scales[k]) ? ~0u : 0;
+    numbers[0][k] = seen.pixel.x, numbers[1][k] = seen.pixel.y, numbers[2][k] = seen.depth;
+    for (int i = 0; i < 3; ++i) numbers[3 + i][k] = float(seen.dx[i]), numbers[6 + i][k] = float(seen.dy[i]);
+  }
+  const auto vec = [&](int i) HWY_ATTR { return hn::Load(d, numbers[i]); };
+  const Vec one = hn::Set(d, 1.0f);
+  out = {
+      vec(0),      vec(1),         vec(2), {{vec(3), vec(4), vec(5)}, one}, {{vec(6), vec(7), vec(8)}, one},
+      mask(shown), mask(in_double)};
+  return !hn::AllFalse(d, out.shown);
+}
+
 /// Visible splats of a task, in the order of their Gaussians.
 struct VisibleSplats {
   SplatShape* shapes;
@@ -163,6 +246,7 @@ struct VisibleSplats {
 };
 
 /// Vector version of `project_shape`, and of the compaction after it.
+template <bool through_lens>
 HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::uint32_t first_id,
                              VisibleSplats& out) {
   const F32 d;
@@ -170,34 +254,16 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   const Vec alpha_min = hn::Set(d, v.alpha_min);
   const Vec most = hn::Set(d, 3.4028234663852886e38f);
   Mask visible = hn::And(hn::Ge(opacity, alpha_min), hn::Le(opacity, most));
+  Seen seen;
+  if (!(through_lens ? SeeThroughLens(v, group, visible, seen) : SeeThroughPinhole(v, group, visible, seen)))
+    return;
+  visible = seen.shown;
+  ScalarLanes scalar;
+  const bool any_in_double = !hn::AllFalse(d, seen.in_double);
 
-  // Move to camera space in double, and cull by depth before anything else is read.
-  const Vec3 mean = LoadVec3(group.means);
-  const Wide dx = Minus(Promote(mean.x), v.centre[0]), dy = Minus(Promote(mean.y), v.centre[1]);
-  const Wide dz = Minus(Promote(mean.z), v.centre[2]);
-  const Wide wide_z = Dot(dx, dy, dz, v.rotation[2]);
-  const Vec z = Demote(wide_z);
-  visible =
-      hn::And(visible, hn::And(hn::Gt(z, hn::Set(d, v.near_plane)), hn::Le(z, hn::Set(d, v.far_plane))));
-  if (hn::AllFalse(d, visible)) return;
-  const Wide inverse_z = Inverse(wide_z);
-  const Wide x_over_z = Times(Dot(dx, dy, dz, v.rotation[0]), inverse_z);
-  const Wide y_over_z = Times(Dot(dx, dy, dz, v.rotation[1]), inverse_z);
-
-  // Linearise within the limits of the conventions.
-  const Vec tx = hn::Min(hn::Max(Demote(x_over_z), hn::Set(d, v.tan_x_min)), hn::Set(d, v.tan_x_max));
-  const Vec ty = hn::Min(hn::Max(Demote(y_over_z), hn::Set(d, v.tan_y_min)), hn::Set(d, v.tan_y_max));
   const Axes axes = LocalAxesOf(group.rotations);
   const Vec3 scale = LoadVec3(group.scales);
-  const Vec over_z = Demote(inverse_z);
-  const Vec pixels_x = hn::Mul(hn::Set(d, v.focal_x), over_z);
-  const Vec pixels_y = hn::Mul(hn::Set(d, v.focal_y), over_z);
-  const Vec mean_x = Demote(ScaleAdd(x_over_z, v.fx, v.cx)), mean_y = Demote(ScaleAdd(y_over_z, v.fy, v.cy));
-  ScalarLanes scalar;
-  const Mask in_double = hn::And(visible, NeedsDouble(tx, ty, pixels_x, pixels_y, scale, mean_x, mean_y));
-  const bool any_in_double = !hn::AllFalse(d, in_double);
-  const Vec3 mx = ImageAxis(v, 0, tx, pixels_x, scale, axes);
-  const Vec3 my = ImageAxis(v, 1, ty, pixels_y, scale, axes);
+  const Vec3 mx = seen.row_x.Along(scale, axes), my = seen.row_y.Along(scale, axes);
 
   // Factor the blurred covariance as `factor` does.
   const Vec one = hn::Set(d, 1.0f), blur = hn::Set(d, v.blur);
@@ -228,26 +294,26 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   const Vec half_width = hn::Mul(extent, hn::Sqrt(var_x)),
             half_height = hn::Mul(extent, hn::Mul(var_y, inv_sigma_y));
   const auto reaches = [&](Vec x, Vec y, float left, float top, float right, float bottom) HWY_ATTR {
-    return hn::And(hn::And(hn::Ge(hn::Add(mean_x, x), hn::Set(d, left + 0.5f)),
-                           hn::Ge(hn::Add(mean_y, y), hn::Set(d, top + 0.5f))),
-                   hn::And(hn::Le(hn::Sub(mean_x, x), hn::Set(d, right - 0.5f)),
-                           hn::Le(hn::Sub(mean_y, y), hn::Set(d, bottom - 0.5f))));
+    return hn::And(hn::And(hn::Ge(hn::Add(seen.x, x), hn::Set(d, left + 0.5f)),
+                           hn::Ge(hn::Add(seen.y, y), hn::Set(d, top + 0.5f))),
+                   hn::And(hn::Le(hn::Sub(seen.x, x), hn::Set(d, right - 0.5f)),
+                           hn::Le(hn::Sub(seen.y, y), hn::Set(d, bottom - 0.5f))));
   };
   visible = hn::And(visible, reaches(half_width, half_height, 0, 0, v.width, v.height));
   const Vec slack =  // `part_slack`
       hn::Add(hn::Set(d, 2e-2f), hn::Mul(hn::Set(d, 2e-4f), hn::Add(half_width, half_height)));
   visible = hn::And(visible, reaches(hn::Add(half_width, slack), hn::Add(half_height, slack), v.left, v.top,
                                      v.right, v.bottom));
-  if (any_in_double) visible = scalar.project(v, group, in_double, visible);
+  if (any_in_double) visible = scalar.project(v, group, seen.in_double, visible);
   if (hn::AllFalse(d, visible)) return;
 
   // Move visible lanes to the front, and from arrays of members to an array of structures.
   alignas(64) float front[lanes * 4], back[lanes * 4];
   const auto pack = [&](Vec value) HWY_ATTR { return hn::Compress(value, visible); };
-  hn::StoreInterleaved4(pack(mean_x), pack(mean_y), pack(l0), pack(l1), d, front);
+  hn::StoreInterleaved4(pack(seen.x), pack(seen.y), pack(l0), pack(l1), d, front);
   hn::StoreInterleaved4(pack(l2), pack(opacity), pack(cutoff), pack(half_width), d, back);
   const hn::RebindToUnsigned<F32> du;
-  hn::StoreU(pack(z), d, out.depths + out.count);
+  hn::StoreU(pack(seen.depth), d, out.depths + out.count);
   hn::StoreU(hn::Compress(hn::Iota(du, first_id), hn::RebindMask(du, visible)), du, out.ids + out.count);
   const std::size_t count = hn::CountTrue(d, visible);
   for (std::size_t i = 0; i < count; ++i) {
@@ -259,25 +325,15 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   out.count += count;
 }
 
-/// `ProjectChunk` of views through a lens, one Gaussian after the other.
-inline void ProjectThroughLens(const ViewConstants& v, const SceneView& scene, std::size_t begin,
-                               std::size_t end, VisibleSplats& out) {
-  for (std::size_t i = begin; i < end; ++i) {
-    const ProjectedShape splat = project_shape(v, gaussian(scene, i));
-    if (!splat.visible) continue;
-    out.shapes[out.count] = splat.shape, out.depths[out.count] = splat.depth;
-    out.ids[out.count++] = std::uint32_t(i);
-  }
-}
-
 /// Projects Gaussians [begin, end), at most a chunk of them.
-HWY_INLINE void ProjectChunk(const ViewConstants& v, const SceneView& scene, std::size_t begin,
-                             std::size_t end, VisibleSplats& out) {
-  if (v.through_lens) return ProjectThroughLens(v, scene, begin, end, out);
+template <bool through_lens>
+void ProjectChunk(const ViewConstants& v, const SceneView& scene, std::size_t begin, std::size_t end,
+                  VisibleSplats& out) {
   std::size_t i = begin;
   for (; i + lanes <= end; i += lanes)
-    ProjectGroup(v, {&scene.means[i], &scene.scales[i], &scene.rotations[i], &scene.opacities[i]},
-                 std::uint32_t(i), out);
+    ProjectGroup<through_lens>(v,
+                               {&scene.means[i], &scene.scales[i], &scene.rotations[i], &scene.opacities[i]},
+                               std::uint32_t(i), out);
   if (i == end) return;
 
   // The scene's arrays end with it: copy the rest to where a whole group can be read. Lanes beyond are
@@ -290,7 +346,7 @@ HWY_INLINE void ProjectChunk(const ViewConstants& v, const SceneView& scene, std
     means[k] = scene.means[i + k], scales[k] = scene.scales[i + k];
     rotations[k] = scene.rotations[i + k], opacities[k] = scene.opacities[i + k];
   }
-  ProjectGroup(v, {means, scales, rotations, opacities}, std::uint32_t(i), out);
+  ProjectGroup<through_lens>(v, {means, scales, rotations, opacities}, std::uint32_t(i), out);
 }
 
 /// Projects Gaussians [begin, end), of which the first begins a chunk, and returns how many are visible.
@@ -298,9 +354,10 @@ std::size_t ProjectTask(const ViewConstants& v, const SceneView& scene, std::siz
                         SplatShape* shapes, float* depths, std::uint32_t* ids) {
   VisibleSplats out{shapes, depths, ids};
   const ChunkCuller culler(v);
+  const auto project_chunk = v.through_lens ? ProjectChunk<true> : ProjectChunk<false>;
   for (std::size_t i = begin; i < end; i += chunk_size)
     if (scene.chunks.empty() || !culler.hides(scene.chunks[i / chunk_size]))
-      ProjectChunk(v, scene, i, std::min(i + chunk_size, end), out);
+      project_chunk(v, scene, i, std::min(i + chunk_size, end), out);
   return out.count;
 }
 

@@ -12,6 +12,7 @@
 #include <limits>
 #include <vector>
 
+#include <swiftgs/lens/box.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/view_constants.hpp>
@@ -73,7 +74,7 @@ inline std::vector<ChunkBounds> chunk_bounds(const SceneView& scene) {
 /// the camera's rotation, and tx lies within the limits of the linearised projection. So it is right of the
 /// image if fx X / Z + cx - k (fx s L / Z + sqrt(blur)) > right, with L the largest |W0 - tx W2|. Times Z
 /// that is linear in X and Z, and a box is on one side of it where its corner is. The three other sides are
-/// alike. Through a lens that is no pinhole, only the planes hide chunks.
+/// alike. Through a lens that is no pinhole, a box is bounded by `box_through`.
 class ChunkCuller {
  public:
   SWIFTGS_HD explicit ChunkCuller(const ViewConstants& view) : view_(&view) {
@@ -107,8 +108,7 @@ class ChunkCuller {
     if (v.depth_is_distance ? hidden_by_distance(centre, half, rounding)
                             : most(0, 0, 1) <= v.near_plane || most(0, 0, -1) < -double(v.far_plane))
       return true;
-    if (v.lens.model == LensModel::equirectangular) return hidden_by_azimuth(chunk, centre, half, rounding);
-    if (v.through_lens) return false;
+    if (v.through_lens) return hidden_through_lens(chunk, box_of(centre, half, rounding));
     const double k = std::sqrt(2.0 * std::log(1.0001f * chunk.opacity / v.alpha_min));
     const double margin = 0.03 + k * blur_, size = k * double(chunk.size);
     const double x = size * wide_, y = size * high_;
@@ -128,33 +128,42 @@ class ChunkCuller {
     return 1.002 * std::sqrt(furthest) <= view_->near_plane || 0.998 * std::sqrt(nearest) > view_->far_plane;
   }
 
-  /// Whether a panorama shows no splat of a box in this part of it. Seen from above, the box lies within a
-  /// circle of radius R about a point at distance D from the camera: its azimuths are within asin(R / D) of
-  /// the point's, and its splats at most k size fx / (D - R) wide to each side.
-  SWIFTGS_HD bool hidden_by_azimuth(const ChunkBounds& chunk, const double (&centre)[3],
-                                    const double (&half)[3], double rounding) const {
-    const ViewConstants& v = *view_;
-    double at[2] = {}, radius_squared = 0;
-    for (int axis = 0; axis < 2; ++axis) {
-      double size = rounding;
-      for (int k = 0; k < 3; ++k)
-        at[axis] += v.rotation[2 * axis][k] * centre[k], size += std::fabs(v.rotation[2 * axis][k]) * half[k];
-      radius_squared += size * size;
+  /// A box along the camera's axes around one along the world's.
+  SWIFTGS_HD CameraBox box_of(const double (&centre)[3], const double (&half)[3], double rounding) const {
+    CameraBox box;
+    for (int row = 0; row < 3; ++row) {
+      box.half[row] = rounding;
+      for (int k = 0; k < 3; ++k) {
+        box.centre[row] += view_->rotation[row][k] * centre[k];
+        box.half[row] += std::fabs(view_->rotation[row][k]) * half[k];
+      }
     }
-    const double distance = std::sqrt(at[0] * at[0] + at[1] * at[1]);
-    const double radius = 1.001 * std::sqrt(radius_squared), nearest = distance - radius;
-    if (!(nearest > 1e-3 * distance)) return false;
-    const double k = 1.001 * std::sqrt(2.0 * std::log(1.0001f * chunk.opacity / v.alpha_min));
-    const double reach = v.fx * (k * double(chunk.size) / nearest + std::asin(radius / distance));
-    // Slack of projection is 2e-4 of both half sizes, and heights are at most fy / fx times widths.
-    const double slack = 4e-4 * k * double(chunk.size) * (v.fx + v.fy) / nearest;
-    const double margin = 0.03 + 1.002 * k * std::sqrt(double(v.blur)) + slack + 1e-6 * v.fx;
-    const double turn = 6.283185307179586 * v.fx;
-    const double x = v.fx * std::atan2(at[0], at[1]) + v.cx - v.panorama_middle;
-    const double off = std::fabs(x - turn * std::round(x / turn));
+    return box;
+  }
+
+  /// Whether the lens shows no splat of a box in this part of the image. A splat's half width is at most
+  /// sqrt((k fx |du| size)^2 + k^2 blur), with du the derivative of u by the point. Not inlined: it would
+  /// cost pinhole views registers.
+  SWIFTGS_HD SWIFTGS_NOINLINE bool hidden_through_lens(const ChunkBounds& chunk, const CameraBox& box) const {
+    const ViewConstants& v = *view_;
+    const LensBox seen = box_through(v.lens, v.limits, box);
+    if (!seen.inside) return true;
+    if (!seen.bounded) return false;
+    const double k = std::sqrt(2.0 * std::log(1.0001f * chunk.opacity / v.alpha_min));
+    // The rotation may lengthen by 1e-3. The slack of projection is 2e-4 of both half sizes.
+    const double size = 1.002 * k * double(chunk.size), wide = size * v.fx * seen.du,
+                 high = size * v.fy * seen.dv;
+    const double margin = 0.03 + k * blur_ + 4e-4 * (wide + high);
+    const double reach_x = 1.001 * v.fx * seen.half_u + wide + margin + 1e-6 * std::fabs(v.fx * seen.u);
+    const double reach_y = 1.001 * v.fy * seen.half_v + high + margin + 1e-6 * std::fabs(v.fy * seen.v);
+    const double y = v.fy * seen.v + v.cy;
+    if (y + reach_y < v.top || y - reach_y > v.bottom) return true;
+    const double x = v.nearest_copy(v.fx * seen.u + v.cx);
+    if (v.turn == 0) return x + reach_x < v.left || x - reach_x > v.right;
+    // The copy that a Gaussian of the box is shown at may be at the other side of the middle.
     const double shown =
         std::fmax(std::fabs(v.left - v.panorama_middle), std::fabs(v.right - v.panorama_middle));
-    return off - reach - margin > shown;
+    return std::fabs(x - v.panorama_middle) - reach_x > shown;
   }
 
   /// Largest length of W_row - t W2 for t between `low` and `high`: that of an end.

@@ -214,33 +214,42 @@ SWIFTGS_HD inline ProjectedShape visible_shape(const ViewConstants& v, vec2 mean
   return out;
 }
 
+/// The mean of a Gaussian, seen through a lens.
+struct LensMean {
+  vec2 pixel{0};
+  float depth = 0;
+  dvec3 dx{0.0}, dy{0.0};  ///< derivatives of the pixel by the world
+  bool shown = false;
+};
+
+SWIFTGS_HD inline LensMean mean_through_lens(const ViewConstants& v, vec3 mean) {
+  const CameraPoint at(v, mean);
+  const double* const p = at.p;
+  LensMean out;
+  out.depth = float(v.depth_is_distance ? std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) : p[2]);
+  if (!(out.depth > v.near_plane && out.depth <= v.far_plane)) return out;
+  const LensPoint seen = point_through(v.lens, v.limits, dvec3(p[0], p[1], p[2]));
+  out.shown = seen.inside;
+  out.pixel = vec2(float(v.nearest_copy(std::fma(v.fx, seen.u, v.cx))), float(std::fma(v.fy, seen.v, v.cy)));
+  const auto by_world = [&](const dvec3& by_camera, double pixels) {
+    dvec3 row;
+    for (int k = 0; k < 3; ++k)
+      row[k] = pixels * (by_camera.x * v.rotation[0][k] + by_camera.y * v.rotation[1][k] +
+                         by_camera.z * v.rotation[2][k]);
+    return row;
+  };
+  out.dx = by_world(seen.du, v.fx), out.dy = by_world(seen.dv, v.fy);
+  return out;
+}
+
 /// `project_shape` of views that are `through_lens`, in double throughout. Not inlined: it would cost pinhole
 /// views registers.
 SWIFTGS_HD SWIFTGS_NOINLINE inline ProjectedShape project_through_lens(const ViewConstants& v,
                                                                        const Gaussian& g) {
-  const CameraPoint at(v, g.mean);
-  const double* const p = at.p;
-  const float depth = float(v.depth_is_distance ? std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) : p[2]);
-  if (!(depth > v.near_plane && depth <= v.far_plane)) return {};
-  const LensPoint seen = point_through(v.lens, v.limits, dvec3(p[0], p[1], p[2]));
-  if (!seen.inside) return {};
-
-  // A full turn of a panorama is `turn` pixels: take the copy of the splat that is nearest to its part.
-  double x = std::fma(v.fx, seen.u, v.cx);
-  if (v.lens.model == LensModel::equirectangular) {
-    const double turn = 6.283185307179586 * v.fx;
-    x -= turn * std::round((x - v.panorama_middle) / turn);
-  }
-  const vec2 mean(float(x), float(std::fma(v.fy, seen.v, v.cy)));
-  const auto by_world = [&](const dvec3& by_camera, double pixels) {
-    dvec3 out;
-    for (int k = 0; k < 3; ++k)
-      out[k] = pixels * (by_camera.x * v.rotation[0][k] + by_camera.y * v.rotation[1][k] +
-                         by_camera.z * v.rotation[2][k]);
-    return out;
-  };
-  const ImageAxes<double> axes(by_world(seen.du, v.fx), by_world(seen.dv, v.fy), g.scale, g.rotation);
-  return visible_shape(v, mean, factor(axes, double(v.blur)), g.opacity, depth);
+  const LensMean at = mean_through_lens(v, g.mean);
+  if (!at.shown) return {};
+  const ImageAxes<double> axes(at.dx, at.dy, g.scale, g.rotation);
+  return visible_shape(v, at.pixel, factor(axes, double(v.blur)), g.opacity, at.depth);
 }
 
 /// Projects a Gaussian. `visible` is false where no shown pixel can keep it: too near or far, too

@@ -30,9 +30,15 @@ struct ViewConstants {
   bool antialiased;
   bool through_lens;       ///< not a pinhole whose depth is z, and so projected by `project_through_lens`
   bool depth_is_distance;  ///< rather than z
+  double turn;             ///< all around, of a panorama; 0 of other images @units{pixels}
   double panorama_middle;  ///< column whose nearest copy of a splat a panorama shows
   Lens lens;
   LensLimits limits;
+
+  /// Column of the copy of a panorama's column `x` that is nearest to `panorama_middle`.
+  SWIFTGS_HD double nearest_copy(double x) const {
+    return turn == 0 ? x : x - turn * std::round((x - panorama_middle) / turn);
+  }
 
   /// x/z and y/z within their limits.
   template <class Real>
@@ -98,6 +104,7 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
   v.depth_is_distance = depth_is_distance(camera.lens.model, conventions);
   v.through_lens = !camera.lens.is_pinhole() || v.depth_is_distance;
   if (v.through_lens) v.limits = lens_limits(camera, conventions);
+  if (camera.lens.model == LensModel::equirectangular) v.turn = turn_of(camera);
   v.panorama_middle = 0.5 * camera.width;
   return v;
 }

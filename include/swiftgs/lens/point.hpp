@@ -81,7 +81,7 @@ SWIFTGS_HD inline LensPoint perspective(const Distortion& d, const LensLimits& l
   double at_u = clamped(u, limits.least_u, limits.most_u), at_v = clamped(v, limits.least_v, limits.most_v);
   if (!(at_u * at_u + at_v * at_v < limits.fold_squared)) at_u = u, at_v = v;  // a corner of the limits
   out.du = dvec3(inverse_z, 0, -at_u * inverse_z), out.dv = dvec3(0, inverse_z, -at_v * inverse_z);
-  chain(out, distort(d, at_u, at_v));
+  chain(out, at_u == u && at_v == v ? place : distort(d, at_u, at_v));
   // Before the fold, radii grow; tangential terms may fold the image elsewhere.
   out.inside = p.z > 0 && u * u + v * v < limits.fold_squared && keeps_sides(place);
   return out;
