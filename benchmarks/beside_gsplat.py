@@ -3,6 +3,7 @@
 
     python3 benchmarks/beside_gsplat.py build    builds gsplat from the folder SWIFTGS_GSPLAT into build/gsplat, once
     python3 benchmarks/beside_gsplat.py run builtin:200000 captures/fox --json results.json
+    python3 benchmarks/beside_gsplat.py lenses builtin:200000 captures/fox    compares gsplat's other camera models
 
 Both need PyTorch with CUDA; `run` needs the package swiftgs, and gsplat of `build` or another that is installed. gsplat
 is built in a copy of its sources, for forward and backward passes of 3DGS in 3 and 4 channels alone. GLM, which it
@@ -127,12 +128,11 @@ def measure(calls, rounds):
     return {name: statistics.median(times) for name, times in found.items()}
 
 
-def between(case):
+def between(arguments):
     """dB between both, of each view."""
     import gsplat  # pylint: disable=import-outside-toplevel
     import swiftgs  # pylint: disable=import-outside-toplevel
     from conftest import decibels  # pylint: disable=import-outside-toplevel
-    arguments = case.arguments()
     ours, theirs = swiftgs.rasterization(**arguments)[0], gsplat.rasterization(**arguments)[0]
     return [float(decibels(a.cpu(), b.cpu())) for a, b in zip(ours, theirs)]
 
@@ -169,7 +169,7 @@ def row(case, rounds):
         "gsplat": lambda: gsplat.rasterization(**arguments),
         "gsplat, not packed": lambda: gsplat.rasterization(**arguments, packed=False)}, rounds)
     return {"scene": case.name, "gaussians": len(case.scene), "views": count, "size": list(size), "ms": times,
-            "between_db": between(case)}
+            "between_db": between(arguments)}
 
 
 def run(arguments):
@@ -202,23 +202,55 @@ def run(arguments):
             print(f"| {scene} | {name} | {' | '.join(cells)} |")
 
 
+def seen_through(case, model):
+    """Arguments of the case's views through a camera model of gsplat's; in parallel rays its scale is that of the
+    scene's middle depth."""
+    arguments = dict(case.arguments(), camera_model=model)
+    if model == "ortho":
+        means, to_camera = arguments["means"], arguments["viewmats"]
+        depths = means @ to_camera[:, 2, :3].T + to_camera[:, 2, 3]
+        for focal, depth in zip(arguments["Ks"], depths.T):
+            focal[:2, :2] /= depth[depth > 0].median()
+    return arguments
+
+
+def lenses(arguments):
+    import gsplat  # pylint: disable=import-outside-toplevel
+    import torch  # pylint: disable=import-outside-toplevel
+    import swiftgs  # pylint: disable=import-outside-toplevel
+    random.seed(1)
+    print("| scene | camera model | swiftgs, ms | gsplat, ms | dB between, by view |")
+    print("| --- | --- | ---: | ---: | --- |")
+    with torch.no_grad():
+        for scene in arguments.scenes:
+            case = Case(scene, SEEN_IN_FLOAT64, arguments.scale)
+            for model in ("pinhole", "ortho", "fisheye"):
+                given = seen_through(case, model)
+                times = measure({each.__name__: lambda each=each: each.rasterization(**given)
+                                 for each in (swiftgs, gsplat)}, arguments.rounds)
+                print(f"| {scene} | {model} | {times['swiftgs']:.3f} | {times['gsplat']:.3f} | " +
+                      ", ".join(f"{db:.1f}" for db in between(given)) + " |")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
     building = commands.add_parser("build", help="builds gsplat once")
     building.add_argument("--all", action="store_true", help="all of gsplat, and not what is compared alone")
-    running = commands.add_parser("run", help="compares")
-    running.add_argument("scenes", nargs="+", help="builtin, builtin:N, or folders of captures")
+    running = commands.add_parser("run", help="compares pinholes")
     running.add_argument("--views", type=int, nargs="+", default=[1, 4, 16], help="views of a frame")
-    running.add_argument("--scale", type=float, default=1, help="factor of the images' sides")
     running.add_argument("--small", type=float, default=0.2, help="that of the image in float64, on top")
-    running.add_argument("--rounds", type=int, default=50)
+    seeing = commands.add_parser("lenses", help="compares camera models")
+    for one in (running, seeing):
+        one.add_argument("scenes", nargs="+", help="builtin, builtin:N, or folders of captures")
+        one.add_argument("--scale", type=float, default=1, help="factor of the images' sides")
+        one.add_argument("--rounds", type=int, default=50)
     running.add_argument("--json", type=pathlib.Path)
     arguments = parser.parse_args()
     if arguments.command == "build":
         build(not arguments.all)
     else:
-        run(arguments)
+        {"run": run, "lenses": lenses}[arguments.command](arguments)
 
 
 if __name__ == "__main__":

@@ -159,6 +159,41 @@ TEST_CASE_TEMPLATE("lens: recorded frames draw what frames draw", B, SWIFTGS_TES
   }
 }
 
+TEST_CASE_TEMPLATE("lens: a rectified view of a distorted one is the pinhole view", B, SWIFTGS_TEST_HOSTS) {
+  Best<B> renderer(make_backend<B>());
+  const auto scene = renderer.backend().upload(test_scene());
+  RenderSettings settings = all_outputs();
+  settings.conventions.blur = 0;  // pixels of both differ in size
+  const Camera distorted = cameras_of_lenses(1280, 768)[1];
+  const Camera pinhole = builtin_camera(320, 192);
+  const Frame seen = renderer.render(scene, distorted, settings);
+  const Frame wanted = renderer.render(scene, pinhole, settings);
+  // Look up where the lens shows the middle of each pixel.
+  double sum = 0;
+  for (int y = 0; y < pinhole.height; ++y)
+    for (int x = 0; x < pinhole.width; ++x) {
+      const lens::Distorted at = lens::distort(distorted.lens.distortion, (x + 0.5 - pinhole.cx) / pinhole.fx,
+                                               (y + 0.5 - pinhole.cy) / pinhole.fy);
+      const double column = distorted.fx * at.u + distorted.cx - 0.5,
+                   row = distorted.fy * at.v + distorted.cy - 0.5;
+      const int left = int(std::floor(column)), top = int(std::floor(row));
+      if (left < 0 || top < 0 || left + 1 >= distorted.width || top + 1 >= distorted.height) continue;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto pixel = [&](int i, int j) {
+          return double(
+              seen.colour[3 * (std::size_t(top + j) * std::size_t(distorted.width) + std::size_t(left + i)) +
+                          c]);
+        };
+        const double right = column - left, down = row - top;
+        const double looked_up = (1 - down) * ((1 - right) * pixel(0, 0) + right * pixel(1, 0)) +
+                                 down * ((1 - right) * pixel(0, 1) + right * pixel(1, 1));
+        const double off = looked_up - double(wanted.colour[3 * std::size_t(y * pinhole.width + x) + c]);
+        sum += off * off;
+      }
+    }
+  CHECK(-10 * std::log10(sum / (3.0 * pinhole.width * pinhole.height)) >= 40);
+}
+
 TEST_CASE_TEMPLATE("lens: a panorama has no seam", B, SWIFTGS_TEST_BACKENDS) {
   if (unavailable_backend<B>()) return;
   Best<B> renderer(make_backend<B>());

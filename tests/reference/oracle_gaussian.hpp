@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "reference/oracle_lens.hpp"
 #include "reference/oracle_projection.hpp"
 
 namespace swiftgs::test {
@@ -73,13 +74,75 @@ inline bool between_planes(float z, const Conventions& k) {
 
 /// Sets the mean and its errors from `p`, the Gaussian's place in camera space.
 inline void set_position(OracleSplat& s, const Real3& p, const Real3& p_error, const Camera& camera) {
-  s.x = camera.fx * p[0] / p[2] + camera.cx, s.y = camera.fy * p[1] / p[2] + camera.cy, s.z = p[2];
+  s.x = camera.fx * p[0] / p[2] + camera.cx, s.y = camera.fy * p[1] / p[2] + camera.cy;
   const auto error = [&](std::size_t k, Real focal, Real principal) {
     const Real tangent = p[k] / p[2], offset = std::abs(focal * tangent);
     return focal / std::abs(p[2]) * (p_error[k] + std::abs(tangent) * p_error[2]) +
            4 * unit * (offset + std::abs(principal));
   };
   s.doubt.position_x = error(0, camera.fx, camera.cx), s.doubt.position_y = error(1, camera.fy, camera.cy);
+}
+
+/// Sets the mean of a pinhole's splat and maps the Gaussian's axes to the image.
+inline std::optional<ImageFactor> through_pinhole(OracleSplat& s, const Scene& scene, const Real3& p,
+                                                  const Real3& p_error, const Camera& camera,
+                                                  const Conventions& k) {
+  if (p[2] == 0) return {};
+  const Real3 rows[3] = {row_of(camera, 0), row_of(camera, 1), row_of(camera, 2)};
+  set_position(s, p, p_error, camera);
+  const Real tx = limited(p[0] / p[2], camera.width, camera.fx, camera.cx, k.clamp);
+  const Real ty = limited(p[1] / p[2], camera.height, camera.fy, camera.cy, k.clamp);
+  const Real jx = camera.fx / p[2], jy = camera.fy / p[2];
+  const Real relative = 32 * unit + p_error[2] / std::abs(p[2]);
+  ImageFactor f;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Real3 local{};
+    local[axis] = 1;
+    const Real3 world = turn(scene.rotations[s.index], local);
+    const Real scale = scene.scales[s.index][int(axis)], ahead = dot(rows[2], world);
+    f.x[axis] = jx * scale * (dot(rows[0], world) - tx * ahead);
+    f.y[axis] = jy * scale * (dot(rows[1], world) - ty * ahead);
+    const Real3 sizes = magnitudes(world);
+    const Real x = dot(magnitudes(rows[0]), sizes), y = dot(magnitudes(rows[1]), sizes);
+    const Real z = dot(magnitudes(rows[2]), sizes);
+    f.x_error[axis] = scale * std::abs(jx) * (x + std::abs(tx) * z) * relative +
+                      scale * z * s.doubt.position_x / std::abs(p[2]);
+    f.y_error[axis] = scale * std::abs(jy) * (y + std::abs(ty) * z) * relative +
+                      scale * z * s.doubt.position_y / std::abs(p[2]);
+  }
+  return f;
+}
+
+/// The same of other lenses. Their derivatives err by some hundred units: a point's error bends them as much
+/// as the point's angle, and polynomials add tens of roundings of terms about as large as their sum.
+inline std::optional<ImageFactor> through_lens(OracleSplat& s, const Scene& scene, const Real3& p,
+                                               const Real3& p_error, const Camera& camera,
+                                               const Conventions& k) {
+  const Sight seen = sight(camera, k, p);
+  if (!seen.inside) return {};
+  const Real off = std::hypot(p_error[0], p_error[1], p_error[2]);
+  const Real relative = 128 * unit + 16 * off / std::hypot(p[0], p[1], p[2]);
+  const auto length = [](const Real3& a) { return std::hypot(a[0], a[1], a[2]); };
+  const auto place = [&](const Dual& at, Real focal, Real principal, Real& pixel, Real& error) {
+    pixel = focal * at.value + principal;
+    error =
+        focal * (length(at.by) * off + 64 * unit * (1 + std::abs(at.value))) + 4 * unit * std::abs(principal);
+  };
+  place(seen.u, camera.fx, camera.cx, s.x, s.doubt.position_x);
+  place(seen.v, camera.fy, camera.cy, s.y, s.doubt.position_y);
+  ImageFactor f;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Real3 local{};
+    local[axis] = 1;
+    const Real3 world = turn(scene.rotations[s.index], local);
+    const Real3 at{dot(row_of(camera, 0), world), dot(row_of(camera, 1), world),
+                   dot(row_of(camera, 2), world)};
+    const Real scale = scene.scales[s.index][int(axis)];
+    f.x[axis] = camera.fx * scale * dot(seen.u.by, at), f.y[axis] = camera.fy * scale * dot(seen.v.by, at);
+    f.x_error[axis] = camera.fx * scale * length(seen.u.by) * length(world) * relative;
+    f.y_error[axis] = camera.fy * scale * length(seen.v.by) * length(world) * relative;
+  }
+  return f;
 }
 
 /// Projects Gaussian `i`; nothing where it is surely not drawn.
@@ -98,35 +161,22 @@ inline std::optional<OracleSplat> project_gaussian(const Scene& scene, std::size
     const Real sizes = dot(magnitudes(rows[r]), magnitudes(mean)) + std::abs(camera.translation[int(r)]);
     p_error[r] = 4 * unit * sizes;
   }
-  s.depth = float(p[2]), s.doubt.z = p_error[2];
-  s.doubt.nearest = float(p[2] - p_error[2]), s.doubt.furthest = float(p[2] + p_error[2]);
+  s.z = p[2], s.doubt.z = p_error[2];
+  if (by_distance(camera, k)) {
+    s.z = std::hypot(p[0], p[1], p[2]);
+    s.doubt.z = std::hypot(p_error[0], p_error[1], p_error[2]) + 8 * unit * s.z;
+  }
+  s.depth = float(s.z);
+  s.doubt.nearest = float(s.z - s.doubt.z), s.doubt.furthest = float(s.z + s.doubt.z);
   s.drawn = between_planes(s.depth, k);
   s.doubt.drawn =
       s.drawn != between_planes(s.doubt.nearest, k) || s.drawn != between_planes(s.doubt.furthest, k);
-  if ((!s.drawn && !s.doubt.drawn) || p[2] == 0) return {};
-  set_position(s, p, p_error, camera);
-
-  // Map the Gaussian's axes to the image.
-  const Real tx = limited(p[0] / p[2], camera.width, camera.fx, camera.cx, k.clamp);
-  const Real ty = limited(p[1] / p[2], camera.height, camera.fy, camera.cy, k.clamp);
-  const Real jx = camera.fx / p[2], jy = camera.fy / p[2];
-  const Real relative = 32 * unit + p_error[2] / std::abs(p[2]);
-  ImageFactor f;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    Real3 local{};
-    local[axis] = 1;
-    const Real3 world = turn(scene.rotations[i], local);
-    const Real scale = scene.scales[i][int(axis)], ahead = dot(rows[2], world);
-    f.x[axis] = jx * scale * (dot(rows[0], world) - tx * ahead);
-    f.y[axis] = jy * scale * (dot(rows[1], world) - ty * ahead);
-    const Real3 sizes = magnitudes(world);
-    const Real x = dot(magnitudes(rows[0]), sizes), y = dot(magnitudes(rows[1]), sizes);
-    const Real z = dot(magnitudes(rows[2]), sizes);
-    f.x_error[axis] = scale * std::abs(jx) * (x + std::abs(tx) * z) * relative +
-                      scale * z * s.doubt.position_x / std::abs(p[2]);
-    f.y_error[axis] = scale * std::abs(jy) * (y + std::abs(ty) * z) * relative +
-                      scale * z * s.doubt.position_y / std::abs(p[2]);
-  }
+  if (!s.drawn && !s.doubt.drawn) return {};
+  const std::optional<ImageFactor> found = camera.lens.is_pinhole()
+                                               ? through_pinhole(s, scene, p, p_error, camera, k)
+                                               : through_lens(s, scene, p, p_error, camera, k);
+  if (!found) return {};
+  const ImageFactor& f = *found;
 
   const Triangle l(f, k.blur), sharp(f, 0);
   if (!(l.determinant() > 0) || l.xx() > largest_variance || l.yy() > largest_variance) return {};

@@ -27,6 +27,31 @@ TEST_CASE("reference: mixtures of Gaussians agree with the oracle under both pre
   }
 }
 
+TEST_CASE("reference: lenses agree with the oracle") {
+  const Distortion barrel{{-0.15, 0.02, 0, 0}, {0.03, 0.001, 0}, {0.002, -0.001}, {}};
+  const Distortion thin_prism{{0.03, -0.004, 0.0005, -0.00002}, {}, {0.002, 0.001}, {-0.003, 0.002}};
+  for (const Lens& lens : {Lens{LensModel::perspective, barrel}, Lens{LensModel::fisheye, {}},
+                           Lens{LensModel::fisheye, thin_prism}, Lens{LensModel::orthographic, {}},
+                           Lens{LensModel::equirectangular, {}}})
+    for (const auto depth :
+         {Conventions::Depth::of_lens, Conventions::Depth::z, Conventions::Depth::distance}) {
+      CAPTURE(name_of(lens.model));
+      CAPTURE(int(depth));
+      Random random(10);
+      Case c{.scene = mixture(random, 300, 2)};
+      for (Camera camera : {oracle_camera(), turned_camera()}) {
+        camera.lens = lens;
+        if (lens.model == LensModel::orthographic) camera.fx = 9, camera.fy = 11;
+        if (lens.model == LensModel::equirectangular) camera.width = 32, camera.fx = 40, camera.fy = 33;
+        c.camera = camera;
+        for (const Conventions& preset : {Conventions::gsplat(), Conventions::inria()}) {
+          c.conventions = preset, c.conventions.depth = depth;
+          check(c);
+        }
+      }
+    }
+}
+
 TEST_CASE("reference: harmonics of each degree and of large coefficients agree with the oracle") {
   for (const int degree : {0, 1, 2, 3})
     for (const double largest : {1.0, 1e4}) {
