@@ -55,14 +55,18 @@ void StripPlan::learn(Span<const std::uint64_t> taken) {
     cuts_ = cuts_of(costs_, std::uint32_t(taken.size));
 }
 
-FrameView rows_of(const FrameView& frame, const ViewStrip& view_strip) {
-  FrameView rows = frame;
-  rows.height = view_strip.rows;
-  const auto move = [&](auto& plane) {
-    if (plane.data) plane.data = plane.row(std::size_t(view_strip.first_row));
+FrameView pixels_of(const FrameView& frame, const ViewStrip& view_strip) {
+  FrameView pixels = frame;
+  pixels.width = view_strip.width, pixels.height = view_strip.rows;
+  const auto move = [&](auto& plane, std::size_t bytes) {
+    if (!plane.data) return;
+    plane = plane.from_column(view_strip.first_column * std::ptrdiff_t(bytes));
+    plane.data = plane.row(std::size_t(view_strip.first_row));
   };
-  move(rows.colour), move(rows.alpha), move(rows.depth), move(rows.occluder);
-  return rows;
+  move(pixels.colour, bytes_per_pixel(frame.format));
+  for (auto* plane : {&pixels.alpha, &pixels.depth}) move(*plane, sizeof(float));
+  move(pixels.occluder, sizeof(float));
+  return pixels;
 }
 
 Strip strip_of(Span<const View> views, std::uint32_t begin, std::uint32_t end) {
@@ -84,6 +88,7 @@ Strip strip_of(Span<const View> views, std::uint32_t begin, std::uint32_t end) {
       part.frame.occluder.data = nullptr;
       part.camera.top = whole.camera.top + float(view_strip.first_row);
       part.camera.bottom = part.camera.top + float(view_strip.rows);
+      if (strip.views.empty()) strip.first_view = view_strip.view;
       strip.view_strips.push_back(view_strip), strip.views.push_back(part);
     }
     first = last;

@@ -129,11 +129,12 @@ class PanoramaParts {
   /// `views` where none is cut; else copies, which hold until the next call. Throws `std::invalid_argument`
   /// where tiles of a panorama do not cover it or are no divisor of its parts.
   Span<const View> of(Span<const View> views) {
+    owners_.clear(), parts_.clear();
     if (std::none_of(views.begin(), views.end(), is_cut)) return views;
-    parts_.clear();
-    for (const View& view : views) {
+    for (std::uint32_t owner = 0; owner < views.size; ++owner) {
+      const View& view = views[owner];
       if (!is_cut(view)) {
-        parts_.push_back(view);
+        parts_.push_back(view), owners_.push_back(owner);
         continue;
       }
       const int width = view.panorama_part, end = view.left() + view.frame.width;
@@ -143,11 +144,14 @@ class PanoramaParts {
                        "a divisor of the " + std::to_string(width) + " columns of a panorama's part");
       for (int begin = view.left(), next; begin < end; begin = next) {
         next = std::min((begin / width + 1) * width, end);
-        parts_.push_back(columns_of(view, begin, next));
+        parts_.push_back(columns_of(view, begin, next)), owners_.push_back(owner);
       }
     }
     return {parts_.data(), parts_.size()};
   }
+
+  /// Index of the view that part `i` was cut from.
+  std::uint32_t owner(std::uint32_t i) const { return owners_.empty() ? i : owners_[i]; }
 
  private:
   static bool is_cut(const View& view) {
@@ -173,6 +177,7 @@ class PanoramaParts {
   }
 
   std::vector<View> parts_;
+  std::vector<std::uint32_t> owners_;
 };
 
 /// A renderer's own copy of the views of a frame.

@@ -39,6 +39,16 @@ TEST_CASE("mpi frames: depths that are equal are drawn in the order of the whole
   compare<Cpu, StandardSort, PerPixel, OpacityBox>(scene, {camera}, 2);
 }
 
+TEST_CASE("mpi frames: panoramas and other lenses beside them are the same") {
+  Camera panorama = builtin_camera(256, 128), fisheye = builtin_camera(96, 96);
+  panorama.lens.model = LensModel::equirectangular;
+  panorama.fx = panorama.width / 6.283185307179586, panorama.fy = 2 * panorama.height / 6.283185307179586;
+  fisheye.lens.model = LensModel::fisheye, fisheye.fx = fisheye.fy = 30;
+  const Scene scene = make_builtin_scene(3'000);
+  compare<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, {panorama, fisheye, panorama}, 2);
+  compare<Serial, StandardSort, PerPixel, Obb>(scene, {fisheye, panorama}, 2);
+}
+
 TEST_CASE("mpi frames: parts may be empty and hold other bands of harmonics than the whole") {
   Scene scene = make_builtin_scene(900);
   // All but the last third lose their harmonics: the ranks' parts have unlike degrees.

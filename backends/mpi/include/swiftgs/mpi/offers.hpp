@@ -20,8 +20,8 @@ struct Offer {
   std::uint64_t frame = 0;  ///< identity of the frame that was asked for
 };
 
-/// Tells each rank how many splats come. Sets `counts` to those that come from each. Throws on all ranks if one
-/// failed, or if ranks were asked for different frames. Collective.
+/// Tells each rank how many splats come. Sets `counts` to those that come from each. Throws on all ranks if
+/// one failed, or if ranks were asked for different frames. Collective.
 template <class B>
 void exchange_offers(const Ranks& all, const Shares<B>& shares, std::uint64_t frame, Failure& failure,
                      std::vector<std::uint64_t>& counts) {

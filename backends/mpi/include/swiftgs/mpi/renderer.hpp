@@ -73,7 +73,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     });
     const auto place = [&] {
       for (DrawnStrip& each : drawn_)
-        each.frame = rows_of(views[each.view_strip.view].frame, each.view_strip);
+        each.frame = pixels_of(views[each.view_strip.view].frame, each.view_strip);
     };
     draw(part, views, failure, place, [] {});
   }
@@ -106,7 +106,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     });
     const auto place = [&] {
       if (B::reaches_host_memory && collects)
-        for (DrawnStrip& each : drawn_) each.frame = rows_of(whole[each.view_strip.view], each.view_strip);
+        for (DrawnStrip& each : drawn_) each.frame = pixels_of(whole[each.view_strip.view], each.view_strip);
       else
         frames_.keep(backend(), settings.outputs, drawn_);
     };
@@ -178,7 +178,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     mine.project_ns = since(begun);
     exchange_offers(ranks_, shares_, views_identity(views) + outputs_, failure, counts_);
     failure.guard([&] {
-      prepare_strips();
+      prepare_strips(views);
       place();
     });
     failure.agree(ranks_);
@@ -219,7 +219,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     const Clock::time_point begun = Clock::now();
     std::vector<View> all(views.begin(), views.end());
     for (const View& view : views)
-      drawn_.push_back({{std::uint32_t(drawn_.size()), 0, view.frame.height, view.frame.width}});
+      drawn_.push_back(
+          {{.view = std::uint32_t(drawn_.size()), .rows = view.frame.height, .width = view.frame.width}});
     place();
     for (std::size_t i = 0; i < all.size(); ++i) all[i].frame = drawn_[i].frame;
     one_.render_into(scene, {all.data(), all.size()}, {.count = false, .time = true});
@@ -236,17 +237,12 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
 
   /// Finds the splats of this rank's Gaussians in all views, and shares them out among the ranks.
   void project_part(const SceneView& part, Span<const View> views, RankCounters& mine) {
-    for (const View& view : views) {
-      detail::require_finite_background(view.background);
-      const int columns = view.panorama_part;
-      detail::require_for_render(
-          columns == 0 || view.left() / columns == (view.left() + view.frame.width - 1) / columns,
-          "views of one part of a panorama each over ranks");
-    }
+    for (const View& view : views) detail::require_finite_background(view.background);
     check_ready(backend());
+    const Span<const View> parts = parts_.of(views);
     const bool may_be_coarse = may_gain_by_coarse_tiles<B, Raster> && Bounds::conservative;
-    key_ = FrameKey::of({}, views);
-    whole_ = store_views(backend(), may_be_coarse ? tiles_.choose(key_, views) : views, whole_storage_);
+    key_ = FrameKey::of({}, parts);
+    whole_ = store_views(backend(), may_be_coarse ? tiles_.choose(key_, parts) : parts, whole_storage_);
     const std::uint32_t rows = whole_.tiles.rows;
     if (!strip_plan_ || strip_plan_->rows() != rows) strip_plan_.emplace(rows, ranks_.size());
     FramePlan plan(whole_, part);
@@ -266,11 +262,18 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     mine.rows = strip_plan_->cuts()[std::size_t(own) + 1] - mine.first_row;
   }
 
-  void prepare_strips() {
+  /// Whoever asked for `views` knows nothing of parts.
+  void prepare_strips(Span<const View> views) {
     const StripCuts& cuts = strip_plan_->cuts();
     strips_.clear();
     for (std::size_t r = 0; r + 1 < cuts.size(); ++r)
       strips_.push_back(strip_of(whole_.each, cuts[r], cuts[r + 1]));
+    for (Strip& strip : strips_)
+      for (ViewStrip& view_strip : strip.view_strips) {
+        const View& part = whole_[view_strip.view];
+        view_strip.view = parts_.owner(view_strip.view);
+        view_strip.first_column = part.left() - views[view_strip.view].left();
+      }
     exchange_.prepare_strips(backend(), ranks_, strips_, shares_, colours_, {counts_.data(), counts_.size()});
     for (const ViewStrip& view_strip : strips_[std::size_t(ranks_.rank())].view_strips)
       drawn_.push_back({view_strip});
@@ -350,7 +353,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   std::optional<StripPlan> strip_plan_;
   TileChoice tiles_;
   FrameKey key_;                       ///< of the views alone
-  Views whole_;                        ///< in `whole_storage_`
+  PanoramaParts parts_;                ///< of the views
+  Views whole_;                        ///< those parts, in `whole_storage_`
   std::vector<View> views_;            ///< of cameras
   std::uint64_t outputs_ = 0;          ///< what frames of cameras hold, as a number; 0: the caller's planes
   std::vector<Strip> strips_;          ///< of all ranks

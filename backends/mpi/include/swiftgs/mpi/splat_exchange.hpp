@@ -143,9 +143,8 @@ class SplatExchange {
       shapes_.joined.from_host(b, begin, end), depths_.joined.from_host(b, begin, end);
       if (joined_.of_view.size() != 0) of_view_.joined.from_host(b, begin, end);
     });
-    if (joined_.of_view.size() != 0 && strip.view_strips.front().view != 0)
-      b.for_each(joined_.count,
-                 CountViewsFrom{std::uint16_t(strip.view_strips.front().view), joined_.of_view.data()});
+    if (joined_.of_view.size() != 0 && strip.first_view != 0)
+      b.for_each(joined_.count, CountViewsFrom{std::uint16_t(strip.first_view), joined_.of_view.data()});
   }
 
   /// The same for colours, which are kept when all are there. A link begins with them when the caller says

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <tuple>
 #include <vector>
@@ -50,14 +51,16 @@ class StripFrames {
         std::size_t before = 0;
         for (const DrawnStrip& each : drawn) {
           const std::size_t pixels = pixels_of(each.view_strip);
-          const auto download = [&](const auto& from, std::size_t channels, std::vector<float>& to) {
-            if (!to.empty())
-              b.download(Span<const float>{from.data() + channels * before, channels * pixels},
-                         to.data() + channels * first_pixel(each.view_strip));
+          const auto download = [&](const auto& from, std::size_t channels, std::vector<float>& to,
+                                    int width) {
+            if (to.empty()) return;
+            Landing landing(to, width, channels, each.view_strip);
+            b.download(Span<const float>{from.data() + channels * before, channels * pixels}, landing.data());
+            landing.settle();
           };
           Frame& frame = frames[each.view_strip.view];
-          download(colour_, 3, frame.colour), download(alpha_, 1, frame.alpha);
-          download(depth_, 1, frame.depth);
+          download(colour_, 3, frame.colour, frame.width), download(alpha_, 1, frame.alpha, frame.width);
+          download(depth_, 1, frame.depth, frame.width);
           before += pixels;
         }
       } else {
@@ -70,14 +73,16 @@ class StripFrames {
   /// Sends the view strips of all ranks to `frames` on rank 0. Collective.
   void collect(const Ranks& ranks, const std::vector<Strip>& strips, Span<Frame> frames) {
     Exchange exchange(ranks);
+    std::vector<Landing> landings;
     if (ranks.rank() == 0) {
       for (std::size_t r = 1; r < strips.size(); ++r)
         for (const ViewStrip& view_strip : strips[r].view_strips) {
           Frame& frame = frames[view_strip.view];
           const auto receive = [&](std::vector<float>& to, std::size_t channels) {
-            if (!to.empty())
-              exchange.receive(int(r), to.data() + channels * first_pixel(view_strip),
-                               channels * pixels_of(view_strip) * sizeof(float));
+            if (to.empty()) return;
+            landings.emplace_back(to, frame.width, channels, view_strip);
+            exchange.receive(int(r), landings.back().data(),
+                             channels * pixels_of(view_strip) * sizeof(float));
           };
           receive(frame.colour, 3), receive(frame.alpha, 1), receive(frame.depth, 1);
         }
@@ -94,6 +99,7 @@ class StripFrames {
       }
     }
     exchange.wait();
+    for (Landing& landing : landings) landing.settle();
   }
 
   static auto buffers(auto& self) { return std::tie(self.colour_, self.alpha_, self.depth_); }
@@ -102,9 +108,30 @@ class StripFrames {
   static std::size_t pixels_of(const ViewStrip& view_strip) {
     return std::size_t(view_strip.rows) * std::size_t(view_strip.width);
   }
-  static std::size_t first_pixel(const ViewStrip& view_strip) {
-    return std::size_t(view_strip.first_row) * std::size_t(view_strip.width);
-  }
+
+  /// Where the pixels of a view strip arrive: in the image, or beside it if they are not all of its rows.
+  class Landing {
+   public:
+    Landing(std::vector<float>& image, int width, std::size_t channels, const ViewStrip& view_strip)
+        : first_(image.data() + channels * (std::size_t(view_strip.first_row) * std::size_t(width) +
+                                            std::size_t(view_strip.first_column))),
+          row_(channels * std::size_t(view_strip.width)),
+          pitch_(channels * std::size_t(width)) {
+      if (row_ != pitch_) beside_.resize(channels * pixels_of(view_strip));
+    }
+
+    float* data() { return beside_.empty() ? first_ : beside_.data(); }
+    /// Once all have arrived.
+    void settle() {
+      for (std::size_t from = 0, to = 0; from < beside_.size(); from += row_, to += pitch_)
+        std::copy_n(beside_.data() + from, row_, first_ + to);
+    }
+
+   private:
+    float* first_;
+    std::size_t row_, pitch_;
+    std::vector<float> beside_;
+  };
 
   typename B::template Buffer<float> colour_, alpha_, depth_;
   struct {

@@ -40,13 +40,14 @@ class SWIFTGS_API StripPlan {
 
 /// The part of one view that lies in a strip.
 struct ViewStrip {
-  std::uint32_t view = 0;   ///< index
-  int first_row = 0;        ///< of the view's frame @units{pixels}
-  int rows = 0, width = 0;  ///< @units{pixels}
+  std::uint32_t view = 0;               ///< index
+  int first_row = 0, first_column = 0;  ///< of the view's frame @units{pixels}
+  int rows = 0, width = 0;              ///< @units{pixels}
 };
 
 /// The view strips of a strip, as views. Their frames have no memory.
 struct Strip {
+  std::uint32_t first_view = 0;  ///< that the first of them is a part of
   std::vector<ViewStrip> view_strips;
   std::vector<View> views;
 };
@@ -54,7 +55,7 @@ struct Strip {
 /// Rows [begin, end) of the tile atlas of `views`, whose tiles are numbered.
 SWIFTGS_API Strip strip_of(Span<const View> views, std::uint32_t begin, std::uint32_t end);
 
-/// The rows of `frame` that `view_strip` covers, planes included.
-SWIFTGS_API FrameView rows_of(const FrameView& frame, const ViewStrip& view_strip);
+/// What `view_strip` covers of `frame`, planes included.
+SWIFTGS_API FrameView pixels_of(const FrameView& frame, const ViewStrip& view_strip);
 
 }  // namespace swiftgs
