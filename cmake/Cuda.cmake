@@ -28,9 +28,14 @@ endif()
 option(SWIFTGS_BUILD_CUDA "Build swiftgs::cuda (needs nvcc 13 or newer)" ${swiftgs_cuda_found})
 
 if(SWIFTGS_BUILD_CUDA)
+  include(cmake/NativeGpus.cmake)
+  swiftgs_native_gpus(swiftgs_gpus_here)
   if(CMAKE_CUDA_ARCHITECTURES STREQUAL "native")
-    include(cmake/NativeGpus.cmake)
-    swiftgs_native_gpus(CMAKE_CUDA_ARCHITECTURES)
+    set(CMAKE_CUDA_ARCHITECTURES 90)  # an H100
+    if(swiftgs_gpus_here)
+      set(CMAKE_CUDA_ARCHITECTURES "${swiftgs_gpus_here}")
+    endif()
+    message(STATUS "GPUs to compile for: ${CMAKE_CUDA_ARCHITECTURES}")
   endif()
   # Not in the cache, where a project that embeds this one would find what is meant for it alone.
   set(swiftgs_architectures_chosen ON)

@@ -274,9 +274,8 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   const Vec inv_var_y = hn::Mul(inv_sigma_y, inv_sigma_y);
   const Vec sharp = Dot(c, c);
   const Vec var_x_given_y = hn::MulAdd(blur, hn::Mul(hn::Add(xx, var_y), inv_var_y), sharp);
-  const Vec largest = hn::Set(d, largest_variance);
+  // Variances beyond `largest_variance` are of lanes in double.
   visible = hn::And(visible, hn::And(hn::Gt(var_x_given_y, hn::Zero(d)), hn::Gt(var_y, hn::Zero(d))));
-  visible = hn::And(visible, hn::And(hn::Le(var_x, largest), hn::Le(var_y, largest)));
   visible = hn::And(visible, hn::Le(var_x_given_y, most));
 
   if (v.antialiased) {

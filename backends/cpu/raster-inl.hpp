@@ -52,11 +52,11 @@ struct alignas(64) Batch {
   std::size_t list_sizes[raster_block_side];
 };
 
-/// A splat's factor applied to the offsets of columns and rows from its mean. These terms refuse rows, and
+/// A splat's factor applied to the pixels of a raster block: l0 dx + l1 dy is p[column] + q[row], measured
+/// from the block's first pixel, so that what cancels there is rounded once. These terms refuse rows, and
 /// make the Cholesky exponent.
 struct alignas(64) CholeskyTerms {
-  float p[raster_block_side], q[raster_block_side],
-      c[raster_block_side];  ///< l0 dx, l1 dy, log2(opacity) - (l2 dy)^2
+  float p[raster_block_side], q[raster_block_side], c[raster_block_side];  ///< c = log2(opacity) - (l2 dy)^2
 };
 
 HWY_INLINE std::uint32_t BitsOf(Mask mask) {
@@ -75,16 +75,18 @@ HWY_INLINE void VisitRows(const SplatShape& shape, vec2 first_centre, float log2
   const F32 d;
   const Vec l0 = hn::Set(d, shape.l0), l1 = hn::Set(d, shape.l1), l2 = hn::Set(d, shape.l2);
   const Vec log2_opacity = hn::Set(d, swiftgs::log2_opacity(shape, log2_alpha_min, 1));
-  const float first_dx = first_centre.x - shape.mean.x, first_dy = first_centre.y - shape.mean.y;
+  const Vec first_dx = hn::Set(d, first_centre.x - shape.mean.x);
+  const Vec first_dy = hn::Set(d, first_centre.y - shape.mean.y);
+  const Vec first_u = hn::MulAdd(l0, first_dx, hn::Mul(l1, first_dy)), first_v = hn::Mul(l2, first_dy);
   for (std::size_t i = 0; i < raster_block_side; i += lanes)
-    hn::Store(hn::Mul(l0, hn::Add(hn::Set(d, first_dx), hn::Iota(d, float(i)))), d, terms.p + i);
-  const Vec first_p = hn::Set(d, terms.p[0]), last_p = hn::Set(d, terms.p[raster_block_side - 1]);
+    hn::Store(hn::Mul(l0, hn::Iota(d, float(i))), d, terms.p + i);
+  const Vec last_p = hn::Set(d, terms.p[raster_block_side - 1]);
   for (std::size_t i = 0; i < raster_block_side; i += lanes) {
-    const Vec dy = hn::Add(hn::Set(d, first_dy), hn::Iota(d, float(i)));
-    const Vec q = hn::Mul(l1, dy), v = hn::Mul(l2, dy);
+    const Vec row = hn::Iota(d, float(i));
+    const Vec q = hn::MulAdd(l1, row, first_u), v = hn::MulAdd(l2, row, first_v);
     hn::Store(q, d, terms.q + i);
     hn::Store(hn::NegMulAdd(v, v, log2_opacity), d, terms.c + i);
-    const Vec nearest = hn::Max(hn::Max(hn::Add(first_p, q), hn::Neg(hn::Add(last_p, q))), hn::Zero(d));
+    const Vec nearest = hn::Max(hn::Max(q, hn::Neg(hn::Add(last_p, q))), hn::Zero(d));
     // Against the cutoff, not against c: the rounding of a sum with log2(alpha_min) is far larger than the
     // cutoff of a faint splat, and would accept rows in tiles that conservative bounds do not list.
     visit(i, hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.cutoff)));
@@ -121,9 +123,8 @@ HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, flo
   Touched all = {0, 0};
   // A lane of each four rows stands for a block: p in its first column, and in its last.
   const Vec column = hn::ConvertTo(d, hn::ShiftLeft<2>(hn::And(hn::Iota(di, 0), hn::Set(di, 3))));
-  const Vec l0 = hn::Set(d, shape.l0), first_dx = hn::Set(d, first_centre.x - shape.mean.x);
-  const Vec first = hn::Mul(l0, hn::Add(first_dx, column));
-  const Vec last = hn::Mul(l0, hn::Add(first_dx, hn::Add(column, hn::Set(d, 3.0f))));
+  const Vec l0 = hn::Set(d, shape.l0);
+  const Vec first = hn::Mul(l0, column), last = hn::Mul(l0, hn::Add(column, hn::Set(d, 3.0f)));
   VisitRows(shape, first_centre, log2_alpha_min, terms, [&](std::size_t i, Mask touched) HWY_ATTR {
     const Vec q = hn::Load(d, terms.q + i), none = hn::Neg(hn::Inf(d));
     const Vec c = hn::IfThenElse(touched, hn::Load(d, terms.c + i), none);

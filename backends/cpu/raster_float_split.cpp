@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
 #include <swiftgs/cpu.hpp>
 
 #include "parts.hpp"
@@ -29,7 +31,7 @@ struct FloatSplitTerms {
     constexpr float half_side = 0.5f * float(raster_block_side - 1);
     const float from_x = first_centre.x + half_side - shape.mean.x;
     const float from_y = first_centre.y + half_side - shape.mean.y;
-    const float u = shape.l0 * from_x + shape.l1 * from_y, v = shape.l2 * from_y;
+    const float u = std::fma(shape.l0, from_x, shape.l1 * from_y), v = shape.l2 * from_y;
     const Vec a = hn::Set(d, shape.l0 * shape.l0), b = hn::Set(d, 2 * shape.l0 * shape.l1);
     const Vec c = hn::Set(d, shape.l1 * shape.l1 + shape.l2 * shape.l2);
     const Vec linear_x = hn::Set(d, 2 * shape.l0 * u),

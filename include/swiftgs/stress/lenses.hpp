@@ -29,6 +29,12 @@ inline dvec3 from_axis(double polar, double around) {
   return dvec3(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around), std::cos(polar));
 }
 
+/// A factor a little below 1 or above: so near a fold-over derivatives vanish.
+inline double about_1(Random& random) {
+  const double off = random.scale(1e-4, 1e-2);
+  return random.in(0, 2) < 1 ? 1 - off : 1 + off;
+}
+
 /// Barrel distortion with Gaussians to both sides of its fold-over; severity: the corner's distance from the
 /// axis over that of the fold, both in the image.
 inline StressCase distorted_lenses(double share, std::uint64_t seed, ImageSize size) {
@@ -43,9 +49,12 @@ inline StressCase distorted_lenses(double share, std::uint64_t seed, ImageSize s
   if (seed % 2) d.tangential[0] = random.in(-1e-3, 1e-3), d.tangential[1] = random.in(-1e-3, 1e-3);
   if (seed % 3 == 0) d.rational[0] = random.in(0, 0.05), d.rational[1] = random.in(0, 0.01);
   if (seed % 5 == 0) out.conventions.clamp = Conventions::JacobianClamp::around_centre;
+  out.conventions.antialiased = seed % 4 == 0;
   for (int i = 0; i < 60; ++i) {
     const double shown = i % 3 == 1 ? share : 1;
-    const double tangent = fold * (i % 3 ? shown * random.in(0, 1) : random.scale(0.9, 1.2));
+    const double tangent = fold * (i % 6 == 0   ? random.scale(0.9, 1.2)
+                                   : i % 6 == 3 ? about_1(random)
+                                                : shown * random.in(0, 1));
     add_towards(out.scene, out.camera, random, from_axis(std::atan(tangent), random.in(0, 2 * pi)));
   }
   return out;
@@ -60,13 +69,22 @@ inline StressCase fisheyes(double degrees, std::uint64_t seed, ImageSize size) {
   out.camera = forward_camera(size, 0.5 * size.width / half);
   out.camera.lens.model = LensModel::fisheye;
   Distortion& d = out.camera.lens.distortion;
-  if (seed % 2) d.radial[0] = random.in(-0.02, 0.02), d.radial[1] = random.in(-0.002, 0.002);
-  if (seed % 3 == 0) d.prism[0] = random.in(-1e-3, 1e-3), d.tangential[1] = random.in(-1e-3, 1e-3);
+  double edge = half;
+  if (seed % 2) {
+    d.radial[0] = random.in(-0.02, 0.02), d.radial[1] = random.in(-0.002, 0.002);
+    d.radial[2] = random.in(-1e-4, 1e-4), d.radial[3] = random.in(-1e-5, 1e-5);
+  } else if (seed % 4 == 0) {  // folds within the field
+    edge = random.in(0.5, 0.9) * half, d.radial[0] = -1 / (3 * edge * edge);
+  }
+  if (seed % 3 == 0) {
+    for (double* term : {&d.prism[0], &d.prism[1], &d.tangential[1]}) *term = random.in(-1e-3, 1e-3);
+  }
   if (seed % 5 == 0 && degrees < 170) out.conventions.depth = Conventions::Depth::z;
   for (int i = 0; i < 60; ++i) {
     // On the axis, at the edge of the field, and between.
     const double polar = i % 4 == 0   ? random.scale(1e-6, 0.1)
-                         : i % 4 == 1 ? half * random.in(0.95, 1.1)
+                         : i % 8 == 1 ? half * random.in(0.95, 1.1)
+                         : i % 8 == 5 ? edge * about_1(random)
                                       : half;
     add_towards(out.scene, out.camera, random,
                 from_axis(i % 4 < 2 ? polar : random.in(0, 1) * polar, random.in(0, 2 * pi)));
