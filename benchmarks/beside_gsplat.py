@@ -6,12 +6,12 @@
     python3 benchmarks/beside_gsplat.py lenses builtin:200000 captures/fox    compares gsplat's other camera models
 
 Both need PyTorch with CUDA; `run` needs the package swiftgs, and gsplat of `build` or another that is installed. gsplat
-is built in a copy of its sources, for forward and backward passes of 3DGS in 3 and 4 channels alone. GLM, which it
+is built in a copy of its sources, for 3DGS in 1 to 4 channels and HiGS, its path for inference, alone. GLM, which it
 brings as a submodule, is that of SWIFTGS_PREFIX or of the system where the submodule is empty.
 
 All take the same tensors on the device, under `no_grad`, and take turns in a random order. A time is that of one call
 from an idle device until it is idle again, the median of many. `swiftgs, scene kept` draws a scene that was set before
-into the same memory.
+into the same memory, and so does HiGS, one view at a time.
 """
 import argparse
 import importlib.util
@@ -33,7 +33,7 @@ sys.path[:0] = [str(BUILT), str(ROOT / "tests/python")]
 SEEN_IN_FLOAT64 = 4
 
 # What a comparison does not need is left out, since it takes most of the time of a build.
-LEAN = {"BUILD_EXPERIMENTAL": "0", "BUILD_2DGS": "0", "BUILD_3DGUT": "0", "BUILD_ADAM": "0", "BUILD_RELOC": "0",
+LEAN = {"BUILD_2DGS": "0", "BUILD_3DGUT": "0", "BUILD_ADAM": "0", "BUILD_RELOC": "0",
         "BUILD_LOSSES": "0", "NUM_CHANNELS": "1,2,3,4"}
 
 STUB_OF_RICH = '''class Console:
@@ -137,6 +137,19 @@ def between(arguments):
     return [float(decibels(a.cpu(), b.cpu())) for a, b in zip(ours, theirs)]
 
 
+def higs(arguments, tile):
+    """Draws the first view of the arguments by gsplat's path for inference, with tiles of that side."""
+    from gsplat.experimental import (  # pylint: disable=import-outside-toplevel
+        GaussianInferenceRenderer, GaussianInferenceScene)
+    scene = GaussianInferenceScene.from_gaussian_tensors(
+        *(arguments[name] for name in ("means", "quats", "scales", "opacities", "colors")),
+        sh_degree=arguments["sh_degree"], id="scene")
+    renderer = GaussianInferenceRenderer(scene, tile_size=tile)
+    view = {"viewmat": arguments["viewmats"][0].contiguous(), "K": arguments["Ks"][0].contiguous(),
+            "width": arguments["width"], "height": arguments["height"]}
+    return lambda: renderer.render(**view).frame[..., :3]
+
+
 def from_float64(case, small):
     """How far each is from float64 in views of a smaller size."""
     import float64  # pylint: disable=import-outside-toplevel
@@ -146,8 +159,9 @@ def from_float64(case, small):
     for camera in case.cameras:
         arguments = case.arguments([camera.scaled(small)])
         wanted = float64.render_first(arguments)
-        distances = {name: float64.distance(each.rasterization(**arguments)[0][0].cpu(), wanted)
-                     for name, each in (("swiftgs", swiftgs), ("gsplat", gsplat))}
+        images = {name: each.rasterization(**arguments)[0] for name, each in (("swiftgs", swiftgs), ("gsplat", gsplat))}
+        images["HiGS"] = higs(arguments, 8)().float()
+        distances = {name: float64.distance(image[0].cpu(), wanted) for name, image in images.items()}
         found.append({"size": [arguments["width"], arguments["height"]], **distances})
     return found
 
@@ -162,7 +176,8 @@ def row(case, rounds):
     size = case.cameras[0].width, case.cameras[0].height
     frame = swiftgs.Frame(torch.empty(count, size[1], size[0], 3, device="cuda"),
                           torch.empty(count, size[1], size[0], 1, device="cuda"))
-    times = measure({
+    inference = {f"HiGS, tiles of {tile}": higs(arguments, tile) for tile in (8, 16)} if count == 1 else {}
+    times = measure(inference | {
         "swiftgs": lambda: swiftgs.rasterization(**arguments),
         "swiftgs, matrices on the host": lambda: swiftgs.rasterization(**on_host),
         "swiftgs, scene kept": lambda: renderer.render(case.cameras, out=frame),
@@ -187,16 +202,16 @@ def run(arguments):
                "from_float64": exactness}
     if arguments.json:
         arguments.json.write_text(json.dumps(results, indent=1) + "\n")
-    names = list(rows[0]["ms"])
+    names = list(dict.fromkeys(name for each in rows for name in each["ms"]))
     print("| scene | views | size | " + " | ".join(f"{name}, ms" for name in names) + " | dB between, least |")
     print("| --- | ---: | --- | " + " | ".join("---:" for _ in range(len(names) + 1)) + " |")
     for each in rows:
         print(f"| {each['scene']} | {each['views']} | {'x'.join(map(str, each['size']))} | " +
-              " | ".join(f"{each['ms'][name]:.3f}" for name in names) + f" | {min(each['between_db']):.1f} |")
+              " | ".join(f"{each['ms'][name]:.3f}" if name in each["ms"] else "-" for name in names) + f" | {min(each['between_db']):.1f} |")
     print("\n| scene | renderer | dB from float64, by view | pixels that decide otherwise | dB of the others |")
     print("| --- | --- | --- | --- | --- |")
     for scene, views in exactness.items():
-        for name in ("swiftgs", "gsplat"):
+        for name in ("swiftgs", "gsplat", "HiGS"):
             cells = (", ".join(format(view[name][key], form) for view in views)
                      for key, form in (("db", ".1f"), ("otherwise", ""), ("db_of_others", ".1f")))
             print(f"| {scene} | {name} | {' | '.join(cells)} |")
