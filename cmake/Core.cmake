@@ -18,7 +18,8 @@ add_library(swiftgs_core INTERFACE)
 add_library(swiftgs::core ALIAS swiftgs_core)
 set_target_properties(swiftgs_core PROPERTIES EXPORT_NAME core)
 target_sources(swiftgs_core INTERFACE FILE_SET HEADERS
-  BASE_DIRS "${PROJECT_SOURCE_DIR}/include" FILES ${swiftgs_core_headers})
+  BASE_DIRS "${PROJECT_SOURCE_DIR}/include" FILES ${swiftgs_core_headers}
+  "${PROJECT_SOURCE_DIR}/include/swiftgs/lens/formulas.inc")
 target_compile_features(swiftgs_core INTERFACE cxx_std_20)
 target_link_libraries(swiftgs_core INTERFACE glm::glm)
 

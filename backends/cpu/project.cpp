@@ -7,23 +7,28 @@
 #include <swiftgs/cpu.hpp>
 #include <swiftgs/project.hpp>
 
-// Compile the rest of this file for every target; the order of these lines matters.
+// Compile the rest of this file for every target; the order of these lines matters. The formulas of lenses
+// are compiled again, for vectors.
 // clang-format off
+#undef SWIFTGS_LENS_FORMULAS_INL
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "project.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include <hwy/contrib/math/math-inl.h>
+#include "doubles-inl.hpp"
 #include "vec3-inl.hpp"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
+#undef SWIFTGS_LENS_NAMESPACE
+#define SWIFTGS_LENS_NAMESPACE HWY_NAMESPACE
+#include <swiftgs/lens/formulas.inc>
+
 namespace swiftgs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using F64 = hn::Repartition<double, F32>;
 using Half32 = hn::Half<F32>;
-using Vec64 = hn::Vec<F64>;
 using Mask = hn::Mask<F32>;
 
 /// A group of lanes in double: the lower half, then the upper.
@@ -62,6 +67,16 @@ HWY_INLINE Vec3 LoadVec3(const vec3* HWY_RESTRICT v) {
   Vec3 out;
   hn::LoadInterleaved3(F32(), &v->x, out.x, out.y, out.z);
   return out;
+}
+
+/// Means from the camera's centre.
+struct Wide3 {
+  Wide x, y, z;
+};
+HWY_INLINE Wide3 FromCentre(const ViewConstants& v, const vec3* HWY_RESTRICT means) {
+  const Vec3 mean = LoadVec3(means);
+  const Wide dx = Minus(Promote(mean.x), v.centre[0]), dy = Minus(Promote(mean.y), v.centre[1]);
+  return {dx, dy, Minus(Promote(mean.z), v.centre[2])};
 }
 
 /// Columns of the rotation matrix of a Gaussian's quaternion.
@@ -175,9 +190,7 @@ struct Seen {
 HWY_INLINE bool SeeThroughPinhole(const ViewConstants& v, const Group& group, Mask visible, Seen& out) {
   const F32 d;
   // Move to camera space in double, and cull by depth before anything else is read.
-  const Vec3 mean = LoadVec3(group.means);
-  const Wide dx = Minus(Promote(mean.x), v.centre[0]), dy = Minus(Promote(mean.y), v.centre[1]);
-  const Wide dz = Minus(Promote(mean.z), v.centre[2]);
+  const auto [dx, dy, dz] = FromCentre(v, group.means);
   const Wide wide_z = Dot(dx, dy, dz, v.rotation[2]);
   const Vec z = out.depth = Demote(wide_z);
   out.shown =
@@ -202,39 +215,64 @@ HWY_INLINE bool SeeThroughPinhole(const ViewConstants& v, const Group& group, Ma
 
 /// Version of `needs_double` for rows that are no pinhole's. Nearly parallel rows lose the digits of minors:
 /// those of a pinhole at the limit of tangents have a squared sine of a fifth.
-inline bool NeedsDouble(const LensMean& seen, vec3 scale) {
-  const double xx = dot(seen.dx, seen.dx), yy = dot(seen.dy, seen.dy);
-  const dvec3 across = cross(seen.dx, seen.dy);
-  const double near = std::fmin(std::fabs(seen.pixel.x), std::fabs(seen.pixel.y));
-  return !(dot(scale, scale) * (xx + yy) <= float_lengths_per_mean * near * near + float_length_squared &&
-           dot(across, across) >= 0.2 * xx * yy);
+HWY_INLINE Mask RowsNeedDouble(const Row& x, const Row& y, const Vec3& scale, Vec mean_x, Vec mean_y) {
+  const F32 d;
+  const Vec xx = Dot(x.direction, x.direction), yy = Dot(y.direction, y.direction);
+  const Vec3 across = Cross(x.direction, y.direction);
+  const Vec near = hn::Min(hn::Abs(mean_x), hn::Abs(mean_y));
+  const Vec most =
+      hn::MulAdd(hn::Mul(hn::Set(d, float_lengths_per_mean), near), near, hn::Set(d, float_length_squared));
+  const Vec length = hn::Mul(Dot(scale, scale), hn::Add(xx, yy));
+  const Vec parallel = hn::Mul(hn::Set(d, 0.2f), hn::Mul(xx, yy));
+  return hn::Not(hn::And(hn::Le(length, most), hn::Ge(Dot(across, across), parallel)));
 }
 
-/// As `SeeThroughPinhole`, one lane after the other.
+/// Half a group of `LensMean`, as numbers: x, y, the rows of both, and above 0 where it is shown.
+constexpr std::size_t x_of_seen = 0, y_of_seen = 1, row_x_of_seen = 2, row_y_of_seen = 5, shown_of_seen = 8;
+using SeenNumbers = Doubles[9];
+
+/// Vector version of `mean_through_lens` but for the depth.
+HWY_INLINE void LookThroughLens(const ViewConstants& v, const CameraPointOf<Doubles>& p, SeenNumbers& out) {
+  const SeenOf<Doubles> seen = seen_through(v.lens, v.limits, p);
+  Doubles x = mul_add(Doubles(v.fx), seen.u, Doubles(v.cx));
+  if (v.turn != 0)
+    x = x - v.turn * rounded((x - v.panorama_middle) / v.turn);  // `ViewConstants::nearest_copy`
+  out[x_of_seen] = x, out[y_of_seen] = mul_add(Doubles(v.fy), seen.v, Doubles(v.cy));
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double right = v.rotation[0][k], down = v.rotation[1][k], ahead = v.rotation[2][k];
+    out[row_x_of_seen + k] = v.fx * (seen.du.x * right + seen.du.y * down + seen.du.z * ahead);
+    out[row_y_of_seen + k] = v.fy * (seen.dv.x * right + seen.dv.y * down + seen.dv.z * ahead);
+  }
+  out[shown_of_seen] = choose(seen.inside, Doubles(1.0), Doubles(0.0));
+}
+
+/// As `SeeThroughPinhole`.
 HWY_INLINE bool SeeThroughLens(const ViewConstants& v, const Group& group, Mask visible, Seen& out) {
   const F32 d;
-  const hn::RebindToUnsigned<F32> du;
-  const auto bits = [&](Mask mask) HWY_ATTR { return hn::VecFromMask(du, hn::RebindMask(du, mask)); };
-  const auto mask = [&](const std::uint32_t* from)
-                        HWY_ATTR { return hn::RebindMask(d, hn::MaskFromVec(hn::Load(du, from))); };
-  alignas(64) std::uint32_t shown[lanes], in_double[lanes] = {};
-  alignas(64) float numbers[9][lanes] = {};
-  hn::Store(bits(visible), du, shown);
-  for (std::size_t k = 0; k < lanes; ++k) {
-    if (shown[k] == 0) continue;
-    const LensMean seen = mean_through_lens(v, group.means[k]);
-    shown[k] = seen.shown ? ~0u : 0;
-    if (!seen.shown) continue;
-    in_double[k] = NeedsDouble(seen, group.scales[k]) ? ~0u : 0;
-    numbers[0][k] = seen.pixel.x, numbers[1][k] = seen.pixel.y, numbers[2][k] = seen.depth;
-    for (int i = 0; i < 3; ++i) numbers[3 + i][k] = float(seen.dx[i]), numbers[6 + i][k] = float(seen.dy[i]);
-  }
-  const auto vec = [&](int i) HWY_ATTR { return hn::Load(d, numbers[i]); };
-  const Vec one = hn::Set(d, 1.0f);
-  out = {
-      vec(0),      vec(1),         vec(2), {{vec(3), vec(4), vec(5)}, one}, {{vec(6), vec(7), vec(8)}, one},
-      mask(shown), mask(in_double)};
-  return !hn::AllFalse(d, out.shown);
+  const auto [dx, dy, dz] = FromCentre(v, group.means);
+  const Wide x = Dot(dx, dy, dz, v.rotation[0]), y = Dot(dx, dy, dz, v.rotation[1]);
+  const Wide z = Dot(dx, dy, dz, v.rotation[2]);
+  const CameraPointOf<Doubles> low{x.low, y.low, z.low}, high{x.high, y.high, z.high};
+  const auto distance = [](const CameraPointOf<Doubles>& p)
+                            HWY_ATTR { return square_root(p.x * p.x + p.y * p.y + p.z * p.z).v; };
+  out.depth = Demote(v.depth_is_distance ? Wide{distance(low), distance(high)} : z);
+  out.shown = hn::And(visible, hn::And(hn::Gt(out.depth, hn::Set(d, v.near_plane)),
+                                       hn::Le(out.depth, hn::Set(d, v.far_plane))));
+  if (hn::AllFalse(d, out.shown)) return false;
+
+  SeenNumbers lower, upper;
+  LookThroughLens(v, low, lower), LookThroughLens(v, high, upper);
+  const auto number = [&](std::size_t i) HWY_ATTR { return Demote({lower[i].v, upper[i].v}); };
+  const auto row = [&](std::size_t i) HWY_ATTR {
+    return Row{{number(i), number(i + 1), number(i + 2)}, hn::Set(d, 1.0f)};
+  };
+  out.x = number(x_of_seen), out.y = number(y_of_seen);
+  out.row_x = row(row_x_of_seen), out.row_y = row(row_y_of_seen);
+  out.shown = hn::And(out.shown, hn::Gt(number(shown_of_seen), hn::Zero(d)));
+  if (hn::AllFalse(d, out.shown)) return false;
+  out.in_double =
+      hn::And(out.shown, RowsNeedDouble(out.row_x, out.row_y, LoadVec3(group.scales), out.x, out.y));
+  return true;
 }
 
 /// Visible splats of a task, in the order of their Gaussians.

@@ -42,6 +42,16 @@ struct Lens {
   bool operator==(const Lens&) const = default;
 };
 
+/// What a lens keeps of its points, found once a frame.
+struct LensLimits {
+  /// Points whose undistorted r^2 is not below are beyond the fold-over of the distortion.
+  double fold_squared = INFINITY;
+  /// The derivatives of a perspective lens are taken within these tangents.
+  double least_u = -INFINITY, most_u = INFINITY, least_v = -INFINITY, most_v = INFINITY;
+  /// Those of an equirectangular lens are taken at least so far from its poles: the sine of the angle.
+  double least_sine = 0;
+};
+
 inline constexpr const char* lens_model_names[] = {"perspective", "fisheye", "orthographic",
                                                    "equirectangular"};
 

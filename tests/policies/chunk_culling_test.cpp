@@ -14,6 +14,8 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/chunks.hpp>
 #include <swiftgs/edit.hpp>
+#include <swiftgs/project.hpp>
+#include <swiftgs/view.hpp>
 
 #include "policies/random_splats.hpp"
 #include "support/one_view.hpp"

@@ -189,7 +189,7 @@ inline LensLimits lens_limits(const Camera& camera, const Conventions& conventio
     case LensModel::orthographic:
       return {};
     case LensModel::equirectangular:
-      return {.least_polar = std::min(1 / std::fabs(camera.fy), 0.1)};
+      return {.least_sine = std::sin(std::min(1 / camera.fy, 0.1))};
   }
   return {};
 }
