@@ -267,7 +267,7 @@ def read_kernels(paths):
     for path in paths:
         with open(path, encoding="utf-8", errors="replace") as file:
             lines = file.readlines()
-        profile = any(line.startswith('"Kernel Name"') for line in lines)
+        profile = any(line.lstrip('"').startswith("Kernel Name") for line in lines)
         for name, code in (read_profile(lines) if profile else read_sass(lines)).items():
             kind = identify(name)
             if kind and code and (profile or kind not in found):

@@ -4,9 +4,9 @@
 # Measures, with `swiftgs`, what the pages of docs/ and the README print as tables.
 #   benchmarks/measure_matrix.sh OUTDIR [PART...]
 # Parts, each with files of its own in OUTDIR; without any, all of them in this order:
-#   matrix     matrix.json: every renderer of the backend over views of each scene, with errors and photographs
+#   matrix     matrix.json: every rasterizer with both sorts and three bounds, and what tables show of `adaptive` and
+#              `obb`, over views of each scene, with errors and photographs
 #   vanilla    vanilla.json: the 3-sigma square with the inria conventions, the paper's steps on it, and ours
-#   all-views  all-views.json: what each bounds make of every view
 #   gaussians  scaling-gaussians.json, scaling-builtin.json: 0.1 to 12 million of a capture's, and of the built-in scene
 #   pixels     scaling-pixels.json: 0.25 to 33 million
 #   threads    scaling-threads.json: of the cpu backend, whatever BACKEND is, up to as many as there are
@@ -14,7 +14,7 @@
 #              tiles get no sparser than by one for each splat in view
 #   prune      prune-SCENE-SCORE.json, and pruned.json: a tenth of each capture
 #   stress     stress.json: every rasterizer on every family of hard frames at every severity, 64x48, 16 seeds;
-#              stress-large.json: three families at 960x540 and 1920x1080, 2 seeds. A CPU has the serial backend beside it
+#              stress-large.json: three families at 960x540 and 1920x1080, 2 seeds
 # BACKEND is cuda or cpu; by default cuda where it runs. Scenes are the built-in one and the captures in
 # SWIFTGS_SCENES; SCENES='fox garden' names other captures. The program is that of SWIFTGS_BUILD, else of build/release.
 #
@@ -25,7 +25,7 @@
 # reference, which takes longer than all frames together, is rendered for the first three views of a scene.
 # Nothing else should run meanwhile. A part that fails says so, and the others run.
 set -euo pipefail
-all_parts=(matrix vanilla all-views gaussians pixels threads occupancy prune stress)
+all_parts=(matrix vanilla gaussians pixels threads occupancy prune stress)
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 [ $# -ge 1 ] || { echo "usage: benchmarks/measure_matrix.sh OUTDIR [${all_parts[*]}]" >&2; exit 2; }
 out=$1
@@ -84,18 +84,25 @@ scaling() { echo "$1/early/$ours,$1/standard/$ours,$1/standard/per-pixel/$square
 # In which folders it was measured is nobody's business.
 leave_folders_out() { sed -i "s|$out/||g;s|$scenes/||g" "$1"; }
 
-# bench FILE ARGUMENT...
+# bench FILE ARGUMENT...: without null members and percentiles, which no table reads.
 bench() {
   local file=$1
   shift
   "$swiftgs" bench "$@" --min-frames "$least" --max-frames "$most" --precision "$precision" --seed 1 \
     --json "$out/$file"
   leave_folders_out "$out/$file"
+  sed -Ei 's/,"[a-z_]+":null//g; s/,"p10":[^,}]+,"p90":[^,}]+//g' "$out/$file"
 }
 
 part_matrix() {
-  bench matrix.json ${captures[@]+"${captures[@]}"} "${sizes_of_builtin[@]}" --renderers "$backend/*" --views "$views" \
-    --errors 3
+  local renderers=$backend/early/axis-shared-threshold-float-cholesky/obb sort bounds
+  for bounds in $square opacity-box ellipse; do
+    for sort in standard early; do renderers+=,$backend/$sort/*/$bounds; done
+    renderers+=,$backend/adaptive/per-pixel/$bounds
+  done
+  renderers+=,$backend/adaptive/$paper/opacity-box,$backend/adaptive/axis-shared-threshold-float-cholesky/opacity-box
+  bench matrix.json ${captures[@]+"${captures[@]}"} "${sizes_of_builtin[@]}" \
+    --renderers "$renderers,$backend/adaptive/$ours" --views "$views" --errors 3
 }
 
 vanilla=$backend/standard/per-pixel/$square,$backend/adaptive/$paper/$square
@@ -103,11 +110,6 @@ vanilla+=,$backend/adaptive/axis-shared-threshold-float-cholesky/$square,$backen
 part_vanilla() {
   bench vanilla.json ${captures[@]+"${captures[@]}"} builtin --renderers "$vanilla" --conventions inria --views "$views" \
     --errors 3
-}
-
-part_all-views() {
-  least=3 most=3 bench all-views.json ${captures[@]+"${captures[@]}"} builtin --renderers \
-    "$backend/early/axis-shared-threshold-float-cholesky/*" --views all --errors none
 }
 
 part_gaussians() {
@@ -169,7 +171,6 @@ stress() {
 
 part_stress() {
   local renderers="$backend/early/*/ellipse" status=0
-  if [ "$backend" = cpu ] && runs_here serial; then renderers+=',serial/early/*/ellipse'; fi
   stress stress.json --renderers "$renderers" --size 64x48 --seeds 16 || status=$?
   stress stress-large.json --renderers "$renderers" --families needles,ridges,mixtures --size 960x540,1920x1080 \
     --seeds 2 || status=$?

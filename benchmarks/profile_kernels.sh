@@ -52,13 +52,13 @@ draw "$scene" "cuda/early/*/ellipse" --section SourceCounters --kernel-name rege
 ncu --import "$report.ncu-rep" --page source --csv | python3 -c '
 import csv, sys
 keep = ("Address", "Source", "Instructions Executed", "Predicated-On Thread Instructions Executed")
-columns, write = [], csv.writer(sys.stdout, quoting=csv.QUOTE_ALL, lineterminator="\n").writerow
+columns, write = [], csv.writer(sys.stdout, lineterminator="\n").writerow
 for row in csv.reader(sys.stdin):
     if row and row[0] == "Kernel Name":
         write(row[:2])
     elif row and (row[0] == "Address" or row[0].startswith("0x")):
         columns = [row.index(name) for name in keep] if row[0] == "Address" else columns
-        write([row[c] for c in columns])' >"$out/instructions-${scene/:/-}.csv" ||
+        write([row[c].strip() for c in columns])' >"$out/instructions-${scene/:/-}.csv" ||
   { rm "$out/instructions-${scene/:/-}.csv"; echo "profile: no report of $scene" >&2; }
 rm -f "$report.ncu-rep"
 rmdir "$(dirname "$report")"

@@ -5,9 +5,8 @@
 usage: benchmarks/update_tables.py [--check] [--results FOLDER] FILE.md...
 
 A table is everything between the lines `<!-- table: NAME WORD... -->` and `<!-- end -->`; modules of benchmarks/tables
-make them, and source.py there says which folder stands for which machine. --check changes nothing and prints what
-would change. Exit code 0, with --check 1 where something would change, 2 where a table cannot be made: its block
-stays as it is.
+make them. A machine's word is its folder in benchmarks/results. --check changes nothing and prints what would change.
+Exit code 0, with --check 1 where something would change, 2 where a table cannot be made: its block stays as it is.
 """
 import argparse
 import difflib
@@ -15,15 +14,14 @@ import sys
 
 sys.dont_write_bytecode = True
 
-from tables import (ablation, accuracy, balance, blocks, bounds, changes, formats, gaps, growth,  # noqa: E402
-                    gsplat, instructions, kernels, pruning, python, redundancy, stability, stages, summary,
-                    ulps)
+from tables import (ablation, accuracy, balance, blocks, bounds, formats, gaps, growth, gsplat,  # noqa: E402
+                    instructions, kernels, pruning, python, redundancy, stability, stages, summary, ulps)
 from tables.results import InputError  # noqa: E402
 from tables.source import RESULTS, Source  # noqa: E402
 
 
-MODULES = (ablation, accuracy, balance, bounds, changes, formats, gaps, growth, gsplat, instructions,
-           kernels, pruning, python, redundancy, stability, stages, summary, ulps)
+MODULES = (ablation, accuracy, balance, bounds, formats, gaps, growth, gsplat, instructions, kernels, pruning, python,
+           redundancy, stability, stages, summary, ulps)
 TABLES = {name: function for module in MODULES for name, function in module.TABLES.items()}
 
 

@@ -6,10 +6,9 @@ from tables.markdown import count, prose, significant, table
 from tables.source import machine_name
 
 
-def balance(source, machine, what):
-    """Raster time and balanced time of the best renderer in WHAT.json, on the first view of each scene that has
-    them."""
-    results = source.results(machine, f"{what}.json")
+def balance(source, machine):
+    """Raster time and balanced time of the best renderer, on the first view of each scene that has them."""
+    results = source.results(machine, "matrix.json")
     frames, rows = Frames(results), []
     for scene in frames.scenes:
         for row in [row for row in frames.of[scene, BEST] if row.counted_ms][:1]:
@@ -18,7 +17,7 @@ def balance(source, machine, what):
                          significant(raster / balanced if balanced else None), count(row.longest_item),
                          count(row.segments)])
     if not rows:
-        return prose(f"No row of `{what}.json` has a balanced time of `{BEST}`.")
+        return prose(f"No row of `matrix.json` has a balanced time of `{BEST}`.")
     return f"{machine_name(results)}, `{BEST}`, first views, microseconds:\n\n" + table(
         ["scene", "raster", "raster while counting", "balanced", "ratio", "longest item", "segments"], rows)
 

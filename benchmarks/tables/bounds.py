@@ -7,7 +7,7 @@ from tables.source import machine_name
 
 def bounds(source, machine):
     """One renderer within each kind of bounds on each scene, means over its views."""
-    results = source.results(machine, "bounds.json")
+    results = source.results(machine, "matrix.json")
     frames = Frames(results)
     rows = []
     for scene in frames.scenes:

@@ -5,32 +5,24 @@ from tables.results import check_rows
 
 NAME = "formats.json"
 ERRORS = ("mean", "log_scale", "degrees", "opacity", "sh0", "sh_rest_rms")
-
-
 TITLES = ["mean", "log-scale", "degrees", "opacity", "band 0", "higher bands"]
 
 
 def read(source, machine):
     """The object in the file of formats_table."""
     path = source.path(machine, NAME)
-    found = source.json(machine, NAME, "swiftgs-formats", single=list, pairs=list, read=list)
+    found = source.json(machine, NAME, "swiftgs-formats", single=list, read=list)
     check_rows(path, [found], texts=("scene", "size"), counts=("gaussians",))
     check_rows(path, found["single"], texts=("file_format",), counts=("bytes", "write_seconds", "read_seconds"),
                optional=("psnr_db",))
-    check_rows(path, found["pairs"], texts=("first", "second"), optional=("psnr_db",))
     check_rows(path, found["read"], texts=("file_format",), counts=("gaussians", "sh_degree", "bytes", "read_seconds"),
                optional=("psnr_db",))
-    check_rows(path, [row.get("errors") for row in found["single"] + found["pairs"]], counts=ERRORS)
+    check_rows(path, [row.get("errors") for row in found["single"]], counts=ERRORS)
     return found
 
 
 def decibels(value):
     return "same" if value is None else f"{value:.1f}"
-
-
-def losses(row):
-    """The cells of what a scene has lost."""
-    return [decibels(row["psnr_db"])] + [significant(row["errors"][key]) for key in ERRORS]
 
 
 def size_and_time(row, gaussians):
@@ -42,16 +34,11 @@ def formats(source, machine):
     """A scene through each format that is written: size, times and losses."""
     results = read(source, machine)
     rows = [[row["file_format"], *size_and_time(row, results["gaussians"]), significant(row["write_seconds"]),
-             *losses(row)] for row in results["single"]]
+             decibels(row["psnr_db"]), *(significant(row["errors"][key]) for key in ERRORS)]
+            for row in results["single"]]
     return (f"{results['scene']}, {count(results['gaussians'])} Gaussians, its first view at {results['size']}: "
             "errors are the largest, those of higher bands root mean squares.\n\n" + table(
                 ["written", "MB", "bytes a Gaussian", "read, s", "write, s", "dB"] + TITLES, rows))
-
-
-def format_pairs(source, machine):
-    """What a scene has lost that was written in one format and then in another."""
-    rows = [[row["first"], row["second"], *losses(row)] for row in read(source, machine)["pairs"]]
-    return table(["first", "then", "dB"] + TITLES, rows, words=2)
 
 
 def format_reads(source, machine):
@@ -62,4 +49,4 @@ def format_reads(source, machine):
     return table(["read", "SH degree", "MB", "bytes a Gaussian", "read, s", "s a million Gaussians", "dB"], rows)
 
 
-TABLES = {"formats": formats, "format-pairs": format_pairs, "format-reads": format_reads}
+TABLES = {"formats": formats, "format-reads": format_reads}

@@ -2,8 +2,8 @@
 """Stages on the GPU beside the shortest time that its ceilings allow."""
 from tables import ceilings
 from tables.frames import Frames, label
-from tables.growth import BEST, axis_named, files_of, series
-from tables.markdown import count, prose, significant, table
+from tables.growth import BEST
+from tables.markdown import prose, significant, table
 from tables.results import InputError
 from tables.source import machine_name
 
@@ -59,21 +59,6 @@ def gaps(source, machine):
         ["scene", "stage", "beside", "least", "measured", "ratio"], rows, words=3)
 
 
-def gap_growth(source, machine, axis_name):
-    """The ratios along an axis of growth."""
-    axis, rows = axis_named(axis_name), []
-    files = files_of(source, machine, axis)
-    of = {id(row): results for results in files for row in results.rows}
-    for (scene, name), points in series(source, machine, axis).items():
-        if name == BEST:
-            for row in points:
-                found = gaps_of(of[id(row)], row)
-                rows.append([scene, axis.text(axis.value(row)), count(row.contributing_pairs / row.pixels),
-                             *(significant(measured / floor, 2) for measured, floor, _ in found.values())])
-    return f"{machine_name(files[0])}, measured time through the least, of each stage:\n\n" + table(
-        ["scene", axis.unit, "contributing pairs a pixel", *ceilings.FLOORS], rows)
-
-
 def largest_gap(source, machine):
     """The stage with the largest ratio, and the one with most milliseconds to gain, in two sentences."""
     found = [(scene, stage, measured, floor, bound) for results, scene, row in first_rows(source, machine)
@@ -86,4 +71,4 @@ def largest_gap(source, machine):
                         f"{significant(1e3 * (measured - floor))} of {significant(1e3 * measured)} us.")
 
 
-TABLES = {"ceilings": ceiling_table, "gaps": gaps, "gap-growth": gap_growth, "largest-gap": largest_gap}
+TABLES = {"ceilings": ceiling_table, "gaps": gaps, "largest-gap": largest_gap}

@@ -6,7 +6,7 @@ import math
 
 from tables.fits import dominance, fit
 from tables.frames import CHOLESKY, ELLIPSE, SQUARE
-from tables.markdown import count, mebibytes, ms, table
+from tables.markdown import count, ms, table
 from tables.results import InputError, above_zero
 from tables.source import machine_name
 
@@ -81,29 +81,6 @@ def held(row):
     return row.device_bytes if row.backend == "cuda" else row.host_bytes
 
 
-def memory_of(files):
-    """{column: bytes of a row}: of each stage's buffers where every row of the files knows them, else of the renderer."""
-    if all(row.bytes is not None for results in files for row in results.rows):
-        return {f"{part}, MiB": lambda row, part=part: row.bytes[part] for part in PARTS}
-    return {"memory, MiB": held}
-
-
-def growth(source, machine, axis_name):
-    """Times and memory of the best renderer along an axis."""
-    axis, rows = axis_named(axis_name), []
-    files = files_of(source, machine, axis)
-    memory = memory_of(files)
-    for (scene, name), points in series(source, machine, axis).items():
-        if name != BEST:
-            continue
-        for row in points:
-            rows.append([scene, axis.text(axis.value(row)), count(row.visible), count(row.intersections),
-                         *(ms(row.ms[part].median) for part in (*PARTS, "total")),
-                         *(mebibytes(bytes_of(row)) for bytes_of in memory.values())])
-    return f"{machine_name(files[0])}, `{BEST}`, milliseconds:\n\n" + table(
-        ["scene", axis.unit, "visible", "intersections", *PARTS, "total", *memory], rows)
-
-
 def rounded(value):
     return f"{round(value, 2) + 0.0:.2f}"  # no -0.00
 
@@ -117,66 +94,26 @@ def fitted(values, measured):
     return "-" if whole is None else f"{rounded(whole.exponent)} ({rounded(end.exponent)})"
 
 
-def exponents_of(names, source, machine, axes):
-    """The exponents of every stage of these renderers along the axes."""
-    rows = []
-    for axis_name in axes:
-        axis = axis_named(axis_name)
-        for (scene, name), points in series(source, machine, axis).items():
-            if name not in names:
-                continue
-            values = [axis.value(row) for row in points]
-            rows.append([f"{axis.text(values[0])} to {axis.text(values[-1])} {axis.unit}", scene, f"`{name}`",
-                         *(fitted(values, [row.ms[part].median for row in points]) for part in (*PARTS, "total")),
-                         fitted(values, [held(row) for row in points])])
-    return device_of(source, machine, axes) + table(
-        ["axis", "scene", "sort/raster/bounds", *PARTS, "total", "memory"], rows, words=3)
+def longest(axis, values, points):
+    """Which stage takes longest, and from where on another does."""
+    found = dominance(values, {part: [row.ms[part].median for row in points] for part in PARTS})
+    return "; ".join(stage if n == 0 else f"from {axis.text(x)} {stage}" for n, (stage, x) in enumerate(found))
 
 
 def exponents(source, machine, *axes):
-    """The exponents of every stage along the axes."""
-    return exponents_of(RENDERERS, source, machine, axes)
-
-
-def best_exponents(source, machine, *axes):
-    """The rows of `exponents` that are of the best renderer."""
-    return exponents_of((BEST,), source, machine, axes)
-
-
-def memory_exponents(source, machine, *axes):
-    """The exponents of the memory of every stage's buffers along the axes."""
+    """The exponents of the best renderer's stages along the axes, and the longest stage."""
+    if not axes:
+        raise InputError(f"table 'exponents': expected an axis or several of {', '.join(AXES)}")
     rows = []
-    for axis_name in axes:
-        axis = axis_named(axis_name)
-        files = files_of(source, machine, axis)
-        memory = memory_of(files)
-        if len(memory) < len(PARTS):
-            raise InputError(f"{files[0].path}: rows without bytes of each stage; expected them in every row")
+    for axis in map(axis_named, axes):
         for (scene, name), points in series(source, machine, axis).items():
-            values = [axis.value(row) for row in points]
-            rows.append([f"{axis.text(values[0])} to {axis.text(values[-1])} {axis.unit}", scene, f"`{name}`",
-                         *(fitted(values, [bytes_of(row) for row in points]) for bytes_of in memory.values())])
-    return device_of(source, machine, axes) + table(["axis", "scene", "sort/raster/bounds", *PARTS], rows, words=3)
-
-
-def device_of(source, machine, axes):
-    """The machine in a line above a table."""
-    return machine_name(files_of(source, machine, axis_named(axes[0]))[0]) + ":\n\n" if axes else ""
-
-
-def dominates(source, machine, *axes):
-    """Which stage takes longest, and from where on."""
-    rows = []
-    for axis_name in axes:
-        axis = axis_named(axis_name)
-        for (scene, name), points in series(source, machine, axis).items():
-            values = [axis.value(row) for row in points]
-            found = dominance(values, {part: [row.ms[part].median for row in points] for part in PARTS})
-            rows.append([f"{axis.text(values[0])} to {axis.text(values[-1])} {axis.unit}", scene, f"`{name}`",
-                         "; ".join(stage if n == 0 else f"from {axis.text(x)} {stage}"
-                                   for n, (stage, x) in enumerate(found))])
-    return device_of(source, machine, axes) + table(["axis", "scene", "sort/raster/bounds", "longest stage"], rows,
-                                                    words=4)
+            if name == BEST:
+                values = [axis.value(row) for row in points]
+                rows.append([f"{axis.text(values[0])} to {axis.text(values[-1])} {axis.unit}", scene,
+                             *(fitted(values, [row.ms[part].median for row in points]) for part in (*PARTS, "total")),
+                             fitted(values, list(map(held, points))), longest(axis, values, points)])
+    return f"{machine_name(files_of(source, machine, axis_named(axes[0]))[0])}, `{BEST}`:\n\n" + table(
+        ["axis", "scene", *PARTS, "total", "memory", "longest stage"], rows, words=2)
 
 
 def sort_growth(source, machine, axis_name):
@@ -197,5 +134,4 @@ def sort_growth(source, machine, axis_name):
         table(["scene", axis.unit, "intersections", "standard", "early", "early against standard", "of the frame"], rows)
 
 
-TABLES = {"growth": growth, "sort-growth": sort_growth, "exponents": exponents, "best-exponents": best_exponents,
-          "memory-exponents": memory_exponents, "dominates": dominates}
+TABLES = {"sort-growth": sort_growth, "exponents": exponents}

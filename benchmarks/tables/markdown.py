@@ -52,7 +52,3 @@ def count(value):
 def decibel(value):
     """A PSNR; that of equal images is infinite."""
     return "-" if value is None else "equal" if value == float("inf") else f"{value:.1f}"
-
-
-def mebibytes(value):
-    return "-" if value is None else f"{value / 2**20:,.0f}"

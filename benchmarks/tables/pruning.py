@@ -8,7 +8,6 @@ from tables.markdown import ms, percent, table, times
 from tables.results import InputError, is_number
 from tables.source import machine_name
 
-SUFFIX = "-pruned"
 ALL = f"adaptive/{THRESHOLD}half-split/{SQUARE}"
 ALL_OURS = f"adaptive/{CHOLESKY}/{SQUARE}"
 
@@ -21,37 +20,24 @@ def paper_pruned(_source):
     return table(["scene", "INRIA", "and all", "speed-up", "PUP-GS", "and all", "speed-up"], rows)
 
 
-def pruned(source, machine):
-    """Table 4 on a machine: pruned scenes, and whole ones where it has them, with the inria conventions."""
-    small = Frames(source.results(machine, "pruned.json"), "inria")
-    whole = Frames(source.results(machine, "vanilla.json"), "inria") if source.has(machine, "vanilla.json") else None
-    rows = []
-    for scene in small.scenes:
-        pair = [(small, scene)]
-        if whole:
-            original = next((s for s in whole.scenes if s.name + SUFFIX == scene.name), None)
-            if original is None:
-                raise InputError(f"{whole.results.path}: no scene that {scene.name} was pruned from; expected "
-                                 f"{scene.name.removesuffix(SUFFIX)}")
-            pair.insert(0, (whole, original))
-        for frames, found in pair:
-            base = frames.mean(found, VANILLA)
-            rows.append([found.name, gaussians(found.gaussians), ms(base)]
-                        + [f"{ms(frames.mean(found, name))} ({times(base / frames.mean(found, name))})"
-                           for name in (ALL, ALL_OURS, OURS)])
-    return f"{machine_name(small.results)}, milliseconds:\n\n" + table(
-        ["scene", "Gaussians", "vanilla", "all", "all, our terms", "and our bounds"], rows)
+def with_inria(source, machine, name):
+    """Every step on the scenes of a file, with the inria conventions."""
+    frames = Frames(source.results(machine, name), "inria")
+    rows = [[f"`{step}`"] + [f"{ms(frames.mean(scene, step))} ({times(frames.speed_up(scene, step, VANILLA))})"
+                             for scene in frames.scenes] + [times(frames.speed_up_of_all(step, VANILLA))]
+            for step in (VANILLA, ALL, ALL_OURS, OURS)]
+    return f"{machine_name(frames.results)}, milliseconds:\n\n" + table(
+        ["sort/raster/bounds", *map(label, frames.scenes), "geometric mean"], rows)
 
 
 def vanilla(source, machine):
-    """The scenes that were not pruned, the built-in one among them, with the inria conventions."""
-    frames = Frames(source.results(machine, "vanilla.json"), "inria")
-    rows = []
-    for name in (VANILLA, ALL, ALL_OURS, OURS):
-        rows.append([f"`{name}`"] + [f"{ms(frames.mean(scene, name))} ({times(frames.speed_up(scene, name, VANILLA))})"
-                                     for scene in frames.scenes] + [times(frames.speed_up_of_all(name, VANILLA))])
-    return f"{machine_name(frames.results)}, milliseconds:\n\n" + table(
-        ["sort/raster/bounds", *map(label, frames.scenes), "geometric mean"], rows)
+    """Whole scenes."""
+    return with_inria(source, machine, "vanilla.json")
+
+
+def pruned(source, machine):
+    """Table 4: pruned scenes."""
+    return with_inria(source, machine, "pruned.json")
 
 
 def read_pruned(source, machine, name):

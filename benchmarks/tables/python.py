@@ -2,22 +2,24 @@
 """Frames from Python beside those from C++."""
 from tables.markdown import count, significant, table
 from tables.results import InputError, check_rows
+from tables.source import device
 
 NAME = "python.json"
 
 
 def read(source, machine):
-    """The rows of the file of python_overhead.py."""
+    """The file of python_overhead.py."""
     path = source.path(machine, NAME)
-    rows = source.json(machine, NAME, "swiftgs-python", rows=list)["rows"]
+    found = source.json(machine, NAME, "swiftgs-python", machine=dict, rows=list)
+    rows = found["rows"]
     check_rows(path, rows, texts=("scene", "renderer"), counts=("gaussians",))
     for n, row in enumerate(rows):
         times = row.get("python_ms")
-        if not isinstance(times, dict) or not {"out", "new", "nothing"} <= times.keys():
-            raise InputError(f"{path}: rows[{n}].python_ms: expected an object with out, new and nothing")
-        of_row = [row.get(name) for name in ("cpp_ms", "cpp_nothing_ms", "cpp_outside_us", "python_outside_us")]
+        if not isinstance(times, dict) or not {"out", "new"} <= times.keys():
+            raise InputError(f"{path}: rows[{n}].python_ms: expected an object with out and new")
+        of_row = [row.get(name) for name in ("cpp_ms", "cpp_outside_us", "python_outside_us")]
         check_rows(path, [*of_row, *times.values()], numbers=("p10", "median"))
-    return rows
+    return found
 
 
 def rate(times, of):
@@ -25,18 +27,19 @@ def rate(times, of):
     return significant(1e3 / times[of]) if times and times[of] > 0 else "-"
 
 
-def python(source, machine):
+def python(source, *machines):
     """Frames a second in both languages, and what Python adds to each."""
     rows = []
-    for row in read(source, machine):
-        ms, backend = row["python_ms"], row["renderer"].partition("/")[0]
+    for machine, row in ((machine, row) for machine in machines for row in read(source, machine)["rows"]):
+        ms = row["python_ms"]
+        of_row = [device(read(source, machine)["machine"], row["renderer"].partition("/")[0]),
+                  f"{row['scene']}, {count(row['gaussians'])}"]
         for of in ("median", "p10"):
             added = row["python_outside_us"][of] - row["cpp_outside_us"][of]
-            warm = (ms["nothing"][of] - row["cpp_nothing_ms"][of]) * 1e3
-            rows.append([f"{row['scene']}, {count(row['gaussians'])}", f"`{backend}`", of, rate(row["cpp_ms"], of),
-                         *(rate(ms.get(call), of) for call in ("out", "new", "arrays")), f"{added:.0f}", f"{warm:.1f}"])
-    return table(["scene, Gaussians", "backend", "of frames", "C++, 1/s", "`out`, 1/s", "`new`, 1/s", "`arrays`, 1/s",
-                  "Python adds, us", "in warm caches, us"], rows, words=3)
+            rows.append([*of_row, of, rate(row["cpp_ms"], of),
+                         *(rate(ms.get(call), of) for call in ("out", "new", "arrays")), f"{added:.0f}"])
+    return table(["device", "scene, Gaussians", "of frames", "C++, 1/s", "`out`, 1/s", "`new`, 1/s", "`arrays`, 1/s",
+                  "Python adds, us"], rows, words=3)
 
 
 TABLES = {"python": python}

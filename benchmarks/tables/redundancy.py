@@ -3,21 +3,21 @@
 from statistics import mean
 
 from tables import paper
-from tables.frames import CHOLESKY, Frames, gaussians
+from tables.frames import Frames, gaussians
 from tables.markdown import count, percent, table
 from tables.results import InputError
 from tables.source import machine_name
 
 
 def redundancy(source, machine):
-    """Gaussians, intersections and their ratio over every view of each scene, with each bounds."""
-    results = source.results(machine, "all-views.json")
+    """Gaussians, intersections and their ratio over the views of each scene, with each bounds."""
+    results = source.results(machine, "matrix.json")
     frames = Frames(results)
     rows = [["paper, seven scenes", "box", "-", "-", "-", f"{paper.RATIO_MEAN:.2f}", f"{paper.RATIO_MOST:.2f}",
              percent(paper.saved(paper.RATIO_MEAN))]]
     for scene in frames.scenes:
-        for bounds in frames.bounds(scene, f"early/{CHOLESKY}"):
-            views = frames.rows(scene, f"early/{CHOLESKY}/{bounds}")
+        for bounds in frames.bounds(scene, "standard/per-pixel"):
+            views = frames.rows(scene, f"standard/per-pixel/{bounds}")
             views = [row for row in views if row.visible != 0]  # a view of nothing has no ratio
             ratios = [frames.needed(row, "intersections") / frames.needed(row, "visible") for row in views]
             if not views:

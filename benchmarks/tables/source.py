@@ -1,38 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the tables' numbers come from: which folder of results stands for which machine, and its files."""
+"""Where the tables' numbers come from: a folder of results for each kind of machine, and its files."""
 import os
+import re
 
 from tables.results import InputError, read, read_format
 
 RESULTS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "results")
-# The folders that README.md and docs/ show: a GPU, a processor with many cores and two with few, which need not have
-# all files. Whoever measures anew changes them here.
-FOLDERS = {"gpu": "2026-11-21-nvidia-h200", "cpu": "2026-11-21-intel-xeon-16-cores",
-           "cpu2": "2026-11-21-intel-xeon-2-cores", "amd": "2026-11-22-amd-epyc-2-cores",
-           "h200": "2026-11-22-nvidia-h200", "xeon": "2026-11-23-intel-xeon-2-cores",
-           "hopper": "2026-11-23-nvidia-h200", "nvidia24": "2026-11-24-nvidia-h200",
-           "xeon24": "2026-11-24-intel-xeon-2-cores", "nvidia": "2026-11-25-nvidia-h200",
-           "h100": "2026-11-26-nvidia-h100", "xeon26": "2026-11-26-intel-xeon-16-cores"}
+MACHINES = ("gpu", "many-cores", "two-cores")  # folders; each holds the newest file of a kind, and need not hold all
 
 
 class Source:
     """The results of the machines, each file read once."""
 
-    def __init__(self, results=RESULTS, folders=None):
-        self.root, self.folders, self.found = results, folders or FOLDERS, {}
+    def __init__(self, results=RESULTS):
+        self.root, self.found = results, {}
 
     def path(self, machine, name):
         """Of a file in a machine's folder; InputError where it is not there."""
-        if machine not in self.folders:
-            raise InputError(f"no machine '{machine}'; expected one of {', '.join(self.folders)}")
-        path = os.path.join(self.root, self.folders[machine], name)
+        if machine not in MACHINES:
+            raise InputError(f"no machine '{machine}'; expected one of {', '.join(MACHINES)}")
+        path = os.path.join(self.root, machine, name)
         if not os.path.isfile(path):
             raise InputError(f"{path}: no such file; expected what benchmarks/measure_matrix.sh leaves")
         return path
 
     def has(self, machine, name):
         """Whether a file is in a machine's folder."""
-        return os.path.isfile(os.path.join(self.root, self.folders.get(machine, machine), name))
+        return os.path.isfile(os.path.join(self.root, machine, name))
 
     def results(self, machine, name):
         """The Results of a file of `swiftgs bench`."""
@@ -49,7 +43,7 @@ class Source:
 
     def names(self, machine, start, end):
         """Of the files in a machine's folder that begin and end so, sorted; at least one."""
-        folder = os.path.join(self.root, self.folders.get(machine, machine))
+        folder = os.path.join(self.root, machine)
         names = sorted(n for n in os.listdir(folder) if n.startswith(start) and n.endswith(end)) \
             if os.path.isdir(folder) else []
         if not names:
@@ -57,9 +51,14 @@ class Source:
         return names
 
 
+def family(name):
+    """The first word of a file's name: files that are measured together."""
+    return re.split("[-.]", os.path.basename(name))[0]
+
+
 def backend(machine):
     """The backend that a machine's results are of."""
-    return "cuda" if machine in ("gpu", "h200", "nvidia", "h100") else "cpu"
+    return "cuda" if machine == "gpu" else "cpu"
 
 
 def processor(machine):
@@ -67,7 +66,11 @@ def processor(machine):
     return f"{machine.get('cpu', 'unknown')}, {machine.get('cores', '?')} cores"
 
 
+def device(machine, name):
+    """What ran a backend, in words, as 'NVIDIA H200'. A host's files name its GPU too."""
+    return str(name == "cuda" and machine.get("gpu") or processor(machine))
+
+
 def machine_name(results):
-    """The device that rendered, in words, as 'NVIDIA H200'. A host's files name its GPU too."""
-    rendered_there = any(row.backend == "cuda" for row in results.rows)
-    return str(rendered_there and results.machine.get("gpu") or processor(results.machine))
+    """The device that rendered, in words."""
+    return device(results.machine, "cuda" if any(row.backend == "cuda" for row in results.rows) else "cpu")

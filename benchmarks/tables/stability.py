@@ -4,7 +4,7 @@ import math
 
 from tables.markdown import prose, significant, table
 from tables.results import InputError, check_rows
-from tables.source import backend, processor
+from tables.source import backend, device
 
 # The columns, and the rasterizers whose worse value each shows.
 FORMS = {"per-pixel": ("per-pixel",),
@@ -70,9 +70,8 @@ def stability(source, machine, *words):
             of_family = [row for row in here if row["family"] == family]
             lines.append([f"`{family}`" + (f", {width}x{height}" if len(sizes) > 1 else "")] + [
                 cell([row for row in of_family if row["raster"] in rasters]) for rasters in FORMS.values()])
-    device = found["machine"].get("gpu") if name == "cuda" else None
     images = " and ".join(f"{width}x{height}" for width, height in sizes)
-    return prose(f"{device or processor(found['machine'])}, `{name}`, images of {images}, {rows[0]['seeds']} seeds at "
+    return prose(f"{device(found['machine'], name)}, `{name}`, images of {images}, {rows[0]['seeds']} seeds at "
                  f"each severity: the worst strict normalised error, and in parentheses the largest absolute error of a "
                  f"colour. †: of some "
                  f"pixels everything is open, and these are not judged.") \
@@ -89,47 +88,9 @@ def severities(source, machine, family):
     lines = [[f"`{column}`"] + [number(worst([row for row in rows if row["raster"] in rasters
                                               and row["severity"] == value], "max_abs")) for value in values]
              for column, rasters in FORMS.items()]
-    device = found["machine"].get("gpu") if name == "cuda" else None
-    return prose(f"{device or processor(found['machine'])}, `{name}`, `{family}`, {rows[0]['seeds']} seeds: the largest "
+    return prose(f"{device(found['machine'], name)}, `{name}`, `{family}`, {rows[0]['seeds']} seeds: the largest "
                  f"absolute error of a colour.") \
         + "\n\n" + table([rows[0]["severity_label"], *(f"{value:g}" for value in values)], lines)
 
 
-def mean_raster(rows):
-    """Mean over views of the raster stage's medians, in milliseconds."""
-    return sum(row.ms["raster"].median for row in rows) / len(rows)
-
-
-def cost_cell(before, after):
-    """Raster stage and worst PSNR, before and after."""
-    if not before or not after:
-        return "-"
-    times = [mean_raster(rows) for rows in (before, after)]
-    text = f"{significant(times[0], 3)} → {significant(times[1], 3)}"
-    if times[0] > 0:
-        text += f" ({times[1] / times[0]:.2f}x)"
-    known = [[row.psnr_db for row in rows if row.psnr_db is not None] for rows in (before, after)]
-    if all(known):
-        text += f", {min(known[0]):.1f} → {min(known[1]):.1f} dB"
-    return text
-
-
-def cost(source, machine, name="cuda"):
-    """What a change of the rasterizers costs: files of one run before and after it."""
-    before, after = (source.results(machine, f"cost-{when}-{name}.json") for when in ("before", "after"))
-    scenes = list(dict.fromkeys(row.scene for row in after.rows))
-    rasters = sorted(dict.fromkeys(row.raster for row in after.rows))
-
-    def of(results, raster, scene):
-        return [row for row in results.rows if (row.raster, row.scene) == (raster, scene)]
-    lines = [[f"`{raster}`"] + [cost_cell(of(before, raster, scene), of(after, raster, scene)) for scene in scenes]
-             for raster in rasters]
-    device = after.machine.get("gpu") if name == "cuda" else None
-    compared = any(row.psnr_db is not None for row in before.rows + after.rows)
-    errors = "and the worst PSNR of the frames that were compared with float64" if compared else \
-        "of frames that were not compared with float64"
-    return prose(f"{device or processor(after.machine)}, `{name}`: milliseconds of the raster stage, the mean over views, "
-                 f"{errors}.") + "\n\n" + table(["rasterizer", *scenes], lines)
-
-
-TABLES = {"stability": stability, "stability-severities": severities, "stability-cost": cost}
+TABLES = {"stability": stability, "stability-severities": severities}

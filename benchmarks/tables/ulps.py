@@ -4,7 +4,7 @@ from tables.markdown import table
 from tables.results import InputError, check_rows
 from tables.source import processor
 
-# What a page shows of them; the folder of the machine shows all.
+# What the page shows of them.
 SHOWN = ("mean", "depth", "determinant without blur", "`l0`", "`l1`", "cutoff", "colour of degree 3", "`Exp2`",
          "alpha `axis-shared-threshold-float-cholesky`", "transmittance after 10000 unequal layers")
 
@@ -37,13 +37,4 @@ def ulps(source, machine):
     return f"{words}:\n\n" + table(["stage", "measured in", "worst on", "error"], rows, words=3)
 
 
-def all_ulps(source, machine):
-    """Every stage on every target."""
-    _, stages, words = rows_of(source, machine)
-    targets = list(dict.fromkeys(target for found in stages.values() for target in found))
-    rows = [[stage, yardstick, *(f"{found[target]:.2f}" if target in found else "-" for target in targets)]
-            for (stage, yardstick), found in stages.items()]
-    return f"{words}:\n\n" + table(["stage", "measured in", *targets], rows, words=2)
-
-
-TABLES = {"ulps": ulps, "all-ulps": all_ulps}
+TABLES = {"ulps": ulps}

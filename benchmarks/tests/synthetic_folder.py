@@ -10,7 +10,8 @@ RASTERS = {"per-pixel": 2.0, "axis-shared-half-split": 1.6, "axis-shared-float-s
 SORTS = {"standard": 1.0, "early": 0.8, "adaptive": 0.8}
 BOUNDS = {"three-sigma-square": 6e6, "opacity-box": 3e6, "ellipse": 2e6}  # intersections
 GAUSSIANS = {"garden": 1500000, "fox": 200000, "builtin": 200000}
-FAMILIES = ("needles", "ridges", "little-blur", "scales", "distant-means", "wide-angles", "deep-stacks", "mixtures")
+FAMILIES = ("needles", "bare-needles", "ridges", "little-blur", "scales", "distant-means", "wide-angles",
+            "distorted-lenses", "fisheyes", "orthographic", "panoramas", "deep-stacks", "mixtures")
 BEST = ("early", "axis-shared-threshold-float-cholesky", "ellipse")
 SCALING = (BEST, ("standard", *BEST[1:]), ("standard", "per-pixel", "three-sigma-square"))
 
@@ -44,23 +45,18 @@ def matrix(backend, scenes=("garden", "fox", "builtin"), suffix="", **members):
             for sort in SORTS for raster in RASTERS for bounds in BOUNDS]
 
 
-def growing(backend, points, scenes=("garden",), older=False):
-    """Rows of SCALING at each of (members, growth of the stages). They tell each stage's memory, which grows as its
-    time does, but for those of an older file."""
-    def memory(grow):
-        found = {stage: 2**20 * grow.get(stage, 1) for stage in ("project", "sort", "raster")}
-        return {} if older else {"bytes": found}
-
-    return [row(backend, words, scene, **members, **memory(grow), grow=grow) for scene in scenes
+def growing(backend, points, scenes=("garden",)):
+    """Rows of SCALING at each of (members, growth of the stages)."""
+    return [row(backend, words, scene, **members, grow=grow) for scene in scenes
             for members, grow in points for words in SCALING]
 
 
 def stress(backend, sizes):
-    """A file of `swiftgs stress`: ratios of 1 at severity 1 and of 2 at infinity, twice that with the threshold."""
+    """A file of `swiftgs stress`: ratios of 1 at severity 1 and of 2 at the other, which is infinite in scales; twice that with the threshold."""
     rows = []
     for width, height in sizes:
         for family in FAMILIES:
-            for severity, ratio in ((1, 1.0), (None, 2.0)):
+            for severity, ratio in ((1, 1.0), (None if family == "scales" else 1e4, 2.0)):
                 for raster in RASTERS:
                     for name in {backend, "cuda" if backend == "cuda" else "serial"}:
                         scale = (2 if "threshold" in raster else 1) * (1 if name == backend else 3)
@@ -73,9 +69,8 @@ def stress(backend, sizes):
     return {"format": "swiftgs-stress", "version": 1, "machine": machine, "rows": rows}
 
 
-def write(folder, backend, older=False):
-    """All files of a machine, of which those of growth may be older ones. Projection grows as Gaussians, rasterization
-    as pixels, sorting as intersections a tile."""
+def write(folder, backend):
+    """All files of a machine. Projection grows as Gaussians, rasterization as pixels, sorting as intersections a tile."""
     folder.mkdir(parents=True, exist_ok=True)
 
     def bench(name, rows):
@@ -87,27 +82,16 @@ def write(folder, backend, older=False):
         synthetic.write(folder / name, found)
 
     bench("matrix.json", matrix(backend))
-    bench("all-views.json", matrix(backend))
-    bench("bounds.json", matrix(backend))
-    for when, sort in (("before", 1.0), ("after", 0.9)):
-        for what in ("frame", "views", "pieces", "blocks", "chunks", "tiles", "coarse", "large", "order", "fused",
-                     "fused-large", "blend", "blend-large", "rows", "plan"):
-            bench(f"{what}-{when}-{backend}.json",
-                  [row(backend, BEST, scene, grow={"sort": sort}, **({"psnr_db": None} if what == "coarse" else {}))
-                   for scene in GAUSSIANS])
     bench("vanilla.json", matrix(backend, conventions="inria"))
     bench("pruned.json", matrix(backend, ("garden", "fox"), "-pruned", conventions="inria"))
     gaussians = [({"gaussians": n}, {"project": n / 1e6}) for n in (100000, 1000000, 10000000)]
-    bench("scaling-gaussians.json", growing(backend, gaussians, older=older))
-    bench("scaling-builtin.json", growing(backend, gaussians, ("builtin",), older))
+    bench("scaling-gaussians.json", growing(backend, gaussians))
+    bench("scaling-builtin.json", growing(backend, gaussians, ("builtin",)))
     bench("scaling-pixels.json", growing(backend, [({"scale": s, "width": 1000 * s, "height": 1000 * s},
                                                     {"raster": s * s}) for s in (1, 2, 4)]))
     bench("scaling-threads.json", growing("cpu", [({"threads": n}, {"raster": 1 / n}) for n in (1, 2, 4)]))
     bench("scaling-occupancy.json", growing(backend, [({"enlarge": e, "intersections": 1e6 * e}, {"sort": e})
                                                       for e in (0.5, 1, 2)]))
-    for name in ("cuda", "cpu"):
-        for when in ("before", "after"):
-            bench(f"cost-{when}-{name}.json", matrix(name))
     synthetic.write(folder / "stress.json", stress(backend, ((64, 48),)))
     synthetic.write(folder / "stress-large.json", stress(backend, ((960, 540), (1920, 1080))))
     for scene in ("fox", "garden"):

@@ -19,8 +19,7 @@ inline constexpr int coarse_tile_side = 2 * default_tile_side;
 /// Whether tiles of `coarse_tile_side` are quicker. Measured on an H200 (docs/cuda.md): with fewer than
 /// a splat for ten pixels they are, and in small images neither matters.
 /// With less than 0.55 intersections a pixel frames take up to 8 % less time, with more than 0.65 they take
-/// more. The table of sides stands in benchmarks/results/2026-11-23-nvidia-h200/README.md ("Coarser tiles of
-/// large images"). A frame knows its intersections only after its tiles are chosen, so the splats decide.
+/// more. A frame knows its intersections only after its tiles are chosen, so the splats decide.
 constexpr bool coarse_tiles_gain(std::uint64_t splats, std::uint64_t pixels) {
   return pixels >= 1'500'000 && 10 * splats < pixels;
 }

@@ -17,7 +17,7 @@ function figuresOfScene(scene, rows, files) {
     const where = `${choices.sceneTitle(chosen[0])}, ${machineOf(records[0], files)}`;
     const name = scene + (panels.length > 1 ? '-' + title : '');
     const add = (kind, what, specify) =>
-      figures.push({name: `${kind}-${name}`, title: `${what}: ${where}`, specify});
+      figures.push({name: `${kind}-${name}`, title: `${what}: ${where}`, specify, from: files[records[0].file]});
     const known = stats.withError(records), front = stats.pareto(known);
     const choice = {clock: 'total', shape: 'bounds'};
     if (known.length) add('pareto', 'Run time against error', look => plots.pareto(known, front, choice, look));
@@ -40,7 +40,8 @@ function figuresOfGrowth(rows, files) {
       const series = all.find(one => one.scene === scene);
       const title = [series.renderer, `${seriesTitle(series, [])}, ${machineOf(series, files)}`];
       const figure = (more, plot) =>
-        ({name: `scaling-${name}-${scene}${more}`, title, specify: look => plot(series, quantity, look)});
+        ({name: `scaling-${name}-${scene}${more}`, title, specify: look => plot(series, quantity, look),
+          from: files[series.file]});
       const times = figure('', scalingPlots.times), memory = figure('-memory', scalingPlots.memory);
       return series.points.some(point => point.memory > 0) ? [times, memory] : [times];
     });
@@ -56,8 +57,13 @@ function figuresOfStress(files) {
     const device = backend === 'cuda' ? file.machine.gpu : file.machine.cpu;
     return {name: `stability-${backend === 'cuda' ? 'gpu' : backend}`,
             title: `Error over what rounding may cost: ${stressSize(some[0])}, worst of ${some[0].seeds}, ${device}`,
-            specify: look => stressPlots.normalised(stress.panels(chosen), one => one.backend, look)};
+            specify: look => stressPlots.normalised(stress.panels(chosen), one => one.backend, look), from: file};
   });
+}
+
+/// The file and the commit that a figure shows, so that tests can compare them with those of tables.
+function originOf({file, machine}) {
+  return `<metadata>${`${file} ${machine.commit}`.replaceAll('&', '&amp;').replaceAll('<', '&lt;')}</metadata>`;
 }
 
 /// Leaves the figures in the page as base64 of SVG files, for benchmarks/figures.sh to fetch.
@@ -66,8 +72,9 @@ async function writeFigures(rows, files, stressFiles) {
   const figures = [...scenes.flatMap(scene => figuresOfScene(scene, rows, files)), ...figuresOfGrowth(rows, files),
     ...figuresOfStress(stressFiles)];
   const stand = element('div', {id: 'figures', hidden: true}, '\n');
-  for (const {name, title, specify} of figures) {
-    const bytes = new TextEncoder().encode(await charts.svgOf(specify, title));
+  for (const {name, title, specify, from} of figures) {
+    const svg = (await charts.svgOf(specify, title)).replace(/<\/svg>$/, () => originOf(from) + '</svg>');
+    const bytes = new TextEncoder().encode(svg);
     const text = btoa(Array.from(bytes, byte => String.fromCharCode(byte)).join(''));
     stand.append(element('p', {'data-figure': name.replaceAll(/[^A-Za-z0-9_.-]+/g, '-')}, text), '\n');
   }
