@@ -33,15 +33,17 @@ std::string file_name(const Camera& camera, std::size_t number) {
   return name.empty() ? std::to_string(number) : name;
 }
 
-/// The numbers of the cameras of the image that is called `name`, in full, without extension, or as the file
-/// is called that it is rendered to.
+/// The numbers of the cameras of the image that is called `name`, in full, without extension, as the file is
+/// called that it is rendered to, or without its folders.
 std::vector<std::size_t> cameras_called(std::string_view name, const std::vector<Camera>& cameras) {
-  std::vector<std::size_t> in_full, in_part;
+  std::vector<std::size_t> in_full, in_part, alone;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     if (cameras[i].name == name) in_full.push_back(i);
     if (without_extension(cameras[i].name) == name || file_name(cameras[i], i) == name) in_part.push_back(i);
+    const std::string_view file = std::string_view(cameras[i].name).substr(cameras[i].name.rfind('/') + 1);
+    if (file == name || without_extension(file) == name) alone.push_back(i);
   }
-  return in_full.empty() ? in_part : in_full;
+  return !in_full.empty() ? in_full : !in_part.empty() ? in_part : alone;
 }
 
 /// The numbers that `text`, as `8` or `3-7`, stands for, or none.
