@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Lenses: a fisheye, a pinhole with distortion and an orthographic view of one scene, drawn in one frame. The
-// images are written as PNG into the folder that is given.
+// Lenses: a pinhole with distortion, a fisheye, an orthographic view and a panorama of one scene, drawn in one
+// frame. The images are written as PNG into the folder that is given.
 #include <cstddef>
 #include <exception>
 #include <filesystem>
@@ -46,6 +46,16 @@ Camera orthographic() {
   return camera;
 }
 
+/// All around: a turn is the width, from straight up to straight down the height.
+Camera panorama() {
+  constexpr int height = 400;
+  Camera camera = builtin_camera(2 * height, height);
+  camera.lens.model = LensModel::equirectangular;
+  camera.fx = camera.fy = height / std::numbers::pi;
+  camera.name = "panorama";
+  return camera;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -56,7 +66,7 @@ int main(int argc, char** argv) try {
   settings.outputs = {.alpha = true, .depth = false};
 
   // One projection, one sort and one rasterization, whatever the sizes and lenses.
-  const std::vector<Camera> cameras{fisheye(), distorted_pinhole(), orthographic()};
+  const std::vector<Camera> cameras{distorted_pinhole(), fisheye(), orthographic(), panorama()};
   std::vector<Frame> frames(cameras.size());
   renderer.render(scene, {cameras.data(), cameras.size()}, settings, {frames.data(), frames.size()});
 
