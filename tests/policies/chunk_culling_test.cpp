@@ -143,29 +143,39 @@ TEST_CASE("chunks: no Gaussian of a hidden chunk is visible, and most chunks wit
 }
 
 TEST_CASE("chunks: what is not a number hides nothing, and what cannot be seen is hidden") {
-  const OneView one(forward_camera(64, 48), Conventions::gsplat(), {});
-  const ChunkCuller culler(one.view.camera);
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               infinity = std::numeric_limits<float>::infinity();
-  ChunkBounds bounds{.low = vec3(-1, -1, 3), .size = 0.1f, .high = vec3(1, 1, 4), .opacity = 0.5f};
-  CHECK_FALSE(culler.hides(bounds));
-  const auto with = [&](auto change) {
-    ChunkBounds changed = bounds;
-    change(changed);
-    return culler.hides(changed);
-  };
-  CHECK_FALSE(with([&](ChunkBounds& b) { b.low.x = nan; }));
-  CHECK_FALSE(with([&](ChunkBounds& b) { b.high.z = infinity; }));
-  CHECK_FALSE(with([&](ChunkBounds& b) { b.size = infinity; }));
-  CHECK_FALSE(with([&](ChunkBounds& b) { b.opacity = infinity; }));
-  CHECK_FALSE(with([&](ChunkBounds& b) { b.opacity = nan; }));
-  CHECK(with([](ChunkBounds& b) { b.opacity = 0.003f; }));
-  CHECK(with([](ChunkBounds& b) { b.low.z = -4, b.high.z = -3; }));
-  CHECK(with([](ChunkBounds& b) { b.low.x = 9, b.high.x = 10; }));
-  CHECK(with([](ChunkBounds& b) { b.low.x = -10, b.high.x = -9; }));
-  CHECK(with([](ChunkBounds& b) { b.low.y = 9, b.high.y = 10; }));
-  CHECK(with([](ChunkBounds& b) { b.low.y = -10, b.high.y = -9; }));
-  CHECK_FALSE(with([](ChunkBounds& b) { b.low.x = 9, b.high.x = 10, b.size = 3; }));
+  for (const LensModel model :
+       {LensModel::perspective, LensModel::fisheye, LensModel::orthographic, LensModel::equirectangular}) {
+    CAPTURE(name_of(model));
+    Camera camera = forward_camera(64, 48);
+    camera.lens.model = model;
+    const bool parallel = model == LensModel::orthographic, all_around = model == LensModel::equirectangular;
+    if (parallel) camera.fx = camera.fy = 15;
+    const OneView one(camera, Conventions::gsplat(), {});
+    const ChunkCuller culler(one.view.camera);
+    ChunkBounds bounds{.low = vec3(-1, -1, 3), .size = 0.1f, .high = vec3(1, 1, 4), .opacity = 0.5f};
+    CHECK_FALSE(culler.hides(bounds));
+    const auto with = [&](auto change) {
+      ChunkBounds changed = bounds;
+      change(changed);
+      return culler.hides(changed);
+    };
+    CHECK_FALSE(with([&](ChunkBounds& b) { b.low.x = nan; }));
+    CHECK_FALSE(with([&](ChunkBounds& b) { b.high.z = infinity; }));
+    CHECK_FALSE(with([&](ChunkBounds& b) { b.size = infinity; }));
+    CHECK_FALSE(with([&](ChunkBounds& b) { b.opacity = infinity; }));
+    CHECK_FALSE(with([&](ChunkBounds& b) { b.opacity = nan; }));
+    CHECK(with([](ChunkBounds& b) { b.opacity = 0.003f; }));
+    const bool behind_is_a_circle = model == LensModel::fisheye;
+    CHECK(with([](ChunkBounds& b) { b.low.z = -4, b.high.z = -3; }) != behind_is_a_circle);
+    CHECK(with([](ChunkBounds& b) { b.low.x = 9, b.high.x = 10; }));
+    CHECK(with([](ChunkBounds& b) { b.low.x = -10, b.high.x = -9; }));
+    if (all_around) continue;
+    CHECK(with([](ChunkBounds& b) { b.low.y = 9, b.high.y = 10; }));
+    CHECK(with([](ChunkBounds& b) { b.low.y = -10, b.high.y = -9; }));
+    CHECK_FALSE(with([](ChunkBounds& b) { b.low.x = 9, b.high.x = 10, b.size = 3; }));
+  }
 }
 
 TEST_CASE("chunks: they hold all means, sizes and opacities") {
