@@ -3,7 +3,8 @@
 #
 # Installs what is missing of cmake/packages.txt; does nothing, and needs no network, when nothing is.
 #   cmake/setup.sh build    what the library, the command-line tool and the demo need
-#   cmake/setup.sh test     that, and what ./test.sh needs
+#   cmake/setup.sh docs     what docs/site.sh needs
+#   cmake/setup.sh test     all of that, and what ./test.sh needs
 # Fails where something that is needed cannot be installed; what is optional is only said to be missing.
 # SWIFTGS_SKIP_SETUP=1 leaves the system alone: for libraries that come from elsewhere.
 set -euo pipefail
@@ -11,8 +12,9 @@ set -euo pipefail
 list=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)/packages.txt
 case "${1:-}" in
   build) parts='^build[?]?$' ;;
-  test) parts='^(build|test)[?]?$' ;;
-  *) echo "usage: cmake/setup.sh build|test" >&2; exit 2 ;;
+  docs) parts='^docs[?]?$' ;;
+  test) parts='^(build|docs|test)[?]?$' ;;
+  *) echo "usage: cmake/setup.sh build|docs|test" >&2; exit 2 ;;
 esac
 [ "${SWIFTGS_SKIP_SETUP:-0}" = 1 ] && exit 0
 

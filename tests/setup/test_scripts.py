@@ -9,7 +9,7 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-FOLDERS = ("", ".ci", "benchmarks", "cmake")
+FOLDERS = ("", ".ci", "benchmarks", "cmake", "docs")
 JUNIT = """<testsuite tests="4"
 	failures="0"
 	disabled="0"
