@@ -18,7 +18,7 @@ awesome=/usr/share/doxygen-awesome-css
 styles=docs/site/site.css
 [ ! -d "$awesome" ] || styles="$awesome/doxygen-awesome.css $awesome/doxygen-awesome-sidebar-only.css $styles"
 doxygen - <<END
-@INCLUDE = docs/site/Doxyfile
+@INCLUDE = Doxyfile
 PROJECT_NUMBER = $(sed -n 's/.* version = "\(.*\)".*/\1/p' include/swiftgs/version.hpp)
 INPUT = ${inputs//$'\n'/ }
 STRIP_FROM_PATH = "$out/written"
