@@ -1,16 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
-#include <string>
-#include <vector>
 
-#include <zlib.h>
-
-#include <swiftgs/io/scene_file.hpp>
-
-#include "files.hpp"
 #include "ply_text.hpp"
+#include "scenes.hpp"
 #include "spz_encoder.hpp"
-#include "zip_encoder.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -18,10 +11,6 @@ using namespace swiftgs::test;
 namespace {
 
 const std::string start = "a file: byte 0: expected a scene of Gaussians, found ";
-
-std::string complaint_about(const std::string& content, const std::string& name = "a file") {
-  return complaint([&] { read_scene(as_bytes(content), name); });
-}
 
 /// A tar archive as GNU tar 1.34 writes it, without the owner.
 std::string tar(const std::vector<std::pair<std::string, std::string>>& files) {
@@ -40,32 +29,35 @@ std::string tar(const std::vector<std::pair<std::string, std::string>>& files) {
 
 const std::string scene = ply(plain_gaussian(), {.repeat = 20});
 
+/// Files that are no scenes, and what they are said to be.
+using Cases = std::vector<std::pair<std::string, std::string>>;
+
+void check_found(const Cases& cases) {
+  for (const auto& [content, found] : cases) CHECK(complaint_about(content) == start + found);
+}
+
 }  // namespace
 
 TEST_CASE("archives: a ZIP is told by the scenes in it and with what to do") {
-  CHECK(complaint_about(zip({{"point_cloud.ply", scene}})) ==
-        start + "a ZIP archive with point_cloud.ply in it; unpack it and give that file");
-  CHECK(complaint_about(zip({{"a.ply", scene}, {"b.spz", ""}, {"cfg_args", ""}}, {.deflate = true})) ==
-        start + "a ZIP archive with a.ply, b.spz in it; unpack it and give one of these files");
-  CHECK(complaint_about(zip({{"a.txt", ""}, {"b.txt", ""}})) ==
-        start + "a ZIP archive of other files: a.txt, b.txt");
+  check_found({{zip({{"point_cloud.ply", scene}}),
+                "a ZIP archive with point_cloud.ply in it; unpack it and give that file"},
+               {zip({{"a.ply", scene}, {"b.spz", ""}, {"cfg_args", ""}}, {.deflate = true}),
+                "a ZIP archive with a.ply, b.spz in it; unpack it and give one of these files"},
+               {zip({{"a.txt", ""}, {"b.txt", ""}}), "a ZIP archive of other files: a.txt, b.txt"},
+               {zip({{"a.ply", scene}}).substr(0, 90), "a ZIP archive"},
+               // gsplat 1.5.3, ckpt_29999_rank0.pt; torch.save of PyTorch 2 names the folder after the file.
+               {zip({{"ckpt_29999_rank0/data.pkl", "x"}, {"ckpt_29999_rank0/data/0", "x"}}),
+                "a checkpoint of PyTorch; export a PLY with the program that trained it"}});
   CHECK(contains(complaint_about(zip({{"scan/meta.json", "{}"}})),
                  "a ZIP archive with 'meta.json' in it, found scan/meta.json"));
-  CHECK(complaint_about(zip({{"a.ply", scene}}).substr(0, 90)) == start + "a ZIP archive");
-}
-
-TEST_CASE("archives: a checkpoint of PyTorch is called one") {
-  // gsplat 1.5.3, ckpt_29999_rank0.pt; torch.save of PyTorch 2 names the folder after the file.
-  CHECK(complaint_about(zip({{"ckpt_29999_rank0/data.pkl", "x"}, {"ckpt_29999_rank0/data/0", "x"}})) ==
-        start + "a checkpoint of PyTorch; export a PLY with the program that trained it");
 }
 
 TEST_CASE("archives: a tar is told by the scenes in it") {
   const std::string archive = tar({{"model/cfg_args", "x"}, {"model/point_cloud.ply", scene}});
   const std::string with = " with model/point_cloud.ply in it; unpack it and give that file";
-  CHECK(complaint_about(archive) == start + "a tar archive" + with);
-  CHECK(complaint_about(gzip(archive)) == start + "a gzip file of a tar archive" + with);
-  CHECK(complaint_about(tar({{"a.txt", ""}})) == start + "a tar archive of other files: a.txt");
+  check_found({{archive, "a tar archive" + with},
+               {gzip(archive), "a gzip file of a tar archive" + with},
+               {tar({{"a.txt", ""}}), "a tar archive of other files: a.txt"}});
   for (const std::size_t length : {512, 700, 1024, 1500})
     CHECK(
         contains(complaint_about(archive.substr(0, length)), "a tar archive of other files: model/cfg_args"));
@@ -76,41 +68,29 @@ TEST_CASE("archives: what tar and macOS store beside a file is no scene") {
   std::string archive = tar({{"PaxHeaders/x.ply", "30 mtime=1\n"}, {"._x.ply", "x"}, {"x.ply", scene}});
   archive[156] = 'x';
   const std::string with = " with x.ply in it; unpack it and give that file";
-  CHECK(complaint_about(archive) == start + "a tar archive" + with);
-  CHECK(complaint_about(zip({{"__MACOSX/._x.ply", "x"}, {"x.ply", scene}})) ==
-        start + "a ZIP archive" + with);
+  check_found({{archive, "a tar archive" + with},
+               {zip({{"__MACOSX/._x.ply", "x"}, {"x.ply", scene}}), "a ZIP archive" + with}});
 }
 
 TEST_CASE("archives: gzip is told by what is in it") {
-  CHECK(complaint_about(gzip(scene)) == start + "a gzip file of a PLY; unpack it with gunzip");
-  CHECK(complaint_about(gzip("glTF 2")) == start + "a gzip file of a glTF; unpack it with gunzip");
-  CHECK(complaint_about(gzip("<html>")) == start + "a gzip file of a page of HTML");
-  CHECK(complaint_about(gzip(R"({"asset": {}, "buffers": []})")) ==
-        start + "a gzip file of a glTF; unpack it with gunzip");
-  CHECK(complaint_about(gzip(std::string("\0\1\0\0\1\0\0\0\1", 9) + std::string(6000, '\0'))) ==
-        start + "a gzip file of a .ksplat; unpack it with gunzip");
-  CHECK(complaint_about(gzip("something")) ==
-        start + "a gzip file of something else; if it is a .splat, unpack it with gunzip");
+  const std::string unpack = "; unpack it with gunzip", file = gzip(scene);
+  check_found({{file, "a gzip file of a PLY" + unpack},
+               {file.substr(0, file.size() - 9), "a gzip file of a PLY" + unpack},
+               {gzip("glTF 2"), "a gzip file of a glTF" + unpack},
+               {gzip("<html>"), "a gzip file of a page of HTML"},
+               {gzip(R"({"asset": {}, "buffers": []})"), "a gzip file of a glTF" + unpack},
+               {gzip(std::string("\0\1\0\0\1\0\0\0\1", 9) + std::string(6000, '\0')),
+                "a gzip file of a .ksplat" + unpack},
+               {gzip("something"), "a gzip file of something else; if it is a .splat, unpack it with gunzip"},
+               // A gzip file that unpacks to itself would otherwise never end.
+               {gzip(file), "a gzip file of a gzip file" + unpack},
+               {gzip(gzip(gzip(file))), "a gzip file of a gzip file" + unpack}});
   CHECK(contains(complaint_about(gzip("a")), "header in the gzip stream"));
 }
 
-// A gzip file that unpacks to itself would otherwise never end.
-TEST_CASE("archives: one gzip file in another is not unpacked") {
-  std::string file = gzip(scene);
-  for (int depth = 0; depth < 3; ++depth) {
-    file = gzip(file);
-    CHECK(complaint_about(file) == start + "a gzip file of a gzip file; unpack it with gunzip");
-  }
-}
-
-TEST_CASE("archives: a gzip file that ends early is told by what is there") {
-  const std::string file = gzip(scene);
-  CHECK(contains(complaint_about(file.substr(0, file.size() - 9)), "a gzip file of a PLY"));
-}
-
 TEST_CASE("archives: those that are not listed are named") {
-  CHECK(complaint_about("7z\xbc\xaf\x27\x1c") == start + "a 7z archive; unpack it and give the scene in it");
-  CHECK(complaint_about("Rar!\x1a\x07") == start + "a RAR archive; unpack it and give the scene in it");
+  check_found({{"7z\xbc\xaf\x27\x1c", "a 7z archive; unpack it and give the scene in it"},
+               {"Rar!\x1a\x07", "a RAR archive; unpack it and give the scene in it"}});
   CHECK(contains(complaint_about("\x28\xb5\x2f\xfd"), "packed by zstd; unpack it"));
   CHECK(contains(complaint_about("\3757zXZ"), "packed by xz; unpack it"));
   CHECK(contains(complaint_about("BZh9"), "packed by bzip2; unpack it"));

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <stdexcept>
-#include <string>
-#include <vector>
-
-#include <doctest/doctest.h>
 
 #include <swiftgs/io/cameras.hpp>
 #include <swiftgs/io/capture.hpp>
-#include <swiftgs/io/scene_file.hpp>
 
 #include "io/scenes.hpp"
-#include "support/files.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -31,73 +25,74 @@ void write_colmap(const TemporaryFolder& place, const std::string& folder, const
   place.write(folder + "/images.txt", "1 1 0 0 0 0 0 5 1 " + image + "\n\n");
 }
 
+/// Empty files.
+void write_all(const TemporaryFolder& place, const std::vector<std::string>& names) {
+  for (const std::string& name : names) place.write(name, "");
+}
+
+void check_scene(const fs::path& folder, const fs::path& scene, const std::string& name) {
+  CAPTURE(folder);
+  const Capture found = find_capture(folder);
+  CHECK(found.scene.lexically_normal() == scene);
+  CHECK(found.name == name);
+}
+
 std::string camera_in(const fs::path& path) { return load_cameras(path).at(0).name; }
 
 }  // namespace
 
 TEST_CASE("capture: a folder has the scene that is called as it is or its only one") {
   const TemporaryFolder place;
-  place.write("garden/other.ply", ""), place.write("garden/third.ply", "");
+  write_all(place, {"garden/other.ply", "garden/third.ply"});
   CHECK_THROWS_WITH_AS(find_capture(place / "garden"), doctest::Contains("found other.ply, third.ply"),
                        std::invalid_argument);
   place.write("garden/garden.ply", "");
-  for (const std::string name : {"garden", "garden/", "garden/.", "garden/../garden"}) {
-    CAPTURE(name);
-    CHECK(fs::equivalent(find_capture(place / name).scene, place / "garden/garden.ply"));
-    CHECK(find_capture(place / name).name == "garden");
-  }
+  for (const std::string name : {"garden", "garden/", "garden/.", "garden/../garden"})
+    check_scene(place / name, place / "garden/garden.ply", "garden");
   place.write("garden/garden.spz", "");
-  CHECK(find_capture(place / "garden").scene == place / "garden/garden.spz");
-  place.write("fox/scan.spz", ""), place.write("fox/input.ply", ""),
-      place.write("fox/scan.spz.sort.json", "");
-  CHECK(find_capture(place / "fox").scene == place / "fox/scan.spz");
-  CHECK(find_capture(place / "fox").name == "scan");
+  check_scene(place / "garden", place / "garden/garden.spz", "garden");
+  write_all(place, {"fox/scan.spz", "fox/input.ply", "fox/scan.spz.sort.json"});
+  check_scene(place / "fox", place / "fox/scan.spz", "scan");
 }
 
 TEST_CASE("capture: a folder may be a SOG or hold one") {
   const TemporaryFolder place;
   place.write("scan/meta.json", "");
-  for (const std::string name : {"scan", "scan/meta.json"}) {
-    CHECK(find_capture(place / name).scene == place / "scan/meta.json");
-    CHECK(find_capture(place / name).name == "scan");
+  check_scene(place / "scan/meta.json", place / "scan/meta.json", "scan");
+  // Each is preferred to those before.
+  for (const auto& [file, name] : {std::pair{"meta.json", "scan"},
+                                   {"lod-meta.json", "scan"},
+                                   {"room.sog", "room"},
+                                   {"scan.ply", "scan"}}) {
+    place.write(std::string("scan/") + file, "");
+    check_scene(place / "scan", place / "scan" / file, name);
   }
-  place.write("scan/lod-meta.json", "");
-  CHECK(find_capture(place / "scan").scene == place / "scan/lod-meta.json");
-  CHECK(find_capture(place / "scan").name == "scan");
-  place.write("scan/room.sog", "");
-  CHECK(find_capture(place / "scan").scene == place / "scan/room.sog");
-  CHECK(find_capture(place / "scan").name == "room");
-  place.write("scan/scan.ply", "");
-  CHECK(find_capture(place / "scan").scene == place / "scan/scan.ply");
 }
 
 TEST_CASE("capture: a folder may have a scene of any format and endings in capitals") {
   const TemporaryFolder place;
   for (const std::string file : {"scan.splat", "scan.KSPLAT", "scan.glb", "scan.gltf", "scan.SPZ", "scan.Ply",
-                                 "scan.sog", "scan.compressed.ply", "scan.Compressed.PLY"}) {
-    CAPTURE(file);
+                                 "scan.sog", "scan.compressed.ply", "scan.Compressed.PLY"})
     for (const std::string& folder : {"only-" + file, "named-" + file + "/scan"}) {
       place.write(folder + "/" + file, "");
-      if (folder.ends_with("/scan")) place.write(folder + "/a.splat", ""), place.write(folder + "/b.glb", "");
-      CHECK(find_capture(place / folder).scene == place / (folder + "/" + file));
-      CHECK(find_capture(place / folder).name == "scan");
+      if (folder.ends_with("/scan")) write_all(place, {folder + "/a.splat", folder + "/b.glb"});
+      check_scene(place / folder, place / (folder + "/" + file), "scan");
     }
-  }
-  place.write("two/a.splat", ""), place.write("two/b.GLB", "");
+  write_all(place, {"two/a.splat", "two/b.GLB"});
   CHECK_THROWS_WITH_AS(find_capture(place / "two"), doctest::Contains("found a.splat, b.GLB"),
                        std::invalid_argument);
   place.write("two/meta.json", "");
-  CHECK(find_capture(place / "two").scene == place / "two/meta.json");
+  check_scene(place / "two", place / "two/meta.json", "two");
   place.write("two/c.SOG", "");
-  CHECK(find_capture(place / "two").scene == place / "two/c.SOG");
+  check_scene(place / "two", place / "two/c.SOG", "c");
 }
 
 TEST_CASE("capture: of a training the last iteration counts and the folder names it") {
   const TemporaryFolder place;
   for (const std::string iteration : {"7000", "30000", "x", "99999x"})
     place.write("output/point_cloud/iteration_" + iteration + "/point_cloud.ply", "");
-  place.write("output/point_cloud/iteration_90000/other.txt", "");
-  place.write("output/input.ply", ""), place.write("output/cameras.json", cameras_json);
+  write_all(place, {"output/point_cloud/iteration_90000/other.txt", "output/input.ply"});
+  place.write("output/cameras.json", cameras_json);
   const Capture capture = find_capture(place / "output");
   CHECK(capture.scene == place / "output/point_cloud/iteration_30000/point_cloud.ply");
   CHECK(capture.name == "output");
@@ -132,12 +127,10 @@ TEST_CASE("capture: cameras are found in a folder in one order") {
   place.write("transforms.json", transforms_json);
   CHECK(camera_in(place.path()) == "of-transforms");
   CHECK(find_capture(place / "missing.ply").cameras == place / "transforms.json");
-  write_colmap(place, "0", "of-0");
-  CHECK(camera_in(place.path()) == "of-0");
-  write_colmap(place, "sparse", "of-sparse");
-  CHECK(camera_in(place.path()) == "of-sparse");
-  write_colmap(place, "sparse/0", "of-sparse-0");
-  CHECK(camera_in(place.path()) == "of-sparse-0");
+  for (const std::string folder : {"0", "sparse", "sparse/0"}) {
+    write_colmap(place, folder, "of-" + folder);
+    CHECK(camera_in(place.path()) == "of-" + folder);
+  }
   place.write("cameras.json", cameras_json);
   CHECK(camera_in(place.path()) == "a.jpg");
   write_colmap(place, ".", "of-itself");
@@ -148,8 +141,7 @@ TEST_CASE("capture: cameras are found in a folder in one order") {
 TEST_CASE("capture: the cameras of a training split are found and those of a test split are told") {
   const TemporaryFolder place;
   const auto split = [](const std::string& name) {
-    std::string file = transforms_json;
-    return file.replace(file.find("of-transforms"), 13, "./" + name + "/r_0");
+    return with(transforms_json, "of-transforms", "./" + name + "/r_0");
   };
   place.write("lego/lego.ply", "");
   place.write("lego/transforms_test.json", split("test"));

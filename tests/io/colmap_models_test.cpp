@@ -1,139 +1,100 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-#include <cstdint>
 #include <sstream>
-#include <string>
-#include <vector>
 
-#include <swiftgs/io/cameras.hpp>
-
-#include "colmap_files.hpp"
-#include "lens_pixels.hpp"
+#include "camera_files.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
 
 namespace {
 
-/// A model with `rest` coefficients.
 struct Model {
   std::int32_t number;
   std::string name;
-  bool two_lengths;
-  int rest;
-  std::vector<std::string> coefficients{};  ///< their names, but for those that do nothing
-
-  /// fx 50, and fy 60 where the model has two focal lengths, centre (33, 22), and one coefficient that is not
-  /// 0.
-  std::vector<double> parameters(double coefficient, int at = 0) const {
-    std::vector<double> values = {50, 33, 22};
-    if (two_lengths) values.insert(values.begin() + 1, 60);
-    values.resize(values.size() + std::size_t(rest), 0.0);
-    if (rest > 0) values[values.size() - std::size_t(rest - at)] = coefficient;
-    return values;
-  }
+  std::vector<double> parameters;
 };
 
-/// Those that are pinholes where the coefficients are 0.
-const Model pinholes[] = {{0, "SIMPLE_PINHOLE", false, 0},
-                          {1, "PINHOLE", true, 0},
-                          {2, "SIMPLE_RADIAL", false, 1},
-                          {3, "RADIAL", false, 2},
-                          {4, "OPENCV", true, 4},
-                          {6, "FULL_OPENCV", true, 8},
-                          {7, "FOV", true, 1},
-                          {12, "SIMPLE_DIVISION", false, 1},
-                          {13, "DIVISION", true, 1},
-                          {16, "EUCM", true, 2}};
+/// Those that are pinholes where the coefficients are 0; EUCM's beta does nothing where alpha is 0.
+const Model pinholes[] = {{0, "SIMPLE_PINHOLE", {50, 33, 22}},
+                          {1, "PINHOLE", {50, 60, 33, 22}},
+                          {2, "SIMPLE_RADIAL", {50, 33, 22, 0}},
+                          {3, "RADIAL", {50, 33, 22, 0, 0}},
+                          {4, "OPENCV", {50, 60, 33, 22, 0, 0, 0, 0}},
+                          {6, "FULL_OPENCV", {50, 60, 33, 22, 0, 0, 0, 0, 0, 0, 0, 0}},
+                          {7, "FOV", {50, 60, 33, 22, 0}},
+                          {12, "SIMPLE_DIVISION", {50, 33, 22, 0}},
+                          {13, "DIVISION", {50, 60, 33, 22, 0}},
+                          {16, "EUCM", {50, 60, 33, 22, 0, 0}},
+                          {16, "EUCM", {50, 60, 33, 22, 0, -1e-5}}};
 
-/// Those that are nothing else.
-const Model pinholes_alone[] = {{7, "FOV", true, 1, {"omega"}},
-                                {12, "SIMPLE_DIVISION", false, 1, {"k"}},
-                                {13, "DIVISION", true, 1, {"k"}},
-                                {16, "EUCM", true, 2, {"alpha"}}};
+/// Those that no lens can be, and what of them is named beside the model.
+const std::pair<Model, std::string> refused_models[] = {
+    {{7, "FOV", {50, 60, 33, 22, -1e-5}}, " with omega = -1e-05"},
+    {{12, "SIMPLE_DIVISION", {50, 33, 22, -1e-5}}, " with k = -1e-05"},
+    {{13, "DIVISION", {50, 60, 33, 22, -1e-5}}, " with k = -1e-05"},
+    {{16, "EUCM", {50, 60, 33, 22, -1e-5, 0}}, " with alpha = -1e-05"},
+    {{14, "SIMPLE_FISHEYE", {50, 33, 22}}, ""},
+    {{15, "FISHEYE", {50, 60, 33, 22}}, ""},
+    {{11, "RAD_TAN_THIN_PRISM_FISHEYE", {50, 60, 33, 22, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}}, ""},
+    {{17, "EQUIRECTANGULAR", {64, 48}}, ""}};
 
-/// Those that are never read.
-const Model others[] = {
-    {14, "SIMPLE_FISHEYE", false, 0}, {15, "FISHEYE", true, 0}, {11, "RAD_TAN_THIN_PRISM_FISHEYE", true, 12}};
-
-/// A model with numbers that all differ, and where COLMAP's src/colmap/sensor/models.h shows a point with it.
+/// A model with numbers that all differ, and the part of each term of COLMAP's src/colmap/sensor/models.h.
 struct Distorted {
   std::int32_t number;
   std::string name;
   LensModel lens;
-  std::vector<double> parameters;
-  Pixel (*shown)(const std::vector<double>& numbers, Pixel plane);
+  std::vector<double> lengths_and_centre, coefficients;
+  std::vector<std::size_t> above, below{};  ///< places of radial coefficients in the factor and its divisor
+  bool decentres = false;                   ///< by the third and fourth coefficient
+  double prism_x = 0, prism_y = 0;
+
+  std::vector<double> parameters() const {
+    std::vector<double> all = lengths_and_centre;
+    all.insert(all.end(), coefficients.begin(), coefficients.end());
+    return all;
+  }
+
+  Pixel shown(const Pixel& at) const {
+    const auto factor = [&](const std::vector<std::size_t>& places) {
+      std::vector<double> radials;
+      for (const std::size_t place : places) radials.push_back(coefficients[place]);
+      return radial(radials, at);
+    };
+    const double scale = factor(above) / factor(below), squared = at.x * at.x + at.y * at.y;
+    const Pixel aside = decentres ? tangential(coefficients[2], coefficients[3], at) : Pixel{0, 0};
+    const std::vector<double>& n = lengths_and_centre;
+    return {n[0] * (at.x * scale + aside.x + prism_x * squared) + n[n.size() - 2],
+            n[n.size() - 3] * (at.y * scale + aside.y + prism_y * squared) + n[n.size() - 1]};
+  }
 };
 
+const std::vector<double> one_length = {50, 33, 22}, two_lengths = {50, 60, 33, 22};
+constexpr LensModel perspective = LensModel::perspective, fisheye = LensModel::fisheye;
 const Distorted distorted[] = {
-    {2,
-     "SIMPLE_RADIAL",
-     LensModel::perspective,
-     {50, 33, 22, -0.11},
-     [](const std::vector<double>& n, Pixel at) {
-       const double scale = radial({n[3]}, at);
-       return Pixel{n[0] * at.x * scale + n[1], n[0] * at.y * scale + n[2]};
-     }},
-    {3,
-     "RADIAL",
-     LensModel::perspective,
-     {50, 33, 22, -0.11, 0.07},
-     [](const std::vector<double>& n, Pixel at) {
-       const double scale = radial({n[3], n[4]}, at);
-       return Pixel{n[0] * at.x * scale + n[1], n[0] * at.y * scale + n[2]};
-     }},
-    {4,
-     "OPENCV",
-     LensModel::perspective,
-     {50, 60, 33, 22, -0.11, 0.07, 0.013, -0.021},
-     [](const std::vector<double>& n, Pixel at) {
-       const double scale = radial({n[4], n[5]}, at);
-       const Pixel aside = tangential(n[6], n[7], at);
-       return Pixel{n[0] * (at.x * scale + aside.x) + n[2], n[1] * (at.y * scale + aside.y) + n[3]};
-     }},
+    {2, "SIMPLE_RADIAL", perspective, one_length, {-0.11}, {0}},
+    {3, "RADIAL", perspective, one_length, {-0.11, 0.07}, {0, 1}},
+    {4, "OPENCV", perspective, two_lengths, {-0.11, 0.07, 0.013, -0.021}, {0, 1}, {}, true},
     {6,
      "FULL_OPENCV",
-     LensModel::perspective,
-     {50, 60, 33, 22, -0.11, 0.07, 0.013, -0.021, 0.017, 0.19, 0.053, -0.029},
-     [](const std::vector<double>& n, Pixel at) {
-       const double scale = radial({n[4], n[5], n[8]}, at) / radial({n[9], n[10], n[11]}, at);
-       const Pixel aside = tangential(n[6], n[7], at);
-       return Pixel{n[0] * (at.x * scale + aside.x) + n[2], n[1] * (at.y * scale + aside.y) + n[3]};
-     }},
-    {8,
-     "SIMPLE_RADIAL_FISHEYE",
-     LensModel::fisheye,
-     {50, 33, 22, -0.11},
-     [](const std::vector<double>& n, Pixel at) {
-       const double scale = radial({n[3]}, at);
-       return Pixel{n[0] * at.x * scale + n[1], n[0] * at.y * scale + n[2]};
-     }},
-    {9,
-     "RADIAL_FISHEYE",
-     LensModel::fisheye,
-     {50, 33, 22, -0.11, 0.07},
-     [](const std::vector<double>& n, Pixel at) {
-       const double scale = radial({n[3], n[4]}, at);
-       return Pixel{n[0] * at.x * scale + n[1], n[0] * at.y * scale + n[2]};
-     }},
-    {5,
-     "OPENCV_FISHEYE",
-     LensModel::fisheye,
-     {50, 60, 33, 22, -0.11, 0.07, 0.023, -0.013},
-     [](const std::vector<double>& n, Pixel at) {
-       const double scale = radial({n[4], n[5], n[6], n[7]}, at);
-       return Pixel{n[0] * at.x * scale + n[2], n[1] * at.y * scale + n[3]};
-     }},
+     perspective,
+     two_lengths,
+     {-0.11, 0.07, 0.013, -0.021, 0.017, 0.19, 0.053, -0.029},
+     {0, 1, 4},
+     {5, 6, 7},
+     true},
+    {8, "SIMPLE_RADIAL_FISHEYE", fisheye, one_length, {-0.11}, {0}},
+    {9, "RADIAL_FISHEYE", fisheye, one_length, {-0.11, 0.07}, {0, 1}},
+    {5, "OPENCV_FISHEYE", fisheye, two_lengths, {-0.11, 0.07, 0.023, -0.013}, {0, 1, 2, 3}},
     {10,
      "THIN_PRISM_FISHEYE",
-     LensModel::fisheye,
-     {50, 60, 33, 22, -0.11, 0.07, 0.013, -0.021, 0.023, -0.017, 0.031, -0.043},
-     [](const std::vector<double>& n, Pixel at) {
-       const double scale = radial({n[4], n[5], n[8], n[9]}, at), squared = at.x * at.x + at.y * at.y;
-       const Pixel aside = tangential(n[6], n[7], at);
-       return Pixel{n[0] * (at.x * scale + aside.x + n[10] * squared) + n[2],
-                    n[1] * (at.y * scale + aside.y + n[11] * squared) + n[3]};
-     }}};
+     fisheye,
+     two_lengths,
+     {-0.11, 0.07, 0.013, -0.021, 0.023, -0.017, 0.031, -0.043},
+     {0, 1, 4, 5},
+     {},
+     true,
+     0.031,
+     -0.043}};
 
 std::vector<Camera> of_binary(std::int32_t number, const std::vector<double>& parameters) {
   return parse_binary(cameras_bin({{.model = number, .width = 64, .height = 48, .parameters = parameters}}),
@@ -152,28 +113,16 @@ const std::string expected =
     "expected one of the camera models SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, "
     "OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, THIN_PRISM_FISHEYE, found ";
 
-void check_refused(const Model& model, const std::vector<double>& parameters, const std::string& found) {
-  CAPTURE(model.name);
-  CHECK(complaint([&] { of_binary(model.number, parameters); }) ==
-        "cameras.bin: byte 8: " + expected + found);
-  CHECK(complaint([&] { of_text(model.name, parameters); }) == "cameras.txt: byte 0: " + expected + found);
-}
-
 }  // namespace
 
 TEST_CASE("colmap models: a model whose coefficients are 0 is a pinhole") {
   for (const Model& model : pinholes) {
     CAPTURE(model.name);
-    const std::vector<double> parameters = model.parameters(0);
-    for (const auto& cameras : {of_binary(model.number, parameters), of_text(model.name, parameters)}) {
+    for (const auto& cameras :
+         {of_binary(model.number, model.parameters), of_text(model.name, model.parameters)}) {
       REQUIRE(cameras.size() == 1);
       CHECK(cameras[0].lens.is_pinhole());
-      CHECK(cameras[0].fx == 50);
-      CHECK(cameras[0].fy == (model.two_lengths ? 60 : 50));
-      CHECK(cameras[0].cx == 33);
-      CHECK(cameras[0].cy == 22);
-      CHECK(cameras[0].width == 64);
-      CHECK(cameras[0].height == 48);
+      CHECK(intrinsics(cameras[0]) == Intrinsics{64, 48, 50, std::max(50.0, model.parameters[1]), 33, 22});
     }
   }
 }
@@ -182,13 +131,12 @@ TEST_CASE("colmap models: every coefficient moves points as COLMAP's model does"
   for (const Distorted& model : distorted) {
     CAPTURE(model.name);
     for (const auto& cameras :
-         {of_binary(model.number, model.parameters), of_text(model.name, model.parameters)}) {
+         {of_binary(model.number, model.parameters()), of_text(model.name, model.parameters())}) {
       REQUIRE(cameras.size() == 1);
       CHECK(cameras[0].lens.model == model.lens);
       CHECK(cameras[0].lens.is_distorted());
       for (const dvec3& p : seen_points)
-        check_pixel(cameras[0], p,
-                    model.shown(model.parameters, on_plane(model.lens == LensModel::fisheye, p)));
+        check_pixel(cameras[0], p, model.shown(on_plane(model.lens == fisheye, p)));
     }
   }
 }
@@ -203,18 +151,13 @@ TEST_CASE("colmap models: a fisheye lens without distortion is no pinhole") {
 }
 
 TEST_CASE("colmap models: models that no lens can be are refused by name") {
-  for (const Model& model : pinholes_alone)
-    for (int at = 0; at < model.rest; ++at) {
-      const std::vector<double> parameters = model.parameters(-1e-5, at);
-      // EUCM's beta does nothing where alpha is 0.
-      if (at >= int(model.coefficients.size()))
-        CHECK(of_binary(model.number, parameters).at(0).lens.is_pinhole());
-      else
-        check_refused(model, parameters,
-                      model.name + " with " + model.coefficients[std::size_t(at)] + " = -1e-05");
-    }
-  for (const Model& model : others) check_refused(model, model.parameters(0), model.name);
-  check_refused({17, "EQUIRECTANGULAR", false, 0}, {64, 48}, "EQUIRECTANGULAR");
+  for (const auto& [model, found] : refused_models) {
+    CAPTURE(model.name);
+    const Model& m = model;
+    const std::string message = expected + m.name + found;
+    CHECK(complaint([&] { of_binary(m.number, m.parameters); }) == "cameras.bin: byte 8: " + message);
+    CHECK(complaint([&] { of_text(m.name, m.parameters); }) == "cameras.txt: byte 0: " + message);
+  }
   for (const std::int32_t number : {18, -1})
     CHECK(contains(complaint([&] {
                      of_binary(number, {1, 2, 3, 4});
@@ -265,6 +208,7 @@ TEST_CASE("colmap models: a last line needs no line break") {
   }
 }
 
+// hierarchical-3d-gaussians, 2024, scripts for MatrixCity: "one line of data per image".
 TEST_CASE("colmap models: an image without a line of points is not skipped") {
   const std::string cameras = "1 PINHOLE 640 480 500 510 321 239\n";
   const auto refused = [&](const std::string& images) {

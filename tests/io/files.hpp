@@ -27,6 +27,19 @@ void append(std::string& to, T value) {
   to.append(raw, sizeof(T));
 }
 
+/// `content` with its first `from` replaced.
+inline std::string with(std::string content, const std::string& from, const std::string& to) {
+  return content.replace(content.find(from), from.size(), to);
+}
+
+/// `content` with the bytes of `value` at `offset`.
+template <class T>
+std::string with(std::string content, std::size_t offset, T value) {
+  std::string raw;
+  append(raw, value);
+  return content.replace(offset, raw.size(), raw);
+}
+
 /// What `read` complains of, or "" if it does not.
 inline std::string complaint(const std::function<void()>& read) {
   try {
@@ -35,6 +48,13 @@ inline std::string complaint(const std::function<void()>& read) {
     return error.what();
   }
   return "";
+}
+
+/// Checks that `read` does no worse than complain of a byte that differs by `flip`.
+inline void check_every_damage(const std::string& content, char flip,
+                               const std::function<void(const std::string&)>& read) {
+  for (std::size_t i = 0; i < content.size(); ++i)
+    CHECK_NOTHROW(complaint([&] { read(with(content, i, char(content[i] ^ flip))); }));
 }
 
 /// Checks that `read` takes `content` and throws `FormatError`, in one line, for all that a shorter file may

@@ -1,29 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-
-#include <swiftgs/io/scene_file.hpp>
-
 #include "gltf_encoder.hpp"
-#include "scenes.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
 using nlohmann::json;
 
 namespace {
-
-SceneFile read(const std::string& content) { return read_scene(as_bytes(content), "test.glb"); }
-
-/// The numbers of an attribute as integers of type T.
-template <class T, class Number>
-std::string integers(std::size_t count, int components, std::size_t stride, const Number& number) {
-  std::string bytes;
-  for (std::size_t i = 0; i < count; ++i) {
-    for (int c = 0; c < components; ++c) append(bytes, T(std::lround(number(i, c))));
-    bytes.resize((i + 1) * stride);
-  }
-  return bytes;
-}
 
 /// Replaces an attribute of one mesh.
 void replace(GltfParts& parts, const std::string& attribute, const std::string& bytes, json accessor,
@@ -33,9 +15,24 @@ void replace(GltfParts& parts, const std::string& attribute, const std::string& 
   parts.primitive()["attributes"]["KHR_gaussian_splatting:" + attribute] = index;
 }
 
-}  // namespace
+/// Replaces an attribute by integers of type T, which are `times` the numbers.
+template <class T, class Number>
+void replace_by(GltfParts& parts, const std::string& attribute, int components, std::size_t stride,
+                const Number& number, double times = double(std::numeric_limits<T>::max())) {
+  std::string bytes;
+  for (std::size_t i = 0; i < 30; ++i) {
+    for (int c = 0; c < components; ++c) append(bytes, T(std::lround(times * number(i, c))));
+    bytes.resize((i + 1) * stride);
+  }
+  json accessor = {{"componentType", 5119 + 2 * sizeof(T) - std::is_signed_v<T>},
+                   {"count", 30},
+                   {"type", components == 1 ? "SCALAR" : "VEC" + std::to_string(components)}};
+  if (times != 1) accessor["normalized"] = true;
+  replace(parts, attribute, bytes, accessor, stride);
+}
 
-TEST_CASE("gltf: integers of every type that the extension allows are decoded") {
+template <class Signed, class Unsigned>
+void check_integers() {
   const Scene scene = some_scene(30, 0);
   const auto rotation = [&](std::size_t i, int c) {
     const Quaternion& q = scene.rotations[i];
@@ -43,52 +40,34 @@ TEST_CASE("gltf: integers of every type that the extension allows are decoded") 
   };
   const auto opacity = [&](std::size_t i, int) { return double(scene.opacities[i]); };
   const auto scale = [&](std::size_t i, int c) { return std::min(1.0, double(scene.scales[i][c])); };
-  const auto times = [](double by, const auto& number) {
-    return [by, &number](std::size_t i, int c) { return by * number(i, c); };
-  };
-  for (const bool wide : {false, true}) {
-    CAPTURE(wide);
-    GltfParts parts = encode_gltf(scene);
-    const json signed_type = {
-        {"componentType", wide ? 5122 : 5120}, {"count", 30}, {"type", "VEC4"}, {"normalized", true}};
-    const double largest = wide ? 32767 : 127, most = wide ? 65535 : 255;
-    replace(parts, "ROTATION",
-            wide ? integers<std::int16_t>(30, 4, 12, times(largest, rotation))
-                 : integers<std::int8_t>(30, 4, 4, times(largest, rotation)),
-            signed_type, wide ? 12 : 4);
-    json unsigned_type = {
-        {"componentType", wide ? 5123 : 5121}, {"count", 30}, {"type", "SCALAR"}, {"normalized", true}};
-    replace(parts, "OPACITY",
-            wide ? integers<std::uint16_t>(30, 1, 4, times(most, opacity))
-                 : integers<std::uint8_t>(30, 1, 4, times(most, opacity)),
-            unsigned_type, 4);
-    unsigned_type["type"] = "VEC3";
-    replace(parts, "SCALE",
-            wide ? integers<std::uint16_t>(30, 3, 8, times(most, scale))
-                 : integers<std::uint8_t>(30, 3, 4, times(most, scale)),
-            unsigned_type, wide ? 8 : 4);
-    Scene got = read(glb(parts)).scene;
-    for (std::size_t i = 0; i < 30; ++i) {
-      const Quaternion a = scene.rotations[i], b = got.rotations[i];
-      // Half a step, and as much again for the length.
-      for (const float difference : {a.w - b.w, a.x - b.x, a.y - b.y, a.z - b.z})
-        CHECK(std::abs(double(difference)) < 1 / largest);
-      CHECK(double(got.opacities[i]) ==
-            doctest::Approx(std::round(opacity(i, 0) * most) / most).epsilon(1e-6));
-      for (int c = 0; c < 3; ++c)
-        CHECK(double(got.scales[i][c]) ==
-              doctest::Approx(std::round(scale(i, c) * most) / most).epsilon(1e-6));
-    }
-    // Whole numbers.
-    unsigned_type.erase("normalized");
-    replace(
-        parts, "SCALE",
-        wide ? integers<std::uint16_t>(30, 3, 8, [](std::size_t i, int c) { return 2000.0 * double(i) + c; })
-             : integers<std::uint8_t>(30, 3, 4, [](std::size_t i, int c) { return 8.0 * double(i) + c; }),
-        unsigned_type, wide ? 8 : 4);
-    got = read(glb(parts)).scene;
-    CHECK(got.scales[29] == (wide ? vec3(58000, 58001, 58002) : vec3(232, 233, 234)));
+  constexpr bool wide = sizeof(Signed) == 2;
+  const double largest = std::numeric_limits<Signed>::max(), most = std::numeric_limits<Unsigned>::max();
+  GltfParts parts = encode_gltf(scene);
+  replace_by<Signed>(parts, "ROTATION", 4, wide ? 12 : 4, rotation);
+  replace_by<Unsigned>(parts, "OPACITY", 1, 4, opacity);
+  replace_by<Unsigned>(parts, "SCALE", 3, wide ? 8 : 4, scale);
+  const Scene got = read(glb(parts)).scene;
+  for (std::size_t i = 0; i < 30; ++i) {
+    const Quaternion a = scene.rotations[i], b = got.rotations[i];
+    // Half a step, and as much again for the length.
+    for (const float difference : {a.w - b.w, a.x - b.x, a.y - b.y, a.z - b.z})
+      CHECK(std::abs(double(difference)) < 1 / largest);
+    CHECK(double(got.opacities[i]) == doctest::Approx(std::round(opacity(i, 0) * most) / most).epsilon(1e-6));
+    for (int c = 0; c < 3; ++c)
+      CHECK(double(got.scales[i][c]) == doctest::Approx(std::round(scale(i, c) * most) / most).epsilon(1e-6));
   }
+  // Whole numbers.
+  const double step = wide ? 2000 : 8;
+  replace_by<Unsigned>(
+      parts, "SCALE", 3, wide ? 8 : 4, [&](std::size_t i, int c) { return step * double(i) + c; }, 1);
+  CHECK(read(glb(parts)).scene.scales[29] == vec3(float(step) * 29) + vec3(0, 1, 2));
+}
+
+}  // namespace
+
+TEST_CASE("gltf: integers of every type that the extension allows are decoded") {
+  check_integers<std::int8_t, std::uint8_t>();
+  check_integers<std::int16_t, std::uint16_t>();
 }
 
 TEST_CASE("gltf: the least integer stands for -1") {

@@ -8,9 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <swiftgs/scene.hpp>
-
-#include "files.hpp"
+#include "scenes.hpp"
 
 namespace swiftgs::test {
 
@@ -85,23 +83,6 @@ inline GltfParts encode_gltf(const Scene& scene) {
       {"mode", 0}, {"attributes", attributes}, {"extensions", {{"KHR_gaussian_splatting", extension}}}};
   parts.root["meshes"] = array({{{"primitives", array({primitive})}}});
   return parts;
-}
-
-/// Checks that `a` is `b`, but for the rounding of rotations.
-inline void check_same(const Scene& a, const Scene& b) {
-  CHECK_NOTHROW(validate(a));
-  CHECK(a.means == b.means);
-  CHECK(a.scales == b.scales);
-  CHECK(a.opacities == b.opacities);
-  CHECK(a.sh0 == b.sh0);
-  CHECK(a.sh_rest == b.sh_rest);
-  REQUIRE(a.rotations.size() == b.rotations.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    CHECK(a.rotations[i].w == doctest::Approx(b.rotations[i].w).epsilon(1e-6));
-    CHECK(a.rotations[i].x == doctest::Approx(b.rotations[i].x).epsilon(1e-6));
-    CHECK(a.rotations[i].y == doctest::Approx(b.rotations[i].y).epsilon(1e-6));
-    CHECK(a.rotations[i].z == doctest::Approx(b.rotations[i].z).epsilon(1e-6));
-  }
 }
 
 inline std::string chunk(std::string_view type, std::string content, char padding) {

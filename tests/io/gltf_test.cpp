@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-#include <limits>
-
-#include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/sh.hpp>
 
 #include "gltf_encoder.hpp"
-#include "scenes.hpp"
 #include "spz_encoder.hpp"
 
 using namespace swiftgs;
@@ -14,10 +9,6 @@ using namespace swiftgs::test;
 using nlohmann::json;
 
 namespace {
-
-SceneFile read(const std::string& content, const SceneReadOptions& options = {}) {
-  return read_scene(as_bytes(content), "test.gltf", options);
-}
 
 GltfParts with_spz(const std::string& spz, const std::string& extension) {
   GltfParts parts = encode_gltf(some_scene(1, 0));
@@ -40,10 +31,7 @@ TEST_CASE("gltf: every degree is read from text and from binary") {
     const GltfParts parts = encode_gltf(scene);
     for (const bool binary : {false, true}) {
       const SceneFile file = read(binary ? glb(parts) : gltf(parts));
-      CHECK(file.format == (binary ? "glTF (binary)" : "glTF (text)"));
-      CHECK(file.stored == 40);
-      CHECK(file.dropped_nonfinite == 0);
-      CHECK(file.notes.empty());
+      check_whole(file, binary ? "glTF (binary)" : "glTF (text)", 40);
       check_same(file.scene, scene);
     }
   }
@@ -51,18 +39,14 @@ TEST_CASE("gltf: every degree is read from text and from binary") {
 
 TEST_CASE("gltf: a Gaussian keeps its colour from every side when the axes turn") {
   const Scene scene = some_scene(5, 3);
-  const GltfParts parts = encode_gltf(scene);
+  GltfParts parts = encode_gltf(scene);
   // The file's own numbers, by the names of attributes.
   const auto stored = [&](std::size_t i, int degree, int n, int channel) {
-    const auto& attributes = parts.root["meshes"][0]["primitives"][0]["attributes"];
-    const std::string name =
-        "KHR_gaussian_splatting:SH_DEGREE_" + std::to_string(degree) + "_COEF_" + std::to_string(n);
-    const auto& accessor = parts.root["accessors"][attributes[name].get<std::size_t>()];
-    const auto& view = parts.root["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+    const json& accessor =
+        parts.accessor_of("SH_DEGREE_" + std::to_string(degree) + "_COEF_" + std::to_string(n));
+    const std::size_t view = parts.root["bufferViews"][accessor["bufferView"].get<int>()]["byteOffset"];
     float value;
-    std::memcpy(
-        &value,
-        parts.buffer.data() + view["byteOffset"].get<std::size_t>() + 4 * (3 * i + std::size_t(channel)), 4);
+    std::memcpy(&value, parts.buffer.data() + view + 4 * (3 * i + std::size_t(channel)), 4);
     return double(value);
   };
   const Scene got = read(glb(parts)).scene;
@@ -102,18 +86,16 @@ TEST_CASE("gltf: an early splat-transform is known by its name") {
 TEST_CASE("gltf: SPZ inside is read under its names and with the axes of glTF") {
   const Scene scene = some_scene(25, 2);
   const std::string spz = gzip_spz(encode_spz(scene, 2));
-  const Scene luf = read_scene(as_bytes(spz), "spz", {.spz_frame = SpzFrame::luf}).scene;
-  const Scene raw = read_scene(as_bytes(spz), "spz", {.spz_frame = SpzFrame::raw}).scene;
+  const Scene luf = read(spz, "spz", {.spz_frame = SpzFrame::luf}).scene;
+  const Scene raw = read(spz, "spz", {.spz_frame = SpzFrame::raw}).scene;
   for (const char* name : {"KHR_gaussian_splatting_compression_spz_2",
                            "KHR_gaussian_splatting_compression_spz", "KHR_spz_gaussian_splats_compression"}) {
     CAPTURE(name);
     GltfParts parts = with_spz(spz, name);
     const SceneFile file = read(glb(parts));
-    CHECK(file.format == "glTF (binary, SPZ version 2 inside)");
-    CHECK(file.stored == 25);
-    CHECK(file.notes.empty());
+    check_whole(file, "glTF (binary, SPZ version 2 inside)", 25);
     check_same(file.scene, luf);
-    check_same(read(glb(parts), {.spz_frame = SpzFrame::raw}).scene, raw);
+    check_same(read(glb(parts), "a.glb", {.spz_frame = SpzFrame::raw}).scene, raw);
     parts.primitive()["extensions"] = {{name, {{"bufferView", 0}}}};
     check_same(read(gltf(parts)).scene, luf);
   }
@@ -123,8 +105,7 @@ TEST_CASE("gltf: an error inside SPZ names the buffer view") {
   SpzParts spz = encode_spz(some_scene(3, 0), 2);
   spz.sh_degree = 9;
   const GltfParts parts = with_spz(plain_spz(spz), "KHR_gaussian_splatting_compression_spz_2");
-  CHECK(contains(complaint([&] { read(glb(parts)); }),
-                 "test.gltf: buffer view 0: byte 12: expected SH degree"));
+  CHECK(contains(complaint_about(glb(parts)), "a file: buffer view 0: byte 12: expected SH degree"));
 }
 
 TEST_CASE("gltf: what a scene does not carry is noted once") {
@@ -144,8 +125,7 @@ TEST_CASE("gltf: what a scene does not carry is noted once") {
   parts.root["scenes"] = {{{"nodes", {0, 1}}}, json::object()};
   const SceneFile file = read(glb(parts));
   CHECK(file.stored == 6);
-  std::string all;
-  for (const std::string& note : file.notes) all += note + "\n";
+  const std::string all = all_notes(file.notes);
   for (const char* part :
        {"\"lin_rec709_display\"", "\"customShape\"", "\"fish\\neye\"", "\"zDepth\"", "\"_LABEL\"",
         "above degree 3", "Animations", "\"EXT_unheard_of\"", "left out: 2.", "2 scenes"}) {
@@ -166,8 +146,8 @@ TEST_CASE("gltf: opacities outside their range are clamped and counted") {
 
 TEST_CASE("gltf: Gaussians that are not finite are dropped") {
   Scene scene = some_scene(4, 1);
-  scene.means[1].y = std::numeric_limits<float>::quiet_NaN();
-  scene.sh_rest[2 * 9 + 4] = std::numeric_limits<float>::infinity();
+  scene.means[1].y = NAN;
+  scene.sh_rest[2 * 9 + 4] = INFINITY;
   const SceneFile file = read(glb(encode_gltf(scene)));
   CHECK(file.stored == 4);
   CHECK(file.dropped_nonfinite == 2);
@@ -184,41 +164,22 @@ TEST_CASE("gltf: buffers in other files are found in the folder of the file alon
   };
   folder.write("scene/my data.bin", parts.buffer), folder.write("scene/parts/b.bin", parts.buffer);
   folder.write("outside.bin", parts.buffer);
-  const auto complaint_about = [&](const std::string& uri) {
+  const auto complaint_of_uri = [&](const std::string& uri) {
     return complaint([&] { read_scene(folder.write("scene/a.gltf", text(uri))); });
   };
   for (const char* uri : {"my%20data.bin", "my data.bin", "parts/b.bin", "./parts/b.bin", "parts%2fb.bin"})
     check_same(read_scene(folder.write("scene/a.gltf", text(uri))).scene, scene);
   const SceneFile file = read_scene(folder.write("scene/a.gltf", text("parts/b.bin")));
   CHECK(file.bytes == text("parts/b.bin").size() + parts.buffer.size());
+  const std::string outside = (folder / "outside.bin").string();
   for (const std::string& uri :
        {std::string("../outside.bin"), std::string("parts/../../outside.bin"),
-        std::string("%2e%2E/outside.bin"), (folder / "outside.bin").string(),
-        "file://" + (folder / "outside.bin").string(), std::string("a%00b"),
-        std::string("http://example.com/a.bin"), std::string("..\\outside.bin"), std::string(""),
+        std::string("%2e%2E/outside.bin"), outside, "file://" + outside, std::string("a%00b"),
+        std::string("http://example.com/a.bin"), std::string("..\\outside.bin"), std::string(),
         std::string("%2"), std::string("%zz"), std::string("parts/")}) {
     CAPTURE(uri);
-    CHECK(contains(complaint_about(uri), "'uri' of a file in the folder of this one"));
+    CHECK(contains(complaint_of_uri(uri), "'uri' of a file in the folder of this one"));
   }
   CHECK_THROWS_AS(read_scene(folder.write("scene/a.gltf", text("missing.bin"))), std::system_error);
-  CHECK(contains(complaint([&] { read(text("my%20data.bin")); }), "read from memory"));
-}
-
-TEST_CASE("gltf: progress grows to 1 and can cancel") {
-  const std::string text = gltf(encode_gltf(some_scene(100, 3)));
-  double last = 0;
-  const Progress watch = [&](double part) {
-    CHECK(part >= last);
-    last = part;
-    return true;
-  };
-  read(text, {.progress = watch});
-  CHECK(last == 1);
-  CHECK_THROWS_AS(read(text, {.progress = [](double) { return false; }}), Cancelled);
-  const GltfParts spz =
-      with_spz(gzip_spz(encode_spz(some_scene(9, 1), 2)), "KHR_gaussian_splatting_compression_spz_2");
-  last = 0;
-  read(glb(spz), {.progress = watch});
-  CHECK(last == 1);
-  CHECK_THROWS_AS(read(glb(spz), {.progress = [](double) { return false; }}), Cancelled);
+  CHECK(contains(complaint_about(text("my%20data.bin")), "read from memory"));
 }

@@ -16,15 +16,10 @@ using namespace swiftgs::test;
 
 namespace {
 
-struct JpegSettings {
-  int channels = 3;
-  bool progressive = false;
-};
-
 /// A smooth ramp of 40 x 24 pixels.
 int ramp(int x, int y, int channel) { return x * 3 + y * 3 + channel * 20; }
 
-std::string jpeg(const JpegSettings& settings) {
+std::string jpeg(int channels = 3, bool progressive = false) {
   jpeg_compress_struct info;
   jpeg_error_mgr errors;
   info.err = jpeg_std_error(&errors);
@@ -33,16 +28,16 @@ std::string jpeg(const JpegSettings& settings) {
   unsigned long size = 0;
   jpeg_mem_dest(&info, &data, &size);
   info.image_width = 40, info.image_height = 24;
-  info.input_components = settings.channels;
-  info.in_color_space = settings.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
+  info.input_components = channels;
+  info.in_color_space = channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
   jpeg_set_defaults(&info);
   jpeg_set_quality(&info, 95, TRUE);
-  if (settings.progressive) jpeg_simple_progression(&info);
+  if (progressive) jpeg_simple_progression(&info);
   jpeg_start_compress(&info, TRUE);
   for (int y = 0; y < 24; ++y) {
     std::vector<JSAMPLE> row;
     for (int x = 0; x < 40; ++x)
-      for (int c = 0; c < settings.channels; ++c) row.push_back(JSAMPLE(ramp(x, y, c)));
+      for (int c = 0; c < channels; ++c) row.push_back(JSAMPLE(ramp(x, y, c)));
     JSAMPROW from = row.data();
     jpeg_write_scanlines(&info, &from, 1);
   }
@@ -60,7 +55,7 @@ Image read(const std::string& content) { return read_image(as_bytes(content), "t
 TEST_CASE("jpeg: grey and colour and progressive files are decoded") {
   for (const int channels : {1, 3})
     for (const bool progressive : {false, true}) {
-      const Image image = read(jpeg({channels, progressive}));
+      const Image image = read(jpeg(channels, progressive));
       CHECK(image.width == 40);
       CHECK(image.height == 24);
       REQUIRE(image.channels == channels);
@@ -73,22 +68,14 @@ TEST_CASE("jpeg: grey and colour and progressive files are decoded") {
     }
 }
 
-TEST_CASE("jpeg: a file that ends early is refused wherever it ends") {
-  for (const bool progressive : {false, true})
-    check_every_truncation(jpeg({3, progressive}), [](const std::string& content) { read(content); });
-}
-
-TEST_CASE("jpeg: damage never crashes") {
-  const std::string file = jpeg({});
-  for (std::size_t i = 0; i < file.size(); ++i) {
-    std::string damaged = file;
-    damaged[i] ^= 0x42;
-    CHECK_NOTHROW(complaint([&] { read(damaged); }));
-  }
+TEST_CASE("jpeg: a file that ends early is refused wherever it ends and damage never crashes") {
+  const auto decode = [](const std::string& content) { read(content); };
+  for (const bool progressive : {false, true}) check_every_truncation(jpeg(3, progressive), decode);
+  check_every_damage(jpeg(), 0x42, decode);
 }
 
 TEST_CASE("jpeg: a size that the file cannot hold is refused before memory is taken") {
-  std::string file = jpeg({});
+  std::string file = jpeg();
   const std::size_t frame = file.find("\xff\xc0");
   REQUIRE(frame != std::string::npos);
   for (std::size_t i = 5; i < 9; ++i) file[frame + i] = '\xfa';
@@ -96,7 +83,7 @@ TEST_CASE("jpeg: a size that the file cannot hold is refused before memory is ta
 }
 
 TEST_CASE("jpeg: the size is read from the header alone") {
-  const std::string content = jpeg({});
+  const std::string content = jpeg();
   const std::size_t scan = content.find("\xff\xda");
   REQUIRE(scan != std::string::npos);
   const auto size = [](const std::string& start) { return io::image_size({as_bytes(start), "test.jpg"}); };

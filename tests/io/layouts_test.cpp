@@ -1,31 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file
 /// Files as public programs lay them out, put together here; each test names program and version.
-#include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <limits>
-#include <string>
-#include <vector>
 
-#include <swiftgs/io/scene_file.hpp>
-
+#include "compressed_ply_text.hpp"
 #include "ply_text.hpp"
+#include "scenes.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
 
 namespace {
-
-SceneFile read(const std::string& content, const SceneReadOptions& options = {}) {
-  return read_scene(as_bytes(content), "test.ply", options);
-}
-
-std::string all_notes(const SceneFile& file) {
-  std::string all;
-  for (const std::string& note : file.notes) all += note + "\n";
-  return all;
-}
 
 /// Checks what `plain_gaussian` says, whatever its layout.
 void check_gaussian(const SceneFile& file) {
@@ -35,13 +20,6 @@ void check_gaussian(const SceneFile& file) {
   CHECK(file.scene.rotations[0] == Quaternion{1, 0, 0, 0});
   CHECK(file.scene.opacities[0] == 0.5f);
   CHECK(file.scene.sh0[0] == vec3(0.25f, -0.5f, 0.75f));
-}
-
-std::vector<PlyValue> with_prefix(const std::string& prefix) {
-  std::vector<PlyValue> values = plain_gaussian();
-  for (PlyValue& value : values)
-    if (value.name.size() > 1) value.name.insert(0, prefix);
-  return values;
 }
 
 /// An element with one property of its own name, as SHARP's files have them.
@@ -89,21 +67,17 @@ TEST_CASE("layouts: the 3D filter of Mip-Splatting grows scales and dims opaciti
       kept *= before / after;
     }
     CHECK(file.scene.opacities[0] == doctest::Approx(0.5 * kept).epsilon(1e-6));
-    CHECK(contains(all_notes(file), "(filter_3D) is applied to scales and opacities"));
-    CHECK(!contains(all_notes(file), "not read"));
+    CHECK(contains(all_notes(file.notes), "(filter_3D) is applied to scales and opacities"));
+    CHECK(!contains(all_notes(file.notes), "not read"));
   }
   property(gaussian, "filter_3D").value = 0;  // as RaDe-GS resets it
   check_gaussian(read(ply(gaussian)));
-}
-
-// Mip-Splatting, save_ply, of Gaussians that are flat: the factor of an axis without extent would be 0.
-TEST_CASE("layouts: the 3D filter leaves the missing axis of flat Gaussians alone") {
-  auto gaussian = plain_gaussian();
+  // Of flat Gaussians the factor of the axis without extent would be 0.
+  property(gaussian, "filter_3D").value = 0.25;
   remove(gaussian, "scale_2");
-  gaussian.push_back({"float", "filter_3D", 0.25});
-  const SceneFile file = read(ply(gaussian));
-  CHECK(file.scene.scales[0].z == 0);
-  CHECK(file.scene.opacities[0] > 0.1f);
+  const SceneFile flat = read(ply(gaussian));
+  CHECK(flat.scene.scales[0].z == 0);
+  CHECK(flat.scene.opacities[0] > 0.1f);
 }
 
 // Apple's ml-sharp, save_ply at 1390830, version 1.5.0.
@@ -112,12 +86,10 @@ TEST_CASE("layouts: the camera of SHARP's photograph is read") {
     const SceneFile file = read(with_extras(sharp_extras(), format));
     check_gaussian(file);
     REQUIRE(file.camera);
-    CHECK(file.camera->width == 48);
-    CHECK(file.camera->height == 32);
-    CHECK(file.camera->fx == 40);
-    CHECK(file.camera->cx == 24);
-    CHECK(file.camera->cy == 16);
-    CHECK(file.camera->rotation == dmat3(1.0));
+    const Camera& camera = *file.camera;
+    CHECK(std::vector{camera.width, camera.height} == std::vector{48, 32});
+    CHECK(std::vector{camera.fx, camera.cx, camera.cy} == std::vector<double>{40, 24, 16});
+    CHECK(camera.rotation == dmat3(1.0));
     CHECK(file.notes ==
           std::vector<std::string>{"The file holds the camera of its photograph, of 48x32 pixels."});
   }
@@ -154,7 +126,7 @@ TEST_CASE("layouts: linear colours of SHARP become sRGB with or without a camera
     const double c0 = 0.28209479177387814, linear = 0.5 + c0 * 0.25;
     const double srgb = 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
     CHECK(file.scene.sh0[0].x == doctest::Approx((srgb - 0.5) / c0).epsilon(1e-6));
-    CHECK(contains(all_notes(file), "The colours are linear (color_space) and become sRGB."));
+    CHECK(contains(all_notes(file.notes), "The colours are linear (color_space) and become sRGB."));
   }
 }
 
@@ -167,14 +139,17 @@ TEST_CASE("layouts: a camera that is none is noted and refuses nothing") {
     const SceneFile file = read(with_extras(extras, "binary_little_endian"));
     CHECK(file.scene.sh0[0].x > 0.3f);
     CHECK(!file.camera);
-    CHECK(contains(all_notes(file), "Elements other than Gaussians were not read: extrinsic, intrinsic, "));
+    CHECK(contains(all_notes(file.notes),
+                   "Elements other than Gaussians were not read: extrinsic, intrinsic, "));
   }
 }
 
 // CloudCompare 2.13 saves scalar fields so, and 3dgsconverter 0.7 wrote `scal_` for it; colours are added.
 TEST_CASE("layouts: names with the prefix of CloudCompare are those of Gaussians") {
   for (const std::string prefix : {"scalar_", "scal_", "scalar_scal_"}) {
-    auto gaussian = with_prefix(prefix);
+    auto gaussian = plain_gaussian();
+    for (PlyValue& value : gaussian)
+      if (value.name.size() > 1) value.name.insert(0, prefix);
     gaussian.insert(gaussian.begin() + 3,
                     {{"uchar", "red", 1}, {"uchar", "green", 2}, {"uchar", "blue", 3}, {"float", "nx", 0}});
     const SceneFile file = read(ply(gaussian));
@@ -186,7 +161,7 @@ TEST_CASE("layouts: names with the prefix of CloudCompare are those of Gaussians
   both.push_back({"float", "scalar_opacity", 9});  // the plain name counts
   const SceneFile file = read(ply(both));
   check_gaussian(file);
-  CHECK(contains(all_notes(file), "scalar_opacity"));
+  CHECK(contains(all_notes(file.notes), "scalar_opacity"));
 }
 
 // Brush 0.3.0: alphabetical properties with the position last, and comments.
@@ -215,38 +190,13 @@ TEST_CASE("layouts: OpenSplat is read without a note") {
   CHECK(file.notes.empty());
 }
 
-// nerfstudio 1.1.5, ns-export gaussian-splat --ply-color-mode rgb.
-TEST_CASE("layouts: nerfstudio's bytes of colour become harmonics") {
-  auto gaussian = plain_gaussian();
-  for (const char* name : {"f_dc_0", "f_dc_1", "f_dc_2"}) remove(gaussian, name);
-  gaussian.insert(gaussian.begin() + 3,
-                  {{"uchar", "red", 255}, {"uchar", "green", 0}, {"uchar", "blue", 51}});
-  const SceneFile file =
-      read(ply(gaussian, {.before = "comment Generated by Nerstudio 1.1.5\ncomment Vertical Axis: z\n"}));
-  const double c0 = 0.28209479177387814;
-  CHECK(0.5 + c0 * file.scene.sh0[0].x == doctest::Approx(1));
-  CHECK(0.5 + c0 * file.scene.sh0[0].z == doctest::Approx(0.2));
-  CHECK(file.notes.empty());
-}
-
 // gsplat 1.5.3, export_splats(format="ply_compressed"), of degree 0: an element `sh` without properties.
 TEST_CASE("layouts: gsplat's compressed PLY has an empty element of harmonics") {
-  std::string header = "ply\nformat binary_little_endian 1.0\nelement chunk 1\n", rows;
-  for (const char* part : {"", "scale_", "colour"})
-    for (const char* end : {"min_", "max_"})
-      for (int axis = 0; axis < 3; ++axis) {
-        const bool colour = part[0] == 'c';
-        header += std::string("property float ") + end + (colour ? "" : part) +
-                  (colour ? "rgb" : "xyz")[axis] + "\n";
-        append(rows, float(axis + 1));
-      }
-  header += "element vertex 1\n";
-  for (const char* name : {"packed_position", "packed_rotation", "packed_scale", "packed_color"})
-    header += std::string("property uint ") + name + "\n";
-  header += "element sh 1\nend_header\n";
+  CompressedPly compressed;
   // Ranges of one value divide by 0 there, so any fraction may be stored.
-  for (const std::uint32_t word : {0x80000000u, 0x20080200u, 0x7fffffffu, 0xff0000ffu}) append(rows, word);
-  const SceneFile file = read(header + rows);
+  compressed.chunks = {1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3};
+  compressed.vertices = {0x80000000u, 0x20080200u, 0x7fffffffu, 0xff0000ffu};
+  const SceneFile file = read(with(compressed.text(), "end_header", "element sh 1\nend_header"));
   REQUIRE(file.scene.size() == 1);
   CHECK(file.scene.means[0] == vec3(1, 2, 3));
   CHECK(file.scene.scales[0].z == doctest::Approx(std::exp(3.0)));
@@ -257,15 +207,12 @@ TEST_CASE("layouts: gsplat's compressed PLY has an empty element of harmonics") 
 
 // COLMAP 3.8 points3D.ply and fused.ply, nerfstudio's sparse_pc.ply, INRIA's input.ply, and Luma's scan.
 TEST_CASE("layouts: a point cloud is called one") {
-  const auto complaint_about = [](const std::string& content) { return complaint([&] { read(content); }); };
-  const std::vector<PlyValue> points = {{"float", "x", 0},   {"float", "y", 0},     {"float", "z", 0},
-                                        {"uchar", "red", 0}, {"uchar", "green", 0}, {"uchar", "blue", 0}};
-  CHECK(complaint_about(ply(points)) ==
-        "test.ply: byte 36: expected Gaussians, found a point cloud with no Gaussians: properties x y z red "
-        "green blue");
-  auto normals = points;
-  normals.insert(normals.begin() + 3, {{"float", "nx", 0}, {"float", "ny", 0}, {"float", "nz", 0}});
-  CHECK(contains(complaint_about(ply(normals)), "no Gaussians: properties x y z nx ny nz red green blue"));
+  std::vector<PlyValue> points = {{"float", "x", 0},   {"float", "y", 0},     {"float", "z", 0},
+                                  {"uchar", "red", 0}, {"uchar", "green", 0}, {"uchar", "blue", 0}};
+  const std::string expected = "a file: byte 36: expected Gaussians, found a point cloud with no Gaussians: ";
+  CHECK(complaint_about(ply(points)) == expected + "properties x y z red green blue");
+  points.insert(points.begin() + 3, {{"float", "nx", 0}, {"float", "ny", 0}, {"float", "nz", 0}});
+  CHECK(complaint_about(ply(points)) == expected + "properties x y z nx ny nz red green blue");
   auto half = plain_gaussian();
   remove(half, "rot_3");
   CHECK(contains(complaint_about(ply(half)), "a property 'rot_3'"));
@@ -286,23 +233,20 @@ TEST_CASE("layouts: positions that float cannot hold are told with the largest m
       if (format == "ascii" && type != "double") continue;  // of more digits than the text has
       const SceneFile file = read(ply(gaussian, parts));
       CHECK(file.exact_means.empty());
-      CHECK(contains(all_notes(file),
+      CHECK(contains(all_notes(file.notes),
                      type == "double" ? "them by up to 0.354 units" : "them by up to 5.66 units"));
-      const SceneFile exact = read(ply(gaussian, parts), {.exact_means = true});
+      const SceneFile exact = read(ply(gaussian, parts), "a.ply", {.exact_means = true});
       REQUIRE(exact.exact_means.size() == 1);
       CHECK(exact.exact_means[0].y == property(gaussian, "y").value);
       CHECK(exact.notes.empty());
     }
-}
-
-TEST_CASE("layouts: doubles near the origin are no news") {
-  auto gaussian = plain_gaussian();
-  for (PlyValue& value : gaussian) value.type = "double";
-  property(gaussian, "x").value = 0.1;
-  const SceneFile file = read(ply(gaussian));
+  auto near = plain_gaussian();
+  for (PlyValue& value : near) value.type = "double";
+  property(near, "x").value = 0.1;
+  const SceneFile file = read(ply(near));
   CHECK(file.scene.means[0].x == 0.1f);
   CHECK(file.notes.empty());
-  CHECK(read(ply(gaussian), {.exact_means = true}).exact_means.empty());
+  CHECK(read(ply(near), "a.ply", {.exact_means = true}).exact_means.empty());
 }
 
 TEST_CASE("layouts: exact positions are those of the Gaussians that are kept") {
@@ -312,9 +256,9 @@ TEST_CASE("layouts: exact positions are those of the Gaussians that are kept") {
   const std::size_t row = 14 * 4 + 4, last = content.size() - row;
   const double other = 5403211.25;
   std::memcpy(content.data() + last + 4, &other, sizeof other);
-  const float infinite = std::numeric_limits<float>::infinity();
+  const float infinite = INFINITY;
   std::memcpy(content.data() + last - row, &infinite, sizeof infinite);  // x of the second
-  const SceneFile file = read(content, {.exact_means = true});
+  const SceneFile file = read(content, "a.ply", {.exact_means = true});
   CHECK(file.dropped_nonfinite == 1);
   REQUIRE(file.exact_means.size() == 2);
   CHECK(file.exact_means[0].y == 5403209.75);

@@ -41,18 +41,12 @@ inline void append_value(std::string& to, const std::string& type, double value,
     append(raw, value);
   else if (type == "float" || type == "float32")
     append(raw, float(value));
-  else if (type == "uchar" || type == "uint8")
-    append(raw, std::uint8_t(value));
-  else if (type == "char" || type == "int8")
-    append(raw, std::int8_t(value));
-  else if (type == "ushort" || type == "uint16")
-    append(raw, std::uint16_t(value));
-  else if (type == "short" || type == "int16")
-    append(raw, std::int16_t(value));
-  else if (type == "uint" || type == "uint32")
-    append(raw, std::uint32_t(value));
   else
-    append(raw, std::int32_t(value));
+    append(raw, std::int64_t(value));
+  // The lower bytes of an integer come first.
+  if (contains(type, "char") || contains(type, "int8")) raw.resize(1);
+  if (contains(type, "short") || contains(type, "int16")) raw.resize(2);
+  if (type == "int" || type == "uint" || contains(type, "int32")) raw.resize(4);
   if (big) std::reverse(raw.begin(), raw.end());
   to += raw;
 }

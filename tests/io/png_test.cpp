@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <limits>
+#include <cmath>
 
 #include <swiftgs/io/image.hpp>
 
@@ -14,29 +14,26 @@ Image read(const std::string& content) { return read_image(as_bytes(content), "t
 
 std::string zero(std::string rows) { return std::string(1, '\0') + rows; }
 
-}  // namespace
-
-TEST_CASE("png: 8-bit RGB is scaled to 0 to 1 from top to bottom") {
-  const Image image =
-      read(png({.width = 2,
-                .height = 2,
-                .rows = zero("\x01\x02\x03\xff\x05\x06") + zero("\x07\x08\x09\x0a\x0b\x0c")}));
-  CHECK(image.width == 2);
-  CHECK(image.height == 2);
-  CHECK(image.channels == 3);
-  const int expected[] = {1, 2, 3, 255, 5, 6, 7, 8, 9, 10, 11, 12};
-  REQUIRE(image.pixels.size() == 12);
-  for (std::size_t i = 0; i < 12; ++i)
-    CHECK(image.pixels[i] == doctest::Approx(expected[i] / 255.0).epsilon(1e-7));
+/// Checks a picture of these numbers over `largest`.
+void check_pixels(const Image& image, int width, int height, const std::vector<int>& expected,
+                  double largest) {
+  CHECK(image.width == width);
+  CHECK(image.height == height);
+  REQUIRE(image.pixels.size() == expected.size());
+  CHECK(std::size_t(image.channels * width * height) == expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    CHECK(image.pixels[i] == doctest::Approx(expected[i] / largest).epsilon(1e-7));
 }
 
-TEST_CASE("png: 16 bits keep their precision") {
-  const Image image =
-      read(png({.bits = 16, .colour = png_rgba, .rows = zero("\x12\x34\xff\xff\x80\x01\x40\x02")}));
-  CHECK(image.channels == 4);
-  const int expected[] = {0x1234, 0xffff, 0x8001, 0x4002};
-  for (std::size_t i = 0; i < 4; ++i)
-    CHECK(image.pixels[i] == doctest::Approx(expected[i] / 65535.0).epsilon(1e-7));
+}  // namespace
+
+TEST_CASE("png: 8-bit RGB is scaled to 0 to 1 from top to bottom and 16 bits keep their precision") {
+  check_pixels(read(png({.width = 2,
+                         .height = 2,
+                         .rows = zero("\x01\x02\x03\xff\x05\x06") + zero("\x07\x08\x09\x0a\x0b\x0c")})),
+               2, 2, {1, 2, 3, 255, 5, 6, 7, 8, 9, 10, 11, 12}, 255);
+  check_pixels(read(png({.bits = 16, .colour = png_rgba, .rows = zero("\x12\x34\xff\xff\x80\x01\x40\x02")})),
+               1, 1, {0x1234, 0xffff, 0x8001, 0x4002}, 65535);
 }
 
 TEST_CASE("png: grey of few bits and with alpha is expanded") {
@@ -71,12 +68,9 @@ TEST_CASE("png: a gamma chunk changes nothing") {
 
 TEST_CASE("png: a file that ends early or is damaged is refused") {
   const std::string file = png({.width = 2, .height = 2, .rows = zero("abcdef") + zero("ghijkl")});
-  check_every_truncation(file, [](const std::string& content) { read(content); });
-  for (std::size_t i = 8; i < file.size(); ++i) {
-    std::string damaged = file;
-    damaged[i] ^= 0x10;
-    CHECK_NOTHROW(complaint([&] { read(damaged); }));
-  }
+  const auto decode = [](const std::string& content) { read(content); };
+  check_every_truncation(file, decode);
+  check_every_damage(file, 0x10, decode);
 }
 
 TEST_CASE("png: a size that the file cannot hold is refused before memory is taken") {
@@ -87,19 +81,12 @@ TEST_CASE("png: a size that the file cannot hold is refused before memory is tak
 }
 
 TEST_CASE("png: a frame is written clamped and rounded and is read back") {
-  const float nan = std::numeric_limits<float>::quiet_NaN(),
-              infinity = std::numeric_limits<float>::infinity();
   Frame frame;
   frame.width = 3, frame.height = 2;
-  frame.colour = {0,       1,      0.5f,   -1,   2,    nan,  infinity, -infinity, 0.25f,
+  frame.colour = {0,       1,      0.5f,   -1,   2,    NAN,  INFINITY, -INFINITY, 0.25f,
                   0.0019f, 0.002f, 0.999f, 0.1f, 0.2f, 0.3f, 1,        1,         1};
-  const int expected[] = {0, 255, 128, 0, 255, 0, 255, 0, 64, 0, 1, 255, 26, 51, 77, 255, 255, 255};
   const TemporaryFolder folder;
   write_png(folder / "a.png", frame);
-  const Image image = read_image(folder / "a.png");
-  CHECK(image.width == 3);
-  CHECK(image.height == 2);
-  CHECK(image.channels == 3);
-  for (std::size_t i = 0; i < 18; ++i)
-    CHECK(image.pixels[i] == doctest::Approx(expected[i] / 255.0).epsilon(1e-7));
+  check_pixels(read_image(folder / "a.png"), 3, 2,
+               {0, 255, 128, 0, 255, 0, 255, 0, 64, 0, 1, 255, 26, 51, 77, 255, 255, 255}, 255);
 }

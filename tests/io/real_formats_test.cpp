@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
-#include <cmath>
 #include <filesystem>
 #include <set>
-#include <string>
 
 #include <swiftgs/edit/order.hpp>
-#include <swiftgs/io/scene_file.hpp>
 
-#include "files.hpp"
+#include "scenes.hpp"
 #include "support/skip.hpp"
 
 using namespace swiftgs;
@@ -37,80 +33,58 @@ bool skipped() {
 
 }  // namespace
 
-TEST_CASE("real files: a PLY of another program is read and written unchanged") {
+TEST_CASE("real files: files of other programs are read") {
   if (skipped()) return;
-  const SceneFile file = read_scene(folder / "fox_5k.ply");
-  CHECK(file.format == "INRIA PLY (binary_little_endian)");
-  CHECK(file.stored == 5000);
-  CHECK(file.dropped_nonfinite == 0);
-  CHECK(file.scene.sh_degree == 3);
+  const struct {
+    const char *name, *format;
+    std::size_t gaussians;
+    int degree = 0;
+  } cases[] = {{"fox_5k.ply", "INRIA PLY (binary_little_endian)", 5000, 3},
+               {"biker.spz", "SPZ version 4", 152'746},
+               {"massa.sog", "SOG version 2", 58'649},
+               {"guitar.compressed.ply", "compressed PLY", 90'854},
+               {"luma_seal.splat", ".splat", 101'780}};
+  for (const auto& [name, format, gaussians, degree] : cases) {
+    CAPTURE(name);
+    const SceneFile file = read_scene(folder / name);
+    CHECK(file.format == format);
+    CHECK(file.stored == gaussians);
+    CHECK(file.dropped_nonfinite == 0);
+    CHECK(file.scene.sh_degree == degree);
+    if (contains(format, "SOG") || contains(format, "splat")) CHECK(file.notes.empty());
+    for (const Quaternion& q : file.scene.rotations)
+      REQUIRE(std::abs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) < 1e-5);
+    if (!contains(format, "INRIA"))
+      for (const vec3& mean : file.scene.means)
+        REQUIRE(std::abs(mean.x) + std::abs(mean.y) + std::abs(mean.z) < 100);
+  }
+}
+
+TEST_CASE("real files: a PLY of another program is written unchanged") {
+  if (skipped()) return;
+  const Scene scene = load_scene(folder / "fox_5k.ply");
   const TemporaryFolder temporary;
-  write_scene(temporary / "again.ply", file.scene);
+  write_scene(temporary / "again.ply", scene);
   const Scene again = load_scene(temporary / "again.ply");
-  CHECK(again.means == file.scene.means);
-  CHECK(again.sh0 == file.scene.sh0);
-  CHECK(again.sh_rest == file.scene.sh_rest);
+  CHECK(again.means == scene.means);
+  CHECK(again.sh0 == scene.sh0);
+  CHECK(again.sh_rest == scene.sh_rest);
   CHECK(content_of(temporary / "again.ply").size() == content_of(folder / "fox_5k.ply").size());
 }
 
-TEST_CASE("real files: an SPZ version 4 of another program is read") {
+TEST_CASE("real files: one Gaussian of a SOG is what PlayCanvas's own reader makes of it") {
   if (skipped()) return;
-  const SceneFile file = read_scene(folder / "biker.spz");
-  CHECK(file.format == "SPZ version 4");
-  CHECK(file.stored == 152'746);
-  CHECK(file.dropped_nonfinite == 0);
-  CHECK(file.scene.sh_degree == 0);
-  for (const Quaternion& q : file.scene.rotations)
-    REQUIRE(std::abs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) < 1e-5);
-  for (const vec3& mean : file.scene.means)
-    REQUIRE(std::abs(mean.x) + std::abs(mean.y) + std::abs(mean.z) < 100);
-}
-
-TEST_CASE("real files: a SOG of another program is read") {
-  if (skipped()) return;
-  const SceneFile file = read_scene(folder / "massa.sog");
-  CHECK(file.format == "SOG version 2");
-  CHECK(file.stored == 58'649);
-  CHECK(file.dropped_nonfinite == 0);
-  CHECK(file.scene.sh_degree == 0);
-  CHECK(file.notes.empty());
-  // What PlayCanvas's own reader makes of one of them.
-  const std::size_t i = 12'345;
-  const auto near = [](float value, double expected) { return std::abs(value - expected) < 1e-6; };
-  CHECK(file.scene.means[i] == vec3(0.166090608f, -1.39745462f, -0.274810314f));
-  CHECK(near(file.scene.scales[i].x, 0.000969918328));
-  CHECK(near(file.scene.scales[i].y, 0.0115040196));
-  CHECK(near(file.scene.scales[i].z, 0.00292622228));
-  CHECK(near(file.scene.rotations[i].w, 0.732478261));
-  CHECK(near(file.scene.rotations[i].x, 0.457539678));
-  CHECK(near(file.scene.rotations[i].y, 0.047140453));
-  CHECK(near(file.scene.rotations[i].z, -0.50190717));
-  CHECK(near(file.scene.opacities[i], 0.984313726));
-  CHECK(near(file.scene.sh0[i].x, -0.354490757));
-  CHECK(near(file.scene.sh0[i].y, -0.590817928));
-  CHECK(near(file.scene.sh0[i].z, -0.938357949));
-}
-
-TEST_CASE("real files: a compressed PLY of another program is read") {
-  if (skipped()) return;
-  const SceneFile file = read_scene(folder / "guitar.compressed.ply");
-  CHECK(file.format == "compressed PLY");
-  CHECK(file.stored == 90'854);
-  CHECK(file.dropped_nonfinite == 0);
-  CHECK(file.scene.sh_degree == 0);
-  for (const vec3& mean : file.scene.means)
-    REQUIRE(std::abs(mean.x) + std::abs(mean.y) + std::abs(mean.z) < 100);
-}
-
-TEST_CASE("real files: a .splat of another program is read") {
-  if (skipped()) return;
-  const SceneFile file = read_scene(folder / "luma_seal.splat");
-  CHECK(file.format == ".splat");
-  CHECK(file.stored == 101'780);
-  CHECK(file.dropped_nonfinite == 0);
-  CHECK(file.notes.empty());
-  for (const vec3& mean : file.scene.means)
-    REQUIRE(std::abs(mean.x) + std::abs(mean.y) + std::abs(mean.z) < 100);
+  const Scene scene = subset(load_scene(folder / "massa.sog"), {12'345});
+  const Scene expected{.means = {{0.166090608f, -1.39745462f, -0.274810314f}},
+                       .scales = {{0.000969918328f, 0.0115040196f, 0.00292622228f}},
+                       .rotations = {{0.732478261f, 0.457539678f, 0.047140453f, -0.50190717f}},
+                       .opacities = {0.984313726f},
+                       .sh0 = {{-0.354490757f, -0.590817928f, -0.938357949f}},
+                       .sh_rest = {}};
+  const Difference apart = difference(expected, scene);
+  CHECK(apart.means == 0);
+  for (const double difference : {apart.scales, apart.rotations, apart.opacities, apart.sh0})
+    CHECK(difference < 1e-6);
 }
 
 TEST_CASE("real files: a PLY and an SPZ of one scene have the same axes") {
@@ -139,14 +113,10 @@ TEST_CASE("real files: a scene that was once an SPZ is written as SPZ without lo
     const Scene again = load_scene(temporary / "a.spz");
     CHECK(again.means == scene.means);
     CHECK(again.sh_rest == scene.sh_rest);
-    for (std::size_t i = 0; i < scene.size(); ++i) {
-      // The PLY cannot hold 0 and 1.
-      REQUIRE(std::abs(again.opacities[i] - scene.opacities[i]) < 1.1e-4);
-      for (int axis = 0; axis < 3; ++axis) {
-        REQUIRE(std::abs(again.sh0[i][axis] - scene.sh0[i][axis]) < 1e-6);
-        REQUIRE(std::abs(again.scales[i][axis] / scene.scales[i][axis] - 1) < 1e-5);
-      }
-    }
+    const Difference apart = difference(scene, again);
+    CHECK(apart.opacities < 1.1e-4);  // the PLY cannot hold 0 and 1
+    CHECK(apart.sh0 < 1e-6);
+    CHECK(apart.scales < 1e-5);
   }
 }
 
@@ -164,11 +134,8 @@ TEST_CASE("real files: a scene loses no more in a SOG than bytes for its numbers
   for (std::size_t i = 0; i < scene.sh_rest.size(); ++i)
     squares += std::pow(double(read.sh_rest[i]) - scene.sh_rest[i], 2);
   CHECK(std::sqrt(squares / double(scene.sh_rest.size())) < 1e-3);
-  for (std::size_t i = 0; i < read.size(); ++i) {
-    CHECK(std::abs(read.opacities[i] - scene.opacities[i]) <= 0.5001f / 255);
-    for (int axis = 0; axis < 3; ++axis) {
-      CHECK(std::abs(read.means[i][axis] - scene.means[i][axis]) < 3e-4);
-      CHECK(read.scales[i][axis] == doctest::Approx(scene.scales[i][axis]).epsilon(1e-5));
-    }
-  }
+  const Difference apart = difference(scene, read);
+  CHECK(apart.opacities <= 0.5001f / 255);
+  CHECK(apart.means < 3e-4);
+  CHECK(apart.scales < 1e-5);
 }

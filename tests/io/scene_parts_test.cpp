@@ -13,7 +13,7 @@
 #include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/scene_part.hpp>
 
-#include "support/files.hpp"
+#include "ply_text.hpp"
 
 using namespace swiftgs;
 
@@ -94,13 +94,9 @@ TEST_CASE("scene parts: files are read in parts") {
 
 TEST_CASE("scene parts: text is read in parts and what cannot be drawn is dropped from each") {
   const test::TemporaryFolder folder;
-  std::string text =
-      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
-      "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\n"
-      "property float scale_0\nproperty float scale_1\nproperty float scale_2\nproperty float rot_0\n"
-      "property float rot_1\nproperty float rot_2\nproperty float rot_3\nend_header\n";
-  for (int i = 0; i < 5; ++i)
-    text += (i == 3 ? "nan" : std::to_string(i)) + " 0 1 0.1 0.2 0.3 1 -3 -3 -3 1 0 0 0\n";
+  std::string text = test::ply(test::plain_gaussian(), {.format = "ascii", .repeat = 5});
+  for (std::size_t i = 0, at = 0; i < 5; ++i)
+    text.replace(at = text.find("\n1 2", at), 2, i == 3 ? "\nnan" : "\n" + std::to_string(i));
   const auto path = folder.write("text.ply", text);
   const SceneFile whole = read_scene(path), last = read_scene(path, {.part = {1, 2}});
   CHECK(whole.scene.size() == 4);

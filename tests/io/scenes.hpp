@@ -1,14 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <random>
+#include <string>
+#include <vector>
 
-#include <swiftgs/scene.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
+#include "files.hpp"
 
 namespace swiftgs::test {
+
+inline SceneFile read(const std::string& content, const std::string& name = "a file",
+                      const SceneReadOptions& options = {}) {
+  return read_scene(as_bytes(content), name, options);
+}
+
+inline std::string complaint_about(const std::string& content, const std::string& name = "a file") {
+  return complaint([&] { read(content, name); });
+}
+
+inline std::string all_notes(const std::vector<std::string>& notes) {
+  std::string all;
+  for (const std::string& note : notes) all += note + "\n";
+  return all;
+}
 
 /// A scene of arbitrary legal Gaussians, the same every time.
 inline Scene some_scene(std::size_t count, int sh_degree) {
@@ -30,6 +50,99 @@ inline Scene some_scene(std::size_t count, int sh_degree) {
   }
   return scene;
 }
+
+/// The largest differences between two scenes of the same Gaussians in one order.
+struct Difference {
+  double means = 0, sh0 = 0, band_1 = 0, sh_rest = 0, opacities = 0;
+  double scales = 0;     ///< of logarithms
+  double rotations = 0;  ///< of four numbers, whose common sign means nothing
+};
+
+/// `b` is what was read.
+inline Difference difference(const Scene& a, const Scene& b) {
+  REQUIRE(a.size() == b.size());
+  REQUIRE(a.sh_degree == b.sh_degree);
+  CHECK_NOTHROW(validate(b));
+  Difference most;
+  const auto take = [](double& largest, double x, double y) {
+    const double apart = x == y ? 0 : std::abs(x - y);
+    if (!(apart <= largest)) largest = std::isnan(apart) ? INFINITY : apart;
+  };
+  const std::size_t rest = 3 * std::size_t(sh_rest_count(a.sh_degree));
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      take(most.means, a.means[i][axis], b.means[i][axis]);
+      take(most.sh0, a.sh0[i][axis], b.sh0[i][axis]);
+      take(most.scales, std::log(double(a.scales[i][axis])), std::log(double(b.scales[i][axis])));
+    }
+    take(most.opacities, a.opacities[i], b.opacities[i]);
+    for (std::size_t k = 0; k < rest; ++k)
+      take(k < 9 ? most.band_1 : most.sh_rest, a.sh_rest[i * rest + k], b.sh_rest[i * rest + k]);
+    const Quaternion &p = a.rotations[i], &q = b.rotations[i];
+    const double sign =
+        double(p.w) * q.w + double(p.x) * q.x + double(p.y) * q.y + double(p.z) * q.z < 0 ? -1 : 1;
+    take(most.rotations,
+         std::hypot(std::hypot(p.w - sign * q.w, p.x - sign * q.x),
+                    std::hypot(p.y - sign * q.y, p.z - sign * q.z)),
+         0);
+  }
+  most.sh_rest = std::max(most.sh_rest, most.band_1);
+  return most;
+}
+
+/// Checks that `a`, which was read, is `b`, but for the rounding of rotations.
+inline void check_same(const Scene& a, const Scene& b) {
+  CHECK(a.means == b.means);
+  CHECK(a.scales == b.scales);
+  CHECK(a.opacities == b.opacities);
+  CHECK(a.sh0 == b.sh0);
+  CHECK(a.sh_rest == b.sh_rest);
+  CHECK(difference(b, a).rotations < 1e-6);
+}
+
+/// Checks that a file holds `stored` Gaussians of `format`, all read, with nothing to note.
+inline void check_whole(const SceneFile& file, const std::string& format, std::size_t stored) {
+  CHECK(file.format == format);
+  CHECK(file.stored == stored);
+  CHECK(file.dropped_nonfinite == 0);
+  CHECK(file.notes.empty());
+}
+
+/// A scene that was written, and what was read of it.
+struct Written {
+  std::vector<std::string> notes{};  ///< of the writer
+  std::string content{};
+  SceneFile file{};
+
+  const Scene& scene() const { return file.scene; }
+};
+
+inline Written write_and_read(const Scene& scene, const std::string& ending,
+                              const SceneWriteOptions& options = {}) {
+  const TemporaryFolder folder;
+  const WrittenScene written = write_scene(folder / ("a" + ending), scene, options);
+  Written result{written.notes, content_of(folder / ("a" + ending)),
+                 read_scene(folder / ("a" + ending), {.spz_frame = options.spz_frame})};
+  CHECK(written.bytes == result.content.size());
+  check_whole(result.file, written.format, written.gaussians);
+  return result;
+}
+
+/// What a `Progress` was told.
+struct Listener {
+  std::vector<double> told{};
+
+  Progress progress() {
+    return [this](double part) { return told.push_back(part), true; };
+  }
+
+  void check_whole() const {
+    REQUIRE(told.size() >= 2);
+    CHECK(told.front() == 0);
+    CHECK(told.back() == 1);
+    CHECK(std::is_sorted(told.begin(), told.end()));
+  }
+};
 
 /// Upper triangle of R diag(s^2) R^T of Gaussian `i`: xx, xy, xz, yy, yz, zz.
 inline std::array<double, 6> covariance(const Scene& scene, std::size_t i) {

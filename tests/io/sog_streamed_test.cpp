@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
-#include <string>
 #include <system_error>
 
 #include <swiftgs/io/capture.hpp>
-#include <swiftgs/io/scene_file.hpp>
 
 #include "scenes.hpp"
 #include "sog_encoder.hpp"
@@ -111,37 +109,36 @@ TEST_CASE("streamed sog: Gaussians in no leaf are left out and counted") {
   CHECK(file.scene.means[17] == streamed.chunk("0_1").means[0]);
 }
 
-TEST_CASE("streamed sog: a level that is not there is refused with how many there are") {
-  const Streamed streamed;
-  CHECK(contains(streamed.complaint_about(lod_meta(), 2),
-                 "expected level 2 of detail, found 2 levels, 0 to 1"));
-  CHECK(contains(streamed.complaint_about(lod_meta(), -1), "expected level -1 of detail, found 2 levels"));
-}
-
 TEST_CASE("streamed sog: files that contradict themselves are refused") {
   const Streamed streamed;
-  const auto with = [&](const char* place, const json& value) {
+  const auto with = [&](const std::string& place, const json& value) {
     json meta = lod_meta();
     meta[json::json_pointer(place)] = value;
     return streamed.complaint_about(meta);
   };
   CHECK(streamed.complaint_about(lod_meta()) == "");
-  CHECK(contains(with("/lodLevels", 0), "1 to 1000 levels"));
-  CHECK(contains(with("/lodLevels", "2"), "a number in 'lodLevels'"));
-  CHECK(contains(with("/filenames", "x"), "an array of files"));
-  CHECK(contains(with("/filenames/1", 1), "names of files in the same folder"));
-  CHECK(contains(with("/filenames/1", "../scan/0_1/meta.json"), "names of files in the same folder"));
-  CHECK(contains(with("/filenames/1", (streamed.place / "scan/0_1/meta.json").string()), "same folder"));
-  CHECK(contains(with("/filenames/1", "./0_0//meta.json"), "different files"));
-  CHECK(contains(with("/environment", 7), "same folder"));
-  CHECK(contains(with("/tree/children/0", 7), "nodes that are objects"));
   const std::string leaf = "/tree/children/0/lods/0";
-  CHECK(contains(with((leaf + "/file").c_str(), 3), "a 'file' below 3"));
-  CHECK(contains(with((leaf + "/file").c_str(), -1), "whole number 'file'"));
-  CHECK(contains(with((leaf + "/count").c_str(), 9), "lie in its 8 Gaussians"));
-  CHECK(contains(with((leaf + "/count").c_str(), ~std::uint64_t(0)), "lie in its 8 Gaussians"));
-  CHECK(contains(with((leaf + "/offset").c_str(), 9), "lie in its 8 Gaussians"));
-  CHECK(contains(with("/tree/children/1/children/0/lods/0/offset", 11), "do not overlap"));
+  const struct {
+    std::string place;
+    json value;
+    const char* expected;
+  } cases[] = {{"/lodLevels", 0, "1 to 1000 levels"},
+               {"/lodLevels", "2", "a number in 'lodLevels'"},
+               {"/filenames", "x", "an array of files"},
+               {"/filenames/1", 1, "names of files in the same folder"},
+               {"/filenames/1", "../scan/0_1/meta.json", "names of files in the same folder"},
+               {"/filenames/1", (streamed.place / "scan/0_1/meta.json").string(), "same folder"},
+               {"/filenames/1", "./0_0//meta.json", "different files"},
+               {"/environment", 7, "same folder"},
+               {"/tree/children/0", 7, "nodes that are objects"},
+               {leaf + "/file", 3, "a 'file' below 3"},
+               {leaf + "/file", -1, "whole number 'file'"},
+               {leaf + "/count", 9, "lie in its 8 Gaussians"},
+               {leaf + "/count", ~std::uint64_t(0), "lie in its 8 Gaussians"},
+               {leaf + "/offset", 9, "lie in its 8 Gaussians"},
+               {"/tree/children/1/children/0/lods/0/offset", 11, "do not overlap"}};
+  for (const auto& [place, value, expected] : cases)
+    CHECK_MESSAGE(contains(with(place, value), expected), place);
   CHECK_THROWS_AS(with("/filenames/1", "0_7/meta.json"), std::system_error);
 }
 
@@ -176,17 +173,14 @@ TEST_CASE("streamed sog: chunks cannot share images to be more than their bytes 
   }
 }
 
-TEST_CASE("streamed sog: errors say where in the file") {
+TEST_CASE("streamed sog: a level that is not there is refused and so is a file in memory") {
   const Streamed streamed;
   const std::string text = "  " + lod_meta().dump();
   const auto path = streamed.place.write("scan/lod-meta.json", text);
-  const std::string message = complaint([&] { read_scene(path, {.level = 2}); });
   const auto offset = std::to_string(text.find("\"lodLevels\":") + 12);
-  CHECK(contains(message, path.string() + ": byte " + offset + ": expected level 2"));
-}
-
-TEST_CASE("streamed sog: it cannot be read from memory") {
-  const std::string text = lod_meta().dump();
-  CHECK(contains(complaint([&] { read_scene(as_bytes(text), "lod-meta.json"); }),
-                 "found JSON of a SOG in memory"));
+  CHECK(
+      contains(complaint([&] { read_scene(path, {.level = 2}); }),
+               path.string() + ": byte " + offset + ": expected level 2 of detail, found 2 levels, 0 to 1"));
+  CHECK(contains(streamed.complaint_about(lod_meta(), -1), "expected level -1 of detail, found 2 levels"));
+  CHECK(contains(complaint_about(text, "lod-meta.json"), "found JSON of a SOG in memory"));
 }

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <swiftgs/io/scene_file.hpp>
-
 #include "scenes.hpp"
 #include "spz_encoder.hpp"
 
@@ -9,35 +7,11 @@ using namespace swiftgs::test;
 
 namespace {
 
-void read_file(const std::string& content) { read_scene(as_bytes(content), "test.spz"); }
-
-std::string complaint_about(const std::string& content) {
-  return complaint([&] { read_file(content); });
-}
-
 SpzParts parts_of(std::uint32_t version, int degree = 1) {
   return encode_spz(some_scene(3, degree), version);
 }
 
-template <class T>
-std::string with(std::string content, std::size_t offset, T value) {
-  std::string raw;
-  append(raw, value);
-  return content.replace(offset, raw.size(), raw);
-}
-
 }  // namespace
-
-TEST_CASE("spz: a file that ends early is refused wherever it ends") {
-  for (std::uint32_t version = 1; version <= 3; ++version) {
-    check_every_truncation(gzip_spz(parts_of(version)), read_file);
-    check_every_truncation(plain_spz(parts_of(version)), read_file);
-  }
-  check_every_truncation(stream_spz(parts_of(4)), read_file);
-  SpzParts parts = parts_of(4);
-  parts.flags = 2, parts.extensions = coordinate_system(4);
-  check_every_truncation(stream_spz(parts), read_file);
-}
 
 TEST_CASE("spz: bytes after the end are refused") {
   for (std::uint32_t version = 1; version <= 4; ++version) {
@@ -59,10 +33,10 @@ TEST_CASE("spz: a header that lies is refused before memory is taken") {
       if (version < 4) CHECK(complaint_about(plain_spz(parts)) != "");
     }
     SpzParts parts = parts_of(version);
-    parts.count = 0;
-    CHECK(contains(complaint_about(pack_spz(parts)), "byte 8: expected 1 to 2147483647 Gaussians"));
-    parts.count = 0x80000000;
-    CHECK(contains(complaint_about(pack_spz(parts)), "byte 8: expected 1 to 2147483647 Gaussians"));
+    for (const std::uint32_t count : {0u, 0x80000000u}) {
+      parts.count = count;
+      CHECK(contains(complaint_about(pack_spz(parts)), "byte 8: expected 1 to 2147483647 Gaussians"));
+    }
     parts = parts_of(version), parts.sh_degree = 5;
     CHECK(contains(complaint_about(pack_spz(parts)), "byte 12: expected SH degree"));
     parts = parts_of(version), parts.fractional_bits = 31;
@@ -99,39 +73,38 @@ TEST_CASE("spz: a bomb unpacks no further than its header says") {
 
 TEST_CASE("spz: damaged streams of version 4 are refused") {
   const std::string file = stream_spz(parts_of(4));
-  CHECK(contains(complaint_about(with(file, 15, std::uint8_t(5))), "6 streams, found 5"));
-  CHECK(contains(complaint_about(with(file, 16, std::uint32_t(31))), "table of contents"));
-  CHECK(contains(complaint_about(with(file, 16, std::uint32_t(1) << 31)), "table of contents"));
-  CHECK(contains(complaint_about(with(file, 32, ~std::uint64_t(0))), "for a stream"));
-  CHECK(contains(complaint_about(with(file, 32, std::uint64_t(3))), "one zstd frame of 3 bytes"));
-  CHECK(contains(complaint_about(with(file, 40, std::uint64_t(1) << 40)), "unpacks to 27 bytes"));
+  const std::pair<std::string, const char*> cases[] = {
+      {with(file, 15, std::uint8_t(5)), "6 streams, found 5"},
+      {with(file, 16, 31u), "table of contents"},
+      {with(file, 16, 1u << 31), "table of contents"},
+      {with(file, 32, ~std::uint64_t(0)), "for a stream"},
+      {with(file, 32, std::uint64_t(3)), "one zstd frame of 3 bytes"},
+      {with(file, 40, std::uint64_t(1) << 40), "unpacks to 27 bytes"},
+      {with(file, 32 + 6 * 16, 0u), "zstd frame"}};
+  for (const auto& [damaged, expected] : cases) CHECK(contains(complaint_about(damaged), expected));
   // All that stands outside of the frames claims a fourth Gaussian.
   std::string longer = with(file, 8, std::uint32_t(4));
   for (const auto& [stream, size] : {std::pair{0u, 9u}, {1u, 1u}, {2u, 3u}, {3u, 3u}, {4u, 4u}, {5u, 9u}})
     longer = with(longer, 40 + 16 * stream, std::uint64_t(4 * size));
   CHECK(contains(complaint_about(longer), "a zstd frame of 36 bytes unpacked, found 27"));
-  const std::size_t first_frame = 32 + 6 * 16;
-  CHECK(contains(complaint_about(with(file, first_frame, std::uint32_t(0))), "zstd frame"));
-  for (std::size_t i = first_frame; i < file.size(); ++i)
-    CHECK_NOTHROW(complaint_about(with(file, i, char(file[i] ^ 0x55))));
 }
 
 TEST_CASE("spz: damaged extensions are refused") {
   for (const std::uint32_t version : {3u, 4u}) {
-    SpzParts parts = parts_of(version);
-    parts.flags = 2;
-    parts.extensions = spz_extension(1, "payload");
-    parts.extensions.pop_back();
-    CHECK(contains(complaint_about(pack_spz(parts)), "extension of at most 6 bytes"));
-    parts.extensions = "short";
-    CHECK(contains(complaint_about(pack_spz(parts)), "at least 8 bytes"));
-    parts.extensions = spz_extension(0xADBE0003, "12345");
-    CHECK(contains(complaint_about(pack_spz(parts)), "4 bytes"));
-    parts.extensions = coordinate_system(17);
-    CHECK(contains(complaint_about(pack_spz(parts)), "0 to 16, found 17"));
-    parts.extensions = spz_extension(1, "payload") + coordinate_system(4294967295);
     // The header of version 4 has 32 bytes, that of an extension 8; version 3 is unpacked first.
     const std::string place = version == 4 ? "byte 55: " : "byte 0: ";
-    CHECK(contains(complaint_about(pack_spz(parts)), place + "expected an SPZ coordinate system"));
+    const std::string whole = spz_extension(1, "payload");
+    const std::pair<std::string, std::string> cases[] = {
+        {whole.substr(0, whole.size() - 1), "extension of at most 6 bytes"},
+        {"short", "at least 8 bytes"},
+        {spz_extension(0xADBE0003, "12345"), "4 bytes"},
+        {coordinate_system(17), "0 to 16, found 17"},
+        {whole + coordinate_system(4294967295), place + "expected an SPZ coordinate system"}};
+    SpzParts parts = parts_of(version);
+    parts.flags = 2;
+    for (const auto& [extensions, expected] : cases) {
+      parts.extensions = extensions;
+      CHECK(contains(complaint_about(pack_spz(parts)), expected));
+    }
   }
 }

@@ -8,12 +8,11 @@
 #include <string>
 #include <vector>
 
-#include <zlib.h>
 #include <zstd.h>
 
 #include <swiftgs/scene.hpp>
 
-#include "files.hpp"
+#include "zip_encoder.hpp"
 
 namespace swiftgs::test {
 
@@ -95,19 +94,7 @@ inline std::string plain_spz(const SpzParts& parts) {
   return file + parts.extensions;
 }
 
-inline std::string gzip(const std::string& content) {
-  z_stream stream{};
-  REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY) == Z_OK);
-  std::string packed(deflateBound(&stream, content.size()), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(content.data()));
-  stream.avail_in = uInt(content.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = uInt(packed.size());
-  REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
-  packed.resize(stream.total_out);
-  deflateEnd(&stream);
-  return packed;
-}
+inline std::string gzip(const std::string& content) { return deflated(content, 16 + MAX_WBITS); }
 
 /// Versions 1 to 3.
 inline std::string gzip_spz(const SpzParts& parts) { return gzip(plain_spz(parts)); }

@@ -17,10 +17,11 @@ struct ZipStyle {
   bool sizes_follow = false;  ///< and the header before an entry has none, as PlayCanvas's writer does
 };
 
-inline std::string deflated(const std::string& content) {
+/// Deflates `content`; `window`: negative without a header, 16 more than MAX_WBITS with that of gzip.
+inline std::string deflated(const std::string& content, int window = -MAX_WBITS) {
   z_stream stream{};
-  REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, -MAX_WBITS, 9, Z_DEFAULT_STRATEGY) == Z_OK);
-  std::string packed(deflateBound(&stream, uLong(content.size())), '\0');
+  REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, window, 9, Z_DEFAULT_STRATEGY) == Z_OK);
+  std::string packed(deflateBound(&stream, content.size()), '\0');
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(content.data()));
   stream.avail_in = uInt(content.size());
   stream.next_out = reinterpret_cast<Bytef*>(packed.data());

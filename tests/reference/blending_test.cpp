@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <limits>
 #include <stdexcept>
+#include <tuple>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -27,15 +27,13 @@ TEST_CASE("reference: an empty scene is background with no alpha and no depth") 
 }
 
 TEST_CASE("reference: alpha is cut at alpha_max") {
-  const Scene scene = scene_of(Gaussian{.opacity = 1});
-  CHECK(alpha_at(render_reference(scene, small_camera(), Conventions::gsplat()), 16, 16) ==
+  CHECK(alpha_at(draw(scene_of(Gaussian{.opacity = 1})), 16, 16) ==
         doctest::Approx(double(0.99f)).epsilon(1e-15));
 }
 
 TEST_CASE("reference: a pixel is reached up to the radius where alpha falls to alpha_min") {
   for (const float opacity : {0.0039f, 0.004f, 0.02f, 0.3f, 1.0f}) {
-    const Scene scene = scene_of(Gaussian{.opacity = opacity});
-    const ReferenceFrame frame = render_reference(scene, small_camera(), Conventions::gsplat());
+    const ReferenceFrame frame = draw(scene_of(Gaussian{.opacity = opacity}));
     const double variance = std::pow(20 * double(0.1f), 2) + double(0.3f);
     const double log_ratio = std::log(double(opacity) / double(1.0f / 255));
     std::uint64_t inside = 0;
@@ -46,17 +44,11 @@ TEST_CASE("reference: a pixel is reached up to the radius where alpha falls to a
   }
 }
 
-TEST_CASE("reference: opacity 0 contributes nothing even without a threshold") {
+TEST_CASE("reference: without a threshold a Gaussian reaches every pixel unless its opacity is 0") {
   Conventions k;
   k.alpha_min = 0;
-  const ReferenceFrame frame = render_reference(scene_of(Gaussian{.opacity = 0}), small_camera(), k);
-  CHECK(frame.alpha == std::vector<double>(33 * 33, 0.0));
-}
-
-TEST_CASE("reference: without a threshold a Gaussian reaches every pixel") {
-  Conventions k;
-  k.alpha_min = 0;
-  const ReferenceFrame frame = render_reference(scene_of(Gaussian{}), small_camera(), k);
+  CHECK(draw(scene_of(Gaussian{.opacity = 0}), k).alpha == std::vector<double>(33 * 33, 0.0));
+  const ReferenceFrame frame = draw(scene_of(Gaussian{}), k);
   CHECK(frame.contributing_pairs == 33 * 33);
   CHECK(alpha_at(frame, 0, 16) > 0);
 }
@@ -65,8 +57,7 @@ TEST_CASE("reference: the nearer Gaussian is in front whatever the order in the 
   const Gaussian front{.mean = {0, 0, 2}, .opacity = 0.5f, .sh0 = red};
   const Gaussian back{.mean = {0, 0, 3}, .opacity = 0.25f, .sh0 = green};
   for (const Scene& scene : {scene_of(front, back), scene_of(back, front)}) {
-    const ReferenceFrame frame =
-        render_reference(scene, small_camera(), Conventions::gsplat(), dvec3(0, 0, 1));
+    const ReferenceFrame frame = draw(scene, Conventions::gsplat(), dvec3(0, 0, 1));
     CHECK(colour_at(frame, 16, 16, 0) == doctest::Approx(0.5 * bright).epsilon(1e-15));
     CHECK(colour_at(frame, 16, 16, 1) == doctest::Approx(0.125 * bright).epsilon(1e-15));
     CHECK(colour_at(frame, 16, 16, 2) == 0.375);
@@ -75,23 +66,18 @@ TEST_CASE("reference: the nearer Gaussian is in front whatever the order in the 
   }
 }
 
-TEST_CASE("reference: equal depths keep index order") {
-  const Gaussian first{.opacity = 0.5f, .sh0 = red}, second{.opacity = 0.5f, .sh0 = green};
-  const ReferenceFrame frame =
-      render_reference(scene_of(first, second), small_camera(), Conventions::gsplat());
-  CHECK(colour_at(frame, 16, 16, 0) == doctest::Approx(0.5 * bright).epsilon(1e-15));
-  CHECK(colour_at(frame, 16, 16, 1) == doctest::Approx(0.25 * bright).epsilon(1e-15));
-}
-
-TEST_CASE("reference: depths that are equal once rounded to float keep index order") {
-  // 1002 and 1002 + 2^-22 in double; floats are 2^-14 apart there.
-  Camera camera = small_camera();
-  camera.translation = dvec3(0, 0, 1000);
-  const Gaussian further{.mean = {0, 0, std::nextafter(2.0f, 3.0f)}, .opacity = 0.5f, .sh0 = red};
-  const Gaussian nearer{.mean = {0, 0, 2}, .opacity = 0.5f, .sh0 = green};
-  const ReferenceFrame frame = render_reference(scene_of(further, nearer), camera, Conventions::gsplat());
-  CHECK(colour_at(frame, 16, 16, 0) == doctest::Approx(0.5 * bright).epsilon(1e-15));
-  CHECK(colour_at(frame, 16, 16, 1) == doctest::Approx(0.25 * bright).epsilon(1e-15));
+TEST_CASE("reference: depths that are equal or are so once rounded to float keep index order") {
+  for (const double away : {0.0, 1000.0}) {
+    Camera camera = small_camera();
+    camera.translation = dvec3(0, 0, away);
+    // 1002 and 1002 + 2^-22 in double; floats are 2^-14 apart there.
+    const float further = away > 0 ? std::nextafter(2.0f, 3.0f) : 2;
+    const Scene scene = scene_of(Gaussian{.mean = {0, 0, further}, .opacity = 0.5f, .sh0 = red},
+                                 Gaussian{.mean = {0, 0, 2}, .opacity = 0.5f, .sh0 = green});
+    const ReferenceFrame frame = render_reference(scene, camera, Conventions::gsplat());
+    CHECK(colour_at(frame, 16, 16, 0) == doctest::Approx(0.5 * bright).epsilon(1e-15));
+    CHECK(colour_at(frame, 16, 16, 1) == doctest::Approx(0.25 * bright).epsilon(1e-15));
+  }
 }
 
 TEST_CASE("reference: the Gaussian that would bring transmittance below the stop ends its pixel") {
@@ -101,13 +87,11 @@ TEST_CASE("reference: the Gaussian that would bring transmittance below the stop
       scene_of(Gaussian{.mean = {0, 0, 2}, .opacity = 0.5f}, Gaussian{.mean = {0, 0, 3}, .opacity = 0.5f},
                Gaussian{.mean = {0, 0, 4}, .opacity = 0.125f});
   Conventions k;
-  k.stop = 0.25f;
-  k.stop_at_equal = true;
-  CHECK(alpha_at(render_reference(scene, small_camera(), k), 16, 16) == 0.5);
-  k.stop_at_equal = false;
-  CHECK(alpha_at(render_reference(scene, small_camera(), k), 16, 16) == 0.75);
-  k.stop = 0.2f;
-  CHECK(alpha_at(render_reference(scene, small_camera(), k), 16, 16) == 0.78125);
+  for (const auto& [stop, at_equal, alpha] :
+       {std::tuple{0.25f, true, 0.5}, {0.25f, false, 0.75}, {0.2f, false, 0.78125}}) {
+    k.stop = stop, k.stop_at_equal = at_equal;
+    CHECK(alpha_at(draw(scene, k), 16, 16) == alpha);
+  }
 }
 
 TEST_CASE("reference: stopped pixels and contributions are counted") {
@@ -118,7 +102,7 @@ TEST_CASE("reference: stopped pixels and contributions are counted") {
   const vec3 point(0), left{-0.5f, 0, 2};
   const Scene scene = scene_of(Gaussian{.scale = point}, Gaussian{.scale = point}, Gaussian{.scale = point},
                                Gaussian{.mean = left, .scale = point}, Gaussian{.mean = {0, 0, -1}});
-  const ReferenceFrame frame = render_reference(scene, small_camera(), k);
+  const ReferenceFrame frame = draw(scene, k);
   CHECK(frame.contributing_pairs == 2);
   CHECK(frame.visible == 2);
   CHECK(frame.pixels_stopped == 1);
@@ -126,16 +110,14 @@ TEST_CASE("reference: stopped pixels and contributions are counted") {
 
 TEST_CASE("reference: the background shows through by transmittance") {
   const Scene scene = scene_of(Gaussian{.opacity = 0.75f, .sh0 = red});
-  const ReferenceFrame frame =
-      render_reference(scene, small_camera(), Conventions::gsplat(), vec3(1, 0.5f, 0.25f));
+  const ReferenceFrame frame = draw(scene, Conventions::gsplat(), vec3(1, 0.5f, 0.25f));
   CHECK(colour_at(frame, 16, 16, 0) == doctest::Approx(0.75 * bright + 0.25).epsilon(1e-15));
   CHECK(colour_at(frame, 16, 16, 1) == 0.125);
   CHECK(colour_at(frame, 0, 0, 2) == 0.25);
 }
 
 TEST_CASE("reference: depth is the mean z of what contributes and 0 where nothing does") {
-  const Scene scene = scene_of(Gaussian{.mean = {0, 0, 5}, .opacity = 0.01f});
-  const ReferenceFrame frame = render_reference(scene, small_camera(), Conventions::gsplat());
+  const ReferenceFrame frame = draw(scene_of(Gaussian{.mean = {0, 0, 5}, .opacity = 0.01f}));
   CHECK(frame.depth[at(frame, 16, 16)] == doctest::Approx(5).epsilon(1e-15));
   CHECK(frame.depth[at(frame, 0, 0)] == 0);
 }
@@ -143,9 +125,9 @@ TEST_CASE("reference: depth is the mean z of what contributes and 0 where nothin
 TEST_CASE("reference: an occluder hides what is at its depth or behind it") {
   const Scene scene =
       scene_of(Gaussian{.mean = {0, 0, 2}, .sh0 = red}, Gaussian{.mean = {0, 0, 3}, .sh0 = green});
-  const ReferenceFrame bare = render_reference(scene, small_camera(), Conventions::gsplat());
+  const ReferenceFrame bare = draw(scene);
   const std::size_t middle = 16 * 33 + 16;
-  std::vector<float> occluder(33 * 33, std::numeric_limits<float>::quiet_NaN());
+  std::vector<float> occluder(33 * 33, NAN);
   const auto render = [&](float depth) {
     occluder[middle] = depth;
     return render_reference(scene, small_camera(), Conventions::gsplat(), dvec3(0, 0, 1), 1,

@@ -46,6 +46,12 @@ inline Camera small_camera(int width = 33, int height = 33, double focal = 40) {
   return camera;
 }
 
+/// `scene` as `small_camera` sees it.
+inline ReferenceFrame draw(const Scene& scene, const Conventions& conventions = Conventions::gsplat(),
+                           dvec3 background = dvec3(0)) {
+  return render_reference(scene, small_camera(), conventions, background);
+}
+
 inline std::size_t at(const ReferenceFrame& frame, int x, int y) {
   return std::size_t(y) * std::size_t(frame.width) + std::size_t(x);
 }

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 #include <doctest/doctest.h>
 #include <sys/mman.h>
@@ -13,11 +12,8 @@
 namespace swiftgs::test {
 namespace {
 
-TEST_CASE("reference: a round Gaussian on the axis has variance (f s / z)^2 + blur around its pixel") {
-  const float s = 0.1f;
-  const ReferenceFrame frame =
-      render_reference(scene_of(Gaussian{.opacity = 0.75f}), small_camera(), Conventions::gsplat());
-  const double variance = std::pow(40 * double(s) / 2, 2) + double(0.3f);
+/// Checks alphas of a round Gaussian in the middle of the image.
+void check_round(const ReferenceFrame& frame, double variance) {
   CHECK(worst_alpha(frame, [&](int x, int y) {
           const double d2 = (x - 16) * (x - 16) + (y - 16) * (y - 16);
           return unless_skipped(0.75 * std::exp(-0.5 * d2 / variance));
@@ -25,15 +21,12 @@ TEST_CASE("reference: a round Gaussian on the axis has variance (f s / z)^2 + bl
   CHECK(alpha_at(frame, 16, 16) == 0.75);
 }
 
-TEST_CASE("reference: a Gaussian without extent is as wide as the blur") {
+TEST_CASE("reference: a round Gaussian on the axis has variance (f s / z)^2 + blur around its pixel") {
+  check_round(draw(scene_of(Gaussian{.opacity = 0.75f})), std::pow(40 * double(0.1f) / 2, 2) + double(0.3f));
   Conventions k;
   for (const float blur : {0.1f, 0.3f, 4.0f}) {
     k.blur = blur;
-    const Scene scene = scene_of(Gaussian{.scale = vec3(0), .opacity = 0.75f});
-    CHECK(worst_alpha(render_reference(scene, small_camera(), k), [&](int x, int y) {
-            const double d2 = (x - 16) * (x - 16) + (y - 16) * (y - 16);
-            return unless_skipped(0.75 * std::exp(-0.5 * d2 / double(blur)));
-          }) < 1e-14);
+    check_round(draw(scene_of(Gaussian{.scale = vec3(0), .opacity = 0.75f}), k), double(blur));
   }
 }
 
@@ -49,9 +42,9 @@ TEST_CASE("reference: scales of a Gaussian that the planes cull are not read") {
     const std::uintptr_t at = begin + i * sizeof(vec3);
     if (at + sizeof(vec3) > first && at < last) scene.means[i].z = -2;
   }
-  const ReferenceFrame all = render_reference(scene, small_camera(), Conventions::gsplat());
+  const ReferenceFrame all = draw(scene);
   REQUIRE(mprotect(reinterpret_cast<void*>(first), 10 * page, PROT_NONE) == 0);
-  const ReferenceFrame guarded = render_reference(scene, small_camera(), Conventions::gsplat());
+  const ReferenceFrame guarded = draw(scene);
   REQUIRE(mprotect(reinterpret_cast<void*>(first), 10 * page, PROT_READ | PROT_WRITE) == 0);
   CHECK(guarded.contributing_pairs > 0);
   CHECK(guarded.colour == all.colour);
@@ -60,8 +53,8 @@ TEST_CASE("reference: scales of a Gaussian that the planes cull are not read") {
 TEST_CASE("reference: without blur a Gaussian without extent covers nothing and is culled") {
   Conventions k;
   k.blur = 0;
-  const Scene scene = scene_of(Gaussian{.scale = vec3(0)}, Gaussian{.scale = vec3(1, 0, 0)});
-  CHECK(render_reference(scene, small_camera(), k).contributing_pairs == 0);
+  CHECK(draw(scene_of(Gaussian{.scale = vec3(0)}, Gaussian{.scale = vec3(1, 0, 0)}), k).contributing_pairs ==
+        0);
 }
 
 TEST_CASE("reference: a local axis points where the quaternion turns it, w first") {
@@ -69,7 +62,7 @@ TEST_CASE("reference: a local axis points where the quaternion turns it, w first
   const double angle = std::acos(-1.0) / 6;
   const Quaternion q{float(std::cos(angle / 2)), 0, 0, float(std::sin(angle / 2))};
   const Scene scene = scene_of(Gaussian{.scale = {0.2f, 0.05f, 0.1f}, .rotation = q, .opacity = 0.75f});
-  const ReferenceFrame frame = render_reference(scene, small_camera(), Conventions::gsplat());
+  const ReferenceFrame frame = draw(scene);
   const double along = std::pow(20 * 0.2, 2) + 0.3, across = std::pow(20 * 0.05, 2) + 0.3;
   CHECK(worst_alpha(frame, [&](int x, int y) {
           const double u = std::cos(angle) * (x - 16) + std::sin(angle) * (y - 16);
@@ -95,26 +88,20 @@ TEST_CASE("reference: means and covariances follow the camera's pose and focal l
   CHECK(frame.depth[at(frame, 14, 24)] == doctest::Approx(4).epsilon(1e-14));
 }
 
-TEST_CASE("reference: the near plane keeps an equal depth for gsplat and culls it for inria") {
+TEST_CASE(
+    "reference: planes keep an equal depth for gsplat and inria culls it at near and has no far plane") {
   const auto drawn = [](float z, const Conventions& k) {
-    const Scene scene = scene_of(Gaussian{.mean = {0, 0, z}, .scale = vec3(0.001f)});
-    return render_reference(scene, small_camera(), k).visible == 1;
+    return draw(scene_of(Gaussian{.mean = {0, 0, z}, .scale = vec3(0.001f)}), k).visible == 1;
   };
-  const float below = 0;
-  CHECK(drawn(0.01f, Conventions::gsplat()));
-  CHECK_FALSE(drawn(std::nextafter(0.01f, below), Conventions::gsplat()));
-  CHECK_FALSE(drawn(0.2f, Conventions::inria()));
-  CHECK(drawn(std::nextafter(0.2f, 1.0f), Conventions::inria()));
-  CHECK_FALSE(drawn(-1, Conventions::gsplat()));
-}
-
-TEST_CASE("reference: the far plane culls what is beyond it and inria has none") {
-  const auto drawn = [](float z, const Conventions& k) {
-    return render_reference(scene_of(Gaussian{.mean = {0, 0, z}}), small_camera(), k).visible == 1;
-  };
-  CHECK(drawn(1e10f, Conventions::gsplat()));
-  CHECK_FALSE(drawn(std::nextafter(1e10f, 2e10f), Conventions::gsplat()));
-  CHECK(drawn(3e38f, Conventions::inria()));
+  const Conventions gsplat = Conventions::gsplat(), inria = Conventions::inria();
+  CHECK(drawn(0.01f, gsplat));
+  CHECK_FALSE(drawn(std::nextafter(0.01f, 0.0f), gsplat));
+  CHECK_FALSE(drawn(-1, gsplat));
+  CHECK(drawn(1e10f, gsplat));
+  CHECK_FALSE(drawn(std::nextafter(1e10f, 2e10f), gsplat));
+  CHECK_FALSE(drawn(0.2f, inria));
+  CHECK(drawn(std::nextafter(0.2f, 1.0f), inria));
+  CHECK(drawn(3e38f, inria));
 }
 
 /// A Gaussian at tangent `t` of one axis, deep in z only, seen with the principal point 8 pixels from the
@@ -140,54 +127,34 @@ void check_clamp(double t, double limit, bool vertical, const Conventions& k) {
   CHECK(sum > 0.1);
 }
 
-TEST_CASE("reference: around_image clamps tangents 0.3 tan beyond each border") {
+TEST_CASE("reference: tangents are clamped 0.3 tan beyond each border or at 1.3 tan around the centre") {
   // tan = 32 / (2 * 32) = 0.5; borders at -8/32 and 24/32.
+  const std::pair<double, double> around_image[] = {{1.2, 0.9}, {-0.7, -0.4}, {0.85, 0.85}, {-0.375, -0.375}};
+  const std::pair<double, double> around_centre[] = {
+      {1.2, 0.65}, {-0.7, -0.65}, {0.625, 0.625}, {-0.5, -0.5}};
   for (const bool vertical : {false, true}) {
-    check_clamp(1.2, 0.75 + 0.15, vertical, Conventions::gsplat());
-    check_clamp(-0.7, -(0.25 + 0.15), vertical, Conventions::gsplat());
-    check_clamp(0.85, 0.85, vertical, Conventions::gsplat());
-    check_clamp(-0.375, -0.375, vertical, Conventions::gsplat());
+    for (const auto& [t, limit] : around_image) check_clamp(t, limit, vertical, Conventions::gsplat());
+    for (const auto& [t, limit] : around_centre) check_clamp(t, limit, vertical, Conventions::inria());
   }
 }
 
-TEST_CASE("reference: around_centre clamps tangents at 1.3 tan wherever the principal point is") {
-  for (const bool vertical : {false, true}) {
-    check_clamp(1.2, 0.65, vertical, Conventions::inria());
-    check_clamp(-0.7, -0.65, vertical, Conventions::inria());
-    check_clamp(0.625, 0.625, vertical, Conventions::inria());
-    check_clamp(-0.5, -0.5, vertical, Conventions::inria());
-  }
-}
-
-TEST_CASE("reference: antialiased mode scales opacity by the root of the determinants' ratio") {
+TEST_CASE(
+    "reference: antialiased mode scales opacity by the root of the determinants' ratio but not below a "
+    "limit") {
   Conventions k;
   k.antialiased = true;
+  const auto check_alpha = [&](const Gaussian& gaussian, double expected, double epsilon) {
+    CHECK(alpha_at(draw(scene_of(gaussian), k), 16, 16) == doctest::Approx(expected).epsilon(epsilon));
+  };
   const float s = 0.03125f;
-  const Scene scene = scene_of(Gaussian{.scale = {s, 2 * s, s}, .opacity = 0.75f});
   const double xx = std::pow(20 * double(s), 2), yy = 4 * xx, blur = double(0.3f);
-  const double factor = std::sqrt(xx * yy / ((xx + blur) * (yy + blur)));
-  CHECK(alpha_at(render_reference(scene, small_camera(), k), 16, 16) ==
-        doctest::Approx(0.75 * factor).epsilon(1e-14));
-}
-
-TEST_CASE("reference: antialiased mode never scales opacity below the root of min_compensation") {
-  Conventions k;
-  k.antialiased = true;
-  const Scene scene = scene_of(Gaussian{.scale = {1, 0, 0}, .opacity = 1.0f});
-  CHECK(alpha_at(render_reference(scene, small_camera(), k), 16, 16) ==
-        doctest::Approx(std::sqrt(double(2.5e-5f))).epsilon(1e-14));
-}
-
-TEST_CASE("reference: antialiased mode keeps the ratio of a needle whose determinant would cancel") {
+  check_alpha({.scale = {s, 2 * s, s}, .opacity = 0.75f},
+              0.75 * std::sqrt(xx * yy / ((xx + blur) * (yy + blur))), 1e-14);
+  check_alpha({.scale = {1, 0, 0}, .opacity = 1.0f}, std::sqrt(double(2.5e-5f)), 1e-14);
   // 1e6 pixels long, 1 pixel wide, at 45 degrees: the products of its covariance are 1e24, their difference
   // 1e12.
-  Conventions k;
-  k.antialiased = true;
   const Quaternion q{std::cos(0.39269908f), 0, 0, std::sin(0.39269908f)};
-  const Scene scene = scene_of(Gaussian{.scale = {5e4f, 0.05f, 0}, .rotation = q, .opacity = 0.75f});
-  const double factor = std::sqrt(1 / 1.3);
-  CHECK(alpha_at(render_reference(scene, small_camera(), k), 16, 16) ==
-        doctest::Approx(0.75 * factor).epsilon(1e-6));
+  check_alpha({.scale = {5e4f, 0.05f, 0}, .rotation = q, .opacity = 0.75f}, 0.75 * std::sqrt(1 / 1.3), 1e-6);
 }
 
 }  // namespace

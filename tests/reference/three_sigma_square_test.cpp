@@ -76,9 +76,6 @@ TEST_CASE("reference: a three-sigma square off the image draws nothing where the
   const Scene scene = round_at(-31.7, 32.5, std::sqrt(99.7), camera);
   CHECK(render_reference(scene, camera, Conventions::gsplat()).contributing_pairs > 0);
   CHECK(render_reference(scene, camera, square).contributing_pairs == 0);
-}
-
-TEST_CASE("reference: the inria preset draws the three-sigma square and gsplat does not") {
   CHECK(Conventions::inria().footprint == Conventions::Footprint::three_sigma_square);
   CHECK(Conventions::gsplat().footprint == Conventions::Footprint::alpha);
 }
