@@ -20,6 +20,12 @@ void check_error(swiftgs_status status, swiftgs_status expected, const char* par
 #define CHECK(condition) check_that((condition), #condition, __FILE__, __LINE__)
 #define CHECK_OK(call) check_status((call), SWIFTGS_OK, #call, __FILE__, __LINE__)
 #define CHECK_ERROR(call, status, part) check_error((call), (status), (part), __FILE__, __LINE__)
+/* An argument is invalid. */
+#define CHECK_INVALID(call, part) CHECK_ERROR(call, SWIFTGS_INVALID_ARGUMENT, part)
+/* Neither of two pointers may be NULL. */
+#define CHECK_NULLS(function, a, name_of_a, b, name_of_b) \
+  CHECK_INVALID(function(NULL, b), name_of_a " is NULL"); \
+  CHECK_INVALID(function(a, NULL), name_of_b " is NULL")
 
 /* Ends the program as skipped. */
 _Noreturn void skip(const char* reason);
@@ -39,41 +45,27 @@ swiftgs_renderer* make_renderer(const char* name);
 /* A view of the whole image into RGB floats that lie densely. */
 swiftgs_view make_view(const swiftgs_camera* camera, float* colour);
 swiftgs_frame make_frame(const swiftgs_view* views, uint64_t count);
-/* Memory of zeros. */
+/* Memory of zeros, which lasts as long as the program. */
 void* make_memory(size_t bytes);
+float* make_floats(size_t count);
 void write_text(const char* path, const char* text);
 
-/* The cases. */
-void test_versions(void);
-void test_structs(void);
-void test_threads(void);
-void test_turns(void);
-void test_scenes(void);
-void test_scene_camera(void);
-void test_progress(void);
-void test_arrays(void);
-void test_scene_errors(void);
-void test_cameras(void);
-void test_camera_notes(void);
-void test_camera_errors(void);
-void test_images(void);
-void test_table(void);
-void test_formats(void);
-void test_pitches(void);
-void test_views(void);
-void test_over(void);
-void test_occluder(void);
-void test_conventions(void);
-void test_each_convention(void);
-void test_recorded(void);
-void test_measures(void);
-void test_sharing(void);
-void test_gaussians(void);
-void test_memory(void);
-void test_calibrations(void);
-void test_frame_errors(void);
-void test_renderer_errors(void);
-void test_no_device(void);
-void test_device(void);
+/* A frame of one view with the small size. Its parts point to each other. */
+struct drawing {
+  swiftgs_renderer* renderer;
+  swiftgs_camera camera;
+  float* colour;
+  swiftgs_view view;
+  swiftgs_frame frame;
+};
+void set_up(struct drawing* drawing, const char* renderer);
+/* The image of a plain view of `camera`, in memory of its own. */
+float* draw_plain(swiftgs_renderer* renderer, const swiftgs_camera* camera);
+/* Whether `count` floats have the same bits. */
+bool same_floats(const float* a, const float* b, size_t count);
+
+#define CASE(name, sentence) void test_##name(void);
+#include "cases.h"
+#undef CASE
 
 #endif

@@ -2,7 +2,6 @@
 
 /* What needs a device, and what there is without one. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "check.h"
@@ -10,14 +9,8 @@
 static const char* const device_renderer = "cuda/early/axis-shared-threshold-float-cholesky/ellipse";
 
 static bool has_device(void) {
-  size_t count = 0;
   swiftgs_renderer_entry entry = {.size = sizeof(entry)};
-  CHECK_OK(swiftgs_renderers_count(&count));
-  for (size_t i = 0; i < count; ++i) {
-    CHECK_OK(swiftgs_renderers_get(i, &entry));
-    if (strcmp(entry.name, device_renderer) == 0) return entry.usable == 1;
-  }
-  return false;
+  return swiftgs_renderers_find(device_renderer, &entry) == SWIFTGS_OK && entry.usable == 1;
 }
 
 void test_no_device(void) {
@@ -92,31 +85,26 @@ static void test_device_arrays(void) {
 
   /* They go to a renderer without the host, on a stream beside its own, and draw as the scene does. They may
    * be overwritten in the order of that stream. */
-  swiftgs_renderer* const renderer = make_renderer(device_renderer);
-  const swiftgs_camera camera = make_camera(width, height);
-  float* const expected = make_memory(3 * sizeof(float) * pixels);
-  float* const colour = make_memory(3 * sizeof(float) * pixels);
-  swiftgs_view view = make_view(&camera, expected);
-  const swiftgs_frame frame = make_frame(&view, 1);
-  CHECK_OK(swiftgs_renderer_render(renderer, &frame));
+  struct drawing d;
+  set_up(&d, device_renderer);
+  swiftgs_renderer* const renderer = d.renderer;
+  const float* const expected = draw_plain(renderer, &d.camera);
   cudaStream_t stream = NULL;
   CHECK(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking) == cudaSuccess);
   device.stream = stream;
-  view.colour.data = colour;
   for (int i = 0; i < 2; ++i) { /* the second takes the memory of the first again */
-    memset(colour, 0, 3 * sizeof(float) * pixels);
+    memset(d.colour, 0, 3 * sizeof(float) * pixels);
     CHECK_OK(swiftgs_renderer_set_gaussians(renderer, &device));
     if (i == 1) CHECK(cudaMemsetAsync(means, 0xff, 20 * small_count, stream) == cudaSuccess);
-    CHECK_OK(swiftgs_renderer_render(renderer, &frame));
-    CHECK(memcmp(colour, expected, 3 * sizeof(float) * pixels) == 0);
+    CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
+    CHECK(same_floats(d.colour, expected, 3 * pixels));
   }
   host.stream = stream; /* arrays of the host are for every renderer */
   CHECK_OK(swiftgs_renderer_set_gaussians(renderer, &host));
-  CHECK_OK(swiftgs_renderer_render(renderer, &frame));
-  CHECK(memcmp(colour, expected, 3 * sizeof(float) * pixels) == 0);
+  CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
+  CHECK(same_floats(d.colour, expected, 3 * pixels));
   swiftgs_renderer_free(renderer);
   cudaStreamDestroy(stream);
-  free(expected), free(colour);
 
   for (int i = 0; i < 5; ++i) cudaFree((void*)to[i]->data);
   cudaFree(means);
@@ -135,7 +123,7 @@ static void test_device_memory(void) {
   CHECK_OK(swiftgs_device_copy(memory, &given, sizeof(given), NULL));
   CHECK_OK(swiftgs_device_copy(&fetched, memory, sizeof(given), NULL));
   CHECK(fetched == given);
-  CHECK_ERROR(swiftgs_device_copy(NULL, memory, 1, NULL), SWIFTGS_INVALID_ARGUMENT, "to is NULL");
+  CHECK_INVALID(swiftgs_device_copy(NULL, memory, 1, NULL), "to is NULL");
   swiftgs_device_free(memory);
   CHECK_ERROR(swiftgs_device_allocate((uint64_t)1 << 60, &memory), SWIFTGS_CAPACITY_ERROR, "device memory");
 
@@ -165,33 +153,32 @@ void test_device(void) {
   swiftgs_renderer* const renderer = make_renderer(device_renderer);
   const swiftgs_camera camera = make_camera(width, height);
   uint8_t colour[4 * pixels], fetched_colour[4 * pixels];
-  float* const floats = make_memory(3 * sizeof(float) * pixels);
-  float* const fetched = make_memory(3 * sizeof(float) * pixels);
+  const size_t bytes = 3 * sizeof(float) * pixels;
+  float *const floats = make_floats(3 * pixels), *const fetched = make_floats(3 * pixels);
   for (int i = 0; i < 4 * pixels; ++i) colour[i] = (uint8_t)(i % 251);
   for (int i = 0; i < pixels; ++i) floats[2 * pixels + i] = i % 3 == 0 ? 4 : INFINITY;
   uint8_t* const device_colour = make_device_memory(sizeof(colour));
-  float* const device_floats = make_device_memory(3 * sizeof(float) * pixels);
+  float* const device_floats = make_device_memory(bytes);
   copy(device_colour, colour, sizeof(colour));
-  copy(device_floats, floats, 3 * sizeof(float) * pixels);
+  copy(device_floats, floats, bytes);
 
   /* Memory of the device and of the host come to the same bits. The second view has RGB alone. */
-  float* const rgb = make_memory(3 * sizeof(float) * pixels);
-  float* const fetched_rgb = make_memory(3 * sizeof(float) * pixels);
-  float* const device_rgb = make_device_memory(3 * sizeof(float) * pixels);
+  float *const rgb = make_floats(3 * pixels), *const fetched_rgb = make_floats(3 * pixels);
+  float* const device_rgb = make_device_memory(bytes);
   swiftgs_view views[2] = {all_planes(&camera, device_colour, device_floats), make_view(&camera, device_rgb)};
   swiftgs_frame frame = make_frame(views, 2);
   CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
   CHECK_OK(swiftgs_renderer_wait(renderer));
   copy(fetched_colour, device_colour, sizeof(colour));
-  copy(fetched, device_floats, 3 * sizeof(float) * pixels);
-  copy(fetched_rgb, device_rgb, 3 * sizeof(float) * pixels);
+  copy(fetched, device_floats, bytes);
+  copy(fetched_rgb, device_rgb, bytes);
 
   views[0] = all_planes(&camera, colour, floats), views[1] = make_view(&camera, rgb);
   frame.measure = SWIFTGS_MEASURE_TIMES;
   CHECK_OK(swiftgs_renderer_render(renderer, &frame));
   CHECK(memcmp(colour, fetched_colour, sizeof(colour)) == 0);
-  CHECK(memcmp(floats, fetched, 3 * sizeof(float) * pixels) == 0);
-  CHECK(memcmp(rgb, fetched_rgb, 3 * sizeof(float) * pixels) == 0);
+  CHECK(same_floats(floats, fetched, 3 * pixels));
+  CHECK(same_floats(rgb, fetched_rgb, 3 * pixels));
   float most = 0;
   for (int i = 0; i < pixels; ++i) most = fmaxf(most, floats[i]);
   CHECK(most > 0.5f);
@@ -201,7 +188,7 @@ void test_device(void) {
   swiftgs_memory memory = {.size = sizeof(memory)};
   CHECK_OK(swiftgs_renderer_memory(renderer, &memory));
   CHECK(memory.device_total > memory.device_in_use && memory.device_in_use > 0);
-  CHECK(memory.raster > 2 * 3 * sizeof(float) * pixels);
+  CHECK(memory.raster > 2 * bytes);
   CHECK_OK(swiftgs_renderer_trim(renderer));
   CHECK_OK(swiftgs_renderer_memory(renderer, &memory));
   CHECK(memory.raster == 0);
@@ -209,15 +196,15 @@ void test_device(void) {
   /* Recorded, without the image below, which the frames above have changed. */
   views[1] = make_view(&camera, device_rgb);
   frame = make_frame(&views[1], 1);
-  CHECK(cudaMemset(device_rgb, 0, 3 * sizeof(float) * pixels) == cudaSuccess);
+  CHECK(cudaMemset(device_rgb, 0, bytes) == cudaSuccess);
   swiftgs_report *report = make_device_memory(sizeof(*report)), read = {0};
   CHECK_OK(swiftgs_renderer_reserve(renderer, &frame, NULL));
   CHECK_OK(swiftgs_renderer_record(renderer, report));
   CHECK_OK(swiftgs_renderer_wait(renderer));
   copy(&read, report, sizeof(read));
-  copy(fetched_rgb, device_rgb, 3 * sizeof(float) * pixels);
+  copy(fetched_rgb, device_rgb, bytes);
   CHECK(read.visible > 0 && read.overflowed == 0);
-  CHECK(memcmp(rgb, fetched_rgb, 3 * sizeof(float) * pixels) == 0);
+  CHECK(same_floats(rgb, fetched_rgb, 3 * pixels));
 
   /* A renderer on a stream of the program's. */
   cudaStream_t stream = NULL;
@@ -226,16 +213,15 @@ void test_device(void) {
   swiftgs_renderer* streaming = NULL;
   CHECK_OK(swiftgs_renderer_create(device_renderer, &options, &streaming));
   CHECK_OK(swiftgs_renderer_share_scene(streaming, renderer));
-  memset(fetched_rgb, 0, 3 * sizeof(float) * pixels);
+  memset(fetched_rgb, 0, bytes);
   views[1] = make_view(&camera, fetched_rgb);
   CHECK_OK(swiftgs_renderer_render(streaming, &frame));
-  CHECK(memcmp(rgb, fetched_rgb, 3 * sizeof(float) * pixels) == 0);
+  CHECK(same_floats(rgb, fetched_rgb, 3 * pixels));
   swiftgs_renderer_free(streaming);
   cudaStreamDestroy(stream);
 
   swiftgs_renderer_free(renderer);
   cudaFree(device_colour), cudaFree(device_floats), cudaFree(device_rgb), cudaFree(report);
-  free(floats), free(fetched), free(rgb), free(fetched_rgb);
 }
 #else
 void test_device(void) { skip("this build is without CUDA"); }

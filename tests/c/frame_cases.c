@@ -2,20 +2,11 @@
 
 /* Frames: planes, formats, pitches, views, and what cannot be drawn. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "check.h"
 
 enum { width = small_width, height = small_height, pixels = small_width * small_height };
-
-static float* render_plain(swiftgs_renderer* renderer, const swiftgs_camera* camera) {
-  float* const colour = make_memory(sizeof(float) * 3 * (size_t)camera->width * (size_t)camera->height);
-  const swiftgs_view view = make_view(camera, colour);
-  const swiftgs_frame frame = make_frame(&view, 1);
-  CHECK_OK(swiftgs_renderer_render(renderer, &frame));
-  return colour;
-}
 
 /* Whether an image is more than one colour. */
 static bool shows_something(const float* colour) {
@@ -25,41 +16,38 @@ static bool shows_something(const float* colour) {
 }
 
 void test_formats(void) {
-  swiftgs_renderer* const renderer = make_renderer(small_renderer);
-  const swiftgs_camera camera = make_camera(width, height);
-  float* const rgb = render_plain(renderer, &camera);
+  struct drawing d;
+  set_up(&d, small_renderer);
+  float* const rgb = draw_plain(d.renderer, &d.camera);
   CHECK(shows_something(rgb));
 
-  float* const rgba = make_memory(sizeof(float) * 4 * pixels);
-  float* const alpha = make_memory(sizeof(float) * pixels);
-  float* const depth = make_memory(sizeof(float) * pixels);
+  float *const rgba = make_floats(4 * pixels), *const alpha = make_floats(pixels);
+  float* const depth = make_floats(pixels);
   uint16_t* const half = make_memory(sizeof(uint16_t) * 4 * pixels);
   uint8_t* const bytes = make_memory(4 * pixels);
-  swiftgs_view view = make_view(&camera, rgba);
-  view.format = SWIFTGS_RGBA_FLOAT;
-  view.colour.pitch = 16 * width;
-  view.alpha = (swiftgs_plane){alpha, 4 * width};
-  view.depth = (swiftgs_plane){depth, 4 * width};
-  const swiftgs_frame frame = make_frame(&view, 1);
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  d.view.format = SWIFTGS_RGBA_FLOAT;
+  d.view.colour = (swiftgs_plane){rgba, 16 * width};
+  d.view.alpha = (swiftgs_plane){alpha, 4 * width};
+  d.view.depth = (swiftgs_plane){depth, 4 * width};
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
   bool same = true, opaque = false, far = false;
   for (int i = 0; i < pixels; ++i) {
-    same &= memcmp(rgba + 4 * i, rgb + 3 * i, 3 * sizeof(float)) == 0 && rgba[4 * i + 3] == alpha[i];
+    same &= same_floats(rgba + 4 * i, rgb + 3 * i, 3) && rgba[4 * i + 3] == alpha[i];
     opaque |= alpha[i] > 0.9f, far |= depth[i] > 1;
   }
   CHECK(same && opaque && far);
 
-  view.format = SWIFTGS_RGBA_8;
-  view.colour = (swiftgs_plane){bytes, 4 * width};
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  d.view.format = SWIFTGS_RGBA_8;
+  d.view.colour = (swiftgs_plane){bytes, 4 * width};
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
   for (int i = 0; i < 4 * pixels; ++i)
     same &= fabsf((float)bytes[i] - 255 * fminf(fmaxf(rgba[i], 0), 1)) < 0.51f;
   CHECK(same);
 
   /* 1.0 is 0x3c00 as a half; a pixel is near it where its float is. */
-  view.format = SWIFTGS_RGBA_HALF;
-  view.colour = (swiftgs_plane){half, 8 * width};
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  d.view.format = SWIFTGS_RGBA_HALF;
+  d.view.colour = (swiftgs_plane){half, 8 * width};
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
   for (int i = 0; i < 4 * pixels; ++i) {
     if (rgba[i] < 0.5f || rgba[i] >= 1) continue;
     const float found = ldexpf((float)(1024 + (half[i] & 1023)), (half[i] >> 10) - 25);
@@ -69,35 +57,31 @@ void test_formats(void) {
 
   /* Planes without colours. */
   memset(alpha, 0, sizeof(float) * pixels);
-  view.colour.data = NULL;
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  d.view.colour.data = NULL;
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
   for (int i = 0; i < pixels; ++i) same &= alpha[i] == rgba[4 * i + 3];
   CHECK(same);
 
-  free(rgb), free(rgba), free(alpha), free(depth), free(half), free(bytes);
-  swiftgs_renderer_free(renderer);
+  swiftgs_renderer_free(d.renderer);
 }
 
 void test_pitches(void) {
-  swiftgs_renderer* const renderer = make_renderer(small_renderer);
-  const swiftgs_camera camera = make_camera(width, height);
-  float* const plain = render_plain(renderer, &camera);
+  struct drawing d;
+  set_up(&d, small_renderer);
+  float* const plain = draw_plain(d.renderer, &d.camera);
 
   /* Bottom row first, with two floats between rows that nothing writes. */
   enum { row = 3 * width + 2 };
-  float* const up = make_memory(sizeof(float) * row * height);
+  float* const up = make_floats(row * height);
   for (int i = 0; i < row * height; ++i) up[i] = -7;
-  swiftgs_view view = make_view(&camera, up + row * (height - 1));
-  view.colour.pitch = -(int64_t)sizeof(float) * row;
-  const swiftgs_frame frame = make_frame(&view, 1);
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  d.view.colour = (swiftgs_plane){up + row * (height - 1), -(int64_t)sizeof(float) * row};
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
   for (int y = 0; y < height; ++y) {
     const float* const at = up + row * (height - 1 - y);
-    CHECK(memcmp(at, plain + 3 * width * y, 3 * width * sizeof(float)) == 0);
+    CHECK(same_floats(at, plain + 3 * width * y, 3 * width));
     CHECK(at[row - 2] == -7 && at[row - 1] == -7);
   }
-  free(plain), free(up);
-  swiftgs_renderer_free(renderer);
+  swiftgs_renderer_free(d.renderer);
 }
 
 void test_views(void) {
@@ -105,15 +89,15 @@ void test_views(void) {
   const swiftgs_camera near = make_camera(width, height);
   swiftgs_camera aside = make_camera(80, 40);
   aside.translation[0] += 0.3;
-  float* const first = render_plain(renderer, &near);
-  float* const second = render_plain(renderer, &aside);
+  float* const first = draw_plain(renderer, &near);
+  float* const second = draw_plain(renderer, &aside);
 
-  float* const together = make_memory(sizeof(float) * 3 * (pixels + 80 * 40));
+  float* const together = make_floats(3 * (pixels + 80 * 40));
   swiftgs_view views[2] = {make_view(&near, together), make_view(&aside, together + 3 * pixels)};
   swiftgs_frame frame = make_frame(views, 2);
   CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
-  CHECK(memcmp(together, first, sizeof(float) * 3 * pixels) == 0);
-  CHECK(memcmp(together + 3 * pixels, second, sizeof(float) * 3 * 80 * 40) == 0);
+  CHECK(same_floats(together, first, 3 * pixels));
+  CHECK(same_floats(together + 3 * pixels, second, 3 * 80 * 40));
 
   /* Four parts of an image make it up. */
   memset(together, 0, sizeof(float) * 3 * pixels);
@@ -126,59 +110,47 @@ void test_views(void) {
   }
   frame = make_frame(parts, 4);
   CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
-  CHECK(memcmp(together, first, sizeof(float) * 3 * pixels) == 0);
-  free(first), free(second), free(together);
+  CHECK(same_floats(together, first, 3 * pixels));
   swiftgs_renderer_free(renderer);
 }
 
 void test_over(void) {
-  swiftgs_renderer* const renderer = make_renderer(small_renderer);
-  const swiftgs_camera camera = make_camera(width, height);
-  float* const on_colour = make_memory(sizeof(float) * 3 * pixels);
-  float* const over = make_memory(sizeof(float) * 3 * pixels);
-  swiftgs_view view = make_view(&camera, on_colour);
+  struct drawing d;
+  set_up(&d, small_renderer);
   const float background[3] = {0.25f, 0.5f, 4};
-  memcpy(view.background, background, sizeof(background));
-  const swiftgs_frame frame = make_frame(&view, 1);
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  memcpy(d.view.background, background, sizeof(background));
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
 
   /* Over an image of the background's colour the result is the same. */
+  float* const over = make_floats(3 * pixels);
   for (int i = 0; i < 3 * pixels; ++i) over[i] = background[i % 3];
-  view.colour.data = over, view.over = 1;
-  memset(view.background, 0, sizeof(view.background));
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
-  CHECK(memcmp(over, on_colour, sizeof(float) * 3 * pixels) == 0);
-
-  float* const plain = render_plain(renderer, &camera);
-  CHECK(memcmp(plain, over, sizeof(float) * 3 * pixels) != 0);
-  free(on_colour), free(over), free(plain);
-  swiftgs_renderer_free(renderer);
+  d.view.colour.data = over, d.view.over = 1;
+  memset(d.view.background, 0, sizeof(d.view.background));
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
+  CHECK(same_floats(over, d.colour, 3 * pixels));
+  CHECK(!same_floats(over, draw_plain(d.renderer, &d.camera), 3 * pixels));
+  swiftgs_renderer_free(d.renderer);
 }
 
 void test_occluder(void) {
-  swiftgs_renderer* const renderer = make_renderer(small_renderer);
-  const swiftgs_camera camera = make_camera(width, height);
-  float* const plain = render_plain(renderer, &camera);
-  float* const colour = make_memory(sizeof(float) * 3 * pixels);
-  float* const occluder = make_memory(sizeof(float) * pixels);
+  struct drawing d;
+  set_up(&d, small_renderer);
+  float *const plain = draw_plain(d.renderer, &d.camera), *const occluder = make_floats(pixels);
   /* The left half is hidden by what is directly before the camera, the right one by nothing. */
   for (int i = 0; i < pixels; ++i) occluder[i] = i % width < width / 2 ? 0 : INFINITY;
-  swiftgs_view view = make_view(&camera, colour);
-  view.occluder = (swiftgs_plane){occluder, 4 * width};
-  view.background[1] = 2;
-  const swiftgs_frame frame = make_frame(&view, 1);
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  d.view.occluder = (swiftgs_plane){occluder, 4 * width};
+  d.view.background[1] = 2;
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
   bool hidden = true, seen = true;
   for (int i = 0; i < pixels; ++i) {
-    const float* const at = colour + 3 * i;
+    const float* const at = d.colour + 3 * i;
     if (i % width < width / 2)
       hidden &= at[0] == 0 && at[1] == 2 && at[2] == 0;
     else
       seen &= at[0] == plain[3 * i] && at[2] == plain[3 * i + 2];
   }
   CHECK(hidden && seen);
-  free(plain), free(colour), free(occluder);
-  swiftgs_renderer_free(renderer);
+  swiftgs_renderer_free(d.renderer);
 }
 
 /* Alpha of a pixel whose centre a Gaussian of opacity 1/2 lies on, 2 in front of the camera. */
@@ -192,51 +164,33 @@ static float alpha_at(float x, double cx, float size, const swiftgs_conventions*
   CHECK_OK(swiftgs_scene_from_arrays(&one, &scene));
   CHECK_OK(swiftgs_renderer_create("serial/early/per-pixel/ellipse", NULL, &renderer));
   CHECK_OK(swiftgs_renderer_set_scene(renderer, scene));
-  const swiftgs_camera camera = {.size = sizeof(camera),
-                                 .width = 1,
-                                 .height = 1,
-                                 .rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
-                                 .fx = 1,
-                                 .fy = 1,
-                                 .cx = cx,
-                                 .cy = 0.5};
+  swiftgs_camera camera = {.size = sizeof(camera), .width = 1, .height = 1, .fx = 1, .fy = 1, .cx = cx};
+  camera.rotation[0] = camera.rotation[4] = camera.rotation[8] = 1, camera.cy = 0.5;
   float alpha = -1;
   const swiftgs_view view = {
       .size = sizeof(view), .camera = &camera, .conventions = conventions, .alpha = {&alpha, sizeof(alpha)}};
   const swiftgs_frame frame = make_frame(&view, 1);
   CHECK_OK(swiftgs_renderer_render(renderer, &frame));
-  swiftgs_renderer_free(renderer);
-  swiftgs_scene_free(scene);
+  swiftgs_renderer_free(renderer), swiftgs_scene_free(scene);
   return alpha;
-}
-
-static float alpha_of_one(const swiftgs_conventions* conventions) {
-  return alpha_at(0, 0.5, 0.01f, conventions);
 }
 
 void test_each_convention(void) {
   swiftgs_conventions gsplat = {.size = sizeof(gsplat)};
   CHECK_OK(swiftgs_conventions_named("gsplat", &gsplat));
-  CHECK(alpha_of_one(&gsplat) == 0.5f);
   swiftgs_conventions c = gsplat;
-  c.far_plane = 1;
-  CHECK(alpha_of_one(&c) == 0);
-  c = gsplat, c.near_plane = 2;
-  CHECK(alpha_of_one(&c) == 0.5f);
-  c.cull_at_near = 1;
-  CHECK(alpha_of_one(&c) == 0);
-  c = gsplat, c.alpha_min = 0.6f;
-  CHECK(alpha_of_one(&c) == 0);
-  c = gsplat, c.alpha_max = 0.25f;
-  CHECK(alpha_of_one(&c) == 0.25f);
-  c = gsplat, c.stop = 0.5f;
-  CHECK(alpha_of_one(&c) == 0);
-  c.stop_at_equal = 0;
-  CHECK(alpha_of_one(&c) == 0.5f);
-  c = gsplat, c.antialiased = 1;
-  CHECK(alpha_of_one(&c) < 0.25f); /* a splat much smaller than a pixel */
-  c.min_compensation = 1;
-  CHECK(alpha_of_one(&c) == 0.5f);
+#define ALPHA(changes) (changes, alpha_at(0, 0.5, 0.01f, &c))
+  CHECK(ALPHA(c = gsplat) == 0.5f);
+  CHECK(ALPHA(c.far_plane = 1) == 0);
+  CHECK(ALPHA((c = gsplat, c.near_plane = 2)) == 0.5f);
+  CHECK(ALPHA(c.cull_at_near = 1) == 0);
+  CHECK(ALPHA((c = gsplat, c.alpha_min = 0.6f)) == 0);
+  CHECK(ALPHA((c = gsplat, c.alpha_max = 0.25f)) == 0.25f);
+  CHECK(ALPHA((c = gsplat, c.stop = 0.5f)) == 0);
+  CHECK(ALPHA(c.stop_at_equal = 0) == 0.5f);
+  CHECK(ALPHA((c = gsplat, c.antialiased = 1)) < 0.25f); /* a splat much smaller than a pixel */
+  CHECK(ALPHA(c.min_compensation = 1) == 0.5f);
+#undef ALPHA
   /* Far off the axis and in the middle of the image; its blurred covariance depends on the tangent. */
   c = gsplat, c.antialiased = 1;
   const float around_image = alpha_at(8, -3.5, 1, &c);
@@ -264,43 +218,29 @@ void test_conventions(void) {
         isinf(inria.far_plane) && inria.clamp == SWIFTGS_CLAMP_AROUND_CENTRE &&
         inria.footprint == SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE);
 
-  swiftgs_renderer* const renderer = make_renderer(small_renderer);
-  const swiftgs_camera camera = make_camera(width, height);
-  float* const plain = render_plain(renderer, &camera);
-  float* const colour = make_memory(sizeof(float) * 3 * pixels);
-  swiftgs_view view = make_view(&camera, colour);
-  const swiftgs_frame frame = make_frame(&view, 1);
-  view.conventions = &gsplat;
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
-  CHECK(memcmp(colour, plain, sizeof(float) * 3 * pixels) == 0);
+  struct drawing d;
+  set_up(&d, small_renderer);
+  float* const plain = draw_plain(d.renderer, &d.camera);
+  d.view.conventions = &gsplat;
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
+  CHECK(same_floats(d.colour, plain, 3 * pixels));
   gsplat.blur = 1;
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
-  CHECK(memcmp(colour, plain, sizeof(float) * 3 * pixels) != 0);
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
+  CHECK(!same_floats(d.colour, plain, 3 * pixels));
 
-  gsplat.blur = -1;
-  CHECK_ERROR(swiftgs_renderer_render_into(renderer, &frame), SWIFTGS_INVALID_ARGUMENT,
-              "a blur of 0 or more");
-  gsplat.blur = 0, gsplat.clamp = 2;
-  CHECK_ERROR(swiftgs_renderer_render_into(renderer, &frame), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_conventions: clamp is 2, expected 0 to 1");
-  gsplat.clamp = 0, gsplat.footprint = -1;
-  CHECK_ERROR(swiftgs_renderer_render_into(renderer, &frame), SWIFTGS_INVALID_ARGUMENT, "footprint is -1");
-  gsplat.footprint = 0, gsplat.depth = 3;
-  CHECK_ERROR(swiftgs_renderer_render_into(renderer, &frame), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_conventions: depth is 3, expected 0 to 2");
+#define REFUSE(changes, part) changes, CHECK_INVALID(swiftgs_renderer_render_into(d.renderer, &d.frame), part)
+  REFUSE(gsplat.blur = -1, "a blur of 0 or more");
+  REFUSE((gsplat.blur = 0, gsplat.clamp = 2), "swiftgs_conventions: clamp is 2, expected 0 to 1");
+  REFUSE((gsplat.clamp = 0, gsplat.footprint = -1), "footprint is -1");
+  REFUSE((gsplat.footprint = 0, gsplat.depth = 3), "swiftgs_conventions: depth is 3, expected 0 to 2");
   gsplat.size = 52; /* of a program that is older than this member */
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
-  gsplat.size = 1;
-  CHECK_ERROR(swiftgs_renderer_render_into(renderer, &frame), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_conventions: size is 1");
-  CHECK_ERROR(swiftgs_conventions_named("gsplat", &gsplat), SWIFTGS_INVALID_ARGUMENT, "size is 1");
-  CHECK_ERROR(swiftgs_conventions_named("other", &inria), SWIFTGS_INVALID_ARGUMENT,
-              "expected gsplat or inria");
-  CHECK_ERROR(swiftgs_conventions_named(NULL, &inria), SWIFTGS_INVALID_ARGUMENT, "name is NULL");
-  CHECK_ERROR(swiftgs_conventions_named("inria", NULL), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_conventions is NULL");
-  free(plain), free(colour);
-  swiftgs_renderer_free(renderer);
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
+  REFUSE(gsplat.size = 1, "swiftgs_conventions: size is 1");
+#undef REFUSE
+  CHECK_INVALID(swiftgs_conventions_named("gsplat", &gsplat), "size is 1");
+  CHECK_INVALID(swiftgs_conventions_named("other", &inria), "expected gsplat or inria");
+  CHECK_NULLS(swiftgs_conventions_named, "inria", "name", &inria, "swiftgs_conventions");
+  swiftgs_renderer_free(d.renderer);
 }
 
 /* Every function that takes a frame refuses it alike. */
@@ -313,65 +253,45 @@ static void refuse(swiftgs_renderer* renderer, const swiftgs_frame* frame, swift
 }
 
 void test_frame_errors(void) {
-  swiftgs_renderer* const renderer = make_renderer(small_renderer);
-  swiftgs_camera camera = make_camera(width, height);
-  float* const colour = make_memory(sizeof(float) * 3 * pixels);
-  const swiftgs_view valid = make_view(&camera, colour);
-  swiftgs_view view = valid;
-  swiftgs_frame frame = make_frame(&view, 1);
-  refuse(NULL, &frame, SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
-  refuse(renderer, NULL, SWIFTGS_INVALID_ARGUMENT, "swiftgs_frame is NULL");
-  frame.count = 0;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "swiftgs_frame: count is 0, expected 1 to 65536 views");
-  frame.count = 65537;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "count is 65537");
-  frame.count = 1, frame.views = NULL;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "swiftgs_frame: views is NULL");
-  frame.views = &view, frame.measure = 4;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "measure is 4, expected a sum of 1 and 2");
-  frame.measure = 0, frame.size = 3;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "swiftgs_frame: size is 3");
-  frame.size = sizeof(frame);
-
-  view.size = 0;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "swiftgs_view: size is 0");
-  view = valid, view.format = 4;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "swiftgs_view: format is 4, expected 0 to 3");
-  view = valid, view.camera = NULL;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "swiftgs_view: camera is NULL");
-  view = valid, view.colour.pitch = 4;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "the pitch of colour is 4 bytes");
-  view = valid, view.colour.data = (char*)colour + 1;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "colour aligned to 4 bytes");
-  view = valid, view.colour.data = NULL, view.over = 1;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "colour to render over");
-  view = valid, view.left = 8;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "x is 8, expected a multiple of 16");
-  view = valid, view.top = 16;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "48 pixels along y from 16");
-  view = valid, view.width = -1;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "-1 pixels along x");
-  view = valid, view.background[2] = NAN;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "in channel 2, expected finite numbers");
-  view = valid, camera.fx = 0;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "focal lengths of 1e-6 to 1e12 pixels");
-  camera.fx = camera.fy, camera.rotation[0] = 2;
-  refuse(renderer, &frame, SWIFTGS_INVALID_ARGUMENT, "a rotation with orthonormal rows");
-  camera = make_camera(width, height);
+  struct drawing d;
+  set_up(&d, small_renderer);
+  const swiftgs_view valid = d.view;
+  const swiftgs_frame whole = d.frame;
+  refuse(NULL, &whole, SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  refuse(d.renderer, NULL, SWIFTGS_INVALID_ARGUMENT, "swiftgs_frame is NULL");
+#define REFUSE(changes, part) \
+  d.view = valid, d.frame = whole, changes, refuse(d.renderer, &d.frame, SWIFTGS_INVALID_ARGUMENT, part)
+  REFUSE(d.frame.count = 0, "swiftgs_frame: count is 0, expected 1 to 65536 views");
+  REFUSE(d.frame.count = 65537, "count is 65537");
+  REFUSE(d.frame.views = NULL, "swiftgs_frame: views is NULL");
+  REFUSE(d.frame.measure = 4, "measure is 4, expected a sum of 1 and 2");
+  REFUSE(d.frame.size = 3, "swiftgs_frame: size is 3");
+  REFUSE(d.view.size = 0, "swiftgs_view: size is 0");
+  REFUSE(d.view.format = 4, "swiftgs_view: format is 4, expected 0 to 3");
+  REFUSE(d.view.camera = NULL, "swiftgs_view: camera is NULL");
+  REFUSE(d.view.colour.pitch = 4, "the pitch of colour is 4 bytes");
+  REFUSE(d.view.colour.data = (char*)d.colour + 1, "colour aligned to 4 bytes");
+  REFUSE((d.view.colour.data = NULL, d.view.over = 1), "colour to render over");
+  REFUSE(d.view.left = 8, "x is 8, expected a multiple of 16");
+  REFUSE(d.view.top = 16, "48 pixels along y from 16");
+  REFUSE(d.view.width = -1, "-1 pixels along x");
+  REFUSE(d.view.background[2] = NAN, "in channel 2, expected finite numbers");
+  REFUSE(d.camera.fx = 0, "focal lengths of 1e-6 to 1e12 pixels");
+  REFUSE((d.camera.fx = d.camera.fy, d.camera.rotation[0] = 2), "a rotation with orthonormal rows");
+#undef REFUSE
+  d.camera = make_camera(width, height);
 
   /* 200 images of 65536 pixels a side have more tiles than a frame may have. They point to no planes. */
   enum { many = 200 };
   const swiftgs_camera vast = make_camera(65536, 65536);
-  swiftgs_view* const views = make_memory(many * sizeof(*views));
-  for (int i = 0; i < many; ++i) views[i] = (swiftgs_view){.size = sizeof(view), .camera = &vast};
-  frame = make_frame(views, many);
-  refuse(renderer, &frame, SWIFTGS_CAPACITY_ERROR, "tiles in one frame: ");
+  swiftgs_view views[many];
+  for (int i = 0; i < many; ++i) views[i] = (swiftgs_view){.size = sizeof(valid), .camera = &vast};
+  const swiftgs_frame vast_frame = make_frame(views, many);
+  refuse(d.renderer, &vast_frame, SWIFTGS_CAPACITY_ERROR, "tiles in one frame: ");
 
   /* The renderer works on. */
-  frame = make_frame(&view, 1);
-  view = valid;
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
-  CHECK(shows_something(colour));
-  free(views), free(colour);
-  swiftgs_renderer_free(renderer);
+  d.view = valid;
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
+  CHECK(shows_something(d.colour));
+  swiftgs_renderer_free(d.renderer);
 }

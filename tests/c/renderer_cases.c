@@ -26,9 +26,9 @@ void test_table(void) {
     CHECK(renderer == NULL);
   }
   CHECK(found);
-  CHECK_ERROR(swiftgs_renderers_get(count, &entry), SWIFTGS_INVALID_ARGUMENT, "renderers: number");
-  CHECK_ERROR(swiftgs_renderers_get(0, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_renderer_entry is NULL");
-  CHECK_ERROR(swiftgs_renderers_count(NULL), SWIFTGS_INVALID_ARGUMENT, "count is NULL");
+  CHECK_INVALID(swiftgs_renderers_get(count, &entry), "renderers: number");
+  CHECK_INVALID(swiftgs_renderers_get(0, NULL), "swiftgs_renderer_entry is NULL");
+  CHECK_INVALID(swiftgs_renderers_count(NULL), "count is NULL");
 
   /* By name, by backend, or the best. */
   CHECK_OK(swiftgs_renderers_find(small_renderer, &entry));
@@ -38,10 +38,10 @@ void test_table(void) {
   CHECK_OK(swiftgs_renderers_find(NULL, &entry));
   CHECK(entry.usable == 1 && (!cpu || strncmp(entry.name, "serial/", 7) != 0));
   CHECK(entry.on_device == (strncmp(entry.name, "cuda/", 5) == 0));
-  CHECK_ERROR(
-      swiftgs_renderers_find("nothing", &entry), SWIFTGS_INVALID_ARGUMENT,
+  CHECK_INVALID(
+      swiftgs_renderers_find("nothing", &entry),
       "renderer 'nothing' is not known; expected a BACKEND or BACKEND/SORT/RASTER/BOUNDS with BACKEND of");
-  CHECK_ERROR(swiftgs_renderers_find(NULL, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_renderer_entry is NULL");
+  CHECK_INVALID(swiftgs_renderers_find(NULL, NULL), "swiftgs_renderer_entry is NULL");
 
   /* Options of a backend. The device's name has the number of threads. */
   if (!cpu) return;
@@ -57,78 +57,71 @@ void test_table(void) {
 }
 
 void test_recorded(void) {
-  swiftgs_renderer* const renderer = make_renderer(small_renderer);
-  swiftgs_camera camera = make_camera(small_width, small_height);
-  float* const direct = make_memory(sizeof(float) * floats);
-  float* const recorded = make_memory(sizeof(float) * floats);
-  swiftgs_view view = make_view(&camera, direct);
-  const swiftgs_frame frame = make_frame(&view, 1);
+  struct drawing d;
+  set_up(&d, small_renderer);
+  swiftgs_renderer* const renderer = d.renderer;
+  float* const recorded = make_floats(floats);
   swiftgs_report report = {0};
-  CHECK_ERROR(swiftgs_renderer_record(renderer, &report), SWIFTGS_INVALID_ARGUMENT, "reserve");
+  CHECK_INVALID(swiftgs_renderer_record(renderer, &report), "reserve");
 
-  CHECK_OK(swiftgs_renderer_reserve(renderer, &frame, NULL));
-  CHECK_ERROR(swiftgs_renderer_record(renderer, NULL), SWIFTGS_INVALID_ARGUMENT, "memory for the report");
-  CHECK_ERROR(swiftgs_renderer_record(NULL, &report), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  CHECK_OK(swiftgs_renderer_reserve(renderer, &d.frame, NULL));
+  CHECK_INVALID(swiftgs_renderer_record(renderer, NULL), "memory for the report");
+  CHECK_INVALID(swiftgs_renderer_record(NULL, &report), "renderer is NULL");
 
   /* Another camera, other memory, the bits of a frame of its own. */
-  camera.translation[0] += 0.1;
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
-  view.colour.data = recorded;
-  CHECK_OK(swiftgs_renderer_set_views(renderer, &frame));
+  d.camera.translation[0] += 0.1;
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &d.frame));
+  d.view.colour.data = recorded;
+  CHECK_OK(swiftgs_renderer_set_views(renderer, &d.frame));
   CHECK_OK(swiftgs_renderer_record(renderer, &report));
   CHECK_OK(swiftgs_renderer_wait(renderer));
   CHECK(report.visible > 0 && report.intersections >= report.visible && report.overflowed == 0);
-  CHECK(memcmp(direct, recorded, sizeof(float) * floats) == 0);
+  CHECK(same_floats(d.colour, recorded, floats));
 
-  const swiftgs_view two[2] = {view, view};
+  const swiftgs_view two[2] = {d.view, d.view};
   const swiftgs_frame more = make_frame(two, 2);
-  CHECK_ERROR(swiftgs_renderer_set_views(renderer, &more), SWIFTGS_INVALID_ARGUMENT,
-              "the number of views is 2");
+  CHECK_INVALID(swiftgs_renderer_set_views(renderer, &more), "the number of views is 2");
 
   /* Without enough capacity nothing is drawn, and the report says how much was needed. */
   swiftgs_capacity capacity = {.size = sizeof(capacity), .splats = 1, .intersections = 1};
-  CHECK_OK(swiftgs_renderer_reserve(renderer, &frame, &capacity));
+  CHECK_OK(swiftgs_renderer_reserve(renderer, &d.frame, &capacity));
   memset(recorded, 0, sizeof(float) * floats);
   swiftgs_report overflowed = {0};
   CHECK_OK(swiftgs_renderer_record(renderer, &overflowed));
   CHECK(overflowed.overflowed == 1 && overflowed.visible == report.visible);
   for (int i = 0; i < floats; ++i) CHECK(recorded[i] == 0);
   capacity.reserved = 1;
-  CHECK_ERROR(swiftgs_renderer_reserve(renderer, &frame, &capacity), SWIFTGS_INVALID_ARGUMENT,
-              "reserved is 1");
+  CHECK_INVALID(swiftgs_renderer_reserve(renderer, &d.frame, &capacity), "reserved is 1");
 
   /* A scene of more Gaussians than were reserved. */
-  CHECK_OK(swiftgs_renderer_reserve(renderer, &frame, NULL));
+  CHECK_OK(swiftgs_renderer_reserve(renderer, &d.frame, NULL));
   swiftgs_scene* larger = NULL;
   CHECK_OK(swiftgs_scene_builtin(2 * small_count, &larger));
   CHECK_OK(swiftgs_renderer_set_scene(renderer, larger));
   CHECK_ERROR(swiftgs_renderer_record(renderer, &report), SWIFTGS_CAPACITY_ERROR,
               "Gaussians in a recorded frame: 4000 needed, the limit is 2000");
-  CHECK_ERROR(swiftgs_renderer_wait(NULL), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  CHECK_INVALID(swiftgs_renderer_wait(NULL), "renderer is NULL");
   swiftgs_scene_free(larger);
-  free(direct), free(recorded);
   swiftgs_renderer_free(renderer);
 }
 
 void test_measures(void) {
-  swiftgs_renderer* const renderer = make_renderer(small_renderer);
-  const swiftgs_camera camera = make_camera(small_width, small_height);
-  float* const colour = make_memory(sizeof(float) * floats);
-  const swiftgs_view view = make_view(&camera, colour);
-  swiftgs_frame frame = make_frame(&view, 1);
+  struct drawing d;
+  set_up(&d, small_renderer);
+  swiftgs_renderer* const renderer = d.renderer;
   swiftgs_times times = {.size = sizeof(times)};
   swiftgs_statistics statistics = {.size = sizeof(statistics)};
   swiftgs_memory memory = {.size = sizeof(memory)};
 
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &d.frame));
   CHECK_OK(swiftgs_renderer_times(renderer, &times));
   CHECK(isnan(times.total));
   CHECK_OK(swiftgs_renderer_statistics(renderer, &statistics));
   CHECK(statistics.gaussians == small_count && statistics.visible > 0 && statistics.visible <= small_count);
   CHECK(statistics.intersections >= statistics.visible && statistics.contributing_pairs == 0);
 
-  frame.measure = SWIFTGS_MEASURE_COUNTS | SWIFTGS_MEASURE_TIMES;
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  d.frame.measure = SWIFTGS_MEASURE_COUNTS | SWIFTGS_MEASURE_TIMES;
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &d.frame));
   CHECK_OK(swiftgs_renderer_times(renderer, &times));
   CHECK(times.project > 0 && times.sort > 0 && times.raster > 0);
   CHECK(fabs(times.project + times.sort + times.raster - times.total) < 1e-6 * times.total);
@@ -142,87 +135,66 @@ void test_measures(void) {
   CHECK_OK(swiftgs_renderer_memory(renderer, &memory));
   CHECK(memory.project == 0 && memory.sort == 0 && memory.raster == 0);
 
-  CHECK_ERROR(swiftgs_renderer_times(renderer, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_times is NULL");
-  CHECK_ERROR(swiftgs_renderer_times(NULL, &times), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
-  CHECK_ERROR(swiftgs_renderer_statistics(renderer, NULL), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_statistics is NULL");
-  CHECK_ERROR(swiftgs_renderer_statistics(NULL, &statistics), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
-  CHECK_ERROR(swiftgs_renderer_memory(renderer, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_memory is NULL");
-  CHECK_ERROR(swiftgs_renderer_memory(NULL, &memory), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
-  CHECK_ERROR(swiftgs_renderer_trim(NULL), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
-  free(colour);
+  CHECK_NULLS(swiftgs_renderer_times, renderer, "renderer", &times, "swiftgs_times");
+  CHECK_NULLS(swiftgs_renderer_statistics, renderer, "renderer", &statistics, "swiftgs_statistics");
+  CHECK_NULLS(swiftgs_renderer_memory, renderer, "renderer", &memory, "swiftgs_memory");
+  CHECK_INVALID(swiftgs_renderer_trim(NULL), "renderer is NULL");
   swiftgs_renderer_free(renderer);
 }
 
 void test_sharing(void) {
-  swiftgs_renderer* const first = make_renderer(small_renderer);
-  swiftgs_renderer* second = NULL;
+  struct drawing d;
+  set_up(&d, small_renderer);
+  swiftgs_renderer *const first = d.renderer, *second = NULL;
   CHECK_OK(swiftgs_renderer_create("serial/standard/per-pixel/ellipse", NULL, &second));
-  const swiftgs_camera camera = make_camera(small_width, small_height);
-  float* const colour = make_memory(sizeof(float) * floats);
-  const swiftgs_view view = make_view(&camera, colour);
-  const swiftgs_frame frame = make_frame(&view, 1);
-  CHECK_ERROR(swiftgs_renderer_render_into(second, &frame), SWIFTGS_LOGIC_ERROR,
+  CHECK_ERROR(swiftgs_renderer_render_into(second, &d.frame), SWIFTGS_LOGIC_ERROR,
               "expected a scene before the first");
-  CHECK_ERROR(swiftgs_renderer_share_scene(first, second), SWIFTGS_INVALID_ARGUMENT,
-              "'serial/standard/per-pixel/ellipse' has no scene or another backend");
+  CHECK_INVALID(swiftgs_renderer_share_scene(first, second),
+                "'serial/standard/per-pixel/ellipse' has no scene or another backend");
   CHECK_OK(swiftgs_renderer_share_scene(second, first));
   swiftgs_renderer_free(first); /* the scene stays */
-  CHECK_OK(swiftgs_renderer_render_into(second, &frame));
+  CHECK_OK(swiftgs_renderer_render_into(second, &d.frame));
   swiftgs_statistics statistics = {.size = sizeof(statistics)};
   CHECK_OK(swiftgs_renderer_statistics(second, &statistics));
   CHECK(statistics.gaussians == small_count && statistics.visible > 0);
 
-  CHECK_ERROR(swiftgs_renderer_share_scene(second, NULL), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
-  CHECK_ERROR(swiftgs_renderer_share_scene(NULL, second), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
-  CHECK_ERROR(swiftgs_renderer_set_scene(second, NULL), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
+  CHECK_NULLS(swiftgs_renderer_share_scene, second, "renderer", second, "renderer");
   swiftgs_scene* const scene = make_scene();
-  CHECK_ERROR(swiftgs_renderer_set_scene(NULL, scene), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  CHECK_NULLS(swiftgs_renderer_set_scene, second, "renderer", scene, "scene");
   swiftgs_scene_free(scene);
-  free(colour);
   swiftgs_renderer_free(second);
 }
 
 /* Arrays draw as the scene that has them, also in place of one. */
 void test_gaussians(void) {
-  swiftgs_renderer* const renderer = make_renderer(small_renderer);
-  const swiftgs_camera camera = make_camera(small_width, small_height);
-  float* const expected = make_memory(sizeof(float) * floats);
-  float* const colour = make_memory(sizeof(float) * floats);
-  swiftgs_view view = make_view(&camera, expected);
-  const swiftgs_frame frame = make_frame(&view, 1);
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  struct drawing d;
+  set_up(&d, small_renderer);
+  swiftgs_renderer* const renderer = d.renderer;
   swiftgs_scene* const scene = make_scene();
   swiftgs_gaussians arrays = {.size = sizeof(arrays)};
   CHECK_OK(swiftgs_scene_get_arrays(scene, &arrays));
   swiftgs_renderer* const others[] = {renderer, make_renderer("serial/standard/per-pixel/ellipse")};
-  view.colour.data = colour;
   for (int i = 0; i < 2; ++i) {
-    CHECK_OK(swiftgs_renderer_render_into(others[i], &frame));
-    memcpy(expected, colour, sizeof(float) * floats);
-    memset(colour, 0, sizeof(float) * floats);
+    const float* const expected = draw_plain(others[i], &d.camera);
+    memset(d.colour, 0, sizeof(float) * floats);
     CHECK_OK(swiftgs_renderer_set_gaussians(others[i], &arrays));
-    CHECK_OK(swiftgs_renderer_render_into(others[i], &frame));
-    CHECK(memcmp(colour, expected, sizeof(float) * floats) == 0);
+    CHECK_OK(swiftgs_renderer_render_into(others[i], &d.frame));
+    CHECK(same_floats(d.colour, expected, floats));
   }
 
   /* What is refused leaves the scene that was there. */
-  CHECK_ERROR(swiftgs_renderer_set_gaussians(renderer, NULL), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_gaussians is NULL");
-  CHECK_ERROR(swiftgs_renderer_set_gaussians(NULL, &arrays), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
+  CHECK_NULLS(swiftgs_renderer_set_gaussians, renderer, "renderer", &arrays, "swiftgs_gaussians");
   arrays.means.stride = 4;
-  CHECK_ERROR(swiftgs_renderer_set_gaussians(renderer, &arrays), SWIFTGS_INVALID_ARGUMENT,
-              "scene: means: stride is 4 bytes, expected 0 or a multiple of 4 from 12");
+  CHECK_INVALID(swiftgs_renderer_set_gaussians(renderer, &arrays),
+                "scene: means: stride is 4 bytes, expected 0 or a multiple of 4 from 12");
   arrays.means.stride = 12;
   float bad = NAN;
   swiftgs_gaussians one = {.size = sizeof(one), .count = 1};
   one.means = one.scales = one.sh0 = arrays.means, one.rotations = arrays.rotations,
   one.opacities.data = &bad;
-  CHECK_ERROR(swiftgs_renderer_set_gaussians(renderer, &one), SWIFTGS_INVALID_ARGUMENT,
-              "opacities of Gaussian 0 is");
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  CHECK_INVALID(swiftgs_renderer_set_gaussians(renderer, &one), "opacities of Gaussian 0 is");
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &d.frame));
   swiftgs_scene_free(scene);
-  free(expected), free(colour);
   swiftgs_renderer_free(others[0]), swiftgs_renderer_free(others[1]);
 }
 
@@ -248,45 +220,40 @@ void test_memory(void) {
   struct pool pool = {.limit = 100};
   swiftgs_renderer_options options = {
       .size = sizeof(options), .allocate = &take, .release = &give, .context = &pool};
+  struct drawing d;
+  set_up(&d, small_renderer);
   swiftgs_renderer* renderer = NULL;
   CHECK_OK(swiftgs_renderer_create(small_renderer, &options, &renderer));
   swiftgs_scene* const scene = make_scene();
   CHECK_OK(swiftgs_renderer_set_scene(renderer, scene));
-  swiftgs_scene_free(scene);
-  const swiftgs_camera camera = make_camera(small_width, small_height);
-  float* const colour = make_memory(sizeof(float) * floats);
-  const swiftgs_view view = make_view(&camera, colour);
-  const swiftgs_frame frame = make_frame(&view, 1);
-  CHECK_ERROR(swiftgs_renderer_render_into(renderer, &frame), SWIFTGS_OUT_OF_MEMORY, "out of memory");
+  swiftgs_scene_free(scene), swiftgs_renderer_free(d.renderer);
+  CHECK_ERROR(swiftgs_renderer_render_into(renderer, &d.frame), SWIFTGS_OUT_OF_MEMORY, "out of memory");
   pool.limit = SIZE_MAX;
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &d.frame));
   CHECK(pool.most > 0 && pool.in_use > 0);
   swiftgs_renderer_free(renderer);
   CHECK(pool.in_use == 0);
-  free(colour);
 
   renderer = NULL;
   options.release = NULL;
-  CHECK_ERROR(swiftgs_renderer_create(small_renderer, &options, &renderer), SWIFTGS_INVALID_ARGUMENT,
-              "memory hook: no function to release");
+  CHECK_INVALID(swiftgs_renderer_create(small_renderer, &options, &renderer),
+                "memory hook: no function to release");
   options.release = &give, options.allocate = NULL;
-  CHECK_ERROR(swiftgs_renderer_create(small_renderer, &options, &renderer), SWIFTGS_INVALID_ARGUMENT,
-              "memory hook: no function to allocate");
+  CHECK_INVALID(swiftgs_renderer_create(small_renderer, &options, &renderer),
+                "memory hook: no function to allocate");
   CHECK(renderer == NULL);
 }
 
 void test_calibrations(void) {
-  swiftgs_renderer* const renderer = make_renderer("serial/adaptive/per-pixel/ellipse");
-  const swiftgs_camera camera = make_camera(small_width, small_height);
-  float* const colour = make_memory(sizeof(float) * floats);
-  const swiftgs_view view = make_view(&camera, colour);
-  const swiftgs_frame frame = make_frame(&view, 1);
+  struct drawing d;
+  set_up(&d, "serial/adaptive/per-pixel/ellipse");
+  swiftgs_renderer* const renderer = d.renderer;
   swiftgs_calibration known = {.size = sizeof(known)};
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &d.frame));
   CHECK_OK(swiftgs_renderer_calibration(renderer, &known));
   CHECK(known.width == 0 && known.gaussians == 0);
   for (int i = 0; i < 20 && known.width == 0; ++i) {
-    CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+    CHECK_OK(swiftgs_renderer_render_into(renderer, &d.frame));
     CHECK_OK(swiftgs_renderer_calibration(renderer, &known));
   }
   CHECK(known.width == small_width && known.height == small_height && known.gaussians == small_count);
@@ -297,42 +264,33 @@ void test_calibrations(void) {
   swiftgs_calibration given[2] = {known, known};
   given[0].width = 1, given[0].standard_ms = 1;
   CHECK_OK(swiftgs_renderer_use_calibrations(other, given, 2));
-  CHECK_OK(swiftgs_renderer_render_into(other, &frame));
+  CHECK_OK(swiftgs_renderer_render_into(other, &d.frame));
   swiftgs_calibration found = {.size = sizeof(found)};
   CHECK_OK(swiftgs_renderer_calibration(other, &found));
   CHECK(memcmp(&found, &known, sizeof(known)) == 0);
   CHECK_OK(swiftgs_renderer_use_calibrations(other, NULL, 0));
 
-  CHECK_ERROR(swiftgs_renderer_use_calibrations(other, NULL, 1), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_calibration is NULL");
+  CHECK_INVALID(swiftgs_renderer_use_calibrations(other, NULL, 1), "swiftgs_calibration is NULL");
   given[1].reserved = 1;
-  CHECK_ERROR(swiftgs_renderer_use_calibrations(other, given, 2), SWIFTGS_INVALID_ARGUMENT, "reserved is 1");
-  CHECK_ERROR(swiftgs_renderer_calibration(other, NULL), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_calibration is NULL");
-  free(colour);
-  swiftgs_renderer_free(renderer);
-  swiftgs_renderer_free(other);
+  CHECK_INVALID(swiftgs_renderer_use_calibrations(other, given, 2), "reserved is 1");
+  CHECK_INVALID(swiftgs_renderer_calibration(other, NULL), "swiftgs_calibration is NULL");
+  swiftgs_renderer_free(renderer), swiftgs_renderer_free(other);
 }
 
 void test_renderer_errors(void) {
   swiftgs_renderer* renderer = NULL;
-  CHECK_ERROR(swiftgs_renderer_create("serial/late/per-pixel/ellipse", NULL, &renderer),
-              SWIFTGS_INVALID_ARGUMENT,
-              "renderer 'serial/late/per-pixel/ellipse' is not known; expected BACKEND/SORT/RASTER/BOUNDS");
-  CHECK_ERROR(swiftgs_renderer_create(NULL, NULL, &renderer), SWIFTGS_INVALID_ARGUMENT, "name is NULL");
-  CHECK_ERROR(swiftgs_renderer_create(small_renderer, NULL, NULL), SWIFTGS_INVALID_ARGUMENT,
-              "renderer is NULL");
+  CHECK_INVALID(swiftgs_renderer_create("serial/late/per-pixel/ellipse", NULL, &renderer),
+                "renderer 'serial/late/per-pixel/ellipse' is not known; expected BACKEND/SORT/RASTER/BOUNDS");
+  CHECK_INVALID(swiftgs_renderer_create(NULL, NULL, &renderer), "name is NULL");
+  CHECK_INVALID(swiftgs_renderer_create(small_renderer, NULL, NULL), "renderer is NULL");
   const swiftgs_renderer_options forgotten = {.size = 0};
-  CHECK_ERROR(swiftgs_renderer_create(small_renderer, &forgotten, &renderer), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_renderer_options: size is 0");
+  CHECK_INVALID(swiftgs_renderer_create(small_renderer, &forgotten, &renderer),
+                "swiftgs_renderer_options: size is 0");
   CHECK(renderer == NULL);
 
   CHECK_OK(swiftgs_renderer_create(small_renderer, NULL, &renderer));
   const char* name = NULL;
-  CHECK_ERROR(swiftgs_renderer_name(NULL, &name), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
-  CHECK_ERROR(swiftgs_renderer_name(renderer, NULL), SWIFTGS_INVALID_ARGUMENT, "name is NULL");
-  CHECK_ERROR(swiftgs_renderer_device_name(NULL, &name), SWIFTGS_INVALID_ARGUMENT, "renderer is NULL");
-  CHECK_ERROR(swiftgs_renderer_device_name(renderer, NULL), SWIFTGS_INVALID_ARGUMENT, "name is NULL");
-  swiftgs_renderer_free(renderer);
-  swiftgs_renderer_free(NULL);
+  CHECK_NULLS(swiftgs_renderer_name, renderer, "renderer", &name, "name");
+  CHECK_NULLS(swiftgs_renderer_device_name, renderer, "renderer", &name, "name");
+  swiftgs_renderer_free(renderer), swiftgs_renderer_free(NULL);
 }

@@ -39,48 +39,72 @@ std::unique_ptr<swiftgs_scene, Free> make_scene() {
   return std::unique_ptr<swiftgs_scene, Free>(scene);
 }
 
-}  // namespace
+/// A struct of C that knows its size.
+template <class Struct>
+Struct sized() {
+  Struct made{};
+  made.size = sizeof(made);
+  return made;
+}
 
-TEST_CASE("c: frames have the bits of the C++ interface on every backend of the host") {
-  const auto scene = make_scene();
-  swiftgs_camera camera{};
-  camera.size = sizeof(camera);
+swiftgs_conventions conventions_named(const char* name) {
+  auto conventions = sized<swiftgs_conventions>();
+  REQUIRE(swiftgs_conventions_named(name, &conventions) == SWIFTGS_OK);
+  return conventions;
+}
+
+swiftgs_camera camera_of_c() {
+  auto camera = sized<swiftgs_camera>();
   REQUIRE(swiftgs_camera_builtin(width, height, &camera) == SWIFTGS_OK);
-  for (const RendererEntry& entry : renderers()) {
-    if (!entry.usable || entry.name.starts_with("cuda/") || !entry.name.ends_with("/ellipse")) continue;
-    const std::string name(entry.name);
-    CAPTURE(name);
+  return camera;
+}
 
-    const std::unique_ptr<AnyRenderer> expected_by = entry.make();
-    expected_by->set_scene(std::make_shared<const Scene>(make_builtin_scene(count)));
-    RenderSettings settings;
-    settings.background = vec3(0.1f, 0.2f, 0.3f);
-    settings.outputs = {.alpha = true, .depth = true};
-    settings.conventions = Conventions::inria();
-    Frame expected;
-    expected_by->render(builtin_camera(width, height), settings, expected);
-
+/// The same renderer of C++ and of C, with the same scene.
+struct Both {
+  explicit Both(const RendererEntry& entry) : cpp(entry.make()) {
+    const auto scene = make_scene();
     swiftgs_renderer* made = nullptr;
-    REQUIRE(swiftgs_renderer_create(name.c_str(), nullptr, &made) == SWIFTGS_OK);
-    const std::unique_ptr<swiftgs_renderer, Free> renderer(made);
+    REQUIRE(swiftgs_renderer_create(std::string(entry.name).c_str(), nullptr, &made) == SWIFTGS_OK);
+    c.reset(made);
     REQUIRE(swiftgs_renderer_set_scene(made, scene.get()) == SWIFTGS_OK);
+    cpp->set_scene(std::make_shared<const Scene>(make_builtin_scene(count)));
+  }
+
+  /// Draws with both, checks that the planes have the same bits, and returns the frame of C++.
+  Frame compare(const Camera& camera, RenderSettings settings, const swiftgs_camera& given,
+                const swiftgs_conventions& conventions) {
+    settings.outputs = {.alpha = true, .depth = true};
+    Frame expected;
+    cpp->render(camera, settings, expected);
     std::vector<float> colour(3 * width * height), alpha(width * height), depth(width * height);
-    swiftgs_conventions inria{};
-    inria.size = sizeof(inria);
-    REQUIRE(swiftgs_conventions_named("inria", &inria) == SWIFTGS_OK);
-    swiftgs_view view{};
-    view.size = sizeof(view);
-    view.camera = &camera, view.conventions = &inria;
+    auto view = sized<swiftgs_view>();
+    view.camera = &given, view.conventions = &conventions;
     view.colour = {colour.data(), 12 * width};
     view.alpha = {alpha.data(), 4 * width}, view.depth = {depth.data(), 4 * width};
-    view.background[0] = 0.1f, view.background[1] = 0.2f, view.background[2] = 0.3f;
-    swiftgs_frame frame{};
-    frame.size = sizeof(frame);
+    for (int k = 0; k < 3; ++k) view.background[k] = settings.background[k];
+    auto frame = sized<swiftgs_frame>();
     frame.views = &view, frame.count = 1;
-    REQUIRE(swiftgs_renderer_render(made, &frame) == SWIFTGS_OK);
+    REQUIRE(swiftgs_renderer_render(c.get(), &frame) == SWIFTGS_OK);
     CHECK(colour == expected.colour);
     CHECK(alpha == expected.alpha);
     CHECK(depth == expected.depth);
+    return expected;
+  }
+
+  std::unique_ptr<AnyRenderer> cpp;
+  std::unique_ptr<swiftgs_renderer, Free> c{};
+};
+
+}  // namespace
+
+TEST_CASE("c: frames have the bits of the C++ interface on every backend of the host") {
+  RenderSettings settings;
+  settings.background = vec3(0.1f, 0.2f, 0.3f);
+  settings.conventions = Conventions::inria();
+  for (const RendererEntry& entry : renderers()) {
+    if (!entry.usable || entry.name.starts_with("cuda/") || !entry.name.ends_with("/ellipse")) continue;
+    CAPTURE(entry.name);
+    Both(entry).compare(builtin_camera(width, height), settings, camera_of_c(), conventions_named("inria"));
   }
 }
 
@@ -97,14 +121,7 @@ TEST_CASE("c: every lens and measure of depth has the bits of the C++ interface"
                          {LensModel::equirectangular, {}}};
   constexpr Conventions::Depth depths[] = {Conventions::Depth::of_lens, Conventions::Depth::z,
                                            Conventions::Depth::distance};
-  const auto scene = make_scene();
-  const RendererEntry& entry = find_renderer("serial");
-  const std::unique_ptr<AnyRenderer> expected_by = entry.make();
-  expected_by->set_scene(std::make_shared<const Scene>(make_builtin_scene(count)));
-  swiftgs_renderer* made = nullptr;
-  REQUIRE(swiftgs_renderer_create(entry.name.c_str(), nullptr, &made) == SWIFTGS_OK);
-  const std::unique_ptr<swiftgs_renderer, Free> renderer(made);
-  REQUIRE(swiftgs_renderer_set_scene(made, scene.get()) == SWIFTGS_OK);
+  Both both(find_renderer("serial"));
   std::vector<Frame> all;
   for (const Lens& lens : lenses)
     for (const Conventions::Depth depth : depths) {
@@ -116,37 +133,16 @@ TEST_CASE("c: every lens and measure of depth has the bits of the C++ interface"
       if (lens.model == LensModel::orthographic) camera.fx = camera.fy = 15;
       if (lens.model == LensModel::equirectangular) camera.fx = camera.fy = 20;
       RenderSettings settings;
-      settings.outputs = {.alpha = true, .depth = true};
       settings.conventions.depth = depth;
-      Frame expected;
-      expected_by->render(camera, settings, expected);
-
-      swiftgs_camera given{};
-      given.size = sizeof(given);
-      REQUIRE(swiftgs_camera_builtin(width, height, &given) == SWIFTGS_OK);
+      swiftgs_camera given = camera_of_c();
       given.fx = camera.fx, given.fy = camera.fy, given.lens = int(lens.model);
       std::copy_n(lens.distortion.radial, 4, given.radial);
       std::copy_n(lens.distortion.rational, 3, given.rational);
       std::copy_n(lens.distortion.tangential, 2, given.tangential);
       std::copy_n(lens.distortion.prism, 2, given.prism);
-      swiftgs_conventions conventions{};
-      conventions.size = sizeof(conventions);
-      REQUIRE(swiftgs_conventions_named("gsplat", &conventions) == SWIFTGS_OK);
+      swiftgs_conventions conventions = conventions_named("gsplat");
       conventions.depth = int(depth);
-      std::vector<float> colour(3 * width * height), alpha(width * height), depths_found(width * height);
-      swiftgs_view view{};
-      view.size = sizeof(view);
-      view.camera = &given, view.conventions = &conventions;
-      view.colour = {colour.data(), 12 * width};
-      view.alpha = {alpha.data(), 4 * width}, view.depth = {depths_found.data(), 4 * width};
-      swiftgs_frame frame{};
-      frame.size = sizeof(frame);
-      frame.views = &view, frame.count = 1;
-      REQUIRE(swiftgs_renderer_render(made, &frame) == SWIFTGS_OK);
-      CHECK(colour == expected.colour);
-      CHECK(alpha == expected.alpha);
-      CHECK(depths_found == expected.depth);
-      all.push_back(expected);
+      all.push_back(both.compare(camera, settings, given, conventions));
     }
   // The lenses show different images, and the measures different depths.
   for (std::size_t i = 3; i < all.size(); i += 3) CHECK(all[i].colour != all[i - 3].colour);
@@ -158,8 +154,7 @@ TEST_CASE("c: the table has the renderers of the C++ interface in their order") 
   REQUIRE(swiftgs_renderers_count(&listed) == SWIFTGS_OK);
   REQUIRE(listed == renderers().size());
   for (std::size_t i = 0; i < listed; ++i) {
-    swiftgs_renderer_entry entry{};
-    entry.size = sizeof(entry);
+    auto entry = sized<swiftgs_renderer_entry>();
     REQUIRE(swiftgs_renderers_get(i, &entry) == SWIFTGS_OK);
     CHECK(std::string_view(entry.name) == renderers()[i].name);
     CHECK((entry.usable != 0) == renderers()[i].usable);
@@ -173,8 +168,7 @@ namespace {
 /// A callback of C++ that throws is the way to have the library throw anything.
 template <class E>
 swiftgs_status status_of(const E& error) {
-  swiftgs_write_options options{};
-  options.size = sizeof(options);
+  auto options = sized<swiftgs_write_options>();
   options.context = const_cast<E*>(&error);
   options.progress = [](void* context, double) -> std::int32_t { throw *static_cast<const E*>(context); };
   return swiftgs_scene_write(make_scene().get(), "c_status.ply", &options);

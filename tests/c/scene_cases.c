@@ -3,7 +3,6 @@
 /* Scenes: files, arrays, and what cannot be one. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "check.h"
@@ -84,22 +83,19 @@ void test_scenes(void) {
   swiftgs_scene* from_memory = NULL;
   CHECK_OK(swiftgs_scene_read_bytes(&bytes, NULL, &from_memory));
   CHECK(same_scene(read, from_memory));
-  free(content);
-
-  swiftgs_scene_free(made);
-  swiftgs_scene_free(read);
-  swiftgs_scene_free(spz);
-  swiftgs_scene_free(turned);
-  swiftgs_scene_free(from_memory);
-  swiftgs_scene_free(NULL);
+  swiftgs_scene* const all[] = {made, read, spz, turned, from_memory, NULL};
+  for (int i = 0; i < 6; ++i) swiftgs_scene_free(all[i]);
 }
 
+/* The head of an ASCII PLY, up to other properties and elements. */
+#define ONE_GAUSSIAN                                                                                \
+  "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n" \
+  "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\n"   \
+  "property float scale_0\nproperty float scale_1\nproperty float scale_2\nproperty float rot_0\n"  \
+  "property float rot_1\nproperty float rot_2\nproperty float rot_3\n"
+
 void test_scene_camera(void) {
-  write_text("c_scene_camera.ply",
-             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-             "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\n"
-             "property float scale_0\nproperty float scale_1\nproperty float scale_2\nproperty float rot_0\n"
-             "property float rot_1\nproperty float rot_2\nproperty float rot_3\n"
+  write_text("c_scene_camera.ply", ONE_GAUSSIAN
              "element extrinsic 16\nproperty float extrinsic\n"
              "element intrinsic 9\nproperty float intrinsic\n"
              "element image_size 2\nproperty uint image_size\nend_header\n"
@@ -114,10 +110,8 @@ void test_scene_camera(void) {
   CHECK(camera.cx == 24 && camera.cy == 16 && camera.rotation[1] == -1 && camera.translation[2] == 7);
   CHECK_OK(swiftgs_scene_get_camera(made, &camera));
   CHECK(camera.size == sizeof(camera) && camera.width == 0 && camera.fx == 0 && camera.translation[2] == 0);
-  CHECK_ERROR(swiftgs_scene_get_camera(NULL, &camera), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
-  CHECK_ERROR(swiftgs_scene_get_camera(made, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_camera is NULL");
-  swiftgs_scene_free(scene);
-  swiftgs_scene_free(made);
+  CHECK_NULLS(swiftgs_scene_get_camera, made, "scene", &camera, "swiftgs_camera");
+  swiftgs_scene_free(scene), swiftgs_scene_free(made);
 }
 
 struct heard {
@@ -159,11 +153,7 @@ void test_progress(void) {
 
   /* A property that no scene carries is worth one as well. */
   write_text("c_notes.ply",
-             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-             "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\n"
-             "property float scale_0\nproperty float scale_1\nproperty float scale_2\nproperty float rot_0\n"
-             "property float rot_1\nproperty float rot_2\nproperty float rot_3\nproperty float of_its_own\n"
-             "end_header\n0 0 1 0 0 0 0 0 0 0 1 0 0 0 7\n");
+             ONE_GAUSSIAN "property float of_its_own\nend_header\n0 0 1 0 0 0 0 0 0 0 1 0 0 0 7\n");
   struct heard noted = {0};
   read.context = &noted;
   CHECK_OK(swiftgs_scene_read("c_notes.ply", &read, &scene));
@@ -208,10 +198,15 @@ static swiftgs_gaussians arrays_in_rows(void) {
   return arrays;
 }
 
+static swiftgs_scene* scene_of(const swiftgs_gaussians* arrays) {
+  swiftgs_scene* scene = NULL;
+  CHECK_OK(swiftgs_scene_from_arrays(arrays, &scene));
+  return scene;
+}
+
 void test_arrays(void) {
   const swiftgs_gaussians given = arrays_in_rows();
-  swiftgs_scene* scene = NULL;
-  CHECK_OK(swiftgs_scene_from_arrays(&given, &scene));
+  swiftgs_scene* const scene = scene_of(&given);
   const swiftgs_scene_info info = info_of(scene);
   CHECK(info.count == 2 && info.stored == 2 && info.sh_degree == 1 && info.antialiased == 1);
   CHECK(info.lower[2] == -3 && info.upper[2] == 3);
@@ -228,12 +223,11 @@ void test_arrays(void) {
   CHECK(memcmp(kept.rotations.data, unit, sizeof(unit)) == 0);
 
   /* Activated numbers keep their bits; the arrays of a scene make the same scene. */
-  swiftgs_scene *copy = NULL, *builtin = make_scene();
-  CHECK_OK(swiftgs_scene_from_arrays(&kept, &copy));
+  swiftgs_scene *copy = scene_of(&kept), *const builtin = make_scene();
   CHECK(same_scene(scene, copy));
   swiftgs_scene_free(copy);
   const swiftgs_gaussians of_builtin = arrays_of(builtin);
-  CHECK_OK(swiftgs_scene_from_arrays(&of_builtin, &copy));
+  copy = scene_of(&of_builtin);
   CHECK(same_scene(builtin, copy));
   swiftgs_scene_free(copy);
 
@@ -241,11 +235,11 @@ void test_arrays(void) {
   const float numbers[] = {1, 2, 3, 4};
   swiftgs_gaussians one = {.size = sizeof(one), .count = 1};
   one.means.data = one.scales.data = one.rotations.data = one.opacities.data = one.sh0.data = numbers;
-  CHECK_OK(swiftgs_scene_from_arrays(&one, &copy));
+  copy = scene_of(&one);
   CHECK(arrays_of(copy).rotations.data[3] == 4);
   swiftgs_scene_free(copy);
   const swiftgs_gaussians none = {.size = sizeof(none), .sh_degree = 3};
-  CHECK_OK(swiftgs_scene_from_arrays(&none, &copy));
+  copy = scene_of(&none);
   const swiftgs_scene_info of_none = info_of(copy);
   CHECK(of_none.count == 0 && of_none.lower[0] == 0 && of_none.upper[0] == 0);
   CHECK(arrays_of(copy).means.data == NULL);
@@ -253,7 +247,7 @@ void test_arrays(void) {
 
   /* Colours become coefficients. */
   one.raw = SWIFTGS_PLAIN_COLOURS;
-  CHECK_OK(swiftgs_scene_from_arrays(&one, &copy));
+  copy = scene_of(&one);
   CHECK(arrays_of(copy).sh0.data[2] == (float)((3 - 0.5) / 0.28209479177387814));
   swiftgs_scene_free(copy);
 
@@ -263,55 +257,34 @@ void test_arrays(void) {
   swiftgs_gaussians three = {.size = sizeof(three), .count = 3};
   three.means.data = means;
   three.scales.data = three.rotations.data = three.opacities.data = three.sh0.data = twelve;
-  CHECK_OK(swiftgs_scene_from_arrays(&three, &copy));
+  copy = scene_of(&three);
   const swiftgs_scene_info of_three = info_of(copy);
   CHECK(of_three.count == 3 && of_three.lower[1] == 2 && of_three.upper[1] == 2);
-  swiftgs_scene_free(copy);
-  swiftgs_scene_free(builtin);
-  swiftgs_scene_free(scene);
+  swiftgs_scene_free(copy), swiftgs_scene_free(builtin), swiftgs_scene_free(scene);
 }
 
-/* Refused, for `part` of the message. */
-static void refuse_arrays(const swiftgs_gaussians* arrays, swiftgs_status status, const char* part) {
+static void refuse_arrays(const swiftgs_gaussians* arrays, const char* part) {
   swiftgs_scene* scene = NULL;
-  CHECK_ERROR(swiftgs_scene_from_arrays(arrays, &scene), status, part);
+  CHECK_INVALID(swiftgs_scene_from_arrays(arrays, &scene), part);
   CHECK(scene == NULL);
 }
 
 static void test_array_errors(void) {
   swiftgs_gaussians arrays = arrays_in_rows();
-  CHECK_ERROR(swiftgs_scene_from_arrays(&arrays, NULL), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
-  refuse_arrays(NULL, SWIFTGS_INVALID_ARGUMENT, "swiftgs_gaussians is NULL");
-  arrays.sh_degree = 4;
-  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "sh_degree is 4, expected 0 to 3");
-  arrays = arrays_in_rows();
-  arrays.sh_rest.data = NULL;
-  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "scene: sh_rest is null");
-  arrays = arrays_in_rows();
-  arrays.rotations.stride = 12;
-  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT,
-                "rotations: stride is 12 bytes, expected 0 or a multiple of 4 from 16");
-  arrays = arrays_in_rows();
-  arrays.opacities.stride = 6;
-  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "opacities: stride is 6 bytes");
-  arrays = arrays_in_rows();
-  arrays.means.stride = -12;
-  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "means: stride is -12 bytes");
-  arrays = arrays_in_rows();
-  arrays.means.stride = INT64_MAX - 3;
-  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "means: stride is");
-  arrays = arrays_in_rows();
-  arrays.count = (uint64_t)1 << 32;
-  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "4294967296 Gaussians, expected fewer than 2^32");
-  arrays = arrays_in_rows();
-  arrays.memory = 2;
-  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "memory is 2, expected 0 to 1");
-  arrays = arrays_in_rows();
-  arrays.raw = 16;
-  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "raw is 16, expected a sum of 1, 2, 4 and 8");
-  arrays = arrays_in_rows();
-  arrays.reserved = 1;
-  refuse_arrays(&arrays, SWIFTGS_INVALID_ARGUMENT, "swiftgs_gaussians: reserved is 1, expected 0");
+  CHECK_INVALID(swiftgs_scene_from_arrays(&arrays, NULL), "scene is NULL");
+  refuse_arrays(NULL, "swiftgs_gaussians is NULL");
+#define REFUSE(change, part) arrays = arrays_in_rows(), arrays.change, refuse_arrays(&arrays, part)
+  REFUSE(sh_degree = 4, "sh_degree is 4, expected 0 to 3");
+  REFUSE(sh_rest.data = NULL, "scene: sh_rest is null");
+  REFUSE(rotations.stride = 12, "rotations: stride is 12 bytes, expected 0 or a multiple of 4 from 16");
+  REFUSE(opacities.stride = 6, "opacities: stride is 6 bytes");
+  REFUSE(means.stride = -12, "means: stride is -12 bytes");
+  REFUSE(means.stride = INT64_MAX - 3, "means: stride is");
+  REFUSE(count = (uint64_t)1 << 32, "4294967296 Gaussians, expected fewer than 2^32");
+  REFUSE(memory = 2, "memory is 2, expected 0 to 1");
+  REFUSE(raw = 16, "raw is 16, expected a sum of 1, 2, 4 and 8");
+  REFUSE(reserved = 1, "swiftgs_gaussians: reserved is 1, expected 0");
+#undef REFUSE
 }
 
 void test_scene_errors(void) {
@@ -319,54 +292,49 @@ void test_scene_errors(void) {
   CHECK_ERROR(swiftgs_scene_read("nowhere.ply", NULL, &scene), SWIFTGS_SYSTEM_ERROR, "nowhere.ply");
   write_text("c_errors.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n");
   CHECK_ERROR(swiftgs_scene_read("c_errors.ply", NULL, &scene), SWIFTGS_FORMAT_ERROR, "c_errors.ply: byte");
-  CHECK_ERROR(swiftgs_scene_read(NULL, NULL, &scene), SWIFTGS_INVALID_ARGUMENT, "path is NULL");
-  CHECK_ERROR(swiftgs_scene_read("c_errors.ply", NULL, NULL), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
+  CHECK_INVALID(swiftgs_scene_read(NULL, NULL, &scene), "path is NULL");
+  CHECK_INVALID(swiftgs_scene_read("c_errors.ply", NULL, NULL), "scene is NULL");
   swiftgs_read_options read = {.size = sizeof(read), .spz_axes = 5};
-  CHECK_ERROR(swiftgs_scene_read("c_errors.ply", &read, &scene), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_read_options: spz_axes is 5, expected 0 to 4");
+  CHECK_INVALID(swiftgs_scene_read("c_errors.ply", &read, &scene),
+                "swiftgs_read_options: spz_axes is 5, expected 0 to 4");
   read.spz_axes = 0, read.reserved = 1;
-  CHECK_ERROR(swiftgs_scene_read("c_errors.ply", &read, &scene), SWIFTGS_INVALID_ARGUMENT, "reserved is 1");
+  CHECK_INVALID(swiftgs_scene_read("c_errors.ply", &read, &scene), "reserved is 1");
 
   swiftgs_file_bytes bytes = {.size = sizeof(bytes), .data = "none", .count = 4, .name = "memory"};
   CHECK_ERROR(swiftgs_scene_read_bytes(&bytes, NULL, &scene), SWIFTGS_FORMAT_ERROR, "memory: byte");
-  CHECK_ERROR(swiftgs_scene_read_bytes(&bytes, NULL, NULL), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
+  CHECK_INVALID(swiftgs_scene_read_bytes(&bytes, NULL, NULL), "scene is NULL");
   bytes.data = NULL;
-  CHECK_ERROR(swiftgs_scene_read_bytes(&bytes, NULL, &scene), SWIFTGS_INVALID_ARGUMENT, "data is NULL");
+  CHECK_INVALID(swiftgs_scene_read_bytes(&bytes, NULL, &scene), "data is NULL");
   bytes.count = 0;
   CHECK_ERROR(swiftgs_scene_read_bytes(&bytes, NULL, &scene), SWIFTGS_FORMAT_ERROR, "memory: byte 0");
   bytes.reserved = 1;
-  CHECK_ERROR(swiftgs_scene_read_bytes(&bytes, NULL, &scene), SWIFTGS_INVALID_ARGUMENT, "reserved is 1");
+  CHECK_INVALID(swiftgs_scene_read_bytes(&bytes, NULL, &scene), "reserved is 1");
   bytes.reserved = 0, bytes.name = NULL;
-  CHECK_ERROR(swiftgs_scene_read_bytes(&bytes, NULL, &scene), SWIFTGS_INVALID_ARGUMENT, "name is NULL");
-  CHECK_ERROR(swiftgs_scene_read_bytes(NULL, NULL, &scene), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_file_bytes is NULL");
+  CHECK_INVALID(swiftgs_scene_read_bytes(&bytes, NULL, &scene), "name is NULL");
+  CHECK_INVALID(swiftgs_scene_read_bytes(NULL, NULL, &scene), "swiftgs_file_bytes is NULL");
 
-  CHECK_ERROR(swiftgs_scene_builtin(1, NULL), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
-  CHECK_ERROR(swiftgs_scene_builtin((uint64_t)1 << 32, &scene), SWIFTGS_INVALID_ARGUMENT, "fewer than 2^32");
+  CHECK_INVALID(swiftgs_scene_builtin(1, NULL), "scene is NULL");
+  CHECK_INVALID(swiftgs_scene_builtin((uint64_t)1 << 32, &scene), "fewer than 2^32");
   CHECK(scene == NULL);
   test_array_errors();
 
   scene = make_scene();
   swiftgs_scene_info info = {.size = sizeof(info)};
-  CHECK_ERROR(swiftgs_scene_get_info(NULL, &info), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
-  CHECK_ERROR(swiftgs_scene_get_info(scene, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_scene_info is NULL");
+  CHECK_NULLS(swiftgs_scene_get_info, scene, "scene", &info, "swiftgs_scene_info");
   info.size = 4;
-  CHECK_ERROR(swiftgs_scene_get_info(scene, &info), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_scene_info: size is 4");
+  CHECK_INVALID(swiftgs_scene_get_info(scene, &info), "swiftgs_scene_info: size is 4");
   swiftgs_gaussians arrays = {.size = sizeof(arrays)};
-  CHECK_ERROR(swiftgs_scene_get_arrays(NULL, &arrays), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
-  CHECK_ERROR(swiftgs_scene_get_arrays(scene, NULL), SWIFTGS_INVALID_ARGUMENT, "swiftgs_gaussians is NULL");
+  CHECK_NULLS(swiftgs_scene_get_arrays, scene, "scene", &arrays, "swiftgs_gaussians");
 
-  CHECK_ERROR(swiftgs_scene_write(NULL, "c_errors.ply", NULL), SWIFTGS_INVALID_ARGUMENT, "scene is NULL");
-  CHECK_ERROR(swiftgs_scene_write(scene, NULL, NULL), SWIFTGS_INVALID_ARGUMENT, "path is NULL");
-  CHECK_ERROR(swiftgs_scene_write(scene, "c_errors.obj", NULL), SWIFTGS_INVALID_ARGUMENT, "c_errors.obj");
+  CHECK_INVALID(swiftgs_scene_write(NULL, "c_errors.ply", NULL), "scene is NULL");
+  CHECK_INVALID(swiftgs_scene_write(scene, NULL, NULL), "path is NULL");
+  CHECK_INVALID(swiftgs_scene_write(scene, "c_errors.obj", NULL), "c_errors.obj");
   CHECK_ERROR(swiftgs_scene_write(scene, "nowhere/c_errors.ply", NULL), SWIFTGS_SYSTEM_ERROR, "nowhere");
   swiftgs_write_options write = {.size = sizeof(write), .spz_version = 2};
-  CHECK_ERROR(swiftgs_scene_write(scene, "c_errors.spz", &write), SWIFTGS_INVALID_ARGUMENT, "2");
+  CHECK_INVALID(swiftgs_scene_write(scene, "c_errors.spz", &write), "2");
   write.spz_version = 0, write.spz_axes = -1;
-  CHECK_ERROR(swiftgs_scene_write(scene, "c_errors.spz", &write), SWIFTGS_INVALID_ARGUMENT,
-              "swiftgs_write_options: spz_axes is -1");
+  CHECK_INVALID(swiftgs_scene_write(scene, "c_errors.spz", &write), "swiftgs_write_options: spz_axes is -1");
   write.spz_axes = 0, write.reserved = 1;
-  CHECK_ERROR(swiftgs_scene_write(scene, "c_errors.spz", &write), SWIFTGS_INVALID_ARGUMENT, "reserved is 1");
+  CHECK_INVALID(swiftgs_scene_write(scene, "c_errors.spz", &write), "reserved is 1");
   swiftgs_scene_free(scene);
 }

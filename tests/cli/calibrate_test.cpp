@@ -45,11 +45,7 @@ TEST_CASE("cli calibrate: render draws the same image with the file and refuses 
   CHECK(content_of(place / "with/front.pfm") == content_of(place / "without/front.pfm"));
 
   const auto refused = [&](const std::string& arguments, const std::string& part) {
-    const Outcome outcome = swiftgs::test::swiftgs(place, arguments);
-    CAPTURE(outcome.err);
-    CHECK(outcome.code == 1);
-    CHECK(lines_in(outcome.err) == 1);
-    CHECK(contains(outcome.err, part));
+    fails(place, arguments, {part});
   };
   const std::string scene = "render builtin:300" + render + "x --renderer ";
   refused("render builtin:301" + render + "x" + adaptive, "b.json: expected a calibration of scene crc32:");

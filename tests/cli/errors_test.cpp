@@ -155,7 +155,10 @@ TEST_CASE("cli errors: an image that a limit cuts is named and leaves nothing") 
 TEST_CASE("cli errors: a standard output that takes nothing is an error") {
   if (!std::filesystem::exists("/dev/full")) return swiftgs::test::skip("no /dev/full here");
   const TemporaryFolder place;
-  const Outcome outcome = swiftgs::test::swiftgs(place, "info builtin:10 >/dev/full 2>full.txt #");
-  CHECK(outcome.code == 1);
-  CHECK(swiftgs::test::content_of(place / "full.txt") == "swiftgs: standard output: cannot be written\n");
+  for (const auto& [arguments, reason] :
+       {std::pair<std::string, std::string>{"info builtin:10", "cannot be written"},
+        {"list --json -", "No space left on device"}}) {
+    CHECK(swiftgs::test::swiftgs(place, arguments + " >/dev/full 2>full.txt #").code == 1);
+    CHECK(content_of(place / "full.txt") == "swiftgs: standard output: " + reason + "\n");
+  }
 }

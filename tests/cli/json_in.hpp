@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
 #include "support/files.hpp"
@@ -20,6 +21,15 @@ inline std::set<std::string> members_of(const nlohmann::json& object) {
   std::set<std::string> members;
   for (const auto& item : object.items()) members.insert(item.key());
   return members;
+}
+
+/// Checks that `object` has the members of the JSON `expected` with their values.
+inline void check_members(const nlohmann::json& object, const std::string& expected) {
+  const auto members = nlohmann::json::parse(expected);
+  for (const auto& member : members.items()) {
+    CAPTURE(member.key());
+    CHECK(object.at(member.key()) == member.value());
+  }
 }
 
 }  // namespace swiftgs::test

@@ -19,7 +19,6 @@ using nlohmann::json;
 using swiftgs::Image;
 using swiftgs::test::contains;
 using swiftgs::test::json_in;
-using swiftgs::test::Outcome;
 using swiftgs::test::run;
 using swiftgs::test::TemporaryFolder;
 
@@ -96,16 +95,12 @@ TEST_CASE("cli lenses: a panorama is twice as wide as high and shows what is beh
 
 TEST_CASE("cli lenses: unknown names are refused with what is expected") {
   const TemporaryFolder place;
-  const auto refusal = [&](const std::string& options) {
-    const Outcome outcome = swiftgs::test::swiftgs(place, "render builtin:50 " + options);
-    CHECK(outcome.code == 1);
-    return outcome.err;
+  const auto refuses = [&](const std::string& options, const std::string& told) {
+    CHECK(swiftgs::test::refusal(place, "render builtin:50 " + options) == "swiftgs: " + told + "\n");
   };
-  CHECK(refusal("--lens round") ==
-        "swiftgs: --lens 'round': expected perspective, fisheye, orthographic or equirectangular\n");
-  CHECK(refusal("--panorama --lens fisheye") ==
-        "swiftgs: --panorama: expected no --lens fisheye beside it\n");
-  CHECK(refusal("--depth-by y") == "swiftgs: --depth-by 'y': expected z or distance\n");
+  refuses("--lens round", "--lens 'round': expected perspective, fisheye, orthographic or equirectangular");
+  refuses("--panorama --lens fisheye", "--panorama: expected no --lens fisheye beside it");
+  refuses("--depth-by y", "--depth-by 'y': expected z or distance");
 }
 
 TEST_CASE("cli lenses: info tells those of a capture's cameras") {

@@ -9,6 +9,7 @@
 #include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/version.hpp>
 
+#include "cli/cameras.hpp"
 #include "cli/command.hpp"
 #include "cli/json_in.hpp"
 
@@ -62,19 +63,15 @@ TEST_CASE("cli prune: writes one object of results with exactly these members") 
                                                       "views", "held_out", "kept_weight", "before", "after"});
     CHECK(members_of(result["after"]) ==
           std::set<std::string>{"gaussians", "ms", "photo_psnr_db", "photo_ssim", "unpruned_psnr_db"});
-    CHECK(result["format"] == "swiftgs-prune");
-    CHECK(result["version"] == 1);
-    CHECK(result["scene"] == "builtin:1000");
-    CHECK(result["backend"] == "serial");
+    check_members(result, R"({"format": "swiftgs-prune", "version": 1, "backend": "serial"})");
+    check_members(result, R"({"scene": "builtin:1000", "held_out": 4})");
     CHECK(result["machine"]["version"] == swiftgs::version);
     CHECK(contains(result["command"], "swiftgs prune builtin:1000 --keep 0.3 "));
     CHECK(result["before"]["gaussians"] == 1000);
-    CHECK(result["after"]["gaussians"] == 300);
+    check_members(result["after"], R"({"gaussians": 300, "photo_psnr_db": null})");
     CHECK(result["after"]["ms"] > 0);
-    CHECK(result["after"]["photo_psnr_db"].is_null());
     // A front view and an orbit of 24: every eighth is held out.
     CHECK(result["views"] == (name == "volume" ? 0 : 21));
-    CHECK(result["held_out"] == 4);
     CHECK(result["kept_weight"] > 0.3);
     CHECK(result["kept_weight"] <= 1);
   }
@@ -151,15 +148,10 @@ TEST_CASE("cli prune: what cannot be done is one line and writes nothing") {
 TEST_CASE("cli prune: views that show nothing of the scene are an error") {
   const TemporaryFolder place;
   write_scene(place / "scene.ply", swiftgs::make_builtin_scene(20));
-  const json camera = {{"id", 0},
-                       {"img_name", "away"},
-                       {"width", 32},
-                       {"height", 16},
-                       {"fx", 30.0},
-                       {"fy", 30.0},
-                       {"position", {0, 1e6, 0}},
-                       {"rotation", {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}}};
-  place.write("cameras.json", json::array({camera, camera}).dump());
+  json cameras = json::parse(cameras_json({"away", "away"}));
+  for (json& camera : cameras)
+    camera["position"] = {0, 1e6, 0}, camera["rotation"] = {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
+  place.write("cameras.json", cameras.dump());
   const std::string command = "scene.ply --keep 0.5 --cameras cameras.json --backend serial ";
   fails(place, command + "--out small.ply", "expected views that show the scene");
   // What an earlier run left stays.

@@ -44,13 +44,13 @@ inline RenderSettings all_outputs() {
 }
 
 /// Renders `cameras` in one frame, several times, so that strips move, and compares it with one renderer of
-/// the whole scene. `own` is this rank's part.
-template <class B, class Sort, class Raster, class Bounds>
+/// the whole scene on the backend `One`. `own` is this rank's part.
+template <class B, class Sort, class Raster, class Bounds, class One = B>
 void compare(const Scene& scene, const Scene& own, const std::vector<Camera>& cameras, int frames = 3) {
   const Span<const Camera> all{cameras.data(), cameras.size()};
   const RenderSettings settings = all_outputs();
   std::vector<Frame> expected(cameras.size()), found(cameras.size());
-  Renderer<B, Sort, Raster, Bounds> one;
+  Renderer<One, Sort, Raster, Bounds> one;
   const auto whole = one.backend().upload(scene);
   DistributedRenderer<B, Sort, Raster, Bounds> distributed(ranks_here());
   const auto part = distributed.backend().upload(own);
@@ -65,9 +65,21 @@ void compare(const Scene& scene, const Scene& own, const std::vector<Camera>& ca
   CHECK(distributed.counters().intersections() == one.statistics().intersections);
 }
 
-template <class B, class Sort, class Raster, class Bounds>
+template <class B, class Sort, class Raster, class Bounds, class One = B>
 void compare(const Scene& scene, const std::vector<Camera>& cameras, int frames = 3) {
-  compare<B, Sort, Raster, Bounds>(scene, part_of(scene, own_part()), cameras, frames);
+  compare<B, Sort, Raster, Bounds, One>(scene, part_of(scene, own_part()), cameras, frames);
+}
+
+/// f.operator()<Sort, Raster, Bounds>() with each of them.
+template <class F>
+void for_every_policy(const F& f) {
+  f.template operator()<EarlySort, PerPixel, ThreeSigmaSquare>();
+  f.template operator()<StandardSort, AxisShared<FloatCholesky>, OpacityBox>();
+  f.template operator()<AdaptiveSort, AxisShared<FloatSplit>, Obb>();
+  f.template operator()<EarlySort, AxisShared<HalfSplit>, Ellipse>();
+  f.template operator()<EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>();
+  f.template operator()<StandardSort, AxisSharedThreshold<FloatSplit>, ThreeSigmaSquare>();
+  f.template operator()<AdaptiveSort, AxisSharedThreshold<HalfSplit>, Obb>();
 }
 
 /// `compare` with each sort, rasterizer and bounds. `part` is this rank's of `scene`.

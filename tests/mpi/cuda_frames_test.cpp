@@ -101,13 +101,9 @@ TEST_CASE("mpi cuda: each policy draws the bits of one process") {
   if (!on_devices()) return;
   const Scene scene = make_builtin_scene(30'000);
   const std::vector<Camera> cameras = some_cameras();
-  compare_carriers<EarlySort, PerPixel, ThreeSigmaSquare>(scene, cameras);
-  compare_carriers<StandardSort, AxisShared<FloatCholesky>, OpacityBox>(scene, cameras);
-  compare_carriers<AdaptiveSort, AxisShared<FloatSplit>, Obb>(scene, cameras);
-  compare_carriers<EarlySort, AxisShared<HalfSplit>, Ellipse>(scene, cameras);
-  compare_carriers<EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, cameras);
-  compare_carriers<StandardSort, AxisSharedThreshold<FloatSplit>, ThreeSigmaSquare>(scene, cameras);
-  compare_carriers<AdaptiveSort, AxisSharedThreshold<HalfSplit>, Obb>(scene, cameras);
+  for_every_policy([&]<class Sort, class Raster, class Bounds> {
+    compare_carriers<Sort, Raster, Bounds>(scene, cameras);
+  });
 }
 
 TEST_CASE("mpi cuda: a large frame with long lists draws the bits of one process") {

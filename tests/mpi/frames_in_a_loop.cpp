@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
     DistributedRenderer<Cpu, EarlySort, PerPixel, Ellipse> renderer(ranks, Cpu(1));
     const auto part = renderer.backend().upload(
         make_builtin_scene(5'000, {std::size_t(ranks.rank()), std::size_t(ranks.size())}));
-    const Scene long_to_write = make_builtin_scene(20'000);
+    const Scene long_to_write = ranks.rank() == 0 ? make_builtin_scene(20'000) : Scene();
     const auto name_of = [](int k) { return "scene-" + std::to_string(k) + ".ply"; };
     Frame frame;
     for (int k = 0; k < frames; ++k) {

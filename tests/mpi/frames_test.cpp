@@ -18,6 +18,25 @@
 using namespace swiftgs;
 using namespace swiftgs::test;
 
+namespace {
+
+/// A renderer on one process with a whole scene, and one over ranks with their parts.
+struct Pair {
+  explicit Pair(const Scene& scene)
+      : whole(one.backend().upload(scene)), part(distributed.backend().upload(part_of(scene, own_part()))) {}
+
+  void render(const View& by_one, const View& by_all) {
+    one.render_into(whole.view(), Span{&by_one, 1});
+    distributed.render_into(part.view(), Span{&by_all, 1});
+  }
+
+  Renderer<Cpu, EarlySort, PerPixel, Ellipse> one{};
+  DistributedRenderer<Cpu, EarlySort, PerPixel, Ellipse> distributed{ranks_here()};
+  Cpu::SceneOn whole, part;
+};
+
+}  // namespace
+
 TEST_CASE("mpi frames: each policy draws the bits of one process") {
   const Scene scene = make_builtin_scene(6'000);
   compare_every_policy(scene, part_of(scene, own_part()), some_cameras());
@@ -92,12 +111,8 @@ TEST_CASE("mpi frames: messages that are cut bring the same bits") {
 }
 
 TEST_CASE("mpi frames: strips are drawn over images and behind surfaces and into other formats") {
-  const Scene scene = make_builtin_scene(3'000);
   const Camera camera = builtin_camera(200, 150);
-  Renderer<Cpu, EarlySort, PerPixel, Ellipse> one;
-  DistributedRenderer<Cpu, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
-  const auto whole = one.backend().upload(scene);
-  const auto part = distributed.backend().upload(part_of(scene, own_part()));
+  Pair pair(make_builtin_scene(3'000));
   std::vector<float> occluder(200 * 150);
   for (std::size_t i = 0; i < occluder.size(); ++i) occluder[i] = i % 3 ? 4.0f : INFINITY;
   for (const PixelFormat format : {PixelFormat::rgba_float, PixelFormat::rgba_half, PixelFormat::rgba_8}) {
@@ -112,12 +127,10 @@ TEST_CASE("mpi frames: strips are drawn over images and behind surfaces and into
       frame.occluder = {occluder.data(), 200 * sizeof(float)};
       return make_view(camera, Conventions::gsplat(), frame);
     };
-    const View into_expected = view_into(expected), into_found = view_into(found);
-    one.render_into(whole.view(), Span{&into_expected, 1});
-    distributed.render_into(part.view(), Span{&into_found, 1});
+    pair.render(view_into(expected), view_into(found));
     // Outside of the strip nothing was written.
     std::vector<bool> own_row(150);
-    for (const DrawnStrip& each : distributed.drawn())
+    for (const DrawnStrip& each : pair.distributed.drawn())
       for (int row = 0; row < each.view_strip.rows; ++row)
         own_row[std::size_t(each.view_strip.first_row + row)] = true;
     std::size_t wrong = 0;
@@ -131,21 +144,15 @@ TEST_CASE("mpi frames: strips are drawn over images and behind surfaces and into
 }
 
 TEST_CASE("mpi frames: a rectangle of an image is shared out as well") {
-  const Scene scene = make_builtin_scene(3'000);
   const Camera camera = builtin_camera(300, 260);
-  Renderer<Cpu, EarlySort, PerPixel, Ellipse> one;
-  DistributedRenderer<Cpu, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
-  const auto whole = one.backend().upload(scene);
-  const auto part = distributed.backend().upload(part_of(scene, own_part()));
+  Pair pair(make_builtin_scene(3'000));
   Frame expected, found;
   const auto view_of = [&](Frame& frame) {
     return make_view(camera, Conventions::gsplat(), prepare(frame, 130, 100, {true, true}), vec3(0),
                      {32, 64});
   };
-  const View a = view_of(expected), b = view_of(found);
-  one.render_into(whole.view(), Span{&a, 1});
-  distributed.render_into(part.view(), Span{&b, 1});
-  for (const DrawnStrip& each : distributed.drawn()) {
+  pair.render(view_of(expected), view_of(found));
+  for (const DrawnStrip& each : pair.distributed.drawn()) {
     const std::size_t first = std::size_t(each.view_strip.first_row) * 130,
                       size = std::size_t(each.view_strip.rows) * 130;
     CHECK(std::memcmp(&found.colour[3 * first], &expected.colour[3 * first], 3 * size * sizeof(float)) == 0);

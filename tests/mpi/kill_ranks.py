@@ -11,6 +11,7 @@ LAUNCH starts ranks as mpirun does. SWIFTGS is the command-line tool, whose rank
 frames_in_a_loop, whose ranks share each frame. FOLDER is made anew and holds what they write.
 """
 import concurrent.futures
+import contextlib
 import dataclasses
 import os
 import pathlib
@@ -27,7 +28,9 @@ WORKERS = ("views", "views", "frames")  # each kills its share of the times, sid
 IMAGES = 25
 BY_TIME = 0.15  # share of the kills
 FEW_MILLISECONDS = 0.01
-SECONDS_TO_STOP = 10  # MPI asks politely first, and the machine may be busy
+SECONDS_TO_STOP = 10  # the machine may be busy
+# Open MPI 4 and 5 would wait a second from asking ranks to end to killing them.
+AT_ONCE = {f"{program}_MCA_odls_base_sigkill_timeout": "0" for program in ("OMPI", "PRTE")}
 # If a rank dies while it connects to its launcher, that of Open MPI 4.1 may stop all ranks and then wait for itself for
 # ever. So few launchers may do so; such a run is none of the times.
 MOST_STUCK_LAUNCHERS = 3
@@ -40,7 +43,7 @@ class Work:
     longest: float = 0  # seconds that it takes when nobody disturbs it
 
     def running(self, folder):
-        return running(self.launch, self.command, folder)
+        return running(self.launch, self.command, folder, **AT_ONCE)
 
     def check(self, folder, finished):
         check_files(folder, IMAGES)
@@ -62,7 +65,8 @@ class StuckLauncher(Exception):
 
 
 def images_in(folder):
-    return sum(1 for _ in folder.rglob("*.png"))
+    images = folder / "renders"  # of the tool; FRAMES writes into the folder itself
+    return sum(name.endswith(".png") for name in os.listdir(images if images.is_dir() else folder))
 
 
 def await_moment(work, folder, started, rng):
@@ -73,7 +77,7 @@ def await_moment(work, folder, started, rng):
         return f"at {delay:.3f} s"
     images = rng.randint(0, IMAGES)
     while images_in(folder) < images and started.poll() is None:
-        time.sleep(0.001)
+        time.sleep(0.002)
     time.sleep(rng.uniform(0, FEW_MILLISECONDS))
     return f"after {images} images"
 
@@ -84,13 +88,13 @@ def run_once(work, folder, rng, tally):
         moment = await_moment(work, folder, started, rng)
         killed = False
         while not killed and started.poll() is None:
-            ranks = ranks_of(program, folder)  # none before the launcher has started them
-            try:
-                if ranks:
-                    os.kill(rng.choice(ranks), signal.SIGKILL)
-                    killed = True
-            except ProcessLookupError:
-                pass
+            ranks = ranks_of(program, folder)
+            if not ranks:  # the launcher has not started them yet
+                time.sleep(0.01)
+                continue
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(rng.choice(ranks), signal.SIGKILL)
+                killed = True
         at = time.monotonic()
         try:
             code = started.wait(timeout=SECONDS_TO_STOP)

@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 
 RANKS = 3
 
@@ -28,30 +29,34 @@ def skip_without_unnamed_files(folder):
 
 
 @contextlib.contextmanager
-def running(launch, command, folder, apart=None):
+def running(launch, command, folder, apart=None, **environment):
     """Runs `command` on ranks in `folder`, made anew; the last of them in the folder `apart` of it if that is named.
 
-    Yields the launcher. What still runs after the block is ended, however the block was left.
+    `environment` comes beside that of the test. Yields the launcher. What still runs after the block is ended, however
+    the block was left.
     """
     shutil.rmtree(folder, ignore_errors=True)
     (folder / (apart or "")).mkdir(parents=True)
     arguments = ["-n", str(RANKS), *command]
     if apart:
         arguments = ["-n", str(RANKS - 1), *command, ":", "-n", "1", "-wdir", apart, *command]
-    with open(folder / "stdout.txt", "wb") as out, open(folder / "stderr.txt", "wb") as err:
-        started = subprocess.Popen([launch, *arguments], cwd=folder, stdout=out, stderr=err)
-    try:
-        yield started
-    finally:
-        started.terminate()
+    # Launchers that start at once trip over each other's folders for sessions.
+    with (open(folder / "stdout.txt", "wb") as out, open(folder / "stderr.txt", "wb") as err,
+          tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as session):
+        started = subprocess.Popen([launch, *arguments], cwd=folder, stdout=out, stderr=err,
+                                   env=dict(os.environ, TMPDIR=session, **environment))
         try:
-            started.wait(timeout=10)
-        except subprocess.TimeoutExpired:
-            started.kill()
-            started.wait()
-        for rank in ranks_of(command[0], folder):
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(rank, signal.SIGKILL)
+            yield started
+        finally:
+            started.terminate()
+            try:
+                started.wait(timeout=10)
+            except subprocess.TimeoutExpired:
+                started.kill()
+                started.wait()
+            for rank in ranks_of(command[0], folder):
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(rank, signal.SIGKILL)
 
 
 def ranks_of(program, folder):

@@ -11,38 +11,14 @@
 using namespace swiftgs;
 using namespace swiftgs::test;
 
-namespace {
-
-void compare_with_one_process(bool direct) {
-  const Scene scene = make_builtin_scene(4'000);
-  const std::vector<Camera> cameras = some_cameras();
-  const Span<const Camera> all{cameras.data(), cameras.size()};
-  std::vector<Frame> expected(cameras.size()), found(cameras.size());
-  Renderer<Serial, EarlySort, PerPixel, Ellipse> one;
-  one.render(one.backend().upload(scene), all, all_outputs(), {expected.data(), expected.size()});
-
-  ranks_here().set_direct(direct);
-  DistributedRenderer<Away, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
-  ranks_here().set_direct(false);
-  CHECK(distributed.carrier() == (direct ? "away" : "host"));
-  const auto part = distributed.backend().upload(part_of(scene, own_part()));
-  for (int k = 0; k < 3; ++k) {
-    distributed.render(part.view(), all, all_outputs(), {found.data(), found.size()});
-    if (ranks_here().rank() == 0)
-      for (std::size_t i = 0; i < cameras.size(); ++i) CHECK(same_bits(found[i], expected[i]));
+TEST_CASE("mpi staging: messages by way of other memory and without it bring the bits of one process") {
+  for (const bool direct : {false, true}) {
+    ranks_here().set_direct(direct);
+    compare<Away, EarlySort, PerPixel, Ellipse, Serial>(make_builtin_scene(4'000), some_cameras());
+    const DistributedRenderer<Away, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
+    CHECK(distributed.carrier() == (direct ? "away" : "host"));
   }
-  CHECK(distributed.counters().visible() == one.statistics().visible);
-  CHECK(distributed.counters().intersections() == one.statistics().intersections);
-}
-
-}  // namespace
-
-TEST_CASE("mpi staging: messages by way of other memory bring the bits of one process") {
-  compare_with_one_process(false);
-}
-
-TEST_CASE("mpi staging: messages between arrays without other memory bring the bits of one process") {
-  compare_with_one_process(true);
+  ranks_here().set_direct(false);
 }
 
 TEST_CASE("mpi staging: frames of few and of many splats and views may take turns") {

@@ -3,7 +3,6 @@
 // Commands whose views or cases several processes share write what one process writes.
 #include <cstdlib>
 #include <filesystem>
-#include <set>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -16,27 +15,30 @@
 
 using namespace swiftgs::test;
 using nlohmann::json;
+using namespace std::string_literals;
 
 namespace {
 
-/// Runs the tool on so many ranks.
-Outcome on_ranks(const TemporaryFolder& place, int ranks, const std::string& arguments) {
+const std::string tool = "'" SWIFTGS_CLI "' ";
+
+/// Runs the launcher with `arguments`, a shell's.
+Outcome launch(const TemporaryFolder& place, const std::string& arguments) {
   const std::string out = (place / "stdout.txt").string(), err = (place / "stderr.txt").string();
   const int status =
       std::system(("cd '" + place.path().string() + "' && export XDG_CACHE_HOME=\"$PWD/cache\" && '" +
-                   SWIFTGS_LAUNCH "' -n " + std::to_string(ranks) + " '" SWIFTGS_CLI "' " + arguments +
-                   " >'" + out + "' 2>'" + err + "'")
+                   SWIFTGS_LAUNCH "' " + arguments + " >'" + out + "' 2>'" + err + "'")
                       .c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(out), content_of(err)};
 }
 
+/// Runs the tool on so many ranks.
+Outcome on_ranks(const TemporaryFolder& place, int ranks, const std::string& arguments) {
+  return launch(place, "-n " + std::to_string(ranks) + " " + tool + arguments);
+}
+
 /// Runs two commands as ranks 0 and 1. `first` and `second` are their parts of the launcher's command line.
 Outcome on_unlike_ranks(const TemporaryFolder& place, const std::string& first, const std::string& second) {
-  const std::string err = (place / "err.txt").string();
-  const int status = std::system(("cd '" + place.path().string() + "' && '" SWIFTGS_LAUNCH "' -n 1 " + first +
-                                  " : -n 1 " + second + " >out.txt 2>'" + err + "'")
-                                     .c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, "", content_of(err)};
+  return launch(place, "-n 1 " + first + " : -n 1 " + second);
 }
 
 /// The rows of a result file without what differs from run to run.
@@ -46,13 +48,6 @@ json rows_of(const std::filesystem::path& file, const std::string& member = "row
     for (const char* changes : {"ms", "counted_ms", "frames", "device_bytes", "host_bytes", "bytes", "image"})
       row.erase(changes);
   return rows;
-}
-
-std::set<std::string> names_in(const std::filesystem::path& folder) {
-  std::set<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    names.insert(entry.path().filename().string());
-  return names;
 }
 
 }  // namespace
@@ -65,9 +60,9 @@ TEST_CASE("mpi team: render writes the images and rows of one process") {
   CHECK(shared.code == 0);
   CHECK(shared.err == "");
   CHECK(rows_of(place / "one.json") == rows_of(place / "three.json"));
-  CHECK(names_in(place / "one") == names_in(place / "three"));
-  CHECK(names_in(place / "one").size() == 11);
-  for (const std::string& name : names_in(place / "one"))
+  CHECK(files_in(place / "one") == files_in(place / "three"));
+  CHECK(files_in(place / "one").size() == 11);
+  for (const std::string& name : files_in(place / "one"))
     CHECK(content_of(place / "one" / name) == content_of(place / "three" / name));
   // One process prints, in the order of the views.
   CHECK(shared.out.find("three/front.png") < shared.out.find("three/orbit-00.png"));
@@ -75,37 +70,27 @@ TEST_CASE("mpi team: render writes the images and rows of one process") {
   CHECK(contains(shared.out, "11 images with "));
 }
 
-TEST_CASE("mpi team: more processes than views write the same") {
-  const TemporaryFolder place;
-  const std::string what = "render builtin:500 --views 0 --scale 0.05 ";
-  run(place, what + "--out one --json one.json");
-  CHECK(on_ranks(place, 3, what + "--out three --json three.json").code == 0);
-  CHECK(rows_of(place / "one.json") == rows_of(place / "three.json"));
-}
-
-TEST_CASE("mpi team: check finds the rows of one process") {
-  const TemporaryFolder place;
-  const std::string what =
-      "check builtin:500 --views 0-4 --scale 0.05 --repeats 1 --renderers 'serial/early/*/ellipse' ";
-  const Outcome one = run(place, what + "--json one.json"),
-                shared = on_ranks(place, 3, what + "--json three.json");
-  CHECK(shared.code == 0);
-  CHECK(rows_of(place / "one.json") == rows_of(place / "three.json"));
-  CHECK(lines_in(shared.out) == lines_in(one.out));
-}
-
-TEST_CASE("mpi team: bench finds the rows and views of one process") {
-  const TemporaryFolder place;
-  const std::string what =
-      "bench builtin:500 builtin:300 --views 0-3 --scales 0.05,0.08 --min-frames 2 --max-frames 2 "
-      "--renderers 'serial/early/per-pixel/*' ";
-  run(place, what + "--json one.json");
-  CHECK(on_ranks(place, 3, what + "--json three.json").code == 0);
-  const json one = rows_of(place / "one.json"), three = rows_of(place / "three.json");
-  CHECK(one.size() == 64);
-  CHECK(one == three);
-  CHECK(rows_of(place / "one.json", "views") == rows_of(place / "three.json", "views"));
-  CHECK(rows_of(place / "one.json", "scenes") == rows_of(place / "three.json", "scenes"));
+TEST_CASE("mpi team: check and bench and stress and render of few views find the rows of one process") {
+  const std::string stress =
+      "stress --renderers serial/early/per-pixel/ellipse --severity max --seeds 1 --size 32x16 ";
+  for (const std::string& what :
+       {"render builtin:500 --views 0 --scale 0.05 "s,
+        "check builtin:500 --views 0-4 --scale 0.05 --repeats 1 --renderers 'serial/early/*/ellipse' "s,
+        "bench builtin:500 builtin:300 --views 0-3 --scales 0.05,0.08 --min-frames 2 --max-frames 2 "
+        "--renderers 'serial/early/per-pixel/*' "s,
+        stress}) {
+    CAPTURE(what);
+    const TemporaryFolder place;
+    const Outcome one = run(place, what + "--json one.json"),
+                  shared = on_ranks(place, 3, what + "--json three.json");
+    CHECK(shared.code == 0);
+    const bool bench = what.starts_with("bench");
+    for (const char* member : {"rows", "views", "scenes"})
+      if (bench || member == std::string("rows"))
+        CHECK(rows_of(place / "one.json", member) == rows_of(place / "three.json", member));
+    if (bench) CHECK(rows_of(place / "one.json").size() == 64);
+    if (what.starts_with("check")) CHECK(lines_in(shared.out) == lines_in(one.out));
+  }
 }
 
 TEST_CASE("mpi team: prune keeps the Gaussians that one process keeps") {
@@ -122,17 +107,6 @@ TEST_CASE("mpi team: prune keeps the Gaussians that one process keeps") {
     return result;
   };
   CHECK(sides("one.json") == sides("three.json"));
-}
-
-TEST_CASE("mpi team: stress finds the rows of one process") {
-  const TemporaryFolder place;
-  const std::string what =
-      "stress --renderers 'serial/early/per-pixel/ellipse' --severity max --seeds 1 --size 32x16 ";
-  const Outcome one = swiftgs::test::swiftgs(place, what + "--json one.json"),
-                shared = on_ranks(place, 3, what + "--json three.json");
-  CHECK(one.code == shared.code);
-  CHECK(json::parse(content_of(place / "one.json")).at("rows") ==
-        json::parse(content_of(place / "three.json")).at("rows"));
 }
 
 TEST_CASE("mpi team: what all find wrong is said once and at once") {
@@ -159,16 +133,12 @@ TEST_CASE("mpi team: a process that fails ends all with its line and leaves no p
       "--json results.json";
   std::filesystem::create_directories(place / "a/renders");
   std::filesystem::create_directories(place / "b/renders/orbit-07.png");
-  const std::string tool = "'" SWIFTGS_CLI "' " + all;
-  const std::string err = (place / "err.txt").string();
-  const int status = std::system(("cd '" + place.path().string() + "' && '" SWIFTGS_LAUNCH "' -n 2 -wdir a " +
-                                  tool + " : -n 1 -wdir b " + tool + " >out.txt 2>'" + err + "'")
-                                     .c_str());
-  CHECK(WEXITSTATUS(status) == 1);
-  CHECK(contains(content_of(err), "swiftgs: rank 2 of 3: renders/orbit-07.png: Is a directory\n"));
+  const Outcome outcome = launch(place, "-n 2 -wdir a " + tool + all + " : -n 1 -wdir b " + tool + all);
+  CHECK(outcome.code == 1);
+  CHECK(contains(outcome.err, "swiftgs: rank 2 of 3: renders/orbit-07.png: Is a directory\n"));
   CHECK(!std::filesystem::exists(place / "a/results.json"));
   for (const char* folder : {"a/renders", "b/renders"})
-    for (const std::string& name : names_in(place / folder)) {
+    for (const std::string& name : files_in(place / folder)) {
       CHECK(name.ends_with(".png"));
       const std::filesystem::path file = place / folder / name;
       if (std::filesystem::is_regular_file(file)) CHECK(content_of(file).ends_with("IEND\xae\x42\x60\x82"));
@@ -177,9 +147,7 @@ TEST_CASE("mpi team: a process that fails ends all with its line and leaves no p
 
 TEST_CASE("mpi team: an error of a file is told as by one process") {
   const TemporaryFolder place;
-  // The folder for images cannot be made.
-  std::filesystem::create_directories(place / "a");
-  std::system(("echo >'" + (place / "a/file").string() + "'").c_str());
+  place.write("a/file", "");  // in the way of the folder for images
   const std::string what = "render builtin:500 --scale 0.05 --views 0-5 --out a/file/renders";
   const Outcome one = swiftgs::test::swiftgs(place, what), shared = on_ranks(place, 2, what);
   CHECK(one.code == 1);
@@ -194,7 +162,7 @@ TEST_CASE("mpi team: files and builds and commands that differ are refused at th
   std::filesystem::create_directories(place / "b");
   run(place, "convert builtin:2000 a/scene.ply");
   run(place, "convert builtin:2001 b/scene.ply");
-  const std::string tool = "'" SWIFTGS_CLI "' ", render = "render scene.ply --scale 0.05";
+  const std::string render = "render scene.ply --scale 0.05";
   const Outcome files = on_unlike_ranks(place, "-wdir a " + tool + render, "-wdir b " + tool + render);
   CHECK(files.code == 1);
   CHECK(contains(files.err, "swiftgs: rank 0 of 2: scene.ply is '"));
@@ -218,20 +186,15 @@ TEST_CASE("mpi team: files and builds and commands that differ are refused at th
 
 TEST_CASE("mpi team: photographs that differ are refused before anything is drawn") {
   const TemporaryFolder place;
-  const auto photograph = [&](const char* folder, const char* scene) {
-    run(place, std::string("render ") + scene + " --views 0-2 --scale 0.05 --out " + folder + "/photos");
-  };
-  photograph("a", "builtin:500");
-  photograph("same", "builtin:500");
-  photograph("other", "builtin:501");
-  photograph("fewer", "builtin:500");
+  for (const std::string folder : {"a", "same", "other", "fewer", "renamed"})
+    run(place, std::string("render builtin:") + (folder == "other" ? "501" : "500") +
+                   " --views 0-2 --scale 0.05 --out " + folder + "/photos");
   std::filesystem::remove(place / "fewer/photos/orbit-00.png");
-  photograph("renamed", "builtin:500");
   std::filesystem::rename(place / "renamed/photos/front.png", place / "renamed/photos/front.PNG");
   std::filesystem::create_directories(place / "none/photos");
   const auto compare = [&](const std::string& command, const std::string& folder) {
-    const std::string tool = " '" SWIFTGS_CLI "' " + command + " --scale 0.05 --photos photos --json r.json";
-    const Outcome outcome = on_unlike_ranks(place, "-wdir a" + tool, "-wdir " + folder + tool);
+    const std::string run_it = " " + tool + command + " --scale 0.05 --photos photos --json r.json";
+    const Outcome outcome = on_unlike_ranks(place, "-wdir a" + run_it, "-wdir " + folder + run_it);
     const bool written = std::filesystem::remove(place / "a/r.json");
     CHECK(written == (outcome.code == 0));
     return outcome;

@@ -5,6 +5,9 @@ A run whose tests were all skipped ends with 77 and a line 'skipped: REASON', wh
 """
 import os
 import pathlib
+import subprocess
+import sys
+import threading
 
 import numpy as np
 import pytest
@@ -12,6 +15,7 @@ import pytest
 import swiftgs
 
 WIDTH, HEIGHT = 80, 48
+ROOT = pathlib.Path(__file__).parents[2]
 reasons = []
 
 
@@ -72,6 +76,22 @@ def decibels(found, wanted):
     """PSNR for a peak of 1."""
     squared = np.mean((np.asarray(found, np.float64) - np.asarray(wanted, np.float64)) ** 2)
     return np.inf if squared == 0 else -10 * np.log10(squared)
+
+
+def run_script(folder, script, *arguments, **environment):
+    """What a Python script prints that runs in `folder`."""
+    variables = {name: value for name, value in os.environ.items() if name != "SCENE"}
+    return subprocess.run([sys.executable, script, *arguments], cwd=folder, check=True, text=True,
+                          stdout=subprocess.PIPE, env={**variables, **environment}).stdout
+
+
+def side_by_side(*works):
+    """Runs functions in threads until all have ended."""
+    threads = [threading.Thread(target=work) for work in works]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
 
 
 class Lent:

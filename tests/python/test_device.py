@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """A device without a library of arrays."""
 import gc
-import threading
 
 import numpy as np
 import pytest
 
 import swiftgs
-from conftest import HEIGHT, WIDTH, decibels, need_device
+from conftest import HEIGHT, WIDTH, decibels, need_device, side_by_side
 
 pytestmark = pytest.mark.usefixtures("device")
 device = pytest.fixture(need_device)
@@ -58,11 +57,7 @@ def test_threads_have_renderers_of_their_own(scene, camera):
         own = swiftgs.Renderer("cuda", scene=scene)
         images.extend(own.render(camera).colour for _ in range(20))
 
-    threads = [threading.Thread(target=work) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    side_by_side(*[work] * 4)
     assert len(images) == 80 and all(np.array_equal(image, wanted) for image in images)
 
 

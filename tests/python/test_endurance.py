@@ -4,13 +4,13 @@ import ctypes
 import gc
 import pathlib
 import sys
-import threading
 import weakref
 
 import numpy as np
 import pytest
 
 import swiftgs
+from conftest import side_by_side
 from swiftgs import _dlpack
 
 
@@ -93,9 +93,7 @@ def test_capsules_are_given_back_whether_or_not_they_were_taken():
     del taken, owner
     gc.collect()
     assert gone()
-    thread = threading.Thread(target=delete, args=(place,))
-    thread.start()
-    thread.join()
+    side_by_side(lambda: delete(place))
     assert gone() is None
     owner = Owner()
     assert growth(owner.__dlpack__, 10_000) < 1 << 20

@@ -2,33 +2,24 @@
 """The examples on the built-in scene, and the program of the README."""
 import json
 import os
-import pathlib
 import re
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
 import swiftgs
-
-ROOT = pathlib.Path(__file__).parents[2]
-
-
-def run(folder, *command):
-    subprocess.run([sys.executable, *command], cwd=folder, check=True, stdout=subprocess.DEVNULL,
-                   env={name: value for name, value in os.environ.items() if name != "SCENE"})
+from conftest import ROOT, run_script
 
 
 def test_the_turntable_goes_round_the_built_in_scene(tmp_path):
-    run(tmp_path, ROOT / "examples/08_turntable.py", "--frames", "3", "--size", "96", "54")
+    run_script(tmp_path, ROOT / "examples/08_turntable.py", "--frames", "3", "--size", "96", "54")
     images = [swiftgs.load_image(path) for path in sorted((tmp_path / "turntable").glob("*.png"))]
     assert len(images) == 3 and all(image.shape == (54, 96, 3) and image.std() > 0.1 for image in images)
     assert len({image.tobytes() for image in images}) == 3
 
 
 def test_the_notebook_runs(tmp_path):
-    run(tmp_path, ROOT / "examples/10_notebook.py")
+    run_script(tmp_path, ROOT / "examples/10_notebook.py")
     image = swiftgs.load_image(tmp_path / "notebook.png")
     assert image.shape == (360, 1920, 3) and all(part.std() > 0.1 for part in np.split(image, 3, axis=1))
 
@@ -37,8 +28,8 @@ def test_the_measurement_of_overhead_runs(tmp_path):
     tool = os.environ.get("SWIFTGS_TOOL")
     if not tool:
         pytest.skip("SWIFTGS_TOOL does not name the tool")
-    run(tmp_path, ROOT / "benchmarks/python_overhead.py", tool, "builtin:500", "--scale", "0.05", "--seconds", "0.02",
-        "--rounds", "2", "--json", "results.json")
+    run_script(tmp_path, ROOT / "benchmarks/python_overhead.py", tool, "builtin:500", "--scale", "0.05",
+               "--seconds", "0.02", "--rounds", "2", "--json", "results.json")
     results = json.loads((tmp_path / "results.json").read_text())
     assert results["format"] == "swiftgs-python" and results["machine"]["cores"] > 0 and results["rows"]
     for row in results["rows"]:
@@ -54,7 +45,7 @@ def test_the_program_of_the_readme_draws_its_frame(tmp_path):
     program = re.search(r"\n```python\n(.*?)```\n", (ROOT / "README.md").read_text(), re.DOTALL)[1]
     assert len(program.strip().splitlines()) == 6
     (tmp_path / "program.py").write_text(program)
-    run(tmp_path, "program.py")
+    run_script(tmp_path, "program.py")
     wanted = swiftgs.Renderer(scene=swiftgs.Scene.builtin()).render(swiftgs.Camera.builtin()).colour
     read = swiftgs.load_image(tmp_path / "frame.png")
     assert np.abs(read - np.clip(wanted, 0, 1)).max() <= 0.5 / 255 + 1e-6

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`rasterization` on the host, with gsplat's arguments."""
 import inspect
-import pathlib
 import re
 
 import numpy as np
@@ -9,9 +8,9 @@ import pytest
 
 import float64
 import swiftgs
-from conftest import HEIGHT, WIDTH, Lent, decibels
+from conftest import HEIGHT, ROOT, WIDTH, Lent, decibels
 
-PAGE = (pathlib.Path(__file__).parents[2] / "docs/python.md").read_text()
+PAGE = (ROOT / "docs/python.md").read_text()
 
 
 def same_rotations(scene):

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import swiftgs
-from conftest import HEIGHT, WIDTH, Lent, decibels
+from conftest import HEIGHT, WIDTH, Lent, decibels, has_device, side_by_side
 
 
 def test_the_table_has_every_renderer_and_names_the_usual_one():
@@ -298,12 +298,8 @@ def test_threads_draw_at_once_and_take_turns_at_one_renderer(renderer, scene, ca
                 wrong.append("own frame")
             renderer.render(camera, out=shared)
 
-    own = [swiftgs.Renderer("cpu", scene=scene, threads=1), renderer] * 2
-    threads = [threading.Thread(target=work, args=(each,)) for each in own]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    own = swiftgs.Renderer("cpu", scene=scene, threads=1)
+    side_by_side(*[lambda: work(own), lambda: work(renderer)] * 2)
     assert not wrong and np.array_equal(shared.colour, expected.colour)
 
 
@@ -353,7 +349,7 @@ def test_images_are_saved(renderer, camera, tmp_path):
 
 
 def test_without_a_device_what_needs_one_is_refused(scene):
-    if any(entry.usable and entry.on_device for entry in swiftgs.list_renderers()):
+    if has_device():
         pytest.skip("there is a device; tests/python/test_device.py has the other half")
     with pytest.raises((swiftgs.Unavailable, swiftgs.InvalidArgument), match="renderer 'cuda"):
         swiftgs.Renderer("cuda", scene=scene)

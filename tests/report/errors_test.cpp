@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <functional>
+#include <initializer_list>
 
 #include "report/browser.hpp"
 #include "report/made_results.hpp"
@@ -24,12 +24,25 @@ void refuses(const std::string& content, std::initializer_list<std::string> part
   for (const std::string& part : parts) CHECK(contains(told, part));
 }
 
-/// A good file after `change`.
-std::string changed(const std::function<void(Json&)>& change) {
-  Json results = results_of({{}, {.view = "back"}});
-  change(results);
-  return results.dump();
+/// Another value for a member of a good file, and what is said of it. An empty `value` takes the member away.
+struct Change {
+  const char *place, *value, *said;
+};
+
+void refuses_each(const Json& good, std::initializer_list<Change> changes) {
+  for (const auto& [place, value, said] : changes) {
+    CAPTURE(place);
+    Json results = good;
+    const Json::json_pointer at(place);
+    if (*value)
+      results[at] = Json::parse(value);
+    else
+      results.at(at.parent_pointer()).erase(at.back());
+    refuses(results.dump(), {said});
+  }
 }
+
+const Json good_file = results_of({{}, {.view = "back"}});
 
 }  // namespace
 
@@ -46,58 +59,44 @@ TEST_CASE("report errors: what is no JSON is named with the byte where it ends t
 
 TEST_CASE("report errors: a file of another kind or version is refused") {
   if (!has_vega()) return;
-  refuses("[]", {"format: expected \"swiftgs-bench\" or \"swiftgs-stress\""});
-  refuses("{\"format\": \"other\", \"version\": 1}",
-          {"format: expected \"swiftgs-bench\" or \"swiftgs-stress\""});
-  refuses(changed([](Json& json) { json["version"] = 2; }), {"version: expected 1, found 2"});
-  refuses(changed([](Json& json) { json.erase("version"); }), {"version: expected 1, found null"});
+  for (const char* other : {"[]", R"({"format": "other", "version": 1})"})
+    refuses(other, {"format: expected \"swiftgs-bench\" or \"swiftgs-stress\""});
+  refuses_each(good_file, {{"/version", "2", "version: expected 1, found 2"},
+                           {"/version", "", "version: expected 1, found null"}});
 }
 
 TEST_CASE("report errors: members that are missing or of another type are named") {
   if (!has_vega()) return;
-  refuses(changed([](Json& json) { json["rows"] = Json::array(); }), {"rows: expected at least one row"});
-  refuses(changed([](Json& json) { json.erase("machine"); }), {"machine: expected an object"});
-  refuses(changed([](Json& json) { json["rows"][1].erase("renderer"); }),
-          {"rows[1].renderer: expected a text"});
-  refuses(changed([](Json& json) { json["rows"][1]["width"] = 0; }),
-          {"rows[1].width: expected a number above 0"});
-  refuses(changed([](Json& json) { json["rows"][0]["psnr_db"] = "high"; }),
-          {"rows[0].psnr_db: expected a number or null"});
-  refuses(changed([](Json& json) { json["rows"][0].erase("ms"); }), {"rows[0].ms: expected an object"});
-  refuses(changed([](Json& json) { json["rows"][0]["ms"]["total"]["median"] = -1; }),
-          {"rows[0].ms.total.median: expected a number, 0 or more"});
-  refuses(changed([](Json& json) {
-            json["rows"][1]["bytes"] = {{"project", 1}, {"sort", 2}};
-          }),
-          {"rows[1].bytes.raster: expected a number, 0 or more"});
-  refuses(changed([](Json& json) { json["scenes"][0].erase("original"); }),
-          {"scenes[0].original: expected a number"});
-  refuses(changed([](Json& json) { json["views"][0]["scale"] = nullptr; }),
-          {"views[0].scale: expected a number above 0"});
+  refuses_each(good_file,
+               {{"/rows", "[]", "rows: expected at least one row"},
+                {"/machine", "", "machine: expected an object"},
+                {"/rows/1/renderer", "", "rows[1].renderer: expected a text"},
+                {"/rows/1/width", "0", "rows[1].width: expected a number above 0"},
+                {"/rows/0/psnr_db", "\"high\"", "rows[0].psnr_db: expected a number or null"},
+                {"/rows/0/ms", "", "rows[0].ms: expected an object"},
+                {"/rows/0/ms/total/median", "-1", "rows[0].ms.total.median: expected a number, 0 or more"},
+                {"/rows/1/bytes", R"({"project": 1, "sort": 2})",
+                 "rows[1].bytes.raster: expected a number, 0 or more"},
+                {"/scenes/0/original", "", "scenes[0].original: expected a number"},
+                {"/views/0/scale", "null", "views[0].scale: expected a number above 0"}});
 }
 
 TEST_CASE("report errors: members of hard frames that are missing or of another type are named") {
   if (!has_vega()) return;
-  const auto changed = [](const std::function<void(Json&)>& change) {
-    Json results = stress_results_of({{}, {.severity = 1e4}});
-    change(results);
-    return results.dump();
-  };
-  refuses(changed([](Json& json) { json["version"] = 2; }), {"version: expected 1, found 2"});
-  refuses(changed([](Json& json) { json["rows"] = Json::array(); }), {"rows: expected at least one row"});
-  refuses(changed([](Json& json) { json["rows"][1].erase("family"); }), {"rows[1].family: expected a text"});
-  refuses(changed([](Json& json) { json["rows"][1]["strict_normalised_error"] = "high"; }),
-          {"rows[1].strict_normalised_error: expected a number, 0 or more, or null"});
-  refuses(changed([](Json& json) { json["rows"][0]["seeds"] = 0; }),
-          {"rows[0].seeds: expected a number above 0"});
+  refuses_each(stress_results_of({{}, {.severity = 1e4}}),
+               {{"/version", "2", "version: expected 1, found 2"},
+                {"/rows", "[]", "rows: expected at least one row"},
+                {"/rows/1/family", "", "rows[1].family: expected a text"},
+                {"/rows/1/strict_normalised_error", "\"high\"",
+                 "rows[1].strict_normalised_error: expected a number, 0 or more, or null"},
+                {"/rows/0/seeds", "0", "rows[0].seeds: expected a number above 0"}});
 }
 
 TEST_CASE("report errors: images that are missing or none are named") {
   if (!has_vega()) return;
-  refuses(changed([](Json& json) { json["rows"][0]["image"] = "gone.png"; }),
-          {"expected the image gone.png"});
-  refuses(changed([](Json& json) { json["views"][0]["reference_image"] = "results.json"; }),
-          {"expected results.json to be a PNG or JPEG image"});
+  refuses_each(good_file, {{"/rows/0/image", "\"gone.png\"", "expected the image gone.png"},
+                           {"/views/0/reference_image", "\"results.json\"",
+                            "expected results.json to be a PNG or JPEG image"}});
 }
 
 TEST_CASE("report errors: a page does not take the place of the results it shows") {
