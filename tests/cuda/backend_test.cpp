@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // What the CUDA backend promises as a backend, loops over functors apart.
-#include <numeric>
 #include <utility>
 
 #include "cuda/device.hpp"
@@ -19,8 +18,7 @@ void keep_busy(const Cuda& cuda, DeviceBuffer<std::uint32_t>& memory) {
 
 }  // namespace
 
-TEST_CASE("cuda: sort_pairs sorts as many pairs as end a tile or a group of tiles, or nearly") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: sort_pairs sorts as many pairs as end a tile or a group of tiles, or nearly") {
   Cuda cuda;
   for (const std::size_t tile : {768, 1024, 4096})
     for (const std::size_t tiles : {1, 2, 7, 8, 9, 16, 63, 64, 65, 129})
@@ -31,28 +29,18 @@ TEST_CASE("cuda: sort_pairs sorts as many pairs as end a tile or a group of tile
         CHECK(sorts(cuda, random_keys<std::uint32_t>(n, 6), 31));
         CHECK(sorts(cuda, random_keys<std::uint64_t>(n, 7), 44));
       }
-}
-
-TEST_CASE("cuda: sort_pairs sorts by tiles of every size") {
-  if (without_device()) return;
-  Cuda cuda;
   // Tiles become larger where there are two for each multiprocessor.
   const std::size_t tiles = 2 * std::size_t(cuda.multiprocessors());
-  const auto sorts_around = [&]<class Key>(std::size_t tile, int bits) {
+  for (const std::size_t tile : {1536, 2048, 3072, 4096})
     for (const std::size_t n : {(tiles - 1) * tile, (tiles - 1) * tile + 1, tiles * tile + 1}) {
       CAPTURE(n);
-      CHECK(sorts(cuda, random_keys<Key>(n, n), bits));
+      CHECK(sorts(cuda, random_keys<std::uint16_t>(n, n), 13));
+      CHECK(sorts(cuda, random_keys<std::uint32_t>(n, n), 31));
+      CHECK(sorts(cuda, random_keys<std::uint64_t>(n, n), 44));
     }
-  };
-  for (const std::size_t tile : {2048, 4096}) {
-    sorts_around.operator()<std::uint16_t>(tile, 13);
-    sorts_around.operator()<std::uint32_t>(tile, 31);
-  }
-  for (const std::size_t tile : {1536, 3072}) sorts_around.operator()<std::uint64_t>(tile, 44);
 }
 
-TEST_CASE("cuda: sort_positions sorts the positions of keys, and leaves the keys as they are") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: sort_positions sorts the positions of keys, and leaves the keys as they are") {
   Cuda cuda;
   Pairs<Cuda, std::uint32_t> pairs;
   for (const std::size_t n : {0, 1, 1023, 1024, 1025, 30'001, 700'000, 1'200'000, 5}) {
@@ -68,9 +56,8 @@ TEST_CASE("cuda: sort_positions sorts the positions of keys, and leaves the keys
   }
 }
 
-TEST_CASE(
+SWIFTGS_DEVICE_CASE(
     "cuda: sort_pairs keeps the order of pairs with the highest keys, which are like what pads a tile") {
-  if (without_device()) return;
   Cuda cuda;
   for (const int bits : {5, 8, 13, 16}) {
     CAPTURE(bits);
@@ -81,15 +68,14 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("cuda: sort_pairs refuses more pairs than it can number") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: sort_pairs refuses more pairs than it can number") {
   Cuda cuda;
   Pairs<Cuda, std::uint32_t> pairs;
   CHECK_THROWS_AS(cuda.sort_pairs(pairs, std::size_t(1) << 32, 31), CapacityError);
 }
 
-TEST_CASE("cuda: work of a fork comes after what was asked for before it and before what follows the join") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE(
+    "cuda: work of a fork comes after what was asked for before it and before what follows the join") {
   Cuda cuda;
   DeviceBuffer<std::uint8_t> memory, copy;
   memory.reset(std::size_t(1) << 26), copy.reset(memory.size());
@@ -111,8 +97,7 @@ TEST_CASE("cuda: work of a fork comes after what was asked for before it and bef
   }
 }
 
-TEST_CASE("cuda: an uploaded scene is copied without bands that are zero throughout") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: an uploaded scene is copied without bands that are zero throughout") {
   const Cuda cuda;
   Scene scene = random_scene(300, 3, 6);
   // Whether all is there, and for each Gaussian the coefficients of `degree` bands.
@@ -141,8 +126,7 @@ TEST_CASE("cuda: an uploaded scene is copied without bands that are zero through
   CHECK(cuda.upload(Scene()).view().size() == 0);
 }
 
-TEST_CASE("cuda: an uploaded scene lives as long as its last copy") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: an uploaded scene lives as long as its last copy") {
   const Cuda cuda;
   const Scene scene = random_scene(1000, 0, 7);
   auto first = std::make_unique<DeviceScene>(cuda.upload(scene));
@@ -152,8 +136,7 @@ TEST_CASE("cuda: an uploaded scene lives as long as its last copy") {
   CHECK(same_bits(to_host(cuda, copy.view().means), scene.means));
 }
 
-TEST_CASE("cuda: the clock is read without waiting and may be asked before its work is done") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: the clock is read without waiting and may be asked before its work is done") {
   Cuda cuda;
   DeviceBuffer<std::uint32_t> memory = to_device(std::vector<std::uint32_t>(50'000'000));
   const auto from = cuda.now();
@@ -170,8 +153,7 @@ TEST_CASE("cuda: the clock is read without waiting and may be asked before its w
   if (early) CHECK(*early == *ms);
 }
 
-TEST_CASE("cuda: a kernel may be started while a measurement is under way") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: a kernel may be started while a measurement is under way") {
   Cuda cuda;
   DeviceBuffer<std::uint32_t> memory = to_device(std::vector<std::uint32_t>(50'000'000));
   const SplatsOn<Cuda> splats(cuda, random_splats(2000, 200, 100, 9));
@@ -190,8 +172,7 @@ TEST_CASE("cuda: a kernel may be started while a measurement is under way") {
   }
 }
 
-TEST_CASE("cuda: a point in time can be read until 255 later ones have been taken") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: a point in time can be read until 255 later ones have been taken") {
   Cuda cuda;
   const auto wait = [&] { check_cuda(cudaStreamSynchronize(cuda.stream()), "cudaStreamSynchronize"); };
   CHECK_FALSE(cuda.milliseconds({}, cuda.now()));
@@ -209,8 +190,7 @@ TEST_CASE("cuda: a point in time can be read until 255 later ones have been take
   CHECK(cuda.milliseconds(late, late) == 0.0);
 }
 
-TEST_CASE("cuda: each report is of what the counts were when they were settled") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: each report is of what the counts were when they were settled") {
   const Cuda cuda;
   DeviceBuffer<FrameCounts> counts;
   DeviceBuffer<FrameTotals> totals;
@@ -225,8 +205,7 @@ TEST_CASE("cuda: each report is of what the counts were when they were settled")
   }
 }
 
-TEST_CASE("cuda: later stages go by totals that are zero where a frame does not fit its limits") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: later stages go by totals that are zero where a frame does not fit its limits") {
   const Cuda cuda;
   const DeviceBuffer<FrameCounts> counts = to_device(std::vector<FrameCounts>{{100, 2000}});
   DeviceBuffer<FrameTotals> totals;
@@ -258,8 +237,7 @@ TEST_CASE("cuda: later stages go by totals that are zero where a frame does not 
   CHECK_THROWS_AS((void)cuda.await_report(), std::logic_error);
 }
 
-TEST_CASE("cuda: counters of the last operation are those of the epoch before the next") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: counters of the last operation are those of the epoch before the next") {
   const Cuda cuda;
   const DeviceBuffer<FrameCounts> copies = to_device(std::vector<FrameCounts>{{1, 2}, {3, 4}});
   DeviceBuffer<FrameTotals> totals;
@@ -272,8 +250,7 @@ TEST_CASE("cuda: counters of the last operation are those of the epoch before th
   }
 }
 
-TEST_CASE("cuda: a backend has as many multiprocessors as its device") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: a backend has as many multiprocessors as its device") {
   const Cuda cuda;
   int device = 0, count = 0;
   check_cuda(cudaGetDevice(&device), "cudaGetDevice");
@@ -283,8 +260,7 @@ TEST_CASE("cuda: a backend has as many multiprocessors as its device") {
   CHECK(cuda.multiprocessors() == count);
 }
 
-TEST_CASE("cuda: a backend that was moved works where it went") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: a backend that was moved works where it went") {
   const Stream stream;
   Cuda first(stream.get());
   const auto scans = [](Cuda& cuda) {
@@ -304,8 +280,7 @@ TEST_CASE("cuda: a backend that was moved works where it went") {
   CHECK(scans(first));
 }
 
-TEST_CASE("cuda: an adaptive sort decides after some frames and without waiting for them") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: an adaptive sort decides after some frames and without waiting for them") {
   Cuda cuda;
   const SplatsOn<Cuda> splats(cuda, random_splats(20'000, 640, 480, 10));
   AdaptiveSort sort(3);

@@ -5,13 +5,13 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include <swiftgs/any_contributions.hpp>
 #include <swiftgs/any_renderer.hpp>
 
-#include "cuda/drawings.hpp"
+#include "cuda/graph.hpp"
 #include "policies/contribution_sums.hpp"
+#include "policies/rasterizers.hpp"
 #include "support/one_view.hpp"
 
 using namespace swiftgs;
@@ -21,51 +21,19 @@ namespace {
 
 using Usual = Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
 
-struct DestroyGraph {
-  void operator()(cudaGraph_t graph) const { cudaGraphDestroy(graph); }
-};
-using OwnedGraph = std::unique_ptr<std::remove_pointer_t<cudaGraph_t>, DestroyGraph>;
-
-/// What `f` gives to `stream`, as a graph. Throws if the capture did not stay valid.
+/// Checks that `f` throws a `DeviceError` that begins with `call` and says that the stream is being captured.
 template <class F>
-OwnedGraph capture(cudaStream_t stream, cudaStreamCaptureMode mode, const F& f) {
-  check_cuda(cudaStreamBeginCapture(stream, mode), "cudaStreamBeginCapture");
-  f();
-  cudaGraph_t graph = nullptr;
-  check_cuda(cudaStreamEndCapture(stream, &graph), "cudaStreamEndCapture");
-  return OwnedGraph(graph);
-}
-
-/// Launches `graph` so often, and waits.
-void replay(const OwnedGraph& graph, const Stream& stream, int times) {
-  cudaGraphExec_t made = nullptr;
-  check_cuda(cudaGraphInstantiate(&made, graph.get(), 0), "cudaGraphInstantiate");
-  for (int i = 0; i < times; ++i) check_cuda(cudaGraphLaunch(made, stream.get()), "cudaGraphLaunch");
-  stream.wait();
-  check_cuda(cudaGraphExecDestroy(made), "cudaGraphExecDestroy");
-}
-
-std::size_t nodes_of(const OwnedGraph& graph) {
-  std::size_t count = 0;
-  check_cuda(cudaGraphGetNodes(graph.get(), nullptr, &count), "cudaGraphGetNodes");
-  return count;
-}
-
-/// Whether `f` throws a `DeviceError` that begins with `call` and says that the stream is being captured.
-template <class F>
-bool refused(const char* call, const F& f) {
+void refused(const char* call, const F& f) {
   try {
     f();
   } catch (const DeviceError& error) {
     const std::string message = error.what();
-    INFO(message);
-    const bool good = message.rfind(std::string(call) + ": ", 0) == 0 &&
-                      message.find("is being captured into a CUDA graph") != std::string::npos;
-    CHECK(good);
-    return good;
+    CAPTURE(message);
+    CHECK(message.starts_with(std::string(call) + ": "));
+    CHECK(message.find("is being captured into a CUDA graph") != std::string::npos);
+    return;
   }
   FAIL_CHECK(call << " was not refused");
-  return false;
 }
 
 constexpr cudaStreamCaptureMode modes[] = {cudaStreamCaptureModeGlobal, cudaStreamCaptureModeThreadLocal,
@@ -73,8 +41,7 @@ constexpr cudaStreamCaptureMode modes[] = {cudaStreamCaptureModeGlobal, cudaStre
 
 }  // namespace
 
-TEST_CASE("cuda capture: no function of the backend that cannot be captured touches the capture") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda capture: no function of the backend that cannot be captured touches the capture") {
   const Stream stream;
   Cuda cuda(stream.get());
   const Scene scene = random_scene(500, 1, 1);
@@ -96,7 +63,7 @@ TEST_CASE("cuda capture: no function of the backend that cannot be captured touc
   std::optional<DeviceScene> kept(cuda.upload(arrays));
   stream.wait();
   for (const cudaStreamCaptureMode mode : modes) {
-    const OwnedGraph graph = capture(stream.get(), mode, [&] {
+    const auto work = [&] {
       std::uint32_t word = 0;
       refused("upload", [&] { (void)cuda.upload(scene); });
       refused("upload", [&] { (void)cuda.upload(std::make_shared<const Scene>(scene)); });
@@ -108,8 +75,8 @@ TEST_CASE("cuda capture: no function of the backend that cannot be captured touc
       refused("milliseconds", [&] { (void)cuda.milliseconds(first, second); });
       refused("settle", [&] { cuda.settle({counts.data()}, {}, totals.data()); });
       refused("await_report", [&] { (void)cuda.await_report(); });
-    });
-    CHECK(nodes_of(graph) == 0);
+    };
+    CHECK(Graph(stream, work, mode).nodes() == 0);
     CHECK(kept.has_value());
   }
   cuda.settle({counts.data()}, {}, totals.data());
@@ -119,8 +86,8 @@ TEST_CASE("cuda capture: no function of the backend that cannot be captured touc
   CHECK(cudaPeekAtLastError() == cudaSuccess);
 }
 
-TEST_CASE("cuda capture: what a host would wait for, and what began before, is refused by the stages") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE(
+    "cuda capture: what a host would wait for, and what began before, is refused by the stages") {
   const Stream stream;
   Cuda cuda(stream.get());
   const DeviceScene scene = cuda.upload(random_scene(3000, 1, 2));
@@ -134,11 +101,11 @@ TEST_CASE("cuda capture: what a host would wait for, and what began before, is r
   // Colours are under way, and numbers of the projection still to be read, when the capture begins.
   project(cuda, frame.plan(), Ellipse{}, scratch, splats, footprints);
   Shading<Cuda> begun = shade(cuda, frame.plan(), splats, colours);
-  for (const cudaStreamCaptureMode mode : modes)
-    CHECK(nodes_of(capture(stream.get(), mode, [&] {
-            refused("join", [&] { (void)begun.finish(); });
-            refused("bin", [&] { bin(cuda, frame.plan(), Ellipse{}, splats, footprints); });
-          })) == 0);
+  const auto work = [&] {
+    refused("join", [&] { (void)begun.finish(); });
+    refused("bin", [&] { bin(cuda, frame.plan(), Ellipse{}, splats, footprints); });
+  };
+  for (const cudaStreamCaptureMode mode : modes) CHECK(Graph(stream, work, mode).nodes() == 0);
   CHECK(begun.finish().each.data == colours.each.data());
   bin(cuda, frame.plan(), Ellipse{}, splats, footprints);
   EarlySort::Scratch<Cuda> memory;
@@ -150,9 +117,8 @@ TEST_CASE("cuda capture: what a host would wait for, and what began before, is r
         host_lists(serial, build_lists<StandardSort, Ellipse>(serial, set.job(200, 150))));
 }
 
-TEST_CASE_TEMPLATE("cuda capture: a renderer refuses frames and draws as before afterwards", Sort,
-                   StandardSort, EarlySort, AdaptiveSort) {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASES("cuda capture: a renderer refuses frames and draws as before afterwards", Sort,
+                     StandardSort, EarlySort, AdaptiveSort) {
   const Stream stream;
   Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(stream.get())};
   const Camera camera = forward_camera(150, 90), larger = forward_camera(400, 300);
@@ -160,11 +126,11 @@ TEST_CASE_TEMPLATE("cuda capture: a renderer refuses frames and draws as before 
   RenderSettings counting, timing;
   counting.count = timing.time = true;
   const Frame expected = renderer.render(scene, camera, timing);
-  DeviceFrame image(400, 300);
+  PlanesOn<Cuda> image(renderer.backend(), 400, 300, {true, true});
   stream.wait();
   for (const cudaStreamCaptureMode mode : modes)
     for (const Camera& view : {camera, larger}) {  // buffers would have to grow
-      const OwnedGraph graph = capture(stream.get(), mode, [&] {
+      const auto work = [&] {
         FrameView planes = image.view();
         planes.width = view.width, planes.height = view.height;
         refused("a frame", [&] { renderer.render_into(scene.view(), view, {}, planes); });
@@ -172,64 +138,59 @@ TEST_CASE_TEMPLATE("cuda capture: a renderer refuses frames and draws as before 
         refused("a frame", [&] { (void)renderer.render_resident(scene.view(), view, {}); });
         refused("a frame", [&] { (void)renderer.render(scene, view); });
         refused("milliseconds", [&] { (void)renderer.times(); });
-      });
-      CHECK(nodes_of(graph) == 0);
+      };
+      CHECK(Graph(stream, work, mode).nodes() == 0);
     }
   CHECK(same_bits(renderer.render(scene, camera).colour, expected.colour));
   CHECK(renderer.render(scene, larger, counting).pixels() == 400 * 300);
   CHECK(renderer.statistics().raster.contributing_pairs > 0);
 }
 
-TEST_CASE("cuda capture: contributions refuse views and add up as before afterwards") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda capture: contributions refuse views and add up as before afterwards") {
   const auto scene = std::make_shared<const Scene>(random_scene(2000, 0, 4));
   const Camera camera = forward_camera(90, 60);
   const Sums expected = sums_of<Cuda>(*scene, {camera, camera}, Conventions::gsplat());
   const Stream stream;
   Contributions<Cuda> contributions(scene, Cuda(stream.get()));
   contributions.add(camera, Conventions::gsplat());
-  const OwnedGraph graph = capture(stream.get(), cudaStreamCaptureModeGlobal, [&] {
+  const Graph graph(stream, [&] {
     refused("a frame", [&] { contributions.add(camera, Conventions::gsplat()); });
     refused("a frame", [&] { contributions.add(forward_camera(900, 600), Conventions::gsplat()); });
     refused("download", [&] { (void)contributions.sums(); });
     refused("upload", [&] { Contributions<Cuda> other(scene, Cuda(stream.get())); });
   });
-  CHECK(nodes_of(graph) == 0);
+  CHECK(graph.nodes() == 0);
   contributions.add(camera, Conventions::gsplat());
   CHECK(contributions.sums() == expected);
 }
 
-TEST_CASE("cuda capture: the default stream is not used while a stream that waits for it is captured") {
-  if (without_device()) return;
-  cudaStream_t made = nullptr;
-  check_cuda(cudaStreamCreate(&made), "cudaStreamCreate");
+SWIFTGS_DEVICE_CASE(
+    "cuda capture: the default stream is not used while a stream that waits for it is captured") {
+  const Stream waiting(cudaStreamDefault);
   Usual renderer;
   const DeviceScene scene = renderer.backend().upload(random_scene(500, 0, 5));
   const Camera camera = forward_camera(60, 40);
   const Frame expected = renderer.render(scene, camera);
-  const OwnedGraph graph = capture(made, cudaStreamCaptureModeGlobal, [&] {
+  const Graph graph(waiting, [&] {
     refused("a frame", [&] { (void)renderer.render(scene, camera); });
     refused("wait", [&] { renderer.backend().wait(); });
   });
-  CHECK(nodes_of(graph) == 0);
+  CHECK(graph.nodes() == 0);
   CHECK(same_bits(renderer.render(scene, camera).colour, expected.colour));
-  check_cuda(cudaStreamDestroy(made), "cudaStreamDestroy");
 }
 
-TEST_CASE("cuda capture: a rasterizer is captured and draws the same picture at each replay") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda capture: a rasterizer is captured and draws the same picture at each replay") {
   const Stream stream;
   Cuda cuda(stream.get());
-  const Picture picture(random_splats(500, 100, 70, 6), 100, 70);
-  DevicePicture device(picture);
-  DeviceFrame expected(100, 70), image(100, 70);
-  rasterize(cuda, AxisSharedThreshold<FloatCholesky>{}, device.job(expected.view(), true));
+  Picture<Cuda> picture(cuda, random_splats(500, 100, 70, 6), 100, 70);
+  PlanesOn<Cuda> expected(cuda, 100, 70, {true, true}), image(cuda, 100, 70, {true, true}, -1);
+  picture.draw(AxisSharedThreshold<FloatCholesky>{}, expected.view());
   stream.wait();
-  const OwnedGraph graph = capture(stream.get(), cudaStreamCaptureModeGlobal, [&] {
-    cuda.clear(image.colour.data(), image.colour.size());
-    rasterize(cuda, AxisSharedThreshold<FloatCholesky>{}, device.job(image.view(), true));
+  const Graph graph(stream, [&] {
+    cuda.clear(image.view().colour.data, 3 * sizeof(float) * 100 * 70);
+    picture.draw(AxisSharedThreshold<FloatCholesky>{}, image.view());
   });
-  CHECK(nodes_of(graph) == 4);  // the picture, its counts, the kernel and that of long lists
-  replay(graph, stream, 3);
-  CHECK(image.pixels(cuda, image.colour, 12) == expected.pixels(cuda, expected.colour, 12));
+  CHECK(graph.nodes() == 4);  // the picture, its counts, the kernel and that of long lists
+  for (int i = 0; i < 3; ++i) graph.run();
+  CHECK(image.on_host(cuda).colour == expected.on_host(cuda).colour);
 }

@@ -28,12 +28,12 @@ inline bool without_device() {
   return true;
 }
 
-/// A stream that does not wait for the default one.
+/// A stream that does not wait for the default one, unless its flags say so.
 class Stream {
  public:
-  Stream() {
+  explicit Stream(unsigned flags = cudaStreamNonBlocking) {
     cudaStream_t made = nullptr;
-    check_cuda(cudaStreamCreateWithFlags(&made, cudaStreamNonBlocking), "cudaStreamCreateWithFlags");
+    check_cuda(cudaStreamCreateWithFlags(&made, flags), "cudaStreamCreateWithFlags");
     stream_.reset(made);
   }
   cudaStream_t get() const { return stream_.get(); }
@@ -122,3 +122,22 @@ struct CopySplats<Cuda> {
 };
 
 }  // namespace swiftgs::test
+
+/// A case that needs a device, or one of each of some types `T`. It is skipped where there is none.
+#define SWIFTGS_DEVICE_CASE(sentence) SWIFTGS_DEVICE_CASE_(DOCTEST_ANONYMOUS(swiftgs_device_case_), sentence)
+#define SWIFTGS_DEVICE_CASE_(run, sentence)      \
+  static void run();                             \
+  TEST_CASE(sentence) {                          \
+    if (!swiftgs::test::without_device()) run(); \
+  }                                              \
+  static void run()
+#define SWIFTGS_DEVICE_CASES(sentence, T, ...) \
+  SWIFTGS_DEVICE_CASES_(DOCTEST_ANONYMOUS(swiftgs_device_case_), sentence, T, __VA_ARGS__)
+#define SWIFTGS_DEVICE_CASES_(run, sentence, T, ...) \
+  template <class T>                                 \
+  static void run();                                 \
+  TEST_CASE_TEMPLATE(sentence, T, __VA_ARGS__) {     \
+    if (!swiftgs::test::without_device()) run<T>();  \
+  }                                                  \
+  template <class T>                                 \
+  static void run()

@@ -5,14 +5,15 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <stdexcept>
-#include <string>
 #include <thread>
 
-#include "cuda/drawings.hpp"
+#include <swiftgs/builtin_scene.hpp>
+
 #include "cuda/graph.hpp"
 #include "cuda/stream_pool.hpp"
 #include "policies/any_renderer.hpp"
+#include "policies/contribution_sums.hpp"
+#include "policies/rasterizers.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -27,19 +28,25 @@ RenderSettings with_planes() {
   return settings;
 }
 
+/// Draws as much of the scene as `image` is large.
+template <class R>
+void draw(R& renderer, const SceneView& scene, PlanesOn<Cuda>& image, const RenderSettings& settings = {}) {
+  const FrameView frame = image.view();
+  renderer.render_into(scene, forward_camera(frame.width, frame.height), settings, frame);
+}
+
 /// Renders `frames` frames of several views into memory of its own on a stream of its own.
 /// Returns the colours of the last frame of each view.
 std::vector<std::vector<float>> render_many(const SceneView& scene, int frames) {
   const Stream stream;
   Usual renderer{Cuda(stream.get())};
-  std::vector<DeviceFrame> images;
-  for (int view = 0; view < 3; ++view) images.emplace_back(160 + 40 * view, 120 - 20 * view);
-  stream.wait();
+  std::vector<PlanesOn<Cuda>> images;
+  for (int view = 0; view < 3; ++view)
+    images.emplace_back(renderer.backend(), 160 + 40 * view, 120 - 20 * view, Outputs{true, true});
   for (int frame = 0; frame < frames; ++frame)
-    for (DeviceFrame& image : images)
-      renderer.render_into(scene, forward_camera(image.width, image.height), {}, image.view());
+    for (PlanesOn<Cuda>& image : images) draw(renderer, scene, image);
   std::vector<std::vector<float>> out;
-  for (const DeviceFrame& image : images) out.push_back(image.pixels(renderer.backend(), image.colour, 12));
+  for (PlanesOn<Cuda>& image : images) out.push_back(image.on_host(renderer.backend()).colour);
   return out;
 }
 
@@ -57,68 +64,8 @@ cudaError_t poll_busy(const Stream& stream) {
 
 }  // namespace
 
-namespace {
-
-/// Draws a caller's own arrays, some of whose Gaussians hold numbers that are not finite, and the same scene
-/// without those Gaussians.
-template <class Raster>
-void check_not_finite(const Scene& wild, const Scene& tame) {
-  CAPTURE(Raster::name);
-  const Camera camera = forward_camera(160, 120);
-  const auto draw = [&](const Scene& scene) {
-    const Stream stream;
-    Renderer<Cuda, EarlySort, Raster, Ellipse> renderer{Cuda(stream.get())};
-    const DeviceArrays arrays(scene);
-    DeviceFrame image(160, 120);
-    stream.wait();
-    renderer.render_into(arrays.view(), camera, {}, image.view());
-    return image.pixels(renderer.backend(), image.colour, 12);
-  };
-  CHECK(draw(wild) == draw(tame));
-}
-
-}  // namespace
-
-TEST_CASE("cuda embedding: Gaussians with a number that is not finite are not drawn") {
-  if (without_device()) return;
-  const Scene all = random_scene(600, 2, 5);
-  Scene wild = all, tame = all;
-  const float bad[] = {NAN, INFINITY, -INFINITY};
-  for (std::size_t i = 0; i < wild.size(); i += 3) {
-    const float value = bad[i / 3 % 3];
-    tame.opacities[i] = 0;
-    switch (i / 9 % 6) {
-      case 0:
-        wild.means[i].y = value;
-        break;
-      case 1:
-        wild.scales[i].x = value;
-        break;
-      case 2:
-        wild.rotations[i].z = value;
-        break;
-      case 3:
-        wild.opacities[i] = value;
-        break;
-      case 4:
-        wild.sh0[i].z = value;
-        break;
-      default:
-        wild.sh_rest[24 * i + 17] = value;
-    }
-  }
-  check_not_finite<PerPixel>(wild, tame);
-  check_not_finite<AxisShared<HalfSplit>>(wild, tame);
-  check_not_finite<AxisSharedThreshold<HalfSplit>>(wild, tame);
-  check_not_finite<AxisSharedThreshold<FloatSplit>>(wild, tame);
-  check_not_finite<AxisShared<FloatCholesky>>(wild, tame);
-  check_not_finite<AxisSharedThreshold<FloatCholesky>>(wild, tame);
-  CHECK_THROWS_WITH_AS((void)Cuda().upload(wild),
-                       "scene: means of Gaussian 0 is nan, expected finite numbers", std::invalid_argument);
-}
-
-TEST_CASE("cuda embedding: frames are drawn from the caller's arrays into its memory on its stream") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE(
+    "cuda embedding: frames are drawn from the caller's arrays into its memory on its stream") {
   const Scene scene = random_scene(4000, 2, 1);
   const Camera camera = forward_camera(150, 90);
   Usual own;
@@ -127,24 +74,20 @@ TEST_CASE("cuda embedding: frames are drawn from the caller's arrays into its me
   const DeviceArrays arrays(scene);
   const Stream stream;
   Usual renderer{Cuda(stream.get())};
-  DeviceFrame image(150, 90, PixelFormat::rgb_float, 36);
-  renderer.render_into(arrays.view(), camera, with_planes(), image.view());
+  PlanesOn<Cuda> image(renderer.backend(), 150, 90, {true, true});
+  draw(renderer, arrays.view(), image, with_planes());
   stream.wait();
-  CHECK(same_bits(image.pixels(Cuda(), image.colour, 12), expected.colour));
-  CHECK(same_bits(image.pixels(Cuda(), image.alpha, 4), expected.alpha));
-  CHECK(same_bits(image.pixels(Cuda(), image.depth, 4), expected.depth));
-  CHECK(image.kept_to_its_rows(Cuda(), image.colour, 12));
+  CHECK(same_planes(image.on_host(Cuda()), expected));
 }
 
-TEST_CASE("cuda embedding: a frame waits for what its stream was given before and not for other streams") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE(
+    "cuda embedding: a frame waits for what its stream was given before and not for other streams") {
   const Scene scene = random_scene(4000, 0, 2);
-  const Camera camera = forward_camera(150, 90);
   const DeviceArrays arrays(scene);
   const Stream stream;
   Usual renderer{Cuda(stream.get())};
-  DeviceFrame expected(150, 90), image(150, 90);
-  renderer.render_into(arrays.view(), camera, {}, expected.view());
+  PlanesOn<Cuda> expected(renderer.backend(), 150, 90, {}), image(renderer.backend(), 150, 90, {});
+  draw(renderer, arrays.view(), expected);
   stream.wait();
 
   // Means come late, in the order of the stream.
@@ -159,13 +102,11 @@ TEST_CASE("cuda embedding: a frame waits for what its stream was given before an
   check_cuda(cudaMemcpyAsync(means.data(), arrays.means.data(), means.size() * sizeof(vec3),
                              cudaMemcpyDeviceToDevice, stream.get()),
              "cudaMemcpyAsync");
-  renderer.render_into(late, camera, {}, image.view());
-  CHECK(same_bits(image.pixels(renderer.backend(), image.colour, 12),
-                  expected.pixels(renderer.backend(), expected.colour, 12)));
+  draw(renderer, late, image);
+  CHECK(same_planes(image.on_host(renderer.backend()), expected.on_host(renderer.backend())));
 }
 
-TEST_CASE("cuda embedding: an upload follows its stream and waits for no other") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda embedding: an upload follows its stream and waits for no other") {
   const Scene scene = random_scene(4000, 1, 10);
   const Stream stream;
   Cuda cuda(stream.get());
@@ -197,9 +138,8 @@ TEST_CASE("cuda embedding: an upload follows its stream and waits for no other")
   CHECK(same_bits(to_host(Cuda(), late.view().means), expected));
 }
 
-TEST_CASE_TEMPLATE("cuda embedding: a frame is drawn while its host polls a stream that is not ready", Sort,
-                   StandardSort, EarlySort, AdaptiveSort) {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASES("cuda embedding: a frame is drawn while its host polls a stream that is not ready", Sort,
+                     StandardSort, EarlySort, AdaptiveSort) {
   const Scene scene = random_scene(4000, 1, 9);
   const Camera camera = forward_camera(150, 90);
   RenderSettings settings = with_planes();
@@ -215,17 +155,15 @@ TEST_CASE_TEMPLATE("cuda embedding: a frame is drawn while its host polls a stre
     CHECK(poll_busy(polled) == cudaErrorNotReady);
     Frame frame;
     REQUIRE_NOTHROW(each->render(uploaded, camera, settings, frame));
-    CHECK(same_bits(frame.colour, expected.colour));
-    CHECK(same_bits(frame.alpha, expected.alpha));
-    CHECK(same_bits(frame.depth, expected.depth));
+    CHECK(same_planes(frame, expected));
     CHECK(std::isfinite(each->times().total));
     CHECK(each->statistics().intersections == renderer.statistics().intersections);
     CHECK(each->statistics().raster.contributing_pairs == renderer.statistics().raster.contributing_pairs);
   }
 }
 
-TEST_CASE("cuda embedding: two renderers on two streams in two threads draw what each draws alone") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE(
+    "cuda embedding: two renderers on two streams in two threads draw what each draws alone") {
   const DeviceArrays first(random_scene(9000, 1, 3)), second(random_scene(7000, 3, 4));
   constexpr int frames = 60;
   const auto alone_first = render_many(first.view(), 1), alone_second = render_many(second.view(), 1);
@@ -242,33 +180,18 @@ TEST_CASE("cuda embedding: two renderers on two streams in two threads draw what
   }
 }
 
-TEST_CASE("cuda embedding: frames of one renderer between frames of another are their own") {
-  if (without_device()) return;
-  Usual first, second;
-  const auto a = first.backend().upload(random_scene(3000, 0, 5)),
-             b = second.backend().upload(random_scene(500, 1, 6));
-  const Frame alone_a = first.render(a, forward_camera(90, 60)),
-              alone_b = second.render(b, forward_camera(40, 70));
-  for (int i = 0; i < 5; ++i) {
-    CHECK(same_bits(first.render(a, forward_camera(90, 60)).colour, alone_a.colour));
-    CHECK(same_bits(second.render(b, forward_camera(40, 70)).colour, alone_b.colour));
-  }
-}
-
-TEST_CASE_TEMPLATE("cuda embedding: a steady frame allocates nothing", Sort, StandardSort, EarlySort,
-                   AdaptiveSort) {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASES("cuda embedding: a steady frame allocates nothing", Sort, StandardSort, EarlySort,
+                     AdaptiveSort) {
   const Stream stream;
   Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(stream.get())};
   const auto scene = renderer.backend().upload(random_scene(20'000, 2, 7));
   RenderSettings settings = with_planes();
   settings.count = true;
-  DeviceFrame large(400, 300), small(120, 200);
+  PlanesOn<Cuda> large(renderer.backend(), 400, 300, settings.outputs),
+      small(renderer.backend(), 120, 200, settings.outputs);
   const auto render = [&](int frames) {
     for (int i = 0; i < frames; ++i)
-      for (DeviceFrame* image : {&large, &small})
-        renderer.render_into(scene.view(), forward_camera(image->width, image->height), settings,
-                             image->view());
+      for (PlanesOn<Cuda>* image : {&large, &small}) draw(renderer, scene.view(), *image, settings);
   };
   render(60);  // until all points in time have been made
   const std::size_t warm = free_memory();
@@ -276,25 +199,8 @@ TEST_CASE_TEMPLATE("cuda embedding: a steady frame allocates nothing", Sort, Sta
   CHECK(free_memory() == warm);
 }
 
-TEST_CASE("cuda embedding: a renderer stays usable after what it refuses") {
-  if (without_device()) return;
-  Usual renderer;
-  const Scene scene = random_scene(500, 2, 8);
-  const DeviceArrays arrays(scene);
-  const Camera camera = forward_camera(40, 30);
-  const Frame expected = renderer.render(renderer.backend().upload(scene), camera);
-  DeviceFrame image(40, 30);
-  FrameView narrow = image.view();
-  narrow.colour.pitch = -476;
-  SceneView uneven = arrays.view();
-  uneven.opacities.size = 9;
-  CHECK_THROWS_AS(renderer.render_into(arrays.view(), camera, {}, narrow), std::invalid_argument);
-  CHECK_THROWS_AS(renderer.render_into(uneven, camera, {}, image.view()), std::invalid_argument);
-  CHECK(same_bits(renderer.render(renderer.backend().upload(scene), camera).colour, expected.colour));
-}
-
-TEST_CASE("cuda embedding: a renderer by name works on the stream and in the memory that its options name") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE(
+    "cuda embedding: a renderer by name works on the stream and in the memory that its options name") {
   const auto scene = std::make_shared<const Scene>(random_scene(2000, 1, 8));
   Usual typed;
   const DeviceScene uploaded = typed.backend().upload(scene);
@@ -319,4 +225,16 @@ TEST_CASE("cuda embedding: a renderer by name works on the stream and in the mem
     CHECK(pool.in_use() == of_scene);
   }
   CHECK(pool.in_use() == 0);
+}
+
+SWIFTGS_DEVICE_CASE(
+    "cuda embedding: contributions are the same bits from run to run and on a stream of the caller") {
+  const Scene scene = make_builtin_scene(20'000);
+  const std::vector<Camera> cameras = builtin_cameras(6, 320, 180);
+  const Sums sums = sums_of<Cuda>(scene, cameras, Conventions::gsplat());
+  const Stream stream;
+  for (int run = 0; run < 5; ++run) {
+    CHECK(sums_of<Cuda>(scene, cameras, Conventions::gsplat()) == sums);
+    CHECK(sums_of(scene, cameras, Conventions::gsplat(), Cuda(stream.get())) == sums);
+  }
 }

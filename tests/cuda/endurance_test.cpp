@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "cuda/drawings.hpp"
+#include "cuda/device.hpp"
+#include "policies/rasterizers.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -15,16 +16,6 @@ namespace {
 using Usual = Renderer<Cuda, AdaptiveSort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
 template <class Sort>
 using With = Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-
-/// Gaussians that each cover any image.
-Scene make_giants(int count) {
-  Scene scene;
-  for (int i = 0; i < count; ++i) {
-    scene.means.push_back(vec3(0, 0, 1)), scene.scales.push_back(vec3(1000)), scene.rotations.push_back({});
-    scene.opacities.push_back(1), scene.sh0.push_back(vec3(1));
-  }
-  return scene;
-}
 
 /// A scene of `count` Gaussians that are all zero, in 16 bytes for each.
 SceneView zeros(const Cuda& cuda, std::size_t count, DeviceBuffer<Quaternion>& memory) {
@@ -54,20 +45,20 @@ std::string refusal(R& renderer, const SceneView& scene, const Camera& camera) {
 
 }  // namespace
 
-TEST_CASE("cuda endurance: ten thousand frames keep their bits and take no memory") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda endurance: ten thousand frames keep their bits and take no memory") {
   Usual renderer;
   const auto scene = renderer.backend().upload(random_scene(300, 0, 1));
   const Camera cameras[] = {forward_camera(64, 48), forward_camera(48, 80), forward_camera(33, 17)};
-  std::vector<DeviceFrame> images;
-  for (const Camera& camera : cameras) images.emplace_back(camera.width, camera.height);
+  std::vector<PlanesOn<Cuda>> images;
+  for (const Camera& camera : cameras)
+    images.emplace_back(renderer.backend(), camera.width, camera.height, Outputs{true, true});
   const auto render = [&](int frames) {
     for (int i = 0; i < frames; ++i)
       renderer.render_into(scene.view(), cameras[i % 3], {}, images[std::size_t(i % 3)].view());
   };
   const auto colours = [&] {
     std::vector<std::vector<float>> out;
-    for (const DeviceFrame& image : images) out.push_back(image.pixels(renderer.backend(), image.colour, 12));
+    for (PlanesOn<Cuda>& image : images) out.push_back(image.on_host(renderer.backend()).colour);
     return out;
   };
   render(300);
@@ -78,8 +69,7 @@ TEST_CASE("cuda endurance: ten thousand frames keep their bits and take no memor
   CHECK((colours() == first));
 }
 
-TEST_CASE("cuda endurance: renderers and scenes give back what they took") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda endurance: renderers and scenes give back what they took") {
   const Scene scene = random_scene(20'000, 3, 2);
   const auto one = [&] {
     const Stream stream;
@@ -93,8 +83,7 @@ TEST_CASE("cuda endurance: renderers and scenes give back what they took") {
   CHECK(free_memory() == warm);
 }
 
-TEST_CASE("cuda endurance: memory that cannot be had is a capacity error and the device works on") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda endurance: memory that cannot be had is a capacity error and the device works on") {
   const Cuda cuda;
   constexpr std::size_t pebibyte = std::size_t(1) << 50;
   CHECK_THROWS_AS(DeviceMemory::allocate(pebibyte), CapacityError);
@@ -118,12 +107,11 @@ TEST_CASE("cuda endurance: memory that cannot be had is a capacity error and the
   }
 }
 
-TEST_CASE("cuda endurance: a renderer that runs out of memory in a frame draws the next one") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda endurance: a renderer that runs out of memory in a frame draws the next one") {
   With<StandardSort> standard;
   With<EarlySort> early;
   const Cuda& cuda = early.backend();
-  const auto scene = cuda.upload(random_scene(300, 1, 3)), giants = cuda.upload(make_giants(2000));
+  const auto scene = cuda.upload(random_scene(300, 1, 3)), giants = cuda.upload(giants_of(2000));
   const Camera camera = forward_camera(64, 48), huge = forward_camera(4096, 4096);
   DeviceBuffer<Quaternion> memory;
   const SceneView many = zeros(cuda, 24'000'000, memory);

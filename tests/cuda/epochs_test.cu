@@ -132,9 +132,8 @@ struct Emitting {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("cuda epochs: what a larger operation left behind does not get into the next", Operations,
-                   Sorting, Projecting, Emitting) {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASES("cuda epochs: what a larger operation left behind does not get into the next",
+                     Operations, Sorting, Projecting, Emitting) {
   Operations operations;
   for (std::uint64_t i = 1; i < 40; ++i) {
     CAPTURE(i);
@@ -143,8 +142,7 @@ TEST_CASE_TEMPLATE("cuda epochs: what a larger operation left behind does not ge
   }
 }
 
-TEST_CASE("cuda epochs: sorts of every size and number of passes follow each other") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda epochs: sorts of every size and number of passes follow each other") {
   Sorting sorting;
   Random random(1);
   for (std::uint64_t i = 0; i < 100; ++i) {
@@ -159,9 +157,9 @@ TEST_CASE("cuda epochs: sorts of every size and number of passes follow each oth
   }
 }
 
-TEST_CASE_TEMPLATE("cuda epochs: operations are counted on the device and begin again after the last number",
-                   Operations, Sorting, Projecting, Emitting) {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASES(
+    "cuda epochs: operations are counted on the device and begin again after the last number", Operations,
+    Sorting, Projecting, Emitting) {
   Operations operations;
   CHECK(operations.large(1));
   CHECK(epoch_of(operations.cuda, operations.epochs) == 1);
@@ -180,8 +178,8 @@ TEST_CASE_TEMPLATE("cuda epochs: operations are counted on the device and begin 
   }
 }
 
-TEST_CASE("cuda epochs: sorts of fewer pairs keep the memory of a larger one, whatever their tiles") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE(
+    "cuda epochs: sorts of fewer pairs keep the memory of a larger one, whatever their tiles") {
   Sorting sorting;
   // Tiles are of 4096, 2048 or 1024 pairs, by these numbers of them.
   const std::size_t tiles = 2 * std::size_t(sorting.cuda.multiprocessors());
@@ -194,10 +192,9 @@ TEST_CASE("cuda epochs: sorts of fewer pairs keep the memory of a larger one, wh
   }
 }
 
-TEST_CASE_TEMPLATE(
+SWIFTGS_DEVICE_CASES(
     "cuda epochs: smaller operations clear the words of a larger one before its number returns", Operations,
     Sorting, Projecting, Emitting) {
-  if (without_device()) return;
   Operations operations;
   CHECK(operations.large(1));
   const auto left = [&] {
@@ -216,8 +213,7 @@ TEST_CASE_TEMPLATE(
   CHECK(operations.large(2));
 }
 
-TEST_CASE("cuda epochs: a sort whose passes were not all started leaves nothing to the next") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda epochs: a sort whose passes were not all started leaves nothing to the next") {
   Sorting sorting;
   CHECK(sorting.large(1));
   const DeviceBuffer<std::uint16_t> keys = to_device(random_keys<std::uint16_t>(5000, 2));

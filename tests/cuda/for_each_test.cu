@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Loops, bounds and rasterizers that the library does not know.
-#include <algorithm>
 
 #include <swiftgs/cuda.cuh>
 #include <swiftgs/renderer.hpp>
@@ -17,17 +16,6 @@ struct Visit {
   std::uint32_t* visits;
   std::size_t n;
   SWIFTGS_HD void operator()(std::size_t i) const { ++visits[i < n ? i : n]; }
-};
-
-/// The even rows of the box, which no backend has kernels for.
-struct EvenRows {
-  static constexpr std::string_view name = "even-rows";
-  static constexpr bool conservative = false;
-  struct Tiles {
-    TileRect rect;
-    SWIFTGS_HD TileRun row(int row) const { return row % 2 ? TileRun{} : rect.columns; }
-  };
-  SWIFTGS_HD Tiles tiles(const SplatShape& shape, TileGrid grid) const { return {opacity_box(shape, grid)}; }
 };
 
 /// Bounds of other tiles in the kernel that emits large splats than where tiles are counted.
@@ -88,8 +76,7 @@ static_assert(RastersOn<ListLengthsOrAlphas, Cuda> && RastersOn<ListLengthsOrAlp
 using namespace swiftgs;
 using namespace swiftgs::test;
 
-TEST_CASE("cuda: for_each visits each index exactly once") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: for_each visits each index exactly once") {
   const Cuda cuda;
   for (const std::size_t n : {0, 1, 2, 255, 256, 257, 100'000, 1'000'001}) {
     CAPTURE(n);
@@ -101,8 +88,7 @@ TEST_CASE("cuda: for_each visits each index exactly once") {
   }
 }
 
-TEST_CASE("cuda: every sort takes bounds of the caller") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: every sort takes bounds of the caller") {
   Cuda cuda;
   Serial serial;
   const SplatSet splats = random_splats(3000, 600, 400, 8);
@@ -110,15 +96,13 @@ TEST_CASE("cuda: every sort takes bounds of the caller") {
   const HostLists expected =
       host_lists(serial, build_lists<StandardSort, EvenRows>(serial, splats.job(600, 400)));
   REQUIRE(!expected.ids.empty());
-  const SortInput job = uploaded.job(600, 400);
-  CHECK(host_lists(cuda, build_lists<StandardSort, EvenRows>(cuda, job)) == expected);
-  CHECK(host_lists(cuda, build_lists<EarlySort, EvenRows>(cuda, job)) == expected);
-  CHECK(host_lists(cuda, build_lists<AdaptiveSort, EvenRows>(cuda, job)) == expected);
+  for_each_type(AllSorts(), [&]<class Sort>(Sort) {
+    CHECK(host_lists(cuda, build_lists<Sort, EvenRows>(cuda, uploaded.job(600, 400))) == expected);
+  });
 }
 
-TEST_CASE_TEMPLATE("cuda: a large splat has as many intersections as were counted and no list has it twice",
-                   Sort, StandardSort, EarlySort) {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASES("cuda: a large splat has as many intersections as were counted and no list has it twice",
+                     Sort, StandardSort, EarlySort) {
   Cuda cuda;
   for (const int splats : {1, 40})
     for (const int counted : {1, 5, 30})
@@ -139,21 +123,11 @@ TEST_CASE_TEMPLATE("cuda: a large splat has as many intersections as were counte
         const HostLists found = host_lists(cuda, lists);
         const auto each = std::size_t(counted * job.grid.rows.size());
         REQUIRE(found.ids.size() == std::size_t(splats) * each);
-        std::vector<std::size_t> seen(std::size_t(splats), 0);
-        for (std::vector<std::uint32_t> list : to_vectors(found.view())) {
-          std::sort(list.begin(), list.end());
-          CHECK(std::adjacent_find(list.begin(), list.end()) == list.end());
-          for (const std::uint32_t id : list) {
-            REQUIRE(id < std::uint32_t(splats));
-            ++seen[id];
-          }
-        }
-        for (const std::size_t times : seen) CHECK(times == each);
+        CHECK(lists_each(to_vectors(found.view()), std::size_t(splats), each));
       }
 }
 
-TEST_CASE("cuda: projection takes bounds of the caller") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda: projection takes bounds of the caller") {
   Cuda cuda;
   const Scene scene = random_scene(2000, 0, 9);
   const DeviceScene uploaded = cuda.upload(scene);
@@ -171,17 +145,15 @@ TEST_CASE("cuda: projection takes bounds of the caller") {
   CHECK(footprints.intersections.most == tiles);
 }
 
-TEST_CASE_TEMPLATE("cuda: bounds of the caller list several views as they list each alone", Sort,
-                   StandardSort, EarlySort) {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASES("cuda: bounds of the caller list several views as they list each alone", Sort,
+                     StandardSort, EarlySort) {
   Renderer<Cuda, Sort, PerPixel, EvenRows> together, alone;
   const DeviceScene scene = together.backend().upload(random_scene(20'000, 0, 11));
   check_lists(together, alone, scene.view());
 }
 
-TEST_CASE_TEMPLATE("cuda: a renderer takes the overload of a rasterizer of the caller", Raster, ListLengths,
-                   ListLengthsOrAlphas) {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASES("cuda: a renderer takes the overload of a rasterizer of the caller", Raster, ListLengths,
+                     ListLengthsOrAlphas) {
   Renderer<Cuda, EarlySort, Raster, Ellipse> renderer;
   const Camera camera = forward_camera(70, 50);
   const Frame frame = renderer.render(renderer.backend().upload(random_scene(400, 1, 10)), camera);

@@ -17,9 +17,11 @@ namespace swiftgs::test {
 /// What `f` gives to a stream, ready to run.
 class Graph {
  public:
+  /// Throws if the capture did not stay valid.
   template <class F>
-  Graph(const Stream& stream, const F& f) : stream_(stream) {
-    check_cuda(cudaStreamBeginCapture(stream.get(), cudaStreamCaptureModeGlobal), "cudaStreamBeginCapture");
+  Graph(const Stream& stream, const F& f, cudaStreamCaptureMode mode = cudaStreamCaptureModeGlobal)
+      : stream_(stream) {
+    check_cuda(cudaStreamBeginCapture(stream.get(), mode), "cudaStreamBeginCapture");
     f();
     cudaGraph_t graph = nullptr;
     check_cuda(cudaStreamEndCapture(stream.get(), &graph), "cudaStreamEndCapture");

@@ -10,10 +10,9 @@
 #include <swiftgs/type_list.hpp>
 
 #include "cuda/device.hpp"
-#include "cuda/drawings.hpp"
 #include "cuda/graph.hpp"
-#include "policies/random_splats.hpp"
-#include "policies/rasterizers.hpp"
+#include "policies/double_drawing.hpp"
+#include "policies/views.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -114,57 +113,11 @@ Camera square_camera(int side) {
   return camera;
 }
 
-/// Colour, alpha and depth of an image in device memory, rows of the image `side` wide.
-struct Planes {
-  DeviceBuffer<float> colour, alpha, depth;
-  int side;
-
-  explicit Planes(int of) : side(of) {
-    const std::size_t pixels = std::size_t(of) * std::size_t(of);
-    colour.reset(3 * pixels), alpha.reset(pixels), depth.reset(pixels);
-  }
-  /// Overwrites all pixels, when the device has nothing to do and before it has.
-  void poison() {
-    for (DeviceBuffer<float>* plane : {&colour, &alpha, &depth})
-      check_cuda(cudaMemset(plane->data(), 0xa5, plane->size() * sizeof(float)), "cudaMemset");
-    check_cuda(cudaDeviceSynchronize(), "cudaDeviceSynchronize");
-  }
-  /// A part of the image, from a pixel on.
-  FrameView part(int size, FirstPixel first, bool extras) {
-    const std::size_t at = std::size_t(first.y) * std::size_t(side) + std::size_t(first.x);
-    const auto row = std::ptrdiff_t(sizeof(float)) * side;
-    FrameView frame{.width = size, .height = size, .colour = {colour.data() + 3 * at, 3 * row}};
-    frame.alpha = {alpha.data() + at, row};
-    if (extras) frame.depth = {depth.data() + at, row};
-    return frame;
-  }
-};
-
-/// Whether two images have the same bits; their depth where there are `extras`.
-bool same_planes(const Cuda& cuda, const Planes& a, const Planes& b, bool extras) {
-  const auto same = [&](const DeviceBuffer<float>& one, const DeviceBuffer<float>& other) {
-    return same_bits(to_host(cuda, one.span()), to_host(cuda, other.span()));
-  };
-  return same(a.colour, b.colour) && same(a.alpha, b.alpha) && (!extras || same(a.depth, b.depth));
-}
-
-/// Renders an image as a whole and in parts before white, and compares their bits.
-template <class R>
-void check_parts(R& renderer, const SceneView& scene, int side, int size, bool extras,
-                 const Conventions& conventions = {}) {
-  CAPTURE(R::name);
-  CAPTURE(side);
-  CAPTURE(extras);
-  const Camera camera = square_camera(side);
-  Planes whole(side), parts(side);
-  const View view = make_view(camera, conventions, whole.part(side, {}, extras), vec3(1));
-  renderer.render_into(scene, {&view, 1});
-  for (int y = 0; y < side; y += size)
-    for (int x = 0; x < side; x += size) {
-      const View part = make_view(camera, conventions, parts.part(size, {x, y}, extras), vec3(1), {x, y});
-      renderer.render_into(scene, {&part, 1});
-    }
-  CHECK(same_planes(renderer.backend(), whole, parts, extras));
+/// Such an image before white, with depth where there are `extras`.
+AskedView square_view(int side, bool extras, const Conventions& conventions) {
+  AskedView view{square_camera(side), conventions, vec3(1)};
+  view.depth = extras;
+  return view;
 }
 
 template <class Raster>
@@ -177,7 +130,10 @@ using Segmented = TypeList<AxisSharedThreshold<FloatCholesky>, AxisShared<FloatC
 /// Calls f(renderer) for each of them.
 template <class F>
 void for_each_segmented(const F& f) {
-  for_each_type(Segmented(), [&]<class Raster>(Raster) { f(With<Raster>()); });
+  for_each_type(Segmented(), [&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    f(With<Raster>());
+  });
 }
 
 RasterCounts counts_of(auto& renderer, const DeviceScene& scene, const Camera& camera,
@@ -189,43 +145,47 @@ RasterCounts counts_of(auto& renderer, const DeviceScene& scene, const Camera& c
   return renderer.statistics().raster;
 }
 
+/// Compares the bits of a square image with those of its parts, of which each is a square.
+void check_squares(auto& renderer, const DeviceScene& scene, int side, int size,
+                   const Conventions& conventions = {}) {
+  for (const bool extras : {false, true})
+    check_parts(renderer, scene.view(), square_view(side, extras, conventions),
+                cut(side, side, every(side, size), every(side, size)), false);
+}
+
+/// The same of long lists, with each rasterizer that cuts them into segments.
+void check_squares_of_all(const Scene& scene, int side, int size, const Conventions& conventions) {
+  for_each_segmented([&](auto&& renderer) {
+    const DeviceScene uploaded = renderer.backend().upload(scene);
+    CHECK(counts_of(renderer, uploaded, square_camera(side), conventions).segments > 10'000);
+    check_squares(renderer, uploaded, side, size, conventions);
+  });
+}
+
 }  // namespace
 
-TEST_CASE(
+SWIFTGS_DEVICE_CASE(
     "cuda long lists: warp blocks that thread blocks share have the bits of warp blocks that a warp "
     "traverses") {
-  if (without_device()) return;
   // The whole image has more long warp blocks than there is room for, so warps traverse the rest of them
   // alone.
   const int side = 1024;
   Scene scene = layers(492'000, 0.00015, 0.015);
   put_dots(scene, 160'000, side);
-  for_each_segmented([&](auto&& renderer) {
-    const DeviceScene uploaded = renderer.backend().upload(scene);
-    CHECK(counts_of(renderer, uploaded, square_camera(side), faint()).segments > 10'000);
-    for (const bool extras : {false, true})
-      check_parts(renderer, uploaded.view(), side, 256, extras, faint());
-  });
+  check_squares_of_all(scene, side, 256, faint());
 }
 
-TEST_CASE(
+SWIFTGS_DEVICE_CASE(
     "cuda long lists: warp blocks that clusters share have the bits of warp blocks that thread blocks "
     "share") {
-  if (without_device()) return;
   // The whole image has more warp blocks than clusters have room for. Blocks take the rest.
   const int side = 384;
   Scene scene = layers(228'000, 0.0001, 0.002);
   put_dots(scene, 36'000, side);
-  for_each_segmented([&](auto&& renderer) {
-    const DeviceScene uploaded = renderer.backend().upload(scene);
-    CHECK(counts_of(renderer, uploaded, square_camera(side), faint()).segments > 10'000);
-    for (const bool extras : {false, true})
-      check_parts(renderer, uploaded.view(), side, 128, extras, faint());
-  });
+  check_squares_of_all(scene, side, 128, faint());
 }
 
-TEST_CASE("cuda long lists: lists that end with a segment have the same bits too") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda long lists: lists that end with a segment have the same bits too") {
   // Black before white, so that a pixel is its transmittance. None stops, and each warp block keeps every
   // splat. A warp block of the second that is pushed to a work queue ends with a round, too.
   const int side = 768;
@@ -238,17 +198,12 @@ TEST_CASE("cuda long lists: lists that end with a segment have the same bits too
     }
     Conventions conventions;
     conventions.stop = 0;
-    for_each_segmented([&](auto&& renderer) {
-      const DeviceScene uploaded = renderer.backend().upload(scene);
-      CHECK(counts_of(renderer, uploaded, square_camera(side), conventions).segments > 10'000);
-      for (const bool extras : {false, true})
-        check_parts(renderer, uploaded.view(), side, 256, extras, conventions);
-    });
+    check_squares_of_all(scene, side, 256, conventions);
   }
 }
 
-TEST_CASE("cuda long lists: every sort and all conservative bounds give the same bits, run after run") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE(
+    "cuda long lists: every sort and all conservative bounds give the same bits, run after run") {
   const Camera camera = square_camera(96);
   RenderSettings settings;
   settings.conventions = faint();
@@ -276,8 +231,7 @@ TEST_CASE("cuda long lists: every sort and all conservative bounds give the same
   }
 }
 
-TEST_CASE("cuda long lists: lists of larger tiles have the same bits") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda long lists: lists of larger tiles have the same bits") {
   // Small splats: each warp block shows about a thousand. Lists of 16-pixel tiles are short enough for a warp
   // alone. Lists of larger tiles are long, and a warp block refuses most of them. Pixels stop earlier towards
   // the right.
@@ -289,33 +243,25 @@ TEST_CASE("cuda long lists: lists of larger tiles have the same bits") {
     splats.add(make_splat(x, random.in(0, 128), 0.8, 0.7, random.in(0, 3), 0.01 + 0.9 * x / 128),
                float(i + 1), vec3(random.f(0, 1), random.f(0, 1), random.f(0, 1)));
   }
-  Picture picture(std::move(splats), 128, 128);
   for_each_type(Segmented(), [&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    picture.tile_side = 16;
-    picture.use_bounds(Ellipse());
-    const Drawing usual = draw_on_device<Raster>(cuda, picture);
+    const Drawing usual = draw<Raster, Ellipse>(cuda, splats, 128, 128);
     CHECK(usual.counts.segments == 0);
     for (const int side : {64, 128}) {
       CAPTURE(side);
-      picture.tile_side = side;
-      picture.use_bounds(Ellipse());
-      const Drawing drawn = draw_on_device<Raster>(cuda, picture);
+      const Drawing drawn = draw<Raster, Ellipse>(cuda, splats, 128, 128, {}, side);
       CHECK(drawn.counts.segments > 100);
-      CHECK(same_bits(drawn.frame.colour, usual.frame.colour));
-      CHECK(same_bits(drawn.frame.alpha, usual.frame.alpha));
-      CHECK(same_bits(drawn.frame.depth, usual.frame.depth));
+      CHECK(same_planes(drawn.frame, usual.frame));
       CHECK(drawn.counts.contributing_pairs == usual.counts.contributing_pairs);
       CHECK(drawn.counts.pixels_stopped == usual.counts.pixels_stopped);
-      const Drawing lean = draw_on_device<Raster>(cuda, picture, true);
-      CHECK(same_bits(lean.frame.colour, usual.frame.colour));
-      CHECK(same_bits(lean.frame.alpha, usual.frame.alpha));
+      const Frame again = draw<Raster, Ellipse>(cuda, splats, 128, 128, lean(), side).frame;
+      CHECK(same_bits(again.colour, usual.frame.colour));
+      CHECK(same_bits(again.alpha, usual.frame.alpha));
     }
   });
 }
 
-TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda long lists: frames are those of hosts, and their counts") {
   const Camera camera = square_camera(64);
   struct Drawn {
     const char* name;
@@ -341,20 +287,12 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
     host.render(host.backend().upload(scene), camera, settings, expected);
     const RasterCounts counted = host.statistics().raster;
     for_each_segmented([&](auto&& renderer) {
-      CAPTURE(std::decay_t<decltype(renderer)>::name);
       const DeviceScene uploaded = renderer.backend().upload(scene);
       renderer.render(uploaded, camera, settings, drawn);
-      double colour = 0, alpha = 0, depth = 0;
-      for (std::size_t i = 0; i < drawn.colour.size(); ++i)
-        colour = std::max(colour, std::abs(double(drawn.colour[i]) - double(expected.colour[i])));
-      for (std::size_t i = 0; i < drawn.alpha.size(); ++i) {
-        alpha = std::max(alpha, std::abs(double(drawn.alpha[i]) - double(expected.alpha[i])));
-        depth = std::max(depth, std::abs(double(drawn.depth[i]) - double(expected.depth[i])));
-      }
       // A splat at alpha 1/255 that only one of both keeps, of a thousand that each pixel shows.
-      CHECK(colour < 0.005);
-      CHECK(alpha < 0.001);
-      CHECK(depth < 0.05);
+      CHECK(difference(drawn.colour, expected.colour, 0).largest < 0.005);
+      CHECK(difference(drawn.alpha, expected.alpha, 0).largest < 0.001);
+      CHECK(difference(drawn.depth, expected.depth, 0).largest < 0.05);
       const RasterCounts counts = renderer.statistics().raster;
       CHECK((counts.segments > 0) == in_segments);
       CHECK(double(counts.contributing_pairs) ==
@@ -364,9 +302,8 @@ TEST_CASE("cuda long lists: frames are those of hosts, and their counts") {
   }
 }
 
-TEST_CASE(
+SWIFTGS_DEVICE_CASE(
     "cuda long lists: warp blocks that show next to nothing behind their first segment are shared too") {
-  if (without_device()) return;
   // More warp blocks than would be taken up at the end of their first segment.
   const int side = 96;
   const Camera camera = square_camera(side);
@@ -375,9 +312,8 @@ TEST_CASE(
   RenderSettings settings;
   settings.outputs = {true, true};
   for_each_segmented([&](auto&& renderer) {
-    CAPTURE(std::decay_t<decltype(renderer)>::name);
     const DeviceScene uploaded = renderer.backend().upload(scene);
-    for (const bool extras : {false, true}) check_parts(renderer, uploaded.view(), side, 32, extras);
+    check_squares(renderer, uploaded, side, 32);
 
     // A traversal alone would visit 50,600 intersections. Others take them over behind the first 512 or
     // later.
@@ -407,43 +343,23 @@ TEST_CASE(
   });
 }
 
-TEST_CASE("cuda long lists: views of one frame have the bits of frames of their own") {
-  if (without_device()) return;
-  const int sides[] = {96, 64};
+SWIFTGS_DEVICE_CASE("cuda long lists: views of one frame have the bits of frames of their own") {
   const Scene scene = layers(30'000, 0.0003, 0.006);
   for_each_segmented([&](auto&& renderer) {
-    CAPTURE(std::decay_t<decltype(renderer)>::name);
     const DeviceScene uploaded = renderer.backend().upload(scene);
     for (const bool extras : {false, true}) {
       CAPTURE(extras);
-      Planes together[] = {Planes(sides[0]), Planes(sides[1])},
-             alone[] = {Planes(sides[0]), Planes(sides[1])};
-      std::vector<View> views;
-      for (std::size_t v = 0; v < 2; ++v) {
-        const auto view_into = [&](Planes& planes) {
-          return make_view(square_camera(sides[v]), faint(), planes.part(sides[v], {}, extras),
-                           vec3(float(v)));
-        };
-        views.push_back(view_into(together[v]));
-        const View single = view_into(alone[v]);
-        renderer.render_into(uploaded.view(), {&single, 1});
-      }
-      for (int run = 0; run < 3; ++run) {
-        renderer.render_into(uploaded.view(), {views.data(), views.size()});
-        for (std::size_t v = 0; v < 2; ++v)
-          CHECK(same_planes(renderer.backend(), together[v], alone[v], extras));
-      }
-      renderer.render_into(uploaded.view(), {views.data(), views.size()}, {.count = true});
+      std::vector<AskedView> asked{square_view(96, extras, faint()), square_view(64, extras, faint())};
+      asked[0].background = vec3(0);
+      const std::vector<PlanesMemory> alone = draw_alone(renderer, uploaded.view(), asked).memories;
+      for (const bool count : {false, false, false, true})
+        CHECK(differing(draw_together(renderer, uploaded.view(), asked, {.count = count}), alone) == 0);
       CHECK(renderer.statistics().raster.segments > 100);
-      for (std::size_t v = 0; v < 2; ++v)
-        CHECK(same_planes(renderer.backend(), together[v], alone[v], extras));
     }
   });
 }
 
-TEST_CASE("cuda long lists: a graph that runs again and again has the bits of rendered frames") {
-  if (without_device()) return;
-  const int side = 96;
+SWIFTGS_DEVICE_CASE("cuda long lists: a graph that runs again and again has the bits of rendered frames") {
   const Scene scene = layers(30'000, 0.0003, 0.006);
   for_each_type(Segmented(), [&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
@@ -453,37 +369,33 @@ TEST_CASE("cuda long lists: a graph that runs again and again has the bits of re
     const DeviceScene uploaded = cuda.upload(scene);
     for (const bool extras : {false, true}) {
       CAPTURE(extras);
-      Planes replayed(side), expected(side);
-      const auto view_into = [&](Planes& planes) {
-        return make_view(square_camera(side), faint(), planes.part(side, {}, extras), vec3(1));
-      };
-      const View view = view_into(expected), recorded_view = view_into(replayed);
-      rendered.render_into(uploaded.view(), {&view, 1}, {.count = true});
+      const std::vector<AskedView> asked{square_view(96, extras, faint())};
+      draw_together(rendered, uploaded.view(), asked, {.count = true});
       const Statistics statistics = rendered.statistics();
       CHECK(statistics.raster.segments > 100);
-      rendered.render_into(uploaded.view(), {&view, 1});
+      const std::vector<PlanesMemory> expected = draw_together(rendered, uploaded.view(), asked);
 
       DeviceBuffer<FrameReport> report;
       report.reset(1);
-      recorded.reserve(uploaded.view(), {&recorded_view, 1}, {statistics.visible, statistics.intersections});
+      const PlacedViews reserved(cuda, asked);
+      recorded.reserve(uploaded.view(), reserved.span(), {statistics.visible, statistics.intersections});
       const Graph graph(stream, [&] { recorded.record(uploaded.view(), report.data()); });
       for (int run = 0; run < 3; ++run) {
-        replayed.poison();
+        PlacedViews drawn(cuda, asked);
+        recorded.set_views(drawn.span());
         graph.run();
-        CHECK(same_planes(cuda, replayed, expected, extras));
+        CHECK(differing(drawn.finish(cuda), expected) == 0);
         CHECK(to_host(cuda, std::as_const(report).span())[0].overflowed == 0);
       }
     }
   });
 }
 
-TEST_CASE(
+SWIFTGS_DEVICE_CASE(
     "cuda long lists: thread blocks that share warp blocks work no longer than the frame is rasterized") {
-  if (without_device()) return;
   const int side = 384;
   const Scene scene = layers(228'000, 0.0001, 0.002);
   for_each_segmented([&](auto&& renderer) {
-    CAPTURE(std::decay_t<decltype(renderer)>::name);
     const DeviceScene uploaded = renderer.backend().upload(scene);
     RenderSettings settings;
     settings.conventions = faint(), settings.count = settings.time = true;
@@ -498,64 +410,64 @@ TEST_CASE(
   });
 }
 
-TEST_CASE("cuda long lists: frames stop sharing after eight without long warp blocks, and the bits stay") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE(
+    "cuda long lists: frames stop sharing after eight without long warp blocks, and the bits stay") {
   const int side = 64;
   const Scene long_lists = layers(30'000, 0.0003, 0.006), short_lists = layers(500, 0.004, 0.01);
   for_each_segmented([&](auto&& renderer) {
-    CAPTURE(std::decay_t<decltype(renderer)>::name);
     Cuda& cuda = renderer.backend();
     const DeviceScene of_long = cuda.upload(long_lists), of_short = cuda.upload(short_lists);
     for (const bool extras : {false, true}) {
       CAPTURE(extras);
-      Planes drawn(side), expected(side);
+      std::vector<PlanesMemory> drawn;
       // Returns what the host knows when the next frame begins: frames without long warp blocks, of those
       // before the one that is drawn.
-      const auto render = [&](const DeviceScene& scene, Planes& planes, bool counted = false) {
-        const View view = make_view(square_camera(side), faint(), planes.part(side, {}, extras), vec3(1));
-        planes.poison();
-        renderer.render_into(scene.view(), {&view, 1}, {.count = counted});
-        return cuda.known_raster_word();
+      const auto render = [&](const DeviceScene& scene, bool counted = false) {
+        PlacedViews views(cuda, {square_view(side, extras, faint())});  // waits for the frame before
+        renderer.render_into(scene.view(), views.span(), {.count = counted});
+        const std::uint32_t known = cuda.known_raster_word();
+        drawn = views.finish(cuda);
+        return known;
       };
-      const auto check_long_frame = [&] { CHECK(same_planes(cuda, drawn, expected, extras)); };
 
       // The first frame shares, also where the renderer had to make room for it and drew nothing at first.
       CHECK(cuda.known_raster_word() == 0);
-      CHECK(render(of_long, expected) < 8);
-      CHECK(render(of_long, drawn) == 0);
+      CHECK(render(of_long) < 8);
+      const std::vector<PlanesMemory> expected = drawn;
+      const auto check_long_frame = [&] { CHECK(differing(drawn, expected) == 0); };
+      CHECK(render(of_long) == 0);
       check_long_frame();
 
-      for (std::uint32_t quiet = 0; quiet < 8; ++quiet) CHECK(render(of_short, drawn) == quiet);
-      CHECK(render(of_short, drawn) == 8);
-      CHECK(render(of_short, drawn) == 8);  // this one alone
-      CHECK(render(of_long, drawn) == 8);   // and this one, with traversals that are long
+      for (std::uint32_t quiet = 0; quiet < 8; ++quiet) CHECK(render(of_short) == quiet);
+      CHECK(render(of_short) == 8);
+      CHECK(render(of_short) == 8);  // this one alone
+      CHECK(render(of_long) == 8);   // and this one, with traversals that are long
       check_long_frame();
-      CHECK(render(of_long, drawn) == 0);
+      CHECK(render(of_long) == 0);
       check_long_frame();
 
       // Now and then a short frame: all share.
       for (int i = 0; i < 4; ++i) {
-        CHECK(render(of_short, drawn) == 0);
-        CHECK(render(of_long, drawn) == 1);
+        CHECK(render(of_short) == 0);
+        CHECK(render(of_long) == 1);
         check_long_frame();
       }
 
       // Counted frames share, whatever was before.
-      for (int i = 0; i < 10; ++i) render(of_short, drawn);
-      CHECK(render(of_long, drawn, true) == 8);
+      for (int i = 0; i < 10; ++i) render(of_short);
+      CHECK(render(of_long, true) == 8);
       CHECK(renderer.statistics().raster.segments > 100);
       check_long_frame();
-      CHECK(render(of_short, drawn, true) == 0);
+      CHECK(render(of_short, true) == 0);
       CHECK(renderer.statistics().raster.segments == 0);
-      CHECK(render(of_long, drawn) == 1);
+      CHECK(render(of_long) == 1);
       check_long_frame();
-      CHECK(render(of_long, drawn) == 0);
+      CHECK(render(of_long) == 0);
     }
   });
 }
 
-TEST_CASE("cuda long lists: counts tell of segments only where lists are long") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda long lists: counts tell of segments only where lists are long") {
   With<AxisSharedThreshold<FloatCholesky>> renderer;
   const Camera camera = square_camera(64);
   const RasterCounts usual = counts_of(renderer, renderer.backend().upload(layers(500, 0.004, 0.01)), camera);

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <tuple>
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/edit.hpp>
 
 #include "cuda/device.hpp"
 #include "policies/contribution_sums.hpp"
+#include "policies/views.hpp"
 #include "support/one_view.hpp"
 
 using namespace swiftgs;
@@ -85,6 +85,23 @@ Match match(const SplatSet& a, const SplatSet& b) {
   return out;
 }
 
+/// Whether the tiles of every splat are those of the bounds. `of_view`: empty where there is one view.
+template <class Bounds>
+bool found_tiles(const Cuda& cuda, const std::vector<SplatShape>& shapes, const Footprints<Cuda>& footprints,
+                 const Views& views, Bounds bounds, const std::vector<std::uint16_t>& of_view = {}) {
+  const std::vector<Footprint> found = to_host(cuda, footprints.view().each);
+  std::uint64_t sum = 0;
+  bool same = found.size() == shapes.size() && footprints.views.tiles == views.tiles;
+  for (std::size_t i = 0; same && i < found.size(); ++i) {
+    const Footprint expected =
+        find_footprint(bounds, shapes[i], views[of_view.empty() ? 0 : of_view[i]].grid);
+    same = found[i].count == expected.count &&
+           (expected.count == 0 || (found[i].mask == expected.mask && found[i].first == expected.first));
+    sum += found[i].count;
+  }
+  return same && sum == footprints.intersections.most;
+}
+
 /// A projection stage on the device with its memory, which lives from frame to frame.
 struct Stage {
   Cuda cuda;
@@ -93,8 +110,9 @@ struct Stage {
   Colours<Cuda> colours;
   Footprints<Cuda> footprints;
 
-  template <class Bounds>
-  SplatSet run(const SceneView& scene, const Camera& camera, const Conventions& conventions, Bounds bounds) {
+  template <class Bounds = Ellipse>
+  SplatSet run(const SceneView& scene, const Camera& camera,
+               const Conventions& conventions = Conventions::gsplat(), Bounds bounds = {}) {
     const OneView frame(camera, conventions, scene);
     project(cuda, frame.plan(), bounds, scratch, splats, footprints);
     Shading<Cuda> shading = shade(cuda, frame.plan(), splats, colours);
@@ -102,25 +120,15 @@ struct Stage {
     return to_host(cuda, splats.view(), shading.finish());
   }
 
-  /// Whether the tiles of every splat are those of the bounds.
-  template <class Bounds>
-  bool found_tiles(const SplatSet& set, const Camera& camera, Bounds bounds) {
-    const TileGrid grid = TileGrid::covering(camera.width, camera.height);
-    const std::vector<Footprint> found = to_host(cuda, footprints.view().each);
-    std::uint64_t sum = 0;
-    bool same = found.size() == set.shapes.size() &&
-                footprints.views.tiles == tiles_of_frame(view_without_camera(camera.width, camera.height));
-    for (std::size_t i = 0; same && i < found.size(); ++i) {
-      const Footprint expected = find_footprint(bounds, set.shapes[i], grid);
-      same = found[i].count == expected.count &&
-             (expected.count == 0 || (found[i].mask == expected.mask && found[i].first == expected.first));
-      sum += found[i].count;
-    }
-    return same && sum == footprints.intersections.most;
+  template <class Bounds = Ellipse>
+  bool found_tiles(const SplatSet& set, const Camera& camera, Bounds bounds = {}) {
+    const View view = view_without_camera(camera.width, camera.height);
+    return ::found_tiles(cuda, set.shapes, footprints, {&view, 1}, bounds);
   }
 };
 
-SplatSet project_on_host(const SceneView& scene, const Camera& camera, const Conventions& conventions) {
+SplatSet project_on_host(const SceneView& scene, const Camera& camera,
+                         const Conventions& conventions = Conventions::gsplat()) {
   Serial serial;
   ProjectScratch<Serial> scratch;
   Splats<Serial> splats;
@@ -134,12 +142,17 @@ SplatSet project_on_host(const SceneView& scene, const Camera& camera, const Con
   return {to_vector(view.shapes), to_vector(view.depths), to_vector(view.gaussians), to_vector(shaded.each)};
 }
 
+bool same_splats(const SplatSet& a, const SplatSet& b) {
+  return same_bits(a.shapes, b.shapes) && same_bits(a.depths, b.depths) &&
+         same_bits(a.gaussians, b.gaussians) && same_bits(a.colours, b.colours);
+}
+
 /// Projects one scene on both. Returns the number of splats on the device.
 std::size_t check_projection(Stage& stage, const SceneView& on_device, const SceneView& on_host,
                              const Camera& camera, const Conventions& conventions = Conventions::gsplat()) {
   const SplatSet expected = project_on_host(on_host, camera, conventions);
-  const SplatSet set = stage.run(on_device, camera, conventions, Ellipse{});
-  CHECK(stage.found_tiles(set, camera, Ellipse{}));
+  const SplatSet set = stage.run(on_device, camera, conventions);
+  CHECK(stage.found_tiles(set, camera));
   const Match result = match(set, expected);
   CAPTURE(on_host.size());
   CHECK(result.different == 0);
@@ -147,10 +160,7 @@ std::size_t check_projection(Stage& stage, const SceneView& on_device, const Sce
   for_each_type(AllBounds(), [&]<class Bounds>(Bounds bounds) {
     CAPTURE(Bounds::name);
     const SplatSet again = stage.run(on_device, camera, conventions, bounds);
-    CHECK(same_bits(again.shapes, set.shapes));
-    CHECK(same_bits(again.depths, set.depths));
-    CHECK(same_bits(again.gaussians, set.gaussians));
-    CHECK(same_bits(again.colours, set.colours));
+    CHECK(same_splats(again, set));
     CHECK(stage.found_tiles(again, camera, bounds));
   });
   return set.shapes.size();
@@ -163,8 +173,8 @@ std::size_t check_projection(Stage& stage, const Scene& scene, const Camera& cam
 
 }  // namespace
 
-TEST_CASE("cuda project: splats are the serial backend's for every number of Gaussians and SH degree") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE(
+    "cuda project: splats are the serial backend's for every number of Gaussians and SH degree") {
   for (const int degree : {0, 1, 2, 3})
     for (const std::size_t n : {0, 1, 2, 31, 33, 255, 256, 257, 20'000}) {
       CAPTURE(degree);
@@ -173,28 +183,17 @@ TEST_CASE("cuda project: splats are the serial backend's for every number of Gau
     }
 }
 
-TEST_CASE("cuda project: splats of a hundred thousand Gaussians are the serial backend's with both presets") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE(
+    "cuda project: splats are the serial backend's with other presets and cameras and scenes") {
   Stage stage;
-  const Scene scene = random_scene(100'000, 1, 3);
+  const Scene large = random_scene(100'000, 1, 3), scene = random_scene(5000, 0, 4);
   Conventions antialiased = Conventions::gsplat();
   antialiased.antialiased = true;
   for (const Conventions& conventions : {Conventions::gsplat(), Conventions::inria(), antialiased})
-    CHECK(check_projection(stage, scene, forward_camera(640, 360), conventions) > 10'000);
-}
-
-TEST_CASE("cuda project: splats of the built-in scene are the serial backend's from every side") {
-  if (without_device()) return;
-  Stage stage;
-  const Scene scene = make_builtin_scene(20'000);
+    CHECK(check_projection(stage, large, forward_camera(640, 360), conventions) > 10'000);
+  const Scene builtin = make_builtin_scene(20'000);
   for (const Camera& camera : builtin_cameras(6, 320, 180))
-    CHECK(check_projection(stage, scene, camera) > 1000);
-}
-
-TEST_CASE("cuda project: a principal point may lie outside the image and the image be as large as it may") {
-  if (without_device()) return;
-  Stage stage;
-  const Scene scene = random_scene(5000, 0, 4);
+    CHECK(check_projection(stage, builtin, camera) > 1000);
   Camera camera = forward_camera(200, 100);
   camera.cx = -60, camera.cy = 170;
   check_projection(stage, scene, camera);
@@ -202,8 +201,7 @@ TEST_CASE("cuda project: a principal point may lie outside the image and the ima
   check_projection(stage, random_scene(300, 0, 5), forward_camera(max_image_side, max_image_side));
 }
 
-TEST_CASE("cuda project: only the bands that a view asks for are read") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda project: only the bands that a view asks for are read") {
   Stage stage;
   const Scene scene = random_scene(3000, 3, 5);
   const DeviceScene uploaded = stage.cuda.upload(scene);
@@ -215,8 +213,8 @@ TEST_CASE("cuda project: only the bands that a view asks for are read") {
   }
 }
 
-TEST_CASE("cuda project: coefficients may lie further apart than their bands need and begin anywhere") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE(
+    "cuda project: coefficients may lie further apart than their bands need and begin anywhere") {
   Stage stage;
   const Camera camera = forward_camera(320, 200);
   for (const int degree : {1, 2, 3}) {
@@ -236,16 +234,15 @@ TEST_CASE("cuda project: coefficients may lie further apart than their bands nee
         SceneView on_device = uploaded.view();
         on_device.sh_rest = {coefficients.data + begin, spread.size() - begin};
         on_device.sh_stride = int(stride);
-        const SplatSet expected = project_on_host(view(scene), camera, Conventions::gsplat());
-        const Match result = match(stage.run(on_device, camera, Conventions::gsplat(), Ellipse{}), expected);
+        const SplatSet expected = project_on_host(view(scene), camera);
+        const Match result = match(stage.run(on_device, camera), expected);
         CHECK(result.different == 0);
         CHECK(result.alone <= 1);
       }
   }
 }
 
-TEST_CASE("cuda project: nothing may be visible or all") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda project: nothing may be visible or all") {
   Stage stage;
   Scene scene = random_scene(3000, 1, 7);
   for (vec3& mean : scene.means) mean = vec3(mean.x, mean.y, -1 - std::abs(mean.z));
@@ -255,9 +252,9 @@ TEST_CASE("cuda project: nothing may be visible or all") {
   CHECK(check_projection(stage, scene, forward_camera(320, 200)) == 3000);
 }
 
-TEST_CASE("cuda project: scenes may grow and shrink from frame to frame") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda project: scenes may grow and shrink from frame to frame") {
   // Each number of frames before a larger scene, odd and even, since memory alternates.
+  const Camera camera = forward_camera(320, 200);
   for (const int frames : {1, 2, 3}) {
     CAPTURE(frames);
     Stage stage;
@@ -267,19 +264,15 @@ TEST_CASE("cuda project: scenes may grow and shrink from frame to frame") {
       const DeviceScene uploaded = stage.cuda.upload(scene);
       for (int frame = 0; frame < frames; ++frame) {
         CAPTURE(frame);
-        const SplatSet set =
-            stage.run(uploaded.view(), forward_camera(320, 200), Conventions::gsplat(), Ellipse{});
-        CHECK(stage.found_tiles(set, forward_camera(320, 200), Ellipse{}));
-        CHECK(
-            match(set, project_on_host(view(scene), forward_camera(320, 200), Conventions::gsplat())).alone <=
-            2);
+        const SplatSet set = stage.run(uploaded.view(), camera);
+        CHECK(stage.found_tiles(set, camera));
+        CHECK(match(set, project_on_host(view(scene), camera)).alone <= 2);
       }
     }
   }
 }
 
-TEST_CASE("cuda project: chunks that a view cannot show change no splat") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda project: chunks that a view cannot show change no splat") {
   Stage stage, other;
   for (const std::size_t n : {400'000, 1'001, 500'001}) {
     CAPTURE(n);
@@ -295,36 +288,30 @@ TEST_CASE("cuda project: chunks that a view cannot show change no splat") {
     cameras.insert(cameras.end(), {beyond, close, cameras[2]});
     std::size_t least = n;
     for (const Camera& camera : cameras) {
-      const SplatSet expected = other.run(without, camera, Conventions::gsplat(), Ellipse{});
-      const SplatSet set = stage.run(uploaded.view(), camera, Conventions::gsplat(), Ellipse{});
-      CHECK(same_bits(set.shapes, expected.shapes));
-      CHECK(same_bits(set.depths, expected.depths));
-      CHECK(same_bits(set.gaussians, expected.gaussians));
-      CHECK(same_bits(set.colours, expected.colours));
-      CHECK(stage.found_tiles(set, camera, Ellipse{}));
+      const SplatSet expected = other.run(without, camera);
+      const SplatSet set = stage.run(uploaded.view(), camera);
+      CHECK(same_splats(set, expected));
+      CHECK(stage.found_tiles(set, camera));
       least = std::min(least, set.shapes.size());
     }
     CHECK(least == 0);
   }
 }
 
-TEST_CASE("cuda project: colours of a frame that is given up do not get into the next") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda project: colours of a frame that is given up do not get into the next") {
   Stage stage, other;
   const DeviceScene scene = stage.cuda.upload(random_scene(200'000, 3, 9));
   const Camera near = forward_camera(640, 360), wide = forward_camera(1280, 360);
-  const SplatSet expected = other.run(scene.view(), near, Conventions::gsplat(), Ellipse{});
+  const SplatSet expected = other.run(scene.view(), near);
   for (int i = 0; i < 20; ++i) {
     const OneView frame(wide, Conventions::gsplat(), scene.view());
     project(stage.cuda, frame.plan(), Ellipse{}, stage.scratch, stage.splats, stage.footprints);
     (void)shade(stage.cuda, frame.plan(), stage.splats, stage.colours);
-    CHECK(
-        same_bits(stage.run(scene.view(), near, Conventions::gsplat(), Ellipse{}).colours, expected.colours));
+    CHECK(same_bits(stage.run(scene.view(), near).colours, expected.colours));
   }
 }
 
-TEST_CASE("cuda project: whether a splat is hidden is said of each frame anew") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda project: whether a splat is hidden is said of each frame anew") {
   Stage stage;
   const DeviceScene usual = stage.cuda.upload(random_scene(3000, 3, 10));
   const DeviceScene hiding = stage.cuda.upload(scene_with_hidden(3000, 10));
@@ -345,12 +332,11 @@ TEST_CASE("cuda project: whether a splat is hidden is said of each frame anew") 
   for (const bool hidden : {false, true, true, false, false}) CHECK(hides(hidden ? hiding : usual) == hidden);
 }
 
-TEST_CASE("cuda project: tiles of splats whose number the host knows are found within limits") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda project: tiles of splats whose number the host knows are found within limits") {
   Stage stage;
   const DeviceScene scene = stage.cuda.upload(random_scene(20'000, 0, 4));
   const Camera camera = forward_camera(320, 200);
-  const SplatSet set = stage.run(scene.view(), camera, Conventions::gsplat(), Ellipse{});
+  const SplatSet set = stage.run(scene.view(), camera);
   const OneView frame(camera, Conventions::gsplat(), scene.view());
   const std::uint64_t intersections = stage.footprints.intersections.get();
   REQUIRE(intersections > 1000);
@@ -377,42 +363,35 @@ TEST_CASE("cuda project: tiles of splats whose number the host knows are found w
   CHECK(await_report(stage.cuda, stage.splats, footprints, {{0, 10}}).intersections == 0);
 }
 
-TEST_CASE("cuda project: every run gives the same bits") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda project: every run gives the same bits") {
   Stage stage;
   const DeviceScene scene = stage.cuda.upload(random_scene(100'000, 3, 8));
   const Camera camera = forward_camera(640, 360);
-  const auto run = [&] { return stage.run(scene.view(), camera, Conventions::gsplat(), Ellipse{}); };
+  const auto run = [&] { return stage.run(scene.view(), camera); };
   const SplatSet first = run();
   const std::vector<Footprint> footprints = to_host(stage.cuda, stage.footprints.view().each);
   for (int i = 0; i < 10; ++i) {
-    const SplatSet again = run();
-    CHECK(same_bits(again.shapes, first.shapes));
-    CHECK(same_bits(again.colours, first.colours));
+    CHECK(same_splats(run(), first));
     CHECK(same_bits(to_host(stage.cuda, stage.footprints.view().each), footprints));
   }
 }
 
-TEST_CASE("cuda project: footprints are found again where projection found those of another grid or bounds") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE(
+    "cuda project: footprints are found again where projection found those of another grid or bounds") {
   Cuda cuda;
   const DeviceScene scene = cuda.upload(random_scene(3000, 0, 11));
   ProjectScratch<Cuda> scratch;
   Splats<Cuda> splats;
-  Footprints<Cuda> boxes;
-  Footprints<Cuda> ellipses;
+  Footprints<Cuda> boxes, ellipses;
   const OneView frame(forward_camera(700, 500), Conventions::gsplat(), scene.view());
   const View turned = view_without_camera(500, 700);
   project(cuda, frame.plan(), OpacityBox{}, scratch, splats, boxes);
   bin(cuda, frame.plan(), Ellipse{}, splats, ellipses);
   const SplatSet set = to_host(cuda, splats.view());
-  const auto found_by = [&](const auto& bounds, const Footprints<Cuda>& footprints, const View& of) {
-    std::uint64_t tiles = 0;
-    for (const SplatShape& shape : set.shapes) tiles += find_footprint(bounds, shape, of.grid).count;
-    return footprints.intersections.most == tiles && footprints.count == set.shapes.size() &&
-           footprints.views.tiles == tiles_of_frame(of) && footprints.views[0].grid == of.grid;
-  };
   REQUIRE(set.shapes.size() > 100);
+  const auto found_by = [&](const auto& bounds, const Footprints<Cuda>& footprints, const View& of) {
+    return found_tiles(cuda, set.shapes, footprints, {&of, 1}, bounds) && footprints.views[0].grid == of.grid;
+  };
   CHECK(found_by(Ellipse{}, ellipses, frame.view));
   bin(cuda, frame.plan(), OpacityBox{}, splats, boxes);
   CHECK(found_by(OpacityBox{}, boxes, frame.view));
@@ -430,4 +409,16 @@ TEST_CASE("cuda project: footprints are found again where projection found those
   CopySplats<Cuda>::copy(SplatsOn<Cuda>(cuda, set).view(), own);
   bin(cuda, frame.plan(), OpacityBox{}, own, boxes);
   CHECK(found_by(OpacityBox{}, boxes, frame.view));
+
+  // Of several views.
+  const std::vector<View> asked = views_without_planes(different_views());
+  ViewStorage<Cuda> storage;
+  const FramePlan plan(store_views(cuda, Span<const View>{asked.data(), asked.size()}, storage),
+                       scene.view());
+  project(cuda, plan, OpacityBox{}, scratch, splats, boxes);
+  bin(cuda, plan, Ellipse{}, splats, ellipses);
+  const SplatsView found = splats.view();
+  REQUIRE(found.size() > 500);
+  CHECK(found_tiles(cuda, to_host(cuda, found.shapes), ellipses, plan.views, Ellipse{},
+                    to_host(cuda, Span<const std::uint16_t>{found.of_view, found.size()})));
 }

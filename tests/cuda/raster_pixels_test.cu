@@ -11,8 +11,6 @@
 
 #define SWIFTGS_TEST_RASTER_PIXELS
 #include "policies/blending_test.cpp"
-// Draws with what the tests above draw with.
-#include "cuda/raster_test.cpp"
 
 namespace {
 
@@ -55,16 +53,17 @@ static_assert(RastersOn<AxisShared<Round>, Serial> && RastersOn<AxisSharedThresh
               RastersOn<AxisSharedThreshold<Round>, Cuda>);
 
 template <class Raster>
-void check_on_all_backends(const Picture& picture) {
+void check_on_all_backends(const SplatSet& splats, int width) {
   CAPTURE(Raster::name);
   Cuda cuda;
-  check_drawing<Raster>(cuda, picture);
+  check_against_serial<Raster>(cuda, splats, width, 60);
+  Serial serial;
   Cpu cpu(2);
-  const Drawing serial = draw_on_host<Raster>(picture);
-  REQUIRE(serial.counts.contributing_pairs > 1000);
-  const Drawing on_cpu = draw<Raster>(cpu, picture.splats, picture.width, picture.height, picture.settings);
-  CHECK(on_cpu.frame.colour == serial.frame.colour);
-  CHECK(on_cpu.counts.contributing_pairs == serial.counts.contributing_pairs);
+  const Drawing expected = draw<Raster>(serial, splats, width, 60);
+  REQUIRE(expected.counts.contributing_pairs > 1000);
+  const Drawing on_cpu = draw<Raster>(cpu, splats, width, 60);
+  CHECK(on_cpu.frame.colour == expected.frame.colour);
+  CHECK(on_cpu.counts.contributing_pairs == expected.counts.contributing_pairs);
 }
 
 template <class B>
@@ -75,18 +74,16 @@ Frame frame_on(const Scene& scene, const Camera& camera) {
 
 }  // namespace
 
-TEST_CASE("cuda raster pixels: rasterizers and terms of the caller draw what hosts draw") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda raster pixels: rasterizers and terms of the caller draw what hosts draw") {
   for (const int width : {40, 200}) {
-    const Picture picture(usual_splats(1000, width, 60, 21), width, 60);
-    check_on_all_backends<HalfAsOpaque>(picture);
-    check_on_all_backends<AxisShared<Round>>(picture);
-    check_on_all_backends<AxisSharedThreshold<Round>>(picture);
+    const SplatSet splats = usual_splats(1000, width, 60, 21);
+    check_on_all_backends<HalfAsOpaque>(splats, width);
+    check_on_all_backends<AxisShared<Round>>(splats, width);
+    check_on_all_backends<AxisSharedThreshold<Round>>(splats, width);
   }
 }
 
-TEST_CASE("cuda raster pixels: a renderer takes a rasterizer of the caller on every backend") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda raster pixels: a renderer takes a rasterizer of the caller on every backend") {
   const Scene scene = random_scene(2000, 1, 22);
   const Camera camera = forward_camera(170, 90);
   const Frame serial = frame_on<Serial>(scene, camera);
@@ -94,8 +91,8 @@ TEST_CASE("cuda raster pixels: a renderer takes a rasterizer of the caller on ev
   CHECK(psnr(frame_on<Cuda>(scene, camera).colour, serial.colour) > 60);
 }
 
-TEST_CASE("cuda raster pixels: a rasterizer of the caller draws several views as it draws each alone") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE(
+    "cuda raster pixels: a rasterizer of the caller draws several views as it draws each alone") {
   Renderer<Cuda, EarlySort, HalfAsOpaque, Ellipse> together, alone;
   const DeviceScene scene = together.backend().upload(random_scene(400, 1, 25));
   check_lists_of_views(together, alone, scene.view());
@@ -103,44 +100,41 @@ TEST_CASE("cuda raster pixels: a rasterizer of the caller draws several views as
   check_many_rows(together, scene);
 }
 
-TEST_CASE("cuda raster pixels: counts are the host's where no threshold is near") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda raster pixels: counts are the host's where no threshold is near") {
   // Each leaves a fifth, so that the sixth that shows ends every pixel. Two are hidden.
   SplatSet splats;
   for (int i = 0; i < 20; ++i) splats.add(make_splat(10, 5, 3000, 3000, 0, 0.8), float(1 + i));
   splats.colours[0] = splats.colours[3] = SplatColour{};
-  const Picture picture(splats, 20, 9);
   Cuda cuda;
-  const RasterCounts counts = draw_on_device<HalfAsOpaque>(cuda, picture).counts,
-                     whole = draw_on_device<WithoutKernel<PerPixel>>(cuda, picture).counts;
+  const RasterCounts counts = draw<HalfAsOpaque>(cuda, splats, 20, 9).counts,
+                     whole = draw<Tested<PerPixel>>(cuda, splats, 20, 9).counts;
   CHECK(whole.intersections_visited == 2 * 6);
   CHECK(whole.rows_visited == 2 * 6 * 9);
   CHECK(whole.contributing_pairs == 5 * 20 * 9);
   CHECK(whole.pixels_stopped == 20 * 9);
-  const RasterCounts expected = draw_on_host<HalfAsOpaque>(picture).counts;
+  Serial serial;
+  const RasterCounts expected = draw<HalfAsOpaque>(serial, splats, 20, 9).counts;
   CHECK(counts.intersections_visited == expected.intersections_visited);
   CHECK(counts.rows_visited == expected.rows_visited);
   CHECK(counts.contributing_pairs == expected.contributing_pairs);
   CHECK(counts.pixels_stopped == expected.pixels_stopped);
 }
 
-TEST_CASE("cuda raster pixels: a splat behind the caller's surface ends the pixel") {
-  if (without_device()) return;
-  Picture picture(usual_splats(2000, 90, 50, 23), 90, 50);
+SWIFTGS_DEVICE_CASE("cuda raster pixels: a splat behind the caller's surface ends the pixel") {
+  const SplatSet splats = usual_splats(2000, 90, 50, 23);
+  DrawSettings settings;
   Random random(24);
-  for (int i = 0; i < 90 * 50; ++i) picture.occluder.push_back(random.f(0, 30));
-  REQUIRE(draw_on_host<HalfAsOpaque>(picture).counts.pixels_stopped > 1000);
+  for (int i = 0; i < 90 * 50; ++i) settings.occluder.push_back(random.f(0, 30));
+  Serial serial;
+  const Drawing expected = draw<HalfAsOpaque>(serial, splats, 90, 50, settings);
+  REQUIRE(expected.counts.pixels_stopped > 1000);
   Cuda cuda;
-  DevicePicture device(picture);
-  DeviceFrame frame(90, 50);
-  rasterize(cuda, HalfAsOpaque(), device.job(frame.view(), true));
-  const Drawing expected = draw_on_host<HalfAsOpaque>(picture);
-  CHECK(difference(frame.pixels(cuda, frame.colour, 12), expected.frame.colour, 2e-5).part_above <= 0.001);
-  CHECK(difference(frame.pixels(cuda, frame.alpha, 4), expected.frame.alpha, 2e-5).part_above <= 0.001);
+  const Frame frame = draw<HalfAsOpaque>(cuda, splats, 90, 50, settings).frame;
+  CHECK(difference(frame.colour, expected.frame.colour, 2e-5).part_above <= 0.001);
+  CHECK(difference(frame.alpha, expected.frame.alpha, 2e-5).part_above <= 0.001);
 }
 
-TEST_CASE("cuda raster: raster blocks come in the order of their lists, the longest first") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda raster: raster blocks come in the order of their lists, the longest first") {
   Cuda cuda;
   const auto multiprocessors = std::uint32_t(cuda.multiprocessors());
   for (const int side : {16, 32, 64}) {

@@ -23,8 +23,7 @@ bool unavailable() { return without_device(); }
 
 namespace swiftgs::test {
 
-TEST_CASE("cuda stability: a search finds no frame that a device draws worse than floats can") {
-  if (without_device()) return;
+SWIFTGS_DEVICE_CASE("cuda stability: a search finds no frame that a device draws worse than floats can") {
   check_climb<Cuda, DrawOnDevice>(20000);
 }
 

@@ -5,8 +5,6 @@
 #include <atomic>
 #include <cmath>
 #include <memory>
-#include <numeric>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -16,8 +14,7 @@
 using namespace swiftgs;
 using namespace swiftgs::test;
 
-TEST_CASE_TEMPLATE("backend: for_each visits each index exactly once", B, SWIFTGS_TEST_HOSTS) {
-  B backend = test::make_backend<B>();
+SWIFTGS_CASE_ON("backend: for_each visits each index exactly once", SWIFTGS_TEST_HOSTS) {
   for (const std::size_t n : {0, 1, 2, 3, 1000, 100'000}) {
     CAPTURE(n);
     const auto visits = std::make_unique<std::atomic<int>[]>(n + 1);
@@ -42,10 +39,7 @@ bool scans(B& backend, const std::vector<std::uint32_t>& counts) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("backend: exclusive_scan replaces each count by the sum before it", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  B backend = test::make_backend<B>();
+SWIFTGS_CONTRACT("backend: exclusive_scan replaces each count by the sum before it and returns the total") {
   for (const std::size_t n : {0, 1, 2, 31, 32, 33, 1000, 32'767, 32'768, 300'001, 1'000'000}) {
     CAPTURE(n);
     Random random(n);
@@ -53,19 +47,13 @@ TEST_CASE_TEMPLATE("backend: exclusive_scan replaces each count by the sum befor
     for (std::uint32_t& count : counts) count = std::uint32_t(random.bits() % 100);
     CHECK(scans(backend, counts));
   }
-}
-
-TEST_CASE_TEMPLATE("backend: exclusive_scan returns totals beyond 32 bits", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  B backend = test::make_backend<B>();
+  // Totals may have more than 32 bits.
   CHECK(scans(backend, std::vector<std::uint32_t>(100'000, 0xffffffffu)));
   CHECK(scans(backend, {0x80000000u, 0x80000000u}));
   CHECK(scans(backend, {0xffffffffu}));
 }
 
-TEST_CASE_TEMPLATE("backend: sort_pairs is a stable sort by the low bits alone", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  B backend = test::make_backend<B>();
+SWIFTGS_CONTRACT("backend: sort_pairs is a stable sort by the low bits alone") {
   for (const std::size_t n : {0, 1, 2, 3, 257, 30'001}) {
     CAPTURE(n);
     for (int bits = 0; bits <= 32; ++bits) {
@@ -77,21 +65,14 @@ TEST_CASE_TEMPLATE("backend: sort_pairs is a stable sort by the low bits alone",
       CHECK(sorts(backend, random_keys<std::uint64_t>(n, 2), bits));
     }
   }
-}
-
-TEST_CASE_TEMPLATE("backend: sort_pairs keeps the order of equal keys", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  B backend = test::make_backend<B>();
+  // Equal keys keep their order.
   CHECK(sorts(backend, std::vector<std::uint32_t>(300'000, 0xdeadbeefu), 31));
   CHECK(sorts(backend, std::vector<std::uint64_t>(100'001, 0xdeadbeef12345678u), 44));
   CHECK(sorts(backend, random_keys<std::uint32_t>(300'000, 3), 13));
   CHECK(sorts(backend, random_keys<std::uint64_t>(300'000, 4), 44));
 }
 
-TEST_CASE_TEMPLATE("backend: sort_pairs sorts by every digit when only one digit differs", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  B backend = test::make_backend<B>();
+SWIFTGS_CONTRACT("backend: sort_pairs sorts by every digit when only one digit differs") {
   for (int bit = 0; bit < 44; ++bit) {
     CAPTURE(bit);
     std::vector<std::uint64_t> keys(20'000, 0x5a5a5a5a5a5a5a5au);
@@ -111,8 +92,7 @@ TEST_CASE("cpu: sort and scan give the same result on 1 2 4 and 8 threads") {
   }
 }
 
-TEST_CASE_TEMPLATE("backend: an uploaded scene is shared and seen as it is", B, SWIFTGS_TEST_HOSTS) {
-  B backend = test::make_backend<B>();
+SWIFTGS_CASE_ON("backend: an uploaded scene is shared and seen as it is", SWIFTGS_TEST_HOSTS) {
   const auto scene = std::make_shared<const Scene>(random_scene(10, 2, 6));
   const SceneView view = backend.upload(scene).view();
   CHECK(view.means.data == scene->means.data());
@@ -121,10 +101,7 @@ TEST_CASE_TEMPLATE("backend: an uploaded scene is shared and seen as it is", B, 
   CHECK(view.sh_stride == 24);
 }
 
-TEST_CASE_TEMPLATE("backend: an upload refuses a scene that is broken and names the Gaussian", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  B backend = test::make_backend<B>();
+SWIFTGS_CONTRACT("backend: an upload refuses a scene that is broken and names the Gaussian") {
   CHECK_THROWS_AS((void)backend.upload(std::shared_ptr<const Scene>()), std::invalid_argument);
   struct Broken {
     const char* message;
@@ -150,8 +127,7 @@ TEST_CASE_TEMPLATE("backend: an upload refuses a scene that is broken and names 
   }
 }
 
-TEST_CASE_TEMPLATE("backend: its clock runs forwards and is read without waiting", B, SWIFTGS_TEST_HOSTS) {
-  B backend = test::make_backend<B>();
+SWIFTGS_CASE_ON("backend: its clock runs forwards and is read without waiting", SWIFTGS_TEST_HOSTS) {
   const auto from = backend.now();
   const std::optional<double> ms = backend.milliseconds(from, backend.now());
   REQUIRE(ms);
@@ -159,9 +135,7 @@ TEST_CASE_TEMPLATE("backend: its clock runs forwards and is read without waiting
   CHECK(*ms < 60'000);
 }
 
-TEST_CASE_TEMPLATE("backend: a buffer grows and never shrinks and is aligned to a cache line", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("backend: a buffer grows and never shrinks and is aligned to a cache line") {
   typename B::template Buffer<float> buffer;
   buffer.reset(1000);
   const float* memory = buffer.data();

@@ -48,8 +48,7 @@ inline constexpr bool on_host = std::is_same_v<B, Serial> || std::is_same_v<B, C
 
 }  // namespace swiftgs::test
 
-/// Types of a TEST_CASE_TEMPLATE: the backends of hosts, and all of this build. A case of the latter begins
-/// with `if (unavailable_backend<B>()) return;`.
+/// Types of a TEST_CASE_TEMPLATE: the backends of hosts, and all of this build.
 #define SWIFTGS_TEST_HOSTS swiftgs::Serial, swiftgs::Cpu
 #if defined(SWIFTGS_TEST_CUDA)
 #define SWIFTGS_TEST_BACKENDS SWIFTGS_TEST_HOSTS, swiftgs::Cuda
@@ -60,3 +59,21 @@ TYPE_TO_STRING(swiftgs::Cuda);
 
 TYPE_TO_STRING(swiftgs::Serial);
 TYPE_TO_STRING(swiftgs::Cpu);
+
+/// A case of each of the backends that are named: `B` is its type, and `backend` one of it. It is skipped
+/// where that cannot run.
+#define SWIFTGS_CASE_ON(sentence, ...) \
+  SWIFTGS_CASE_ON_(DOCTEST_ANONYMOUS(swiftgs_case_on_), sentence, __VA_ARGS__)
+#define SWIFTGS_CASE_ON_(run, sentence, ...)             \
+  template <class B>                                     \
+  static void run(B& backend);                           \
+  TEST_CASE_TEMPLATE(sentence, B, __VA_ARGS__) {         \
+    if (swiftgs::test::unavailable_backend<B>()) return; \
+    B backend = swiftgs::test::make_backend<B>();        \
+    run(backend);                                        \
+  }                                                      \
+  template <class B>                                     \
+  static void run([[maybe_unused]] B& backend)
+
+/// A case of every backend of this build.
+#define SWIFTGS_CONTRACT(sentence) SWIFTGS_CASE_ON(sentence, SWIFTGS_TEST_BACKENDS)

@@ -57,10 +57,4 @@ inline Scene scene_with_hidden(std::size_t count, std::uint64_t seed) {
   return scene;
 }
 
-/// Adds a white ball.
-inline void append(Scene& scene, vec3 mean, float scale, float opacity) {
-  scene.means.push_back(mean), scene.scales.push_back(vec3(scale)), scene.rotations.push_back({});
-  scene.opacities.push_back(opacity), scene.sh0.push_back(vec3(1));
-}
-
 }  // namespace swiftgs::test

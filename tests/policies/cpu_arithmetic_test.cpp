@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -55,17 +54,6 @@ namespace {
 HWY_EXPORT(ToHalfAll);
 HWY_EXPORT(ToFloatAll);
 HWY_EXPORT(Exp2All);
-
-/// Calls f() on each target.
-template <class F>
-void on_each_target(const F& f) {
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    const std::string name = hwy::TargetName(target);
-    CAPTURE(name);
-    const test::OnlyTargets only(target);
-    f();
-  }
-}
 }  // namespace
 
 TEST_CASE("cpu arithmetic: every vector target rounds to the halves of the scalar conversion") {
@@ -85,7 +73,7 @@ TEST_CASE("cpu arithmetic: every vector target rounds to the halves of the scala
   }
   in.resize((in.size() + 15) / 16 * 16, INFINITY);
   std::vector<std::uint16_t> out(in.size());
-  on_each_target([&] {
+  test::on_each_target([&] {
     HWY_DYNAMIC_DISPATCH(ToHalfAll)(in.data(), in.size(), out.data());
     std::size_t other = 0;
     for (std::size_t i = 0; i < in.size(); ++i) other += out[i] != to_half(in[i]).bits;
@@ -100,7 +88,7 @@ TEST_CASE("cpu arithmetic: every vector target reads halves as the scalar conver
     if (!std::isnan(to_float(Half{std::uint16_t(bits)}))) in.push_back(std::uint16_t(bits));
   in.resize((in.size() + 15) / 16 * 16);
   std::vector<float> out(in.size());
-  on_each_target([&] {
+  test::on_each_target([&] {
     HWY_DYNAMIC_DISPATCH(ToFloatAll)(in.data(), in.size(), out.data());
     std::size_t other = 0;
     for (std::size_t i = 0; i < in.size(); ++i)
@@ -118,7 +106,7 @@ TEST_CASE("cpu arithmetic: every vector target has the exponential of the scalar
   for (int k = 0; k <= 64 * 4096; ++k) in.push_back(-float(k) / 4096);
   in.resize((in.size() + 15) / 16 * 16);
   std::vector<float> out(in.size());
-  on_each_target([&] {
+  test::on_each_target([&] {
     HWY_DYNAMIC_DISPATCH(Exp2All)(in.data(), in.size(), out.data());
     double worst = 0;
     for (std::size_t i = 0; i < in.size(); ++i) {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -50,17 +48,11 @@ TEST_CASE("cpu raster: vector kernels draw what the plain kernels draw") {
 TEST_CASE("cpu raster: every vector target draws the same image") {
   const SplatSet splats = usual_splats(800, 150, 110, 4);
   Cpu cpu(2);
-  const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
-  CHECK(targets.size() >= 1);
+  REQUIRE(!hwy::SupportedAndGeneratedTargets().empty());
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
     const Drawing best = draw<Raster>(cpu, splats, 150, 110);
-    for (const std::int64_t target : targets) {
-      const std::string name = hwy::TargetName(target);
-      CAPTURE(name);
-      const OnlyTargets only(target);
-      check_close<Raster>(draw<Raster>(cpu, splats, 150, 110), best);
-    }
+    on_each_target([&] { check_close<Raster>(draw<Raster>(cpu, splats, 150, 110), best); });
   });
 }
 
@@ -92,37 +84,26 @@ TEST_CASE("cpu raster: every vector target stores each pixel format and ends at 
     CAPTURE(int(format));
     const Image below = pattern(width, height, format), floats = converted(below, PixelFormat::rgba_float);
     const std::vector<float> plain = channels(over(serial, floats));
-    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-      const std::string name = hwy::TargetName(target);
-      CAPTURE(name);
-      const OnlyTargets only(target);
+    on_each_target([&] {
       const Image above = over(cpu, floats);
       const Difference colour = difference(channels(above), plain, 1e-5);
       CHECK(colour.largest < 0.011);
       CHECK(colour.part_above < 0.002);
       CHECK((over(cpu, below).bytes == converted(above, format).bytes));
-    }
+    });
   }
 }
 
 TEST_CASE("cpu raster: every vector target stores terms beyond the largest half as infinite") {
   SplatSet needles;
-  Random random(7);
-  for (int i = 0; i < 300; ++i) {
-    const double angle = random.in(0, 3.14159), away = random.in(-3000, 3000);
-    needles.add(make_splat(32 + away * std::cos(angle), 32 + away * std::sin(angle), 4000, 0.6, angle, 0.9),
-                random.f(1, 2));
-  }
+  add_needles(needles, 7);
   Serial serial;
   Cpu cpu(2);
   const Drawing plain = draw<AxisShared<HalfSplit>>(serial, needles, 64, 64);
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    const std::string name = hwy::TargetName(target);
-    CAPTURE(name);
-    const OnlyTargets only(target);
+  on_each_target([&] {
     const Drawing drawing = draw<AxisShared<HalfSplit>>(cpu, needles, 64, 64);
     CHECK(difference(drawing.frame.alpha, plain.frame.alpha, 1e-2).part_above < 0.01);
-  }
+  });
 }
 
 TEST_CASE("cpu sort: every vector target lists the same tiles") {
@@ -130,13 +111,10 @@ TEST_CASE("cpu sort: every vector target lists the same tiles") {
   const SortInput job = splats.job(400, 300);
   const Lists expected = brute_force_lists<Ellipse>(job);
   Cpu cpu(2);
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    const std::string name = hwy::TargetName(target);
-    CAPTURE(name);
-    const OnlyTargets only(target);
+  on_each_target([&] {
     CHECK(to_vectors(build_lists<EarlySort, Ellipse>(cpu, job).view()) == expected);
     CHECK(to_vectors(build_lists<StandardSort, Ellipse>(cpu, job).view()) == expected);
-  }
+  });
 }
 
 TEST_CASE("cpu raster: the same bits on 1 2 4 and 8 threads and in every run") {
@@ -150,9 +128,7 @@ TEST_CASE("cpu raster: the same bits on 1 2 4 and 8 threads and in every run") {
       Cpu cpu(threads);
       for (int run = 0; run < 2; ++run) {
         const Drawing drawing = draw<Raster>(cpu, splats, 300, 200);
-        CHECK(drawing.frame.colour == expected.frame.colour);
-        CHECK(drawing.frame.alpha == expected.frame.alpha);
-        CHECK(drawing.frame.depth == expected.frame.depth);
+        CHECK(same_planes(drawing.frame, expected.frame));
         CHECK(drawing.counts.contributing_pairs == expected.counts.contributing_pairs);
       }
     }
@@ -174,16 +150,13 @@ TEST_CASE("cpu raster: no block is refused that has a pixel to show") {
     CAPTURE(Raster::name);
     const RasterCounts plain = draw<Raster>(serial, splats, 640, 480).counts;
     REQUIRE(plain.pixels_stopped == 0);
-    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-      const std::string name = hwy::TargetName(target);
-      CAPTURE(name);
-      const OnlyTargets only(target);
+    on_each_target([&] {
       const RasterCounts counts = draw<Raster>(cpu, splats, 640, 480).counts;
       // A pixel at the threshold may fall on the other side of it.
       CHECK(double(counts.contributing_pairs) ==
             doctest::Approx(double(plain.contributing_pairs)).epsilon(1e-5));
       CHECK(double(counts.rows_visited) == doctest::Approx(double(plain.rows_visited)).epsilon(1e-5));
-    }
+    });
   };
   check(AxisShared<FloatCholesky>());
   check(AxisSharedThreshold<FloatCholesky>());

@@ -87,4 +87,15 @@ inline SplatSet usual_splats(std::size_t count, int width, int height, std::uint
   return set;
 }
 
+/// Adds needles through an image of 64 x 64 pixels whose centres lie far outside: squared terms beyond the
+/// largest half.
+inline void add_needles(SplatSet& splats, std::uint64_t seed) {
+  Random random(seed);
+  for (int i = 0; i < 300; ++i) {
+    const double angle = random.in(0, 3.14159), away = random.in(-3000, 3000);
+    splats.add(make_splat(32 + away * std::cos(angle), 32 + away * std::sin(angle), 4000, 0.6, angle, 0.9),
+               random.f(1, 2));
+  }
+}
+
 }  // namespace swiftgs::test

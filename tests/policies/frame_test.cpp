@@ -92,10 +92,6 @@ void check_near(const R&, const Frame& frame, const ReferenceFrame& reference) {
   CHECK(max_abs_difference(frame.depth, reference.depth) <= 1e-3);
 }
 
-bool same_planes(const Frame& a, const Frame& b) {
-  return same_bits(a.colour, b.colour) && same_bits(a.alpha, b.alpha) && same_bits(a.depth, b.depth);
-}
-
 }  // namespace
 
 TEST_CASE("frame: a channel of 8 bits is the nearest of 255 steps") {
@@ -109,9 +105,7 @@ TEST_CASE("frame: a channel of 8 bits is the nearest of 255 steps") {
   for (const float all : {1.0f, 1.001f, 1e30f, infinity}) CHECK(to_unorm8(all) == 255);
 }
 
-TEST_CASE_TEMPLATE("frame: each pixel format holds the same frame and its opacity as far as it carries", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("frame: each pixel format holds the same frame and its opacity as far as it carries") {
   with_each_renderer<B>([&](auto& renderer) {
     const auto scene = renderer.backend().upload(random_scene(300, 1, 5));
     for (const auto& [w, h] : {std::pair{37, 21}, {16, 16}, {1, 1}, {70, 5}}) {
@@ -132,9 +126,7 @@ TEST_CASE_TEMPLATE("frame: each pixel format holds the same frame and its opacit
   });
 }
 
-TEST_CASE_TEMPLATE("frame: what lies below is seen as far as transmittance is left", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("frame: what lies below is seen as far as transmittance is left") {
   const int width = 37, height = 21;
   with_each_renderer<B>([&](auto& renderer) {
     const auto scene = renderer.backend().upload(random_scene(60, 1, 6));
@@ -168,9 +160,7 @@ TEST_CASE_TEMPLATE("frame: what lies below is seen as far as transmittance is le
   });
 }
 
-TEST_CASE_TEMPLATE("frame: a surface that hides nothing changes no bit and one before everything leaves none",
-                   B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("frame: a surface that hides nothing changes no bit and one before everything leaves none") {
   const Camera camera = forward_camera(70, 45);
   with_each_renderer<B>([&](auto& renderer) {
     const auto scene = renderer.backend().upload(random_scene(500, 0, 7));
@@ -194,9 +184,7 @@ TEST_CASE_TEMPLATE("frame: a surface that hides nothing changes no bit and one b
   });
 }
 
-TEST_CASE_TEMPLATE("frame: a surface in the middle leaves the image of the Gaussians before it", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("frame: a surface in the middle leaves the image of the Gaussians before it") {
   const Camera camera = forward_camera(70, 45);
   const Scene all = random_scene(800, 0, 9);
   // One Gaussian lies in the surface, and is hidden by it.
@@ -224,8 +212,7 @@ TEST_CASE_TEMPLATE("frame: a surface in the middle leaves the image of the Gauss
   });
 }
 
-TEST_CASE_TEMPLATE("frame: each pixel is hidden by its own depth", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("frame: each pixel is hidden by its own depth") {
   const int width = 53, height = 37;
   const std::size_t pitch = 61;
   const Camera camera = forward_camera(width, height);
@@ -257,22 +244,14 @@ TEST_CASE_TEMPLATE("frame: each pixel is hidden by its own depth", B, SWIFTGS_TE
   });
 }
 
-TEST_CASE_TEMPLATE("frame: a surface at the depth of a splat hides it", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  B backend = test::make_backend<B>();
+SWIFTGS_CONTRACT("frame: a surface at the depth of a splat hides it") {
   SplatSet splats;
   for (int i = 0; i < 1000; ++i) splats.add(make_splat(16, 8, 500, 500, 0, 0.01), 1.0f + float(i));
-  const SplatsOn<B> placed(backend, splats);
-  const TileLists<B> lists = build_lists<EarlySort, Ellipse>(backend, placed.job(32, 16));
-  const auto occluder = to_backend(backend, std::vector<float>(32 * 16, 4.0f));
-  for_each_raster([&]<class Raster>(Raster) {
+  Picture<B> picture(backend, splats, 32, 16, {.occluder = std::vector<float>(32 * 16, 4.0f)});
+  for_each_raster([&]<class Raster>(Raster raster) {
     CAPTURE(Raster::name);
-    auto counts = to_backend(backend, std::vector<RasterCounts>(2));
-    const View view =
-        view_into({.width = 32, .height = 16, .occluder = {occluder.data(), 32 * sizeof(float)}});
-    rasterize(backend, Raster{},
-              RasterJob{placed.view(), placed.colours_view(), lists.view(), {&view, 1}, counts.data()});
-    for (const RasterCounts& block : to_host(backend, std::as_const(counts).span())) {
+    picture.draw(raster, {});
+    for (const RasterCounts& block : to_host(backend, std::as_const(picture.counts).span())) {
       CHECK(block.contributing_pairs == 3 * 256);
       CHECK(block.pixels_stopped == 256);
       CHECK(block.intersections_visited >= 4);
@@ -281,8 +260,7 @@ TEST_CASE_TEMPLATE("frame: a surface at the depth of a splat hides it", B, SWIFT
   });
 }
 
-TEST_CASE_TEMPLATE("frame: rows of each plane may go up in memory", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("frame: rows of each plane may go up in memory") {
   const int width = 37, height = 21;
   with_each_renderer<B>([&](auto& renderer) {
     const auto scene = renderer.backend().upload(random_scene(300, 1, 12));

@@ -26,40 +26,6 @@ double largest_term(const SplatShape& s, double x, double y) {
   return std::max({l0 * l0 * dx * dx, (l1 * l1 + l2 * l2) * dy * dy, std::abs(2 * l0 * l1 * dx * dy)});
 }
 
-struct Worst {
-  double alpha = 0;         ///< largest error of a kept alpha over its bound
-  int wrongly_decided = 0;  ///< pixels kept or skipped although s is clear of the threshold by the bound
-  std::size_t kept = 0;
-};
-
-/// Compares every pixel of a tile with double; `bound(shape, x, y)` is the error allowed in s.
-template <class Raster, class Bound>
-Worst compare(const std::vector<SplatShape>& shapes, const Bound& bound, double skipped_up_to = 0) {
-  const BlendRules rules = BlendRules::from(Conventions::gsplat());
-  Worst worst;
-  for (const SplatShape& shape : shapes) {
-    typename Raster::Kernel kernel(shape, vec2(64.5f, 32.5f), rules);
-    for (int row = 0; row < raster_block_side; ++row) {
-      kernel.start_row(32.5f + float(row));
-      for (int column = 0; column < raster_block_side; ++column) {
-        const double x = 64.5 + column, y = 32.5 + row;
-        const double s = exponent(shape, x, y), allowed = bound(shape, x, y);
-        const float alpha = kernel.alpha(column);
-        if (s < double(shape.cutoff) - allowed && s >= skipped_up_to * allowed)
-          worst.wrongly_decided += alpha == 0;
-        if (s > double(shape.cutoff) + allowed) worst.wrongly_decided += alpha != 0;
-        if (alpha == 0) continue;
-        ++worst.kept;
-        const double exact = std::min(0.99, double(shape.opacity) * std::exp2(-s));
-        // d alpha / d s is -ln 2 alpha; e^x - 1 bounds it over the whole allowed range.
-        const double tolerance = exact * std::expm1(0.7 * allowed) + 3e-7;
-        worst.alpha = std::max(worst.alpha, std::abs(double(alpha) - exact) / tolerance);
-      }
-    }
-  }
-  return worst;
-}
-
 std::vector<SplatShape> splats_near_the_tile() {
   Random random(3);
   std::vector<SplatShape> shapes;
@@ -89,42 +55,53 @@ double float_split_error(const SplatShape& s, double x, double y) {
   return factor_error(s, x, y) + std::ldexp(wide * wide + high * high, -18);
 }
 
+/// Compares every pixel of a tile with double; `bound(shape, x, y)` is the error allowed in s.
+/// `skipped_up_to`: where rounding may make s negative, within so many bounds, the pixel may skip the splat.
+template <class Raster, class Bound>
+void check_alphas(const Bound& bound, double skipped_up_to = 0) {
+  CAPTURE(Raster::name);
+  const BlendRules rules = BlendRules::from(Conventions::gsplat());
+  double worst = 0;         // error of a kept alpha over its bound
+  int wrongly_decided = 0;  // pixels kept or skipped although s is clear of the threshold by the bound
+  std::size_t kept = 0;
+  for (const SplatShape& shape : splats_near_the_tile()) {
+    typename Raster::Kernel kernel(shape, vec2(64.5f, 32.5f), rules);
+    for (int row = 0; row < raster_block_side; ++row) {
+      kernel.start_row(32.5f + float(row));
+      for (int column = 0; column < raster_block_side; ++column) {
+        const double x = 64.5 + column, y = 32.5 + row;
+        const double s = exponent(shape, x, y), allowed = bound(shape, x, y);
+        const float alpha = kernel.alpha(column);
+        if (s < double(shape.cutoff) - allowed && s >= skipped_up_to * allowed) wrongly_decided += alpha == 0;
+        if (s > double(shape.cutoff) + allowed) wrongly_decided += alpha != 0;
+        if (alpha == 0) continue;
+        ++kept;
+        const double exact = std::min(0.99, double(shape.opacity) * std::exp2(-s));
+        // d alpha / d s is -ln 2 alpha; e^x - 1 bounds it over the whole allowed range.
+        const double tolerance = exact * std::expm1(0.7 * allowed) + 3e-7;
+        worst = std::max(worst, std::abs(double(alpha) - exact) / tolerance);
+      }
+    }
+  }
+  CHECK(worst <= 1);
+  CHECK(wrongly_decided == 0);
+  CHECK(kept > 50'000);
+}
+
 }  // namespace
 
-TEST_CASE("kernel: per-pixel alpha does not lose digits where terms cancel") {
-  const Worst worst = compare<PerPixel>(splats_near_the_tile(), factor_error);
-  CHECK(worst.alpha <= 1);
-  CHECK(worst.wrongly_decided == 0);
-  CHECK(worst.kept > 50'000);
-}
-
-TEST_CASE_TEMPLATE("kernel: float-split alpha is that of double within the stated bound", Raster,
-                   AxisShared<FloatSplit>, AxisSharedThreshold<FloatSplit>) {
-  const Worst worst = compare<Raster>(splats_near_the_tile(), float_split_error);
-  CHECK(worst.alpha <= 1);
-  CHECK(worst.wrongly_decided == 0);
-  CHECK(worst.kept > 50'000);
-}
-
-TEST_CASE_TEMPLATE("kernel: float-cholesky alpha does not lose digits where terms cancel", Raster,
-                   AxisShared<FloatCholesky>, AxisSharedThreshold<FloatCholesky>) {
-  const Worst worst = compare<Raster>(splats_near_the_tile(), factor_error);
-  CHECK(worst.alpha <= 1);
-  CHECK(worst.wrongly_decided == 0);
-  CHECK(worst.kept > 50'000);
-}
-
-TEST_CASE_TEMPLATE("kernel: half-split alpha is that of double within the rounding of half", Raster,
-                   AxisShared<HalfSplit>, AxisSharedThreshold<HalfSplit>) {
+TEST_CASE("kernel: alpha is that of double within what each representation rounds") {
+  check_alphas<PerPixel>(factor_error);
+  check_alphas<AxisShared<FloatCholesky>>(factor_error);
+  check_alphas<AxisSharedThreshold<FloatCholesky>>(factor_error);
+  check_alphas<AxisShared<FloatSplit>>(float_split_error);
+  check_alphas<AxisSharedThreshold<FloatSplit>>(float_split_error);
   // Two of the three terms carry one rounding of 2^-11, the mixed term two; subnormal terms 2^-25 each.
-  const auto bound = [](const SplatShape& s, double x, double y) {
+  const auto half_split_error = [](const SplatShape& s, double x, double y) {
     return 4.1 * 0x1p-11 * largest_term(s, x, y) + 2e-5;
   };
-  const double skipped_up_to = 1;  // where rounding may make s negative, the pixel skips the splat
-  const Worst worst = compare<Raster>(splats_near_the_tile(), bound, skipped_up_to);
-  CHECK(worst.alpha <= 1);
-  CHECK(worst.wrongly_decided == 0);
-  CHECK(worst.kept > 50'000);
+  check_alphas<AxisShared<HalfSplit>>(half_split_error, 1);
+  check_alphas<AxisSharedThreshold<HalfSplit>>(half_split_error, 1);
 }
 
 TEST_CASE("kernel: alpha is cut at its maximum and no lower") {
@@ -162,8 +139,8 @@ TEST_CASE("kernel: a half-split term that overflows keeps no pixel and is never 
   // 1,500 pixels from the mean of a needle of one pixel: a dx^2 is 1.6 million, and infinite minus infinite
   // comes up along its diagonal.
   const SplatShape needle = make_splat(-1500, -1500, 2000, 0.6, 0.785398, 1);
-  typename AxisSharedThreshold<HalfSplit>::Kernel threshold(needle, vec2(0.5f, 0.5f), rules);
-  typename AxisShared<HalfSplit>::Kernel plain(needle, vec2(0.5f, 0.5f), rules);
+  AxisSharedThreshold<HalfSplit>::Kernel threshold(needle, vec2(0.5f, 0.5f), rules);
+  AxisShared<HalfSplit>::Kernel plain(needle, vec2(0.5f, 0.5f), rules);
   for (int row = 0; row < raster_block_side; ++row) {
     threshold.start_row(0.5f + float(row)), plain.start_row(0.5f + float(row));
     for (int column = 0; column < raster_block_side; ++column) {

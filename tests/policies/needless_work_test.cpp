@@ -4,7 +4,6 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -63,15 +62,6 @@ std::vector<SplatColour> colours(B& backend, const SceneView& scene, const Camer
   return {shaded.each.begin(), shaded.each.end()};
 }
 
-/// A Gaussian in the middle of the view that every Gaussian of a test starts from.
-void add_visible(Scene& scene) {
-  scene.means.push_back(vec3(0, 0, 4));
-  scene.scales.push_back(vec3(0.05f));
-  scene.rotations.push_back({});
-  scene.opacities.push_back(0.8f);
-  scene.sh0.push_back(vec3(0.1f));
-}
-
 /// Notes what it is asked to sort.
 class RecordingBackend : public Serial {
  public:
@@ -85,53 +75,31 @@ class RecordingBackend : public Serial {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("no needless work: harmonics of culled Gaussians are not read", B, SWIFTGS_TEST_HOSTS) {
-  B backend = make_backend<B>();
+SWIFTGS_CASE_ON("no needless work: harmonics of culled Gaussians are not read", SWIFTGS_TEST_HOSTS) {
   Scene scene;
   const std::size_t count = 90;
   GuardedHarmonics harmonics(count, 3);
   std::size_t visible = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    add_visible(scene);
-    switch (i % 9) {
-      case 1:
-        scene.means[i] = vec3(0, 0, -4);
-        break;  // behind
-      case 2:
-        scene.means[i] = vec3(0, 0, 0.009f);
-        break;  // nearer than the near plane
-      case 3:
-        scene.means[i] = vec3(0, 0, 2e10f);
-        break;  // beyond the far plane
-      case 4:
-        scene.means[i] = vec3(40, 0, 4);
-        break;  // right of the image
-      case 5:
-        scene.means[i] = vec3(0, -40, 4);
-        break;  // above the image
-      case 6:
-        scene.opacities[i] = 0.0039f;
-        break;  // less than 1/255
-      case 7:
-        scene.opacities[i] = 0;
-        break;
-      case 8:
-        scene.means[i] = vec3(std::numeric_limits<float>::quiet_NaN());
-        break;
-      default:
-        ++visible;
-        continue;
-    }
-    harmonics.forbid(i);
+    append(scene, vec3(0, 0, 4), 0.05f, 0.8f);
+    vec3& mean = scene.means[i];
+    if (i % 9 == 0) ++visible;
+    if (i % 9 == 1) mean.z = -4;                   // behind
+    if (i % 9 == 2) mean.z = 0.009f;               // nearer than the near plane
+    if (i % 9 == 3) mean.z = 2e10f;                // beyond the far plane
+    if (i % 9 == 4) mean.x = 40;                   // right of the image
+    if (i % 9 == 5) mean.y = -40;                  // above the image
+    if (i % 9 == 6) scene.opacities[i] = 0.0039f;  // less than 1/255
+    if (i % 9 == 7) scene.opacities[i] = 0;
+    if (i % 9 == 8) mean = vec3(std::numeric_limits<float>::quiet_NaN());
+    if (i % 9 != 0) harmonics.forbid(i);
   }
   SceneView view = swiftgs::view(scene);
   view.sh_rest = harmonics.span(), view.sh_degree = 3, view.sh_stride = harmonics.stride();
   CHECK(colours(backend, view, forward_camera(64, 48)).size() == visible);
 }
 
-TEST_CASE_TEMPLATE("no needless work: bands above the degree of the view are not read", B,
-                   SWIFTGS_TEST_HOSTS) {
-  B backend = make_backend<B>();
+SWIFTGS_CASE_ON("no needless work: bands above the degree of the view are not read", SWIFTGS_TEST_HOSTS) {
   for (int degree = 0; degree <= max_sh_degree; ++degree) {
     CAPTURE(degree);
     Scene scene = random_scene(50, degree, 1);
@@ -151,8 +119,7 @@ TEST_CASE_TEMPLATE("no needless work: bands above the degree of the view are not
   }
 }
 
-TEST_CASE_TEMPLATE("no needless work: bands that are all zero are not evaluated", B, SWIFTGS_TEST_HOSTS) {
-  B backend = make_backend<B>();
+SWIFTGS_CASE_ON("no needless work: bands that are all zero are not evaluated", SWIFTGS_TEST_HOSTS) {
   Scene scene = random_scene(100, 3, 2);
   for (std::size_t i = 0; i < scene.size(); ++i)
     for (std::size_t k = 9; k < 45; ++k) scene.sh_rest[45 * i + k] = 0;
@@ -179,9 +146,8 @@ TEST_CASE("no needless work: only as many key bits are sorted as tell the tiles 
   CHECK(backend.calls[3].find(", 31 bits") != std::string::npos);  // one tile: depth alone
 }
 
-TEST_CASE_TEMPLATE("no needless work: tiles without splats cost nothing but the background", B,
-                   SWIFTGS_TEST_HOSTS) {
-  B backend = make_backend<B>();
+SWIFTGS_CASE_ON("no needless work: tiles without splats cost nothing but the background",
+                SWIFTGS_TEST_HOSTS) {
   SplatSet splats;
   splats.add(make_splat(40, 24, 1, 1, 0, 0.9), 1);  // inside tile (2, 1)
   const SortInput job = splats.job(96, 64);
@@ -204,8 +170,7 @@ TEST_CASE_TEMPLATE("no needless work: tiles without splats cost nothing but the 
   });
 }
 
-TEST_CASE_TEMPLATE("no needless work: a tile stops when all its pixels have", B, SWIFTGS_TEST_HOSTS) {
-  B backend = make_backend<B>();
+SWIFTGS_CASE_ON("no needless work: a tile stops when all its pixels have", SWIFTGS_TEST_HOSTS) {
   SplatSet splats;
   for (int i = 0; i < 1000; ++i) splats.add(make_splat(8, 8, 500, 500, 0, 0.99), 1.0f + float(i));
   for_each_raster([&]<class Raster>(Raster) {
@@ -219,8 +184,7 @@ TEST_CASE_TEMPLATE("no needless work: a tile stops when all its pixels have", B,
   });
 }
 
-TEST_CASE_TEMPLATE("no needless work: rows outside a splat's extent are not visited", B, SWIFTGS_TEST_HOSTS) {
-  B backend = make_backend<B>();
+SWIFTGS_CASE_ON("no needless work: rows outside a splat's extent are not visited", SWIFTGS_TEST_HOSTS) {
   // Of standard deviation 1 and opacity 1 it ends 3.33 pixels above and below its centre: seven rows.
   SplatSet splats;
   splats.add(make_splat(8.5, 8.5, 1, 1, 0, 1), 1);
@@ -246,55 +210,6 @@ TEST_CASE_TEMPLATE("no needless work: outputs that are not asked for are not the
   CHECK(frame.alpha.empty());
   CHECK(frame.depth.size() == 40 * 30);
   CHECK(renderer.statistics().raster.contributing_pairs == 0);  // not asked for either
-}
-
-// The balanced time of a raster stage: how long its raster blocks took, divided by the threads that run at
-// once.
-namespace {
-
-/// Balanced time over raster time, largest of some frames: a thread that is kept from running between two
-/// raster blocks makes it less.
-template <class Raster, class B>
-double evenness(B& backend, const SplatSet& splats, int width, int height) {
-  const TileLists<B> lists = build_lists<EarlySort, Ellipse>(backend, splats.job(width, height));
-  Frame frame;
-  const View view = view_into(prepare(frame, width, height, {}));
-  std::vector<RasterCounts> counts(RasterBlocks(tiles_of_frame(view)).size());
-  double largest = 0;
-  for (int i = 0; i < 5; ++i) {
-    const auto begin = backend.now();
-    rasterize(backend, Raster{},
-              RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts.data()});
-    const double raster = backend.milliseconds(begin, backend.now()).value();
-    Statistics statistics;
-    for (const RasterCounts& block : counts) statistics.raster += block;
-    CHECK(statistics.balanced_ms() <= raster);
-    largest = std::max(largest, statistics.balanced_ms() / raster);
-  }
-  return largest;
-}
-
-}  // namespace
-
-TEST_CASE_TEMPLATE("balance: one thread at least is at work throughout and all of them at most", B,
-                   SWIFTGS_TEST_HOSTS) {
-  B backend = make_backend<B>();
-  const SplatSet splats = faint_splats(2000, 160, 96);
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    CHECK(evenness<Raster>(backend, splats, 160, 96) > 0.8 / threads_at_once(backend));
-  });
-}
-
-TEST_CASE_TEMPLATE("balance: one raster block has one thread at work", B, SWIFTGS_TEST_HOSTS) {
-  B backend = make_backend<B>();
-  const SplatSet splats = faint_splats(2000, 16, 16);
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    const double of_threads = evenness<Raster>(backend, splats, 16, 16) * threads_at_once(backend);
-    CHECK(of_threads > 0.8);
-    CHECK(of_threads <= 1);
-  });
 }
 
 TEST_CASE("balance: threads that oneTBB does not let run are not waited for") {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
+#include <doctest/doctest.h>
 #include <hwy/targets.h>
 
 namespace swiftgs::test {
@@ -21,5 +23,15 @@ class OnlyTargets {
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
   }
 };
+
+/// Calls f() on each target of the machine.
+template <class F>
+void on_each_target(const F& f) {
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    CAPTURE(std::string(hwy::TargetName(target)));
+    const OnlyTargets only(target);
+    f();
+  }
+}
 
 }  // namespace swiftgs::test

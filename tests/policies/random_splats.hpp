@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
@@ -115,6 +114,19 @@ inline Scene random_scene(std::size_t count, int sh_degree, std::uint64_t seed) 
     scene.sh0.push_back(vec3(red, green, blue));
     for (int k = 0; k < 3 * sh_rest_count(sh_degree); ++k) scene.sh_rest.push_back(random.f(-0.3, 0.3));
   }
+  return scene;
+}
+
+/// Adds a white ball.
+inline void append(Scene& scene, vec3 mean, float scale, float opacity) {
+  scene.means.push_back(mean), scene.scales.push_back(vec3(scale)), scene.rotations.push_back({});
+  scene.opacities.push_back(opacity), scene.sh0.push_back(vec3(1));
+}
+
+/// Gaussians that each cover any image.
+inline Scene giants_of(int count) {
+  Scene scene;
+  for (int i = 0; i < count; ++i) append(scene, vec3(0, 0, 1), 1000, 1);
   return scene;
 }
 

@@ -5,7 +5,6 @@
 /// All rasterizers, and frames of splats that no projection made.
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -30,6 +29,7 @@ struct DrawSettings {
   vec3 background{0};
   Outputs outputs{true, true};
   bool count = true;
+  std::vector<float> occluder{};  ///< @shape{height, width} or empty
 };
 
 /// Colour and alpha alone, for which backends may have other kernels.
@@ -38,21 +38,19 @@ inline DrawSettings lean(DrawSettings settings = {}) {
   return settings;
 }
 
+inline bool same_planes(const Frame& a, const Frame& b) {
+  return same_bits(a.colour, b.colour) && same_bits(a.alpha, b.alpha) && same_bits(a.depth, b.depth);
+}
+
 /// A frame with what rasterizing it took.
 struct Drawing {
   Frame frame;
   RasterCounts counts;
 
-  float alpha(int x, int y) const {
-    return frame.alpha[std::size_t(y) * std::size_t(frame.width) + std::size_t(x)];
-  }
-  float depth(int x, int y) const {
-    return frame.depth[std::size_t(y) * std::size_t(frame.width) + std::size_t(x)];
-  }
-  float colour(int x, int y, int channel) const {
-    return frame
-        .colour[3 * (std::size_t(y) * std::size_t(frame.width) + std::size_t(x)) + std::size_t(channel)];
-  }
+  std::size_t at(int x, int y) const { return std::size_t(y) * std::size_t(frame.width) + std::size_t(x); }
+  float alpha(int x, int y) const { return frame.alpha[at(x, y)]; }
+  float depth(int x, int y) const { return frame.depth[at(x, y)]; }
+  float colour(int x, int y, int channel) const { return frame.colour[3 * at(x, y) + std::size_t(channel)]; }
 };
 
 /// Faint splats all over an image: no pixel stops, and every raster block takes long.
@@ -109,24 +107,81 @@ class PlanesOn {
   typename B::template Buffer<float> colour_, alpha_, depth_;
 };
 
-/// Draws `splats` with lists that every sort builds alike, of tiles of so many pixels a side.
+/// Splats of a backend with lists that every sort builds alike, of tiles of so many pixels a side, and what
+/// draws them.
+template <class B, class Bounds = OpacityBox>
+struct Picture {
+  Picture(B& backend_, const SplatSet& set, int width_, int height_, const DrawSettings& settings_ = {},
+          int tile_side_ = default_tile_side)
+      : backend(backend_),
+        splats(backend, set),
+        lists(build_lists<StandardSort, Bounds>(backend, splats.job(width_, height_, tile_side_))),
+        width(width_),
+        height(height_),
+        tile_side(tile_side_),
+        settings(settings_),
+        occluder(to_backend(backend, settings.occluder)),
+        counts(
+            to_backend(backend, std::vector<RasterCounts>(RasterBlocks(tiles_of_frame(view({}))).size()))) {}
+
+  View view(FrameView frame) const {
+    frame.width = width, frame.height = height;
+    if (occluder.size() != 0) frame.occluder = {occluder.data(), std::ptrdiff_t(sizeof(float)) * width};
+    return view_into(frame, settings, tile_side);
+  }
+  template <class Raster>
+  void draw(Raster raster, const FrameView& frame) {
+    const View one = view(frame);
+    rasterize(backend, raster,
+              RasterJob{splats.view(),
+                        splats.colours_view(),
+                        lists.view(),
+                        {&one, 1},
+                        settings.count ? counts.data() : nullptr});
+  }
+  /// Of the last frame, after all work of the backend.
+  RasterCounts counted() const {
+    RasterCounts sum;
+    for (const RasterCounts& block : to_host(backend, counts.span())) sum += block;
+    return sum;
+  }
+
+  B& backend;
+  SplatsOn<B> splats;
+  TileLists<B> lists;
+  int width, height, tile_side;
+  DrawSettings settings;
+  typename B::template Buffer<float> occluder;
+  typename B::template Buffer<RasterCounts> counts;
+};
+
+/// Draws `splats` once.
 template <class Raster, class Bounds = OpacityBox, class B>
 Drawing draw(B& backend, const SplatSet& splats, int width, int height, const DrawSettings& settings = {},
              int tile_side = default_tile_side) {
-  const SplatsOn<B> placed(backend, splats);
-  const TileLists<B> lists = build_lists<StandardSort, Bounds>(backend, placed.job(width, height, tile_side));
+  Picture<B, Bounds> picture(backend, splats, width, height, settings, tile_side);
   PlanesOn<B> planes(backend, width, height, settings.outputs);
-  const View view = view_into(planes.view(), settings, tile_side);
-  auto counts = to_backend(backend, std::vector<RasterCounts>(RasterBlocks(tiles_of_frame(view)).size()));
-  rasterize(backend, Raster{},
-            RasterJob{placed.view(),
-                      placed.colours_view(),
-                      lists.view(),
-                      {&view, 1},
-                      settings.count ? counts.data() : nullptr});
-  Drawing drawing{planes.on_host(backend), {}};
-  for (const RasterCounts& block : to_host(backend, std::as_const(counts).span())) drawing.counts += block;
-  return drawing;
+  picture.draw(Raster(), planes.view());
+  return {planes.on_host(backend), picture.counted()};
+}
+
+/// Balanced time over raster time, largest of some frames: a thread that is kept from running between two
+/// raster blocks makes it less, and so do kernels that are loaded.
+template <class Raster, class B>
+double evenness(B& backend, const SplatSet& splats, int width, int height) {
+  Picture<B> picture(backend, splats, width, height);
+  PlanesOn<B> planes(backend, width, height, {});
+  double largest = 0;
+  for (int i = 0; i < 5; ++i) {
+    const auto begin = backend.now();
+    picture.draw(Raster(), planes.view());
+    const auto end = backend.now();
+    const Statistics statistics{.raster = picture.counted()};
+    const double raster = backend.milliseconds(begin, end).value();
+    CHECK(statistics.balanced_ms() <= raster);
+    largest = std::max(largest, statistics.balanced_ms() / raster);
+  }
+  return largest;
 }
 
 }  // namespace swiftgs::test

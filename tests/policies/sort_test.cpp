@@ -3,7 +3,6 @@
 // Tile lists of every sort within every bounds, on every backend.
 #include <algorithm>
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
 #include "policies/backends.hpp"
@@ -67,17 +66,6 @@ struct Sorts {
 SplatShape dot(double x, double y) { return make_splat(x, y, 1, 1, 0, 0.9); }
 SplatShape giant() { return make_splat(30'000, 30'000, 1e6, 1e6, 0, 1); }
 
-/// Bounds that no backend knows: the even rows of the box.
-struct EvenRows {
-  static constexpr std::string_view name = "even-rows";
-  static constexpr bool conservative = false;
-  struct Tiles {
-    TileRect rect;
-    TileRun row(int row) const { return row % 2 ? TileRun{} : rect.columns; }
-  };
-  Tiles tiles(const SplatShape& shape, TileGrid grid) const { return {opacity_box(shape, grid)}; }
-};
-
 }  // namespace
 
 TEST_CASE_TEMPLATE("sort: every sort takes bounds that the backend has no kernels for", B,
@@ -85,9 +73,7 @@ TEST_CASE_TEMPLATE("sort: every sort takes bounds that the backend has no kernel
   Sorts<B>().template check_within<EvenRows>(random_splats(600, 300, 200, 8), 300, 200);
 }
 
-TEST_CASE_TEMPLATE("sort: every sort within every bounds builds the lists that brute force builds", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("sort: every sort within every bounds builds the lists that brute force builds") {
   Sorts<B> sorts;
   // Sizes go up and down: what larger frames left in memory must not show.
   for (const std::size_t n : {20'000, 0, 1, 257, 2, 31, 256, 32, 33, 255, 0, 5'000}) {
@@ -99,8 +85,7 @@ TEST_CASE_TEMPLATE("sort: every sort within every bounds builds the lists that b
   sorts.check(random_splats(300, 33, 17, 3), 33, 17);
 }
 
-TEST_CASE_TEMPLATE("sort: views of different sizes may follow each other", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("sort: views of different sizes may follow each other") {
   Sorts<B> sorts;
   SplatSet away;
   away.add(dot(-500, 50), 1);
@@ -123,10 +108,7 @@ TEST_CASE_TEMPLATE("sort: views of different sizes may follow each other", B, SW
   }
 }
 
-TEST_CASE_TEMPLATE("sort: an adaptive sort gives the same bits before and after it decides", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  B backend = test::make_backend<B>();
+SWIFTGS_CONTRACT("sort: an adaptive sort gives the same bits before and after it decides") {
   const SplatsOn<B> splats(backend, random_splats(5'000, 1000, 700, 2));
   const SortInput job = splats.job(1000, 700);
   const HostLists expected = host_lists(backend, build_lists<StandardSort, Ellipse>(backend, job));
@@ -155,8 +137,7 @@ TEST_CASE("sort: the cpu backend gives the same bits on 1 2 4 and 8 threads") {
   }
 }
 
-TEST_CASE_TEMPLATE("sort: equal depths keep index order", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("sort: equal depths keep index order") {
   Sorts<B> sorts;
   SplatSet splats;
   for (int i = 0; i < 5000; ++i) splats.add(dot(8, 8), i % 2 == 0 ? 2.0f : 1.0f);
@@ -169,9 +150,7 @@ TEST_CASE_TEMPLATE("sort: equal depths keep index order", B, SWIFTGS_TEST_BACKEN
   CHECK(sorts.check(splats, 40, 40) >= 5000);
 }
 
-TEST_CASE_TEMPLATE("sort: depths are ordered over the whole range of positive floats", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("sort: depths are ordered over the whole range of positive floats") {
   SplatSet splats;
   for (const float depth : {3e38f, 1e-45f, 1e10f, 1.0000001f, 1.0f, 1e-38f, 0.01f, 2e-38f})
     splats.add(dot(8, 8), depth);
@@ -179,8 +158,7 @@ TEST_CASE_TEMPLATE("sort: depths are ordered over the whole range of positive fl
         std::vector<std::uint32_t>{1, 5, 7, 6, 4, 3, 2, 0});
 }
 
-TEST_CASE_TEMPLATE("sort: more than 65536 tiles are told apart", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("sort: more than 65536 tiles are told apart") {
   Sorts<B> sorts;
   const int columns = 300, rows = 299;
   SplatSet splats;
@@ -201,9 +179,8 @@ TEST_CASE_TEMPLATE("sort: more than 65536 tiles are told apart", B, SWIFTGS_TEST
   CHECK(sorts.check(random_splats(300, 64, max_image_side, 8), 64, max_image_side) > 300);
 }
 
-TEST_CASE_TEMPLATE("sort: a few splats are spread over the largest image by every bit of their keys", B,
-                   SWIFTGS_TEST_HOSTS) {
-  B backend = test::make_backend<B>();
+SWIFTGS_CASE_ON("sort: a few splats are spread over the largest image by every bit of their keys",
+                SWIFTGS_TEST_HOSTS) {
   Random random(9);
   SplatSet splats;
   for (int i = 0; i < 2000; ++i)
@@ -228,9 +205,7 @@ TEST_CASE_TEMPLATE("sort: a few splats are spread over the largest image by ever
   CHECK(host_lists(backend, build_lists<StandardSort, OpacityBox>(backend, job)) == expected);
 }
 
-TEST_CASE_TEMPLATE("sort: splats larger than the screen are in every tile, also among dots", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("sort: splats larger than the screen are in every tile, also among dots") {
   Sorts<B> sorts;
   SplatSet two;
   two.add(make_splat(70, 40, 1e6, 1e5, 0.4, 1), 1);
@@ -247,9 +222,7 @@ TEST_CASE_TEMPLATE("sort: splats larger than the screen are in every tile, also 
   CHECK(sorts.check(giants, 1000, 700) == 100 * 63 * 44);
 }
 
-TEST_CASE_TEMPLATE("sort: splats of every number of tiles a side are listed where they lie", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("sort: splats of every number of tiles a side are listed where they lie") {
   SplatSet splats;
   Random random(5);
   for (int i = 0; i < 2000; ++i) {
@@ -260,9 +233,7 @@ TEST_CASE_TEMPLATE("sort: splats of every number of tiles a side are listed wher
   CHECK(Sorts<B>().check(splats, 1000, 700) > 10'000);
 }
 
-TEST_CASE_TEMPLATE("sort: more intersections than there can be are refused before memory is taken", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("sort: more intersections than there can be are refused before memory is taken") {
   Sorts<B> sorts;
   // The largest image has 2^24 tiles: 129 splats that fill it are 2^24 intersections too many.
   SplatSet splats;

@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <string_view>
 #include <vector>
 
 #include <swiftgs/bin_stage.hpp>
+#include <swiftgs/bounds/opacity_box.hpp>
 #include <swiftgs/colours.hpp>
 #include <swiftgs/sort/sort.hpp>
 
@@ -205,11 +207,34 @@ Lists brute_force_lists(const SortInput& job) {
   return lists;
 }
 
+/// Bounds that no backend has kernels for: the even rows of the box.
+struct EvenRows {
+  static constexpr std::string_view name = "even-rows";
+  static constexpr bool conservative = false;
+  struct Tiles {
+    TileRect rect;
+    SWIFTGS_HD TileRun row(int row) const { return row % 2 ? TileRun{} : rect.columns; }
+  };
+  SWIFTGS_HD Tiles tiles(const SplatShape& shape, TileGrid grid) const { return {opacity_box(shape, grid)}; }
+};
+
 /// Sorts `job` in memory of earlier frames.
 template <class Bounds, class B, class Sort, class Scratch>
 void build_again(B& backend, Sort& sort, const SortInput& job, Scratch& scratch, TileLists<B>& lists) {
   const Binned<B, Bounds> binned(backend, job, Bounds{});
   sort.build(backend, binned.job(), Bounds{}, scratch, lists);
+}
+
+/// Whether each splat is listed so many times, and no list names a splat twice or one that there is not.
+inline bool lists_each(const Lists& lists, std::size_t splats, std::size_t times) {
+  std::vector<std::size_t> seen(splats);
+  for (std::vector<std::uint32_t> list : lists) {
+    std::sort(list.begin(), list.end());
+    if (std::adjacent_find(list.begin(), list.end()) != list.end()) return false;
+    if (!list.empty() && list.back() >= splats) return false;
+    for (const std::uint32_t id : list) ++seen[id];
+  }
+  return std::all_of(seen.begin(), seen.end(), [&](std::size_t count) { return count == times; });
 }
 
 /// What `Sort` makes of `job` on `backend`.

@@ -3,7 +3,6 @@
 // The tiles of several views: their numbers, their raster blocks and their lists; and what is refused.
 #include <cstddef>
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -237,10 +236,7 @@ TEST_CASE_TEMPLATE("view tiles: splats know their view and keep the order of the
                    SWIFTGS_TEST_HOSTS) {
   Renderer<B, EarlySort, PerPixel, Ellipse> renderer(make_backend<B>());
   const auto scene = renderer.backend().upload(random_scene(20000, 0, 4));
-  std::vector<View> views;
-  for (const AskedView& view : different_views())
-    views.push_back(
-        make_view(view.camera, view.conventions, {.width = view.camera.width, .height = view.camera.height}));
+  const std::vector<View> views = views_without_planes(different_views());
   renderer.render_into(scene.view(), Span<const View>{views.data(), views.size()});
   const SplatsView splats = renderer.splats().view();
   std::vector<std::size_t> of_view(views.size());

@@ -117,9 +117,17 @@ class PlacedViews {
   std::vector<PlacedFrame<B>> places_;
 };
 
-/// Of a renderer of any type.
 template <class R>
 using BackendOf = std::remove_cvref_t<decltype(std::declval<R&>().backend())>;
+
+/// What one frame of the views draws.
+template <class R>
+std::vector<PlanesMemory> draw_together(R& renderer, const SceneView& scene,
+                                        const std::vector<AskedView>& asked, const Measures& measures = {}) {
+  PlacedViews placed(renderer.backend(), asked);
+  renderer.render_into(scene, placed.span(), measures);
+  return placed.finish(renderer.backend());
+}
 
 /// How many of the views differ in a byte, or have bytes beside their rows that were written.
 inline std::size_t differing(const std::vector<PlanesMemory>& drawn,
@@ -161,6 +169,15 @@ inline std::vector<AskedView> different_views() {
   hidden.conventions.antialiased = true, hidden.conventions.alpha_min = 1.0f / 100;
   hidden.background = vec3(0.5f, 0.2f, 0), hidden.format = PixelFormat::rgba_float, hidden.occluder = true;
   return {plain, over, empty, over, hidden};
+}
+
+/// The whole images of cameras, of which nothing is asked.
+inline std::vector<View> views_without_planes(const std::vector<AskedView>& asked) {
+  std::vector<View> views;
+  for (const AskedView& view : asked)
+    views.push_back(
+        make_view(view.camera, view.conventions, {.width = view.camera.width, .height = view.camera.height}));
+  return views;
 }
 
 /// A view of each format over an image and over a background, behind a surface and without one. Of each
@@ -227,9 +244,7 @@ void check_views(R& together, R& alone, const SceneView& scene, const std::vecto
   const DrawnAlone expected = draw_alone(alone, scene, asked);
   for (const bool count : {false, true}) {
     CAPTURE(count);
-    PlacedViews placed(together.backend(), asked);
-    together.render_into(scene, placed.span(), Measures{.count = count});
-    CHECK(differing(placed.finish(together.backend()), expected.memories) == 0);
+    CHECK(differing(draw_together(together, scene, asked, {.count = count}), expected.memories) == 0);
     const Statistics statistics = together.statistics();
     CHECK(statistics.gaussians == expected.sum.gaussians);
     CHECK(statistics.visible == expected.sum.visible);
@@ -271,15 +286,8 @@ void check_lists_of_views(R& together, R& alone, const SceneView& scene) {
 /// The Gaussians of each tile's list, nearest first.
 template <class R>
 Lists gaussians_of_lists(R& renderer) {
-  const auto to_host = [&]<class T>(Span<const T> from) {
-    std::vector<T> to(from.size);
-    renderer.backend().download(from, to.data());
-    return to;
-  };
-  const TileListsView lists = renderer.lists().view();
-  const auto ids = to_host(lists.ids), gaussians = to_host(renderer.splats().view().gaussians);
-  const auto ranges = to_host(lists.ranges);
-  Lists out = to_vectors({{ids.data(), ids.size()}, {ranges.data(), ranges.size()}});
+  const auto gaussians = to_host(renderer.backend(), renderer.splats().view().gaussians);
+  Lists out = to_vectors(host_lists(renderer.backend(), renderer.lists()).view());
   for (std::vector<std::uint32_t>& list : out)
     for (std::uint32_t& id : list) id = gaussians.at(id);
   return out;
@@ -291,10 +299,7 @@ template <class R>
 void check_lists(R& together, R& alone, const SceneView& scene) {
   std::vector<AskedView> asked = different_views();
   asked.push_back({forward_camera(300, 200)});
-  std::vector<View> views;
-  for (const AskedView& view : asked)
-    views.push_back(
-        make_view(view.camera, view.conventions, {.width = view.camera.width, .height = view.camera.height}));
+  std::vector<View> views = views_without_planes(asked);
   views.push_back(make_view(asked[5].camera, asked[5].conventions, {.width = 268, .height = 150}, vec3(0),
                             {.x = 32, .y = 16}));
   together.render_into(scene, Span<const View>{views.data(), views.size()});
@@ -374,10 +379,8 @@ void check_bad_views(R& renderer, R& other, const SceneView& scene) {
   const std::vector<AskedView> asked = different_views();
   std::vector<AskedView> moved = asked;
   for (AskedView& view : moved) view.camera.translation.x += 0.1, view.background = vec3(0.5f);
-  PlacedViews first(other.backend(), asked), second(other.backend(), moved);
-  other.render_into(scene, first.span()), other.render_into(scene, second.span());
-  const auto& expected_first = first.finish(other.backend());
-  const auto& expected_second = second.finish(other.backend());
+  const auto expected_first = draw_together(other, scene, asked),
+             expected_second = draw_together(other, scene, moved);
   REQUIRE(differing(expected_first, expected_second) == asked.size());
   typename BackendOf<R>::template Buffer<FrameReport> report;
   report.reset(1);
@@ -491,11 +494,10 @@ inline std::vector<Part> cut(int width, int height, std::vector<int> columns, st
 
 /// The planes of `frame` from the first pixel of `part` on.
 inline FrameView part_of(FrameView frame, const Part& part) {
-  const auto move = [&]<class T>(Plane<T>& plane, std::size_t pixel) {
-    using Byte = std::conditional_t<std::is_const_v<T>, const unsigned char, unsigned char>;
+  const auto move = [&](auto& plane, std::size_t pixel) {
     if (!plane.data) return;
-    auto* const row = reinterpret_cast<Byte*>(plane.row(std::size_t(part.first.y)));
-    plane.data = reinterpret_cast<T*>(row + pixel * std::size_t(part.first.x));
+    plane.data = plane.row(std::size_t(part.first.y));
+    plane = plane.from_column(std::ptrdiff_t(pixel) * part.first.x);
   };
   move(frame.colour, bytes_per_pixel(frame.format));
   move(frame.alpha, sizeof(float)), move(frame.depth, sizeof(float)), move(frame.occluder, sizeof(float));
@@ -503,16 +505,23 @@ inline FrameView part_of(FrameView frame, const Part& part) {
   return frame;
 }
 
+/// The first column or row of each part of an image that is cut evenly.
+inline std::vector<int> every(int size, int step) {
+  std::vector<int> begins;
+  for (int begin = 0; begin < size; begin += step) begins.push_back(begin);
+  return begins;
+}
+
 /// Checks that the parts of an image make up the image, byte by byte: in one frame and in frames of their
-/// own.
+/// own, with what they count or without it.
 template <class R>
-void check_parts(R& renderer, const SceneView& scene, const AskedView& asked,
-                 const std::vector<Part>& parts) {
+void check_parts(R& renderer, const SceneView& scene, const AskedView& asked, const std::vector<Part>& parts,
+                 bool count = true) {
   using Place = PlacedFrame<BackendOf<R>>;
   PlanesMemory whole = asked.memory();
   Place place(renderer.backend(), whole);
   RenderSettings settings = asked.settings();
-  settings.count = true;
+  settings.count = count;
   renderer.render_into(scene, asked.camera, settings, asked.frame(place.frame()));
   place.finish(renderer.backend());
   const RasterCounts counts = renderer.statistics().raster;
@@ -527,7 +536,7 @@ void check_parts(R& renderer, const SceneView& scene, const AskedView& asked,
                                 part_of(asked.frame(cut_place.frame()), part), asked.background, part.first));
     RasterCounts sum;
     const auto render = [&](Span<const View> some) {
-      renderer.render_into(scene, some, Measures{.count = true});
+      renderer.render_into(scene, some, Measures{.count = count});
       sum += renderer.statistics().raster;
     };
     if (together) {
@@ -591,16 +600,12 @@ void check_bands(R& renderer, const SceneView& scene) {
   for (const AskedView& asked : different_views()) {
     const int width = asked.camera.width, height = asked.camera.height;
     CAPTURE(width);
-    const auto every = [](int size) {
-      std::vector<int> begins;
-      for (int begin = 0; begin < size; begin += default_tile_side) begins.push_back(begin);
-      return begins;
-    };
-    check_parts(renderer, scene, asked, cut(width, height, {0}, every(height)));
-    check_parts(renderer, scene, asked, cut(width, height, every(width), {0}));
+    const std::vector<int> columns = every(width, default_tile_side), rows = every(height, default_tile_side);
+    check_parts(renderer, scene, asked, cut(width, height, {0}, rows));
+    check_parts(renderer, scene, asked, cut(width, height, columns, {0}));
     if (width < 64) continue;
     check_parts(renderer, scene, asked, cut(width, height, {0, 16, 48}, {0, 32}));
-    check_parts(renderer, scene, asked, cut(width, height, every(width), every(height)));
+    check_parts(renderer, scene, asked, cut(width, height, columns, rows));
   }
 }
 

@@ -35,17 +35,14 @@ void for_each_raster_renderer(const F& f) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("views: a frame of several has the bits of each view alone", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("views: a frame of several has the bits of each view alone") {
   for_each_raster_renderer<B>([&](auto&& two) {
     const auto scene = two.upload(random_scene(400, 2, 1));
     check_lists_of_views(two.together, two.alone, scene.view());
   });
 }
 
-TEST_CASE_TEMPLATE("views: every list of a view is that of the view alone with each sort and bounds", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("views: every list of a view is that of the view alone with each sort and bounds") {
   for_each_type(AllSorts(), [&]<class Sort>(Sort) {
     for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
       CAPTURE(Sort::name);
@@ -61,8 +58,7 @@ TEST_CASE_TEMPLATE("views: every list of a view is that of the view alone with e
   });
 }
 
-TEST_CASE_TEMPLATE("views: the parts of an image have the bits of the image", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("views: the parts of an image have the bits of the image") {
   const auto check = [&](auto&& two) {
     const auto scene = two.upload(random_scene(400, 1, 2));
     check_bands(two.together, scene.view());
@@ -71,9 +67,7 @@ TEST_CASE_TEMPLATE("views: the parts of an image have the bits of the image", B,
   check(Two<B, StandardSort, PerPixel, ThreeSigmaSquare>());
 }
 
-TEST_CASE_TEMPLATE("views: parts show the pixels that rounding keeps beyond the box of a splat", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("views: parts show the pixels that rounding keeps beyond the box of a splat") {
   const AskedView asked{bordered_camera()};
   const std::vector<Part> parts = cut(48, 48, {0, 16}, {0, 16});
   const auto check = [&](auto&& two) {
@@ -84,17 +78,13 @@ TEST_CASE_TEMPLATE("views: parts show the pixels that rounding keeps beyond the 
   check(Two<B, EarlySort, PerPixel, ThreeSigmaSquare>());
 }
 
-TEST_CASE_TEMPLATE("views: one wide view among fifty small ones has the bits of each alone", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("views: one wide view among fifty small ones has the bits of each alone") {
   Two<B> two;
   const auto scene = two.upload(random_scene(300, 1, 3));
   check_views(two.together, two.alone, scene.view(), one_wide_among_small());
 }
 
-TEST_CASE_TEMPLATE("views: hundreds and thousands of tiny views have the bits of each alone", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("views: hundreds and thousands of tiny views have the bits of each alone") {
   const auto check = [](auto&& two) {
     const auto scene = two.upload(random_scene(100, 1, 4));
     check_views(two.together, two.alone, scene.view(), tiny_views());
@@ -106,8 +96,7 @@ TEST_CASE_TEMPLATE("views: hundreds and thousands of tiny views have the bits of
     for_each_raster_renderer<B>(check);  // the rows of a device's grid are few
 }
 
-TEST_CASE_TEMPLATE("views: several views of an empty scene are their backgrounds", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("views: several views of an empty scene are their backgrounds") {
   Two<B> two;
   check_views(two.together, two.alone, two.upload(Scene()).view(), different_views());
 }
@@ -127,9 +116,7 @@ TEST_CASE("views: frames of several have the same bits with one thread and two")
   });
 }
 
-TEST_CASE_TEMPLATE("views: frames for several cameras are the frames of each camera", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("views: frames for several cameras are the frames of each camera") {
   Two<B> two;
   auto& renderer = two.together;
   const auto scene = two.upload(random_scene(300, 1, 6));
@@ -158,9 +145,7 @@ TEST_CASE_TEMPLATE("views: frames for several cameras are the frames of each cam
                        "render: the number of frames is 2, expected 3, one a camera", std::invalid_argument);
 }
 
-TEST_CASE_TEMPLATE("views: frames of none and of too many tiles are refused and the next is drawn", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("views: frames of none and of too many tiles are refused and the next is drawn") {
   Two<B> two;
   const auto scene = two.upload(random_scene(100, 1, 8));
   CHECK_THROWS_WITH_AS(two.together.render_into(scene.view(), Span<const View>{}),
@@ -174,9 +159,7 @@ TEST_CASE_TEMPLATE("views: frames of none and of too many tiles are refused and 
   check_views(two.together, two.alone, scene.view(), different_views());
 }
 
-TEST_CASE_TEMPLATE("views: bad ones are refused by all calls and those that were set are recorded", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("views: bad ones are refused by all calls and those that were set are recorded") {
   Two<B> two;
   const auto scene = two.upload(random_scene(400, 1, 9));
   check_bad_views(two.together, two.alone, scene.view());

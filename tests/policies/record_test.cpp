@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Frames that are recorded: the memory that they are reserved, and the views that they may have.
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <stdexcept>
+#include <type_traits>
+#include <vector>
+
+#include "policies/hooked.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+using Threshold = AxisSharedThreshold<FloatCholesky>;
+
+/// The most that any of the frames takes.
+template <class B>
+Capacity most_of(BoundRenderer<B>& renderer, const SceneView& scene, int frames, int views) {
+  Capacity most;
+  for (int i = 0; i < frames; ++i) {
+    draw_together(renderer, scene, asked_of(i, views));
+    const Statistics taken = renderer.statistics();
+    most.splats = std::max(most.splats, taken.visible);
+    most.intersections = std::max(most.intersections, taken.intersections);
+  }
+  return most;
+}
+
+/// Records 50 frames of a renderer that was reserved by the first, and looks for calls of its hook.
+template <class B, class Sort, class Raster, class Bounds>
+void record_without_calls(int threads, std::size_t gaussians, int views, std::size_t spare) {
+  CAPTURE(threads);
+  CAPTURE(views);
+  constexpr int frames = 50;
+  Hooked<B> memory, of_other;
+  Renderer<B, Sort, Raster, Bounds> renderer(memory.backend(threads)), other(of_other.backend(threads));
+  const auto scene = other.backend().upload(random_scene(gaussians, 1, 6)),
+             empty = other.backend().upload(Scene());
+  const Capacity most = most_of(other, scene.view(), frames, views);
+  PlacedViews images(other.backend(), asked_of(0, views));
+  const auto expected = draw_together(other, scene.view(), asked_of(0, views));
+  CHECK(other.statistics().intersections + 100 < most.intersections);  // later frames take more
+  CHECK(other.statistics().visible < most.splats);
+
+  Report<B> memory_of_report;
+  renderer.reserve(scene.view(), images.span(), {most.splats + spare, most.intersections + spare});
+  const std::size_t calls = memory.calls();
+  for (int i = 0; i < frames; ++i) {
+    CAPTURE(i);
+    PlacedViews drawn(other.backend(), asked_of(i, views));
+    renderer.set_views(drawn.span());
+    const std::size_t own = own_allocations;
+    renderer.record(scene.view(), memory_of_report.data());
+    if (on_host<B>) CHECK(own_allocations == own);
+    const auto wanted = draw_together(other, scene.view(), asked_of(i, views));
+    const FrameReport report = memory_of_report.get(renderer.backend());
+    CHECK(report.overflowed == 0);
+    CHECK(report.visible == other.statistics().visible);
+    CHECK(report.intersections == other.statistics().intersections);
+    CHECK(differing(drawn.finish(renderer.backend()), wanted) == 0);
+  }
+  renderer.set_views(images.span());
+  renderer.record(empty.view(), memory_of_report.data());
+  CHECK(memory_of_report.get(renderer.backend()).visible == 0);
+  CHECK(memory.calls() == calls);
+  if constexpr (std::is_same_v<Sort, AdaptiveSort>) {
+    if (views != 1) return;
+    // The other strategy, that a stored measurement asks for.
+    const FrameView& image = images.views[0].frame;
+    renderer.sort().use({{gaussians, image.width, image.height, 1.0, 2.0}});
+    renderer.record(scene.view(), memory_of_report.data());
+    REQUIRE(renderer.sort().calibration());
+    CHECK(!renderer.sort().calibration()->prefers_early());
+    CHECK(differing(images.finish(renderer.backend()), expected) == 0);
+    CHECK(memory.calls() == calls);
+  }
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("record: never calls the hook after reserve", T, SWIFTGS_SORTS_ON_BACKENDS) {
+  using B = typename T::Backend;
+  using Sort = typename T::SortPolicy;
+  if (unavailable_backend<B>()) return;
+  if constexpr (std::is_same_v<B, Serial>) {
+    record_without_calls<B, Sort, Threshold, Ellipse>(1, 2000, 1, 1000);
+    record_without_calls<B, Sort, PerPixel, ThreeSigmaSquare>(1, 1000, 2, 0);
+  } else {
+    for (const int threads : {1, 2}) {
+      record_without_calls<B, Sort, Threshold, Ellipse>(threads, 40'000, 1, 10);
+      record_without_calls<B, Sort, Threshold, OpacityBox>(threads, 20'000, 2, 5000);
+      if (!on_host<B>) break;
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("record: a frame without enough capacity draws nothing and one with just enough is drawn",
+                   T, SWIFTGS_SORTS_ON_BACKENDS) {
+  using B = typename T::Backend;
+  if (unavailable_backend<B>()) return;
+  Hooked<B> memory;
+  Usual<B, typename T::SortPolicy> renderer(memory.backend()), other;
+  const auto scene = other.backend().upload(random_scene(3000, 1, 7));
+  for (const int views : {1, 2}) {
+    const std::vector<AskedView> asked = asked_of(24, views);
+    const auto expected = draw_together(other, scene.view(), asked);
+    const Statistics taken = other.statistics();
+    const auto record = [&](Capacity capacity, bool fits) {
+      PlacedViews images(other.backend(), asked);
+      Report<B> report;
+      renderer.reserve(scene.view(), images.span(), capacity);
+      const std::size_t calls = memory.calls();
+      renderer.record(scene.view(), report.data());
+      CHECK(memory.calls() == calls);
+      const FrameReport found = report.get(renderer.backend());
+      CHECK(found.visible == taken.visible);
+      CHECK(found.overflowed == !fits);
+      const auto untouched = PlacedViews(other.backend(), asked).finish(other.backend());
+      CHECK(differing(images.finish(renderer.backend()), fits ? expected : untouched) == 0);
+      return found.intersections;
+    };
+    record({taken.visible - 1, taken.intersections}, false);
+    CHECK(record({taken.visible, taken.intersections - 1}, false) == taken.intersections);
+    CHECK(record({taken.visible, taken.intersections}, true) == taken.intersections);
+    record({1, 1}, false);
+    CHECK(record({}, true) == taken.intersections);  // measured
+    if (!on_host<B>) continue;
+    CHECK(record({taken.visible, 0}, true) == taken.intersections);
+    CHECK(record({0, taken.intersections}, true) == taken.intersections);
+    // No more than can ever be shown is taken.
+    const std::size_t most = std::numeric_limits<std::size_t>::max();
+    record({most, taken.intersections}, true);
+  }
+}
+
+TEST_CASE("record: an ordinary frame in between does not change the views that were set") {
+  Usual<Serial> renderer;
+  const auto scene = renderer.backend().upload(random_scene(500, 1, 8));
+  const auto expected = draw_together(renderer, scene.view(), asked_of(3, 2));
+  PlacedViews images(renderer.backend(), asked_of(3, 2));
+  renderer.reserve(scene.view(), images.span());
+  draw_together(renderer, scene.view(), asked_of(9, 5));
+  FrameReport report;
+  renderer.record(scene.view(), &report);
+  CHECK(differing(images.finish(renderer.backend()), expected) == 0);
+}
+
+TEST_CASE("record: takes views of the sizes that were reserved and no others") {
+  Usual<Serial> renderer;
+  const auto scene = renderer.backend().upload(random_scene(500, 1, 9));
+  const auto more = renderer.backend().upload(random_scene(501, 1, 9));
+  const std::vector<AskedView> asked = asked_of(3, 2);
+  PlacedViews images(renderer.backend(), asked), one(renderer.backend(), {asked[0]}),
+      other_way(renderer.backend(), {asked[1], asked[0]});
+  FrameReport report;
+  CHECK_THROWS_AS(renderer.record(scene.view(), &report), std::invalid_argument);
+  renderer.set_views(one.span());  // there is nothing yet to compare with
+  renderer.reserve(scene.view(), images.span());
+  CHECK_THROWS_WITH_AS(renderer.set_views(one.span()),
+                       "set_views: the number of views is 1, expected 2 as reserved", std::invalid_argument);
+  CHECK_THROWS_WITH_AS(
+      renderer.set_views(other_way.span()),
+      "set_views: the size or the planes of view 0 changed, expected those that were reserved",
+      std::invalid_argument);
+  CHECK_THROWS_WITH_AS(renderer.record(more.view(), &report),
+                       "Gaussians in a recorded frame: 501 needed, the limit is 500", CapacityError);
+  CHECK_THROWS_AS(renderer.record(scene.view(), nullptr), std::invalid_argument);
+  renderer.record(scene.view(), &report);  // the views that were set before
+  CHECK(differing(images.finish(renderer.backend()), draw_together(renderer, scene.view(), asked)) == 0);
+  renderer.reserve(scene.view(), one.span());  // may change them
+  renderer.record(scene.view(), &report);
+  CHECK(differing(one.finish(renderer.backend()), draw_together(renderer, scene.view(), {asked[0]})) == 0);
+}
