@@ -45,7 +45,12 @@ struct Doubles {
 
 HWY_INLINE Doubles mul_add(Doubles a, Doubles b, Doubles c) { return hn::MulAdd(a.v, b.v, c.v); }
 HWY_INLINE Doubles square_root(Doubles a) { return hn::Sqrt(a.v); }
-HWY_INLINE Doubles rounded(Doubles a) { return hn::Round(a.v); }
+/// As std::round: halves away from 0.
+HWY_INLINE Doubles rounded(Doubles a) {
+  const Vec64 whole = hn::Trunc(a.v), one = hn::CopySign(hn::Set(F64(), 1.0), a.v);
+  const auto up = hn::Ge(hn::Abs(hn::Sub(a.v, whole)), hn::Set(F64(), 0.5));
+  return hn::Add(whole, hn::IfThenElseZero(up, one));
+}
 HWY_INLINE Doubles choose(DoublesMask first, Doubles a, Doubles b) {
   return hn::IfThenElse(first.m, a.v, b.v);
 }

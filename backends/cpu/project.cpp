@@ -10,7 +10,6 @@
 // Compile the rest of this file for every target; the order of these lines matters. The formulas of lenses
 // are compiled again, for vectors.
 // clang-format off
-#undef SWIFTGS_LENS_FORMULAS_INL
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "project.cpp"
 #include <hwy/foreach_target.h>
@@ -312,8 +311,9 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   const Vec inv_var_y = hn::Mul(inv_sigma_y, inv_sigma_y);
   const Vec sharp = Dot(c, c);
   const Vec var_x_given_y = hn::MulAdd(blur, hn::Mul(hn::Add(xx, var_y), inv_var_y), sharp);
-  // Variances beyond `largest_variance` are of lanes in double.
+  const Vec largest = hn::Set(d, largest_variance);
   visible = hn::And(visible, hn::And(hn::Gt(var_x_given_y, hn::Zero(d)), hn::Gt(var_y, hn::Zero(d))));
+  visible = hn::And(visible, hn::And(hn::Le(var_x, largest), hn::Le(var_y, largest)));
   visible = hn::And(visible, hn::Le(var_x_given_y, most));
 
   if (v.antialiased) {

@@ -54,7 +54,7 @@ inline double turn_of(const Camera& camera) { return 6.283185307179586 * camera.
 /// Width of the parts in which a panorama is drawn, counted from its column 0: an eighth of a turn, rounded
 /// up to whole blocks of pixels; 0 for other lenses, and where an eighth is wider than any image. Each part
 /// shows the copy of a splat that is nearest to the part's middle, so a splat that reaches less than half a
-/// turn less half a part to each side has no seam. What reaches further lies about a pole.
+/// turn less half a part to each side has no seam.
 inline int panorama_part(const Camera& camera) {
   if (camera.lens.model != LensModel::equirectangular) return 0;
   const double eighth = turn_of(camera) / 8 * (1 - 1e-12);

@@ -65,6 +65,22 @@ inline Sight distorted(const Distortion& d, const Sight& s) {
           v * ratio + p0 * (r2 + 2 * v * v) + 2 * p1 * u * v + d.prism[1] * r2, s.inside};
 }
 
+/// Whether radii grow up to (u, v) and the distortion keeps the image's sides there.
+inline bool before_fold(const Distortion& d, Real u, Real v) {
+  const auto& k = d.radial;
+  const auto& q = d.rational;
+  constexpr int steps = 2000;
+  for (int i = 1; i <= steps; ++i) {
+    const Dual s((u * u + v * v) * i / steps, {1, 0, 0}), s2 = s * s;
+    const Dual below = 1 + q[0] * s + q[1] * s2 + q[2] * s * s2;
+    const Dual ratio = (1 + k[0] * s + k[1] * s2 + k[2] * s * s2 + k[3] * s2 * s2) / below;
+    if (!(below.value > 0 && ratio.value + 2 * s.value * ratio.by[0] > 0)) return false;
+  }
+  const Sight moved = distorted(d, {Dual(u, {1, 0, 0}), Dual(v, {0, 1, 0})});
+  return moved.u.by[0] * moved.v.by[1] - moved.u.by[1] * moved.v.by[0] > 0 &&
+         moved.u.by[0] + moved.v.by[1] > 0;
+}
+
 /// The tangents that `d` moves to (u, v), by a fixed point.
 inline std::array<Real, 2> undistorted(const Distortion& d, Real u, Real v) {
   Real x = u, y = v;
@@ -108,11 +124,13 @@ inline Sight sight(const Camera& camera, const Conventions& conventions, const R
                                                       Dual(at_v, {0, 1 / at[2], -at_v / at[2]})});
       const Sight place = distorted(camera.lens.distortion, {u, v});
       seen.u.value = place.u.value, seen.v.value = place.v.value;
+      seen.inside = before_fold(camera.lens.distortion, u, v);
       return seen;
     }
     case LensModel::fisheye: {
       const Dual across = root(x * x + y * y), theta = angle(across, z);
-      return distorted(camera.lens.distortion, {theta * x / across, theta * y / across});
+      const Dual u = theta * x / across, v = theta * y / across;
+      return distorted(camera.lens.distortion, {u, v, before_fold(camera.lens.distortion, u.value, v.value)});
     }
     case LensModel::orthographic:
       return {x, y};

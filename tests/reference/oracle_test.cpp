@@ -30,9 +30,10 @@ TEST_CASE("reference: mixtures of Gaussians agree with the oracle under both pre
 TEST_CASE("reference: lenses agree with the oracle") {
   const Distortion barrel{{-0.15, 0.02, 0, 0}, {0.03, 0.001, 0}, {0.002, -0.001}, {}};
   const Distortion thin_prism{{0.03, -0.004, 0.0005, -0.00002}, {}, {0.002, 0.001}, {-0.003, 0.002}};
+  const Distortion folds{{-0.25, 0, 0, 0}, {}, {0.001, 0}, {}};  // 66 degrees from the axis
   for (const Lens& lens : {Lens{LensModel::perspective, barrel}, Lens{LensModel::fisheye, {}},
-                           Lens{LensModel::fisheye, thin_prism}, Lens{LensModel::orthographic, {}},
-                           Lens{LensModel::equirectangular, {}}})
+                           Lens{LensModel::fisheye, folds}, Lens{LensModel::fisheye, thin_prism},
+                           Lens{LensModel::orthographic, {}}, Lens{LensModel::equirectangular, {}}})
     for (const auto depth :
          {Conventions::Depth::of_lens, Conventions::Depth::z, Conventions::Depth::distance}) {
       CAPTURE(name_of(lens.model));

@@ -114,17 +114,18 @@ inline Undistorted solve(const Distortion& d, double fold_squared, double u, dou
 }
 
 /// The point of the plane that `d` moves to (u, v), within the fold. Follows the line from the centre to (u,
-/// v), in steps that shrink where the way ends.
+/// v), in steps that shrink where the way ends, to a millionth of it.
 inline Undistorted undistorted(const Distortion& d, double fold_squared, double u, double v) {
   Undistorted at{0, 0, true};
   double reached = 0, step = 1.0 / 16;
-  while (reached < 1 && step > 1e-12) {
+  constexpr int most_steps = 100;
+  for (int n = 0; reached < 1 && step > 1e-6 && n < most_steps; ++n) {
     const double to = std::min(reached + step, 1.0);
     const Undistorted next = solve(d, fold_squared, u * to, v * to, at);
     if (next.found)
-      at = next, reached = to;
+      at = next, reached = to, step = std::min(2 * step, 1.0 / 16);
     else
-      step *= 0.5;
+      step *= 0.25;
   }
   at.found = reached == 1;
   return at;

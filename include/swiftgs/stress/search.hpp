@@ -54,7 +54,7 @@ namespace stress {
 /// References of one frame that differ in their trials, each drawn when it is first asked for.
 class References {
  public:
-  static constexpr std::size_t count = 3;
+  static constexpr std::size_t count = 8;
   explicit References(const StressCase& drawn) : drawn_(drawn) {}
 
   const ConditionedFrame& operator[](std::size_t i) {

@@ -8,6 +8,7 @@ from mutant import Mutant
 I = "include/swiftgs/"
 EDIT = "edit/edit_test"
 CHUNKS = "policies/chunk_borders_test"
+CPU = "policies/cpu_test"
 BANDS = "mpi/mpi_strips_test"
 
 NAMED = [
@@ -33,6 +34,12 @@ NAMED = [
            test=CHUNKS),
     Mutant("chunks: a panorama has one copy", I + "chunks.hpp", "const double x = v.nearest_copy(v.fx * seen.u + v.cx);",
            "const double x = v.fx * seen.u + v.cx;", test=CHUNKS),
+    # Vectors of the Cpu.
+    Mutant("cpu project: needles through lenses in float", "backends/cpu/project.cpp",
+           "hn::Le(length, most), hn::Ge(Dot(across, across), parallel)",
+           "hn::Eq(length, length), hn::Ge(Dot(across, across), parallel)", test=CPU),
+    Mutant("cpu project: angles of 1e-7", "backends/cpu/doubles-inl.hpp", "return hn::CopySign(turn.v, y.v);",
+           "return hn::CopySign((turn * (1 + 1e-7)).v, y.v);", test=CPU),
     # Edits.
     Mutant("edit: the last bit of a cell is lost", I + "edit/order.hpp", "0x1249249249249249", "0x1249249249249248",
            test=EDIT),

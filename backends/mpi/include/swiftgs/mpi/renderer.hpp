@@ -63,7 +63,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   std::string_view carrier() const { return link_ ? link_->name() : "host"; }
 
   /// Renders into this rank's memory for whole views, which its backend reaches. Reads and writes only the
-  /// rows of its strip, see `drawn`. Finished when it returns. Throws as `Renderer::render_into`, and
+  /// pixels of its strip, see `drawn`. Finished when it returns. Throws as `Renderer::render_into`, and
   /// `RankError`.
   void render_into(const SceneView& part, Span<const View> views) {
     Failure failure;
@@ -109,10 +109,11 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
         for (DrawnStrip& each : drawn_) each.frame = pixels_of(whole[each.view_strip.view], each.view_strip);
       else
         frames_.keep(backend(), settings.outputs, drawn_);
+      if (collects) frames_.expect(strips_, frames);
     };
     draw(part, {views_.data(), views_.size()}, failure, place,
          [&] { frames_.to_host(backend(), ranks_, drawn_, frames); });
-    frames_.collect(ranks_, strips_, frames);
+    frames_.collect(ranks_, strips_);
   }
   void render(const SceneView& part, const Camera& camera, const RenderSettings& settings, Frame& frame) {
     render(part, {&camera, 1}, settings, {&frame, 1});

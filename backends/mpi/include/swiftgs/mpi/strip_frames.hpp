@@ -23,11 +23,45 @@ struct DrawnStrip {
 /// their way to rank 0.
 template <class B>
 class StripFrames {
+  static std::size_t count_of(const ViewStrip& view_strip) {
+    return std::size_t(view_strip.rows) * std::size_t(view_strip.width);
+  }
+
+  /// Where the pixels of a view strip arrive: in the image, or beside it if they are not all of its rows.
+  class Landing {
+   public:
+    Landing(int from, std::vector<float>& image, int width, std::size_t channels, const ViewStrip& view_strip)
+        : from_(from),
+          size_(channels * count_of(view_strip)),
+          first_(image.data() + channels * (std::size_t(view_strip.first_row) * std::size_t(width) +
+                                            std::size_t(view_strip.first_column))),
+          row_(channels * std::size_t(view_strip.width)),
+          pitch_(channels * std::size_t(width)) {
+      if (row_ != pitch_) beside_.resize(size_);
+    }
+
+    int from() const { return from_; }  ///< rank
+    std::size_t bytes() const { return size_ * sizeof(float); }
+    float* data() { return beside_.empty() ? first_ : beside_.data(); }
+    /// Once all have arrived.
+    void settle() {
+      for (std::size_t from = 0, to = 0; from < beside_.size(); from += row_, to += pitch_)
+        std::copy_n(beside_.data() + from, row_, first_ + to);
+    }
+
+   private:
+    int from_;
+    std::size_t size_;
+    float* first_;
+    std::size_t row_, pitch_;
+    std::vector<float> beside_;
+  };
+
  public:
   /// Gives each view strip memory, until the next call.
   void keep(B& b, const Outputs& outputs, std::vector<DrawnStrip>& drawn) {
     std::size_t pixels = 0;
-    for (const DrawnStrip& each : drawn) pixels += pixels_of(each.view_strip);
+    for (const DrawnStrip& each : drawn) pixels += count_of(each.view_strip);
     colour_.reset(3 * pixels), alpha_.reset(outputs.alpha ? pixels : 0);
     depth_.reset(outputs.depth ? pixels : 0);
     to_send_.colour.reserve(b, colour_.span()), to_send_.alpha.reserve(b, alpha_.span());
@@ -39,7 +73,7 @@ class StripFrames {
       each.frame.colour = {colour_.data() + 3 * before, 3 * row};
       if (outputs.alpha) each.frame.alpha = {alpha_.data() + before, row};
       if (outputs.depth) each.frame.depth = {depth_.data() + before, row};
-      before += pixels_of(each.view_strip);
+      before += count_of(each.view_strip);
     }
   }
 
@@ -50,11 +84,11 @@ class StripFrames {
       if (ranks.rank() == 0) {
         std::size_t before = 0;
         for (const DrawnStrip& each : drawn) {
-          const std::size_t pixels = pixels_of(each.view_strip);
+          const std::size_t pixels = count_of(each.view_strip);
           const auto download = [&](const auto& from, std::size_t channels, std::vector<float>& to,
                                     int width) {
             if (to.empty()) return;
-            Landing landing(to, width, channels, each.view_strip);
+            Landing landing(ranks.rank(), to, width, channels, each.view_strip);
             b.download(Span<const float>{from.data() + channels * before, channels * pixels}, landing.data());
             landing.settle();
           };
@@ -70,26 +104,28 @@ class StripFrames {
     }
   }
 
-  /// Sends the view strips of all ranks to `frames` on rank 0. Collective.
-  void collect(const Ranks& ranks, const std::vector<Strip>& strips, Span<Frame> frames) {
+  /// Takes the memory that `collect` needs on rank 0, whose `frames` were prepared.
+  void expect(const std::vector<Strip>& strips, Span<Frame> frames) {
+    landings_.clear();
+    for (std::size_t r = 1; r < strips.size(); ++r)
+      for (const ViewStrip& view_strip : strips[r].view_strips) {
+        Frame& frame = frames[view_strip.view];
+        const auto add = [&](std::vector<float>& to, std::size_t channels) {
+          if (!to.empty()) landings_.emplace_back(int(r), to, frame.width, channels, view_strip);
+        };
+        add(frame.colour, 3), add(frame.alpha, 1), add(frame.depth, 1);
+      }
+  }
+
+  /// Sends the view strips of all ranks to the frames that rank 0 expects. Collective.
+  void collect(const Ranks& ranks, const std::vector<Strip>& strips) {
     Exchange exchange(ranks);
-    std::vector<Landing> landings;
     if (ranks.rank() == 0) {
-      for (std::size_t r = 1; r < strips.size(); ++r)
-        for (const ViewStrip& view_strip : strips[r].view_strips) {
-          Frame& frame = frames[view_strip.view];
-          const auto receive = [&](std::vector<float>& to, std::size_t channels) {
-            if (to.empty()) return;
-            landings.emplace_back(to, frame.width, channels, view_strip);
-            exchange.receive(int(r), landings.back().data(),
-                             channels * pixels_of(view_strip) * sizeof(float));
-          };
-          receive(frame.colour, 3), receive(frame.alpha, 1), receive(frame.depth, 1);
-        }
+      for (Landing& landing : landings_) exchange.receive(landing.from(), landing.data(), landing.bytes());
     } else {
       std::size_t before = 0;
       for (const ViewStrip& view_strip : strips[std::size_t(ranks.rank())].view_strips) {
-        const std::size_t pixels = pixels_of(view_strip);
+        const std::size_t pixels = count_of(view_strip);
         const auto send = [&](const auto& buffer, auto& staged, std::size_t channels) {
           if (buffer.size() != 0)
             exchange.send(0, staged.seen() + channels * before, channels * pixels * sizeof(float));
@@ -99,44 +135,18 @@ class StripFrames {
       }
     }
     exchange.wait();
-    for (Landing& landing : landings) landing.settle();
+    for (Landing& landing : landings_) landing.settle();
+    landings_.clear();
   }
 
   static auto buffers(auto& self) { return std::tie(self.colour_, self.alpha_, self.depth_); }
 
  private:
-  static std::size_t pixels_of(const ViewStrip& view_strip) {
-    return std::size_t(view_strip.rows) * std::size_t(view_strip.width);
-  }
-
-  /// Where the pixels of a view strip arrive: in the image, or beside it if they are not all of its rows.
-  class Landing {
-   public:
-    Landing(std::vector<float>& image, int width, std::size_t channels, const ViewStrip& view_strip)
-        : first_(image.data() + channels * (std::size_t(view_strip.first_row) * std::size_t(width) +
-                                            std::size_t(view_strip.first_column))),
-          row_(channels * std::size_t(view_strip.width)),
-          pitch_(channels * std::size_t(width)) {
-      if (row_ != pitch_) beside_.resize(channels * pixels_of(view_strip));
-    }
-
-    float* data() { return beside_.empty() ? first_ : beside_.data(); }
-    /// Once all have arrived.
-    void settle() {
-      for (std::size_t from = 0, to = 0; from < beside_.size(); from += row_, to += pitch_)
-        std::copy_n(beside_.data() + from, row_, first_ + to);
-    }
-
-   private:
-    float* first_;
-    std::size_t row_, pitch_;
-    std::vector<float> beside_;
-  };
-
   typename B::template Buffer<float> colour_, alpha_, depth_;
   struct {
     Staging<B, float> colour, alpha, depth;
   } to_send_;
+  std::vector<Landing> landings_;  ///< on rank 0, of what others send
 };
 
 }  // namespace swiftgs

@@ -38,7 +38,7 @@ class SWIFTGS_API StripPlan {
   StripCuts cuts_;
 };
 
-/// The part of one view that lies in a strip.
+/// A part of one view that lies in a strip; of a panorama, one in each part that it is drawn in.
 struct ViewStrip {
   std::uint32_t view = 0;               ///< index
   int first_row = 0, first_column = 0;  ///< of the view's frame @units{pixels}
