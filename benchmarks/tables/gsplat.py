@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""This library beside gsplat, and beside HiGS, gsplat's path for inference."""
+"""`rasterization` of this library beside gsplat's own."""
 from tables.markdown import count, decibel, ms, table
 from tables.results import InputError, check_rows
 
@@ -27,27 +27,4 @@ def beside_gsplat(source, machine):
                   for row in read(source, machine)["rows"]])
 
 
-# (name of the row, those of its calls, of which the fastest counts, and its name in `from_float64`)
-RIVALS = (("gsplat", ("gsplat", "gsplat, not packed"), "gsplat"),
-          ("HiGS, gsplat's path for inference", ("HiGS, tiles of 8", "HiGS, tiles of 16"), "HiGS"),
-          ("**SwiftGS**", ("swiftgs, scene kept",), "swiftgs"))
-
-
-def rivals_of(source, machine):
-    """{scene: [(rival, ms of a frame of one view, dB of the worst view from float64)]}"""
-    found = read(source, machine)
-    return {row["scene"]: [(name, min(row["ms"][call] for call in calls),
-                            min(view[measured]["db"] for view in found["from_float64"][row["scene"]]))
-                           for name, calls, measured in RIVALS]
-            for row in found["rows"] if row["views"] == 1 and row["scene"] in found["from_float64"]}
-
-
-def rivals(source, machine):
-    """Times of a frame of one view, each scene kept on the device, and decibels from float64."""
-    found = rivals_of(source, machine)
-    return table(["", *(text for scene in found for text in (f"{scene}, ms", "dB"))],
-                 [[name, *(text for each in found.values() for text in (ms(each[n][1]), decibel(each[n][2])))]
-                  for n, (name, _, _) in enumerate(RIVALS)])
-
-
-TABLES = {"beside-gsplat": beside_gsplat, "rivals": rivals}
+TABLES = {"beside-gsplat": beside_gsplat}
