@@ -230,8 +230,8 @@ HWY_INLINE Mask RowsNeedDouble(const Row& x, const Row& y, const Vec3& scale, Ve
 constexpr std::size_t x_of_seen = 0, y_of_seen = 1, row_x_of_seen = 2, row_y_of_seen = 5, shown_of_seen = 8;
 using SeenNumbers = Doubles[9];
 
-/// Vector version of `mean_through_lens` but for the depth.
-HWY_INLINE void LookThroughLens(const ViewConstants& v, const CameraPointOf<Doubles>& p, SeenNumbers& out) {
+/// Vector version of `mean_through_lens` but for the depth. Not inlined: compilers take minutes for it twice.
+HWY_NOINLINE void LookThroughLens(const ViewConstants& v, const CameraPointOf<Doubles>& p, SeenNumbers& out) {
   const SeenOf<Doubles> seen = seen_through(v.lens, v.limits, p);
   Doubles x = mul_add(Doubles(v.fx), seen.u, Doubles(v.cx));
   if (v.turn != 0)
