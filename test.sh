@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Installs what is missing, builds everything with warnings as errors, for CUDA where nvcc is there, and runs every
-# test: units, header and compile-fail checks, installation, documentation, hard frames again for this processor under
-# sanitizers, and the fuzz targets for a few seconds each. Tests that need a GPU are built where there is one.
+# test: units, header and compile-fail checks, installation, documentation, hard frames again for this processor and
+# under sanitizers, and the fuzz targets for a few seconds each. Tests that need a GPU are built where there is one.
 # Says why tests were skipped and which failed, then ends with one line, 'N passed, N failed, N skipped', and fails when
 # one test did.
 set -uo pipefail
@@ -38,7 +38,8 @@ if cmake/setup.sh test; then
     reasons+=$'no nvcc 13 or newer here: the CUDA backend\n'
     skipped=$((skipped + 1))
   fi
-  run_workflow hard-frames
+  run_workflow native
+  run_workflow asan-stability
   if command -v clang++ >/dev/null; then
     run_workflow fuzz
   else
