@@ -25,7 +25,7 @@ struct DoublesMask {
   friend HWY_INLINE DoublesMask operator&(DoublesMask a, DoublesMask b) { return {hn::And(a.m, b.m)}; }
 };
 
-/// A vector of doubles, with what the formulas of lenses ask of a number.
+/// A vector of doubles that the formulas of lenses take as their number.
 struct Doubles {
   Vec64 v;
 

@@ -123,6 +123,14 @@ HWY_INLINE Vec3 Cross(const Vec3& a, const Vec3& b) {
           hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
 }
 
+/// The squared length up to which `needs_double` lets a Gaussian be factored in float.
+HWY_INLINE Vec MostLengthInFloat(Vec mean_x, Vec mean_y) {
+  const F32 d;
+  const Vec near = hn::Min(hn::Abs(mean_x), hn::Abs(mean_y));
+  return hn::MulAdd(hn::Mul(hn::Set(d, float_lengths_per_mean), near), near,
+                    hn::Set(d, float_length_squared));
+}
+
 /// Vector version of `needs_double`.
 HWY_INLINE Mask NeedsDouble(Vec tx, Vec ty, Vec pixels_x, Vec pixels_y, const Vec3& scale, Vec mean_x,
                             Vec mean_y) {
@@ -131,9 +139,7 @@ HWY_INLINE Mask NeedsDouble(Vec tx, Vec ty, Vec pixels_x, Vec pixels_y, const Ve
   const Vec length =
       hn::Mul(Dot(scale, scale), hn::MulAdd(hn::Mul(pixels_x, pixels_x), hn::Add(one, xx),
                                             hn::Mul(hn::Mul(pixels_y, pixels_y), hn::Add(one, yy))));
-  const Vec near = hn::Min(hn::Abs(mean_x), hn::Abs(mean_y));
-  const Vec most =
-      hn::MulAdd(hn::Mul(hn::Set(d, float_lengths_per_mean), near), near, hn::Set(d, float_length_squared));
+  const Vec most = MostLengthInFloat(mean_x, mean_y);
   return hn::Not(hn::And(hn::Le(length, most), hn::Le(hn::Add(xx, yy), hn::Set(d, float_tangent_squared))));
 }
 
@@ -218,9 +224,7 @@ HWY_INLINE Mask RowsNeedDouble(const Row& x, const Row& y, const Vec3& scale, Ve
   const F32 d;
   const Vec xx = Dot(x.direction, x.direction), yy = Dot(y.direction, y.direction);
   const Vec3 across = Cross(x.direction, y.direction);
-  const Vec near = hn::Min(hn::Abs(mean_x), hn::Abs(mean_y));
-  const Vec most =
-      hn::MulAdd(hn::Mul(hn::Set(d, float_lengths_per_mean), near), near, hn::Set(d, float_length_squared));
+  const Vec most = MostLengthInFloat(mean_x, mean_y);
   const Vec length = hn::Mul(Dot(scale, scale), hn::Add(xx, yy));
   const Vec parallel = hn::Mul(hn::Set(d, 0.2f), hn::Mul(xx, yy));
   return hn::Not(hn::And(hn::Le(length, most), hn::Ge(Dot(across, across), parallel)));
@@ -231,7 +235,7 @@ constexpr std::size_t x_of_seen = 0, y_of_seen = 1, row_x_of_seen = 2, row_y_of_
 using SeenNumbers = Doubles[9];
 
 /// Vector version of `mean_through_lens` but for the depth. Not inlined: compilers take minutes for it twice.
-HWY_NOINLINE void LookThroughLens(const ViewConstants& v, const CameraPointOf<Doubles>& p, SeenNumbers& out) {
+HWY_NOINLINE void LookThroughLens(const ViewConstants& v, const TripleOf<Doubles>& p, SeenNumbers& out) {
   const SeenOf<Doubles> seen = seen_through(v.lens, v.limits, p);
   Doubles x = mul_add(Doubles(v.fx), seen.u, Doubles(v.cx));
   if (v.turn != 0)
@@ -251,8 +255,8 @@ HWY_INLINE bool SeeThroughLens(const ViewConstants& v, const Group& group, Mask 
   const auto [dx, dy, dz] = FromCentre(v, group.means);
   const Wide x = Dot(dx, dy, dz, v.rotation[0]), y = Dot(dx, dy, dz, v.rotation[1]);
   const Wide z = Dot(dx, dy, dz, v.rotation[2]);
-  const CameraPointOf<Doubles> low{x.low, y.low, z.low}, high{x.high, y.high, z.high};
-  const auto distance = [](const CameraPointOf<Doubles>& p)
+  const TripleOf<Doubles> low{x.low, y.low, z.low}, high{x.high, y.high, z.high};
+  const auto distance = [](const TripleOf<Doubles>& p)
                             HWY_ATTR { return square_root(p.x * p.x + p.y * p.y + p.z * p.z).v; };
   out.depth = Demote(v.depth_is_distance ? Wide{distance(low), distance(high)} : z);
   out.shown = hn::And(visible, hn::And(hn::Gt(out.depth, hn::Set(d, v.near_plane)),

@@ -185,8 +185,9 @@ SWIFTGS_HD inline LensBox equirectangular(const CameraBox& box) {
 
 }  // namespace lens
 
-/// Bounds of what `of` makes of the points of `box`, up to roundings of 1e-9 of the numbers. A box that
-/// reaches behind a perspective lens, around the camera or around what a lens shows as a line is not bounded.
+/// Bounds of what `of` makes of the points of `box`, up to roundings of 1e-9 of the numbers. Three kinds of
+/// boxes are not bounded: those that reach behind a perspective lens, that hold the camera, and that hold
+/// directions which the lens shows as a line.
 SWIFTGS_HD inline LensBox box_through(const Lens& of, const LensLimits& limits, const CameraBox& box) {
   switch (of.model) {
     case LensModel::perspective:
