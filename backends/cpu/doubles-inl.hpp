@@ -45,6 +45,8 @@ struct Doubles {
 
 HWY_INLINE Doubles mul_add(Doubles a, Doubles b, Doubles c) { return hn::MulAdd(a.v, b.v, c.v); }
 HWY_INLINE Doubles square_root(Doubles a) { return hn::Sqrt(a.v); }
+HWY_INLINE Doubles inverse(Doubles a) { return Doubles(1.0) / a; }
+HWY_INLINE Doubles inverse_sqrt(Doubles a) { return inverse(square_root(a)); }
 /// As std::round: halves away from 0.
 HWY_INLINE Doubles rounded(Doubles a) {
   const Vec64 whole = hn::Trunc(a.v), one = hn::CopySign(hn::Set(F64(), 1.0), a.v);

@@ -218,34 +218,43 @@ HWY_INLINE bool SeeThroughPinhole(const ViewConstants& v, const Group& group, Ma
   return true;
 }
 
-/// Version of `needs_double` for rows that are no pinhole's. Nearly parallel rows lose the digits of minors:
-/// those of a pinhole at the limit of tangents have a squared sine of a fifth.
-HWY_INLINE Mask RowsNeedDouble(const Row& x, const Row& y, const Vec3& scale, Vec mean_x, Vec mean_y) {
+/// Vector version of `needs_double` of `LensSlopes`, which `u` and `v` are.
+HWY_INLINE Mask NeedsDouble(const Row& u, const Row& v, const Vec3& scale, Vec mean_x, Vec mean_y) {
   const F32 d;
-  const Vec xx = Dot(x.direction, x.direction), yy = Dot(y.direction, y.direction);
-  const Vec3 across = Cross(x.direction, y.direction);
-  const Vec most = MostLengthInFloat(mean_x, mean_y);
-  const Vec length = hn::Mul(Dot(scale, scale), hn::Add(xx, yy));
-  const Vec parallel = hn::Mul(hn::Set(d, 0.2f), hn::Mul(xx, yy));
-  return hn::Not(hn::And(hn::Le(length, most), hn::Ge(Dot(across, across), parallel)));
+  const Vec uu = Dot(u.direction, u.direction), vv = Dot(v.direction, v.direction);
+  const Vec3 across = Cross(u.direction, v.direction);
+  const Vec length = hn::Mul(Dot(scale, scale), hn::MulAdd(hn::Mul(u.pixels, u.pixels), uu,
+                                                           hn::Mul(hn::Mul(v.pixels, v.pixels), vv)));
+  const Vec parallel = hn::Mul(hn::Set(d, float_sine_squared), hn::Mul(uu, vv));
+  return hn::Not(
+      hn::And(hn::Le(length, MostLengthInFloat(mean_x, mean_y)), hn::Ge(Dot(across, across), parallel)));
 }
 
-/// Half a group of `LensMean`, as numbers: x, y, the rows of both, and above 0 where it is shown.
-constexpr std::size_t x_of_seen = 0, y_of_seen = 1, row_x_of_seen = 2, row_y_of_seen = 5, shown_of_seen = 8;
+/// How a row moves with the world that moves so with camera space.
+HWY_INLINE Row ByWorld(const ViewConstants& v, const Row& by_camera) {
+  const F32 d;
+  const Vec3& by = by_camera.direction;
+  const auto component = [&](int k) HWY_ATTR {
+    return hn::MulAdd(by.x, hn::Set(d, v.axes[0][k]),
+                      hn::MulAdd(by.y, hn::Set(d, v.axes[1][k]), hn::Mul(by.z, hn::Set(d, v.axes[2][k]))));
+  };
+  return {{component(0), component(1), component(2)}, by_camera.pixels};
+}
+
+/// Half a group of points seen through a lens, as numbers: x and y in pixels, the slopes of `LensPoint`, and
+/// above 0 where it is shown.
+constexpr std::size_t x_of_seen = 0, y_of_seen = 1, du_of_seen = 2, dv_of_seen = 5, shown_of_seen = 8;
 using SeenNumbers = Doubles[9];
 
-/// Vector version of `mean_through_lens` but for the depth. Not inlined: compilers take minutes for it twice.
+/// Not inlined: compilers take minutes for it twice.
 HWY_NOINLINE void LookThroughLens(const ViewConstants& v, const TripleOf<Doubles>& p, SeenNumbers& out) {
   const SeenOf<Doubles> seen = seen_through(v.lens, v.limits, p);
   Doubles x = mul_add(Doubles(v.fx), seen.u, Doubles(v.cx));
   if (v.turn != 0)
     x = x - v.turn * rounded((x - v.panorama_middle) / v.turn);  // `ViewConstants::nearest_copy`
   out[x_of_seen] = x, out[y_of_seen] = mul_add(Doubles(v.fy), seen.v, Doubles(v.cy));
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double right = v.rotation[0][k], down = v.rotation[1][k], ahead = v.rotation[2][k];
-    out[row_x_of_seen + k] = v.fx * (seen.du.x * right + seen.du.y * down + seen.du.z * ahead);
-    out[row_y_of_seen + k] = v.fy * (seen.dv.x * right + seen.dv.y * down + seen.dv.z * ahead);
-  }
+  out[du_of_seen] = seen.du.x, out[du_of_seen + 1] = seen.du.y, out[du_of_seen + 2] = seen.du.z;
+  out[dv_of_seen] = seen.dv.x, out[dv_of_seen + 1] = seen.dv.y, out[dv_of_seen + 2] = seen.dv.z;
   out[shown_of_seen] = choose(seen.inside, Doubles(1.0), Doubles(0.0));
 }
 
@@ -266,15 +275,15 @@ HWY_INLINE bool SeeThroughLens(const ViewConstants& v, const Group& group, Mask 
   SeenNumbers lower, upper;
   LookThroughLens(v, low, lower), LookThroughLens(v, high, upper);
   const auto number = [&](std::size_t i) HWY_ATTR { return Demote({lower[i].v, upper[i].v}); };
-  const auto row = [&](std::size_t i) HWY_ATTR {
-    return Row{{number(i), number(i + 1), number(i + 2)}, hn::Set(d, 1.0f)};
+  const auto slopes = [&](std::size_t i, float pixels) HWY_ATTR {
+    return Row{{number(i), number(i + 1), number(i + 2)}, hn::Set(d, pixels)};
   };
+  const Row du = slopes(du_of_seen, v.focal_x), dv = slopes(dv_of_seen, v.focal_y);
   out.x = number(x_of_seen), out.y = number(y_of_seen);
-  out.row_x = row(row_x_of_seen), out.row_y = row(row_y_of_seen);
+  out.row_x = ByWorld(v, du), out.row_y = ByWorld(v, dv);
   out.shown = hn::And(out.shown, hn::Gt(number(shown_of_seen), hn::Zero(d)));
   if (hn::AllFalse(d, out.shown)) return false;
-  out.in_double =
-      hn::And(out.shown, RowsNeedDouble(out.row_x, out.row_y, LoadVec3(group.scales), out.x, out.y));
+  out.in_double = hn::And(out.shown, NeedsDouble(du, dv, LoadVec3(group.scales), out.x, out.y));
   return true;
 }
 

@@ -127,9 +127,9 @@ class BoundRenderer {
   }
 
   /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders them too.
-  /// Between `reserve` calls, cameras, conventions, backgrounds, formats and the places of planes may change.
-  /// Throws `std::invalid_argument`, and changes nothing, if the number of views, a size, or which planes
-  /// there are changes.
+  /// Between `reserve` calls, cameras, conventions, backgrounds, formats and the places of planes may change,
+  /// and lenses if any of those reserved is no pinhole. Throws `std::invalid_argument`, and changes nothing,
+  /// if more changes: the number of views, a size, which planes there are.
   void set_views(Span<const View> views) {
     for (const View& view : views) validate(view), detail::check_tiles(view);  // before anything changes
     views = parts_.of(views);
@@ -141,10 +141,16 @@ class BoundRenderer {
         if (!same_shape(views[i], recorded_[i]))
           throw std::invalid_argument("set_views: the size or the planes of view " + std::to_string(i) +
                                       " changed, expected those that were reserved");
+      for (std::size_t i = 0; i < views.size; ++i)
+        if (views[i].camera.through_lens && !recorded_.through_lens)
+          throw std::invalid_argument("set_views: view " + std::to_string(i) +
+                                      " is seen through a lens, expected pinholes as reserved");
     }
     check_ready(backend());
+    const bool through_lens = reserved_ && recorded_.through_lens;
     recorded_ = {};
     recorded_ = store_views(backend(), views, recorded_storage_, ViewAccess::stored);
+    recorded_.through_lens |= through_lens;
   }
 
   /// Renders the views that were set. It never waits, allocates or queries the device, so a CUDA graph may

@@ -48,8 +48,8 @@ struct LensLimits {
   double fold_squared = INFINITY;
   /// The derivatives of a perspective lens are taken within these tangents.
   double least_u = -INFINITY, most_u = INFINITY, least_v = -INFINITY, most_v = INFINITY;
-  /// Those of an equirectangular lens are taken at least so far from its poles: the sine of the angle.
-  double least_sine = 0;
+  /// Those of an equirectangular lens are taken so far from its poles that 1 / sin(angle) is at most this.
+  double most_cosecant = INFINITY;
 };
 
 inline constexpr const char* lens_model_names[] = {"perspective", "fisheye", "orthographic",

@@ -68,36 +68,51 @@ struct Linearisation {
   Real x, y;  ///< @units{pixels per unit of the scene}
 };
 
+/// Where a lens linearises: the derivatives of its plane by camera space, and the focal lengths.
+template <class Real>
+struct LensSlopes {
+  Vector3<Real> u, v;
+  Real x, y;  ///< @units{pixels}
+};
+
 /// Rows of J W R S: how a Gaussian's own unit sphere maps to the image. @units{pixels}
 template <class Real>
 struct ImageAxes {
   Vector3<Real> x, y;
 
   SWIFTGS_HD ImageAxes(const ViewConstants& v, const Linearisation<Real>& at, vec3 scale, Quaternion q) {
-    const auto camera_axis = [&](int row) {
-      if constexpr (std::is_same_v<Real, float>)
-        return Vector3<Real>{v.axes[row][0], v.axes[row][1], v.axes[row][2]};
-      else
-        return Vector3<Real>{v.rotation[row][0], v.rotation[row][1], v.rotation[row][2]};
-    };
     const LocalAxes<Real> axes(q);
-    const Vector3<Real> ahead = camera_axis(2);
-    const auto image_row = [&](int row, Real tangent, Real pixels) {
-      const Vector3<Real> across = camera_axis(row);
-      const Vector3<Real> seen{std::fma(-tangent, ahead.x, across.x), std::fma(-tangent, ahead.y, across.y),
-                               std::fma(-tangent, ahead.z, across.z)};
-      return Vector3<Real>{pixels * scale.x * dot(seen, axes.column[0]),
-                           pixels * scale.y * dot(seen, axes.column[1]),
-                           pixels * scale.z * dot(seen, axes.column[2])};
+    const Vector3<Real> ahead = camera_axis(v, 2);
+    const auto seen = [&](int row, Real tangent) {
+      const Vector3<Real> across = camera_axis(v, row);
+      return Vector3<Real>{std::fma(-tangent, ahead.x, across.x), std::fma(-tangent, ahead.y, across.y),
+                           std::fma(-tangent, ahead.z, across.z)};
     };
-    x = image_row(0, at.tx, at.x), y = image_row(1, at.ty, at.y);
+    x = image_row(seen(0, at.tx), at.x, scale, axes), y = image_row(seen(1, at.ty), at.y, scale, axes);
   }
 
-  /// `dx` and `dy` are the derivatives of a pixel by the world.
-  SWIFTGS_HD ImageAxes(const Vector3<Real>& dx, const Vector3<Real>& dy, vec3 scale, Quaternion q) {
+  SWIFTGS_HD ImageAxes(const ViewConstants& v, const LensSlopes<Real>& by, vec3 scale, Quaternion q) {
     const LocalAxes<Real> axes(q);
-    for (int k = 0; k < 3; ++k)
-      x[k] = scale[k] * dot(dx, axes.column[k]), y[k] = scale[k] * dot(dy, axes.column[k]);
+    const Vector3<Real> right = camera_axis(v, 0), down = camera_axis(v, 1), ahead = camera_axis(v, 2);
+    const auto seen = [&](const Vector3<Real>& d) {
+      Vector3<Real> row;
+      for (int k = 0; k < 3; ++k) row[k] = std::fma(d.x, right[k], std::fma(d.y, down[k], d.z * ahead[k]));
+      return row;
+    };
+    x = image_row(seen(by.u), by.x, scale, axes), y = image_row(seen(by.v), by.y, scale, axes);
+  }
+
+ private:
+  SWIFTGS_HD static Vector3<Real> camera_axis(const ViewConstants& v, int row) {
+    if constexpr (std::is_same_v<Real, float>)
+      return {v.axes[row][0], v.axes[row][1], v.axes[row][2]};
+    else
+      return {v.rotation[row][0], v.rotation[row][1], v.rotation[row][2]};
+  }
+  SWIFTGS_HD static Vector3<Real> image_row(const Vector3<Real>& seen, Real pixels, vec3 scale,
+                                            const LocalAxes<Real>& axes) {
+    return {pixels * scale.x * dot(seen, axes.column[0]), pixels * scale.y * dot(seen, axes.column[1]),
+            pixels * scale.z * dot(seen, axes.column[2])};
   }
 };
 
@@ -138,7 +153,14 @@ SWIFTGS_HD SplatFactor factor(const ImageAxes<Real>& m, Real blur) {
 /// Splats within all three limits are factored in float. @see needs_double
 inline constexpr float float_length_squared = 512;  ///< of a Gaussian seen from its side @units{pixels^2}
 inline constexpr float float_lengths_per_mean = 4;  ///< as much more for each pixel^2 of the mean
-inline constexpr float float_tangent_squared = 16;  ///< of the direction to the Gaussian
+inline constexpr float float_tangent_squared = 16;  ///< of the direction to the Gaussian, through a pinhole
+inline constexpr float float_sine_squared = 0.2f;   ///< at least, of the angle between rows, through a lens
+
+/// Of a Gaussian at `mean`, seen from its side.
+SWIFTGS_HD inline float most_length_squared_in_float(vec2 mean) {
+  const float near = std::fmin(std::fabs(mean.x), std::fabs(mean.y));
+  return std::fma(float_lengths_per_mean * near, near, float_length_squared);
+}
 
 /// Whether rows of `ImageAxes` in float would move a splat visibly more than the rounding of its stored mean.
 /// A row errs by about 2^-22 of the Gaussian's length seen from the side, `mean` by 2^-24 of itself; the
@@ -150,9 +172,16 @@ inline constexpr float float_tangent_squared = 16;  ///< of the direction to the
 SWIFTGS_HD inline bool needs_double(const Linearisation<float>& at, vec3 scale, vec2 mean) {
   const float xx = at.tx * at.tx, yy = at.ty * at.ty;
   const float length = dot(scale, scale) * std::fma(at.x * at.x, 1 + xx, at.y * at.y * (1 + yy));
-  const float near = std::fmin(std::fabs(mean.x), std::fabs(mean.y));
-  return !(length <= std::fma(float_lengths_per_mean * near, near, float_length_squared) &&
-           xx + yy <= float_tangent_squared);
+  return !(length <= most_length_squared_in_float(mean) && xx + yy <= float_tangent_squared);
+}
+
+/// The same through a lens.
+SWIFTGS_HD inline bool needs_double(const LensSlopes<float>& by, vec3 scale, vec2 mean) {
+  const float uu = dot(by.u, by.u), vv = dot(by.v, by.v);
+  const vec3 across = cross(by.u, by.v);
+  const float length = dot(scale, scale) * std::fma(by.x * by.x, uu, by.y * by.y * vv);
+  return !(length <= most_length_squared_in_float(mean) &&
+           dot(across, across) >= float_sine_squared * uu * vv);
 }
 
 /// `factor` in double, for the few splats that need it. Not inlined: it would cost the others registers.
@@ -163,6 +192,11 @@ SWIFTGS_HD SWIFTGS_NOINLINE inline SplatFactor factor_in_double(const ViewConsta
   const Linearisation<double> at{v.clamped_x(x_over_z), v.clamped_y(y_over_z), v.fx * inverse_z,
                                  v.fy * inverse_z};
   return factor(ImageAxes<double>(v, at, g.scale, g.rotation), double(v.blur));
+}
+SWIFTGS_HD SWIFTGS_NOINLINE inline SplatFactor factor_in_double(const ViewConstants& v,
+                                                                const LensSlopes<double>& by,
+                                                                const Gaussian& g) {
+  return factor(ImageAxes<double>(v, by, g.scale, g.rotation), double(v.blur));
 }
 
 /// How far beyond its box a splat counts as visible in a part of an image. Rounding may keep a pixel outside
@@ -214,49 +248,32 @@ SWIFTGS_HD inline ProjectedShape visible_shape(const ViewConstants& v, vec2 mean
   return out;
 }
 
-/// The mean of a Gaussian, seen through a lens.
-struct LensMean {
-  vec2 pixel{0};
-  float depth = 0;
-  dvec3 dx{0.0}, dy{0.0};  ///< derivatives of the pixel by the world
-  bool shown = false;
-};
-
-SWIFTGS_HD inline LensMean mean_through_lens(const ViewConstants& v, vec3 mean) {
-  const CameraPoint at(v, mean);
-  const double* const p = at.p;
-  LensMean out;
-  out.depth = float(v.depth_is_distance ? std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) : p[2]);
-  if (!(out.depth > v.near_plane && out.depth <= v.far_plane)) return out;
-  const LensPoint seen = point_through(v.lens, v.limits, dvec3(p[0], p[1], p[2]));
-  out.shown = seen.inside;
-  out.pixel = vec2(float(v.nearest_copy(std::fma(v.fx, seen.u, v.cx))), float(std::fma(v.fy, seen.v, v.cy)));
-  const auto by_world = [&](const dvec3& by_camera, double pixels) {
-    dvec3 row;
-    for (int k = 0; k < 3; ++k)
-      row[k] = pixels * (by_camera.x * v.rotation[0][k] + by_camera.y * v.rotation[1][k] +
-                         by_camera.z * v.rotation[2][k]);
-    return row;
-  };
-  out.dx = by_world(seen.du, v.fx), out.dy = by_world(seen.dv, v.fy);
-  return out;
+/// Whether a Gaussian of this opacity is drawn at all.
+SWIFTGS_HD inline bool is_opaque_enough(const ViewConstants& v, float opacity) {
+  return opacity >= v.alpha_min && opacity < INFINITY;
 }
 
-/// `project_shape` of views that are `through_lens`, in double throughout. Not inlined: it would cost pinhole
-/// views registers.
-SWIFTGS_HD SWIFTGS_NOINLINE inline ProjectedShape project_through_lens(const ViewConstants& v,
-                                                                       const Gaussian& g) {
-  const LensMean at = mean_through_lens(v, g.mean);
-  if (!at.shown) return {};
-  const ImageAxes<double> axes(at.dx, at.dy, g.scale, g.rotation);
-  return visible_shape(v, at.pixel, factor(axes, double(v.blur)), g.opacity, at.depth);
+/// `project_shape` of views that are `through_lens`.
+SWIFTGS_HD inline ProjectedShape project_through_lens(const ViewConstants& v, const Gaussian& g) {
+  if (!is_opaque_enough(v, g.opacity)) return {};
+  const CameraPoint at_mean(v, g.mean);
+  const dvec3 p(at_mean.p[0], at_mean.p[1], at_mean.p[2]);
+  const float depth = float(v.depth_is_distance ? std::sqrt(dot(p, p)) : p.z);
+  if (!(depth > v.near_plane && depth <= v.far_plane)) return {};
+  const LensPoint at = point_through(v.lens, v.limits, p);
+  if (!at.inside) return {};
+
+  const vec2 mean(float(v.nearest_copy(std::fma(v.fx, at.u, v.cx))), float(std::fma(v.fy, at.v, v.cy)));
+  const LensSlopes<float> by{vec3(at.du), vec3(at.dv), v.focal_x, v.focal_y};
+  const SplatFactor f = needs_double(by, g.scale, mean)
+                            ? factor_in_double(v, LensSlopes<double>{at.du, at.dv, v.fx, v.fy}, g)
+                            : factor(ImageAxes<float>(v, by, g.scale, g.rotation), v.blur);
+  return visible_shape(v, mean, f, g.opacity, depth);
 }
 
-/// Projects a Gaussian. `visible` is false where no shown pixel can keep it: too near or far, too
-/// faint, or the box of its ellipse s <= cutoff holds no pixel centre. Spherical harmonics are not looked at.
-SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gaussian& g) {
-  if (!(g.opacity >= v.alpha_min && g.opacity < INFINITY)) return {};
-  if (v.through_lens) return project_through_lens(v, g);
+/// `project_shape` of other views.
+SWIFTGS_HD inline ProjectedShape project_through_pinhole(const ViewConstants& v, const Gaussian& g) {
+  if (!is_opaque_enough(v, g.opacity)) return {};
   const CameraPoint at_mean(v, g.mean);
   const double* const p = at_mean.p;
   const float z = float(p[2]);
@@ -272,6 +289,12 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gau
                             ? factor_in_double(v, x_over_z, y_over_z, inverse_z, g)
                             : factor(ImageAxes<float>(v, at, g.scale, g.rotation), v.blur);
   return visible_shape(v, mean, f, g.opacity, z);
+}
+
+/// Projects a Gaussian. `visible` is false where no shown pixel can keep it: too near or far, too
+/// faint, or the box of its ellipse s <= cutoff holds no pixel centre. Spherical harmonics are not looked at.
+SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gaussian& g) {
+  return v.through_lens ? project_through_lens(v, g) : project_through_pinhole(v, g);
 }
 
 /// Unit direction from the camera towards `mean`. The largest component is scaled to 1 first, so that no

@@ -92,12 +92,17 @@ struct Views {
   Span<const View> each;         ///< in the host's memory
   const View* stored = nullptr;  ///< the same where a device's loops read them; null: handed to each loop
   FrameTiles tiles;              ///< of all views
+  bool through_lens = false;     ///< some view is
 
   Views() = default;
   /// Throws `std::invalid_argument` for no or too many views, a frame of no or too many pixels, tiles that do
   /// not cover it, or tiles that `number_tiles` did not number; and `CapacityError` beyond `max_frame_tiles`.
   Views(Span<const View> views, const View* stored_views = nullptr)
-      : each(views), stored(stored_views), tiles(detail::frame_tiles(views)) {}
+      : each(views),
+        stored(stored_views),
+        tiles(detail::frame_tiles(views)),
+        through_lens(std::any_of(views.begin(), views.end(),
+                                 [](const View& view) { return view.camera.through_lens; })) {}
   Views(const View* first, std::size_t count) : Views(Span<const View>{first, count}) {}
 
   const View& operator[](std::size_t i) const { return each[i]; }

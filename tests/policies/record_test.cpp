@@ -175,3 +175,28 @@ TEST_CASE("record: takes views of the sizes that were reserved and no others") {
   renderer.record(scene.view(), &report);
   CHECK(differing(one.finish(renderer.backend()), draw_together(renderer, scene.view(), {asked[0]})) == 0);
 }
+
+TEST_CASE_TEMPLATE("record: lenses may change, and pinholes stay pinholes", B, SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
+  Usual<B> renderer, other;
+  const auto scene = renderer.backend().upload(random_scene(3000, 1, 12));
+  const std::vector<AskedView> pinholes = asked_of(3, 2);
+  std::vector<AskedView> lenses = pinholes;
+  lenses[0].camera.lens = {LensModel::perspective, {.radial = {0.05, -0.01}, .tangential = {1e-3, 2e-3}}};
+  lenses[1].camera.lens.model = LensModel::fisheye;
+  Report<B> report;
+  PlacedViews seen_as_reserved(renderer.backend(), lenses);
+  renderer.reserve(scene.view(), seen_as_reserved.span(), {6000, 60'000});
+  for (const auto* const asked : {&lenses, &pinholes, &lenses}) {
+    PlacedViews images(renderer.backend(), *asked);
+    renderer.set_views(images.span());
+    renderer.record(scene.view(), report.data());
+    CHECK(report.get(renderer.backend()).overflowed == 0);
+    CHECK(differing(images.finish(renderer.backend()), draw_together(other, scene.view(), *asked)) == 0);
+  }
+  PlacedViews without(renderer.backend(), pinholes);
+  renderer.reserve(scene.view(), without.span());
+  CHECK_THROWS_WITH_AS(renderer.set_views(seen_as_reserved.span()),
+                       "set_views: view 0 is seen through a lens, expected pinholes as reserved",
+                       std::invalid_argument);
+}

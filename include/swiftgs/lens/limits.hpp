@@ -190,7 +190,7 @@ inline LensLimits lens_limits(const Camera& camera, const Conventions& conventio
     case LensModel::orthographic:
       return {};
     case LensModel::equirectangular:
-      return {.least_sine = std::sin(std::min(1 / camera.fy, 0.1))};
+      return {.most_cosecant = 1 / std::sin(std::min(1 / camera.fy, 0.1))};
   }
   return {};
 }

@@ -12,7 +12,6 @@
 namespace swiftgs::lens {
 // What the formulas ask of a double.
 SWIFTGS_HD inline double mul_add(double a, double b, double c) { return std::fma(a, b, c); }
-SWIFTGS_HD inline double square_root(double a) { return std::sqrt(a); }
 SWIFTGS_HD inline double angle(double y, double x) { return std::atan2(y, x); }
 SWIFTGS_HD inline double choose(bool first, double a, double b) { return first ? a : b; }
 SWIFTGS_HD inline bool all(bool one) { return one; }

@@ -138,7 +138,7 @@ class CameraLens {
     if (level == 0) return {};  // a pole has every azimuth
     const Dual x = variable(p.x(), 0), y = variable(p.y(), 1), z = variable(p.z(), 2);
     const Dual azimuth = atan2(x, z), elevation = atan2(y, Dual(sqrt(Dual(x * x + z * z))));
-    const double least = distance * limits_.least_sine;
+    const double least = distance / limits_.most_cosecant;
     const Eigen::Vector3d by_azimuth = azimuth.derivatives() * (level / std::max(level, least));
     SeenPoint out = in_pixels(azimuth.value(), elevation.value(), by_azimuth, elevation.derivatives());
     const double turn = 2 * std::numbers::pi * camera_.fx;

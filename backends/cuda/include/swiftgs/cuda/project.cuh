@@ -85,13 +85,14 @@ struct SharedCamera {
 
 /// Least thread blocks of a multiprocessor, for a lone view and for stored ones. A ninth is worth a few
 /// spilled registers: two views of 1.5 M Gaussians take 0.159 ms instead of 0.166. The few splats that are
-/// projected in double spill more.
-inline constexpr unsigned project_blocks = 9;
+/// projected in double spill more. Lenses need more registers.
+constexpr unsigned project_blocks(bool through_lens) { return through_lens ? 8 : 9; }
 
 /// Projects the Gaussians of one block in one view and appends the visible ones to those of the blocks before
-/// it. The blocks of some Gaussians for all views follow each other: they find them in the cache.
-template <class Bounds, class ViewSource>
-__global__ void __launch_bounds__(project_threads, project_blocks)
+/// it. The blocks of some Gaussians for all views follow each other: they find them in the cache. Only with
+/// `through_lens` may a view be so.
+template <class Bounds, class ViewSource, bool through_lens>
+__global__ void __launch_bounds__(project_threads, project_blocks(through_lens))
     project(const __grid_constant__ ViewSource views, const __grid_constant__ SceneView scene,
             const Bounds bounds, const BlockList list, const ProjectOutput output,
             const EpochsView<FrameCounts> epochs) {
@@ -109,15 +110,21 @@ __global__ void __launch_bounds__(project_threads, project_blocks)
 
   // Project, and count the visible splats of the block.
   const std::size_t i = std::size_t(group) * project_threads + threadIdx.x;
+  const auto shape = [](const ViewConstants& camera, const Gaussian& gaussian) {
+    if constexpr (through_lens)
+      return project_shape(camera, gaussian);
+    else
+      return project_through_pinhole(camera, gaussian);
+  };
   ProjectedShape splat;
   if constexpr (ViewSource::only) {
-    if (i < scene.size()) splat = project_shape(views[0].camera, load_gaussian(scene, i));
+    if (i < scene.size()) splat = shape(views[0].camera, load_gaussian(scene, i));
   } else {
     __shared__ SharedCamera shared_camera;
     shared_camera.load(views[of_view].camera);
     const Gaussian gaussian = load_gaussian(scene, i < scene.size() ? i : 0);
     __syncthreads();
-    if (i < scene.size()) splat = project_shape(shared_camera.camera(), gaussian);
+    if (i < scene.size()) splat = shape(shared_camera.camera(), gaussian);
   }
   const unsigned visible_lanes = __ballot_sync(whole_warp, splat.visible);
   if (lane_index() == 0) shared.visible[warp] = std::uint32_t(__popc(visible_lanes));
@@ -194,8 +201,10 @@ void run_project(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Projec
   const BlockList list = run_list_blocks(cuda, plan, blocks, scratch.shown);
   const EpochsView<FrameCounts> epochs = scratch.epochs.begin(cuda, blocks);
   with_views(plan.views, [&]<class ViewSource>(const ViewSource& views) {
-    launch_early(cuda, "project", project<Bounds, ViewSource>, blocks, project_threads, views, scene, bounds,
-                 list, output, epochs);
+    const auto kernel =
+        plan.views.through_lens ? project<Bounds, ViewSource, true> : project<Bounds, ViewSource, false>;
+    launch_early(cuda, "project", kernel, blocks, project_threads, views, scene, bounds, list, output,
+                 epochs);
   });
   scratch.epochs.end();
   splats.pending = footprints.found_by = {epochs.last(), scratch.hidden.data(), scratch.totals.data(),
