@@ -40,7 +40,7 @@ struct Queue : TermsQueue<Exponent> {
 };
 
 /// Blends queued splats into one or both pixels of a lane.
-template <class Exponent, bool threshold, bool extras, unsigned pixel_count>
+template <class Exponent, bool threshold, Extras extras, unsigned pixel_count>
 struct LaneBlender {
   BlendRules rules;
   float x, y, right;  ///< first pixel in the warp block; a single pixel lies `right` columns to its right
@@ -48,9 +48,9 @@ struct LaneBlender {
   float occluders[pixel_count];
   ThreadCounts counts[pixel_count];
 
-  /// Blends `count` splats from `first` on: whole groups of `group_size` splats; with `extras`, any number.
+  /// Blends `count` splats from `first` on: whole groups of `group_size` splats; with all extras, any number.
   __device__ void blend_queued(const Queue<Exponent>& queue, unsigned first, unsigned count) {
-    if constexpr (extras) {
+    if constexpr (extras == Extras::all) {
       for (unsigned k = first; k < first + count; ++k) {
         float alphas[pixel_count];
         evaluate(queue.terms[k], queue.rests[k], alphas);
@@ -104,7 +104,11 @@ struct LaneBlender {
     for (unsigned k = 0; k < group_size; ++k) {
       const float4 colour = colours[k];
 #pragma unroll
-      for (unsigned p = 0; p < pixel_count; ++p) pixels[p].add(weights[p][k], colour.x, colour.y, colour.z);
+      for (unsigned p = 0; p < pixel_count; ++p) {
+        pixels[p].add(weights[p][k], colour.x, colour.y, colour.z);
+        if constexpr (extras == Extras::depth)
+          pixels[p].depth = fmaf(weights[p][k], colour.w, pixels[p].depth);
+      }
     }
   }
 };
@@ -116,7 +120,7 @@ __device__ void fetch_colour(const RasterJob& job, Queue<Exponent>& queue, unsig
 }
 
 /// Blends colours into a warp block. Holds the pixels of this lane.
-template <class Exponent, bool threshold, bool extras>
+template <class Exponent, bool threshold, Extras extras>
 struct ColourBlender {
   static constexpr bool in_segments = true;
   const RasterJob& job;
@@ -135,7 +139,7 @@ struct ColourBlender {
   /// Blends `count` splats from `first` on. May overwrite slots behind them.
   __device__ void blend_queued(unsigned first, unsigned count) {
     // Pad the last group with splats that show nothing.
-    if constexpr (!extras) {
+    if constexpr (extras != Extras::all) {
       if (lane_index() < (group_size - count % group_size) % group_size) {
         const unsigned at = first + count + lane_index();
         Exponent::clear(queue.terms[at], queue.rests[at]);

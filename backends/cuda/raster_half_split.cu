@@ -95,8 +95,8 @@ __global__ void __launch_bounds__(block_threads)
 template <bool threshold>
 struct HalfSplitKernel {
   static constexpr unsigned threads = block_threads;
-  template <bool extras, class ViewSource>
-  static constexpr auto of = &raster_half_split<threshold, extras, ViewSource>;
+  template <Extras extras, class ViewSource>
+  static constexpr auto of = &raster_half_split<threshold, extras != Extras::none, ViewSource>;
 };
 }  // namespace kernels
 

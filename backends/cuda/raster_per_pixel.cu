@@ -58,8 +58,8 @@ __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
 
 struct PerPixelKernel {
   static constexpr unsigned threads = block_threads;
-  template <bool extras, class ViewSource>
-  static constexpr auto of = &raster_per_pixel<extras, ViewSource>;
+  template <Extras extras, class ViewSource>
+  static constexpr auto of = &raster_per_pixel<extras != Extras::none, ViewSource>;
 };
 }  // namespace kernels
 

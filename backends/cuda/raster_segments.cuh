@@ -13,7 +13,7 @@ namespace kernels {
 
 /// The helper kernel. It blends work items that `raster_warps` pushes, while that kernel still runs, in
 /// thread blocks that fit beside it. Clusters blend the longest items, single thread blocks the rest.
-template <class Exponent, bool threshold, bool extras, class ViewSource>
+template <class Exponent, bool threshold, Extras extras, class ViewSource>
 __global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
     raster_segments(const __grid_constant__ RasterInput<ViewSource> input,
                     const __grid_constant__ WorkQueues work_queues, std::uint32_t warps_at_once) {
@@ -33,7 +33,7 @@ __global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
       group.sync();
       const WorkItem* const item = shared.item;
       if (!item) break;
-      const WarpTimer timer(extras && input.job.counts, warps_at_once);
+      const WarpTimer timer(extras == Extras::all && input.job.counts, warps_at_once);
       WorkItemBlender<Exponent, threshold, extras, ViewSource>(input, *item, group, shared).run(*item, timer);
       if (group.rank == 0 && threadIdx.x == 0) work_queues.end_item(as_cluster);
     }
@@ -46,7 +46,7 @@ __global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
 template <class Exponent, bool threshold>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   using namespace kernels;
-  with_raster_input(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
+  with_raster_input(cuda, job, [&]<Extras extras, class ViewSource>(const RasterInput<ViewSource>& input) {
     const WorkQueues work_queues = WorkQueues::of(cuda, input.raster_blocks.size() * warps_of_raster_block);
     const bool shared = WorkQueues::are_shared(cuda, job.counts != nullptr);
     const auto warps = shared ? raster_warps<Exponent, threshold, extras, true, ViewSource>

@@ -19,15 +19,15 @@ __device__ T& in_memory(T& variable) {
 }
 
 /// Pixels and counts at the end of the last segment.
-template <bool extras>
+template <Extras extras>
 struct TraversedSegments {
-  JoinedPixels<extras, pixels_of_lane> pixels;
+  JoinedPixels<extras != Extras::none, pixels_of_lane> pixels;
   SegmentEnd end;
-  std::uint32_t pairs, stopped;  ///< of this lane, with `extras`
+  std::uint32_t pairs, stopped;  ///< of this lane, with all extras
 };
 
 /// Composites the segments of a traversal.
-template <class Exponent, bool threshold, bool extras>
+template <class Exponent, bool threshold, Extras extras>
 struct SegmentJoiner {
   LaneBlender<Exponent, threshold, extras, pixels_of_lane>& lane;
   TraversedSegments<extras>& traversed;
@@ -35,7 +35,7 @@ struct SegmentJoiner {
   /// Joins segment k, which ended at `end`, to those in front of it. Starts the next.
   __device__ void end_segment(std::uint32_t k, const SegmentEnd& end) const {
     traversed.end = end;
-    if constexpr (extras) {
+    if constexpr (extras == Extras::all) {
       const ThreadCounts counts = sum(lane.counts);
       traversed.pairs = counts.pairs, traversed.stopped = counts.stopped;
     }
@@ -73,7 +73,7 @@ struct SegmentJoiner {
       item.at = at;
     }
     // The helper counts what it blends.
-    if constexpr (extras)
+    if constexpr (extras == Extras::all)
       if (segments != 0) lane.counts[0] = {traversed.pairs, traversed.stopped}, lane.counts[1] = {};
   }
 
@@ -101,7 +101,7 @@ struct SegmentJoiner {
 
 /// Blends the list of one raster block: one thread block per raster block, one warp per warp block. If
 /// `shared`, pushes the rest of a long traversal to the work queues.
-template <class Exponent, bool threshold, bool extras, bool shared, class ViewSource>
+template <class Exponent, bool threshold, Extras extras, bool shared, class ViewSource>
 __global__ void __launch_bounds__(raster_threads, Exponent::blocks)
     raster_warps(const __grid_constant__ RasterInput<ViewSource> input,
                  const __grid_constant__ WorkQueues work_queues, std::uint32_t warps_at_once) {
@@ -109,7 +109,7 @@ __global__ void __launch_bounds__(raster_threads, Exponent::blocks)
   __shared__ Queue<Exponent> queues[warps_of_raster_block];
   const unsigned warp = threadIdx.x / warp_size;
   const RasterJob& job = input.job;
-  const WarpTimer timer(extras && job.counts, warps_at_once);
+  const WarpTimer timer(extras == Extras::all && job.counts, warps_at_once);
   const OwnRasterBlock raster_block(input);
   const View& view = input.views[raster_block.view];
   const BlendRules rules = view.rules;
@@ -120,9 +120,9 @@ __global__ void __launch_bounds__(raster_threads, Exponent::blocks)
       job, queues[warp], {rules, float(place.column), float(place.row), 0, {}, {}, {}}};
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p) {
-    const PixelPlace at = place.pixel(view.frame, p, extras);
+    const PixelPlace at = place.pixel(view.frame, p, extras == Extras::all);
     if (at.inside) blender.lane.pixels[p].start(rules.stop_below);
-    if constexpr (extras) blender.lane.occluders[p] = at.occluder;
+    if constexpr (extras == Extras::all) blender.lane.occluders[p] = at.occluder;
   }
 
   const TileRange range = raster_block.list(input);
@@ -163,9 +163,9 @@ __global__ void __launch_bounds__(raster_threads, Exponent::blocks)
     const WarpBlockPlace same(OwnRasterBlock(input), threadIdx.x / warp_size);
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p)
-      store_relative(view, same.pixel(view.frame, p, extras), blender.lane.pixels[p].blended());
+      store_relative(view, same.pixel(view.frame, p, false), blender.lane.pixels[p].blended());
   }
-  if constexpr (extras)
+  if constexpr (extras == Extras::all)
     if (job.counts)
       add_counts(job.counts[OwnRasterBlock::number(input)],
                  counts_of_warp(sum(blender.lane.counts), traversal.visited(),

@@ -14,8 +14,8 @@ namespace swiftgs::kernels {
 /// Warps of a thread block of the helper kernel.
 inline constexpr unsigned segment_warps = 8, segment_threads = segment_warps * warp_size;
 /// Thread blocks that a multiprocessor can hold.
-template <bool extras>
-inline constexpr unsigned segment_occupancy = extras ? 2 : 3;
+template <Extras extras>
+inline constexpr unsigned segment_occupancy = extras == Extras::all ? 2 : 3;
 /// Thread blocks launched for each multiprocessor. One more is no faster on long lists, and starts later on
 /// short ones.
 /// Measured on an H200: with three, frames of garden and fox, whose lists are short, take 2.3 us longer than
@@ -30,13 +30,14 @@ using SegmentSplats = TouchedSplats<segment_warps, segment_warps * segment_size,
                                     segment_warps * most_segments_of_warp * segment_size>;
 
 /// Shared memory of a thread block.
-template <class Exponent, bool extras>
+template <class Exponent, Extras extras>
 struct SegmentShared {
+  static constexpr bool with_depth = extras != Extras::none;
   Queue<Exponent> queues[segment_warps];
   SegmentSplats::Shared splats;
   float4 segments[pixels_of_round];  ///< RGB and `mark_stopped` transmittance; indexed by segment, then slot
-  float depths[extras ? pixels_of_round : 1];
-  JoinedWarpBlock<extras> joined;
+  float depths[with_depth ? pixels_of_round : 1];
+  JoinedWarpBlock<with_depth> joined;
   unsigned live[pixels_of_lane];  ///< bits of pixels that did not stop
   std::uint32_t pixel_of_slot[pixels_of_warp_block];
   const WorkItem* item;
@@ -69,7 +70,7 @@ struct Round {
 };
 
 /// Blends a work item in rounds, by a group of thread blocks.
-template <class Exponent, bool threshold, bool extras, class ViewSource>
+template <class Exponent, bool threshold, Extras extras, class ViewSource>
 struct WorkItemBlender {
   const RasterInput<ViewSource>& input;
   const Group group;
@@ -127,7 +128,7 @@ struct WorkItemBlender {
       const JoinedPixel pixel = shared.joined.load(pixel_of_warp_block(warp()));
       store_relative(view, place.pixel(view.frame, warp(), false), pixel.blended());
     }
-    if constexpr (extras)
+    if constexpr (extras == Extras::all)
       if (input.job.counts) {
         RasterCounts of_warp = counts_of_warp(counts, splats.position() - range.begin, evaluated, timer);
         of_warp.segments = warp_sum(segments_joined), of_warp.pixels_joined = warp_sum(pixels_joined);
@@ -152,7 +153,7 @@ struct WorkItemBlender {
         const JoinedPixel from = shared.joined.load(pixel_of_warp_block(p));
         lane.pixels[p] = from.stopped();
         if (shared.live[p] >> lane_index() & 1) lane.pixels[p].start(rules.stop_below, from.total.w);
-        if constexpr (extras) lane.occluders[p] = place.pixel(view.frame, p, true).occluder;
+        if constexpr (extras == Extras::all) lane.occluders[p] = place.pixel(view.frame, p, true).occluder;
       }
       __syncwarp();
       blend_splats(lane, splats, 0, count, count, share);
@@ -164,7 +165,7 @@ struct WorkItemBlender {
         shared.joined.store(pixel_of_warp_block(p), all);
         const unsigned live = __ballot_sync(whole_warp, lane.pixels[p].live());
         if (lane_index() == 0) shared.live[p] = live;
-        if constexpr (extras)
+        if constexpr (extras == Extras::all)
           if (group.rank == 0) counts.pairs += lane.counts[p].pairs, counts.stopped += lane.counts[p].stopped;
       }
     }
@@ -224,7 +225,7 @@ struct WorkItemBlender {
       // A pixel that stops by the transmittance before the round stops in this segment or an earlier one.
       const float before = shared.joined.totals[pixel].w;
       befores[p] = !live ? -1 : share.segment == 0 ? before : most_before(before);
-      if constexpr (extras)
+      if constexpr (extras == Extras::all)
         lane.occluders[p] =
             PixelPlace(view.frame, place.x + int(at.column), place.y + int(at.row), true).occluder;
     }
@@ -241,7 +242,7 @@ struct WorkItemBlender {
       if (group.blocks == 1) __syncthreads();
     }
     if (group.blocks != 1) group.sync();
-    if constexpr (extras)
+    if constexpr (extras == Extras::all)
       if (share.segment < round.segments()) {
         segments_joined += share.slot == 0;
         for (unsigned p = 0; p < pixel_count; ++p) {
@@ -275,7 +276,7 @@ struct WorkItemBlender {
       const unsigned at = share.own * round.slots + share.slot + p * warp_size;
       shared.segments[at] = make_float4(pixel.colour.x, pixel.colour.y, pixel.colour.z,
                                         mark_stopped(pixel.transmittance, stopped));
-      if constexpr (extras) shared.depths[at] = pixel.depth;
+      if constexpr (extras != Extras::none) shared.depths[at] = pixel.depth;
     }
   }
 
@@ -319,7 +320,7 @@ struct WorkItemBlender {
       __syncwarp();
       const std::uint32_t size = min(most - k, share.lanes);
       lane.blend_queued(queue, queued, (size + group_size - 1) / group_size * group_size);
-      if constexpr (extras) evaluated += size * pixel_count * warp_size;
+      if constexpr (extras == Extras::all) evaluated += size * pixel_count * warp_size;
       __syncwarp();
       if (lane.all_stopped()) break;
     }
@@ -384,14 +385,14 @@ struct WorkItemBlender {
     float before = 0, all = 0, depth = 0;
     if (was_live) {  // Other warps and blocks may be writing the other pixels.
       before = shared.joined.totals[pixel].w, all = (&shared.joined.totals[pixel].x)[channel];
-      if constexpr (extras) depth = shared.joined.depths[pixel];
+      if constexpr (extras != Extras::none) depth = shared.joined.depths[pixel];
     }
 #pragma unroll 4
     for (unsigned k = 0; k < round.segments(); ++k) {
       const SegmentShared<Exponent, extras>& of = group.in(k / of_block, shared);
       const unsigned at = k % of_block * round.slots + slot;
       const float left = of.segments[at].w, value = (&of.segments[at].x)[channel];
-      const float of_depth = extras ? of.depths[at] : 0;
+      const float of_depth = extras != Extras::none ? of.depths[at] : 0;
       if (!live) continue;
       // As `JoinedPixel::join`.
       const float scaled = before * scale_of_segment(round.first + k);
@@ -403,7 +404,7 @@ struct WorkItemBlender {
     for (unsigned b = 0; b < group.blocks; ++b) {
       SegmentShared<Exponent, extras>& of = group.in(b, shared);
       (&of.joined.totals[pixel].x)[channel] = channel + 1 == channels ? before : all;
-      if (extras && channel == 0) of.joined.depths[pixel] = depth;
+      if (extras != Extras::none && channel == 0) of.joined.depths[pixel] = depth;
       if (channel == 0 && !live) atomicAnd(&of.live[pixel / warp_size], ~(1u << pixel % warp_size));
     }
   }

@@ -184,10 +184,11 @@ TEST_CASE_TEMPLATE("record: lenses may change, and pinholes stay pinholes", B, S
   std::vector<AskedView> lenses = pinholes;
   lenses[0].camera.lens = {LensModel::perspective, {.radial = {0.05, -0.01}, .tangential = {1e-3, 2e-3}}};
   lenses[1].camera.lens.model = LensModel::fisheye;
+  const std::vector<AskedView>* const turns[] = {&lenses, &pinholes, &lenses};
   Report<B> report;
   PlacedViews seen_as_reserved(renderer.backend(), lenses);
   renderer.reserve(scene.view(), seen_as_reserved.span(), {6000, 60'000});
-  for (const auto* const asked : {&lenses, &pinholes, &lenses}) {
+  for (const std::vector<AskedView>* const asked : turns) {
     PlacedViews images(renderer.backend(), *asked);
     renderer.set_views(images.span());
     renderer.record(scene.view(), report.data());

@@ -95,10 +95,19 @@ struct OwnRasterBlock {
   }
 };
 
-/// Whether a frame wants more than colour and alpha. Kernels without extras are compiled apart.
-inline bool wants_extras(const RasterJob& job) {
-  const auto wants = [](const View& view) { return view.frame.depth.data || view.frame.occluder.data; };
-  return job.counts || std::any_of(job.views.begin(), job.views.end(), wants);
+/// What a frame wants beside colour and alpha. Kernels are compiled apart for each.
+enum class Extras {
+  none,
+  depth,
+  all,  ///< occluders, counts and depth
+};
+
+inline Extras extras_of(const RasterJob& job) {
+  const auto any = [&](auto wants) { return std::any_of(job.views.begin(), job.views.end(), wants); };
+  if (job.counts || any([](const View& view) { return view.frame.occluder.data != nullptr; }))
+    return Extras::all;
+  return any([](const View& view) { return view.frame.depth.data != nullptr; }) ? Extras::depth
+                                                                                : Extras::none;
 }
 
 /// Clears the counts of `job` and calls f.operator()<extras>(input). Throws as `raster_blocks_of`.
@@ -109,10 +118,14 @@ void with_raster_input(Cuda& cuda, const RasterJob& job, const F& f) {
   const std::uint32_t* const order = order_raster_blocks(cuda, job.lists, raster_blocks);
   with_views(job.views, [&]<class ViewSource>(const ViewSource& views) {
     const RasterInput<ViewSource> input{job, views, raster_blocks, order};
-    if (wants_extras(job))
-      f.template operator()<true>(input);
-    else
-      f.template operator()<false>(input);
+    switch (extras_of(job)) {
+      case Extras::none:
+        return f.template operator()<Extras::none>(input);
+      case Extras::depth:
+        return f.template operator()<Extras::depth>(input);
+      case Extras::all:
+        return f.template operator()<Extras::all>(input);
+    }
   });
 }
 
@@ -131,7 +144,7 @@ std::uint32_t warps_at_once(const Cuda& cuda, const RasterJob& job, void (*kerne
 /// Starts the kernel `Kernel::of<extras, ViewSource>` of a rasterizer on all raster blocks of `job`.
 template <class Kernel>
 void launch_raster_blocks(Cuda& cuda, const char* name, const RasterJob& job) {
-  with_raster_input(cuda, job, [&]<bool extras, class ViewSource>(const RasterInput<ViewSource>& input) {
+  with_raster_input(cuda, job, [&]<Extras extras, class ViewSource>(const RasterInput<ViewSource>& input) {
     const auto kernel = Kernel::template of<extras, ViewSource>;
     launch(name, kernel, blocks_of(input.raster_blocks), Kernel::threads, cuda.stream(), input,
            warps_at_once(cuda, job, kernel, Kernel::threads));

@@ -78,7 +78,7 @@ __global__ void __launch_bounds__(raster_pixels_threads)
 template <RasterPolicy R>
 struct RasterPixelsKernel {
   static constexpr unsigned threads = raster_pixels_threads;
-  template <bool extras, class ViewSource>
+  template <Extras, class ViewSource>
   static constexpr auto of = &raster_pixels<R, ViewSource>;
 };
 
