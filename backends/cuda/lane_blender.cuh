@@ -33,6 +33,9 @@ __device__ bool all_stopped(const Pixel (&pixels)[count]) {
   return __all_sync(whole_warp, stopped);
 }
 
+/// Colour of a splat that shows nothing and ends a group: behind all others.
+__device__ inline float4 no_colour() { return make_float4(0, 0, 0, 3.4028235e38f); }
+
 /// Exponents and colours of queued splats.
 template <class Exponent>
 struct Queue : TermsQueue<Exponent> {
@@ -98,6 +101,7 @@ struct LaneBlender {
 #pragma unroll
       for (unsigned p = 0; p < pixel_count; ++p) alphas[p][k] = of_splat[p];
     }
+    if constexpr (extras == Extras::depth) hide(alphas, colours);
     weigh_group(pixels, alphas, rules.alpha_max, weights);
 
 #pragma unroll
@@ -109,6 +113,20 @@ struct LaneBlender {
         if constexpr (extras == Extras::depth)
           pixels[p].depth = fmaf(weights[p][k], colour.w, pixels[p].depth);
       }
+    }
+  }
+
+  /// Leaves out splats of a group that lie at the occluders or behind. Depths do not fall within a group.
+  __device__ void hide(float (&alphas)[pixel_count][group_size], const float4* colours) {
+    float nearest = occluders[0];
+    if constexpr (pixel_count == 2) nearest = fminf(nearest, occluders[1]);
+    if (!(colours[group_size - 1].w >= nearest)) return;
+#pragma unroll
+    for (unsigned p = 0; p < pixel_count; ++p) {
+#pragma unroll
+      for (unsigned k = 0; k < group_size; ++k)
+        if (colours[k].w >= occluders[p]) alphas[p][k] = 0;
+      if (pixels[p].live() && colours[0].w >= occluders[p]) pixels[p].stop();
     }
   }
 };
@@ -143,7 +161,7 @@ struct ColourBlender {
       if (lane_index() < (group_size - count % group_size) % group_size) {
         const unsigned at = first + count + lane_index();
         Exponent::clear(queue.terms[at], queue.rests[at]);
-        queue.colours[at] = make_float4(0, 0, 0, 0);
+        queue.colours[at] = no_colour();
       }
       __syncwarp();
     }

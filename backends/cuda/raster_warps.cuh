@@ -120,9 +120,9 @@ __global__ void __launch_bounds__(raster_threads, Exponent::blocks)
       job, queues[warp], {rules, float(place.column), float(place.row), 0, {}, {}, {}}};
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p) {
-    const PixelPlace at = place.pixel(view.frame, p, extras == Extras::all);
+    const PixelPlace at = place.pixel(view.frame, p, extras != Extras::none);
     if (at.inside) blender.lane.pixels[p].start(rules.stop_below);
-    if constexpr (extras == Extras::all) blender.lane.occluders[p] = at.occluder;
+    if constexpr (extras != Extras::none) blender.lane.occluders[p] = at.occluder;
   }
 
   const TileRange range = raster_block.list(input);

@@ -153,7 +153,7 @@ struct WorkItemBlender {
         const JoinedPixel from = shared.joined.load(pixel_of_warp_block(p));
         lane.pixels[p] = from.stopped();
         if (shared.live[p] >> lane_index() & 1) lane.pixels[p].start(rules.stop_below, from.total.w);
-        if constexpr (extras == Extras::all) lane.occluders[p] = place.pixel(view.frame, p, true).occluder;
+        if constexpr (extras != Extras::none) lane.occluders[p] = place.pixel(view.frame, p, true).occluder;
       }
       __syncwarp();
       blend_splats(lane, splats, 0, count, count, share);
@@ -225,7 +225,7 @@ struct WorkItemBlender {
       // A pixel that stops by the transmittance before the round stops in this segment or an earlier one.
       const float before = shared.joined.totals[pixel].w;
       befores[p] = !live ? -1 : share.segment == 0 ? before : most_before(before);
-      if constexpr (extras == Extras::all)
+      if constexpr (extras != Extras::none)
         lane.occluders[p] =
             PixelPlace(view.frame, place.x + int(at.column), place.y + int(at.row), true).occluder;
     }
@@ -299,7 +299,7 @@ struct WorkItemBlender {
         Exponent::prepare(shape, shape.mean - first_centre, rules, queue.terms[slot], queue.rests[slot]);
       } else {
         Exponent::clear(queue.terms[slot], queue.rests[slot]);
-        queue.colours[slot] = make_float4(0, 0, 0, 0);
+        queue.colours[slot] = no_colour();
       }
       __pipeline_commit();
       k += share.lanes;

@@ -98,16 +98,14 @@ struct OwnRasterBlock {
 /// What a frame wants beside colour and alpha. Kernels are compiled apart for each.
 enum class Extras {
   none,
-  depth,
-  all,  ///< occluders, counts and depth
+  depth,  ///< and occluders
+  all,    ///< and counts
 };
 
 inline Extras extras_of(const RasterJob& job) {
-  const auto any = [&](auto wants) { return std::any_of(job.views.begin(), job.views.end(), wants); };
-  if (job.counts || any([](const View& view) { return view.frame.occluder.data != nullptr; }))
-    return Extras::all;
-  return any([](const View& view) { return view.frame.depth.data != nullptr; }) ? Extras::depth
-                                                                                : Extras::none;
+  if (job.counts) return Extras::all;
+  const auto wants = [](const View& view) { return view.frame.depth.data || view.frame.occluder.data; };
+  return std::any_of(job.views.begin(), job.views.end(), wants) ? Extras::depth : Extras::none;
 }
 
 /// Clears the counts of `job` and calls f.operator()<extras>(input). Throws as `raster_blocks_of`.
