@@ -54,6 +54,10 @@ void add_views(CLI::App& command, ViewOptions& options, const std::string& defau
       ->capture_default_str();
 }
 
+void add_planes(CLI::App& command, std::string& planes) {
+  command.add_option("--planes", planes, "Planes beside colour: alpha, depth or both as alpha,depth [none]");
+}
+
 void add_json(CLI::App& command, std::string& file, const std::string& what) {
   command.add_option("--json", file,
                      "File for " + what + ";\n- writes to standard output in place of the text");

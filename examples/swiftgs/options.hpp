@@ -29,6 +29,7 @@ struct ViewOptions {
   double scale = 1;     ///< of the images' sides
   std::string conventions = "gsplat";
   std::string background = "0,0,0";
+  std::string planes;  ///< beside colour, as `add_planes` describes them
 };
 
 /// Adds the options of a scene, of which the name is required.
@@ -40,6 +41,9 @@ void add_scene_reading(CLI::App& command, SceneOptions& options);
 /// Adds an option that chooses views; `what` begins its description.
 CLI::Option* add_view_choice(CLI::App& command, const char* name, std::string& views,
                              const std::string& what);
+
+/// Adds the option of what frames have beside colour.
+void add_planes(CLI::App& command, std::string& planes);
 
 /// Adds the options of views. `default_views` is what the command takes of a list of cameras.
 void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views);

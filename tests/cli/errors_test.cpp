@@ -76,6 +76,11 @@ TEST_CASE("cli errors: options that make no sense say what was expected") {
     for (const std::string batch : {"0", "-3", "65537"})
       fails(place, command + " builtin:50 --batch=" + batch,
             {"--batch " + batch + ": expected 1 to 65536\n"});
+  fails(place, "render builtin:10 --planes depth", {"--planes: expected --format exr"});
+  for (const std::string planes : {"normal", "depth,depth", "alpha,"})
+    for (const std::string command : {"render --format exr", "bench"})
+      fails(place, command + " builtin:10 --planes " + planes,
+            {"--planes '" + planes + "': expected alpha, depth or alpha,depth\n"});
 }
 
 TEST_CASE("cli errors: arguments that are not known or missing") {

@@ -17,10 +17,10 @@
 #include "bench/table.hpp"
 #include "bench/threads.hpp"
 #include "bench/variants.hpp"
-#include "draw/choice.hpp"
 #include "commands.hpp"
-#include "read/distinct_files.hpp"
+#include "draw/choice.hpp"
 #include "measure/photos.hpp"
+#include "read/distinct_files.hpp"
 #include "read/scene_input.hpp"
 
 namespace swiftgs::cli {
@@ -35,6 +35,7 @@ struct BenchOptions {
   std::string json, images;
   Plan plan;
   int batch = 1;
+  std::string planes;
   bool profile = false;
 };
 
@@ -162,6 +163,7 @@ class Matrix {
       if (count) require_count(*count);
     for (const std::optional<std::size_t> threads : threads_) ThreadLimit limit(threads);
     for (const std::string& name : conventions_) conventions_named(name);
+    settings_of({.planes = options_.planes});
   }
 
   static std::string name_of(const Input& input) {
@@ -189,7 +191,7 @@ class Matrix {
       for (const std::string& conventions : conventions_)
         for (const double scale : scales_) {
           ViewOptions view = view_options(input);
-          view.scale = scale, view.conventions = conventions;
+          view.scale = scale, view.conventions = conventions, view.planes = options_.planes;
           session.views = views_of(input.cameras, view, "");
           find_views(session.views, *session.gaussians, camera);
           session.settings = settings_for(settings_of(view), *session.gaussians);
@@ -276,6 +278,7 @@ void add_bench(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--max-frames", options->plan.max_frames, "Most frames to time")->capture_default_str();
   add_batch(*command, options->batch);
+  add_planes(*command, options->planes);
   command->add_option("--seed", options->plan.seed, "Seed of the renderers' order and of thinned scenes")
       ->capture_default_str();
   add_json(*command, options->json);

@@ -13,17 +13,17 @@
 #include <swiftgs/io/image.hpp>
 #include <swiftgs/io/sort_calibrations.hpp>
 
-#include "draw/choice.hpp"
 #include "commands.hpp"
-#include "read/distinct_files.hpp"
-#include "json.hpp"
+#include "draw/choice.hpp"
 #include "draw/lenses.hpp"
+#include "draw/team.hpp"
+#include "json.hpp"
 #include "options.hpp"
 #include "progress.hpp"
-#include "result_file.hpp"
+#include "read/distinct_files.hpp"
 #include "read/scene_input.hpp"
-#include "draw/team.hpp"
 #include "read/views.hpp"
+#include "result_file.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -92,6 +92,8 @@ void use_calibration(AnyRenderer& renderer, const std::string& file, const Scene
 
 void render(const RenderOptions& options) {
   const Writer write = writer_of(options.format);
+  if (!options.view.planes.empty() && options.format != "exr")
+    throw std::invalid_argument("--planes: expected --format exr, whose channels A and Z hold them");
   require_batch(options.batch);
   validate(options.lens);
   const Capture capture = capture_of(options.scene);
@@ -214,6 +216,7 @@ void add_render(CLI::App& app) {
   const auto options = std::make_shared<RenderOptions>();
   add_scene(*command, options->scene);
   add_views(*command, options->view, "all");
+  add_planes(*command, options->view.planes);
   add_lens(*command, options->lens);
   command->add_option("--renderer", options->renderer,
                       "A name from 'swiftgs list' [the quickest on the CPU]");

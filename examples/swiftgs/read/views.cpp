@@ -11,13 +11,13 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/io/cameras.hpp>
 
-#include "read/default_view.hpp"
 #include "draw/image_name.hpp"
+#include "draw/team.hpp"
 #include "notes.hpp"
 #include "number_text.hpp"
+#include "read/default_view.hpp"
 #include "read/scene_input.hpp"
 #include "suggestion.hpp"
-#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -183,8 +183,23 @@ void find_views(std::vector<View>& views, const Scene& scene, const std::optiona
   }
 }
 
+namespace {
+Outputs planes_of(const std::string& text) {
+  Outputs planes;
+  if (text.empty()) return planes;
+  for (const std::string_view name : split(text, ',')) {
+    bool& plane = name == "depth" ? planes.depth : planes.alpha;
+    if ((name != "alpha" && name != "depth") || plane)
+      throw std::invalid_argument("--planes '" + text + "': expected alpha, depth or alpha,depth");
+    plane = true;
+  }
+  return planes;
+}
+}  // namespace
+
 RenderSettings settings_of(const ViewOptions& options) {
   RenderSettings settings;
+  settings.outputs = planes_of(options.planes);
   settings.conventions = conventions_named(options.conventions);
   const std::vector<std::string_view> parts = split(options.background, ',');
   for (std::size_t c = 0; c < 3; ++c) {
