@@ -71,6 +71,8 @@ View to_view(const swiftgs_view& from) {
   frame.colour = to_plane<void>(from.colour), frame.format = PixelFormat(from.format);
   frame.alpha = to_plane<float>(from.alpha), frame.depth = to_plane<float>(from.depth);
   frame.occluder = to_plane<const float>(from.occluder);
+  if (const auto& by = from.stored_depth; by.p != 0 || by.q != 0 || by.r != 0 || by.s != 0)
+    frame.stored_depth = {by.p, by.q, by.r, by.s};
   frame.over = from.over != 0;
   const vec3 background(from.background[0], from.background[1], from.background[2]);
   return make_view(camera, to_conventions(from.conventions), frame, background, {from.left, from.top});
@@ -91,6 +93,17 @@ void read_views(const swiftgs_frame& frame, std::vector<View>& views) {
 }  // namespace swiftgs::c
 
 using namespace swiftgs::c;
+
+namespace {
+swiftgs_stored_depth to_struct(const swiftgs::StoredDepth& from) { return {from.p, from.q, from.r, from.s}; }
+}  // namespace
+
+extern "C" swiftgs_stored_depth swiftgs_stored_perspective(double at_0, double at_1) {
+  return to_struct(swiftgs::StoredDepth::perspective(at_0, at_1));
+}
+extern "C" swiftgs_stored_depth swiftgs_stored_orthographic(double at_0, double at_1) {
+  return to_struct(swiftgs::StoredDepth::orthographic(at_0, at_1));
+}
 
 extern "C" swiftgs_status swiftgs_conventions_named(const char* name, swiftgs_conventions* conventions) {
   return guarded([&] {

@@ -125,8 +125,9 @@ HWY_INLINE void Clear(const FrameView& frame, const PlacedRasterBlock& block, Ra
     Groups::FromRows(state.transmittance);
   if (kOccluder && frame.occluder.data) {
     for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
-      std::memcpy(state.occluder[row], frame.occluder.row(std::size_t(block.y0) + row) + block.x0,
-                  std::size_t(block.columns) * sizeof(float));
+      for (std::size_t column = 0; column < std::size_t(block.columns); ++column)
+        state.occluder[row][column] =
+            frame.occluder_at(std::size_t(block.x0) + column, std::size_t(block.y0) + row);
     Groups::FromRows(state.occluder);
   }
 }

@@ -20,7 +20,7 @@ struct PixelPlace {
 
   __device__ PixelPlace(const FrameView& frame, int x_, int y_, bool extras)
       : x(x_), y(y_), inside(x_ < frame.width && y_ < frame.height), occluder(INFINITY) {
-    if (extras && inside && frame.occluder.data) occluder = frame.occluder.row(std::size_t(y))[x];
+    if (extras && inside && frame.occluder.data) occluder = frame.occluder_at(std::size_t(x), std::size_t(y));
   }
 };
 

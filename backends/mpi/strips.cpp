@@ -55,20 +55,6 @@ void StripPlan::learn(Span<const std::uint64_t> taken) {
     cuts_ = cuts_of(costs_, std::uint32_t(taken.size));
 }
 
-FrameView pixels_of(const FrameView& frame, const ViewStrip& view_strip) {
-  FrameView pixels = frame;
-  pixels.width = view_strip.width, pixels.height = view_strip.rows;
-  const auto move = [&](auto& plane, std::size_t bytes) {
-    if (!plane.data) return;
-    plane = plane.from_column(view_strip.first_column * std::ptrdiff_t(bytes));
-    plane.data = plane.row(std::size_t(view_strip.first_row));
-  };
-  move(pixels.colour, bytes_per_pixel(frame.format));
-  for (auto* plane : {&pixels.alpha, &pixels.depth}) move(*plane, sizeof(float));
-  move(pixels.occluder, sizeof(float));
-  return pixels;
-}
-
 Strip strip_of(Span<const View> views, std::uint32_t begin, std::uint32_t end) {
   Strip strip;
   std::uint32_t first = 0;  // row of the tile atlas where a view begins

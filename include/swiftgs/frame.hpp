@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <type_traits>
 #include <vector>
@@ -71,10 +72,33 @@ struct Plane {
     using Byte = std::conditional_t<std::is_const_v<T>, const unsigned char, unsigned char>;
     return reinterpret_cast<T*>(reinterpret_cast<Byte*>(data) + std::ptrdiff_t(y) * pitch);
   }
-  /// The plane without its first columns, which take so many bytes.
-  Plane from_column(std::ptrdiff_t bytes) const {
+  /// The plane from a pixel on, `bytes` to the right and `rows` below.
+  Plane from(std::ptrdiff_t bytes, std::ptrdiff_t rows) const {
     using Byte = std::conditional_t<std::is_const_v<T>, const unsigned char, unsigned char>;
-    return {reinterpret_cast<T*>(reinterpret_cast<Byte*>(data) + bytes), pitch};
+    if (!data) return *this;
+    return {reinterpret_cast<T*>(reinterpret_cast<Byte*>(data) + bytes + rows * pitch), pitch};
+  }
+};
+
+/// How values of a depth buffer stand for depths: value d for (p d + q) / (r d + s). Where that is no depth
+/// above 0, as at the far end of an infinite projection, there is nothing. By default d is the depth itself.
+struct StoredDepth {
+  double p = 1, q = 0, r = 0, s = 1;
+
+  /// Of a perspective projection of OpenGL (its window depth), Vulkan or Direct3D: the depths at the values 0
+  /// and 1, usually those of the near and the far plane, either of which may be infinite. With reversed depth
+  /// the far plane has the value 0.
+  static StoredDepth perspective(double at_0, double at_1) { return {0, 1, 1 / at_1 - 1 / at_0, 1 / at_0}; }
+  /// Of an orthographic projection.
+  static StoredDepth orthographic(double at_0, double at_1) { return {at_1 - at_0, at_0, 0, 1}; }
+
+  bool operator==(const StoredDepth&) const = default;
+
+  /// The depth that `value` stands for; infinite for nothing.
+  SWIFTGS_HD float depth(float value) const {
+    if (p == 1 && q == 0 && r == 0 && s == 1) return value;
+    const float z = float((p * value + q) / (r * value + s));
+    return z > 0 ? z : INFINITY;
   }
 };
 
@@ -87,12 +111,30 @@ struct FrameView {
   Plane<float> alpha{};  ///< 1 - transmittance
   Plane<float> depth{};  ///< as `Frame::depth`
 
-  /// The caller's own depth buffer, measured as `Conventions::depth` has it: a splat at a pixel's `occluder`
-  /// or behind it is not blended. Infinity hides nothing.
+  /// The caller's own depth buffer: a splat at a pixel's depth there, or behind it, is not blended. Its
+  /// depths are measured as `Conventions::depth` has it, and stored as `stored_depth` says. Infinity and NaN
+  /// hide nothing.
   Plane<const float> occluder{};
+  StoredDepth stored_depth{};
 
   /// Show the image that `colour` already holds, instead of the background, behind the splats.
   bool over = false;
+
+  /// A rectangle of it, whose first pixel is the one at column `left` and row `top`.
+  FrameView part(int left, int top, int columns, int rows) const {
+    FrameView out = *this;
+    out.width = columns, out.height = rows;
+    const std::ptrdiff_t scalars = left * std::ptrdiff_t(sizeof(float));
+    out.colour = colour.from(left * std::ptrdiff_t(bytes_per_pixel(format)), top);
+    out.alpha = alpha.from(scalars, top), out.depth = depth.from(scalars, top);
+    out.occluder = occluder.from(scalars, top);
+    return out;
+  }
+
+  /// Depth of what hides splats at a pixel of a frame with an occluder.
+  SWIFTGS_HD float occluder_at(std::size_t x, std::size_t y) const {
+    return stored_depth.depth(occluder.row(y)[x]);
+  }
 };
 
 /// Outputs beside colour.

@@ -83,6 +83,10 @@ inline void validate(const FrameView& frame) {
   require_plane(frame.depth, sizeof(float), sizeof(float), "depth");
   require_plane(frame.occluder, sizeof(float), sizeof(float), "occluder");
   detail::require_for_render(frame.colour.data || !frame.over, "colour to render over");
+  const StoredDepth& by = frame.stored_depth;
+  const double determinant = by.p * by.s - by.q * by.r;
+  detail::require_for_render(determinant != 0 && std::isfinite(determinant),
+                             "stored depths that are finite and differ");
 }
 
 /// Throws `std::invalid_argument` where nothing can be rendered of `view`; `Views` checks its tiles.

@@ -166,14 +166,7 @@ class PanoramaParts {
   }
 
   static View columns_of(View view, int begin, int end) {
-    FrameView& frame = view.frame;
-    const std::ptrdiff_t skipped = begin - view.left();
-    const auto skip = [&](auto& plane, std::size_t bytes) {
-      if (plane.data) plane = plane.from_column(skipped * std::ptrdiff_t(bytes));
-    };
-    skip(frame.colour, bytes_per_pixel(frame.format));
-    skip(frame.alpha, sizeof(float)), skip(frame.depth, sizeof(float)), skip(frame.occluder, sizeof(float));
-    frame.width = end - begin;
+    view.frame = view.frame.part(begin - view.left(), 0, end - begin, view.frame.height);
     view.camera.panorama_middle = (begin / view.panorama_part + 0.5) * view.panorama_part;
     view.camera.left = float(begin), view.camera.right = float(end);
     const int side = view.grid.side;

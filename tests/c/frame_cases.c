@@ -150,6 +150,16 @@ void test_occluder(void) {
       seen &= at[0] == plain[3 * i] && at[2] == plain[3 * i + 2];
   }
   CHECK(hidden && seen);
+  /* The same, reversed and without a far plane: 1 is before the camera, 0 nothing. */
+  float* const same = make_floats(3 * pixels);
+  memcpy(same, d.colour, 3 * pixels * sizeof(float));
+  for (int i = 0; i < pixels; ++i) occluder[i] = i % width < width / 2 ? 1 : 0;
+  d.view.stored_depth = swiftgs_stored_perspective(INFINITY, 1e-3);
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
+  CHECK(same_floats(same, d.colour, 3 * pixels));
+  d.view.stored_depth = swiftgs_stored_orthographic(5, 5);
+  CHECK_ERROR(swiftgs_renderer_render_into(d.renderer, &d.frame), SWIFTGS_INVALID_ARGUMENT,
+              "stored depths that are finite and differ");
   swiftgs_renderer_free(d.renderer);
 }
 

@@ -59,12 +59,12 @@ Image render_image(R& renderer, const SceneView& scene, const RenderSettings& se
 /// A frame behind whose splats the caller's surface stands.
 template <class R>
 Frame render_before(R& renderer, const SceneView& scene, const Camera& camera,
-                    const std::vector<float>& occluder, std::ptrdiff_t pitch) {
+                    const std::vector<float>& occluder, std::ptrdiff_t pitch, StoredDepth stored = {}) {
   const auto& backend = renderer.backend();
   PlanesOn<BackendOf<R>> planes(backend, camera.width, camera.height, {true, true});
   const auto depths = to_backend(backend, occluder);
   FrameView view = planes.view();
-  view.occluder = {depths.data(), pitch * std::ptrdiff_t(sizeof(float))};
+  view.occluder = {depths.data(), pitch * std::ptrdiff_t(sizeof(float))}, view.stored_depth = stored;
   renderer.render_into(scene, camera, settings_with(vec3(0.1f, 0.2f, 0.3f)), view);
   return planes.on_host(backend);
 }
@@ -212,6 +212,52 @@ SWIFTGS_CONTRACT("frame: a surface in the middle leaves the image of the Gaussia
   });
 }
 
+TEST_CASE("frame: stored depths are those of OpenGL, Vulkan and Direct3D") {
+  const double n = 0.25, f = 400;
+  for (const double z : {0.25, 0.3, 1.0, 7.0, 100.0, 400.0}) {
+    CAPTURE(z);
+    const auto holds = [&](StoredDepth stored, double value) {
+      const double below = stored.r * value + stored.s;
+      const double slope = (stored.p * stored.s - stored.q * stored.r) / (below * below);
+      // Half a last bit of the value, and of the depth.
+      return std::abs(stored.depth(float(value)) - z) <= 0x1p-25 * std::abs(slope) * 1.01 + 0x1p-24 * z;
+    };
+    const double clip = (f + n) / (f - n) * z - 2 * f * n / (f - n);  // OpenGL's, of -1 to 1
+    CHECK(holds(StoredDepth::perspective(n, f), 0.5 * clip / z + 0.5));
+    CHECK(holds(StoredDepth::perspective(n, f), (f * z - n * f) / ((f - n) * z)));  // Vulkan's
+    CHECK(holds(StoredDepth::perspective(f, n), (n * f - n * z) / ((f - n) * z)));  // reversed
+    CHECK(holds(StoredDepth::perspective(infinity, n), n / z));
+    CHECK(holds(StoredDepth::perspective(n, infinity), 1 - n / z));
+    CHECK(holds(StoredDepth::orthographic(n, f), (z - n) / (f - n)));
+    CHECK(StoredDepth().depth(float(z)) == float(z));
+  }
+  CHECK(StoredDepth::perspective(n, infinity).depth(1) == infinity);
+  CHECK(StoredDepth::perspective(infinity, n).depth(0) == infinity);
+  CHECK(StoredDepth::perspective(infinity, n).depth(not_a_number) == infinity);
+  CHECK(StoredDepth::perspective(n, infinity).depth(1.5f) == infinity);  // behind infinity
+  CHECK(StoredDepth().depth(-1) == -1);
+}
+
+SWIFTGS_CONTRACT("frame: a stored depth hides what the depth does that it stands for") {
+  const int width = 53, height = 37;
+  const Camera camera = forward_camera(width, height);
+  const Scene all = random_scene(800, 0, 10);
+  const StoredDepth all_stored[] = {
+      StoredDepth::perspective(0.5, 40), StoredDepth::perspective(infinity, 0.5),
+      StoredDepth::perspective(0.5, infinity), StoredDepth::orthographic(0, 12)};
+  std::vector<float> values, depths(std::size_t(width) * height);
+  for (std::size_t i = 0; i < depths.size(); ++i) values.push_back(float(i % 97) / 96);
+  with_each_renderer<B>([&](auto& renderer) {
+    const auto scene = renderer.backend().upload(all);
+    for (const StoredDepth& stored : all_stored) {
+      std::transform(values.begin(), values.end(), depths.begin(),
+                     [&](float value) { return stored.depth(value); });
+      CHECK(same_planes(render_before(renderer, scene.view(), camera, values, width, stored),
+                        render_before(renderer, scene.view(), camera, depths, width)));
+    }
+  });
+}
+
 SWIFTGS_CONTRACT("frame: each pixel is hidden by its own depth") {
   const int width = 53, height = 37;
   const std::size_t pitch = 61;
@@ -304,6 +350,9 @@ TEST_CASE("frame: planes that cannot be written are refused in words") {
   CHECK_NOTHROW(accepts({.colour = {memory.data(), 322}, .format = PixelFormat::rgba_half}));
   CHECK_NOTHROW(accepts({.colour = {memory.data(), 161}, .format = PixelFormat::rgba_8}));
   CHECK_THROWS_AS(accepts({.occluder = {memory.data(), 156}}), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(accepts({.stored_depth = StoredDepth::perspective(2, 2)}),
+                       "render: expected stored depths that are finite and differ", std::invalid_argument);
+  CHECK_THROWS_AS(accepts({.stored_depth = StoredDepth::perspective(0, 1)}), std::invalid_argument);
   CHECK_THROWS_AS(accepts({.depth = {memory.data(), -162}}), std::invalid_argument);
   CHECK_THROWS_AS(accepts({.alpha = {memory.data(), 162}}), std::invalid_argument);
   // No memory is so large that 30 rows may lie as far apart; the least number has no magnitude of its type.

@@ -253,11 +253,7 @@ TEST_CASE_TEMPLATE(
     }
     std::vector<View> views;
     for (const Columns& part : parts) {
-      FrameView frame = whole;
-      const std::ptrdiff_t skipped = part.begin * std::ptrdiff_t(sizeof(float));
-      frame.width = part.end - part.begin;
-      frame.colour = frame.colour.from_column(3 * skipped), frame.alpha = frame.alpha.from_column(skipped);
-      frame.depth = frame.depth.from_column(skipped), frame.occluder = frame.occluder.from_column(skipped);
+      const FrameView frame = whole.part(part.begin, 0, part.end - part.begin, camera.height);
       views.push_back(make_view(camera, settings.conventions, frame, settings.background, {part.begin, 0}));
     }
     renderer.render_into(scene.view(), Span<const View>{views.data(), views.size()});

@@ -492,19 +492,6 @@ inline std::vector<Part> cut(int width, int height, std::vector<int> columns, st
   return parts;
 }
 
-/// The planes of `frame` from the first pixel of `part` on.
-inline FrameView part_of(FrameView frame, const Part& part) {
-  const auto move = [&](auto& plane, std::size_t pixel) {
-    if (!plane.data) return;
-    plane.data = plane.row(std::size_t(part.first.y));
-    plane = plane.from_column(std::ptrdiff_t(pixel) * part.first.x);
-  };
-  move(frame.colour, bytes_per_pixel(frame.format));
-  move(frame.alpha, sizeof(float)), move(frame.depth, sizeof(float)), move(frame.occluder, sizeof(float));
-  frame.width = part.width, frame.height = part.height;
-  return frame;
-}
-
 /// The first column or row of each part of an image that is cut evenly.
 inline std::vector<int> every(int size, int step) {
   std::vector<int> begins;
@@ -532,8 +519,10 @@ void check_parts(R& renderer, const SceneView& scene, const AskedView& asked, co
     Place cut_place(renderer.backend(), memory);
     std::vector<View> views;
     for (const Part& part : parts)
-      views.push_back(make_view(asked.camera, asked.conventions,
-                                part_of(asked.frame(cut_place.frame()), part), asked.background, part.first));
+      views.push_back(
+          make_view(asked.camera, asked.conventions,
+                    asked.frame(cut_place.frame()).part(part.first.x, part.first.y, part.width, part.height),
+                    asked.background, part.first));
     RasterCounts sum;
     const auto render = [&](Span<const View> some) {
       renderer.render_into(scene, some, Measures{.count = count});

@@ -131,6 +131,13 @@ def test_over_and_occluder_and_first_pixel(renderer, camera, expected):
     assert np.array_equal(colour, renderer.render(camera, background=(0.25, 0.25, 0.25)).colour)
     hidden = renderer.render(camera, occluder=np.zeros((HEIGHT, WIDTH), np.float32), alpha=True)
     assert not hidden.alpha.any()
+    window_depth = np.full((HEIGHT, WIDTH), 1 - 1e-3 / 2, np.float32)  # of what stands at the depth 2
+    stored = swiftgs.StoredDepth.perspective(1e-3, np.inf)
+    depths = np.full((HEIGHT, WIDTH), 1 / (stored.r * np.float64(window_depth[0, 0]) + stored.s), np.float32)
+    assert 1.9 < depths[0, 0] < 2.1
+    before = renderer.render(camera, occluder=window_depth, stored_depth=stored).colour
+    assert np.array_equal(before, renderer.render(camera, occluder=depths).colour)
+    assert not np.array_equal(before, expected.colour)
     band = swiftgs.Frame(np.zeros((16, 32, 3), np.float32), first_pixel=(16, 32))
     assert np.array_equal(renderer.render(camera, out=band).colour, expected.colour[32:48, 16:48])
 

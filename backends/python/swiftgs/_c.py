@@ -13,7 +13,7 @@ from typing import Any
 
 from ._errors import exception_of
 
-ABI_MAJOR, ABI_MINOR = 1, 3
+ABI_MAJOR, ABI_MINOR = 1, 4
 
 MEASURE_COUNTS, MEASURE_TIMES = 1, 2
 HOST, DEVICE = 0, 1
@@ -65,11 +65,15 @@ class Conventions(_Sized):
                 ("footprint", c_int32), ("depth", c_int32)]
 
 
+class StoredDepth(ctypes.Structure):
+    _fields_ = [("p", c_double), ("q", c_double), ("r", c_double), ("s", c_double)]
+
+
 class View(_Sized):
     _fields_ = [("size", c_uint32), ("format", c_int32), ("width", c_int32), ("height", c_int32),
                 ("camera", c_void_p), ("conventions", c_void_p), ("colour", Plane), ("alpha", Plane),
                 ("depth", Plane), ("occluder", Plane), ("over", c_int32), ("left", c_int32), ("top", c_int32),
-                ("background", c_float * 3)]
+                ("background", c_float * 3), ("stored_depth", StoredDepth)]
 
 
 class Frame(_Sized):
@@ -227,6 +231,8 @@ for _name, _arguments in {
 for _name in ("cameras_free", "picture_free", "renderer_free", "scene_free", "device_free"):
     lib.add(_name, None, c_void_p)
 lib.add("version", c_char_p)
+for _name in ("stored_perspective", "stored_orthographic"):
+    lib.add(_name, StoredDepth, c_double, c_double)
 
 # The call of every frame, without what ctypes would do for it each time: arguments are of c_void_p, and what it returns
 # goes to `check` unless it is 0. A frame leaves the processor's caches cold, so that each step costs microseconds.

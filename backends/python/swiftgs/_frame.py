@@ -3,7 +3,7 @@
 import ctypes
 import operator
 import os
-from typing import Any, Optional, Sequence, Tuple, Union
+from typing import Any, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -24,6 +24,30 @@ def _column_and_row(first_pixel: Any) -> Tuple[int, int]:
     return column, row
 
 
+class StoredDepth(NamedTuple):
+    """How values of a depth buffer stand for depths: value d for (p d + q) / (r d + s)."""
+    p: float
+    q: float
+    r: float
+    s: float
+
+    @classmethod
+    def perspective(cls, at_0: float, at_1: float) -> "StoredDepth":
+        """That of a perspective projection of OpenGL (its window depth), Vulkan or Direct3D, by the depths at the
+        values 0 and 1: those of the near and the far plane, or with reversed depth of the far and the near one. Either
+        may be infinite."""
+        return cls._of(_c.lib.stored_perspective(at_0, at_1))
+
+    @classmethod
+    def orthographic(cls, at_0: float, at_1: float) -> "StoredDepth":
+        """That of an orthographic projection."""
+        return cls._of(_c.lib.stored_orthographic(at_0, at_1))
+
+    @classmethod
+    def _of(cls, found: Any) -> "StoredDepth":
+        return cls(found.p, found.q, found.r, found.s)
+
+
 class Frame:
     """Where one image goes, or a batch of images of one size, and how it is drawn.
 
@@ -38,9 +62,11 @@ class Frame:
     """
 
     def __init__(self, colour: Any = None, alpha: Any = None, depth: Any = None, *, occluder: Any = None,
-                 over: bool = False, background: Any = _BLACK, conventions: Union[str, Conventions] = "gsplat",
+                 stored_depth: Optional[StoredDepth] = None, over: bool = False, background: Any = _BLACK,
+                 conventions: Union[str, Conventions] = "gsplat",
                  first_pixel: Optional[Tuple[int, int]] = None) -> None:
-        """`occluder` is a depth buffer, only read: a splat at its depth or behind is not drawn. `over` keeps what
+        """`occluder` is a depth buffer, only read: a splat at its depth or behind is not drawn. `stored_depth` says
+        what its values mean; without it they are depths. `over` keeps what
         `colour` holds behind the splats, in place of `background` [3] or [C, 3]. With `first_pixel` the frame is a
         part of the camera's image, which begins with that column and row, multiples of 16."""
         self.colour, self.alpha, self.depth = colour, alpha, depth
@@ -57,6 +83,10 @@ class Frame:
         # Copies of the cameras of the next frame, which may go while it is drawn.
         self._cameras: Any = (_c.Camera * len(self._views))()
         self._camera_bytes = memoryview(self._cameras).cast("B")
+        if stored_depth is not None:
+            if not isinstance(stored_depth, StoredDepth):
+                raise TypeError(f"stored_depth is of type {type(stored_depth).__name__}, expected swiftgs.StoredDepth")
+            self._views[0].stored_depth = _c.StoredDepth(*stored_depth)
         self._fill(over)
         if background is not _BLACK:
             self.background = background

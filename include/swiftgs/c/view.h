@@ -68,6 +68,18 @@ typedef struct swiftgs_plane {
   int64_t pitch;  ///< from a row to the one below it in the image, negative where rows go up @units{bytes}
 } swiftgs_plane;
 
+/// How values of a depth buffer stand for depths: value d for (p d + q) / (r d + s). All 0: d is the depth.
+typedef struct swiftgs_stored_depth {
+  double p, q, r, s;
+} swiftgs_stored_depth;
+
+/// That of a perspective projection of OpenGL (its window depth), Vulkan or Direct3D, by the depths at the
+/// values 0 and 1: those of the near and the far plane, or with reversed depth of the far and the near one.
+/// Either may be infinite.
+SWIFTGS_C_API swiftgs_stored_depth swiftgs_stored_perspective(double at_0, double at_1);
+/// That of an orthographic projection.
+SWIFTGS_C_API swiftgs_stored_depth swiftgs_stored_orthographic(double at_0, double at_1);
+
 /// One image of a frame, or a rectangle of one.
 typedef struct swiftgs_view {
   uint32_t size;                           ///< `sizeof(swiftgs_view)`; the same in all views of an array
@@ -79,12 +91,13 @@ typedef struct swiftgs_view {
   swiftgs_plane alpha;                     ///< float: 1 - transmittance
   /// float: mean depth as the conventions measure it, weighted by contribution; 0 where alpha is 0.
   swiftgs_plane depth;
-  /// float, only read: a depth buffer of the same measure. A splat there or behind is not drawn; infinity
-  /// hides nothing.
+  /// float, only read: a depth buffer of the same measure, stored as `stored_depth` says. A splat there or
+  /// behind is not drawn; infinity hides nothing.
   swiftgs_plane occluder;
   int32_t over;         ///< 1: what `colour` holds shows behind the splats, in place of the background
   int32_t left, top;    ///< pixel of the image that is the frame's first; multiples of 16
   float background[3];  ///< RGB in the scene's own values; has no part in alpha
+  swiftgs_stored_depth stored_depth;  ///< of `occluder`
 } swiftgs_view;
 
 /// Pixels of an image on the host, for `swiftgs_image_write`.

@@ -213,8 +213,7 @@ struct BlendRasterBlock {
  private:
   /// Lists run front to back, so a pixel ends at the first splat that the caller's surface hides.
   static bool occluded(const View& view, int x, int y, float depth) {
-    const Plane<const float>& occluder = view.frame.occluder;
-    return occluder.data && depth >= occluder.row(std::size_t(y))[x];
+    return view.frame.occluder.data && depth >= view.frame.occluder_at(std::size_t(x), std::size_t(y));
   }
 };
 

@@ -32,8 +32,8 @@ __global__ void __launch_bounds__(raster_pixels_threads)
   const int column = int(threadIdx.x) % raster_block_side, row = int(threadIdx.x) / raster_block_side;
   const int x = x0 + column, y = y0 + row;
   const bool inside = x < frame.width && y < frame.height;
-  const float* const occluder =
-      inside && frame.occluder.data ? frame.occluder.row(std::size_t(y)) + x : nullptr;
+  const float occluder =
+      inside && frame.occluder.data ? frame.occluder_at(std::size_t(x), std::size_t(y)) : INFINITY;
 
   BlendedPixel pixel;
   bool live = inside;
@@ -57,7 +57,7 @@ __global__ void __launch_bounds__(raster_pixels_threads)
     const float alpha = kernel.alpha(column);
     if (alpha == 0) continue;
     const float next = dimmed(pixel.transmittance, alpha);
-    if (next < view.rules.stop_below || (occluder && colour.depth >= *occluder)) {
+    if (next < view.rules.stop_below || colour.depth >= occluder) {
       live = false;
       continue;
     }

@@ -73,7 +73,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     });
     const auto place = [&] {
       for (DrawnStrip& each : drawn_)
-        each.frame = pixels_of(views[each.view_strip.view].frame, each.view_strip);
+        each.frame = each.view_strip.pixels_of(views[each.view_strip.view].frame);
     };
     draw(part, views, failure, place, [] {});
   }
@@ -106,7 +106,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     });
     const auto place = [&] {
       if (B::reaches_host_memory && collects)
-        for (DrawnStrip& each : drawn_) each.frame = pixels_of(whole[each.view_strip.view], each.view_strip);
+        for (DrawnStrip& each : drawn_) each.frame = each.view_strip.pixels_of(whole[each.view_strip.view]);
       else
         frames_.keep(backend(), settings.outputs, drawn_);
       if (collects) frames_.expect(strips_, frames);

@@ -43,6 +43,11 @@ struct ViewStrip {
   std::uint32_t view = 0;               ///< index
   int first_row = 0, first_column = 0;  ///< of the view's frame @units{pixels}
   int rows = 0, width = 0;              ///< @units{pixels}
+
+  /// What it covers of the view's frame.
+  FrameView pixels_of(const FrameView& frame) const {
+    return frame.part(first_column, first_row, width, rows);
+  }
 };
 
 /// The view strips of a strip, as views. Their frames have no memory.
@@ -54,8 +59,5 @@ struct Strip {
 
 /// Rows [begin, end) of the tile atlas of `views`, whose tiles are numbered.
 SWIFTGS_API Strip strip_of(Span<const View> views, std::uint32_t begin, std::uint32_t end);
-
-/// What `view_strip` covers of `frame`, planes included.
-SWIFTGS_API FrameView pixels_of(const FrameView& frame, const ViewStrip& view_strip);
 
 }  // namespace swiftgs
