@@ -163,7 +163,9 @@ class Matrix {
       if (count) require_count(*count);
     for (const std::optional<std::size_t> threads : threads_) ThreadLimit limit(threads);
     for (const std::string& name : conventions_) conventions_named(name);
-    settings_of({.planes = options_.planes});
+    ViewOptions named;
+    named.planes = options_.planes;
+    settings_of(named);
   }
 
   static std::string name_of(const Input& input) {
