@@ -128,8 +128,8 @@ class BoundRenderer {
 
   /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders them too.
   /// Between `reserve` calls, cameras, conventions, backgrounds, formats and the places of planes may change,
-  /// and lenses if any of those reserved is no pinhole. Throws `std::invalid_argument`, and changes nothing,
-  /// if more changes: the number of views, a size, which planes there are.
+  /// and lenses if any of those reserved is no pinhole whose depth is z. Throws `std::invalid_argument`, and
+  /// changes nothing, if more changes: the number of views, a size, which planes there are.
   void set_views(Span<const View> views) {
     for (const View& view : views) validate(view), detail::check_tiles(view);  // before anything changes
     views = parts_.of(views);
@@ -144,7 +144,7 @@ class BoundRenderer {
       for (std::size_t i = 0; i < views.size; ++i)
         if (views[i].camera.through_lens && !recorded_.through_lens)
           throw std::invalid_argument("set_views: view " + std::to_string(i) +
-                                      " is seen through a lens, expected pinholes as reserved");
+                                      " is no pinhole whose depth is z, expected those alone as reserved");
     }
     check_ready(backend());
     const bool through_lens = reserved_ && recorded_.through_lens;

@@ -138,6 +138,22 @@ SWIFTGS_DEVICE_CASE(
   CHECK(wrong_in_replays<Usual<Cuda>>(300, 1) == 0);
 }
 
+SWIFTGS_DEVICE_CASE("cuda record: a graph draws lenses, then pinholes, then lenses again") {
+  const auto through = [](int k, LensModel model) {
+    std::vector<AskedView> asked = frame_of(k);
+    asked[0].camera.lens.model = model;
+    if (model == LensModel::perspective) asked[0].camera.lens.distortion.radial[0] = 0.1;
+    return asked;
+  };
+  Recording<> r;
+  const Graph graph = r.capture(through(0, LensModel::fisheye), {12000, 300'000});
+  for (int k = 0; k < 24; ++k) {
+    CAPTURE(k);
+    CHECK(r.wrong_in_run(graph, k % 3 == 1 ? frame_of(k) : through(k, LensModel(k % 3))) == 0);
+    CHECK(r.reported());
+  }
+}
+
 SWIFTGS_DEVICE_CASE("cuda record: every sort with every bounds can be captured") {
   for_each_type(AllSorts(), [&]<class Sort>(Sort) {
     for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {

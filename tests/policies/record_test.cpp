@@ -198,6 +198,6 @@ TEST_CASE_TEMPLATE("record: lenses may change, and pinholes stay pinholes", B, S
   PlacedViews without(renderer.backend(), pinholes);
   renderer.reserve(scene.view(), without.span());
   CHECK_THROWS_WITH_AS(renderer.set_views(seen_as_reserved.span()),
-                       "set_views: view 0 is seen through a lens, expected pinholes as reserved",
+                       "set_views: view 0 is no pinhole whose depth is z, expected those alone as reserved",
                        std::invalid_argument);
 }
