@@ -30,6 +30,8 @@ inline constexpr std::uint32_t first_size<swiftgs_camera> = offsetof(swiftgs_cam
 template <>
 inline constexpr std::uint32_t first_size<swiftgs_conventions> = offsetof(swiftgs_conventions, depth);
 template <>
+inline constexpr std::uint32_t first_size<swiftgs_view> = offsetof(swiftgs_view, stored_depth);
+template <>
 inline constexpr std::uint32_t first_size<swiftgs_renderer_entry> = offsetof(swiftgs_renderer_entry,
                                                                              on_device);
 

@@ -218,19 +218,19 @@ HWY_INLINE bool SeeThroughPinhole(const ViewConstants& v, const Group& group, Ma
   return true;
 }
 
-/// Vector version of `needs_double` of `LensSlopes`, which `u` and `v` are.
+/// Vector version of `needs_double` through a lens; `u` and `v` are its slopes, times the focal lengths.
 HWY_INLINE Mask NeedsDouble(const Row& u, const Row& v, const Vec3& scale, Vec mean_x, Vec mean_y) {
   const F32 d;
   const Vec uu = Dot(u.direction, u.direction), vv = Dot(v.direction, v.direction);
   const Vec3 across = Cross(u.direction, v.direction);
   const Vec length = hn::Mul(Dot(scale, scale), hn::MulAdd(hn::Mul(u.pixels, u.pixels), uu,
                                                            hn::Mul(hn::Mul(v.pixels, v.pixels), vv)));
-  const Vec parallel = hn::Mul(hn::Set(d, float_sine_squared), hn::Mul(uu, vv));
-  return hn::Not(
-      hn::And(hn::Le(length, MostLengthInFloat(mean_x, mean_y)), hn::Ge(Dot(across, across), parallel)));
+  const Vec3 narrow = Scale(across, hn::Div(hn::Set(d, 1.0f), hn::Sqrt(vv)));
+  return hn::Not(hn::And(hn::Le(length, MostLengthInFloat(mean_x, mean_y)),
+                         hn::Ge(Dot(narrow, narrow), hn::Mul(hn::Set(d, float_sine_squared), uu))));
 }
 
-/// How a row moves with the world that moves so with camera space.
+/// The derivatives by the world of what has these by camera space.
 HWY_INLINE Row ByWorld(const ViewConstants& v, const Row& by_camera) {
   const F32 d;
   const Vec3& by = by_camera.direction;

@@ -33,8 +33,9 @@ __device__ bool all_stopped(const Pixel (&pixels)[count]) {
   return __all_sync(whole_warp, stopped);
 }
 
-/// Colour of a splat that shows nothing and ends a group: behind all others.
-__device__ inline float4 no_colour() { return make_float4(0, 0, 0, 3.4028235e38f); }
+/// Depth of splats that show nothing and end a group: behind all others.
+inline constexpr float padded_depth = 3.4028235e38f;
+__device__ inline float4 no_colour() { return make_float4(0, 0, 0, padded_depth); }
 
 /// Exponents and colours of queued splats.
 template <class Exponent>
@@ -126,7 +127,8 @@ struct LaneBlender {
 #pragma unroll
       for (unsigned k = 0; k < group_size; ++k)
         if (colours[k].w >= occluders[p]) alphas[p][k] = 0;
-      if (pixels[p].live() && colours[0].w >= occluders[p]) pixels[p].stop();
+      // Behind a group that is padding alone, others of this pixel's segment may still show something.
+      if (pixels[p].live() && colours[0].w >= occluders[p] && colours[0].w < padded_depth) pixels[p].stop();
     }
   }
 };

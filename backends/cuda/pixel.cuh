@@ -16,7 +16,7 @@ namespace swiftgs::kernels {
 struct PixelPlace {
   int x, y;
   bool inside;
-  float occluder;  ///< camera-space z of what hides the splats behind it
+  float occluder;  ///< depth of what hides the splats behind it
 
   __device__ PixelPlace(const FrameView& frame, int x_, int y_, bool extras)
       : x(x_), y(y_), inside(x_ < frame.width && y_ < frame.height), occluder(INFINITY) {

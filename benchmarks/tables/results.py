@@ -6,7 +6,7 @@ import math
 import os
 
 STAGES = ("project", "sort", "raster", "total", "wall")
-KEY = ("scene", "gaussians", "enlarge", "view", "scale", "conventions", "threads", "renderer")
+KEY = ("scene", "gaussians", "enlarge", "view", "scale", "conventions", "planes", "threads", "renderer")
 WORDS = ("scene", "view", "conventions", "renderer", "backend", "sort", "raster", "bounds")
 NUMBERS = ("gaussians", "enlarge", "width", "height", "scale", "threads", "frames")
 OPTIONAL = ("psnr_db", "ssim", "max_abs", "cut_psnr_db", "photo_psnr_db", "photo_ssim", "visible", "intersections",
@@ -59,6 +59,7 @@ class Row:
     host_bytes: float = None
     bytes: dict = None
     counted_ms: dict = None
+    planes: str = ""  #: beside colour; older files do not know others
 
     @property
     def key(self):
@@ -156,6 +157,9 @@ def read(path):
     """The Results in a file of `swiftgs bench`; InputError where it is no such file."""
     found = read_format(path, "swiftgs-bench", machine=dict, rows=list, scenes=list, views=list)
     check_rows(path, found["rows"], texts=WORDS, counts=NUMBERS, optional=OPTIONAL)
+    for n, row in enumerate(found["rows"]):
+        if not isinstance(row.get("planes", ""), str):
+            raise InputError(f"{path}: rows[{n}].planes: expected a string")
     for name in ("scenes", "views"):
         for n, entry in enumerate(found[name]):
             if not isinstance(entry, dict):
@@ -180,7 +184,7 @@ def read_row(path, n, row):
     if values["max_abs"] == 0 and values["psnr_db"] is None:
         values["psnr_db"] = math.inf
     return Row(**values, ms=read_durations(row.get("ms"), wrong), bytes=read_bytes(row.get("bytes"), wrong),
-               counted_ms=read_counted(row.get("counted_ms"), wrong))
+               counted_ms=read_counted(row.get("counted_ms"), wrong), planes=row.get("planes", ""))
 
 
 def read_bytes(found, wrong):

@@ -80,7 +80,7 @@ struct Plane {
   }
 };
 
-/// How values of a depth buffer stand for depths: value d for (p d + q) / (r d + s). Where that is no depth
+/// How values of a depth buffer stand for depths: value d for (p d + q) / (r d + s). Where r d + s is not
 /// above 0, as at the far end of an infinite projection, there is nothing. By default d is the depth itself.
 struct StoredDepth {
   double p = 1, q = 0, r = 0, s = 1;
@@ -96,9 +96,8 @@ struct StoredDepth {
 
   /// The depth that `value` stands for; infinite for nothing.
   SWIFTGS_HD float depth(float value) const {
-    if (p == 1 && q == 0 && r == 0 && s == 1) return value;
-    const float z = float((p * value + q) / (r * value + s));
-    return z > 0 ? z : INFINITY;
+    const double below = r * value + s;
+    return below > 0 ? float((p * value + q) / below) : INFINITY;
   }
 };
 

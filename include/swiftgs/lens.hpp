@@ -48,7 +48,7 @@ struct LensLimits {
   double fold_squared = INFINITY;
   /// The derivatives of a perspective lens are taken within these tangents.
   double least_u = -INFINITY, most_u = INFINITY, least_v = -INFINITY, most_v = INFINITY;
-  /// Those of an equirectangular lens are taken so far from its poles that 1 / sin(angle) is at most this.
+  /// Near the poles of an equirectangular lens, its derivatives take 1 / sin(angle to the pole) as this.
   double most_cosecant = INFINITY;
 };
 

@@ -69,6 +69,7 @@ SWIFTGS_HD inline float inverse_sqrt(float x) {
 #endif
 }
 
+/// The same in double. Of 0, of subnormal and of infinite numbers a device makes no number.
 SWIFTGS_HD inline double inverse_sqrt(double x) {
 #if defined(__CUDA_ARCH__)
   double y;
@@ -80,7 +81,7 @@ SWIFTGS_HD inline double inverse_sqrt(double x) {
 #endif
 }
 
-/// 1 / x for x that is neither 0, subnormal nor infinite, 2 units in the last place.
+/// 1 / x, 2 units in the last place. Of 0, of subnormal and of infinite numbers a device makes no number.
 SWIFTGS_HD inline double inverse(double x) {
 #if defined(__CUDA_ARCH__)
   double y;

@@ -150,7 +150,7 @@ SWIFTGS_HD SplatFactor factor(const ImageAxes<Real>& m, Real blur) {
   return out;
 }
 
-/// Splats within all three limits are factored in float. @see needs_double
+/// Splats within these limits are factored in float. @see needs_double
 inline constexpr float float_length_squared = 512;  ///< of a Gaussian seen from its side @units{pixels^2}
 inline constexpr float float_lengths_per_mean = 4;  ///< as much more for each pixel^2 of the mean
 inline constexpr float float_tangent_squared = 16;  ///< of the direction to the Gaussian, through a pinhole
@@ -180,8 +180,8 @@ SWIFTGS_HD inline bool needs_double(const LensSlopes<float>& by, vec3 scale, vec
   const float uu = dot(by.u, by.u), vv = dot(by.v, by.v);
   const vec3 across = cross(by.u, by.v);
   const float length = dot(scale, scale) * std::fma(by.x * by.x, uu, by.y * by.y * vv);
-  return !(length <= most_length_squared_in_float(mean) &&
-           dot(across, across) >= float_sine_squared * uu * vv);
+  const vec3 narrow = across * inverse_sqrt(vv);  // divided before it is squared, as in `factor`
+  return !(length <= most_length_squared_in_float(mean) && dot(narrow, narrow) >= float_sine_squared * uu);
 }
 
 /// `factor` in double, for the few splats that need it. Not inlined: it would cost the others registers.

@@ -62,7 +62,8 @@ TEST_CASE("bench: every combination has a row and every row what the schema says
       CHECK(ms.at("p10") <= ms.at("p90"));
     }
     CHECK(row.at("ms").at("total").at("median") <= row.at("ms").at("wall").at("high"));
-    check_members(row, R"({"batch": 1, "photo_psnr_db": null, "device_bytes": 0, "image": null})");
+    check_members(row,
+                  R"({"batch": 1, "planes": "", "photo_psnr_db": null, "device_bytes": 0, "image": null})");
     CHECK(row.at("frames").get<int>() >= 2);
     const bool cut = row.at("bounds") == "three-sigma-square";
     CHECK(row.at("cut_psnr_db").is_number() == cut);

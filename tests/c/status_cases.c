@@ -89,6 +89,15 @@ void test_structs(void) {
   const swiftgs_frame frame = make_frame(&views[0].view, 2);
   CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
   CHECK(memcmp(colours[0], colours[1], sizeof(colours[0])) == 0);
+  /* One of a program that is older than stored depths, and what lies behind it in memory. */
+  float again[3 * small_width * small_height];
+  views[0].view = make_view(&camera, again);
+  views[0].view.size = offsetof(swiftgs_view, stored_depth);
+  views[0].view.stored_depth = (swiftgs_stored_depth){NAN, NAN, NAN, NAN};
+  const swiftgs_frame alone = make_frame(&views[0].view, 1);
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &alone));
+  CHECK(memcmp(colours[0], again, sizeof(again)) == 0);
+  views[0].view.size = sizeof(views[0]), views[0].view.stored_depth = (swiftgs_stored_depth){0, 0, 0, 0};
   views[1].view.size = sizeof(swiftgs_view);
   CHECK_INVALID(swiftgs_renderer_render_into(renderer, &frame), "swiftgs_view: size of number 1 is");
   swiftgs_renderer_free(renderer);

@@ -116,7 +116,7 @@ Camera square_camera(int side) {
 /// Such an image before white, with depth where there are `extras`.
 AskedView square_view(int side, bool extras, const Conventions& conventions) {
   AskedView view{square_camera(side), conventions, vec3(1)};
-  view.depth = extras;
+  view.depth = view.occluder = extras;
   return view;
 }
 

@@ -46,7 +46,7 @@ constexpr Member members[] = {
     {"half_width", {5, 5}, {13, 13}},  // 4; 9
     {"depth", {1, 1}, {1, 1}}};        // 0; 0
 using Apart = std::array<double, std::size(members)>;
-/// The same through lenses, where the scalar form factors in double.
+/// The same through lenses.
 constexpr Apart through_lens = {1, 160, 160, 60, 160, 160, 160, 1};
 
 double apart(float a, float b, double scale = 0) {
@@ -140,7 +140,7 @@ TEST_CASE("cpu stages: every vector target projects to the scalar splats within 
 }
 
 TEST_CASE("cpu stages: every vector target projects needles through lenses as the scalar form does") {
-  // Long and thin, towards the camera as well; the scalar form projects all of them in double.
+  // Long and thin, towards the camera as well; some are factored in double.
   Scene scene = random_scene(20000, 0, 62);
   for (std::size_t i = 0; i < scene.size(); i += 3) scene.scales[i] *= vec3(1, 1, 300);
   Camera distorted = forward_camera(640, 480), fisheye = distorted, tele = distorted, panorama = distorted;

@@ -29,6 +29,11 @@ RenderSettings settings_with(vec3 background) {
   settings.background = background, settings.outputs = {true, true}, settings.count = true;
   return settings;
 }
+/// A device has other kernels for frames that are not counted.
+RenderSettings uncounted(RenderSettings settings) {
+  settings.count = false;
+  return settings;
+}
 /// Brighter than 8 bits hold, darker, and no part of the opacity.
 RenderSettings striking_background() { return settings_with(vec3(0.3f, 1.7f, -0.4f)); }
 
@@ -65,8 +70,12 @@ Frame render_before(R& renderer, const SceneView& scene, const Camera& camera,
   const auto depths = to_backend(backend, occluder);
   FrameView view = planes.view();
   view.occluder = {depths.data(), pitch * std::ptrdiff_t(sizeof(float))}, view.stored_depth = stored;
-  renderer.render_into(scene, camera, settings_with(vec3(0.1f, 0.2f, 0.3f)), view);
-  return planes.on_host(backend);
+  const RenderSettings settings = settings_with(vec3(0.1f, 0.2f, 0.3f));
+  renderer.render_into(scene, camera, uncounted(settings), view);
+  Frame frame = planes.on_host(backend);
+  renderer.render_into(scene, camera, settings, view);
+  CHECK(same_planes(planes.on_host(backend), frame));
+  return frame;
 }
 
 /// The same depth at all pixels.
@@ -236,6 +245,10 @@ TEST_CASE("frame: stored depths are those of OpenGL, Vulkan and Direct3D") {
   CHECK(StoredDepth::perspective(infinity, n).depth(not_a_number) == infinity);
   CHECK(StoredDepth::perspective(n, infinity).depth(1.5f) == infinity);  // behind infinity
   CHECK(StoredDepth().depth(-1) == -1);
+  CHECK(StoredDepth().depth(infinity) == infinity);
+  CHECK(StoredDepth().depth(not_a_number) == infinity);
+  CHECK(StoredDepth::orthographic(0, 2).depth(0) == 0);
+  CHECK(StoredDepth::orthographic(-10, 10).depth(0.25f) == -5);  // before all splats
 }
 
 SWIFTGS_CONTRACT("frame: a stored depth hides what the depth does that it stands for") {

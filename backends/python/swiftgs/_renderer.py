@@ -180,8 +180,8 @@ class Renderer:
         Without `out` the images are new arrays of NumPy, whatever the backend: of one image without an index of the
         image, of a sequence of cameras with it. `format` is "rgb", "rgba", "rgba-half" or "rgba8"; `alpha=True` and
         `depth=True` add planes, `colour=False` leaves colour out, and `background`, `conventions`, `occluder`,
-        `stored_depth` and `first_pixel` are those of `Frame`. With `out`, a frame of yours, all of that is the frame's, and the same
-        frame comes back.
+        `stored_depth` and `first_pixel` are those of `Frame`. With `out`, a frame of yours, all of that is the frame's,
+        and the same frame comes back.
 
         Frames on the host are complete when it returns. Those in arrays of a CUDA device are in the order of their
         library's stream. `times` and `counts` fill `self.times` and `self.statistics`.

@@ -241,10 +241,10 @@ void bench(const BenchOptions& options) {
   if (options.profile)
     return matrix.for_each_session(results, progress,
                                    [&](const Session& session) { profile(entries, session, progress); });
-  Runner runner(
-      entries,
-      {options.plan, judged_views(options.errors), options.images, options.json, std::size_t(options.batch)},
-      results, json, progress);
+  Runner runner(entries,
+                {options.plan, judged_views(options.errors), options.images, options.json,
+                 std::size_t(options.batch), options.planes},
+                results, json, progress);
   matrix.for_each_session(results, progress, [&](const Session& session) { runner.run(session); });
   runner.join();
   progress.clear();

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "json_text.hpp"
 #include "draw/renderer_words.hpp"
+#include "json_text.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -49,6 +49,7 @@ Json json_of(const RowResult& r) {
   const RendererWords words(r.renderer);
   json["backend"] = words.backend, json["sort"] = words.sort;
   json["raster"] = words.raster, json["bounds"] = words.bounds;
+  json["planes"] = r.planes;
   json["frames"] = r.frames;
   json["batch"] = r.batch;
   json["ms"] = {{"project", json_of(r.ms.project)},

@@ -76,6 +76,7 @@ struct RowResult {
   Place place;
   int threads = 0;
   std::string renderer;
+  std::string planes;  ///< beside colour, as `--planes` has them
   int frames = 0;
   std::size_t batch = 1;  ///< views of each frame; `ms` are its durations over their number
   Durations ms;
@@ -89,10 +90,10 @@ struct RowResult {
   std::string image, error_image;
 
   static auto members(auto& self) {
-    return std::tie(self.place, self.threads, self.renderer, self.frames, self.batch, self.ms, self.errors,
-                    self.photo, self.visible, self.intersections, self.contributing_pairs, self.segments,
-                    self.pixels_joined, self.longest_item, self.counted_ms, self.bytes, self.device_bytes,
-                    self.host_bytes, self.image, self.error_image);
+    return std::tie(self.place, self.threads, self.renderer, self.planes, self.frames, self.batch, self.ms,
+                    self.errors, self.photo, self.visible, self.intersections, self.contributing_pairs,
+                    self.segments, self.pixels_joined, self.longest_item, self.counted_ms, self.bytes,
+                    self.device_bytes, self.host_bytes, self.image, self.error_image);
   }
 };
 

@@ -141,7 +141,7 @@ RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subj
   RowResult row;
   row.place = place_of(session, view);
   row.threads = session.threads;
-  row.renderer = renderer.name();
+  row.renderer = renderer.name(), row.planes = options_.planes;
   row.frames = samples.frames();
   row.batch = options_.batch;
   row.ms = samples.summary();

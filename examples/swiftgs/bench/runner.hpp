@@ -14,10 +14,10 @@
 #include "bench/judge.hpp"
 #include "bench/measure.hpp"
 #include "bench/results.hpp"
-#include "progress.hpp"
-#include "result_file.hpp"
 #include "draw/team.hpp"
+#include "progress.hpp"
 #include "read/views.hpp"
+#include "result_file.hpp"
 
 namespace swiftgs::cli {
 
@@ -42,6 +42,7 @@ class Runner {
     std::filesystem::path images;  ///< folder for those of a session's first view; empty for none
     std::filesystem::path file;    ///< of the results, which image files are named from; empty for none
     std::size_t batch = 1;         ///< views of a frame that is timed
+    std::string planes{};          ///< of rows
   };
 
   /// `file` is written after every view.

@@ -132,7 +132,7 @@ typedef struct swiftgs_capacity {
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_reserve(swiftgs_renderer* renderer, const swiftgs_frame* frame,
                                                       const swiftgs_capacity* capacity);
 /// Sets the views that recorded frames draw, in stream order: as many as were reserved, of the same sizes and
-/// with the same planes.
+/// with the same planes; pinholes whose depth is z, if all that were reserved are.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_views(swiftgs_renderer* renderer,
                                                         const swiftgs_frame* frame);
 

@@ -68,7 +68,8 @@ typedef struct swiftgs_plane {
   int64_t pitch;  ///< from a row to the one below it in the image, negative where rows go up @units{bytes}
 } swiftgs_plane;
 
-/// How values of a depth buffer stand for depths: value d for (p d + q) / (r d + s). All 0: d is the depth.
+/// How values of a depth buffer stand for depths: value d for (p d + q) / (r d + s), or for nothing where
+/// r d + s is not above 0. All 0: d is the depth.
 typedef struct swiftgs_stored_depth {
   double p, q, r, s;
 } swiftgs_stored_depth;

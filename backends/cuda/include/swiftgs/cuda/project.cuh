@@ -89,8 +89,8 @@ struct SharedCamera {
 constexpr unsigned project_blocks(bool through_lens) { return through_lens ? 8 : 9; }
 
 /// Projects the Gaussians of one block in one view and appends the visible ones to those of the blocks before
-/// it. The blocks of some Gaussians for all views follow each other: they find them in the cache. Only with
-/// `through_lens` may a view be so.
+/// it. The blocks of some Gaussians for all views follow each other: they find them in the cache. Without
+/// `through_lens` all views are pinholes whose depth is z.
 template <class Bounds, class ViewSource, bool through_lens>
 __global__ void __launch_bounds__(project_threads, project_blocks(through_lens))
     project(const __grid_constant__ ViewSource views, const __grid_constant__ SceneView scene,
