@@ -15,6 +15,7 @@ import unittest
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import rivals_figure  # noqa: E402
 import synthetic  # noqa: E402
 import synthetic_folder  # noqa: E402
 import update_tables  # noqa: E402
@@ -23,7 +24,7 @@ from tables.frames import OURS  # noqa: E402
 from tables.results import OPTIONAL, STAGES, Duration, InputError, Results  # noqa: E402
 from tables.source import MACHINES, RESULTS, Source, backend, family  # noqa: E402
 
-COPIED = ("*.csv", "ulps.json", "formats.json", "python.json", "beside-gsplat.json")
+COPIED = ("*.csv", "ulps.json", "formats.json", "python.json", "beside-gsplat.json", "rivals.json")
 PROGRAM = HERE.parent / "update_tables.py"
 ROOT = HERE.parent.parent
 
@@ -441,19 +442,49 @@ class Tables(unittest.TestCase):
         folder.mkdir(parents=True)
         ms = {"swiftgs": 1, "swiftgs, matrices on the host": 0.9, "swiftgs, scene kept": 0.5, "gsplat": 2,
               "gsplat, not packed": 1.5}
-        row = {"scene": "fox", "gaussians": 5000, "views": 2, "ms": ms, "between_db": [106.0, 99.5]}
+        row = {"scene": "fox", "gaussians": 5000, "camera_model": "pinhole", "views": 2, "ms": ms,
+               "between_db": [106.0, 99.5]}
         good = {"format": "swiftgs-beside-gsplat", "version": 1, "rows": [row]}
         page = "<!-- table: beside-gsplat gpu -->\n<!-- end -->\n"
         synthetic_folder.synthetic.write(folder / "beside-gsplat.json", good)
         code, text, _, error = self.update(page, results=folder.parent)
         self.assertEqual((code, error), (0, ""))
-        self.assertIn("| fox, 5,000 | 2 | 1.00 | 0.900 | 0.500 | 2.00 | 1.50 | 99.5 |", text)
+        self.assertIn("| fox, 5,000 | pinhole | 2 | 1.00 | 0.900 | 2.00 | 1.50 | 0.500 | 99.5 |", text)
         for broken, message in (({"rows": [{**row, "ms": {}}]}, "swiftgs: expected a number"),
                                 ({"rows": [{**row, "between_db": []}]}, "a list between_db that is not empty")):
             synthetic_folder.synthetic.write(folder / "beside-gsplat.json", {**good, **broken})
             code, text, _, error = self.update(page, results=folder.parent)
             self.assertEqual((code, text), (2, page))
             self.assertIn(message, error)
+
+    def test_rivals_count_by_their_fastest_call_and_worst_view(self):
+        folder = self.place / "rivals" / "gpu"
+        folder.mkdir(parents=True)
+        ms = {"gsplat": 3, "gsplat, not packed": 2, "HiGS, tiles of 8": 0.5, "HiGS, tiles of 16": 0.6, "SwiftGS": 0.4}
+        errors = {call: {"psnr_db": 90 - 10 * ms[call]} for call in ms}
+        row = {"scene": "fox", "gaussians": 200_000, "size": [640, 480], "ms": ms}
+        worse = {call: {"psnr_db": errors[call]["psnr_db"] - 20} for call in ms}
+        good = {"format": "swiftgs-rivals", "version": 1,
+                "machine": {"gpu": "a GPU", "date": "2026-11-21", "commit": 40 * "0"},
+                "rows": [row, {**row, "errors": errors}, {**row, "errors": worse}]}
+        page = "<!-- table: rivals gpu -->\n<!-- end -->\n"
+        synthetic_folder.synthetic.write(folder / "rivals.json", good)
+        code, text, _, error = self.update(page, results=folder.parent)
+        self.assertEqual((code, error), (0, ""))
+        for line in ("| gsplat | 2.00 | 50.0 |", "| HiGS | 0.500 | 65.0 |", "| **SwiftGS** | 0.400 | 66.0 |"):
+            self.assertIn(line, text)
+        self.assertIn("3 views of fox (0.2 M Gaussians, 640x480)", text)
+        self.assertIn("the worst of 2 views", text.replace("\n", " "))
+        for broken, message in (({"ms": {}}, "gsplat: expected a number"), ({"errors": {}}, "expected an object"),
+                                ({"errors": []}, "expected objects ms and errors")):
+            synthetic_folder.synthetic.write(folder / "rivals.json", {**good, "rows": [{**row, **broken}]})
+            code, text, _, error = self.update(page, results=folder.parent)
+            self.assertEqual((code, text), (2, page))
+            self.assertIn(message, error)
+
+    def test_the_figure_of_rivals_shows_the_results(self):
+        figure = ROOT / "docs/images/rivals.svg"
+        self.assertEqual(figure.read_text(encoding="utf-8"), rivals_figure.draw(rivals_figure.found_in(Source())))
 
     def test_files_of_one_run_stand_in_one_row(self):
         self.assertEqual(cells(self.table("files gpu"), "`matrix.json`, `pruned.json`, `scaling-*.json`, `vanilla.json`")[1:],

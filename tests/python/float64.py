@@ -3,13 +3,21 @@
 
 It is written from docs/conventions.md, apart from the library's own reference, and slow.
 """
+import collections
+import concurrent.futures
+import os
+
 import numpy as np
 
 # What rounding alone changes of a pixel stays below this. More of it is a decision of float32 that falls out the other
 # way: whether a splat reaches ALPHA_MIN, or transmittance STOP.
 DECIDED = 1e-5
 
-NEAR, BLUR, ALPHA_MIN, ALPHA_MAX, STOP, MARGIN, TILE = 0.01, 0.3, 1 / 255, 0.99, 1e-4, 0.3, 16
+NEAR, BLUR, ALPHA_MIN, STOP, MARGIN, TILE = 0.01, 0.3, 1 / 255, 1e-4, 0.3, 16
+
+# How renderers blend otherwise: the largest alpha, and whether the splat is drawn that takes transmittance below STOP.
+Rules = collections.namedtuple("Rules", "alpha_max draws_last")
+GSPLAT, UNCLAMPED = RULES = Rules(0.99, False), Rules(1, True)
 
 
 def distance(found, wanted):
@@ -73,8 +81,9 @@ def shown_tangents(K, width, height, lens):
     return found.min(axis=0), found.max(axis=0)
 
 
-def render(means, quats, scales, opacities, sh, viewmat, K, width, height, lens=None):
-    """[height, width, 3] in float64, on black. `lens` are arguments of `plane`."""
+def render(means, quats, scales, opacities, sh, viewmat, K, width, height, lens=None, rules=(GSPLAT,)):
+    """[height, width, 3] in float64, on black, or one such image for each of several rules. `lens` are arguments of
+    `plane`."""
     means, quats, scales, opacities, sh, viewmat, K = (
         np.asarray(a, np.float64) for a in (means, quats, scales, opacities, sh, viewmat, K))
     turn, move = viewmat[:3, :3], viewmat[:3, 3]
@@ -118,30 +127,38 @@ def render(means, quats, scales, opacities, sh, viewmat, K, width, height, lens=
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     colour = np.maximum((basis(direction)[:, :sh.shape[1], None] * sh).sum(axis=1) + 0.5, 0)
     order = np.argsort(depth.astype(np.float32), kind="stable")
+    a, b, c, determinant, opacities, colour, centre = (
+        each[order] for each in (a, b, c, determinant, opacities, colour, centre))
     reach = np.sqrt(2 * np.log(opacities / ALPHA_MIN))
     extent = np.stack([reach * np.sqrt(a), reach * np.sqrt(c)], axis=-1)
 
-    image = np.zeros((height, width, 3))
-    for top in range(0, height, TILE):
-        row = order[(centre[order, 1] + extent[order, 1] >= top) & (centre[order, 1] - extent[order, 1] <= top + TILE)]
+    def band(top):
+        pixels = np.zeros((len(rules), min(TILE, height - top), width, 3))
+        row = np.flatnonzero((centre[:, 1] + extent[:, 1] >= top) & (centre[:, 1] - extent[:, 1] <= top + TILE))
         for left in range(0, width, TILE):
             here = row[(centre[row, 0] + extent[row, 0] >= left) & (centre[row, 0] - extent[row, 0] <= left + TILE)]
             ys, xs = np.mgrid[top:min(top + TILE, height), left:min(left + TILE, width)] + 0.5
             dx, dy = xs.reshape(-1, 1) - centre[here, 0], ys.reshape(-1, 1) - centre[here, 1]
             sigma = (c[here] * dx * dx + a[here] * dy * dy - 2 * b[here] * dx * dy) / (2 * determinant[here])
-            alpha = np.minimum(ALPHA_MAX, opacities[here] * np.exp(-sigma))
+            alpha = opacities[here] * np.exp(-sigma)
             alpha[alpha < ALPHA_MIN] = 0
-            left_over = np.cumprod(1 - alpha, axis=1)
-            before = np.concatenate([np.ones((len(left_over), 1)), left_over[:, :-1]], axis=1)
-            drawn = np.where(left_over > STOP, alpha * before, 0)  # left_over falls, so that nothing comes behind
-            image[top:top + TILE, left:left + TILE] = (drawn @ colour[here]).reshape(*xs.shape, 3)
-    return image
+            for image, (alpha_max, draws_last) in zip(pixels, rules):
+                alphas = np.minimum(alpha_max, alpha)
+                after = np.cumprod(1 - alphas, axis=1)
+                before = np.concatenate([np.ones((len(after), 1)), after[:, :-1]], axis=1)
+                drawn = before >= STOP if draws_last else after > STOP  # both fall, so that nothing comes behind
+                image[:, left:left + TILE] = (np.where(drawn, alphas * before, 0) @ colour[here]).reshape(*xs.shape, 3)
+        return pixels
+
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        images = np.concatenate(list(pool.map(band, range(0, height, TILE))), axis=1)
+    return images if len(rules) > 1 else images[0]
 
 
-def render_first(arguments):
+def render_first(arguments, **options):
     """The first view of what `rasterization` is given: the same floats, so that rounding them is nobody's error."""
     names = ("means", "quats", "scales", "opacities", "colors", "viewmats", "Ks")
     means, quats, scales, opacities, sh, viewmats, matrices = (
         arguments[name].cpu().numpy() if hasattr(arguments[name], "cpu") else arguments[name] for name in names)
     return render(means, quats, scales, opacities, sh, viewmats[0], matrices[0], arguments["width"],
-                  arguments["height"])
+                  arguments["height"], **options)

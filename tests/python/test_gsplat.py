@@ -37,9 +37,12 @@ def case(request):
 @torch.no_grad()
 @pytest.mark.parametrize("options", [
     {}, {"packed": False}, {"rasterize_mode": "antialiased"}, {"eps2d": 0.1}, {"near_plane": 1.0},
-    {"render_mode": "RGB+ED"}, {"render_mode": "ED", "colors": None, "sh_degree": None}, {"sh_degree": 1}], ids=str)
+    {"render_mode": "RGB+ED"}, {"render_mode": "ED", "colors": None, "sh_degree": None}, {"sh_degree": 1},
+    {"camera_model": "fisheye"}, {"camera_model": "ortho"}], ids=str)
 def test_images_are_those_of_gsplat(case, options):
     arguments, _ = case
+    if options.get("camera_model") == "ortho":  # focal lengths become pixels per unit of the scene
+        arguments["Ks"][:, :2, :2] /= 4
     ours, our_alphas, _ = swiftgs.rasterization(**{**arguments, **options})
     theirs, their_alphas, _ = gsplat.rasterization(**{**arguments, **options})
     assert ours.shape == theirs.shape and our_alphas.shape == their_alphas.shape and ours.dtype == theirs.dtype
