@@ -5,17 +5,18 @@
 model.py FRAMES.jsonl
 
 FRAMES.jsonl holds lines of frames_over_ranks. For each scene, image size and carrier that was measured on one rank and
-on two, prints what the model expects of 4 and 8 GPUs of one machine, and of as many on two machines with 100 and
-400 Gb/s between them. Of several such runs it takes the quickest.
+on two, prints what the model expects of 4 GPUs from both, beside what was measured of them; and of 8, on one machine
+and on two with 100 and 400 Gb/s between them, from one rank and the most that were measured. Of several runs of the
+same it takes the quickest.
 
-The model:
-- projection takes P / N, and what two ranks took beyond P / 2 to share splats out and to learn the numbers,
-- a strip takes a + b / N; both numbers follow from one rank and two,
-- each border between strips is crossed by as many splats as the one of two strips; D = V (1 + (N - 1) q) are drawn,
-- of those, (N - 1) / N times what two ranks measured go to another rank, 52 bytes each,
-- an exchange takes c + bytes / r for the rank that sends most; both numbers follow from the two-rank runs of a carrier
-  that sent least and most, and c is 0 where one run is all there is,
-- between machines the link carries what ranks of one send to the other, all through one link, after that,
+The model, of N ranks, from runs on one and on M:
+- projection takes P / N, and what M ranks took beyond P / M to share splats out and to learn the numbers,
+- a strip takes a + b / N; both numbers follow from one rank and M,
+- the rank that sends most sends all that it sees, 52 bytes a splat, and sees M / N of what the one of M that saw most
+  did: Gaussians beside each other in a file are beside each other in the image, elsewhere than the rank's strip,
+- an exchange takes c + bytes / r for that rank; both numbers follow from the runs of a carrier on M ranks that sent
+  least and most, and c is 0 where one run is all there is,
+- between two machines the link then carries what the rank of two that sent most did,
 - images stay with their strips.
 """
 import json
@@ -28,18 +29,14 @@ def slowest(line, what):
     return max(rank[what] for rank in line["ranks"])
 
 
-def sum_of(line, what):
-    return sum(rank[what] for rank in line["ranks"])
-
-
-def shrinking(one, two):
+def shrinking(one, more, ranks):
     """a + b / N through both, with neither below 0."""
-    b = min(max(2 * (one - two), 0), one)
+    b = min(max((one - more) * ranks / (ranks - 1), 0), one)
     return lambda n: one - b + b / n
 
 
 class Carrier:
-    """How long an exchange takes, from all runs on two ranks."""
+    """How long an exchange takes, from all runs on as many ranks."""
 
     def __init__(self, runs):
         def point(line):
@@ -55,28 +52,24 @@ class Carrier:
 
 
 class Model:
-    def __init__(self, one, two, carrier):
-        projection = slowest(one, "project_ms")
-        sharing = max(slowest(two, "project_ms") - projection / 2, 0)
+    """Of more ranks than `base`, a run on two or more by `carrier`."""
+
+    def __init__(self, one, two, base, carrier):
+        ranks, projection = len(base["ranks"]), slowest(one, "project_ms")
+        sharing = max(slowest(base, "project_ms") - projection / ranks, 0)
         self.project = lambda n: projection / n + sharing
-        self.strip = shrinking(slowest(one, "strip_ms"), slowest(two, "strip_ms"))
-        self.visible = sum_of(one, "drawn")
-        self.crossing = max(sum_of(two, "drawn") / max(self.visible, 1) - 1, 0)
-        self.away = sum_of(two, "sent") / max(sum_of(two, "drawn") / 2, 1)
-        self.uneven = slowest(two, "sent") / max(sum_of(two, "sent") / 2, 1)
+        self.strip = shrinking(slowest(one, "strip_ms"), slowest(base, "strip_ms"), ranks)
+        self.seen = slowest(base, "visible") * ranks
+        self.between_machines = BYTES * slowest(two, "sent")
         self.carrier = carrier
 
     def sent_bytes(self, n):
         """Of the rank that sends most."""
-        drawn = self.visible * (1 + (n - 1) * self.crossing)
-        return BYTES * self.away * drawn * (n - 1) / n / n * self.uneven
+        return BYTES * self.seen / n
 
     def ms(self, n, gigabits=None):
-        exchange = self.carrier.ms(self.sent_bytes(n)) if n > 1 else 0
-        if gigabits:
-            to_other_machine = self.sent_bytes(n) * (n / 2) / (n - 1)
-            exchange += n / 2 * to_other_machine / (gigabits * 1e9 / 8 / 1e3)
-        return self.project(n) + self.strip(n) + exchange
+        between = self.between_machines / (gigabits * 1e9 / 8 / 1e3) if gigabits else 0
+        return self.project(n) + self.strip(n) + self.carrier.ms(self.sent_bytes(n)) + between
 
 
 def quickest_runs(lines):
@@ -93,25 +86,27 @@ def quickest_runs(lines):
 def main():
     with open(sys.argv[1], encoding="utf-8") as lines:
         measured = quickest_runs(json.loads(text) for text in lines)
-    on_two = {}
+    runs_of = {}  # of a carrier on a number of ranks
     for carriers in measured.values():
         for carrier, runs in carriers.items():
-            if carrier and 2 in runs:
-                on_two.setdefault(carrier, []).append(runs[2])
-    print("Computed by a model from measurements on one rank and on two.\n")
-    print("| scene | size | by | 1, measured | 2, measured | 4 | 8 | 2 x 4, 100 Gb/s | 2 x 4, 400 Gb/s "
-          "| MB a rank of 8 |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+            for ranks, run in runs.items():
+                runs_of.setdefault((carrier, ranks), []).append(run)
+    print("Computed by a model from measurements, but for what is measured.\n")
+    print("| scene | size | by | 1, measured | 2, measured | 4, by the model | 4, measured | 8 | 2 x 4, 100 Gb/s "
+          "| 2 x 4, 400 Gb/s | MB of most of 8 |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     for (scene, width, height), carriers in measured.items():
         one = carriers.get("", {}).get(1)
         for carrier, runs in carriers.items():
             if not one or 2 not in runs:
                 continue
-            model = Model(one, runs[2], Carrier(on_two[carrier]))
-            name = scene.rsplit("/", 1)[-1]
-            times = [one["ms"], runs[2]["ms"], model.ms(4), model.ms(8), model.ms(8, 100), model.ms(8, 400)]
-            cells = [f"{ms:.2f} ms" for ms in times] + [f"{model.sent_bytes(8) / 1e6:.1f}"]
-            print(f"| {name} | {width}x{height} | {carrier} | " + " | ".join(cells) + " |")
+            of_two, of_most = (Model(one, runs[2], runs[ranks], Carrier(runs_of[carrier, ranks]))
+                               for ranks in (2, 4 if 4 in runs else 2))
+            times = [one["ms"], runs[2]["ms"], of_two.ms(4), runs[4]["ms"] if 4 in runs else None, of_most.ms(8),
+                     of_most.ms(8, 100), of_most.ms(8, 400)]
+            cells = [scene.rsplit("/", 1)[-1], f"{width}x{height}", carrier]
+            cells += ["-" if ms is None else f"{ms:.2f} ms" for ms in times] + [f"{of_most.sent_bytes(8) / 1e6:.1f}"]
+            print("| " + " | ".join(cells) + " |")
 
 
 if __name__ == "__main__":

@@ -33,31 +33,36 @@ class Model(unittest.TestCase):
         lines = [line("a", 1, 1000, 0, 1.0, 2.0), line("a", 2, 1000, 250, 0.6, 1.25),
                  line("b", 1, 10**8, 0, 1.0, 2.0), line("b", 2, 10**8, 25 * 10**6, 0.6, 1.25)]
         row = self.rows(lines)[0]
-        self.assertEqual(row[3:7], ["3.00 ms", "1.95 ms", f"{0.35 + 0.875 + LATENCY:.2f} ms",
+        self.assertEqual(row[3:8], ["3.00 ms", "1.95 ms", f"{0.35 + 0.875 + LATENCY:.2f} ms", "-",
                                     f"{0.225 + 0.6875 + LATENCY:.2f} ms"])
 
     def test_messages_take_what_carried_as_many_bytes(self):
         lines = [line("a", 1, 1000, 0, 0.0, 3.0), line("a", 2, 1000, 250, 0.0, 3.0),
                  line("b", 1, 10**8, 0, 0.0, 3.0), line("b", 2, 10**8, 25 * 10**6, 0.0, 3.0)]
         row = self.rows(lines)[1]
-        sent = 52 * 10**8 * 7 / 64  # half of 10^8 / 2 went away on two ranks; of 8, each draws an eighth and keeps one
-        sent *= 25 * 10**6 * 2 / (10**8 / 2)
+        sent = 52 * 10**8 / 8
         self.assertEqual(row[-1], f"{sent / 1e6:.1f}")
-        self.assertEqual(row[6], f"{3 + LATENCY + sent * MS_PER_BYTE:.2f} ms")
-        # Four ranks of a machine send four sevenths of that to the other, through one link of 100 or 400 Gb/s.
-        between = 4 * sent * 4 / 7 / 12.5e6
-        self.assertEqual(row[7:9], [f"{3 + LATENCY + sent * MS_PER_BYTE + share * between:.2f} ms"
-                                    for share in (1, 0.25)])
+        self.assertEqual(row[7], f"{3 + LATENCY + sent * MS_PER_BYTE:.2f} ms")
+        # A machine sends the other what a rank of two did, through one link of 100 or 400 Gb/s.
+        between = 52 * 25 * 10**6 / 12.5e6
+        self.assertEqual(row[8:10], [f"{3 + LATENCY + sent * MS_PER_BYTE + share * between:.2f} ms"
+                                     for share in (1, 0.25)])
 
-    def test_the_rank_that_sends_most_and_splats_of_two_strips_count(self):
+    def test_the_rank_that_sees_most_sends_all_of_it_and_the_one_that_sends_most_fills_the_link(self):
         two = line("a", 2, 10**8, 20 * 10**6, 0.0, 3.0)
-        # One rank sends twice as much as the other, and a tenth of the splats is drawn by both.
-        two["ranks"] = [{**two["ranks"][0], "sent": 20 * 10**6, "drawn": 55 * 10**6},
-                        {**two["ranks"][0], "sent": 10 * 10**6, "drawn": 55 * 10**6}]
+        two["ranks"] = [{**two["ranks"][0], "visible": 40 * 10**6},
+                        {**two["ranks"][0], "visible": 60 * 10**6, "sent": 10 * 10**6}]
         row = self.rows([line("a", 1, 10**8, 0, 0.0, 3.0), two])[0]
-        away = 30e6 / 55e6
-        drawn = 10**8 * (1 + 7 * 0.1)
-        self.assertEqual(row[-1], f"{52 * away * drawn * 7 / 64 * 4 / 3 / 1e6:.1f}")
+        self.assertEqual(row[-1], f"{52 * 60e6 * 2 / 8 / 1e6:.1f}")
+        self.assertAlmostEqual(float(row[8].split()[0]) - float(row[7].split()[0]), 52 * 20e6 / 12.5e6, delta=0.02)
+
+    def test_eight_follow_from_four_where_four_were_measured(self):
+        lines = [line("a", 1, 1000, 0, 1.0, 2.0), line("a", 2, 1000, 250, 0.6, 1.25),
+                 line("a", 4, 1000, 200, 0.453, 0.5), line("b", 4, 10**8, 25 * 10**6, 0.453, 0.5)]
+        row = self.rows(lines)[0]
+        # Sharing takes 0.203, and a strip 2 / N.
+        self.assertEqual(row[5:8], [f"{0.35 + 0.875 + LATENCY:.2f} ms", f"{0.453 + 0.5 + LATENCY:.2f} ms",
+                                    f"{0.125 + 0.203 + 0.25 + LATENCY:.2f} ms"])
 
     def test_the_quickest_of_several_runs_counts_and_runs_on_one_rank_must_be_there(self):
         slow = line("a", 2, 1000, 250, 0.6, 1.25, ms=99.0)
