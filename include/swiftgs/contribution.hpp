@@ -169,7 +169,7 @@ class Contributions {
                 std::make_unique<SortStageOf<B, EarlySort, Ellipse>>()),
         scene_(stages_.backend().upload(scene)),
         colours_may_overflow_(colours_may_overflow(*scene)) {
-    use_memory_of(stages_.backend(), sums_);
+    use_memory_of(stages_.backend(), sums_, views_);
     const std::size_t n = scene_.view().size(), most = std::numeric_limits<std::uint32_t>::max();
     if (n > most) throw CapacityError("Gaussians", n, most);
     sums_.reset(n);
@@ -186,10 +186,7 @@ class Contributions {
       throw CapacityError("pixels of all views", pixels, max_contribution_pixels);
 
     check_ready(stages_.backend());
-    const Span<const View> parts = parts_.of({&view, 1});
-    numbered_.assign(parts.begin(), parts.end());
-    number_tiles({numbered_.data(), numbered_.size()});
-    const FramePlan plan(Views(numbered_.data(), numbered_.size()), scene_.view());
+    const FramePlan plan(store_views(stages_.backend(), parts_.of({&view, 1}), views_), scene_.view());
     const bool shaded = colours_may_overflow_ || centre_is_extreme(view.camera);
     const auto add = [&](const RasterJob& job) { add_contributions(stages_.backend(), {job, sums_.data()}); };
     stages_.run(plan, shaded, add, [](std::size_t) {});
@@ -217,7 +214,7 @@ class Contributions {
   typename B::SceneOn scene_;
   bool colours_may_overflow_;
   PanoramaParts parts_;
-  std::vector<View> numbered_;
+  ViewStorage<B> views_;
   typename B::template Buffer<std::uint64_t> sums_;
   std::uint64_t pixels_ = 0;
 };
