@@ -230,7 +230,7 @@ HWY_INLINE Mask NeedsDouble(const Row& u, const Row& v, const Vec3& scale, Vec m
                          hn::Ge(Dot(narrow, narrow), hn::Mul(hn::Set(d, float_sine_squared), uu))));
 }
 
-/// The derivatives by the world of what has these by camera space.
+/// Turns derivatives by camera space into derivatives by the world.
 HWY_INLINE Row ByWorld(const ViewConstants& v, const Row& by_camera) {
   const F32 d;
   const Vec3& by = by_camera.direction;

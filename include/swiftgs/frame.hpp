@@ -96,6 +96,7 @@ struct StoredDepth {
 
   /// The depth that `value` stands for; infinite for nothing.
   SWIFTGS_HD float depth(float value) const {
+    if (p == 1 && q == 0 && r == 0 && s == 1) return value;  // -infinity and NaN too
     const double below = r * value + s;
     return below > 0 ? float((p * value + q) / below) : INFINITY;
   }
