@@ -85,14 +85,12 @@ struct Plane {
 struct StoredDepth {
   double p = 1, q = 0, r = 0, s = 1;
 
-  /// Of a perspective projection of OpenGL (its window depth), Vulkan or Direct3D: the depths at the values 0
-  /// and 1, usually those of the near and the far plane, either of which may be infinite. With reversed depth
-  /// the far plane has the value 0.
+  /// Of a perspective projection of OpenGL (its window depth), Vulkan or Direct3D, by the depths at the
+  /// values 0 and 1: those of the near and the far plane, or of the far and the near one if depth is
+  /// reversed. Either may be infinite.
   static StoredDepth perspective(double at_0, double at_1) { return {0, 1, 1 / at_1 - 1 / at_0, 1 / at_0}; }
   /// Of an orthographic projection.
   static StoredDepth orthographic(double at_0, double at_1) { return {at_1 - at_0, at_0, 0, 1}; }
-
-  bool operator==(const StoredDepth&) const = default;
 
   /// The depth that `value` stands for; infinite for nothing.
   SWIFTGS_HD float depth(float value) const {

@@ -252,7 +252,7 @@ TEST_CASE("frame: stored depths are those of OpenGL, Vulkan and Direct3D") {
   CHECK(StoredDepth::orthographic(-10, 10).depth(0.25f) == -5);  // before all splats
 }
 
-SWIFTGS_CONTRACT("frame: a stored depth hides what the depth does that it stands for") {
+SWIFTGS_CONTRACT("frame: a depth buffer hides the same splats as its depths") {
   const int width = 53, height = 37;
   const Camera camera = forward_camera(width, height);
   const Scene all = random_scene(800, 0, 10);
