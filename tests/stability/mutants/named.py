@@ -36,8 +36,7 @@ NAMED = [
            "const double x = v.fx * seen.u + v.cx;", test=CHUNKS),
     # Vectors of the Cpu.
     Mutant("cpu project: needles through lenses in float", "backends/cpu/project.cpp",
-           "hn::Le(length, most), hn::Ge(Dot(across, across), parallel)",
-           "hn::Eq(length, length), hn::Ge(Dot(across, across), parallel)", test=CPU),
+           "hn::Le(length, MostLengthInFloat(mean_x, mean_y))", "hn::Eq(length, length)", test=CPU),
     Mutant("cpu project: angles of 1e-7", "backends/cpu/doubles-inl.hpp", "return hn::CopySign(turn.v, y.v);",
            "return hn::CopySign((turn * (1 + 1e-7)).v, y.v);", test=CPU),
     # Edits.
