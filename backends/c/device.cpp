@@ -96,9 +96,11 @@ class CudaFrames final : public HostFrames {
   void each_plane(const F& f) {
     for (View& view : views_) {
       FrameView& frame = view.frame;
-      if (frame.colour.data) f(frame.colour, bytes_per_pixel(frame.format), frame, frame.over, true);
-      if (frame.alpha.data) f(frame.alpha, sizeof(float), frame, false, true);
-      if (frame.depth.data) f(frame.depth, sizeof(float), frame, false, true);
+      for_each_plane(
+          [&](std::size_t, auto& plane, std::size_t pixel, bool is_read) {
+            if (plane.data) f(plane, pixel, frame, is_read, true);
+          },
+          frame, frame.pixel_bytes(), PerPlane<bool>{.colour = frame.over});
       if (frame.occluder.data) f(frame.occluder, sizeof(float), frame, true, false);
     }
   }

@@ -16,6 +16,7 @@
 
 #include "error.hpp"
 #include "structs.hpp"
+#include "view.hpp"
 
 struct swiftgs_picture {
   swiftgs::Image image;
@@ -33,12 +34,9 @@ Writer writer_of(std::string_view path) {
   throw std::invalid_argument(std::string(path) + ": expected a name that ends in .png, .pfm or .exr");
 }
 
-Plane<float> to_plane(const swiftgs_plane& from) {
-  return {static_cast<float*>(from.data), std::ptrdiff_t(from.pitch)};
-}
-
-/// The rows of `plane`, one behind the other.
-void copy(const Plane<float>& plane, std::size_t row, std::size_t rows, std::vector<float>& to) {
+/// The rows of a plane, one behind the other.
+void copy(const swiftgs_plane& from, std::size_t row, std::size_t rows, std::vector<float>& to) {
+  const auto plane = to_plane<const float>(from);
   if (!plane.data) return;
   to.resize(row * rows);
   for (std::size_t y = 0; y < rows; ++y) std::memcpy(&to[y * row], plane.row(y), row * sizeof(float));
@@ -48,14 +46,15 @@ Frame to_frame(const swiftgs_image& from) {
   require_zero(from.reserved, "swiftgs_image");
   require_pointer(from.colour.data, "swiftgs_image: colour");
   FrameView view{.width = from.width, .height = from.height};
-  view.colour = {from.colour.data, std::ptrdiff_t(from.colour.pitch)};
-  view.alpha = to_plane(from.alpha), view.depth = to_plane(from.depth);
+  set_planes(view, from);
   validate(view);
-  Frame frame{.width = from.width, .height = from.height, .colour = {}, .alpha = {}, .depth = {}};
-  const auto width = std::size_t(from.width), height = std::size_t(from.height);
-  copy(to_plane(from.colour), 3 * width, height, frame.colour);
-  copy(view.alpha, width, height, frame.alpha);
-  copy(view.depth, width, height, frame.depth);
+  Frame frame;
+  frame.width = from.width, frame.height = from.height;
+  for_each_plane(
+      [&](std::size_t channels, const swiftgs_plane& plane, std::vector<float>& to) {
+        copy(plane, channels * std::size_t(from.width), std::size_t(from.height), to);
+      },
+      from, frame);
   return frame;
 }
 

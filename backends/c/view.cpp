@@ -56,11 +56,6 @@ Conventions to_conventions(const swiftgs_conventions* given) {
   return to;
 }
 
-template <class T>
-Plane<T> to_plane(const swiftgs_plane& from) {
-  return {static_cast<T*>(from.data), std::ptrdiff_t(from.pitch)};
-}
-
 View to_view(const swiftgs_view& from) {
   require_choice(from.format, 4, "swiftgs_view: format");
   require_pointer(from.camera, "swiftgs_view: camera");
@@ -68,8 +63,8 @@ View to_view(const swiftgs_view& from) {
   FrameView frame;
   frame.width = from.width != 0 ? from.width : camera.width;
   frame.height = from.height != 0 ? from.height : camera.height;
-  frame.colour = to_plane<void>(from.colour), frame.format = PixelFormat(from.format);
-  frame.alpha = to_plane<float>(from.alpha), frame.depth = to_plane<float>(from.depth);
+  frame.format = PixelFormat(from.format);
+  set_planes(frame, from);
   frame.occluder = to_plane<const float>(from.occluder);
   if (const auto& by = from.stored_depth; by.p != 0 || by.q != 0 || by.r != 0 || by.s != 0)
     frame.stored_depth = {by.p, by.q, by.r, by.s};

@@ -126,19 +126,17 @@ void write_exr(const std::filesystem::path& path, const Frame& frame) {
   io::expect_colour(frame);
   Imf::Header header(frame.width, frame.height);
   Imf::FrameBuffer source;
-  const auto add = [&](const char* name, const std::vector<float>& values, std::size_t channel,
-                       std::size_t stride) {
-    header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-    // OpenEXR's slices are mutable even where it only reads.
-    char* base = reinterpret_cast<char*>(const_cast<float*>(values.data() + channel));
-    const std::size_t x_stride = stride * sizeof(float);
-    source.insert(name, Imf::Slice(Imf::FLOAT, base, x_stride, x_stride * std::size_t(frame.width)));
+  const auto add = [&](std::size_t channels, const std::vector<float>& values, std::string_view names) {
+    for (std::size_t c = 0; values.size() == channels * frame.pixels() && c < channels; ++c) {
+      const std::string name(1, names[c]);
+      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+      // OpenEXR's slices are mutable even where it only reads.
+      char* base = reinterpret_cast<char*>(const_cast<float*>(values.data() + c));
+      const std::size_t stride = channels * sizeof(float);
+      source.insert(name, Imf::Slice(Imf::FLOAT, base, stride, stride * std::size_t(frame.width)));
+    }
   };
-  add("R", frame.colour, 0, 3);
-  add("G", frame.colour, 1, 3);
-  add("B", frame.colour, 2, 3);
-  if (frame.alpha.size() == frame.pixels()) add("A", frame.alpha, 0, 1);
-  if (frame.depth.size() == frame.pixels()) add("Z", frame.depth, 0, 1);
+  for_each_plane(add, frame, PerPlane<std::string_view>{"RGB", "A", "Z"});
   io::MemoryOutput encoded;
   try {
     Imf::OutputFile file(encoded, header);

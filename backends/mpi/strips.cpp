@@ -70,7 +70,7 @@ Strip strip_of(Span<const View> views, std::uint32_t begin, std::uint32_t end) {
       View part = whole;
       part.grid.rows = {whole.grid.rows.begin + int(from - first), whole.grid.rows.begin + int(to - first)};
       part.frame.height = view_strip.rows;
-      part.frame.colour.data = nullptr, part.frame.alpha.data = part.frame.depth.data = nullptr;
+      for_each_plane([](std::size_t, auto& plane) { plane.data = nullptr; }, part.frame);
       part.frame.occluder.data = nullptr;
       part.camera.top = whole.camera.top + float(view_strip.first_row);
       part.camera.bottom = part.camera.top + float(view_strip.rows);

@@ -270,12 +270,11 @@ class BoundRenderer {
  private:
   /// Whether frames of both have the same size, and planes for the same outputs.
   static bool same_shape(const View& a, const View& b) {
-    const auto planes = [](const FrameView& frame) {
-      return std::array{frame.colour.data != nullptr, frame.alpha.data != nullptr,
-                        frame.depth.data != nullptr, frame.occluder.data != nullptr};
-    };
-    return a.frame.width == b.frame.width && a.frame.height == b.frame.height && a.grid.side == b.grid.side &&
-           planes(a.frame) == planes(b.frame);
+    bool same = a.frame.width == b.frame.width && a.frame.height == b.frame.height &&
+                a.grid.side == b.grid.side && !a.frame.occluder.data == !b.frame.occluder.data;
+    for_each_plane([&](std::size_t, auto& of_a, auto& of_b) { same = same && !of_a.data == !of_b.data; },
+                   a.frame, b.frame);
+    return same;
   }
 
   void run(const FramePlan& plan, const Measures& measures) {

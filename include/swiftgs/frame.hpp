@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <type_traits>
 #include <vector>
 
@@ -80,6 +81,30 @@ struct Plane {
   }
 };
 
+/// Outputs of a frame: colour, and those that are asked for.
+struct Outputs {
+  static constexpr bool colour = true;
+  bool alpha = false;
+  bool depth = false;
+};
+
+/// A value for each plane of a frame.
+template <class T>
+struct PerPlane {
+  T colour{}, alpha{}, depth{};
+};
+
+inline constexpr PerPlane<const char*> plane_names{"colour", "alpha", "depth"};
+
+/// The list of a frame's planes: f(channels, of.colour...), f(channels, of.alpha...) and so on, where `of`
+/// are any of `Frame`, `FrameView`, `Outputs`, `PerPlane` and the like. Channels are those of `Frame`.
+template <class F, class... Of>
+void for_each_plane(const F& f, Of&&... of) {
+  f(std::size_t(3), of.colour...);
+  f(std::size_t(1), of.alpha...);
+  f(std::size_t(1), of.depth...);
+}
+
 /// How values of a depth buffer stand for depths: value d for (p d + q) / (r d + s). Where r d + s is not
 /// above 0, as at the far end of an infinite projection, there is nothing. By default d is the depth itself.
 struct StoredDepth {
@@ -118,14 +143,20 @@ struct FrameView {
   /// Show the image that `colour` already holds, instead of the background, behind the splats.
   bool over = false;
 
+  std::size_t pixels() const { return std::size_t(width) * height; }
+  /// @units{bytes}
+  PerPlane<std::size_t> pixel_bytes() const {
+    return {bytes_per_pixel(format), sizeof(float), sizeof(float)};
+  }
+
   /// A rectangle of it, whose first pixel is the one at column `left` and row `top`.
   FrameView part(int left, int top, int columns, int rows) const {
     FrameView out = *this;
     out.width = columns, out.height = rows;
-    const std::ptrdiff_t scalars = left * std::ptrdiff_t(sizeof(float));
-    out.colour = colour.from(left * std::ptrdiff_t(bytes_per_pixel(format)), top);
-    out.alpha = alpha.from(scalars, top), out.depth = depth.from(scalars, top);
-    out.occluder = occluder.from(scalars, top);
+    for_each_plane([&](std::size_t, auto& plane,
+                       std::size_t pixel) { plane = plane.from(left * std::ptrdiff_t(pixel), top); },
+                   out, pixel_bytes());
+    out.occluder = occluder.from(left * std::ptrdiff_t(sizeof(float)), top);
     return out;
   }
 
@@ -135,25 +166,43 @@ struct FrameView {
   }
 };
 
-/// Outputs beside colour.
-struct Outputs {
-  bool alpha = false;
-  bool depth = false;
-};
-
 /// Gives `frame` the size and the arrays of `outputs`, and returns a view of them. Reuses the memory of
 /// `frame`.
 inline FrameView prepare(Frame& frame, int width, int height, Outputs outputs) {
   frame.width = width, frame.height = height;
-  frame.colour.resize(3 * frame.pixels());
-  frame.alpha.resize(outputs.alpha ? frame.pixels() : 0);
-  frame.depth.resize(outputs.depth ? frame.pixels() : 0);
-  const std::ptrdiff_t row = std::ptrdiff_t(sizeof(float)) * width;
-  return {.width = width,
-          .height = height,
-          .colour = {frame.colour.data(), 3 * row},
-          .alpha = {outputs.alpha ? frame.alpha.data() : nullptr, row},
-          .depth = {outputs.depth ? frame.depth.data() : nullptr, row}};
+  FrameView view{.width = width, .height = height};
+  for_each_plane(
+      [&](std::size_t channels, bool wanted, std::vector<float>& values, auto& plane) {
+        values.resize(wanted ? channels * frame.pixels() : 0);
+        if (wanted) plane = {values.data(), std::ptrdiff_t(channels * sizeof(float)) * width};
+      },
+      outputs, frame, view);
+  return view;
+}
+
+/// Whether all values of a `Frame` or a `ReferenceFrame` are finite.
+template <class Values>
+bool is_finite(const Values& frame) {
+  bool finite = true;
+  for_each_plane(
+      [&](std::size_t, const auto& values) {
+        for (const auto value : values) finite = finite && std::isfinite(value);
+      },
+      frame);
+  return finite;
+}
+
+/// Whether frames have the same planes, bit for bit.
+inline bool same_planes(const Frame& a, const Frame& b) {
+  bool same = true;
+  for_each_plane(
+      [&](std::size_t, const std::vector<float>& of_a, const std::vector<float>& of_b) {
+        const std::size_t size = of_a.size();
+        same = same && of_b.size() == size &&
+               (size == 0 || std::memcmp(of_a.data(), of_b.data(), size * sizeof(float)) == 0);
+      },
+      a, b);
+  return same;
 }
 
 }  // namespace swiftgs

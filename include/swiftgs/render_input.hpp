@@ -76,11 +76,12 @@ inline void validate(const FrameView& frame) {
       throw std::invalid_argument("render: expected " + std::string(name) + " aligned to " +
                                   std::to_string(channel) + " bytes");
   };
-  const std::size_t pixel = bytes_per_pixel(frame.format);
   const std::size_t channels = frame.format == PixelFormat::rgb_float ? 3 : 4;
-  require_plane(frame.colour, pixel, pixel / channels, "colour");
-  require_plane(frame.alpha, sizeof(float), sizeof(float), "alpha");
-  require_plane(frame.depth, sizeof(float), sizeof(float), "depth");
+  for_each_plane(
+      [&](std::size_t scalars, const auto& plane, std::size_t pixel, const char* name) {
+        require_plane(plane, pixel, pixel / (scalars == 1 ? 1 : channels), name);
+      },
+      frame, frame.pixel_bytes(), plane_names);
   require_plane(frame.occluder, sizeof(float), sizeof(float), "occluder");
   detail::require_for_render(frame.colour.data || !frame.over, "colour to render over");
   const StoredDepth& by = frame.stored_depth;

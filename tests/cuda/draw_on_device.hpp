@@ -27,23 +27,21 @@ struct DrawOnDevice {
   template <class R>
   static Frame draw(R& renderer, const StressCase& drawn, const DeviceArrays& arrays, bool with_depth) {
     Frame frame;
-    prepare(frame, drawn.camera.width, drawn.camera.height, {true, with_depth});
-    DeviceBuffer<float> colour, alpha, depth, occluder;
-    colour.reset(frame.colour.size()), alpha.reset(frame.alpha.size()), depth.reset(frame.depth.size());
-    const std::ptrdiff_t row = std::ptrdiff_t(sizeof(float)) * frame.width;
-    FrameView view{.width = frame.width,
-                   .height = frame.height,
-                   .colour = {colour.data(), 3 * row},
-                   .alpha = {alpha.data(), row}};
-    if (with_depth) view.depth = {depth.data(), row};
+    FrameView view = prepare(frame, drawn.camera.width, drawn.camera.height, {true, with_depth});
+    FramePlanes<Cuda> planes;
+    planes.reset({true, with_depth}, frame.pixels());
+    planes.place(view, 0);
+    DeviceBuffer<float> occluder;
     if (!drawn.occluder.empty()) {
       copy_to_device(Span<const float>{drawn.occluder.data(), drawn.occluder.size()}, occluder);
-      view.occluder = {occluder.data(), row};
+      view.occluder = {occluder.data(), std::ptrdiff_t(sizeof(float)) * frame.width};
     }
     renderer.render_into(arrays.view(), drawn.camera, settings_of(drawn), view);
-    renderer.backend().download(Span<const float>(colour.span()), frame.colour.data());
-    renderer.backend().download(Span<const float>(alpha.span()), frame.alpha.data());
-    renderer.backend().download(Span<const float>(depth.span()), frame.depth.data());
+    for_each_plane(
+        [&](std::size_t, const auto& plane, std::vector<float>& values) {
+          renderer.backend().download(Span<const float>(plane.span()), values.data());
+        },
+        planes, frame);
     return frame;
   }
 };

@@ -4,7 +4,6 @@
 /// Frames that are rendered on a thread with another floating-point environment than the default one.
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <map>
@@ -40,13 +39,6 @@ Scene hostile_scene() {
     if (i % 10 == 7) scene.means[i].z = i % 20 == 7 ? denormal : 0.01f;
   }
   return scene;
-}
-
-bool finite(const Frame& frame) {
-  const auto all = [](const std::vector<float>& values) {
-    return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
-  };
-  return all(frame.colour) && all(frame.alpha) && all(frame.depth);
 }
 
 /// How frames are rendered.
@@ -101,7 +93,7 @@ std::map<std::string_view, Frame> draw_all(const Way& way) {
     using R = Renderer<B, Sort, Raster, Bounds>;
     CAPTURE(R::name);
     const Frame frame = draw<R, B>(way, scene);
-    CHECK(finite(frame));
+    CHECK(is_finite(frame));
     CHECK(same_planes(frames.try_emplace(Raster::name, frame).first->second, frame));
   };
   for_each_raster([&](auto raster) {

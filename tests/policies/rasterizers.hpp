@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include <swiftgs/frame_planes.hpp>
+
 #include "policies/backends.hpp"
 #include "policies/tile_lists.hpp"
 
@@ -36,10 +38,6 @@ struct DrawSettings {
 inline DrawSettings lean(DrawSettings settings = {}) {
   settings.outputs.depth = settings.count = false;
   return settings;
-}
-
-inline bool same_planes(const Frame& a, const Frame& b) {
-  return same_bits(a.colour, b.colour) && same_bits(a.alpha, b.alpha) && same_bits(a.depth, b.depth);
 }
 
 /// A frame with what rasterizing it took.
@@ -80,31 +78,30 @@ class PlanesOn {
   /// All values are `fill` at first.
   PlanesOn(const B& backend, int width, int height, const Outputs& outputs, float fill = 0) {
     prepare(frame_, width, height, outputs);
-    for (std::vector<float>* plane : {&frame_.colour, &frame_.alpha, &frame_.depth})
-      std::fill(plane->begin(), plane->end(), fill);
-    colour_ = to_backend(backend, frame_.colour), alpha_ = to_backend(backend, frame_.alpha);
-    depth_ = to_backend(backend, frame_.depth);
+    for_each_plane(
+        [&](std::size_t, std::vector<float>& values, auto& plane) {
+          std::fill(values.begin(), values.end(), fill);
+          plane = to_backend(backend, values);
+        },
+        frame_, planes_);
   }
 
   FrameView view() {
-    const std::ptrdiff_t row = std::ptrdiff_t(sizeof(float)) * frame_.width;
     FrameView view{.width = frame_.width, .height = frame_.height};
-    if (!frame_.colour.empty()) view.colour = {colour_.data(), 3 * row};
-    if (!frame_.alpha.empty()) view.alpha = {alpha_.data(), row};
-    if (!frame_.depth.empty()) view.depth = {depth_.data(), row};
+    planes_.place(view, 0);
     return view;
   }
   /// What was drawn, after all work of `backend`.
   Frame on_host(const B& backend) {
-    frame_.colour = to_host(backend, std::as_const(colour_).span());
-    frame_.alpha = to_host(backend, std::as_const(alpha_).span());
-    frame_.depth = to_host(backend, std::as_const(depth_).span());
+    for_each_plane([&](std::size_t, std::vector<float>& values,
+                       const auto& plane) { values = to_host(backend, plane.span()); },
+                   frame_, std::as_const(planes_));
     return frame_;
   }
 
  private:
   Frame frame_;
-  typename B::template Buffer<float> colour_, alpha_, depth_;
+  FramePlanes<B> planes_;
 };
 
 /// Splats of a backend with lists that every sort builds alike, of tiles of so many pixels a side, and what

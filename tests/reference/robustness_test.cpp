@@ -5,17 +5,12 @@
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/frame.hpp>
+
 #include "reference/gaussians.hpp"
 
 namespace swiftgs::test {
 namespace {
-
-bool all_finite(const ReferenceFrame& frame) {
-  const auto finite = [](const std::vector<double>& values) {
-    return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
-  };
-  return finite(frame.colour) && finite(frame.alpha) && finite(frame.depth);
-}
 
 /// Every combination of extreme means, scales, rotations and opacities.
 Scene extreme_scene() {
@@ -44,7 +39,7 @@ TEST_CASE("reference: extreme Gaussians leave no NaN and no infinity in the imag
         for (const float alpha_min : {1.0f / 255, 0.0f}) {
           k.antialiased = antialiased, k.blur = blur, k.alpha_min = alpha_min;
           const ReferenceFrame frame = draw(extreme_scene(), k, dvec3(1));
-          CHECK(all_finite(frame));
+          CHECK(is_finite(frame));
           CHECK(frame.visible > 0);
         }
 }
@@ -53,7 +48,7 @@ TEST_CASE("reference: no plane at all still leaves no NaN in the image") {
   Conventions k;
   for (const float near : {-INFINITY, 0.0f}) {
     k.near_plane = near;
-    CHECK(all_finite(draw(extreme_scene(), k)));
+    CHECK(is_finite(draw(extreme_scene(), k)));
   }
 }
 

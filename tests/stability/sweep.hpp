@@ -5,9 +5,7 @@
 /// What every backend is asked for on hard frames.
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -47,20 +45,6 @@ struct DrawOnHost {
     return frame;
   }
 };
-
-inline bool is_finite(const std::vector<float>& values) {
-  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
-}
-inline bool is_finite(const Frame& frame) {
-  return is_finite(frame.colour) && is_finite(frame.alpha) && is_finite(frame.depth);
-}
-inline bool same_frame(const Frame& a, const Frame& b) {
-  const auto same = [](const std::vector<float>& x, const std::vector<float>& y) {
-    return x.size() == y.size() &&
-           (x.empty() || std::memcmp(x.data(), y.data(), x.size() * sizeof(float)) == 0);
-  };
-  return same(a.colour, b.colour) && same(a.alpha, b.alpha) && same(a.depth, b.depth);
-}
 
 /// Bounds that list every splat for every tile.
 struct WholeImage {
@@ -110,7 +94,7 @@ class Sweep {
     std::apply([&](auto&... pair) { (check_pair(pair, judge, extent, limits), ...); }, pairs_);
     if (extent != Extent::all) return;
     const Frame first = draw_(std::get<Pair<Usual>>(pairs_).first, judge.drawn());
-    CHECK(same_frame(draw_(standard_ellipse_, judge.drawn()), first));
+    CHECK(same_planes(draw_(standard_ellipse_, judge.drawn()), first));
     check_within(judge.drawn(), first);
   }
 
@@ -118,8 +102,8 @@ class Sweep {
   void check_bounds(const StressCase& drawn) {
     const auto check = [&](auto& pair, auto& whole) {
       const Frame expected = draw_(whole, drawn);
-      CHECK(same_frame(draw_(pair.first, drawn), expected));
-      CHECK(same_frame(draw_(pair.second, drawn), expected));
+      CHECK(same_planes(draw_(pair.first, drawn), expected));
+      CHECK(same_planes(draw_(pair.second, drawn), expected));
       return expected;
     };
     check_within(drawn, check(std::get<Pair<Usual>>(pairs_), whole_));
@@ -180,7 +164,7 @@ class Sweep {
   void check_within(const StressCase& drawn, const Frame& expected) {
     const auto check = [&]<class Bounds>(Renderer<B, EarlySort, Usual, Bounds>& renderer) {
       CAPTURE(Bounds::name);
-      if constexpr (Bounds::conservative) CHECK(same_frame(draw_(renderer, drawn), expected));
+      if constexpr (Bounds::conservative) CHECK(same_planes(draw_(renderer, drawn), expected));
     };
     std::apply([&](auto&... renderer) { (check(renderer), ...); }, within_);
   }
@@ -191,7 +175,7 @@ class Sweep {
     CAPTURE(name);
     const Frame frame = draw_(pair.first, judge.drawn());
     check_frame(frame, name, judge, limits);
-    if (extent == Extent::all) CHECK(same_frame(draw_(pair.second, judge.drawn()), frame));
+    if (extent == Extent::all) CHECK(same_planes(draw_(pair.second, judge.drawn()), frame));
   }
 
   static void check_frame(const Frame& frame, std::string_view name, CaseJudge& judge, Limits limits) {

@@ -188,10 +188,14 @@ Outputs planes_of(const std::string& text) {
   Outputs planes;
   if (text.empty()) return planes;
   for (const std::string_view name : split(text, ',')) {
-    bool& plane = name == "depth" ? planes.depth : planes.alpha;
-    if ((name != "alpha" && name != "depth") || plane)
-      throw std::invalid_argument("--planes '" + text + "': expected alpha, depth or alpha,depth");
-    plane = true;
+    bool added = false;
+    for_each_plane(
+        [&]<class Wanted>(std::size_t, const char* known, Wanted& wanted) {
+          if constexpr (!std::is_const_v<Wanted>)
+            if (name == known && !wanted) added = wanted = true;
+        },
+        plane_names, planes);
+    if (!added) throw std::invalid_argument("--planes '" + text + "': expected alpha, depth or alpha,depth");
   }
   return planes;
 }

@@ -89,13 +89,6 @@ inline Niche niche_of(const StressCase& drawn) {
   return niche;
 }
 
-inline bool is_finite(const Frame& frame) {
-  const auto all = [](const std::vector<float>& values) {
-    return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
-  };
-  return all(frame.colour) && all(frame.alpha) && all(frame.depth);
-}
-
 /// A renderer's name without its sort, which changes no bit.
 inline std::string without_sort(const std::string& name) {
   const std::size_t first = std::min(name.find('/'), name.size());
@@ -202,9 +195,9 @@ class StressSearch {
       try {
         frames[i] = subjects_[i].draw(drawn);
         const Frame& twin = frames[twins_[i]];
-        if (!stress::is_finite(frames[i]))
+        if (!is_finite(frames[i]))
           error = "a value is not finite";
-        else if (!twin.colour.empty() && !is_same(frames[i], twin))
+        else if (!twin.colour.empty() && !same_planes(frames[i], twin))
           error = "the frame differs from that of " + subjects_[twins_[i]].name;
       } catch (const std::exception& thrown) {
         error = thrown.what();
@@ -215,10 +208,6 @@ class StressSearch {
         worst = {std::numeric_limits<double>::infinity(), drawn, error};
       }
     }
-  }
-
-  static bool is_same(const Frame& a, const Frame& b) {
-    return a.colour == b.colour && a.alpha == b.alpha && a.depth == b.depth;
   }
 
   /// Keeps the frame where it is the worst of its niche or family. The least normalised error of several

@@ -146,7 +146,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
 
   void make_views(Span<const Camera> cameras, const RenderSettings& settings) {
     swiftgs::make_views(cameras, settings, views_);
-    outputs_ = 1 + 2 * std::uint64_t(settings.outputs.alpha) + 4 * std::uint64_t(settings.outputs.depth);
+    outputs_ = 0;
+    for_each_plane([&](std::size_t, bool wanted) { outputs_ = 2 * outputs_ + wanted; }, settings.outputs);
   }
 
   /// One frame. `place` gives the view strips of `drawn_` memory; `finish` is called when they are drawn.

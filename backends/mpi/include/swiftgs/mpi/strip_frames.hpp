@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <swiftgs/frame.hpp>
+#include <swiftgs/frame_planes.hpp>
 #include <swiftgs/mpi/ranks.hpp>
 #include <swiftgs/mpi/staging.hpp>
 #include <swiftgs/mpi/strips.hpp>
@@ -62,18 +63,14 @@ class StripFrames {
   void keep(B& b, const Outputs& outputs, std::vector<DrawnStrip>& drawn) {
     std::size_t pixels = 0;
     for (const DrawnStrip& each : drawn) pixels += count_of(each.view_strip);
-    colour_.reset(3 * pixels), alpha_.reset(outputs.alpha ? pixels : 0);
-    depth_.reset(outputs.depth ? pixels : 0);
-    to_send_.colour.reserve(b, colour_.span()), to_send_.alpha.reserve(b, alpha_.span());
-    to_send_.depth.reserve(b, depth_.span());
+    planes_.reset(outputs, pixels);
+    for_each_plane([&](std::size_t, auto& plane, auto& staged) { staged.reserve(b, plane.span()); }, planes_,
+                   to_send_);
     std::size_t before = 0;
     for (DrawnStrip& each : drawn) {
-      const std::ptrdiff_t row = std::ptrdiff_t(sizeof(float)) * each.view_strip.width;
       each.frame = {.width = each.view_strip.width, .height = each.view_strip.rows};
-      each.frame.colour = {colour_.data() + 3 * before, 3 * row};
-      if (outputs.alpha) each.frame.alpha = {alpha_.data() + before, row};
-      if (outputs.depth) each.frame.depth = {depth_.data() + before, row};
-      before += count_of(each.view_strip);
+      planes_.place(each.frame, before);
+      before += each.frame.pixels();
     }
   }
 
@@ -85,21 +82,22 @@ class StripFrames {
         std::size_t before = 0;
         for (const DrawnStrip& each : drawn) {
           const std::size_t pixels = count_of(each.view_strip);
-          const auto download = [&](const auto& from, std::size_t channels, std::vector<float>& to,
-                                    int width) {
-            if (to.empty()) return;
-            Landing landing(ranks.rank(), to, width, channels, each.view_strip);
-            b.download(Span<const float>{from.data() + channels * before, channels * pixels}, landing.data());
-            landing.settle();
-          };
           Frame& frame = frames[each.view_strip.view];
-          download(colour_, 3, frame.colour, frame.width), download(alpha_, 1, frame.alpha, frame.width);
-          download(depth_, 1, frame.depth, frame.width);
+          for_each_plane(
+              [&](std::size_t channels, const auto& from, std::vector<float>& to) {
+                if (to.empty()) return;
+                Landing landing(ranks.rank(), to, frame.width, channels, each.view_strip);
+                b.download(Span<const float>{from.data() + channels * before, channels * pixels},
+                           landing.data());
+                landing.settle();
+              },
+              planes_, frame);
           before += pixels;
         }
       } else {
-        to_send_.colour.to_host(b, 0, colour_.size()), to_send_.alpha.to_host(b, 0, alpha_.size());
-        to_send_.depth.to_host(b, 0, depth_.size());
+        for_each_plane(
+            [&](std::size_t, const auto& from, auto& staged) { staged.to_host(b, 0, from.size()); }, planes_,
+            to_send_);
       }
     }
   }
@@ -110,10 +108,11 @@ class StripFrames {
     for (std::size_t r = 1; r < strips.size(); ++r)
       for (const ViewStrip& view_strip : strips[r].view_strips) {
         Frame& frame = frames[view_strip.view];
-        const auto add = [&](std::vector<float>& to, std::size_t channels) {
-          if (!to.empty()) landings_.emplace_back(int(r), to, frame.width, channels, view_strip);
-        };
-        add(frame.colour, 3), add(frame.alpha, 1), add(frame.depth, 1);
+        for_each_plane(
+            [&](std::size_t channels, std::vector<float>& to) {
+              if (!to.empty()) landings_.emplace_back(int(r), to, frame.width, channels, view_strip);
+            },
+            frame);
       }
   }
 
@@ -126,11 +125,12 @@ class StripFrames {
       std::size_t before = 0;
       for (const ViewStrip& view_strip : strips[std::size_t(ranks.rank())].view_strips) {
         const std::size_t pixels = count_of(view_strip);
-        const auto send = [&](const auto& buffer, auto& staged, std::size_t channels) {
-          if (buffer.size() != 0)
-            exchange.send(0, staged.seen() + channels * before, channels * pixels * sizeof(float));
-        };
-        send(colour_, to_send_.colour, 3), send(alpha_, to_send_.alpha, 1), send(depth_, to_send_.depth, 1);
+        for_each_plane(
+            [&](std::size_t channels, const auto& plane, auto& staged) {
+              if (plane.size() != 0)
+                exchange.send(0, staged.seen() + channels * before, channels * pixels * sizeof(float));
+            },
+            planes_, to_send_);
         before += pixels;
       }
     }
@@ -139,13 +139,11 @@ class StripFrames {
     landings_.clear();
   }
 
-  static auto buffers(auto& self) { return std::tie(self.colour_, self.alpha_, self.depth_); }
+  static auto buffers(auto& self) { return std::tie(self.planes_); }
 
  private:
-  typename B::template Buffer<float> colour_, alpha_, depth_;
-  struct {
-    Staging<B, float> colour, alpha, depth;
-  } to_send_;
+  FramePlanes<B> planes_;
+  PerPlane<Staging<B, float>> to_send_;
   std::vector<Landing> landings_;  ///< on rank 0, of what others send
 };
 

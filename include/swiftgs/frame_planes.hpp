@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <tuple>
+
+#include <swiftgs/frame.hpp>
+
+namespace swiftgs {
+
+/// Memory of the backend for the planes of frames: float values, one frame behind the other.
+template <class B>
+struct FramePlanes : PerPlane<typename B::template Buffer<float>> {
+  /// Takes memory for `pixels`, and forgets what was there.
+  void reset(Outputs outputs, std::size_t pixels) {
+    for_each_plane([&](std::size_t channels, bool wanted,
+                       auto& buffer) { buffer.reset(wanted ? channels * pixels : 0); },
+                   outputs, *this);
+  }
+
+  /// Sets the planes of `frame`, which has a size, to the pixels that begin behind `before` others.
+  void place(FrameView& frame, std::size_t before) {
+    for_each_plane(
+        [&](std::size_t channels, auto& buffer, auto& plane) {
+          if (buffer.size() != 0)
+            plane = {buffer.data() + channels * before,
+                     std::ptrdiff_t(channels * sizeof(float)) * frame.width};
+        },
+        *this, frame);
+  }
+
+  static auto buffers(auto& self) { return std::tie(self.colour, self.alpha, self.depth); }
+};
+
+}  // namespace swiftgs
