@@ -81,7 +81,7 @@ const MemoryHook& Cuda::memory_hook() const { return state_->memory; }
 void Cuda::trim() {
   wait();
   State& s = *state_;
-  trim_parts(*this, s.temporary, s.total, s.raster, s.raster_word, s.raster_order, s.sorts);
+  trim_parts(*this, s.temporary, s.total, s.raster, s.sorts);
 }
 
 void Cuda::check_not_captured(const char* call) const { state_->check_not_captured(call); }
@@ -201,40 +201,12 @@ int Cuda::multiprocessors() const {
   return count;
 }
 
-namespace {
-
-/// At least `size` elements of a rasterizer. Zeroed when they are allocated.
-template <class T>
-T* zeroed(const Cuda& cuda, DeviceBuffer<T>& memory, std::size_t size) {
-  if (memory.size() < size) {
-    cuda.check_not_captured("rasterize");
-    memory.reset(size);
-    try {
-      cuda.clear(memory.data(), memory.size() * sizeof(T));
-    } catch (const DeviceError&) {
-      memory.trim();
-      throw;
-    }
-  }
-  return memory.data();
-}
-
-}  // namespace
-
-std::byte* Cuda::raster_scratch(std::size_t bytes) { return zeroed(*this, state_->raster, bytes); }
-
-std::uint32_t* Cuda::raster_word() { return zeroed(*this, state_->raster_word, 1); }
-
-std::uint32_t* Cuda::raster_order(std::size_t raster_blocks) {
-  return zeroed(*this, state_->raster_order, raster_blocks);
-}
-
-std::uint32_t Cuda::known_raster_word() const { return state_->known_raster_word; }
+RasterMemory& RasterMemory::of(const Cuda& cuda) { return cuda.state_->raster; }
 
 void Cuda::settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameTotals* totals) const {
   Mailbox* mailbox = nullptr;
   if (limits.report) {
-    state_->known_raster_word = 0;
+    state_->raster.known_word = 0;
   } else {
     check_not_captured("settle");
     if (!state_->mailbox) {
@@ -249,7 +221,7 @@ void Cuda::settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameT
     state_->awaited = true;
   }
   launch_early(*this, "settle", kernels::settle, 1, 1, counts, limits, totals,
-               std::as_const(state_->raster_word).data(), mailbox);
+               std::as_const(state_->raster.word).data(), mailbox);
 }
 
 FrameReport Cuda::await_report() const {
@@ -269,7 +241,7 @@ FrameReport Cuda::await_report() const {
     break;
   }
   state_->awaited = false;
-  state_->known_raster_word = mailbox.raster_word;
+  state_->raster.known_word = mailbox.raster_word;
   return mailbox.report;
 }
 

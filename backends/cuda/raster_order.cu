@@ -5,6 +5,8 @@
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/raster_block.cuh>
 
+#include "raster_memory.hpp"
+
 namespace swiftgs::kernels {
 namespace {
 
@@ -73,7 +75,8 @@ const std::uint32_t* order_raster_blocks(Cuda& cuda, const TileListsView& lists,
   const std::size_t at_once = blocks_at_once * std::size_t(cuda.multiprocessors());
   if (raster_blocks.size() <= at_once) return nullptr;
   // As much for every frame, so that none takes memory after a larger one.
-  std::uint32_t* const order = cuda.raster_order(most_rounds * at_once);
+  RasterMemory& raster = RasterMemory::of(cuda);
+  std::uint32_t* const order = raster.at_least(cuda, raster.order, most_rounds * at_once);
   // Words have 16 bits for a column and for a row. A grid in slices has more thread blocks than raster
   // blocks.
   if (raster_blocks.size() > most_rounds * at_once || raster_blocks.rows > rows_of_slice ||

@@ -10,6 +10,8 @@
 
 #include <swiftgs/cuda.hpp>
 
+#include "raster_memory.hpp"
+
 namespace swiftgs {
 
 namespace detail {
@@ -29,7 +31,7 @@ using OwnedStream = std::unique_ptr<CUstream_st, detail::DestroyStream>;
 /// Host memory in which a kernel leaves a report.
 struct Mailbox {
   FrameReport report;
-  std::uint32_t raster_word = 0;  ///< see `Cuda::raster_word`
+  std::uint32_t raster_word = 0;  ///< `RasterMemory::word`
   std::uint32_t posted = 0;       ///< not 0 once all is there
 };
 
@@ -52,7 +54,7 @@ struct Cuda::State {
   };
 
   State(cudaStream_t of, const MemoryHook& hook) : stream(of), memory(hook) {
-    use_memory(memory, temporary, total, raster, raster_word, raster_order, sorts);
+    use_memory(memory, temporary, total, raster, sorts);
   }
 
   bool being_captured(const char* call) const;
@@ -68,13 +70,11 @@ struct Cuda::State {
   std::uint64_t points = 0;                            ///< taken so far
   std::unique_ptr<Mailbox, detail::FreeHost> mailbox;  ///< made when it is needed
   bool awaited = false;                                ///< whether a kernel may still post to it
-  std::uint32_t known_raster_word = 0;                 ///< see `Cuda::known_raster_word`
   int multiprocessors = 0;                             ///< 0: not yet asked for
 
   DeviceBuffer<std::byte> temporary;  ///< of CUB
   DeviceBuffer<std::uint64_t> total;  ///< of a scan
-  DeviceBuffer<std::byte> raster;     ///< of `raster_scratch`
-  DeviceBuffer<std::uint32_t> raster_word, raster_order;
+  RasterMemory raster;
 
   Epochs<RadixCounts> sorts;
 };

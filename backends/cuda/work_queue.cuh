@@ -15,6 +15,7 @@
 
 #include "blending.hpp"
 #include "exponents.hpp"
+#include "raster_memory.hpp"
 
 /// @file
 /// Work queues: a warp with a long tile list pushes the rest of its warp block, and the helper kernel blends
@@ -137,14 +138,16 @@ struct WorkQueues {
   /// In memory of `cuda`, for a frame of so many warp blocks.
   static WorkQueues of(Cuda& cuda, std::size_t warp_blocks) {
     WorkQueues all{};
-    all.quiet_frames = cuda.raster_word();
+    RasterMemory& raster = RasterMemory::of(cuda);
+    all.quiet_frames = raster.at_least(cuda, raster.word, 1);
     const auto add = [&](unsigned queue, std::size_t most) {
       all.first[queue + 1] = all.first[queue] + std::uint32_t(std::min(warp_blocks, most));
     };
     add(longest, kernels_await_earlier ? most_longest : 0);
     add(longer, kernels_await_earlier ? most_longer : 0);
     add(shorter, most_shorter);
-    std::byte* const memory = cuda.raster_scratch(head + all.first[queue_count] * sizeof(WorkItem));
+    std::byte* const memory =
+        raster.at_least(cuda, raster.scratch, head + all.first[queue_count] * sizeof(WorkItem));
     all.items = reinterpret_cast<WorkItem*>(memory + head);
     all.ready = reinterpret_cast<std::uint32_t*>(memory + sizeof(State));
     all.state = reinterpret_cast<State*>(memory);
@@ -154,7 +157,7 @@ struct WorkQueues {
   /// Whether the next frame uses work queues. Counted frames do, so that counts do not depend on the frames
   /// before. Recorded frames do: nobody awaits them, so the host knows nothing of the frames before.
   static bool are_shared(const Cuda& cuda, bool counted) {
-    return counted || cuda.known_raster_word() < most_quiet_frames;
+    return counted || RasterMemory::of(cuda).known_word < most_quiet_frames;
   }
 
   /// Empties the queues for the next frame.

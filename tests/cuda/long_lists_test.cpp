@@ -13,6 +13,7 @@
 #include "cuda/graph.hpp"
 #include "policies/double_drawing.hpp"
 #include "policies/views.hpp"
+#include "raster_memory.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -425,13 +426,13 @@ SWIFTGS_DEVICE_CASE(
       const auto render = [&](const DeviceScene& scene, bool counted = false) {
         PlacedViews views(cuda, {square_view(side, extras, faint())});  // waits for the frame before
         renderer.render_into(scene.view(), views.span(), {.count = counted});
-        const std::uint32_t known = cuda.known_raster_word();
+        const std::uint32_t known = RasterMemory::of(cuda).known_word;
         drawn = views.finish(cuda);
         return known;
       };
 
       // The first frame shares, also where the renderer had to make room for it and drew nothing at first.
-      CHECK(cuda.known_raster_word() == 0);
+      CHECK(RasterMemory::of(cuda).known_word == 0);
       CHECK(render(of_long) < 8);
       const std::vector<PlanesMemory> expected = drawn;
       const auto check_long_frame = [&] { CHECK(differing(drawn, expected) == 0); };

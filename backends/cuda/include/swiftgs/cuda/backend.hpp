@@ -168,23 +168,11 @@ class SWIFTGS_API Cuda {
   /// wait. @units{milliseconds}
   std::optional<double> milliseconds(TimePoint from, TimePoint to) const;
 
-  /// Memory for the kernels of a rasterizer. It stays the same until a call asks for more or `trim`. Zeroed
-  /// when allocated, and not again. Throws if it must grow while the stream is being captured.
-  std::byte* raster_scratch(std::size_t bytes);
-  /// Such memory for the order of so many raster blocks.
-  std::uint32_t* raster_order(std::size_t raster_blocks);
-  /// A word on the device that a rasterizer's kernels keep from frame to frame, 0 at first. Throws while the
-  /// stream is being captured if it is not there yet.
-  std::uint32_t* raster_word();
-  /// The word as the host knows it: from the last report that it has awaited, so before that frame was
-  /// rasterized. 0 before the first report, and while frames are recorded.
-  std::uint32_t known_raster_word() const;
-
   /// Fills `bytes` bytes of device memory with zero.
   void clear(void* memory, std::size_t bytes) const;
 
   /// The device decides whether a frame of so many splats and intersections fits `limits`, keeps the numbers
-  /// in `totals` and reports them; with `raster_word` if the host reads the report. Does not wait.
+  /// in `totals` and reports them. Does not wait.
   void settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameTotals* totals) const;
 
   /// The report of the last `settle` whose limits name no memory for it: the one place where a renderer waits
@@ -192,6 +180,7 @@ class SWIFTGS_API Cuda {
   FrameReport await_report() const;
 
  private:
+  friend struct RasterMemory;
   void download_bytes(const void* from, void* to, std::size_t bytes) const;
 
   std::unique_ptr<State> state_;
