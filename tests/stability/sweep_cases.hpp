@@ -8,12 +8,44 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "stability/sweep.hpp"
+
+namespace swiftgs::stress {
+
+/// A bright opaque layer behind so many equal ones that pixels stop at it, and as many again behind it.
+inline StressCase deep_stops(double layers, std::uint64_t seed, ImageSize size) {
+  Random random(seed);
+  StressCase out;
+  out.camera = forward_camera(size, usual_focal(size));
+  out.conventions.alpha_min = 1e-5f;
+  const float opacity = float(1 - std::pow(2 * double(out.conventions.stop), 1 / layers));
+  const auto layer = [&](double depth, float alpha, vec3 rgb) {
+    add(out.scene, {.mean = {0, 0, float(depth)}, .scale = vec3(1000), .opacity = alpha, .rgb = rgb});
+  };
+  const vec3 rgb = random_colour(random);
+  for (int i = 0; i < 2 * int(layers); ++i)
+    layer(2 + (i + (i >= int(layers) ? 0.5 : 0)) / layers, opacity, rgb);
+  layer(3, 0.99f, vec3(1000));
+  return out;
+}
+
+/// As `on_ties`, behind, at and before an occluder.
+inline StressCase on_occluders(double steps, std::uint64_t seed, ImageSize size) {
+  StressCase out = on_ties(steps, seed, size);
+  Random random(seed + 1);
+  for (int i = 0; i < size.width * size.height; ++i)
+    out.occluder.push_back(i % 7 == 0 ? std::numeric_limits<float>::infinity()
+                                      : stepped(float(3 + i % 3), either_side(random, steps)));
+  return out;
+}
+
+}  // namespace swiftgs::stress
 
 namespace swiftgs::test {
 namespace {

@@ -44,8 +44,6 @@ struct StressRow {
   bool is_exact() const { return failed == 0 && strict_normalised_error <= stress_gate; }
   /// Whether the exponent representation may err by more than a picture of 8 bits hides.
   bool may_show() const { return allowed > 1.0 / 255; }
-  /// Whether every seed was drawn within what the renderer's exponent representation promises.
-  bool keeps_promise() const { return failed == 0 && normalised_error <= stress_gate; }
 };
 
 struct StressResults {

@@ -106,15 +106,4 @@ inline StressCase on_ties(double steps, std::uint64_t seed, ImageSize size) {
   return out;
 }
 
-/// The same behind, at and before an occluder. Not in the list of families: renderers of the table take no
-/// occluder.
-inline StressCase on_occluders(double steps, std::uint64_t seed, ImageSize size) {
-  StressCase out = on_ties(steps, seed, size);
-  Random random(seed + 1);
-  for (int i = 0; i < size.width * size.height; ++i)
-    out.occluder.push_back(i % 7 == 0 ? std::numeric_limits<float>::infinity()
-                                      : stepped(float(3 + i % 3), either_side(random, steps)));
-  return out;
-}
-
 }  // namespace swiftgs::stress

@@ -39,24 +39,6 @@ inline StressCase deep_stacks(double layers, std::uint64_t seed, ImageSize size)
   return out;
 }
 
-/// A bright opaque layer behind so many equal ones that pixels stop at it, and as many again behind it. Not
-/// in the list of families: all severities are judged alike.
-inline StressCase deep_stops(double layers, std::uint64_t seed, ImageSize size) {
-  Random random(seed);
-  StressCase out;
-  out.camera = forward_camera(size, usual_focal(size));
-  out.conventions.alpha_min = 1e-5f;
-  const float opacity = float(1 - std::pow(2 * double(out.conventions.stop), 1 / layers));
-  const auto layer = [&](double depth, float alpha, vec3 rgb) {
-    add(out.scene, {.mean = {0, 0, float(depth)}, .scale = vec3(1000), .opacity = alpha, .rgb = rgb});
-  };
-  const vec3 rgb = random_colour(random);
-  for (int i = 0; i < 2 * int(layers); ++i)
-    layer(2 + (i + (i >= int(layers) ? 0.5 : 0)) / layers, opacity, rgb);
-  layer(3, 0.99f, vec3(1000));
-  return out;
-}
-
 /// Harmonics of every degree, of degree 1 where sums of more would leave the range of float; severity: their
 /// magnitude.
 inline StressCase harmonics(double magnitude, std::uint64_t seed, ImageSize size) {

@@ -239,7 +239,6 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
 
   /// Finds the splats of this rank's Gaussians in all views, and shares them out among the ranks.
   void project_part(const SceneView& part, Span<const View> views, RankCounters& mine) {
-    for (const View& view : views) detail::require_finite_background(view.background);
     check_ready(backend());
     const Span<const View> parts = parts_.of(views);
     const bool may_be_coarse = may_gain_by_coarse_tiles<B, Raster> && Bounds::conservative;
