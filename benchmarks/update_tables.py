@@ -25,12 +25,12 @@ MODULES = (ablation, accuracy, balance, bounds, formats, gaps, growth, gsplat, i
 TABLES = {name: function for module in MODULES for name, function in module.TABLES.items()}
 
 
-def main():
+def update(arguments):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", metavar="FILE.md")
     parser.add_argument("--check", action="store_true", help="say what would change, and change nothing")
     parser.add_argument("--results", default=RESULTS, help="the folder of the machines' folders (benchmarks/results)")
-    options = parser.parse_args()
+    options = parser.parse_args(arguments)
     source, changed, failed = Source(options.results), False, False
     for path in options.files:
         try:
@@ -52,9 +52,14 @@ def main():
     return 2 if failed else 1 if options.check and changed else 0
 
 
-if __name__ == "__main__":
+def main(arguments=None):
+    """The exit code: 0, 1 if `--check` found a difference, 2 for what cannot be made."""
     try:
-        sys.exit(main())
+        return update(arguments)
     except InputError as error:
         print(f"update_tables: {error}", file=sys.stderr)
-        sys.exit(2)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

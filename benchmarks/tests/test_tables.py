@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """benchmarks/update_tables.py: the tables of Markdown files are what the results give."""
 import collections
+import contextlib
 import csv
 import dataclasses
+import functools
+import io
 import json
 import pathlib
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -25,7 +27,6 @@ from tables.results import OPTIONAL, STAGES, Duration, InputError, Results  # no
 from tables.source import MACHINES, RESULTS, Source, backend, family  # noqa: E402
 
 COPIED = ("*.csv", "ulps.json", "formats.json", "python.json", "beside-gsplat.json", "rivals.json")
-PROGRAM = HERE.parent / "update_tables.py"
 ROOT = HERE.parent.parent
 
 
@@ -77,9 +78,10 @@ class Tables(unittest.TestCase):
         """(exit code, text afterwards, standard output, standard error)"""
         page = self.place / "page.md"
         page.write_text(text, encoding="utf-8")
-        ran = subprocess.run([sys.executable, "-B", str(PROGRAM), "--results", str(results or self.results), *options,
-                              str(page)], capture_output=True, text=True, check=False)
-        return ran.returncode, page.read_text(encoding="utf-8"), ran.stdout, ran.stderr
+        out, errors = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(errors):
+            code = update_tables.main(["--results", str(results or self.results), *options, str(page)])
+        return code, page.read_text(encoding="utf-8"), out.getvalue(), errors.getvalue()
 
     def table(self, words):
         code, text, _, error = self.update(f"<!-- table: {words} -->\n<!-- end -->\n")
@@ -140,16 +142,21 @@ class Tables(unittest.TestCase):
     def test_a_number_that_is_missing_or_0_is_a_dash_or_one_line_that_names_file_and_member(self):
         missing = [(member, None) for member in OPTIONAL]
         zeros = [(member, 0) for member in (*OPTIONAL, *STAGES, "gaussians", "width", "height", "threads", "enlarge")]
-        refused = collections.Counter()
+        refused, loaded = collections.Counter(), {}
+
+        @functools.cache
+        def lacking(key, member, value):
+            return [without(row, member, value) for row in loaded[key].rows]
+
         for name, words in blocks_of_pages():
             source = Source(str(self.results))
             blocks.render(name, words, update_tables.TABLES, source)
             whole = {key: results for key, results in source.found.items() if isinstance(results, Results)}
+            loaded.update(whole)
             for key, results in whole.items():
                 for member, value in missing + zeros:
-                    for changed in (slice(None), slice(-1, None)):  # all rows, or the last
-                        rows = list(results.rows)
-                        rows[changed] = [without(row, member, value) for row in rows[changed]]
+                    every = lacking(key, member, value)
+                    for rows in (every, [*results.rows[:-1], *every[-1:]]):
                         source.found[key] = dataclasses.replace(results, rows=rows)
                         with self.subTest(table=name, words=words, member=member, value=value):
                             try:
