@@ -3,7 +3,6 @@
 
 #include <cstdint>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/warp.cuh>
 
 #include "box_touched.hpp"

@@ -2,7 +2,6 @@
 #include <cuda_fp16.h>
 
 #include <swiftgs/cuda.hpp>
-#include <swiftgs/cuda/launch.cuh>
 
 #include "block.cuh"
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <swiftgs/cuda.hpp>
-#include <swiftgs/cuda/launch.cuh>
 
 #include "block.cuh"
 #include "box_touched.hpp"

@@ -5,10 +5,8 @@
 #include <utility>
 
 #include <cuda_pipeline_primitives.h>
-#include <cuda_runtime_api.h>
 
 #include <swiftgs/cuda.hpp>
-#include <swiftgs/cuda/check.hpp>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>

@@ -7,7 +7,6 @@
 
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
-#include <swiftgs/cuda/launch.cuh>
 
 #include "radix_sort.cuh"
 #include "state.hpp"

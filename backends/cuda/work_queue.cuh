@@ -11,7 +11,6 @@
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/raster_block.cuh>
 #include <swiftgs/cuda/warp.cuh>
-#include <swiftgs/raster/raster.hpp>
 
 #include "blending.hpp"
 #include "exponents.hpp"

@@ -4,7 +4,6 @@
 #include <array>
 
 #include <swiftgs/math.hpp>
-#include <swiftgs/scene.hpp>
 
 namespace swiftgs::io {
 

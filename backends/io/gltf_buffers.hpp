@@ -7,7 +7,6 @@
 #include <memory>
 #include <set>
 #include <span>
-#include <string>
 
 #include "gltf_document.hpp"
 #include "mapped_file.hpp"

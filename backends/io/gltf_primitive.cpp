@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <string_view>
+
+#include <swiftgs/activation.hpp>
 
 #include "parallel.hpp"
-#include "scene_building.hpp"
 #include "spz_content.hpp"
 
 namespace swiftgs::io {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/scene.hpp>
 
 #include "axis_flip.hpp"
 #include "gltf_accessor.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scene_building.hpp"
+#include <swiftgs/activation.hpp>
 
 namespace swiftgs::io {
 namespace {

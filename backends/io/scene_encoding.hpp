@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>

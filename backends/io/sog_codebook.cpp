@@ -2,7 +2,6 @@
 #include "sog_codebook.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace swiftgs::io {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sog_content.hpp"
 
-#include <cstring>
 #include <string>
-#include <string_view>
 
 #include "tasks.hpp"
 

@@ -8,7 +8,6 @@
 #include <swiftgs/scene.hpp>
 
 #include "json_entry.hpp"
-#include "scene_building.hpp"
 #include "sog_files.hpp"
 
 namespace swiftgs::io {

@@ -5,7 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "scene_building.hpp"
+#include <swiftgs/activation.hpp>
+
 #include "scene_encoding.hpp"
 #include "spz_values.hpp"
 

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <swiftgs/activation.hpp>
+
 #include "half_float.hpp"
-#include "scene_building.hpp"
 
 namespace swiftgs::io {
 namespace {

@@ -3,7 +3,6 @@
 #include <exception>
 #include <filesystem>
 #include <new>
-#include <numeric>
 #include <string>
 #include <thread>
 #include <utility>

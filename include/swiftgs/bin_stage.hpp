@@ -2,9 +2,7 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 
-#include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/footprint.hpp>
 #include <swiftgs/frame_plan.hpp>

@@ -5,7 +5,6 @@
 /// A scene that needs no file: a still life on a terrace above a valley, in as many Gaussians as asked for.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <tuple>
 
-#include <swiftgs/backend.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/tiles.hpp>

@@ -6,7 +6,6 @@
 
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/bounds.hpp>
-#include <swiftgs/raster/raster.hpp>
 #include <swiftgs/sort/sort.hpp>
 #include <swiftgs/stages.hpp>
 

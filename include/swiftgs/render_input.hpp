@@ -15,7 +15,6 @@
 #include <swiftgs/frame.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/sh.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/view.hpp>
 

@@ -12,7 +12,6 @@
 #include <tuple>
 #include <vector>
 
-#include <swiftgs/count.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/tiles.hpp>

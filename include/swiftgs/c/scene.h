@@ -5,7 +5,6 @@
 /// @file
 /// Scenes: from files, from arrays, to files.
 
-#include <stddef.h>
 #include <stdint.h>
 
 #include <swiftgs/c/camera.h>

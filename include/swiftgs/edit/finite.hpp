@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include <swiftgs/math.hpp>
-#include <swiftgs/scene.hpp>
 
 namespace swiftgs::detail {
 

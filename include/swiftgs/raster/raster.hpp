@@ -11,7 +11,6 @@
 
 #include <swiftgs/backend.hpp>
 #include <swiftgs/colours.hpp>
-#include <swiftgs/frame.hpp>
 #include <swiftgs/raster/raster_blocks.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/store_pixel.hpp>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -14,13 +13,11 @@
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/bounds.hpp>
-#include <swiftgs/error.hpp>
 #include <swiftgs/footprint.hpp>
 #include <swiftgs/frame_capacity.hpp>
 #include <swiftgs/frame_plan.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/tiles.hpp>
-#include <swiftgs/type_list.hpp>
 
 namespace swiftgs {
 

@@ -9,7 +9,6 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/span.hpp>
 #include <swiftgs/split_mix.hpp>
 
 namespace swiftgs {

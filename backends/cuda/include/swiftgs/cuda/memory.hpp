@@ -8,7 +8,6 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/growing_buffer.hpp>
-#include <swiftgs/memory_hook.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {

@@ -6,7 +6,6 @@
 
 #include <swiftgs/composed_name.hpp>
 #include <swiftgs/cuda.hpp>
-#include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/raster_block.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/raster/raster.hpp>

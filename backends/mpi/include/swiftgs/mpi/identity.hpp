@@ -7,7 +7,7 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/span.hpp>
-#include <swiftgs/views.hpp>
+#include <swiftgs/view.hpp>
 
 /// @file
 /// What ranks compare before they trust each other.

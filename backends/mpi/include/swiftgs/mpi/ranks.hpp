@@ -11,7 +11,6 @@
 #include <vector>
 
 #include <swiftgs/api.hpp>
-#include <swiftgs/launcher.hpp>
 #include <swiftgs/span.hpp>
 
 namespace swiftgs {

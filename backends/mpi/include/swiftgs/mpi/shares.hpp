@@ -22,7 +22,7 @@
 #include <swiftgs/mpi/strips.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/tiles.hpp>
-#include <swiftgs/views.hpp>
+#include <swiftgs/view.hpp>
 
 namespace swiftgs {
 

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include <swiftgs/api.hpp>
-#include <swiftgs/backend.hpp>
 #include <swiftgs/colours.hpp>
 #include <swiftgs/mpi/ranks.hpp>
 #include <swiftgs/mpi/shares.hpp>

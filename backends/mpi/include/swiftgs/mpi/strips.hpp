@@ -5,8 +5,6 @@
 /// Who draws what. The tiles of all views of a frame lie in one tile atlas (`FrameTiles`), one view
 /// below the other. A strip is consecutive rows of it. Each rank draws one strip.
 
-#include <algorithm>
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 

@@ -5,7 +5,6 @@
 /// Definitions behind `<swiftgs/mpi/cuda.hpp>` for code that nvcc compiles: ranks with bounds of your own.
 /// Compile with `-fmad=false`, as `<swiftgs/cuda.cuh>` says.
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
