@@ -15,7 +15,7 @@ struct RasterMemory {
 
   DeviceBuffer<std::byte> scratch;
   DeviceBuffer<std::uint32_t> order;  ///< of raster blocks
-  DeviceBuffer<std::uint32_t> word;   ///< one, which kernels keep
+  DeviceBuffer<std::uint32_t> word;   ///< one counter of quiet frames, which kernels keep
   /// The word as the host knows it: from the last report that it has awaited, so before that frame was
   /// rasterized. 0 before the first report, and while frames are recorded.
   std::uint32_t known_word = 0;

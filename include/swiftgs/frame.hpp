@@ -96,8 +96,8 @@ struct PerPlane {
 
 inline constexpr PerPlane<const char*> plane_names{"colour", "alpha", "depth"};
 
-/// The list of a frame's planes: f(channels, of.colour...), f(channels, of.alpha...) and so on, where `of`
-/// are any of `Frame`, `FrameView`, `Outputs`, `PerPlane` and the like. Channels are those of `Frame`.
+/// Calls f(channels, of.colour...), f(channels, of.alpha...), f(channels, of.depth...), with the channels of
+/// `Frame`. `of` are any of `Frame`, `FrameView`, `Outputs`, `PerPlane` and the like.
 template <class F, class... Of>
 void for_each_plane(const F& f, Of&&... of) {
   f(std::size_t(3), of.colour...);

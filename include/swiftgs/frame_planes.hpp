@@ -18,7 +18,7 @@ struct FramePlanes : PerPlane<typename B::template Buffer<float>> {
                    outputs, *this);
   }
 
-  /// Sets the planes of `frame`, which has a size, to the pixels that begin behind `before` others.
+  /// Points the planes of `frame`, whose size is set, past the first `before` pixels.
   void place(FrameView& frame, std::size_t before) {
     for_each_plane(
         [&](std::size_t channels, auto& buffer, auto& plane) {

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
+
+#include <swiftgs/frame_planes.hpp>
 
 #include "cuda/device.hpp"
 #include "stability/sweep.hpp"

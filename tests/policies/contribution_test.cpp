@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <numbers>
 #include <numeric>
 #include <string_view>
 #include <type_traits>
@@ -92,8 +93,10 @@ TEST_CASE("contribution: a weight is a number of parts without rounding but for 
 
 SWIFTGS_CONTRACT("contribution: what Gaussians get is what covers the pixels") {
   const Scene scene = random_scene(2000, 0, 11);
-  for (const Conventions& conventions : {Conventions::gsplat(), Conventions::inria()}) {
-    const Camera camera = forward_camera(150, 93);
+  Camera panorama = forward_camera(256, 128);
+  panorama.lens.model = LensModel::equirectangular;
+  panorama.fx = panorama.fy = 256 / (2 * std::numbers::pi);
+  const auto check = [&](const Camera& camera, const Conventions& conventions) {
     Usual<std::conditional_t<on_host<B>, Serial, B>> renderer;
     RenderSettings settings;
     settings.conventions = conventions, settings.outputs.alpha = true, settings.count = true;
@@ -110,6 +113,10 @@ SWIFTGS_CONTRACT("contribution: what Gaussians get is what covers the pixels") {
     CHECK(sum > 1000);
     CHECK(std::abs(sum - covered) <= bound);
     CHECK(bound < 1e-5 * sum);
+  };
+  for (const Conventions& conventions : {Conventions::gsplat(), Conventions::inria()}) {
+    check(forward_camera(150, 93), conventions);
+    check(panorama, conventions);
   }
 }
 

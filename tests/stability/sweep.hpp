@@ -5,6 +5,7 @@
 /// What every backend is asked for on hard frames.
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>

@@ -7,8 +7,10 @@
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <type_traits>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/frame.hpp>
 #include <swiftgs/io/cameras.hpp>
 
 #include "draw/image_name.hpp"
