@@ -117,8 +117,8 @@ struct MemoryUse {
 
 /// What a program gives to the backend of a renderer. Backends ignore what they have no use for.
 struct BackendOptions {
-  int threads = 0;                     ///< as for `Cpu`
-  ::CUstream_st* stream = nullptr;     ///< as for `Cuda`
+  int threads = 0;                     ///< of a host; 0: all
+  ::CUstream_st* stream = nullptr;     ///< of a device, as its constructor takes it
   std::optional<MemoryHook> memory{};  ///< none: the backend's own
 };
 

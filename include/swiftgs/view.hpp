@@ -19,11 +19,11 @@ namespace swiftgs {
 
 /// The thresholds of blending, from `Conventions`.
 struct BlendRules {
-  float alpha_min = 0;       ///< less alpha is skipped
-  float alpha_max = 0;       ///< more is cut
-  float stop_below = 0;      ///< a pixel ends before the splat that would bring its transmittance below this
-  float log2_alpha_min = 0;  ///< for `Cpu`
-  float log2_relative_min = 0;  ///< log2(alpha_min / alpha_max), for `Cuda`
+  float alpha_min = 0;   ///< less alpha is skipped
+  float alpha_max = 0;   ///< more is cut
+  float stop_below = 0;  ///< a pixel ends before the splat that would bring its transmittance below this
+  float log2_alpha_min = 0;
+  float log2_relative_min = 0;  ///< log2(alpha_min / alpha_max)
 
   static BlendRules from(const Conventions& c) {
     const float stop = c.stop + 0.0f;  // never -0: backends look at its sign

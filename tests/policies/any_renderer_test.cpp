@@ -246,7 +246,8 @@ SWIFTGS_CONTRACT("any renderer: every policy draws and records all that a view a
     check_drawn_frames(*any, typed, uploaded.view());
     check_recorded_frames(*any, typed, uploaded.view(), [&](FrameReport* report) { any->record(report); });
   };
-  for_each_raster([&](auto raster) { check(EarlySort(), raster, Ellipse()); });
-  for_each_type(AllSorts(), [&](auto sort) { check(sort, PerPixel(), OpacityBox()); });
-  for_each_type(AllBounds(), [&](auto bounds) { check(StandardSort(), PerPixel(), bounds); });
+  for_each_type(AllSorts(), [&](auto sort) {
+    for_each_raster(
+        [&](auto raster) { for_each_type(AllBounds(), [&](auto bounds) { check(sort, raster, bounds); }); });
+  });
 }

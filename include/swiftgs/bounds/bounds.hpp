@@ -28,9 +28,9 @@ struct BoxTiles {
 /// Policy: which tiles a splat may touch. `tiles` finds the box of those tiles, `rect`, and prepares what its
 /// rows need; `row` then finds the run of columns in one row of the box. An ellipse meets a row of tiles in
 /// one run, so one evaluation per row replaces a test per tile. Conservative bounds include every tile in
-/// which a pixel keeps the splat, and every tile that the 8x8 test of `Cuda` accepts: the ellipse s <= 1.0001
-/// cutoff meets the box of a warp block's pixel centres. `Cuda` cuts long lists into segments of such splats.
-/// A splat between two rows of pixel centres is listed nowhere.
+/// which a pixel keeps the splat, and every tile that the test of a warp block accepts: the ellipse s
+/// <= 1.0001 cutoff meets the box of its 8x8 pixel centres. Devices cut long lists into segments of such
+/// splats. A splat between two rows of pixel centres is listed nowhere.
 template <class P>
 concept BoundsPolicy = requires(const P bounds, const SplatShape& shape, TileGrid grid, int row) {
   { P::name } -> std::convertible_to<std::string_view>;

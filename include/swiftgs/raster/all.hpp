@@ -7,7 +7,7 @@
 
 namespace swiftgs {
 
-/// The terms of the library: `AllRasters` has both axis-shared rasterizers of each.
+/// The exponent representations of the library: `AllRasters` has both axis-shared rasterizers of each.
 using AllExponents = TypeList<HalfSplit, FloatSplit, FloatCholesky>;
 
 namespace detail {

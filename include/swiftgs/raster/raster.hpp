@@ -18,7 +18,7 @@
 
 namespace swiftgs {
 
-/// What rasterizing one raster block took. With `Cuda`, only `contributing_pairs` and `pixels_stopped` repeat
+/// What rasterizing one raster block took. On devices, only `contributing_pairs` and `pixels_stopped` repeat
 /// from run to run, since any warp may take the rest of a long list. `balanced_ps` repeats on no backend.
 struct RasterCounts {
   std::uint64_t intersections_visited = 0;  ///< of its tile's list, before all its pixels had stopped
@@ -125,7 +125,7 @@ SWIFTGS_HD inline bool row_touched(const SplatShape& shape, float first_x, float
   return nearest * nearest + v * v <= shape.cutoff;
 }
 
-/// log2(opacity / unit) of a splat, where `log2_min` is log2(alpha_min / unit). Reach + `log2_min` is the
+/// log2(opacity / unit) of a splat, where `log2_min` is log2(alpha_min / unit). Cutoff + `log2_min` is the
 /// same and costs no logarithm, but loses digits where both are large: with a tiny alpha_min.
 SWIFTGS_HD inline float log2_opacity(const SplatShape& shape, float log2_min, float unit) {
   if (log2_min >= -16) return shape.cutoff + log2_min;
