@@ -71,9 +71,8 @@ class BoundRenderer {
     views = parts_.of(views);
     check_ready(backend());
     const FrameKey key = FrameKey::of(scene, views);
-    const bool may_be_coarse = raster_.may_gain_by_coarse_tiles && stages_.conservative();
-    FramePlan plan(store_views(backend(), may_be_coarse ? tiles_.choose(key, views) : views, view_storage_),
-                   scene);
+    if (may_gain_by_coarse_tiles()) views = tiles_.choose(key, views);
+    FramePlan plan(store_views(backend(), views, view_storage_), scene);
     counted_ = timed_ = false;
     if constexpr (B::reaches_host_memory) {
       run(plan, measures);
@@ -137,14 +136,14 @@ class BoundRenderer {
       if (views.size != recorded_.size())
         detail::refuse("set_views: the number of views", views.size,
                        std::to_string(recorded_.size()) + " as reserved");
-      for (std::size_t i = 0; i < views.size; ++i)
+      for (std::size_t i = 0; i < views.size; ++i) {
         if (!same_shape(views[i], recorded_[i]))
           throw std::invalid_argument("set_views: the size or the planes of view " + std::to_string(i) +
                                       " changed, expected those that were reserved");
-      for (std::size_t i = 0; i < views.size; ++i)
         if (views[i].camera.through_lens && !recorded_.through_lens)
           throw std::invalid_argument("set_views: view " + std::to_string(i) +
                                       " is no pinhole whose depth is z, expected those alone as reserved");
+      }
     }
     check_ready(backend());
     const bool through_lens = reserved_ && recorded_.through_lens;
@@ -261,6 +260,9 @@ class BoundRenderer {
     memory.raster += bytes_of(resident_, raster_counts_);
     return memory;
   }
+
+  /// Whether coarser tiles than `default_tile_side` change no bit and may save time.
+  bool may_gain_by_coarse_tiles() const { return raster_.may_gain_by_coarse_tiles && stages_.conservative(); }
 
   /// The last frame's splats and tile lists, in the backend's memory, until the next frame; and its tiles.
   const Splats<B>& splats() const { return stages_.splats(); }

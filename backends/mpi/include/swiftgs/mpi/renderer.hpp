@@ -239,9 +239,9 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   void project_part(const SceneView& part, Span<const View> views, RankCounters& mine) {
     check_ready(backend());
     const Span<const View> parts = parts_.of(views);
-    const bool may_be_coarse = may_gain_by_coarse_tiles<B, Raster> && Bounds::conservative;
     key_ = FrameKey::of({}, parts);
-    whole_ = store_views(backend(), may_be_coarse ? tiles_.choose(key_, parts) : parts, whole_storage_);
+    whole_ = store_views(backend(), one_.may_gain_by_coarse_tiles() ? tiles_.choose(key_, parts) : parts,
+                         whole_storage_);
     const std::uint32_t rows = whole_.tiles.rows;
     if (!strip_plan_ || strip_plan_->rows() != rows) strip_plan_.emplace(rows, ranks_.size());
     FramePlan plan(whole_, part);
