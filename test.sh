@@ -29,27 +29,29 @@ run_workflow() {
   passed=$((passed + tests - failures - not_run)) failed=$((failed + failures)) skipped=$((skipped + not_run))
 }
 
+skip() {  # skip REASON
+  reasons+=$1$'\n'
+  skipped=$((skipped + 1))
+}
+
 if cmake/setup.sh test; then
   export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
   export CTEST_PARALLEL_LEVEL=${CTEST_PARALLEL_LEVEL:-$(nproc)}
   command -v ccache >/dev/null && export CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_CUDA_COMPILER_LAUNCHER=ccache
   run_workflow release
   if grep -q '^SWIFTGS_BUILD_CUDA:BOOL=OFF$' build/release/CMakeCache.txt 2>/dev/null; then
-    reasons+=$'no nvcc 13 or newer here: the CUDA backend\n'
-    skipped=$((skipped + 1))
+    skip 'no nvcc 13 or newer here: the CUDA backend'
   fi
   run_workflow native
   if [ "$(uname -m)" = x86_64 ] && ! grep -qw avx2 /proc/cpuinfo; then
-    reasons+=$'no AVX2 here: hard frames under sanitizers\n'
-    skipped=$((skipped + 1))
+    skip 'no AVX2 here: hard frames under sanitizers'
   else
     run_workflow asan-stability
   fi
   if command -v clang++ >/dev/null; then
     run_workflow fuzz
   else
-    reasons+=$'no clang++ here (package clang): the fuzz targets\n'
-    skipped=$((skipped + 1))
+    skip 'no clang++ here (package clang): the fuzz targets'
   fi
 else
   failed=1

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <tuple>
 #include <type_traits>
 #include <vector>
 
@@ -92,6 +93,8 @@ struct Outputs {
 template <class T>
 struct PerPlane {
   T colour{}, alpha{}, depth{};
+
+  static auto buffers(auto& self) { return std::tie(self.colour, self.alpha, self.depth); }
 };
 
 inline constexpr PerPlane<const char*> plane_names{"colour", "alpha", "depth"};

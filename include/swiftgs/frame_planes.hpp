@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <tuple>
 
 #include <swiftgs/frame.hpp>
 
@@ -11,7 +10,7 @@ namespace swiftgs {
 /// Memory of the backend for the planes of frames: float values, one frame behind the other.
 template <class B>
 struct FramePlanes : PerPlane<typename B::template Buffer<float>> {
-  /// Takes memory for `pixels`, and forgets what was there.
+  /// Makes room for `pixels` pixels. Earlier content is lost.
   void reset(Outputs outputs, std::size_t pixels) {
     for_each_plane([&](std::size_t channels, bool wanted,
                        auto& buffer) { buffer.reset(wanted ? channels * pixels : 0); },
@@ -28,8 +27,6 @@ struct FramePlanes : PerPlane<typename B::template Buffer<float>> {
         },
         *this, frame);
   }
-
-  static auto buffers(auto& self) { return std::tie(self.colour, self.alpha, self.depth); }
 };
 
 }  // namespace swiftgs
