@@ -4,7 +4,8 @@
 /// @file
 /// Exponent representations. Hosts test them.
 ///
-/// `prepare` finds the terms of a splat from its mean relative to the warp block's first pixel. `evaluate`
+/// `prepare` finds the terms of a splat from its mean relative to the warp block's first pixel and from h =
+/// log2(opacity / alpha_max). `evaluate`
 /// finds log2(alpha / alpha_max) at the lane's pixels from the place of the first within the warp block.
 /// `evaluate_one` finds the same bits at one pixel, `right` columns to the right of that place. Terms are a
 /// quadruple and a `Rest`, apart because shared memory is read by words of 16 bytes. Cleared terms show
@@ -31,11 +32,10 @@ struct CholeskyExponent {
   // Measured on an H200 when chosen: rasterizing garden takes 134 us with nine, 136 with ten and 149 with
   // eleven.
   static constexpr unsigned blocks = 9;  ///< of a multiprocessor at once: 56 registers a thread
-  using Rest = float2;                   ///< c, d; the quadruple is l0, l1, l2, log2(opacity / alpha_max)
+  using Rest = float2;                   ///< c, d; the quadruple is l0, l1, l2, h
 
-  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, const BlendRules& rules, float4& terms,
-                                 Rest& rest) {
-    terms = make_float4(s.l0, s.l1, s.l2, log2_opacity(s, rules.log2_relative_min, rules.alpha_max));
+  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float h, float4& terms, Rest& rest) {
+    terms = make_float4(s.l0, s.l1, s.l2, h);
     rest = make_float2(-fmaf(s.l0, mean.x, s.l1 * mean.y), -s.l2 * mean.y);
   }
   SWIFTGS_HD static void clear(float4& terms, Rest& rest) {
@@ -63,11 +63,9 @@ struct CholeskyExponent {
 /// y + g. What depends on the row alone is computed once for both pixels of a lane.
 struct SplitExponent {
   static constexpr unsigned blocks = 8;
-  using Rest = float4;  ///< d, e, h = log2(opacity / alpha_max), unused; the quadruple is a, b, c, h - g
+  using Rest = float4;  ///< d, e, h, unused; the quadruple is a, b, c, h - g
 
-  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, const BlendRules& rules, float4& terms,
-                                 Rest& rest) {
-    const float h = log2_opacity(s, rules.log2_relative_min, rules.alpha_max);
+  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float h, float4& terms, Rest& rest) {
     const float u = -fmaf(s.l0, mean.x, s.l1 * mean.y), v = -s.l2 * mean.y;
     const float a = s.l0 * s.l0, c = fmaf(s.l1, s.l1, s.l2 * s.l2), g = fmaf(u, u, v * v);
     terms = make_float4(a, 2 * s.l0 * s.l1, c, h - g);

@@ -102,8 +102,9 @@ struct LaneBlender {
 #pragma unroll
       for (unsigned p = 0; p < pixel_count; ++p) alphas[p][k] = of_splat[p];
     }
-    if constexpr (extras == Extras::depth) hide(alphas, colours);
+    const unsigned hidden = extras == Extras::depth ? hide(alphas, colours) : 0;
     weigh_group(pixels, alphas, rules.alpha_max, weights);
+    stop(hidden);
 
 #pragma unroll
     for (unsigned k = 0; k < group_size; ++k) {
@@ -118,18 +119,30 @@ struct LaneBlender {
   }
 
   /// Leaves out splats of a group that lie at the occluders or behind. Depths do not fall within a group.
-  __device__ void hide(float (&alphas)[pixel_count][group_size], const float4* colours) {
+  /// Returns a bit for each pixel that would have shown one: it stops there, as where splats are blended one
+  /// by one, because a segment that a pixel enters is joined with a rounding.
+  __device__ unsigned hide(float (&alphas)[pixel_count][group_size], const float4* colours) const {
     float nearest = occluders[0];
     if constexpr (pixel_count == 2) nearest = fminf(nearest, occluders[1]);
-    if (!(colours[group_size - 1].w >= nearest)) return;
+    unsigned hidden = 0;
+    if (!(colours[group_size - 1].w >= nearest)) return hidden;
 #pragma unroll
     for (unsigned p = 0; p < pixel_count; ++p) {
 #pragma unroll
-      for (unsigned k = 0; k < group_size; ++k)
-        if (colours[k].w >= occluders[p]) alphas[p][k] = 0;
-      // Behind a group that is padding alone, others of this pixel's segment may still show something.
-      if (pixels[p].live() && colours[0].w >= occluders[p] && colours[0].w < padded_depth) pixels[p].stop();
+      for (unsigned k = 0; k < group_size; ++k) {
+        if (!(colours[k].w >= occluders[p])) continue;
+        if (alphas[p][k] > 0) hidden |= 1u << p;
+        alphas[p][k] = 0;
+      }
     }
+    return hidden;
+  }
+
+  __device__ void stop(unsigned pixels_to_stop) {
+    if (pixels_to_stop == 0) return;
+#pragma unroll
+    for (unsigned p = 0; p < pixel_count; ++p)
+      if (pixels_to_stop >> p & 1 && pixels[p].live()) pixels[p].stop();
   }
 };
 

@@ -102,9 +102,10 @@ Scene layers_before_corners(std::size_t of_tile, int side, bool with_rest = true
 
 /// Keeps Gaussians that are much fainter than those that frames usually show, so that lists of ten thousands
 /// are needed to stop a pixel.
+/// Nearly the least alpha that kernels blend in groups.
 Conventions faint() {
   Conventions conventions;
-  conventions.alpha_min = 1e-5f;
+  conventions.alpha_min = 2e-5f;
   return conventions;
 }
 

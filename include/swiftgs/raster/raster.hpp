@@ -125,10 +125,13 @@ SWIFTGS_HD inline bool row_touched(const SplatShape& shape, float first_x, float
   return nearest * nearest + v * v <= shape.cutoff;
 }
 
-/// log2(opacity / unit) of a splat, where `log2_min` is log2(alpha_min / unit). Cutoff + `log2_min` is the
-/// same and costs no logarithm, but loses digits where both are large: with a tiny alpha_min.
+/// Whether cutoff + `log2_min`, where `log2_min` is log2(alpha_min / unit), is log2(opacity / unit) of a
+/// splat in float. With a tiny alpha_min both terms are large, and digits are lost.
+SWIFTGS_HD inline bool keeps_digits(float log2_min) { return log2_min >= -16; }
+
+/// log2(opacity / unit) of a splat, without a logarithm where none is needed.
 SWIFTGS_HD inline float log2_opacity(const SplatShape& shape, float log2_min, float unit) {
-  if (log2_min >= -16) return shape.cutoff + log2_min;
+  if (keeps_digits(log2_min)) return shape.cutoff + log2_min;
 #if defined(__CUDA_ARCH__)
   return __log2f(shape.opacity) - __log2f(unit);  // within 2^-22 of the larger magnitude or of 1
 #else

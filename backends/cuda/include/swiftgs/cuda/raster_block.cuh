@@ -99,11 +99,12 @@ struct OwnRasterBlock {
 enum class Extras {
   none,
   depth,  ///< and occluders
-  all,    ///< and counts
+  all,    ///< and counts, and alphas far below 1/255
 };
 
 inline Extras extras_of(const RasterJob& job) {
-  if (job.counts) return Extras::all;
+  const auto is_faint = [](const View& view) { return !keeps_digits(view.rules.log2_relative_min); };
+  if (job.counts || std::any_of(job.views.begin(), job.views.end(), is_faint)) return Extras::all;
   const auto wants = [](const View& view) { return view.frame.depth.data || view.frame.occluder.data; };
   return std::any_of(job.views.begin(), job.views.end(), wants) ? Extras::depth : Extras::none;
 }
