@@ -17,7 +17,8 @@ namespace {
 
 static_assert(int(PixelFormat::rgb_float) == SWIFTGS_RGB_FLOAT &&
               int(PixelFormat::rgba_float) == SWIFTGS_RGBA_FLOAT &&
-              int(PixelFormat::rgba_half) == SWIFTGS_RGBA_HALF && int(PixelFormat::rgba_8) == SWIFTGS_RGBA_8);
+              int(PixelFormat::rgba_half) == SWIFTGS_RGBA_HALF &&
+              int(PixelFormat::rgba_8) == SWIFTGS_RGBA_8 && int(PixelFormat::bgra_8) == SWIFTGS_BGRA_8);
 static_assert(int(Conventions::JacobianClamp::around_image) == SWIFTGS_CLAMP_AROUND_IMAGE &&
               int(Conventions::JacobianClamp::around_centre) == SWIFTGS_CLAMP_AROUND_CENTRE &&
               int(Conventions::Footprint::alpha) == SWIFTGS_FOOTPRINT_ALPHA &&
@@ -57,7 +58,7 @@ Conventions to_conventions(const swiftgs_conventions* given) {
 }
 
 View to_view(const swiftgs_view& from) {
-  require_choice(from.format, 4, "swiftgs_view: format");
+  require_choice(from.format, 5, "swiftgs_view: format");
   require_pointer(from.camera, "swiftgs_view: camera");
   const Camera camera = to_camera(from.camera);
   FrameView frame;

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #include <hwy/highway.h>
 
@@ -57,6 +58,9 @@ HWY_INLINE void StoreColours(PixelFormat format, Vec red, Vec green, Vec blue, V
       hn::StoreInterleaved4(ToHalf(red), ToHalf(green), ToHalf(blue), ToHalf(alpha), U16(),
                             reinterpret_cast<std::uint16_t*>(to));
       return;
+    case PixelFormat::bgra_8:
+      std::swap(red, blue);
+      [[fallthrough]];
     case PixelFormat::rgba_8: {
       // As `to_unorm8`; every processor that has these kernels stores the low byte first.
       const hn::RebindToSigned<F32> di;

@@ -39,6 +39,7 @@ enum class PixelFormat {
   rgba_float,  ///< 16 bytes
   rgba_half,   ///< 8 bytes, IEEE half
   rgba_8,      ///< 4 bytes; cut to [0, 1] and rounded to the nearest of 255 steps
+  bgra_8,      ///< the same with blue first, as most swap chains have it
 };
 
 /// @units{bytes}
@@ -51,6 +52,7 @@ SWIFTGS_HD constexpr std::size_t bytes_per_pixel(PixelFormat format) {
     case PixelFormat::rgba_half:
       return 8;
     case PixelFormat::rgba_8:
+    case PixelFormat::bgra_8:
       break;
   }
   return 4;

@@ -17,7 +17,7 @@ struct BlendedPixel {
   float depth = 0;          ///< sum of depths, each times its weight
 };
 
-/// Channel of `PixelFormat::rgba_8`: cut and rounded to the nearest step; NaN becomes 0. It counts half
+/// Channel in 8 bits: cut and rounded to the nearest step; NaN becomes 0. It counts half
 /// steps, so that only a product rounds, which no compiler can contract into another operation.
 SWIFTGS_HD inline std::uint8_t to_unorm8(float value) {
   return value > 0 ? std::uint8_t((int((value < 1 ? value : 1.0f) * 510.0f) + 1) >> 1) : std::uint8_t(0);
@@ -40,10 +40,12 @@ SWIFTGS_HD inline vec4 load_colour(const FrameView& frame, std::size_t x, std::s
       return vec4(to_float(p[0]), to_float(p[1]), to_float(p[2]), to_float(p[3]));
     }
     case PixelFormat::rgba_8:
+    case PixelFormat::bgra_8:
       break;
   }
   const std::uint8_t* p = static_cast<const std::uint8_t*>(row) + 4 * x;
-  return vec4(p[0], p[1], p[2], p[3]) * (1.0f / 255);
+  const int red = frame.format == PixelFormat::bgra_8 ? 2 : 0;
+  return vec4(p[red], p[1], p[2 - red], p[3]) * (1.0f / 255);
 }
 
 SWIFTGS_HD inline void store_colour(const FrameView& frame, std::size_t x, std::size_t y, vec4 colour) {
@@ -59,9 +61,13 @@ SWIFTGS_HD inline void store_colour(const FrameView& frame, std::size_t x, std::
       for (int c = 0; c < 4; ++c) static_cast<Half*>(row)[4 * x + std::size_t(c)] = to_half(colour[c]);
       return;
     case PixelFormat::rgba_8:
-      for (int c = 0; c < 4; ++c)
-        static_cast<std::uint8_t*>(row)[4 * x + std::size_t(c)] = to_unorm8(colour[c]);
+    case PixelFormat::bgra_8:
+      break;
   }
+  std::uint8_t* p = static_cast<std::uint8_t*>(row) + 4 * x;
+  const int red = frame.format == PixelFormat::bgra_8 ? 2 : 0;
+  p[red] = to_unorm8(colour.r), p[1] = to_unorm8(colour.g);
+  p[2 - red] = to_unorm8(colour.b), p[3] = to_unorm8(colour.a);
 }
 }  // namespace detail
 

@@ -25,6 +25,7 @@ void test_formats(void) {
   float* const depth = make_floats(pixels);
   uint16_t* const half = make_memory(sizeof(uint16_t) * 4 * pixels);
   uint8_t* const bytes = make_memory(4 * pixels);
+  uint8_t* const swapped = make_memory(4 * pixels);
   d.view.format = SWIFTGS_RGBA_FLOAT;
   d.view.colour = (swiftgs_plane){rgba, 16 * width};
   d.view.alpha = (swiftgs_plane){alpha, 4 * width};
@@ -42,6 +43,11 @@ void test_formats(void) {
   CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
   for (int i = 0; i < 4 * pixels; ++i)
     same &= fabsf((float)bytes[i] - 255 * fminf(fmaxf(rgba[i], 0), 1)) < 0.51f;
+  CHECK(same);
+  d.view.format = SWIFTGS_BGRA_8;
+  d.view.colour = (swiftgs_plane){swapped, 4 * width};
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
+  for (int i = 0; i < 4 * pixels; ++i) same &= swapped[i] == bytes[i % 4 == 3 ? i : i / 4 * 4 + 2 - i % 4];
   CHECK(same);
 
   /* 1.0 is 0x3c00 as a half; a pixel is near it where its float is. */

@@ -115,7 +115,8 @@ TEST_CASE("mpi frames: strips are drawn over images and behind surfaces and into
   Pair pair(make_builtin_scene(3'000));
   std::vector<float> occluder(200 * 150);
   for (std::size_t i = 0; i < occluder.size(); ++i) occluder[i] = i % 3 ? 4.0f : INFINITY;
-  for (const PixelFormat format : {PixelFormat::rgba_float, PixelFormat::rgba_half, PixelFormat::rgba_8}) {
+  for (const PixelFormat format :
+       {PixelFormat::rgba_float, PixelFormat::rgba_half, PixelFormat::rgba_8, PixelFormat::bgra_8}) {
     const std::size_t pixel = bytes_per_pixel(format);
     std::vector<unsigned char> expected(200 * 150 * pixel), found(200 * 150 * pixel);
     const auto view_into = [&](std::vector<unsigned char>& image) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Planes, pixel formats, composition and occluders of frames, on every backend.
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -376,4 +377,16 @@ TEST_CASE("frame: planes that cannot be written are refused in words") {
     CHECK_THROWS_AS(accepts({.alpha = {memory.data(), pitch}}), std::invalid_argument);
   CHECK_THROWS_WITH_AS(accepts({.over = true}), "render: expected colour to render over",
                        std::invalid_argument);
+}
+
+TEST_CASE("frame: channels of 8 bits lie in memory in the order that their format names") {
+  using Bytes = std::array<unsigned char, 4>;
+  const auto bytes_of = [](PixelFormat format) {
+    Image image(1, 1, format);
+    image.set(0, 0, {1, 0.6f, 0, 0.2f});
+    CHECK(image.at(0, 0) == vec4(255, 153, 0, 51) * (1.0f / 255));
+    return Bytes{image.bytes[0], image.bytes[1], image.bytes[2], image.bytes[3]};
+  };
+  CHECK(bytes_of(PixelFormat::rgba_8) == Bytes{255, 153, 0, 51});
+  CHECK(bytes_of(PixelFormat::bgra_8) == Bytes{0, 153, 255, 51});
 }

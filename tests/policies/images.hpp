@@ -47,7 +47,8 @@ struct Image {
 };
 
 inline constexpr PixelFormat pixel_formats[] = {PixelFormat::rgb_float, PixelFormat::rgba_float,
-                                                PixelFormat::rgba_half, PixelFormat::rgba_8};
+                                                PixelFormat::rgba_half, PixelFormat::rgba_8,
+                                                PixelFormat::bgra_8};
 
 /// `image` in another format.
 inline Image converted(Image image, PixelFormat format) {

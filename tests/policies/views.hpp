@@ -426,7 +426,7 @@ inline AskedView changing_view(int k) {
   view.width = 100, view.height = 70, view.first = {16 * (k % 4), 16 * (k % 5)};
   if (k % 3 == 1) view.conventions = Conventions::inria();
   if (k % 3 == 2) view.conventions.antialiased = true, view.conventions.alpha_min = 1.0f / 100;
-  view.background = vec3(0.3f, 1.7f, -0.1f * float(k)), view.format = pixel_formats[k % 4];
+  view.background = vec3(0.3f, 1.7f, -0.1f * float(k)), view.format = pixel_formats[k % std::size(pixel_formats)];
   view.over = k / 4 % 2, view.upward = unsigned(7 * k) % 16, view.beside = std::size_t(24 + 8 * (k % 3));
   view.occluder = true;
   return view;

@@ -59,7 +59,8 @@ enum {
   SWIFTGS_RGB_FLOAT = 0,   ///< 12 bytes
   SWIFTGS_RGBA_FLOAT = 1,  ///< 16 bytes
   SWIFTGS_RGBA_HALF = 2,   ///< 8 bytes, IEEE half
-  SWIFTGS_RGBA_8 = 3       ///< 4 bytes; cut to [0, 1] and rounded to the nearest of 255 steps
+  SWIFTGS_RGBA_8 = 3,      ///< 4 bytes; cut to [0, 1] and rounded to the nearest of 255 steps
+  SWIFTGS_BGRA_8 = 4       ///< the same with blue first, as most swap chains have it
 };
 
 /// One plane of a frame in the caller's memory. NULL means absent, and absent planes are not computed.
