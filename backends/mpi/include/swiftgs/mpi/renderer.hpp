@@ -174,7 +174,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     // Ranks that failed apart from each other may have learnt different costs.
     if (!complete_) strip_plan_.reset(), tiles_ = {};
     complete_ = false;
-    failure.guard([&] { project_part(part, views, mine); });
+    std::optional<FramePlan> whole;
+    failure.guard([&] { whole = project_part(part, views, mine); });
     mine.project_ns = since(begun);
     exchange_offers(ranks_, shares_, views_identity(views) + outputs_, failure, counts_);
     failure.guard([&] {
@@ -190,7 +191,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     failure.guard([&] { exchange_.stage_shapes(backend()); });
     exchange_.send_shapes(shapes, strips_);
     failure.guard([&] {
-      shading.emplace(shade(backend(), FramePlan(whole_, part), shares_.splats, colours_));
+      shading.emplace(shade(backend(), *whole, shares_.splats, colours_));
       exchange_.keep_shapes(backend(), shares_.splats.view());
     });
     if (!link_) {
@@ -235,8 +236,9 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     counters_ = {{mine}};
   }
 
-  /// Finds the splats of this rank's Gaussians in all views, and shares them out among the ranks.
-  void project_part(const SceneView& part, Span<const View> views, RankCounters& mine) {
+  /// Finds the splats of this rank's Gaussians in all views, and shares them out among the ranks. Returns the
+  /// plan of these views.
+  FramePlan project_part(const SceneView& part, Span<const View> views, RankCounters& mine) {
     check_ready(backend());
     const Span<const View> parts = parts_.of(views);
     key_ = FrameKey::of({}, parts);
@@ -259,6 +261,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     mine.sent = shares_.begins.back() - shares_.count_for(own);
     mine.first_row = strip_plan_->cuts()[std::size_t(own)];
     mine.rows = strip_plan_->cuts()[std::size_t(own) + 1] - mine.first_row;
+    return plan;
   }
 
   /// Whoever asked for `views` knows nothing of parts.
