@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames of this library beside those of gsplat and HiGS, in one run on one GPU: time against error.
+"""Frames of this library beside those of gsplat, HiGS and Faster-GS, in one run on one GPU: time against error.
 
     python3 benchmarks/rivals.py captures/garden captures/fox builtin:4000000 --json rivals.json
 
@@ -7,12 +7,14 @@ It needs PyTorch with CUDA, the package swiftgs, and what `build_rivals.py` buil
 time of a scene that lies on the device as that renderer keeps it, and leaves the image there. `ms` is that of a frame
 among ten in a row, `ms_alone` that of one from an idle device until it is idle again, Python included, each the median
 of many; renderers take turns in a random order. gsplat's packed and unpacked arrays and both of HiGS's tiles are timed.
+Faster-GS draws by its path for inference, without clamping colours.
 
 `errors` are those of the first views, of the same frames at full size against `tests/python/float64.py`, with the rules
 by which each renderer blends. A frame in float64 takes a minute of a core. `--references FOLDER` keeps them there;
 `--only-references` draws these alone, and needs no device.
 """
 import argparse
+import importlib.util
 import json
 import pathlib
 import random
@@ -64,7 +66,33 @@ def kept_by_higs(case, tensors):
     return frame_of
 
 
-RENDERERS = {"SwiftGS": kept_by_swiftgs, "gsplat": kept_by_gsplat, "HiGS": kept_by_higs}
+def kept_by_faster_gs(case, tensors):
+    from FasterGSCudaBackend.torch_bindings.rasterization import (  # pylint: disable=import-outside-toplevel
+        RasterizerSettings, rasterize)
+    import torch  # pylint: disable=import-outside-toplevel
+    sh, (width, height), black = tensors["colors"], case.size, torch.zeros(3, device="cuda")
+    kept = [each.float().contiguous() for each in (
+        tensors["means"], tensors["scales"].double().log(), tensors["quats"], tensors["opacities"].double().logit(),
+        sh[:, :1], sh[:, 1:])]
+
+    def frame_of(view):
+        eye = view["viewmat"].double().inverse()[:3, 3].float().contiguous()
+        (fx, _, cx), (_, fy, cy), _ = view["K"].tolist()
+        settings = RasterizerSettings(view["viewmat"], eye, black, (tensors["sh_degree"] + 1) ** 2, width, height,
+                                      fx, fy, cx, cy, near_plane=0.01, far_plane=1e10, proper_antialiasing=False)
+        return {"Faster-GS": lambda: rasterize(*kept, settings, to_chw=False, clamp_output=False)}
+    return frame_of
+
+
+RENDERERS = {"SwiftGS": kept_by_swiftgs, "gsplat": kept_by_gsplat, "HiGS": kept_by_higs, "Faster-GS": kept_by_faster_gs}
+
+
+def built():
+    """All renderers, without Faster-GS where `build_rivals.py` left it out."""
+    if importlib.util.find_spec("FasterGSCudaBackend"):
+        return list(RENDERERS)
+    print("Faster-GS is left out: build_rivals.py has not built it", file=sys.stderr)
+    return [name for name in RENDERERS if name != "Faster-GS"]
 
 
 def in_a_row(calls, rounds):
@@ -104,7 +132,7 @@ def errors(calls, wanted):
     from conftest import decibels  # pylint: disable=import-outside-toplevel
     found = {}
     for name, call in calls.items():
-        rules = float64.UNCLAMPED if name.startswith("HiGS") else float64.GSPLAT
+        rules = float64.UNCLAMPED if name.startswith(("HiGS", "Faster-GS")) else float64.GSPLAT
         image = call().double().cpu().numpy()
         found[name] = {"psnr_db": float(decibels(image, wanted[rules])),
                        "max_abs": float(abs(image - wanted[rules]).max())}
@@ -115,7 +143,7 @@ def rows_of(case, arguments):
     tensors = case.tensors(case.cameras)
     views = [{"viewmat": viewmat.contiguous(), "K": matrix.contiguous()}
              for viewmat, matrix in zip(tensors.pop("viewmats"), tensors.pop("Ks"))]
-    renderers = [RENDERERS[name](case, tensors) for name in arguments.renderers]
+    renderers = [RENDERERS[name](case, tensors) for name in arguments.renderers or built()]
     for index, view in enumerate(views):
         calls = {name: call for frame_of in renderers for name, call in frame_of(view).items()}
         found = {"scene": case.name, "gaussians": len(case.scene), "view": index, "size": list(case.size),
@@ -128,7 +156,7 @@ def rows_of(case, arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="+", help="builtin, builtin:N, or folders of captures")
-    parser.add_argument("--renderers", nargs="+", choices=RENDERERS, default=list(RENDERERS))
+    parser.add_argument("--renderers", nargs="+", choices=RENDERERS, help="else all that are built")
     parser.add_argument("--scale", type=float, default=1, help="factor of the images' sides")
     parser.add_argument("--rounds", type=int, default=20, help="times that a median is of")
     parser.add_argument("--judged", type=int, default=3, help="views of a scene that are drawn in float64 too")

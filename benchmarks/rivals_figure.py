@@ -11,11 +11,11 @@ import sys
 
 sys.dont_write_bytecode = True
 
-from tables.rivals import NAME, RIVALS, reached, read, scenes_of  # noqa: E402
+from tables.rivals import NAME, RIVALS, reached, read, rivals_in, scenes_of  # noqa: E402
 from tables.source import Source  # noqa: E402
 
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 720, 320, 60, 24, 44, 56
-COLOURS = dict(zip(RIVALS, ("#6c757d", "#c8553d", "#1b6ca8")))
+COLOURS = dict(zip(RIVALS, ("#6c757d", "#4c956c", "#c8553d", "#1b6ca8")))
 LEAST, MOST = 60, 110  # dB
 TICKS = (0.125, 0.25, 0.5, 1, 2, 4, 8, 16, 32)  # ms
 # Outlines around 0, 0 for one scene each.
@@ -50,8 +50,8 @@ def draw(found):
                   text(across(tick), bottom + 18, f"{tick:g} ms")]
     for kind, of_scene in enumerate(found.values()):
         parts += [mark(kind, across(each.ms), up(each.db), COLOURS[name]) for name, each in of_scene.items()]
-    for n, (name, colour) in enumerate(COLOURS.items()):
-        parts.append(text(LEFT + 80 * n, 26, name, "start", f' fill="{colour}" font-weight="bold"'))
+    for n, name in enumerate(next(iter(found.values()))):
+        parts.append(text(LEFT + 72 * n, 26, name, "start", f' fill="{COLOURS[name]}" font-weight="bold"'))
     x = right
     for kind, scene in reversed(list(enumerate(found))):
         x -= 8 * len(scene)
@@ -65,8 +65,9 @@ def draw(found):
 
 
 def found_in(source):
-    return {scene: {rival: reached(rows, rival) for rival in RIVALS}
-            for scene, rows in scenes_of(read(source, "gpu")).items()}
+    file = read(source, "gpu")
+    return {scene: {rival: reached(rows, rival) for rival in rivals_in(file)}
+            for scene, rows in scenes_of(file).items()}
 
 
 def main():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""This library beside gsplat and HiGS: time against error of the same frames."""
+"""This library beside gsplat, HiGS and Faster-GS: time against error of the same frames."""
 import dataclasses
 from statistics import median
 
@@ -9,9 +9,10 @@ from tables.results import InputError, check_rows
 from tables.summary import commit_of
 
 NAME = "rivals.json"
+OPTIONAL = "Faster-GS"  # rivals.py may run without it
 # Each with its calls, of which the fastest in a scene counts.
-RIVALS = {"gsplat": ("gsplat", "gsplat, not packed"), "HiGS": ("HiGS, tiles of 8", "HiGS, tiles of 16"),
-          "SwiftGS": ("SwiftGS",)}
+RIVALS = {"gsplat": ("gsplat", "gsplat, not packed"), OPTIONAL: (OPTIONAL,),
+          "HiGS": ("HiGS, tiles of 8", "HiGS, tiles of 16"), "SwiftGS": ("SwiftGS",)}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -26,14 +27,20 @@ def read(source, machine):
     path = source.path(machine, NAME)
     found = source.json(machine, NAME, "swiftgs-rivals", rows=list, machine=dict)
     check_rows(path, found["rows"], texts=("scene",), counts=("gaussians",))
-    calls = [call for of_rival in RIVALS.values() for call in of_rival]
     for n, row in enumerate(found["rows"]):
         if not isinstance(row.get("ms"), dict) or not isinstance(row.get("errors", {}), dict):
             raise InputError(f"{path}: rows[{n}]: expected objects ms and errors")
+    calls = [call for rival in rivals_in(found) for call in RIVALS[rival]]
+    for row in found["rows"]:
         check_rows(path, [row["ms"]], numbers=calls)
         if "errors" in row:
             check_rows(path, [row["errors"].get(call) for call in calls], numbers=("psnr_db",))
     return found
+
+
+def rivals_in(found):
+    """The renderers of a file, in the order of the table."""
+    return [rival for rival in RIVALS if rival != OPTIONAL or any(rival in row["ms"] for row in found["rows"])]
 
 
 def scenes_of(found):
@@ -56,7 +63,7 @@ def rivals(source, machine):
     found = read(source, machine)
     scenes, about = scenes_of(found), found["machine"]
     rows = []
-    for rival in RIVALS:
+    for rival in rivals_in(found):
         each = [reached(views, rival) for views in scenes.values()]
         rows.append([f"**{rival}**" if rival == "SwiftGS" else rival,
                      *(text for one in each for text in (ms(one.ms), decibel(one.db)))])

@@ -482,6 +482,13 @@ class Tables(unittest.TestCase):
             self.assertIn(line, text)
         self.assertIn("3 views of fox (0.2 M Gaussians, 640x480)", text)
         self.assertIn("the worst of 2 views", text.replace("\n", " "))
+        self.assertNotIn("Faster-GS", text)
+        faster = [{**each, "ms": {**ms, "Faster-GS": 1}, **({"errors": {**each["errors"], "Faster-GS": {"psnr_db": 80}}}
+                                                            if "errors" in each else {})} for each in good["rows"]]
+        synthetic_folder.synthetic.write(folder / "rivals.json", {**good, "rows": faster})
+        self.assertIn("| Faster-GS | 1.00 | 80.0 |", self.update(page, results=folder.parent)[1])
+        figure = rivals_figure.draw(rivals_figure.found_in(Source(folder.parent)))
+        self.assertEqual(figure.count(f'fill="{rivals_figure.COLOURS["Faster-GS"]}"'), 2)  # its name and its point
         for broken, message in (({"ms": {}}, "gsplat: expected a number"), ({"errors": {}}, "expected an object"),
                                 ({"errors": []}, "expected objects ms and errors")):
             synthetic_folder.synthetic.write(folder / "rivals.json", {**good, "rows": [{**row, **broken}]})
