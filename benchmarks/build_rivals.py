@@ -101,6 +101,11 @@ def copy_faster_gs():
 
 def main():
     copy_gsplat()
+    faster_gs = bool(os.environ.get("SWIFTGS_FASTER_GS"))
+    if faster_gs:
+        copy_faster_gs()
+    else:
+        print("Faster-GS is left out: SWIFTGS_FASTER_GS names no folder with its sources", flush=True)
     import torch  # pylint: disable=import-outside-toplevel
     kind = ".".join(map(str, torch.cuda.get_device_capability())) if torch.cuda.is_available() else "9.0"
     environment = {"TORCH_CUDA_ARCH_LIST": kind, "MAX_JOBS": str(os.cpu_count()), **LEAN, **os.environ,
@@ -110,13 +115,10 @@ def main():
                 "what packs scenes for HiGS": ["-c", PACKING]}
     running = {name: subprocess.Popen([sys.executable, *command], cwd=BUILT, env=environment)
                for name, command in commands.items()}
-    if os.environ.get("SWIFTGS_FASTER_GS"):
-        copy_faster_gs()
+    if faster_gs:
         running["Faster-GS"] = subprocess.Popen(
             [sys.executable, "setup.py", "build_ext", "--inplace"], cwd=FASTER_GS,
             env={**environment, "NVCC_APPEND_FLAGS": f"-include {FASTER_GS / 'maximum.h'}"})
-    else:
-        print("Faster-GS is left out: SWIFTGS_FASTER_GS names no folder with its sources", flush=True)
     failed = [name for name, process in running.items() if process.wait() != 0]
     if failed:
         raise SystemExit(f"not built: {', '.join(failed)}")

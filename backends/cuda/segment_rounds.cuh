@@ -175,9 +175,10 @@ struct WorkItemBlender {
 
   /// log2(opacity / alpha_max). Measured on an H100: if this kernel had the branch of `log2_opacity`,
   /// rasterizing would take 302 us, not 291, in `builtin:1000000`, and 667, not 639, in `builtin:4000000`. So
-  /// frames that need the branch have a kernel with all extras.
+  /// a single view that needs the branch has the kernel with all extras. Stored views have the branch, since
+  /// those of a recorded frame may change.
   __device__ float relative_log2_opacity(const SplatShape& shape) const {
-    if constexpr (extras == Extras::all)
+    if constexpr (extras == Extras::all || !ViewSource::only)
       return log2_opacity(shape, rules.log2_relative_min, rules.alpha_max);
     else
       return shape.cutoff + rules.log2_relative_min;

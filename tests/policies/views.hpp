@@ -426,7 +426,9 @@ inline AskedView changing_view(int k) {
   view.width = 100, view.height = 70, view.first = {16 * (k % 4), 16 * (k % 5)};
   if (k % 3 == 1) view.conventions = Conventions::inria();
   if (k % 3 == 2) view.conventions.antialiased = true, view.conventions.alpha_min = 1.0f / 100;
-  view.background = vec3(0.3f, 1.7f, -0.1f * float(k)), view.format = pixel_formats[k % std::size(pixel_formats)];
+  if (k % 4 == 3) view.conventions.alpha_min = 1e-6f;
+  view.background = vec3(0.3f, 1.7f, -0.1f * float(k));
+  view.format = pixel_formats[std::size_t(k) % std::size(pixel_formats)];
   view.over = k / 4 % 2, view.upward = unsigned(7 * k) % 16, view.beside = std::size_t(24 + 8 * (k % 3));
   view.occluder = true;
   return view;
@@ -434,7 +436,7 @@ inline AskedView changing_view(int k) {
 
 /// The same with colour alone, of another size.
 inline AskedView changing_lean_view(int k) {
-  AskedView view = changing_view(k + 5);
+  AskedView view = changing_view(k + 6);
   view.width = 77, view.height = 61;
   view.alpha = view.depth = view.occluder = false;
   return view;

@@ -99,12 +99,11 @@ struct OwnRasterBlock {
 enum class Extras {
   none,
   depth,  ///< and occluders
-  all,    ///< and counts, and alphas far below 1/255
+  all,    ///< and counts, and in a single view alphas far below 1/255
 };
 
 inline Extras extras_of(const RasterJob& job) {
-  const auto is_faint = [](const View& view) { return !keeps_digits(view.rules.log2_relative_min); };
-  if (job.counts || std::any_of(job.views.begin(), job.views.end(), is_faint)) return Extras::all;
+  if (job.counts || !keeps_digits(job.views[0].rules.log2_relative_min)) return Extras::all;
   const auto wants = [](const View& view) { return view.frame.depth.data || view.frame.occluder.data; };
   return std::any_of(job.views.begin(), job.views.end(), wants) ? Extras::depth : Extras::none;
 }
