@@ -283,7 +283,7 @@ void test_frame_errors(void) {
   REFUSE(d.frame.measure = 4, "measure is 4, expected a sum of 1 and 2");
   REFUSE(d.frame.size = 3, "swiftgs_frame: size is 3");
   REFUSE(d.view.size = 0, "swiftgs_view: size is 0");
-  REFUSE(d.view.format = 4, "swiftgs_view: format is 4, expected 0 to 3");
+  REFUSE(d.view.format = 5, "swiftgs_view: format is 5, expected 0 to 4");
   REFUSE(d.view.camera = NULL, "swiftgs_view: camera is NULL");
   REFUSE(d.view.colour.pitch = 4, "the pitch of colour is 4 bytes");
   REFUSE(d.view.colour.data = (char*)d.colour + 1, "colour aligned to 4 bytes");
