@@ -154,6 +154,24 @@ SWIFTGS_DEVICE_CASE("cuda record: a graph draws lenses, then pinholes, then lens
   }
 }
 
+SWIFTGS_DEVICE_CASE("cuda record: a graph draws panoramas, whose parts are as many in every run") {
+  const std::vector<Camera> cameras = builtin_cameras(24, 256, 128);
+  const auto panorama = [&](int k) {
+    AskedView view{cameras[std::size_t(k) % 24], Conventions::gsplat(), vec3(0.1f * float(k))};
+    view.camera.lens.model = LensModel::equirectangular;
+    view.camera.fx = view.camera.fy = 128 / 3.14159265358979;
+    view.camera.cx = 128, view.camera.cy = 64;
+    return std::vector{view};
+  };
+  Recording<> r;
+  const Graph graph = r.capture(panorama(0), {32'000, 400'000});
+  for (int k = 0; k < 24; ++k) {
+    CAPTURE(k);
+    CHECK(r.wrong_in_run(graph, panorama(k)) == 0);
+    CHECK(r.reported());
+  }
+}
+
 SWIFTGS_DEVICE_CASE("cuda record: every sort with every bounds can be captured") {
   for_each_type(AllSorts(), [&]<class Sort>(Sort) {
     for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
