@@ -5,11 +5,10 @@
 /// Exponent representations. Hosts test them.
 ///
 /// `prepare` finds the terms of a splat from its mean relative to the warp block's first pixel and from h =
-/// log2(opacity / alpha_max). `evaluate`
-/// finds log2(alpha / alpha_max) at the lane's pixels from the place of the first within the warp block.
-/// `evaluate_one` finds the same bits at one pixel, `right` columns to the right of that place. Terms are a
-/// quadruple and a `Rest`, apart because shared memory is read by words of 16 bytes. Cleared terms show
-/// nothing.
+/// log2(opacity / alpha_max). `evaluate` finds log2(alpha / alpha_max) at the lane's pixels from the place of
+/// the first within the warp block. `evaluate_one` finds the same bits at one pixel, `right` columns to the
+/// right of that place. Terms are a quadruple and a `Rest`, apart because shared memory is read by words of
+/// 16 bytes. Cleared terms show nothing.
 
 #include <cmath>
 
@@ -25,6 +24,11 @@ namespace swiftgs::kernels {
 /// Pixels of a lane are of one row, so what depends on the row is computed once.
 inline constexpr unsigned pixels_of_lane = 2;
 inline constexpr unsigned columns_between = 4;
+
+/// log2(opacity / alpha_max) of a splat.
+SWIFTGS_HD inline float relative_log2_opacity(const SplatShape& s, const BlendRules& rules) {
+  return log2_opacity(s, rules.log2_relative_min, rules.alpha_max);
+}
 
 /// `FloatCholesky` in registers: u = l0 x + l1 y + c and v = l2 y + d at pixel (x, y) of the warp block, s =
 /// u^2 + v^2. Pixels of a lane share v, and from one to the next u grows by what depends on the splat alone.

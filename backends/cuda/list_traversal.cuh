@@ -112,8 +112,8 @@ class ListTraversal {
         const unsigned slot =
             (begun_ * queue_half + waiting_ + unsigned(__popc(lanes & lanes_below()))) % queue_size;
         blender.fill(slot, id);
-        const float h = log2_opacity(shape, rules_->log2_relative_min, rules_->alpha_max);
-        Exponent::prepare(shape, shape.mean - first_centre_, h, queue_->terms[slot], queue_->rests[slot]);
+        Exponent::prepare(shape, shape.mean - first_centre_, relative_log2_opacity(shape, *rules_),
+                          queue_->terms[slot], queue_->rests[slot]);
       }
       waiting_ += unsigned(__popc(lanes));
 

@@ -101,7 +101,7 @@ Scene layers_before_corners(std::size_t of_tile, int side, bool with_rest = true
 }
 
 /// Keeps Gaussians that are much fainter than those that frames usually show, so that lists of ten thousands
-/// are needed to stop a pixel. Of a single view, kernels blend hardly fainter alphas in groups.
+/// are needed to stop a pixel. Kernels blend a single view in groups down to about this alpha.
 Conventions faint() {
   Conventions conventions;
   conventions.alpha_min = 2e-5f;

@@ -160,7 +160,6 @@ SWIFTGS_DEVICE_CASE("cuda record: a graph draws panoramas, whose parts are as ma
     AskedView view{cameras[std::size_t(k) % 24], Conventions::gsplat(), vec3(0.1f * float(k))};
     view.camera.lens.model = LensModel::equirectangular;
     view.camera.fx = view.camera.fy = 128 / 3.14159265358979;
-    view.camera.cx = 128, view.camera.cy = 64;
     return std::vector{view};
   };
   Recording<> r;

@@ -37,8 +37,8 @@ std::vector<std::uint64_t> weights_in_warp_block(const SplatSet& splats, Span<co
       if (!box_touched(shape, first_centre, 8)) continue;
       float4 terms;
       CholeskyExponent::Rest rest;
-      CholeskyExponent::prepare(shape, shape.mean - first_centre,
-                                log2_opacity(shape, rules.log2_relative_min, rules.alpha_max), terms, rest);
+      CholeskyExponent::prepare(shape, shape.mean - first_centre, relative_log2_opacity(shape, rules), terms,
+                                rest);
       float exponents[pixels_of_lane];
       CholeskyExponent::evaluate(terms, rest, float(lane % 4), float(lane / 4), exponents);
       for (unsigned p = 0; p < pixels_of_lane; ++p)

@@ -102,6 +102,8 @@ enum class Extras {
   all,    ///< and counts, and in a single view alphas far below 1/255
 };
 
+/// The first view stands for a single one. Kernels of stored views take alphas of any size whatever their
+/// extras.
 inline Extras extras_of(const RasterJob& job) {
   if (job.counts || !keeps_digits(job.views[0].rules.log2_relative_min)) return Extras::all;
   const auto wants = [](const View& view) { return view.frame.depth.data || view.frame.occluder.data; };
