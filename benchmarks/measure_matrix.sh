@@ -18,7 +18,7 @@
 # BACKEND is cuda or cpu; by default cuda where it runs. Scenes are the built-in one and the captures in
 # SWIFTGS_SCENES; SCENES='fox garden' names other captures. The program is that of SWIFTGS_BUILD, else of build/release.
 #
-# All parts but stress take about nine minutes of an H200 with 16 cores and half an hour of two cores; stress takes about
+# All parts but stress take about eight minutes of an H100 with 16 cores and half an hour of two cores; stress takes about
 # six minutes of two cores, most of it for the float64 reference. What keeps them within that:
 # frames end when the median is known to PRECISION, MIN_FRAMES, six or more, and MAX_FRAMES of them; a CPU takes every
 # 24th view where a GPU takes every eighth (VIEWS), both of them of those that training has not seen; the float64

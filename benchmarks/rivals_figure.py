@@ -50,8 +50,10 @@ def draw(found):
                   text(across(tick), bottom + 18, f"{tick:g} ms")]
     for kind, of_scene in enumerate(found.values()):
         parts += [mark(kind, across(each.ms), up(each.db), COLOURS[name]) for name, each in of_scene.items()]
-    for n, name in enumerate(next(iter(found.values()))):
-        parts.append(text(LEFT + 72 * n, 26, name, "start", f' fill="{COLOURS[name]}" font-weight="bold"'))
+    x = LEFT
+    for name in next(iter(found.values())):
+        parts.append(text(x, 26, name, "start", f' fill="{COLOURS[name]}" font-weight="bold"'))
+        x += 9 * len(name) + 14
     x = right
     for kind, scene in reversed(list(enumerate(found))):
         x -= 8 * len(scene)

@@ -20,10 +20,12 @@ def read(source, machine):
     return found
 
 
-def beside_gsplat(source, machine):
-    """Times of a call, and decibels between both."""
+def beside_gsplat(source, machine, *scenes):
+    """Times of a call, and decibels between both; of these scenes, or else of all."""
     rows = []
     for row in read(source, machine)["rows"]:
+        if scenes and row["scene"] not in scenes:
+            continue
         kept = ms(row["ms"][KEPT]) if KEPT in row["ms"] else "-"
         rows.append([f"{row['scene']}, {count(row['gaussians'])}", row["camera_model"], str(row["views"]),
                      *(ms(row["ms"][call]) for call in CALLS), kept, decibel(min(row["between_db"]))])
