@@ -101,6 +101,10 @@ def write(folder, backend):
     bench("scaling-threads.json", growing("cpu", [({"threads": n}, {"raster": 1 / n}) for n in (1, 2, 4)]))
     bench("scaling-occupancy.json", growing(backend, [({"enlarge": e, "intersections": 1e6 * e}, {"sort": e})
                                                       for e in (0.5, 1, 2)]))
+    bench("lenses.json", [row(backend, BEST, f"garden-{lens}{order}", gaussians=1500000, view=str(view),
+                              grow={"project": n * (0.5 if order else 1)}, visible=n * 500000)
+                          for order in ("", "-ordered") for view in range(4)
+                          for n, lens in enumerate(("pinhole", "opencv", "fisheye", "panorama"), 1)])
     if backend == "cuda":
         synthetic.write(folder / "ceilings.json", ceilings())
     synthetic.write(folder / "stress.json", stress(backend, ((64, 48),)))

@@ -501,7 +501,7 @@ class Tables(unittest.TestCase):
         self.assertEqual(figure.read_text(encoding="utf-8"), rivals_figure.draw(rivals_figure.found_in(Source())))
 
     def test_files_of_one_run_stand_in_one_row(self):
-        self.assertEqual(cells(self.table("files gpu"), "`ceilings.json`, `matrix.json`, `pruned.json`, `scaling-*.json`, `vanilla.json`")[1:],
+        self.assertEqual(cells(self.table("files gpu"), "`ceilings.json`, `lenses.json`, `matrix.json`, `pruned.json`, `scaling-*.json`, `vanilla.json`")[1:],
                          ["a GPU", "2026-11-21", "`000000000000`"])
 
     def test_both_sorts_stand_side_by_side_along_an_axis(self):
@@ -555,6 +555,28 @@ class Tables(unittest.TestCase):
         self.assertEqual([row.strip("| ").split(" | ")[2] for row in rows], ["memory", "CUB's sorts"])
         # 0.5 million depths of 8 bytes in four passes, 2 million tiles of 6 bytes in two, 51 floats of colour a splat.
         self.assertEqual(rows[0].strip("| ").split(" | ")[3], "49.5")
+
+    def test_lenses_stand_beside_the_pinhole_in_the_same_order(self):
+        text = self.table("lenses gpu")
+        self.assertIn("garden, 1.5 M, milliseconds, means over 4 views:", text)
+        self.assertIn("| pinhole | as stored | 500,000 | 0.500 | 0.800 | 1.00 | 2.30 | 1.00 |", text)
+        self.assertIn("| panorama | as stored | 2,000,000 | 2.00 | 0.800 | 1.00 | 3.80 | 1.65 |", text)
+        self.assertIn("| pinhole | in space | 500,000 | 0.250 | 0.800 | 1.00 | 2.05 | 1.00 |", text)
+        self.assertIn("| fisheye | in space | 1,500,000 | 0.750 | 0.800 | 1.00 | 2.55 | 1.24 |", text)
+        self.assertEqual(sum(line.startswith("| ") for line in text.splitlines()), 10)
+
+    def test_lenses_that_were_not_measured_are_one_line(self):
+        folder = self.place / "glass" / "gpu"
+        folder.mkdir(parents=True)
+        page, rows = "<!-- table: lenses gpu -->\n<!-- end -->\n", [
+            synthetic_folder.row("cuda", synthetic_folder.BEST, f"garden-{lens}", view="0") for lens in ("pinhole", "opencv")]
+        for found, message in ((rows, "no row of early/axis-shared-threshold-float-cholesky/ellipse on garden-fisheye "),
+                               (rows[1:], "first scene 'garden-opencv'; expected one that ends in '-pinhole'")):
+            synthetic.write(folder / "lenses.json", synthetic.file_of(found))
+            code, text, _, error = self.update(page, results=folder.parent)
+            self.assertEqual((code, text), (2, page))
+            self.assertRegex(error, r"\A[^\n]+/lenses.json: [^\n]+\n\Z")
+            self.assertIn(message, error)
 
     def test_ceilings_are_shown_as_measured(self):
         text = self.table("ceilings gpu")
