@@ -13,8 +13,8 @@
 #   occupancy  scaling-occupancy.json: scales of all Gaussians from an eighth to eight times theirs (four on a CPU);
 #              tiles get no sparser than by one for each splat in view
 #   prune      prune-SCENE-SCORE.json, and pruned.json: a tenth of each capture
-#   lenses     lenses.json: four views of a capture with a cameras.json, through its pinholes, OpenCV's lens, fisheyes and
-#              as panoramas, its Gaussians as they are and ordered in space
+#   lenses     lenses.json: four views of a capture with a cameras.json as pinholes, through OpenCV's lens, as fisheyes
+#              and as panoramas, its Gaussians as they are and ordered in space
 #   stress     stress.json: every rasterizer on every family of hard frames at every severity, 64x48, 16 seeds;
 #              stress-large.json: three families at 960x540 and 1920x1080, 2 seeds
 # BACKEND is cuda or cpu; by default cuda where it runs. Scenes are the built-in one and the captures in
