@@ -13,6 +13,8 @@
 #   occupancy  scaling-occupancy.json: scales of all Gaussians from an eighth to eight times theirs (four on a CPU);
 #              tiles get no sparser than by one for each splat in view
 #   prune      prune-SCENE-SCORE.json, and pruned.json: a tenth of each capture
+#   lenses     lenses.json: four views of a capture with a cameras.json as pinholes, through OpenCV's lens, as fisheyes
+#              and as panoramas, its Gaussians as they are and ordered in space
 #   stress     stress.json: every rasterizer on every family of hard frames at every severity, 64x48, 16 seeds;
 #              stress-large.json: three families at 960x540 and 1920x1080, 2 seeds
 # BACKEND is cuda or cpu; by default cuda where it runs. Scenes are the built-in one and the captures in
@@ -25,7 +27,7 @@
 # reference, which takes longer than all frames together, is rendered for the first three views of a scene.
 # Nothing else should run meanwhile. A part that fails says so, and the others run.
 set -euo pipefail
-all_parts=(matrix vanilla gaussians pixels threads occupancy prune stress)
+all_parts=(matrix vanilla gaussians pixels threads occupancy prune lenses stress)
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 [ $# -ge 1 ] || { echo "usage: benchmarks/measure_matrix.sh OUTDIR [${all_parts[*]}]" >&2; exit 2; }
 out=$1
@@ -158,6 +160,43 @@ part_prune() {
   done
   [ ${#pruned[@]} -eq 0 ] || bench pruned.json "${pruned[@]}" --renderers "$vanilla" --conventions inria \
     --views "$views" --errors 1
+}
+
+# cameras_through LENS FROM TO: the cameras of a cameras.json through another lens, where they are.
+cameras_through() {
+  python3 - "$@" <<'END'
+import json
+import sys
+
+MEMBERS = {"pinhole": {}, "opencv": {"camera_model": "OPENCV", "k1": 1e-7, "k2": 1e-7, "p1": 1e-7, "p2": 1e-7},
+           "fisheye": {"camera_model": "OPENCV_FISHEYE"},
+           "panorama": {"camera_model": "EQUIRECTANGULAR", "width": 2048, "height": 1024}}
+lens, found, made = sys.argv[1:]
+with open(found, encoding="utf-8") as file:
+    cameras = json.load(file)
+with open(made, "w", encoding="utf-8") as file:
+    json.dump([{**camera, **MEMBERS[lens]} for camera in cameras], file)
+END
+}
+
+# Captures lie in OUTDIR/lenses, one for each lens and order, with links to the scene in its two orders.
+part_lenses() {
+  local capture=${grown[0]:-} cameras order lens name folders=()
+  cameras=$([ -z "$capture" ] || part_of_capture "$capture" cameras)
+  [[ "$cameras" == */cameras.json ]] ||
+    { echo "measure: '$capture': expected a capture with a cameras.json; lenses are not measured" >&2; return 0; }
+  mkdir -p "$out/lenses"
+  for order in '' -ordered; do
+    "$swiftgs" convert "$capture" ${order:+--order} "$out/lenses/scene$order.ply"
+    for lens in pinhole opencv fisheye panorama; do
+      name=$(basename "$capture")-$lens$order
+      mkdir -p "$out/lenses/$name"
+      ln -sfn "../scene$order.ply" "$out/lenses/$name/$name.ply"
+      cameras_through "$lens" "$cameras" "$out/lenses/$name/cameras.json"
+      folders+=("$out/lenses/$name")
+    done
+  done
+  bench lenses.json "${folders[@]}" --renderers "$backend/early/$ours" --views 0,3,6,9 --errors none
 }
 
 # stress FILE ARGUMENT...: a ratio above 10 fails, and the file is kept.

@@ -1,70 +1,104 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an H200 can do, and the least that each stage must do: the shortest time that a stage could take on it.
+"""What a GPU can do, and the least that each stage must do: the shortest time that a stage could take on it.
 
-The ceilings were measured on one H200 (132 multiprocessors, CUDA 13.0), each by a program that does nothing else,
-medians of repeated runs. The floors count what no implementation of the stage with these inputs and outputs, and with
-sorts by eight bits a pass, can leave out, at the full rate of the unit that has most to do; launches, divergence, tests
-of pairs that do not contribute, and reads that are repeated are what a measured stage has on top.
+`ceilings` measures what the GPU can do. The floors count what no implementation of the stage with these inputs and
+outputs, and with sorts by eight bits a pass, can leave out, at the full rate of the unit that has most to do; launches,
+divergence, tests of pairs that do not contribute, and reads that are repeated are what a measured stage has on top.
 """
-from tables.fits import fit
+import dataclasses
 
-COPY = 4.14e12  # bytes a second, read and written together
-FMA = 30.0e12   # fused multiply-adds of single lanes a second, in float
-EX2 = 4.14e12   # ex2.approx of single lanes a second, on a pipe of its own
-# CUB's DeviceRadixSort::SortPairs with values of 32 bits: microseconds for these numbers of pairs.
-SORT_SIZES = (0.1e6, 0.3e6, 1e6, 2e6, 5e6, 10e6)
-SORT = {"32 bits": (67, 80, 86, 120, 228, 375),      # keys of 32 bits, as depths
-        "13 of 16 bits": (39, 43, 48, 64, 114, 182),  # tiles, up to 8192 of them
-        "45 of 64 bits": (92, 100, 139, 224, 398, 682)}  # tile and depth in one key
+from tables.fits import fit
+from tables.results import InputError, is_number
+from tables.source import device
+
+NAME = "ceilings.json"
+DEPTHS, TILES, BOTH = (32, 32), (16, 13), (64, 45)  # (bits of a key, those that are sorted by); 13 for 8192 tiles
 
 FLOAT = 4  # bytes
 GEOMETRY = 3 + 3 + 4 + 1    # mean, scales, rotation and opacity of a Gaussian: floats
 SHAPE = 2 + 3 + 1 + 1       # mean, conic, opacity and depth of a splat: floats
 COLOUR = 3                  # of a splat or a pixel: floats
-ID, DEPTH, TILE, BOTH = 4, 4, 2, 8  # bytes of a pair's value, and of its key: depth, tile, tile and depth
+ID = 4  # bytes of a pair's value
 # Passes of a sort that moves pairs by eight bits at a time.
 DEPTH_PASSES, TILE_PASSES, BOTH_PASSES = 4, 2, 6
 # Of a contributing pair: two for the exponent in its shared form, cut, weight, transmittance, and three colours.
 PAIR_FMA = 8
 
 
-def sort_seconds(pairs, kind):
-    """Of CUB: by power laws between the sizes that were measured, no less below them, in proportion beyond."""
-    times = [t * 1e-6 for t in SORT[kind]]
-    if pairs <= SORT_SIZES[0]:
-        return times[0]
-    if pairs >= SORT_SIZES[-1]:
-        return times[-1] * pairs / SORT_SIZES[-1]
-    n = next(n for n in range(1, len(SORT_SIZES)) if pairs <= SORT_SIZES[n])
-    return fit(list(zip(SORT_SIZES[n - 1:n + 1], times[n - 1:n + 1])))(pairs)
+@dataclasses.dataclass(frozen=True)
+class Ceilings:
+    """What `device` does a second at most. `sorts` holds pairs and seconds, growing, of CUB's sort for each key."""
+    device: str
+    copy: float  #: bytes, read and written together
+    fma: float   #: fused multiply-adds of single lanes, in float
+    ex2: float   #: ex2.approx of single lanes, on a pipe of its own
+    sorts: dict
+
+    def sort_seconds(self, pairs, key):
+        """Of CUB: by power laws between the sizes that were measured, no less below them, in proportion beyond."""
+        points = self.sorts[key]
+        (fewest, least), (most, longest) = points[0], points[-1]
+        if pairs <= fewest:
+            return least
+        if pairs >= most:
+            return longest * pairs / most
+        n = next(n for n, (size, _) in enumerate(points) if pairs <= size)
+        return fit(points[n - 1:n + 1])(pairs)
 
 
-def cub_sort(row):
+def read(source, machine):
+    """The Ceilings in the file of `ceilings`."""
+    path = source.path(machine, NAME)
+    found = source.json(machine, NAME, "swiftgs-ceilings", machine=dict, sorts=list)
+
+    def positive(values):
+        return isinstance(values, list) and values != [] and all(is_number(value) and value > 0 for value in values)
+
+    for name in ("copy_bytes_per_s", "fma_per_s", "ex2_per_s"):
+        if not positive([found.get(name)]):
+            raise InputError(f"{path}: {name}: expected a number above 0")
+    sorts = {}
+    for n, row in enumerate(found["sorts"]):
+        key, pairs, times = ([row.get("key_bits"), row.get("sorted_bits")], row.get("pairs"), row.get("us")) \
+            if isinstance(row, dict) else (None, None, None)
+        if not all(map(positive, (key, pairs, times))) or len(pairs) != len(times) or pairs != sorted(set(pairs)):
+            raise InputError(f"{path}: sorts[{n}]: expected key_bits, sorted_bits, growing pairs, and as many us, all "
+                             "above 0")
+        sorts[tuple(key)] = [(size, 1e-6 * us) for size, us in zip(pairs, times)]
+    for key in (DEPTHS, TILES, BOTH):
+        if key not in sorts:
+            raise InputError(f"{path}: sorts: expected one with key_bits {key[0]} and sorted_bits {key[1]}")
+    return Ceilings(device(found["machine"], "cuda"), found["copy_bytes_per_s"], found["fma_per_s"],
+                    found["ex2_per_s"], sorts)
+
+
+def cub_sort(row, most):
     """Seconds of CUB for one sort of visible depths and one of intersections by tile, or one of intersections by both."""
     if row.sort == "standard":
-        return sort_seconds(row.intersections, "45 of 64 bits")
-    return sort_seconds(row.visible, "32 bits") + sort_seconds(row.intersections, "13 of 16 bits")
+        return most.sort_seconds(row.intersections, BOTH)
+    return most.sort_seconds(row.visible, DEPTHS) + most.sort_seconds(row.intersections, TILES)
 
 
-def project(row, _sh_degree):
+def project(row, _sh_degree, most):
     """(seconds, what bounds them): every Gaussian's geometry is read, a shape is written of those in view."""
-    return FLOAT * (GEOMETRY * row.gaussians + SHAPE * row.visible) / COPY, "memory"
+    return FLOAT * (GEOMETRY * row.gaussians + SHAPE * row.visible) / most.copy, "memory"
 
 
-def sort(row, sh_degree):
+def sort(row, sh_degree, most):
     """Pairs are written once, then read and written in each pass; the colours are evaluated beside."""
     def moved(pairs, key, passes):
-        return (key + ID) * pairs * (1 + 2 * passes)
+        return (key[0] // 8 + ID) * pairs * (1 + 2 * passes)
     pairs = moved(row.intersections, BOTH, BOTH_PASSES) if row.sort == "standard" else \
-        moved(row.visible, DEPTH, DEPTH_PASSES) + moved(row.intersections, TILE, TILE_PASSES)
+        moved(row.visible, DEPTHS, DEPTH_PASSES) + moved(row.intersections, TILES, TILE_PASSES)
     colours = FLOAT * (3 * (sh_degree + 1) ** 2 + COLOUR) * row.visible
-    return (pairs + colours) / COPY, "memory"
+    return (pairs + colours) / most.copy, "memory"
 
 
-def raster(row, _sh_degree):
+def raster(row, _sh_degree, most):
     """Arithmetic of the contributing pairs, their exponentials, or splats, lists and image through memory."""
-    bounds = {"multiply-adds": row.contributing_pairs * PAIR_FMA / FMA, "exponentials": row.contributing_pairs / EX2,
-              "memory": FLOAT * ((SHAPE + COLOUR) * row.visible + row.intersections + COLOUR * row.pixels) / COPY}
+    memory = FLOAT * ((SHAPE + COLOUR) * row.visible + row.intersections + COLOUR * row.pixels)
+    bounds = {"multiply-adds": row.contributing_pairs * PAIR_FMA / most.fma,
+              "exponentials": row.contributing_pairs / most.ex2, "memory": memory / most.copy}
     what = max(bounds, key=bounds.get)
     return bounds[what], what
 

@@ -69,6 +69,15 @@ def stress(backend, sizes):
     return {"format": "swiftgs-stress", "version": 1, "machine": machine, "rows": rows}
 
 
+def ceilings():
+    """A file of `ceilings`: sorts of a fixed cost and one for each pair and bit."""
+    pairs = (100000, 1000000, 10000000)
+    return {"format": "swiftgs-ceilings", "version": 1, "machine": synthetic.file_of([])["machine"],
+            "copy_bytes_per_s": 4e12, "fma_per_s": 30e12, "ex2_per_s": 5e12,
+            "sorts": [{"key_bits": bits, "sorted_bits": by, "pairs": pairs, "us": [50 + by * n / 1e6 for n in pairs]}
+                      for bits, by in ((32, 32), (16, 13), (64, 45))]}
+
+
 def write(folder, backend):
     """All files of a machine. Projection grows as Gaussians, rasterization as pixels, sorting as intersections a tile."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -92,6 +101,12 @@ def write(folder, backend):
     bench("scaling-threads.json", growing("cpu", [({"threads": n}, {"raster": 1 / n}) for n in (1, 2, 4)]))
     bench("scaling-occupancy.json", growing(backend, [({"enlarge": e, "intersections": 1e6 * e}, {"sort": e})
                                                       for e in (0.5, 1, 2)]))
+    bench("lenses.json", [row(backend, BEST, f"garden-{lens}{order}", gaussians=1500000, view=str(view),
+                              grow={"project": n * (0.5 if order else 1)}, visible=n * 500000)
+                          for order in ("", "-ordered") for view in range(4)
+                          for n, lens in enumerate(("pinhole", "opencv", "fisheye", "panorama"), 1)])
+    if backend == "cuda":
+        synthetic.write(folder / "ceilings.json", ceilings())
     synthetic.write(folder / "stress.json", stress(backend, ((64, 48),)))
     synthetic.write(folder / "stress-large.json", stress(backend, ((960, 540), (1920, 1080))))
     for scene in ("fox", "garden"):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The shell scripts, with programs in place of swiftgs and of the browser that say how they were called."""
+import json
 import os
 import pathlib
 import re
@@ -86,6 +87,43 @@ class Scripts(unittest.TestCase):
         self.assertEqual(sorted(path.name for path in self.fox.iterdir()),
                          ["cameras.json", "fox.json", "fox.spz", "fox.spz.sort.json", "photos"])
         self.assertEqual([path.name for path in (self.fox / "photos").iterdir()], ["0001.jpg"])
+
+    def test_lenses_are_captures_of_links_with_cameras_of_their_own(self):
+        cameras = [{"img_name": "a", "width": 4, "height": 3, "fx": 5.5, "fy": 6.5}, {"img_name": "b"}]
+        (self.fox / "cameras.json").write_text(json.dumps(cameras), encoding="utf-8")
+        for _ in range(2):
+            code, error, calls = self.measure("lenses")
+            self.assertEqual((code, error), (0, ""))
+        out = self.place / "out" / "lenses"
+        names = [f"fox-{lens}{order}" for order in ("", "-ordered") for lens in ("pinhole", "opencv", "fisheye", "panorama")]
+        self.assertEqual(calls[:2], [["convert", str(self.fox), str(out / "scene.ply")],
+                                     ["convert", str(self.fox), "--order", str(out / "scene-ordered.ply")]])
+        self.assertEqual(calls[2][:9], ["bench", *(str(out / name) for name in names)])
+        self.assertEqual(calls[2][9:15], ["--renderers", "cpu/early/axis-shared-threshold-float-cholesky/ellipse",
+                                          "--views", "0,3,6,9", "--errors", "none"])
+        for name in names:
+            _, lens, *ordered = name.split("-")
+            self.assertEqual(os.readlink(out / name / f"{name}.ply"),
+                             "../scene-ordered.ply" if ordered else "../scene.ply")
+            first, second = json.loads((out / name / "cameras.json").read_text(encoding="utf-8"))
+            model = {"opencv": "OPENCV", "fisheye": "OPENCV_FISHEYE", "panorama": "EQUIRECTANGULAR"}.get(lens)
+            self.assertEqual((first.get("camera_model"), second.get("camera_model")), (model, model))
+            self.assertEqual((first["width"], first["height"]), (2048, 1024) if lens == "panorama" else (4, 3))
+            self.assertEqual([first.get(key) for key in ("fx", "fy", "k1", "k2", "p1", "p2")],
+                             [5.5, 6.5, *4 * [1e-7 if lens == "opencv" else None]])
+        self.assertEqual(json.loads((self.fox / "cameras.json").read_text(encoding="utf-8")), cameras)
+        self.assertEqual(sorted(path.name for path in self.fox.iterdir()),
+                         ["cameras.json", "fox.json", "fox.spz", "fox.spz.sort.json", "photos"])
+
+    def test_lenses_need_a_capture_with_a_cameras_json(self):
+        program(self.place / "build" / "examples" / "swiftgs", SWIFTGS.replace("cameras.json", "sparse/0"))
+        code, error, calls = self.measure("lenses")
+        self.assertEqual((code, calls), (0, []))
+        self.assertEqual(error, f"measure: '{self.fox}': expected a capture with a cameras.json; lenses are not measured\n")
+        (self.fox / "fox.spz").rename(self.fox / "other.spz")
+        code, error, calls = self.measure("lenses")
+        self.assertEqual((code, calls), (0, []))
+        self.assertEqual(error, "measure: '': expected a capture with a cameras.json; lenses are not measured\n")
 
     def test_hard_frames_that_fail_a_renderer_fail_the_part_and_leave_both_files(self):
         code, error, calls = self.measure("stress")
