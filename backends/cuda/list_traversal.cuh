@@ -89,7 +89,7 @@ class ListTraversal {
         at_(range.begin) {
     // Load shapes one step ahead, and their ids two.
     next_id_ = load_id(at_), later_id_ = load_id(at_ + warp_size);
-    if (at_ < range.end) next_shape_ = load_shape(job, next_id_);
+    if (at_ < range.end) next_shape_ = load_shape(job.splats, next_id_);
   }
 
   /// Resumes until the next pause: at the end of a segment if `Blender::in_segments`, and at position
@@ -102,7 +102,7 @@ class ListTraversal {
       const bool listed = at_ + lane_index() < range_.end;
       at_ += warp_size;
       next_id_ = later_id_;
-      if (at_ < range_.end) next_shape_ = load_shape(*job_, next_id_);
+      if (at_ < range_.end) next_shape_ = load_shape(job_->splats, next_id_);
       later_id_ = load_id(at_ + warp_size);
 
       // Queue those that touch the warp block.
@@ -160,7 +160,7 @@ class ListTraversal {
   /// The first splat behind the segment that ended there. All queued ones were of the last step.
   __device__ ResumeAt behind(const SegmentEnd& end) const {
     const std::uint32_t last = end.at - warp_size, id = load_id(last);
-    const bool touches = last + lane_index() < range_.end && this->touches(id, load_shape(*job_, id));
+    const bool touches = last + lane_index() < range_.end && this->touches(id, load_shape(job_->splats, id));
     return {last, unsigned(__popc(__ballot_sync(whole_warp, touches))) - end.waiting};
   }
 

@@ -40,8 +40,8 @@ __device__ inline RasterCounts counts_of_warp(const ThreadCounts& mine, std::uin
 }
 
 /// 32 bytes in two loads.
-__device__ inline SplatShape load_shape(const RasterJob& job, std::uint32_t id) {
-  const float4* words = reinterpret_cast<const float4*>(job.splats.shapes.data + id);
+__device__ inline SplatShape load_shape(const SplatsView& splats, std::uint32_t id) {
+  const float4* words = reinterpret_cast<const float4*>(splats.shapes.data + id);
   const float4 a = words[0], b = words[1];
   SplatShape shape;
   shape.mean = vec2(a.x, a.y), shape.l0 = a.z, shape.l1 = a.w;

@@ -61,7 +61,7 @@ __global__ void __launch_bounds__(block_threads)
     const std::uint32_t count = min(range.end - at, block_threads);
     if (threadIdx.x < count) {
       const std::uint32_t id = job.lists.ids[at + threadIdx.x];
-      const SplatShape s = load_shape(job, id);
+      const SplatShape s = load_shape(job.splats, id);
       batch.shapes.data()[threadIdx.x] = s;
       const float4 colour = load_colour(job, id);
       batch.cutoffs[threadIdx.x] = is_hidden(colour) ? make_float2(-1, 0) : make_float2(s.cutoff, s.opacity);

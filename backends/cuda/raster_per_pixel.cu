@@ -36,7 +36,7 @@ __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
     asm volatile("" : "+r"(count));  // the compiler would find the minimum again for each splat
     if (threadIdx.x < count) {
       const std::uint32_t id = job.lists.ids[at + threadIdx.x];
-      const SplatShape s = load_shape(job, id);
+      const SplatShape s = load_shape(job.splats, id);
       batch.means[threadIdx.x] = make_float2(s.mean.x, s.mean.y);
       const float4 colour = load_colour(job, id);
       float4 factor = FactorExponent::prepare(s);

@@ -300,7 +300,7 @@ struct WorkItemBlender {
     // own segment. Behind a segment's end it queues splats that show nothing.
     Queue<Exponent>& queue = shared.queues[warp()];
     std::uint32_t id = share.slot < count ? splats.id(first + share.slot) : 0;
-    SplatShape shape = load_shape(input.job, id);
+    SplatShape shape = load_shape(input.job.splats, id);
     unsigned half = 0;
     const auto queue_from = [&](std::uint32_t k) {
       const unsigned slot = half + lane_index();
@@ -315,7 +315,7 @@ struct WorkItemBlender {
       __pipeline_commit();
       k += share.lanes;
       id = k + share.slot < count ? splats.id(first + k + share.slot) : 0;
-      shape = load_shape(input.job, id);
+      shape = load_shape(input.job.splats, id);
       half ^= queue_half;
     };
     queue_from(0);

@@ -58,7 +58,7 @@ class TouchedSplats {
 #pragma unroll
       for (unsigned k = 0; k < tests_of_thread; ++k) {
         ids[k] = next_[k];
-        shapes[k] = load_shape(job_, ids[k]);
+        shapes[k] = load_shape(job_.splats, ids[k]);
       }
 #pragma unroll
       for (unsigned k = 0; k < tests_of_thread; ++k) {

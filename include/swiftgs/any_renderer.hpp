@@ -73,6 +73,10 @@ class SWIFTGS_API AnyRenderer {
   /// Returns when all work submitted so far is done.
   virtual void wait() = 0;
 
+  /// As `Renderer::pick`.
+  virtual std::vector<PickedPixel> pick(const PickRectangle& rectangle) = 0;
+  PickedPixel pick(int x, int y, std::size_t view = 0) { return pick({.x = x, .y = y, .view = view})[0]; }
+
   /// As `Renderer::times`. @units{milliseconds}
   virtual StageTimes times() = 0;
 
@@ -147,6 +151,7 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
   void set_views(Span<const View> views) override { renderer_.set_views(views); }
   void record(FrameReport* report) override { renderer_.record(scene().view(), report); }
   void wait() override { renderer_.backend().wait(); }
+  std::vector<PickedPixel> pick(const PickRectangle& rectangle) override { return renderer_.pick(rectangle); }
   StageTimes times() override { return renderer_.times(); }
   Statistics statistics() const override { return renderer_.statistics(); }
   StageMemory memory() const override { return renderer_.memory(); }

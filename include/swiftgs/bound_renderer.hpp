@@ -18,6 +18,7 @@
 #include <swiftgs/frame.hpp>
 #include <swiftgs/frame_capacity.hpp>
 #include <swiftgs/frame_plan.hpp>
+#include <swiftgs/pick_stage.hpp>
 #include <swiftgs/resident_frames.hpp>
 #include <swiftgs/stages.hpp>
 #include <swiftgs/statistics.hpp>
@@ -43,7 +44,7 @@ class BoundRenderer {
  public:
   BoundRenderer(B backend, StagePolicies<B> policies)
       : stages_(std::move(backend), policies.bounds, std::move(policies.sort)), raster_(policies.raster) {
-    use_memory_of(this->backend(), raster_counts_, view_storage_, recorded_storage_, resident_);
+    use_memory_of(this->backend(), raster_counts_, view_storage_, recorded_storage_, resident_, picking_);
   }
 
   B& backend() { return stages_.backend(); }
@@ -72,8 +73,8 @@ class BoundRenderer {
     check_ready(backend());
     const FrameKey key = FrameKey::of(scene, views);
     if (may_gain_by_coarse_tiles()) views = tiles_.choose(key, views);
+    counted_ = timed_ = false, last_ = LastFrame::none;
     FramePlan plan(store_views(backend(), views, view_storage_), scene);
-    counted_ = timed_ = false;
     if constexpr (B::reaches_host_memory) {
       run(plan, measures);
       report_ = stages_.report(plan);
@@ -88,6 +89,7 @@ class BoundRenderer {
     tiles_.learn(key, report_.visible);
     counted_ = measures.count, timed_ = measures.time;
     gaussians_ = scene.size();
+    drawn_ = plan.views, last_ = LastFrame::drawn;
   }
 
   /// Takes all memory that `record` needs for frames of `views` and `scene`. `set_views` may later set other
@@ -97,7 +99,7 @@ class BoundRenderer {
   /// small. Draws nothing and waits. If it throws, `record` is refused until it succeeds.
   void reserve(const SceneView& scene, Span<const View> views, Capacity capacity = {}) {
     validate(scene);
-    reserved_.reset();
+    reserved_.reset(), last_ = LastFrame::none;
     set_views(views);
     FramePlan plan(recorded_, scene);
     const auto rehearse = [&](const Capacity& within) {
@@ -131,7 +133,8 @@ class BoundRenderer {
   /// changes nothing, if more changes: the number of views, a size, which planes there are.
   void set_views(Span<const View> views) {
     for (const View& view : views) validate(view), detail::check_tiles(view);  // before anything changes
-    views = parts_.of(views);
+    PanoramaParts parts;
+    views = parts.of(views);
     if (reserved_) {
       if (views.size != recorded_.size())
         detail::refuse("set_views: the number of views", views.size,
@@ -150,6 +153,7 @@ class BoundRenderer {
     recorded_ = {};
     recorded_ = store_views(backend(), views, recorded_storage_, ViewAccess::stored);
     recorded_.through_lens |= through_lens;
+    recorded_parts_ = std::move(parts);
   }
 
   /// Renders the views that were set. It never waits, allocates or queries the device, so a CUDA graph may
@@ -165,7 +169,11 @@ class BoundRenderer {
     detail::require_for_render(report != nullptr, "memory for the report");
     if (scene.size() > reserved_->gaussians)
       throw CapacityError("Gaussians in a recorded frame", scene.size(), reserved_->gaussians);
+    last_ = LastFrame::none;
     run(FramePlan(recorded_, scene, {reserved_->capacity, true, report}), {});
+    last_ = LastFrame::recorded;
+    if constexpr (B::reaches_host_memory)
+      if (report->overflowed != 0) last_ = LastFrame::none;  // its lists were not made
   }
 
   /// Gives back all memory that the renderer and its backend keep, uploaded scenes excluded, after waiting
@@ -176,9 +184,10 @@ class BoundRenderer {
     B& b = backend();
     b.wait();
     stages_.trim();
-    trim_parts(b, raster_counts_, view_storage_, recorded_storage_, resident_);
+    trim_parts(b, raster_counts_, view_storage_, recorded_storage_, resident_, picking_);
     if constexpr (requires { b.trim(); }) b.trim();
-    views_ = {}, parts_ = {}, tiles_ = {}, capacity_ = {}, recorded_ = {};
+    views_ = {}, parts_ = {}, recorded_parts_ = {}, tiles_ = {}, capacity_ = {}, recorded_ = {};
+    last_ = LastFrame::none;
     counted_ = false;
     reserved_.reset();
   }
@@ -227,6 +236,21 @@ class BoundRenderer {
     return frame;
   }
 
+  /// What pixels of the last frame show, by rows, from its splats and tile lists; complete when it returns.
+  /// The memory of an occluder must still be there. The last frame is one of `render_into` and the like or
+  /// of `record`, whichever was called last; if that was `record`, a captured graph may have run again since,
+  /// or else what is picked is of neither frame. Throws `std::logic_error` before the first frame, and after
+  /// `reserve`, `trim` or a frame that failed, on a host also one above its capacity; `std::invalid_argument`
+  /// for a view that there is not, or a rectangle that does not lie in its frame; and `DeviceError` on a
+  /// device.
+  std::vector<PickedPixel> pick(const PickRectangle& rectangle) {
+    if (last_ == LastFrame::none) throw std::logic_error("pick: expected a frame before");
+    const bool drawn = last_ == LastFrame::drawn;
+    return picking_.pick(stages_, drawn ? drawn_ : recorded_, drawn ? parts_ : recorded_parts_, rectangle);
+  }
+  /// At one pixel, from the top left of the view's frame.
+  PickedPixel pick(int x, int y, std::size_t view = 0) { return pick({.x = x, .y = y, .view = view})[0]; }
+
   /// Durations of the last frame's stages. Not a number unless the settings asked for them and the frame is
   /// finished: this does not wait. @units{milliseconds}
   StageTimes times() {
@@ -257,7 +281,7 @@ class BoundRenderer {
   StageMemory memory() const {
     StageMemory memory = stages_.memory();
     memory.project += bytes_of(view_storage_, recorded_storage_);
-    memory.raster += bytes_of(resident_, raster_counts_);
+    memory.raster += bytes_of(resident_, raster_counts_, picking_);
     return memory;
   }
 
@@ -299,15 +323,17 @@ class BoundRenderer {
   typename B::template Buffer<RasterCounts> raster_counts_;
   ViewStorage<B> view_storage_, recorded_storage_;  ///< of `render_into` and of `record`
   ResidentFrames<B> resident_;
-  PanoramaParts parts_;
-  std::vector<View> views_;  ///< of `render_resident` and `render`
+  PickStage<B> picking_;
+  PanoramaParts parts_, recorded_parts_;  ///< likewise
+  std::vector<View> views_;               ///< of `render_resident` and `render`
   std::array<typename B::TimePoint, 4> points_{};
   bool counted_ = false, timed_ = false;
   std::size_t gaussians_ = 0;
   FrameReport report_;      ///< of the last frame that was not recorded
   TileChoice tiles_;        ///< that learnt from it
   FrameCapacity capacity_;  ///< of a device's frames
-  Views recorded_;          ///< in `recorded_storage_`
+  Views drawn_, recorded_;  ///< in `view_storage_` and `recorded_storage_`
+  enum class LastFrame { none, drawn, recorded } last_ = LastFrame::none;
   std::optional<Reservation> reserved_;
 };
 

@@ -187,11 +187,12 @@ class Stages {
             .sort = sort_->bytes() + bytes_of(lists_)};
   }
 
-  /// The last frame's splats, footprints and tile lists.
+  /// The last frame's splats, footprints, tile lists and, if it had any, colours.
   Splats<B>& splats() { return splats_; }
   const Splats<B>& splats() const { return splats_; }
   Footprints<B>& footprints() { return footprints_; }
   const TileLists<B>& lists() const { return lists_; }
+  Span<const SplatColour> colours() const { return {colours_.each.data(), splats_.count}; }
   const FrameTiles& tiles() const { return footprints_.views.tiles; }
 
  private:

@@ -124,6 +124,10 @@ inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisShared<FloatCholesky>> 
 template <>
 inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisSharedThreshold<FloatCholesky>> = true;
 
+struct PickJob;
+/// One thread block per pixel.
+SWIFTGS_API void pick_pixels(Cuda& cuda, const PickJob& job);
+
 struct ContributionJob;
 /// One warp per warp block, with the bits of every weight that `AxisSharedThreshold<FloatCholesky>` blends
 /// with.

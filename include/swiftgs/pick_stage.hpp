@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/pick.hpp>
+#include <swiftgs/stages.hpp>
+#include <swiftgs/views.hpp>
+
+namespace swiftgs {
+
+/// Picks in a frame of which `Stages` still holds splats, colours and tile lists.
+template <class B>
+class PickStage {
+ public:
+  /// The pixels of `rectangle`, by rows; complete when it returns. `views` were drawn, cut into `parts`.
+  /// Throws `std::invalid_argument` for a view that there is not, and a rectangle that does not lie in its
+  /// frame.
+  std::vector<PickedPixel> pick(Stages<B>& stages, const Views& views, const PanoramaParts& parts,
+                                const PickRectangle& rectangle) {
+    check(views, parts, rectangle);
+    std::vector<PickedPixel> picked(std::size_t(rectangle.width) * std::size_t(rectangle.height));
+    picked_.reset(picked.size());
+    int left = 0;  // of the part in the whole frame
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      if (parts.owner(std::uint32_t(i)) != rectangle.view) continue;
+      const int begin = std::max(rectangle.x, left), width = views[i].frame.width;
+      const int end = std::min(rectangle.x + rectangle.width, left + width);
+      if (begin < end)
+        pick_pixels(stages.backend(),
+                    PickJob{stages.splats().view(), stages.colours(), stages.lists().view(), views[i],
+                            begin - left, rectangle.y, end - begin, rectangle.height,
+                            picked_.data() + (begin - rectangle.x), std::size_t(rectangle.width)});
+      left += width;
+    }
+    stages.backend().download(std::as_const(picked_).span(), picked.data());
+    return picked;
+  }
+
+  static auto buffers(auto& self) { return std::tie(self.picked_); }
+
+ private:
+  static void check(const Views& views, const PanoramaParts& parts, const PickRectangle& rectangle) {
+    int width = 0, height = 0;
+    for (std::size_t i = 0; i < views.size(); ++i)
+      if (parts.owner(std::uint32_t(i)) == rectangle.view)
+        width += views[i].frame.width, height = views[i].frame.height;
+    if (width == 0)
+      throw std::invalid_argument("pick: the view is number " + std::to_string(rectangle.view) +
+                                  ", expected less than " +
+                                  std::to_string(parts.owner(std::uint32_t(views.size() - 1)) + 1));
+    validate(rectangle, width, height);
+  }
+
+  typename B::template Buffer<PickedPixel> picked_;
+};
+
+}  // namespace swiftgs

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/pick.hpp>
+#include <swiftgs/reference/pick.hpp>
+#include <swiftgs/swiftgs.hpp>
+
+#include "policies/backends.hpp"
+#include "policies/random_splats.hpp"
+#include "policies/tile_lists.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+template <class B, class Sort = EarlySort, class Bounds = Ellipse>
+using Best = Renderer<B, Sort, AxisSharedThreshold<FloatCholesky>, Bounds>;
+
+Camera small_camera() { return scaled(builtin_camera(), 0.1); }
+
+/// The whole frame of view `view`, in rectangles of odd sizes.
+template <class R>
+std::vector<PickedPixel> pick_all(R& renderer, const Camera& camera, std::size_t view = 0) {
+  std::vector<PickedPixel> all(std::size_t(camera.width) * std::size_t(camera.height));
+  const int step_x = max_pick_side, step_y = 37;
+  for (int y = 0; y < camera.height; y += step_y)
+    for (int x = 0; x < camera.width; x += step_x) {
+      const int width = std::min(step_x, camera.width - x), height = std::min(step_y, camera.height - y);
+      const auto picked = renderer.pick({.x = x, .y = y, .width = width, .height = height, .view = view});
+      REQUIRE(picked.size() == std::size_t(width) * std::size_t(height));
+      for (int row = 0; row < height; ++row)
+        std::copy_n(picked.data() + row * width, width, all.data() + (y + row) * camera.width + x);
+    }
+  return all;
+}
+
+/// Compares with the reference what is not a close decision.
+void check_picks(const std::vector<PickedPixel>& picks, const Scene& scene, const Camera& camera,
+                 const Conventions& conventions = {}) {
+  const std::vector<ReferencePick> expected = pick_reference(scene, camera, conventions);
+  REQUIRE(picks.size() == expected.size());
+  std::size_t wrong = 0, judged = 0;
+  const auto differ = [](double a, double b) { return std::abs(a - b) > 1e-5 * std::abs(b); };
+  for (std::size_t i = 0; i < picks.size(); ++i) {
+    const PickedPixel& found = picks[i];
+    const ReferencePick& one = expected[i];
+    if (one.weight - one.next_weight > 1e-3 * one.weight || one.weight == 0) {
+      ++judged;
+      wrong += found.gaussian != one.gaussian || differ(found.depth, one.depth) ||
+               std::abs(found.weight - one.weight) > 1e-5;
+    }
+    if (one.from_half > 1e-4)
+      wrong += found.median != one.median || differ(found.median_depth, one.median_depth);
+  }
+  CHECK(wrong == 0);
+  CHECK(judged > picks.size() / 2);
+}
+
+}  // namespace
+
+SWIFTGS_CONTRACT("pick: pixels show the Gaussians that the reference finds") {
+  const Scene scene = make_builtin_scene(20'000);
+  const Camera camera = small_camera();
+  Best<B> renderer(std::move(backend));
+  renderer.render(renderer.backend().upload(scene), camera);
+  check_picks(pick_all(renderer, camera), scene, camera);
+}
+
+SWIFTGS_CONTRACT("pick: sorts and conservative bounds change no bit") {
+  const Scene scene = make_builtin_scene(5'000);
+  const Camera camera = small_camera();
+  Best<B> renderer(std::move(backend));
+  renderer.render(renderer.backend().upload(scene), camera);
+  const std::vector<PickedPixel> expected = pick_all(renderer, camera);
+  Best<B, StandardSort, OpacityBox> other(make_backend<B>());
+  other.render(other.backend().upload(scene), camera);
+  CHECK(pick_all(other, camera) == expected);
+}
+
+SWIFTGS_CONTRACT("pick: each view of a frame has its own pixels, through its own lens") {
+  const Scene scene = make_builtin_scene(3'000);
+  std::vector<Camera> cameras(3, small_camera());
+  cameras[1].lens.model = LensModel::fisheye;
+  cameras[2].lens.model = LensModel::equirectangular;
+  cameras[2].width = 2 * cameras[2].height;
+  cameras[2].fx = cameras[2].width / 6.283185307179586, cameras[2].fy = cameras[2].height / 3.141592653589793;
+  cameras[2].cx = 0.5 * cameras[2].width, cameras[2].cy = 0.5 * cameras[2].height;
+  Best<B> renderer(std::move(backend));
+  std::vector<Frame> frames(cameras.size());
+  renderer.render(renderer.backend().upload(scene), {cameras.data(), cameras.size()}, {},
+                  {frames.data(), frames.size()});
+  for (std::size_t view = 0; view < cameras.size(); ++view) {
+    CAPTURE(view);
+    check_picks(pick_all(renderer, cameras[view], view), scene, cameras[view]);
+  }
+  CHECK_THROWS_WITH_AS(renderer.pick(0, 0, 3), "pick: the view is number 3, expected less than 3",
+                       std::invalid_argument);
+}
+
+SWIFTGS_CONTRACT("pick: nothing is where no splat shows, and behind an occluder") {
+  const Camera camera = small_camera();
+  const std::size_t pixels = std::size_t(camera.width) * std::size_t(camera.height);
+  const auto pitch = std::ptrdiff_t(sizeof(float)) * camera.width;
+  Best<B> renderer(std::move(backend));
+  const auto scene = renderer.backend().upload(make_builtin_scene(3'000));
+  renderer.render(scene, camera);
+  const PickedPixel open = renderer.pick(camera.width / 2, camera.height / 2);
+  CHECK(open.gaussian != PickedPixel::nothing);
+
+  auto colour = to_backend(renderer.backend(), std::vector<float>(3 * pixels));
+  for (const bool hides : {false, true}) {
+    const float depth = open.depth * (hides ? 0.01f : 100.0f);
+    const auto occluder = to_backend(renderer.backend(), std::vector<float>(pixels, depth));
+    FrameView frame{.width = camera.width, .height = camera.height, .colour = {colour.data(), 3 * pitch}};
+    frame.occluder = {occluder.data(), pitch};
+    renderer.render_into(scene.view(), camera, {}, frame);
+    CHECK(renderer.pick(camera.width / 2, camera.height / 2) == (hides ? PickedPixel() : open));
+  }
+
+  renderer.render(renderer.backend().upload(Scene()), camera);
+  CHECK(renderer.pick(camera.width - 1, camera.height - 1) == PickedPixel());
+}
+
+SWIFTGS_CONTRACT("pick: of equal weights the lowest Gaussian, and a median only below one half") {
+  Camera camera = forward_camera(32, 32);
+  camera.cx = camera.cy = 16.5;
+  RenderSettings settings;
+  settings.conventions.alpha_max = 1, settings.conventions.stop = 0,
+  settings.conventions.stop_at_equal = false;
+  // On the axis, so that alphas in the middle pixel are the opacities.
+  const auto pick_of_two = [&](float first_depth, float first_opacity, float second_depth,
+                               float second_opacity) {
+    Scene scene;
+    scene.means = {vec3(0, 0, first_depth), vec3(0, 0, second_depth)};
+    scene.scales = {vec3(1), vec3(1)};
+    scene.rotations = {{1, 0, 0, 0}, {1, 0, 0, 0}};
+    scene.opacities = {first_opacity, second_opacity};
+    scene.sh0 = {vec3(0), vec3(0)};
+    Best<B> renderer(make_backend<B>());
+    renderer.render(renderer.backend().upload(scene), camera, settings);
+    return renderer.pick(16, 16);
+  };
+  CHECK(pick_of_two(2, 0.5f, 4, 1) == PickedPixel{0, 0.5f, 2, 1, 4});
+  CHECK(pick_of_two(4, 1, 2, 0.5f) == PickedPixel{0, 0.5f, 4, 0, 4});
+  CHECK(pick_of_two(4, 0.25f, 2, 0.25f) == PickedPixel{1, 0.25f, 2});
+  CHECK(pick_of_two(4, 0.75f, 2, 0.25f) == PickedPixel{0, 0.5625f, 4, 0, 4});
+}
+
+SWIFTGS_CONTRACT("pick: what is asked for in vain is told") {
+  const Camera camera = small_camera();
+  Best<B> renderer(std::move(backend));
+  CHECK_THROWS_WITH_AS(renderer.pick(0, 0), "pick: expected a frame before", std::logic_error);
+  const auto scene = renderer.backend().upload(make_builtin_scene(300));
+  renderer.render(scene, camera);
+  CHECK_THROWS_WITH_AS(
+      renderer.pick(camera.width, 0),
+      "pick: the rectangle has pixels 128 to 128 along x, expected pixels within the frame's 128",
+      std::invalid_argument);
+  CHECK_THROWS_WITH_AS(
+      renderer.pick(0, -1),
+      "pick: the rectangle has pixels -1 to -1 along y, expected pixels within the frame's 72",
+      std::invalid_argument);
+  CHECK_THROWS_WITH_AS(renderer.pick({.width = 65, .height = 1}),
+                       "pick: the rectangle has 65 pixels along x, expected 1 to 64", std::invalid_argument);
+  CHECK_THROWS_WITH_AS(renderer.pick({.width = 1, .height = 0}),
+                       "pick: the rectangle has 0 pixels along y, expected 1 to 64", std::invalid_argument);
+  CHECK_THROWS_AS(renderer.pick(std::numeric_limits<int>::max(), 0), std::invalid_argument);
+  renderer.trim();
+  CHECK_THROWS_AS(renderer.pick(0, 0), std::logic_error);
+}
+
+SWIFTGS_CONTRACT("pick: a recorded frame is picked in, and one above its capacity shows nothing") {
+  const Scene scene = make_builtin_scene(3'000);
+  const Camera camera = small_camera();
+  Best<B> renderer(std::move(backend));
+  const auto on = renderer.backend().upload(scene);
+  renderer.render(on, camera);
+  const std::vector<PickedPixel> expected = pick_all(renderer, camera);
+  const FrameView frame = renderer.render_resident(on.view(), camera, {});
+  const View view = make_view(camera, {}, frame);
+  typename B::template Buffer<FrameReport> report;
+  report.reset(1);
+  renderer.reserve(on.view(), {&view, 1});
+  CHECK_THROWS_AS(renderer.pick(0, 0), std::logic_error);
+  renderer.record(on.view(), report.data());
+  CHECK(pick_all(renderer, camera) == expected);
+  renderer.reserve(on.view(), {&view, 1}, {100, 100});
+  renderer.record(on.view(), report.data());
+  if constexpr (B::reaches_host_memory)
+    CHECK_THROWS_AS(renderer.pick(camera.width / 2, camera.height / 2), std::logic_error);
+  else
+    CHECK(renderer.pick(camera.width / 2, camera.height / 2) == PickedPixel());
+}
