@@ -31,6 +31,7 @@ class ScriptedRenderer final : public AnyRenderer {
   void set_views(Span<const View>) override {}
   void record(FrameReport*) override {}
   void wait() override {}
+  std::vector<PickedPixel> pick(const PickRectangle&) override { return {}; }
   StageTimes times() override {
     const double ms = total_(frames);
     return {0.1 * ms, 0.2 * ms, 0.7 * ms, ms};
