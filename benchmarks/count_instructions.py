@@ -37,6 +37,9 @@ def identify(name):
     stages, and those that also write depth or count."""
     name = re.sub(r"\(bool\)([01])", r"Lb\1E", name).replace("true", "Lb1E").replace("false", "Lb0E")
     flags = [flag == "1" for flag in re.findall(r"Lb([01])E", name)]
+    extras = re.search(r"Extras\W*E?([0-9])", name)
+    if extras:  # of warps; their last flag says who else blends
+        flags[-1:] = [extras[1] != "0"]
     if not re.search(r"raster_(per_pixel|half_split|warps)", name) or not flags or flags[-1]:
         return None
     form = ("per-pixel" if "per_pixel" in name else "half-split" if "half_split" in name

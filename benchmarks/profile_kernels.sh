@@ -46,19 +46,24 @@ scene=$1
 for other in "$@"; do [ "$other" != garden ] || scene=garden; done
 echo "profile: instructions, $scene"
 report=$(mktemp -d)/report
-draw "$scene" "cuda/early/*/ellipse" --section SourceCounters --kernel-name regex:raster -o "$report" >/dev/null 2>&1 ||
+draw "$scene" "cuda/early/*/ellipse" --section SourceCounters --kernel-name 'regex:raster_(per_pixel|half_split|warps)' -o "$report" >/dev/null 2>&1 ||
   echo "profile: ncu failed for $scene" >&2
-# Only what the tables need: the machine code, and how often it was executed.
+# Only what the tables need: the machine code, from address 0 on, and how often it was executed; of several launches of a
+# kernel, the last.
 ncu --import "$report.ncu-rep" --page source --csv | python3 -c '
-import csv, sys
+import csv, re, sys
 keep = ("Address", "Source", "Instructions Executed", "Predicated-On Thread Instructions Executed")
-columns, write = [], csv.writer(sys.stdout, lineterminator="\n").writerow
+columns, kernels = [], {}
 for row in csv.reader(sys.stdin):
     if row and row[0] == "Kernel Name":
-        write(row[:2])
+        rows = kernels[row[1]] = [row[:2]]
     elif row and (row[0] == "Address" or row[0].startswith("0x")):
         columns = [row.index(name) for name in keep] if row[0] == "Address" else columns
-        write([row[c].strip() for c in columns])' >"$out/instructions-${scene/:/-}.csv" ||
+        rows.append([row[c].strip() for c in columns])
+        if row[0] != "Address":
+            base = int(row[0], 16) if len(rows) == 3 else base
+            rows[-1][:2] = [re.sub("0x[0-9a-f]{9,}", lambda at: hex(int(at[0], 16) - base), text) for text in rows[-1][:2]]
+csv.writer(sys.stdout, lineterminator="\n").writerows(row for rows in kernels.values() for row in rows)' >"$out/instructions-${scene/:/-}.csv" ||
   { rm "$out/instructions-${scene/:/-}.csv"; echo "profile: no report of $scene" >&2; }
 rm -f "$report.ncu-rep"
 rmdir "$(dirname "$report")"
