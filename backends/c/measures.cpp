@@ -2,9 +2,11 @@
 
 // What frames and renderers tell of themselves.
 #include <cstddef>
+#include <cstring>
 #include <utility>
 #include <vector>
 
+#include <swiftgs/pick.hpp>
 #include <swiftgs/sort/adaptive.hpp>
 #include <swiftgs/statistics.hpp>
 
@@ -14,6 +16,13 @@
 
 namespace swiftgs::c {
 namespace {
+
+static_assert(sizeof(swiftgs_picked) == sizeof(PickedPixel) && SWIFTGS_NOTHING == PickedPixel::nothing &&
+              offsetof(swiftgs_picked, gaussian) == offsetof(PickedPixel, gaussian) &&
+              offsetof(swiftgs_picked, weight) == offsetof(PickedPixel, weight) &&
+              offsetof(swiftgs_picked, depth) == offsetof(PickedPixel, depth) &&
+              offsetof(swiftgs_picked, median) == offsetof(PickedPixel, median) &&
+              offsetof(swiftgs_picked, median_depth) == offsetof(PickedPixel, median_depth));
 
 swiftgs_statistics to_struct(const Statistics& from) {
   swiftgs_statistics to{};
@@ -32,6 +41,16 @@ swiftgs_statistics to_struct(const Statistics& from) {
 using namespace swiftgs::c;
 
 extern "C" {
+
+swiftgs_status swiftgs_renderer_pick(swiftgs_renderer* renderer, uint64_t view, int32_t x, int32_t y,
+                                     int32_t width, int32_t height, swiftgs_picked* picked) {
+  return guarded([&] {
+    const Turn any = of(renderer);
+    require_pointer(picked, "picked");
+    const auto found = any->pick({.x = x, .y = y, .width = width, .height = height, .view = view});
+    std::memcpy(picked, found.data(), found.size() * sizeof(*picked));
+  });
+}
 
 swiftgs_status swiftgs_renderer_times(swiftgs_renderer* renderer, swiftgs_times* times) {
   return guarded([&] {

@@ -145,6 +145,11 @@ static swiftgs_view all_planes(const swiftgs_camera* camera, uint8_t* colour, fl
   return view;
 }
 
+/* The pixels around the middle of a view of the last frame. */
+static void pick_middle(swiftgs_renderer* renderer, uint64_t view, swiftgs_picked* picked) {
+  CHECK_OK(swiftgs_renderer_pick(renderer, view, width / 2 - 3, height / 2 - 3, 6, 6, picked));
+}
+
 void test_device(void) {
   if (!has_device()) skip("no CUDA device that the kernels of this build run on");
   test_device_memory();
@@ -172,6 +177,10 @@ void test_device(void) {
   copy(fetched_colour, device_colour, sizeof(colour));
   copy(fetched, device_floats, bytes);
   copy(fetched_rgb, device_rgb, bytes);
+  swiftgs_picked expected[2][36], picked[36];
+  for (uint64_t view = 0; view < 2; ++view) pick_middle(renderer, view, expected[view]);
+  CHECK(expected[1][0].gaussian < small_count && expected[1][0].weight > 0);
+  CHECK(memcmp(expected[0], expected[1], sizeof(picked)) != 0); /* for the occluder */
 
   views[0] = all_planes(&camera, colour, floats), views[1] = make_view(&camera, rgb);
   frame.measure = SWIFTGS_MEASURE_TIMES;
@@ -179,6 +188,10 @@ void test_device(void) {
   CHECK(memcmp(colour, fetched_colour, sizeof(colour)) == 0);
   CHECK(same_floats(floats, fetched, 3 * pixels));
   CHECK(same_floats(rgb, fetched_rgb, 3 * pixels));
+  for (uint64_t view = 0; view < 2; ++view) {
+    pick_middle(renderer, view, picked);
+    CHECK(memcmp(picked, expected[view], sizeof(picked)) == 0);
+  }
   float most = 0;
   for (int i = 0; i < pixels; ++i) most = fmaxf(most, floats[i]);
   CHECK(most > 0.5f);
@@ -204,6 +217,8 @@ void test_device(void) {
   copy(&read, report, sizeof(read));
   copy(fetched_rgb, device_rgb, bytes);
   CHECK(read.visible > 0 && read.overflowed == 0);
+  pick_middle(renderer, 0, picked);
+  CHECK(memcmp(picked, expected[1], sizeof(picked)) == 0);
   CHECK(same_floats(rgb, fetched_rgb, 3 * pixels));
 
   /* A renderer on a stream of the program's. */

@@ -105,6 +105,39 @@ void test_recorded(void) {
   swiftgs_renderer_free(renderer);
 }
 
+void test_pick(void) {
+  struct drawing d;
+  set_up(&d, small_renderer);
+  swiftgs_renderer* const renderer = d.renderer;
+  swiftgs_picked picked[6] = {{0}}, middle = {0};
+  const int32_t x = small_width / 2, y = small_height / 2;
+  CHECK_ERROR(swiftgs_renderer_pick(renderer, 0, x, y, 1, 1, &middle), SWIFTGS_LOGIC_ERROR,
+              "pick: expected a frame before");
+
+  CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
+  CHECK_OK(swiftgs_renderer_pick(renderer, 0, x, y, 1, 1, &middle));
+  CHECK(middle.gaussian < small_count && middle.weight > 0 && middle.weight <= 1 && middle.depth > 0);
+  CHECK(middle.median == SWIFTGS_NOTHING ? middle.median_depth == 0 : middle.median_depth > 0);
+  CHECK_OK(swiftgs_renderer_pick(renderer, 0, x - 2, y - 1, 3, 2, picked)); /* by rows: the middle is last */
+  CHECK(memcmp(&picked[5], &middle, sizeof(middle)) == 0);
+
+  CHECK_INVALID(swiftgs_renderer_pick(renderer, 1, x, y, 1, 1, &middle), "pick: the view is number 1");
+  CHECK_INVALID(swiftgs_renderer_pick(renderer, 0, small_width, y, 1, 1, &middle), "pixels 64 to 64 along x");
+  CHECK_INVALID(swiftgs_renderer_pick(renderer, 0, x, INT32_MIN, 1, 1, &middle), "along y");
+  CHECK_INVALID(swiftgs_renderer_pick(renderer, 0, 0, 0, 65, 1, &middle),
+                "65 pixels along x, expected 1 to 64");
+  CHECK_INVALID(swiftgs_renderer_pick(renderer, 0, 0, 0, 1, 0, &middle), "0 pixels along y");
+  CHECK_INVALID(swiftgs_renderer_pick(NULL, 0, x, y, 1, 1, &middle), "renderer is NULL");
+  CHECK_INVALID(swiftgs_renderer_pick(renderer, 0, x, y, 1, 1, NULL), "picked is NULL");
+
+  /* Behind an occluder there is nothing. */
+  d.view.occluder = (swiftgs_plane){make_floats(small_width * small_height), 4 * small_width};
+  CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
+  CHECK_OK(swiftgs_renderer_pick(renderer, 0, x, y, 1, 1, &middle));
+  CHECK(middle.gaussian == SWIFTGS_NOTHING && middle.weight == 0 && middle.median == SWIFTGS_NOTHING);
+  swiftgs_renderer_free(renderer);
+}
+
 void test_measures(void) {
   struct drawing d;
   set_up(&d, small_renderer);

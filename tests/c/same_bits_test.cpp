@@ -88,7 +88,20 @@ struct Both {
     CHECK(colour == expected.colour);
     CHECK(alpha == expected.alpha);
     CHECK(depth == expected.depth);
+    check_picks({.x = width / 2 - 5, .y = height / 2 - 3, .width = 9, .height = 7});
     return expected;
+  }
+
+  /// The last frames of both show the same Gaussians.
+  void check_picks(const PickRectangle& at) {
+    std::vector<swiftgs_picked> found(std::size_t(at.width) * std::size_t(at.height));
+    REQUIRE(swiftgs_renderer_pick(c.get(), at.view, at.x, at.y, at.width, at.height, found.data()) ==
+            SWIFTGS_OK);
+    const std::vector<PickedPixel> expected = cpp->pick(at);
+    REQUIRE(found.size() == expected.size());
+    CHECK(std::equal(found.begin(), found.end(), expected.begin(), [](const auto& a, const auto& b) {
+      return PickedPixel{a.gaussian, a.weight, a.depth, a.median, a.median_depth} == b;
+    }));
   }
 
   std::unique_ptr<AnyRenderer> cpp;

@@ -242,6 +242,58 @@ def test_measures_are_taken_where_they_are_asked_for(renderer, camera):
     renderer.wait()
 
 
+def test_pixels_tell_which_gaussians_they_show(renderer, camera, scene):
+    with pytest.raises(swiftgs.OrderError, match="pick: expected a frame before"):
+        renderer.pick(0, 0)
+    other = swiftgs.Camera.look_at((1, -2, -4), (0, 0, 0), width=WIDTH, height=HEIGHT, vertical_fov=0.9)
+    frame = renderer.render([other, camera], alpha=True)
+    x, y = WIDTH // 2, HEIGHT // 2
+    middle = renderer.pick(x, y, view=1)
+    assert 0 <= middle.gaussian < len(scene) and 0 < middle.weight <= frame.alpha[1, y, x]
+    assert (middle.median is not None) == (frame.alpha[1, y, x] > 0.5) and middle != renderer.pick(x, y)
+    depth = scene.means[middle.gaussian] @ camera.rotation[2] + camera.translation[2]
+    assert middle.depth == pytest.approx(depth, rel=1e-5)
+
+    around = renderer.pick_rectangle(x - 30, y - 12, 60, 24, view=1)
+    assert around.shape == (24, 60) and around.dtype.names == swiftgs.Picked._fields
+    assert around[12, 30].item()[:3] == middle[:3] and len(np.unique(around["gaussian"])) > 2
+    assert (around["weight"] <= frame.alpha[1, y - 12:y + 12, x - 30:x + 30] + 1e-6).all()
+
+
+def test_what_cannot_be_picked_is_refused(renderer, camera):
+    renderer.render(camera)
+    for call, kind, text in [
+            (lambda: renderer.pick(WIDTH, 0), swiftgs.InvalidArgument, "pixels 80 to 80 along x"),
+            (lambda: renderer.pick(0, -1), swiftgs.InvalidArgument, "pixels -1 to -1 along y"),
+            (lambda: renderer.pick(0, 0, view=1), swiftgs.InvalidArgument, "view is number 1, expected less than 1"),
+            (lambda: renderer.pick_rectangle(0, 0, 65, 1), swiftgs.InvalidArgument, "65 pixels along x"),
+            (lambda: renderer.pick_rectangle(0, 0, 1, -1), swiftgs.InvalidArgument, "-1 pixels along y"),
+            (lambda: renderer.pick(0, 0, view=-1), ValueError, "expected a view from 0"),
+            (lambda: renderer.pick(1 << 32, 0), ValueError, "numbers of 32 bits"),
+            (lambda: renderer.pick(0.5, 0), TypeError, "float")]:
+        with pytest.raises(kind, match=text):
+            call()
+    renderer.trim()
+    with pytest.raises(swiftgs.OrderError):
+        renderer.pick(0, 0)
+
+
+def test_an_occluder_that_goes_still_hides_what_is_picked(renderer, camera):
+    renderer.render(camera, occluder=np.zeros((HEIGHT, WIDTH), np.float32))
+    gc.collect()
+    assert renderer.pick(WIDTH // 2, HEIGHT // 2) == (None, 0, 0, None, 0)
+    assert renderer.pick_rectangle(0, 0, 2, 1)["gaussian"].tolist() == [[0xffffffff] * 2]
+    kept = Lent(np.zeros((HEIGHT, WIDTH), np.float32))
+    held = weakref.ref(kept.array)
+    renderer.render(camera, occluder=kept)
+    del kept
+    gc.collect()
+    assert held() is not None
+    renderer.trim()
+    gc.collect()
+    assert held() is None
+
+
 def test_images_outlive_their_renderer_and_frames_their_cameras(scene, expected):
     renderer = swiftgs.Renderer("cpu", scene=scene)
     frame = renderer.render(swiftgs.Camera.builtin(WIDTH, HEIGHT))

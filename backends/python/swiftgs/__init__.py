@@ -14,7 +14,7 @@ from ._errors import (Cancelled, CapacityError, DeviceError, Error, FileError, F
                       InvalidArgument, OrderError, OutOfMemory, Unavailable)
 from ._frame import Frame, StoredDepth, load_image
 from ._gsplat import rasterization
-from ._renderer import Memory, Renderer, RendererEntry, Statistics, Times, find_renderer, list_renderers
+from ._renderer import Memory, Picked, Renderer, RendererEntry, Statistics, Times, find_renderer, list_renderers
 from ._scene import Scene, load
 
 __version__ = _lib.version().decode()
@@ -22,6 +22,6 @@ __version__ = _lib.version().decode()
 __all__ = [
     "Camera", "Cameras", "Cancelled", "CapacityError", "Conventions", "DeviceArray", "DeviceError", "Error",
     "FileError", "FormatError", "Frame", "InternalError", "InvalidArgument", "Memory", "OrderError", "OutOfMemory",
-    "Renderer", "RendererEntry", "Scene", "Statistics", "StoredDepth", "Times", "Unavailable", "find_renderer",
-    "list_renderers", "load", "load_cameras", "load_image", "rasterization"
+    "Picked", "Renderer", "RendererEntry", "Scene", "Statistics", "StoredDepth", "Times", "Unavailable",
+    "find_renderer", "list_renderers", "load", "load_cameras", "load_image", "rasterization"
 ]

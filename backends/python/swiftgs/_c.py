@@ -13,7 +13,7 @@ from typing import Any
 
 from ._errors import exception_of
 
-ABI_MAJOR, ABI_MINOR = 1, 4
+ABI_MAJOR, ABI_MINOR = 1, 5
 
 MEASURE_COUNTS, MEASURE_TIMES = 1, 2
 HOST, DEVICE = 0, 1
@@ -22,6 +22,8 @@ CLAMPS = ("around-image", "around-centre")
 FOOTPRINTS = ("alpha", "three-sigma-square")
 DEPTHS = ("of-lens", "z", "distance")
 LENSES = ("perspective", "fisheye", "orthographic", "equirectangular")
+NOTHING = 0xffffffff  # in place of the index of a Gaussian
+MAX_PICK_SIDE = 64
 SPZ_AXES = ("specified", "rub", "rdf", "luf", "raw")
 
 PROGRESS = ctypes.CFUNCTYPE(c_int32, c_void_p, c_double)
@@ -98,6 +100,11 @@ class RendererEntry(_Sized):
 class RendererOptions(_Sized):
     _fields_ = [("size", c_uint32), ("threads", c_int32), ("stream", c_void_p), ("allocate", c_void_p),
                 ("release", c_void_p), ("context", c_void_p)]
+
+
+class Picked(ctypes.Structure):
+    _fields_ = [("gaussian", c_uint32), ("weight", c_float), ("depth", c_float), ("median", c_uint32),
+                ("median_depth", c_float)]
 
 
 class Times(_Sized):
@@ -216,6 +223,7 @@ for _name, _arguments in {
         "renderer_render_into": (c_void_p, c_void_p),
         "renderer_wait": (c_void_p,),
         "renderer_trim": (c_void_p,),
+        "renderer_pick": (c_void_p, c_uint64, c_int32, c_int32, c_int32, c_int32, c_void_p),
         "renderer_times": (c_void_p, c_void_p),
         "renderer_statistics": (c_void_p, c_void_p),
         "renderer_memory": (c_void_p, c_void_p),

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Renderers, by name."""
 import ctypes
+import operator
 import threading
 from typing import Any, List, NamedTuple, Optional, Sequence, Union
+
+import numpy as np
 
 from . import _arrays, _c
 from ._c import Handle, count_of, lib, render, text_of
@@ -34,6 +37,17 @@ class Statistics(NamedTuple):
     pixels_joined: int  #: pixels of those segments that were joined with what lies in front
     longest_item: int  #: most intersections that one core, warp or block worked off alone
     balanced_ms: float  #: the raster stage if its work were shared out evenly
+
+
+class Picked(NamedTuple):
+    """What a pixel shows. Weights are alpha times transmittance, as the usual renderers blend with them, whatever the
+    renderer; depths are those of the Gaussians' means."""
+
+    gaussian: Optional[int]  #: index of the largest weight, of equal ones the lowest; None: nothing is there
+    weight: float  #: of that Gaussian
+    depth: float
+    median: Optional[int]  #: the Gaussian that takes the transmittance below 1/2; None: none does
+    median_depth: float
 
 
 class Times(NamedTuple):
@@ -112,6 +126,7 @@ class Renderer:
         self._device = _arrays.current_device() if self.on_device else None
         self._scene_lock = threading.RLock()  # `rasterization` draws before another thread changes the scene
         self._scene = "no scene"
+        self._occluder: Any = None  # of the last frame that had one: `pick` reads it
         if scene is not None:
             self.set_scene(scene)
 
@@ -201,7 +216,12 @@ class Renderer:
             out._aim(cameras)
         if times is not out._times or counts is not out._counts:
             out._measure(times, counts)
-        self._draw(out)
+        if out._occluder is None:
+            self._draw(out)
+        else:
+            with self._scene_lock:  # until it is kept, no other frame with an occluder is drawn
+                self._draw(out)
+                self._occluder = out._occluder
         return out
 
     @staticmethod
@@ -253,6 +273,30 @@ class Renderer:
         """Returns when all frames so far are finished."""
         lib.renderer_wait(self._open())
 
+    def pick(self, x: int, y: int, *, view: int = 0) -> Picked:
+        """What the last frame shows at column `x` and row `y` of image `view`. Raises as `pick_rectangle`."""
+        found = self.pick_rectangle(x, y, 1, 1, view=view)[0, 0].item()
+        return Picked(*(None if value == _c.NOTHING else value for value in found))
+
+    def pick_rectangle(self, x: int, y: int, width: int, height: int, *, view: int = 0) -> np.ndarray:
+        """As `pick`, of at most 64x64 pixels from column `x` and row `y` on: [height, width] with the fields of
+        `Picked`, where 0xffffffff stands for None.
+
+        Waits. OrderError before the first frame, and after `trim` or a frame that failed; InvalidArgument for an image
+        that there is not and a rectangle that does not lie in it.
+        """
+        numbers = [operator.index(number) for number in (view, x, y, width, height)]
+        if numbers[0] < 0 or max(map(abs, numbers)) >= 1 << 31:
+            raise ValueError(f"pick: view, x, y, width, height are {numbers}, expected a view from 0 and numbers of 32 "
+                             "bits")
+        handle = self._open()
+        self._check_device()
+        # The library refuses sides out of range before it writes.
+        sides = [min(max(side, 0), _c.MAX_PICK_SIDE) for side in reversed(numbers[3:])]
+        picked = np.empty(sides, _c.Picked)
+        lib.renderer_pick(handle, *numbers, picked.ctypes.data)
+        return picked
+
     @property
     def times(self) -> Times:
         """Of the last frame."""
@@ -277,6 +321,7 @@ class Renderer:
     def trim(self) -> None:
         """Waits, and gives back all memory that the renderer keeps, the scene excluded."""
         lib.renderer_trim(self._open())
+        self._occluder = None
 
     def _open(self) -> Handle:
         """To be held as long as it is used."""
@@ -287,7 +332,7 @@ class Renderer:
 
     def close(self) -> None:
         """Gives up the renderer and its scene."""
-        self._handle = None
+        self._handle = self._occluder = None
 
     def __enter__(self) -> "Renderer":
         self._open()

@@ -152,6 +152,30 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_record(swiftgs_renderer* renderer,
 /// Returns when all work submitted so far is done.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_wait(swiftgs_renderer* renderer);
 
+/// In place of a Gaussian's index: there is none.
+#define SWIFTGS_NOTHING UINT32_C(0xffffffff)
+
+/// The Gaussian that a pixel shows most, and the one in the middle of what it shows. Weights are alpha times
+/// transmittance, as `AxisSharedThreshold<FloatCholesky>` blends with them, whatever the renderer. Depths are
+/// of the Gaussians' means, as the view's conventions measure them. It has no size: it never grows.
+typedef struct swiftgs_picked {
+  uint32_t gaussian;   ///< index of the largest weight, of equal ones the lowest; or `SWIFTGS_NOTHING`
+  float weight;        ///< 0 of nothing
+  float depth;         ///< 0 of nothing
+  uint32_t median;     ///< that takes the transmittance below 1/2; or `SWIFTGS_NOTHING`
+  float median_depth;  ///< 0 of nothing
+} swiftgs_picked;
+
+/// Fills `picked` [height, width], by rows, with what the last frame shows in a rectangle of at most 64x64
+/// pixels of a view's image. `x` and `y` are its first pixel, from the top left. Waits. The memory of an
+/// occluder of `swiftgs_renderer_render_into` must still be there, and on a host that of
+/// `swiftgs_renderer_render`. Errors: `SWIFTGS_LOGIC_ERROR` before the first frame, and after
+/// `swiftgs_renderer_reserve`, `swiftgs_renderer_trim` or a frame that failed; `SWIFTGS_INVALID_ARGUMENT` for
+/// a view that there is not and a rectangle that does not lie in its image; `SWIFTGS_DEVICE_ERROR`.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_pick(swiftgs_renderer* renderer, uint64_t view, int32_t x,
+                                                   int32_t y, int32_t width, int32_t height,
+                                                   swiftgs_picked* picked);
+
 /// Durations of the last frame's stages. @units{milliseconds}
 typedef struct swiftgs_times {
   uint32_t size;      ///< `sizeof(swiftgs_times)`

@@ -9,6 +9,7 @@ I = "include/swiftgs/"
 EDIT = "edit/edit_test"
 CHUNKS = "policies/chunk_borders_test"
 CPU = "policies/cpu_test"
+PICKER = "policies/pixel_picker_test"
 BANDS = "mpi/mpi_strips_test"
 
 NAMED = [
@@ -34,6 +35,13 @@ NAMED = [
            test=CHUNKS),
     Mutant("chunks: a panorama has one copy", I + "chunks.hpp", "const double x = v.nearest_copy(v.fx * seen.u + v.cx);",
            "const double x = v.fx * seen.u + v.cx;", test=CHUNKS),
+    # Picking.
+    Mutant("pick: of equal weights the nearest Gaussian", I + "pick.hpp",
+           "(weight == picked_.weight && gaussian < picked_.gaussian)", "false", test=PICKER),
+    Mutant("pick: the median takes the transmittance to one half", I + "pick.hpp",
+           "before >= 0.5f && next < 0.5f", "before > 0.5f && next <= 0.5f", test=PICKER),
+    Mutant("pick: a Gaussian that takes all that is left is not looked at", I + "pick.hpp",
+           "next >= 0.5f || next >= picked_.weight", "next >= 0.5f || next > picked_.weight", test=PICKER),
     # Vectors of the Cpu.
     Mutant("cpu project: needles through lenses in float", "backends/cpu/project.cpp",
            "hn::Le(length, MostLengthInFloat(mean_x, mean_y))", "hn::Eq(length, length)", test=CPU),
