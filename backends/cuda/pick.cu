@@ -37,7 +37,7 @@ __global__ void __launch_bounds__(pick_threads) pick_pixels(const __grid_constan
   const bool wanted = x >= job.x && x < job.x + job.width;
   const vec2 centre = job.centre(first_x, y), first_centre = job.first_centre(first_x, y);
   const BlendRules& rules = job.view.rules;
-  PixelPicker picker(rules.stop_below, wanted ? job.occluder(x, y) : 0.0f);
+  PixelPicker picker(rules.stop_below);
   const TileRange range = job.list(first_x, y);
   bool goes_on = wanted && range.drawn();
   for (std::uint32_t first = range.begin;; first += pick_threads) {

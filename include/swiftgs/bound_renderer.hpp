@@ -68,12 +68,13 @@ class BoundRenderer {
   /// images have the bits of frames of one view each. Cameras, sizes, conventions, backgrounds and formats
   /// may differ from view to view; `make_view` makes them. Returns and throws as above.
   void render_into(const SceneView& scene, Span<const View> views, Measures measures = {}) {
+    last_ = LastFrame::none;
     for (const View& view : views) validate(view);
     views = parts_.of(views);
     check_ready(backend());
     const FrameKey key = FrameKey::of(scene, views);
     if (may_gain_by_coarse_tiles()) views = tiles_.choose(key, views);
-    counted_ = timed_ = false, last_ = LastFrame::none;
+    counted_ = timed_ = false;
     FramePlan plan(store_views(backend(), views, view_storage_), scene);
     if constexpr (B::reaches_host_memory) {
       run(plan, measures);
@@ -237,12 +238,12 @@ class BoundRenderer {
   }
 
   /// What pixels of the last frame show, by rows, from its splats and tile lists; complete when it returns.
-  /// The memory of an occluder must still be there. The last frame is one of `render_into` and the like or
-  /// of `record`, whichever was called last; if that was `record`, a captured graph may have run again since,
-  /// or else what is picked is of neither frame. Throws `std::logic_error` before the first frame, and after
-  /// `reserve`, `trim` or a frame that failed, on a host also one above its capacity; `std::invalid_argument`
-  /// for a view that there is not, or a rectangle that does not lie in its frame; and `DeviceError` on a
-  /// device.
+  /// It does not look at occluders: compare depths with yours. The last frame is one of `render_into` and the
+  /// like or of `record`, whichever was called last; if that was `record`, a captured graph may have run
+  /// again since, or else what is picked is of neither frame. Throws `std::logic_error` before the first
+  /// frame, and after `reserve`, `trim` or a frame that failed, on a host also one above its capacity;
+  /// `std::invalid_argument` for a view that there is not, or a rectangle that does not lie in its frame; and
+  /// `DeviceError` on a device.
   std::vector<PickedPixel> pick(const PickRectangle& rectangle) {
     if (last_ == LastFrame::none) throw std::logic_error("pick: expected a frame before");
     const bool drawn = last_ == LastFrame::drawn;

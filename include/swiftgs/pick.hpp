@@ -61,7 +61,8 @@ inline void validate(const PickRectangle& rectangle, int width, int height) {
   check("y", rectangle.y, rectangle.height, height);
 }
 
-/// What to find. All pointers, and the occluder of the view's frame, are to memory that the backend reaches.
+/// What to find. All pointers are to memory that the backend reaches; the planes of the view's frame and its
+/// occluder are not looked at.
 struct PickJob {
   SplatsView splats;
   Span<const SplatColour> colours;
@@ -82,10 +83,6 @@ struct PickJob {
   SWIFTGS_HD vec2 first_centre(int column, int row) const {
     return centre(column - column % raster_block_side, row - row % raster_block_side);
   }
-  SWIFTGS_HD float occluder(int column, int row) const {
-    return view.frame.occluder.data ? view.frame.occluder_at(std::size_t(column), std::size_t(row))
-                                    : INFINITY;
-  }
 };
 
 /// Alpha of a splat at a pixel centre; 0 where the pixel skips it.
@@ -100,12 +97,12 @@ SWIFTGS_HD inline float alpha_at(const SplatShape& shape, vec2 centre, const Ble
 /// Picks at one pixel, whose splats are offered front to back.
 class PixelPicker {
  public:
-  SWIFTGS_HD PixelPicker(float stop_below, float occluder) : stop_below_(stop_below), occluder_(occluder) {}
+  SWIFTGS_HD explicit PixelPicker(float stop_below) : stop_below_(stop_below) {}
 
   /// Offers a splat of which the pixel shows `alpha`, above 0. False once no later one changes the result.
   SWIFTGS_HD bool offer(float alpha, float depth, std::uint32_t gaussian) {
     const float before = transmittance_, next = dimmed(before, alpha), weight = alpha * before;
-    if (next < stop_below_ || depth >= occluder_) return false;
+    if (next < stop_below_) return false;
     if (weight > picked_.weight || (weight == picked_.weight && gaussian < picked_.gaussian))
       picked_.gaussian = gaussian, picked_.weight = weight, picked_.depth = depth;
     if (before >= 0.5f && next < 0.5f) picked_.median = gaussian, picked_.median_depth = depth;
@@ -116,7 +113,7 @@ class PixelPicker {
   SWIFTGS_HD const PickedPixel& picked() const { return picked_; }
 
  private:
-  float stop_below_, occluder_, transmittance_ = 1;
+  float stop_below_, transmittance_ = 1;
   PickedPixel picked_;
 };
 
@@ -128,7 +125,7 @@ struct PickPixel {
     const int x = job.x + int(i) % job.width, y = job.y + int(i) / job.width;
     const vec2 centre = job.centre(x, y);
     const float first_x = job.first_centre(x, y).x;
-    PixelPicker picker(job.view.rules.stop_below, job.occluder(x, y));
+    PixelPicker picker(job.view.rules.stop_below);
     const TileRange range = job.list(x, y);
     for (std::uint32_t at = range.begin; at < range.end; ++at) {
       const std::uint32_t id = job.lists.ids[at];

@@ -129,12 +129,6 @@ void test_pick(void) {
   CHECK_INVALID(swiftgs_renderer_pick(renderer, 0, 0, 0, 1, 0, &middle), "0 pixels along y");
   CHECK_INVALID(swiftgs_renderer_pick(NULL, 0, x, y, 1, 1, &middle), "renderer is NULL");
   CHECK_INVALID(swiftgs_renderer_pick(renderer, 0, x, y, 1, 1, NULL), "picked is NULL");
-
-  /* Behind an occluder there is nothing. */
-  d.view.occluder = (swiftgs_plane){make_floats(small_width * small_height), 4 * small_width};
-  CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
-  CHECK_OK(swiftgs_renderer_pick(renderer, 0, x, y, 1, 1, &middle));
-  CHECK(middle.gaussian == SWIFTGS_NOTHING && middle.weight == 0 && middle.median == SWIFTGS_NOTHING);
   swiftgs_renderer_free(renderer);
 }
 

@@ -278,22 +278,6 @@ def test_what_cannot_be_picked_is_refused(renderer, camera):
         renderer.pick(0, 0)
 
 
-def test_an_occluder_that_goes_still_hides_what_is_picked(renderer, camera):
-    renderer.render(camera, occluder=np.zeros((HEIGHT, WIDTH), np.float32))
-    gc.collect()
-    assert renderer.pick(WIDTH // 2, HEIGHT // 2) == (None, 0, 0, None, 0)
-    assert renderer.pick_rectangle(0, 0, 2, 1)["gaussian"].tolist() == [[0xffffffff] * 2]
-    kept = Lent(np.zeros((HEIGHT, WIDTH), np.float32))
-    held = weakref.ref(kept.array)
-    renderer.render(camera, occluder=kept)
-    del kept
-    gc.collect()
-    assert held() is not None
-    renderer.trim()
-    gc.collect()
-    assert held() is None
-
-
 def test_images_outlive_their_renderer_and_frames_their_cameras(scene, expected):
     renderer = swiftgs.Renderer("cpu", scene=scene)
     frame = renderer.render(swiftgs.Camera.builtin(WIDTH, HEIGHT))

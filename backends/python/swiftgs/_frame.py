@@ -94,7 +94,6 @@ class Frame:
         self._struct.views, self._struct.count = ctypes.addressof(self._views), len(self._views)
         self._argument = ctypes.byref(self._struct)
         self._times = self._counts = False  # what the next frame measures
-        self._occluder = next((plane for plane in self._planes if plane.name == "occluder"), None)
         # The size of cameras that need no other look; none in frames of parts or batches.
         self._one_size = size_of(self.width, self.height) if len(self._views) == 1 and not self._is_part else None
         if self.device is not None:

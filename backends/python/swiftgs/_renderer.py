@@ -126,7 +126,6 @@ class Renderer:
         self._device = _arrays.current_device() if self.on_device else None
         self._scene_lock = threading.RLock()  # `rasterization` draws before another thread changes the scene
         self._scene = "no scene"
-        self._occluder: Any = None  # of the last frame that had one: `pick` reads it
         if scene is not None:
             self.set_scene(scene)
 
@@ -216,12 +215,7 @@ class Renderer:
             out._aim(cameras)
         if times is not out._times or counts is not out._counts:
             out._measure(times, counts)
-        if out._occluder is None:
-            self._draw(out)
-        else:
-            with self._scene_lock:  # until it is kept, no other frame with an occluder is drawn
-                self._draw(out)
-                self._occluder = out._occluder
+        self._draw(out)
         return out
 
     @staticmethod
@@ -282,7 +276,7 @@ class Renderer:
         """As `pick`, of at most 64x64 pixels from column `x` and row `y` on: [height, width] with the fields of
         `Picked`, where 0xffffffff stands for None.
 
-        Waits. OrderError before the first frame, and after `trim` or a frame that failed; InvalidArgument for an image
+        Waits, and does not look at occluders. OrderError before the first frame, and after `trim` or a frame that failed; InvalidArgument for an image
         that there is not and a rectangle that does not lie in it.
         """
         numbers = [operator.index(number) for number in (view, x, y, width, height)]
@@ -321,7 +315,6 @@ class Renderer:
     def trim(self) -> None:
         """Waits, and gives back all memory that the renderer keeps, the scene excluded."""
         lib.renderer_trim(self._open())
-        self._occluder = None
 
     def _open(self) -> Handle:
         """To be held as long as it is used."""
@@ -332,7 +325,7 @@ class Renderer:
 
     def close(self) -> None:
         """Gives up the renderer and its scene."""
-        self._handle = self._occluder = None
+        self._handle = None
 
     def __enter__(self) -> "Renderer":
         self._open()

@@ -167,9 +167,8 @@ typedef struct swiftgs_picked {
 } swiftgs_picked;
 
 /// Fills `picked` [height, width], by rows, with what the last frame shows in a rectangle of at most 64x64
-/// pixels of a view's image. `x` and `y` are its first pixel, from the top left. Waits. The memory of an
-/// occluder of `swiftgs_renderer_render_into` must still be there, and on a host that of
-/// `swiftgs_renderer_render`. Errors: `SWIFTGS_LOGIC_ERROR` before the first frame, and after
+/// pixels of a view's image. `x` and `y` are its first pixel, from the top left. Waits. Occluders are not
+/// looked at: compare depths with yours. Errors: `SWIFTGS_LOGIC_ERROR` before the first frame, and after
 /// `swiftgs_renderer_reserve`, `swiftgs_renderer_trim` or a frame that failed; `SWIFTGS_INVALID_ARGUMENT` for
 /// a view that there is not and a rectangle that does not lie in its image; `SWIFTGS_DEVICE_ERROR`.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_pick(swiftgs_renderer* renderer, uint64_t view, int32_t x,
