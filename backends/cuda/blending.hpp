@@ -25,7 +25,7 @@ SWIFTGS_HD float relative_alpha(float exponent, const BlendRules& rules) {
   // Every lane evaluates the exponential. Measured on an H200 when chosen: rasterizing garden takes 157 us
   // so, and 167 if lanes that skip leave it out.
   //
-  // If alphas below the threshold were flushed to zero as denormal numbers, the loop would have 8 of 119
+  // If alphas below the threshold were flushed to zero as denormal numbers, the loop would have eight
   // instructions less, and rasterizing garden would take 122 us, not 125 (measured likewise). But exponents
   // would lie near -126, where floats are coarse: squared errors of the worst views of garden, herz and fox
   // would be 1.15 to 1.5 times as large.

@@ -22,8 +22,11 @@ def read(source, machine):
 
 def beside_gsplat(source, machine, *scenes):
     """Times of a call, and decibels between both; of these scenes, or else of all."""
-    rows = []
-    for row in read(source, machine)["rows"]:
+    found, rows = read(source, machine)["rows"], []
+    for scene in scenes:
+        if scene not in {row["scene"] for row in found}:
+            raise InputError(f"{source.path(machine, NAME)}: no row of {scene}; expected one")
+    for row in found:
         if scenes and row["scene"] not in scenes:
             continue
         kept = ms(row["ms"][KEPT]) if KEPT in row["ms"] else "-"

@@ -19,7 +19,7 @@ METRICS = (("us each", "gpu__time_duration.sum", 1e3, 1),
 def short(kernel):
     """A kernel's name without namespaces and arguments, and with CUB's policies left out."""
     name = re.sub(r"\(.*\)$", "", kernel.replace("(bool)", ""))
-    name = re.sub(r"^void |swiftgs::|kernels::|cub::", "", name)
+    name = re.sub(r"^void |swiftgs::|kernels::|cub::|<unnamed>::", "", name)
     return re.sub(r"^(DeviceRadixSort\w+|DeviceScan\w+).*", r"\1", name)
 
 

@@ -68,8 +68,8 @@ class BoundRenderer {
   /// images have the bits of frames of one view each. Cameras, sizes, conventions, backgrounds and formats
   /// may differ from view to view; `make_view` makes them. Returns and throws as above.
   void render_into(const SceneView& scene, Span<const View> views, Measures measures = {}) {
-    last_ = LastFrame::none;
     for (const View& view : views) validate(view);
+    last_ = LastFrame::none;
     views = parts_.of(views);
     check_ready(backend());
     const FrameKey key = FrameKey::of(scene, views);
@@ -184,11 +184,11 @@ class BoundRenderer {
   void trim() {
     B& b = backend();
     b.wait();
+    last_ = LastFrame::none;
     stages_.trim();
     trim_parts(b, raster_counts_, view_storage_, recorded_storage_, resident_, picking_);
     if constexpr (requires { b.trim(); }) b.trim();
     views_ = {}, parts_ = {}, recorded_parts_ = {}, tiles_ = {}, capacity_ = {}, recorded_ = {};
-    last_ = LastFrame::none;
     counted_ = false;
     reserved_.reset();
   }
@@ -238,16 +238,23 @@ class BoundRenderer {
   }
 
   /// What pixels of the last frame show, by rows, from its splats and tile lists; complete when it returns.
-  /// It does not look at occluders: compare depths with yours. The last frame is one of `render_into` and the
-  /// like or of `record`, whichever was called last; if that was `record`, a captured graph may have run
-  /// again since, or else what is picked is of neither frame. Throws `std::logic_error` before the first
-  /// frame, and after `reserve`, `trim` or a frame that failed, on a host also one above its capacity;
-  /// `std::invalid_argument` for a view that there is not, or a rectangle that does not lie in its frame; and
-  /// `DeviceError` on a device.
+  /// It does not look at occluders: compare depths with yours.
+  ///
+  /// The last frame is that of the latest `render_into`, `render_resident`, `render` or `record`. Of a
+  /// captured graph pick only if it holds the latest `record`, and after `set_views` only once it has run
+  /// again; otherwise what is picked has no meaning. A recorded frame above its capacity shows nothing on a
+  /// device, and is no frame on a host.
+  ///
+  /// Throws `std::logic_error` if there is no frame: before the first, after `reserve` and `trim`, and after
+  /// one that failed once its views were valid; `std::invalid_argument` for a view that there is not, or a
+  /// rectangle that does not lie in its frame; and `DeviceError` on a device.
   std::vector<PickedPixel> pick(const PickRectangle& rectangle) {
-    if (last_ == LastFrame::none) throw std::logic_error("pick: expected a frame before");
+    check_ready(backend());
     const bool drawn = last_ == LastFrame::drawn;
-    return picking_.pick(stages_, drawn ? drawn_ : recorded_, drawn ? parts_ : recorded_parts_, rectangle);
+    const Views& views = drawn ? drawn_ : recorded_;
+    if (last_ == LastFrame::none || views.size() == 0)
+      throw std::logic_error("pick: expected a frame before");
+    return picking_.pick(stages_, views, drawn ? parts_ : recorded_parts_, rectangle);
   }
   /// At one pixel, from the top left of the view's frame.
   PickedPixel pick(int x, int y, std::size_t view = 0) { return pick({.x = x, .y = y, .view = view})[0]; }

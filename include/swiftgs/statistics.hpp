@@ -23,7 +23,7 @@ struct Statistics {
 struct StageMemory {
   std::size_t project = 0;  ///< splats, footprints and colours included
   std::size_t sort = 0;     ///< tile lists included
-  std::size_t raster = 0;   ///< frames that the renderer keeps
+  std::size_t raster = 0;   ///< frames and picks that the renderer keeps
 
   std::size_t total() const { return project + sort + raster; }
 };

@@ -137,6 +137,7 @@ SWIFTGS_DEVICE_CASES("cuda capture: a renderer refuses frames and draws as befor
         refused("a frame", [&] { renderer.render_into(scene.view(), view, counting, planes); });
         refused("a frame", [&] { (void)renderer.render_resident(scene.view(), view, {}); });
         refused("a frame", [&] { (void)renderer.render(scene, view); });
+        refused("a frame", [&] { (void)renderer.pick(0, 0); });
         refused("milliseconds", [&] { (void)renderer.times(); });
       };
       CHECK(Graph(stream, work, mode).nodes() == 0);

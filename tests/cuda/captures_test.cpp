@@ -41,3 +41,9 @@ void check_capture(const std::string& name) {
 TEST_CASE("cuda captures: every renderer draws garden as the reference does") { check_capture("garden"); }
 TEST_CASE("cuda captures: every renderer draws herz as the reference does") { check_capture("herz"); }
 TEST_CASE("cuda captures: every renderer draws fox as the reference does") { check_capture("fox"); }
+
+TEST_CASE("cuda captures: renderers draw garden through lenses as the reference does") {
+  if (without_device()) return;
+  const std::filesystem::path folder = capture_or_skip("garden");
+  if (!folder.empty()) check_lenses(read_capture(folder), "cuda", 100);
+}

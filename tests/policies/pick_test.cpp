@@ -17,6 +17,7 @@
 
 #include "policies/backends.hpp"
 #include "policies/random_splats.hpp"
+#include "policies/rasterizers.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -42,6 +43,12 @@ std::vector<PickedPixel> pick_all(R& renderer, const Camera& camera, std::size_t
         std::copy_n(picked.data() + row * width, width, all.data() + (y + row) * camera.width + x);
     }
   return all;
+}
+
+RenderSettings all_outputs() {
+  RenderSettings settings;
+  settings.outputs = {true, true};
+  return settings;
 }
 
 /// Compares with the reference what is not a close decision.
@@ -107,6 +114,41 @@ SWIFTGS_CONTRACT("pick: each view of a frame has its own pixels, through its own
                        std::invalid_argument);
 }
 
+SWIFTGS_CONTRACT("pick: strips of an image have its pixels, with coarse tiles too") {
+  // Few splats in many pixels: a device draws the second frame with coarser tiles.
+  const Camera camera = builtin_camera(2048, 1024);
+  constexpr int top = 512;
+  Best<B> renderer(std::move(backend));
+  const auto scene = renderer.backend().upload(make_builtin_scene(2'000));
+  const auto middle = [&](int y) { return renderer.pick({.x = 1000, .y = y, .width = 60, .height = 60}); };
+  renderer.render(scene, camera);
+  const std::vector<PickedPixel> expected = middle(top);
+  renderer.render(scene, camera);
+  CHECK(middle(top) == expected);
+
+  PlanesOn<B> planes(renderer.backend(), camera.width, camera.height - top, {});
+  const View strip = make_view(camera, {}, planes.view(), vec3(0), {0, top});
+  renderer.render_into(scene.view(), {&strip, 1});
+  CHECK(middle(0) == expected);
+
+  Best<B> moved = std::move(renderer);
+  CHECK(moved.pick({.x = 1000, .y = 0, .width = 60, .height = 60}) == expected);
+}
+
+SWIFTGS_CONTRACT("pick: a splat whose colour is not finite is not there") {
+  Scene scene;
+  scene.means = {vec3(0, 0, 2), vec3(0, 0, 4)}, scene.scales = {vec3(1), vec3(1)};
+  scene.rotations = {{1, 0, 0, 0}, {1, 0, 0, 0}}, scene.opacities = {0.9f, 0.9f};
+  scene.sh0 = {vec3(3e38f), vec3(0)}, scene.sh_degree = 2;
+  scene.sh_rest.assign(2 * 24, 0);
+  std::fill_n(scene.sh_rest.begin(), 24, 3e38f);
+  Best<B> renderer(std::move(backend));
+  const Camera camera = forward_camera(32, 32);
+  const Frame frame = renderer.render(renderer.backend().upload(scene), camera, all_outputs());
+  CHECK(renderer.pick(16, 16).gaussian == 1);
+  CHECK(frame.depth[16 * 32 + 16] == doctest::Approx(4));
+}
+
 SWIFTGS_CONTRACT("pick: nothing is where no splat shows") {
   const Camera camera = small_camera();
   Best<B> renderer(std::move(backend));
@@ -139,7 +181,7 @@ SWIFTGS_CONTRACT("pick: of equal weights the lowest Gaussian, and a median only 
   CHECK(pick_of_two(4, 0.75f, 2, 0.25f) == PickedPixel{0, 0.5625f, 4, 0, 4});
 }
 
-SWIFTGS_CONTRACT("pick: what is asked for in vain is told") {
+SWIFTGS_CONTRACT("pick: invalid rectangles and views are refused, and so is a pick without a frame") {
   const Camera camera = small_camera();
   Best<B> renderer(std::move(backend));
   CHECK_THROWS_WITH_AS(renderer.pick(0, 0), "pick: expected a frame before", std::logic_error);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,7 +47,8 @@ struct Judge {
   Floors floors;
 
   Judge(const TrainedCapture& capture, std::size_t view, const Conventions& conventions)
-      : camera(scaled(capture.cameras.at(view), 0.5)) {
+      : Judge(capture, scaled(capture.cameras.at(view), 0.5), conventions) {}
+  Judge(const TrainedCapture& capture, const Camera& from, const Conventions& conventions) : camera(from) {
     settings.conventions = conventions;
     reference = render_reference(*capture.scene, camera, conventions).colour;
   }
@@ -77,5 +79,35 @@ struct Judge {
       floors.largest = std::max(floors.largest, max_abs_difference(frame.colour, reference));
   }
 };
+
+/// The view of a pinhole through OpenCV's lens, a fisheye, and all around.
+inline std::vector<Camera> through_lenses(const Camera& pinhole) {
+  std::vector<Camera> cameras(3, pinhole);
+  cameras[0].lens.distortion = {{-0.1, 0.02, 0, 0}, {}, {0.001, -0.002}, {}};
+  cameras[1].lens = {LensModel::fisheye, {{0.02, -0.004, 0.001, 0}, {}, {}, {}}};
+  Camera& panorama = cameras[2];
+  panorama.lens.model = LensModel::equirectangular;
+  panorama.height = panorama.width / 2;
+  panorama.fx = panorama.fy = panorama.width / (2 * std::numbers::pi);
+  panorama.cx = 0.5 * panorama.width, panorama.cy = 0.5 * panorama.height;
+  return cameras;
+}
+
+/// Checks the exact rasterizers of a backend through lenses.
+inline void check_lenses(const TrainedCapture& capture, std::string_view backend, double least_db) {
+  for (const Camera& camera : through_lenses(scaled(capture.cameras.at(0), 0.5))) {
+    CAPTURE(name_of(camera.lens.model));
+    Judge judge(capture, camera, Conventions::gsplat());
+    for (const RendererEntry& entry : renderers())
+      if (has(entry.name, std::string(backend) + "/early/") && has(entry.name, "/ellipse") &&
+          !has(entry.name, "half-split"))
+        judge.judge(entry, capture);
+    CHECK(judge.first_of.size() == 5);
+    CHECK(judge.floors.exact >= least_db);
+    CHECK(judge.floors.largest <= 1.0 / 255);
+    MESSAGE(name_of(camera.lens.model), ": ", judge.floors.exact, " dB, largest error ",
+            judge.floors.largest);
+  }
+}
 
 }  // namespace swiftgs::test

@@ -67,3 +67,8 @@ TEST_CASE("scenes: cpu renderers draw herz with the inria preset as the referenc
 TEST_CASE("scenes: cpu renderers draw fox with the inria preset as the reference does") {
   check_inria("fox", 8);
 }
+
+TEST_CASE("scenes: cpu renderers draw garden through lenses as the reference does") {
+  const std::filesystem::path folder = test::capture_or_skip("garden");
+  if (!folder.empty()) test::check_lenses(test::read_capture(folder), "cpu", 100);
+}

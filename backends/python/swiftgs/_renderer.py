@@ -40,8 +40,8 @@ class Statistics(NamedTuple):
 
 
 class Picked(NamedTuple):
-    """What a pixel shows. Weights are alpha times transmittance, as the usual renderers blend with them, whatever the
-    renderer; depths are those of the Gaussians' means."""
+    """What a pixel shows. Weights are alpha times transmittance, as axis-shared-threshold-float-cholesky blends with
+    them, whatever the renderer; depths are those of the Gaussians' means."""
 
     gaussian: Optional[int]  #: index of the largest weight, of equal ones the lowest; None: nothing is there
     weight: float  #: of that Gaussian
@@ -276,8 +276,8 @@ class Renderer:
         """As `pick`, of at most 64x64 pixels from column `x` and row `y` on: [height, width] with the fields of
         `Picked`, where 0xffffffff stands for None.
 
-        Waits, and does not look at occluders. OrderError before the first frame, and after `trim` or a frame that failed; InvalidArgument for an image
-        that there is not and a rectangle that does not lie in it.
+        Waits, and does not look at occluders. OrderError before the first frame, and after `trim` or a frame that
+        failed; InvalidArgument for an image that there is not and a rectangle that does not lie in it.
         """
         numbers = [operator.index(number) for number in (view, x, y, width, height)]
         if numbers[0] < 0 or max(map(abs, numbers)) >= 1 << 31:

@@ -48,10 +48,10 @@ typedef struct swiftgs_camera {
 /// Cameras of a file, and notes on it.
 typedef struct swiftgs_cameras swiftgs_cameras;
 
-/// Reads cameras: an INRIA cameras.json, a transforms.json of nerfstudio, instant-ngp or Blender, the folder
-/// of a COLMAP model, or the folder of a capture that holds one of these. docs/formats.md says what is read.
-/// Errors: `SWIFTGS_FORMAT_ERROR`, `SWIFTGS_SYSTEM_ERROR` for what cannot be read, `SWIFTGS_INVALID_ARGUMENT`
-/// for a folder without cameras.
+/// Reads cameras: an INRIA cameras.json, a transforms.json of nerfstudio, instant-ngp or Blender, a
+/// camera_path.json of nerfstudio, the folder of a COLMAP model, or the folder of a capture that holds one of
+/// these. docs/formats.md says what is read. Errors: `SWIFTGS_FORMAT_ERROR`, `SWIFTGS_SYSTEM_ERROR` for what
+/// cannot be read, `SWIFTGS_INVALID_ARGUMENT` for a folder without cameras.
 SWIFTGS_C_API swiftgs_status swiftgs_cameras_read(const char* path, swiftgs_cameras** cameras);
 SWIFTGS_C_API void swiftgs_cameras_free(swiftgs_cameras* cameras);
 

@@ -168,9 +168,11 @@ typedef struct swiftgs_picked {
 
 /// Fills `picked` [height, width], by rows, with what the last frame shows in a rectangle of at most 64x64
 /// pixels of a view's image. `x` and `y` are its first pixel, from the top left. Waits. Occluders are not
-/// looked at: compare depths with yours. Errors: `SWIFTGS_LOGIC_ERROR` before the first frame, and after
-/// `swiftgs_renderer_reserve`, `swiftgs_renderer_trim` or a frame that failed; `SWIFTGS_INVALID_ARGUMENT` for
-/// a view that there is not and a rectangle that does not lie in its image; `SWIFTGS_DEVICE_ERROR`.
+/// looked at: compare depths with yours. A recorded frame above its capacity shows nothing on a device, and
+/// is no frame on a host. Errors: `SWIFTGS_LOGIC_ERROR` before the first frame, and after
+/// `swiftgs_renderer_reserve`, `swiftgs_renderer_trim` or a frame that failed once its views were valid;
+/// `SWIFTGS_INVALID_ARGUMENT` for a view that there is not and a rectangle that does not lie in its image;
+/// `SWIFTGS_DEVICE_ERROR`.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_pick(swiftgs_renderer* renderer, uint64_t view, int32_t x,
                                                    int32_t y, int32_t width, int32_t height,
                                                    swiftgs_picked* picked);

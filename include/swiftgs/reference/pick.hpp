@@ -16,14 +16,14 @@ struct ReferencePick {
   std::uint32_t gaussian = PickedPixel::nothing, median = PickedPixel::nothing;
   double weight = 0, depth = 0, median_depth = 0;
   double next_weight = 0;  ///< the largest weight of another Gaussian
-  double from_half = 1;  ///< distance of 1/2 from the nearest transmittance, that before all splats included
+  double from_half = 0.5;  ///< distance of 1/2 from the nearest transmittance, that before all splats included
 };
 
 namespace reference {
 /// Offers all splats, which are in order, to one pixel.
 inline ReferencePick pick(const std::vector<const Splat*>& splats, int x, int y,
                           const Conventions& conventions) {
-  ReferencePick out{.from_half = 0.5};
+  ReferencePick out;
   std::vector<Pixel> row(std::size_t(x) + 1);
   Pixel& pixel = row.back();
   for (const Splat* splat : splats) {

@@ -125,7 +125,7 @@ template <>
 inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisSharedThreshold<FloatCholesky>> = true;
 
 struct PickJob;
-/// One thread block per pixel.
+/// One warp per pixel, eight pixels of a row in a thread block.
 SWIFTGS_API void pick_pixels(Cuda& cuda, const PickJob& job);
 
 struct ContributionJob;
