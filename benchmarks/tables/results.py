@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads result files of the commands, which docs/results.md describes, and checks what tables take from them."""
+"""Reads result files of the commands, which docs/schemas describes, and checks what tables take from them."""
 import dataclasses
 import json
 import math

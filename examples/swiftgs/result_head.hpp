@@ -8,7 +8,7 @@
 
 #include "bench/machine.hpp"
 
-/// What the result files of all commands have in common, as docs/results.md says.
+/// What the result files of all commands have in common, as docs/schemas/common.schema.json says.
 namespace swiftgs::cli {
 
 /// Which kind of results, from which machine and command, and what was said of the files.

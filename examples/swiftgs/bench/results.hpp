@@ -13,7 +13,7 @@
 #include "measure/counted_times.hpp"
 #include "result_head.hpp"
 
-/// What `bench` measures, as docs/results.md describes its file, member by member.
+/// What `bench` measures, as docs/schemas/bench.schema.json describes it.
 namespace swiftgs::cli {
 
 /// @units{milliseconds}

@@ -18,7 +18,7 @@ struct PruneSide {
   std::optional<double> unpruned_psnr_db;  ///< against the frames of the scene before
 };
 
-/// What `prune` did, as `docs/results.md` has it.
+/// What `prune` did, as docs/schemas/prune.schema.json describes it.
 struct PruneResult {
   ResultHead head{};
   std::string scene, score, backend, conventions;

@@ -10,7 +10,7 @@ namespace swiftgs::cli {
 /// The `format` of files that `swiftgs stress` writes.
 inline constexpr const char* stress_format = "swiftgs-stress";
 
-/// Reads a file that `swiftgs bench` or `swiftgs stress` wrote, as docs/results.md describes it: every member
+/// Reads a file that `swiftgs bench` or `swiftgs stress` wrote, as docs/schemas describes it: every member
 /// that a reader counts on is there and has its type, and there is at least one row.
 ///
 /// Throws FormatError where it is not JSON, std::invalid_argument with file, member and what was expected

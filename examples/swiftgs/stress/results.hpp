@@ -9,7 +9,7 @@
 
 #include "result_head.hpp"
 
-/// What `stress` finds, as docs/results.md describes its file, member by member.
+/// What `stress` finds, as docs/schemas/stress.schema.json describes it.
 namespace swiftgs::cli {
 
 /// A renderer is not trusted if its strict normalised error is above this. It breaks the promise of its

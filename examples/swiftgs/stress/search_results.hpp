@@ -10,7 +10,7 @@
 
 #include "result_head.hpp"
 
-/// What `stress --search` finds, as docs/results.md describes its file, member by member.
+/// What `stress --search` finds, as docs/schemas/stress-search.schema.json describes it.
 namespace swiftgs::cli {
 
 /// The worst frame of one renderer, of colours or of depth, that a search found from one family.
