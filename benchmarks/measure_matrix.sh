@@ -86,14 +86,15 @@ scaling() { echo "$1/early/$ours,$1/standard/$ours,$1/standard/per-pixel/$square
 # In which folders it was measured is nobody's business.
 leave_folders_out() { sed -i "s|$out/||g;s|$scenes/||g" "$1"; }
 
-# bench FILE ARGUMENT...: without null members and percentiles, which no table reads.
+# bench FILE ARGUMENT...: without members that are null or say that a frame had one view and colour alone, and without
+# percentiles, which no table reads.
 bench() {
   local file=$1
   shift
   "$swiftgs" bench "$@" --min-frames "$least" --max-frames "$most" --precision "$precision" --seed 1 \
     --json "$out/$file"
   leave_folders_out "$out/$file"
-  sed -Ei 's/,"[a-z_]+":null//g; s/,"p10":[^,}]+,"p90":[^,}]+//g' "$out/$file"
+  sed -Ei 's/,"[a-z_]+":null//g; s/"planes":"",//g; s/"batch":1,//g; s/,"p10":[^,}]+,"p90":[^,}]+//g' "$out/$file"
 }
 
 part_matrix() {
@@ -199,12 +200,12 @@ part_lenses() {
   bench lenses.json "${folders[@]}" --renderers "$backend/early/$ours" --views 0,3,6,9 --errors none
 }
 
-# stress FILE ARGUMENT...: a ratio above 10 fails, and the file is kept.
+# stress FILE ARGUMENT...: a ratio above 10 fails, and the file is kept, with six digits behind the point.
 stress() {
   local file=$1 status=0
   shift
   "$swiftgs" stress "$@" --severity all --json "$out/$file" || status=$?
-  [ ! -e "$out/$file" ] || leave_folders_out "$out/$file"
+  [ ! -e "$out/$file" ] || { leave_folders_out "$out/$file" && sed -Ei 's/(\.[0-9]{6})[0-9]+/\1/g' "$out/$file"; }
   return $status
 }
 
