@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 constexpr std::uint8_t invalid = 64;
 
-constexpr std::array<std::uint8_t, 256> values = [] {
+constexpr std::array<std::uint8_t, 256> digit_values = [] {
   std::array<std::uint8_t, 256> table{};
   table.fill(invalid);
   for (std::size_t i = 0; i < alphabet.size(); ++i) table[std::uint8_t(alphabet[i])] = std::uint8_t(i);
@@ -30,7 +30,7 @@ bool decode_group(std::string_view group, std::byte* to) {
   std::uint32_t bits = 0;
   std::uint8_t seen = 0;
   for (std::size_t i = 0; i < 4; ++i) {
-    const std::uint8_t value = i < group.size() ? values[std::uint8_t(group[i])] : std::uint8_t(0);
+    const std::uint8_t value = i < group.size() ? digit_values[std::uint8_t(group[i])] : std::uint8_t(0);
     bits = bits << 6 | (value & 63u), seen |= value;
   }
   for (std::size_t i = 0; i + 1 < group.size(); ++i) to[i] = std::byte(bits >> (16 - 8 * i) & 255);

@@ -11,7 +11,7 @@ namespace {
 
 /// What a path or a frame is asked for, and what no frame shows: what nerfstudio made the frames of, and how
 /// fast they follow. It takes the size of all frames from the path.
-constexpr std::string_view read_keys[] = {
+constexpr std::string_view path_keys[] = {
     "camera_path",  "camera_to_world", "camera_type", "fov",          "render_height",
     "render_width", "aspect",          "default_fov", "default_time", "default_transition_sec",
     "fps",          "is_cycle",        "keyframes",   "seconds",      "smoothness_value"};
@@ -58,7 +58,7 @@ CameraFile parse_camera_path(const Source& source) {
   const std::vector<std::uint64_t> offsets =
       offsets_in(text, offset_of_member(text, text.find('{'), "camera_path"));
   CameraFile file;
-  UnreadKeys unread(read_keys);
+  UnreadKeys unread(path_keys);
   unread.add(root);
   file.cameras.reserve(frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {

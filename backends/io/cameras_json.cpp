@@ -6,7 +6,7 @@ namespace swiftgs::io {
 namespace {
 
 /// What a camera is asked for, and its number, which no picture shows.
-constexpr std::string_view read_keys[] = {"id", "img_name", "width", "height",   "fx",
+constexpr std::string_view item_keys[] = {"id", "img_name", "width", "height",   "fx",
                                           "fy", "cx",       "cy",    "position", "rotation"};
 
 /// Throws `FormatError` that lists the keys unless `entry` has the name that INRIA's cameras have.
@@ -42,7 +42,7 @@ CameraFile parse_cameras_json(const Source& source) {
   const nlohmann::json root = parse_json(source);
   if (!root.is_array()) source.fail(0, "an array of cameras, as INRIA's cameras.json has");
   CameraFile file;
-  UnreadKeys unread(read_keys);
+  UnreadKeys unread(item_keys);
   file.cameras.reserve(root.size());
   const std::vector<std::uint64_t> offsets = offsets_in(source.text(), source.text().find('['));
   for (std::size_t i = 0; i < root.size(); ++i) {

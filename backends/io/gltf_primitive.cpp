@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-const std::string prefix = "KHR_gaussian_splatting:";
+const std::string khr_prefix = "KHR_gaussian_splatting:";
 
 /// The object `key` of `object`; an empty one if it is absent.
 const json& object_in(const JsonEntry& mesh, const json& object, const char* key) {
@@ -27,7 +27,7 @@ const json& object_in(const JsonEntry& mesh, const json& object, const char* key
 }
 
 std::string sh_name(int degree, int coefficient) {
-  return prefix + "SH_DEGREE_" + std::to_string(degree) + "_COEF_" + std::to_string(coefficient);
+  return khr_prefix + "SH_DEGREE_" + std::to_string(degree) + "_COEF_" + std::to_string(coefficient);
 }
 
 /// The attributes of one primitive.
@@ -57,10 +57,10 @@ struct Attributes {
 void note_attributes(const json& values, bool beside_spz, std::vector<std::string>& notes) {
   for (const auto& [name, value] : values.items()) {
     // COLOR_0 is what sh0 and the opacity say, for programs that draw points.
-    bool read = name == "POSITION" || name == "COLOR_0" || name == prefix + "ROTATION" ||
-                name == prefix + "SCALE" || name == prefix + "OPACITY";
+    bool read = name == "POSITION" || name == "COLOR_0" || name == khr_prefix + "ROTATION" ||
+                name == khr_prefix + "SCALE" || name == khr_prefix + "OPACITY";
     if (beside_spz) read = read || name == "_ROTATION" || name == "_SCALE";
-    const std::string band = prefix + "SH_DEGREE_";
+    const std::string band = khr_prefix + "SH_DEGREE_";
     for (int degree = 0; degree <= max_sh_degree; ++degree)
       read = read || name.starts_with(band + std::to_string(degree) + "_");
     if (read) continue;
@@ -98,9 +98,9 @@ GltfPrimitive find_accessors(Attributes attributes) {
   GltfPrimitive gaussians;
   gaussians.mean = attributes.find("POSITION", 3);
   gaussians.count = attributes.count;
-  gaussians.rotation = attributes.find(prefix + "ROTATION", 4);
-  gaussians.scale = attributes.find(prefix + "SCALE", 3);
-  gaussians.opacity = attributes.find(prefix + "OPACITY", 1);
+  gaussians.rotation = attributes.find(khr_prefix + "ROTATION", 4);
+  gaussians.scale = attributes.find(khr_prefix + "SCALE", 3);
+  gaussians.opacity = attributes.find(khr_prefix + "OPACITY", 1);
   if (gaussians.opacity.type != GltfAccessor::f32 && !gaussians.opacity.normalised)
     attributes.document.source().fail(gaussians.opacity.offset, "opacities of integers to be 'normalized'");
   gaussians.sh0 = attributes.find(sh_name(0, 0), 3);

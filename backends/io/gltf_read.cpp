@@ -24,7 +24,7 @@ struct Instance {
 
 /// A small file cannot fill the memory by accessors that share bytes, or by many instances of a mesh: its
 /// Gaussians, each counted as often as a node places it, are at most so many for each byte of its buffers.
-constexpr std::uint64_t max_gaussians_per_byte = 8;
+constexpr std::uint64_t max_gltf_gaussians_per_byte = 8;
 
 /// The share of base64 in the work on a file that has it.
 constexpr double decoding = 0.3;
@@ -33,7 +33,7 @@ constexpr double decoding = 0.3;
 constexpr double measuring = 0.05;
 
 /// Gaussians that are moved at a time: few, since each block is a copy.
-constexpr std::size_t block = 1 << 18;
+constexpr std::size_t moved_at_once = 1 << 18;
 
 std::vector<std::string> strings(const JsonEntry& root, const char* key) {
   std::vector<std::string> result;
@@ -114,8 +114,8 @@ class GltfReader {
       for (const GltfPrimitive& gaussians : meshes_[place.mesh]) {
         instances_.push_back({&gaussians, &place});
         count_ += gaussians.count;
-        if (count_ / max_gaussians_per_byte > buffers_.size())
-          node.fail("at most " + std::to_string(max_gaussians_per_byte) +
+        if (count_ / max_gltf_gaussians_per_byte > buffers_.size())
+          node.fail("at most " + std::to_string(max_gltf_gaussians_per_byte) +
                     " Gaussians, those of each instance counted, for each of the " +
                     std::to_string(buffers_.size()) + " bytes of the buffers, found " +
                     std::to_string(count_));
@@ -195,10 +195,10 @@ class GltfReader {
     }
     const Progress none;
     const ProgressMeter silent(none, "");
-    for (std::size_t first = 0; first < gaussians.count; first += block) {
+    for (std::size_t first = 0; first < gaussians.count; first += moved_at_once) {
       progress.report(double(first) / double(gaussians.count));
       Scene part;
-      allocate(part, std::min(block, gaussians.count - first), gaussians.sh_degree);
+      allocate(part, std::min(moved_at_once, gaussians.count - first), gaussians.sh_degree);
       decode(gaussians, axes(), logarithmic_, {first, part.size(), 0}, silent, part);
       move(part, movement, instance);
       copy(part, at + first);

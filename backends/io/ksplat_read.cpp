@@ -66,14 +66,14 @@ std::array<float, 256> colours_of_bytes() {
 }
 
 /// Where Gaussians go.
-struct Decoded {
+struct DecodedSection {
   Scene& scene;
   MeanRounding rounding{};
 };
 
 /// Decodes Gaussians [begin, end) of a section, the first of which is number 0.
 template <int Level>
-void decode(const KsplatLayout& layout, const KsplatSection& section, Decoded& to, std::uint64_t begin,
+void decode(const KsplatLayout& layout, const KsplatSection& section, DecodedSection& to, std::uint64_t begin,
             std::uint64_t end) {
   Scene& scene = to.scene;
   constexpr std::size_t size = Level == 0 ? 4 : 2, colour_at = Level == 0 ? 40 : 20;
@@ -119,7 +119,7 @@ SceneFile read_ksplat(const Source& source, const SceneReadOptions& options) {
   file.format = ".ksplat (level " + std::to_string(layout.level) + ")";
   file.stored = layout.count;
   allocate(file.scene, layout.count, layout.sh_degree);
-  Decoded decoded{file.scene};
+  DecodedSection decoded{file.scene};
   constexpr auto decoders = std::array{decode<0>, decode<1>, decode<2>};
   const auto count = double(layout.count);
   for (const KsplatSection& section : layout.sections) {

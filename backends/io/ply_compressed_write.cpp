@@ -90,7 +90,7 @@ void encode_vertex(const Scene& scene, std::size_t i, const ChunkRanges& ranges,
 }
 
 /// Notes the numbers that the format cannot hold.
-void note_clamped(const Scene& scene, std::vector<std::string>& notes) {
+void note_clamped_fields(const Scene& scene, std::vector<std::string>& notes) {
   const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   ClampCount scales, harmonics;
   for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
@@ -113,7 +113,7 @@ WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene
   WrittenScene written = written_whole("compressed PLY", scene);
   // The ranges of a chunk are divided more finely if its Gaussians lie near each other.
   const std::vector<std::uint32_t> order = spatial_order(scene);
-  note_clamped(scene, written.notes);
+  note_clamped_fields(scene, written.notes);
   progress.report(0.3);
   const std::vector<ChunkRanges> chunks = ranges_of(scene, order);
 

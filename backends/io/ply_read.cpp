@@ -44,7 +44,7 @@ void smooth(Scene& scene, std::size_t i, int axes, double deviation) {
 }
 
 /// Where Gaussians go: their means twice, unless `exact_means` are empty.
-struct Decoded {
+struct DecodedRows {
   Scene& scene;
   std::vector<dvec3>& exact_means;
   MeanRounding& rounding;
@@ -52,7 +52,7 @@ struct Decoded {
 
 /// Activates the Gaussian in `row` and stores it as number `i`.
 template <class Field>
-void decode_row(const PlyLayout& layout, const std::byte* row, const Field& of, const Decoded& to,
+void decode_row(const PlyLayout& layout, const std::byte* row, const Field& of, const DecodedRows& to,
                 std::size_t i) {
   Scene& scene = to.scene;
   const auto field = [&](const std::byte* at, PlyField f) { return float(of.exact(at, f)); };
@@ -79,7 +79,7 @@ void decode_row(const PlyLayout& layout, const std::byte* row, const Field& of, 
 
 template <class Field>
 void decode_rows(const Source& source, std::uint64_t position, const PlyLayout& layout, const Field& field,
-                 const ProgressMeter& progress, const Decoded& to) {
+                 const ProgressMeter& progress, const DecodedRows& to) {
   const std::byte* rows = source.bytes.data() + position;
   for_parts(to.scene.size(), progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) decode_row(layout, rows + i * layout.row_bytes, field, to, i);
@@ -91,7 +91,7 @@ void decode_rows(const Source& source, std::uint64_t position, const PlyLayout& 
 /// `position`.
 void decode_vertices(const Source& source, const PlyHeader& header, const PlyElement& vertex,
                      const PlyLayout& layout, std::uint64_t position, std::size_t first,
-                     const ProgressMeter& progress, const Decoded& to) {
+                     const ProgressMeter& progress, const DecodedRows& to) {
   const std::size_t count = to.scene.size();
   if (header.encoding == PlyEncoding::ascii) {
     std::vector<double> row;

@@ -8,7 +8,7 @@
 namespace swiftgs::io {
 namespace {
 
-constexpr std::uint64_t max_gaussians_per_byte = 32, max_extra_pixels = 1 << 16;
+constexpr std::uint64_t max_sog_gaussians_per_byte = 32, max_extra_pixels = 1 << 16;
 constexpr std::uint32_t palette_columns = 64;  // entries in a row of the palette's image
 
 std::uint64_t pixels_of(ImageSize size) { return std::uint64_t(size.width) * std::uint64_t(size.height); }
@@ -56,7 +56,7 @@ SogContent open_parts(const Source& meta, std::uint64_t stored, const SogFiles& 
     else
       shared = shared || file.stored > 0;
   }
-  if (sog.meta.count / max_gaussians_per_byte > stored)
+  if (sog.meta.count / max_sog_gaussians_per_byte > stored)
     meta.fail(0, "files that can hold " + std::to_string(sog.meta.count) + " Gaussians, found " +
                      std::to_string(stored) + " bytes" + (shared ? " beside those that hold others" : ""));
   sog.stored = stored;

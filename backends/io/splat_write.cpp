@@ -29,12 +29,14 @@ void sort_by_size(const Scene& scene, std::vector<std::uint32_t>& order) {
   std::transform(keys.begin(), keys.end(), order.begin(), [](const auto& key) { return key.second; });
 }
 
-dvec3 colour_of(const Scene& scene, std::size_t i) { return 255.0 * (dvec3(scene.sh0[i]) * sh_c0 + 0.5); }
+dvec3 byte_colour_of(const Scene& scene, std::size_t i) {
+  return 255.0 * (dvec3(scene.sh0[i]) * sh_c0 + 0.5);
+}
 
 std::uint8_t nearest_byte(double value) { return std::uint8_t(std::clamp(value, 0.0, 255.0) + 0.5); }
 
 void encode_record(const Scene& scene, std::size_t i, RowEncoder row) {
-  const dvec3 colour = colour_of(scene, i);
+  const dvec3 colour = byte_colour_of(scene, i);
   const Quaternion unit =
       normalised(scene.rotations[i].w, scene.rotations[i].x, scene.rotations[i].y, scene.rotations[i].z);
   const std::array<double, 4> q = {unit.w, unit.x, unit.y, unit.z};
@@ -58,7 +60,7 @@ void note_losses(const Scene& scene, const std::vector<std::uint32_t>& order,
   ClampCount colours;
   for_parts(order.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      const dvec3 colour = colour_of(scene, order[k]);
+      const dvec3 colour = byte_colour_of(scene, order[k]);
       for (int c = 0; c < 3; ++c) colours.add(colour[c] < -0.5 || colour[c] > 255.5);
     }
   });

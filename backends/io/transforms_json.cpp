@@ -21,7 +21,7 @@ using nlohmann::json;
 /// What a frame or the object around it is asked for, and what no picture shows: where a trainer finds masks,
 /// depths and points, how it splits the images, and its own box. EUCM's `beta` shows in none while `alpha` is
 /// 0.
-constexpr std::string_view read_keys[] = {"frames",
+constexpr std::string_view file_keys[] = {"frames",
                                           "file_path",
                                           "transform_matrix",
                                           "w",
@@ -193,7 +193,7 @@ CameraFile parse_transforms_json(const Source& source, const std::filesystem::pa
   const std::vector<std::uint64_t> offsets =
       offsets_in(text, offset_of_member(text, text.find('{'), "frames"));
   CameraFile file;
-  UnreadKeys unread(read_keys);
+  UnreadKeys unread(file_keys);
   unread.add(root);
   file.cameras.reserve(frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {

@@ -12,7 +12,7 @@
 namespace swiftgs::cli {
 namespace {
 
-[[noreturn]] void fail(const std::string& name) {
+[[noreturn]] void fail_to_read(const std::string& name) {
   throw std::system_error(errno ? errno : EIO, std::generic_category(), name);
 }
 
@@ -37,7 +37,7 @@ std::string content_of_file(const std::string& name) {
   if (std::filesystem::is_directory(name)) throw std::system_error(EISDIR, std::generic_category(), name);
   std::ifstream file(name, std::ios::binary);
   std::string content{std::istreambuf_iterator<char>(file), {}};
-  if (!file.is_open() || file.bad()) fail(name);
+  if (!file.is_open() || file.bad()) fail_to_read(name);
   return content;
 }
 

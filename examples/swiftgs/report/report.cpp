@@ -8,12 +8,12 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include <swiftgs/io/replace_file.hpp>
 #include <swiftgs/version.hpp>
 
 #include "commands.hpp"
+#include "json_text.hpp"
 #include "read/distinct_files.hpp"
 #include "report/files.hpp"
 #include "report/page.hpp"
@@ -21,8 +21,6 @@
 
 namespace swiftgs::cli {
 namespace {
-
-using Json = nlohmann::json;
 
 struct ReportOptions {
   std::vector<std::string> results;

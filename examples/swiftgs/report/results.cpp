@@ -6,33 +6,30 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include <swiftgs/error.hpp>
 
+#include "json_text.hpp"
 #include "report/files.hpp"
 
 namespace swiftgs::cli {
 namespace {
-
-using Json = nlohmann::json;
 
 /// Deeper than any result file; what follows each level by a call of its own never runs out of stack.
 constexpr int deepest = 16;
 
 enum class Kind { text, optional_text, amount, positive, optional_amount, optional_number };
 
-struct Member {
+struct Needed {
   const char* name;
   Kind kind;
 };
 
-constexpr Member members_of_scene[] = {{"scene", Kind::text},
+constexpr Needed members_of_scene[] = {{"scene", Kind::text},
                                        {"gaussians", Kind::amount},
                                        {"original", Kind::amount},
                                        {"enlarge", Kind::positive}};
 
-constexpr Member members_of_view[] = {{"scene", Kind::text},
+constexpr Needed members_of_view[] = {{"scene", Kind::text},
                                       {"gaussians", Kind::amount},
                                       {"enlarge", Kind::positive},
                                       {"view", Kind::text},
@@ -44,7 +41,7 @@ constexpr Member members_of_view[] = {{"scene", Kind::text},
                                       {"photo_ssim", Kind::optional_number},
                                       {"reference_image", Kind::optional_text}};
 
-constexpr Member members_of_row[] = {{"scene", Kind::text},
+constexpr Needed members_of_row[] = {{"scene", Kind::text},
                                      {"gaussians", Kind::amount},
                                      {"enlarge", Kind::positive},
                                      {"view", Kind::text},
@@ -73,7 +70,7 @@ constexpr Member members_of_row[] = {{"scene", Kind::text},
                                      {"image", Kind::optional_text},
                                      {"error_image", Kind::optional_text}};
 
-constexpr Member members_of_stress_row[] = {{"family", Kind::text},
+constexpr Needed members_of_stress_row[] = {{"family", Kind::text},
                                             {"severity", Kind::optional_amount},
                                             {"severity_label", Kind::text},
                                             {"width", Kind::positive},
@@ -95,12 +92,12 @@ constexpr Member members_of_stress_row[] = {{"family", Kind::text},
                                             {"ambiguity", Kind::optional_amount},
                                             {"worst_seed", Kind::optional_amount}};
 
-constexpr Member members_of_bytes[] = {
+constexpr Needed members_of_bytes[] = {
     {"project", Kind::amount}, {"sort", Kind::amount}, {"raster", Kind::amount}};
 
 constexpr const char* durations[] = {"project", "sort", "raster", "total", "wall"};
 
-constexpr Member members_of_duration[] = {{"median", Kind::amount},
+constexpr Needed members_of_duration[] = {{"median", Kind::amount},
                                           {"low", Kind::optional_amount},
                                           {"high", Kind::optional_amount},
                                           {"p10", Kind::optional_amount},
@@ -155,9 +152,9 @@ void check_object(const Json& value, const std::string& where) {
 }
 
 template <std::size_t n>
-void check_members(const Json& value, const Member (&members)[n], const std::string& where) {
+void check_members(const Json& value, const Needed (&members)[n], const std::string& where) {
   check_object(value, where);
-  for (const Member& member : members) {
+  for (const Needed& member : members) {
     const auto found = value.find(member.name);
     if (found == value.end() ? !may_be_absent(member.kind) : !is_of(*found, member.kind))
       refuse(where + "." + member.name, expected_of(member.kind));
@@ -217,7 +214,7 @@ Json parsed(const std::string& file, const std::string& text) {
 
 }  // namespace
 
-nlohmann::json read_results(const std::string& name) {
+Json read_results(const std::string& name) {
   Json results = parsed(name, content_of_file(name));
   const Json format = results.is_object() ? results.value("format", Json()) : Json();
   if (format != "swiftgs-bench" && format != stress_format)

@@ -15,6 +15,6 @@ inline constexpr const char* stress_format = "swiftgs-stress";
 ///
 /// Throws FormatError where it is not JSON, std::invalid_argument with file, member and what was expected
 /// where it is something else, std::system_error where it cannot be read.
-nlohmann::json read_results(const std::string& name);
+nlohmann::ordered_json read_results(const std::string& name);
 
 }  // namespace swiftgs::cli
