@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Lenses: a pinhole with distortion, a fisheye, an orthographic view and a panorama of one scene, drawn in one
-// frame. The images are written as PNG into the folder that is given.
+// Lenses: a pinhole without and with distortion, a fisheye, an orthographic view and a panorama of one scene,
+// drawn in one frame. The images are written as PNG into the folder that is given.
 #include <cstddef>
 #include <exception>
 #include <filesystem>
@@ -28,9 +28,15 @@ Camera fisheye() {
   return camera;
 }
 
+Camera pinhole() {
+  Camera camera = builtin_camera(800, 450);
+  camera.name = "pinhole";
+  return camera;
+}
+
 /// A cheap wide-angle lens, with the coefficients that OpenCV's calibration finds.
 Camera distorted_pinhole() {
-  Camera camera = builtin_camera(800, 450);
+  Camera camera = pinhole();
   camera.lens.distortion = {.radial = {-0.22, 0.05}, .tangential = {0.002, -0.001}};
   camera.name = "distorted";
   return camera;
@@ -66,7 +72,7 @@ int main(int argc, char** argv) try {
   settings.outputs = {.alpha = true, .depth = false};
 
   // One projection, one sort and one rasterization, whatever the sizes and lenses.
-  const std::vector<Camera> cameras{distorted_pinhole(), fisheye(), orthographic(), panorama()};
+  const std::vector<Camera> cameras{pinhole(), distorted_pinhole(), fisheye(), orthographic(), panorama()};
   std::vector<Frame> frames(cameras.size());
   renderer.render(scene, {cameras.data(), cameras.size()}, settings, {frames.data(), frames.size()});
 
