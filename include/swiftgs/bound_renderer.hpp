@@ -246,8 +246,8 @@ class BoundRenderer {
   /// device, and is no frame on a host.
   ///
   /// Throws `std::logic_error` if there is no frame: before the first, after `reserve` and `trim`, and after
-  /// one that failed once its views were valid; `std::invalid_argument` for a view that there is not, or a
-  /// rectangle that does not lie in its frame; and `DeviceError` on a device.
+  /// one that failed once its views were valid; `std::invalid_argument` for an unknown view, or a rectangle
+  /// that does not lie in its frame; and `DeviceError` on a device.
   std::vector<PickedPixel> pick(const PickRectangle& rectangle) {
     check_ready(backend());
     const bool drawn = last_ == LastFrame::drawn;

@@ -99,7 +99,8 @@ class PixelPicker {
  public:
   SWIFTGS_HD explicit PixelPicker(float stop_below) : stop_below_(stop_below) {}
 
-  /// Offers a splat of which the pixel shows `alpha`, above 0. False once no later one changes the result.
+  /// Offers the next splat, which the pixel shows with `alpha` > 0. Returns false once no later splat changes
+  /// the result.
   SWIFTGS_HD bool offer(float alpha, float depth, std::uint32_t gaussian) {
     const float before = transmittance_, next = dimmed(before, alpha), weight = alpha * before;
     if (next < stop_below_) return false;

@@ -15,13 +15,12 @@
 
 namespace swiftgs {
 
-/// Picks in a frame of which `Stages` still holds splats, colours and tile lists.
+/// Picks in the last frame of `Stages`, which still holds its splats, colours and tile lists.
 template <class B>
 class PickStage {
  public:
   /// The pixels of `rectangle`, by rows; complete when it returns. `views` were drawn, cut into `parts`.
-  /// Throws `std::invalid_argument` for a view that there is not, and a rectangle that does not lie in its
-  /// frame.
+  /// Throws `std::invalid_argument` for an unknown view, and for a rectangle that does not lie in its frame.
   std::vector<PickedPixel> pick(Stages<B>& stages, const Views& views, const PanoramaParts& parts,
                                 const PickRectangle& rectangle) {
     check(views, parts, rectangle);

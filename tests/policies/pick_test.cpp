@@ -51,7 +51,7 @@ RenderSettings all_outputs() {
   return settings;
 }
 
-/// Compares with the reference what is not a close decision.
+/// Compares with the reference, close decisions excluded.
 void check_picks(const std::vector<PickedPixel>& picks, const Scene& scene, const Camera& camera,
                  const Conventions& conventions = {}) {
   const std::vector<ReferencePick> expected = pick_reference(scene, camera, conventions);
