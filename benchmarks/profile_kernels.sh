@@ -46,7 +46,8 @@ scene=$1
 for other in "$@"; do [ "$other" != garden ] || scene=garden; done
 echo "profile: instructions, $scene"
 report=$(mktemp -d)/report
-draw "$scene" "cuda/early/*/ellipse" --section SourceCounters --kernel-name 'regex:raster_(per_pixel|half_split|warps)' -o "$report" >/dev/null 2>&1 ||
+draw "$scene" "cuda/early/*/ellipse" --section SourceCounters --kernel-name 'regex:raster_(per_pixel|half_split|warps)' \
+  -o "$report" >/dev/null 2>&1 ||
   echo "profile: ncu failed for $scene" >&2
 # Only what the tables need: the machine code, from address 0 on, and how often it was executed; of several launches of a
 # kernel, the last.

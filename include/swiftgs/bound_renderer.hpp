@@ -240,10 +240,10 @@ class BoundRenderer {
   /// What pixels of the last frame show, by rows, from its splats and tile lists; complete when it returns.
   /// It does not look at occluders: compare depths with yours.
   ///
-  /// The last frame is that of the latest `render_into`, `render_resident`, `render` or `record`. Of a
-  /// captured graph pick only if it holds the latest `record`, and after `set_views` only once it has run
-  /// again; otherwise what is picked has no meaning. A recorded frame above its capacity shows nothing on a
-  /// device, and is no frame on a host.
+  /// The last frame is that of the latest `render_into`, `render_resident`, `render` or `record`. Results are
+  /// undefined after the replay of a graph that does not hold the latest `record`, and between `set_views`
+  /// and the next replay. A recorded frame above its capacity shows nothing on a device, and is no frame on a
+  /// host.
   ///
   /// Throws `std::logic_error` if there is no frame: before the first, after `reserve` and `trim`, and after
   /// one that failed once its views were valid; `std::invalid_argument` for an unknown view, or a rectangle

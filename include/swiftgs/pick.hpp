@@ -21,9 +21,9 @@
 
 namespace swiftgs {
 
-/// The Gaussian that a pixel shows most, and the one in the middle of what it shows. Weights are alpha times
-/// transmittance, as `AxisSharedThreshold<FloatCholesky>` blends with them. Depths are of the Gaussians'
-/// means, as `Conventions::depth` has it.
+/// The Gaussian of the largest weight at a pixel, and the median one. A weight is alpha times transmittance,
+/// as `AxisSharedThreshold<FloatCholesky>` blends with it. Depths are of the Gaussians' means, as
+/// `Conventions::depth` has it.
 struct PickedPixel {
   static constexpr std::uint32_t nothing = 0xffffffff;
 

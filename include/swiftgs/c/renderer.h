@@ -155,9 +155,9 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_wait(swiftgs_renderer* renderer);
 /// In place of a Gaussian's index: there is none.
 #define SWIFTGS_NOTHING UINT32_C(0xffffffff)
 
-/// The Gaussian that a pixel shows most, and the one in the middle of what it shows. Weights are alpha times
-/// transmittance, as `AxisSharedThreshold<FloatCholesky>` blends with them, whatever the renderer. Depths are
-/// of the Gaussians' means, as the view's conventions measure them. It has no size: it never grows.
+/// The Gaussian of the largest weight at a pixel, and the median one. A weight is alpha times transmittance,
+/// as `AxisSharedThreshold<FloatCholesky>` blends with it, whatever the renderer. Depths are of the
+/// Gaussians' means, as the view's conventions measure them. The struct has no size, because it never grows.
 typedef struct swiftgs_picked {
   uint32_t gaussian;   ///< index of the largest weight, of equal ones the lowest; or `SWIFTGS_NOTHING`
   float weight;        ///< 0 of nothing
