@@ -22,7 +22,6 @@ namespace {
 
 swiftgs_gaussians read_gaussians(const swiftgs_gaussians* given) {
   const swiftgs_gaussians from = read_struct(given, "swiftgs_gaussians");
-  require_zero(from.reserved, "swiftgs_gaussians");
   require_choice(from.memory, 2, "swiftgs_gaussians: memory");
   constexpr std::uint32_t known =
       SWIFTGS_LOG_SCALES | SWIFTGS_LOGIT_OPACITIES | SWIFTGS_ANY_ROTATIONS | SWIFTGS_PLAIN_COLOURS;
@@ -43,6 +42,8 @@ SceneArrays to_arrays(const swiftgs_gaussians& from) {
                            .sh0 = array(from.sh0),
                            .sh_rest = array(from.sh_rest),
                            .sh_degree = from.sh_degree,
+                           .features = array(from.features),
+                           .feature_channels = from.feature_channels,
                            .log_scales = (from.raw & SWIFTGS_LOG_SCALES) != 0,
                            .logit_opacities = (from.raw & SWIFTGS_LOGIT_OPACITIES) != 0,
                            .any_rotations = (from.raw & SWIFTGS_ANY_ROTATIONS) != 0,
@@ -55,18 +56,14 @@ SceneArrays to_arrays(const swiftgs_gaussians& from) {
 Scene to_scene(const swiftgs_gaussians& from) {
   SceneArrays arrays = to_arrays(from);
   std::vector<std::vector<float>> fetched;
-  const auto fetch = [&](FloatArray& array, std::size_t width) {
+  const auto fetch = [&](const char*, std::size_t width, FloatArray& array) {
     if (arrays.count == 0 || width == 0) return;
     const std::size_t stride = array.stride != 0 ? std::size_t(array.stride) / sizeof(float) : width;
     auto& floats = fetched.emplace_back((arrays.count - 1) * stride + width);
     copy_memory(floats.data(), array.data, floats.size() * sizeof(float), from.stream);
     array.data = floats.data();
   };
-  if (from.memory == SWIFTGS_DEVICE) {
-    fetch(arrays.means, 3), fetch(arrays.scales, 3), fetch(arrays.rotations, 4);
-    fetch(arrays.opacities, 1), fetch(arrays.sh0, 3);
-    fetch(arrays.sh_rest, 3 * std::size_t(sh_rest_count(arrays.sh_degree)));
-  }
+  if (from.memory == SWIFTGS_DEVICE) for_each_array(fetch, arrays);
   Scene scene = to_scene(Serial(), arrays);
   scene.antialiased = from.antialiased != 0;
   return scene;

@@ -35,23 +35,23 @@ Writer writer_of(std::string_view path) {
 }
 
 /// The rows of a plane, one behind the other.
-void copy(const swiftgs_plane& from, std::size_t row, std::size_t rows, std::vector<float>& to) {
-  const auto plane = to_plane<const float>(from);
+template <class T>
+void copy(const swiftgs_plane& from, std::size_t row, std::size_t rows, std::vector<T>& to) {
+  const auto plane = to_plane<const T>(from);
   if (!plane.data) return;
   to.resize(row * rows);
-  for (std::size_t y = 0; y < rows; ++y) std::memcpy(&to[y * row], plane.row(y), row * sizeof(float));
+  for (std::size_t y = 0; y < rows; ++y) std::memcpy(&to[y * row], plane.row(y), row * sizeof(T));
 }
 
 Frame to_frame(const swiftgs_image& from) {
-  require_zero(from.reserved, "swiftgs_image");
   require_pointer(from.colour.data, "swiftgs_image: colour");
   FrameView view{.width = from.width, .height = from.height};
   set_planes(view, from);
   validate(view);
   Frame frame;
-  frame.width = from.width, frame.height = from.height;
+  frame.width = from.width, frame.height = from.height, frame.feature_channels = from.feature_channels;
   for_each_plane(
-      [&](std::size_t channels, const swiftgs_plane& plane, std::vector<float>& to) {
+      [&](std::size_t channels, const swiftgs_plane& plane, auto& to) {
         copy(plane, channels * std::size_t(from.width), std::size_t(from.height), to);
       },
       from, frame);

@@ -78,7 +78,7 @@ swiftgs_scene_info info_of(const swiftgs_scene& from) {
   swiftgs_scene_info info{};
   info.sh_degree = scene.sh_degree;
   info.count = scene.size(), info.stored = from.stored, info.dropped = from.dropped;
-  info.antialiased = scene.antialiased;
+  info.antialiased = scene.antialiased, info.feature_channels = scene.feature_channels;
   info.format = from.format.c_str();
   bool found = false;
   for (const vec3& mean : scene.means) {
@@ -93,21 +93,16 @@ swiftgs_scene_info info_of(const swiftgs_scene& from) {
   return info;
 }
 
-template <class T>
-swiftgs_array array_of(const std::vector<T>& values, std::size_t count) {
-  if (values.empty()) return {};
-  return {reinterpret_cast<const float*>(values.data()), std::int64_t(values.size() * sizeof(T) / count)};
-}
-
 swiftgs_gaussians arrays_of(const Scene& scene) {
-  const std::size_t n = scene.size();
   swiftgs_gaussians arrays{};
-  arrays.sh_degree = scene.sh_degree;
-  arrays.count = n;
-  arrays.means = array_of(scene.means, n), arrays.scales = array_of(scene.scales, n);
-  arrays.rotations = array_of(scene.rotations, n), arrays.opacities = array_of(scene.opacities, n);
-  arrays.sh0 = array_of(scene.sh0, n), arrays.sh_rest = array_of(scene.sh_rest, n);
+  arrays.sh_degree = scene.sh_degree, arrays.feature_channels = scene.feature_channels;
+  arrays.count = scene.size();
   arrays.antialiased = scene.antialiased;
+  for_each_array(
+      [](const char*, std::size_t each, const auto& from, swiftgs_array& to) {
+        if (!from.empty()) to = {swiftgs::detail::floats_of(from).data, std::int64_t(each * sizeof(from[0]))};
+      },
+      scene, arrays);
   return arrays;
 }
 

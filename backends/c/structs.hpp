@@ -11,6 +11,7 @@
 
 #include <swiftgs/c/camera.h>
 #include <swiftgs/c/renderer.h>
+#include <swiftgs/c/scene.h>
 #include <swiftgs/c/view.h>
 
 #include "error.hpp"
@@ -29,6 +30,10 @@ template <>
 inline constexpr std::uint32_t first_size<swiftgs_camera> = offsetof(swiftgs_camera, radial);
 template <>
 inline constexpr std::uint32_t first_size<swiftgs_conventions> = offsetof(swiftgs_conventions, depth);
+template <>
+inline constexpr std::uint32_t first_size<swiftgs_gaussians> = offsetof(swiftgs_gaussians, features);
+template <>
+inline constexpr std::uint32_t first_size<swiftgs_image> = offsetof(swiftgs_image, squared_depth);
 template <>
 inline constexpr std::uint32_t first_size<swiftgs_view> = offsetof(swiftgs_view, stored_depth);
 template <>

@@ -25,7 +25,7 @@ static_assert(int(Conventions::JacobianClamp::around_image) == SWIFTGS_CLAMP_ARO
               int(Conventions::Footprint::three_sigma_square) == SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE &&
               int(Conventions::Depth::of_lens) == SWIFTGS_DEPTH_OF_LENS &&
               int(Conventions::Depth::z) == SWIFTGS_DEPTH_Z &&
-              int(Conventions::Depth::distance) == SWIFTGS_DEPTH_DISTANCE);
+              int(Conventions::Depth::distance) == SWIFTGS_DEPTH_DISTANCE && no_gaussian == SWIFTGS_NOTHING);
 
 swiftgs_conventions to_struct(const Conventions& from) {
   swiftgs_conventions to{};
@@ -36,6 +36,7 @@ swiftgs_conventions to_struct(const Conventions& from) {
   to.stop = from.stop, to.stop_at_equal = from.stop_at_equal;
   to.footprint = int(from.footprint);
   to.depth = int(from.depth);
+  to.first_alpha = from.first_alpha;
   return to;
 }
 
@@ -54,10 +55,12 @@ Conventions to_conventions(const swiftgs_conventions* given) {
   to.stop = from.stop, to.stop_at_equal = from.stop_at_equal != 0;
   to.footprint = Conventions::Footprint(from.footprint);
   to.depth = Conventions::Depth(from.depth);
+  to.first_alpha = from.first_alpha;
   return to;
 }
 
 View to_view(const swiftgs_view& from) {
+  require_zero(from.reserved, "swiftgs_view");
   require_choice(from.format, 5, "swiftgs_view: format");
   require_pointer(from.camera, "swiftgs_view: camera");
   const Camera camera = to_camera(from.camera);

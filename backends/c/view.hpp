@@ -19,6 +19,7 @@ Plane<T> to_plane(const swiftgs_plane& from) {
 /// Sets the planes of `frame` to those of `from`, a struct of the C interface.
 template <class From>
 void set_planes(FrameView& frame, const From& from) {
+  frame.feature_channels = from.feature_channels;
   for_each_plane(
       []<class T>(std::size_t, Plane<T>& to, const swiftgs_plane& plane) { to = to_plane<T>(plane); }, frame,
       from);

@@ -33,12 +33,11 @@ void advise_large_pages(const void* memory, std::size_t bytes, LargePages pages)
 }
 
 HostScene in_large_pages(HostScene scene, LargePages pages) {
-  const SceneView view = scene.view();
-  const auto advise = [&](const auto& array) {
-    advise_large_pages(array.data, array.size * sizeof(*array.data), pages);
-  };
-  advise(view.means), advise(view.scales), advise(view.rotations);
-  advise(view.opacities), advise(view.sh0), advise(view.sh_rest);
+  for_each_array(
+      [&](const char*, std::size_t, const auto& array) {
+        advise_large_pages(array.data, array.size * sizeof(*array.data), pages);
+      },
+      scene.view());
   return scene;
 }
 

@@ -18,21 +18,16 @@
 
 #include <swiftgs/raster/raster.hpp>
 
+#include "batch-inl.hpp"
+#include "blend-inl.hpp"
 #include "exp2-inl.hpp"
+#include "pick-inl.hpp"
 #include "raster_block-inl.hpp"
 #include "store-inl.hpp"
+#include "sum-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-/// Splats that are prepared together: their terms stay in the first-level cache while groups traverse them.
-/// With 96 or 128, rasterizing takes 0.98 and 0.99 of the time in fox, and 1.04 and 1.06 in herz and garden.
-constexpr std::size_t batch_size = 64;
-
-/// Splats whose alphas are evaluated together: as many as there are registers for.
-/// With AVX-512, two take as long as four, within the noise.
-constexpr std::size_t at_once = lanes == 16 ? 4 : 2;
 
 /// Exponents below are raised to it. -64 is less than any alpha that shows, whatever the opacity up to 2^24,
 /// and far from denormal results, on which processors are slow. Conventions that show such alphas need more.
@@ -41,14 +36,6 @@ inline float LeastExponent(const BlendRules& rules) { return rules.log2_alpha_mi
 /// A bit for each group and for each row of a raster block that a splat touches.
 struct Touched {
   std::uint32_t groups, rows;
-};
-
-/// What every exponent representation needs of a batch.
-struct alignas(64) Batch {
-  std::uint32_t group_masks[batch_size];                       ///< bit g: the splat touches group g
-  float colours[batch_size][4];                                ///< RGB, depth
-  std::uint32_t lists[raster_block_side][batch_size + lanes];  ///< for each group the splats that touch it
-  std::size_t list_sizes[raster_block_side];
 };
 
 /// A splat's factor applied to the pixels of a raster block: l0 dx + l1 dy is p[column] + q[row], measured
@@ -137,103 +124,11 @@ HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, flo
   return all;
 }
 
-/// Turns one mask of groups a splat into one list of splats a group.
-HWY_INLINE void ListGroups(Batch& HWY_RESTRICT batch, std::size_t splats) {
-  const hn::CappedTag<std::uint32_t, raster_block_side> d;
-  for (std::size_t group = 0; group < raster_block_side; ++group) batch.list_sizes[group] = 0;
-  for (std::size_t first = 0; first < splats; first += lanes) {
-    const auto masks = hn::Load(d, batch.group_masks + first);
-    const auto index = hn::Iota(d, std::uint32_t(first));
-    for (std::size_t group = 0; group < raster_block_side; ++group) {
-      const auto touched = hn::TestBit(masks, hn::Set(d, 1u << group));
-      batch.list_sizes[group] +=
-          hn::CompressStore(index, touched, d, batch.lists[group] + batch.list_sizes[group]);
-    }
-  }
-  // Alphas are evaluated beyond the end, of whatever splat.
-  for (std::size_t group = 0; group < raster_block_side; ++group)
-    for (std::size_t i = 0; i + 1 < at_once; ++i) batch.lists[group][batch.list_sizes[group] + i] = 0;
-}
-
-/// As `dimmed`, in one rounding where the target has fused multiply-adds.
-HWY_INLINE Vec Dimmed(Vec transmittance, Vec alpha) {
-  const Vec difference = hn::NegMulAdd(alpha, transmittance, transmittance);
-#if HWY_NATIVE_FMA
-  return difference;
-#else
-  const F32 d;
-  const Vec product = hn::Mul(transmittance, hn::Sub(hn::Set(d, 1.0f), alpha));
-  return hn::IfThenElse(hn::Gt(alpha, hn::Set(d, 0.5f)), product, difference);
-#endif
-}
-
 /// What a pixel blends of an alpha that is evaluated: 0 if it skips the splat.
 HWY_INLINE Vec CutAlpha(const BlendRules& rules, Vec alpha) {
   const F32 d;
   return hn::IfThenElseZero(hn::Ge(alpha, hn::Set(d, rules.alpha_min)),
                             hn::Min(alpha, hn::Set(d, rules.alpha_max)));
-}
-
-/// Blends the listed splats into one part of a group. The state stays in registers, so a splat costs its
-/// arithmetic and the loads of its terms.
-template <class Exponent, bool kDepth, bool kCount, bool kOccluder>
-HWY_INLINE void BlendGroup(const Exponent& HWY_RESTRICT exponent, const Batch& HWY_RESTRICT batch,
-                           const BlendRules& rules, RasterBlockState& HWY_RESTRICT state, std::size_t group,
-                           std::size_t part, RasterCounts& counts) {
-  const F32 d;
-  const std::size_t first = part * lanes;
-  const typename Exponent::Groups::Part place(group, part);
-  Vec transmittance = hn::Load(d, state.transmittance[group] + first);
-  const Mask ended = hn::Lt(transmittance, hn::Zero(d));
-  if (hn::AllTrue(d, ended)) return;
-  // Transmittance as if pixels did not stop. It only falls, so it alone tells whether a pixel stopped, and
-  // each splat waits only for its multiply-add. NaN if the pixel stopped before.
-  Vec through = hn::IfThenElse(ended, hn::NaN(d), transmittance);
-  Vec red = hn::Load(d, state.red[group] + first);
-  Vec green = hn::Load(d, state.green[group] + first);
-  Vec blue = hn::Load(d, state.blue[group] + first);
-  Vec depth = kDepth ? hn::Load(d, state.depth[group] + first) : hn::Zero(d);
-  const Vec occluder = kOccluder ? hn::Load(d, state.occluder[group] + first) : hn::Zero(d);
-  const Vec stop_below = hn::Set(d, rules.stop_below);
-
-  const std::uint32_t* HWY_RESTRICT list = batch.lists[group];
-  const std::size_t n = batch.list_sizes[group];
-  alignas(64) float alphas[batch_size + at_once][lanes];  // 0 where a pixel skips the splat
-  for (std::size_t i = 0; i < n; i += at_once) {
-    Vec alpha[at_once];
-    exponent.Alphas(list + i, place, alpha);
-    for (std::size_t j = 0; j < at_once; ++j) hn::Store(alpha[j], d, alphas[i + j]);
-  }
-
-  for (std::size_t i = 0; i < n; ++i) {
-    const float* HWY_RESTRICT colour = batch.colours[list[i]];
-    const Vec alpha = hn::Load(d, alphas[i]), before = through;
-    through = Dimmed(before, alpha);
-
-    // A pixel ends without this splat if the splat would bring it below the limit, or if the caller's surface
-    // hides the splat. A mask, not a branch: most pixels take it once, and no processor predicts when.
-    const Mask kept = hn::Gt(alpha, hn::Zero(d));
-    if constexpr (kOccluder)
-      through = hn::IfThenElse(hn::And(kept, hn::Ge(hn::Set(d, colour[3]), occluder)), hn::NaN(d), through);
-    const Mask goes_on = hn::Ge(through, stop_below);
-    const Vec weight = hn::IfThenElseZero(goes_on, hn::Mul(alpha, before));
-    if constexpr (kCount) {
-      counts.pixels_stopped += hn::CountTrue(d, hn::AndNot(goes_on, hn::Ge(before, stop_below)));
-      counts.contributing_pairs += hn::CountTrue(d, hn::And(goes_on, kept));
-    }
-    transmittance = hn::IfThenElse(goes_on, through, transmittance);
-    red = hn::MulAdd(weight, hn::Set(d, colour[0]), red);
-    green = hn::MulAdd(weight, hn::Set(d, colour[1]), green);
-    blue = hn::MulAdd(weight, hn::Set(d, colour[2]), blue);
-    if constexpr (kDepth) depth = hn::MulAdd(weight, hn::Set(d, colour[3]), depth);
-  }
-
-  const Vec sign = hn::IfThenZeroElse(hn::Ge(through, stop_below), hn::SignBit(d));
-  hn::Store(hn::Or(transmittance, sign), d, state.transmittance[group] + first);
-  hn::Store(red, d, state.red[group] + first);
-  hn::Store(green, d, state.green[group] + first);
-  hn::Store(blue, d, state.blue[group] + first);
-  if constexpr (kDepth) hn::Store(depth, d, state.depth[group] + first);
 }
 
 /// Asks for the splats of places [from, to) of the lists, up to `end`. Always inlined: gcc takes out calls of
@@ -245,13 +140,65 @@ HWY_INLINE void PrefetchSplats(const RasterJob& job, std::size_t from, std::size
   }
 }
 
+/// Evaluates the splats that `batch` lists for `group` on one part of it. False if its pixels have stopped.
+template <class Exponent>
+HWY_INLINE bool Evaluate(const Exponent& HWY_RESTRICT exponent, const Batch& HWY_RESTRICT batch,
+                         const RasterBlockState& state, std::size_t group, std::size_t part,
+                         Evaluated& HWY_RESTRICT out) {
+  const F32 d;
+  const Vec before = hn::Load(d, state.transmittance[group] + part * lanes);
+  if (hn::AllTrue(d, hn::Lt(before, hn::Zero(d)))) return false;
+  const std::uint32_t* HWY_RESTRICT list = batch.lists[group];
+  const std::size_t n = batch.list_sizes[group];
+  const typename Exponent::Groups::Part place(group, part);
+  for (std::size_t i = 0; i < n; i += at_once) {
+    Vec alpha[at_once];
+    exponent.Alphas(list + i, place, alpha);
+    for (std::size_t j = 0; j < at_once; ++j) hn::Store(alpha[j], d, out.alphas[i + j]);
+  }
+  hn::Store(before, d, out.before);
+  out.list = list, out.size = n, out.group = group, out.first = part * lanes;
+  return true;
+}
+
+/// What a raster block holds beside colours and depths; null where that is not wanted.
+struct PlaneStates {
+  PickState* picks;
+  AttributeState* sums;
+};
+
+/// What is done with evaluated splats: blending, picking and summing attributes. A function of its own, since
+/// no exponent matters here, and each copy takes long to compile.
+using DrawFunction = void (*)(const RasterJob&, const Batch&, const BlendRules&, Evaluated&,
+                              RasterBlockState&, const PlaneStates&, RasterCounts&);
+
+template <Blending kBlending>
+HWY_NOINLINE void DrawGroup(const RasterJob& job, const Batch& batch, const BlendRules& rules, Evaluated& of,
+                            RasterBlockState& state, const PlaneStates& planes, RasterCounts& counts) {
+  BlendGroup<kBlending>(batch, rules, of, state, counts);
+  if constexpr (kBlending >= Blending::weighed) {
+    if (planes.picks) PickGroup(batch, rules, of, state, *planes.picks);
+    if (planes.sums) SumGroup(job.attributes, batch, of, *planes.sums);
+  }
+}
+
+/// By `Blending`.
+inline constexpr DrawFunction draw_functions[] = {DrawGroup<Blending::colours>, DrawGroup<Blending::depths>,
+                                                  DrawGroup<Blending::occluded>, DrawGroup<Blending::weighed>,
+                                                  DrawGroup<Blending::counted>};
+
 /// Renders raster blocks [begin, end): traverses each list in batches, and each batch group by group.
-template <class Exponent, bool kDepth, bool kCount, bool kOccluder>
+/// `kColours`: all views are of `Blending::colours`.
+template <class Exponent, bool kColours>
 void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::size_t begin,
                         std::size_t end) {
+  using Groups = typename Exponent::Groups;
   RasterBlockState state;
+  PickState picks;
+  AttributeState sums;
   Batch batch;
-  const bool some_hidden = job.colours.some_hidden();
+  Evaluated evaluated;
+  const bool some_hidden = job.colours.some_hidden(), counted = !kColours && job.counts;
 
   for (std::size_t block = begin; block < end; ++block) {
     const PlacedRasterBlock place(job.views, blocks, block);
@@ -260,24 +207,31 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
     if (place.empty()) continue;
     const View& view = place.view;
     Exponent exponent(view.rules);
-    Clear<typename Exponent::Groups, kDepth, kOccluder>(view.frame, place, state);
+    const Blending blending = kColours ? Blending::colours : BlendingOf(job, view);
+    [[maybe_unused]] const DrawFunction draw_group = draw_functions[int(blending)];
+    const PlaneStates planes{!kColours && job.picks(view) ? &picks : nullptr,
+                             !kColours && job.attributes.rows != 0 ? &sums : nullptr};
+    Clear<Groups>(view.frame, place, blending, state);
+    if (planes.picks) ClearPicks(picks);
+    if (planes.sums) ClearSums(job.attributes, sums);
     const TileRange range = place.list(job);
-    const std::uint32_t* ids = job.lists.ids.data;
     std::uint32_t live = range.begin < range.end ? Live(state.transmittance) : 0;
     PrefetchSplats(job, range.begin, range.begin + batch_size, range.end);
-    PrefetchPixels(view.frame, place);
+    if (!job.only_attributes) PrefetchPixels(view.frame, place);
     for (std::size_t at = range.begin; at < range.end && live != 0; at += batch_size) {
-      const std::uint32_t live_rows = kCount ? LiveRows<typename Exponent::Groups>(state.transmittance) : 0;
+      const std::uint32_t live_rows = counted ? LiveRows<Groups>(state.transmittance) : 0;
       // Prepare the splats of the batch: their terms, and the groups that each touches.
       const std::size_t splats = std::min<std::size_t>(batch_size, range.end - at);
+      const std::uint32_t* HWY_RESTRICT ids = job.lists.ids.data + at;
+      batch.splats = ids;
       for (std::size_t k = 0; k < splats; ++k) {
-        const std::uint32_t id = ids[at + k];
+        const std::uint32_t id = ids[k];
         std::memcpy(batch.colours[k], &job.colours.each[id], sizeof batch.colours[k]);
         Touched touched =
             exponent.Prepare(k, job.splats.shapes[id], place.first_centre, view.rules.log2_alpha_min);
         if (some_hidden && is_hidden(job.colours.each[id])) touched = {0, 0};
         batch.group_masks[k] = touched.groups & live;
-        if constexpr (kCount) counts.rows_visited += std::uint64_t(std::popcount(touched.rows & live_rows));
+        if (counted) counts.rows_visited += std::uint64_t(std::popcount(touched.rows & live_rows));
       }
       for (std::size_t k = splats; k % lanes != 0; ++k) batch.group_masks[k] = 0;
       ListGroups(batch, splats);
@@ -286,36 +240,39 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
         constexpr std::size_t share = batch_size / raster_block_side;
         const std::size_t next = at + batch_size + group * share;
         PrefetchSplats(job, next, next + share, range.end);
-        if (batch.list_sizes[group] != 0)
-          for (std::size_t part = 0; part < parts; ++part)
-            BlendGroup<Exponent, kDepth, kCount, kOccluder>(exponent, batch, view.rules, state, group, part,
-                                                            counts);
+        if (batch.list_sizes[group] == 0) continue;
+        for (std::size_t part = 0; part < parts; ++part) {
+          if (!Evaluate(exponent, batch, state, group, part, evaluated)) continue;
+          if constexpr (kColours)
+            BlendGroup<Blending::colours>(batch, view.rules, evaluated, state, counts);
+          else
+            draw_group(job, batch, view.rules, evaluated, state, planes, counts);
+        }
       }
       live = Live(state.transmittance);
       counts.intersections_visited += splats;
     }
-    StoreRasterBlock<typename Exponent::Groups>(view, place, state);
+    if (!job.only_attributes)
+      StoreRasterBlock<Groups>(view, place, state);
+    else
+      Groups::ToRows(state.transmittance);
+    if (planes.picks) StorePicks<Groups>(job, place, picks);
+    if (planes.sums) StoreSums<Groups>(job, place, state.transmittance, sums);
     counts.longest_item = counts.intersections_visited;
     if (job.counts) job.counts[block] = counts;
   }
 }
 
-/// Renders what `job` asks for. Frames of colour, and of colour and depth, have loops of their own. All
-/// others share two, with counts and without, since each takes long to compile.
+/// Renders what `job` asks for. Colours alone have a loop of their own, which takes 2 % less time. All else
+/// shares one, since each takes long to compile.
 template <class Exponent>
 void RenderRasterBlocksOf(const RasterJob& job, const RasterBlocks& blocks, std::size_t begin,
                           std::size_t end) {
-  const auto some_view = [&](const auto& wants) {
-    return std::any_of(job.views.begin(), job.views.end(), wants);
-  };
-  if (job.counts)
-    RenderRasterBlocks<Exponent, true, true, true>(job, blocks, begin, end);
-  else if (some_view([](const View& view) { return view.frame.occluder.data != nullptr; }))
-    RenderRasterBlocks<Exponent, true, false, true>(job, blocks, begin, end);
-  else if (some_view([](const View& view) { return view.frame.depth.data != nullptr; }))
-    RenderRasterBlocks<Exponent, true, false, false>(job, blocks, begin, end);
-  else
-    RenderRasterBlocks<Exponent, false, false, false>(job, blocks, begin, end);
+  const bool colours = std::all_of(job.views.begin(), job.views.end(), [&](const View& view) {
+    return BlendingOf(job, view) == Blending::colours;
+  });
+  colours ? RenderRasterBlocks<Exponent, true>(job, blocks, begin, end)
+          : RenderRasterBlocks<Exponent, false>(job, blocks, begin, end);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

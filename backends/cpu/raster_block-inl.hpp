@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 #include <hwy/highway.h>
 
@@ -30,7 +31,9 @@ constexpr std::size_t parts = raster_block_side / lanes;
 
 /// One quantity of a raster block's pixels, an array a group; or an array a row, before `FromRows` and after
 /// `ToRows`.
-using Plane = float[raster_block_side][raster_block_side];
+template <class T>
+using PlaneOf = T[raster_block_side][raster_block_side];
+using Plane = PlaneOf<float>;
 
 /// Running state of a raster block's pixels. A pixel that has stopped has the negative of its transmittance.
 struct alignas(64) RasterBlockState {
@@ -44,8 +47,10 @@ struct Rows {
     std::size_t row, column;
     Part(std::size_t group, std::size_t part) : row(group), column(part * lanes) {}
   };
-  static HWY_INLINE void FromRows(Plane&) {}
-  static HWY_INLINE void ToRows(Plane&) {}
+  template <class T>
+  static HWY_INLINE void FromRows(PlaneOf<T>&) {}
+  template <class T>
+  static HWY_INLINE void ToRows(PlaneOf<T>&) {}
 };
 
 /// A group is 4x4 pixels, which splats fill better than a row. Pixels go down the columns: a splat has one
@@ -76,25 +81,33 @@ struct Blocks {
     decltype(hn::IndicesFromVec(F32(), hn::Iota(hn::RebindToSigned<F32>(), 0))) spread_;
   };
 
-  static HWY_INLINE void FromRows(Plane& plane) { Exchange(plane), Transpose(plane); }
-  static HWY_INLINE void ToRows(Plane& plane) { Transpose(plane), Exchange(plane); }
+  template <class T>
+  static HWY_INLINE void FromRows(PlaneOf<T>& plane) {
+    Exchange(plane), Transpose(plane);
+  }
+  template <class T>
+  static HWY_INLINE void ToRows(PlaneOf<T>& plane) {
+    Transpose(plane), Exchange(plane);
+  }
 
  private:
   /// Turns rows of the raster block into blocks, row by row, and those into rows: both exchange pieces of
   /// four pixels within four rows.
-  static HWY_INLINE void Exchange(Plane& plane) {
-    const hn::CappedTag<float, side> d;
+  template <class T>
+  static HWY_INLINE void Exchange(PlaneOf<T>& plane) {
+    const hn::CappedTag<T, side> d;
     for (std::size_t i = 0; i < raster_block_side; ++i)
       for (std::size_t j = i % side + 1; j < side; ++j) {
-        float *one = plane[i] + side * j, *other = plane[i / side * side + j] + side * (i % side);
+        T *one = plane[i] + side * j, *other = plane[i / side * side + j] + side * (i % side);
         const auto kept = hn::Load(d, one);
         hn::Store(hn::Load(d, other), d, one);
         hn::Store(kept, d, other);
       }
   }
   /// Transposes each block.
-  static HWY_INLINE void Transpose(Plane& plane) {
-    const hn::CappedTag<float, side> d;
+  template <class T>
+  static HWY_INLINE void Transpose(PlaneOf<T>& plane) {
+    const hn::CappedTag<T, side> d;
     for (auto& block : plane) {
       hn::Vec<decltype(d)> v0, v1, v2, v3;
       hn::LoadInterleaved4(d, block, v0, v1, v2, v3);
@@ -104,32 +117,53 @@ struct Blocks {
   }
 };
 
-/// Transparent black, with the pixels beyond the image's borders already stopped.
-template <class Groups, bool kDepth, bool kOccluder>
-HWY_INLINE void Clear(const FrameView& frame, const PlacedRasterBlock& block, RasterBlockState& state) {
+/// What blending sums, each beside all before it.
+enum class Blending {
+  colours,
+  depths,
+  occluded,  ///< ends at an occluder
+  weighed,   ///< keeps weights, for picks and attributes
+  counted,   ///< fills `RasterCounts`
+};
+
+HWY_INLINE Blending BlendingOf(const RasterJob& job, const View& view) {
+  if (job.counts) return Blending::counted;
+  if (job.picks(view) || job.attributes.rows != 0) return Blending::weighed;
+  if (view.frame.occluder.data) return Blending::occluded;
+  return job.sums_depth(view) ? Blending::depths : Blending::colours;
+}
+
+HWY_INLINE void Fill(Plane& plane, float value) {
   const F32 d;
+  for (auto& group : plane)
+    for (std::size_t first = 0; first < raster_block_side; first += lanes)
+      hn::Store(hn::Set(d, value), d, group + first);
+}
+
+/// Transparent black, with the pixels beyond the image's borders already stopped.
+template <class Groups>
+HWY_INLINE void Clear(const FrameView& frame, const PlacedRasterBlock& block, Blending blending,
+                      RasterBlockState& state) {
+  const F32 d;
+  for (Plane* plane : {&state.red, &state.green, &state.blue}) Fill(*plane, 0);
+  if (blending >= Blending::depths) Fill(state.depth, 0);
   for (std::size_t row = 0; row < raster_block_side; ++row)
-    for (std::size_t part = 0; part < parts; ++part) {
-      const std::size_t column = part * lanes;
+    for (std::size_t column = 0; column < raster_block_side; column += lanes) {
       const int columns = int(row) < block.rows ? block.columns : 0;
       const Mask inside = hn::Lt(hn::Iota(d, float(column)), hn::Set(d, float(columns)));
       hn::Store(hn::IfThenElse(inside, hn::Set(d, 1.0f), hn::Set(d, -1.0f)), d,
                 state.transmittance[row] + column);
-      hn::Store(hn::Zero(d), d, state.red[row] + column);
-      hn::Store(hn::Zero(d), d, state.green[row] + column);
-      hn::Store(hn::Zero(d), d, state.blue[row] + column);
-      if constexpr (kDepth) hn::Store(hn::Zero(d), d, state.depth[row] + column);
-      if constexpr (kOccluder) hn::Store(hn::Inf(d), d, state.occluder[row] + column);
     }
   if (block.columns < raster_block_side || block.rows < raster_block_side)
     Groups::FromRows(state.transmittance);
-  if (kOccluder && frame.occluder.data) {
-    for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
-      for (std::size_t column = 0; column < std::size_t(block.columns); ++column)
-        state.occluder[row][column] =
-            frame.occluder_at(std::size_t(block.x0) + column, std::size_t(block.y0) + row);
-    Groups::FromRows(state.occluder);
-  }
+  if (blending < Blending::occluded) return;
+  Fill(state.occluder, std::numeric_limits<float>::infinity());
+  if (!frame.occluder.data) return;
+  for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
+    for (std::size_t column = 0; column < std::size_t(block.columns); ++column)
+      state.occluder[row][column] =
+          frame.occluder_at(std::size_t(block.x0) + column, std::size_t(block.y0) + row);
+  Groups::FromRows(state.occluder);
 }
 
 /// Bits of the arrays of `transmittance` that still have a live pixel.

@@ -7,6 +7,7 @@
 #define SWIFTGS_CPU_STORE_INL
 #endif
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>

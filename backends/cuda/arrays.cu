@@ -27,9 +27,10 @@ DeviceScene Cuda::upload(const SceneArrays& from, std::optional<DeviceScene>& re
   const std::size_t n = from.count, stride = sh_rest_stride(from.sh_degree);
   to->means.reset(n), to->scales.reset(n), to->rotations.reset(n), to->opacities.reset(n);
   to->sh0.reset(n), to->sh_rest.reset(n * stride);
+  to->features.reset(n * std::size_t(from.feature_channels));
   copy_arrays(*this, from,
               {to->means.data(), to->scales.data(), to->rotations.data(), to->opacities.data(),
-               to->sh0.data(), to->sh_rest.data(), int(stride)});
+               to->sh0.data(), to->sh_rest.data(), int(stride), to->features.data()});
   const DeviceScene::Arrays& copied = *to;
   const SceneView view{.means = copied.means.span(),
                        .scales = copied.scales.span(),
@@ -39,6 +40,8 @@ DeviceScene Cuda::upload(const SceneArrays& from, std::optional<DeviceScene>& re
                        .sh_rest = copied.sh_rest.span(),
                        .sh_degree = from.sh_degree,
                        .sh_stride = int(stride),
+                       .features = copied.features.span(),
+                       .feature_channels = from.feature_channels,
                        .identity = new_scene_identity()};
   return DeviceScene(std::move(to), view);
 }

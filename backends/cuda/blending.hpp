@@ -186,10 +186,10 @@ inline constexpr unsigned group_size = 4;
 /// group for stopping, since transmittance only falls; if a pixel stopped, undoes its weights from the
 /// stopping splat on. One test lets the compiler evaluate all alphas before it branches.
 /// Measured on an H200: with one test per pixel, frames take 1 % longer.
+/// `left`: the transmittances in front of each splat, and behind the last, as if no pixel stopped.
 template <unsigned count>
 SWIFTGS_HD void weigh_group(Pixel (&pixels)[count], const float (&alphas)[count][group_size], float alpha_max,
-                            float (&weights)[count][group_size]) {
-  float left[count][group_size + 1];
+                            float (&weights)[count][group_size], float (&left)[count][group_size + 1]) {
   bool some_stop = false;
   for (unsigned p = 0; p < count; ++p) {
     left[p][0] = pixels[p].transmittance;

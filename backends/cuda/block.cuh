@@ -16,6 +16,8 @@ struct RasterBlockPixel {
   OwnRasterBlock raster_block;
   PixelPlace place;
   Pixel pixel;
+  SplatPicks picks;                    ///< with extras, as are sums
+  float sums[AttributesView::most]{};  ///< of attributes
   ThreadCounts counts;
   std::uint32_t evaluated = 0;
 
@@ -42,17 +44,30 @@ struct RasterBlockPixel {
   /// Whether no pixel of the raster block is left that could show another splat. A barrier of the block.
   __device__ bool all_stopped() const { return __syncthreads_and(!pixel.live()) != 0; }
 
-  __device__ void blend(float alpha, const float4& colour) {
+  /// Blends the splat at this place of the lists.
+  __device__ void blend(float alpha, const float4& colour, std::uint32_t at) {
     if constexpr (extras) ++evaluated;
-    const float left = Pixel::dimmed(pixel.transmittance, alpha);
+    const float before = pixel.transmittance, left = Pixel::dimmed(before, alpha);
     kernels::blend<extras>(pixel, alpha, left, colour, place.occluder, counts);
+    if constexpr (extras) {
+      const RasterJob& job = input.job;
+      if (!(alpha > 0 && pixel.live()) || !(job.attributes.rows != 0 || job.picks(view()))) return;
+      const std::uint32_t id = job.lists.ids[at];
+      job.attributes.add(sums, id, alpha * before);
+      picks.offer(id, alpha * before, left, view().rules.first_below);
+    }
   }
 
   /// Writes the pixel, and the counts of a raster block that visited so many intersections.
   __device__ void store(std::uint32_t intersections) const {
-    if (place.inside)
-      store_pixel(view().frame, std::size_t(place.x), std::size_t(place.y), pixel.blended(),
-                  view().background);
+    const auto x = std::size_t(place.x), y = std::size_t(place.y);
+    if (!place.inside) {
+    } else if constexpr (extras) {
+      store_pixel(input.job, view(), x, y, pixel.blended(), sums);
+      if (input.job.picks(view())) store_picks(view().frame, input.job.splats, x, y, picks);
+    } else {
+      store_pixel(view().frame, x, y, pixel.blended(), view().background);
+    }
     if constexpr (extras)
       if (input.job.counts)
         add_counts(input.job.counts[OwnRasterBlock::number(input)],

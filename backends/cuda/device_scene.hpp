@@ -11,12 +11,12 @@ namespace swiftgs {
 struct DeviceScene::Arrays {
   DeviceBuffer<vec3> means, scales, sh0;
   DeviceBuffer<Quaternion> rotations;
-  DeviceBuffer<float> opacities, sh_rest;
+  DeviceBuffer<float> opacities, sh_rest, features;
   DeviceBuffer<ChunkBounds> chunks;  ///< empty for arrays of the device, whose order nobody looks at
 
   static auto buffers(auto& self) {
     return std::tie(self.means, self.scales, self.sh0, self.rotations, self.opacities, self.sh_rest,
-                    self.chunks);
+                    self.features, self.chunks);
   }
 };
 

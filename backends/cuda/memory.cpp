@@ -68,6 +68,8 @@ DeviceScene Cuda::upload(const Scene& scene) const {
       .chunks = to_device(Span<const ChunkBounds>{chunks.data(), chunks.size()}, arrays->chunks),
       .sh_degree = host.sh_degree,
       .sh_stride = int(stride),
+      .features = to_device(host.features, arrays->features),
+      .feature_channels = host.feature_channels,
       .identity = new_scene_identity()};
   // Copies read memory of the caller, and other streams may read the scene at once.
   check_cuda(cudaStreamSynchronize(stream()), "cudaStreamSynchronize");

@@ -84,7 +84,7 @@ __global__ void __launch_bounds__(block_threads)
         const float s = x.x + y.x + x.y * y.y;
         const float2 cutoff = batch.cutoffs[first + k];
         const float alpha = alpha_of_square<threshold>(s, cutoff.x, cutoff.y, mine.view().rules);
-        if (alpha > 0) mine.blend(alpha, batch.colours[first + k]);
+        if (alpha > 0) mine.blend(alpha, batch.colours[first + k], at + first + k);
       }
     }
   }

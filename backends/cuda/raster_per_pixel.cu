@@ -49,7 +49,7 @@ __global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
       const float2 mean = batch.means[k];
       const float4 factor = batch.factors[k];
       const float dx = x - mean.x, dy = y - mean.y;
-      mine.blend(FactorExponent::alpha(factor, dx, dy, mine.view().rules), batch.colours[k]);
+      mine.blend(FactorExponent::alpha(factor, dx, dy, mine.view().rules), batch.colours[k], at + k);
     }
   }
   mine.store(min(at, range.end) - range.begin);

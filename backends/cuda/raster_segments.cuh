@@ -48,21 +48,25 @@ void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   using namespace kernels;
   with_raster_input(cuda, job, [&]<Extras extras, class ViewSource>(const RasterInput<ViewSource>& input) {
     const WorkQueues work_queues = WorkQueues::of(cuda, input.raster_blocks.size() * warps_of_raster_block);
-    const bool shared = WorkQueues::are_shared(cuda, job.counts != nullptr);
-    const auto warps = shared ? raster_warps<Exponent, threshold, extras, true, ViewSource>
-                              : raster_warps<Exponent, threshold, extras, false, ViewSource>;
-    const auto segments = raster_segments<Exponent, threshold, extras, ViewSource>;
-    launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input, work_queues,
-           warps_at_once(cuda, job, warps, raster_threads));
-    if (!shared) return;
-    const unsigned clusters = unsigned(cuda.multiprocessors()) * blocks_of_multiprocessor / blocks_of_group;
-    try {
-      launch_early<blocks_of_group>(cuda, name, segments, std::max(clusters, 1u) * blocks_of_group,
-                                    segment_threads, input, work_queues,
-                                    warps_at_once(cuda, job, segments, segment_threads));
-    } catch (const DeviceError&) {
-      work_queues.forget(cuda);  // the next frame must not blend items of this one
-      throw;
+    const auto launch_warps = [&](auto warps) {
+      launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input, work_queues,
+             warps_at_once(cuda, job, warps, raster_threads));
+    };
+    constexpr bool never_shared = extras >= Extras::picks && extras != Extras::all;
+    if (never_shared || some_view_picks(job) || !WorkQueues::are_shared(cuda, job.counts != nullptr))
+      return launch_warps(raster_warps<Exponent, threshold, extras, false, ViewSource>);
+    if constexpr (!never_shared) {
+      launch_warps(raster_warps<Exponent, threshold, extras, true, ViewSource>);
+      const auto segments = raster_segments<Exponent, threshold, extras, ViewSource>;
+      const unsigned clusters = unsigned(cuda.multiprocessors()) * blocks_of_multiprocessor / blocks_of_group;
+      try {
+        launch_early<blocks_of_group>(cuda, name, segments, std::max(clusters, 1u) * blocks_of_group,
+                                      segment_threads, input, work_queues,
+                                      warps_at_once(cuda, job, segments, segment_threads));
+      } catch (const DeviceError&) {
+        work_queues.forget(cuda);  // the next frame must not blend items of this one
+        throw;
+      }
     }
   });
 }

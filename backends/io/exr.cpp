@@ -3,6 +3,8 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <vector>
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -104,6 +106,21 @@ Image parse(const Source& source) {
   return image;
 }
 
+/// Of each plane.
+PerPlane<std::vector<std::string>> channel_names(const Frame& frame) {
+  PerPlane<std::vector<std::string>> names{.colour = {"R", "G", "B"},
+                                           .alpha = {"A"},
+                                           .depth = {"Z"},
+                                           .squared_depth = {"depth.squared"},
+                                           .first_depth = {"depth.first"},
+                                           .median_depth = {"depth.median"},
+                                           .normal = {"normal.X", "normal.Y", "normal.Z"},
+                                           .id = {"id.gaussian"},
+                                           .median_id = {"id.median"}};
+  for (int c = 0; c < frame.feature_channels; ++c) names.features.push_back("features." + std::to_string(c));
+  return names;
+}
+
 }  // namespace
 
 Image parse_exr(const Source& source) {
@@ -126,17 +143,18 @@ void write_exr(const std::filesystem::path& path, const Frame& frame) {
   io::expect_colour(frame);
   Imf::Header header(frame.width, frame.height);
   Imf::FrameBuffer source;
-  const auto add = [&](std::size_t channels, const std::vector<float>& values, std::string_view names) {
+  const auto add = [&]<class T>(std::size_t channels, const std::vector<T>& values,
+                                const std::vector<std::string>& names) {
+    const Imf::PixelType type = std::is_same_v<T, float> ? Imf::FLOAT : Imf::UINT;
     for (std::size_t c = 0; values.size() == channels * frame.pixels() && c < channels; ++c) {
-      const std::string name(1, names[c]);
-      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+      header.channels().insert(names[c], Imf::Channel(type));
       // OpenEXR's slices are mutable even where it only reads.
-      char* base = reinterpret_cast<char*>(const_cast<float*>(values.data() + c));
-      const std::size_t stride = channels * sizeof(float);
-      source.insert(name, Imf::Slice(Imf::FLOAT, base, stride, stride * std::size_t(frame.width)));
+      char* base = reinterpret_cast<char*>(const_cast<T*>(values.data() + c));
+      const std::size_t stride = channels * sizeof(T);
+      source.insert(names[c], Imf::Slice(type, base, stride, stride * std::size_t(frame.width)));
     }
   };
-  for_each_plane(add, frame, PerPlane<std::string_view>{"RGB", "A", "Z"});
+  for_each_plane(add, frame, io::channel_names(frame));
   io::MemoryOutput encoded;
   try {
     Imf::OutputFile file(encoded, header);

@@ -243,9 +243,7 @@ class GltfReader {
   }
 
   static void resize(Scene& scene, std::size_t count) {
-    scene.means.resize(count), scene.scales.resize(count), scene.rotations.resize(count);
-    scene.opacities.resize(count), scene.sh0.resize(count);
-    scene.sh_rest.resize(3 * std::size_t(sh_rest_count(scene.sh_degree)) * count);
+    for_each_array([&](const char*, std::size_t each, auto& values) { values.resize(each * count); }, scene);
   }
 
   /// Copies `part`, whose degree may be lower, to numbers `at` on.

@@ -23,14 +23,8 @@ bool all_finite(const float* values, std::size_t count) {
   return finite;
 }
 
-bool renderable(const Scene& scene, std::size_t i, std::size_t rest) {
-  return all_finite(&scene.means[i].x, 3) && all_finite(&scene.scales[i].x, 3) &&
-         all_finite(&scene.rotations[i].w, 4) && all_finite(&scene.opacities[i], 1) &&
-         all_finite(&scene.sh0[i].x, 3) && all_finite(scene.sh_rest.data() + i * rest, rest);
-}
-
 template <class T>
-void keep(std::vector<T>& values, const std::vector<std::uint8_t>& wanted, std::size_t stride = 1) {
+void keep(std::vector<T>& values, const std::vector<std::uint8_t>& wanted, std::size_t stride) {
   auto to = values.begin();
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (!wanted[i]) continue;
@@ -68,16 +62,18 @@ void resize(std::vector<T>& values, std::size_t count) {
 
 void allocate(Scene& scene, std::size_t count, int sh_degree) {
   scene.sh_degree = sh_degree;
-  resize(scene.means, count);
-  resize(scene.scales, count);
-  resize(scene.rotations, count);
-  resize(scene.opacities, count);
-  resize(scene.sh0, count);
-  resize(scene.sh_rest, count * 3 * std::size_t(sh_rest_count(sh_degree)));
+  for_each_array([&](const char*, std::size_t each, auto& values) { resize(values, each * count); }, scene);
 }
 
 bool renderable(const Scene& scene, std::size_t i) {
-  return renderable(scene, i, 3 * std::size_t(sh_rest_count(scene.sh_degree)));
+  bool finite = true;
+  for_each_array(
+      [&](const char*, std::size_t each, const auto& values) {
+        const std::size_t floats = each * swiftgs::detail::floats_of_value(values);
+        finite &= all_finite(swiftgs::detail::floats_of(values).data + i * floats, floats);
+      },
+      scene);
+  return finite;
 }
 
 void drop_signs_of_scales(SceneFile& file) {
@@ -97,20 +93,14 @@ std::uint64_t drop_nonfinite(Scene& scene) {
 }
 
 std::uint64_t drop_nonfinite(Scene& scene, std::vector<dvec3>& exact_means) {
-  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   std::vector<std::uint8_t> wanted(scene.size());
   for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) wanted[i] = renderable(scene, i, rest);
+    for (std::size_t i = begin; i < end; ++i) wanted[i] = renderable(scene, i);
   });
   const auto dropped = std::uint64_t(std::count(wanted.begin(), wanted.end(), 0));
   if (dropped == 0) return 0;
-  keep(scene.means, wanted);
-  if (!exact_means.empty()) keep(exact_means, wanted);
-  keep(scene.scales, wanted);
-  keep(scene.rotations, wanted);
-  keep(scene.opacities, wanted);
-  keep(scene.sh0, wanted);
-  keep(scene.sh_rest, wanted, rest);
+  if (!exact_means.empty()) keep(exact_means, wanted, 1);
+  for_each_array([&](const char*, std::size_t each, auto& values) { keep(values, wanted, each); }, scene);
   return dropped;
 }
 

@@ -124,6 +124,8 @@ std::uint64_t views_identity(Span<const View> views) {
     add(view.rules.alpha_min, view.rules.alpha_max, view.rules.stop_below, view.rules.log2_alpha_min);
     add(view.grid.columns.begin, view.grid.columns.end, view.grid.rows.begin, view.grid.rows.end);
     add(view.grid.side, view.frame.width, view.frame.height);
+    for_each_plane([&](std::size_t channels, const auto& plane) { add(plane.data ? channels : 0); },
+                   view.frame);
   }
   return sum.value();
 }

@@ -26,7 +26,7 @@ from tables.frames import OURS  # noqa: E402
 from tables.results import OPTIONAL, STAGES, Duration, InputError, Results  # noqa: E402
 from tables.source import MACHINES, RESULTS, Source, backend, family  # noqa: E402
 
-COPIED = ("*.csv", "ulps.json", "formats.json", "python.json", "beside-gsplat.json", "rivals.json")
+COPIED = ("*.csv", "ulps.json", "formats.json", "python.json", "beside-gsplat.json", "rivals.json", "planes.json")
 ROOT = HERE.parent.parent
 
 

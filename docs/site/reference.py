@@ -78,6 +78,9 @@ def python():
         for node in ast.parse(text).body:
             if isinstance(node, (ast.ClassDef, ast.FunctionDef)):
                 found[node.name] = entry(node, text.splitlines())
+            elif isinstance(node, ast.AnnAssign):
+                name = node.target.id
+                found[name] = [f"## {name} {{#module_{name.lower()}}}\n", value(node, text.splitlines()), ""]
     names = next(ast.literal_eval(node.value) for node in package.body
                  if isinstance(node, ast.Assign) and node.targets[0].id == "__all__")
     return "\n".join([*lines, *(line for name in names for line in found[name])])

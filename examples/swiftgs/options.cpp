@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <stdexcept>
+#include <type_traits>
 
 #include <CLI/CLI.hpp>
 
+#include <swiftgs/frame.hpp>
 #include <swiftgs/views.hpp>
 
 #include "number_text.hpp"
@@ -54,8 +56,22 @@ void add_views(CLI::App& command, ViewOptions& options, const std::string& defau
       ->capture_default_str();
 }
 
+std::string names_of_planes() {
+  std::string names;
+  Outputs outputs;
+  for_each_plane(
+      [&]<class Wanted>(std::size_t, Wanted&, const char* name) {
+        if constexpr (std::is_same_v<Wanted, bool>) names += (names.empty() ? "" : ", ") + std::string(name);
+      },
+      outputs, plane_names);
+  return names;
+}
+
 void add_planes(CLI::App& command, std::string& planes) {
-  command.add_option("--planes", planes, "Planes beside colour: alpha, depth or both as alpha,depth [none]");
+  std::string names = names_of_planes();
+  names[names.find(' ', names.size() / 2)] = '\n';
+  command.add_option("--planes", planes,
+                     "Planes beside colour, such as alpha,depth [none]; all are\n" + names);
 }
 
 void add_json(CLI::App& command, std::string& file, const std::string& what) {

@@ -42,6 +42,9 @@ void add_scene_reading(CLI::App& command, SceneOptions& options);
 CLI::Option* add_view_choice(CLI::App& command, const char* name, std::string& views,
                              const std::string& what);
 
+/// Names that `--planes` takes, in a sentence. Features are not among them, as no file has any.
+std::string names_of_planes();
+
 /// Adds the option of what frames have beside colour.
 void add_planes(CLI::App& command, std::string& planes);
 

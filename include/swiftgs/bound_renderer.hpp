@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include <swiftgs/attribute_stage.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/camera.hpp>
 #include <swiftgs/count.hpp>
@@ -44,7 +45,8 @@ class BoundRenderer {
  public:
   BoundRenderer(B backend, StagePolicies<B> policies)
       : stages_(std::move(backend), policies.bounds, std::move(policies.sort)), raster_(policies.raster) {
-    use_memory_of(this->backend(), raster_counts_, view_storage_, recorded_storage_, resident_, picking_);
+    use_memory_of(this->backend(), raster_counts_, attributes_, view_storage_, recorded_storage_, resident_,
+                  picking_);
   }
 
   B& backend() { return stages_.backend(); }
@@ -120,6 +122,7 @@ class BoundRenderer {
     const Reservation reserved{scene.size(), recorded_.size(), recorded_.tiles, capacity};
     if constexpr (B::reaches_host_memory) {
       stages_.reserve(reserved);
+      attributes_.reserve(recorded_, reserved);
     } else {
       // Twice, because buffers change places.
       for (int k = 0; k < 2; ++k) rehearse(capacity);
@@ -186,7 +189,7 @@ class BoundRenderer {
     b.wait();
     last_ = LastFrame::none;
     stages_.trim();
-    trim_parts(b, raster_counts_, view_storage_, recorded_storage_, resident_, picking_);
+    trim_parts(b, raster_counts_, attributes_, view_storage_, recorded_storage_, resident_, picking_);
     if constexpr (requires { b.trim(); }) b.trim();
     views_ = {}, parts_ = {}, recorded_parts_ = {}, tiles_ = {}, capacity_ = {}, recorded_ = {};
     counted_ = false;
@@ -198,6 +201,7 @@ class BoundRenderer {
   Span<const FrameView> render_resident(const SceneView& scene, Span<const Camera> cameras,
                                         const RenderSettings& settings) {
     make_views(cameras, settings, views_);
+    require_features(scene, settings.outputs.features);  // before memory is taken for them
     check_ready(backend());
     const Span<const FrameView> frames = resident_.make(cameras, settings.outputs);
     for (std::size_t i = 0; i < frames.size; ++i) views_[i].frame = frames[i];
@@ -219,6 +223,7 @@ class BoundRenderer {
     };
     if constexpr (B::reaches_host_memory) {
       make_views(cameras, settings, views_);
+      require_features(scene.view(), settings.outputs.features);
       for (std::size_t i = 0; i < cameras.size; ++i) views_[i].frame = prepare_frame(i);
       render_into(scene.view(), {views_.data(), views_.size()}, {settings.count, settings.time});
     } else {
@@ -289,7 +294,7 @@ class BoundRenderer {
   StageMemory memory() const {
     StageMemory memory = stages_.memory();
     memory.project += bytes_of(view_storage_, recorded_storage_);
-    memory.raster += bytes_of(resident_, raster_counts_, picking_);
+    memory.raster += bytes_of(resident_, raster_counts_, attributes_, picking_);
     return memory;
   }
 
@@ -308,6 +313,7 @@ class BoundRenderer {
                 a.grid.side == b.grid.side && !a.frame.occluder.data == !b.frame.occluder.data;
     for_each_plane([&](std::size_t, auto& of_a, auto& of_b) { same = same && !of_a.data == !of_b.data; },
                    a.frame, b.frame);
+    same = same && a.frame.feature_channels == b.frame.feature_channels;
     return same;
   }
 
@@ -319,7 +325,8 @@ class BoundRenderer {
         plan, true,
         [&](RasterJob job) {
           job.counts = counts;
-          raster_.rasterize(backend(), job);
+          const auto rasterize = [&](const RasterJob& pass) { raster_.rasterize(backend(), pass); };
+          attributes_.draw(backend(), plan.scene, job, rasterize);
         },
         [&](std::size_t point) {
           if (measures.time) points_[point] = backend().now();
@@ -329,6 +336,7 @@ class BoundRenderer {
   Stages<B> stages_;
   RasterStage<B> raster_;
   typename B::template Buffer<RasterCounts> raster_counts_;
+  AttributeStage<B> attributes_;
   ViewStorage<B> view_storage_, recorded_storage_;  ///< of `render_into` and of `record`
   ResidentFrames<B> resident_;
   PickStage<B> picking_;

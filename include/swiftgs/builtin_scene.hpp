@@ -74,8 +74,7 @@ inline Scene make_builtin_scene(std::size_t count = builtin_scene_size, const Sc
   Scene scene;
   scene.sh_degree = 3;
   const std::size_t size = kept.size();
-  scene.means.resize(size), scene.scales.resize(size), scene.rotations.resize(size);
-  scene.opacities.resize(size), scene.sh0.resize(size), scene.sh_rest.resize(45 * size);
+  for_each_array([&](const char*, std::size_t each, auto& values) { values.resize(each * size); }, scene);
 
   double share_so_far = 0;
   std::size_t begin = 0;

@@ -42,6 +42,7 @@ struct Conventions {
   float alpha_max = 0.99f;           ///< alpha is cut here
   float stop = 1e-4f;         ///< a pixel ends before the Gaussian that would bring its transmittance below
   bool stop_at_equal = true;  ///< or exactly to `stop`
+  float first_alpha = 0.05f;  ///< a pixel's first depth is of the Gaussian that takes its alpha above
   Footprint footprint = Footprint::alpha;  ///< of the reference; renderers use their Bounds
 
   /// gsplat 1.6.
@@ -78,6 +79,7 @@ inline void validate(const Conventions& c) {
   require(c.alpha_min >= std::numeric_limits<float>::min() && c.alpha_min <= c.alpha_max && c.alpha_max <= 1,
           "2^-126 <= alpha_min <= alpha_max <= 1");
   require(c.stop >= 0 && c.stop < 1, "a stop of 0 or more and below 1");
+  require(c.first_alpha >= 0 && c.first_alpha < 1, "a first alpha of 0 or more and below 1");
 }
 
 /// The preset called `name`. Throws `std::invalid_argument` with the valid names for any other.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <tuple>
 #include <type_traits>
@@ -22,15 +24,33 @@ namespace swiftgs {
 
 /// A rendered image on the host, rows from top to bottom. Arrays of outputs that were not requested are
 /// empty.
+///
+/// A splat's weight in a pixel is alpha times the transmittance in front of it. A Gaussian's index is that in
+/// the scene. Depths are as `Conventions::depth` has them.
 struct Frame {
   int width = 0, height = 0;
   std::vector<float> colour;  ///< @shape{height, width, 3} RGB in the scene's own values, not clamped above
   std::vector<float> alpha;   ///< @shape{height, width} 1 - transmittance
-  std::vector<float> depth;   ///< @shape{height, width} mean depth (`Conventions::depth`), weighted by
-                              ///< contribution; 0 where alpha is 0
+  std::vector<float> depth;   ///< @shape{height, width} mean by weight; 0 where alpha is 0
+  /// @shape{height, width} mean by weight of depth^2; 0 where alpha is 0
+  std::vector<float> squared_depth{};
+  /// @shape{height, width} of the splat that takes alpha above `Conventions::first_alpha`; 0 where none does
+  std::vector<float> first_depth{};
+  /// @shape{height, width} of the splat that takes alpha above 1/2; 0 where none does
+  std::vector<float> median_depth{};
+  std::vector<float> normal{};  ///< @shape{height, width, 3} sum of weight times `splat_normal`
+  /// @shape{height, width} Gaussian of the largest weight, of equal ones the nearest; or `no_gaussian`
+  std::vector<std::uint32_t> id{};
+  /// @shape{height, width} Gaussian of `median_depth`; or `no_gaussian`
+  std::vector<std::uint32_t> median_id{};
+  std::vector<float> features{};  ///< @shape{height, width, feature_channels} sum of weight times feature
+  int feature_channels = 0;
 
   std::size_t pixels() const { return std::size_t(width) * height; }
 };
+
+/// In planes of Gaussians where a pixel has none.
+inline constexpr std::uint32_t no_gaussian = 0xffffffff;
 
 /// Format of a frame's colours in memory, interleaved. The last channel of RGBA is the frame's alpha, and the
 /// colours are premultiplied by it.
@@ -89,25 +109,57 @@ struct Outputs {
   static constexpr bool colour = true;
   bool alpha = false;
   bool depth = false;
+  bool squared_depth = false, first_depth = false, median_depth = false;
+  bool normal = false;
+  bool id = false, median_id = false;
+  int features = 0;  ///< channels: the first of the scene's
 };
 
-/// A value for each plane of a frame.
-template <class T>
+/// A value for each plane of a frame: `T`, or `Id` for planes of Gaussians.
+template <class T, class Id = T>
 struct PerPlane {
-  T colour{}, alpha{}, depth{};
+  T colour{}, alpha{}, depth{}, squared_depth{}, first_depth{}, median_depth{}, normal{};
+  Id id{}, median_id{};
+  T features{};
 
-  static auto buffers(auto& self) { return std::tie(self.colour, self.alpha, self.depth); }
+  static auto buffers(auto& self) {
+    return std::tie(self.colour, self.alpha, self.depth, self.squared_depth, self.first_depth,
+                    self.median_depth, self.normal, self.id, self.median_id, self.features);
+  }
 };
 
-inline constexpr PerPlane<const char*> plane_names{"colour", "alpha", "depth"};
+inline constexpr PerPlane<const char*> plane_names{"colour",      "alpha",        "depth",  "squared_depth",
+                                                   "first_depth", "median_depth", "normal", "id",
+                                                   "median_id",   "features"};
 
-/// Calls f(channels, of.colour...), f(channels, of.alpha...), f(channels, of.depth...), with the channels of
-/// `Frame`. `of` are any of `Frame`, `FrameView`, `Outputs`, `PerPlane` and the like.
+namespace detail {
+/// Of what is asked for or held; 0 of a value for each plane.
+template <class Of>
+constexpr int feature_channels(const Of& of) {
+  if constexpr (std::is_same_v<Of, Outputs>)
+    return of.features;
+  else if constexpr (requires { of.feature_channels; })
+    return of.feature_channels;
+  else
+    return 0;
+}
+}  // namespace detail
+
+/// Calls f(channels, of.plane...) for each plane, with the channels of `Frame`. `of` are any of `Frame`,
+/// `FrameView`, `Outputs`, `PerPlane` and the like. Those that know the channels of features agree on them.
 template <class F, class... Of>
 void for_each_plane(const F& f, Of&&... of) {
+  const int features = std::max({0, detail::feature_channels(of)...});
   f(std::size_t(3), of.colour...);
   f(std::size_t(1), of.alpha...);
   f(std::size_t(1), of.depth...);
+  f(std::size_t(1), of.squared_depth...);
+  f(std::size_t(1), of.first_depth...);
+  f(std::size_t(1), of.median_depth...);
+  f(std::size_t(3), of.normal...);
+  f(std::size_t(1), of.id...);
+  f(std::size_t(1), of.median_id...);
+  f(std::size_t(features), of.features...);
 }
 
 /// How values of a depth buffer stand for depths: value d for (p d + q) / (r d + s). Where r d + s is not
@@ -136,8 +188,12 @@ struct FrameView {
   int width = 0, height = 0;
   Plane<void> colour{};  ///< of `format`
   PixelFormat format = PixelFormat::rgb_float;
-  Plane<float> alpha{};  ///< 1 - transmittance
-  Plane<float> depth{};  ///< as `Frame::depth`
+  // As of `Frame`.
+  Plane<float> alpha{}, depth{}, squared_depth{}, first_depth{}, median_depth{};
+  Plane<float> normal{};  ///< XYZ interleaved
+  Plane<std::uint32_t> id{}, median_id{};
+  Plane<float> features{};   ///< `feature_channels` interleaved
+  int feature_channels = 0;  ///< the first of the scene's
 
   /// The caller's own depth buffer: a splat at a pixel's depth there, or behind it, is not blended. Its
   /// depths are measured as `Conventions::depth` has it, and stored as `stored_depth` says. Infinity and NaN
@@ -151,8 +207,15 @@ struct FrameView {
   std::size_t pixels() const { return std::size_t(width) * height; }
   /// @units{bytes}
   PerPlane<std::size_t> pixel_bytes() const {
-    return {bytes_per_pixel(format), sizeof(float), sizeof(float)};
+    PerPlane<std::size_t> bytes;
+    for_each_plane([](std::size_t channels, const auto&, std::size_t& of) { of = channels * sizeof(float); },
+                   *this, bytes);
+    bytes.colour = bytes_per_pixel(format);
+    return bytes;
   }
+
+  /// Whether a pixel has to remember splats.
+  SWIFTGS_HD bool picks() const { return first_depth.data || median_depth.data || id.data || median_id.data; }
 
   /// A rectangle of it, whose first pixel is the one at column `left` and row `top`.
   FrameView part(int left, int top, int columns, int rows) const {
@@ -174,24 +237,23 @@ struct FrameView {
 /// Gives `frame` the size and the arrays of `outputs`, and returns a view of them. Reuses the memory of
 /// `frame`.
 inline FrameView prepare(Frame& frame, int width, int height, Outputs outputs) {
-  frame.width = width, frame.height = height;
-  FrameView view{.width = width, .height = height};
+  frame.width = width, frame.height = height, frame.feature_channels = outputs.features;
+  FrameView view{.width = width, .height = height, .feature_channels = outputs.features};
   for_each_plane(
-      [&](std::size_t channels, bool wanted, std::vector<float>& values, auto& plane) {
+      [&](std::size_t channels, bool wanted, auto& values, auto& plane) {
         values.resize(wanted ? channels * frame.pixels() : 0);
-        if (wanted) plane = {values.data(), std::ptrdiff_t(channels * sizeof(float)) * width};
+        if (wanted) plane = {values.data(), std::ptrdiff_t(channels * sizeof values[0]) * width};
       },
       outputs, frame, view);
   return view;
 }
 
-/// Whether all values of a `Frame` or a `ReferenceFrame` are finite.
-template <class Values>
-bool is_finite(const Values& frame) {
+/// Whether all values of `frame` are finite.
+inline bool is_finite(const Frame& frame) {
   bool finite = true;
   for_each_plane(
       [&](std::size_t, const auto& values) {
-        for (const auto value : values) finite = finite && std::isfinite(value);
+        for (const auto value : values) finite = finite && std::isfinite(double(value));
       },
       frame);
   return finite;
@@ -201,10 +263,10 @@ bool is_finite(const Values& frame) {
 inline bool same_planes(const Frame& a, const Frame& b) {
   bool same = true;
   for_each_plane(
-      [&](std::size_t, const std::vector<float>& of_a, const std::vector<float>& of_b) {
+      [&](std::size_t, const auto& of_a, const auto& of_b) {
         const std::size_t size = of_a.size();
         same = same && of_b.size() == size &&
-               (size == 0 || std::memcmp(of_a.data(), of_b.data(), size * sizeof(float)) == 0);
+               (size == 0 || std::memcmp(of_a.data(), of_b.data(), size * sizeof of_a[0]) == 0);
       },
       a, b);
   return same;

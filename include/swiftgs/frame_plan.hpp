@@ -51,10 +51,11 @@ struct FramePlan {
   SceneView scene;
   Limits limits;
 
-  /// Throws `std::invalid_argument` as `validate` does of the scene.
+  /// Throws `std::invalid_argument` as `validate` does of the scene, and as `require_features`.
   FramePlan(const Views& of_views, const SceneView& of_scene, const Limits& within = {})
       : views(of_views), scene(of_scene), limits(within) {
     validate(scene);
+    require_features(scene, views.each);
   }
 
   FrameKey key() const { return FrameKey::of(scene, views.each); }

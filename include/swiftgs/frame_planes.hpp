@@ -2,14 +2,16 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include <swiftgs/frame.hpp>
 
 namespace swiftgs {
 
-/// Memory of the backend for the planes of frames: float values, one frame behind the other.
+/// Memory of the backend for the planes of frames: values of 4 bytes, one frame behind the other.
 template <class B>
-struct FramePlanes : PerPlane<typename B::template Buffer<float>> {
+struct FramePlanes
+    : PerPlane<typename B::template Buffer<float>, typename B::template Buffer<std::uint32_t>> {
   /// Makes room for `pixels` pixels. Earlier content is lost.
   void reset(Outputs outputs, std::size_t pixels) {
     for_each_plane([&](std::size_t channels, bool wanted,

@@ -27,7 +27,7 @@ namespace swiftgs {
 struct PickedPixel {
   static constexpr std::uint32_t nothing = 0xffffffff;
 
-  std::uint32_t gaussian = nothing;  ///< index of the largest weight; of equal ones the lowest index
+  std::uint32_t gaussian = nothing;  ///< index of the largest weight; of equal ones the nearest
   float weight = 0;
   float depth = 0;
   std::uint32_t median = nothing;  ///< the Gaussian that takes the transmittance below 1/2
@@ -104,11 +104,11 @@ class PixelPicker {
   SWIFTGS_HD bool offer(float alpha, float depth, std::uint32_t gaussian) {
     const float before = transmittance_, next = dimmed(before, alpha), weight = alpha * before;
     if (next < stop_below_) return false;
-    if (weight > picked_.weight || (weight == picked_.weight && gaussian < picked_.gaussian))
+    if (weight > picked_.weight)
       picked_.gaussian = gaussian, picked_.weight = weight, picked_.depth = depth;
     if (before >= 0.5f && next < 0.5f) picked_.median = gaussian, picked_.median_depth = depth;
     transmittance_ = next;
-    return next >= 0.5f || next >= picked_.weight;
+    return next >= 0.5f || next > picked_.weight;
   }
 
   SWIFTGS_HD const PickedPixel& picked() const { return picked_; }

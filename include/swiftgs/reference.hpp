@@ -37,6 +37,14 @@ struct ReferenceFrame {
   std::uint64_t pixels_stopped = 0;      ///< pixels that the stop rule or an occluder ended
 };
 
+/// Whether all values are finite.
+inline bool is_finite(const ReferenceFrame& frame) {
+  for (const std::vector<double>* values : {&frame.colour, &frame.alpha, &frame.depth})
+    for (const double value : *values)
+      if (!std::isfinite(value)) return false;
+  return true;
+}
+
 namespace reference {
 
 /// Number of rows that are blended together: enough to fetch each splat rarely, and few enough to keep their

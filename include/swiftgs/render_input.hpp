@@ -9,6 +9,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <swiftgs/conventions.hpp>
@@ -53,6 +54,9 @@ inline void require_finite_background(vec3 background) {
 inline void validate(const RenderSettings& settings) {
   validate(settings.conventions);
   detail::require_finite_background(settings.background);
+  if (settings.outputs.features < 0)
+    throw std::invalid_argument("render: the number of features is " +
+                                std::to_string(settings.outputs.features) + ", expected 0 or more");
 }
 
 /// Throws `std::invalid_argument` where nothing can be rendered into `frame`.
@@ -77,10 +81,13 @@ inline void validate(const FrameView& frame) {
   };
   const std::size_t channels = frame.format == PixelFormat::rgb_float ? 3 : 4;
   for_each_plane(
-      [&](std::size_t scalars, const auto& plane, std::size_t pixel, const char* name) {
-        require_plane(plane, pixel, pixel / (scalars == 1 ? 1 : channels), name);
+      [&](std::size_t, const auto& plane, std::size_t pixel, const char* name) {
+        constexpr bool of_colour = std::is_same_v<decltype(plane), const Plane<void>&>;
+        require_plane(plane, pixel, of_colour ? pixel / channels : sizeof(float), name);
       },
       frame, frame.pixel_bytes(), plane_names);
+  detail::require_for_render(!frame.features.data || frame.feature_channels > 0,
+                             "a frame with features to say how many channels");
   require_plane(frame.occluder, sizeof(float), sizeof(float), "occluder");
   detail::require_for_render(frame.colour.data || !frame.over, "colour to render over");
   const StoredDepth& by = frame.stored_depth;
@@ -115,6 +122,22 @@ inline void validate(const SceneView& scene) {
                                  (scene.sh_stride >= int(rest) &&
                                   scene.sh_rest.size >= (n - 1) * std::size_t(scene.sh_stride) + rest),
                              "SH coefficients of the view's degree for every Gaussian");
+  detail::require_for_render(scene.feature_channels >= 0 &&
+                                 scene.features.size == n * std::size_t(scene.feature_channels) &&
+                                 (scene.features.data || scene.features.empty()),
+                             "features of every Gaussian, or none");
+}
+
+/// Throws `std::invalid_argument` where a frame asks for features that `scene` does not have.
+inline void require_features(const SceneView& scene, int channels) {
+  if (channels > scene.feature_channels)
+    throw std::invalid_argument("render: the frame asks for " + std::to_string(channels) +
+                                " features a Gaussian, expected at most the " +
+                                std::to_string(scene.feature_channels) + " of the scene");
+}
+inline void require_features(const SceneView& scene, Span<const View> views) {
+  for (const View& view : views)
+    if (view.frame.features.data) require_features(scene, view.frame.feature_channels);
 }
 
 /// Sets `views` to those through `cameras`, whose frames have sizes and no planes yet. Throws as `validate`

@@ -21,7 +21,8 @@ class ResidentFrames {
     std::size_t pixels = 0;
     frames_.clear();
     for (const Camera& camera : cameras) {
-      frames_.push_back({.width = camera.width, .height = camera.height});
+      frames_.push_back(
+          {.width = camera.width, .height = camera.height, .feature_channels = outputs.features});
       pixels += frames_.back().pixels();
     }
     planes_.reset(outputs, pixels);
@@ -38,9 +39,9 @@ class ResidentFrames {
     std::size_t before = 0;
     for (Frame& frame : to) {
       for_each_plane(
-          [&](std::size_t channels, const auto& buffer, std::vector<float>& values) {
+          [&](std::size_t channels, const auto& buffer, auto& values) {
             if (!values.empty())
-              b.download(Span<const float>{buffer.data() + channels * before, values.size()}, values.data());
+              b.download(Span{buffer.data() + channels * before, values.size()}, values.data());
           },
           planes_, frame);
       before += frame.pixels();

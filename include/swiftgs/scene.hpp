@@ -31,12 +31,22 @@ struct Scene {
   std::vector<Quaternion> rotations;  ///< @shape{N} unit, local axes to world
   std::vector<float> opacities;       ///< @shape{N} in [0, 1]
   std::vector<vec3> sh0;              ///< @shape{N} SH coefficient of band 0, RGB
-  std::vector<float> sh_rest;  ///< @shape{N, sh_rest_count(sh_degree), 3} bands 1 and up, RGB innermost
-  int sh_degree = 0;           ///< 0 to 3: the bands that are stored
-  bool antialiased = false;    ///< trained with Mip-Splatting's opacity compensation
+  std::vector<float> sh_rest;     ///< @shape{N, sh_rest_count(sh_degree), 3} bands 1 and up, RGB innermost
+  int sh_degree = 0;              ///< 0 to 3: the bands that are stored
+  bool antialiased = false;       ///< trained with Mip-Splatting's opacity compensation
+  std::vector<float> features{};  ///< @shape{N, feature_channels} whatever else is drawn of a Gaussian
+  int feature_channels = 0;
 
   std::size_t size() const { return means.size(); }
 };
+
+/// A scene without Gaussians that is otherwise like `scene`.
+inline Scene empty_like(const Scene& scene) {
+  Scene out;
+  out.sh_degree = scene.sh_degree, out.antialiased = scene.antialiased;
+  out.feature_channels = scene.feature_channels;
+  return out;
+}
 
 /// A number for `SceneView::identity` that this process has not returned before.
 SWIFTGS_API inline std::uint64_t new_scene_identity() {
@@ -71,6 +81,9 @@ struct SceneView {
   Span<const ChunkBounds> chunks{};
   int sh_degree = 0;  ///< bands to evaluate
   int sh_stride = 0;  ///< floats a Gaussian in `sh_rest`
+  /// @shape{N, feature_channels} A feature that is not finite counts as 0.
+  Span<const float> features{};
+  int feature_channels = 0;
 
   /// Identity of these arrays and their contents: renderers reuse what they learnt from frames of the same
   /// identity. Every upload has its own, shared by its copies. 0 for your own arrays: nothing is learnt,
@@ -80,22 +93,50 @@ struct SceneView {
   SWIFTGS_HD std::size_t size() const { return means.size; }
 };
 
+namespace detail {
+/// Floats of one value of an array.
+template <class Array>
+constexpr std::size_t floats_of_value(const Array& array) {
+  if constexpr (requires { array.data(); })
+    return sizeof(*array.data()) / sizeof(float);
+  else
+    return sizeof(*array.data) / sizeof(float);
+}
+}  // namespace detail
+
+/// Calls f(name, each, first.means, more.means...) and so on for each array of Gaussians, which has `each`
+/// values a Gaussian in `first`. All are any of `Scene`, `SceneView`, `SceneArrays` and the like.
+template <class F, class First, class... More>
+void for_each_array(const F& f, First&& first, More&&... more) {
+  const auto call = [&](const char* name, std::size_t floats, auto& array, auto&... arrays) {
+    f(name, floats / detail::floats_of_value(array), array, arrays...);
+  };
+  call("means", 3, first.means, more.means...);
+  call("scales", 3, first.scales, more.scales...);
+  call("rotations", 4, first.rotations, more.rotations...);
+  call("opacities", 1, first.opacities, more.opacities...);
+  call("sh0", 3, first.sh0, more.sh0...);
+  call("sh_rest", 3 * std::size_t(sh_rest_count(first.sh_degree)), first.sh_rest, more.sh_rest...);
+  call("features", std::size_t(first.feature_channels), first.features, more.features...);
+}
+
 /// Throws `std::invalid_argument` unless all arrays of `scene` have the lengths that its count and degree ask
 /// for.
 inline void validate(const Scene& scene) {
-  const auto expect = [&](const char* array, std::size_t length, std::size_t expected) {
-    if (length != expected)
-      throw std::invalid_argument(std::string("scene: ") + array + " has " + std::to_string(length) +
-                                  " elements, expected " + std::to_string(expected));
-  };
   if (scene.sh_degree < 0 || scene.sh_degree > max_sh_degree)
     throw std::invalid_argument("scene: sh_degree is " + std::to_string(scene.sh_degree) +
                                 ", expected 0 to 3");
-  expect("scales", scene.scales.size(), scene.size());
-  expect("rotations", scene.rotations.size(), scene.size());
-  expect("opacities", scene.opacities.size(), scene.size());
-  expect("sh0", scene.sh0.size(), scene.size());
-  expect("sh_rest", scene.sh_rest.size(), scene.size() * 3 * sh_rest_count(scene.sh_degree));
+  if (scene.feature_channels < 0)
+    throw std::invalid_argument("scene: feature_channels is " + std::to_string(scene.feature_channels) +
+                                ", expected 0 or more");
+  for_each_array(
+      [&](const char* array, std::size_t each, const auto& values) {
+        if (values.size() != scene.size() * each)
+          throw std::invalid_argument("scene: " + std::string(array) + " has " +
+                                      std::to_string(values.size()) + " elements, expected " +
+                                      std::to_string(scene.size() * each));
+      },
+      scene);
 }
 
 namespace detail {
@@ -143,35 +184,35 @@ struct FindNotFinite {
   }
 };
 
-/// f(name of an array, its floats) for each array of `scene` that is not empty.
-template <class F>
-void for_each_array(const Scene& scene, const F& f) {
-  const auto call = [&](const char* array, const auto& values) {
-    if (values.empty()) return;
-    f(array, Span<const float>{reinterpret_cast<const float*>(values.data()),
-                               values.size() * sizeof(values[0]) / sizeof(float)});
-  };
-  call("means", scene.means), call("scales", scene.scales), call("rotations", scene.rotations);
-  call("opacities", scene.opacities), call("sh0", scene.sh0), call("sh_rest", scene.sh_rest);
+/// The numbers of an array.
+template <class T>
+Span<const float> floats_of(const std::vector<T>& values) {
+  return {reinterpret_cast<const float*>(values.data()), values.size() * floats_of_value(values)};
 }
 }  // namespace detail
 
 /// Throws `std::invalid_argument` naming the first Gaussian with a number that is NaN or infinite. Reads
 /// every array once; `scene` is valid.
 inline void validate_numbers(const Scene& scene) {
-  detail::for_each_array(scene, [&](const char* array, Span<const float> values) {
-    detail::require_finite(array, values.data, values.size, values.size / scene.size());
-  });
+  for_each_array(
+      [](const char* array, std::size_t each, const auto& values) {
+        const Span<const float> floats = detail::floats_of(values);
+        detail::require_finite(array, floats.data, floats.size, each * detail::floats_of_value(values));
+      },
+      scene);
 }
 
 /// The same by loops of `backend`, which reaches the host's memory.
 template <class B>
 void validate_numbers(const B& backend, const Scene& scene) {
   std::atomic<bool> found = false;
-  detail::for_each_array(scene, [&](const char*, Span<const float> values) {
-    const std::size_t blocks = (values.size + detail::finite_block - 1) / detail::finite_block;
-    backend.for_each(Count(blocks), detail::FindNotFinite{values.data, values.size, &found});
-  });
+  for_each_array(
+      [&](const char*, std::size_t, const auto& values) {
+        const Span<const float> floats = detail::floats_of(values);
+        const std::size_t blocks = (floats.size + detail::finite_block - 1) / detail::finite_block;
+        backend.for_each(Count(blocks), detail::FindNotFinite{floats.data, floats.size, &found});
+      },
+      scene);
   if (found) validate_numbers(scene);
 }
 
@@ -200,7 +241,9 @@ inline SceneView view(const Scene& scene) {
           .sh0 = span(scene.sh0),
           .sh_rest = span(scene.sh_rest),
           .sh_degree = used_sh_degree(scene),
-          .sh_stride = 3 * sh_rest_count(scene.sh_degree)};
+          .sh_stride = 3 * sh_rest_count(scene.sh_degree),
+          .features = span(scene.features),
+          .feature_channels = scene.feature_channels};
 }
 
 }  // namespace swiftgs

@@ -36,6 +36,8 @@ struct SceneArrays {
   FloatArray sh0;         ///< @shape{N, 3} SH coefficient of band 0, RGB
   FloatArray sh_rest;     ///< @shape{N, (sh_degree + 1)^2 - 1, 3} bands 1 and up, RGB innermost
   int sh_degree = 0;      ///< 0 to 3
+  FloatArray features{};  ///< @shape{N, feature_channels} whatever else is drawn of a Gaussian
+  int feature_channels = 0;
 
   bool log_scales = false;       ///< `scales` are natural logarithms
   bool logit_opacities = false;  ///< `opacities` are before the sigmoid
@@ -52,7 +54,10 @@ inline void validate(const SceneArrays& arrays) {
   if (arrays.sh_degree < 0 || arrays.sh_degree > max_sh_degree)
     throw std::invalid_argument("scene: sh_degree is " + std::to_string(arrays.sh_degree) +
                                 ", expected 0 to 3");
-  const auto check = [&](const char* name, const FloatArray& array, std::size_t floats) {
+  if (arrays.feature_channels < 0)
+    throw std::invalid_argument("scene: feature_channels is " + std::to_string(arrays.feature_channels) +
+                                ", expected 0 or more");
+  const auto check = [&](const char* name, std::size_t floats, const FloatArray& array) {
     if (arrays.count == 0 || floats == 0) return;
     const std::string what = std::string("scene: ") + name;
     if (!array.data) throw std::invalid_argument(what + " is null, expected a pointer");
@@ -60,18 +65,16 @@ inline void validate(const SceneArrays& arrays) {
       throw std::invalid_argument(what + ": expected an address that is a multiple of 4");
     const auto row = std::ptrdiff_t(floats * sizeof(float));
     const auto most = std::numeric_limits<std::ptrdiff_t>::max() / std::ptrdiff_t(arrays.count);
+    if (row > most)
+      throw std::invalid_argument(what + ": " + std::to_string(floats) + " floats a Gaussian of " +
+                                  std::to_string(arrays.count) + ", expected what fits into memory");
     if (array.stride != 0 &&
         (array.stride < row || array.stride > most || array.stride % std::ptrdiff_t(sizeof(float)) != 0))
       throw std::invalid_argument(what + ": stride is " + std::to_string(array.stride) +
                                   " bytes, expected 0 or a multiple of 4 from " + std::to_string(row) +
                                   " to " + std::to_string(most));
   };
-  check("means", arrays.means, 3);
-  check("scales", arrays.scales, 3);
-  check("rotations", arrays.rotations, 4);
-  check("opacities", arrays.opacities, 1);
-  check("sh0", arrays.sh0, 3);
-  check("sh_rest", arrays.sh_rest, 3 * std::size_t(sh_rest_count(arrays.sh_degree)));
+  for_each_array(check, arrays);
 }
 
 /// Dense arrays that Gaussians are copied to.
@@ -83,6 +86,7 @@ struct SceneCapacity {
   vec3* sh0 = nullptr;
   float* sh_rest = nullptr;
   int sh_stride = 0;  ///< floats a Gaussian in `sh_rest`: a multiple of 3, and 0 behind what is copied
+  float* features = nullptr;
 };
 
 namespace detail {
@@ -124,6 +128,18 @@ struct CopyRows {
   void operator()(std::size_t i) const { std::copy_n(row(i), width, to + i * width); }
 };
 
+/// The same, one float of `width` a Gaussian at a time, for backends that load neighbours together.
+struct CopyFloats {
+  FloatArray from;
+  float* to = nullptr;
+  std::uint32_t width = 1;
+
+  SWIFTGS_HD void operator()(std::size_t at) const {
+    const std::size_t i = at >> 32 == 0 ? std::uint32_t(at) / width : at / width;
+    to[at] = row_of(from, i, width)[at - i * width];
+  }
+};
+
 struct CopyRotations {
   FloatArray from;
   Quaternion* to = nullptr;
@@ -153,7 +169,7 @@ struct ArrayCopies {
   CopyVectors means, scales, sh0;
   CopyRotations rotations;
   CopyOpacities opacities;
-  CopyRows sh_rest;
+  CopyRows sh_rest, features;
 
   ArrayCopies(const SceneArrays& from, const SceneCapacity& to) {
     using Turn = CopyVectors::Turn;
@@ -163,6 +179,7 @@ struct ArrayCopies {
     rotations = {from.rotations, to.rotations, from.any_rotations};
     opacities = {from.opacities, to.opacities, from.logit_opacities};
     sh_rest = {from.sh_rest, to.sh_rest, 3 * std::size_t(sh_rest_count(from.sh_degree))};
+    features = {from.features, to.features, std::size_t(from.feature_channels)};
   }
 };
 
@@ -177,7 +194,8 @@ struct FindNotFiniteValue {
     };
     if (!finite(copies.means.value(i)) || !finite(copies.scales.value(i)) || !finite(copies.sh0.value(i)) ||
         !finite(copies.rotations.value(i)) || !finite(copies.opacities.value(i)) ||
-        !are_finite(copies.sh_rest.row(i), copies.sh_rest.width))
+        !are_finite(copies.sh_rest.row(i), copies.sh_rest.width) ||
+        !are_finite(copies.features.row(i), copies.features.width))
       found->store(true, std::memory_order_relaxed);
   }
 };
@@ -193,12 +211,18 @@ void copy_arrays(const B& backend, const SceneArrays& from, const SceneCapacity&
   backend.for_each(n, copies.rotations), backend.for_each(n, copies.opacities);
   backend.for_each(n, copies.sh0);
   const auto stored = std::uint32_t(sh_rest_count(from.sh_degree)), kept = std::uint32_t(to.sh_stride) / 3;
-  if (kept == 0) return;
-  if constexpr (B::reaches_host_memory)
-    backend.for_each(n, copies.sh_rest);
-  else
-    backend.for_each(Count{from.count * kept},
-                     detail::CopyVectors{from.sh_rest, reinterpret_cast<vec3*>(to.sh_rest), stored, kept});
+  const auto channels = std::uint32_t(from.feature_channels);
+  if constexpr (B::reaches_host_memory) {
+    if (kept != 0) backend.for_each(n, copies.sh_rest);
+    if (channels != 0) backend.for_each(n, copies.features);
+  } else {
+    if (kept != 0)
+      backend.for_each(Count{from.count * kept},
+                       detail::CopyVectors{from.sh_rest, reinterpret_cast<vec3*>(to.sh_rest), stored, kept});
+    if (channels != 0)
+      backend.for_each(Count{from.count * channels},
+                       detail::CopyFloats{from.features, to.features, channels});
+  }
 }
 
 /// Whether a copy of arrays on the host that were validated would have finite numbers alone.
@@ -212,14 +236,13 @@ bool would_be_finite(const B& backend, const SceneArrays& arrays) {
 /// Makes `scene` a copy of arrays on the host that were validated; takes its memory again.
 template <class B>
 void copy_scene(const B& backend, const SceneArrays& arrays, Scene& scene) {
-  const int stride = 3 * sh_rest_count(arrays.sh_degree);
-  scene.sh_degree = arrays.sh_degree;
-  scene.means.resize(arrays.count), scene.scales.resize(arrays.count);
-  scene.rotations.resize(arrays.count), scene.opacities.resize(arrays.count);
-  scene.sh0.resize(arrays.count), scene.sh_rest.resize(arrays.count * std::size_t(stride));
-  copy_arrays(backend, arrays,
-              {scene.means.data(), scene.scales.data(), scene.rotations.data(), scene.opacities.data(),
-               scene.sh0.data(), scene.sh_rest.data(), stride});
+  scene.sh_degree = arrays.sh_degree, scene.feature_channels = arrays.feature_channels;
+  for_each_array([&](const char*, std::size_t each, auto& values) { values.resize(each * arrays.count); },
+                 scene);
+  copy_arrays(
+      backend, arrays,
+      {scene.means.data(), scene.scales.data(), scene.rotations.data(), scene.opacities.data(),
+       scene.sh0.data(), scene.sh_rest.data(), 3 * sh_rest_count(arrays.sh_degree), scene.features.data()});
 }
 
 /// A scene of its own of arrays on the host. Throws as `validate`.

@@ -38,15 +38,13 @@ inline void validate(const ScenePart& part) {
 inline Scene part_of(const Scene& scene, const ScenePart& part) {
   validate(part);
   const ScenePart::Range range = part.range(scene.size());
-  Scene out;
-  out.sh_degree = scene.sh_degree, out.antialiased = scene.antialiased;
-  const auto copy = [&](const auto& from, auto& to, std::size_t each = 1) {
-    to.assign(from.begin() + std::ptrdiff_t(range.begin * each),
-              from.begin() + std::ptrdiff_t(range.end * each));
-  };
-  copy(scene.means, out.means), copy(scene.scales, out.scales), copy(scene.rotations, out.rotations);
-  copy(scene.opacities, out.opacities), copy(scene.sh0, out.sh0);
-  copy(scene.sh_rest, out.sh_rest, 3 * std::size_t(sh_rest_count(scene.sh_degree)));
+  Scene out = empty_like(scene);
+  for_each_array(
+      [&](const char*, std::size_t each, const auto& from, auto& to) {
+        to.assign(from.begin() + std::ptrdiff_t(range.begin * each),
+                  from.begin() + std::ptrdiff_t(range.end * each));
+      },
+      scene, out);
   return out;
 }
 

@@ -24,11 +24,16 @@ struct BlendRules {
   float stop_below = 0;  ///< a pixel ends before the splat that would bring its transmittance below this
   float log2_alpha_min = 0;
   float log2_relative_min = 0;  ///< log2(alpha_min / alpha_max)
+  float first_below = 0;        ///< the first splat that shows takes the transmittance below this
 
   static BlendRules from(const Conventions& c) {
     const float stop = c.stop + 0.0f;  // never -0: backends look at its sign
-    return {c.alpha_min, c.alpha_max, c.stop_at_equal ? std::nextafter(stop, 1.0f) : stop,
-            std::log2(c.alpha_min), float(std::log2(double(c.alpha_min) / double(c.alpha_max)))};
+    return {c.alpha_min,
+            c.alpha_max,
+            c.stop_at_equal ? std::nextafter(stop, 1.0f) : stop,
+            std::log2(c.alpha_min),
+            float(std::log2(double(c.alpha_min) / double(c.alpha_max))),
+            1 - c.first_alpha};
   }
 };
 

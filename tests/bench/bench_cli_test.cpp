@@ -135,6 +135,15 @@ TEST_CASE("bench: threads and enlarged Gaussians are in the rows") {
   CHECK(rows[1].at("intersections") > rows[0].at("intersections"));
 }
 
+TEST_CASE("bench: planes are drawn and named in the rows") {
+  const TemporaryFolder place;
+  const std::string bench = "builtin:500 --views 0 --errors none" + one;
+  const Json plain = measured(place, bench).at("rows"),
+             planes = measured(place, bench + " --planes normal,id").at("rows");
+  CHECK(planes[0].at("planes") == "normal,id");
+  CHECK(planes[0].at("bytes").at("raster").get<double>() > plain[0].at("bytes").at("raster").get<double>());
+}
+
 TEST_CASE("bench: with --profile every view is drawn by every renderer and nothing is written") {
   const TemporaryFolder place;
   const Outcome outcome = run(place,

@@ -184,6 +184,10 @@ void test_images(void) {
 
   const swiftgs_status exr = swiftgs_image_write("c_images.exr", &image);
   if (exr != SWIFTGS_OK) CHECK_ERROR(exr, SWIFTGS_UNAVAILABLE, "this build is without OpenEXR");
+  /* A program that is older than other planes. */
+  image.size = offsetof(swiftgs_image, squared_depth);
+  CHECK_OK(swiftgs_image_write("c_images.png", &image));
+  image.size = sizeof(image);
 
   CHECK_NULLS(swiftgs_image_write, "c_images.png", "path", &image, "swiftgs_image");
   CHECK_INVALID(swiftgs_image_write("c_images.bmp", &image), "c_images.bmp");
@@ -194,6 +198,9 @@ void test_images(void) {
   CHECK_INVALID(swiftgs_image_write("c_images.png", &image), "colour is NULL");
   image.colour.data = pixels, image.width = 0;
   CHECK_INVALID(swiftgs_image_write("c_images.png", &image), "a frame with pixels");
-  image.width = 2, image.reserved = 1;
-  CHECK_INVALID(swiftgs_image_write("c_images.png", &image), "reserved is 1");
+  image.width = 2, image.colour.pitch = sizeof(pixels[0]), image.features = image.colour;
+  CHECK_INVALID(swiftgs_image_write("c_images.png", &image),
+                "a frame with features to say how many channels");
+  image.features.data = NULL, image.normal = image.depth;
+  CHECK_INVALID(swiftgs_image_write("c_images.png", &image), "the pitch of normal is 8 bytes");
 }

@@ -63,11 +63,14 @@ static void test_device_arrays(void) {
   CHECK_OK(swiftgs_scene_get_arrays(made, &host));
   swiftgs_gaussians device = host;
   device.memory = SWIFTGS_DEVICE;
-  const swiftgs_array* const from[] = {&host.scales, &host.rotations, &host.opacities, &host.sh0,
-                                       &host.sh_rest};
-  swiftgs_array* const to[] = {&device.scales, &device.rotations, &device.opacities, &device.sh0,
-                               &device.sh_rest};
-  for (int i = 0; i < 5; ++i) {
+  float* const features = make_floats(2 * small_count);
+  for (int i = 0; i < 2 * small_count; ++i) features[i] = (float)i;
+  host.features = (swiftgs_array){features, 8}, host.feature_channels = device.feature_channels = 2;
+  const swiftgs_array* const from[] = {&host.scales, &host.rotations, &host.opacities,
+                                       &host.sh0,    &host.sh_rest,   &host.features};
+  swiftgs_array* const to[] = {&device.scales, &device.rotations, &device.opacities,
+                               &device.sh0,    &device.sh_rest,   &device.features};
+  for (int i = 0; i < 6; ++i) {
     const size_t bytes = (size_t)from[i]->stride * small_count;
     float* const memory = make_device_memory(bytes);
     copy(memory, from[i]->data, bytes);
@@ -82,6 +85,7 @@ static void test_device_arrays(void) {
   CHECK(memcmp(found.means.data, host.means.data, 12 * small_count) == 0);
   CHECK(memcmp(found.rotations.data, host.rotations.data, 16 * small_count) == 0);
   CHECK(memcmp(found.sh_rest.data, host.sh_rest.data, 180 * small_count) == 0);
+  CHECK(found.feature_channels == 2 && memcmp(found.features.data, features, 8 * small_count) == 0);
 
   /* They go to a renderer without the host, on a stream beside its own, and draw as the scene does. They may
    * be overwritten in the order of that stream. */
@@ -106,7 +110,7 @@ static void test_device_arrays(void) {
   swiftgs_renderer_free(renderer);
   cudaStreamDestroy(stream);
 
-  for (int i = 0; i < 5; ++i) cudaFree((void*)to[i]->data);
+  for (int i = 0; i < 6; ++i) cudaFree((void*)to[i]->data);
   cudaFree(means);
   swiftgs_scene_free(made), swiftgs_scene_free(fetched);
 }

@@ -71,6 +71,84 @@ void test_formats(void) {
   swiftgs_renderer_free(d.renderer);
 }
 
+void test_planes(void) {
+  struct drawing d;
+  set_up(&d, small_renderer);
+  float* const plain = draw_plain(d.renderer, &d.camera);
+  swiftgs_scene* const scene = make_scene();
+  swiftgs_gaussians arrays = {.size = sizeof(arrays)};
+  CHECK_OK(swiftgs_scene_get_arrays(scene, &arrays));
+  float* const given = make_floats(2 * small_count);
+  for (int i = 0; i < small_count; ++i) given[2 * i] = 1, given[2 * i + 1] = (float)i;
+  arrays.features.data = given, arrays.feature_channels = 2;
+  CHECK_OK(swiftgs_renderer_set_gaussians(d.renderer, &arrays));
+
+  float *const alpha = make_floats(pixels), *const depth = make_floats(pixels);
+  float *const squared = make_floats(pixels), *const first = make_floats(pixels);
+  float *const median = make_floats(pixels), *const normal = make_floats(3 * pixels);
+  float* const features = make_floats(2 * pixels);
+  uint32_t *const id = make_memory(sizeof(uint32_t) * pixels), *const median_id =
+                                                                   make_memory(sizeof(uint32_t) * pixels);
+  const swiftgs_view coloured = d.view;
+  d.view.alpha = (swiftgs_plane){alpha, 4 * width};
+  d.view.depth = (swiftgs_plane){depth, 4 * width};
+  d.view.squared_depth = (swiftgs_plane){squared, 4 * width};
+  d.view.first_depth = (swiftgs_plane){first, 4 * width};
+  d.view.median_depth = (swiftgs_plane){median, 4 * width};
+  d.view.normal = (swiftgs_plane){normal, 12 * width};
+  d.view.id = (swiftgs_plane){id, 4 * width};
+  d.view.median_id = (swiftgs_plane){median_id, 4 * width};
+  d.view.features = (swiftgs_plane){features, 8 * width}, d.view.feature_channels = 2;
+  CHECK_OK(swiftgs_renderer_render(d.renderer, &d.frame));
+  CHECK(same_floats(d.colour, plain, 3 * pixels));
+  bool depths = true, normals = true, ids = true, sums = true, some_normal = false;
+  for (int i = 0; i < pixels; ++i) {
+    const float* const n = normal + 3 * i;
+    const float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    depths &= squared[i] >= 0.9999f * depth[i] * depth[i] &&
+              first[i] <= median[i] + (median[i] == 0 ? INFINITY : 0);
+    depths &= (median[i] > 0) == (alpha[i] > 0.5f) && (first[i] > 0 || alpha[i] < 0.051f);
+    normals &= length <= alpha[i] + 1e-5f, some_normal |= length > 0.5f;
+    ids &= (alpha[i] > 0 ? id[i] < small_count : id[i] == SWIFTGS_NOTHING);
+    ids &= (median[i] > 0 ? median_id[i] < small_count : median_id[i] == SWIFTGS_NOTHING);
+    sums &= fabsf(features[2 * i] - alpha[i]) < 1e-5f && features[2 * i + 1] <= alpha[i] * small_count;
+  }
+  CHECK(depths && normals && some_normal && ids && sums);
+  swiftgs_picked picked[8 * 8];
+  CHECK_OK(swiftgs_renderer_pick(d.renderer, 0, 28, 20, 8, 8, picked));
+  for (int i = 0; i < 8 * 8; ++i) {
+    const int at = (20 + i / 8) * width + 28 + i % 8;
+    CHECK(picked[i].gaussian == id[at] && picked[i].median == median_id[at] &&
+          picked[i].median_depth == median[at]);
+  }
+
+  /* The first Gaussian that shows is the median one if it has to show as much. */
+  swiftgs_conventions conventions = {.size = sizeof(conventions)};
+  CHECK_OK(swiftgs_conventions_named("gsplat", &conventions));
+  d.view.conventions = &conventions;
+  CHECK(!same_floats(first, median, pixels));
+  conventions.first_alpha = 0.5f;
+  CHECK_OK(swiftgs_renderer_render(d.renderer, &d.frame));
+  CHECK(same_floats(first, median, pixels));
+  conventions.first_alpha = 1;
+  CHECK_INVALID(swiftgs_renderer_render(d.renderer, &d.frame), "a first alpha of 0 or more and below 1");
+  /* A program that is older than this number has that of gsplat, and one older than the planes draws none. */
+  conventions.size = offsetof(swiftgs_conventions, first_alpha);
+  CHECK_OK(swiftgs_renderer_render(d.renderer, &d.frame));
+  CHECK(!same_floats(first, median, pixels));
+  memset(first, 0, sizeof(float) * pixels);
+  d.view.size = offsetof(swiftgs_view, squared_depth);
+  CHECK_OK(swiftgs_renderer_render(d.renderer, &d.frame));
+  for (int i = 0; i < pixels; ++i) depths &= first[i] == 0;
+  CHECK(depths);
+
+  d.view = coloured;
+  d.view.features = (swiftgs_plane){features, 12 * width}, d.view.feature_channels = 3;
+  CHECK_INVALID(swiftgs_renderer_render(d.renderer, &d.frame),
+                "the frame asks for 3 features a Gaussian, expected at most the 2 of the scene");
+  swiftgs_scene_free(scene), swiftgs_renderer_free(d.renderer);
+}
+
 void test_pitches(void) {
   struct drawing d;
   set_up(&d, small_renderer);
@@ -227,7 +305,8 @@ void test_conventions(void) {
   CHECK_OK(swiftgs_conventions_named("inria", &inria));
   CHECK(gsplat.near_plane == 0.01f && gsplat.stop_at_equal == 1 &&
         gsplat.clamp == SWIFTGS_CLAMP_AROUND_IMAGE && gsplat.footprint == SWIFTGS_FOOTPRINT_ALPHA &&
-        gsplat.blur == 0.3f && gsplat.alpha_max == 0.99f && gsplat.depth == SWIFTGS_DEPTH_OF_LENS);
+        gsplat.blur == 0.3f && gsplat.alpha_max == 0.99f && gsplat.depth == SWIFTGS_DEPTH_OF_LENS &&
+        gsplat.first_alpha == 0.05f);
   CHECK(gsplat.far_plane == 1e10f && gsplat.cull_at_near == 0 && gsplat.antialiased == 0 &&
         gsplat.min_compensation == 2.5e-5f && gsplat.alpha_min == 1.0f / 255 && gsplat.stop == 1e-4f);
   CHECK(inria.near_plane == 0.2f && inria.cull_at_near == 1 && inria.stop_at_equal == 0 &&
@@ -288,6 +367,13 @@ void test_frame_errors(void) {
   REFUSE(d.view.colour.pitch = 4, "the pitch of colour is 4 bytes");
   REFUSE(d.view.colour.data = (char*)d.colour + 1, "colour aligned to 4 bytes");
   REFUSE((d.view.colour.data = NULL, d.view.over = 1), "colour to render over");
+  const swiftgs_plane narrow = {d.colour, 8}, odd = {(char*)d.colour + 1, 4 * width};
+  REFUSE(d.view.normal = narrow, "the pitch of normal is 8 bytes, expected at least 768");
+  REFUSE(d.view.squared_depth = narrow, "the pitch of squared_depth is 8 bytes");
+  REFUSE(d.view.median_id = odd, "median_id aligned to 4 bytes");
+  REFUSE(d.view.features = narrow, "a frame with features to say how many channels");
+  REFUSE((d.view.features = narrow, d.view.feature_channels = 2), "the pitch of features is 8 bytes");
+  REFUSE(d.view.reserved = 1, "swiftgs_view: reserved is 1, expected 0");
   REFUSE(d.view.left = 8, "x is 8, expected a multiple of 16");
   REFUSE(d.view.top = 16, "48 pixels along y from 16");
   REFUSE(d.view.width = -1, "-1 pixels along x");

@@ -220,6 +220,8 @@ void test_gaussians(void) {
   one.means = one.scales = one.sh0 = arrays.means, one.rotations = arrays.rotations,
   one.opacities.data = &bad;
   CHECK_INVALID(swiftgs_renderer_set_gaussians(renderer, &one), "opacities of Gaussian 0 is");
+  one.opacities = arrays.opacities, one.features.data = &bad, one.feature_channels = 1;
+  CHECK_INVALID(swiftgs_renderer_set_gaussians(renderer, &one), "features of Gaussian 0 is");
   CHECK_OK(swiftgs_renderer_render_into(renderer, &d.frame));
   swiftgs_scene_free(scene);
   swiftgs_renderer_free(others[0]), swiftgs_renderer_free(others[1]);

@@ -9,6 +9,8 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -62,32 +64,50 @@ swiftgs_camera camera_of_c() {
 /// The same renderer of C++ and of C, with the same scene.
 struct Both {
   explicit Both(const RendererEntry& entry) : cpp(entry.make()) {
-    const auto scene = make_scene();
+    Scene scene = make_builtin_scene(count);
+    scene.feature_channels = 4;
+    for (std::size_t i = 0; i < 4 * count; ++i) scene.features.push_back(float(i % 7) - 3);
+    const auto without = make_scene();
+    auto arrays = sized<swiftgs_gaussians>();
+    REQUIRE(swiftgs_scene_get_arrays(without.get(), &arrays) == SWIFTGS_OK);
+    arrays.features.data = scene.features.data(), arrays.feature_channels = scene.feature_channels;
     swiftgs_renderer* made = nullptr;
     REQUIRE(swiftgs_renderer_create(std::string(entry.name).c_str(), nullptr, &made) == SWIFTGS_OK);
     c.reset(made);
-    REQUIRE(swiftgs_renderer_set_scene(made, scene.get()) == SWIFTGS_OK);
-    cpp->set_scene(std::make_shared<const Scene>(make_builtin_scene(count)));
+    REQUIRE(swiftgs_renderer_set_gaussians(made, &arrays) == SWIFTGS_OK);
+    cpp->set_scene(std::make_shared<const Scene>(std::move(scene)));
   }
 
   /// Draws with both, checks that the planes have the same bits, and returns the frame of C++.
   Frame compare(const Camera& camera, RenderSettings settings, const swiftgs_camera& given,
                 const swiftgs_conventions& conventions) {
-    settings.outputs = {.alpha = true, .depth = true};
-    Frame expected;
+    for_each_plane(
+        [](std::size_t, auto& wanted) {
+          if constexpr (!std::is_const_v<std::remove_reference_t<decltype(wanted)>>) wanted = true;
+        },
+        settings.outputs);
+    settings.outputs.features = 3;
+    Frame expected, found;
     cpp->render(camera, settings, expected);
-    std::vector<float> colour(3 * width * height), alpha(width * height), depth(width * height);
     auto view = sized<swiftgs_view>();
     view.camera = &given, view.conventions = &conventions;
-    view.colour = {colour.data(), 12 * width};
-    view.alpha = {alpha.data(), 4 * width}, view.depth = {depth.data(), 4 * width};
+    view.feature_channels = settings.outputs.features;
+    for_each_plane(
+        [](std::size_t, const auto& from, swiftgs_plane& to) {
+          to = {from.data, from.pitch};
+        },
+        prepare(found, width, height, settings.outputs), view);
     for (int k = 0; k < 3; ++k) view.background[k] = settings.background[k];
     auto frame = sized<swiftgs_frame>();
     frame.views = &view, frame.count = 1;
     REQUIRE(swiftgs_renderer_render(c.get(), &frame) == SWIFTGS_OK);
-    CHECK(colour == expected.colour);
-    CHECK(alpha == expected.alpha);
-    CHECK(depth == expected.depth);
+    for_each_plane(
+        [](std::size_t, const auto& a, const auto& b, const char* name) {
+          CAPTURE(name);
+          CHECK(!a.empty());
+          CHECK(a == b);
+        },
+        found, expected, plane_names);
     check_picks({.x = width / 2 - 5, .y = height / 2 - 3, .width = 9, .height = 7});
     return expected;
   }

@@ -28,7 +28,9 @@ static bool same_scene(const swiftgs_scene* a, const swiftgs_scene* b) {
   return x.count == y.count && x.sh_degree == y.sh_degree && x.antialiased == y.antialiased &&
          same(&x.means, &y.means, x.count) && same(&x.scales, &y.scales, x.count) &&
          same(&x.rotations, &y.rotations, x.count) && same(&x.opacities, &y.opacities, x.count) &&
-         same(&x.sh0, &y.sh0, x.count) && (x.sh_degree == 0 || same(&x.sh_rest, &y.sh_rest, x.count));
+         same(&x.sh0, &y.sh0, x.count) && (x.sh_degree == 0 || same(&x.sh_rest, &y.sh_rest, x.count)) &&
+         x.feature_channels == y.feature_channels &&
+         (x.feature_channels == 0 || same(&x.features, &y.features, x.count));
 }
 
 void test_scenes(void) {
@@ -174,11 +176,11 @@ void test_progress(void) {
 
 /* Two Gaussians of degree 1 as a file of training holds them: all numbers of one side by side. */
 struct row {
-  float mean[3], log_scale[3], rotation[4], logit, sh0[3], sh_rest[9];
+  float mean[3], log_scale[3], rotation[4], logit, sh0[3], sh_rest[9], features[2];
 };
 static const struct row rows[2] = {
-    {{1, 2, 3}, {-1, 0, 1}, {2, 0, 0, 0}, 0, {4, 5, 6}, {1, 2, 3, 4, 5, 6, 7, 8, 9}},
-    {{-1, -2, -3}, {0, 0.5f, -4}, {1, 1, 1, 1}, 2, {7, 8, 9}, {9, 8, 7, 6, 5, 4, 3, 2, 1}},
+    {{1, 2, 3}, {-1, 0, 1}, {2, 0, 0, 0}, 0, {4, 5, 6}, {1, 2, 3, 4, 5, 6, 7, 8, 9}, {-1, 40}},
+    {{-1, -2, -3}, {0, 0.5f, -4}, {1, 1, 1, 1}, 2, {7, 8, 9}, {9, 8, 7, 6, 5, 4, 3, 2, 1}, {3, -50}},
 };
 
 static swiftgs_gaussians arrays_in_rows(void) {
@@ -194,7 +196,9 @@ static swiftgs_gaussians arrays_in_rows(void) {
       .sh0 = {rows[0].sh0, stride},
       .sh_rest = {rows[0].sh_rest, stride},
       .raw = SWIFTGS_LOG_SCALES | SWIFTGS_LOGIT_OPACITIES | SWIFTGS_ANY_ROTATIONS,
-      .antialiased = 1};
+      .antialiased = 1,
+      .feature_channels = 2,
+      .features = {rows[0].features, stride}};
   return arrays;
 }
 
@@ -209,6 +213,7 @@ void test_arrays(void) {
   swiftgs_scene* const scene = scene_of(&given);
   const swiftgs_scene_info info = info_of(scene);
   CHECK(info.count == 2 && info.stored == 2 && info.sh_degree == 1 && info.antialiased == 1);
+  CHECK(info.feature_channels == 2);
   CHECK(info.lower[2] == -3 && info.upper[2] == 3);
   const swiftgs_gaussians kept = arrays_of(scene);
   for (int i = 0; i < 2; ++i) {
@@ -216,6 +221,7 @@ void test_arrays(void) {
     CHECK(memcmp(kept.means.data + 3 * i, row->mean, sizeof(row->mean)) == 0);
     CHECK(memcmp(kept.sh0.data + 3 * i, row->sh0, sizeof(row->sh0)) == 0);
     CHECK(memcmp(kept.sh_rest.data + 9 * i, row->sh_rest, sizeof(row->sh_rest)) == 0);
+    CHECK(memcmp(kept.features.data + 2 * i, row->features, sizeof(row->features)) == 0);
     for (int axis = 0; axis < 3; ++axis) CHECK(kept.scales.data[3 * i + axis] == expf(row->log_scale[axis]));
     CHECK(kept.opacities.data[i] == 1 / (1 + expf(-row->logit)));
   }
@@ -229,6 +235,13 @@ void test_arrays(void) {
   const swiftgs_gaussians of_builtin = arrays_of(builtin);
   copy = scene_of(&of_builtin);
   CHECK(same_scene(builtin, copy));
+  swiftgs_scene_free(copy);
+
+  /* A program that is older than features. */
+  swiftgs_gaussians older = given;
+  older.size = offsetof(swiftgs_gaussians, features), older.feature_channels = 0;
+  copy = scene_of(&older);
+  CHECK(info_of(copy).feature_channels == 0 && arrays_of(copy).features.data == NULL);
   swiftgs_scene_free(copy);
 
   /* Dense arrays need no stride, degree 0 no higher bands, and no Gaussians no arrays. */
@@ -283,7 +296,9 @@ static void test_array_errors(void) {
   REFUSE(count = (uint64_t)1 << 32, "4294967296 Gaussians, expected fewer than 2^32");
   REFUSE(memory = 2, "memory is 2, expected 0 to 1");
   REFUSE(raw = 16, "raw is 16, expected a sum of 1, 2, 4 and 8");
-  REFUSE(reserved = 1, "swiftgs_gaussians: reserved is 1, expected 0");
+  REFUSE(feature_channels = -1, "feature_channels is -1, expected 0 or more");
+  REFUSE(features.data = NULL, "scene: features is null");
+  REFUSE(features.stride = 4, "features: stride is 4 bytes, expected 0 or a multiple of 4 from 8");
 #undef REFUSE
 }
 

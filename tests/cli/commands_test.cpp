@@ -70,6 +70,30 @@ TEST_CASE("cli: render writes an image and says where it is and how long it took
   CHECK(sum / double(image.pixels.size()) > 0.25);
 }
 
+TEST_CASE("cli: render writes the planes that it is asked for to an EXR") {
+  const TemporaryFolder place;
+  const std::string render =
+      "render builtin:2000 --scale 0.05 --renderer serial/early/per-pixel/ellipse --format exr --out ";
+  const std::string all =
+      "all --planes normal,alpha,depth,squared_depth,first_depth,median_depth,id,median_id";
+  const Outcome outcome = swiftgs::test::swiftgs(place, render + all);
+  if (contains(outcome.err, "this build is without OpenEXR")) return;
+  CHECK(outcome.code == 0);
+  run(place, render + "few --planes median_depth,id");
+  run(place, render + "none");
+  const auto has = [&](const char* folder, const std::string& channel) {
+    return contains(content_of(place / folder / "front.exr"), '\0' + channel + '\0');
+  };
+  for (const std::string channel : {"A", "Z", "depth.squared", "depth.first", "depth.median", "normal.X",
+                                    "normal.Y", "normal.Z", "id.gaussian", "id.median"}) {
+    CAPTURE(channel);
+    CHECK(has("all", channel));
+    const bool of_few = channel == "depth.median" || channel == "id.gaussian";
+    CHECK(has("few", channel) == of_few);
+    CHECK_FALSE(has("none", channel));
+  }
+}
+
 TEST_CASE("cli: render --stats prints what a frame had to do") {
   const TemporaryFolder place;
   const std::string text = run(place, "render builtin:2000 --scale 0.1 --stats").out;

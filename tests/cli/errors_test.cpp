@@ -77,10 +77,13 @@ TEST_CASE("cli errors: options that make no sense say what was expected") {
       fails(place, command + " builtin:50 --batch=" + batch,
             {"--batch " + batch + ": expected 1 to 65536\n"});
   fails(place, "render builtin:10 --planes depth", {"--planes: expected --format exr"});
-  for (const std::string planes : {"normal", "depth,depth", "alpha,"})
+  for (const std::string planes : {"colour", "features", "normals", "depth,depth", "alpha,"})
     for (const std::string command : {"render --format exr", "bench"})
       fails(place, command + " builtin:10 --planes " + planes,
-            {"--planes '" + planes + "': expected alpha, depth or alpha,depth\n"});
+            {"--planes '" + planes +
+             "': expected names, with commas between, of alpha, depth, squared_depth, first_depth, "
+             "median_depth, "
+             "normal, id, median_id; each once\n"});
 }
 
 TEST_CASE("cli errors: arguments that are not known or missing") {

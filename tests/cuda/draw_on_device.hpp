@@ -40,11 +40,9 @@ struct DrawOnDevice {
       view.occluder = {occluder.data(), std::ptrdiff_t(sizeof(float)) * frame.width};
     }
     renderer.render_into(arrays.view(), drawn.camera, settings_of(drawn), view);
-    for_each_plane(
-        [&](std::size_t, const auto& plane, std::vector<float>& values) {
-          renderer.backend().download(Span<const float>(plane.span()), values.data());
-        },
-        planes, frame);
+    for_each_plane([&](std::size_t, const auto& plane,
+                       auto& values) { renderer.backend().download(plane.span(), values.data()); },
+                   planes, frame);
     return frame;
   }
 };

@@ -115,9 +115,9 @@ bool same_bits(const Pixel& a, const Pixel& b) {
 /// Blends four layers from `first` on as kernels do without extras.
 void blend_together(Pixel& pixel, const Layer* first, float unit = exact_unit) {
   Pixel pixels[] = {pixel};
-  float alphas[1][group_size], weights[1][group_size];
+  float alphas[1][group_size], weights[1][group_size], left[1][group_size + 1];
   for (unsigned k = 0; k < group_size; ++k) alphas[0][k] = first[k].alpha / unit;
-  weigh_group(pixels, alphas, unit, weights);
+  weigh_group(pixels, alphas, unit, weights, left);
   pixel = pixels[0];
   for (unsigned k = 0; k < group_size; ++k)
     pixel.add(weights[0][k], first[k].rgb.x, first[k].rgb.y, first[k].rgb.z);

@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/edit.hpp>
+#include <swiftgs/scene_part.hpp>
 
 #include "policies/random_splats.hpp"
 
@@ -36,11 +37,15 @@ void check_same(const Scene& a, std::size_t i, const Scene& b, std::size_t j) {
   const std::size_t in_a = a.sh_rest.size() / a.size(), in_b = b.sh_rest.size() / b.size();
   for (std::size_t k = 0; k < in_a; ++k)
     CHECK(a.sh_rest[in_a * i + k] == (k < in_b ? b.sh_rest[in_b * j + k] : 0));
+  REQUIRE(a.feature_channels == b.feature_channels);
+  const auto channels = std::size_t(a.feature_channels);
+  for (std::size_t k = 0; k < channels; ++k)
+    CHECK(a.features[channels * i + k] == b.features[channels * j + k]);
 }
 }  // namespace
 
 TEST_CASE("edit: a subset has all that its Gaussians had") {
-  Scene scene = random_scene(10, 2, 3);
+  Scene scene = with_features(random_scene(10, 2, 3), 5);
   scene.antialiased = true;
   const Scene part = subset(scene, {7, 2});
   validate(part);
@@ -100,7 +105,7 @@ TEST_CASE("edit: regions that are none are refused") {
 }
 
 TEST_CASE("edit: another degree keeps what both have, and adds zeros") {
-  const Scene scene = random_scene(4, 2, 9);
+  const Scene scene = with_features(random_scene(4, 2, 9), 2);
   const Scene lower = with_degree(scene, 1), higher = with_degree(scene, 3);
   for (const Scene& other : {lower, higher}) {
     validate(other);
@@ -114,7 +119,8 @@ TEST_CASE("edit: another degree keeps what both have, and adds zeros") {
 }
 
 TEST_CASE("edit: scenes are joined in order, with the higher degree") {
-  const Scene low = random_scene(3, 1, 1), high = random_scene(2, 3, 2);
+  const Scene low = with_features(random_scene(3, 1, 1), 2, 1),
+              high = with_features(random_scene(2, 3, 2), 2, 2);
   for (const bool low_first : {true, false}) {
     const Scene &first = low_first ? low : high, &more = low_first ? high : low;
     Scene all = first;
@@ -141,4 +147,34 @@ TEST_CASE("edit: an antialiased scene is not joined with another") {
   append(none, antialiased);
   CHECK(none.antialiased);
   CHECK(none.size() == 2);
+}
+
+TEST_CASE("edit: scenes with different feature channels are not joined") {
+  Scene plain = random_scene(2, 0, 1), none;
+  const Scene featured = with_features(random_scene(2, 1, 2), 3);
+  CHECK_THROWS_WITH_AS(append(plain, featured),
+                       "append: expected scenes with equally many feature channels, got 0 and 3",
+                       std::invalid_argument);
+  CHECK(plain.size() == 2);
+  append(none, featured);
+  validate(none);
+  CHECK(none.features == featured.features);
+}
+
+TEST_CASE("edit: moving and ordering keep features with their Gaussians") {
+  Scene scene = with_features(random_scene(20, 1, 3), 3);
+  const std::vector<std::uint32_t> order = spatial_order(scene);
+  const Scene ordered = order_spatially(scene);
+  for (std::size_t i = 0; i < order.size(); ++i) check_same(ordered, i, scene, order[i]);
+  const std::vector<float> before = scene.features;
+  transform(scene, {.scale = 2, .translation = dvec3(1, 2, 3)});
+  CHECK(scene.features == before);
+}
+
+TEST_CASE("edit: parts of a scene have its features") {
+  const Scene scene = with_features(random_scene(11, 2, 3), 4);
+  Scene all = part_of(scene, {0, 3});
+  for (std::size_t i = 1; i < 3; ++i) append(all, part_of(scene, {i, 3}));
+  REQUIRE(all.size() == scene.size());
+  for (std::size_t i = 0; i < all.size(); ++i) check_same(all, i, scene, i);
 }

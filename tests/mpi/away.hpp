@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <deque>
 #include <memory>
+#include <stdexcept>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -24,6 +25,8 @@ class Away : public Serial {
   static constexpr std::string_view name = "away";
   static constexpr bool reaches_host_memory = false;
   using Serial::Serial;
+
+  int failing_attribute = -1;  ///< the first of those that it throws for; -1: none
 
   template <class Key>
   void sort_pairs(Pairs<Away, Key>& pairs, Count count, int bits) const {
@@ -65,6 +68,11 @@ template <RasterPolicy R>
 void rasterize(Away& away, R, const RasterJob& job) {
   const RasterBlocks blocks = raster_blocks_of(job);
   away.for_each(blocks.size(), BlendRasterBlock<R>{job, blocks});
+}
+
+inline void gather_attributes(Away& away, const SplatAttributes& from, const Views& views, AttributeRow* to) {
+  if (from.first == away.failing_attribute) throw std::runtime_error("thrown by a test");
+  away.for_each(from.splats.count(), GatherAttributes{from, views.reachable(), to});
 }
 
 inline void copy_from_host(Away&, const void* from, void* to, std::size_t bytes) {

@@ -5,6 +5,8 @@
 /// Frames over ranks against those of one renderer. All ranks run tests side by side, so nothing may throw on
 /// one rank alone.
 
+#include <cstddef>
+#include <type_traits>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -34,12 +36,31 @@ inline RenderSettings all_outputs() {
   return settings;
 }
 
+/// With 14 features.
+inline Scene with_features(Scene scene) {
+  scene.feature_channels = 14;
+  for (std::size_t i = 0; i < 14 * scene.size(); ++i) scene.features.push_back(float(i * 37 % 101) / 50 - 1);
+  return scene;
+}
+
+/// All planes of such a scene: the 16 attributes that are summed together, and two more.
+inline RenderSettings all_planes() {
+  RenderSettings settings = all_outputs();
+  for_each_plane(
+      [](std::size_t, auto& wanted) {
+        if constexpr (std::is_same_v<decltype(wanted), bool&>) wanted = true;
+      },
+      settings.outputs);
+  settings.outputs.features = 14;
+  return settings;
+}
+
 /// Renders `cameras` in one frame, several times, so that strips move, and compares it with one renderer of
 /// the whole scene on the backend `One`. `own` is this rank's part.
 template <class B, class Sort, class Raster, class Bounds, class One = B>
-void compare(const Scene& scene, const Scene& own, const std::vector<Camera>& cameras, int frames = 3) {
+void compare(const Scene& scene, const Scene& own, const std::vector<Camera>& cameras, int frames = 3,
+             const RenderSettings& settings = all_outputs()) {
   const Span<const Camera> all{cameras.data(), cameras.size()};
-  const RenderSettings settings = all_outputs();
   std::vector<Frame> expected(cameras.size()), found(cameras.size());
   Renderer<One, Sort, Raster, Bounds> one;
   const auto whole = one.backend().upload(scene);

@@ -106,6 +106,16 @@ TEST_CASE("mpi cuda: each policy draws the bits of one process") {
   });
 }
 
+TEST_CASE("mpi cuda: all planes are the same") {
+  if (!on_devices()) return;
+  const Scene scene = with_features(make_builtin_scene(30'000)), own = part_of(scene, own_part());
+  with_each_carrier([&] {
+    compare<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, own, some_cameras(), 3,
+                                                                          all_planes());
+    compare<Cuda, StandardSort, PerPixel, Obb>(scene, own, {builtin_camera(333, 170)}, 2, all_planes());
+  });
+}
+
 TEST_CASE("mpi cuda: a large frame with long lists draws the bits of one process") {
   if (!on_devices()) return;
   const Scene scene = make_builtin_scene(400'000);

@@ -68,6 +68,12 @@ TEST_CASE("mpi frames: panoramas and other lenses beside them are the same") {
   compare<Serial, StandardSort, PerPixel, Obb>(scene, {fisheye, panorama}, 2);
 }
 
+TEST_CASE("mpi frames: all planes are the same") {
+  const Scene scene = with_features(make_builtin_scene(3'000)), own = part_of(scene, own_part());
+  compare<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, own, some_cameras(), 2,
+                                                                       all_planes());
+}
+
 TEST_CASE("mpi frames: parts may be empty and hold other bands of harmonics than the whole") {
   Scene scene = make_builtin_scene(900);
   // All but the last third lose their harmonics: the ranks' parts have unlike degrees.

@@ -37,12 +37,13 @@ struct LimitedMemory {
 /// Ends the last rank's memory at every allocation of a frame in turn, until a frame needs no more. `make`
 /// makes a backend that takes memory from a hook; all ranks throw until then.
 template <class B, class Make>
-void fail_at_each_allocation(const MemoryHook& memory, const Make& make) {
+void fail_at_each_allocation(const MemoryHook& memory, const Make& make,
+                             const RenderSettings& settings = all_outputs()) {
   const Scene scene = make_builtin_scene(2'000);
   const Camera camera = builtin_camera(200, 150);
   Renderer<B, EarlySort, PerPixel, Ellipse> one;
   Frame expected, found;
-  one.render(one.backend().upload(scene), camera, all_outputs(), expected);
+  one.render(one.backend().upload(scene), camera, settings, expected);
 
   LimitedMemory limited{memory};
   DistributedRenderer<B, EarlySort, PerPixel, Ellipse> distributed(
@@ -55,7 +56,7 @@ void fail_at_each_allocation(const MemoryHook& memory, const Make& make) {
     if (ranks_here().rank() == last) limited.left = allowed % 3;
     std::string message;
     try {
-      distributed.render(part.view(), camera, all_outputs(), found);
+      distributed.render(part.view(), camera, settings, found);
     } catch (const CapacityError& error) {
       CHECK(ranks_here().rank() == last);
       message = error.what();

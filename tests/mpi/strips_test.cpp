@@ -132,7 +132,12 @@ TEST_CASE("mpi strips: files and views have identities by what they hold") {
   View moved = view;
   moved.camera.centre[1] += 1e-12;
   CHECK(views_identity({&moved, 1}) != identity);
-  float memory = 0;
-  view.frame.alpha.data = &memory;  // where it is drawn to is each rank's own
-  CHECK(views_identity({&view, 1}) == identity);
+  float memory[2] = {};
+  view.frame.features.data = memory, view.frame.feature_channels = 2;
+  const std::uint64_t with_features = views_identity({&view, 1});
+  CHECK(with_features != identity);
+  view.frame.features.data = memory + 1;  // where it is drawn to is each rank's own
+  CHECK(views_identity({&view, 1}) == with_features);
+  view.frame.feature_channels = 3;
+  CHECK(views_identity({&view, 1}) != with_features);
 }

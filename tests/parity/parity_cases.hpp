@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <doctest/doctest.h>
 
@@ -23,6 +24,7 @@
 #include <swiftgs/swiftgs.hpp>
 
 #include "policies/double_drawing.hpp"
+#include "policies/planes.hpp"
 
 namespace swiftgs::test {
 namespace {
@@ -45,16 +47,17 @@ void check_near_cpu(const std::string& name, const Frame& frame, const std::shar
 /// Renders with all renderers and checks all that holds between them and the reference.
 void check_all(const Scene& whole, const Camera& camera, Conventions conventions) {
   if (unavailable()) return;
-  const auto scene = std::make_shared<const Scene>(whole);
+  const auto scene = std::make_shared<const Scene>(with_features(whole, 2));
   RenderSettings settings;
   settings.conventions = conventions, settings.background = vec3(0.2f, 0.3f, 0.4f);
-  settings.outputs = {true, true};
+  settings.outputs = all_planes(2);
   const auto reference_of = [&](Conventions::Footprint footprint) {
     conventions.footprint = footprint;
-    return render_reference(whole, camera, conventions, dvec3(settings.background), 2);
+    return std::pair{render_reference(*scene, camera, conventions, dvec3(settings.background), 2),
+                     render_reference_planes(*scene, camera, conventions, 2)};
   };
-  const ReferenceFrame conservative = reference_of(Conventions::Footprint::alpha);
-  const ReferenceFrame cut = reference_of(Conventions::Footprint::three_sigma_square);
+  const auto conservative = reference_of(Conventions::Footprint::alpha);
+  const auto cut = reference_of(Conventions::Footprint::three_sigma_square);
 
   std::map<std::string, Frame> first_of;
   for (const RendererEntry& entry : renderers()) {
@@ -77,11 +80,17 @@ void check_all(const Scene& whole, const Camera& camera, Conventions conventions
     CHECK(same_planes(first.first->second, frame));
     if (!first.second) continue;
 
-    const ReferenceFrame& reference = square ? cut : conservative;
+    const auto& [reference, planes] = square ? cut : conservative;
     // On a device split terms of floats err more where a warp block is far from the mean of a needle.
     const double least_db = half ? 40 : on_device && has("float-split") ? 105 : 120;
     CHECK(psnr(frame.colour, reference.colour) >= least_db);
     CHECK(psnr(frame.alpha, reference.alpha) >= least_db);
+    CHECK(psnr(frame.normal, planes.normal) >= least_db);
+    CHECK(psnr(frame.features, planes.features) >= least_db - 6);  // they reach 2
+    std::size_t same_ids = 0;
+    for (std::size_t i = 0; i < frame.pixels(); ++i)
+      same_ids += frame.id[i] == planes.id[i] && frame.median_id[i] == planes.median_id[i];
+    CHECK(double(same_ids) >= (half ? 0.9 : 0.99) * double(frame.pixels()));
     if (!half) CHECK(max_abs_difference(frame.colour, reference.colour) <= 1.0 / 255);
     if (!half) CHECK(max_abs_difference(frame.alpha, reference.alpha) <= 1.0 / 255);
     if (on_device) check_near_cpu(name, frame, scene, camera, settings, half);

@@ -251,3 +251,45 @@ SWIFTGS_CONTRACT("any renderer: every policy draws and records all that a view a
         [&](auto raster) { for_each_type(AllBounds(), [&](auto bounds) { check(sort, raster, bounds); }); });
   });
 }
+
+TEST_CASE_TEMPLATE("any renderer: hosts take features of arrays of any stride", B, Serial, Cpu) {
+  const B backend;
+  constexpr std::size_t count = 1000, stride = 7, channels = 5;
+  std::vector<float> floats(4 * count, 0.5f), rows(stride * count);
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = float(i);
+  const FloatArray all{floats.data()};
+  SceneArrays arrays;
+  arrays.count = count, arrays.means = all, arrays.scales = all, arrays.rotations = all;
+  arrays.opacities = all, arrays.sh0 = all;
+  arrays.features = {rows.data(), stride * sizeof(float)}, arrays.feature_channels = channels;
+  std::optional<HostScene> scene;
+  scene.emplace(backend.upload(arrays, scene));
+  const SceneView view = scene->view();
+  REQUIRE(view.feature_channels == channels);
+  REQUIRE(view.features.size == count * channels);
+  std::vector<float> by_floats(view.features.size);
+  const detail::CopyFloats copy{arrays.features, by_floats.data(), channels};  // as devices copy
+  for (std::size_t i = 0; i < view.features.size; ++i) {
+    REQUIRE(view.features[i] == rows[i / channels * stride + i % channels]);
+    copy(i);
+    REQUIRE(by_floats[i] == view.features[i]);
+  }
+
+  const auto refused = [&](const char* message) {
+    CHECK_THROWS_WITH_AS(scene.emplace(backend.upload(arrays, scene)), doctest::Contains(message),
+                         std::invalid_argument);
+    CHECK(scene->view().features[1] == 1);  // the scene of before
+  };
+  rows[3 * stride + 2] = std::numeric_limits<float>::infinity();
+  refused("features of Gaussian 3 is inf, expected");
+  rows[3 * stride + 2] = 0;
+  arrays.features.stride = 16;
+  refused("features: stride is 16 bytes, expected 0 or a multiple of 4 from 20");
+  arrays.features = {};
+  refused("features is null, expected a pointer");
+  arrays.feature_channels = -1;
+  refused("feature_channels is -1, expected 0 or more");
+  arrays.feature_channels = 0;
+  scene.emplace(backend.upload(arrays, scene));
+  CHECK(scene->view().features.empty());
+}

@@ -17,22 +17,33 @@
 
 namespace swiftgs::test {
 
-/// Memory of a frame with an image to be drawn over, alpha, depth and an occluder. It holds more than their
-/// rows: bytes behind each row, a row before the first and one behind the last, which belong to nobody.
+/// Memory of a frame with an image to be drawn over, alpha, depth, an occluder and the planes that are asked
+/// for besides. It holds more than their rows: bytes behind each row, a row before the first and one behind
+/// the last, which belong to nobody.
 class PlanesMemory {
  public:
   static constexpr unsigned char nobodys = Image::nobodys;
-  static constexpr std::size_t planes = 4;
+  static constexpr std::size_t planes = 11;
+  static constexpr std::size_t occluder = 3;
 
   /// Rows of all planes go down. Behind each are bytes `beside` it, a multiple of 8.
-  PlanesMemory(int width, int height, PixelFormat format, std::size_t beside = 24)
-      : width_(width),
-        height_(height),
-        beside_(beside),
-        format_(format),
-        pixel_{bytes_per_pixel(format), sizeof(float), sizeof(float), sizeof(float)} {
+  PlanesMemory(int width, int height, PixelFormat format, std::size_t beside = 24,
+               const Outputs& further = {})
+      : width_(width), height_(height), features_(further.features), beside_(beside), format_(format) {
+    const auto values = [](int of_pixel) { return sizeof(float) * std::size_t(of_pixel); };
+    pixel_ = {bytes_per_pixel(format),
+              values(1),
+              values(1),
+              values(1),
+              values(further.squared_depth),
+              values(further.first_depth),
+              values(further.median_depth),
+              values(3 * further.normal),
+              values(further.id),
+              values(further.median_id),
+              values(further.features)};
     for (std::size_t plane = 0; plane < planes; ++plane)
-      bytes[plane].assign(row(plane) * (std::size_t(height) + 2), nobodys);
+      if (has(plane)) bytes[plane].assign(row(plane) * (std::size_t(height) + 2), nobodys);
     const float depths[] = {3, std::numeric_limits<float>::infinity(), 1.5f, 0, 7, 4, 5};
     const Image below = pattern(width, height, format);
     for (std::size_t y = 0; y < std::size_t(height); ++y) {
@@ -45,6 +56,7 @@ class PlanesMemory {
 
   /// Lets the rows of a plane go the other way.
   void turn(std::size_t plane) {
+    if (!has(plane)) return;
     upward_[plane] = !upward_[plane];
     const std::vector<unsigned char> from = bytes[plane];
     const std::ptrdiff_t length = std::ptrdiff_t(row(plane));
@@ -54,20 +66,19 @@ class PlanesMemory {
 
   /// The frame in copies of `bytes`, which begin at `memory`.
   FrameView frame(const std::array<unsigned char*, planes>& memory) const {
-    const auto top = [&](std::size_t plane) {
-      return memory[plane] + (upward_[plane] ? std::size_t(height_) : 1) * row(plane);
+    FrameView out{.width = width_, .height = height_, .format = format_, .feature_channels = features_};
+    const auto place = [&]<class T>(std::size_t plane, Plane<T>& to) {
+      if (!has(plane)) return;
+      unsigned char* const top = memory[plane] + (upward_[plane] ? std::size_t(height_) : 1) * row(plane);
+      to = {reinterpret_cast<T*>(top),
+            upward_[plane] ? -std::ptrdiff_t(row(plane)) : std::ptrdiff_t(row(plane))};
     };
-    const auto pitch = [&](std::size_t plane) {
-      return upward_[plane] ? -std::ptrdiff_t(row(plane)) : std::ptrdiff_t(row(plane));
-    };
-    return {.width = width_,
-            .height = height_,
-            .colour = {top(0), pitch(0)},
-            .format = format_,
-            .alpha = {reinterpret_cast<float*>(top(1)), pitch(1)},
-            .depth = {reinterpret_cast<float*>(top(2)), pitch(2)},
-            .occluder = {reinterpret_cast<const float*>(top(3)), pitch(3)}};
+    place(0, out.colour), place(1, out.alpha), place(2, out.depth), place(occluder, out.occluder);
+    place(4, out.squared_depth), place(5, out.first_depth), place(6, out.median_depth);
+    place(7, out.normal), place(8, out.id), place(9, out.median_id), place(10, out.features);
+    return out;
   }
+  bool has(std::size_t plane) const { return pixel_[plane] > 0; }
 
   /// The rows of a plane of floats that go down, one behind the other.
   std::vector<float> rows(std::size_t plane) const {
@@ -89,13 +100,13 @@ class PlanesMemory {
     return true;
   }
 
-  std::array<std::vector<unsigned char>, planes> bytes;  ///< of colour, alpha, depth and occluder
+  std::array<std::vector<unsigned char>, planes> bytes;  ///< of the planes in the order of `frame`
 
  private:
   /// Bytes of a row and of those behind it.
   std::size_t row(std::size_t plane) const { return pixel_[plane] * std::size_t(width_) + beside_; }
 
-  int width_, height_;
+  int width_, height_, features_;
   std::size_t beside_;
   PixelFormat format_;
   std::array<std::size_t, planes> pixel_;  ///< @units{bytes}
@@ -103,34 +114,38 @@ class PlanesMemory {
 };
 
 /// Checks that planes hold the same rows whichever way they go, each plane turned alone and all together.
-/// `draw(memory, over)` draws a frame of so many pixels into `memory`.
+/// `draw(memory, over)` draws a frame of so many pixels into `memory`, which has `further` planes.
 template <class Draw>
-void check_directions(int width, int height, const Draw& draw) {
+void check_directions(int width, int height, const Draw& draw, const Outputs& further = {}) {
   for (const PixelFormat format : pixel_formats)
     for (const bool over : {false, true}) {
       CAPTURE(int(format));
       CAPTURE(over);
-      const PlanesMemory before(width, height, format);
+      const PlanesMemory before(width, height, format, 24, further);
       PlanesMemory down = before;
       draw(down, over);
       CHECK(down.kept_to_its_rows());
       for (std::size_t plane = 0; plane < PlanesMemory::planes; ++plane)
-        CHECK((down.bytes[plane] == before.bytes[plane]) == (plane == 3));
-      for (const unsigned turned : {1u, 2u, 4u, 8u, 15u}) {
+        CHECK((down.bytes[plane] == before.bytes[plane]) ==
+              (plane == PlanesMemory::occluder || !before.has(plane)));
+      for (std::size_t plane = 0; plane <= PlanesMemory::planes; ++plane) {
+        const unsigned every = (1u << PlanesMemory::planes) - 1;
+        const unsigned turned = plane == PlanesMemory::planes ? every : 1u << plane;
         CAPTURE(turned);
+        if (plane < PlanesMemory::planes && !before.has(plane)) continue;
         PlanesMemory planes = before;
         const auto turn = [&] {
-          for (std::size_t plane = 0; plane < PlanesMemory::planes; ++plane)
-            if (turned >> plane & 1) planes.turn(plane);
+          for (std::size_t each = 0; each < PlanesMemory::planes; ++each)
+            if (turned >> each & 1) planes.turn(each);
         };
         turn();
         draw(planes, over);
         CHECK(planes.kept_to_its_rows());
-        for (std::size_t plane = 0; plane < PlanesMemory::planes; ++plane)
-          CHECK((planes.bytes[plane] != down.bytes[plane]) == bool(turned >> plane & 1));
+        for (std::size_t each = 0; each < PlanesMemory::planes; ++each)
+          CHECK((planes.bytes[each] != down.bytes[each]) == (before.has(each) && turned >> each & 1));
         turn();
-        for (std::size_t plane = 0; plane < PlanesMemory::planes; ++plane)
-          CHECK((planes.bytes[plane] == down.bytes[plane]));
+        for (std::size_t each = 0; each < PlanesMemory::planes; ++each)
+          CHECK((planes.bytes[each] == down.bytes[each]));
       }
     }
 }

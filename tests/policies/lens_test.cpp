@@ -17,6 +17,7 @@
 #include <swiftgs/reference.hpp>
 
 #include "policies/backends.hpp"
+#include "policies/lenses.hpp"
 #include "policies/random_splats.hpp"
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
@@ -32,22 +33,6 @@ constexpr double turn = 2 * std::numbers::pi;
 struct Columns {
   int begin, end;
 };
-
-/// Cameras at one place of the built-in scene, through every lens.
-std::vector<Camera> cameras_of_lenses(int width = 160, int height = 96) {
-  const Camera pinhole = builtin_camera(width, height);
-  std::vector<Camera> cameras(6, pinhole);
-  cameras[1].lens.distortion = {{-0.2, 0.03, 0, 0}, {}, {0.002, -0.003}, {}};
-  cameras[2].lens.model = LensModel::fisheye;
-  cameras[2].fx = cameras[2].fy = width / 4.0;  // shows 229 degrees
-  cameras[3] = cameras[2];
-  cameras[3].lens.distortion = {{0.02, -0.004, 0.001, 0}, {}, {}, {0.001, -0.002}};
-  cameras[4].lens.model = LensModel::orthographic;
-  cameras[4].fx = cameras[4].fy = 0.2 * pinhole.fx;
-  cameras[5].lens.model = LensModel::equirectangular;
-  cameras[5].fx = width / turn, cameras[5].fy = 2 * height / turn;
-  return cameras;
-}
 
 template <class B>
 using Best = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;

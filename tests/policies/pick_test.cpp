@@ -12,7 +12,7 @@
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/pick.hpp>
-#include <swiftgs/reference/pick.hpp>
+#include <swiftgs/reference/planes.hpp>
 #include <swiftgs/swiftgs.hpp>
 
 #include "policies/backends.hpp"
@@ -54,20 +54,20 @@ RenderSettings all_outputs() {
 /// Compares with the reference, close decisions excluded.
 void check_picks(const std::vector<PickedPixel>& picks, const Scene& scene, const Camera& camera,
                  const Conventions& conventions = {}) {
-  const std::vector<ReferencePick> expected = pick_reference(scene, camera, conventions);
-  REQUIRE(picks.size() == expected.size());
+  const ReferencePlanes expected = render_reference_planes(scene, camera, conventions);
+  REQUIRE(picks.size() == expected.pixels());
   std::size_t wrong = 0, judged = 0;
   const auto differ = [](double a, double b) { return std::abs(a - b) > 1e-5 * std::abs(b); };
   for (std::size_t i = 0; i < picks.size(); ++i) {
     const PickedPixel& found = picks[i];
-    const ReferencePick& one = expected[i];
-    if (one.weight - one.next_weight > 1e-3 * one.weight || one.weight == 0) {
+    const double weight = expected.weight[i];
+    if (weight - expected.next_weight[i] > 1e-3 * weight || weight == 0) {
       ++judged;
-      wrong += found.gaussian != one.gaussian || differ(found.depth, one.depth) ||
-               std::abs(found.weight - one.weight) > 1e-5;
+      wrong += found.gaussian != expected.id[i] || differ(found.depth, expected.depth_of_id[i]) ||
+               std::abs(found.weight - weight) > 1e-5;
     }
-    if (one.from_half > 1e-4)
-      wrong += found.median != one.median || differ(found.median_depth, one.median_depth);
+    if (expected.median_margin[i] > 1e-4)
+      wrong += found.median != expected.median_id[i] || differ(found.median_depth, expected.median_depth[i]);
   }
   CHECK(wrong == 0);
   CHECK(judged > picks.size() / 2);
@@ -156,7 +156,7 @@ SWIFTGS_CONTRACT("pick: nothing is where no splat shows") {
   CHECK(renderer.pick(camera.width - 1, camera.height - 1) == PickedPixel());
 }
 
-SWIFTGS_CONTRACT("pick: of equal weights the lowest Gaussian, and a median only below one half") {
+SWIFTGS_CONTRACT("pick: of equal weights the nearest Gaussian, and a median only below one half") {
   Camera camera = forward_camera(32, 32);
   camera.cx = camera.cy = 16.5;
   RenderSettings settings;
@@ -176,7 +176,7 @@ SWIFTGS_CONTRACT("pick: of equal weights the lowest Gaussian, and a median only 
     return renderer.pick(16, 16);
   };
   CHECK(pick_of_two(2, 0.5f, 4, 1) == PickedPixel{0, 0.5f, 2, 1, 4});
-  CHECK(pick_of_two(4, 1, 2, 0.5f) == PickedPixel{0, 0.5f, 4, 0, 4});
+  CHECK(pick_of_two(4, 1, 2, 0.5f) == PickedPixel{1, 0.5f, 2, 0, 4});
   CHECK(pick_of_two(4, 0.25f, 2, 0.25f) == PickedPixel{1, 0.25f, 2});
   CHECK(pick_of_two(4, 0.75f, 2, 0.25f) == PickedPixel{0, 0.5625f, 4, 0, 4});
 }

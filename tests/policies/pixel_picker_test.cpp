@@ -22,11 +22,12 @@ PickedPixel pick_of(const std::vector<float>& alphas, float stop_below = 0) {
 
 }  // namespace
 
-TEST_CASE("pick: the largest weight wins and of equal ones the lowest index wherever it lies") {
+TEST_CASE("pick: the largest weight wins and of equal ones the nearest") {
   CHECK(pick_of({}) == PickedPixel());
   CHECK(pick_of({0.25f, 0.5f, 0.125f}) == PickedPixel{1, 0.375f, 2, 1, 2});
-  CHECK(pick_of({0.5f, 1}) == PickedPixel{0, 0.5f, 2, 0, 2});
-  CHECK(pick_of({0.25f, 0.5f, 1}) == PickedPixel{0, 0.375f, 3, 1, 2});  // the third takes all that is left
+  CHECK(pick_of({0.5f, 1}) == PickedPixel{1, 0.5f, 1, 0, 2});
+  CHECK(pick_of({0.25f, 0.5f, 1}) == PickedPixel{1, 0.375f, 2, 1, 2});  // the third takes all that is left
+  CHECK(pick_of({0.25f, 0.375f, 1}) == PickedPixel{0, 0.46875f, 3, 1, 2});
 }
 
 TEST_CASE("pick: the median takes the transmittance below one half and not to it") {

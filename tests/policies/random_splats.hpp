@@ -117,6 +117,15 @@ inline Scene random_scene(std::size_t count, int sh_degree, std::uint64_t seed) 
   return scene;
 }
 
+/// `scene` with features of its own for each Gaussian.
+inline Scene with_features(Scene scene, int channels, std::uint64_t seed = 1) {
+  Random random(seed);
+  scene.feature_channels = channels;
+  scene.features.resize(scene.size() * std::size_t(channels));
+  for (float& feature : scene.features) feature = random.f(-2, 2);
+  return scene;
+}
+
 /// Adds a white ball.
 inline void append(Scene& scene, vec3 mean, float scale, float opacity) {
   scene.means.push_back(mean), scene.scales.push_back(vec3(scale)), scene.rotations.push_back({});

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -79,23 +80,24 @@ class PlanesOn {
   PlanesOn(const B& backend, int width, int height, const Outputs& outputs, float fill = 0) {
     prepare(frame_, width, height, outputs);
     for_each_plane(
-        [&](std::size_t, std::vector<float>& values, auto& plane) {
-          std::fill(values.begin(), values.end(), fill);
+        [&](std::size_t, auto& values, auto& plane) {
+          std::fill(values.begin(), values.end(), std::remove_reference_t<decltype(values[0])>(fill));
           plane = to_backend(backend, values);
         },
         frame_, planes_);
   }
 
   FrameView view() {
-    FrameView view{.width = frame_.width, .height = frame_.height};
+    FrameView view{
+        .width = frame_.width, .height = frame_.height, .feature_channels = frame_.feature_channels};
     planes_.place(view, 0);
     return view;
   }
   /// What was drawn, after all work of `backend`.
   Frame on_host(const B& backend) {
-    for_each_plane([&](std::size_t, std::vector<float>& values,
-                       const auto& plane) { values = to_host(backend, plane.span()); },
-                   frame_, std::as_const(planes_));
+    for_each_plane(
+        [&](std::size_t, auto& values, const auto& plane) { values = to_host(backend, plane.span()); },
+        frame_, std::as_const(planes_));
     return frame_;
   }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "policies/hooked.hpp"
+#include "policies/planes.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -96,6 +97,32 @@ TEST_CASE_TEMPLATE("record: never calls the hook after reserve", T, SWIFTGS_SORT
       if (!on_host<B>) break;
     }
   }
+}
+
+TEST_CASE_TEMPLATE("record: never calls the hook for any plane after reserve", B, SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
+  Hooked<B> memory;
+  Usual<B> renderer(memory.backend()), other;
+  const auto scene = other.backend().upload(with_features(random_scene(2000, 1, 6), 20));
+  const auto asked = [](int frame) {
+    std::vector<AskedView> views = asked_of(frame, 2);
+    views[0].further = all_planes(20), views[1].further = {.normal = true, .id = true};
+    return views;
+  };
+  PlacedViews reserved(other.backend(), asked(0));
+  renderer.reserve(scene.view(), reserved.span(), {4000, 40'000});
+  const std::size_t calls = memory.calls();
+  Report<B> report;
+  for (int frame = 0; frame < 30; frame += 6) {
+    PlacedViews drawn(other.backend(), asked(frame));
+    renderer.set_views(drawn.span());
+    const std::size_t own = own_allocations;
+    renderer.record(scene.view(), report.data());
+    if (on_host<B>) CHECK(own_allocations == own);
+    CHECK(report.get(renderer.backend()).overflowed == 0);
+    CHECK(differing(drawn.finish(renderer.backend()), draw_together(other, scene.view(), asked(frame))) == 0);
+  }
+  CHECK(memory.calls() == calls);
 }
 
 TEST_CASE_TEMPLATE("record: a frame without enough capacity draws nothing and one with just enough is drawn",

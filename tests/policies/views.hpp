@@ -38,9 +38,10 @@ struct AskedView {
   FirstPixel first{};                                ///< of the part of the image that is shown
   int width = camera.width, height = camera.height;  ///< of this part
   std::size_t beside = 24;                           ///< bytes behind each row, as of `PlanesMemory`
+  Outputs further{};                                 ///< planes besides, as of `PlanesMemory`
 
   PlanesMemory memory() const {
-    PlanesMemory memory(width, height, format, beside);
+    PlanesMemory memory(width, height, format, beside, further);
     for (std::size_t plane = 0; plane < PlanesMemory::planes; ++plane)
       if (upward >> plane & 1) memory.turn(plane);
     return memory;
@@ -74,7 +75,9 @@ class PlacedFrame {
   }
 
   FrameView frame() {
-    return memory_->frame({planes_[0].data(), planes_[1].data(), planes_[2].data(), planes_[3].data()});
+    std::array<unsigned char*, PlanesMemory::planes> memory;
+    for (std::size_t plane = 0; plane < PlanesMemory::planes; ++plane) memory[plane] = planes_[plane].data();
+    return memory_->frame(memory);
   }
   /// Brings what was drawn back to the host.
   void finish(const B& backend) {

@@ -18,6 +18,15 @@ def test_the_turntable_goes_round_the_built_in_scene(tmp_path):
     assert len({image.tobytes() for image in images}) == 3
 
 
+def test_planes_of_the_built_in_scene_are_pictures(tmp_path):
+    run_script(tmp_path, ROOT / "examples/14_planes.py", "--width", "96")
+    images = {path.stem: swiftgs.load_image(path) for path in (tmp_path / "planes").glob("*.png")}
+    assert images.pop("planes").shape == (3 * 54, 3 * 96, 3)
+    assert set(images) == {"colour", "alpha", "depth", "spread", "first_depth", "median_depth", "normal", "id", "feature"}
+    assert all(image.shape == (54, 96, 3) and image.std() > 0.01 for image in images.values())
+    assert len({image.tobytes() for image in images.values()}) == len(images)
+
+
 def test_the_notebook_runs(tmp_path):
     run_script(tmp_path, ROOT / "examples/10_notebook.py")
     image = swiftgs.load_image(tmp_path / "notebook.png")

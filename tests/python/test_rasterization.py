@@ -86,6 +86,37 @@ def test_colours_without_harmonics(gsplat_arguments, scene):
     assert decibels(image, clipped) > 110 and decibels(image, first) > 20
 
 
+def test_colours_of_any_number_of_channels(gsplat_arguments):
+    colours = np.random.default_rng(2).random((2000, 5), np.float32) - np.float32([0, 0, 0, 0, 1])
+    given = dict(gsplat_arguments, colors=colours, sh_degree=None, renderer=swiftgs.Renderer("serial"))
+    images, alphas, _ = swiftgs.rasterization(**given)
+    assert images.shape == (1, HEIGHT, WIDTH, 5) and images.min() < 0
+    for channels in (slice(0, 3), slice(2, 5)):
+        three = np.maximum(colours[:, channels], 0)
+        plain = swiftgs.rasterization(**dict(given, colors=three))[0]
+        signals = swiftgs.rasterization(**dict(given, colors=np.concatenate([three, three[:, :1]], axis=1)))[0]
+        assert decibels(signals[..., :3], plain) > 110
+    with_depth = swiftgs.rasterization(**given, render_mode="RGB+ED")[0]
+    assert with_depth.shape[-1] == 6 and np.array_equal(with_depth[..., :5], images)
+    assert np.array_equal(with_depth[..., 5:], swiftgs.rasterization(**given, render_mode="ED")[0])
+    ones = swiftgs.rasterization(**dict(given, colors=np.ones((2000, 1), np.float32)))[0]
+    assert np.allclose(ones, alphas, atol=1e-5)
+
+
+def test_signals_beside_the_colours(gsplat_arguments):
+    given = dict(gsplat_arguments, renderer=swiftgs.Renderer("serial"))
+    plain = swiftgs.rasterization(**given)[0]
+    signals = np.random.default_rng(3).random((2000, 4), np.float32)
+    images, _, meta = swiftgs.rasterization(**given, extra_signals=signals)
+    assert np.array_equal(images, plain) and meta["render_extra_signals"].shape == (1, HEIGHT, WIDTH, 4)
+    alone = swiftgs.rasterization(**dict(given, colors=signals, sh_degree=None))[0]
+    assert np.array_equal(meta["render_extra_signals"], alone)
+    for wrap in (np.asarray, Lent):
+        both = dict(given, colors=wrap(signals), sh_degree=None, extra_signals=wrap(signals[:, ::-1].copy()))
+        images, _, meta = swiftgs.rasterization(**both)
+        assert np.array_equal(images, alone) and np.array_equal(meta["render_extra_signals"], alone[..., ::-1])
+
+
 def test_lower_degrees_leave_bands_out(gsplat_arguments, scene):
     for degree in (0, 1, 2):
         coefficients = (degree + 1) ** 2
@@ -154,7 +185,7 @@ REFUSED = {
     "covars": np.zeros((2000, 3, 3), np.float32), "with_eval3d": True, "return_normals": True,
     "global_z_order": False, "rays": np.zeros(1), "thin_prism_coeffs": np.array([[0, 0, 0, 1e-3]]),
     "lidar_coeffs": object(), "external_distortion_coeffs": object(), "viewmats_rs": np.zeros((1, 4, 4)),
-    "extra_signals": np.zeros((2000, 1)), "rolling_shutter": "RollingShutterType.ROLLING_TOP_TO_BOTTOM",
+    "rolling_shutter": "RollingShutterType.ROLLING_TOP_TO_BOTTOM",
     "render_mode": "d"}
 
 
@@ -220,7 +251,12 @@ def test_lenses_that_gsplat_draws_otherwise_are_refused(change, name, why, gspla
     ({"radial_coeffs": np.full((1, 6), np.inf)}, ValueError, "at most 1e6 in magnitude"),
     ({"means": np.zeros((2, 2000, 3), np.float32)}, NotImplementedError, "batches of scenes are not offered"),
     ({"colors": np.zeros((1, 2000, 3), np.float32), "sh_degree": None}, NotImplementedError, "colours of each camera"),
-    ({"colors": np.zeros((2000, 16), np.float32), "sh_degree": None}, NotImplementedError, "other numbers of channels"),
+    ({"colors": np.zeros((2000, 16), np.float32), "sh_degree": None, "backgrounds": np.zeros((1, 16))},
+     NotImplementedError, "backgrounds is an array of the shape (1, 16), expected None for colors of 16 channels"),
+    ({"extra_signals": np.zeros((2000, 2), np.float32), "extra_signals_sh_degree": 1}, NotImplementedError,
+     "extra_signals_sh_degree is 1, expected None"),
+    ({"extra_signals": np.zeros((1, 2000, 2), np.float32)}, ValueError,
+     "extra_signals has the shape (1, 2000, 2), expected (2000, N)"),
     ({"sh_degree": 4}, NotImplementedError, "sh_degree is 4, expected 0 to 3"),
     ({"colors": np.zeros((2000, 8, 3), np.float32)}, ValueError, "colors has 8 coefficients, expected 16 or more"),
     ({"colors": np.zeros((2000, 3), np.float32)}, ValueError, "colors has the shape (2000, 3), expected (2000, N, 3)"),

@@ -14,6 +14,7 @@ import pytest
 
 import swiftgs
 from conftest import HEIGHT, WIDTH, Lent, decibels, has_device, side_by_side
+from swiftgs._planes import PLANES
 
 
 def test_the_table_has_every_renderer_and_names_the_usual_one():
@@ -83,6 +84,53 @@ def test_all_formats_show_the_same_image(renderer, camera, expected):
     assert only.colour is None and only.alpha is None and np.array_equal(only.depth, expected.depth)
 
 
+@pytest.fixture(scope="module")
+def featured(scene):
+    """A renderer whose Gaussians have two features: 1, and a whole number of its own."""
+    features = np.stack([np.ones(len(scene)), np.arange(len(scene)) % 7 - 3], axis=1).astype(np.float32)
+    given = {name: getattr(scene, name) for name in ("means", "scales", "rotations", "opacities", "sh0", "sh_rest")}
+    return swiftgs.Renderer("serial", scene=swiftgs.Scene.from_arrays(**given, any_rotations=False, features=features))
+
+
+ALL_PLANES = {**{name: True for name in PLANES}, "features": 2}
+
+
+def test_planes_tell_of_each_pixel(featured, camera):
+    frame = featured.render(camera, **ALL_PLANES)
+    assert np.array_equal(frame.colour, featured.render(camera).colour)
+    for name in ("alpha", "depth", "squared_depth", "first_depth", "median_depth"):
+        assert getattr(frame, name).shape == (HEIGHT, WIDTH) and getattr(frame, name).dtype == np.float32, name
+    assert frame.normal.shape == (HEIGHT, WIDTH, 3) and frame.features.shape == (HEIGHT, WIDTH, 2)
+    assert frame.id.shape == frame.median_id.shape == (HEIGHT, WIDTH) and frame.id.dtype == np.uint32
+    assert np.all(frame.squared_depth >= 0.9999 * frame.depth ** 2)
+    assert np.array_equal(frame.median_depth > 0, frame.alpha > 0.5)
+    both = frame.median_depth > 0
+    assert both.any() and np.all(frame.first_depth[both] <= frame.median_depth[both])
+    assert np.array_equal(frame.median_id == swiftgs.NOTHING, ~both)
+    assert np.array_equal(frame.id == swiftgs.NOTHING, frame.alpha == 0) and (frame.id != frame.median_id).any()
+    assert np.all(np.linalg.norm(frame.normal, axis=-1) <= frame.alpha + 1e-5) and np.abs(frame.normal).max() > 0.5
+    assert np.allclose(frame.features[..., 0], frame.alpha, atol=1e-5) and frame.features[..., 1].std() > 0.1
+    picked = featured.pick_rectangle(30, 20, 9, 7)
+    assert np.array_equal(picked["gaussian"], frame.id[20:27, 30:39])
+    assert np.array_equal(picked["median"], frame.median_id[20:27, 30:39])
+    later = featured.render(camera, first_depth=True, conventions=swiftgs.Conventions(first_alpha=0.5))
+    assert np.array_equal(later.first_depth, frame.median_depth)
+    assert not np.array_equal(later.first_depth, frame.first_depth)
+    with pytest.raises(swiftgs.InvalidArgument, match="asks for 3 features a Gaussian, expected at most the 2"):
+        featured.render(camera, features=3)
+
+
+def test_planes_go_to_arrays_of_any_layout(featured, camera):
+    wanted = featured.render(camera, **ALL_PLANES)
+    normal = np.zeros((2, HEIGHT, 2 * WIDTH, 3), np.float32)[:, ::-1, WIDTH:]
+    ids = np.zeros((2, HEIGHT, WIDTH, 1), np.uint32)
+    features = np.zeros((2, HEIGHT, WIDTH, 1), np.float32)
+    out = featured.render([camera, camera], out=swiftgs.Frame(normal=normal, id=ids, features=features))
+    assert out.colour is None and out.normal is normal
+    assert np.array_equal(normal[1], wanted.normal) and np.array_equal(ids[1, ..., 0], wanted.id)
+    assert np.array_equal(features[0, ..., 0], wanted.features[..., 0])
+
+
 def test_batches_have_the_bits_of_single_frames(renderer, camera, expected):
     other = swiftgs.Camera.look_at((1, -2, -4), (0, 0, 0), width=WIDTH, height=HEIGHT, vertical_fov=0.9)
     frame = renderer.render([camera, other, camera], alpha=True)
@@ -150,7 +198,15 @@ def test_conventions_reach_the_frame(renderer, camera, expected):
 
 
 @pytest.mark.parametrize("make, kind, text", [
-    (swiftgs.Frame, ValueError, "a frame without planes"),
+    (swiftgs.Frame, ValueError, "a frame without planes, expected one of colour, alpha, depth, squared_depth"),
+    (lambda: swiftgs.Frame(normal=np.zeros((4, 4), np.float32)), ValueError,
+     "normal has the shape (4, 4) of type f4, expected ([C,] H, W, 3) of f4"),
+    (lambda: swiftgs.Frame(normal=np.zeros((4, 4, 2), np.float32)), ValueError, "expected ([C,] H, W, 3) of f4"),
+    (lambda: swiftgs.Frame(id=np.zeros((4, 4), np.float32)), ValueError,
+     "id has the shape (4, 4) of type f4, expected ([C,] H, W) or ([C,] H, W, 1) of u4"),
+    (lambda: swiftgs.Frame(features=np.zeros((4, 4), np.float32)), ValueError,
+     "features has the shape (4, 4) of type f4, expected ([C,] H, W, F) of f4"),
+    (lambda: swiftgs.Frame(features=np.zeros((4, 4, 0), np.float32)), ValueError, "expected no side of 0"),
     (lambda: swiftgs.Frame(np.zeros((4, 4, 2), np.float32)), ValueError, "colour has the shape (4, 4, 2) of type f4"),
     (lambda: swiftgs.Frame(np.zeros((4, 4, 3))), ValueError, "of type f8, expected ([C,] H, W, 3) of f4"),
     (lambda: swiftgs.Frame(np.zeros((4, 4, 3), np.float16)), ValueError, "([C,] H, W, 4) of f4, f2 or u1"),
@@ -383,6 +439,16 @@ def test_images_are_saved(renderer, camera, tmp_path):
     read = swiftgs.load_image(tmp_path / "a.pfm")
     assert read.dtype == np.float32 and np.array_equal(read, frame.colour[1])
     assert swiftgs.load_image(tmp_path / "a.png").shape == (HEIGHT, WIDTH, 3)
+    frame = renderer.render([camera, camera], **{**ALL_PLANES, "features": 0})
+    try:
+        frame.save(tmp_path / "a.exr", 1)
+    except swiftgs.Unavailable:
+        pass
+    else:
+        header = (tmp_path / "a.exr").read_bytes()[:2000]
+        for channel in (b"normal.Y", b"depth.first", b"id.gaussian", b"id.median", b"A", b"Z"):
+            assert b"\0" + channel + b"\0" in header, channel
+        assert np.array_equal(swiftgs.load_image(tmp_path / "a.exr")[..., :3], frame.colour[1])
     with pytest.raises(swiftgs.FileError, match="none.png"):
         swiftgs.load_image(tmp_path / "none.png")
     with pytest.raises(swiftgs.InvalidArgument, match="a.gif"):

@@ -156,6 +156,14 @@ def test_gaps_and_other_orders_are_taken(scene, arrays):
     assert np.all(swiftgs.Scene.from_arrays(**one).opacities == 0.5)
 
 
+def test_features_of_any_number_are_kept(arrays):
+    assert swiftgs.Scene.from_arrays(**arrays).features.shape == (2000, 0)
+    rows = np.random.default_rng(1).random((2000, 9), np.float32)
+    for features in (rows[:, 2:7], Lent(rows[:, :4].copy()), np.asfortranarray(rows), rows[::-1]):
+        scene = swiftgs.Scene.from_arrays(**arrays, features=features)
+        assert np.array_equal(scene.features, getattr(features, "array", features))
+
+
 def test_numbers_are_activated_as_training_stores_them(arrays):
     raw = dict(arrays, scales=np.log(np.maximum(arrays["scales"], 1e-30)),
                opacities=np.log(arrays["opacities"] / (1 - np.minimum(arrays["opacities"], 0.999))),
@@ -179,6 +187,8 @@ def test_numbers_are_activated_as_training_stores_them(arrays):
     ({"sh_rest": np.zeros((2000, 4, 3), np.float32)}, ValueError, "sh_rest has 4 coefficients, expected 0, 3, 8, 15"),
     ({"means": None}, TypeError, "means is of type NoneType, expected an array"),
     ({"rotations": [[1, 0, 0, 0]] * 2000}, TypeError, "rotations is of type list, expected an array"),
+    ({"features": np.zeros(2000, np.float32)}, ValueError, "features has the shape (2000,), expected (2000, N)"),
+    ({"features": np.zeros((1999, 2), np.float32)}, ValueError, "features has the shape (1999, 2), expected (2000, N)"),
     ({"sh0": None}, TypeError, "either sh0 or colours")])
 def test_arrays_that_do_not_fit_are_named(change, kind, text, arrays):
     with pytest.raises(kind, match=re.escape(text)):

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <swiftgs/frame.hpp>
 #include <swiftgs/span.hpp>
 
 #include "reference/oracle_gaussian.hpp"
@@ -23,10 +24,19 @@ struct Bounded {
   Real value = 0, error = 0;
 };
 
+/// The splat of a pixel that something is told about.
+struct OraclePick {
+  std::uint32_t gaussian = no_gaussian;
+  Bounded depth;
+  bool sure = true;  ///< no rounding chooses another
+};
+
 struct OracleFrame {
   std::vector<Bounded> colour, alpha, depth;  ///< as in `ReferenceFrame`
-  std::vector<bool> sure;                     ///< pixels in which no rounding turns a decision
-  std::size_t unsure = 0;                     ///< the other pixels
+  std::vector<Bounded> squared_depth, normal, features;
+  std::vector<OraclePick> first, median, largest;
+  std::vector<bool> sure;  ///< pixels in which no rounding turns a decision
+  std::size_t unsure = 0;  ///< the other pixels
   std::uint64_t visible = 0, contributing_pairs = 0, pixels_stopped = 0;
 };
 
@@ -52,7 +62,8 @@ inline Bounded alpha_at(const OracleSplat& s, int column, int row) {
 /// Blends one pixel. `surely` becomes false where rounding could turn a decision.
 class OraclePixel {
  public:
-  OraclePixel(const Conventions& conventions, float occluder) : k_(conventions), occluder_(occluder) {}
+  OraclePixel(const Conventions& conventions, float occluder, int feature_channels)
+      : features(std::size_t(feature_channels)), k_(conventions), occluder_(occluder) {}
 
   /// Offers the next splat; true when it contributed.
   bool offer(const OracleSplat& s, int x, int y) {
@@ -73,13 +84,20 @@ class OraclePixel {
     surely = surely && std::abs(left.value - k_.stop) > left.error;
     stopped = (k_.stop_at_equal ? left.value <= k_.stop : left.value < k_.stop) || s.depth >= occluder_;
     if (stopped) return false;
-    add(s, {alpha.value * light.value, alpha.error * (light.value + light.error) + alpha.value * light.error +
-                                           2 * unit * alpha.value * light.value});
+    const Bounded part{alpha.value * light.value, alpha.error * (light.value + light.error) +
+                                                      alpha.value * light.error +
+                                                      2 * unit * alpha.value * light.value};
+    add(s, part);
+    take_below(first, 1 - Real(k_.first_alpha), left, s);
+    take_below(median, 0.5L, left, s);
+    offer_weight(s, part);
     light = left;
     return true;
   }
 
-  Bounded colour[3], light{1, 0}, weight, depth;
+  Bounded colour[3], light{1, 0}, weight, depth, squared_depth, normal[3];
+  std::vector<Bounded> features;
+  OraclePick first, median, largest;
   bool stopped = false, surely = true;
 
  private:
@@ -99,10 +117,28 @@ class OraclePixel {
     };
     for (std::size_t c = 0; c < 3; ++c) accumulate(colour[c], s.colour[c], s.doubt.colour[c]);
     accumulate(depth, s.z, s.doubt.z);
+    accumulate(squared_depth, s.z * s.z, (2 * s.z + s.doubt.z) * s.doubt.z + unit * s.z * s.z);
+    for (std::size_t c = 0; c < 3; ++c) accumulate(normal[c], s.normal[c], s.doubt.normal);
+    for (std::size_t c = 0; c < features.size(); ++c) accumulate(features[c], Real(s.features[c]), 0);
     accumulate(weight, 1, 0);
+  }
+  /// Notes the splat that takes the light below `threshold`.
+  void take_below(OraclePick& pick, Real threshold, const Bounded& left, const OracleSplat& s) const {
+    pick.sure = pick.sure && std::abs(left.value - threshold) > left.error;
+    if (light.value >= threshold && left.value < threshold)
+      pick.gaussian = std::uint32_t(s.index), pick.depth = {s.z, s.doubt.z};
+  }
+  void offer_weight(const OracleSplat& s, const Bounded& part) {
+    const bool more = part.value > most_.value;
+    const Bounded &greater = more ? part : most_, &smaller = more ? most_ : part;
+    if (more) largest.gaussian = std::uint32_t(s.index), largest.depth = {s.z, s.doubt.z};
+    next_ = std::max(next_, smaller.value + smaller.error), most_ = greater;
+    largest.sure = most_.value - most_.error > next_;
   }
 
   const Conventions& k_;
+  Bounded most_;   ///< weight of the largest
+  Real next_ = 0;  ///< most of the others
   Real occluder_;
   float furthest_ = -1;
   std::size_t last_ = 0;
@@ -117,10 +153,18 @@ inline void store(OracleFrame& frame, const OraclePixel& pixel, dvec3 background
                                        2 * unit * (std::abs(value) + std::abs(background[c]))});
   }
   frame.alpha.push_back({1 - light.value, light.error + unit});
-  const Bounded &sum = pixel.depth, &weight = pixel.weight;
-  const Real mean = weight.value > 0 ? sum.value / weight.value : 0;
-  frame.depth.push_back(
-      {mean, weight.value > 0 ? (sum.error + mean * weight.error) / weight.value + 2 * unit * mean : 0});
+  const Bounded& weight = pixel.weight;
+  const auto mean_of = [&](const Bounded& sum) {
+    if (!(weight.value > 0)) return Bounded();
+    const Real mean = sum.value / weight.value;
+    return Bounded{mean, (sum.error + mean * weight.error) / weight.value + 2 * unit * mean};
+  };
+  frame.depth.push_back(mean_of(pixel.depth));
+  frame.squared_depth.push_back(mean_of(pixel.squared_depth));
+  frame.normal.insert(frame.normal.end(), pixel.normal, pixel.normal + 3);
+  frame.features.insert(frame.features.end(), pixel.features.begin(), pixel.features.end());
+  frame.first.push_back(pixel.first), frame.median.push_back(pixel.median);
+  frame.largest.push_back(pixel.largest);
   frame.sure.push_back(pixel.surely);
   frame.unsure += !pixel.surely;
   frame.pixels_stopped += pixel.stopped;
@@ -141,7 +185,7 @@ inline OracleFrame render_oracle(const Scene& scene, const Camera& camera, const
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const std::size_t i = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
-      OraclePixel pixel(conventions, occluder.size > 0 ? occluder[i] : INFINITY);
+      OraclePixel pixel(conventions, occluder.size > 0 ? occluder[i] : INFINITY, scene.feature_channels);
       for (std::size_t n = 0; n < splats.size(); ++n)
         if (pixel.offer(splats[n], x, y)) ++frame.contributing_pairs, seen[n] = true;
       store(frame, pixel, background);

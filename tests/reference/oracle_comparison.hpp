@@ -8,12 +8,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
 
 #include <swiftgs/reference.hpp>
 #include <swiftgs/reference/conditioning.hpp>
+#include <swiftgs/reference/planes.hpp>
 
 #include "reference/oracle.hpp"
 #include "reference/oracle_scenes.hpp"
@@ -53,20 +55,48 @@ inline Worst compare(const std::vector<double>& values, const std::vector<Bounde
   return worst;
 }
 
+inline void check_worst(const Worst& worst, const Case& c) {
+  CHECK(worst.part_of_bound <= 1);
+  CHECK(worst.bound <= c.largest_bound * std::max(Real(1), worst.peak));
+}
+
 inline void check_values(const ReferenceFrame& frame, const OracleFrame& expected, const Case& c) {
   REQUIRE(frame.alpha.size() == expected.alpha.size());
   for (const Worst& worst : {compare(frame.colour, expected.colour, expected.sure),
                              compare(frame.alpha, expected.alpha, expected.sure),
-                             compare(frame.depth, expected.depth, expected.sure)}) {
-    CHECK(worst.part_of_bound <= 1);
-    CHECK(worst.bound <= c.largest_bound * std::max(Real(1), worst.peak));
-  }
+                             compare(frame.depth, expected.depth, expected.sure)})
+    check_worst(worst, c);
 }
 
-/// Checks both references: the one that renders, and the one that hard frames are judged by.
-inline void check(const Case& c) {
+/// Checks the planes that `ReferenceFrame` does not have.
+inline void check_planes(const ReferencePlanes& planes, const OracleFrame& expected, const Case& c) {
+  check_worst(compare(planes.squared_depth, expected.squared_depth, expected.sure), c);
+  check_worst(compare(planes.features, expected.features, expected.sure), c);
+  const std::vector<bool>& sure = expected.sure;
+  // The bound of a normal that may point either way is that of no other.
+  CHECK(compare(planes.normal, expected.normal, sure).part_of_bound <= 1);
+  std::size_t wrong = 0, unsure = 0;
+  const auto compare_pick = [&](std::size_t i, const OraclePick& pick, double depth, std::uint32_t id) {
+    if (!sure[i]) return;
+    unsure += !pick.sure;
+    wrong +=
+        pick.sure && (std::abs(Real(depth) - pick.depth.value) > pick.depth.error || id != pick.gaussian);
+  };
+  for (std::size_t i = 0; i < sure.size(); ++i) {
+    compare_pick(i, expected.first[i], planes.first_depth[i], expected.first[i].gaussian);
+    compare_pick(i, expected.median[i], planes.median_depth[i], planes.median_id[i]);
+    compare_pick(i, expected.largest[i], planes.depth_of_id[i], planes.id[i]);
+  }
+  CHECK(wrong == 0);
+  CHECK(unsure <= c.unsure);
+}
+
+/// Checks all references: the two that render, and the one that hard frames are judged by.
+inline void check(Case c) {
+  c.scene = with_features(std::move(c.scene), 2);
   const Span<const float> occluder{c.occluder.data(), c.occluder.size()};
   const OracleFrame expected = render_oracle(c.scene, c.camera, c.conventions, c.background, occluder);
+  check_planes(render_reference_planes(c.scene, c.camera, c.conventions, 1, occluder), expected, c);
   const ReferenceFrame frame = render_reference(c.scene, c.camera, c.conventions, c.background, 1, occluder);
   check_values(frame, expected, c);
   // It takes no conventions that renderers refuse.

@@ -58,6 +58,29 @@ inline void set_colour(OracleSplat& s, const Scene& scene, const Real3& mean, co
   }
 }
 
+/// Normal of the Gaussian at `p` in camera space.
+inline void set_normal(OracleSplat& s, const Scene& scene, const Real3& p, const Real3& p_error,
+                       const Camera& camera) {
+  const vec3 scale = scene.scales[s.index];
+  Real3 local{};
+  if (scale.x <= scale.y && scale.x <= scale.z)
+    local[0] = 1;
+  else
+    local[scale.y <= scale.z ? 1 : 2] = 1;
+  const Real3 world = turn(scene.rotations[s.index], local);
+  const bool parallel = camera.lens.model == LensModel::orthographic;
+  const Real3 ray = parallel ? Real3{0, 0, 1} : p, off = parallel ? Real3{} : p_error;
+  Real towards = 0, doubt = 0;
+  for (std::size_t r = 0; r < 3; ++r) {
+    s.normal[r] = dot(row_of(camera, int(r)), world);
+    s.doubt.normal += 32 * unit * dot(magnitudes(row_of(camera, int(r))), magnitudes(world));
+    towards += s.normal[r] * ray[r], doubt += 2 * off[r] + 32 * unit * std::abs(ray[r]);
+  }
+  if (towards > 0)
+    for (Real& component : s.normal) component = -component;
+  if (std::abs(towards) <= doubt) s.doubt.normal = 2;
+}
+
 /// Limits of x/z or y/z in the linearised projection.
 inline Real limited(Real tangent, Real side, Real focal, Real principal, Conventions::JacobianClamp clamp) {
   const Real half = side / (2 * focal);
@@ -187,6 +210,9 @@ inline std::optional<OracleSplat> project_gaussian(const Scene& scene, std::size
   bound_shape(f, l, sharp, k, s);
   set_footprint(s, l, camera, k);
   set_colour(s, scene, mean, camera);
+  set_normal(s, scene, p, p_error, camera);
+  const std::size_t channels = std::size_t(scene.feature_channels);
+  s.features = {scene.features.data() + channels * i, channels};
   return s;
 }
 

@@ -13,6 +13,7 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/scene.hpp>
+#include <swiftgs/span.hpp>
 
 #include "reference/oracle_harmonics.hpp"
 
@@ -36,6 +37,7 @@ struct SplatDoubt {
   Real shear = 0, opacity = 0;          ///< absolute, relative
   Real z = 0;                           ///< absolute
   Real3 colour{};                       ///< absolute
+  Real normal = 0;                      ///< absolute; 2 where rounding may turn it to the other side
   float nearest = 0, furthest = 0;      ///< z as a float
   PixelRect surely;                     ///< part of `footprint` in any case
   bool drawn = false;                   ///< whether the Gaussian is drawn at all is in doubt
@@ -44,7 +46,8 @@ struct SplatDoubt {
 /// A projected Gaussian. Its covariance is L L^T with L = (l00, 0; l10, l11).
 struct OracleSplat {
   Real x = 0, y = 0, z = 0, l00 = 0, l10 = 0, l11 = 0, opacity = 0;
-  Real3 colour{};
+  Real3 colour{}, normal{};
+  Span<const float> features{};
   float depth = 0;
   std::size_t index = 0;
   bool drawn = true;    ///< false where only a doubt keeps the splat in the list

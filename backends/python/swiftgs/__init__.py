@@ -8,7 +8,7 @@
 `rasterization` takes the arguments of gsplat's function of that name.
 """
 from ._arrays import DeviceArray
-from ._c import lib as _lib
+from ._c import NOTHING, lib as _lib
 from ._camera import Camera, Cameras, Conventions, load_cameras
 from ._errors import (Cancelled, CapacityError, DeviceError, Error, FileError, FormatError, InternalError,
                       InvalidArgument, OrderError, OutOfMemory, Unavailable)
@@ -21,7 +21,7 @@ __version__ = _lib.version().decode()
 
 __all__ = [
     "Camera", "Cameras", "Cancelled", "CapacityError", "Conventions", "DeviceArray", "DeviceError", "Error",
-    "FileError", "FormatError", "Frame", "InternalError", "InvalidArgument", "Memory", "OrderError", "OutOfMemory",
-    "Picked", "Renderer", "RendererEntry", "Scene", "Statistics", "StoredDepth", "Times", "Unavailable",
+    "FileError", "FormatError", "Frame", "InternalError", "InvalidArgument", "Memory", "NOTHING", "OrderError",
+    "OutOfMemory", "Picked", "Renderer", "RendererEntry", "Scene", "Statistics", "StoredDepth", "Times", "Unavailable",
     "find_renderer", "list_renderers", "load", "load_cameras", "load_image", "rasterization"
 ]

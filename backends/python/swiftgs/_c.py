@@ -13,7 +13,7 @@ from typing import Any
 
 from ._errors import exception_of
 
-ABI_MAJOR, ABI_MINOR = 1, 5
+ABI_MAJOR, ABI_MINOR = 1, 6
 
 MEASURE_COUNTS, MEASURE_TIMES = 1, 2
 HOST, DEVICE = 0, 1
@@ -22,7 +22,7 @@ CLAMPS = ("around-image", "around-centre")
 FOOTPRINTS = ("alpha", "three-sigma-square")
 DEPTHS = ("of-lens", "z", "distance")
 LENSES = ("perspective", "fisheye", "orthographic", "equirectangular")
-NOTHING = 0xffffffff  # in place of the index of a Gaussian
+NOTHING: int = 0xffffffff  #: in place of the index of a Gaussian: there is none
 MAX_PICK_SIDE = 64
 SPZ_AXES = ("specified", "rub", "rdf", "luf", "raw")
 
@@ -64,7 +64,7 @@ class Conventions(_Sized):
     _fields_ = [("size", c_uint32), ("near_plane", c_float), ("cull_at_near", c_int32), ("far_plane", c_float),
                 ("clamp", c_int32), ("blur", c_float), ("antialiased", c_int32), ("min_compensation", c_float),
                 ("alpha_min", c_float), ("alpha_max", c_float), ("stop", c_float), ("stop_at_equal", c_int32),
-                ("footprint", c_int32), ("depth", c_int32)]
+                ("footprint", c_int32), ("depth", c_int32), ("first_alpha", c_float)]
 
 
 class StoredDepth(ctypes.Structure):
@@ -75,7 +75,9 @@ class View(_Sized):
     _fields_ = [("size", c_uint32), ("format", c_int32), ("width", c_int32), ("height", c_int32),
                 ("camera", c_void_p), ("conventions", c_void_p), ("colour", Plane), ("alpha", Plane),
                 ("depth", Plane), ("occluder", Plane), ("over", c_int32), ("left", c_int32), ("top", c_int32),
-                ("background", c_float * 3), ("stored_depth", StoredDepth)]
+                ("background", c_float * 3), ("stored_depth", StoredDepth), ("squared_depth", Plane),
+                ("first_depth", Plane), ("median_depth", Plane), ("normal", Plane), ("id", Plane),
+                ("median_id", Plane), ("features", Plane), ("feature_channels", c_int32), ("reserved", c_uint32)]
 
 
 class Frame(_Sized):
@@ -83,8 +85,10 @@ class Frame(_Sized):
 
 
 class Image(_Sized):
-    _fields_ = [("size", c_uint32), ("width", c_int32), ("height", c_int32), ("reserved", c_uint32),
-                ("colour", Plane), ("alpha", Plane), ("depth", Plane)]
+    _fields_ = [("size", c_uint32), ("width", c_int32), ("height", c_int32), ("feature_channels", c_int32),
+                ("colour", Plane), ("alpha", Plane), ("depth", Plane), ("squared_depth", Plane),
+                ("first_depth", Plane), ("median_depth", Plane), ("normal", Plane), ("id", Plane),
+                ("median_id", Plane), ("features", Plane)]
 
 
 class Pixels(_Sized):
@@ -142,14 +146,14 @@ class FileBytes(_Sized):
 class Gaussians(_Sized):
     _fields_ = [("size", c_uint32), ("sh_degree", c_int32), ("count", c_uint64), ("means", Array),
                 ("scales", Array), ("rotations", Array), ("opacities", Array), ("sh0", Array), ("sh_rest", Array),
-                ("memory", c_int32), ("raw", c_uint32), ("antialiased", c_int32), ("reserved", c_uint32),
-                ("stream", c_void_p)]
+                ("memory", c_int32), ("raw", c_uint32), ("antialiased", c_int32), ("feature_channels", c_int32),
+                ("stream", c_void_p), ("features", Array)]
 
 
 class SceneInfo(_Sized):
     _fields_ = [("size", c_uint32), ("sh_degree", c_int32), ("count", c_uint64), ("stored", c_uint64),
                 ("dropped", c_uint64), ("lower", c_float * 3), ("upper", c_float * 3), ("antialiased", c_int32),
-                ("reserved", c_uint32), ("format", c_char_p)]
+                ("feature_channels", c_int32), ("format", c_char_p)]
 
 
 def _load():

@@ -265,6 +265,7 @@ class Conventions:
     #: What orders splats, is compared with the planes, and is drawn as depth: "z" along the axis, "distance" from the
     #: camera, or "of-lens": z of perspective and orthographic lenses, distance of the others.
     depth: str = "of-lens"
+    first_alpha: float = 0.05  #: a pixel's first depth is of the Gaussian that takes its alpha above
 
     @classmethod
     def named(cls, name: str) -> "Conventions":

@@ -3,14 +3,14 @@
 import ctypes
 import operator
 import os
-from typing import Any, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from . import _arrays, _c
 from ._c import Handle, OwnedFloats, lib
 from ._camera import Camera, Conventions, check_cameras, conventions_of, size_of
-from ._planes import FORMATS, read_planes
+from ._planes import FORMATS, PLANES, read_planes
 
 _VIEW = np.dtype(_c.View)
 _BLACK = (0, 0, 0)
@@ -56,21 +56,34 @@ class Frame:
     no pixel is copied.
 
     colour [H, W, 3 or 4] or [C, H, W, 3 or 4]: float32 RGB, or RGBA in float32, float16 or uint8, where colours are
-    premultiplied by alpha. alpha, depth [(C,) H, W] or [(C,) H, W, 1]: float32. Pixels of a row lie side by side; rows
-    may have gaps and go up. Depth is the mean depth of what contributed, as the conventions measure it, 0 where nothing
-    did.
+    premultiplied by alpha. Other planes are [(C,) H, W] or [(C,) H, W, 1] in float32 unless said otherwise. Pixels of
+    a row lie side by side; rows may have gaps and go up.
+
+    A Gaussian's weight in a pixel is alpha times the transmittance in front of it; depths are as the conventions
+    measure them. `depth` and `squared_depth` are means by weight, of depths and of their squares, 0 where alpha is 0.
+    `first_depth` is that of the Gaussian that takes alpha above `first_alpha` of the conventions, `median_depth` that
+    of the one that takes it above 1/2, 0 where none does. `normal` [(C,) H, W, 3] sums weight times normal: a unit
+    vector in camera space along the Gaussian's shortest axis, against the ray through its mean. `id`, in uint32, is the
+    index of the Gaussian of the largest weight, of equal ones the nearest, and `median_id` that of the Gaussian of
+    `median_depth`; `NOTHING` where there is none. `features` [(C,) H, W, F] sums weight times feature, the first F of
+    the scene's.
     """
 
-    def __init__(self, colour: Any = None, alpha: Any = None, depth: Any = None, *, occluder: Any = None,
-                 stored_depth: Optional[StoredDepth] = None, over: bool = False, background: Any = _BLACK,
-                 conventions: Union[str, Conventions] = "gsplat",
+    def __init__(self, colour: Any = None, alpha: Any = None, depth: Any = None, *, squared_depth: Any = None,
+                 first_depth: Any = None, median_depth: Any = None, normal: Any = None,
+                 id: Any = None, median_id: Any = None,  # pylint: disable=redefined-builtin
+                 features: Any = None, occluder: Any = None, stored_depth: Optional[StoredDepth] = None,
+                 over: bool = False, background: Any = _BLACK, conventions: Union[str, Conventions] = "gsplat",
                  first_pixel: Optional[Tuple[int, int]] = None) -> None:
         """`occluder` is a depth buffer, only read: a splat at its depth or behind is not drawn. `stored_depth` says
         what its values mean; without it they are depths. `over` keeps what
         `colour` holds behind the splats, in place of `background` [3] or [C, 3]. With `first_pixel` the frame is a
         part of the camera's image, which begins with that column and row, multiples of 16."""
-        self.colour, self.alpha, self.depth = colour, alpha, depth
-        self._planes = read_planes(colour=colour, alpha=alpha, depth=depth, occluder=occluder)
+        self.colour, self.alpha, self.depth, self.squared_depth = colour, alpha, depth, squared_depth
+        self.first_depth, self.median_depth, self.normal = first_depth, median_depth, normal
+        self.id, self.median_id, self.features = id, median_id, features
+        arrays = dict(self._arrays(), occluder=occluder)
+        self._planes = read_planes(**arrays)
         images, self.device = self._planes[0].layout.images, self._planes[0].memory.device
         self.batched = len(images) == 3  #: whether the arrays have an index of the image first
         self.height, self.width = images[-2:]
@@ -98,9 +111,13 @@ class Frame:
         self._one_size = size_of(self.width, self.height) if len(self._views) == 1 and not self._is_part else None
         if self.device is not None:
             # One array of each library tells of its stream; each DeviceArray has its own.
-            arrays = [array for array in (colour, alpha, depth, occluder) if array is not None]
             self._sources = list({array if isinstance(array, _arrays.DeviceArray) else _arrays.library_of(array): array
-                                  for array in arrays}.values())
+                                  for array in arrays.values() if array is not None}.values())
+
+    def _arrays(self) -> Dict[str, Any]:
+        """All planes that the frame has, by name."""
+        planes = {name: getattr(self, name) for name in ("colour", *PLANES)}
+        return {name: array for name, array in planes.items() if array is not None}
 
     def _fill(self, over: bool) -> None:
         """The structs of the views, but for cameras and backgrounds."""
@@ -111,6 +128,8 @@ class Frame:
             setattr(view, name, _c.Plane(memory.address, layout.pitch))
             if name == "colour":
                 view.format = layout.format
+            elif name == "features":
+                view.feature_channels = layout.channels
         if len(self._views) > 1:
             table = self._table
             table[1:] = table[0]
@@ -126,18 +145,25 @@ class Frame:
     @classmethod
     def empty(cls, width: int, height: int, count: Optional[int] = None, *,
               format: str = "rgb",  # pylint: disable=redefined-builtin
-              colour: bool = True, alpha: bool = False, depth: bool = False, **rules: Any) -> "Frame":
-        """A frame in arrays of NumPy: `count` images, or one without an index of the image. `rules` are those of the
+              colour: bool = True, features: int = 0, **options: Any) -> "Frame":
+        """A frame in arrays of NumPy: `count` images, or one without an index of the image, with the first `features`
+        of the scene's. `options` are `alpha=True`, `depth=True` and so on for other planes, and the rules of the
         constructor."""
         if format not in FORMATS:
             raise ValueError(f"format is '{format}', expected one of {', '.join(FORMATS)}")
-        if rules.get("over"):
+        if options.get("over"):
             raise ValueError("over: a new frame holds no colour to draw over, expected a Frame of yours")
         chosen = FORMATS[format]
         images = (height, width) if count is None else (count, height, width)
-        return cls(np.empty((*images, chosen.channels), chosen.kind) if colour else None,
-                   np.empty(images, np.float32) if alpha else None,
-                   np.empty(images, np.float32) if depth else None, **rules)
+        if colour:
+            options["colour"] = np.empty((*images, chosen.channels), chosen.kind)
+        if features:
+            options["features"] = np.empty((*images, features), np.float32)
+        for name, (kind, channels) in PLANES.items():
+            if isinstance(options.get(name), bool):
+                shape = images if channels == 1 else (*images, channels)
+                options[name] = np.empty(shape, kind) if options[name] else None
+        return cls(**options)
 
     @property
     def background(self) -> np.ndarray:
@@ -171,8 +197,8 @@ class Frame:
         self._struct.measure = _c.MEASURE_TIMES * bool(times) + _c.MEASURE_COUNTS * bool(counts)
 
     def save(self, path: Union[str, "os.PathLike[str]"], index: int = 0) -> None:
-        """Writes image `index` of a frame on the host as its ending says: `.png`, `.pfm`, or `.exr`, which has alpha
-        and depth too. Values are written as they are, without gamma."""
+        """Writes image `index` of a frame on the host as its ending says: `.png`, `.pfm`, or `.exr`, which has all
+        planes. Values are written as they are, without gamma."""
         if self.device is not None or self.colour is None:
             raise ValueError("save: expected a frame on the host with colour")
         at = range(len(self))[index]
@@ -181,19 +207,20 @@ class Frame:
         rgb = np.ascontiguousarray(colour[..., :3], np.float32) / np.float32(scale)
         image = _c.Image(width=self.width, height=self.height)
         kept = {"colour": rgb}
-        for name in ("alpha", "depth"):
-            array = getattr(self, name)
-            if array is not None:
-                kept[name] = np.ascontiguousarray(np.asarray(array).reshape(len(self), self.height, self.width)[at])
+        for name, array in self._arrays().items():
+            if name != "colour":
+                shape = (len(self), self.height, self.width, -1)
+                kept[name] = np.ascontiguousarray(np.asarray(array).reshape(shape)[at])
+        if self.features is not None:
+            image.feature_channels = kept["features"].shape[-1]
         for name, array in kept.items():
             setattr(image, name, _c.Plane(array.ctypes.data, array.strides[0]))
         lib.image_write(os.fsencode(path), ctypes.byref(image))
 
     def __repr__(self) -> str:
-        planes = [name for name in ("colour", "alpha", "depth") if getattr(self, name) is not None]
         number = f"{len(self)} x " if self.batched else ""
         place = self._planes[0].memory.place
-        return f"<swiftgs.Frame of {number}{self.width}x{self.height}, {', '.join(planes)}, on {place}>"
+        return f"<swiftgs.Frame of {number}{self.width}x{self.height}, {', '.join(self._arrays())}, on {place}>"
 
 
 def load_image(path: Union[str, "os.PathLike[str]"]) -> np.ndarray:

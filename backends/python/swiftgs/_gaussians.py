@@ -49,7 +49,8 @@ def _array(memory: _arrays.Memory, offset: int = 0) -> _c.Array:
 def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any, sh_rest: Any = None, *,
                  sh: Any = None, sh_degree: Optional[int] = None, colours: Any = None, log_scales: bool = False,
                  logit_opacities: bool = False, any_rotations: bool = True, antialiased: bool = False,
-                 stream: int = 0, names: Optional[dict] = None) -> Tuple[_c.Gaussians, List[_arrays.Memory]]:
+                 features: Any = None, stream: int = 0,
+                 names: Optional[dict] = None) -> Tuple[_c.Gaussians, List[_arrays.Memory]]:
     """The struct, and the memory that it points to, ready on `stream`.
 
     Colours are `sh0` [N, 3] with `sh_rest` [N, K, 3], or `sh` [N, K, 3] with both, or `colours` [N, 3] without
@@ -74,6 +75,10 @@ def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: A
         rest = memory["sh_rest"] = _rows(sh_rest, said("sh_rest", "sh_rest"), count, (None, 3), stream)
         struct.sh_degree = _degree(rest.shape[1], said("sh_rest", "sh_rest"), 0, sh_degree)
         struct.sh_rest = _array(rest)
+    if features is not None:
+        found = memory["features"] = _rows(features, said("features", "features"), count, (None,), stream)
+        struct.feature_channels = found.shape[1]
+        struct.features = _array(found)
     for name in _PARTS:
         if name in memory:
             setattr(struct, name, _array(memory[name]))

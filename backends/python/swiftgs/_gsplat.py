@@ -20,7 +20,7 @@ _LAST_ROW = np.array([0, 0, 0, 1])
 _REFUSED: Dict[str, Any] = {
     "radius_clip": 0.0, "distributed": False, "covars": None, "with_eval3d": False, "return_normals": False,
     "global_z_order": True, "rays": None, "lidar_coeffs": None, "external_distortion_coeffs": None,
-    "viewmats_rs": None, "extra_signals": None}
+    "viewmats_rs": None}
 _LENSES = {"pinhole": "perspective", "ortho": "orthographic", "fisheye": "fisheye"}
 
 _NAMES = {"rotations": "quats", "sh": "colors", "colours": "colors"}
@@ -52,18 +52,21 @@ def rasterization(
 
     Arrays are float32 of NumPy, PyTorch, CuPy, JAX or any library with DLPack, all on the host or all on one CUDA
     device: means [N, 3]; quats [N, 4] w, x, y, z of any length; scales [N, 3]; opacities [N]; colors [N, 3], or with
-    `sh_degree` harmonics [N, K, 3]. viewmats [C, 4, 4], Ks [C, 3, 3] and backgrounds [C, 3] may lie on the host too,
-    which saves a wait.
+    `sh_degree` harmonics [N, K, 3], or other numbers [N, D], drawn as they are. viewmats [C, 4, 4], Ks [C, 3, 3] and
+    backgrounds [C, 3] may lie on the host too, which saves a wait.
 
     Returns colours [C, height, width, X] and alphas [C, height, width, 1] as arrays of the library of `means`, and a
-    dictionary. X is 3, with a depth 4, and 1 for a depth alone; `render_mode` is "RGB", "D", "ED", "RGB+D" or
-    "RGB+ED". On a device nothing of the Gaussians or the images visits the host, and the images are in the order of
+    dictionary. X is 3 or D, with a depth one more, and 1 for a depth alone; `render_mode` is "RGB", "D", "ED",
+    "RGB+D" or "RGB+ED". On a device nothing of the Gaussians or the images visits the host, and the images are in the order of
     the library's current stream.
 
     `camera_model` is "pinhole", "ortho" or "fisheye". As in gsplat, z orders Gaussians of every model, is compared with
     the planes, and is drawn as depth. OpenCV's distortion is in radial_coeffs [C, 6], or [C, 4] of a fisheye,
     tangential_coeffs [C, 2] and thin_prism_coeffs [C, 4]. Lenses are linearised at the mean of each Gaussian, also
     `with_ut`, which gsplat needs for distortion and which takes seven points of each Gaussian there.
+
+    extra_signals [N, E] are drawn beside the colours: `render_extra_signals` [C, height, width, E] of the dictionary is
+    the sum of weight times signal.
 
     Arguments that change no image, such as `absgrad` and `packed`, are taken and not used. Those that would change it
     are refused by name unless they have their default. `renderer` is a `Renderer` of yours, which keeps the Gaussians
@@ -85,6 +88,9 @@ def rasterization(
         raise NotImplementedError(f"rasterization: render_mode is {render_mode!r}, expected one of {', '.join(_MODES)}")
     if rasterize_mode not in ("classic", "antialiased"):
         raise ValueError(f"rasterization: rasterize_mode is {rasterize_mode!r}, expected 'classic' or 'antialiased'")
+    if extra_signals is not None and extra_signals_sh_degree is not None:
+        raise NotImplementedError(f"rasterization: extra_signals_sh_degree is {extra_signals_sh_degree}, expected "
+                                  "None: signals have no harmonics")
     # Of the backward pass, of speed, and of what is refused above.
     del sparse_grad, absgrad, packed, tile_size, channel_chunk, segmented, renderer_config
     del ftheta_coeffs, ut_params, extra_signals_sh_degree
@@ -98,9 +104,18 @@ def rasterization(
     coloured: Dict[str, Any] = {"colours": colors}
     if sh_degree is not None:
         coloured = {"sh": colors, "sh_degree": sh_degree}
-    elif not in_colour and colors is None:
+    elif not in_colour:
         coloured = {"colours": means}  # drawn by nobody
     _check_shapes(means, coloured, count)
+    features: Dict[str, Any] = {}
+    if in_colour and sh_degree is None and _channels(colors, "colors") != 3:
+        features["colors"], coloured = colors, {"colours": means}
+        if backgrounds is not None:
+            raise NotImplementedError(f"rasterization: backgrounds is {_short(backgrounds)}, expected None for colors "
+                                      f"of {_channels(colors, 'colors')} channels")
+    if extra_signals is not None:
+        features["extra_signals"] = extra_signals
+    channels = [_channels(array, name) for name, array in features.items()]
     device = _device_of(means)
     check_device(device, "means")
     drawing = renderer or _renderer(device)
@@ -109,32 +124,43 @@ def rasterization(
                          f"memory of the renderer '{drawing.name}'")
 
     shape = (count, height, width)
-    if render_mode not in ("RGB", "ED") and device is not None and _arrays.library_of(means) not in _arrays.LIBRARIES:
-        raise NotImplementedError(f"rasterization: render_mode is '{render_mode}', expected 'RGB' or 'ED' for arrays "
-                                  f"of '{_arrays.library_of(means)}': planes are put together by "
-                                  f"{', '.join(_arrays.LIBRARIES)} alone")
-    colour = _arrays.empty(means, (*shape, 3), device) if in_colour else None
+    library = _arrays.library_of(means)
+    if device is not None and library not in _arrays.LIBRARIES:
+        alone = f"for arrays of '{library}': planes are put together by {', '.join(_arrays.LIBRARIES)} alone"
+        if render_mode not in ("RGB", "ED"):
+            raise NotImplementedError(f"rasterization: render_mode is '{render_mode}', expected 'RGB' or 'ED' {alone}")
+        if len(features) > 1:
+            raise NotImplementedError("rasterization: extra_signals is given, expected None or colors of 3 channels "
+                                      f"{alone}")
+    colour = _arrays.empty(means, (*shape, 3), device) if in_colour and "colors" not in features else None
     alpha = _arrays.empty(means, (*shape, 1), device)
     depth = _arrays.empty(means, (*shape, 1), device) if render_mode != "RGB" else None
+    signals = _arrays.empty(means, (*shape, sum(channels)), device) if features else None
     conventions = dataclasses.replace(_GSPLAT, near_plane=near_plane, far_plane=far_plane, blur=eps2d,
                                       antialiased=rasterize_mode == "antialiased")
-    frame = Frame(colour, alpha, depth, conventions=conventions)
+    frame = Frame(colour, alpha, depth, features=signals, conventions=conventions)
     if backgrounds is not None and in_colour:
         frame.background = _backgrounds(backgrounds, count)
     with drawing._scene_lock:
-        drawing._set_gaussians(means, scales, quats, opacities, None, **coloured, any_rotations=True, names=_NAMES)
+        drawing._set_gaussians(means, scales, quats, opacities, None, **coloured, any_rotations=True,
+                               features=_joined(features), names=dict(_NAMES, features=" and ".join(features)))
         frame._camera_bytes[:] = cameras.tobytes()
         drawing._draw(frame)
 
-    colour, alpha, depth = (None if plane is None else _arrays.returned(means, plane)
-                            for plane in (colour, alpha, depth))
+    colour, alpha, depth, signals = (None if plane is None else _arrays.returned(means, plane)
+                                     for plane in (colour, alpha, depth, signals))
+    meta = Meta(width=width, height=height, n_cameras=count, tile_size=16, renderer=drawing.name)
+    if "colors" in features:
+        colour = signals if len(features) == 1 else signals[..., :channels[0]]
+    if extra_signals is not None:
+        meta["render_extra_signals"] = signals if len(features) == 1 else signals[..., channels[0]:]
     if depth is not None and not render_mode.endswith("ED"):
         depth = depth * alpha
     if colour is None or depth is None:
         images = depth if colour is None else colour
     else:
         images = _arrays.concatenate(means, [colour, depth])
-    return images, alpha, Meta(width=width, height=height, n_cameras=count, tile_size=16, renderer=drawing.name)
+    return images, alpha, meta
 
 
 _GSPLAT = dataclasses.replace(Conventions.named("gsplat"), depth="z")
@@ -159,6 +185,22 @@ def _device_of(array: Any) -> Optional[int]:
     return _arrays.current_device() if hasattr(array, "__cuda_array_interface__") else None
 
 
+def _channels(array: Any, name: str) -> int:
+    """Of numbers [N, channels]. What has another shape is refused where it is read."""
+    shape = array.shape if hasattr(array, "shape") else _arrays.read(array, name, None).shape
+    return int(shape[-1]) if len(shape) == 2 else 3
+
+
+def _joined(features: Dict[str, Any]) -> Any:
+    """[N, channels of all], by the library of the first."""
+    arrays = list(features.values())
+    if len(arrays) < 2:
+        return arrays[0] if arrays else None
+    if _arrays.library_of(arrays[0]) not in _arrays.LIBRARIES:
+        arrays = [_arrays.host(array, name) for name, array in features.items()]
+    return _arrays.concatenate(arrays[0], arrays)
+
+
 def _check_shapes(means: Any, coloured: Dict[str, Any], count: int) -> None:
     """Refuses by name what gsplat takes and this does not."""
     shape = tuple(getattr(means, "shape", ()))
@@ -173,9 +215,6 @@ def _check_shapes(means: Any, coloured: Dict[str, Any], count: int) -> None:
     if len(colours) == 3 and colours[:1] == (count,):
         raise NotImplementedError(f"rasterization: colors has the shape {colours}, expected (N, 3): colours of each "
                                   "camera are not offered, call it for each")
-    if len(colours) == 2 and colours[-1] != 3:
-        raise NotImplementedError(f"rasterization: colors has the shape {colours}, expected (N, 3): other numbers of "
-                                  "channels are not offered")
 
 
 def _cameras(viewmats: Any, intrinsics: Any, width: int, height: int) -> np.ndarray:

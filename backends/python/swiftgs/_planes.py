@@ -17,10 +17,23 @@ FORMATS = {"rgb": _Format(0, "f4", 3), "rgba": _Format(1, "f4", 4), "rgba-half":
            "rgba8": _Format(3, "u1", 4)}
 
 
+class _Kind(NamedTuple):
+    kind: str
+    channels: Optional[int]  # None: any number
+
+
+_SCALAR, _ID = _Kind("f4", 1), _Kind("u4", 1)
+#: Planes that a frame may have beside colour.
+PLANES = {"alpha": _SCALAR, "depth": _SCALAR, "squared_depth": _SCALAR, "first_depth": _SCALAR,
+          "median_depth": _SCALAR, "normal": _Kind("f4", 3), "id": _ID, "median_id": _ID,
+          "features": _Kind("f4", None)}
+
+
 class _Layout(NamedTuple):
     """What a view says of a plane."""
 
     images: Tuple[int, ...]  # the shape without channels
+    channels: int
     format: int  # of a plane of colour
     pitch: int  # bytes from a row to the next
     step: int  # bytes from an image to the next
@@ -57,7 +70,7 @@ def read_planes(**arrays: Any) -> List[_Plane]:
             raise ValueError(f"{name} lies on {memory.place}, expected all planes on one")
         planes.append(_Plane(name, memory, layout))
     if not planes:
-        raise ValueError("a frame without planes, expected colour, alpha or depth")
+        raise ValueError(f"a frame without planes, expected one of colour, {', '.join(PLANES)}")
     return planes
 
 
@@ -65,7 +78,6 @@ def read_planes(**arrays: Any) -> List[_Plane]:
 def _layout_of(name: str, kind: str, shape: Tuple[int, ...], strides: Tuple[int, ...],
                expected: Optional[Tuple[int, ...]]) -> _Layout:
     """Of a plane beside others whose images have the shape `expected`."""
-    chosen = _Format(0, kind, 1)
     if name == "colour":
         formats = [f for f in FORMATS.values() if (f.kind, f.channels) == (kind, shape[-1] if shape else 0)]
         if len(shape) not in (3, 4) or not formats:
@@ -73,11 +85,16 @@ def _layout_of(name: str, kind: str, shape: Tuple[int, ...], strides: Tuple[int,
                              "([C,] H, W, 4) of f4, f2 or u1")
         chosen, images = formats[0], shape[:-1]
     else:
-        images = shape[:-1] if len(shape) in (3, 4) and shape[-1] == 1 and shape != expected else shape
-        if len(images) not in (2, 3) or kind != "f4":
-            raise ValueError(f"{name} has the shape {shape} of type {kind}, expected ([C,] H, W) or ([C,] H, W, 1) of "
-                             "f4")
-    if not all(0 < side < 2**31 for side in images):
+        plane = PLANES.get(name, _SCALAR)
+        if plane.channels == 1:
+            images = shape[:-1] if len(shape) in (3, 4) and shape[-1] == 1 and shape != expected else shape
+            chosen, shapes = _Format(0, kind, 1), "([C,] H, W) or ([C,] H, W, 1)"
+        else:
+            images = shape[:-1]
+            chosen, shapes = _Format(0, kind, shape[-1] if shape else 0), f"([C,] H, W, {plane.channels or 'F'})"
+        if len(images) not in (2, 3) or kind != plane.kind or plane.channels not in (None, chosen.channels):
+            raise ValueError(f"{name} has the shape {shape} of type {kind}, expected {shapes} of {plane.kind}")
+    if not all(0 < side < 2**31 for side in (*images, chosen.channels)):
         raise ValueError(f"{name} has the shape {shape}, expected no side of 0 and none of 2^31 or more")
     item = int(kind[1:])
     if any(stride % item for stride in strides):
@@ -92,4 +109,4 @@ def _layout_of(name: str, kind: str, shape: Tuple[int, ...], strides: Tuple[int,
     if step == 0 and len(images) == 3 and images[0] > 1 and name != "occluder":
         raise ValueError(f"{name} has its {images[0]} images in one place, expected a place for each")
     pitch = strides[rows] if images[rows] > 1 else pixels[0] * width
-    return _Layout(images, chosen.number, pitch, step)
+    return _Layout(images, chosen.channels, chosen.number, pitch, step)

@@ -43,7 +43,7 @@ class Picked(NamedTuple):
     """What a pixel shows. Weights are alpha times transmittance, as axis-shared-threshold-float-cholesky blends with
     them, whatever the renderer; depths are those of the Gaussians' means."""
 
-    gaussian: Optional[int]  #: index of the largest weight, of equal ones the lowest; None: nothing is there
+    gaussian: Optional[int]  #: index of the largest weight, of equal ones the nearest; None: nothing is there
     weight: float  #: of that Gaussian
     depth: float
     median: Optional[int]  #: the Gaussian that takes the transmittance below 1/2; None: none does
@@ -152,7 +152,7 @@ class Renderer:
 
     def set_gaussians(self, means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any = None,
                       sh_rest: Any = None, *, colours: Any = None, log_scales: bool = False,
-                      logit_opacities: bool = False, any_rotations: bool = True) -> None:
+                      logit_opacities: bool = False, any_rotations: bool = True, features: Any = None) -> None:
         """As `set_scene`, of arrays as `Scene.from_arrays` takes them.
 
         Arrays of a CUDA device go to a renderer of `cuda` within the device, in the order of their library's stream,
@@ -162,7 +162,7 @@ class Renderer:
         if (sh0 is None) == (colours is None):
             raise TypeError("set_gaussians takes either sh0 or colours")
         self._set_gaussians(means, scales, rotations, opacities, sh0, sh_rest, colours=colours, log_scales=log_scales,
-                            logit_opacities=logit_opacities, any_rotations=any_rotations)
+                            logit_opacities=logit_opacities, any_rotations=any_rotations, features=features)
 
     def _set_gaussians(self, *arrays: Any, **options: Any) -> None:
         with self._scene_lock:
@@ -173,7 +173,8 @@ class Renderer:
                 self._check_device()
             lib.renderer_set_gaussians(handle, ctypes.byref(struct))
             if device is not None:
-                given = [array for array in (*arrays, options.get("sh"), options.get("colours")) if array is not None]
+                beside = (options.get(name) for name in ("sh", "colours", "features"))
+                given = [array for array in (*arrays, *beside) if array is not None]
                 for stream in {_arrays.stream_of(array, device) for array in given}:
                     self._hand_on(handle, stream)
             self._scene = f"{struct.count:,} Gaussians"
@@ -192,9 +193,10 @@ class Renderer:
         alone.
 
         Without `out` the images are new arrays of NumPy, whatever the backend: of one image without an index of the
-        image, of a sequence of cameras with it. `format` is "rgb", "rgba", "rgba-half" or "rgba8"; `alpha=True` and
-        `depth=True` add planes, `colour=False` leaves colour out, and `background`, `conventions`, `occluder`,
-        `stored_depth` and `first_pixel` are those of `Frame`. With `out`, a frame of yours, all of that is the frame's,
+        image, of a sequence of cameras with it. `format` is "rgb", "rgba", "rgba-half" or "rgba8"; `alpha=True`,
+        `depth=True` and so on add the planes of `Frame`, `features=3` the first three of the scene's, `colour=False`
+        leaves colour out, and `background`, `conventions`, `occluder`, `stored_depth` and `first_pixel` are those of
+        `Frame`. With `out`, a frame of yours, all of that is the frame's,
         and the same frame comes back.
 
         Frames on the host are complete when it returns. Those in arrays of a CUDA device are in the order of their
@@ -274,7 +276,7 @@ class Renderer:
 
     def pick_rectangle(self, x: int, y: int, width: int, height: int, *, view: int = 0) -> np.ndarray:
         """As `pick`, of at most 64x64 pixels from column `x` and row `y` on: [height, width] with the fields of
-        `Picked`, where 0xffffffff stands for None.
+        `Picked`, where `NOTHING` stands for None.
 
         Waits, and does not look at occluders. OrderError before the first frame, and after `trim` or a frame that
         failed; InvalidArgument for an image that there is not and a rectangle that does not lie in it.

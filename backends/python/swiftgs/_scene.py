@@ -91,18 +91,19 @@ class Scene:
     @classmethod
     def from_arrays(cls, means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any = None, sh_rest: Any = None,
                     *, colours: Any = None, log_scales: bool = False, logit_opacities: bool = False,
-                    any_rotations: bool = True, antialiased: bool = False) -> "Scene":
+                    any_rotations: bool = True, antialiased: bool = False, features: Any = None) -> "Scene":
         """Copies arrays of float32 of any library, with gaps or without, on the host or on a CUDA device.
 
         means [N, 3]; scales [N, 3], standard deviations; rotations [N, 4], quaternions w, x, y, z, normalised unless
         `any_rotations` is False; opacities [N]; and either harmonics, `sh0` [N, 3] and `sh_rest` [N, 3 or 8 or 15, 3],
         or `colours` [N, 3]. `log_scales` and `logit_opacities` are for numbers as training stores them.
+        `features` [N, F] are any numbers that frames may draw of Gaussians; files do not hold them.
         """
         if (sh0 is None) == (colours is None):
             raise TypeError("from_arrays takes either sh0 or colours")
         struct, memory = gaussians_of(means, scales, rotations, opacities, sh0, sh_rest, colours=colours,
                                       log_scales=log_scales, logit_opacities=logit_opacities,
-                                      any_rotations=any_rotations, antialiased=antialiased)
+                                      any_rotations=any_rotations, antialiased=antialiased, features=features)
         handle = Handle(lib.scene_free, lib.scene_from_arrays, ctypes.byref(struct))
         del memory  # copied
         return cls(handle)
@@ -185,6 +186,11 @@ class Scene:
     def sh(self) -> np.ndarray:
         """[N, (sh_degree + 1)^2, 3], all bands in one array of its own, as `rasterization` takes them."""
         return np.concatenate([self.sh0[:, None], self.sh_rest], axis=1)
+
+    @property
+    def features(self) -> np.ndarray:
+        """[N, F], whatever else is drawn of a Gaussian."""
+        return self._array("features", self._info.feature_channels)
 
     @property
     def sh_degree(self) -> int:

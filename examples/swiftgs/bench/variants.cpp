@@ -2,9 +2,13 @@
 #include "bench/variants.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <vector>
+
+#include <swiftgs/edit/select.hpp>
 
 #include "number_text.hpp"
 
@@ -37,26 +41,18 @@ vec3 direction(const Quaternion& q, int axis) {
   return {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)};
 }
 
-/// Adds `parts` pieces of Gaussian `i`.
-void add_pieces(const Scene& scene, std::size_t i, std::size_t parts, Scene& to) {
-  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
-  const vec3 scale = scene.scales[i];
+/// Makes pieces of `parts` copies of a Gaussian, from number `first` on.
+void split(Scene& scene, std::size_t first, std::size_t parts) {
+  const vec3 mean = scene.means[first], scale = scene.scales[first];
   const int axis = scale.x >= scale.y && scale.x >= scale.z ? 0 : scale.y >= scale.z ? 1 : 2;
   const double n = double(parts);
   // Pieces at a regular distance d have a variance of d^2 (n^2 - 1) / 12 about their middle, and 1 / n^2
   // each.
   const float distance = parts > 1 ? float(std::sqrt(12 / (n * n)) * scale[axis]) : 0;
+  const vec3 along = direction(scene.rotations[first], axis);
   for (std::size_t piece = 0; piece < parts; ++piece) {
-    vec3 shorter = scale;
-    shorter[axis] /= float(parts);
-    to.means.push_back(scene.means[i] + direction(scene.rotations[i], axis) *
-                                            (distance * float(double(piece) - 0.5 * (n - 1))));
-    to.scales.push_back(shorter);
-    to.rotations.push_back(scene.rotations[i]);
-    to.opacities.push_back(scene.opacities[i]);
-    to.sh0.push_back(scene.sh0[i]);
-    const float* const from = scene.sh_rest.data() + i * rest;
-    to.sh_rest.insert(to.sh_rest.end(), from, from + rest);
+    scene.means[first + piece] = mean + along * (distance * float(double(piece) - 0.5 * (n - 1)));
+    scene.scales[first + piece][axis] /= float(parts);
   }
 }
 
@@ -79,13 +75,16 @@ Scene with_count(const Scene& scene, std::size_t count, std::uint32_t seed) {
   require_count(count);
   if (count == scene.size()) return scene;
   if (scene.size() == 0) throw std::invalid_argument("--gaussians: expected a scene that is not empty");
-  Scene result;
-  result.sh_degree = scene.sh_degree, result.antialiased = scene.antialiased;
-  result.means.reserve(count), result.scales.reserve(count), result.rotations.reserve(count);
-  result.opacities.reserve(count), result.sh0.reserve(count);
-  result.sh_rest.reserve(count * 3 * std::size_t(sh_rest_count(scene.sh_degree)));
   Shares shares(scene.size(), count, seed);
-  for (std::size_t i = 0; i < scene.size(); ++i) add_pieces(scene, i, shares.next(), result);
+  std::vector<std::uint32_t> sources;
+  sources.reserve(count);
+  for (std::size_t i = 0; i < scene.size(); ++i)
+    sources.insert(sources.end(), shares.next(), std::uint32_t(i));
+  Scene result = subset(scene, sources);
+  for (std::size_t first = 0, next = 0; first < count; first = next) {
+    while (next < count && sources[next] == sources[first]) ++next;
+    split(result, first, next - first);
+  }
   return result;
 }
 

@@ -93,7 +93,7 @@ void use_calibration(AnyRenderer& renderer, const std::string& file, const Scene
 void render(const RenderOptions& options) {
   const Writer write = writer_of(options.format);
   if (!options.view.planes.empty() && options.format != "exr")
-    throw std::invalid_argument("--planes: expected --format exr, whose channels A and Z hold them");
+    throw std::invalid_argument("--planes: expected --format exr, whose channels hold them");
   require_batch(options.batch);
   validate(options.lens);
   const Capture capture = capture_of(options.scene);

@@ -193,11 +193,13 @@ Outputs planes_of(const std::string& text) {
     bool added = false;
     for_each_plane(
         [&]<class Wanted>(std::size_t, const char* known, Wanted& wanted) {
-          if constexpr (!std::is_const_v<Wanted>)
+          if constexpr (std::is_same_v<Wanted, bool>)
             if (name == known && !wanted) added = wanted = true;
         },
         plane_names, planes);
-    if (!added) throw std::invalid_argument("--planes '" + text + "': expected alpha, depth or alpha,depth");
+    if (!added)
+      throw std::invalid_argument("--planes '" + text + "': expected names, with commas between, of " +
+                                  names_of_planes() + "; each once");
   }
   return planes;
 }

@@ -152,14 +152,11 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_record(swiftgs_renderer* renderer,
 /// Returns when all work submitted so far is done.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_wait(swiftgs_renderer* renderer);
 
-/// In place of a Gaussian's index: there is none.
-#define SWIFTGS_NOTHING UINT32_C(0xffffffff)
-
 /// The Gaussian of the largest weight at a pixel, and the median one. A weight is alpha times transmittance,
 /// as `AxisSharedThreshold<FloatCholesky>` blends with it, whatever the renderer. Depths are of the
 /// Gaussians' means, as the view's conventions measure them. The struct has no size, because it never grows.
 typedef struct swiftgs_picked {
-  uint32_t gaussian;   ///< index of the largest weight, of equal ones the lowest; or `SWIFTGS_NOTHING`
+  uint32_t gaussian;   ///< index of the largest weight, of equal ones the nearest; or `SWIFTGS_NOTHING`
   float weight;        ///< 0 of nothing
   float depth;         ///< 0 of nothing
   uint32_t median;     ///< that takes the transmittance below 1/2; or `SWIFTGS_NOTHING`

@@ -86,20 +86,21 @@ enum {
 
 /// Gaussians in arrays. Without `raw` they are activated, and used with the bits that they have.
 typedef struct swiftgs_gaussians {
-  uint32_t size;            ///< `sizeof(swiftgs_gaussians)`
-  int32_t sh_degree;        ///< 0 to 3
-  uint64_t count;           ///< N, less than 2^32
-  swiftgs_array means;      ///< @shape{N, 3} world position
-  swiftgs_array scales;     ///< @shape{N, 3} standard deviation along each local axis, 0 or more
-  swiftgs_array rotations;  ///< @shape{N, 4} unit quaternions w, x, y, z, local axes to world
-  swiftgs_array opacities;  ///< @shape{N} 0 to 1
-  swiftgs_array sh0;        ///< @shape{N, 3} SH coefficient of band 0, RGB
-  swiftgs_array sh_rest;    ///< @shape{N, (sh_degree + 1)^2 - 1, 3} bands 1 and up, RGB innermost
-  int32_t memory;           ///< `SWIFTGS_HOST` or `SWIFTGS_DEVICE`
-  uint32_t raw;             ///< sum of `SWIFTGS_LOG_SCALES`, ...
-  int32_t antialiased;      ///< 1: trained with Mip-Splatting's opacity compensation
-  uint32_t reserved;        ///< 0
-  void* stream;  ///< of arrays on a device: a `cudaStream_t` that has them ready; NULL: the default
+  uint32_t size;             ///< `sizeof(swiftgs_gaussians)`
+  int32_t sh_degree;         ///< 0 to 3
+  uint64_t count;            ///< N, less than 2^32
+  swiftgs_array means;       ///< @shape{N, 3} world position
+  swiftgs_array scales;      ///< @shape{N, 3} standard deviation along each local axis, 0 or more
+  swiftgs_array rotations;   ///< @shape{N, 4} unit quaternions w, x, y, z, local axes to world
+  swiftgs_array opacities;   ///< @shape{N} 0 to 1
+  swiftgs_array sh0;         ///< @shape{N, 3} SH coefficient of band 0, RGB
+  swiftgs_array sh_rest;     ///< @shape{N, (sh_degree + 1)^2 - 1, 3} bands 1 and up, RGB innermost
+  int32_t memory;            ///< `SWIFTGS_HOST` or `SWIFTGS_DEVICE`
+  uint32_t raw;              ///< sum of `SWIFTGS_LOG_SCALES`, ...
+  int32_t antialiased;       ///< 1: trained with Mip-Splatting's opacity compensation
+  int32_t feature_channels;  ///< floats a Gaussian in `features`
+  void* stream;            ///< of arrays on a device: a `cudaStream_t` that has them ready; NULL: the default
+  swiftgs_array features;  ///< @shape{N, feature_channels} whatever else is drawn of a Gaussian
 } swiftgs_gaussians;
 
 /// Copies arrays into a scene. Arrays of a device are brought to the host; the copy waits for `stream`. To
@@ -116,16 +117,16 @@ SWIFTGS_C_API swiftgs_status swiftgs_scene_builtin(uint64_t count, swiftgs_scene
 SWIFTGS_C_API void swiftgs_scene_free(swiftgs_scene* scene);
 
 typedef struct swiftgs_scene_info {
-  uint32_t size;        ///< `sizeof(swiftgs_scene_info)`
-  int32_t sh_degree;    ///< 0 to 3
-  uint64_t count;       ///< Gaussians
-  uint64_t stored;      ///< Gaussians in the file; `count` for a scene that is not from a file
-  uint64_t dropped;     ///< those of them with a NaN or an infinity that cannot be rendered
-  float lower[3];       ///< least coordinates of all finite means; 0 in a scene without any
-  float upper[3];       ///< greatest
-  int32_t antialiased;  ///< 1: trained with Mip-Splatting's opacity compensation
-  uint32_t reserved;    ///< 0
-  const char* format;   ///< such as "SPZ version 4", until the scene is freed; "" if not from a file
+  uint32_t size;             ///< `sizeof(swiftgs_scene_info)`
+  int32_t sh_degree;         ///< 0 to 3
+  uint64_t count;            ///< Gaussians
+  uint64_t stored;           ///< Gaussians in the file; `count` for a scene that is not from a file
+  uint64_t dropped;          ///< those of them with a NaN or an infinity that cannot be rendered
+  float lower[3];            ///< least coordinates of all finite means; 0 in a scene without any
+  float upper[3];            ///< greatest
+  int32_t antialiased;       ///< 1: trained with Mip-Splatting's opacity compensation
+  int32_t feature_channels;  ///< floats a Gaussian in `features`
+  const char* format;        ///< such as "SPZ version 4", until the scene is freed; "" if not from a file
 } swiftgs_scene_info;
 
 /// Fills `info`, whose size is set. Reads all means.

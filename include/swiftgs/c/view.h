@@ -31,6 +31,7 @@ typedef struct swiftgs_conventions {
   int32_t stop_at_equal;   ///< 1: or exactly to `stop`
   int32_t footprint;       ///< `SWIFTGS_FOOTPRINT_...`, of the reference; renderers use their bounds
   int32_t depth;           ///< `SWIFTGS_DEPTH_...`
+  float first_alpha;       ///< a pixel's first depth is of the Gaussian that takes its alpha above
 } swiftgs_conventions;
 
 /// Limits of x/z and y/z where the projection is linearised, in tangents.
@@ -82,7 +83,13 @@ SWIFTGS_C_API swiftgs_stored_depth swiftgs_stored_perspective(double at_0, doubl
 /// That of an orthographic projection.
 SWIFTGS_C_API swiftgs_stored_depth swiftgs_stored_orthographic(double at_0, double at_1);
 
+/// In place of a Gaussian's index: there is none.
+#define SWIFTGS_NOTHING UINT32_C(0xffffffff)
+
 /// One image of a frame, or a rectangle of one.
+///
+/// A Gaussian's weight in a pixel is alpha times the transmittance in front of it. Depths are those of means,
+/// as the conventions measure them.
 typedef struct swiftgs_view {
   uint32_t size;                           ///< `sizeof(swiftgs_view)`; the same in all views of an array
   int32_t format;                          ///< of `colour`: `SWIFTGS_RGB_FLOAT`, ...
@@ -91,8 +98,7 @@ typedef struct swiftgs_view {
   const swiftgs_conventions* conventions;  ///< NULL: those of gsplat
   swiftgs_plane colour;                    ///< of `format`
   swiftgs_plane alpha;                     ///< float: 1 - transmittance
-  /// float: mean depth as the conventions measure it, weighted by contribution; 0 where alpha is 0.
-  swiftgs_plane depth;
+  swiftgs_plane depth;                     ///< float: mean by weight; 0 where alpha is 0
   /// float, only read: a depth buffer of the same measure, stored as `stored_depth` says. A splat there or
   /// behind is not drawn; infinity hides nothing.
   swiftgs_plane occluder;
@@ -100,21 +106,34 @@ typedef struct swiftgs_view {
   int32_t left, top;    ///< pixel of the image that is the frame's first; multiples of 16
   float background[3];  ///< RGB in the scene's own values; has no part in alpha
   swiftgs_stored_depth stored_depth;  ///< of `occluder`
+  swiftgs_plane squared_depth;        ///< float: mean by weight of depth^2; 0 where alpha is 0
+  /// float: depth of the Gaussian that takes alpha above `first_alpha` of the conventions; 0 where none does.
+  swiftgs_plane first_depth;
+  swiftgs_plane median_depth;  ///< float: of the Gaussian that takes alpha above 1/2; 0 where none does
+  /// 3 floats: sum of weight times normal, a unit vector in camera space along the Gaussian's shortest axis,
+  /// against the ray through its mean.
+  swiftgs_plane normal;
+  swiftgs_plane id;  ///< uint32: index of the largest weight, of equal ones the nearest; or `SWIFTGS_NOTHING`
+  swiftgs_plane median_id;   ///< uint32: index of the Gaussian of `median_depth`; or `SWIFTGS_NOTHING`
+  swiftgs_plane features;    ///< `feature_channels` floats: sum of weight times feature
+  int32_t feature_channels;  ///< the first of the scene's
+  uint32_t reserved;         ///< 0
 } swiftgs_view;
 
-/// Pixels of an image on the host, for `swiftgs_image_write`.
+/// Pixels of an image on the host, for `swiftgs_image_write`. Planes are those of `swiftgs_view`, only read.
+/// Only EXR holds more than colour.
 typedef struct swiftgs_image {
-  uint32_t size;          ///< `sizeof(swiftgs_image)`
-  int32_t width, height;  ///< @units{pixels}
-  uint32_t reserved;      ///< 0
-  swiftgs_plane colour;   ///< RGB in float; only read
-  swiftgs_plane alpha;    ///< float, or absent; only EXR holds it
-  swiftgs_plane depth;    ///< float, or absent; only EXR holds it
+  uint32_t size;             ///< `sizeof(swiftgs_image)`
+  int32_t width, height;     ///< @units{pixels}
+  int32_t feature_channels;  ///< of `features`
+  swiftgs_plane colour;      ///< RGB in float
+  swiftgs_plane alpha, depth, squared_depth, first_depth, median_depth, normal, id, median_id, features;
 } swiftgs_image;
 
 /// Writes an image as its name's ending says: `.png` with 8 bits a channel, `.pfm`, or `.exr`. Values are
-/// written as they are, without gamma. Errors: `SWIFTGS_INVALID_ARGUMENT`, `SWIFTGS_SYSTEM_ERROR`, and
-/// `SWIFTGS_UNAVAILABLE` for EXR in a build without OpenEXR.
+/// written as they are, without gamma. docs/command_line.md names the channels of an EXR. Errors:
+/// `SWIFTGS_INVALID_ARGUMENT`, `SWIFTGS_SYSTEM_ERROR`, and `SWIFTGS_UNAVAILABLE` for EXR in a build without
+/// OpenEXR.
 SWIFTGS_C_API swiftgs_status swiftgs_image_write(const char* path, const swiftgs_image* image);
 
 /// A picture of a file, such as a photograph that frames are compared with.

@@ -25,21 +25,20 @@ namespace swiftgs {
 /// Gaussians.
 inline Scene subset(const Scene& scene, const std::vector<std::uint32_t>& kept) {
   validate(scene);
-  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
-  Scene out;
-  out.sh_degree = scene.sh_degree, out.antialiased = scene.antialiased;
-  out.means.reserve(kept.size()), out.scales.reserve(kept.size()), out.rotations.reserve(kept.size());
-  out.opacities.reserve(kept.size()), out.sh0.reserve(kept.size()), out.sh_rest.reserve(rest * kept.size());
-  for (const std::uint32_t i : kept) {
+  for (const std::uint32_t i : kept)
     if (i >= scene.size())
       throw std::invalid_argument("subset: expected Gaussians below " + std::to_string(scene.size()) +
                                   ", got " + std::to_string(i));
-    out.means.push_back(scene.means[i]), out.scales.push_back(scene.scales[i]);
-    out.rotations.push_back(scene.rotations[i]), out.opacities.push_back(scene.opacities[i]);
-    out.sh0.push_back(scene.sh0[i]);
-    const auto first = scene.sh_rest.begin() + std::ptrdiff_t(rest * i);
-    out.sh_rest.insert(out.sh_rest.end(), first, first + std::ptrdiff_t(rest));
-  }
+  Scene out = empty_like(scene);
+  for_each_array(
+      [&](const char*, std::size_t each, const auto& from, auto& to) {
+        to.reserve(each * kept.size());
+        for (const std::uint32_t i : kept) {
+          const auto first = from.begin() + std::ptrdiff_t(each * i);
+          to.insert(to.end(), first, first + std::ptrdiff_t(each));
+        }
+      },
+      scene, out);
   return out;
 }
 
@@ -141,37 +140,40 @@ inline Scene with_degree(Scene scene, int degree) {
 }
 
 /// Adds the Gaussians of `more` behind those of `scene`, which comes to have the higher degree of both. A
-/// `more` without Gaussians changes nothing, a `scene` without any takes over whether `more` is antialiased.
-/// Linear in the number of added Gaussians, on average, if the degree stays.
-/// Throws `std::invalid_argument` as `validate` does, and if only one of both was trained with the opacity
-/// compensation that `antialiased` names. If it throws, `scene` is as before.
+/// `more` without Gaussians changes nothing; a `scene` without any takes over whether `more` is antialiased,
+/// and its feature channels. Linear in the number of added Gaussians, on average, if the degree stays.
+/// Throws `std::invalid_argument` as `validate` does, if only one of both was trained with the opacity
+/// compensation that `antialiased` names, and if both have features of different numbers of channels. If it
+/// throws, `scene` is as before.
 inline void append(Scene& scene, const Scene& more) {
   validate(scene), validate(more);
   if (more.size() == 0) return;
   if (&scene == &more) return append(scene, Scene(more));
   if (scene.size() != 0 && scene.antialiased != more.antialiased)
     throw std::invalid_argument("append: expected both scenes antialiased or neither, got one of each");
-  const int degree = scene.sh_degree > more.sh_degree ? scene.sh_degree : more.sh_degree;
+  if (scene.size() != 0 && scene.feature_channels != more.feature_channels)
+    throw std::invalid_argument("append: expected scenes with equally many feature channels, got " +
+                                std::to_string(scene.feature_channels) + " and " +
+                                std::to_string(more.feature_channels));
+  if (more.sh_degree < scene.sh_degree) return append(scene, with_degree(more, scene.sh_degree));
+  if (scene.sh_degree < more.sh_degree) {
+    Scene raised = with_degree(scene, more.sh_degree);
+    append(raised, more);
+    scene = std::move(raised);
+    return;
+  }
 
   // All that may throw comes first.
-  std::vector<float> raised, added;
-  if (scene.sh_degree != degree) raised = detail::rest_of_degree(scene, degree);
-  if (more.sh_degree != degree) added = detail::rest_of_degree(more, degree);
-  std::vector<float>& rest = scene.sh_degree != degree ? raised : scene.sh_rest;
-  const std::vector<float>& more_rest = more.sh_degree != degree ? added : more.sh_rest;
-  const auto reserve = [](auto& array, std::size_t count) {
-    const std::size_t needed = array.size() + count;
-    if (array.capacity() < needed) array.reserve(std::max(needed, 2 * array.capacity()));
-  };
-  reserve(scene.means, more.size()), reserve(scene.scales, more.size());
-  reserve(scene.rotations, more.size()), reserve(scene.opacities, more.size());
-  reserve(scene.sh0, more.size()), reserve(rest, more_rest.size());
-
-  const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-  add(scene.means, more.means), add(scene.scales, more.scales), add(scene.rotations, more.rotations);
-  add(scene.opacities, more.opacities), add(scene.sh0, more.sh0), add(rest, more_rest);
-  if (scene.sh_degree != degree) scene.sh_rest = std::move(raised), scene.sh_degree = degree;
-  scene.antialiased = more.antialiased;
+  for_each_array(
+      [](const char*, std::size_t, auto& to, const auto& from) {
+        const std::size_t needed = to.size() + from.size();
+        if (to.capacity() < needed) to.reserve(std::max(needed, 2 * to.capacity()));
+      },
+      scene, more);
+  for_each_array([](const char*, std::size_t, auto& to,
+                    const auto& from) { to.insert(to.end(), from.begin(), from.end()); },
+                 scene, more);
+  scene.antialiased = more.antialiased, scene.feature_channels = more.feature_channels;
 }
 
 }  // namespace swiftgs

@@ -37,8 +37,9 @@ SWIFTGS_API void write_png(const std::filesystem::path& path, const Frame& frame
 /// Writes colour as three floats a pixel in the byte order of this machine, which the file states.
 SWIFTGS_API void write_pfm(const std::filesystem::path& path, const Frame& frame);
 
-/// Writes float channels R, G, B, and A and Z (depth) if the frame has them. Throws `std::runtime_error` in a
-/// build without OpenEXR.
+/// Writes float channels R, G and B, and those of the other planes that the frame has: A, Z (depth),
+/// depth.squared, depth.first, depth.median, normal.X to normal.Z, features.0 and up, and id.gaussian and
+/// id.median as unsigned integers. Throws `std::runtime_error` in a build without OpenEXR.
 SWIFTGS_API void write_exr(const std::filesystem::path& path, const Frame& frame);
 
 }  // namespace swiftgs

@@ -6,11 +6,14 @@
 #include <cmath>
 #include <concepts>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <string_view>
 
 #include <swiftgs/backend.hpp>
 #include <swiftgs/colours.hpp>
+#include <swiftgs/plane/attributes.hpp>
+#include <swiftgs/plane/picks.hpp>
 #include <swiftgs/raster/raster_blocks.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/store_pixel.hpp>
@@ -49,7 +52,22 @@ struct RasterJob {
   TileListsView lists;
   Views views;
   RasterCounts* counts = nullptr;  ///< @shape{raster blocks} filled where not null
+  AttributesView attributes{};
+  bool only_attributes = false;  ///< all other planes were drawn
+
+  /// Whether pixels of `view` have to remember splats.
+  SWIFTGS_HD bool picks(const View& view) const { return !only_attributes && view.frame.picks(); }
+  /// Whether pixels of `view` have to sum depths.
+  SWIFTGS_HD bool sums_depth(const View& view) const { return !only_attributes && view.frame.depth.data; }
 };
+
+/// Writes the planes that `job` draws at column x of row y, but those of picked splats. `sums` are those of
+/// its attributes.
+SWIFTGS_HD inline void store_pixel(const RasterJob& job, const View& view, std::size_t x, std::size_t y,
+                                   const BlendedPixel& pixel, const float* sums) {
+  if (!job.only_attributes) store_pixel(view.frame, x, y, pixel, view.background);
+  if (job.attributes.rows != 0) store_attributes(view.frame, job.attributes, x, y, pixel.transmittance, sums);
+}
 
 /// The raster blocks of `job`. Throws `std::invalid_argument` if the lists are not of as many tiles as the
 /// views have.
@@ -164,6 +182,10 @@ struct BlendRasterBlock {
     const vec2 first_centre = place.first_centre;
 
     BlendedPixel pixels[raster_block_side][raster_block_side];
+    SplatPicks picks[raster_block_side][raster_block_side];
+    float sums[raster_block_side][raster_block_side][AttributesView::most];
+    if (job.attributes.rows != 0) std::memset(sums, 0, sizeof sums);
+    const bool pick = job.picks(view);
     bool stopped[raster_block_side][raster_block_side] = {};
     int live_in_row[raster_block_side];
     for (int row = 0; row < rows; ++row) live_in_row[row] = columns;
@@ -197,17 +219,21 @@ struct BlendRasterBlock {
           }
           const float weight = alpha * pixel.transmittance;
           pixel.colour += weight * colour.rgb;
-          if (view.frame.depth.data) pixel.depth += weight * colour.depth;
+          if (job.sums_depth(view)) pixel.depth += weight * colour.depth;
           pixel.transmittance = next;
+          job.attributes.add(sums[row][column], id, weight);
+          if (pick) picks[row][column].offer(id, weight, next, view.rules.first_below);
           ++counts.contributing_pairs;
         }
       }
     }
 
     for (int row = 0; row < rows; ++row)
-      for (int column = 0; column < columns; ++column)
-        store_pixel(view.frame, std::size_t(x0 + column), std::size_t(y0 + row), pixels[row][column],
-                    view.background);
+      for (int column = 0; column < columns; ++column) {
+        const auto x = std::size_t(x0 + column), y = std::size_t(y0 + row);
+        store_pixel(job, view, x, y, pixels[row][column], sums[row][column]);
+        if (pick) store_picks(view.frame, job.splats, x, y, picks[row][column]);
+      }
     counts.longest_item = counts.intersections_visited;
     if (job.counts) job.counts[block] = counts;
   }

@@ -10,6 +10,8 @@ EDIT = "edit/edit_test"
 CHUNKS = "policies/chunk_borders_test"
 CPU = "policies/cpu_test"
 PICKER = "policies/pixel_picker_test"
+PLANES = "policies/plane_arithmetic_test"
+FRAMES = "policies/contract_planes_test --test-case=*Serial*"
 BANDS = "mpi/mpi_strips_test"
 
 NAMED = [
@@ -36,17 +38,50 @@ NAMED = [
     Mutant("chunks: a panorama has one copy", I + "chunks.hpp", "const double x = v.nearest_copy(v.fx * seen.u + v.cx);",
            "const double x = v.fx * seen.u + v.cx;", test=CHUNKS),
     # Picking.
-    Mutant("pick: of equal weights the nearest Gaussian", I + "pick.hpp",
-           "(weight == picked_.weight && gaussian < picked_.gaussian)", "false", test=PICKER),
+    Mutant("pick: of equal weights the farthest Gaussian", I + "pick.hpp", "if (weight > picked_.weight)",
+           "if (weight >= picked_.weight)", test=PICKER),
     Mutant("pick: the median takes the transmittance to one half", I + "pick.hpp",
            "before >= 0.5f && next < 0.5f", "before > 0.5f && next <= 0.5f", test=PICKER),
-    Mutant("pick: a Gaussian that takes all that is left is not looked at", I + "pick.hpp",
-           "next >= 0.5f || next >= picked_.weight", "next >= 0.5f || next > picked_.weight", test=PICKER),
+    Mutant("pick: nothing is looked at behind the median", I + "pick.hpp",
+           "next >= 0.5f || next > picked_.weight", "next >= 0.5f", test=PICKER),
+    # Planes.
+    Mutant("planes: of equal weights the farthest Gaussian", I + "plane/picks.hpp", "if (splat_weight > weight)",
+           "if (splat_weight >= weight)", test=PLANES),
+    Mutant("planes: the median takes the transmittance to one half", I + "plane/picks.hpp",
+           "transmittance < median_below", "transmittance <= median_below", test=PLANES),
+    Mutant("planes: the first depth is of the last splat", I + "plane/picks.hpp",
+           "first == none && transmittance < first_below", "transmittance < first_below", test=PLANES),
+    Mutant("planes: of equally short axes the last is the normal", I + "plane/normal.hpp",
+           "scale.z < scale[first]", "scale.z <= scale[first]", test=PLANES),
+    Mutant("planes: normals of an orthographic lens face its centre", I + "plane/normal.hpp",
+           "if (v.lens.model != LensModel::orthographic) {", "{", test=PLANES),
+    Mutant("planes: squared depths are not divided by alpha", I + "plane/attributes.hpp",
+           "alpha > 0 ? sums[i] / alpha : 0.0f", "sums[i]", test=PLANES),
+    Mutant("planes: features that are not finite are drawn", I + "attribute_stage.hpp",
+           "value >= -most && value <= most ? value : 0.0f", "value", test=PLANES),
+    Mutant("planes: attributes beyond those of one rasterization are left out", I + "attribute_stage.hpp",
+           "first < count; first += most", "first < 1; first += most", test=FRAMES),
+    Mutant("planes: five attributes are summed in one row", I + "attribute_stage.hpp",
+           "attributes <= int(AttributeRow::channels)", "attributes <= int(AttributeRow::channels) + 1", test=FRAMES),
+    Mutant("planes: a pixel remembers the largest alpha", I + "raster/raster.hpp",
+           "offer(id, weight, next,", "offer(id, alpha, next,", test=FRAMES),
+    Mutant("planes: the first alpha is 0.05 whatever is asked", I + "view.hpp", "1 - c.first_alpha", "0.95f",
+           test=FRAMES),
     # Vectors of the Cpu.
     Mutant("cpu project: needles through lenses in float", "backends/cpu/project.cpp",
            "hn::Le(length, MostLengthInFloat(mean_x, mean_y))", "hn::Eq(length, length)", test=CPU),
     Mutant("cpu project: angles of 1e-7", "backends/cpu/doubles-inl.hpp", "return hn::CopySign(turn.v, y.v);",
            "return hn::CopySign((turn * (1 + 1e-7)).v, y.v);", test=CPU),
+    Mutant("cpu pick: of equal weights the farthest Gaussian", "backends/cpu/pick-inl.hpp",
+           "for (std::size_t i = of.size; i-- > 0;)", "for (std::size_t i = 0; i < of.size; ++i)", test=CPU),
+    Mutant("cpu pick: of equal weights that of the later batch", "backends/cpu/pick-inl.hpp",
+           "found = hn::Gt(most, weight)", "found = hn::Ge(most, weight)", test=CPU),
+    Mutant("cpu planes: attributes of the first splat", "backends/cpu/sum-inl.hpp",
+           "batch.splats[of.list[i]]", "batch.splats[of.list[0]]", test=CPU),
+    Mutant("cpu pick: one half is below the limit", "backends/cpu/pick-inl.hpp",
+           "hn::Ge(through, half)", "hn::Gt(through, half)", test=CPU),
+    Mutant("cpu pick: a pixel that stopped crosses all limits", "backends/cpu/pick-inl.hpp",
+           "after = hn::Abs(", "after = (", test=CPU),
     # Edits.
     Mutant("edit: the last bit of a cell is lost", I + "edit/order.hpp", "0x1249249249249249", "0x1249249249249248",
            test=EDIT),
@@ -62,7 +97,7 @@ NAMED = [
     Mutant("strips: the row in which the sum passes goes to the later rank", "backends/mpi/strips.cpp",
            "before + costs[row] / 2 < wanted", "before + costs[row] < wanted", test=BANDS),
     Mutant("exchange: splats of later ranks are not noted as hidden",
-           "backends/mpi/include/swiftgs/mpi/splat_exchange.hpp", "if (!is_hidden(joined[i])) return;",
+           "backends/mpi/include/swiftgs/mpi/exchange_loops.hpp", "if (!is_hidden(joined[i])) return;",
            "if (i >= at || !is_hidden(joined[i])) return;", test="mpi/launch -n 3 mpi/mpi_frames_test"),
     Mutant("exchange: a rank's own splats count as sent", "backends/mpi/include/swiftgs/mpi/renderer.hpp",
            "mine.sent = shares_.begins.back() - shares_.count_for(own);", "mine.sent = shares_.begins.back();",

@@ -9,6 +9,7 @@ CUDA = "backends/cuda/"
 CHOLESKY = ("raster_float_cholesky.cpp",)
 SPLIT = ("raster_float_split.cpp",)
 PER_PIXEL = ("raster_per_pixel.cpp",)
+RASTERS = CHOLESKY + SPLIT + PER_PIXEL + ("raster_half_split.cpp",)  # share functions, of which the linker takes one
 # Of the cuda backend: all bounds, so that frames of one backend are wrong alike.
 STAGES = ("stages.cu",)
 WARPS = ("raster_float_cholesky.cu",)
@@ -200,8 +201,8 @@ MUTANTS = [
            "next <= view.rules.stop_below"),
     Mutant("raster: stop_at_equal ignored", I + "view.hpp",
            "c.stop_at_equal ? std::nextafter(stop, 1.0f) : stop", "c.stop", quick=True),
-    Mutant("raster: alpha_max 0.9901", I + "view.hpp", "return {c.alpha_min, c.alpha_max,",
-           "return {c.alpha_min, c.alpha_max == 0.99f ? 0.9901f : c.alpha_max,"),
+    Mutant("raster: alpha_max 0.9901", I + "view.hpp", "return {c.alpha_min,\n            c.alpha_max,",
+           "return {c.alpha_min,\n            c.alpha_max == 0.99f ? 0.9901f : c.alpha_max,"),
     Mutant("raster: alpha_max not cut", I + "raster/axis_shared.hpp", "return alpha < alpha_max_ ? alpha : alpha_max_;",
            "return alpha;"),
     Mutant("raster: an occluder hides only what is behind it", I + "raster/raster.hpp", "depth >= view.frame.occluder_at",
@@ -303,17 +304,17 @@ MUTANTS = [
            "hn::Mul(hn::Sqrt(hn::Sub(c, hn::Set(d, log2_alpha_min - 1e-3f))), hn::Set(d, 0.99f))", sources=CHOLESKY),
     Mutant("cpu raster: two of a block's four rows are asked", CPU + "raster-inl.hpp",
            "return hn::Max(v, hn::Shuffle1032(v));", "return v;", sources=CHOLESKY),
-    Mutant("cpu raster: T (1 - alpha)", CPU + "raster-inl.hpp", "hn::IfThenElse(hn::Gt(alpha, hn::Set(d, 0.5f)), product, difference)",
-           "product", sources=CHOLESKY),
-    Mutant("cpu raster: T - alpha T", CPU + "raster-inl.hpp", "hn::IfThenElse(hn::Gt(alpha, hn::Set(d, 0.5f)), product, difference)",
-           "difference", sources=CHOLESKY),
-    Mutant("cpu raster: the stop compares with <=", CPU + "raster-inl.hpp", "goes_on = hn::Ge(through, stop_below)",
-           "goes_on = hn::Gt(through, stop_below)", sources=PER_PIXEL),
+    Mutant("cpu raster: T (1 - alpha)", CPU + "blend-inl.hpp", "hn::IfThenElse(hn::Gt(alpha, hn::Set(d, 0.5f)), product, difference)",
+           "product", sources=RASTERS),
+    Mutant("cpu raster: T - alpha T", CPU + "blend-inl.hpp", "hn::IfThenElse(hn::Gt(alpha, hn::Set(d, 0.5f)), product, difference)",
+           "difference", sources=RASTERS),
+    Mutant("cpu raster: the stop compares with <=", CPU + "blend-inl.hpp", "goes_on = hn::Ge(through, stop_below)",
+           "goes_on = hn::Gt(through, stop_below)", sources=RASTERS),
     Mutant("cpu raster: alpha is not cut", CPU + "raster-inl.hpp", "hn::Min(alpha, hn::Set(d, rules.alpha_max))", "alpha",
            sources=PER_PIXEL),
-    Mutant("cpu raster: an occluder hides only what is behind it", CPU + "raster-inl.hpp",
+    Mutant("cpu raster: an occluder hides only what is behind it", CPU + "blend-inl.hpp",
            "hn::Ge(hn::Set(d, colour[3]), occluder)",
-           "hn::Gt(hn::Set(d, colour[3]), occluder)", sources=PER_PIXEL),
+           "hn::Gt(hn::Set(d, colour[3]), occluder)", sources=RASTERS),
     Mutant("cpu raster: alpha_min compares with >", CPU + "raster-inl.hpp",
            "hn::Ge(alpha, hn::Set(d, rules.alpha_min))",
            "hn::Gt(alpha, hn::Set(d, rules.alpha_min))", sources=PER_PIXEL),
@@ -392,9 +393,9 @@ MUTANTS = [
            "Pixel::dimmed_relative(left[p][k], weights[p][k], alpha_max)",
            "left[p][k] * (1 - alpha_max * alphas[p][k])", sources=WARPS),
     Mutant("cuda raster: colours stay in units of alpha_max", CUDA + "lane_blender.cuh",
-           "multiply_rounded(pixel.colour[c], alpha_max)", "pixel.colour[c]", sources=WARPS),
+           "multiply_rounded(pixel.colour[c], rules.alpha_max)", "pixel.colour[c]", sources=WARPS),
     Mutant("cuda raster: depths stay in units of alpha_max", CUDA + "lane_blender.cuh",
-           "multiply_rounded(pixel.depth, alpha_max)", "pixel.depth", sources=WARPS),
+           "multiply_rounded(pixel.depth, rules.alpha_max)", "pixel.depth", sources=WARPS),
     Mutant("cuda segments: the transmittance before a segment is forgotten", CUDA + "blending.hpp",
            "total.w = before * segment.transmittance;", "total.w = segment.transmittance;", sources=WARPS),
     Mutant("cuda segments: pixels stop at the limit itself", CUDA + "blending.hpp",

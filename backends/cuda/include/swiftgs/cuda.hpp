@@ -124,6 +124,12 @@ inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisShared<FloatCholesky>> 
 template <>
 inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisSharedThreshold<FloatCholesky>> = true;
 
+struct AttributeRow;
+struct SplatAttributes;
+/// One thread per splat.
+SWIFTGS_API void gather_attributes(Cuda& cuda, const SplatAttributes& from, const Views& views,
+                                   AttributeRow* to);
+
 struct PickJob;
 /// One warp per pixel, eight pixels of a row in a thread block.
 SWIFTGS_API void pick_pixels(Cuda& cuda, const PickJob& job);

@@ -99,14 +99,29 @@ struct OwnRasterBlock {
 enum class Extras {
   none,
   depth,  ///< and occluders
-  all,    ///< and counts, and in a single view alphas far below 1/255
+  picks,  ///< and depth: splats that pixels remember
+  row,    ///< and picks: up to four attributes
+  rows,   ///< and picks: up to sixteen
+  all,    ///< and picks and counts, and in a single view alphas far below 1/255; no attributes
 };
 
+/// Rows of attributes that kernels sum.
+constexpr unsigned rows_of(Extras extras) {
+  return extras == Extras::row ? 1 : extras == Extras::rows ? AttributesView::most_rows : 0;
+}
+
+inline bool some_view_picks(const RasterJob& job) {
+  return std::any_of(job.views.begin(), job.views.end(), [&](const View& view) { return job.picks(view); });
+}
+
 /// The first view stands for a single one. Kernels of stored views take alphas of any size whatever their
-/// extras.
+/// extras, and so do those of a single view that pick.
 inline Extras extras_of(const RasterJob& job) {
-  if (job.counts || !keeps_digits(job.views[0].rules.log2_relative_min)) return Extras::all;
-  const auto wants = [](const View& view) { return view.frame.depth.data || view.frame.occluder.data; };
+  if (job.counts) return Extras::all;
+  if (job.attributes.rows != 0) return job.attributes.rows == 1 ? Extras::row : Extras::rows;
+  if (some_view_picks(job)) return Extras::picks;
+  if (!keeps_digits(job.views[0].rules.log2_relative_min)) return Extras::all;
+  const auto wants = [&](const View& view) { return job.sums_depth(view) || view.frame.occluder.data; };
   return std::any_of(job.views.begin(), job.views.end(), wants) ? Extras::depth : Extras::none;
 }
 
@@ -123,6 +138,12 @@ void with_raster_input(Cuda& cuda, const RasterJob& job, const F& f) {
         return f.template operator()<Extras::none>(input);
       case Extras::depth:
         return f.template operator()<Extras::depth>(input);
+      case Extras::picks:
+        return f.template operator()<Extras::picks>(input);
+      case Extras::row:
+        return f.template operator()<Extras::row>(input);
+      case Extras::rows:
+        return f.template operator()<Extras::rows>(input);
       case Extras::all:
         return f.template operator()<Extras::all>(input);
     }

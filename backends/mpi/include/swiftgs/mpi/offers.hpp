@@ -16,17 +16,20 @@ namespace swiftgs {
 /// What a rank tells another before splats.
 struct Offer {
   std::uint64_t splats = 0;  ///< for the rank that reads this
-  std::uint64_t failed = 0;
-  std::uint64_t frame = 0;  ///< identity of the frame that was asked for
+  std::uint32_t failed = 0;
+  std::uint32_t gaussians = 0;  ///< of the rank's part; 0 if no view asks for indices
+  std::uint64_t frame = 0;      ///< identity of the frame that was asked for
 };
 
-/// Tells each rank how many splats come. Sets `counts` to those that come from each. Throws on all ranks if
-/// one failed, or if ranks were asked for different frames. Collective.
+/// Tells each rank `mine`, and how many splats come. Sets `from` to what each tells this one. Throws on all
+/// ranks if one failed, or if ranks were asked for different frames. Collective.
 template <class B>
-void exchange_offers(const Ranks& all, const Shares<B>& shares, std::uint64_t frame, Failure& failure,
-                     std::vector<std::uint64_t>& counts) {
+void exchange_offers(const Ranks& all, const Shares<B>& shares, Offer mine, Failure& failure,
+                     std::vector<Offer>& from) {
   const auto ranks = std::size_t(all.size()), own = std::size_t(all.rank());
-  std::vector<Offer> to(ranks, Offer{0, bool(failure), frame}), from(ranks);
+  mine.failed = bool(failure);
+  std::vector<Offer> to(ranks, mine);
+  from.assign(ranks, {});
   std::vector<std::uint64_t> places(ranks + 1);
   for (std::size_t r = 0; r < ranks; ++r) {
     if (!failure) to[r].splats = shares.count_for(int(r));
@@ -37,11 +40,9 @@ void exchange_offers(const Ranks& all, const Shares<B>& shares, std::uint64_t fr
   exchange.all_to_all(to.data(), begins, from.data(), begins, sizeof(Offer));
   exchange.wait();
   from[own] = to[own];
-  counts.clear();
   bool well = true;
   for (std::size_t r = 0; r < ranks; ++r) {
-    counts.push_back(from[r].splats);
-    well = well && from[r].failed == 0 && from[r].frame == frame;
+    well = well && from[r].failed == 0 && from[r].frame == mine.frame;
     if (from[r].frame != from[0].frame)
       failure.guard([&] {
         throw std::invalid_argument("render: the views of rank " + std::to_string(r) +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -13,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include <swiftgs/attribute_stage.hpp>
 #include <swiftgs/mpi/counters.hpp>
 #include <swiftgs/mpi/direct_link.hpp>
 #include <swiftgs/mpi/identity.hpp>
@@ -32,9 +34,9 @@ namespace swiftgs {
 /// are those of one `Renderer`, for any number of ranks.
 ///
 /// Part r of the scene holds Gaussians that follow those of part r - 1 in the order of the scene (`part_of`).
-/// All functions that render are collective, and all ranks ask for the same views. If one rank fails, all
-/// throw: that rank its own error, the others `RankError`; the renderers stay usable. After an `MpiError` the
-/// program must end.
+/// All functions that render are collective, and all ranks ask for the same planes of the same views. If one
+/// rank fails, all throw: that rank its own error, the others `RankError`; the renderers stay usable. After
+/// an `MpiError` the program must end.
 template <class B, class Sort, class Raster, class Bounds>
 requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRenderer {
  public:
@@ -51,7 +53,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     if (ranks_.size() > most_ranks)
       detail::refuse("ranks: their number", std::size_t(ranks_.size()), "65535 at most");
     link_ = direct_link(ranks_, this->backend());
-    exchange_.set_direct(bool(link_));
+    exchange_.set_ranks(ranks_, bool(link_));
   }
 
   const Ranks& ranks() const { return ranks_; }
@@ -65,7 +67,6 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   /// `RankError`.
   void render_into(const SceneView& part, Span<const View> views) {
     Failure failure;
-    outputs_ = 0;
     failure.guard([&] {
       for (const View& view : views) validate(view);
     });
@@ -81,7 +82,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   Span<const DrawnStrip> render_strips(const SceneView& part, Span<const Camera> cameras,
                                        const RenderSettings& settings) {
     Failure failure;
-    failure.guard([&] { make_views(cameras, settings); });
+    failure.guard([&] { make_views(part, cameras, settings); });
     const auto place = [&] { frames_.keep(backend(), settings.outputs, drawn_); };
     draw(part, {views_.data(), views_.size()}, failure, place, [] {});
     return drawn();
@@ -95,7 +96,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     std::vector<FrameView> whole;
     Failure failure;
     failure.guard([&] {
-      make_views(cameras, settings);
+      make_views(part, cameras, settings);
       if (collects && frames.size != cameras.size)
         detail::refuse("render: the number of frames", frames.size,
                        std::to_string(cameras.size) + ", one a camera");
@@ -132,6 +133,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr int most_ranks = 65535;
+  static constexpr int most_attributes = int(AttributesView::most);
 
   static auto parts(auto& self) {
     return std::tie(self.whole_storage_, self.shares_, self.colours_, self.exchange_, self.strip_storage_,
@@ -141,11 +143,22 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   static std::uint64_t since(Clock::time_point begun) {
     return std::uint64_t(std::chrono::nanoseconds(Clock::now() - begun).count());
   }
+  std::uint64_t ns(const typename B::TimePoint& from, const typename B::TimePoint& to) {
+    return std::uint64_t(1e6 * backend().milliseconds(from, to).value_or(0));
+  }
 
-  void make_views(Span<const Camera> cameras, const RenderSettings& settings) {
+  void make_views(const SceneView& part, Span<const Camera> cameras, const RenderSettings& settings) {
     swiftgs::make_views(cameras, settings, views_);
-    outputs_ = 0;
-    for_each_plane([&](std::size_t, bool wanted) { outputs_ = 2 * outputs_ + wanted; }, settings.outputs);
+    // Strips have the memory: planes of whole views only tell what is asked for.
+    for (View& view : views_) {
+      view.frame.feature_channels = settings.outputs.features;
+      for_each_plane(
+          [&](std::size_t, bool wanted, auto& plane) {
+            if (wanted) plane.data = static_cast<decltype(plane.data)>(static_cast<void*>(&asked_for_));
+          },
+          settings.outputs, view.frame);
+    }
+    require_features(part, settings.outputs.features);  // before memory is taken for them
   }
 
   /// One frame. `place` gives the view strips of `drawn_` memory; `finish` is called when they are drawn.
@@ -177,7 +190,12 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     std::optional<FramePlan> whole;
     failure.guard([&] { whole = project_part(part, views, mine); });
     mine.project_ns = since(begun);
-    exchange_offers(ranks_, shares_, views_identity(views) + outputs_, failure, counts_);
+    const bool indices = std::any_of(views.begin(), views.end(), [](const View& view) {
+      return view.frame.id.data || view.frame.median_id.data;
+    });
+    exchange_offers(ranks_, shares_,
+                    {.gaussians = indices ? std::uint32_t(part.size()) : 0, .frame = views_identity(views)},
+                    failure, offers_);
     failure.guard([&] {
       prepare_strips(views);
       place();
@@ -185,27 +203,35 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     failure.agree(ranks_);
 
     // Colours are evaluated while shapes are under way, and are under way while those are sorted. Not sooner:
-    // a device that is full of their evaluation would start to send when it is done.
+    // a device that is full of their evaluation would start to send when it is done. The first attributes go
+    // with them, and are found before, so that what waits for colours finds both.
     Exchange shapes(ranks_, link_.get()), colours(ranks_, link_.get());
     std::optional<Shading<B>> shading;
-    failure.guard([&] { exchange_.stage_shapes(backend()); });
+    failure.guard([&] { exchange_.stage_shapes(backend(), shares_.splats.view()); });
     exchange_.send_shapes(shapes, strips_);
     failure.guard([&] {
+      exchange_.find_attributes(backend(), part, shares_.splats.view(), whole_, 0);
       shading.emplace(shade(backend(), *whole, shares_.splats, colours_));
       exchange_.keep_shapes(backend(), shares_.splats.view());
     });
     if (!link_) {
       shapes.wait();  // MPI goes on in its own calls alone
-      failure.guard([&] { shading->finish(), exchange_.stage_colours(backend()); });
+      failure.guard([&] {
+        shading->finish(), exchange_.stage_colours(backend());
+        exchange_.stage_attributes(backend(), 0);
+      });
     }
-    exchange_.send_colours(colours);
+    exchange_.send_colours(colours), exchange_.send_attributes(colours, 0);
     bool begun_colours = false;
     const auto begin_colours = [&] {
       if (!std::exchange(begun_colours, true)) colours.begin(link_ && shading ? shading->stream() : nullptr);
     };
-    failure.guard([&] { draw_strip(part, shapes, begin_colours, *shading, colours, mine); });
+    std::optional<RasterJob> drawn;
+    failure.guard([&] { drawn = draw_strip(part, shapes, begin_colours, *shading, colours, mine); });
     begin_colours();  // where the strip has failed or shows nothing
     shapes.wait(), colours.wait();
+    for (int first = most_attributes; first < attribute_count(whole_.each); first += most_attributes)
+      draw_attributes(part, first, drawn, failure, mine);
     failure.guard(finish);
     mine.frame_ns = since(begun);
     mine.traffic = ranks_.traffic() - before;
@@ -276,25 +302,29 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
         view_strip.view = parts_.owner(view_strip.view);
         view_strip.first_column = part.left() - views[view_strip.view].left();
       }
-    exchange_.prepare_strips(backend(), ranks_, strips_, shares_, colours_, {counts_.data(), counts_.size()});
+    exchange_.prepare_strips(backend(), strips_, shares_, colours_, {offers_.data(), offers_.size()},
+                             attribute_count(whole_.each));
     for (const ViewStrip& view_strip : strips_[std::size_t(ranks_.rank())].view_strips)
       drawn_.push_back({view_strip});
   }
 
-  /// Bins, sorts and rasterizes the splats of this rank's strip. Its time counts this work alone: no
-  /// messages, and only the last pass where a strip is drawn again with more capacity.
+  /// Bins, sorts and rasterizes the splats of this rank's strip, with the first attributes. Its time counts
+  /// this work alone: no messages, and only the last time where a strip is drawn again with more capacity.
+  /// Returns what it rasterized, if the strip shows anything.
   template <class BeginColours>
-  void draw_strip(const SceneView& part, Exchange& shapes, const BeginColours& begin_colours,
-                  Shading<B>& shading, Exchange& colours, RankCounters& mine) {
+  std::optional<RasterJob> draw_strip(const SceneView& part, Exchange& shapes,
+                                      const BeginColours& begin_colours, Shading<B>& shading,
+                                      Exchange& colours, RankCounters& mine) {
     Strip& strip = strips_[std::size_t(ranks_.rank())];
     Splats<B>& splats = exchange_.joined();
     mine.drawn = splats.count, mine.bytes = memory();
-    if (strip.views.empty()) return;
+    if (strip.views.empty()) return {};
     for (std::size_t i = 0; i < strip.views.size(); ++i) strip.views[i].frame = drawn_[i].frame;
     const Views stored = store_views(backend(), {strip.views.data(), strip.views.size()}, strip_storage_);
     shapes.join();
     exchange_.shapes_arrived(backend(), strip);
     bool arrived = false;
+    AttributesView attributes;
     std::array<typename B::TimePoint, 4> points{};
     typename B::TimePoint begun_raster{};
     const auto mark = [&](std::size_t point) { points[point] = backend().now(); };
@@ -304,28 +334,56 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
         shading.finish();
         colours.join();
         exchange_.colours_arrived(backend(), colours_);
+        attributes = exchange_.attributes_arrived(backend(), 0);
       }
       begun_raster = backend().now();
       return exchange_.colours();
     };
     FramePlan plan(stored, part);
+    std::optional<RasterJob> drawn;
     const FrameReport report = strip_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
       splats.set_count(std::size_t(mine.drawn));
       if (!B::reaches_host_memory) plan.limits = {{0, capacity.intersections}};
       mark(0);
       one_.stages().draw(
           plan, splats, strip_footprints_, arriving_colours,
-          [&](const RasterJob& job) { rasterize(backend(), Raster{}, job); }, mark);
+          [&](RasterJob job) {
+            job.attributes = attributes;
+            rasterize(backend(), Raster{}, job);
+            drawn = job;
+          },
+          mark);
       shapes.wait(), colours.wait();  // sees faults of a link, which work that waits for messages would not
       return await_report(backend(), splats, strip_footprints_, plan.limits);
     });
     mine.intersections = report.intersections;
     backend().wait();
-    const auto ms = [&](const auto& from, const auto& to) {
-      return backend().milliseconds(from, to).value_or(0);
-    };
-    mine.strip_ns = std::uint64_t(1e6 * (ms(points[0], points[2]) + ms(begun_raster, points[3])));
+    mine.strip_ns = ns(points[0], points[2]) + ns(begun_raster, points[3]);
     mine.bytes = memory();
+    return drawn;
+  }
+
+  /// Draws attributes from the `first` on over the tile lists of `drawn`. A rank that shows nothing takes
+  /// part, and so does one that has failed: others wait for what it sends.
+  void draw_attributes(const SceneView& part, int first, std::optional<RasterJob>& drawn, Failure& failure,
+                       RankCounters& mine) {
+    failure.guard([&] {
+      exchange_.find_attributes(backend(), part, shares_.splats.view(), whole_, first);
+      exchange_.stage_attributes(backend(), first);
+    });
+    Exchange attributes(ranks_, link_.get());
+    exchange_.send_attributes(attributes, first);
+    attributes.begin();
+    attributes.wait();
+    failure.guard([&] {
+      if (!drawn) return;
+      drawn->attributes = exchange_.attributes_arrived(backend(), first), drawn->only_attributes = true;
+      const auto begun = backend().now();
+      rasterize(backend(), Raster{}, *drawn);
+      const auto end = backend().now();
+      backend().wait();
+      mine.strip_ns += ns(begun, end);
+    });
   }
 
   /// Ends the frame on all ranks, and learns from their times.
@@ -354,13 +412,13 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   StripFrames<B> frames_;
   std::optional<StripPlan> strip_plan_;
   TileChoice tiles_;
-  FrameKey key_;                       ///< of the views alone
-  PanoramaParts parts_;                ///< of the views
-  Views whole_;                        ///< those parts, in `whole_storage_`
-  std::vector<View> views_;            ///< of cameras
-  std::uint64_t outputs_ = 0;          ///< what frames of cameras hold, as a number; 0: the caller's planes
-  std::vector<Strip> strips_;          ///< of all ranks
-  std::vector<std::uint64_t> counts_;  ///< of splats that come from each rank
+  FrameKey key_;                 ///< of the views alone
+  PanoramaParts parts_;          ///< of the views
+  Views whole_;                  ///< those parts, in `whole_storage_`
+  std::vector<View> views_;      ///< of cameras
+  std::uint32_t asked_for_ = 0;  ///< planes of `views_` point to it, and nobody reads it
+  std::vector<Strip> strips_;    ///< of all ranks
+  std::vector<Offer> offers_;    ///< from each rank
   std::vector<DrawnStrip> drawn_;
   FrameCounters counters_;
   FrameCapacity whole_capacity_, strip_capacity_;  ///< of a device's projection, and of its strip

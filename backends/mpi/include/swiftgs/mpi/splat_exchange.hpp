@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -10,93 +10,65 @@
 #include <tuple>
 #include <vector>
 
-#include <swiftgs/api.hpp>
+#include <swiftgs/attribute_stage.hpp>
 #include <swiftgs/colours.hpp>
+#include <swiftgs/mpi/exchange_loops.hpp>
+#include <swiftgs/mpi/offers.hpp>
 #include <swiftgs/mpi/ranks.hpp>
 #include <swiftgs/mpi/shares.hpp>
 #include <swiftgs/mpi/staging.hpp>
 #include <swiftgs/mpi/strips.hpp>
-#include <swiftgs/shade_stage.hpp>
+#include <swiftgs/plane/attributes.hpp>
 #include <swiftgs/splats.hpp>
-#include <swiftgs/type_list.hpp>
 
 namespace swiftgs {
-
-/// Copies the splats that a rank sends to itself.
-struct SWIFTGS_API KeepShapes {
-  const SplatShape* shapes;
-  const float* depths;
-  const std::uint16_t* of_view;  ///< null if the strip shows one view
-  SplatShape* to_shapes;
-  float* to_depths;
-  std::uint16_t* to_of_view;
-
-  SWIFTGS_HD void operator()(std::size_t i) const {
-    to_shapes[i] = shapes[i], to_depths[i] = depths[i];
-    if (of_view) to_of_view[i] = of_view[i];
-  }
-};
-
-/// Counts views from the first of a strip on.
-struct SWIFTGS_API CountViewsFrom {
-  std::uint16_t first;
-  std::uint16_t* of_view;
-  SWIFTGS_HD void operator()(std::size_t i) const { of_view[i] = std::uint16_t(of_view[i] - first); }
-};
-
-/// Joins a rank's own colours to those that have arrived, and notes whether a splat is hidden.
-struct SWIFTGS_API JoinColours {
-  Span<const SplatColour> own;
-  std::size_t at;  ///< where they are joined
-  SplatColour* joined;
-  std::uint32_t* hidden;
-
-  SWIFTGS_HD void operator()(std::size_t i) const {
-    if (i >= at && i - at < own.size) joined[i] = own[i - at];
-    if (!is_hidden(joined[i])) return;
-#if defined(__CUDA_ARCH__)
-    *hidden = 1;
-#else
-    std::atomic_ref<std::uint32_t>(*hidden).store(1, std::memory_order_relaxed);
-#endif
-  }
-};
-
-/// The loops of an exchange: a device's compiler must see them.
-using ExchangeLoops = TypeList<KeepShapes, CountViewsFrom, JoinColours, ClearWord>;
 
 /// Brings each rank the splats that its strip may show, rank after rank. Parts of a scene follow its order,
 /// so splats of a view are in the order of their Gaussians, and equal depths sort as in one process.
 template <class B>
 class SplatExchange {
  public:
-  /// Whether messages go by a `DirectLink`.
-  void set_direct(bool direct) { direct_ = direct; }
+  /// `direct`: whether messages go by a `DirectLink`.
+  void set_ranks(const Ranks& ranks, bool direct) { own_ = std::size_t(ranks.rank()), direct_ = direct; }
 
-  /// Takes the memory for `counts[r]` splats from each rank r, to join them to what this rank keeps of its
-  /// `shares`, and that for the `colours` of the shares. Not collective. Throws `CapacityError`.
-  void prepare_strips(B& b, const Ranks& ranks, const std::vector<Strip>& strips, Shares<B>& shares,
-                      Colours<B>& colours, Span<const std::uint64_t> counts) {
-    own_ = std::size_t(ranks.rank());
+  /// Takes the memory for the splats that each rank offers, to join them to what this rank keeps of its
+  /// `shares`, and that for the `colours` of the shares and so many `attributes`. Not collective. Throws
+  /// `CapacityError`.
+  void prepare_strips(B& b, const std::vector<Strip>& strips, Shares<B>& shares, Colours<B>& colours,
+                      Span<const Offer> offers, int attributes) {
+    attribute_count_ = attributes;
     from_ = {shares.begins.data(), shares.begins.size()};
     to_begins_.assign(1, 0);
-    for (const std::uint64_t count : counts) to_begins_.push_back(to_begins_.back() + count);
+    std::uint64_t gaussians = 0;
+    for (std::size_t r = 0; r < offers.size; ++r) {
+      if (r == own_) gaussians_before_ = std::uint32_t(gaussians);
+      gaussians += offers[r].gaussians;
+      to_begins_.push_back(to_begins_.back() + offers[r].splats);
+    }
     require_indices("splats of a strip", to_begins_.back());
-    const auto in = std::size_t(to_begins_.back()), out = std::size_t(from_[from_.size - 1]);
+    require_indices("Gaussians of all parts", gaussians);
+    has_gaussians_ = gaussians != 0;
+    const std::size_t in = received(), out = sent();
     const std::size_t views = strips[own_].views.size();
     has_views_ = shares.splats.of_view.size() != 0;
     try {
       joined_.reset(in, views);
       joined_colours_.each.reset(in), joined_colours_.hidden.reset(1);
       colours.each.reset(out), colours.hidden.reset(1);
-      const auto stage = [&](auto& both, auto& sent, auto& received) {
-        both.packed.reserve(b, {sent.data(), sent.size() == 0 ? 0 : out}, direct_);
-        both.joined.reserve(b, received.span(), direct_);
+      if (has_gaussians_) numbered_.reset(out);
+      const auto stage = [&](auto& both, auto& packed, auto& joined) {
+        both.packed.reserve(b, {packed.data(), packed.size() == 0 ? 0 : out}, direct_);
+        both.joined.reserve(b, joined.span(), direct_);
       };
       stage(shapes_, shares.splats.shapes, joined_.shapes);
       stage(depths_, shares.splats.depths, joined_.depths);
+      if (has_gaussians_) stage(gaussians_, numbered_, joined_.gaussians);
       stage(of_view_, shares.splats.of_view, joined_.of_view);
       stage(colours_, colours.each, joined_colours_.each);
+      attribute_rows_.reset(sent_rows(0) * out);
+      joined_attribute_rows_.reset(AttributesView::rows_for(attributes) * in);
+      attributes_.packed.reserve(b, attribute_rows_.span(), direct_);
+      attributes_.joined.reserve(b, {joined_attribute_rows_.data(), sent_rows(0) * in}, direct_);
     } catch (const std::bad_alloc&) {
       throw std::runtime_error("out of memory for " + std::to_string(in) + " splats of a strip and " +
                                std::to_string(out) + " to send");
@@ -104,15 +76,20 @@ class SplatExchange {
     joined_.set_count(in);
   }
 
-  /// Copies the shapes, depths and views of other ranks to where `send_shapes` finds them.
-  void stage_shapes(B& b) {
+  /// Copies what other ranks need of the `shares`, colours aside, to where `send_shapes` finds it.
+  void stage_shapes(B& b, const SplatsView& shares) {
+    if (has_gaussians_)
+      b.for_each(numbered_.size(),
+                 NumberGaussians{shares.gaussians.data, gaussians_before_, numbered_.data()});
     for_others(from_, [&](std::size_t first, std::size_t last) {
       shapes_.packed.to_host(b, first, last), depths_.packed.to_host(b, first, last);
+      if (has_gaussians_) gaussians_.packed.to_host(b, first, last);
       if (has_views_) of_view_.packed.to_host(b, first, last);
     });
   }
   void send_shapes(Exchange& exchange, const std::vector<Strip>& strips) {
     send(exchange, shapes_), send(exchange, depths_);
+    if (has_gaussians_) send(exchange, gaussians_);
     const std::size_t ranks = from_.size - 1;
     const auto bytes = [](Span<const std::uint64_t> begins, std::size_t r) {
       return std::size_t(begins[r + 1] - begins[r]) * sizeof(std::uint16_t);
@@ -131,15 +108,17 @@ class SplatExchange {
     const std::size_t begin = from_[own_], count = from_[own_ + 1] - begin, at = to_begins_[own_];
     const bool views = joined_.of_view.size() != 0;
     if (count != 0)
-      b.for_each(count,
-                 KeepShapes{shares.shapes.data + begin, shares.depths.data + begin,
-                            views ? shares.of_view + begin : nullptr, joined_.shapes.data() + at,
-                            joined_.depths.data() + at, views ? joined_.of_view.data() + at : nullptr});
+      b.for_each(count, KeepShapes{shares.shapes.data + begin, shares.depths.data + begin,
+                                   has_gaussians_ ? numbered_.data() + begin : nullptr,
+                                   views ? shares.of_view + begin : nullptr, joined_.shapes.data() + at,
+                                   joined_.depths.data() + at, joined_.gaussians.data() + at,
+                                   views ? joined_.of_view.data() + at : nullptr});
   }
   /// After the messages, and after `keep_shapes`.
   void shapes_arrived(B& b, const Strip& strip) {
     for_others(to_begins(), [&](std::size_t begin, std::size_t end) {
       shapes_.joined.from_host(b, begin, end), depths_.joined.from_host(b, begin, end);
+      if (has_gaussians_) gaussians_.joined.from_host(b, begin, end);
       if (joined_.of_view.size() != 0) of_view_.joined.from_host(b, begin, end);
     });
     if (joined_.of_view.size() != 0 && strip.first_view != 0)
@@ -163,12 +142,47 @@ class SplatExchange {
                                                         joined_colours_.hidden.data()});
   }
 
+  /// The same for attributes of the frame from the `first` on, up to `AttributesView::most`.
+  void find_attributes(B& b, const SceneView& part, const SplatsView& shares, const Views& views, int first) {
+    const SplatAttributes from{part, shares, first, sent_rows(first)};
+    if (from.rows != 0) gather_attributes(b, from, views, attribute_rows_.data());
+  }
+  void stage_attributes(B& b, int first) {
+    for (unsigned r = 0; r < sent_rows(first); ++r)
+      for_others(from_, [&](std::size_t begin, std::size_t end) {
+        attributes_.packed.to_host(b, r * sent() + begin, r * sent() + end);
+      });
+  }
+  void send_attributes(Exchange& exchange, int first) {
+    for (unsigned r = 0; r < sent_rows(first); ++r)
+      exchange.all_to_all(attributes_.packed.seen() + r * sent(), from_,
+                          attributes_.joined.seen() + r * received(), to_begins(), sizeof(AttributeRow));
+  }
+  AttributesView attributes_arrived(B& b, int first) {
+    const unsigned rows = AttributesView::rows_for(attribute_count_ - first);
+    if (rows == 0) return {};
+    for (unsigned r = 0; r < sent_rows(first); ++r)
+      for_others(to_begins(), [&](std::size_t begin, std::size_t end) {
+        attributes_.joined.from_host(b, r * received() + begin, r * received() + end);
+      });
+    const std::size_t begin = from_[own_], count = from_[own_ + 1] - begin;
+    AttributeRow* const joined = joined_attribute_rows_.data();
+    b.for_each(received(), JoinAttributes{{attribute_rows_.data() + begin, sent(), sent_rows(first), first},
+                                          count,
+                                          std::size_t(to_begins_[own_]),
+                                          joined,
+                                          received(),
+                                          rows});
+    return {joined, received(), rows, first};
+  }
+
   Splats<B>& joined() { return joined_; }
   ColoursView colours() const { return {joined_colours_.each.span(), joined_colours_.hidden.data()}; }
 
   static auto buffers(auto& self) {
-    return std::tie(self.joined_, self.joined_colours_, self.shapes_, self.depths_, self.of_view_,
-                    self.colours_);
+    return std::tie(self.joined_, self.joined_colours_, self.numbered_, self.shapes_, self.depths_,
+                    self.gaussians_, self.of_view_, self.colours_, self.attribute_rows_,
+                    self.joined_attribute_rows_, self.attributes_);
   }
 
  private:
@@ -179,6 +193,14 @@ class SplatExchange {
     static auto buffers(auto& self) { return std::tie(self.packed, self.joined); }
   };
 
+  /// Splats of the shares, and those that are joined.
+  std::size_t sent() const { return std::size_t(from_[from_.size - 1]); }
+  std::size_t received() const { return std::size_t(to_begins_.back()); }
+  /// Those that hold attributes from the `first` on.
+  unsigned sent_rows(int first) const {
+    const int attributes = std::clamp(attribute_count_ - first, 0, int(AttributesView::most));
+    return (unsigned(attributes) + AttributeRow::channels - 1) / AttributeRow::channels;
+  }
   Span<const std::uint64_t> to_begins() const { return {to_begins_.data(), to_begins_.size()}; }
 
   /// f(begin, end) for what lies before and behind this rank's own part.
@@ -195,14 +217,23 @@ class SplatExchange {
 
   Splats<B> joined_;
   Colours<B> joined_colours_;
+  typename B::template Buffer<std::uint32_t> numbered_;  ///< Gaussians of the shares, in the whole scene
   Both<SplatShape> shapes_;
   Both<float> depths_;
+  Both<std::uint32_t> gaussians_;
   Both<std::uint16_t> of_view_;
   Both<SplatColour> colours_;
-  std::size_t own_ = 0;                      ///< this rank
-  Span<const std::uint64_t> from_{};         ///< `Shares::begins`
-  std::vector<std::uint64_t> to_begins_;     ///< of what each rank sends, where it is joined
-  bool direct_ = false, has_views_ = false;  ///< whether the frame has several views
+  typename B::template Buffer<AttributeRow> attribute_rows_,
+      joined_attribute_rows_;  ///< @shape{rows, splats}
+  Both<AttributeRow> attributes_;
+  int attribute_count_ = 0;               ///< that the frame asks for
+  std::size_t own_ = 0;                   ///< this rank
+  std::uint32_t gaussians_before_ = 0;    ///< of lower ranks
+  Span<const std::uint64_t> from_{};      ///< `Shares::begins`
+  std::vector<std::uint64_t> to_begins_;  ///< of what each rank sends, where it is joined
+  bool direct_ = false;
+  bool has_views_ = false;      ///< whether the frame has several views
+  bool has_gaussians_ = false;  ///< whether the frame asks for their indices
 };
 
 }  // namespace swiftgs

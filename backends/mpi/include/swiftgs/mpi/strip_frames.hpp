@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <tuple>
 #include <vector>
 
@@ -31,19 +32,21 @@ class StripFrames {
   /// Where the pixels of a view strip arrive: in the image, or beside it if they are not all of its rows.
   class Landing {
    public:
-    Landing(int from, std::vector<float>& image, int width, std::size_t channels, const ViewStrip& view_strip)
+    /// `image` is a plane of a frame, `pixel` its bytes a pixel.
+    Landing(int from, void* image, int width, std::size_t pixel, const ViewStrip& view_strip)
         : from_(from),
-          size_(channels * count_of(view_strip)),
-          first_(image.data() + channels * (std::size_t(view_strip.first_row) * std::size_t(width) +
-                                            std::size_t(view_strip.first_column))),
-          row_(channels * std::size_t(view_strip.width)),
-          pitch_(channels * std::size_t(width)) {
-      if (row_ != pitch_) beside_.resize(size_);
+          bytes_(pixel * count_of(view_strip)),
+          first_(static_cast<std::byte*>(image) +
+                 pixel * (std::size_t(view_strip.first_row) * std::size_t(width) +
+                          std::size_t(view_strip.first_column))),
+          row_(pixel * std::size_t(view_strip.width)),
+          pitch_(pixel * std::size_t(width)) {
+      if (row_ != pitch_) beside_.resize(bytes_);
     }
 
     int from() const { return from_; }  ///< rank
-    std::size_t bytes() const { return size_ * sizeof(float); }
-    float* data() { return beside_.empty() ? first_ : beside_.data(); }
+    std::size_t bytes() const { return bytes_; }
+    void* data() { return beside_.empty() ? first_ : beside_.data(); }
     /// Once all have arrived.
     void settle() {
       for (std::size_t from = 0, to = 0; from < beside_.size(); from += row_, to += pitch_)
@@ -52,10 +55,10 @@ class StripFrames {
 
    private:
     int from_;
-    std::size_t size_;
-    float* first_;
+    std::size_t bytes_;
+    std::byte* first_;
     std::size_t row_, pitch_;
-    std::vector<float> beside_;
+    std::vector<std::byte> beside_;
   };
 
  public:
@@ -63,12 +66,15 @@ class StripFrames {
   void keep(B& b, const Outputs& outputs, std::vector<DrawnStrip>& drawn) {
     std::size_t pixels = 0;
     for (const DrawnStrip& each : drawn) pixels += count_of(each.view_strip);
+    outputs_ = outputs;
     planes_.reset(outputs, pixels);
     for_each_plane([&](std::size_t, auto& plane, auto& staged) { staged.reserve(b, plane.span()); }, planes_,
                    to_send_);
     std::size_t before = 0;
     for (DrawnStrip& each : drawn) {
-      each.frame = {.width = each.view_strip.width, .height = each.view_strip.rows};
+      each.frame = {.width = each.view_strip.width,
+                    .height = each.view_strip.rows,
+                    .feature_channels = outputs.features};
       planes_.place(each.frame, before);
       before += each.frame.pixels();
     }
@@ -84,11 +90,11 @@ class StripFrames {
           const std::size_t pixels = count_of(each.view_strip);
           Frame& frame = frames[each.view_strip.view];
           for_each_plane(
-              [&](std::size_t channels, const auto& from, std::vector<float>& to) {
+              [&]<class T>(std::size_t channels, const auto& from, std::vector<T>& to) {
                 if (to.empty()) return;
-                Landing landing(ranks.rank(), to, frame.width, channels, each.view_strip);
-                b.download(Span<const float>{from.data() + channels * before, channels * pixels},
-                           landing.data());
+                Landing landing(ranks.rank(), to.data(), frame.width, channels * sizeof(T), each.view_strip);
+                b.download(Span<const T>{from.data() + channels * before, channels * pixels},
+                           static_cast<T*>(landing.data()));
                 landing.settle();
               },
               planes_, frame);
@@ -109,8 +115,9 @@ class StripFrames {
       for (const ViewStrip& view_strip : strips[r].view_strips) {
         Frame& frame = frames[view_strip.view];
         for_each_plane(
-            [&](std::size_t channels, std::vector<float>& to) {
-              if (!to.empty()) landings_.emplace_back(int(r), to, frame.width, channels, view_strip);
+            [&](std::size_t channels, auto& to) {
+              if (!to.empty())
+                landings_.emplace_back(int(r), to.data(), frame.width, channels * sizeof to[0], view_strip);
             },
             frame);
       }
@@ -126,11 +133,12 @@ class StripFrames {
       for (const ViewStrip& view_strip : strips[std::size_t(ranks.rank())].view_strips) {
         const std::size_t pixels = count_of(view_strip);
         for_each_plane(
-            [&](std::size_t channels, const auto& plane, auto& staged) {
-              if (plane.size() != 0)
-                exchange.send(0, staged.seen() + channels * before, channels * pixels * sizeof(float));
+            [&](std::size_t channels, bool wanted, auto& staged) {
+              if (wanted)
+                exchange.send(0, staged.seen() + channels * before,
+                              channels * pixels * sizeof *staged.seen());
             },
-            planes_, to_send_);
+            outputs_, to_send_);
         before += pixels;
       }
     }
@@ -142,8 +150,9 @@ class StripFrames {
   static auto buffers(auto& self) { return std::tie(self.planes_); }
 
  private:
+  Outputs outputs_;  ///< that `planes_` hold
   FramePlanes<B> planes_;
-  PerPlane<Staging<B, float>> to_send_;
+  PerPlane<Staging<B, float>, Staging<B, std::uint32_t>> to_send_;
   std::vector<Landing> landings_;  ///< on rank 0, of what others send
 };
 

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
+
+#include <swiftgs/attribute_stage.hpp>
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/view_source.cuh>
+
+namespace swiftgs {
+
+namespace kernels {
+inline constexpr unsigned attribute_threads = 256;
+
+/// One thread per splat.
+template <class ViewSource>
+__global__ void __launch_bounds__(attribute_threads)
+    gather_attributes(const __grid_constant__ SplatAttributes from, const __grid_constant__ ViewSource views,
+                      AttributeRow* to) {
+  const std::size_t i = std::size_t(blockIdx.x) * blockDim.x + threadIdx.x;
+  if (i >= from.splats.count().get()) return;
+  const View& view = views[from.splats.view(i)];
+  for (unsigned r = 0; r < from.rows; ++r) to[r * from.splats.size() + i] = from.row(view, r, i);
+}
+}  // namespace kernels
+
+void gather_attributes(Cuda& cuda, const SplatAttributes& from, const Views& views, AttributeRow* to) {
+  const std::size_t most = from.splats.size();
+  if (most == 0) return;
+  kernels::with_views(views, [&]<class ViewSource>(const ViewSource& source) {
+    launch("gather_attributes", kernels::gather_attributes<ViewSource>,
+           blocks_for(most, kernels::attribute_threads), kernels::attribute_threads, cuda.stream(), from,
+           source, to);
+  });
+}
+
+}  // namespace swiftgs

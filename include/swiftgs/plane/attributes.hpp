@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Planes that sum attributes of splats by weight, as colour does: normal, squared depth and features. Each
+/// of their channels is an attribute. Rasterizers sum them by four, so that none knows what they mean.
+
+#include <cstddef>
+#include <cstdint>
+
+#include <swiftgs/frame.hpp>
+#include <swiftgs/math.hpp>
+
+namespace swiftgs {
+
+/// A channel of a plane.
+struct Attribute {
+  enum class Of { nothing, normal, squared_depth, feature } of = Of::nothing;
+  int channel = 0;
+};
+
+/// Attributes that a frame asks for.
+SWIFTGS_HD inline int attribute_count(const FrameView& frame) {
+  return (frame.normal.data ? 3 : 0) + (frame.squared_depth.data ? 1 : 0) +
+         (frame.features.data ? frame.feature_channels : 0);
+}
+/// The k-th of them.
+SWIFTGS_HD inline Attribute attribute(const FrameView& frame, int k) {
+  if (frame.normal.data) {
+    if (k < 3) return {Attribute::Of::normal, k};
+    k -= 3;
+  }
+  if (frame.squared_depth.data && k-- == 0) return {Attribute::Of::squared_depth, 0};
+  if (frame.features.data && k < frame.feature_channels) return {Attribute::Of::feature, k};
+  return {};
+}
+
+/// Four attributes of a splat, in one 16-byte load.
+struct alignas(16) AttributeRow {
+  static constexpr unsigned channels = 4;
+  float values[channels] = {};
+};
+
+/// Attributes that are rasterized together: @shape{rows, splats}. A frame that asks for more is rasterized
+/// several times.
+struct AttributesView {
+  static constexpr unsigned most_rows = 4, most = most_rows * AttributeRow::channels;
+  /// That so many attributes take.
+  static constexpr unsigned rows_for(int attributes) {
+    return attributes <= 0 ? 0 : attributes <= int(AttributeRow::channels) ? 1 : most_rows;
+  }
+
+  const AttributeRow* data = nullptr;
+  std::size_t splats = 0;
+  unsigned rows = 0;  ///< 0, 1 or `most_rows`; behind the last attribute of a frame are zeros
+  int first = 0;      ///< attribute of the frame that is the first here
+
+  SWIFTGS_HD const AttributeRow& row(unsigned r, std::size_t splat) const { return data[r * splats + splat]; }
+  /// Adds those of a splat of this weight to `sums`.
+  SWIFTGS_HD void add(float (&sums)[most], std::size_t splat, float weight) const {
+    for (unsigned r = 0; r < rows; ++r)
+      for (unsigned c = 0; c < AttributeRow::channels; ++c)
+        sums[r * AttributeRow::channels + c] += weight * row(r, splat).values[c];
+  }
+};
+
+/// Writes the planes of attributes at column x of row y, by their sums.
+SWIFTGS_HD inline void store_attributes(const FrameView& frame, const AttributesView& attributes,
+                                        std::size_t x, std::size_t y, float transmittance,
+                                        const float* sums) {
+  const float alpha = 1 - transmittance;
+  for (unsigned i = 0; i < attributes.rows * AttributeRow::channels; ++i) {
+    const Attribute to = attribute(frame, attributes.first + int(i));
+    if (to.of == Attribute::Of::nothing) return;
+    if (to.of == Attribute::Of::normal) {
+      frame.normal.row(y)[3 * x + std::size_t(to.channel)] = sums[i];
+    } else if (to.of == Attribute::Of::squared_depth) {
+      frame.squared_depth.row(y)[x] = alpha > 0 ? sums[i] / alpha : 0.0f;
+    } else {
+      float* const feature =
+          frame.features.row(y) + x * std::size_t(frame.feature_channels) + std::size_t(to.channel);
+      const bool as_row = i % AttributeRow::channels == 0 &&
+                          to.channel + int(AttributeRow::channels) <= frame.feature_channels &&
+                          reinterpret_cast<std::uintptr_t>(feature) % alignof(AttributeRow) == 0;
+      if (as_row) {  // one store: a device writes memory by 32 bytes, however little of them it is given
+        *reinterpret_cast<AttributeRow*>(feature) = {{sums[i], sums[i + 1], sums[i + 2], sums[i + 3]}};
+        i += AttributeRow::channels - 1;
+      } else {
+        *feature = sums[i];
+      }
+    }
+  }
+}
+
+}  // namespace swiftgs

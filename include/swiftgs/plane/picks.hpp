@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Planes that tell about one splat of each pixel: the first that shows, the median and the one of the
+/// largest weight.
+
+#include <cstddef>
+#include <cstdint>
+
+#include <swiftgs/frame.hpp>
+#include <swiftgs/math.hpp>
+#include <swiftgs/splats.hpp>
+#include <swiftgs/view.hpp>
+
+namespace swiftgs {
+
+/// The transmittance that the median splat takes a pixel below.
+inline constexpr float median_below = 0.5f;
+
+/// Splats that a pixel remembers, by their numbers in the frame. Blended splats are offered front to back.
+struct SplatPicks {
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  std::uint32_t first = none, median = none, largest = none;
+  float weight = 0;  ///< of the largest
+
+  /// Offers a splat of this weight, the last of those that leave `transmittance`. Any unit of weights will
+  /// do.
+  SWIFTGS_HD void offer(std::uint32_t splat, float splat_weight, float transmittance, float first_below) {
+    if (splat_weight > weight) largest = splat, weight = splat_weight;
+    if (first == none && transmittance < first_below) first = splat;
+    if (median == none && transmittance < median_below) median = splat;
+  }
+};
+
+/// Writes the planes that `picks` tell about at column x of row y.
+SWIFTGS_HD inline void store_picks(const FrameView& frame, const SplatsView& splats, std::size_t x,
+                                   std::size_t y, const SplatPicks& picks) {
+  const auto depth = [&](std::uint32_t splat) {
+    return splat == SplatPicks::none ? 0.0f : splats.depths[splat];
+  };
+  const auto id = [&](std::uint32_t splat) {
+    return splat == SplatPicks::none ? no_gaussian : splats.gaussians[splat];
+  };
+  if (frame.first_depth.data) frame.first_depth.row(y)[x] = depth(picks.first);
+  if (frame.median_depth.data) frame.median_depth.row(y)[x] = depth(picks.median);
+  if (frame.id.data) frame.id.row(y)[x] = id(picks.largest);
+  if (frame.median_id.data) frame.median_id.row(y)[x] = id(picks.median);
+}
+
+}  // namespace swiftgs

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// All planes of frames over ranks have the bits of one process.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/serial.hpp>
+
+#include "mpi/away.hpp"
+#include "mpi/compare.hpp"
+#include "mpi/limited_memory.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+using One = Renderer<Serial, EarlySort, PerPixel, Ellipse>;
+using Distributed = DistributedRenderer<Serial, EarlySort, PerPixel, Ellipse>;
+
+/// A view that shows `frame`, and its image; behind `occluder`, if there is one, and over what it holds.
+struct ViewInto {
+  Frame frame{};
+  View view{};
+
+  ViewInto(const Camera& camera, const Outputs& outputs, const std::vector<float>* occluder) {
+    FrameView prepared = prepare(frame, camera.width, camera.height, outputs);
+    if (occluder) {
+      prepared.occluder = {occluder->data(), std::ptrdiff_t(sizeof(float)) * std::ptrdiff_t(camera.width)};
+      prepared.over = true;
+    }
+    view = make_view(camera, Conventions::gsplat(), prepared, vec3(0.1f, 0.2f, 0.3f));
+  }
+};
+
+/// Whether `found` and `expected` have the same planes in the rows of `strip`.
+bool same_rows(const Frame& found, const Frame& expected, const ViewStrip& strip) {
+  bool same = true;
+  for_each_plane(
+      [&](std::size_t channel_count, const auto& a, const auto& b) {
+        const std::size_t row = channel_count * std::size_t(found.width);
+        const std::size_t first = row * std::size_t(strip.first_row), size = row * std::size_t(strip.rows);
+        same = same && a.size() == b.size() &&
+               (a.empty() || std::memcmp(&a[first], &b[first], size * sizeof a[0]) == 0);
+      },
+      found, expected);
+  return same;
+}
+
+/// The message of what f() throws on this rank; that of `failing` is its own, the others are told of it.
+template <class F>
+std::string message_of(int failing, const F& f) {
+  try {
+    f();
+  } catch (const RankError& error) {
+    CHECK(ranks_here().rank() != failing);
+    CHECK(error.rank() == failing);
+    return error.what();
+  } catch (const std::exception& error) {
+    CHECK(ranks_here().rank() == failing);
+    return error.what();
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("mpi planes: each plane of several views has the bits of one process") {
+  Scene scene = with_features(make_builtin_scene(2'000));
+  // No float holds the colours of some, which hides them.
+  for (std::size_t i = 0; i < scene.size(); i += 40)
+    scene.sh0[i] = vec3(3e38f), std::fill_n(scene.sh_rest.begin() + std::ptrdiff_t(45 * i), 45, 3e38f);
+  const Scene own = part_of(scene, own_part());
+  Camera panorama = builtin_camera(256, 128);
+  panorama.lens.model = LensModel::equirectangular;
+  panorama.fx = panorama.width / 6.283185307179586, panorama.fy = 2 * panorama.height / 6.283185307179586;
+  std::vector<Camera> cameras = some_cameras();
+  cameras.push_back(panorama);
+  compare<Serial, EarlySort, PerPixel, Ellipse>(scene, own, cameras, 3, all_planes());
+  compare<Serial, StandardSort, AxisSharedThreshold<FloatSplit>, Obb>(scene, own, cameras, 2, all_planes());
+}
+
+TEST_CASE("mpi planes: they go by way of other memory and by a link") {
+  const Scene scene = with_features(make_builtin_scene(2'000)), own = part_of(scene, own_part());
+  for (const bool direct : {false, true}) {
+    ranks_here().set_direct(direct);
+    compare<Away, EarlySort, PerPixel, Ellipse, Serial>(scene, own, some_cameras(), 2, all_planes());
+  }
+  ranks_here().set_direct(false);
+}
+
+TEST_CASE("mpi planes: views may ask for different planes and lie behind surfaces and over images") {
+  const Scene scene = with_features(make_builtin_scene(4'000));
+  One one;
+  Distributed distributed(ranks_here());
+  const auto whole = one.backend().upload(scene);
+  const auto part = distributed.backend().upload(part_of(scene, own_part()));
+  const Camera camera = builtin_camera(150, 110);
+  std::vector<float> occluder(150 * 110);
+  for (std::size_t i = 0; i < occluder.size(); ++i) occluder[i] = i % 3 ? 4.0f : INFINITY;
+
+  struct Asked {
+    Outputs outputs;
+    bool occluded;
+  };
+  const Outputs all = all_planes().outputs;
+  const std::vector<std::vector<Asked>> frames{
+      {{all, true}, {{}, false}, {{.features = 2}, false}, {{.median_depth = true, .normal = true}, true}},
+      {{{}, true}, {{}, false}},                              // nothing but colours
+      {{{.id = true}, true}, {{.median_id = true}, false}},   // no attributes
+      {{{.normal = true}, false}, {{.features = 5}, false}},  // rows that no rank sends
+      {{{.squared_depth = true}, false}, {all, false}}};
+  for (const std::vector<Asked>& asked : frames) {
+    std::vector<ViewInto> expected, found;
+    std::vector<View> by_one, by_all;
+    for (const auto& [outputs, occluded] : asked) {
+      expected.emplace_back(camera, outputs, occluded ? &occluder : nullptr);
+      found.emplace_back(camera, outputs, occluded ? &occluder : nullptr);
+      by_one.push_back(expected.back().view), by_all.push_back(found.back().view);
+    }
+    one.render_into(whole.view(), {by_one.data(), by_one.size()});
+    distributed.render_into(part.view(), {by_all.data(), by_all.size()});
+    std::uint64_t rows = 0;
+    for (const DrawnStrip& each : distributed.drawn()) {
+      const std::size_t view = each.view_strip.view;
+      CHECK(same_rows(found[view].frame, expected[view].frame, each.view_strip));
+      rows += std::uint64_t(each.view_strip.rows);
+    }
+    ranks_here().add_up({&rows, 1});
+    CHECK(rows == 110 * asked.size());
+  }
+}
+
+TEST_CASE("mpi planes: of equal weights the nearest Gaussian has the pixel whatever its rank") {
+  // One Gaussian a rank, of which two are as weighty as each other: the last, and behind it the first.
+  Scene scene;
+  const auto ranks = std::size_t(ranks_here().size()), count = std::max<std::size_t>(ranks, 2);
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool first = i == 0, last = i + 1 == count;
+    scene.means.push_back(vec3(0, 0, last ? 4.0f : first ? 5.0f : 6.0f));
+    scene.scales.push_back(vec3(1e5f));
+    scene.rotations.push_back({});
+    scene.opacities.push_back(last ? 0.25f : first ? 1.0f / 3 : 0.1f);
+    scene.sh0.push_back(vec3(1));
+  }
+  const Camera camera = look_at(dvec3(0), dvec3(0, 0, 1), dvec3(0, -1, 0), 0.8, 40, 70);
+  RenderSettings settings;
+  settings.outputs.id = settings.outputs.median_id = true;
+  Distributed distributed(ranks_here());
+  const auto part = distributed.backend().upload(part_of(scene, own_part()));
+  Frame frame;
+  distributed.render(part.view(), camera, settings, frame);
+  if (ranks_here().rank() != 0) return;
+  // The first two leave 1/2, and only what is behind them is below it.
+  const std::uint32_t median = ranks > 2 ? 1 : no_gaussian;
+  CHECK(frame.id == std::vector<std::uint32_t>(frame.pixels(), std::uint32_t(count - 1)));
+  CHECK(frame.median_id == std::vector<std::uint32_t>(frame.pixels(), median));
+}
+
+TEST_CASE("mpi planes: parts may be empty") {
+  const Scene scene = with_features(make_builtin_scene(900)), none = part_of(scene, {0, 65535});
+  REQUIRE(none.size() == 0);
+  const std::vector<Camera> cameras{builtin_camera(120, 80), builtin_camera(200, 17)};
+  for (int holder = 0; holder < ranks_here().size(); ++holder)
+    compare<Serial, EarlySort, PerPixel, Ellipse>(scene, ranks_here().rank() == holder ? scene : none,
+                                                  cameras, 2, all_planes());
+  compare<Serial, EarlySort, PerPixel, Ellipse>(none, none, cameras, 1, all_planes());
+}
+
+TEST_CASE("mpi planes: views whose planes differ between ranks are refused on all of them") {
+  if (ranks_here().size() == 1) return;
+  Distributed distributed(ranks_here());
+  const auto part = distributed.backend().upload(part_of(make_builtin_scene(500), own_part()));
+  for (const Outputs& asked : {Outputs{.normal = true}, Outputs{.id = true}}) {
+    ViewInto into(builtin_camera(100, 80), ranks_here().rank() == 1 ? asked : Outputs{}, nullptr);
+    CHECK_THROWS_WITH_AS(
+        distributed.render_into(part.view(), {&into.view, 1}),
+        "render: the views of rank 1 differ from those of rank 0, expected the same on all ranks",
+        std::invalid_argument);
+  }
+}
+
+TEST_CASE("mpi planes: a part with too few features is told to all and they can go on") {
+  const int failing = ranks_here().size() - 1;
+  const Scene scene = with_features(make_builtin_scene(1'000));
+  Scene own = part_of(scene, own_part());
+  if (ranks_here().rank() == failing) own.features.resize(3 * own.size()), own.feature_channels = 3;
+  One one;
+  Distributed distributed(ranks_here());
+  const auto part = distributed.backend().upload(own);
+  Frame expected, found;
+  const Camera camera = builtin_camera(100, 80);
+  RenderSettings settings = all_planes();
+  const std::string message =
+      message_of(failing, [&] { distributed.render(part.view(), camera, settings, found); });
+  CHECK(message.ends_with(
+      "render: the frame asks for 14 features a Gaussian, expected at most the 3 of the scene"));
+  settings.outputs.features = 0;
+  one.render(one.backend().upload(scene), camera, settings, expected);
+  distributed.render(part.view(), camera, settings, found);
+  if (ranks_here().rank() == 0) CHECK(same_planes(found, expected));
+}
+
+TEST_CASE("mpi planes: a rank that fails for any attributes is told to all and they can go on") {
+  const int failing = ranks_here().size() - 1;
+  const Scene scene = with_features(make_builtin_scene(1'000));
+  const Camera camera = builtin_camera(100, 80);
+  One one;
+  Frame expected, found;
+  one.render(one.backend().upload(scene), camera, all_planes(), expected);
+  for (const bool direct : {false, true}) {
+    ranks_here().set_direct(direct);
+    DistributedRenderer<Away, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
+    const auto part = distributed.backend().upload(part_of(scene, own_part()));
+    for (const int attribute : {0, 16}) {
+      if (ranks_here().rank() == failing) distributed.backend().failing_attribute = attribute;
+      const std::string message =
+          message_of(failing, [&] { distributed.render(part.view(), camera, all_planes(), found); });
+      CHECK(message.ends_with("thrown by a test"));
+      CHECK(distributed.drawn().size == 0);
+      distributed.backend().failing_attribute = -1;
+      distributed.render(part.view(), camera, all_planes(), found);
+      if (ranks_here().rank() == 0) CHECK(same_planes(found, expected));
+    }
+  }
+  ranks_here().set_direct(false);
+}
+
+TEST_CASE("mpi planes: where one rank has no memory all throw and can go on") {
+  RenderSettings settings = all_planes();
+  settings.outputs.features = 0;
+  fail_at_each_allocation<Serial>(
+      hook_of<CacheLineMemory>(), [](const MemoryHook& memory) { return Serial(memory); }, settings);
+}
+
+TEST_CASE("mpi planes: only frames that ask for Gaussians or attributes send them") {
+  const Scene scene = with_features(make_builtin_scene(3'000));
+  const Camera camera = builtin_camera(190, 130);
+  // Of a first frame, whose strips do not go by the clock.
+  const auto bytes_of_frame = [&](const Outputs& outputs, std::uint64_t& splats) {
+    Distributed distributed(ranks_here());
+    const auto part = distributed.backend().upload(part_of(scene, own_part()));
+    RenderSettings settings;
+    settings.outputs = outputs;
+    distributed.render_strips(part.view(), {&camera, 1}, settings);
+    splats = 0;
+    for (const RankCounters& rank : distributed.counters().ranks) splats += rank.sent;
+    return distributed.counters().sent_bytes();
+  };
+  std::uint64_t splats = 0;
+  const auto ranks = std::uint64_t(ranks_here().size());
+  const std::uint64_t colour = bytes_of_frame({}, splats);
+  CHECK(colour == 52 * splats + 24 * ranks * (ranks - 1));
+  CHECK((splats > 0) == (ranks > 1));
+  CHECK(bytes_of_frame({.alpha = true, .depth = true}, splats) == colour);
+  CHECK(bytes_of_frame({.first_depth = true, .median_depth = true}, splats) == colour);
+  CHECK(bytes_of_frame({.id = true}, splats) == colour + 4 * splats);
+  CHECK(bytes_of_frame({.normal = true, .median_id = true}, splats) == colour + (4 + 16) * splats);
+  CHECK(bytes_of_frame({.features = 5}, splats) == colour + 2 * 16 * splats);
+  CHECK(bytes_of_frame(all_planes().outputs, splats) == colour + (4 + 5 * 16) * splats);
+}

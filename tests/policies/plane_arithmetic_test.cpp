@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What a pixel remembers of its splats, and what is summed of them.
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/attribute_stage.hpp>
+#include <swiftgs/plane/attributes.hpp>
+#include <swiftgs/plane/normal.hpp>
+#include <swiftgs/plane/picks.hpp>
+
+#include "policies/random_splats.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+constexpr float largest_float = std::numeric_limits<float>::max();
+
+/// Offers splats 0, 1, ... of these alphas.
+SplatPicks picks_of(const std::vector<float>& alphas, float first_below = 0.75f) {
+  SplatPicks picks;
+  float transmittance = 1;
+  for (std::size_t i = 0; i < alphas.size(); ++i) {
+    const float weight = alphas[i] * transmittance;
+    transmittance -= weight;
+    picks.offer(std::uint32_t(i), weight, transmittance, first_below);
+  }
+  return picks;
+}
+
+/// A frame with some planes, whose memory nobody touches.
+FrameView asks_for(bool normal, bool squared_depth, int features) {
+  static float memory;
+  FrameView frame{.feature_channels = features};
+  if (normal) frame.normal.data = &memory;
+  if (squared_depth) frame.squared_depth.data = &memory;
+  if (features > 0) frame.features.data = &memory;
+  return frame;
+}
+
+/// One Gaussian as a splat.
+struct OneSplat {
+  Scene scene;
+  SplatShape shape;
+  float depth = 2;
+  std::uint32_t gaussian = 0;
+
+  OneSplat() { append(scene, vec3(0, 0, 2), 1, 0.5f); }
+
+  /// Four of its attributes in a frame.
+  std::vector<float> attributes(const FrameView& frame, unsigned row = 0, int first = 0) const {
+    View view;
+    view.camera = view_constants(forward_camera(8, 8), Conventions());
+    view.frame = frame;
+    const SplatAttributes from{swiftgs::view(scene), {{&shape, 1}, {&depth, 1}, {&gaussian, 1}}, first, 4};
+    const AttributeRow out = from.row(view, row, 0);
+    return {out.values, out.values + AttributeRow::channels};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("planes: a pixel remembers the first and the median and the largest splat") {
+  const SplatPicks none = picks_of({});
+  CHECK(none.first == SplatPicks::none);
+  CHECK(none.median == SplatPicks::none);
+  CHECK(none.largest == SplatPicks::none);
+  const SplatPicks picks = picks_of({0.125f, 0.25f, 0.5f, 0.5f});  // leave 0.875, 0.65625, 0.328125, 0.164
+  CHECK(picks.first == 1);
+  CHECK(picks.median == 2);
+  CHECK(picks.largest == 2);
+  CHECK(picks.weight == 0.328125f);
+}
+
+TEST_CASE("planes: thresholds are passed and not reached") {
+  CHECK(picks_of({0.25f}).first == SplatPicks::none);
+  CHECK(picks_of({0.25f, 0.25f}).first == 1);
+  CHECK(picks_of({0.5f}).median == SplatPicks::none);
+  CHECK(picks_of({0.5f, 0.125f}).median == 1);
+  CHECK(picks_of({0.25f}, 1).first == 0);
+}
+
+TEST_CASE("planes: of equal weights the first wins") {
+  CHECK(picks_of({0.5f, 1}).largest == 0);
+  SplatPicks picks;
+  picks.offer(3, 0, 1, 0.9f);
+  CHECK(picks.largest == SplatPicks::none);  // weighs nothing
+  picks.offer(2, 0.5f, 0.5f, 0.9f), picks.offer(1, 0.5f, 0, 0.9f);
+  CHECK(picks.largest == 2);
+}
+
+TEST_CASE("planes: attributes are normals and then squared depths and then features") {
+  using Of = Attribute::Of;
+  CHECK(attribute_count(FrameView()) == 0);
+  CHECK(attribute_count(asks_for(true, false, 0)) == 3);
+  CHECK(attribute_count(asks_for(true, true, 2)) == 6);
+  CHECK(attribute_count(asks_for(false, false, 17)) == 17);
+  const auto is = [](const FrameView& frame, int k, Of of, int channel) {
+    const Attribute found = attribute(frame, k);
+    return found.of == of && found.channel == channel;
+  };
+  const FrameView all = asks_for(true, true, 2);
+  for (int k = 0; k < 3; ++k) CHECK(is(all, k, Of::normal, k));
+  CHECK(is(all, 3, Of::squared_depth, 0));
+  CHECK(is(all, 4, Of::feature, 0));
+  CHECK(is(all, 5, Of::feature, 1));
+  CHECK(is(all, 6, Of::nothing, 0));
+  CHECK(is(asks_for(false, true, 1), 1, Of::feature, 0));
+  CHECK(is(asks_for(false, false, 1), 0, Of::feature, 0));
+  CHECK(is(asks_for(true, false, 0), 3, Of::nothing, 0));
+}
+
+TEST_CASE("planes: each sum is stored where it belongs") {
+  std::vector<float> normal(6, 9), squared(2, 9), features(4, 9);
+  FrameView frame{.width = 2, .height = 1};
+  frame.normal = {normal.data(), 24}, frame.squared_depth = {squared.data(), 8};
+  frame.features = {features.data(), 16}, frame.feature_channels = 2;
+  const auto store = [&](int first, unsigned rows, std::size_t x, float transmittance) {
+    float sums[AttributesView::most];
+    for (int i = 0; i < int(AttributesView::most); ++i) sums[i] = float(first + i + 1);
+    store_attributes(frame, AttributesView{.rows = rows, .first = first}, x, 0, transmittance, sums);
+  };
+  store(0, 1, 1, 0.5f);
+  CHECK(normal == std::vector<float>{9, 9, 9, 1, 2, 3});
+  CHECK(squared == std::vector<float>{9, 8});
+  CHECK(features == std::vector<float>{9, 9, 9, 9});
+  store(4, 4, 1, 0.5f);
+  CHECK(features == std::vector<float>{9, 9, 5, 6});
+  store(8, 1, 0, 0.5f);  // another view asks for so many
+  CHECK(normal[0] == 9);
+  CHECK(features[0] == 9);
+  store(0, 4, 0, 1);
+  CHECK(squared == std::vector<float>{0, 8});
+}
+
+TEST_CASE("planes: rows of attributes are summed by weight") {
+  const AttributeRow rows[] = {{{1, 2, 3, 4}}, {{9, 9, 9, 9}}, {{5, 6, 7, 8}}, {{9, 9, 9, 9}}};
+  float sums[AttributesView::most] = {1, 1, 1, 1, 1, 1, 1, 1, 1};
+  AttributesView{.data = rows, .splats = 2, .rows = 2}.add(sums, 0, 0.5f);
+  for (int i = 0; i < 8; ++i) CHECK(sums[i] == 1 + 0.5f * float(i + 1));
+  CHECK(sums[8] == 1);
+}
+
+TEST_CASE("planes: of equally short axes the first is a normal") {
+  CHECK(shortest_axis(vec3(1, 1, 1)) == 0);
+  CHECK(shortest_axis(vec3(2, 1, 1)) == 1);
+  CHECK(shortest_axis(vec3(1, 2, 1)) == 0);
+  CHECK(shortest_axis(vec3(2, 2, 1)) == 2);
+  CHECK(shortest_axis(vec3(3, 2, 1)) == 2);
+  CHECK(shortest_axis(vec3(2, 1, 3)) == 1);
+}
+
+TEST_CASE("planes: a normal points against the ray and along the axis of an orthographic lens") {
+  Scene scene;
+  append(scene, vec3(3, 0, 2), 1, 0.5f);
+  scene.scales[0] = vec3(0.1f, 1, 1);
+  scene.rotations[0] = {0.9238795f, 0, 0.3826834f, 0};  // by pi/4 about y: x goes to (1, 0, -1) / sqrt(2)
+  Camera camera = forward_camera(8, 8);
+  const auto normal = [&] { return splat_normal(view_constants(camera, Conventions()), view(scene), 0); };
+  CHECK(normal().z == doctest::Approx(0.70710678));  // the ray goes by (3, 0, 2)
+  CHECK(normal().x == doctest::Approx(-0.70710678));
+  camera.lens.model = LensModel::orthographic;
+  CHECK(normal().z == doctest::Approx(-0.70710678));
+  CHECK(normal().x == doctest::Approx(0.70710678));
+}
+
+TEST_CASE("planes: attributes that are not finite count as 0") {
+  using Row = std::vector<float>;
+  OneSplat splat;
+  splat.scene.feature_channels = 2;
+  for (const float bad : {INFINITY, -INFINITY, NAN}) {
+    splat.scene.features = {bad, -3};
+    CHECK(splat.attributes(asks_for(false, false, 2)) == Row{0, -3, 0, 0});
+  }
+  splat.scene.features = {largest_float, -largest_float};
+  CHECK(splat.attributes(asks_for(false, false, 2)) == Row{largest_float, -largest_float, 0, 0});
+  CHECK(splat.attributes(asks_for(false, true, 0)) == Row{4, 0, 0, 0});
+  CHECK(splat.attributes(asks_for(true, true, 2)) == Row{1, 0, 0, 4});  // across the ray
+  CHECK(splat.attributes(asks_for(true, true, 2), 1) == Row{largest_float, -largest_float, 0, 0});
+  CHECK(splat.attributes(asks_for(true, true, 2), 0, 3) == Row{4, largest_float, -largest_float, 0});
+  splat.depth = 1e30f;
+  CHECK(splat.attributes(asks_for(false, true, 0)) == Row{largest_float, 0, 0, 0});
+}

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What changes no bit of the planes beside colour, alpha and depth, on every backend, and what is refused.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+
+#include "policies/planes.hpp"
+#include "policies/views.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+template <class B, class Sort = EarlySort, class Raster = AxisSharedThreshold<FloatCholesky>,
+          class Bounds = Ellipse>
+using With = Renderer<B, Sort, Raster, Bounds>;
+
+/// Calls f(outputs) with each plane that passes of the rasterizer or its picks draw, alone.
+template <class F>
+void for_each_further(const F& f) {
+  const Outputs each[] = {{.squared_depth = true}, {.first_depth = true}, {.median_depth = true},
+                          {.normal = true},        {.id = true},          {.median_id = true},
+                          {.features = 4}};
+  for (std::size_t plane = 0; plane < std::size(each); ++plane) {
+    CAPTURE(plane);
+    f(each[plane]);
+  }
+}
+
+/// Views that ask for different planes: none, some, all.
+std::vector<AskedView> different_planes() {
+  std::vector<AskedView> views = different_views();
+  views[0].further = {.squared_depth = true, .features = 2};
+  views[1].further = {.first_depth = true, .id = true};
+  views[2].further = all_planes(5);
+  views[4].further = all_planes(5);
+  views[4].upward = 0b10101010001;
+  AskedView features{turned_camera(90, 33, 0.1, 0.2)};
+  features.colour = features.alpha = false, features.further.features = 5;
+  views.push_back(features);
+  AskedView normals{turned_camera(33, 90, -0.1, 0.2)};
+  normals.further.normal = normals.further.median_id = normals.further.median_depth = true;
+  views.push_back(normals);
+  return views;
+}
+
+}  // namespace
+
+SWIFTGS_CONTRACT("planes: sorts and conservative bounds and runs change no bit") {
+  const Scene scene = with_features(make_builtin_scene(3'000), 4);
+  const Camera camera = scaled(builtin_camera(), 0.1);
+  const Frame expected =
+      With<B>(test::make_backend<B>()).render(backend.upload(scene), camera, settings_of_all(4));
+  for_each_type(AllSorts(), [&]<class Sort>(Sort) {
+    for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
+      if constexpr (Bounds::conservative) {
+        CAPTURE(Sort::name);
+        CAPTURE(Bounds::name);
+        With<B, Sort, AxisSharedThreshold<FloatCholesky>, Bounds> renderer(test::make_backend<B>());
+        const auto on = renderer.backend().upload(scene);
+        for (int run = 0; run < 2; ++run)
+          CHECK(same_planes(renderer.render(on, camera, settings_of_all(4)), expected));
+      }
+    });
+  });
+}
+
+SWIFTGS_CONTRACT("planes: further ones change no bit of others and no count") {
+  const Scene scene = with_features(random_scene(400, 1, 3), 4);
+  const Camera camera = forward_camera(70, 45);
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    With<B, EarlySort, Raster> renderer(test::make_backend<B>());
+    const auto on = renderer.backend().upload(scene);
+    RenderSettings settings;
+    settings.outputs = {true, true}, settings.background = vec3(0.2f, 0.3f, 0.4f), settings.count = true;
+    const Frame plain = renderer.render(on, camera, settings);
+    const RasterCounts counts = renderer.statistics().raster;
+    settings.outputs = all_planes(4);
+    const Frame all = renderer.render(on, camera, settings);
+    CHECK(same_counts(renderer.statistics().raster, counts));
+    // What a frame has of another's planes.
+    const auto same_of = [](const Frame& some, const Frame& whole) {
+      bool same = true;
+      for_each_plane([&](std::size_t, const auto& few,
+                         const auto& many) { same = same && (few.empty() || same_bits(few, many)); },
+                     some, whole);
+      return same;
+    };
+    CHECK(same_of(plain, all));
+    for_each_further([&](const Outputs& outputs) {
+      for (const bool count : {false, true}) {
+        settings.outputs = outputs, settings.count = count;
+        CHECK(same_of(renderer.render(on, camera, settings), all));
+      }
+    });
+  });
+}
+
+SWIFTGS_CONTRACT("planes: views of a frame may ask for different ones") {
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    With<B, EarlySort, Raster> together(test::make_backend<B>()), alone(test::make_backend<B>());
+    const auto scene = together.backend().upload(with_features(random_scene(400, 2, 1), 5));
+    const std::vector<AskedView> all = different_planes();
+    check_views(together, alone, scene.view(), all);
+    check_views(together, alone, scene.view(), {all[5], all[0], all[4]});
+    check_views(together, alone, scene.view(), {all[2], all[2]});
+    check_views(together, alone, scene.view(), {all[3]});  // none of them behind frames with all
+  });
+}
+
+SWIFTGS_CONTRACT("planes: frames for several cameras are the frames of each camera") {
+  const Scene scene = with_features(random_scene(300, 1, 6), 4);
+  With<B> renderer(std::move(backend));
+  const auto on = renderer.backend().upload(scene);
+  const Camera cameras[] = {forward_camera(50, 40), turned_camera(33, 17, 0.2, 0.3), forward_camera(16, 16)};
+  std::vector<Frame> frames(std::size(cameras));
+  renderer.render(on, {cameras, std::size(cameras)}, settings_of_all(3), {frames.data(), frames.size()});
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    CHECK(same_planes(frames[i], renderer.render(on, cameras[i], settings_of_all(3))));
+}
+
+SWIFTGS_CONTRACT("planes: the parts of an image have its bits") {
+  With<B> renderer(std::move(backend));
+  const auto scene = renderer.backend().upload(with_features(random_scene(400, 1, 2), 5));
+  AskedView asked{forward_camera(100, 75)};
+  asked.occluder = true, asked.further = all_planes(5), asked.upward = 0b01100100010;
+  check_parts(renderer, scene.view(), asked, cut(100, 75, {0}, every(75, default_tile_side)));
+  check_parts(renderer, scene.view(), asked, cut(100, 75, {0, 16, 48}, {0, 32}));
+}
+
+SWIFTGS_CONTRACT("planes: coarse tiles change no bit") {
+  With<B> renderer(std::move(backend));
+  const auto scene = renderer.backend().upload(with_features(make_builtin_scene(2'000), 2));
+  if constexpr (!on_host<B>) {
+    // Few splats in many pixels: a device draws the second frame with coarser tiles.
+    const Camera large = builtin_camera(2048, 1024);
+    const Frame first = renderer.render(scene, large, settings_of_all(2));
+    CHECK(same_planes(renderer.render(scene, large, settings_of_all(2)), first));
+    CHECK(renderer.tiles().side > default_tile_side);
+  }
+
+  // Tiles of a view's own choice.
+  const Camera small = forward_camera(100, 75);
+  const auto draw = [&](int side) {
+    PlanesOn<std::remove_cvref_t<decltype(renderer.backend())>> planes(renderer.backend(), 100, 75,
+                                                                       all_planes(2), 7);
+    View view = make_view(small, {}, planes.view());
+    view.grid = TileGrid::covering(100, 75, side);
+    renderer.render_into(scene.view(), {&view, 1});
+    return planes.on_host(renderer.backend());
+  };
+  const Frame usual = draw(16);
+  for (const int side : {32, 64, 512}) CHECK(same_planes(draw(side), usual));
+}
+
+SWIFTGS_CONTRACT("planes: rows of each may go up in memory") {
+  const int width = 37, height = 21;
+  With<B> renderer(std::move(backend));
+  const auto scene = renderer.backend().upload(with_features(random_scene(300, 1, 12), 4));
+  check_directions(
+      width, height,
+      [&](PlanesMemory& memory, bool over) {
+        PlacedFrame<std::remove_cvref_t<decltype(renderer.backend())>> placed(renderer.backend(), memory);
+        FrameView frame = placed.frame();
+        frame.over = over;
+        renderer.render_into(scene.view(), forward_camera(width, height), {}, frame);
+        placed.finish(renderer.backend());
+      },
+      all_planes(4));
+}
+
+SWIFTGS_CONTRACT("planes: recorded frames have the bits of rendered ones and the planes that were reserved") {
+  With<B> renderer(test::make_backend<B>()), other(std::move(backend));
+  const auto scene = other.backend().upload(with_features(random_scene(2000, 1, 10), 5));
+  typename B::template Buffer<FrameReport> report;
+  report.reset(1);
+  const auto asked = [](int k) {
+    std::vector<AskedView> views{changing_view(k), changing_lean_view(k), changing_view(k + 1)};
+    views[0].further = all_planes(5), views[2].further = {.median_depth = true, .features = 2};
+    return views;
+  };
+  PlacedViews reserved(other.backend(), asked(0));
+  renderer.reserve(scene.view(), reserved.span(), {8000, 200'000});
+  for (int k = 0; k < 6; ++k) {
+    CAPTURE(k);
+    PlacedViews drawn(other.backend(), asked(k));
+    renderer.set_views(drawn.span());
+    renderer.record(scene.view(), report.data());
+    FrameReport found;
+    renderer.backend().download(Span{std::as_const(report).data(), 1}, &found);
+    CHECK(found.overflowed == 0);
+    CHECK(differing(drawn.finish(renderer.backend()), draw_together(other, scene.view(), asked(k))) == 0);
+  }
+  const auto refuses = [&](const std::function<void(FrameView&)>& change) {
+    std::vector<View> views = reserved.views;
+    change(views[2].frame);
+    CHECK_THROWS_WITH_AS(
+        renderer.set_views({views.data(), views.size()}),
+        "set_views: the size or the planes of view 2 changed, expected those that were reserved",
+        std::invalid_argument);
+  };
+  refuses([](FrameView& frame) { frame.median_depth = {}; });
+  refuses([](FrameView& frame) { frame.feature_channels = 1; });
+  refuses([&](FrameView& frame) { frame.id = reserved.views[0].frame.id; });
+  const auto plain = other.backend().upload(random_scene(2000, 1, 10));
+  CHECK_THROWS_WITH_AS(
+      renderer.record(plain.view(), report.data()),
+      "render: the frame asks for 5 features a Gaussian, expected at most the 0 of the scene",
+      std::invalid_argument);
+}
+
+TEST_CASE("planes: frames have the same bits with one thread and two") {
+  const Scene scene = with_features(random_scene(5000, 2, 5), 5);
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    const auto drawn_by = [&](int threads) {
+      With<Cpu, EarlySort, Raster> renderer{Cpu(threads)};
+      const auto uploaded = renderer.backend().upload(scene);
+      return draw_together(renderer, uploaded.view(), different_planes());
+    };
+    CHECK(differing(drawn_by(1), drawn_by(2)) == 0);
+  });
+}
+
+TEST_CASE("planes: those that cannot be written are refused in words") {
+  With<Serial> renderer;
+  Scene scene = with_features(random_scene(10, 0, 11), 3);
+  std::vector<float> memory(3 * 40 * 30 + 1);
+  const auto accepts = [&](FrameView frame) {
+    frame.width = 40, frame.height = 30;
+    renderer.render_into(view(scene), forward_camera(40, 30), {}, frame);
+  };
+  float* const data = memory.data();
+  const auto ids = reinterpret_cast<std::uint32_t*>(data);
+  const auto odd = [](auto* from) {
+    return reinterpret_cast<decltype(from)>(reinterpret_cast<unsigned char*>(from) + 2);
+  };
+  struct Case {
+    std::string name;
+    std::ptrdiff_t least;
+    std::function<FrameView(std::ptrdiff_t pitch, bool odd)> frame;
+  };
+  const Case cases[] = {
+      {"squared_depth", 160,
+       [&](auto pitch, bool off) {
+         return FrameView{.squared_depth = {off ? odd(data) : data, pitch}};
+       }},
+      {"first_depth", 160,
+       [&](auto pitch, bool off) {
+         return FrameView{.first_depth = {off ? odd(data) : data, pitch}};
+       }},
+      {"median_depth", 160,
+       [&](auto pitch, bool off) {
+         return FrameView{.median_depth = {off ? odd(data) : data, pitch}};
+       }},
+      {"normal", 480,
+       [&](auto pitch, bool off) {
+         return FrameView{.normal = {off ? odd(data) : data, pitch}};
+       }},
+      {"id", 160,
+       [&](auto pitch, bool off) {
+         return FrameView{.id = {off ? odd(ids) : ids, pitch}};
+       }},
+      {"median_id", 160,
+       [&](auto pitch, bool off) {
+         return FrameView{.median_id = {off ? odd(ids) : ids, pitch}};
+       }},
+      {"features", 320, [&](auto pitch, bool off) {
+         return FrameView{.features = {off ? odd(data) : data, pitch}, .feature_channels = 2};
+       }}};
+  for (const Case& c : cases) {
+    CAPTURE(c.name);
+    CHECK_NOTHROW(accepts(c.frame(c.least, false)));
+    for (const std::ptrdiff_t pitch : {c.least - 4, c.least + 2, -c.least + 4}) {
+      const std::string message = "render: the pitch of " + c.name + " is " + std::to_string(pitch) +
+                                  " bytes, expected at least " + std::to_string(c.least) +
+                                  " up or down, a multiple of 4";
+      CHECK_THROWS_WITH_AS(accepts(c.frame(pitch, false)), message.c_str(), std::invalid_argument);
+    }
+    CHECK_THROWS_WITH_AS(accepts(c.frame(c.least, true)),
+                         ("render: expected " + c.name + " aligned to 4 bytes").c_str(),
+                         std::invalid_argument);
+  }
+  for (const int channels : {0, -1})
+    CHECK_THROWS_WITH_AS(accepts({.features = {data, 160}, .feature_channels = channels}),
+                         "render: expected a frame with features to say how many channels",
+                         std::invalid_argument);
+  SceneView raw = view(scene);
+  --raw.features.size;
+  CHECK_THROWS_WITH_AS(validate(raw), "render: expected features of every Gaussian, or none",
+                       std::invalid_argument);
+  scene.features.pop_back();
+  CHECK_THROWS_WITH_AS(validate(scene), "scene: features has 29 elements, expected 30",
+                       std::invalid_argument);
+  scene.feature_channels = -1;
+  CHECK_THROWS_WITH_AS(validate(scene), "scene: feature_channels is -1, expected 0 or more",
+                       std::invalid_argument);
+  Conventions conventions;
+  for (const float first_alpha : {-0.1f, 1.0f}) {
+    conventions.first_alpha = first_alpha;
+    CHECK_THROWS_WITH_AS(validate(conventions),
+                         "conventions: expected a first alpha of 0 or more and below 1",
+                         std::invalid_argument);
+  }
+}

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Frames with all planes, against the reference.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/reference/planes.hpp>
+
+#include "policies/rasterizers.hpp"
+
+namespace swiftgs::test {
+
+/// Every plane, with so many features.
+inline Outputs all_planes(int features = 0) {
+  return {.alpha = true,
+          .depth = true,
+          .squared_depth = true,
+          .first_depth = true,
+          .median_depth = true,
+          .normal = true,
+          .id = true,
+          .median_id = true,
+          .features = features};
+}
+
+inline RenderSettings settings_of_all(int features = 0, const Conventions& conventions = {}) {
+  RenderSettings settings;
+  settings.conventions = conventions, settings.outputs = all_planes(features);
+  return settings;
+}
+
+/// What a frame may differ from the reference by where no decision is close.
+struct PlaneBounds {
+  double sum = 0;        ///< of alpha and normals, and of features in parts of the largest
+  double mean = 0;       ///< of depths, in parts of them
+  double threshold = 0;  ///< alphas and transmittances this near their thresholds are close, in parts of them
+  double pick = 0;       ///< so are weights and transmittances
+};
+
+/// Largest differences from the reference, and pixels with close decisions.
+struct PlaneErrors {
+  double alpha = 0, depth = 0, squared_depth = 0, normal = 0, features = 0;
+  std::size_t wrong_picks = 0;
+  std::size_t at_threshold = 0, at_first = 0, at_median = 0, at_id = 0, undecided_normals = 0;
+};
+
+/// Compares the first `frame.feature_channels` features.
+inline PlaneErrors plane_errors(const Frame& frame, const ReferencePlanes& expected,
+                                const PlaneBounds& bounds) {
+  REQUIRE(frame.pixels() == expected.pixels());
+  REQUIRE(frame.feature_channels <= expected.feature_channels);
+  double most = std::numeric_limits<double>::min();
+  for (const double feature : expected.features) most = std::max(most, std::abs(feature));
+  PlaneErrors out;
+  const auto note = [](double& worst, double found, double wanted, double unit, double allowed = 0) {
+    const double error = (std::abs(found - wanted) - allowed) / unit;
+    worst = error >= 0 || error < 0 ? std::max(worst, error) : INFINITY;
+  };
+  const auto differ = [&](float found, double wanted) {
+    return !(std::abs(double(found) - wanted) <= 1e-6 * wanted);
+  };
+  const std::size_t channels = std::size_t(frame.feature_channels);
+  for (std::size_t i = 0; i < frame.pixels(); ++i) {
+    if (expected.threshold_margin[i] <= bounds.threshold) {
+      ++out.at_threshold;
+      continue;
+    }
+    note(out.alpha, double(frame.alpha[i]), expected.alpha[i], 1);
+    const double tiny = std::numeric_limits<float>::min();
+    note(out.depth, double(frame.depth[i]), expected.depth[i], std::max(tiny, expected.depth[i]));
+    note(out.squared_depth, double(frame.squared_depth[i]), expected.squared_depth[i],
+         std::max(tiny, expected.squared_depth[i]));
+    const double undecided = expected.undecided_normals[i];
+    out.undecided_normals += undecided > 0;
+    for (std::size_t c = 3 * i; c < 3 * i + 3; ++c)
+      note(out.normal, double(frame.normal[c]), expected.normal[c], 1, 2 * undecided);
+    for (std::size_t c = 0; c < channels; ++c)
+      note(out.features, double(frame.features[channels * i + c]),
+           expected.features[std::size_t(expected.feature_channels) * i + c], most);
+
+    const bool first = expected.first_margin[i] > bounds.pick;
+    const bool median = expected.median_margin[i] > bounds.pick;
+    const bool id = expected.weight[i] == 0 || expected.weight[i] - expected.next_weight[i] > bounds.pick;
+    out.at_first += !first, out.at_median += !median, out.at_id += !id;
+    out.wrong_picks += first && differ(frame.first_depth[i], expected.first_depth[i]);
+    out.wrong_picks += median && differ(frame.median_depth[i], expected.median_depth[i]);
+    out.wrong_picks += median && frame.median_id[i] != expected.median_id[i];
+    out.wrong_picks += id && frame.id[i] != expected.id[i];
+  }
+  return out;
+}
+
+/// Checks all planes of a frame, of whose pixels no more than a part `close` may be set aside for each
+/// reason.
+inline void check_planes(const Frame& frame, const ReferencePlanes& expected, const PlaneBounds& bounds,
+                         double close = 0.02) {
+  const PlaneErrors errors = plane_errors(frame, expected, bounds);
+  CHECK(errors.alpha <= bounds.sum);
+  CHECK(errors.normal <= bounds.sum);
+  CHECK(errors.features <= bounds.sum);
+  CHECK(errors.depth <= bounds.mean);
+  CHECK(errors.squared_depth <= bounds.mean);
+  CHECK(errors.wrong_picks == 0);
+  for (const std::size_t pixels :
+       {errors.at_threshold, errors.at_first, errors.at_median, errors.at_id, errors.undecided_normals})
+    CHECK(double(pixels) <= close * double(frame.pixels()));
+}
+
+}  // namespace swiftgs::test

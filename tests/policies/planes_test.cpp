@@ -1,0 +1,408 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Values of the planes beside colour, alpha and depth, on every backend.
+#include "policies/planes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/metrics.hpp>
+
+#include "policies/contribution_sums.hpp"
+#include "policies/lenses.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+template <class B, class Raster = AxisSharedThreshold<FloatCholesky>>
+using With = Renderer<B, EarlySort, Raster, Ellipse>;
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+/// Rounding alone reaches half of it. Split terms err more than others.
+template <class B, class Raster = AxisSharedThreshold<FloatCholesky>>
+PlaneBounds bounds_of() {
+  const double slack = on_host<B> ? 1 : 4;
+  const double split = Raster::name.find("split") != std::string_view::npos ? 2 : 1;
+  return {.sum = 1.5e-5 * slack * split, .mean = 3e-5 * slack * split, .threshold = 1e-4, .pick = 1e-5};
+}
+
+/// White balls, whose alphas in the middle pixel of `middle_camera` are their opacities.
+struct Ball {
+  float depth, opacity;
+};
+Scene balls(const std::vector<Ball>& balls) {
+  Scene scene;
+  for (const Ball& ball : balls) append(scene, vec3(0, 0, ball.depth), 1, ball.opacity);
+  return scene;
+}
+Camera middle_camera() {
+  Camera camera = forward_camera(32, 32);
+  camera.cx = camera.cy = 16.5;
+  return camera;
+}
+constexpr std::size_t middle = 16 * 32 + 16;
+
+/// Neither cuts alphas nor stops, so that binary fractions stay exact.
+Conventions exact_conventions() {
+  Conventions conventions;
+  conventions.alpha_max = 1, conventions.stop = 0, conventions.stop_at_equal = false;
+  return conventions;
+}
+
+/// The planes of a scene through the usual renderer.
+template <class B>
+Frame draw_all(const Scene& scene, const Camera& camera, const Conventions& conventions = {}) {
+  With<B> renderer(test::make_backend<B>());
+  return renderer.render(renderer.backend().upload(scene), camera,
+                         settings_of_all(scene.feature_channels, conventions));
+}
+
+/// A frame in memory that held 7 everywhere.
+template <class R>
+Frame render_over_sevens(R& renderer, const SceneView& scene, const Camera& camera, const Outputs& outputs,
+                         const std::vector<float>& occluder = {}) {
+  const auto& backend = renderer.backend();
+  PlanesOn<std::remove_cvref_t<decltype(backend)>> planes(backend, camera.width, camera.height, outputs, 7);
+  const auto depths = to_backend(backend, occluder);
+  FrameView frame = planes.view();
+  if (!occluder.empty()) frame.occluder = {depths.data(), std::ptrdiff_t(sizeof(float)) * camera.width};
+  renderer.render_into(scene, camera, {}, frame);
+  return planes.on_host(backend);
+}
+
+/// Whether all pixels hold what pixels without splats do.
+bool is_empty(const Frame& frame) {
+  const auto all = [](const auto& values, auto value) {
+    return std::all_of(values.begin(), values.end(), [&](auto found) { return found == value; });
+  };
+  return all(frame.alpha, 0.0f) && all(frame.depth, 0.0f) && all(frame.squared_depth, 0.0f) &&
+         all(frame.first_depth, 0.0f) && all(frame.median_depth, 0.0f) && all(frame.normal, 0.0f) &&
+         all(frame.features, 0.0f) && all(frame.id, no_gaussian) && all(frame.median_id, no_gaussian);
+}
+
+}  // namespace
+
+SWIFTGS_CONTRACT("planes: each is that of the reference by every rasterizer") {
+  const Scene usual = with_features(random_scene(400, 1, 5), 5);
+  const Scene dense = with_features(make_builtin_scene(8'000), 4);
+  const Camera usual_camera = forward_camera(67, 45), dense_camera = scaled(builtin_camera(), 0.1);
+  const ReferencePlanes of_usual = render_reference_planes(usual, usual_camera, {});
+  const ReferencePlanes of_dense = render_reference_planes(dense, dense_camera, {});
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    With<B, Raster> renderer(test::make_backend<B>());
+    const auto check = [&](const Scene& scene, const Camera& camera, const ReferencePlanes& expected) {
+      const Frame frame =
+          renderer.render(renderer.backend().upload(scene), camera, settings_of_all(scene.feature_channels));
+      if (!stores_half<Raster>) return check_planes(frame, expected, bounds_of<B, Raster>());
+      CHECK(psnr(frame.normal, expected.normal) > 45);
+      CHECK(psnr(frame.features, expected.features) > 40);
+      CHECK(plane_errors(frame, expected, bounds_of<B>()).wrong_picks <= frame.pixels() / 20);
+    };
+    check(usual, usual_camera, of_usual);
+    check(dense, dense_camera, of_dense);
+  });
+}
+
+SWIFTGS_CONTRACT("planes: each is that of the reference through every lens") {
+  const Scene scene = with_features(make_builtin_scene(8'000), 3);
+  for (const Camera& camera : cameras_of_lenses())
+    for (const auto depth : {Conventions::Depth::of_lens, Conventions::Depth::distance}) {
+      CAPTURE(name_of(camera.lens.model));
+      CAPTURE(camera.lens.is_distorted());
+      Conventions conventions;
+      conventions.depth = depth;
+      check_planes(draw_all<B>(scene, camera, conventions),
+                   render_reference_planes(scene, camera, conventions), bounds_of<B>());
+    }
+}
+
+SWIFTGS_CONTRACT("planes: each is that of the reference from every side and by other conventions") {
+  const Scene scene = with_features(random_scene(600, 2, 6), 2);
+  for (const dvec3 eye : {dvec3(-3, 1, 4), dvec3(0.5, -4, 9), dvec3(2, 0.2, 14)}) {
+    Camera camera = look_at(eye, dvec3(0.1, 0, 6), dvec3(0.1, -1, 0.2), 0.9, 80, 60);
+    for (Conventions conventions : {Conventions::gsplat(), Conventions::inria()}) {
+      conventions.footprint = Conventions::Footprint::alpha, conventions.antialiased = eye.y > 0;
+      check_planes(draw_all<B>(scene, camera, conventions),
+                   render_reference_planes(scene, camera, conventions), bounds_of<B>());
+    }
+    camera.rotation = dmat3(dvec3(-1, 0, 0), dvec3(0, 1, 0), dvec3(0, 0, 1)) * camera.rotation;  // a mirror
+    camera.translation.x *= -1;
+    check_planes(draw_all<B>(scene, camera), render_reference_planes(scene, camera, {}), bounds_of<B>());
+  }
+}
+
+SWIFTGS_CONTRACT("planes: long lists are those of the reference") {
+  Random random(6000);
+  Scene scene = random_scene(6'000, 0, 6);
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const float z = 2 + 8 * float(i) / float(scene.size());
+    scene.means[i] = vec3(random.f(-0.2, 0.2) * z, random.f(-0.2, 0.2) * z, z);
+    scene.scales[i] = vec3(0.5f * z, random.f(0.3, 0.6) * z, 0.01f);
+    scene.opacities[i] = float(random.scale(1e-4, 4e-4));
+  }
+  scene = with_features(std::move(scene), 5);
+  Conventions conventions;
+  conventions.alpha_min = 2e-5f;
+  const Camera camera = forward_camera(48, 40);
+  const ReferencePlanes expected = render_reference_planes(scene, camera, conventions);
+  // Thousands of alphas are near their threshold, and weights nearly equal.
+  PlaneBounds bounds = bounds_of<B>();
+  bounds.threshold = 0, bounds.pick = 1e-4;
+  const PlaneErrors errors = plane_errors(draw_all<B>(scene, camera, conventions), expected, bounds);
+  CHECK(errors.alpha <= 2 * bounds.sum);
+  CHECK(errors.normal <= 2 * bounds.sum);
+  CHECK(errors.features <= 2 * bounds.sum);
+  CHECK(errors.squared_depth <= 2 * bounds.mean);
+  CHECK(errors.wrong_picks <= 20);
+}
+
+SWIFTGS_CONTRACT("planes: a surface in front hides splats in each") {
+  const Scene scene = with_features(random_scene(800, 0, 10), 4);
+  const Camera camera = forward_camera(53, 37);
+  const float depths[] = {3, infinity, 1.5f, 0, 7, 5};
+  std::vector<float> occluder;
+  for (std::size_t i = 0; i < 53 * 37; ++i) occluder.push_back(depths[i % std::size(depths)]);
+  const ReferencePlanes expected =
+      render_reference_planes(scene, camera, {}, 0, Span<const float>{occluder.data(), occluder.size()});
+  With<B> renderer(std::move(backend));
+  const auto on = renderer.backend().upload(scene);
+  const Frame frame = render_over_sevens(renderer, on.view(), camera, all_planes(4), occluder);
+  check_planes(frame, expected, bounds_of<B>());
+  std::size_t hidden = 0;
+  for (std::size_t i = 0; i < occluder.size(); ++i)
+    hidden += occluder[i] == 0 && frame.id[i] == no_gaussian && frame.median_depth[i] == 0;
+  CHECK(hidden == std::size_t(std::count(occluder.begin(), occluder.end(), 0.0f)));
+  const std::vector<float> before_all(occluder.size(), 0.0f);
+  CHECK(is_empty(render_over_sevens(renderer, on.view(), camera, all_planes(4), before_all)));
+}
+
+SWIFTGS_CONTRACT("planes: splats of a colour that is not finite are in none") {
+  const Scene scene = with_features(scene_with_hidden(400, 4), 3);
+  Scene without = scene;
+  for (std::size_t i = 0; i < scene.size(); i += 10) without.opacities[i] = 0;
+  const Camera camera = forward_camera(60, 44);
+  const Frame frame = draw_all<B>(scene, camera);
+  CHECK(same_planes(frame, draw_all<B>(without, camera)));
+  check_planes(frame, render_reference_planes(scene, camera, {}), bounds_of<B>());
+  for (const std::uint32_t id : frame.id) CHECK((id == no_gaussian || id % 10 != 0));
+}
+
+SWIFTGS_CONTRACT("planes: pixels without splats hold 0 and no Gaussian") {
+  With<B> renderer(std::move(backend));
+  const Camera camera = forward_camera(40, 30);
+  const Scene nothing = with_features(Scene(), 4);
+  CHECK(is_empty(
+      render_over_sevens(renderer, renderer.backend().upload(nothing).view(), camera, all_planes(4))));
+  Scene dot;
+  append(dot, vec3(0, 0, 2), 0.02f, 0.9f);
+  dot = with_features(std::move(dot), 4);
+  const Frame frame =
+      render_over_sevens(renderer, renderer.backend().upload(dot).view(), camera, all_planes(4));
+  check_planes(frame, render_reference_planes(dot, camera, {}), bounds_of<B>());
+  const std::ptrdiff_t shown = std::count(frame.id.begin(), frame.id.end(), 0u);
+  CHECK(shown > 3);
+  CHECK(shown < 100);
+  CHECK(std::count(frame.id.begin(), frame.id.end(), no_gaussian) + shown == 40 * 30);
+}
+
+SWIFTGS_CONTRACT("planes: any number of features up to the scene's are the first of them") {
+  const Scene scene = with_features(random_scene(300, 0, 7), 17);
+  const Camera camera = forward_camera(50, 37);
+  With<B> renderer(std::move(backend));
+  const auto on = renderer.backend().upload(scene);
+  const auto features = [&](int channels, bool others) {
+    RenderSettings settings;
+    if (others) settings.outputs = all_planes();
+    settings.outputs.features = channels;
+    return renderer.render(on, camera, settings);
+  };
+  const Frame all = features(17, true);
+  check_planes(all, render_reference_planes(scene, camera, {}), bounds_of<B>());
+  for (const int channels : {1, 2, 3, 4, 5, 17})
+    for (const bool others : {false, true}) {
+      CAPTURE(channels);
+      CAPTURE(others);
+      const Frame some = features(channels, others);
+      CHECK(some.feature_channels == channels);
+      REQUIRE(some.features.size() == std::size_t(channels) * some.pixels());
+      std::size_t different = 0;
+      for (std::size_t i = 0; i < some.features.size(); ++i) {
+        const std::size_t pixel = i / std::size_t(channels), channel = i % std::size_t(channels);
+        different += some.features[i] != all.features[17 * pixel + channel];
+      }
+      CHECK(different == 0);
+    }
+  CHECK(features(0, true).features.empty());
+  for (const int channels : {18, 1 << 30}) {  // before memory is taken for them
+    const std::string message = "render: the frame asks for " + std::to_string(channels) +
+                                " features a Gaussian, expected at most the 17 of the scene";
+    CHECK_THROWS_WITH_AS(features(channels, false), message.c_str(), std::invalid_argument);
+  }
+  CHECK_THROWS_WITH_AS(features(-1, false), "render: the number of features is -1, expected 0 or more",
+                       std::invalid_argument);
+  const auto without = renderer.backend().upload(random_scene(5, 0, 1));
+  CHECK_THROWS_WITH_AS(
+      renderer.render(without, camera, settings_of_all(1)),
+      "render: the frame asks for 1 features a Gaussian, expected at most the 0 of the scene",
+      std::invalid_argument);
+}
+
+SWIFTGS_CONTRACT("planes: features that are not finite count as 0 and huge and negative ones are blended") {
+  Scene scene = with_features(random_scene(300, 0, 8), 4);
+  for (float& feature : scene.features) feature *= 5e37f;
+  Scene tame = scene;
+  const float bad[] = {infinity, -infinity, std::numeric_limits<float>::quiet_NaN()};
+  for (std::size_t i = 0; i < scene.size(); i += 3)
+    scene.features[4 * i + i % 4] = bad[i % 9 / 3], tame.features[4 * i + i % 4] = 0;
+  With<B> renderer(std::move(backend));
+  const auto on = renderer.backend().upload(tame);
+  const Camera camera = forward_camera(60, 44);
+  const auto draw = [&](const std::vector<float>& features) {
+    const auto memory = to_backend(renderer.backend(), features);
+    SceneView raw = on.view();
+    raw.features = memory.span();
+    return render_over_sevens(renderer, raw, camera, all_planes(4));
+  };
+  const Frame frame = draw(scene.features);
+  CHECK(same_planes(frame, draw(tame.features)));
+  check_planes(frame, render_reference_planes(scene, camera, {}), bounds_of<B>());
+  CHECK(*std::min_element(frame.features.begin(), frame.features.end()) < -1e37f);
+
+  // The largest of floats everywhere: weights add up to no more than 1.
+  const float largest = std::numeric_limits<float>::max();
+  for (const float value : draw(std::vector<float>(scene.features.size(), largest)).features)
+    CHECK((value >= 0 && value <= largest));
+}
+
+SWIFTGS_CONTRACT("planes: the first depth is of the splat that takes alpha above any first alpha") {
+  const Scene scene = balls({{2, 0.25f}, {3, 0.5f}, {4, 0.5f}, {5, 0.875f}});  // alpha .25 .625 .8125 .98
+  const auto first = [&](float first_alpha) {
+    Conventions conventions = exact_conventions();
+    conventions.first_alpha = first_alpha;
+    return draw_all<B>(scene, middle_camera(), conventions).first_depth[middle];
+  };
+  CHECK(first(0) == 2);
+  CHECK(first(0.05f) == 2);
+  CHECK(first(0.25f) == 3);
+  CHECK(first(0.3f) == 3);
+  CHECK(first(0.625f) == 4);
+  CHECK(first(0.9f) == 5);
+  CHECK(first(0.99f) == 0);
+  const Scene random = random_scene(600, 0, 9);
+  const Camera camera = forward_camera(80, 60);
+  for (const float first_alpha : {0.0f, 0.9f}) {
+    Conventions conventions;
+    conventions.first_alpha = first_alpha;
+    check_planes(draw_all<B>(random, camera, conventions),
+                 render_reference_planes(random, camera, conventions), bounds_of<B>());
+  }
+}
+
+SWIFTGS_CONTRACT("planes: of equal weights the nearest Gaussian and a median only below one half") {
+  const auto at_middle = [&](const Scene& scene) {
+    const Frame frame = draw_all<B>(scene, middle_camera(), exact_conventions());
+    return std::vector<double>{double(frame.id[middle]), double(frame.median_id[middle]),
+                               double(frame.median_depth[middle])};
+  };
+  const double none = no_gaussian;
+  CHECK(at_middle(balls({{2, 0.5f}, {4, 1}})) == std::vector<double>{0, 1, 4});
+  CHECK(at_middle(balls({{4, 1}, {2, 0.5f}})) == std::vector<double>{1, 0, 4});
+  CHECK(at_middle(balls({{4, 0.25f}, {2, 0.25f}})) == std::vector<double>{1, none, 0});
+  CHECK(at_middle(balls({{2, 0.5f}})) == std::vector<double>{0, none, 0});
+  CHECK(at_middle(balls({{4, 0.75f}, {2, 0.25f}})) == std::vector<double>{0, 0, 4});
+  CHECK(at_middle(balls({{4, 0.5f}, {2, 0.25f}, {3, 0.25f}, {5, 0.5f}})) == std::vector<double>{0, 0, 4});
+}
+
+SWIFTGS_CONTRACT("planes: ids and medians are those of picking") {
+  const Camera camera = scaled(builtin_camera(), 0.1);
+  With<B> renderer(std::move(backend));
+  const Frame frame =
+      renderer.render(renderer.backend().upload(make_builtin_scene(8'000)), camera, settings_of_all());
+  std::size_t different = 0, seen = 0;
+  for (int y = 0; y < camera.height; y += 8)
+    for (int x = 0; x < camera.width; x += max_pick_side) {
+      const int width = std::min(max_pick_side, camera.width - x), height = std::min(8, camera.height - y);
+      const auto picked = renderer.pick({.x = x, .y = y, .width = width, .height = height});
+      for (std::size_t i = 0; i < picked.size(); ++i, ++seen) {
+        const auto row = std::size_t(y) + i / std::size_t(width),
+                   column = std::size_t(x) + i % std::size_t(width);
+        const std::size_t at = row * std::size_t(camera.width) + column;
+        different += picked[i].gaussian != frame.id[at] || picked[i].median != frame.median_id[at] ||
+                     picked[i].median_depth != frame.median_depth[at];
+      }
+    }
+  CHECK(seen == frame.pixels());
+  CHECK(different <= (std::is_same_v<B, Serial> ? 0 : frame.pixels() / 200));  // close decisions
+}
+
+SWIFTGS_CONTRACT("planes: the variance of depths is not negative") {
+  const Frame frame = draw_all<B>(make_builtin_scene(8'000), scaled(builtin_camera(), 0.1));
+  double least = 0, largest = 0;
+  for (std::size_t i = 0; i < frame.pixels(); ++i) {
+    const double mean = double(frame.depth[i]), squared = double(frame.squared_depth[i]);
+    least = std::min(least, (squared - mean * mean) / std::max(1.0, squared));
+    largest = std::max(largest, squared - mean * mean);
+  }
+  CHECK(least >= -2 * bounds_of<B>().mean);
+  CHECK(largest > 1);
+}
+
+SWIFTGS_CONTRACT("planes: features that are the colours give the colours and features of 1 give alpha") {
+  Scene scene = random_scene(500, 0, 11);
+  const Camera camera = forward_camera(70, 45);
+  scene.feature_channels = 4;
+  for (const vec3& sh0 : scene.sh0) {
+    for (int c = 0; c < 3; ++c)
+      scene.features.push_back(std::max(0.0f, 0.5f + float(0.28209479177387814) * sh0[c]));
+    scene.features.push_back(1);
+  }
+  const Frame frame = draw_all<B>(scene, camera);
+  std::vector<float> colours, ones;
+  for (std::size_t i = 0; i < frame.features.size(); ++i)
+    (i % 4 == 3 ? ones : colours).push_back(frame.features[i]);
+  CHECK(max_abs_difference(colours, frame.colour) < 2e-6);
+  CHECK(max_abs_difference(ones, frame.alpha) < 2e-6);
+}
+
+SWIFTGS_CONTRACT("planes: depths of a single opaque splat are its own and its normal faces the camera") {
+  Scene scene = balls({{3, 1}});
+  scene.scales[0] = vec3(1, 0.8f, 0.1f);
+  for (const float turn : {0.0f, 1.0f}) {  // by pi about x
+    scene.rotations[0] = {1 - turn, turn, 0, 0};
+    const Frame frame = draw_all<B>(scene, middle_camera());
+    CHECK(frame.alpha[middle] == 0.99f);
+    CHECK(frame.median_depth[middle] == 3);
+    CHECK(frame.first_depth[middle] == 3);
+    CHECK(frame.squared_depth[middle] == doctest::Approx(9).epsilon(1e-6));
+    CHECK(frame.median_id[middle] == 0);
+    CHECK(frame.normal[3 * middle + 0] == doctest::Approx(0));
+    CHECK(frame.normal[3 * middle + 1] == doctest::Approx(0));
+    CHECK(frame.normal[3 * middle + 2] == doctest::Approx(-0.99).epsilon(1e-6));
+  }
+}
+
+SWIFTGS_CONTRACT("planes: swapped channels are swapped planes") {
+  const Scene scene = with_features(random_scene(300, 0, 12), 5);
+  Scene swapped = scene;
+  for (std::size_t i = 0; i < scene.size(); ++i)
+    std::reverse(swapped.features.begin() + std::ptrdiff_t(5 * i),
+                 swapped.features.begin() + std::ptrdiff_t(5 * i + 5));
+  const Camera camera = forward_camera(50, 37);
+  const Frame frame = draw_all<B>(scene, camera);
+  Frame back = draw_all<B>(swapped, camera);
+  CHECK(!same_planes(back, frame));
+  for (std::size_t i = 0; i < back.pixels(); ++i)
+    std::reverse(back.features.begin() + std::ptrdiff_t(5 * i),
+                 back.features.begin() + std::ptrdiff_t(5 * i + 5));
+  CHECK(same_planes(back, frame));
+}
