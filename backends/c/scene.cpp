@@ -93,7 +93,8 @@ swiftgs_scene_info info_of(const swiftgs_scene& from) {
   return info;
 }
 
-swiftgs_gaussians arrays_of(const Scene& scene) {
+/// `size`: of the caller's struct. One that has no place for features is told of none.
+swiftgs_gaussians arrays_of(const Scene& scene, std::size_t size) {
   swiftgs_gaussians arrays{};
   arrays.sh_degree = scene.sh_degree, arrays.feature_channels = scene.feature_channels;
   arrays.count = scene.size();
@@ -103,6 +104,7 @@ swiftgs_gaussians arrays_of(const Scene& scene) {
         if (!from.empty()) to = {swiftgs::detail::floats_of(from).data, std::int64_t(each * sizeof(from[0]))};
       },
       scene, arrays);
+  if (size < sizeof arrays) arrays.feature_channels = 0;
   return arrays;
 }
 
@@ -166,7 +168,8 @@ swiftgs_status swiftgs_scene_get_info(const swiftgs_scene* scene, swiftgs_scene_
 swiftgs_status swiftgs_scene_get_arrays(const swiftgs_scene* scene, swiftgs_gaussians* gaussians) {
   return guarded([&] {
     require_pointer(scene, "scene");
-    write_struct(gaussians, arrays_of(*scene->scene), "swiftgs_gaussians");
+    check_struct(gaussians, "swiftgs_gaussians");
+    write_struct(gaussians, arrays_of(*scene->scene, gaussians->size), "swiftgs_gaussians");
   });
 }
 

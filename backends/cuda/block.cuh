@@ -44,7 +44,7 @@ struct RasterBlockPixel {
   /// Whether no pixel of the raster block is left that could show another splat. A barrier of the block.
   __device__ bool all_stopped() const { return __syncthreads_and(!pixel.live()) != 0; }
 
-  /// Blends the splat at this place of the lists.
+  /// Blends the splat whose id is `lists.ids[at]`.
   __device__ void blend(float alpha, const float4& colour, std::uint32_t at) {
     if constexpr (extras) ++evaluated;
     const float before = pixel.transmittance, left = Pixel::dimmed(before, alpha);
@@ -61,12 +61,13 @@ struct RasterBlockPixel {
   /// Writes the pixel, and the counts of a raster block that visited so many intersections.
   __device__ void store(std::uint32_t intersections) const {
     const auto x = std::size_t(place.x), y = std::size_t(place.y);
-    if (!place.inside) {
-    } else if constexpr (extras) {
-      store_pixel(input.job, view(), x, y, pixel.blended(), sums);
-      if (input.job.picks(view())) store_picks(view().frame, input.job.splats, x, y, picks);
-    } else {
-      store_pixel(view().frame, x, y, pixel.blended(), view().background);
+    if (place.inside) {
+      if constexpr (extras) {
+        store_pixel(input.job, view(), x, y, pixel.blended(), sums);
+        if (input.job.picks(view())) store_picks(view().frame, input.job.splats, x, y, picks);
+      } else {
+        store_pixel(view().frame, x, y, pixel.blended(), view().background);
+      }
     }
     if constexpr (extras)
       if (input.job.counts)

@@ -9,17 +9,17 @@
 
 namespace swiftgs::kernels {
 
-/// A pixel whose colour and depth are in units of alpha_max. All kernels round alike.
-__device__ inline BlendedPixel in_units(BlendedPixel pixel, const BlendRules& rules) {
+/// Takes a pixel from units of alpha_max to plain ones. All kernels round alike.
+__device__ inline BlendedPixel plain_pixel(BlendedPixel pixel, const BlendRules& rules) {
   for (int c = 0; c < 3; ++c) pixel.colour[c] = multiply_rounded(pixel.colour[c], rules.alpha_max);
   pixel.depth = multiply_rounded(pixel.depth, rules.alpha_max);
   return pixel;
 }
 
-/// Writes a pixel of `in_units` that lies in the image.
+/// Writes a pixel in units of alpha_max, if it lies in the image.
 __device__ inline void store_relative(const View& view, const PixelPlace& at, const BlendedPixel& pixel) {
   if (at.inside)
-    store_pixel(view.frame, std::size_t(at.x), std::size_t(at.y), in_units(pixel, view.rules),
+    store_pixel(view.frame, std::size_t(at.x), std::size_t(at.y), plain_pixel(pixel, view.rules),
                 view.background);
 }
 
@@ -57,7 +57,7 @@ struct PixelPlanes {
   static constexpr unsigned rows = rows_;
 };
 
-/// Of queued splats.
+/// Ids and attributes of queued splats.
 template <class Planes>
 struct QueuedPlanes {};
 template <unsigned rows>
@@ -66,13 +66,13 @@ struct QueuedPlanes<PixelPlanes<true, rows>> {
   float4 attributes[rows == 0 ? 1 : rows][rows == 0 ? 1 : queue_size];
 };
 
-/// Exponents and colours of queued splats.
+/// Exponents, colours and planes of queued splats.
 template <class Exponent, class Planes = PixelPlanes<>>
 struct Queue : TermsQueue<Exponent>, QueuedPlanes<Planes> {
   float4 colours[queue_size];  ///< RGB, depth
 };
 
-/// Of the pixels of a lane.
+/// Picks and sums of the pixels of a lane.
 template <class Planes, unsigned pixel_count>
 struct LanePlanes {
   struct Joined {};
@@ -193,16 +193,16 @@ struct LanePlanes<PixelPlanes<true, rows>, pixel_count> {
     }
   }
 
-  /// Writes a pixel of `in_units` whose last segment has ended, if it lies in the image.
+  /// Writes a pixel in units of alpha_max whose last segment has ended, if it lies in the image.
   __device__ void store(const RasterJob& job, const View& view, const PixelPlace& at, unsigned p,
                         const BlendedPixel& pixel) const {
     if (!at.inside) return;
     const auto x = std::size_t(at.x), y = std::size_t(at.y);
     const float* const of_pixel = reinterpret_cast<const float*>(joined[p].sums);
-    float in_units_too[sum_count * AttributeRow::channels];
+    float plain[sum_count * AttributeRow::channels];
     for (unsigned i = 0; i < sum_count * AttributeRow::channels; ++i)
-      in_units_too[i] = multiply_rounded(of_pixel[i], view.rules.alpha_max);
-    store_pixel(job, view, x, y, in_units(pixel, view.rules), in_units_too);
+      plain[i] = multiply_rounded(of_pixel[i], view.rules.alpha_max);
+    store_pixel(job, view, x, y, plain_pixel(pixel, view.rules), plain);
     if (!job.picks(view)) return;
     store_picks(view.frame, job.splats, x, y,
                 {first_below[p] == found ? first[p] : SplatPicks::none,

@@ -83,6 +83,7 @@ struct SegmentJoiner {
       Pixel& pixel = lane.pixels[p];
       JoinedPixel all = k == 0 ? JoinedPixel() : traversed.pixels.load(p);
       const bool live = pixel.live();
+      // Of a pixel that had stopped this is infinite: it passes no limit.
       lane.planes.end_segment(p, pixel.blended().transmittance);
       if (pixel.stop_below != had_stopped) all.join(pixel.blended(), k);
       traversed.pixels.store(p, all);

@@ -122,6 +122,7 @@ std::uint64_t views_identity(Span<const View> views) {
     for (const double number : d.rational) add(number);
     add(d.tangential[0], d.tangential[1], d.prism[0], d.prism[1]);
     add(view.rules.alpha_min, view.rules.alpha_max, view.rules.stop_below, view.rules.log2_alpha_min);
+    add(view.rules.first_below);
     add(view.grid.columns.begin, view.grid.columns.end, view.grid.rows.begin, view.grid.rows.end);
     add(view.grid.side, view.frame.width, view.frame.height);
     for_each_plane([&](std::size_t channels, const auto& plane) { add(plane.data ? channels : 0); },

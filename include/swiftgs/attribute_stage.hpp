@@ -24,9 +24,11 @@ struct SplatAttributes {
   int first = 0;      ///< attribute of the frame
   unsigned rows = 0;  ///< of `AttributesView`
 
-  /// Row `r` of splat `i`, which `view` shows. What is not finite counts as 0.
+  /// Row `r` of splat `i`, which `view` shows. What is not finite counts as 0. Larger magnitudes than
+  /// `most_attribute` are cut to it.
   SWIFTGS_HD AttributeRow row(const View& view, unsigned r, std::size_t i) const {
-    const float most = 3.4028234663852886e38f, depth = splats.depths[i];
+    const float largest = 3.4028234663852886e38f, most = most_attribute(view.rules.alpha_max);
+    const float depth = splats.depths[i];
     const std::size_t id = splats.gaussians[i];
     AttributeRow out;
     vec3 normal(0);
@@ -39,7 +41,7 @@ struct SplatAttributes {
           value = normal[from.channel];
           break;
         case Attribute::Of::squared_depth:
-          value = depth * depth < most ? depth * depth : most;
+          value = depth * depth < most ? depth * depth : most;  // it may be infinite
           break;
         case Attribute::Of::feature:
           value = scene.features[id * std::size_t(scene.feature_channels) + std::size_t(from.channel)];
@@ -47,7 +49,8 @@ struct SplatAttributes {
         case Attribute::Of::nothing:
           break;
       }
-      out.values[c] = value >= -most && value <= most ? value : 0.0f;
+      const bool finite = value >= -largest && value <= largest;
+      out.values[c] = !finite ? 0.0f : value < -most ? -most : value > most ? most : value;
     }
     return out;
   }
@@ -71,7 +74,7 @@ requires(bool(B::reaches_host_memory)) void gather_attributes(B& b, const SplatA
   b.for_each(from.splats.count(), GatherAttributes{from, views.each.data, to});
 }
 
-/// Of the view that asks for most.
+/// Most attributes that one view asks for.
 inline int attribute_count(Span<const View> views) {
   int most = 0;
   for (const View& view : views) most = std::max(most, attribute_count(view.frame));
@@ -86,7 +89,7 @@ class AttributeStage {
   template <class Rasterize>
   void draw(B& b, const SceneView& scene, RasterJob job, const Rasterize& rasterize) {
     const int count = attribute_count(job.views.each), most = int(AttributesView::most);
-    // Kernels that count know nothing of attributes.
+    // A device's kernels that count know nothing of attributes.
     if (count == 0 || job.counts) rasterize(job);
     job.only_attributes = std::exchange(job.counts, nullptr) != nullptr;
     for (int first = 0; first < count; first += most, job.only_attributes = true) {

@@ -49,7 +49,7 @@ struct Frame {
   std::size_t pixels() const { return std::size_t(width) * height; }
 };
 
-/// In planes of Gaussians where a pixel has none.
+/// In `id` and `median_id` of a pixel without a Gaussian.
 inline constexpr std::uint32_t no_gaussian = 0xffffffff;
 
 /// Format of a frame's colours in memory, interleaved. The last channel of RGBA is the frame's alpha, and the
@@ -109,10 +109,11 @@ struct Outputs {
   static constexpr bool colour = true;
   bool alpha = false;
   bool depth = false;
+  // As of `Frame`.
   bool squared_depth = false, first_depth = false, median_depth = false;
   bool normal = false;
   bool id = false, median_id = false;
-  int features = 0;  ///< channels: the first of the scene's
+  int features = 0;  ///< number of channels: the scene's first ones
 };
 
 /// A value for each plane of a frame: `T`, or `Id` for planes of Gaussians.
@@ -193,7 +194,7 @@ struct FrameView {
   Plane<float> normal{};  ///< XYZ interleaved
   Plane<std::uint32_t> id{}, median_id{};
   Plane<float> features{};   ///< `feature_channels` interleaved
-  int feature_channels = 0;  ///< the first of the scene's
+  int feature_channels = 0;  ///< their number: the scene's first ones
 
   /// The caller's own depth buffer: a splat at a pixel's depth there, or behind it, is not blended. Its
   /// depths are measured as `Conventions::depth` has it, and stored as `stored_depth` says. Infinity and NaN

@@ -13,6 +13,8 @@
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/colours.hpp>
+#include <swiftgs/frame.hpp>
+#include <swiftgs/plane/picks.hpp>
 #include <swiftgs/raster/exponents.hpp>
 #include <swiftgs/raster/raster.hpp>
 #include <swiftgs/splats.hpp>
@@ -25,7 +27,7 @@ namespace swiftgs {
 /// as `AxisSharedThreshold<FloatCholesky>` blends with it. Depths are of the Gaussians' means, as
 /// `Conventions::depth` has it.
 struct PickedPixel {
-  static constexpr std::uint32_t nothing = 0xffffffff;
+  static constexpr std::uint32_t nothing = no_gaussian;
 
   std::uint32_t gaussian = nothing;  ///< index of the largest weight; of equal ones the nearest
   float weight = 0;
@@ -104,11 +106,11 @@ class PixelPicker {
   SWIFTGS_HD bool offer(float alpha, float depth, std::uint32_t gaussian) {
     const float before = transmittance_, next = dimmed(before, alpha), weight = alpha * before;
     if (next < stop_below_) return false;
-    if (weight > picked_.weight)
-      picked_.gaussian = gaussian, picked_.weight = weight, picked_.depth = depth;
-    if (before >= 0.5f && next < 0.5f) picked_.median = gaussian, picked_.median_depth = depth;
+    if (weight > picked_.weight) picked_.gaussian = gaussian, picked_.weight = weight, picked_.depth = depth;
+    if (before >= median_below && next < median_below)
+      picked_.median = gaussian, picked_.median_depth = depth;
     transmittance_ = next;
-    return next >= 0.5f || next > picked_.weight;
+    return next >= median_below || next > picked_.weight;
   }
 
   SWIFTGS_HD const PickedPixel& picked() const { return picked_; }

@@ -122,7 +122,7 @@ inline void validate(const SceneView& scene) {
                                  (scene.sh_stride >= int(rest) &&
                                   scene.sh_rest.size >= (n - 1) * std::size_t(scene.sh_stride) + rest),
                              "SH coefficients of the view's degree for every Gaussian");
-  detail::require_for_render(scene.feature_channels >= 0 &&
+  detail::require_for_render(scene.feature_channels >= 0 && scene.feature_channels <= max_feature_channels &&
                                  scene.features.size == n * std::size_t(scene.feature_channels) &&
                                  (scene.features.data || scene.features.empty()),
                              "features of every Gaussian, or none");

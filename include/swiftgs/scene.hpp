@@ -23,6 +23,9 @@ inline constexpr int max_sh_degree = 3;
 /// SH coefficients a channel above band 0: 0, 3, 8, 15 for degree 0 to 3.
 SWIFTGS_HD constexpr int sh_rest_count(int degree) { return (degree + 1) * (degree + 1) - 1; }
 
+/// Most features a Gaussian may have.
+inline constexpr int max_feature_channels = 1 << 24;
+
 /// Gaussians on the host, structure of arrays, activated: nothing is left to exponentiate or normalise.
 /// World axes are those of the cameras; readers convert.
 struct Scene {
@@ -126,9 +129,9 @@ inline void validate(const Scene& scene) {
   if (scene.sh_degree < 0 || scene.sh_degree > max_sh_degree)
     throw std::invalid_argument("scene: sh_degree is " + std::to_string(scene.sh_degree) +
                                 ", expected 0 to 3");
-  if (scene.feature_channels < 0)
+  if (scene.feature_channels < 0 || scene.feature_channels > max_feature_channels)
     throw std::invalid_argument("scene: feature_channels is " + std::to_string(scene.feature_channels) +
-                                ", expected 0 or more");
+                                ", expected 0 to " + std::to_string(max_feature_channels));
   for_each_array(
       [&](const char* array, std::size_t each, const auto& values) {
         if (values.size() != scene.size() * each)

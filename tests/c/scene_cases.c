@@ -243,6 +243,8 @@ void test_arrays(void) {
   copy = scene_of(&older);
   CHECK(info_of(copy).feature_channels == 0 && arrays_of(copy).features.data == NULL);
   swiftgs_scene_free(copy);
+  older.feature_channels = -1;
+  CHECK(swiftgs_scene_get_arrays(scene, &older) == SWIFTGS_OK && older.feature_channels == 0);
 
   /* Dense arrays need no stride, degree 0 no higher bands, and no Gaussians no arrays. */
   const float numbers[] = {1, 2, 3, 4};

@@ -48,7 +48,7 @@ FrameView asks_for(bool normal, bool squared_depth, int features) {
 struct OneSplat {
   Scene scene;
   SplatShape shape;
-  float depth = 2;
+  float depth = 2, alpha_max = 0.5f;
   std::uint32_t gaussian = 0;
 
   OneSplat() { append(scene, vec3(0, 0, 2), 1, 0.5f); }
@@ -57,6 +57,7 @@ struct OneSplat {
   std::vector<float> attributes(const FrameView& frame, unsigned row = 0, int first = 0) const {
     View view;
     view.camera = view_constants(forward_camera(8, 8), Conventions());
+    view.rules.alpha_max = alpha_max;
     view.frame = frame;
     const SplatAttributes from{swiftgs::view(scene), {{&shape, 1}, {&depth, 1}, {&gaussian, 1}}, first, 4};
     const AttributeRow out = from.row(view, row, 0);
@@ -178,12 +179,20 @@ TEST_CASE("planes: attributes that are not finite count as 0") {
     splat.scene.features = {bad, -3};
     CHECK(splat.attributes(asks_for(false, false, 2)) == Row{0, -3, 0, 0});
   }
+}
+
+TEST_CASE("planes: attributes are cut to what sums in units of alpha_max can hold") {
+  using Row = std::vector<float>;
+  OneSplat splat;
+  splat.scene.feature_channels = 2;
   splat.scene.features = {largest_float, -largest_float};
-  CHECK(splat.attributes(asks_for(false, false, 2)) == Row{largest_float, -largest_float, 0, 0});
+  const float most = most_attribute(splat.alpha_max);
+  CHECK(most / splat.alpha_max < largest_float);
+  CHECK(splat.attributes(asks_for(false, false, 2)) == Row{most, -most, 0, 0});
   CHECK(splat.attributes(asks_for(false, true, 0)) == Row{4, 0, 0, 0});
   CHECK(splat.attributes(asks_for(true, true, 2)) == Row{1, 0, 0, 4});  // across the ray
-  CHECK(splat.attributes(asks_for(true, true, 2), 1) == Row{largest_float, -largest_float, 0, 0});
-  CHECK(splat.attributes(asks_for(true, true, 2), 0, 3) == Row{4, largest_float, -largest_float, 0});
+  CHECK(splat.attributes(asks_for(true, true, 2), 1) == Row{most, -most, 0, 0});
+  CHECK(splat.attributes(asks_for(true, true, 2), 0, 3) == Row{4, most, -most, 0});
   splat.depth = 1e30f;
-  CHECK(splat.attributes(asks_for(false, true, 0)) == Row{largest_float, 0, 0, 0});
+  CHECK(splat.attributes(asks_for(false, true, 0)) == Row{most, 0, 0, 0});
 }

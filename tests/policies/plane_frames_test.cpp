@@ -26,7 +26,7 @@ template <class B, class Sort = EarlySort, class Raster = AxisSharedThreshold<Fl
           class Bounds = Ellipse>
 using With = Renderer<B, Sort, Raster, Bounds>;
 
-/// Calls f(outputs) with each plane that passes of the rasterizer or its picks draw, alone.
+/// Calls f(outputs) with one plane at a time.
 template <class F>
 void for_each_further(const F& f) {
   const Outputs each[] = {{.squared_depth = true}, {.first_depth = true}, {.median_depth = true},
@@ -306,7 +306,7 @@ TEST_CASE("planes: those that cannot be written are refused in words") {
   CHECK_THROWS_WITH_AS(validate(scene), "scene: features has 29 elements, expected 30",
                        std::invalid_argument);
   scene.feature_channels = -1;
-  CHECK_THROWS_WITH_AS(validate(scene), "scene: feature_channels is -1, expected 0 or more",
+  CHECK_THROWS_WITH_AS(validate(scene), "scene: feature_channels is -1, expected 0 to 16777216",
                        std::invalid_argument);
   Conventions conventions;
   for (const float first_alpha : {-0.1f, 1.0f}) {

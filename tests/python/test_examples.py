@@ -23,7 +23,8 @@ def test_planes_of_the_built_in_scene_are_pictures(tmp_path):
     images = {path.stem: swiftgs.load_image(path) for path in (tmp_path / "planes").glob("*.png")}
     assert images.pop("planes").shape == (3 * 54, 3 * 96, 3)
     assert set(images) == {"colour", "alpha", "depth", "spread", "first_depth", "median_depth", "normal", "id", "feature"}
-    assert all(image.shape == (54, 96, 3) and image.std() > 0.01 for image in images.values())
+    assert all(image.shape == (54, 96, 3) for image in images.values())
+    assert all(image.std() > (1e-4 if name == "alpha" else 0.01) for name, image in images.items())
     assert len({image.tobytes() for image in images.values()}) == len(images)
 
 

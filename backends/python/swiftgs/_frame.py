@@ -160,7 +160,7 @@ class Frame:
         if features:
             options["features"] = np.empty((*images, features), np.float32)
         for name, (kind, channels) in PLANES.items():
-            if isinstance(options.get(name), bool):
+            if options.get(name) is not None and np.ndim(options[name]) == 0:
                 shape = images if channels == 1 else (*images, channels)
                 options[name] = np.empty(shape, kind) if options[name] else None
         return cls(**options)

@@ -153,9 +153,9 @@ typedef struct swiftgs_write_options {
 } swiftgs_write_options;
 
 /// Writes a scene as `.ply`, `.compressed.ply`, `.spz`, `.sog` or `.splat`. docs/formats.md says what each
-/// loses. The new file takes the place of an old one when it is whole. `options` may be NULL. Errors:
-/// `SWIFTGS_INVALID_ARGUMENT` for an ending or an option that is not known, or that the scene does not allow,
-/// `SWIFTGS_CANCELLED`, `SWIFTGS_SYSTEM_ERROR`.
+/// loses; none holds features. The new file takes the place of an old one when it is whole. `options` may be
+/// NULL. Errors: `SWIFTGS_INVALID_ARGUMENT` for an ending or an option that is not known, or that the scene
+/// does not allow, `SWIFTGS_CANCELLED`, `SWIFTGS_SYSTEM_ERROR`.
 SWIFTGS_C_API swiftgs_status swiftgs_scene_write(const swiftgs_scene* scene, const char* path,
                                                  const swiftgs_write_options* options);
 

@@ -116,7 +116,7 @@ typedef struct swiftgs_view {
   swiftgs_plane id;  ///< uint32: index of the largest weight, of equal ones the nearest; or `SWIFTGS_NOTHING`
   swiftgs_plane median_id;   ///< uint32: index of the Gaussian of `median_depth`; or `SWIFTGS_NOTHING`
   swiftgs_plane features;    ///< `feature_channels` floats: sum of weight times feature
-  int32_t feature_channels;  ///< the first of the scene's
+  int32_t feature_channels;  ///< their number: the scene's first ones
   uint32_t reserved;         ///< 0
 } swiftgs_view;
 

@@ -111,6 +111,8 @@ struct WrittenScene {
 ///   65,536 sets. The order is that of `spatial_order`.
 /// - `.splat`: antimatter15's records of 32 bytes, without higher bands, greatest splats first.
 ///
+/// No format holds features.
+///
 /// All formats treat numbers that a file cannot hold alike, and `WrittenScene::notes` counts them:
 /// - A Gaussian with a NaN or an infinity is left out, as no renderer draws it and `read_scene` drops it.
 /// - An opacity outside 0 to 1 is clamped.

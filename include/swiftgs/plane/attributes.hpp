@@ -35,6 +35,9 @@ SWIFTGS_HD inline Attribute attribute(const FrameView& frame, int k) {
   return {};
 }
 
+/// Largest magnitude that is summed: devices sum in units of alpha_max, and no sum may be infinite.
+SWIFTGS_HD constexpr float most_attribute(float alpha_max) { return 3.4e38f * alpha_max; }
+
 /// Four attributes of a splat, in one 16-byte load.
 struct alignas(16) AttributeRow {
   static constexpr unsigned channels = 4;
@@ -45,7 +48,7 @@ struct alignas(16) AttributeRow {
 /// several times.
 struct AttributesView {
   static constexpr unsigned most_rows = 4, most = most_rows * AttributeRow::channels;
-  /// That so many attributes take.
+  /// Rows that so many attributes take.
   static constexpr unsigned rows_for(int attributes) {
     return attributes <= 0 ? 0 : attributes <= int(AttributeRow::channels) ? 1 : most_rows;
   }

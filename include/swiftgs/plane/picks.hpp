@@ -25,8 +25,7 @@ struct SplatPicks {
   std::uint32_t first = none, median = none, largest = none;
   float weight = 0;  ///< of the largest
 
-  /// Offers a splat of this weight, the last of those that leave `transmittance`. Any unit of weights will
-  /// do.
+  /// Offers the next splat: its weight, in any unit, and the transmittance behind it.
   SWIFTGS_HD void offer(std::uint32_t splat, float splat_weight, float transmittance, float first_below) {
     if (splat_weight > weight) largest = splat, weight = splat_weight;
     if (first == none && transmittance < first_below) first = splat;

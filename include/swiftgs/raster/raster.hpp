@@ -22,7 +22,8 @@
 namespace swiftgs {
 
 /// What rasterizing one raster block took. On devices, only `contributing_pairs` and `pixels_stopped` repeat
-/// from run to run, since any warp may take the rest of a long list. `balanced_ps` repeats on no backend.
+/// from run to run, since any warp may take the rest of a long list; of frames that remember splats, none
+/// does. `balanced_ps` repeats on no backend.
 struct RasterCounts {
   std::uint64_t intersections_visited = 0;  ///< of its tile's list, before all its pixels had stopped
   std::uint64_t rows_visited = 0;           ///< rows of pixels on which an intersection was evaluated
@@ -52,8 +53,8 @@ struct RasterJob {
   TileListsView lists;
   Views views;
   RasterCounts* counts = nullptr;  ///< @shape{raster blocks} filled where not null
-  AttributesView attributes{};
-  bool only_attributes = false;  ///< all other planes were drawn
+  AttributesView attributes{};     ///< never with `counts`
+  bool only_attributes = false;    ///< all other planes were drawn
 
   /// Whether pixels of `view` have to remember splats.
   SWIFTGS_HD bool picks(const View& view) const { return !only_attributes && view.frame.picks(); }

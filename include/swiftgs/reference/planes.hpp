@@ -15,6 +15,7 @@
 #include <Eigen/Geometry>
 
 #include <swiftgs/frame.hpp>
+#include <swiftgs/plane/attributes.hpp>
 #include <swiftgs/reference.hpp>
 
 namespace swiftgs {
@@ -84,7 +85,7 @@ struct PlanesPixel {
     if (!blend(blended, splat, sigma, k)) return 0;
 
     const double left = blended.transmittance, part = alpha * before;
-    squared_depth += part * std::min(splat.depth * splat.depth, double(std::numeric_limits<float>::max()));
+    squared_depth += part * std::min(splat.depth * splat.depth, double(most_attribute(k.alpha_max)));
     normal += part * facing.direction;
     if (facing.undecided) undecided_normals += part;
     pick(std::uint32_t(splat.index), part, splat.depth);
@@ -154,7 +155,9 @@ inline void render_rows(ReferencePlanes& out, const Scene& scene, const std::vec
         const double weight = pixels[i].offer(*splat, normals[splat->index], x, y, conventions);
         for (std::size_t c = 0; weight > 0 && c < channels; ++c) {
           const float feature = scene.features[channels * splat->index + c];
-          if (std::isfinite(feature)) out.features[channels * (begin + i) + c] += weight * double(feature);
+          const double most = most_attribute(conventions.alpha_max);
+          if (std::isfinite(feature))
+            out.features[channels * (begin + i) + c] += weight * std::clamp(double(feature), -most, most);
         }
       }
   for (std::size_t i = 0; i < pixels.size(); ++i) write_pixel(out, begin + i, pixels[i]);
