@@ -72,13 +72,13 @@ void check_planes(const std::string& name, const std::string& backend) {
   MESSAGE(name, " by ", backend, ": depth ", depth, " dB of itself, squared ", squared, ", normal ", normal,
           " dB, features ", features, "; unlike are ", id, " of ids, ", median, " of medians, ", first,
           " of first depths");
-  CHECK(depth >= 85);
-  CHECK(squared >= 80);
-  CHECK(normal >= 90);
+  CHECK(depth >= 100);
+  CHECK(squared >= 95);
+  CHECK(normal >= 93);
   CHECK(features >= 90);
-  CHECK(id <= 1e-3);
-  CHECK(median <= 1e-3);
-  CHECK(first <= 1e-3);
+  CHECK(id <= 1e-4);
+  CHECK(median <= 1e-4);
+  CHECK(first <= 1e-4);
 }
 
 }  // namespace
