@@ -54,20 +54,29 @@ HWY_INLINE void SumGroup(const AttributesView& attributes, const Batch& HWY_REST
   }
 }
 
-/// Writes the planes of attributes. `transmittance` lies in rows; turns `state` into rows.
+/// As `store_attributes`, a channel of all pixels at a time. `transmittance` lies in rows; turns `state` into
+/// rows.
 template <class Groups>
 HWY_INLINE void StoreSums(const RasterJob& job, const PlacedRasterBlock& block, const Plane& transmittance,
                           AttributeState& state) {
-  for (std::size_t i = 0; i < job.attributes.rows * AttributeRow::channels; ++i)
-    Groups::ToRows(state.sums[i]);
-  for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
-    for (std::size_t column = 0; column < std::size_t(block.columns); ++column) {
-      float sums[AttributesView::most];
-      for (std::size_t i = 0; i < job.attributes.rows * AttributeRow::channels; ++i)
-        sums[i] = state.sums[i][row][column];
-      store_attributes(block.view.frame, job.attributes, std::size_t(block.x0) + column,
-                       std::size_t(block.y0) + row, std::abs(transmittance[row][column]), sums);
+  const FrameView& frame = block.view.frame;
+  for (unsigned i = 0; i < job.attributes.rows * AttributeRow::channels; ++i) {
+    const Attribute to = attribute(frame, job.attributes.first + int(i));
+    if (to.of == Attribute::Of::nothing) return;
+    const bool of_normal = to.of == Attribute::Of::normal, is_mean = to.of == Attribute::Of::squared_depth;
+    const auto& plane = of_normal ? frame.normal : is_mean ? frame.squared_depth : frame.features;
+    const std::size_t stride = of_normal ? 3 : is_mean ? 1 : std::size_t(frame.feature_channels);
+    Plane& sums = state.sums[i];
+    Groups::ToRows(sums);
+    for (std::size_t row = 0; row < std::size_t(block.rows); ++row) {
+      float* const first =
+          plane.row(std::size_t(block.y0) + row) + stride * std::size_t(block.x0) + to.channel;
+      for (std::size_t column = 0; column < std::size_t(block.columns); ++column) {
+        const float alpha = 1 - std::abs(transmittance[row][column]), sum = sums[row][column];
+        first[stride * column] = !is_mean ? sum : alpha > 0 ? sum / alpha : 0.0f;
+      }
     }
+  }
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
