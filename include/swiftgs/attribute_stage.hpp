@@ -17,7 +17,7 @@
 
 namespace swiftgs {
 
-/// Which attributes of which splats. Pointers are to memory that the backend reaches.
+/// The attributes of splats that a stage gathers. Pointers are to memory that the backend reaches.
 struct SplatAttributes {
   SceneView scene;
   SplatsView splats;

@@ -134,7 +134,7 @@ inline constexpr PerPlane<const char*> plane_names{"colour",      "alpha",      
                                                    "median_id",   "features"};
 
 namespace detail {
-/// Of what is asked for or held; 0 of a value for each plane.
+/// Feature channels that `of` asks for or holds; 0 if it is a value for each plane.
 template <class Of>
 constexpr int feature_channels(const Of& of) {
   if constexpr (std::is_same_v<Of, Outputs>)

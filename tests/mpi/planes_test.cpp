@@ -26,7 +26,7 @@ namespace {
 using One = Renderer<Serial, EarlySort, PerPixel, Ellipse>;
 using Distributed = DistributedRenderer<Serial, EarlySort, PerPixel, Ellipse>;
 
-/// A view that shows `frame`, and its image; behind `occluder`, if there is one, and over what it holds.
+/// A view into `frame`, which draws over what it holds, behind `occluder` if there is one.
 struct ViewInto {
   Frame frame{};
   View view{};
@@ -140,7 +140,7 @@ TEST_CASE("mpi planes: views may ask for different planes and lie behind surface
 }
 
 TEST_CASE("mpi planes: of equal weights the nearest Gaussian has the pixel whatever its rank") {
-  // One Gaussian a rank, of which two are as weighty as each other: the last, and behind it the first.
+  // One Gaussian a rank. The last and, behind it, the first have equal weights.
   Scene scene;
   const auto ranks = std::size_t(ranks_here().size()), count = std::max<std::size_t>(ranks, 2);
   for (std::size_t i = 0; i < count; ++i) {
@@ -159,7 +159,7 @@ TEST_CASE("mpi planes: of equal weights the nearest Gaussian has the pixel whate
   Frame frame;
   distributed.render(part.view(), camera, settings, frame);
   if (ranks_here().rank() != 0) return;
-  // The first two leave 1/2, and only what is behind them is below it.
+  // Two splats leave a transmittance of exactly 1/2; only those behind them leave less.
   const std::uint32_t median = ranks > 2 ? 1 : no_gaussian;
   CHECK(frame.id == std::vector<std::uint32_t>(frame.pixels(), std::uint32_t(count - 1)));
   CHECK(frame.median_id == std::vector<std::uint32_t>(frame.pixels(), median));

@@ -54,7 +54,7 @@ void add_batches(SplatSet& splats, float depth) {
   for (int i = 0; i < 150; ++i) splats.add(make_splat(14, 14, 0.55, 0.55, 0, 0.02), depth);
 }
 
-/// Whether every vector target picks what the plain kernels pick in the first pixel; that is `id`.
+/// Checks that every vector target picks in the first pixel what plain kernels pick: Gaussian `id`.
 void check_picks(const SplatSet& splats, const DrawSettings& settings, std::uint32_t id) {
   Serial serial;
   Cpu cpu(1);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Planes of real scenes beside the reference, at a quarter of the size of the photographs.
+#include "policies/planes.hpp"
+
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -8,8 +10,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <swiftgs/reference/planes.hpp>
 
 #include "scenes/judge.hpp"
 
@@ -47,16 +47,7 @@ void check_planes(const std::string& name, const std::string& backend) {
   for (const vec3& sh0 : scene.sh0) scene.features.insert(scene.features.end(), {sh0.x, sh0.y, sh0.z});
   const Camera camera = scaled(capture.cameras.at(0), 0.25);
   const ReferencePlanes expected = render_reference_planes(scene, camera, {});
-  RenderSettings settings;
-  settings.outputs = {.alpha = true,
-                      .depth = true,
-                      .squared_depth = true,
-                      .first_depth = true,
-                      .median_depth = true,
-                      .normal = true,
-                      .id = true,
-                      .median_id = true,
-                      .features = 3};
+  const RenderSettings settings = test::settings_of_all(3);
   Frame frame;
   const auto renderer = entry.make();
   renderer->set_scene(std::make_shared<const Scene>(std::move(scene)));

@@ -3,7 +3,7 @@
 
 /// @file
 /// Planes that sum attributes of splats by weight, as colour does: normal, squared depth and features. Each
-/// of their channels is an attribute. Rasterizers sum them by four, so that none knows what they mean.
+/// of their channels is an attribute. Rasterizers sum rows of four attributes, whatever they mean.
 
 #include <cstddef>
 #include <cstdint>

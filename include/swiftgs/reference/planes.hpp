@@ -27,8 +27,8 @@ struct ReferencePlanes : PerPlane<std::vector<double>, std::vector<std::uint32_t
 
   std::vector<double> weight, next_weight;  ///< of the Gaussian of `id`, and the largest of the others
   std::vector<double> depth_of_id;          ///< 0 where there is none
-  /// Distance of what the first and the median splat take the transmittance below from the nearest
-  /// transmittance behind a splat.
+  /// How near a transmittance behind some splat comes to the limit that the first splat passes, and to that
+  /// of the median splat.
   std::vector<double> first_margin, median_margin;
   std::vector<double> undecided_normals;  ///< weight of splats that rounding may turn to the other side
   /// Least part of itself that an alpha is off `Conventions::alpha_min`, or a transmittance off

@@ -23,7 +23,7 @@ SWIFTGS_API std::string build_identity();
 /// changed by hand. Throws `std::system_error`.
 SWIFTGS_API std::string file_identity(const std::filesystem::path& path);
 
-/// Of all that says what the views of a frame show and which planes they have, wherever these lie.
+/// Hash of what the views of a frame show and of which planes they have. Addresses do not count.
 SWIFTGS_API std::uint64_t views_identity(Span<const View> views);
 
 }  // namespace swiftgs

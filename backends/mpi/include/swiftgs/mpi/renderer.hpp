@@ -149,7 +149,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
 
   void make_views(const SceneView& part, Span<const Camera> cameras, const RenderSettings& settings) {
     swiftgs::make_views(cameras, settings, views_);
-    // Strips have the memory: planes of whole views only tell what is asked for.
+    // Planes of whole views only say what is asked for: strips have the memory.
     for (View& view : views_) {
       view.frame.feature_channels = settings.outputs.features;
       for_each_plane(
@@ -310,7 +310,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
 
   /// Bins, sorts and rasterizes the splats of this rank's strip, with the first attributes. Its time counts
   /// this work alone: no messages, and only the last time where a strip is drawn again with more capacity.
-  /// Returns what it rasterized, if the strip shows anything.
+  /// Returns the job that it rasterized; none if the strip shows nothing.
   template <class BeginColours>
   std::optional<RasterJob> draw_strip(const SceneView& part, Exchange& shapes,
                                       const BeginColours& begin_colours, Shading<B>& shading,
@@ -363,8 +363,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     return drawn;
   }
 
-  /// Draws attributes from the `first` on over the tile lists of `drawn`. A rank that shows nothing takes
-  /// part, and so does one that has failed: others wait for what it sends.
+  /// Draws attributes from the `first` on over the tile lists of `drawn`. Ranks that show nothing
+  /// or have failed take part too, because others wait for their attributes.
   void draw_attributes(const SceneView& part, int first, std::optional<RasterJob>& drawn, Failure& failure,
                        RankCounters& mine) {
     failure.guard([&] {
