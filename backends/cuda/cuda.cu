@@ -189,15 +189,24 @@ void Cuda::clear(void* memory, std::size_t bytes) const {
   if (bytes != 0) check_cuda(cudaMemsetAsync(memory, 0, bytes, stream()), "cudaMemsetAsync");
 }
 
-int Cuda::multiprocessors() const {
-  int& count = state_->multiprocessors;
-  if (count == 0) {
+namespace {
+/// `value`, an attribute of the current device, which is asked while it is 0.
+int asked_once(int& value, cudaDeviceAttr attribute) {
+  if (value == 0) {
     int device = 0;
     check_cuda(cudaGetDevice(&device), "cudaGetDevice");
-    check_cuda(cudaDeviceGetAttribute(&count, cudaDevAttrMultiProcessorCount, device),
-               "cudaDeviceGetAttribute");
+    check_cuda(cudaDeviceGetAttribute(&value, attribute, device), "cudaDeviceGetAttribute");
   }
-  return count;
+  return value;
+}
+}  // namespace
+
+int Cuda::multiprocessors() const {
+  return asked_once(state_->multiprocessors, cudaDevAttrMultiProcessorCount);
+}
+
+std::size_t Cuda::shared_memory() const {
+  return std::size_t(asked_once(state_->shared_memory, cudaDevAttrMaxSharedMemoryPerBlockOptin));
 }
 
 RasterMemory& RasterMemory::of(const Cuda& cuda) { return cuda.state_->raster; }

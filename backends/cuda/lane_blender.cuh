@@ -5,23 +5,9 @@
 
 #include <cuda_pipeline_primitives.h>
 
-#include "list_traversal.cuh"
+#include "lane_planes.cuh"
 
 namespace swiftgs::kernels {
-
-/// Takes a pixel from units of alpha_max to plain ones. All kernels round alike.
-__device__ inline BlendedPixel plain_pixel(BlendedPixel pixel, const BlendRules& rules) {
-  for (int c = 0; c < 3; ++c) pixel.colour[c] = multiply_rounded(pixel.colour[c], rules.alpha_max);
-  pixel.depth = multiply_rounded(pixel.depth, rules.alpha_max);
-  return pixel;
-}
-
-/// Writes a pixel in units of alpha_max, if it lies in the image.
-__device__ inline void store_relative(const View& view, const PixelPlace& at, const BlendedPixel& pixel) {
-  if (at.inside)
-    store_pixel(view.frame, std::size_t(at.x), std::size_t(at.y), plain_pixel(pixel, view.rules),
-                view.background);
-}
 
 __device__ inline ThreadCounts sum(const ThreadCounts (&of_pixels)[pixels_of_lane]) {
   ThreadCounts all;
@@ -39,7 +25,6 @@ __device__ bool all_stopped(const Pixel (&pixels)[count]) {
 
 /// Depth of splats that show nothing and end a group: behind all others.
 inline constexpr float padded_depth = 3.4028235e38f;
-__device__ inline float4 no_colour() { return make_float4(0, 0, 0, padded_depth); }
 
 /// Keeps `variable` in memory: the traversal needs the registers.
 template <class T>
@@ -49,170 +34,29 @@ __device__ T& in_memory(T& variable) {
   return *at;
 }
 
-/// What pixels hold beside colour and depth: `picks` or not, and so many rows of attributes. Only where lists
-/// are not shared: helpers would have to join it.
-template <bool picks_ = false, unsigned rows_ = 0>
-struct PixelPlanes {
-  static constexpr bool picks = picks_;
-  static constexpr unsigned rows = rows_;
-};
-
-/// Ids and attributes of queued splats.
-template <class Planes>
-struct QueuedPlanes {};
-template <unsigned rows>
-struct QueuedPlanes<PixelPlanes<true, rows>> {
-  alignas(16) std::uint32_t ids[queue_size];
-  float4 attributes[rows == 0 ? 1 : rows][rows == 0 ? 1 : queue_size];
-};
-
 /// Exponents, colours and planes of queued splats.
-template <class Exponent, class Planes = PixelPlanes<>>
-struct Queue : TermsQueue<Exponent>, QueuedPlanes<Planes> {
+template <class Exponent, Extras extras>
+struct Queue : TermsQueue<Exponent>, QueuedPlanes<PlanesOf<extras>> {
   float4 colours[queue_size];  ///< RGB, depth
-};
 
-/// Picks and sums of the pixels of a lane.
-template <class Planes, unsigned pixel_count>
-struct LanePlanes {
-  struct Joined {};
-  __device__ void end_segment(unsigned, float) {}
-  __device__ void start_segment(unsigned, float, std::uint32_t) {}
-  __device__ void store(const RasterJob&, const View& view, const PixelPlace& at, unsigned,
-                        const BlendedPixel& pixel) const {
-    store_relative(view, at, pixel);
+  /// Starts loading the colour and the planes of a splat.
+  __device__ void fetch(const RasterJob& job, unsigned slot, std::uint32_t id) {
+    __pipeline_memcpy_async(&colours[slot], job.colours.each.data + id, sizeof(float4));
+    this->fetch_planes(job, slot, id);
   }
-};
-template <unsigned rows, unsigned pixel_count>
-struct LanePlanes<PixelPlanes<true, rows>, pixel_count> {
-  using Queued = QueuedPlanes<PixelPlanes<true, rows>>;
-  static constexpr unsigned sum_count = rows == 0 ? 1 : rows;
-  /// Of a pixel, behind the segments before this one.
-  struct Joined {
-    float4 sums[sum_count];
-    float unit = 1;  ///< factor of the segment's transmittances and weights
-  };
-  static constexpr float found = INFINITY;  ///< as a limit that the transmittance has passed
-
-  Joined* joined;  ///< in memory
-  bool some_first, some_median, some_largest;
-  std::uint32_t first[pixel_count], median[pixel_count], largest[pixel_count];
-  // In units of the segment.
-  float first_below[pixel_count], half_below[pixel_count];  ///< limits of the transmittance
-  float weight[pixel_count];                                ///< of the largest
-  float4 sums[pixel_count * sum_count];
-
-  __device__ LanePlanes(Joined (&in)[pixel_count], const View& view)
-      : joined(in),
-        some_first(view.frame.first_depth.data),
-        some_median(view.frame.median_depth.data || view.frame.median_id.data),
-        some_largest(view.frame.id.data) {
-#pragma unroll
-    for (unsigned p = 0; p < pixel_count; ++p) {
-      first[p] = median[p] = largest[p] = SplatPicks::none, weight[p] = 0;
-      first_below[p] = view.rules.first_below, half_below[p] = median_below;
-    }
-#pragma unroll
-    for (float4& sum : sums) sum = make_float4(0, 0, 0, 0);
-    for (unsigned p = 0; p < pixel_count; ++p)
-      for (float4& sum : joined[p].sums) sum = make_float4(0, 0, 0, 0);
-  }
-
-  /// Joins a pixel's segment, which leaves `left`, to those in front of it.
-  __device__ void end_segment(unsigned p, float left) {
-    Joined& all = joined[p];
-    if (left < first_below[p]) first_below[p] = found;
-    if (left < half_below[p]) half_below[p] = found;
-    weight[p] *= all.unit;
-    if (first_below[p] < found) first_below[p] *= all.unit;
-    if (half_below[p] < found) half_below[p] *= all.unit;
-#pragma unroll
-    for (unsigned r = 0; r < sum_count; ++r) {
-      float4 &to = all.sums[r], &from = sums[p * sum_count + r];
-      to.x = fmaf(all.unit, from.x, to.x), to.y = fmaf(all.unit, from.y, to.y);
-      to.z = fmaf(all.unit, from.z, to.z), to.w = fmaf(all.unit, from.w, to.w);
-      from = make_float4(0, 0, 0, 0);
-    }
-  }
-  /// Starts segment k of a pixel that has transmittance `before` in front of it.
-  __device__ void start_segment(unsigned p, float before, std::uint32_t k) {
-    const float unit = before * scale_of_segment(k), start = 1 / scale_of_segment(k);
-    joined[p].unit = unit;
-    weight[p] /= unit;
-    // No more than where it starts: only a splat takes the transmittance below.
-    if (first_below[p] < found) first_below[p] = fminf(first_below[p] / unit, start);
-    if (half_below[p] < found) half_below[p] = fminf(half_below[p] / unit, start);
-  }
-
-  /// Takes a splat of this weight, with `left` transmittance in front of it. The last one offered above a
-  /// limit is the one that passes it.
-  __device__ void offer(unsigned p, std::uint32_t id, float splat_weight, float left) {
-    if (some_largest && splat_weight > weight[p]) weight[p] = splat_weight, largest[p] = id;
-    if (some_median && left >= half_below[p]) median[p] = id;
-    if (some_first && left >= first_below[p]) first[p] = id;
-  }
-  /// Takes a group of splats, from the first-th queued on.
-  __device__ void offer_group(const Queued& queue, unsigned first_of_group,
-                              const float (&weights)[pixel_count][group_size],
-                              const float (&left)[pixel_count][group_size + 1]) {
-    static_assert(group_size == 4);
-    const uint4 group = *reinterpret_cast<const uint4*>(queue.ids + first_of_group);
-    const std::uint32_t ids[group_size] = {group.x, group.y, group.z, group.w};
-    const auto each = [&](const auto& take) {
-#pragma unroll
-      for (unsigned k = 0; k < group_size; ++k)
-#pragma unroll
-        for (unsigned p = 0; p < pixel_count; ++p) take(p, k);
-    };
-    // Branches are uniform: one for all pixels of a frame.
-    if (some_largest)
-      each([&](unsigned p, unsigned k) {
-        if (weights[p][k] > weight[p]) weight[p] = weights[p][k], largest[p] = ids[k];
-      });
-    if (some_median)
-      each([&](unsigned p, unsigned k) {
-        if (left[p][k] >= half_below[p]) median[p] = ids[k];
-      });
-    if (some_first)
-      each([&](unsigned p, unsigned k) {
-        if (left[p][k] >= first_below[p]) first[p] = ids[k];
-      });
-  }
-
-  /// Adds attributes of the k-th queued splat, by its weights.
-  __device__ void add(const Queued& queue, unsigned k, const float (&weights)[pixel_count]) {
-#pragma unroll
-    for (unsigned r = 0; r < rows; ++r) {
-      const float4 row = queue.attributes[r][k];
-#pragma unroll
-      for (unsigned p = 0; p < pixel_count; ++p) {
-        float4& to = sums[p * rows + r];
-        to.x = fmaf(weights[p], row.x, to.x), to.y = fmaf(weights[p], row.y, to.y);
-        to.z = fmaf(weights[p], row.z, to.z), to.w = fmaf(weights[p], row.w, to.w);
-      }
-    }
-  }
-
-  /// Writes a pixel in units of alpha_max whose last segment has ended, if it lies in the image.
-  __device__ void store(const RasterJob& job, const View& view, const PixelPlace& at, unsigned p,
-                        const BlendedPixel& pixel) const {
-    if (!at.inside) return;
-    const auto x = std::size_t(at.x), y = std::size_t(at.y);
-    const float* const of_pixel = reinterpret_cast<const float*>(joined[p].sums);
-    float plain[sum_count * AttributeRow::channels];
-    for (unsigned i = 0; i < sum_count * AttributeRow::channels; ++i)
-      plain[i] = multiply_rounded(of_pixel[i], view.rules.alpha_max);
-    store_pixel(job, view, x, y, plain_pixel(pixel, view.rules), plain);
-    if (!job.picks(view)) return;
-    store_picks(view.frame, job.splats, x, y,
-                {first_below[p] == found ? first[p] : SplatPicks::none,
-                 half_below[p] == found ? median[p] : SplatPicks::none, largest[p]});
+  /// Fills a slot with a splat that shows nothing.
+  __device__ void clear(unsigned slot) {
+    Exponent::clear(this->terms[slot], this->rests[slot]);
+    colours[slot] = make_float4(0, 0, 0, padded_depth);
+    this->clear_planes(slot);
   }
 };
 
 /// Blends queued splats into one or both pixels of a lane.
-template <class Exponent, bool threshold, Extras extras, unsigned pixel_count, class Planes = PixelPlanes<>>
+template <class Exponent, bool threshold, Extras extras, unsigned pixel_count>
 struct LaneBlender {
+  using Planes = PlanesOf<extras>;
+
   BlendRules rules;
   float x, y, right;  ///< first pixel in the warp block; a single pixel lies `right` columns to its right
   Pixel pixels[pixel_count];
@@ -220,8 +64,11 @@ struct LaneBlender {
   ThreadCounts counts[pixel_count];
   LanePlanes<Planes, pixel_count> planes;
 
+  __device__ LaneBlender(const View& view, float x_, float y_)
+      : rules(view.rules), x(x_), y(y_), right(0), occluders{}, planes(view) {}
+
   /// Blends `count` splats from `first` on: whole groups of `group_size` splats; with all extras, any number.
-  __device__ void blend_queued(const Queue<Exponent, Planes>& queue, unsigned first, unsigned count) {
+  __device__ void blend_queued(const Queue<Exponent, extras>& queue, unsigned first, unsigned count) {
     if constexpr (extras == Extras::all) {
       for (unsigned k = first; k < first + count; ++k) {
         float alphas[pixel_count];
@@ -263,7 +110,7 @@ struct LaneBlender {
   }
 
   __device__ void blend_group(const float4* terms, const typename Exponent::Rest* rests,
-                              const float4* colours, const Queue<Exponent, Planes>& queue, unsigned first) {
+                              const float4* colours, const Queue<Exponent, extras>& queue, unsigned first) {
     float alphas[pixel_count][group_size], weights[pixel_count][group_size];
 #pragma unroll
     for (unsigned k = 0; k < group_size; ++k) {
@@ -324,30 +171,15 @@ struct LaneBlender {
   }
 };
 
-/// Starts loading the colour of a queued splat.
-template <class Exponent, class Planes>
-__device__ void fetch_colour(const RasterJob& job, Queue<Exponent, Planes>& queue, unsigned slot,
-                             std::uint32_t id) {
-  __pipeline_memcpy_async(&queue.colours[slot], job.colours.each.data + id, sizeof(float4));
-}
-
 /// Blends colours into a warp block. Holds the pixels of this lane.
-template <class Exponent, bool threshold, Extras extras, class Planes>
+template <class Exponent, bool threshold, Extras extras>
 struct ColourBlender {
   static constexpr bool in_segments = true;
   const RasterJob& job;
-  Queue<Exponent, Planes>& queue;
-  LaneBlender<Exponent, threshold, extras, pixels_of_lane, Planes> lane;
+  Queue<Exponent, extras>& queue;
+  LaneBlender<Exponent, threshold, extras, pixels_of_lane> lane;
 
-  __device__ void fill(unsigned slot, std::uint32_t id) const {
-    fetch_colour(job, queue, slot, id);
-    if constexpr (Planes::picks) queue.ids[slot] = id;
-    if constexpr (Planes::rows != 0) {
-#pragma unroll
-      for (unsigned r = 0; r < Planes::rows; ++r)
-        __pipeline_memcpy_async(&queue.attributes[r][slot], &job.attributes.row(r, id), sizeof(float4));
-    }
-  }
+  __device__ void fill(unsigned slot, std::uint32_t id) const { queue.fetch(job, slot, id); }
 
   /// Waits for the colours of queued splats.
   __device__ void await_queued() const {
@@ -360,13 +192,8 @@ struct ColourBlender {
   __device__ void blend_queued(unsigned first, unsigned count) {
     // Pad the last group with splats that show nothing.
     if constexpr (extras != Extras::all) {
-      if (lane_index() < (group_size - count % group_size) % group_size) {
-        const unsigned at = first + count + lane_index();
-        Exponent::clear(queue.terms[at], queue.rests[at]);
-        queue.colours[at] = no_colour();
-        if constexpr (Planes::rows != 0)
-          for (float4(&row)[queue_size] : queue.attributes) row[at] = make_float4(0, 0, 0, 0);
-      }
+      if (lane_index() < (group_size - count % group_size) % group_size)
+        queue.clear(first + count + lane_index());
       __syncwarp();
     }
     lane.blend_queued(queue, first, count);

@@ -17,7 +17,8 @@ template <class Exponent, bool threshold, Extras extras, class ViewSource>
 __global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
     raster_segments(const __grid_constant__ RasterInput<ViewSource> input,
                     const __grid_constant__ WorkQueues work_queues, std::uint32_t warps_at_once) {
-  __shared__ SegmentShared<Exponent, extras> shared;
+  extern __shared__ __align__(16) std::byte memory[];
+  auto& shared = *reinterpret_cast<SegmentShared<Exponent, extras>*>(memory);
   const Group cluster = Group::cluster();
   // Odd clusters take items for clusters first, even ones take items for single thread blocks first.
   bool as_cluster = cluster.blocks != 1 && blockIdx.x / cluster.blocks % 2 == 1;
@@ -34,7 +35,9 @@ __global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
       const WorkItem* const item = shared.item;
       if (!item) break;
       const WarpTimer timer(extras == Extras::all && input.job.counts, warps_at_once);
-      WorkItemBlender<Exponent, threshold, extras, ViewSource>(input, *item, group, shared).run(*item, timer);
+      using ItemPlanes = JoinedPlanes<PlanesOf<extras>, pixels_of_warp_block>;
+      WorkItemBlender<Exponent, threshold, extras, ViewSource>(input, *item, group, shared)
+          .run(*item, work_queues.planes_of<const ItemPlanes>(item), timer);
       if (group.rank == 0 && threadIdx.x == 0) work_queues.end_item(as_cluster);
     }
   }
@@ -47,26 +50,26 @@ template <class Exponent, bool threshold>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   using namespace kernels;
   with_raster_input(cuda, job, [&]<Extras extras, class ViewSource>(const RasterInput<ViewSource>& input) {
-    const WorkQueues work_queues = WorkQueues::of(cuda, input.raster_blocks.size() * warps_of_raster_block);
+    using Shared = SegmentShared<Exponent, extras>;
+    const WorkQueues work_queues = WorkQueues::of<JoinedPlanes<PlanesOf<extras>, pixels_of_warp_block>>(
+        cuda, input.raster_blocks.size() * warps_of_raster_block);
     const auto launch_warps = [&](auto warps) {
       launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input, work_queues,
              warps_at_once(cuda, job, warps, raster_threads));
     };
-    constexpr bool never_shared = extras >= Extras::picks && extras != Extras::all;
-    if (never_shared || some_view_picks(job) || !WorkQueues::are_shared(cuda, job.counts != nullptr))
-      return launch_warps(raster_warps<Exponent, threshold, extras, false, ViewSource>);
-    if constexpr (!never_shared) {
-      launch_warps(raster_warps<Exponent, threshold, extras, true, ViewSource>);
-      const auto segments = raster_segments<Exponent, threshold, extras, ViewSource>;
-      const unsigned clusters = unsigned(cuda.multiprocessors()) * blocks_of_multiprocessor / blocks_of_group;
-      try {
-        launch_early<blocks_of_group>(cuda, name, segments, std::max(clusters, 1u) * blocks_of_group,
-                                      segment_threads, input, work_queues,
-                                      warps_at_once(cuda, job, segments, segment_threads));
-      } catch (const DeviceError&) {
-        work_queues.forget(cuda);  // the next frame must not blend items of this one
-        throw;
-      }
+    if constexpr (extras != Extras::all)
+      if (!WorkQueues::are_shared(cuda) || sizeof(Shared) > cuda.shared_memory())
+        return launch_warps(raster_warps<Exponent, threshold, extras, false, ViewSource>);
+    launch_warps(raster_warps<Exponent, threshold, extras, true, ViewSource>);
+    const auto segments = raster_segments<Exponent, threshold, extras, ViewSource>;
+    const unsigned clusters = unsigned(cuda.multiprocessors()) * blocks_of_multiprocessor / blocks_of_group;
+    try {
+      launch_early<blocks_of_group>(cuda, name, segments, std::max(clusters, 1u) * blocks_of_group,
+                                    {segment_threads, sizeof(Shared)}, input, work_queues,
+                                    warps_at_once(cuda, job, segments, {segment_threads, sizeof(Shared)}));
+    } catch (const DeviceError&) {
+      work_queues.forget(cuda);  // the next frame must not blend items of this one
+      throw;
     }
   });
 }

@@ -15,14 +15,17 @@ namespace swiftgs::kernels {
 template <Extras extras>
 struct TraversedSegments {
   JoinedPixels<extras != Extras::none, pixels_of_lane> pixels;
+  JoinedPlanes<PlanesOf<extras>, pixels_of_lane> planes;
   SegmentEnd end;
   std::uint32_t pairs, stopped;  ///< of this lane, with all extras
 };
 
 /// Composites the segments of a traversal.
-template <class Exponent, bool threshold, Extras extras, class Planes>
+template <class Exponent, bool threshold, Extras extras>
 struct SegmentJoiner {
-  LaneBlender<Exponent, threshold, extras, pixels_of_lane, Planes>& lane;
+  using ItemPlanes = JoinedPlanes<PlanesOf<extras>, pixels_of_warp_block>;
+
+  LaneBlender<Exponent, threshold, extras, pixels_of_lane>& lane;
   TraversedSegments<extras>& traversed;
 
   /// Joins segment k, which ended at `end`, to those in front of it. Starts the next.
@@ -35,12 +38,11 @@ struct SegmentJoiner {
     join_segment(k);
   }
 
-  /// Joins the unfinished segment k. Leaves all segments in the pixels.
+  /// Joins the unfinished segment k. Leaves all segments in the pixels, and in the planes traversed.
   __device__ void end(std::uint32_t k, bool is_empty) const {
     if (k == 0) {
 #pragma unroll
-      for (unsigned p = 0; p < pixels_of_lane; ++p)
-        lane.planes.end_segment(p, lane.pixels[p].blended().transmittance);
+      for (unsigned p = 0; p < pixels_of_lane; ++p) traversed.planes.set(p, lane.planes, p, left_by(p));
       return;
     }
     if (!is_empty) join_segment(k);
@@ -50,17 +52,20 @@ struct SegmentJoiner {
 
   /// Writes a work item for the rest of a list, after `segments` segments and `blended` splats. An unfinished
   /// segment behind the first goes to the item as a whole.
-  __device__ void write(WorkItem& item, RasterBlockIndex raster_block, ResumeAt at, std::uint32_t segments,
-                        std::uint32_t blended) const {
+  __device__ void write(WorkItem& item, ItemPlanes& planes, RasterBlockIndex raster_block, ResumeAt at,
+                        std::uint32_t segments, std::uint32_t blended) const {
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p) {
       const Pixel& pixel = lane.pixels[p];
       JoinedPixel all;
       bool was_live;
-      if (segments == 0)
+      if (segments == 0) {
         all.join(pixel.blended(), 0), was_live = pixel.live();
-      else
+        planes.set(pixel_of_warp_block(p), lane.planes, p, left_by(p));
+      } else {
         all = traversed.pixels.load(p), was_live = pixel.stop_below != had_stopped;
+        planes.copy(pixel_of_warp_block(p), traversed.planes, p);
+      }
       item.joined.store(pixel_of_warp_block(p), all);
       const unsigned live = __ballot_sync(whole_warp, was_live);
       if (lane_index() == 0) item.live[p] = live;
@@ -76,6 +81,9 @@ struct SegmentJoiner {
   }
 
  private:
+  /// Transmittance behind the segment of the lane's p-th pixel; infinite if it had stopped before.
+  __device__ float left_by(unsigned p) const { return lane.pixels[p].blended().transmittance; }
+
   /// Joins segment k to those in front of it. Starts the next.
   __device__ void join_segment(std::uint32_t k) const {
 #pragma unroll
@@ -83,12 +91,14 @@ struct SegmentJoiner {
       Pixel& pixel = lane.pixels[p];
       JoinedPixel all = k == 0 ? JoinedPixel() : traversed.pixels.load(p);
       const bool live = pixel.live();
-      // Of a pixel that had stopped this is infinite: it passes no limit.
-      lane.planes.end_segment(p, pixel.blended().transmittance);
+      if (k == 0)
+        traversed.planes.set(p, lane.planes, p, left_by(p));
+      else
+        traversed.planes.join(p, lane.planes, p, left_by(p), all.total.w * scale_of_segment(k));
       if (pixel.stop_below != had_stopped) all.join(pixel.blended(), k);
       traversed.pixels.store(p, all);
       pixel = {};
-      lane.planes.start_segment(p, all.total.w, k + 1);
+      traversed.planes.start_next(p, lane.planes, p, live, lane.rules, all.total.w, k + 1);
       if (live)
         start_segment(pixel, lane.rules.stop_below, all.total.w, k + 1);
       else
@@ -99,10 +109,6 @@ struct SegmentJoiner {
   /// `stop_below` of a pixel that had stopped before the segment.
   static constexpr float had_stopped = -INFINITY;
 };
-
-/// What pixels hold in a kernel.
-template <Extras extras, bool shared>
-using PlanesOf = PixelPlanes<!shared && extras >= Extras::picks, shared ? 0 : rows_of(extras)>;
 
 /// Thread blocks of a multiprocessor at once.
 /// Measured on an H100 when chosen: with nine blocks, frames of garden, herz and `builtin:4000000` with depth
@@ -123,8 +129,7 @@ __global__ void __launch_bounds__(raster_threads, (raster_occupancy<Exponent, ex
     raster_warps(const __grid_constant__ RasterInput<ViewSource> input,
                  const __grid_constant__ WorkQueues work_queues, std::uint32_t warps_at_once) {
   if constexpr (shared) let_next_start();
-  using Planes = PlanesOf<extras, shared>;
-  __shared__ Queue<Exponent, Planes> queues[warps_of_raster_block];
+  __shared__ Queue<Exponent, extras> queues[warps_of_raster_block];
   const unsigned warp = threadIdx.x / warp_size;
   const RasterJob& job = input.job;
   const WarpTimer timer(extras == Extras::all && job.counts, warps_at_once);
@@ -134,15 +139,9 @@ __global__ void __launch_bounds__(raster_threads, (raster_occupancy<Exponent, ex
   const WarpBlockPlace place(raster_block, warp);
   if (place.outside(view.frame)) return;
 
-  typename LanePlanes<Planes, pixels_of_lane>::Joined joined_planes[pixels_of_lane];
-  const auto planes = [&] {
-    if constexpr (Planes::picks)
-      return LanePlanes<Planes, pixels_of_lane>(in_memory(joined_planes), view);
-    else
-      return LanePlanes<Planes, pixels_of_lane>();
-  };
-  ColourBlender<Exponent, threshold, extras, Planes> blender{
-      job, queues[warp], {rules, float(place.column), float(place.row), 0, {}, {}, {}, planes()}};
+  using Lane = LaneBlender<Exponent, threshold, extras, pixels_of_lane>;
+  ColourBlender<Exponent, threshold, extras> blender{job, queues[warp],
+                                                     Lane(view, float(place.column), float(place.row))};
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p) {
     const PixelPlace at = place.pixel(view.frame, p, extras != Extras::none);
@@ -154,7 +153,7 @@ __global__ void __launch_bounds__(raster_threads, (raster_occupancy<Exponent, ex
   if (!range.drawn()) return;
   ListTraversal<Exponent> traversal(job, range, place.first_centre(view), rules, queues[warp]);
   TraversedSegments<extras> traversed;
-  const SegmentJoiner<Exponent, threshold, extras, Planes> joiner{blender.lane, in_memory(traversed)};
+  const SegmentJoiner<Exponent, threshold, extras> joiner{blender.lane, in_memory(traversed)};
   WorkItem* item = nullptr;
   while (!item) {
     const std::uint32_t limit =
@@ -178,9 +177,11 @@ __global__ void __launch_bounds__(raster_threads, (raster_occupancy<Exponent, ex
   traversal.blend_rest(blender);
 
   if (item) {
+    using Joiner = SegmentJoiner<Exponent, threshold, extras>;
     const ResumeAt next =
         traversal.segments() == 0 ? traversal.here() : traversal.behind(joiner.traversed.end);
-    joiner.write(*item, OwnRasterBlock::index(input), next, traversal.segments(), traversal.blended());
+    joiner.write(*item, work_queues.planes_of<typename Joiner::ItemPlanes>(item),
+                 OwnRasterBlock::index(input), next, traversal.segments(), traversal.blended());
     work_queues.push(item);
   } else {
     joiner.end(traversal.segments(), traversal.blended() == begin_of_segment(traversal.segments()));
@@ -188,8 +189,8 @@ __global__ void __launch_bounds__(raster_threads, (raster_occupancy<Exponent, ex
     const WarpBlockPlace same(OwnRasterBlock(input), threadIdx.x / warp_size);
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p)
-      blender.lane.planes.store(job, view, same.pixel(view.frame, p, false), p,
-                                blender.lane.pixels[p].blended());
+      joiner.traversed.planes.store(p, job, view, same.pixel(view.frame, p, false),
+                                    blender.lane.pixels[p].blended());
   }
   if constexpr (extras == Extras::all)
     if (job.counts)

@@ -4,73 +4,15 @@
 #include <cmath>
 #include <cstdint>
 
-#include "group.cuh"
-#include "lane_blender.cuh"
-#include "touched_splats.cuh"
+#include "segment_memory.cuh"
 
 namespace swiftgs::kernels {
-
-/// Warps of a thread block of the helper kernel.
-inline constexpr unsigned segment_warps = 8, segment_threads = segment_warps * warp_size;
-/// Thread blocks that a multiprocessor can hold.
-template <Extras extras>
-inline constexpr unsigned segment_occupancy = extras == Extras::all ? 2 : 3;
-/// Thread blocks launched for each multiprocessor. One more is no faster on long lists, and starts later on
-/// short ones.
-/// Measured on an H200: with three, frames of garden and fox, whose lists are short, take 2.3 us longer than
-/// with two; with one they take as long.
-inline constexpr unsigned blocks_of_multiprocessor = 2;
-/// Most segments that a warp blends at once.
-inline constexpr unsigned most_segments_of_warp = 2;
-/// Pixels of segments that a thread block blends in a round.
-inline constexpr unsigned pixels_of_round = segment_warps * pixels_of_warp_block;
-
-using SegmentSplats = TouchedSplats<segment_warps, segment_warps * segment_size,
-                                    segment_warps * most_segments_of_warp * segment_size>;
-
-/// Shared memory of a thread block.
-template <class Exponent, Extras extras>
-struct SegmentShared {
-  static constexpr bool with_depth = extras != Extras::none;
-  Queue<Exponent> queues[segment_warps];
-  SegmentSplats::Shared splats;
-  float4 segments[pixels_of_round];  ///< RGB and `mark_stopped` transmittance; indexed by segment, then slot
-  float depths[with_depth ? pixels_of_round : 1];
-  JoinedWarpBlock<with_depth> joined;
-  unsigned live[pixels_of_lane];  ///< bits of pixels that did not stop
-  std::uint32_t pixel_of_slot[pixels_of_warp_block];
-  const WorkItem* item;
-};
-
-/// In a round each warp blends one segment, or some at once. If more than half of the warp block's pixels are
-/// live, each pixel has a slot and each lane two slots. Otherwise live pixels have the first slots and a lane
-/// one slot. If 16 or fewer are live, half a warp blends a segment, so that a warp blends two.
-struct Round {
-  unsigned blocks;            ///< of the group
-  unsigned live;              ///< live pixels
-  unsigned slots;             ///< 64, 32 or 16
-  unsigned segments_of_warp;  ///< at once
-  std::uint32_t first;        ///< segment of the list
-  std::uint32_t splats = 0;
-
-  __device__ Round(unsigned blocks_, unsigned live_, std::uint32_t first_)
-      : blocks(blocks_), live(live_), first(first_) {
-    slots = live > 32 ? 64 : live > 16 || blocks != 1 ? 32 : 16;
-    segments_of_warp = slots == 16 ? most_segments_of_warp : 1;
-  }
-
-  __device__ unsigned segments_of_block() const { return segment_warps * segments_of_warp; }
-  __device__ std::uint32_t most_splats() const { return blocks * segments_of_block() * segment_size; }
-  __device__ unsigned segments() const { return (splats + segment_size - 1) / segment_size; }
-  __device__ std::uint32_t splats_of(unsigned segment) const {
-    const std::uint32_t before = segment * segment_size;
-    return before < splats ? min(splats - before, segment_size) : 0;
-  }
-};
 
 /// Blends a work item in rounds, by a group of thread blocks.
 template <class Exponent, bool threshold, Extras extras, class ViewSource>
 struct WorkItemBlender {
+  using Planes = PlanesOf<extras>;
+
   const RasterInput<ViewSource>& input;
   const Group group;
   SegmentShared<Exponent, extras>& shared;
@@ -96,10 +38,14 @@ struct WorkItemBlender {
 
   __device__ static unsigned warp() { return threadIdx.x / warp_size; }
 
-  /// `timer`: began with the work on the item.
-  __device__ void run(const WorkItem& item, const WarpTimer& timer) {
+  /// `planes`: of the item. `timer`: began with the work on it.
+  __device__ void run(const WorkItem& item, const JoinedPlanes<Planes, pixels_of_warp_block>& planes,
+                      const WarpTimer& timer) {
     const TileRange range = raster_block.list(input);
-    if (threadIdx.x < pixels_of_warp_block) shared.joined.store(threadIdx.x, item.joined.load(threadIdx.x));
+    if (threadIdx.x < pixels_of_warp_block) {
+      shared.joined.store(threadIdx.x, item.joined.load(threadIdx.x));
+      shared.planes.copy(threadIdx.x, planes, threadIdx.x);
+    }
     if (threadIdx.x < pixels_of_lane) shared.live[threadIdx.x] = item.live[threadIdx.x];
     __syncthreads();
 
@@ -124,8 +70,9 @@ struct WorkItemBlender {
     }
 
     if (group.rank == 0 && warp() < pixels_of_lane) {
-      const JoinedPixel pixel = shared.joined.load(pixel_of_warp_block(warp()));
-      store_relative(view, place.pixel(view.frame, warp(), false), pixel.blended());
+      const unsigned pixel = pixel_of_warp_block(warp());
+      shared.planes.store(pixel, input.job, view, place.pixel(view.frame, warp(), false),
+                          shared.joined.load(pixel).blended());
     }
     if constexpr (extras == Extras::all)
       if (input.job.counts) {
@@ -145,13 +92,14 @@ struct WorkItemBlender {
     const std::uint32_t count = min(splats.count(), most);
     if (warp() == 0) {
       const Share share(Round(1, pixels_of_warp_block, 0), 0);
-      LaneBlender<Exponent, threshold, extras, pixels_of_lane> lane{
-          rules, float(place.column), float(place.row), 0, {}, {}, {}};
+      LaneBlender<Exponent, threshold, extras, pixels_of_lane> lane(view, float(place.column),
+                                                                    float(place.row));
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p) {
         const JoinedPixel from = shared.joined.load(pixel_of_warp_block(p));
         lane.pixels[p] = from.stopped();
         if (shared.live[p] >> lane_index() & 1) lane.pixels[p].start(rules.stop_below, from.total.w);
+        shared.planes.go_on(pixel_of_warp_block(p), lane.planes, p, lane.pixels[p].live(), rules);
         if constexpr (extras != Extras::none) lane.occluders[p] = place.pixel(view.frame, p, true).occluder;
       }
       __syncwarp();
@@ -162,6 +110,7 @@ struct WorkItemBlender {
         JoinedPixel all;
         all.join(lane.pixels[p].blended(), 0);
         shared.joined.store(pixel_of_warp_block(p), all);
+        shared.planes.end_rest(pixel_of_warp_block(p), lane.planes, p, all.total.w);
         const unsigned live = __ballot_sync(whole_warp, lane.pixels[p].live());
         if (lane_index() == 0) shared.live[p] = live;
         if constexpr (extras == Extras::all)
@@ -173,12 +122,12 @@ struct WorkItemBlender {
     return splats.next();
   }
 
-  /// As `relative_log2_opacity`. Measured on an H100: if this kernel had the branch of `log2_opacity`,
-  /// rasterizing would take 302 us, not 291, in `builtin:1000000`, and 667, not 639, in `builtin:4000000`. So
-  /// a single view that needs the branch has the kernel with all extras. Stored views have the branch, since
-  /// those of a recorded frame may change.
+  /// As `relative_log2_opacity`. Measured on an H100: if the kernel of colours had the branch of
+  /// `log2_opacity`, rasterizing would take 302 us, not 291, in `builtin:1000000`, and 667, not 639, in
+  /// `builtin:4000000`. So a single view that needs the branch has a kernel with picks. Stored views have the
+  /// branch, since those of a recorded frame may change.
   __device__ float log2_opacity_of(const SplatShape& shape) const {
-    if constexpr (extras == Extras::all || !ViewSource::only)
+    if constexpr (extras >= Extras::picks || !ViewSource::only)
       return relative_log2_opacity(shape, rules);
     else
       return shape.cutoff + rules.log2_relative_min;
@@ -220,8 +169,8 @@ struct WorkItemBlender {
   template <unsigned pixel_count>
   __device__ void blend_round(const SegmentSplats& splats, const Round& round) {
     const Share share(round, group.rank);
-    LaneBlender<Exponent, threshold, extras, pixel_count> lane{rules, 0, 0, 0, {}, {}, {}};
-    float befores[pixel_count];  // transmittances before the segment; negative: no pixel, or stopped
+    LaneBlender<Exponent, threshold, extras, pixel_count> lane(view, 0, 0);
+    BeforeSegment befores[pixel_count];
 #pragma unroll
     for (unsigned p = 0; p < pixel_count; ++p) {
       const unsigned slot = share.slot + p * warp_size;
@@ -234,7 +183,10 @@ struct WorkItemBlender {
       }
       // A pixel that stops by the transmittance before the round stops in this segment or an earlier one.
       const float before = shared.joined.totals[pixel].w;
-      befores[p] = !live ? -1 : share.segment == 0 ? before : most_before(before);
+      befores[p].transmittance = !live ? -1 : share.segment == 0 ? before : most_before(before);
+      if constexpr (Planes::picks)
+        if (live && share.segment == 0)
+          befores[p].limits = limits_of(lane, pixel).in_segment(before, round.first);
       if constexpr (extras != Extras::none)
         lane.occluders[p] =
             PixelPlace(view.frame, place.x + int(at.column), place.y + int(at.row), true).occluder;
@@ -246,7 +198,7 @@ struct WorkItemBlender {
 
     // Find the true transmittances before segments. Blend again the segments in which a pixel stops.
     gather_transmittances(round);
-    const bool again = find_befores(round, share, befores);
+    const bool again = find_befores(lane, round, share, befores);
     if (__syncthreads_or(again)) {
       if (again) blend_segments(lane, splats, round, share, most, befores);
       if (group.blocks == 1) __syncthreads();
@@ -256,7 +208,7 @@ struct WorkItemBlender {
       if (share.segment < round.segments()) {
         segments_joined += share.slot == 0;
         for (unsigned p = 0; p < pixel_count; ++p) {
-          if (befores[p] < 0) continue;
+          if (befores[p].transmittance < 0) continue;
           counts.pairs += lane.counts[p].pairs, counts.stopped += lane.counts[p].stopped;
           ++pixels_joined;
         }
@@ -265,28 +217,45 @@ struct WorkItemBlender {
     group.sync();
   }
 
-  /// Blends this warp's segments, given the transmittances `befores` before them.
+  /// Limits that a pixel has not passed before the round.
+  template <unsigned pixel_count>
+  __device__ PickLimits limits_of(const LaneBlender<Exponent, threshold, extras, pixel_count>& lane,
+                                  unsigned pixel) const {
+    return lane.planes.whole_limits(rules).behind(shared.planes.picks[pixel]);
+  }
+
+  /// Blends this warp's segments, given what lies in front of them.
   template <unsigned pixel_count>
   __device__ void blend_segments(LaneBlender<Exponent, threshold, extras, pixel_count>& lane,
                                  const SegmentSplats& splats, const Round& round, const Share& share,
-                                 std::uint32_t most, const float (&befores)[pixel_count]) {
+                                 std::uint32_t most, const BeforeSegment (&befores)[pixel_count]) {
 #pragma unroll
     for (unsigned p = 0; p < pixel_count; ++p) {
       lane.pixels[p] = {}, lane.counts[p] = {};
-      if (befores[p] >= 0)
-        start_segment(lane.pixels[p], rules.stop_below, befores[p], round.first + share.segment);
+      const float before = befores[p].transmittance;
+      if (before >= 0) start_segment(lane.pixels[p], rules.stop_below, before, round.first + share.segment);
+      if constexpr (Planes::picks) lane.planes.start(p, befores[p].limits);
     }
 
     blend_splats(lane, splats, share.own * segment_size, round.splats_of(share.segment), most, share);
 
+    __syncwarp();  // all lanes have loaded what they queued
 #pragma unroll
     for (unsigned p = 0; p < pixel_count; ++p) {
       const BlendedPixel pixel = lane.pixels[p].blended();
-      const bool stopped = befores[p] >= 0 && !lane.pixels[p].live();
-      const unsigned at = share.own * round.slots + share.slot + p * warp_size;
+      const bool stopped = befores[p].transmittance >= 0 && !lane.pixels[p].live();
+      const unsigned at = round.at(share.own, share.slot + p * warp_size);
       shared.segments[at] = make_float4(pixel.colour.x, pixel.colour.y, pixel.colour.z,
                                         mark_stopped(pixel.transmittance, stopped));
       if constexpr (extras != Extras::none) shared.depths[at] = pixel.depth;
+      if constexpr (Planes::picks) {
+        lane.planes.end(p, pixel.transmittance);
+        shared.picks[at] = lane.planes.picks(p);
+        for_each_row<Planes::rows>([&](auto r) {
+          shared.queues[warp()].attributes[r][at % pixels_of_warp_block] =
+              lane.planes.sums[p * Planes::rows + r];
+        });
+      }
     }
   }
 
@@ -298,19 +267,18 @@ struct WorkItemBlender {
                                std::uint32_t most, const Share& share) {
     // Queue one half while the other is blended, and load the shapes of the next. Each lane queues for its
     // own segment. Behind a segment's end it queues splats that show nothing.
-    Queue<Exponent>& queue = shared.queues[warp()];
+    Queue<Exponent, extras>& queue = shared.queues[warp()];
     std::uint32_t id = share.slot < count ? splats.id(first + share.slot) : 0;
     SplatShape shape = load_shape(input.job.splats, id);
     unsigned half = 0;
     const auto queue_from = [&](std::uint32_t k) {
       const unsigned slot = half + lane_index();
       if (k + share.slot < count) {
-        fetch_colour(input.job, queue, slot, id);
+        queue.fetch(input.job, slot, id);
         Exponent::prepare(shape, shape.mean - first_centre, log2_opacity_of(shape), queue.terms[slot],
                           queue.rests[slot]);
       } else {
-        Exponent::clear(queue.terms[slot], queue.rests[slot]);
-        queue.colours[slot] = no_colour();
+        queue.clear(slot);
       }
       __pipeline_commit();
       k += share.lanes;
@@ -345,25 +313,35 @@ struct WorkItemBlender {
     static_assert(blocks_of_group * pixels_of_round * sizeof(float) <= sizeof shared.queues);
     const unsigned of_block = round.segments_of_block() * round.slots;
 #pragma unroll 4
-    for (unsigned i = threadIdx.x; i < round.segments() * round.slots; i += segment_threads)
-      gathered()[i] = group.in(i / of_block, shared).segments[i % of_block].w;
+    for (unsigned i = threadIdx.x; i < round.segments() * round.slots; i += segment_threads) {
+      const unsigned own = i % of_block;
+      gathered()[i] =
+          group.in(i / of_block, shared).segments[round.at(own / round.slots, own % round.slots)].w;
+    }
     group.sync();
   }
-  __device__ float* gathered() const { return reinterpret_cast<float*>(shared.queues); }
+  __device__ float* gathered() const {
+    return Planes::rows != 0 ? shared.gathered : reinterpret_cast<float*>(shared.queues);
+  }
 
-  /// Replaces `befores` by the true transmittances. Returns whether a pixel stops in a segment of this warp.
+  /// Replaces `befores` by what lies in front of segments. Returns whether a pixel stops or passes a limit in
+  /// a segment of this warp.
   template <unsigned pixel_count>
-  __device__ bool find_befores(const Round& round, const Share& share, float (&befores)[pixel_count]) {
+  __device__ bool find_befores(const LaneBlender<Exponent, threshold, extras, pixel_count>& lane,
+                               const Round& round, const Share& share,
+                               BeforeSegment (&befores)[pixel_count]) {
     bool again = false;
     if (share.segment != 0 && share.segment < round.segments()) {
 #pragma unroll
       for (unsigned p = 0; p < pixel_count; ++p) {
-        bool live = befores[p] >= 0;
-        const unsigned slot = share.slot + p * warp_size;
-        float before = shared.joined.totals[pixel_in<pixel_count>(slot, live)].w;
+        bool live = befores[p].transmittance >= 0;
+        const unsigned slot = share.slot + p * warp_size, pixel = pixel_in<pixel_count>(slot, live);
+        float before = shared.joined.totals[pixel].w;
+        PickLimits limits;
+        if constexpr (Planes::picks) limits = limits_of(lane, pixel);
         const auto transmittance = [&](unsigned k) {
-          const unsigned at = k * round.slots + slot;
-          return group.blocks == 1 ? shared.segments[at].w : gathered()[at];
+          return group.blocks == 1 ? shared.segments[round.at(k, slot)].w
+                                   : gathered()[k * round.slots + slot];
         };
         const auto stops = [&](unsigned k, float left) {
           return stops_in_segment(left, rules.stop_below, before, round.first + k);
@@ -372,10 +350,18 @@ struct WorkItemBlender {
         for (unsigned k = 0; k < share.segment; ++k) {
           const float left = transmittance(k);
           live = live && !stops(k, left);
+          if constexpr (Planes::picks)
+            limits = limits.behind(limits.in_segment(before, round.first + k), fabsf(left));
           before = before * scale_of_segment(round.first + k) * fabsf(left);
         }
-        befores[p] = live ? before : -1;
-        again = again || (live && stops(share.segment, transmittance(share.segment)));
+        const float left = transmittance(share.segment);
+        bool differs = stops(share.segment, left);
+        if constexpr (Planes::picks) {
+          limits = limits.in_segment(before, round.first + share.segment);
+          differs = differs || limits.some_above(fabsf(left));
+        }
+        befores[p] = {live ? before : -1, limits};
+        again = again || (live && differs);
       }
     }
     return __any_sync(whole_warp, again);
@@ -394,20 +380,33 @@ struct WorkItemBlender {
     const unsigned pixel = pixel_in<pixel_count>(slot, was_live);
     bool live = was_live;
     float before = 0, all = 0, depth = 0;
+    JoinedPicks picks;
+    float sums[Planes::rows == 0 ? 1 : Planes::rows] = {};  // of a channel
     if (was_live) {  // Other warps and blocks may be writing the other pixels.
       before = shared.joined.totals[pixel].w, all = (&shared.joined.totals[pixel].x)[channel];
       if constexpr (extras != Extras::none) depth = shared.joined.depths[pixel];
+      if constexpr (Planes::picks) {
+        picks = shared.planes.picks[pixel];
+        for_each_row<Planes::rows>([&](auto r) { sums[r] = (&shared.planes.sums[r][pixel].x)[channel]; });
+      }
     }
 #pragma unroll 4
     for (unsigned k = 0; k < round.segments(); ++k) {
       const SegmentShared<Exponent, extras>& of = group.in(k / of_block, shared);
-      const unsigned at = k % of_block * round.slots + slot;
+      const unsigned at = round.at(k % of_block, slot);
       const float left = of.segments[at].w, value = (&of.segments[at].x)[channel];
       const float of_depth = extras != Extras::none ? of.depths[at] : 0;
       if (!live) continue;
       // As `JoinedPixel::join`.
       const float scaled = before * scale_of_segment(round.first + k);
       all = fmaf(scaled, value, all), depth = fmaf(scaled, of_depth, depth);
+      if constexpr (Planes::picks) {
+        picks.join(of.picks[at], scaled);
+        const auto& queued = of.queues[at / pixels_of_warp_block].attributes;
+        for_each_row<Planes::rows>([&](auto r) {
+          sums[r] = fmaf(scaled, (&queued[r][at % pixels_of_warp_block].x)[channel], sums[r]);
+        });
+      }
       before = scaled * fabsf(left), live = !signbit(left);
     }
     __syncwarp();  // all lanes have read what is overwritten
@@ -416,6 +415,10 @@ struct WorkItemBlender {
       SegmentShared<Exponent, extras>& of = group.in(b, shared);
       (&of.joined.totals[pixel].x)[channel] = channel + 1 == channels ? before : all;
       if (extras != Extras::none && channel == 0) of.joined.depths[pixel] = depth;
+      if constexpr (Planes::picks) {
+        if (channel == 0) of.planes.picks[pixel] = picks;
+        for_each_row<Planes::rows>([&](auto r) { (&of.planes.sums[r][pixel].x)[channel] = sums[r]; });
+      }
       if (channel == 0 && !live) atomicAnd(&of.live[pixel / warp_size], ~(1u << pixel % warp_size));
     }
   }

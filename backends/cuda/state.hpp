@@ -70,7 +70,7 @@ struct Cuda::State {
   std::uint64_t points = 0;                            ///< taken so far
   std::unique_ptr<Mailbox, detail::FreeHost> mailbox;  ///< made when it is needed
   bool awaited = false;                                ///< whether a kernel may still post to it
-  int multiprocessors = 0;                             ///< 0: not yet asked for
+  int multiprocessors = 0, shared_memory = 0;          ///< 0: not yet asked for
 
   DeviceBuffer<std::byte> temporary;  ///< of CUB
   DeviceBuffer<std::uint64_t> total;  ///< of a scan

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include <cuda/atomic>
 
@@ -38,7 +39,7 @@ struct PlaceInWarpBlock {
   }
 };
 
-/// Pixels behind the segments joined so far.
+/// Colours and depths of pixels behind the segments joined so far.
 template <bool with_depth, unsigned count>
 struct JoinedPixels {
   float4 totals[count];
@@ -124,6 +125,7 @@ struct WorkQueues {
   static constexpr std::uint32_t complete = 1u << 31;
 
   WorkItem* items;       ///< of all queues, one behind the other
+  std::byte* planes;     ///< of the pixels of each item
   std::uint32_t* ready;  ///< of each item: not 0 after it is written and until it is taken
   State* state;
   std::uint32_t first[queue_count + 1];  ///< item of each queue, and behind the last
@@ -134,7 +136,8 @@ struct WorkQueues {
       sizeof(State) + (most_longest + most_longer + most_shorter) * sizeof(std::uint32_t);
   static_assert(head % 16 == 0 && sizeof(WorkItem) % 16 == 0);
 
-  /// In memory of `cuda`, for a frame of so many warp blocks.
+  /// In memory of `cuda`, for a frame of so many warp blocks whose pixels hold `Planes` in an item.
+  template <class Planes>
   static WorkQueues of(Cuda& cuda, std::size_t warp_blocks) {
     WorkQueues all{};
     RasterMemory& raster = RasterMemory::of(cuda);
@@ -145,22 +148,28 @@ struct WorkQueues {
     add(longest, kernels_await_earlier ? most_longest : 0);
     add(longer, kernels_await_earlier ? most_longer : 0);
     add(shorter, most_shorter);
-    std::byte* const memory =
-        raster.at_least(cuda, raster.scratch, head + all.first[queue_count] * sizeof(WorkItem));
+    const std::size_t of_items = all.first[queue_count] * sizeof(WorkItem),
+                      of_planes = std::is_empty_v<Planes> ? 0 : all.first[queue_count] * sizeof(Planes);
+    std::byte* const memory = raster.at_least(cuda, raster.scratch, head + of_items + of_planes);
     all.items = reinterpret_cast<WorkItem*>(memory + head);
+    all.planes = memory + head + of_items;
     all.ready = reinterpret_cast<std::uint32_t*>(memory + sizeof(State));
     all.state = reinterpret_cast<State*>(memory);
     return all;
   }
 
-  /// Whether the next frame uses work queues. Counted frames do, so that counts do not depend on the frames
-  /// before. Recorded frames do: nobody awaits them, so the host knows nothing of the frames before.
-  static bool are_shared(const Cuda& cuda, bool counted) {
-    return counted || RasterMemory::of(cuda).known_word < most_quiet_frames;
-  }
+  /// Whether the next frame uses work queues, if it is not counted. Counted frames do, so that counts do not
+  /// depend on the frames before. Recorded frames do: nobody awaits them, so the host knows nothing of the
+  /// frames before.
+  static bool are_shared(const Cuda& cuda) { return RasterMemory::of(cuda).known_word < most_quiet_frames; }
 
   /// Empties the queues for the next frame.
   void forget(Cuda& cuda) const { cuda.clear(state, head); }
+
+  template <class Planes>
+  __device__ Planes& planes_of(const WorkItem* item) const {
+    return reinterpret_cast<Planes*>(planes)[item - items];
+  }
 
   /// Reserves an item for a warp that blended, visited and left so many. Null if the traversal is short and
   /// no helper is idle, if too little is left, or if the queues are full.

@@ -3,6 +3,7 @@
 // Lists that no warp traverses alone: many warps blend their segments, with the bits of one warp that blends
 // them all.
 #include <cstddef>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -114,10 +115,31 @@ Camera square_camera(int side) {
   return camera;
 }
 
-/// Such an image before white, with depth where there are `extras`.
-AskedView square_view(int side, bool extras, const Conventions& conventions) {
+/// Planes that are drawn by kernels of their own.
+struct Wanted {
+  const char* name;
+  bool depth = false, occluder = false;
+  Outputs further{};
+};
+const std::vector<Wanted>& wanted_planes() {
+  static const Outputs picks{.first_depth = true, .median_depth = true, .id = true, .median_id = true};
+  static const std::vector<Wanted> all = [] {
+    Outputs row = picks, rows = picks;
+    row.normal = true;
+    rows.squared_depth = rows.normal = true, rows.features = 7;
+    return std::vector<Wanted>{{"colour"},
+                               {"depth", true, true},
+                               {"picks", false, true, picks},
+                               {"picks and a row", true, false, row},
+                               {"picks and rows", true, true, rows}};
+  }();
+  return all;
+}
+
+/// Such an image before white.
+AskedView square_view(int side, const Wanted& wanted, const Conventions& conventions) {
   AskedView view{square_camera(side), conventions, vec3(1)};
-  view.depth = view.occluder = extras;
+  view.depth = wanted.depth, view.occluder = wanted.occluder, view.further = wanted.further;
   return view;
 }
 
@@ -149,15 +171,18 @@ RasterCounts counts_of(auto& renderer, const DeviceScene& scene, const Camera& c
 /// Compares the bits of a square image with those of its parts, of which each is a square.
 void check_squares(auto& renderer, const DeviceScene& scene, int side, int size,
                    const Conventions& conventions = {}) {
-  for (const bool extras : {false, true})
-    check_parts(renderer, scene.view(), square_view(side, extras, conventions),
+  for (const Wanted& wanted : wanted_planes()) {
+    CAPTURE(std::string(wanted.name));
+    check_parts(renderer, scene.view(), square_view(side, wanted, conventions),
                 cut(side, side, every(side, size), every(side, size)), false);
+  }
 }
 
 /// The same of long lists, with each rasterizer that cuts them into segments.
 void check_squares_of_all(const Scene& scene, int side, int size, const Conventions& conventions) {
+  const Scene drawn = with_features(scene, 7);
   for_each_segmented([&](auto&& renderer) {
-    const DeviceScene uploaded = renderer.backend().upload(scene);
+    const DeviceScene uploaded = renderer.backend().upload(drawn);
     CHECK(counts_of(renderer, uploaded, square_camera(side), conventions).segments > 10'000);
     check_squares(renderer, uploaded, side, size, conventions);
   });
@@ -308,7 +333,7 @@ SWIFTGS_DEVICE_CASE(
   // More warp blocks than would be taken up at the end of their first segment.
   const int side = 96;
   const Camera camera = square_camera(side);
-  const Scene scene = layers_before_corners(50'000, side);
+  const Scene scene = with_features(layers_before_corners(50'000, side), 7);
   const Scene short_lists = layers_before_corners(50'000, side, false);
   RenderSettings settings;
   settings.outputs = {true, true};
@@ -344,13 +369,47 @@ SWIFTGS_DEVICE_CASE(
   });
 }
 
+SWIFTGS_DEVICE_CASE("cuda long lists: planes change no bit of colour and depth, and share as colour does") {
+  const int side = 96;
+  for (const Scene& scene : {layers(30'000, 0.0003, 0.006), layers(60'000, 0.0002, 0.002)}) {
+    CAPTURE(scene.size());
+    const Scene drawn = with_features(scene, 7);
+    for_each_segmented([&](auto&& renderer) {
+      const DeviceScene uploaded = renderer.backend().upload(drawn);
+      const Cuda& cuda = renderer.backend();
+      const auto draw = [&](bool count, const Outputs& outputs) {
+        RenderSettings settings;
+        settings.conventions = faint(), settings.count = count, settings.outputs = outputs;
+        Frame frame;
+        renderer.render(uploaded, square_camera(side), settings, frame);
+        return frame;
+      };
+      const Outputs some{.alpha = true, .depth = true};
+      const Frame expected = draw(false, some);
+      for (Outputs outputs : {Outputs{.id = true}, Outputs{.median_depth = true}, Outputs{.normal = true},
+                              Outputs{.normal = true, .id = true, .features = 7}}) {
+        outputs.alpha = outputs.depth = true;
+        const Frame frame = draw(false, outputs);
+        cuda.wait();
+        CHECK(RasterMemory::of(cuda).known_word == 0);
+        CHECK(same_bits(frame.colour, expected.colour));
+        CHECK(same_bits(frame.alpha, expected.alpha));
+        CHECK(same_bits(frame.depth, expected.depth));
+        const Frame counted = draw(true, outputs);  // by other kernels
+        CHECK(renderer.statistics().raster.segments > 100);
+        CHECK(same_planes(counted, frame));
+      }
+    });
+  }
+}
+
 SWIFTGS_DEVICE_CASE("cuda long lists: views of one frame have the bits of frames of their own") {
-  const Scene scene = layers(30'000, 0.0003, 0.006);
+  const Scene scene = with_features(layers(30'000, 0.0003, 0.006), 7);
   for_each_segmented([&](auto&& renderer) {
     const DeviceScene uploaded = renderer.backend().upload(scene);
-    for (const bool extras : {false, true}) {
-      CAPTURE(extras);
-      std::vector<AskedView> asked{square_view(96, extras, faint()), square_view(64, extras, faint())};
+    for (const Wanted& wanted : wanted_planes()) {
+      CAPTURE(std::string(wanted.name));
+      std::vector<AskedView> asked{square_view(96, wanted, faint()), square_view(64, wanted, faint())};
       asked[0].background = vec3(0);
       asked.push_back(asked[1]);
       asked.back().conventions.alpha_min = 1e-6f;
@@ -363,16 +422,16 @@ SWIFTGS_DEVICE_CASE("cuda long lists: views of one frame have the bits of frames
 }
 
 SWIFTGS_DEVICE_CASE("cuda long lists: a graph that runs again and again has the bits of rendered frames") {
-  const Scene scene = layers(30'000, 0.0003, 0.006);
+  const Scene scene = with_features(layers(30'000, 0.0003, 0.006), 7);
   for_each_type(Segmented(), [&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
     const Stream stream;
     With<Raster> recorded{Cuda(stream.get())}, rendered{Cuda(stream.get())};
     const Cuda& cuda = recorded.backend();
     const DeviceScene uploaded = cuda.upload(scene);
-    for (const bool extras : {false, true}) {
-      CAPTURE(extras);
-      const std::vector<AskedView> asked{square_view(96, extras, faint())};
+    for (const Wanted& wanted : wanted_planes()) {
+      CAPTURE(std::string(wanted.name));
+      const std::vector<AskedView> asked{square_view(96, wanted, faint())};
       std::vector<AskedView> fainter = asked;
       fainter[0].conventions.alpha_min = 1e-6f;
       draw_together(rendered, uploaded.view(), fainter, {.count = true});
@@ -419,17 +478,18 @@ SWIFTGS_DEVICE_CASE(
 SWIFTGS_DEVICE_CASE(
     "cuda long lists: frames stop sharing after eight without long warp blocks, and the bits stay") {
   const int side = 64;
-  const Scene long_lists = layers(30'000, 0.0003, 0.006), short_lists = layers(500, 0.004, 0.01);
+  const Scene long_lists = with_features(layers(30'000, 0.0003, 0.006), 7),
+              short_lists = with_features(layers(500, 0.004, 0.01), 7);
   for_each_segmented([&](auto&& renderer) {
     Cuda& cuda = renderer.backend();
     const DeviceScene of_long = cuda.upload(long_lists), of_short = cuda.upload(short_lists);
-    for (const bool extras : {false, true}) {
-      CAPTURE(extras);
+    for (const Wanted& wanted : wanted_planes()) {
+      CAPTURE(std::string(wanted.name));
       std::vector<PlanesMemory> drawn;
       // Returns what the host knows when the next frame begins: frames without long warp blocks, of those
       // before the one that is drawn.
       const auto render = [&](const DeviceScene& scene, bool counted = false) {
-        PlacedViews views(cuda, {square_view(side, extras, faint())});  // waits for the frame before
+        PlacedViews views(cuda, {square_view(side, wanted, faint())});  // waits for the frame before
         renderer.render_into(scene.view(), views.span(), {.count = counted});
         const std::uint32_t known = RasterMemory::of(cuda).known_word;
         drawn = views.finish(cuda);

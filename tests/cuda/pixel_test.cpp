@@ -14,6 +14,7 @@
 #include "blending.hpp"
 #include "policies/random_splats.hpp"
 #include "policies/tile_lists.hpp"
+#include "segment_picks.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::kernels;
@@ -305,6 +306,124 @@ TEST_CASE(
   }
   CHECK(differences == 0);
   CHECK(again > 300);
+}
+
+namespace {
+
+/// What a pixel picks from layers, whose ids are their places.
+struct Picked {
+  JoinedPicks picks;
+  JoinedPixel pixel;
+  int again = 0;
+};
+
+/// Picks of segment k, by limits in its units, as kernels find them.
+JoinedPicks pick_segment(const std::vector<Layer>& layers, std::uint32_t k, float stop_below, float before,
+                         const PickLimits& limits, float& left) {
+  Pixel pixel;
+  start_segment(pixel, stop_below, before, k);
+  JoinedPicks picks;
+  for (std::size_t i = begin_of_segment(k); i < begin_of_segment(k + 1) && pixel.live(); ++i) {
+    const float in_front = pixel.transmittance, weight = layers[i].alpha / exact_unit * in_front;
+    const float behind = Pixel::dimmed_relative(in_front, weight, exact_unit);
+    if (behind < pixel.stop_below) {
+      pixel.stop();
+      break;
+    }
+    const auto id = std::uint32_t(i);
+    if (weight > picks.weight) picks.weight = weight, picks.largest = id;
+    if (in_front >= limits.first) picks.first = id;
+    if (in_front >= limits.median) picks.median = id;
+    pixel.transmittance = behind;
+  }
+  left = pixel.blended().transmittance;
+  if (!(left < limits.first)) picks.first = SplatPicks::none;
+  if (!(left < limits.median)) picks.median = SplatPicks::none;
+  left = mark_stopped(left, !pixel.live());
+  return picks;
+}
+
+/// One segment behind the other, or each at first as if it passed no limit.
+Picked pick(const std::vector<Layer>& layers, const PickLimits& limits, bool apart) {
+  const float stop_below = 1e-4f;
+  Picked out;
+  bool live = true;
+  for (std::uint32_t k = 0; begin_of_segment(k) < layers.size() && live; ++k) {
+    const float before = out.pixel.total.w;
+    const PickLimits open = limits.behind(out.picks).in_segment(before, k);
+    float left = 0;
+    JoinedPicks segment = pick_segment(layers, k, stop_below, apart ? most_before(1) : before,
+                                       apart ? PickLimits() : open, left);
+    if (apart && (stops_in_segment(left, stop_below, before, k) || open.some_above(std::fabs(left)))) {
+      segment = pick_segment(layers, k, stop_below, before, open, left);
+      ++out.again;
+    }
+    out.picks.join(segment, before * scale_of_segment(k));
+    live = !std::signbit(left);
+    out.pixel.join({vec3(0), std::fabs(left), 0}, k);
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("cuda arithmetic: picks of segments that are blended apart are those of segments in turn") {
+  Random random(7);
+  int again = 0, medians = 0, differences = 0, near_limits = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const std::vector<Layer> layers =
+        faint_layers(random, 1 + std::uint32_t(i) % 20, random.scale(1.0 / 255, 0.3));
+    const PickLimits limits{0.95f, median_below};
+    const Picked in_turn = pick(layers, limits, false), apart = pick(layers, limits, true);
+    differences += std::memcmp(&in_turn.picks, &apart.picks, sizeof in_turn.picks) != 0;
+    again += apart.again, medians += in_turn.picks.median != SplatPicks::none;
+
+    // In double, where no decision is close.
+    double transmittance = 1, most = 0, next = 0, nearest = 1;
+    SplatPicks exact;
+    for (std::size_t k = 0; k < layers.size(); ++k) {
+      const double weight = double(layers[k].alpha) * transmittance;
+      if (transmittance - weight < 1e-4) break;
+      transmittance -= weight;
+      for (const double limit : {double(0.95f), 0.5})
+        nearest = std::min(nearest, std::abs(transmittance - limit));
+      if (exact.first == SplatPicks::none && transmittance < double(0.95f)) exact.first = std::uint32_t(k);
+      if (exact.median == SplatPicks::none && transmittance < 0.5) exact.median = std::uint32_t(k);
+      if (weight > most)
+        next = most, most = weight, exact.largest = std::uint32_t(k);
+      else
+        next = std::max(next, weight);
+    }
+    if (nearest < 1e-5 || most - next < 1e-5 * most) {
+      ++near_limits;
+      continue;
+    }
+    CHECK(in_turn.picks.first == exact.first);
+    CHECK(in_turn.picks.median == exact.median);
+    CHECK(in_turn.picks.largest == exact.largest);
+  }
+  CHECK(differences == 0);
+  CHECK(again > 1000);
+  CHECK(medians > 300);
+  CHECK(near_limits < 200);
+}
+
+TEST_CASE("cuda arithmetic: limits that are passed or absent pick nothing") {
+  const PickLimits none;
+  for (const float left : {0.0f, 0.5f, 1.0f, INFINITY}) CHECK(!none.some_above(left));
+  for (const float before : {1.0f, 1e-30f, 0.0f}) CHECK(!none.in_segment(before, 3).some_above(0));
+  const PickLimits both{0.95f, median_below};
+  // Behind a pixel that lets nothing through, or less than the limit, only a splat passes it.
+  for (const float before : {0.3f, 1e-30f, 0.0f}) {
+    const PickLimits in = both.in_segment(before, 5);
+    CHECK(in.first == 1 / scale_of_segment(5));
+    CHECK(in.median == 1 / scale_of_segment(5));
+    CHECK(!in.some_above(1 / scale_of_segment(5)));
+  }
+  JoinedPicks picks;
+  picks.first = 7;
+  CHECK(std::isnan(both.behind(picks).first));
+  CHECK(both.behind(picks).median == median_below);
 }
 
 TEST_CASE("cuda arithmetic: a pixel in segments is as exact as a pixel at once") {

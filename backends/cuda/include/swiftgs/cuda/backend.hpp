@@ -139,6 +139,8 @@ class SWIFTGS_API Cuda {
 
   /// Of the backend's device, which is asked once.
   int multiprocessors() const;
+  /// Most shared memory that a thread block can ask for; likewise. @units{bytes}
+  std::size_t shared_memory() const;
 
   /// f(i) for every i in [0, n), a thread each. `f` is copied to the device, and its call is `SWIFTGS_HD`.
   /// Defined in `<swiftgs/cuda.cuh>`.

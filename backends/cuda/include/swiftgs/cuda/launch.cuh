@@ -47,13 +47,27 @@ void launch(const char* name, void (*kernel)(Parameters...), dim3 blocks, dim3 t
 /// Whether all code of this translation unit is for devices on which kernels can wait for earlier ones.
 inline constexpr bool kernels_await_earlier = std::min({__CUDA_ARCH_LIST__}) >= 900;
 
+/// Shape of a thread block.
+struct BlockShape {
+  unsigned threads;
+  std::size_t shared = 0;  ///< dynamic shared memory @units{bytes}
+
+  BlockShape(unsigned threads_, std::size_t shared_ = 0) : threads(threads_), shared(shared_) {}
+};
+
+/// Most shared memory that a kernel has unless it asks for more.
+inline constexpr std::size_t shared_unasked = 48 * 1024;
+
 /// As `launch` on the stream of `cuda`, but the device may start thread blocks of `kernel` as those of the
 /// kernel before end. This hides launch latency: 12 of a frame's 380 microseconds. The kernel begins with
 /// `await_earlier`. Where `early`, blocks come in clusters of so many.
 template <unsigned blocks_of_cluster = 1, bool early = kernels_await_earlier, class... Parameters,
           class... Arguments>
 void launch_early(const Cuda& cuda, const char* name, void (*kernel)(Parameters...), dim3 blocks,
-                  dim3 threads, const Arguments&... arguments) {
+                  const BlockShape& block, const Arguments&... arguments) {
+  if (block.shared > shared_unasked)
+    check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, int(block.shared)),
+               name);
   cudaLaunchAttribute attributes[2]{};
   attributes[0].id = cudaLaunchAttributeProgrammaticStreamSerialization;
   attributes[0].val.programmaticStreamSerializationAllowed = 1;
@@ -61,7 +75,8 @@ void launch_early(const Cuda& cuda, const char* name, void (*kernel)(Parameters.
   attributes[1].val.clusterDim.x = blocks_of_cluster;
   attributes[1].val.clusterDim.y = attributes[1].val.clusterDim.z = 1;
   cudaLaunchConfig_t config{};
-  config.gridDim = blocks, config.blockDim = threads, config.stream = cuda.stream();
+  config.gridDim = blocks, config.blockDim = block.threads, config.stream = cuda.stream();
+  config.dynamicSmemBytes = block.shared;
   config.attrs = attributes, config.numAttrs = !early ? 0 : blocks_of_cluster == 1 ? 1 : 2;
   check_cuda(cudaLaunchKernelEx(&config, kernel, arguments...), name);
 }

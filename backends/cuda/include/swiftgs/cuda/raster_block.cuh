@@ -102,7 +102,7 @@ enum class Extras {
   picks,  ///< and depth: splats that pixels remember
   row,    ///< and picks: up to four attributes
   rows,   ///< and picks: up to sixteen
-  all,    ///< and picks and counts, and in a single view alphas far below 1/255; no attributes
+  all,    ///< and picks and counts; no attributes
 };
 
 /// Rows of attributes that kernels sum.
@@ -110,17 +110,15 @@ constexpr unsigned rows_of(Extras extras) {
   return extras == Extras::row ? 1 : extras == Extras::rows ? AttributesView::most_rows : 0;
 }
 
-inline bool some_view_picks(const RasterJob& job) {
-  return std::any_of(job.views.begin(), job.views.end(), [&](const View& view) { return job.picks(view); });
-}
-
-/// The first view stands for a single one. Kernels of stored views take alphas of any size whatever their
-/// extras, and so do those of a single view that pick.
+/// The first view stands for a single one. Only kernels that pick, and those of stored views, take alphas far
+/// below 1/255.
 inline Extras extras_of(const RasterJob& job) {
   if (job.counts) return Extras::all;
   if (job.attributes.rows != 0) return job.attributes.rows == 1 ? Extras::row : Extras::rows;
-  if (some_view_picks(job)) return Extras::picks;
-  if (!keeps_digits(job.views[0].rules.log2_relative_min)) return Extras::all;
+  const auto picks = [&](const View& view) { return job.picks(view); };
+  if (std::any_of(job.views.begin(), job.views.end(), picks) ||
+      !keeps_digits(job.views[0].rules.log2_relative_min))
+    return Extras::picks;
   const auto wants = [&](const View& view) { return job.sums_depth(view) || view.frame.occluder.data; };
   return std::any_of(job.views.begin(), job.views.end(), wants) ? Extras::depth : Extras::none;
 }
@@ -150,16 +148,15 @@ void with_raster_input(Cuda& cuda, const RasterJob& job, const F& f) {
   });
 }
 
-/// Warps of `kernel` that an otherwise idle device holds at once, in blocks of `threads`. 0 unless `job` is
-/// counted.
+/// Warps of `kernel` that an otherwise idle device holds at once. 0 unless `job` is counted.
 template <class... Parameters>
 std::uint32_t warps_at_once(const Cuda& cuda, const RasterJob& job, void (*kernel)(Parameters...),
-                            unsigned threads) {
+                            const BlockShape& block) {
   if (!job.counts) return 0;
   int blocks = 0;
-  check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, int(threads), 0),
+  check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, int(block.threads), block.shared),
              "cudaOccupancyMaxActiveBlocksPerMultiprocessor");
-  return std::uint32_t(blocks * cuda.multiprocessors()) * (threads / warp_size);
+  return std::uint32_t(blocks * cuda.multiprocessors()) * (block.threads / warp_size);
 }
 
 /// Starts the kernel `Kernel::of<extras, ViewSource>` of a rasterizer on all raster blocks of `job`.

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include <cuda_pipeline_primitives.h>
+
+#include "list_traversal.cuh"
+#include "segment_picks.hpp"
+
+/// @file
+/// What pixels hold beside colour and depth.
+
+namespace swiftgs::kernels {
+
+/// Takes a pixel from units of alpha_max to plain ones. All kernels round alike.
+__device__ inline BlendedPixel plain_pixel(BlendedPixel pixel, const BlendRules& rules) {
+  for (int c = 0; c < 3; ++c) pixel.colour[c] = multiply_rounded(pixel.colour[c], rules.alpha_max);
+  pixel.depth = multiply_rounded(pixel.depth, rules.alpha_max);
+  return pixel;
+}
+
+/// `picks` or not, and so many rows of attributes.
+template <bool picks_ = false, unsigned rows_ = 0>
+struct PixelPlanes {
+  static constexpr bool picks = picks_;
+  static constexpr unsigned rows = rows_;
+};
+template <Extras extras>
+using PlanesOf = PixelPlanes<extras >= Extras::picks, rows_of(extras)>;
+
+/// Calls a generic f(r) for each row. It is not compiled where there is none.
+template <unsigned rows, class F>
+__device__ void for_each_row(const F& f) {
+  if constexpr (rows != 0) {
+#pragma unroll
+    for (unsigned r = 0; r < rows; ++r) f(r);
+  }
+}
+
+__device__ inline void add_scaled(float4& to, float factor, const float4& from) {
+  to.x = fmaf(factor, from.x, to.x), to.y = fmaf(factor, from.y, to.y);
+  to.z = fmaf(factor, from.z, to.z), to.w = fmaf(factor, from.w, to.w);
+}
+
+/// Ids and attributes of queued splats.
+template <class Planes>
+struct QueuedPlanes {
+  __device__ void fetch_planes(const RasterJob&, unsigned, std::uint32_t) {}
+  __device__ void clear_planes(unsigned) {}
+};
+template <unsigned rows>
+struct QueuedPlanes<PixelPlanes<true, rows>> {
+  alignas(16) std::uint32_t ids[queue_size];
+  float4 attributes[rows == 0 ? 1 : rows][rows == 0 ? 1 : queue_size];
+
+  /// Starts loading them.
+  __device__ void fetch_planes(const RasterJob& job, unsigned slot, std::uint32_t id) {
+    ids[slot] = id;
+    for_each_row<rows>([&](auto r) {
+      __pipeline_memcpy_async(&attributes[r][slot], &job.attributes.row(r, id), sizeof(float4));
+    });
+  }
+  /// Those of a splat that shows nothing.
+  __device__ void clear_planes(unsigned slot) {
+    for_each_row<rows>([&](auto r) { attributes[r][slot] = make_float4(0, 0, 0, 0); });
+  }
+};
+
+/// Picks and sums of the pixels of a lane within a segment.
+template <class Planes, unsigned pixel_count>
+struct LanePlanes {
+  __device__ explicit LanePlanes(const View&) {}
+};
+template <unsigned rows, unsigned pixel_count>
+struct LanePlanes<PixelPlanes<true, rows>, pixel_count> {
+  using Queued = QueuedPlanes<PixelPlanes<true, rows>>;
+
+  bool some_first, some_median, some_largest;
+  PickLimits limits[pixel_count];
+  std::uint32_t first[pixel_count], median[pixel_count], largest[pixel_count];
+  float weight[pixel_count];  ///< of the largest
+  float4 sums[pixel_count * (rows == 0 ? 1 : rows)];
+
+  /// Starts the first segment.
+  __device__ explicit LanePlanes(const View& view)
+      : some_first(view.frame.first_depth.data),
+        some_median(view.frame.median_depth.data || view.frame.median_id.data),
+        some_largest(view.frame.id.data) {
+#pragma unroll
+    for (unsigned p = 0; p < pixel_count; ++p) start(p, whole_limits(view.rules).in_segment(1, 0));
+  }
+
+  /// Of the whole list.
+  __device__ PickLimits whole_limits(const BlendRules& rules) const {
+    return {some_first ? rules.first_below : PickLimits::passed,
+            some_median ? median_below : PickLimits::passed};
+  }
+
+  /// Starts a segment of a pixel.
+  __device__ void start(unsigned p, const PickLimits& in_segment) {
+    first[p] = median[p] = largest[p] = SplatPicks::none, weight[p] = 0;
+    limits[p] = in_segment;
+    for_each_row<rows>([&](auto r) { sums[p * rows + r] = make_float4(0, 0, 0, 0); });
+  }
+  /// Ends the segment of a pixel, which leaves `left`.
+  __device__ void end(unsigned p, float left) {
+    if (!(left < limits[p].first)) first[p] = SplatPicks::none;
+    if (!(left < limits[p].median)) median[p] = SplatPicks::none;
+  }
+  /// Of an ended segment.
+  __device__ JoinedPicks picks(unsigned p) const { return {first[p], median[p], largest[p], weight[p]}; }
+
+  /// Takes a splat of this weight, with transmittance `left` in front of it.
+  __device__ void offer(unsigned p, std::uint32_t id, float splat_weight, float left) {
+    if (some_largest && splat_weight > weight[p]) weight[p] = splat_weight, largest[p] = id;
+    if (some_median && left >= limits[p].median) median[p] = id;
+    if (some_first && left >= limits[p].first) first[p] = id;
+  }
+  /// Takes a group of splats, from the first-th queued on.
+  __device__ void offer_group(const Queued& queue, unsigned first_of_group,
+                              const float (&weights)[pixel_count][group_size],
+                              const float (&left)[pixel_count][group_size + 1]) {
+    static_assert(group_size == 4);
+    const uint4 group = *reinterpret_cast<const uint4*>(queue.ids + first_of_group);
+    const std::uint32_t ids[group_size] = {group.x, group.y, group.z, group.w};
+    const auto each = [&](const auto& take) {
+#pragma unroll
+      for (unsigned k = 0; k < group_size; ++k)
+#pragma unroll
+        for (unsigned p = 0; p < pixel_count; ++p) take(p, k);
+    };
+    // Branches are uniform: one for all pixels of a frame.
+    if (some_largest)
+      each([&](unsigned p, unsigned k) {
+        if (weights[p][k] > weight[p]) weight[p] = weights[p][k], largest[p] = ids[k];
+      });
+    if (some_median)
+      each([&](unsigned p, unsigned k) {
+        if (left[p][k] >= limits[p].median) median[p] = ids[k];
+      });
+    if (some_first)
+      each([&](unsigned p, unsigned k) {
+        if (left[p][k] >= limits[p].first) first[p] = ids[k];
+      });
+  }
+
+  /// Adds attributes of the k-th queued splat, by its weights.
+  __device__ void add(const Queued& queue, unsigned k, const float (&weights)[pixel_count]) {
+    for_each_row<rows>([&](auto r) {
+      const float4 row = queue.attributes[r][k];
+#pragma unroll
+      for (unsigned p = 0; p < pixel_count; ++p) add_scaled(sums[p * rows + r], weights[p], row);
+    });
+  }
+};
+
+/// Planes of pixels behind the segments joined so far, in units of alpha_max.
+template <class Planes, unsigned count>
+struct JoinedPlanes {
+  using Lane = LanePlanes<Planes, pixels_of_lane>;
+
+  template <unsigned others>
+  __device__ void copy(unsigned, const JoinedPlanes<Planes, others>&, unsigned) {}
+  __device__ void set(unsigned, Lane&, unsigned, float) {}
+  __device__ void join(unsigned, Lane&, unsigned, float, float) {}
+  __device__ void start_next(unsigned, Lane&, unsigned, bool, const BlendRules&, float, std::uint32_t) const {
+  }
+  __device__ void go_on(unsigned, Lane&, unsigned, bool, const BlendRules&) const {}
+  __device__ void end_rest(unsigned, Lane&, unsigned, float) {}
+  __device__ void store(unsigned, const RasterJob&, const View& view, const PixelPlace& at,
+                        const BlendedPixel& pixel) const {
+    if (at.inside)
+      store_pixel(view.frame, std::size_t(at.x), std::size_t(at.y), plain_pixel(pixel, view.rules),
+                  view.background);
+  }
+};
+template <unsigned rows, unsigned count>
+struct JoinedPlanes<PixelPlanes<true, rows>, count> {
+  using Lane = LanePlanes<PixelPlanes<true, rows>, pixels_of_lane>;
+
+  JoinedPicks picks[count];
+  float4 sums[rows == 0 ? 1 : rows][rows == 0 ? 1 : count];
+
+  /// Copies pixel `from` of others.
+  template <unsigned others>
+  __device__ void copy(unsigned i, const JoinedPlanes<PixelPlanes<true, rows>, others>& of, unsigned from) {
+    picks[i] = of.picks[from];
+    for_each_row<rows>([&](auto r) { sums[r][i] = of.sums[r][from]; });
+  }
+  /// Ends the first segment of the lane's p-th pixel, which leaves `left`, and sets pixel i to it.
+  __device__ void set(unsigned i, Lane& lane, unsigned p, float left) {
+    lane.end(p, left);
+    picks[i] = lane.picks(p);
+    for_each_row<rows>([&](auto r) { sums[r][i] = lane.sums[p * rows + r]; });
+  }
+  /// Ends a further segment, whose unit is `unit`, and joins it.
+  __device__ void join(unsigned i, Lane& lane, unsigned p, float left, float unit) {
+    lane.end(p, left);
+    JoinedPicks all = picks[i];
+    all.join(lane.picks(p), unit);
+    picks[i] = all;
+    for_each_row<rows>([&](auto r) { add_scaled(sums[r][i], unit, lane.sums[p * rows + r]); });
+  }
+  /// Starts segment k of a pixel that has transmittance `before` in front of it, or has stopped.
+  __device__ void start_next(unsigned i, Lane& lane, unsigned p, bool live, const BlendRules& rules,
+                             float before, std::uint32_t k) const {
+    lane.start(p, live ? lane.whole_limits(rules).behind(picks[i]).in_segment(before, k) : PickLimits());
+  }
+
+  /// Goes on with the first segment of a pixel, or of one that has stopped in it.
+  __device__ void go_on(unsigned i, Lane& lane, unsigned p, bool live, const BlendRules& rules) const {
+    start_next(i, lane, p, live, rules, 1, 0);
+    for_each_row<rows>([&](auto r) { lane.sums[p * rows + r] = sums[r][i]; });
+  }
+  /// Ends it, and joins what came behind `go_on`.
+  __device__ void end_rest(unsigned i, Lane& lane, unsigned p, float left) {
+    JoinedPicks all = picks[i];
+    set(i, lane, p, left);
+    all.join(picks[i], 1);
+    picks[i] = all;
+  }
+
+  /// Writes pixel i, if it lies in the image.
+  __device__ void store(unsigned i, const RasterJob& job, const View& view, const PixelPlace& at,
+                        const BlendedPixel& pixel) const {
+    if (!at.inside) return;
+    const auto x = std::size_t(at.x), y = std::size_t(at.y);
+    float plain[rows == 0 ? 1 : rows * AttributeRow::channels];
+    for_each_row<rows>([&](auto r) {
+      const float4 row = sums[r][i];
+      const float of_row[] = {row.x, row.y, row.z, row.w};
+#pragma unroll
+      for (unsigned c = 0; c < AttributeRow::channels; ++c)
+        plain[r * AttributeRow::channels + c] = multiply_rounded(of_row[c], view.rules.alpha_max);
+    });
+    store_pixel(job, view, x, y, plain_pixel(pixel, view.rules), plain);
+    if (job.picks(view))
+      store_picks(view.frame, job.splats, x, y, {picks[i].first, picks[i].median, picks[i].largest});
+  }
+};
+
+}  // namespace swiftgs::kernels
